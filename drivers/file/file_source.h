@@ -1,0 +1,24 @@
+/* drivers/file/file_source.h: recorded frames as sources. */
+#ifndef PUPIL_DRIVERS_FILE_SOURCE_H
+#define PUPIL_DRIVERS_FILE_SOURCE_H
+
+#include "source.h"
+
+/* Opens what a user names on a command line, by what it is:
+ *   still files (.exr .hdr .pic .rgbe .pfm .png), a folder of them, or a glob pattern: one sequence in natural order
+ *       (frame2 before frame10); several inputs follow one another in the order given;
+ *   a video (any other existing file, or "-" for standard input) through libav: PQ and HLG decoded to linear light;
+ *   "pan:FILE[,key=value...]": a camera that moves through an equirectangular panorama (pan_source.h).
+ * A video or a pan must be the only input. Returns 0, or PUPIL_SOURCE_FAILED and a sentence. */
+int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
+                           pupil_source **source, char *why, size_t why_bytes);
+
+/* The parts, each in its own file. */
+int pupil_stills_source_open(const char *const *paths, size_t count, const pupil_source_options *options,
+                             pupil_source **source, char *why, size_t why_bytes);
+int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source, char *why,
+                            size_t why_bytes);
+int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, char *why,
+                          size_t why_bytes);
+
+#endif

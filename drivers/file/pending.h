@@ -1,0 +1,30 @@
+/* drivers/file/pending.h: outputs that are complete or absent. A pending file (or folder) is written under a name
+ * beside its place and renamed into place by commit; discard, or a signal, leaves nothing.
+ */
+#ifndef PUPIL_DRIVERS_FILE_PENDING_H
+#define PUPIL_DRIVERS_FILE_PENDING_H
+
+#include <stddef.h>
+
+typedef struct pupil_pending {
+    char *path;      /* where it will be */
+    char *temporary; /* where it is written: ".NAME.PID.part" in the same folder */
+    int is_folder;
+    int overwrite;
+} pupil_pending;
+
+/* Begins a file: checks that the folder is there and can be written (and that path is no folder), picks the temporary
+ * name. The caller creates and writes `temporary`. 0, or -1 and a sentence that names the path. */
+int pupil_pending_file(pupil_pending *pending, const char *path, char *why, size_t why_bytes);
+
+/* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
+ * overwrite. */
+int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, char *why, size_t why_bytes);
+
+/* Flushes to the disk (fsync) and renames into place. */
+int pupil_pending_commit(pupil_pending *pending, char *why, size_t why_bytes);
+
+/* Removes what was written. Safe after commit and twice. */
+void pupil_pending_discard(pupil_pending *pending);
+
+#endif

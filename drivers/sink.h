@@ -1,0 +1,60 @@
+/* drivers/sink.h: the seam for display frames: a video file, a folder of pictures, a stream. The mirror of source.h.
+ *
+ *     open -> write ... write -> finish   or, when anything went wrong,   discard
+ *
+ * Rules for every sink:
+ * - The output is written beside its place under another name and takes its place in finish; after discard nothing is
+ *   left. So an output is complete or absent. (Streams, such as standard output, cannot take anything back.)
+ * - Frames are PUPIL_PIXEL_RGB8 in sRGB, all of the size that open was told.
+ * - Every failure is PUPIL_SINK_FAILED and one sentence in the caller's buffer: it names the path and says what would
+ * be right. After a failed write or finish the caller still calls discard.
+ *
+ * Threads: one thread at a time on a sink.
+ */
+#ifndef PUPIL_DRIVERS_SINK_H
+#define PUPIL_DRIVERS_SINK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pupil/image.h"
+
+enum { PUPIL_SINK_OK = 0, PUPIL_SINK_FAILED = -1 };
+
+typedef struct pupil_sink_options {
+    uint32_t width, height; /* of every frame */
+    double fps;             /* nominal frames a second, above 0 */
+    int overwrite; /* a folder that is there and not empty is replaced; else it is refused. Files are replaced. */
+} pupil_sink_options;
+
+typedef struct pupil_sink pupil_sink;
+
+typedef struct pupil_sink_ops {
+    int (*write)(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
+                 size_t why_bytes);
+    int (*finish)(pupil_sink *sink, char *why, size_t why_bytes); /* on success the sink is gone */
+    void (*discard)(pupil_sink *sink);                            /* the sink is gone */
+} pupil_sink_ops;
+
+struct pupil_sink {
+    const pupil_sink_ops *ops;
+};
+
+static inline int pupil_sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info,
+                                   char *why, size_t why_bytes)
+{
+    return sink->ops->write(sink, image, info, why, why_bytes);
+}
+
+static inline int pupil_sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
+{
+    return sink->ops->finish(sink, why, why_bytes);
+}
+
+static inline void pupil_sink_discard(pupil_sink *sink)
+{
+    if (sink)
+        sink->ops->discard(sink);
+}
+
+#endif

@@ -1,0 +1,81 @@
+/* drivers/source.h: the seam for frames. Files, a video, a rendered scene, a camera: each is opened by its own function
+ * and from then on is a pupil_source, so that whoever consumes frames never knows which one it has.
+ *
+ *     open -> next -> (use the frame) -> done -> next -> ... -> close
+ *
+ * Rules for every source:
+ * - Memory is taken at open, or at the first frame of a new size; none per frame in a steady stream.
+ * - A frame handed out by next stays valid until done (or close). One frame is out at a time.
+ * - Light is linear, Rec.709 primaries, D65 white; the source converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
+ * - Timestamps are in ns and rise by the frame period where the source has no clock; the first is 0.
+ * - Every failure is a code and one sentence in the caller's buffer. The sentence names the file (or device) and, where
+ *   there is one, the field or line, and says what would be right. No trailing newline, no prefix.
+ *
+ * Threads: one thread at a time on a source; different sources are independent.
+ */
+#ifndef PUPIL_DRIVERS_SOURCE_H
+#define PUPIL_DRIVERS_SOURCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pupil/image.h"
+
+enum {
+    PUPIL_SOURCE_END = 0,   /* next: no more frames */
+    PUPIL_SOURCE_FRAME = 1, /* next: a frame was handed out */
+    PUPIL_SOURCE_DAMAGED =
+        -1, /* next: this frame is lost (missing, damaged); calling next again goes on with the following one */
+    PUPIL_SOURCE_FAILED = -2 /* open, next: nothing more will come */
+};
+
+/* Room that always suffices for a sentence of a source or a sink. */
+#define PUPIL_WHY_BYTES 1024
+
+typedef struct pupil_frame {
+    pupil_image_const image;
+    pupil_frame_info info;
+    const char
+        *name; /* for messages and file names: the file the frame came from, or the source's own word; never NULL */
+} pupil_frame;
+
+/* What a user can ask of any source; each takes what it understands. Zero means: not asked. */
+typedef struct pupil_source_options {
+    double fps;             /* frames a second of sources that have no clock of their own (stills, pan, synth); 0: 30 */
+    uint32_t width, height; /* of sources that can make any size (pan, synth); 0: their default */
+    uint64_t frames; /* how many frames, of sources that have no end of their own (pan, synth); 0: their default */
+    uint64_t seed;   /* of sources that draw random numbers (pan); 0: the default seed */
+} pupil_source_options;
+
+typedef struct pupil_source pupil_source;
+
+typedef struct pupil_source_ops {
+    int (*next)(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes);
+    void (*done)(pupil_source *source, pupil_frame *frame);
+    void (*close)(pupil_source *source); /* frees everything, the source itself too */
+} pupil_source_ops;
+
+/* The first member of every source. */
+struct pupil_source {
+    const pupil_source_ops *ops;
+    double fps;      /* nominal frames a second, above 0 */
+    uint64_t frames; /* how many frames it expects to hand out; 0: unknown */
+};
+
+static inline int pupil_source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+{
+    return source->ops->next(source, frame, why, why_bytes);
+}
+
+static inline void pupil_source_done(pupil_source *source, pupil_frame *frame)
+{
+    source->ops->done(source, frame);
+}
+
+static inline void pupil_source_close(pupil_source *source)
+{
+    if (source)
+        source->ops->close(source);
+}
+
+#endif

@@ -1,0 +1,13 @@
+/* drivers/synth/synth_source.h: frames made on the spot, without a file or a camera. */
+#ifndef PUPIL_DRIVERS_SYNTH_SOURCE_H
+#define PUPIL_DRIVERS_SYNTH_SOURCE_H
+
+#include "source.h"
+
+/* "walk": from a dark room to a bright window and back, with a flash on the way. Linear light in RGB float, 320x180 and
+ * 300 frames unless the options say otherwise. The same bits on every machine: additions, multiplications, divisions
+ * and square roots only. Refuses other names with the list of names. */
+int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source, char *why,
+                            size_t why_bytes);
+
+#endif

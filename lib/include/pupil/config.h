@@ -1,0 +1,124 @@
+/* pupil/config.h: everything that can be chosen, its default, its range and its check.
+ *
+ * Start from pupil_config_default and change what you need; nothing has to be changed for live video to look right.
+ *
+ * Threads: a config is a plain value. No function here touches anything but its arguments.
+ */
+#ifndef PUPIL_CONFIG_H
+#define PUPIL_CONFIG_H
+
+#include "pupil/error.h"
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Which primaries the input's red, green and blue have. They set the weights of luminance, nothing else: the picture
+ * keeps its primaries, as a display of the same primaries wants it. */
+typedef enum pupil_primaries {
+    PUPIL_PRIMARIES_BT709 = 0, /* also sRGB: Y = 0.2126 R + 0.7152 G + 0.0722 B (Rec. ITU-R BT.709-6, item 3.2) */
+    PUPIL_PRIMARIES_BT2020,    /* Y = 0.2627 R + 0.6780 G + 0.0593 B (Rec. ITU-R BT.2020-2, table 4) */
+    PUPIL_PRIMARIES_MATRIX     /* config.rgb_to_xyz; its second row, scaled to a sum of 1, gives the weights */
+} pupil_primaries;
+
+/* How the adapted level follows the metered one. The numbers of the four formulas are those of the study that pupil
+ * grew from (docs/numerics.md): w is the weight of the new frame, per frame, whatever the frame rate. */
+typedef enum pupil_law {
+    PUPIL_LAW_SECONDS = 0, /* default: log2 luminance, first order in seconds, own tau for more and for less light */
+    PUPIL_LAW_ARITHMETIC_SCALE,     /* formula 1: arithmetic average of key / L */
+    PUPIL_LAW_ARITHMETIC_LUMINANCE, /* formula 2: arithmetic average of L */
+    PUPIL_LAW_GEOMETRIC_SCALE,      /* formula 3: geometric average of key / L */
+    PUPIL_LAW_GEOMETRIC_LUMINANCE,  /* formula 4: geometric average of L; the same numbers as formula 3 */
+    PUPIL_LAW_COUNT
+} pupil_law;
+
+/* Where the white point W of extended Reinhard comes from, in units of scaled luminance (key is mid-grey, 1 is about
+ * 2.5 stops above it). */
+typedef enum pupil_white {
+    PUPIL_WHITE_FOLLOW = 0, /* default: the frame's upper quantile (config.white_quantile), adapted as the level is;
+                             * never below 1, so that a frame of little contrast is not stretched */
+    PUPIL_WHITE_FIXED,      /* config.white */
+    PUPIL_WHITE_NONE,       /* Reinhard's global operator, L / (1 + L): nothing ever reaches white */
+    PUPIL_WHITE_COUNT
+} pupil_white;
+
+/* How linear display light becomes 8-bit codes. */
+typedef enum pupil_transfer {
+    PUPIL_TRANSFER_SRGB = 0, /* IEC 61966-2-1 */
+    PUPIL_TRANSFER_GAMMA22,  /* code = light^(1/2.2) */
+    PUPIL_TRANSFER_LINEAR,   /* code = light */
+    PUPIL_TRANSFER_COUNT
+} pupil_transfer;
+
+/* Which state maps a frame. */
+typedef enum pupil_order {
+    PUPIL_ORDER_EXACT = 0, /* meter, adapt, map: two passes over the frame, no lag */
+    PUPIL_ORDER_FUSED,     /* map with the state before this frame while metering it: one pass, one frame of lag (the
+                            * first frame after init or reset is done exactly) */
+    PUPIL_ORDER_COUNT
+} pupil_order;
+
+/* Side of the metering grid: the frame is cut into this many columns and rows of cells. */
+#define PUPIL_GRID_SIDE 16
+
+typedef struct pupil_config {
+    uint32_t size_bytes; /* sizeof(pupil_config) as the caller was compiled; pupil_config_default fills it in */
+
+    /* metering */
+    uint32_t primaries;  /* a pupil_primaries; BT.709 */
+    float rgb_to_xyz[9]; /* row by row; read only with PUPIL_PRIMARIES_MATRIX */
+    float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1 */
+    float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value */
+    float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
+    float trim_high;     /* where the kept share ends, trim_low..1; 1. (0.05, 0.95) is the usual trimmed mean */
+    uint32_t histogram;  /* 0: gathered only if trimming or a following white needs it; 1: always; 0 */
+    uint8_t weight[PUPIL_GRID_SIDE][PUPIL_GRID_SIDE]; /* [row][column] of the metering grid, 0..255, at least one
+                                                       * above 0; all 1. A pixel belongs to the cell its centre lies in:
+                                                       * (2x+1)*16 / (2*width). */
+
+    /* adaptation */
+    uint32_t law;           /* a pupil_law; seconds */
+    uint32_t lock;          /* 1: the adapted level and white stand still while metering goes on; 0 */
+    double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
+    double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
+    double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
+    double nominal_frame_s; /* dt of frames that bring no timestamps, seconds, above 0; 1/30 */
+    double ev_min;          /* lowest adapted level, log2 of scene luminance; -32; -64..ev_max */
+    double ev_max;          /* highest adapted level; 32; ev_min..64 */
+    double calibration;     /* scene luminance = value / (exposure_s * gain) * calibration, where a frame brings them;
+                             * above 0; 1 */
+    double key;             /* what the log-average is mapped to, 2^-10..1; 0.18 */
+    double ev_compensation; /* stops, positive is brighter; 0; -16..16 */
+
+    /* mapping */
+    uint32_t order;        /* a pupil_order; exact */
+    uint32_t white_mode;   /* a pupil_white; follow */
+    double white;          /* W for PUPIL_WHITE_FIXED, 2^-8..2^30; 1 */
+    double white_quantile; /* for PUPIL_WHITE_FOLLOW, 0.5..1; 0.995 */
+    uint32_t transfer;     /* a pupil_transfer; sRGB */
+    uint32_t reserved;     /* 0 */
+} pupil_config;
+
+/* Fills in every field with its default. */
+PUPIL_API void pupil_config_default(pupil_config *config);
+
+/* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
+ * wrong field and what would be right. */
+PUPIL_API int pupil_config_check(const pupil_config *config, const char **why);
+
+/* The usual metering patterns, written into config->weight. A caller's own mask is written there directly.
+ * centre: a bell over the frame, 255 in the middle, 16 at the corners. spot: a disc over the central 5 % of the area.
+ * roi: x, y, width and height as fractions of the frame (0..1, not empty); cells count by the share that is covered.
+ * The first three refuse only NULL; roi refuses values outside the frame with PUPIL_ERR_VALUE. */
+PUPIL_API int pupil_metering_uniform(pupil_config *config);
+PUPIL_API int pupil_metering_centre(pupil_config *config);
+PUPIL_API int pupil_metering_spot(pupil_config *config);
+PUPIL_API int pupil_metering_roi(pupil_config *config, double x, double y, double width, double height);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,155 @@
+/* pupil/pupil.h: camera-style auto-exposure for streaming HDR frames.
+ *
+ *     frame --meter--> stats --adapt(dt)--> curve --map--> display frame
+ *
+ * meter: what is left of a frame is a few integers (stats.h).
+ * adapt: the only place where time passes, and the only owner of state.
+ * curve: a few numbers, all that a mapper (a CPU kernel, a shader) needs.
+ *
+ * The shortest use:
+ *
+ *     pupil_config config;
+ *     pupil_t pupil;
+ *     pupil_config_default(&config);
+ *     pupil_init(&pupil, &config);
+ *     for each frame: pupil_process(&pupil, &in, &info, &out);
+ *
+ * Memory: the caller owns every byte. pupil_t has a fixed size and holds no pointer: memcpy saves it, forks it, and
+ * moves it between threads or processes of the same build; a fork replays the same bits. Nothing is allocated, ever.
+ *
+ * Determinism: the same frames give the same bits on every CPU, with any split into rows and any number of threads.
+ *
+ * Threads: calls that take a `const pupil_t *` may run at the same time on one object; a call that takes a `pupil_t *`
+ * must be alone with its object. Different objects are independent. There is no global state.
+ */
+#ifndef PUPIL_PUPIL_H
+#define PUPIL_PUPIL_H
+
+#include "pupil/config.h"
+#include "pupil/error.h"
+#include "pupil/image.h"
+#include "pupil/stats.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PUPIL_VERSION_MAJOR 0
+#define PUPIL_VERSION_MINOR 1
+#define PUPIL_VERSION_PATCH 0
+
+/* "0.1.0": the version of the library that is linked, which need not be that of this header. */
+PUPIL_API const char *pupil_version(void);
+
+#define PUPIL_OBJECT_BYTES 6144
+
+/* The object. Its content is private; its size is part of the ABI. */
+typedef union pupil {
+    uint64_t private_words[PUPIL_OBJECT_BYTES / 8];
+} pupil_t;
+
+/* ---- life ------------------------------------------------------------------------------------------------------- */
+
+/* Makes an object out of any bytes. PUPIL_ERR_CONFIG: see pupil_config_check. */
+PUPIL_API int pupil_init(pupil_t *pupil, const pupil_config *config);
+
+/* New settings from the next frame on; the adaptation is kept (a change of law carries the level over). Between frames
+ * only: PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
+PUPIL_API int pupil_retune(pupil_t *pupil, const pupil_config *config);
+
+/* Forgets every frame; the configuration is kept. The next valid frame sets the state at once. */
+PUPIL_API int pupil_reset(pupil_t *pupil);
+
+/* ---- a frame at once -------------------------------------------------------------------------------------------- */
+
+/* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap.
+ * `info` may be NULL (nothing known). A frame that has no light to offer (no weight) leaves the level as it is; before
+ * the first valid frame it is mapped at the key itself (scale 1). */
+PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
+                            const pupil_image *out);
+
+/* ---- a frame as its rows arrive --------------------------------------------------------------------------------- */
+
+/* begin; then each row exactly once, in groups of any size and order; then end, which adapts. Where `out` is given the
+ * rows are mapped in the same pass with the state before this frame (fused): PUPIL_ERR_NO_EXPOSURE if there is none
+ * yet. pupil_frame_end refuses a frame that lacks rows (PUPIL_ERR_ROWS), and drops it; pupil_frame_cancel drops it too.
+ */
+PUPIL_API int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info);
+PUPIL_API int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,
+                               const pupil_image *out);
+PUPIL_API int pupil_frame_end(pupil_t *pupil);
+PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
+
+/* ---- the seam: any worker meters, one place adapts, any worker maps -----------------------------------------------
+ */
+
+/* What a mapper needs: display = map(scale, inverse_white_squared). With v the frame's value and Lv its luminance:
+ *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
+ * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.) */
+typedef struct pupil_curve {
+    float scale;                 /* X: from frame values to scaled luminance */
+    float inverse_white_squared; /* 1 / W^2; 0: no white point */
+} pupil_curve;
+
+/* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to
+ * `stats`, which pupil_stats_clear began. Workers have their own stats and merge them with pupil_stats_add. */
+PUPIL_API int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,
+                               uint32_t frame_height, pupil_stats *stats);
+
+/* The only place where time passes: takes a frame's statistics, whatever made them, and moves the adapted level. */
+PUPIL_API int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info *info);
+
+/* Maps rows. No row knows of another, so any part of a frame is mapped as the whole would be. */
+PUPIL_API int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
+                             const pupil_image *out);
+
+/* Both in one pass over the rows: metered into `stats`, mapped with `curve`. */
+PUPIL_API int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
+                               uint32_t first_row, uint32_t frame_height, const pupil_image *out, pupil_stats *stats);
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+typedef enum pupil_state {
+    PUPIL_STATE_EMPTY = 0, /* no valid frame yet */
+    PUPIL_STATE_ADAPTING,  /* on the way */
+    PUPIL_STATE_SETTLED,   /* within 0.05 stop of its target */
+    PUPIL_STATE_LIMITED,   /* settled at ev_min or ev_max, with the light beyond it */
+    PUPIL_STATE_LOCKED     /* held by config.lock */
+} pupil_state;
+
+typedef enum pupil_reason {
+    PUPIL_REASON_NONE = 0,
+    PUPIL_REASON_EV_MIN,     /* the light is below ev_min */
+    PUPIL_REASON_EV_MAX,     /* the light is above ev_max */
+    PUPIL_REASON_NO_LIGHT,   /* this frame's statistics carry no weight: the level was held */
+    PUPIL_REASON_CLOCK_BACK, /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_REASON_LOCK        /* config.lock */
+} pupil_reason;
+
+/* The state after the last pupil_adapt. All EV are log2 of scene luminance (relative unless frames bring exposure, gain
+ * and the config a calibration). */
+typedef struct pupil_exposure {
+    double metered_ev; /* the last frame's (trimmed) log-average */
+    double adapted_ev; /* what the eye is adapted to */
+    double white_ev;   /* the adapted upper quantile; 0 unless the white point follows */
+    double scale;      /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
+    double dt_s;       /* the time step of the last frame */
+    uint64_t frames;   /* frames adapted to since init or reset */
+    uint32_t state;    /* a pupil_state */
+    uint32_t reason;   /* a pupil_reason */
+} pupil_exposure;
+
+PUPIL_API int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure);
+
+/* The curve for a frame: where `info` brings exposure and gain (or an earlier frame did), what was divided out of the
+ * light before adapting is put back. `info` may be NULL. PUPIL_ERR_NO_EXPOSURE before the first valid frame. */
+PUPIL_API int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve);
+
+/* The statistics of the last frame that pupil_process or pupil_frame_end metered. */
+PUPIL_API int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

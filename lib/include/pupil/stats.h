@@ -1,0 +1,77 @@
+/* pupil/stats.h: what metering leaves of a frame, and the seam that everything else attaches to.
+ *
+ * Statistics are integers, so that merging is exact and free of order: cut a frame into groups of whole rows, meter
+ * them anywhere (threads, another machine, a GPU) in any order, add them up, and the bits are those of the frame in one
+ * piece.
+ *
+ * What a pixel counts as. L = wr R + wg G + wb B in binary32, without fused multiply-add, in that order; negative
+ * components count as they are (a colour outside the gamut has the luminance its numbers say).
+ *   ordinary       L between floor and 2^30: counts as L
+ *   black          L <= floor, zero, negative or denormal L among them: counts as floor
+ *   clipped        a channel at or above the clip value (by default the largest code of an integer format, 65504 for
+ * half, 2^30 for float): counts as L, at most 2^30 bad            L is NaN or infinite: NaN and -Inf count as floor,
+ * +Inf as 2^30; not counted as black or clipped Pixels whose metering weight is 0 count nowhere.
+ *
+ * Threads: plain values; two threads must not write the same one.
+ */
+#ifndef PUPIL_STATS_H
+#define PUPIL_STATS_H
+
+#include <stdint.h>
+
+#include "pupil/error.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Histogram: 8 bins a stop over 64 stops. Bin b holds luminances from 2^(b/8 - 32), b % 8 = 0, upward; within a stop
+ * the eight bins are equally wide in luminance (they are the top three bits of the float's fraction). */
+#define PUPIL_HISTOGRAM_BINS_PER_STOP 8
+#define PUPIL_HISTOGRAM_MIN_EV        (-32)
+#define PUPIL_HISTOGRAM_BINS          512
+
+/* Row bands: the frame's rows in this many equal groups, top to bottom, for detecting mains flicker. Row y of a frame
+ * of h rows is in band y * 64 / h. */
+#define PUPIL_BANDS 64
+
+/* Widths: 2^28 pixels (16384 x 16384) x weight 255 x 32 stops < 2^41, so log2_sum and each bin hold any frame, and
+ * eight million such frames on top. A band holds at most 2^22 pixels x 32 stops x 2^24 = 2^51. */
+typedef struct pupil_stats {
+    uint64_t pixels;                    /* metered pixels (weight above 0) */
+    uint64_t weight;                    /* sum of their weights */
+    uint64_t black;                     /* pixels, unweighted; see above */
+    uint64_t clipped;                   /* pixels */
+    uint64_t bad;                       /* pixels */
+    int64_t log2_sum;                   /* sum of weight x log2 L, whole stops, rounded down ... */
+    uint64_t log2_frac;                 /* ... and the rest in 2^-40 stops, below 2^40 */
+    uint32_t rows;                      /* rows metered so far */
+    uint32_t frame_height;              /* rows of the whole frame; 0 while empty */
+    uint32_t has_histogram;             /* 1 where bins were gathered */
+    uint32_t reserved;                  /* 0 */
+    uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights */
+    int64_t band_log2_sum[PUPIL_BANDS]; /* sum of log2 L of the metered pixels, unweighted, in 2^-24 stops */
+    uint32_t band_pixels[PUPIL_BANDS];  /* their number */
+} pupil_stats;
+
+/* Makes the statistics of no pixels at all. */
+PUPIL_API void pupil_stats_clear(pupil_stats *stats);
+
+/* Adds `more` to `sum`. Refused (PUPIL_ERR_STATS) if both hold rows of frames of different height, if only one of them
+ * has a histogram, or if the rows would be more than the frame has. */
+PUPIL_API int pupil_stats_add(pupil_stats *sum, const pupil_stats *more);
+
+/* Weighted mean of log2 luminance in stops, frame units; trimmed to the weight between the shares low and high where
+ * they are not (0, 1). The untrimmed mean is exact to about 1e-11 stops on natural frames; the trimmed one takes the
+ * order from the histogram (error about 1.5e-3 stops) and tends to the untrimmed one as the trim goes to nothing.
+ * PUPIL_ERR_STATS without any weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
+PUPIL_API int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance);
+
+/* The luminance (log2, frame units) below which the share q (0..1) of the weight lies, interpolated within a bin. */
+PUPIL_API int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
