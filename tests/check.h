@@ -1,0 +1,112 @@
+/* tests/check.h: the whole test framework. A test is a program: exit 0 passed, 1 failed, 77 skipped.
+ *
+ *     int main(int argc, char **argv)
+ *     {
+ *         check_begin(argc, argv);          // takes an optional seed as the first argument
+ *         CHECK(2 + 2 == 4);
+ *         CHECK_MSG(x < y, "x %g y %g", x, y);
+ *         return check_end();
+ *     }
+ *
+ * A failed check prints where, what, the seed and the line that reruns the program with it; the program goes on.
+ */
+#ifndef PUPIL_TESTS_CHECK_H
+#define PUPIL_TESTS_CHECK_H
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#define CHECK_SKIPPED 77
+
+static struct {
+    const char *program;
+    uint64_t seed, random;
+    unsigned long checks, failures;
+} check_state;
+
+static inline void check_begin(int argc, char **argv)
+{
+    check_state.program = argv[0];
+    check_state.seed = argc > 1 ? strtoull(argv[1], NULL, 0) : UINT64_C(20261120);
+    check_state.random = check_state.seed;
+}
+
+static inline int check_end(void)
+{
+    printf("%s: %lu checks, %lu failed\n", check_state.program, check_state.checks, check_state.failures);
+    return check_state.failures ? 1 : 0;
+}
+
+static inline void check_failed(const char *file, int line, const char *what)
+{
+    if (check_state.failures++ < 20)
+        printf("%s:%d: FAILED: %s   seed %llu, again with: %s %llu\n", file, line, what,
+               (unsigned long long)check_state.seed, check_state.program, (unsigned long long)check_state.seed);
+}
+
+#define CHECK(condition)                                                                                               \
+    do {                                                                                                               \
+        check_state.checks++;                                                                                          \
+        if (!(condition))                                                                                              \
+            check_failed(__FILE__, __LINE__, #condition);                                                              \
+    } while (0)
+
+#define CHECK_MSG(condition, ...)                                                                                      \
+    do {                                                                                                               \
+        check_state.checks++;                                                                                          \
+        if (!(condition)) {                                                                                            \
+            check_failed(__FILE__, __LINE__, #condition);                                                              \
+            if (check_state.failures <= 20) {                                                                          \
+                printf("    ");                                                                                        \
+                printf(__VA_ARGS__);                                                                                   \
+                printf("\n");                                                                                          \
+            }                                                                                                          \
+        }                                                                                                              \
+    } while (0)
+
+/* Random numbers from the seed: SplitMix64 (Steele, Lea, Flood 2014). */
+static inline uint64_t check_random(void)
+{
+    uint64_t z = (check_state.random += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+static inline double check_uniform(void) /* in [0, 1) */
+{
+    return (double)(check_random() >> 11) * 0x1p-53;
+}
+
+/* The folder of shared images, or NULL: $PUPIL_SHARED, else ../shared beside the checkout (PUPIL_SOURCE_DIR). */
+static inline const char *check_shared(void)
+{
+    static char path[4096];
+    struct stat s;
+    const char *given = getenv("PUPIL_SHARED");
+    if (given)
+        snprintf(path, sizeof path, "%s", given);
+    else
+#ifdef PUPIL_SOURCE_DIR
+        snprintf(path, sizeof path, "%s/../shared", PUPIL_SOURCE_DIR);
+#else
+        snprintf(path, sizeof path, "../shared");
+#endif
+    strncat(path, "/hdr", sizeof path - strlen(path) - 1);
+    if (stat(path, &s) != 0)
+        return NULL;
+    path[strlen(path) - 4] = 0;
+    return path;
+}
+
+static inline int check_skip(const char *why)
+{
+    printf("skipped: %s\n", why);
+    return CHECK_SKIPPED;
+}
+
+#endif
