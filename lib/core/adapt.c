@@ -1,0 +1,251 @@
+/* The only place where time passes. The level lives in log2 (stops, 2^-40) for the default law and formulas 3 and 4,
+ * and as a double in the quantity that formulas 1 and 2 average. Every step ends on its target, never short of it (the
+ * step is rounded away from the old value) and never past it. */
+#include "object.h"
+
+#include "numeric.h"
+
+/* A step of w of the way from s to t, at least one unit where w > 0. */
+static pupil_q40 approach(pupil_q40 s, pupil_q40 t, double w)
+{
+    uint64_t distance = t > s ? (uint64_t)t - (uint64_t)s : (uint64_t)s - (uint64_t)t;
+    if (w >= 1.0)
+        return t;
+    double exact = w * (double)distance;
+    uint64_t step = (uint64_t)exact;
+    step += (double)step < exact;
+    if (step > distance)
+        step = distance;
+    return t > s ? s + (pupil_q40)step : s - (pupil_q40)step;
+}
+
+/* The same for positive doubles, whose bits are in their order. */
+static double approach_linear(double s, double t, double w)
+{
+    if (w >= 1.0 || s == t)
+        return t;
+    double next = s + w * (t - s);
+    if (t > s) {
+        if (!(next > s))
+            next = pupil_double_of_bits(pupil_bits_of_double(s) + 1);
+        return next < t ? next : t;
+    }
+    if (!(next < s))
+        next = pupil_double_of_bits(pupil_bits_of_double(s) - 1);
+    return next > t ? next : t;
+}
+
+static pupil_q40 q40_of(double stops)
+{
+    double scaled = stops * 0x1p40;
+    return (pupil_q40)(scaled < 0.0 ? scaled - 0.5 : scaled + 0.5);
+}
+
+static double stops_of(pupil_q40 q)
+{
+    return (double)q * 0x1p-40;
+}
+
+static int is_linear_law(uint32_t law)
+{
+    return law == PUPIL_LAW_ARITHMETIC_SCALE || law == PUPIL_LAW_ARITHMETIC_LUMINANCE;
+}
+
+/* What formulas 1 and 2 average, at a level. */
+static double linear_of_level(uint32_t law, pupil_q40 level)
+{
+    return pupil_exp2(law == PUPIL_LAW_ARITHMETIC_SCALE ? -stops_of(level) : stops_of(level));
+}
+
+void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law)
+{
+    pupil_adaptation *a = &object->adaptation;
+    uint32_t law = object->config.law;
+    if (!a->seen || law == old_law)
+        return;
+    if (is_linear_law(old_law))
+        a->level = q40_of(a->result.adapted_ev);
+    if (is_linear_law(law))
+        a->linear = linear_of_level(law, a->level);
+}
+
+/* dt in seconds; negative: the clock went back. */
+static double time_step(const pupil_object *object, const pupil_frame_info *info)
+{
+    const pupil_adaptation *a = &object->adaptation;
+    if (!a->stamped)
+        return 0.0;
+    if (info->timestamp_ns == 0 && a->last_timestamp_ns == 0)
+        return object->config.nominal_frame_s;
+    /* in double before subtracting: the difference of two int64 may not fit; 2^-53 of a century is 30 ns */
+    if ((info->timestamp_ns < 0) != (a->last_timestamp_ns < 0))
+        return ((double)info->timestamp_ns - (double)a->last_timestamp_ns) * 1e-9;
+    return (double)(info->timestamp_ns - a->last_timestamp_ns) * 1e-9;
+}
+
+/* Weight of the new frame on the way from s to t. */
+static double weight_of_step(const pupil_config *c, double dt_s, int more_light)
+{
+    if (c->law != PUPIL_LAW_SECONDS)
+        return c->frame_weight;
+    double tau = more_light ? c->tau_light_s : c->tau_dark_s;
+    return tau > 0.0 ? pupil_one_minus_exp(dt_s / tau) : 1.0;
+}
+
+/* log2 of what the frame's values are to be divided by to be scene luminance. */
+static double exposure_log2(const pupil_object *object, const pupil_frame_info *info)
+{
+    if (info && info->exposure_s > 0.0 && info->gain > 0.0 && info->exposure_s <= 0x1p64 && info->gain <= 0x1p64 &&
+        info->exposure_s >= 0x1p-64 && info->gain >= 0x1p-64)
+        return pupil_log2(info->exposure_s) + pupil_log2(info->gain) - pupil_log2(object->config.calibration);
+    return object->adaptation.exposure_log2;
+}
+
+static void move_level(pupil_object *object, pupil_q40 target, double dt_s)
+{
+    const pupil_config *c = &object->config;
+    pupil_adaptation *a = &object->adaptation;
+
+    if (!is_linear_law(c->law)) {
+        a->level = a->seen ? approach(a->level, target, weight_of_step(c, dt_s, target > a->level)) : target;
+        a->result.adapted_ev = stops_of(a->level);
+        return;
+    }
+    double goal = linear_of_level(c->law, target);
+    a->linear = a->seen ? approach_linear(a->linear, goal, c->frame_weight) : goal;
+    if (a->linear == goal)
+        a->result.adapted_ev = stops_of(target);
+    else
+        a->result.adapted_ev = pupil_log2(a->linear) * (c->law == PUPIL_LAW_ARITHMETIC_SCALE ? -1.0 : 1.0);
+}
+
+static void move_white(pupil_object *object, pupil_q40 target, double dt_s)
+{
+    pupil_adaptation *a = &object->adaptation;
+    double w = weight_of_step(&object->config, dt_s, target > a->white);
+    a->white = a->seen && a->white_seen ? approach(a->white, target, w) : target;
+    a->white_seen = 1;
+    a->result.white_ev = stops_of(a->white);
+}
+
+static void judge(pupil_object *object, double target_ev, uint32_t reason)
+{
+    pupil_exposure *r = &object->adaptation.result;
+    double off = target_ev - r->adapted_ev;
+    r->reason = reason;
+    if (reason == PUPIL_REASON_LOCK)
+        r->state = PUPIL_STATE_LOCKED;
+    else if (off > 0.05 || off < -0.05)
+        r->state = PUPIL_STATE_ADAPTING;
+    else
+        r->state =
+            reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX ? PUPIL_STATE_LIMITED : PUPIL_STATE_SETTLED;
+}
+
+/* Everything that can be refused, before anything is touched. */
+static int targets_of(const pupil_object *object, const pupil_stats *stats, double *mean_log2, double *white_log2)
+{
+    const pupil_config *c = &object->config;
+    if (pupil_stats_check(stats))
+        return PUPIL_ERR_STATS;
+    if (!stats->weight)
+        return PUPIL_OK;
+    int error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
+    if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
+        error = pupil_stats_quantile(stats, c->white_quantile, white_log2);
+    return error;
+}
+
+static double log2_of_scale(const pupil_object *object)
+{
+    return pupil_log2(object->config.key) + object->config.ev_compensation - object->adaptation.result.adapted_ev;
+}
+
+int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info *info)
+{
+    static const pupil_frame_info nothing_known = {0};
+    double mean = 0.0, white = 0.0;
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!stats)
+        return PUPIL_ERR_NULL;
+    pupil_object *object = pupil_object_of(pupil);
+    if ((error = targets_of(object, stats, &mean, &white)))
+        return error;
+
+    pupil_adaptation *a = &object->adaptation;
+    const pupil_config *c = &object->config;
+    info = info ? info : &nothing_known;
+    double dt_s = time_step(object, info);
+    uint32_t reason = dt_s < 0.0 ? PUPIL_REASON_CLOCK_BACK : PUPIL_REASON_NONE;
+    dt_s = dt_s > 0.0 ? dt_s : 0.0;
+    a->last_timestamp_ns = info->timestamp_ns;
+    a->stamped = 1;
+    a->result.dt_s = dt_s;
+    if (!stats->weight) {
+        a->result.reason = PUPIL_REASON_NO_LIGHT;
+        return PUPIL_OK;
+    }
+    a->exposure_log2 = exposure_log2(object, info);
+    a->result.metered_ev = stops_of(q40_of(mean - a->exposure_log2));
+
+    double target_ev = a->result.metered_ev;
+    if (target_ev < c->ev_min || target_ev > c->ev_max) {
+        reason = target_ev < c->ev_min ? PUPIL_REASON_EV_MIN : PUPIL_REASON_EV_MAX;
+        target_ev = target_ev < c->ev_min ? c->ev_min : c->ev_max;
+    }
+    if (c->lock && a->seen) {
+        reason = PUPIL_REASON_LOCK;
+    } else {
+        if (c->white_mode == PUPIL_WHITE_FOLLOW)
+            move_white(object, q40_of(white - a->exposure_log2), dt_s);
+        move_level(object, q40_of(target_ev), dt_s);
+        a->seen = 1;
+    }
+    a->result.scale = pupil_exp2(log2_of_scale(object));
+    a->result.frames++;
+    judge(object, target_ev, reason);
+    return PUPIL_OK;
+}
+
+int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!exposure)
+        return PUPIL_ERR_NULL;
+    *exposure = pupil_object_of_const(pupil)->adaptation.result;
+    return PUPIL_OK;
+}
+
+int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!curve)
+        return PUPIL_ERR_NULL;
+    const pupil_object *object = pupil_object_of_const(pupil);
+    const pupil_config *c = &object->config;
+    if (!object->adaptation.seen)
+        return PUPIL_ERR_NO_EXPOSURE;
+
+    /* 2^60 keeps every product of the tone kernel inside a float: scale * 2^30 luminance * 2^16 for the smallest white
+     */
+    double scale_log2 = log2_of_scale(object), frame_log2 = scale_log2 - exposure_log2(object, info);
+    frame_log2 = frame_log2 < -60.0 ? -60.0 : frame_log2 > 60.0 ? 60.0 : frame_log2;
+    double white_log2 = 0.0;
+    int no_white =
+        c->white_mode == PUPIL_WHITE_NONE || (c->white_mode == PUPIL_WHITE_FOLLOW && !object->adaptation.white_seen);
+    if (c->white_mode == PUPIL_WHITE_FIXED)
+        white_log2 = pupil_log2(c->white);
+    else if (c->white_mode == PUPIL_WHITE_FOLLOW)
+        white_log2 = scale_log2 + object->adaptation.result.white_ev;
+    if (c->white_mode == PUPIL_WHITE_FOLLOW)
+        white_log2 = white_log2 < 0.0 ? 0.0 : white_log2 > 30.0 ? 30.0 : white_log2;
+    curve->scale = (float)pupil_exp2(frame_log2);
+    curve->inverse_white_squared = no_white ? 0.0f : (float)pupil_exp2(-2.0 * white_log2);
+    return PUPIL_OK;
+}

@@ -1,0 +1,61 @@
+#include "numeric.h"
+
+#define LN2 0x1.62e42fefa39efp-1
+/* ln 2 in two parts: the first has 21 trailing zero bits, so that n * LN2_HIGH is exact for n < 2^21. */
+#define LN2_HIGH 0x1.62e42fep-1
+#define LN2_LOW  0x1.efa39ef35793cp-33
+
+double pupil_log2(double x)
+{
+    const double two_over_ln2 = 0x1.71547652b82fep+1;
+    uint64_t bits = pupil_bits_of_double(x);
+    int exponent = (int)(bits >> 52 & 0x7ff) - 1023;
+    double m = pupil_double_of_bits((bits & UINT64_C(0x000fffffffffffff)) | UINT64_C(0x3ff0000000000000));
+
+    if (m > 0x1.6a09e667f3bcdp+0) { /* sqrt 2: keeps |s| below 0.172 */
+        m *= 0.5;
+        exponent++;
+    }
+    /* ln m = 2 atanh s; the first term left out is s^25 / 25 < 3e-21. */
+    double s = (m - 1.0) / (m + 1.0);
+    double z = s * s;
+    double sum = 0.0;
+    for (int k = 23; k >= 1; k -= 2)
+        sum = sum * z + 1.0 / k;
+    return (double)exponent + s * sum * two_over_ln2;
+}
+
+/* exp(t) - 1 for |t| <= 0.35: Taylor; the first term left out is t^16 / 16! < 3e-21. */
+static double expm1_near_zero(double t)
+{
+    double sum = 0.0;
+    for (int k = 15; k >= 1; k--)
+        sum = (sum + 1.0) * t / k;
+    return sum;
+}
+
+static int round_to_int(double x)
+{
+    return (int)(x < 0 ? x - 0.5 : x + 0.5);
+}
+
+static double power_of_two(int n)
+{
+    return pupil_double_of_bits((uint64_t)(n + 1023) << 52);
+}
+
+double pupil_exp2(double x)
+{
+    int n = round_to_int(x);
+    return (1.0 + expm1_near_zero((x - n) * LN2)) * power_of_two(n);
+}
+
+double pupil_one_minus_exp(double x)
+{
+    if (x >= 40.0) /* exp(-40) is below half an ulp of 1 */
+        return 1.0;
+    int n = round_to_int(x / LN2);
+    double r = (x - n * LN2_HIGH) - n * LN2_LOW;
+    double minus = expm1_near_zero(-r);
+    return n == 0 ? -minus : 1.0 - power_of_two(-n) * (1.0 + minus);
+}

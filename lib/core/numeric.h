@@ -1,0 +1,65 @@
+/* lib/core/numeric.h: the few functions of real numbers that the core needs, without libm: the same bits everywhere,
+ * because each is a fixed sequence of IEEE additions, multiplications and divisions.
+ */
+#ifndef PUPIL_CORE_NUMERIC_H
+#define PUPIL_CORE_NUMERIC_H
+
+#include <stdint.h>
+
+/* Bit casts by union: a freestanding build has no memcpy to inline. */
+static inline uint64_t pupil_bits_of_double(double x)
+{
+    union {
+        double d;
+        uint64_t u;
+    } cast;
+    cast.d = x;
+    return cast.u;
+}
+
+static inline double pupil_double_of_bits(uint64_t u)
+{
+    union {
+        double d;
+        uint64_t u;
+    } cast;
+    cast.u = u;
+    return cast.d;
+}
+
+static inline uint32_t pupil_bits_of_float(float x)
+{
+    union {
+        float f;
+        uint32_t u;
+    } cast;
+    cast.f = x;
+    return cast.u;
+}
+
+static inline float pupil_float_of_bits(uint32_t u)
+{
+    union {
+        float f;
+        uint32_t u;
+    } cast;
+    cast.u = u;
+    return cast.f;
+}
+
+/* NaN and both infinities have all exponent bits set. */
+static inline int pupil_is_finite(double x)
+{
+    return (pupil_bits_of_double(x) >> 52 & 0x7ff) != 0x7ff;
+}
+
+/* log2 of a normal x > 0; absolute error below 4e-16 + 2e-16 |log2 x|. */
+double pupil_log2(double x);
+
+/* 2^x for |x| <= 1000; relative error below 4e-16. */
+double pupil_exp2(double x);
+
+/* 1 - exp(-x) for x >= 0; relative error below 4e-16 also where x is tiny. */
+double pupil_one_minus_exp(double x);
+
+#endif

@@ -1,0 +1,78 @@
+/* lib/core/object.h: what is inside a pupil_t. No pointers, so that memcpy saves and forks it. */
+#ifndef PUPIL_CORE_OBJECT_H
+#define PUPIL_CORE_OBJECT_H
+
+#include "../kernels/kernels.h"
+
+/* Our own mistakes stop here; a board may define its own way of stopping. */
+#ifndef PUPIL_TRAP
+#define PUPIL_TRAP() __builtin_trap()
+#endif
+#define PUPIL_ASSERT(condition) ((condition) ? (void)0 : (void)PUPIL_TRAP())
+
+/* Levels in stops with 40 fractional bits: the state of the log2 laws, whose recursion is exact at its end. */
+typedef int64_t pupil_q40;
+#define PUPIL_Q40_ONE (INT64_C(1) << 40)
+
+typedef struct pupil_adaptation {
+    uint32_t seen;       /* a valid frame has set the level */
+    uint32_t stamped;    /* last_timestamp_ns is of a frame */
+    pupil_q40 level;     /* log2 of the adapted scene luminance (laws in log2) */
+    double linear;       /* formula 1: the adapted 1 / L; formula 2: the adapted L */
+    uint32_t white_seen; /* white is set: the white point follows, and a frame has come since it does */
+    uint32_t reserved;
+    pupil_q40 white; /* log2 of the adapted upper quantile */
+    int64_t last_timestamp_ns;
+    double exposure_log2; /* log2 of exposure_s * gain / calibration as last known; 0: never known */
+    pupil_exposure result;
+} pupil_adaptation;
+
+typedef struct pupil_in_progress {
+    uint32_t active;
+    uint32_t width, height;
+    pupil_frame_info info;
+} pupil_in_progress;
+
+typedef struct pupil_object {
+    uint64_t magic;
+    pupil_config config;
+    float luma[3]; /* weights of luminance, from config.primaries */
+    uint32_t histogram;
+    /* pupil_reset clears from here to the end */
+    pupil_adaptation adaptation;
+    pupil_in_progress progress;
+    pupil_stats stats; /* of the last frame, or of the one in progress */
+} pupil_object;
+
+_Static_assert(sizeof(pupil_object) <= sizeof(pupil_t), "PUPIL_OBJECT_BYTES is too small");
+
+/* "pupil" and the object's size: another version's object is refused. */
+#define PUPIL_MAGIC (UINT64_C(0x707570696c000000) + sizeof(pupil_object))
+
+static inline pupil_object *pupil_object_of(pupil_t *pupil)
+{
+    return (pupil_object *)(void *)pupil;
+}
+
+static inline const pupil_object *pupil_object_of_const(const pupil_t *pupil)
+{
+    return (const pupil_object *)(const void *)pupil;
+}
+
+/* PUPIL_OK, PUPIL_ERR_NULL or PUPIL_ERR_OBJECT. */
+int pupil_object_check(const pupil_t *pupil);
+
+/* Whether an image can be read (or, out, written): size, pixel, stride, alignment. */
+int pupil_image_check(const pupil_image_const *image, int out);
+
+/* Meters rows into stats (unless NULL) and maps them by curve to out (unless NULL); arguments already checked. */
+void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
+                     pupil_stats *stats, const pupil_curve *curve, const pupil_image *out);
+
+/* PUPIL_OK or why statistics cannot be adapted to. */
+int pupil_stats_check(const pupil_stats *stats);
+
+/* Carries the adapted level over to the law of object->config, of which it was not the state before. */
+void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law);
+
+#endif

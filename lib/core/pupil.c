@@ -1,0 +1,274 @@
+/* The object's life, and the calls that take a frame: each checks everything before it touches anything. */
+#include "object.h"
+
+int pupil_object_check(const pupil_t *pupil)
+{
+    if (!pupil)
+        return PUPIL_ERR_NULL;
+    return pupil_object_of_const(pupil)->magic == PUPIL_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
+}
+
+/* ---- life
+ * ------------------------------------------------------------------------------------------------------------ */
+
+static void derive_luma(pupil_object *object)
+{
+    static const float bt709[3] = {0.2126f, 0.7152f, 0.0722f}, bt2020[3] = {0.2627f, 0.6780f, 0.0593f};
+    const pupil_config *c = &object->config;
+    const float *row = c->primaries == PUPIL_PRIMARIES_BT709    ? bt709
+                       : c->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020
+                                                                : c->rgb_to_xyz + 3;
+    float sum = c->primaries == PUPIL_PRIMARIES_MATRIX ? (row[0] + row[1]) + row[2] : 1.0f;
+    for (int i = 0; i < 3; i++)
+        object->luma[i] = row[i] / sum;
+}
+
+static void configure(pupil_object *object, const pupil_config *config)
+{
+    object->config = *config;
+    object->histogram = config->histogram || config->white_mode == PUPIL_WHITE_FOLLOW || config->trim_low > 0.0f ||
+                        config->trim_high < 1.0f;
+    derive_luma(object);
+}
+
+static void forget(pupil_object *object)
+{
+    object->adaptation = (pupil_adaptation){0};
+    object->progress = (pupil_in_progress){0};
+    pupil_stats_clear(&object->stats);
+}
+
+int pupil_init(pupil_t *pupil, const pupil_config *config)
+{
+    if (!pupil || !config)
+        return PUPIL_ERR_NULL;
+    int error = pupil_config_check(config, 0);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    for (size_t i = 0; i < sizeof pupil->private_words / sizeof pupil->private_words[0]; i++)
+        pupil->private_words[i] = 0; /* padding too: two objects with one history are equal byte for byte */
+    object->magic = PUPIL_MAGIC;
+    configure(object, config);
+    forget(object);
+    return PUPIL_OK;
+}
+
+int pupil_retune(pupil_t *pupil, const pupil_config *config)
+{
+    int error = pupil_object_check(pupil);
+    if (!error)
+        error = pupil_config_check(config, 0);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    if (object->progress.active)
+        return PUPIL_ERR_ORDER;
+    uint32_t old_law = object->config.law;
+    configure(object, config);
+    pupil_adaptation_change_law(object, old_law);
+    if (config->white_mode != PUPIL_WHITE_FOLLOW)
+        object->adaptation.white_seen = 0; /* a white from before would be stale when it follows again */
+    return PUPIL_OK;
+}
+
+int pupil_reset(pupil_t *pupil)
+{
+    int error = pupil_object_check(pupil);
+    if (!error)
+        forget(pupil_object_of(pupil));
+    return error;
+}
+
+/* ---- rows, on any thread
+ * --------------------------------------------------------------------------------------------- */
+
+static int check_in(const pupil_t *pupil, const pupil_image_const *in)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    return in ? pupil_image_check(in, 0) : PUPIL_ERR_NULL;
+}
+
+static int check_out(const pupil_image_const *in, const pupil_image *out)
+{
+    if (!out)
+        return PUPIL_ERR_NULL;
+    pupil_image_const as_const = pupil_image_as_const(*out);
+    int error = pupil_image_check(&as_const, 1);
+    if (error)
+        return error;
+    return in->width == out->width && in->height == out->height ? PUPIL_OK : PUPIL_ERR_SIZE;
+}
+
+static int check_curve(const pupil_curve *curve)
+{
+    if (!curve)
+        return PUPIL_ERR_NULL;
+    return curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
+                   curve->inverse_white_squared <= 0x1p16f
+               ? PUPIL_OK
+               : PUPIL_ERR_VALUE;
+}
+
+/* Whether rows of a frame can be added to stats. */
+static int check_place(const pupil_object *object, const pupil_image_const *rows, uint32_t first_row,
+                       uint32_t frame_height, const pupil_stats *stats)
+{
+    if (!stats)
+        return PUPIL_ERR_NULL;
+    if (!frame_height || frame_height > PUPIL_MAX_SIDE_PX)
+        return PUPIL_ERR_SIZE;
+    if (first_row >= frame_height || rows->height > frame_height - first_row)
+        return PUPIL_ERR_ROWS;
+    if (pupil_stats_check(stats))
+        return PUPIL_ERR_STATS;
+    if (stats->rows) {
+        if (stats->frame_height != frame_height || stats->has_histogram != object->histogram)
+            return PUPIL_ERR_STATS;
+        if (stats->rows > frame_height - rows->height)
+            return PUPIL_ERR_ROWS;
+    }
+    return PUPIL_OK;
+}
+
+int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row, uint32_t frame_height,
+                     pupil_stats *stats)
+{
+    int error = check_in(pupil, rows);
+    if (!error)
+        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats);
+    if (!error)
+        pupil_work_rows(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, 0, 0);
+    return error;
+}
+
+int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
+                   const pupil_image *out)
+{
+    int error = check_in(pupil, rows);
+    if (!error)
+        error = check_out(rows, out);
+    if (!error)
+        error = check_curve(curve);
+    if (!error)
+        pupil_work_rows(pupil_object_of_const(pupil), rows, 0, rows->height, 0, curve, out);
+    return error;
+}
+
+int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows, uint32_t first_row,
+                     uint32_t frame_height, const pupil_image *out, pupil_stats *stats)
+{
+    int error = check_in(pupil, rows);
+    if (!error)
+        error = check_out(rows, out);
+    if (!error)
+        error = check_curve(curve);
+    if (!error)
+        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats);
+    if (!error)
+        pupil_work_rows(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, curve, out);
+    return error;
+}
+
+/* ---- a frame as its rows arrive
+ * -------------------------------------------------------------------------------------- */
+
+int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info)
+{
+    static const pupil_frame_info nothing_known = {0};
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    if (object->progress.active)
+        return PUPIL_ERR_ORDER;
+    if (!width || !height || width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
+        return PUPIL_ERR_SIZE;
+    object->progress = (pupil_in_progress){1, width, height, info ? *info : nothing_known};
+    pupil_stats_clear(&object->stats);
+    return PUPIL_OK;
+}
+
+int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row, const pupil_image *out)
+{
+    pupil_curve curve;
+    int error = check_in(pupil, rows);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    if (!object->progress.active)
+        return PUPIL_ERR_ORDER;
+    if (rows->width != object->progress.width)
+        return PUPIL_ERR_SIZE;
+    if (!out)
+        return pupil_meter_rows(pupil, rows, first_row, object->progress.height, &object->stats);
+    error = pupil_get_curve(pupil, &object->progress.info, &curve);
+    if (!error)
+        error = pupil_fused_rows(pupil, &curve, rows, first_row, object->progress.height, out, &object->stats);
+    return error;
+}
+
+int pupil_frame_end(pupil_t *pupil)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    if (!object->progress.active)
+        return PUPIL_ERR_ORDER;
+    object->progress.active = 0;
+    if (object->stats.rows != object->progress.height)
+        return PUPIL_ERR_ROWS;
+    return pupil_adapt(pupil, &object->stats, &object->progress.info);
+}
+
+int pupil_frame_cancel(pupil_t *pupil)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!pupil_object_of(pupil)->progress.active)
+        return PUPIL_ERR_ORDER;
+    pupil_object_of(pupil)->progress.active = 0;
+    return PUPIL_OK;
+}
+
+int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!stats)
+        return PUPIL_ERR_NULL;
+    *stats = pupil_object_of_const(pupil)->stats;
+    return PUPIL_OK;
+}
+
+/* ---- a frame at once
+ * ------------------------------------------------------------------------------------------------- */
+
+int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
+{
+    pupil_curve curve = {1.0f, 0.0f}; /* where there never was any light */
+    int error = check_in(pupil, in);
+    if (!error)
+        error = check_out(in, out);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    if (object->progress.active)
+        return PUPIL_ERR_ORDER;
+
+    int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
+    pupil_stats_clear(&object->stats);
+    pupil_work_rows(object, in, 0, in->height, &object->stats, fused ? &curve : 0, fused ? out : 0);
+    error = pupil_adapt(pupil, &object->stats, info);
+    PUPIL_ASSERT(!error); /* our own metering is never refused */
+    if (!fused) {
+        (void)pupil_get_curve(pupil, info, &curve); /* refused only where there never was any light */
+        pupil_work_rows(object, in, 0, in->height, 0, &curve, out);
+    }
+    return PUPIL_OK;
+}

@@ -1,0 +1,137 @@
+#include "object.h"
+
+#include "numeric.h"
+
+void pupil_stats_clear(pupil_stats *stats)
+{
+    if (stats)
+        *stats = (pupil_stats){0};
+}
+
+int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
+{
+    if (!sum || !more)
+        return PUPIL_ERR_NULL;
+    if (pupil_stats_check(sum) || pupil_stats_check(more))
+        return PUPIL_ERR_STATS;
+    if (sum->rows && more->rows) {
+        if (sum->frame_height != more->frame_height || sum->has_histogram != more->has_histogram ||
+            sum->rows > sum->frame_height - more->rows)
+            return PUPIL_ERR_STATS;
+    }
+    if (!more->rows)
+        return PUPIL_OK;
+
+    uint64_t frac = sum->log2_frac + more->log2_frac;
+    sum->log2_sum += more->log2_sum + (int64_t)(frac >> 40);
+    sum->log2_frac = frac & (PUPIL_Q40_ONE - 1);
+    sum->pixels += more->pixels;
+    sum->weight += more->weight;
+    sum->black += more->black;
+    sum->clipped += more->clipped;
+    sum->bad += more->bad;
+    sum->rows += more->rows;
+    sum->frame_height = more->frame_height;
+    sum->has_histogram = more->has_histogram;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
+        sum->bin[i] += more->bin[i];
+    for (int i = 0; i < PUPIL_BANDS; i++) {
+        sum->band_log2_sum[i] += more->band_log2_sum[i];
+        sum->band_pixels[i] += more->band_pixels[i];
+    }
+    return PUPIL_OK;
+}
+
+int pupil_stats_check(const pupil_stats *s)
+{
+    const uint64_t limit = UINT64_C(1) << 56; /* far above any frame (2^36), far below overflow */
+    if (s->log2_frac >= (uint64_t)PUPIL_Q40_ONE || s->weight > limit || s->pixels > s->weight || s->black > s->pixels ||
+        s->clipped > s->pixels || s->bad > s->pixels || s->rows > s->frame_height ||
+        s->frame_height > PUPIL_MAX_SIDE_PX)
+        return PUPIL_ERR_STATS;
+    if (s->log2_sum > (int64_t)s->weight * 32 || s->log2_sum < (int64_t)s->weight * -32)
+        return PUPIL_ERR_STATS;
+    if (!s->weight && s->log2_frac)
+        return PUPIL_ERR_STATS;
+    return PUPIL_OK;
+}
+
+static uint64_t histogram_total(const pupil_stats *stats)
+{
+    uint64_t total = 0;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
+        total += stats->bin[i];
+    return total;
+}
+
+/* The luminance at the share t (0..1) of bin i: bins are equally wide in luminance within their stop. */
+static double log2_within_bin(int i, double t)
+{
+    int stop = i / PUPIL_HISTOGRAM_BINS_PER_STOP, step = i % PUPIL_HISTOGRAM_BINS_PER_STOP;
+    return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / PUPIL_HISTOGRAM_BINS_PER_STOP);
+}
+
+int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance)
+{
+    if (!stats || !log2_luminance)
+        return PUPIL_ERR_NULL;
+    if (!(q >= 0.0 && q <= 1.0))
+        return PUPIL_ERR_VALUE;
+    if (!stats->has_histogram)
+        return PUPIL_ERR_NO_HISTOGRAM;
+    uint64_t total = histogram_total(stats);
+    if (!total)
+        return PUPIL_ERR_STATS;
+
+    double target = q * (double)total, below = 0.0;
+    int last = 0;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
+        double here = (double)stats->bin[i];
+        if (here > 0.0) {
+            last = i;
+            if (below + here >= target)
+                break;
+            below += here;
+        }
+    }
+    double t = (target - below) / (double)stats->bin[last];
+    *log2_luminance = log2_within_bin(last, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t);
+    return PUPIL_OK;
+}
+
+/* Mean of the bins' middles over the weight between two amounts. */
+static double histogram_mean(const pupil_stats *stats, double from, double to)
+{
+    double below = 0.0, sum = 0.0;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
+        double low = below > from ? below : from;
+        below += (double)stats->bin[i];
+        double high = below < to ? below : to;
+        if (high > low)
+            sum += (high - low) * log2_within_bin(i, 0.5);
+    }
+    return sum / (to - from);
+}
+
+int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance)
+{
+    if (!stats || !log2_luminance)
+        return PUPIL_ERR_NULL;
+    if (!(low >= 0.0 && high > low && high <= 1.0))
+        return PUPIL_ERR_VALUE;
+    if (!stats->weight || pupil_stats_check(stats))
+        return PUPIL_ERR_STATS;
+
+    double mean = ((double)stats->log2_sum + (double)stats->log2_frac * 0x1p-40) / (double)stats->weight;
+    if (low > 0.0 || high < 1.0) {
+        if (!stats->has_histogram)
+            return PUPIL_ERR_NO_HISTOGRAM;
+        double total = (double)histogram_total(stats);
+        if (!(total > 0.0))
+            return PUPIL_ERR_STATS;
+        /* The exact mean corrects the bins' middles: as the trim goes to nothing, so does the difference of the two. */
+        mean += histogram_mean(stats, low * total, high * total) - histogram_mean(stats, 0.0, total);
+    }
+    *log2_luminance = mean;
+    return PUPIL_OK;
+}

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Writes lib/kernels/tables.c: the 8-bit transfer tables, from 60-digit decimal arithmetic.
+
+Run it by hand after a change (python3 lib/kernels/make_tables.py > lib/kernels/tables.c); the build never does.
+"""
+import struct
+import sys
+from decimal import Decimal, getcontext
+
+getcontext().prec = 60
+D = Decimal
+
+
+def srgb_to_linear(c):  # IEC 61966-2-1
+    return c / D("12.92") if c <= D("0.04045") else ((c + D("0.055")) / D("1.055")) ** D("2.4")
+
+
+def gamma22_to_linear(c):
+    return c ** D("2.2") if c else D(0)
+
+
+def linear_to_linear(c):
+    return c
+
+
+def bits_of(f):
+    return struct.unpack("<I", struct.pack("<f", f))[0]
+
+
+def float_of(bits):
+    return struct.unpack("<f", struct.pack("<I", bits))[0]
+
+
+def nearest_float(x):
+    best = bits_of(float(x))  # within one of the nearest, after double rounding
+    return min((float_of(b) for b in range(max(best - 1, 0), best + 2)), key=lambda f: abs(D(f) - x))
+
+
+def float_at_or_above(x):
+    b = max(bits_of(float(x)) - 2, 0)
+    while D(float_of(b)) < x:
+        b += 1
+    return float_of(b)
+
+
+def literal(f):
+    return float.hex(f).replace("0x1.", "0x1.").rstrip() + "f"
+
+
+def rows(items, per_line):
+    return ",\n".join("    " + ", ".join(items[i : i + per_line]) for i in range(0, len(items), per_line))
+
+
+def encoder(name, to_linear):
+    bound = [D(0)] + [to_linear((D(k) - D("0.5")) / 255) for k in range(1, 256)]
+    bound = [0.0] + [float_at_or_above(b) for b in bound[1:]] + [2.0]
+    base = bits_of(bound[1]) & 0x7F800000  # the power of two below the first boundary
+    guess = []
+    last = bits_of(1.0)
+    for start in range(base, last + 1, 1 << 16):
+        code = sum(1 for b in bound[1:256] if b <= float_of(start))
+        inside = sum(1 for b in bound[1:256] if bits_of(b) > start and bits_of(b) < start + (1 << 16))
+        assert inside <= 1, (name, start)
+        guess.append(code)
+    guess[0] = 0 if bits_of(bound[1]) > base else guess[0]
+    assert guess[-1] == 255
+    print(f"static const uint8_t {name}_guess[{len(guess)}] = {{\n{rows([str(g) for g in guess], 24)}}};\n")
+    print(f"static const float {name}_bound[257] = {{\n{rows([literal(b) for b in bound], 6)}}};\n")
+    return base
+
+
+print("/* Made by lib/kernels/make_tables.py; do not edit. Transfer curves: config.h names their sources. */")
+print('#include "kernels.h"\n')
+print("/* clang-format off */")
+decode = [nearest_float(srgb_to_linear(D(k) / 255)) for k in range(256)]
+print(f"const float pupil_srgb8_to_linear[256] = {{\n{rows([literal(f) for f in decode], 6)}}};\n")
+bases = [
+    (n, encoder(n, f))
+    for n, f in (("srgb", srgb_to_linear), ("gamma22", gamma22_to_linear), ("linear", linear_to_linear))
+]
+print("const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT] = {")
+for n, base in bases:
+    print(f"    [PUPIL_TRANSFER_{n.upper()}] = {{{n}_guess, {n}_bound, 0x{base:08x}u}},")
+print("};")
+sys.stdout.flush()

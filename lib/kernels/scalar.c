@@ -1,0 +1,266 @@
+/* The reference level: plain C. Loops over planar floats, so that a compiler may use whatever vectors it has; without
+ * fused multiply-add (-ffp-contract=off) that changes no bit. */
+#include "kernels.h"
+
+#include "../core/numeric.h"
+
+/* ---- load: to planar linear floats ---------------------------------------------------------------------------------
+ */
+
+#define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
+    static void NAME(const void *source, uint32_t n, float *restrict r, float *restrict g, float *restrict b)          \
+    {                                                                                                                  \
+        const TYPE *restrict s = source;                                                                               \
+        for (uint32_t i = 0; i < n; i++) {                                                                             \
+            r[i] = CONVERT(s[SAMPLES * i]);                                                                            \
+            g[i] = CONVERT(s[SAMPLES * i + 1]);                                                                        \
+            b[i] = CONVERT(s[SAMPLES * i + 2]);                                                                        \
+        }                                                                                                              \
+    }
+
+/* binary16 to binary32, exact: shift exponent and fraction into place, then mend the exponent of the ordinary numbers,
+ * of Inf and NaN, and of subnormals (by a subtraction that is exact). */
+static inline float half_to_float(uint16_t h)
+{
+    uint32_t magnitude = (uint32_t)(h & 0x7fff) << 13, exponent = magnitude & 0x0f800000u;
+    uint32_t normal = magnitude + 0x38000000u; /* (127 - 15) << 23 */
+    float subnormal = pupil_float_of_bits(magnitude + 0x38800000u) - 0x1p-14f;
+    uint32_t special = normal + 0x38000000u; /* exponent 31 to 255 */
+    uint32_t bits = exponent == 0x0f800000u ? special : exponent == 0 ? pupil_bits_of_float(subnormal) : normal;
+    return pupil_float_of_bits(bits | (uint32_t)(h & 0x8000) << 16);
+}
+
+#define AS_IT_IS(x)   (x)
+#define FROM_16(x)    ((float)(x) * (1.0f / 65535.0f))
+#define FROM_SRGB8(x) (pupil_srgb8_to_linear[x])
+
+LOAD(load_rgba32f, float, 4, AS_IT_IS)
+LOAD(load_rgb32f, float, 3, AS_IT_IS)
+LOAD(load_rgba16f, uint16_t, 4, half_to_float)
+LOAD(load_rgba16, uint16_t, 4, FROM_16)
+LOAD(load_rgb16, uint16_t, 3, FROM_16)
+LOAD(load_rgba8, uint8_t, 4, FROM_SRGB8)
+LOAD(load_rgb8, uint8_t, 3, FROM_SRGB8)
+
+/* ---- meter ----------------------------------------------------------------------------------------------------------
+ */
+
+static void luminance(const float weight[3], const float *restrict r, const float *restrict g, const float *restrict b,
+                      uint32_t n, float *restrict l)
+{
+    const float wr = weight[0], wg = weight[1], wb = weight[2];
+    for (uint32_t i = 0; i < n; i++)
+        l[i] = (wr * r[i] + wg * g[i]) + wb * b[i];
+}
+
+/* Data first in each comparison, so that NaN goes to the floor. */
+static inline float clamp_luminance(float l, float floor)
+{
+    float v = l > floor ? l : floor;
+    return v < PUPIL_CEILING ? v : PUPIL_CEILING;
+}
+
+static void count(const float *restrict l, const float *restrict r, const float *restrict g, const float *restrict b,
+                  uint32_t n, float floor, float clip, pupil_run *run)
+{
+    uint32_t black = 0, clipped = 0, bad = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t finite = (pupil_bits_of_float(l[i]) & 0x7f800000u) != 0x7f800000u;
+        bad += 1u - finite;
+        black += finite & (uint32_t)(l[i] <= floor);
+        clipped += finite & ((uint32_t)(r[i] >= clip) | (uint32_t)(g[i] >= clip) | (uint32_t)(b[i] >= clip));
+    }
+    run->black += black;
+    run->clipped += clipped;
+    run->bad += bad;
+}
+
+/* Moves each product's exponent into the integer; exact, so how often it is done changes no bit. */
+static inline void move_exponents(float *restrict product, int32_t *restrict exponent)
+{
+    for (int j = 0; j < PUPIL_LANES; j++) {
+        uint32_t bits = pupil_bits_of_float(product[j]);
+        exponent[j] += (int32_t)(bits >> 23) - 127;
+        product[j] = pupil_float_of_bits((bits & 0x007fffffu) | 0x3f800000u);
+    }
+}
+
+static void meter(const float *restrict l, const float *restrict r, const float *restrict g, const float *restrict b,
+                  uint32_t n, float floor, float clip, pupil_run *run)
+{
+    float product[PUPIL_LANES];
+    int32_t exponent[PUPIL_LANES];
+    uint32_t i = 0;
+
+    count(l, r, g, b, n, floor, clip, run);
+    for (int j = 0; j < PUPIL_LANES; j++) {
+        product[j] = run->product[j];
+        exponent[j] = run->exponent[j];
+    }
+    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
+        for (int k = 0; k < 4; k++)
+            for (int j = 0; j < PUPIL_LANES; j++)
+                product[j] *= clamp_luminance(l[i + (uint32_t)(k * PUPIL_LANES + j)], floor);
+        move_exponents(product, exponent);
+    }
+    for (; i < n; i++)
+        product[i % PUPIL_LANES] *= clamp_luminance(l[i], floor); /* at most 4 a lane: i began at a multiple of 64 */
+    move_exponents(product, exponent);
+    for (int j = 0; j < PUPIL_LANES; j++) {
+        run->product[j] = product[j];
+        run->exponent[j] = exponent[j];
+    }
+}
+
+/* A float's exponent and top three fraction bits are its bin. */
+static void histogram(const float *l, uint32_t n, float floor, uint32_t weight, uint64_t *bin)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t bits = pupil_bits_of_float(clamp_luminance(l[i], floor));
+        bin[(bits >> 20) - ((127 + PUPIL_HISTOGRAM_MIN_EV) * PUPIL_HISTOGRAM_BINS_PER_STOP)] += weight;
+    }
+}
+
+/* ---- tone: Reinhard by luminance
+ * -------------------------------------------------------------------------------------- */
+
+#define BRIGHTEST 0x1p31f /* a channel's bound: above PUPIL_CEILING, so that the largest channel is never below Ld */
+
+static inline float clamp_channel(float v)
+{
+    v = v > 0.0f ? v : 0.0f;
+    return v < BRIGHTEST ? v : BRIGHTEST;
+}
+
+static inline float max3(float a, float b, float c)
+{
+    float m = a > b ? a : b;
+    return m > c ? m : c;
+}
+
+/* A result beyond the display's gamut is moved toward the grey of its own display luminance until it fits: luminance
+ * and hue stay, saturation gives way. Clamping each channel by itself would turn the hue. */
+static void fit_gamut(float *restrict r, float *restrict g, float *restrict b, const float *restrict display,
+                      uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        float m = max3(r[i], g[i], b[i]), grey = display[i];
+        if (!(m > 1.0f))
+            continue;
+        float t = grey < 1.0f ? (1.0f - grey) / (m - grey) : 0.0f;
+        grey = grey < 1.0f ? grey : 1.0f;
+        r[i] = grey + (r[i] - grey) * t;
+        g[i] = grey + (g[i] - grey) * t;
+        b[i] = grey + (b[i] - grey) * t;
+    }
+}
+
+static void tone(float *restrict r, float *restrict g, float *restrict b, float *restrict l, uint32_t n,
+                 const pupil_curve *curve)
+{
+    const float x = curve->scale, iw2 = curve->inverse_white_squared;
+    uint32_t over = 0;
+
+    for (uint32_t i = 0; i < n; i++) {
+        float y = l[i] > 0.0f ? l[i] : 0.0f;
+        y = y < PUPIL_CEILING ? y : PUPIL_CEILING;
+        float u = x * y;
+        float s = x * ((1.0f + u * iw2) / (1.0f + u));
+        s = l[i] == l[i] ? s : 0.0f; /* a NaN pixel is black, not a speckle of its other channels */
+        r[i] = clamp_channel(r[i]) * s;
+        g[i] = clamp_channel(g[i]) * s;
+        b[i] = clamp_channel(b[i]) * s;
+        l[i] = y * s;
+        over |= (uint32_t)(max3(r[i], g[i], b[i]) > 1.0f);
+    }
+    if (over)
+        fit_gamut(r, g, b, l, n);
+}
+
+/* ---- store: to 8-bit codes
+ * -------------------------------------------------------------------------------------------- */
+
+static inline uint8_t encode(const pupil_encoder *e, float x)
+{
+    x = x > 0.0f ? x : 0.0f;
+    x = x < 1.0f ? x : 1.0f;
+    uint32_t bits = pupil_bits_of_float(x);
+    uint32_t code = e->guess[bits > e->base_bits ? (bits - e->base_bits) >> 16 : 0];
+    return (uint8_t)(code + (uint32_t)(x >= e->bound[code + 1]));
+}
+
+static inline void store(const float *r, const float *g, const float *b, uint32_t n, const pupil_encoder *e, uint8_t *t,
+                         int bytes, int red, int blue)
+{
+    for (uint32_t i = 0; i < n; i++, t += bytes) {
+        t[red] = encode(e, r[i]);
+        t[1] = encode(e, g[i]);
+        t[blue] = encode(e, b[i]);
+        if (bytes == 4)
+            t[3] = 255;
+    }
+}
+
+#define STORE(NAME, BYTES, RED, BLUE)                                                                                  \
+    static void NAME(const float *r, const float *g, const float *b, uint32_t n, const pupil_encoder *encoder,         \
+                     void *target)                                                                                     \
+    {                                                                                                                  \
+        store(r, g, b, n, encoder, target, BYTES, RED, BLUE);                                                          \
+    }
+
+STORE(store_rgba8, 4, 0, 2)
+STORE(store_bgrx8, 4, 2, 0)
+STORE(store_rgb8, 3, 0, 2)
+
+static inline uint8_t alpha_of_float(float a)
+{
+    a = a > 0.0f ? a : 0.0f;
+    a = a < 1.0f ? a : 1.0f;
+    return (uint8_t)(a * 255.0f + 0.5f);
+}
+
+#define ALPHA(NAME, TYPE, CONVERT)                                                                                     \
+    static void NAME(const void *source, uint32_t n, uint8_t *rgba)                                                    \
+    {                                                                                                                  \
+        const TYPE *s = source;                                                                                        \
+        for (uint32_t i = 0; i < n; i++)                                                                               \
+            rgba[4 * i + 3] = CONVERT(s[4 * i + 3]);                                                                   \
+    }
+
+#define ALPHA_OF_HALF(h) alpha_of_float(half_to_float(h))
+#define ALPHA_OF_16(a)   ((uint8_t)(((uint32_t)(a) + 128) / 257)) /* 65535 / 255 = 257: round(a / 257) */
+
+ALPHA(alpha_rgba32f, float, alpha_of_float)
+ALPHA(alpha_rgba16f, uint16_t, ALPHA_OF_HALF)
+ALPHA(alpha_rgba16, uint16_t, ALPHA_OF_16)
+ALPHA(alpha_rgba8, uint8_t, AS_IT_IS)
+
+const pupil_kernels pupil_kernels_scalar = {
+    .load =
+        {
+            [PUPIL_PIXEL_RGBA32F] = load_rgba32f,
+            [PUPIL_PIXEL_RGB32F] = load_rgb32f,
+            [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
+            [PUPIL_PIXEL_RGBA16] = load_rgba16,
+            [PUPIL_PIXEL_RGB16] = load_rgb16,
+            [PUPIL_PIXEL_RGBA8] = load_rgba8,
+            [PUPIL_PIXEL_RGB8] = load_rgb8,
+        },
+    .luminance = luminance,
+    .meter = meter,
+    .histogram = histogram,
+    .tone = tone,
+    .store =
+        {
+            [PUPIL_PIXEL_RGBA8] = store_rgba8,
+            [PUPIL_PIXEL_RGB8] = store_rgb8,
+            [PUPIL_PIXEL_BGRX8] = store_bgrx8,
+        },
+    .alpha =
+        {
+            [PUPIL_PIXEL_RGBA32F] = alpha_rgba32f,
+            [PUPIL_PIXEL_RGBA16F] = alpha_rgba16f,
+            [PUPIL_PIXEL_RGBA16] = alpha_rgba16,
+            [PUPIL_PIXEL_RGBA8] = alpha_rgba8,
+        },
+};
