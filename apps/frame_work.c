@@ -1,0 +1,99 @@
+#include "frame_work.h"
+
+#include <stdlib.h>
+
+struct frame_work {
+    workers *w;
+    pupil_stats *own; /* one a worker */
+    int *error;       /* one a worker */
+    /* the frame at hand */
+    const pupil_t *pupil;
+    const pupil_image_const *in;
+    const pupil_image *out; /* NULL: meter only */
+    const pupil_curve *curve;
+    int meter;
+};
+
+frame_work *frame_work_open(workers *w)
+{
+    frame_work *f = calloc(1, sizeof *f);
+    if (!f)
+        return NULL;
+    f->w = w;
+    f->own = calloc(workers_count(w), sizeof *f->own);
+    f->error = calloc(workers_count(w), sizeof *f->error);
+    if (!f->own || !f->error) {
+        frame_work_close(f);
+        return NULL;
+    }
+    return f;
+}
+
+void frame_work_close(frame_work *f)
+{
+    if (f) {
+        free(f->own);
+        free(f->error);
+        free(f);
+    }
+}
+
+static void work_share(void *context, unsigned worker, unsigned count)
+{
+    frame_work *f = context;
+    uint32_t height = f->in->height;
+    uint32_t first = (uint32_t)((uint64_t)height * worker / count);
+    uint32_t rows = (uint32_t)((uint64_t)height * (worker + 1) / count) - first;
+
+    f->error[worker] = PUPIL_OK;
+    if (f->meter)
+        pupil_stats_clear(&f->own[worker]);
+    if (!rows)
+        return;
+    pupil_image_const in = pupil_image_rows(*f->in, first, rows);
+    pupil_image out = {0};
+    if (f->out) {
+        out = *f->out;
+        out.data = (unsigned char *)out.data + (ptrdiff_t)first * out.stride_bytes;
+        out.height = rows;
+    }
+    if (f->meter && f->out)
+        f->error[worker] = pupil_fused_rows(f->pupil, f->curve, &in, first, height, &out, &f->own[worker]);
+    else if (f->meter)
+        f->error[worker] = pupil_meter_rows(f->pupil, &in, first, height, &f->own[worker]);
+    else
+        f->error[worker] = pupil_map_rows(f->pupil, f->curve, &in, &out);
+}
+
+static int pass(frame_work *f, int meter, const pupil_curve *curve, const pupil_image *out)
+{
+    f->meter = meter;
+    f->curve = curve;
+    f->out = out;
+    workers_run(f->w, work_share, f);
+    for (unsigned i = 0; i < workers_count(f->w); i++)
+        if (f->error[i])
+            return f->error[i];
+    return PUPIL_OK;
+}
+
+int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_image_const *in,
+                       const pupil_frame_info *info, const pupil_image *out, pupil_stats *stats, pupil_curve *curve)
+{
+    f->pupil = pupil;
+    f->in = in;
+    fused = fused && pupil_get_curve(pupil, info, curve) == PUPIL_OK; /* the first frame is done exactly */
+    int error = pass(f, 1, curve, fused ? out : NULL);
+
+    pupil_stats_clear(stats);
+    for (unsigned i = 0; !error && i < workers_count(f->w); i++)
+        error = pupil_stats_add(stats, &f->own[i]);
+    if (!error)
+        error = pupil_adapt(pupil, stats, info);
+    if (!error && !fused) {
+        if (pupil_get_curve(pupil, info, curve) != PUPIL_OK)
+            *curve = (pupil_curve){1.0f, 0.0f}; /* no light so far: as pupil_process does */
+        error = pass(f, 0, curve, out);
+    }
+    return error;
+}

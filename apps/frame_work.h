@@ -1,0 +1,18 @@
+/* apps/frame_work.h: one frame through meter -> adapt -> map on several threads, with the bits of one. */
+#ifndef PUPIL_APPS_FRAME_WORK_H
+#define PUPIL_APPS_FRAME_WORK_H
+
+#include "pupil/pupil.h"
+#include "workers.h"
+
+typedef struct frame_work frame_work;
+
+/* NULL where memory is short. The workers stay the caller's. */
+frame_work *frame_work_open(workers *w);
+void frame_work_close(frame_work *f);
+
+/* What pupil_process does, in the order `fused` says; leaves the frame's statistics and the curve that mapped it. */
+int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_image_const *in,
+                       const pupil_frame_info *info, const pupil_image *out, pupil_stats *stats, pupil_curve *curve);
+
+#endif

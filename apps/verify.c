@@ -1,0 +1,130 @@
+#include "verify.h"
+
+#include <math.h>
+
+/* sRGB decoding, IEC 61966-2-1. */
+static double srgb_to_linear(double c)
+{
+    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+}
+
+static double half_to_double(uint16_t h)
+{
+    int exponent = h >> 10 & 31, fraction = h & 1023;
+    double magnitude = exponent == 31  ? (fraction ? (double)NAN : (double)INFINITY)
+                       : exponent == 0 ? ldexp(fraction, -24)
+                                       : ldexp(1024 + fraction, exponent - 25);
+    return h & 0x8000 ? -magnitude : magnitude;
+}
+
+/* Linear red, green and blue of a pixel of any input format. */
+static void pixel_of(const pupil_image_const *image, uint32_t x, uint32_t y, double rgb[3])
+{
+    const void *row = pupil_image_rows(*image, y, 1).data;
+    size_t at = x * pupil_pixel_bytes(image->pixel);
+    const void *p = (const unsigned char *)row + at;
+    for (int c = 0; c < 3; c++) {
+        switch (image->pixel) {
+        case PUPIL_PIXEL_RGBA32F:
+        case PUPIL_PIXEL_RGB32F:
+            rgb[c] = (double)((const float *)p)[c];
+            break;
+        case PUPIL_PIXEL_RGBA16F:
+            rgb[c] = half_to_double(((const uint16_t *)p)[c]);
+            break;
+        case PUPIL_PIXEL_RGBA16:
+        case PUPIL_PIXEL_RGB16:
+            rgb[c] = ((const uint16_t *)p)[c] / 65535.0;
+            break;
+        default:
+            rgb[c] = srgb_to_linear(((const uint8_t *)p)[c] / 255.0);
+            break;
+        }
+    }
+}
+
+static double clamp(double v, double low, double high)
+{
+    return v > low ? (v < high ? v : high) : low; /* NaN: low */
+}
+
+static const double *luma_of(const pupil_config *config)
+{
+    static const double bt709[3] = {0.2126, 0.7152, 0.0722}, bt2020[3] = {0.2627, 0.6780, 0.0593};
+    return config->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020 : bt709;
+}
+
+/* The display sample that the definitions give; config.h and pupil.h say each of them. */
+static int display_code(uint32_t transfer, double light)
+{
+    light = clamp(light, 0.0, 1.0);
+    double code = light;
+    if (transfer == PUPIL_TRANSFER_SRGB)
+        code = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1.0 / 2.4) - 0.055;
+    else if (transfer == PUPIL_TRANSFER_GAMMA22)
+        code = pow(light, 1.0 / 2.2);
+    return (int)floor(code * 255.0 + 0.5);
+}
+
+static void map_pixel(const pupil_config *config, const pupil_curve *curve, const double in[3], double luminance,
+                      int code[3])
+{
+    double y = clamp(luminance, 0.0, 0x1p30), u = (double)curve->scale * y, out[3], largest = 0.0;
+    double s = luminance != luminance
+                   ? 0.0
+                   : (double)curve->scale * (1.0 + u * (double)curve->inverse_white_squared) / (1.0 + u);
+    for (int c = 0; c < 3; c++) {
+        out[c] = clamp(in[c], 0.0, 0x1p31) * s;
+        largest = out[c] > largest ? out[c] : largest;
+    }
+    double grey = clamp(y * s, 0.0, 1.0);
+    if (largest > 1.0) {
+        double t = grey < 1.0 ? (1.0 - grey) / (largest - grey) : 0.0;
+        for (int c = 0; c < 3; c++)
+            out[c] = grey + (out[c] - grey) * t;
+    }
+    for (int c = 0; c < 3; c++)
+        code[c] = display_code(config->transfer, out[c]);
+}
+
+static int is_uniform(const pupil_config *config)
+{
+    for (int i = 0; i < PUPIL_GRID_SIDE * PUPIL_GRID_SIDE; i++)
+        if (config->weight[i / PUPIL_GRID_SIDE][i % PUPIL_GRID_SIDE] != config->weight[0][0])
+            return 0;
+    return 1;
+}
+
+void verify_frame(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
+                  const pupil_curve *curve, const pupil_image_const *out, const pupil_stats *stats)
+{
+    const double *luma = luma_of(config);
+    long double sum = 0.0L;
+    double mean;
+
+    for (uint32_t y = 0; y < in->height; y++) {
+        const uint8_t *row = pupil_image_rows(*out, y, 1).data;
+        for (uint32_t x = 0; x < in->width; x++) {
+            double rgb[3];
+            int code[3];
+            pixel_of(in, x, y, rgb);
+            long double luminance =
+                (long double)luma[0] * rgb[0] + (long double)luma[1] * rgb[1] + (long double)luma[2] * rgb[2];
+            sum += log2l((long double)clamp((double)luminance, (double)config->floor, 0x1p30));
+            map_pixel(config, curve, rgb, (double)luminance, code);
+            for (int c = 0; c < 3; c++) {
+                int off = row[3 * x + (uint32_t)c] - code[c];
+                off = off < 0 ? -off : off;
+                figures->off += off != 0;
+                figures->code_error = off > figures->code_error ? off : figures->code_error;
+            }
+        }
+    }
+    figures->samples += (uint64_t)3 * in->width * in->height;
+    if (is_uniform(config) && pupil_stats_mean(stats, 0.0, 1.0, &mean) == PUPIL_OK) {
+        double reference = (double)(sum / ((long double)in->width * in->height));
+        double error = fabs(expm1((mean - reference) * 0.69314718055994531));
+        figures->log_average_error = error > figures->log_average_error ? error : figures->log_average_error;
+    }
+    figures->frames++;
+}
