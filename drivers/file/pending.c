@@ -1,0 +1,307 @@
+#include "file/pending.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* So much of the name goes into the temporary one that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
+#define NAME_PART 200
+/* Temporary names tried: leavings of killed processes of the same number, and outputs asked for twice. */
+#define ATTEMPTS 100
+
+static int refuse(char *why, size_t why_bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+static int refuse(char *why, size_t why_bytes, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    if (why && why_bytes)
+        vsnprintf(why, why_bytes, format, arguments);
+    va_end(arguments);
+    return -1;
+}
+
+/* "folder/.name.pid.ending", made as an empty file or folder that was not there before. NULL: errno says why. */
+static char *make_beside(const char *path, int is_folder, const char *ending)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    for (int i = 0; i < ATTEMPTS; i++) {
+        char number[16] = "", *made;
+        int fd;
+        if (i > 0)
+            snprintf(number, sizeof number, "-%d", i);
+        if (asprintf(&made, "%.*s.%.*s.%ld%s.%s", (int)(name - path), path, NAME_PART, name, (long)getpid(), number,
+                     ending) < 0)
+            return NULL;
+        fd = is_folder ? mkdir(made, 0777) : open(made, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd >= 0) {
+            if (!is_folder)
+                close(fd);
+            return made;
+        }
+        free(made);
+        if (errno != EEXIST)
+            return NULL;
+    }
+    return NULL;
+}
+
+static int remove_entry(const char *path, const struct stat *s, int type, struct FTW *level)
+{
+    (void)s;
+    (void)type;
+    (void)level;
+    return remove(path) ? errno : 0;
+}
+
+/* Only ever called on what make_beside made, or on a folder that holds_only_frames has looked through. 0 or an errno.
+ */
+static int remove_tree(const char *path)
+{
+    return nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+static int flush_entry(const char *path, const struct stat *s, int type, struct FTW *level)
+{
+    int fd, error = 0;
+    (void)level;
+    if (type == FTW_SL || !(S_ISREG(s->st_mode) || S_ISDIR(s->st_mode)))
+        return 0;
+    fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return errno;
+    if (fsync(fd) != 0 && errno != EINVAL && errno != EROFS) /* these two: a file system that cannot sync */
+        error = errno;
+    close(fd);
+    return error;
+}
+
+static int is_frame_name(const char *name)
+{
+    size_t digits;
+    if (strncmp(name, "frame_", 6) != 0)
+        return 0;
+    digits = strspn(name + 6, "0123456789");
+    return digits >= 6 && strcmp(name + 6 + digits, ".png") == 0;
+}
+
+/* Looks through a folder: how many entries, and (first_other) the first that is no file named frame_NNNNNN.png. */
+static int look_through(const char *path, size_t *entries, char first_other[NAME_MAX + 1])
+{
+    DIR *folder = opendir(path);
+    struct dirent *entry;
+    *entries = 0;
+    first_other[0] = 0;
+    if (!folder)
+        return -1;
+    while ((entry = readdir(folder)) != NULL) {
+        struct stat s;
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        ++*entries;
+        if (!first_other[0] &&
+            (!is_frame_name(entry->d_name) || fstatat(dirfd(folder), entry->d_name, &s, AT_SYMLINK_NOFOLLOW) != 0 ||
+             !S_ISREG(s.st_mode)))
+            snprintf(first_other, NAME_MAX + 1, "%s", entry->d_name);
+    }
+    closedir(folder);
+    return 0;
+}
+
+static int may_replace(const char *path, const char *shown, int overwrite, char *why, size_t why_bytes)
+{
+    char other[NAME_MAX + 1];
+    size_t entries;
+    if (look_through(path, &entries, other))
+        return refuse(why, why_bytes, "%s: the folder cannot be read: %s", shown, strerror(errno));
+    if (entries && !overwrite)
+        return refuse(why, why_bytes,
+                      "%s: is there already and not empty; name another folder, or ask for it to be overwritten",
+                      shown);
+    if (other[0])
+        return refuse(why, why_bytes,
+                      "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png; name another folder",
+                      shown, other);
+    return 0;
+}
+
+/* Where the output will be: without slashes at the end, and where a link leads, so that the link stays. */
+static char *final_path(const char *path)
+{
+    struct stat s;
+    char *copy = strdup(path), *real = NULL;
+    size_t length = strlen(path);
+    if (!copy)
+        return NULL;
+    while (length > 1 && copy[length - 1] == '/')
+        copy[--length] = 0;
+    if (lstat(copy, &s) == 0 && S_ISLNK(s.st_mode))
+        real = realpath(copy, NULL);
+    if (!real)
+        return copy;
+    free(copy);
+    return real;
+}
+
+/* The folder that `path` lies in; its stat. */
+static int check_parent(const char *path, struct stat *parent, char *why, size_t why_bytes)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
+    int failed = 0;
+    if (!folder)
+        return refuse(why, why_bytes, "%s: out of memory", path);
+    if (stat(folder, parent) != 0)
+        failed = errno == ENOENT
+                     ? refuse(why, why_bytes, "%s: there is no folder %s; make it first", path, folder)
+                     : refuse(why, why_bytes, "%s: the folder %s cannot be used: %s", path, folder, strerror(errno));
+    else if (!S_ISDIR(parent->st_mode))
+        failed = refuse(why, why_bytes, "%s: %s is a file, not a folder", path, folder);
+    free(folder);
+    return failed;
+}
+
+static int check_there(const pupil_pending *p, const struct stat *parent, char *why, size_t why_bytes)
+{
+    struct stat s;
+    if (stat(p->path, &s) != 0) {
+        if (errno == ENOENT)
+            return 0;
+        return refuse(why, why_bytes, "%s: cannot be written: %s", p->path, strerror(errno));
+    }
+    if (!p->is_folder) {
+        if (S_ISDIR(s.st_mode))
+            return refuse(why, why_bytes, "%s: is a folder; name a file", p->path);
+        if (!S_ISREG(s.st_mode)) /* a rename would put a file in the place of a device or a pipe */
+            return refuse(why, why_bytes, "%s: is a device or a pipe; name a file", p->path);
+        return 0;
+    }
+    if (!S_ISDIR(s.st_mode))
+        return refuse(why, why_bytes, "%s: is a file; name a folder", p->path);
+    if (s.st_dev != parent->st_dev) /* rename cannot replace it */
+        return refuse(why, why_bytes, "%s: is a mount point; name a folder inside it", p->path);
+    return may_replace(p->path, p->path, p->overwrite, why, why_bytes);
+}
+
+static int begin(pupil_pending *p, const char *path, char *why, size_t why_bytes)
+{
+    struct stat parent;
+    const char *slash, *name;
+    if (!*path)
+        return refuse(why, why_bytes, "\"\": an output needs a name");
+    if (!p->is_folder && path[strlen(path) - 1] == '/')
+        return refuse(why, why_bytes, "%s: is a folder; name a file", path);
+    p->path = final_path(path);
+    if (!p->path)
+        return refuse(why, why_bytes, "%s: out of memory", path);
+    slash = strrchr(p->path, '/');
+    name = slash ? slash + 1 : p->path;
+    if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+        return refuse(why, why_bytes, "%s: cannot be replaced; name a %s", path,
+                      p->is_folder ? "folder inside it" : "file");
+    if (check_parent(p->path, &parent, why, why_bytes) || check_there(p, &parent, why, why_bytes))
+        return -1;
+    p->temporary = make_beside(p->path, p->is_folder, "part");
+    if (!p->temporary)
+        return refuse(why, why_bytes, "%s: cannot be written there: %s", p->path, strerror(errno));
+    return 0;
+}
+
+int pupil_pending_file(pupil_pending *pending, const char *path, char *why, size_t why_bytes)
+{
+    memset(pending, 0, sizeof *pending);
+    if (begin(pending, path, why, why_bytes) == 0)
+        return 0;
+    pupil_pending_discard(pending);
+    return -1;
+}
+
+int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, char *why, size_t why_bytes)
+{
+    memset(pending, 0, sizeof *pending);
+    pending->is_folder = 1;
+    pending->overwrite = overwrite;
+    if (begin(pending, path, why, why_bytes) == 0)
+        return 0;
+    pupil_pending_discard(pending);
+    return -1;
+}
+
+/* The folder that is there steps aside, the new one takes its place, and only then is the old one removed. It is looked
+ * through again once it is aside, where nobody puts anything into it any more. */
+static int swap_folders(pupil_pending *p, char *why, size_t why_bytes)
+{
+    char *aside = make_beside(p->path, 1, "old");
+    int failed = 0;
+    if (!aside || rename(p->path, aside) != 0) {
+        failed = refuse(why, why_bytes, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
+        if (aside)
+            rmdir(aside);
+    } else if (may_replace(aside, p->path, 1, why, why_bytes)) {
+        failed = -1;
+        rename(aside, p->path);
+    } else if (rename(p->temporary, p->path) != 0) {
+        failed = refuse(why, why_bytes, "%s: cannot be put in place: %s", p->path, strerror(errno));
+        rename(aside, p->path);
+    } else {
+        free(p->temporary); /* in place; nothing to take back */
+        p->temporary = NULL;
+        if (remove_tree(aside) != 0)
+            failed = refuse(why, why_bytes, "%s: is in place, but the old folder, now %s, cannot be removed", p->path,
+                            aside);
+    }
+    free(aside);
+    return failed;
+}
+
+/* The renames survive a power cut once the folder's own entries are on the disk. A failure here loses nothing now. */
+static void flush_parent(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
+    const int fd = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (fd >= 0) {
+        fsync(fd);
+        close(fd);
+    }
+    free(folder);
+}
+
+int pupil_pending_commit(pupil_pending *pending, char *why, size_t why_bytes)
+{
+    const int error = nftw(pending->temporary, flush_entry, 16, FTW_PHYS);
+    if (error)
+        return refuse(why, why_bytes, "%s: cannot be written: %s", pending->path, strerror(error > 0 ? error : errno));
+    if (rename(pending->temporary, pending->path) != 0) {
+        const int there = errno == ENOTEMPTY || errno == EEXIST;
+        if (!pending->is_folder || !there)
+            return refuse(why, why_bytes, "%s: cannot be put in place: %s", pending->path, strerror(errno));
+        if (!pending->overwrite)
+            return refuse(why, why_bytes, "%s: files were put there in the meantime; name another folder",
+                          pending->path);
+        if (swap_folders(pending, why, why_bytes))
+            return -1;
+    }
+    free(pending->temporary);
+    pending->temporary = NULL;
+    flush_parent(pending->path);
+    pupil_pending_discard(pending);
+    return 0;
+}
+
+void pupil_pending_discard(pupil_pending *pending)
+{
+    if (pending->temporary)
+        remove_tree(pending->temporary);
+    free(pending->temporary);
+    free(pending->path);
+    memset(pending, 0, sizeof *pending);
+}
