@@ -1,0 +1,7 @@
+/* apps/commands.h: the subcommands. Each takes its own arguments, its name first, and returns the exit status. */
+#ifndef PUPIL_APPS_COMMANDS_H
+#define PUPIL_APPS_COMMANDS_H
+
+int replay_main(int argc, char **argv);
+
+#endif

@@ -1,0 +1,10 @@
+/* apps/interrupt.h: Ctrl-C as a flag, so that a run can remove what is not complete. */
+#ifndef PUPIL_APPS_INTERRUPT_H
+#define PUPIL_APPS_INTERRUPT_H
+
+/* From now on SIGINT, SIGTERM and SIGHUP set the flag (and interrupt blocking reads), and SIGPIPE is ignored: a closed
+ * pipe is an error of the write. */
+void interrupt_watch(void);
+int interrupt_came(void);
+
+#endif

@@ -1,0 +1,21 @@
+/* apps/outputs.h: every display output of a run as one: all complete, or none. */
+#ifndef PUPIL_APPS_OUTPUTS_H
+#define PUPIL_APPS_OUTPUTS_H
+
+#include "sink.h"
+
+#define OUTPUTS_MOST 17 /* those of the command line, and the video of a report */
+
+typedef struct outputs {
+    pupil_sink *sink[OUTPUTS_MOST];
+    size_t count;
+} outputs;
+
+int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, char *why, size_t why_bytes);
+int outputs_write(outputs *o, const pupil_image_const *rgb8, const pupil_frame_info *info, char *why, size_t why_bytes);
+
+/* Finishes all. If one fails, those that follow are discarded; those before it are complete. */
+int outputs_finish(outputs *o, char *why, size_t why_bytes);
+void outputs_discard(outputs *o);
+
+#endif
