@@ -1,0 +1,52 @@
+#!/bin/sh
+# size.sh: prints how large the library is, in lines, code and state; fails where the core outgrows 3,000 lines.
+set -eu
+cd "$(dirname "$0")/../.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+count() {
+    cat "$@" | grep -cv '^[[:space:]]*$'
+}
+# Tables are printed by a script, which counts in their place.
+code=$(ls lib/core/*.[ch] lib/kernels/*.[ch] lib/kernels/*.py | grep -v '/tables\.c$')
+lines=$(count $code)
+echo "lib/core and lib/kernels: $lines lines that are not blank, without lib/kernels/tables.c, which is generated" \
+    "($(count lib/kernels/tables.c) lines)"
+echo "public headers: $(count lib/include/pupil/*.h) lines"
+
+cat >"$work/sizes.c" <<'C'
+#include "pupil/pupil.h"
+#include <stdio.h>
+int main(void)
+{
+    printf("sizeof: pupil_t %zu, pupil_stats %zu, pupil_config %zu bytes\n", sizeof(pupil_t), sizeof(pupil_stats),
+           sizeof(pupil_config));
+    return 0;
+}
+C
+${CC:-cc} -std=c11 -Ilib/include "$work/sizes.c" -o "$work/sizes"
+"$work/sizes"
+
+# code_size NAME SIZE_TOOL COMPILER...
+code_size() {
+    name=$1 tool=$2
+    shift 2
+    command -v "$1" >/dev/null || return 0
+    for source in lib/core/*.c lib/kernels/*.c; do
+        "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -Ilib/include -Ilib/core -Ilib/kernels \
+            -c "$source" -o "$work/$(basename "$source" .c).o"
+    done
+    "$tool" "$work"/*.o | awk -v name="$name" 'NR > 1 { text += $1; data += $2; bss += $3 }
+        END { printf "%-18s code and constants %6d bytes, data %d, bss %d\n", name, text, data, bss; exit data + bss != 0 }'
+}
+code_size "x86 or host, -Os" size "${CC:-cc}" -Os
+code_size "x86 or host, -O3" size "${CC:-cc}" -O3
+m7="-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -ffreestanding"
+code_size "Cortex-M7, -Os" arm-none-eabi-size arm-none-eabi-gcc $m7 -Os
+code_size "Cortex-M7, -O3" arm-none-eabi-size arm-none-eabi-gcc $m7 -O3
+
+if [ "$lines" -ge 3000 ]; then
+    echo "size.sh: the core has $lines lines, and 3,000 is the limit"
+    exit 1
+fi

@@ -1,0 +1,42 @@
+#!/bin/sh
+# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib/core and 4608 in
+# lib/kernels, where the mapping kernels keep a buffer that stays in the first-level cache. Never without a bound.
+set -eu
+cd "$(dirname "$0")/../.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+status=0
+
+# check FOLDER LIMIT NAME COMPILER...
+check() {
+    folder=$1 limit=$2 name=$3
+    shift 3
+    rm -f "$work"/*
+    for source in lib/"$folder"/*.c; do
+        "$@" -std=c11 -ffp-contract=off -fno-math-errno -Ilib/include -Ilib/core -Ilib/kernels -fstack-usage \
+            -c "$source" -o "$work/$(basename "$source" .c).o"
+    done
+    # FILE:LINE:COLUMN:FUNCTION <tab> BYTES <tab> static | dynamic | dynamic,bounded
+    cat "$work"/*.su | sort -t "$(printf '\t')" -k2,2nr >"$work/all"
+    awk -F '\t' -v limit="$limit" -v folder="$folder" -v name="$name" '
+        { n = split($1, part, ":"); function_name = part[n] }
+        NR == 1 { printf "%-24s lib/%-8s largest %5d bytes (%s), limit %d\n", name, folder, $2, function_name, limit }
+        $2 > limit { printf "    %s takes %d bytes\n", $1, $2; bad = 1 }
+        $3 == "dynamic" { printf "    %s: %s stack without bound\n", $1, $3; bad = 1 }
+        END { exit bad || NR == 0 }' "$work/all" || status=1
+}
+
+ran=0
+for level in -Os -O2 -O3; do
+    for compiler in gcc clang aarch64-linux-gnu-gcc arm-none-eabi-gcc; do
+        command -v "$compiler" >/dev/null || continue
+        set -- "$compiler" "$level"
+        [ "$compiler" != arm-none-eabi-gcc ] ||
+            set -- "$@" -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -ffreestanding
+        check core 1024 "$compiler $level" "$@"
+        check kernels 4608 "$compiler $level" "$@"
+        ran=$((ran + 1))
+    done
+done
+[ $ran -gt 0 ] || { echo "skipped: no gcc, no clang"; exit 77; }
+exit $status

@@ -1,0 +1,25 @@
+#!/bin/sh
+# check.sh: every public header compiles alone, twice included, as C11 and as C++11, by each compiler that is here.
+set -eu
+cd "$(dirname "$0")/../.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checked=0
+for header in lib/include/pupil/*.h; do
+    name=pupil/$(basename "$header")
+    printf '#include "%s"\n#include "%s"\n' "$name" "$name" | tee "$work/alone.c" >"$work/alone.cpp"
+    for compiler in gcc clang; do
+        command -v "$compiler" >/dev/null || continue
+        "$compiler" -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror \
+            -Ilib/include -c "$work/alone.c" -o "$work/alone.o"
+        checked=$((checked + 1))
+    done
+    for compiler in g++ clang++; do
+        command -v "$compiler" >/dev/null || continue
+        "$compiler" -std=c++11 -Wall -Wextra -Wpedantic -Wshadow -Werror \
+            -Ilib/include -c "$work/alone.cpp" -o "$work/alone.o"
+        checked=$((checked + 1))
+    done
+done
+[ $checked -gt 0 ] || { echo "check.sh: no compiler found"; exit 1; }
+echo "$checked compilations of $(ls lib/include/pupil/*.h | wc -l) headers"

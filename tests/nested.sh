@@ -1,0 +1,26 @@
+#!/bin/sh
+# nested.sh BUILD TARGET CTEST_ARGUMENTS [-- CMAKE_ARGUMENTS...]: configures and builds this tree once more, otherwise,
+# and runs the tests there. TARGET "-" builds all; CTEST_ARGUMENTS "-" runs none; without "--" the build is there.
+set -eu
+build=$1 target=$2 ctest_arguments=$3
+shift 3
+source=$(cd "$(dirname "$0")/.." && pwd)
+log=$build.log
+mkdir -p "$(dirname "$build")"
+[ "$target" = - ] && target=all
+
+quietly() {
+    "$@" >"$log" 2>&1 || {
+        echo "nested.sh: failed: $*"
+        tail -n 60 "$log"
+        exit 1
+    }
+}
+if [ $# -gt 0 ]; then
+    shift
+    cd "$source" # where the presets are
+    quietly cmake "$@" -B "$build"
+    quietly cmake --build "$build" --target "$target" -j "${PUPIL_JOBS:-2}"
+fi
+# Words, on purpose.
+[ "$ctest_arguments" = - ] || ctest --test-dir "$build" --no-tests=error --output-on-failure $ctest_arguments

@@ -1,0 +1,38 @@
+#!/bin/sh
+# check.sh BUILD: README.md keeps its word. Its first C program is compiled by the line beside it, against an install of
+# BUILD, and run; every script that its commands name is there and can be run.
+set -eu
+build=$1
+cd "$(dirname "$0")/../.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The first block that ```c begins.
+awk '/^```c$/ { inside = 1; next } /^```/ { if (inside) exit } inside' README.md >"$work/block.c"
+[ -s "$work/block.c" ] || { echo "check.sh: README.md has no \`\`\`c block"; exit 1; }
+# The line that compiles it: "cc ... NAME.c ... $(pkg-config ... pupil) ... -o PROGRAM", indented or in a block.
+line=$(grep -m1 -E '^[ $]*(cc|gcc) .*\.c.*pkg-config .*pupil' README.md | sed 's/^[ $]*//')
+[ -n "$line" ] || { echo "check.sh: README.md has no line that compiles its program with pkg-config"; exit 1; }
+source=$(echo "$line" | grep -oE '[a-zA-Z0-9_]+\.c' | head -n 1)
+program=$(echo "$line" | sed -n 's/.*-o \([a-zA-Z0-9_.]*\).*/\1/p')
+
+cmake --install "$build" --prefix "$work/prefix" >"$work/log" || { cat "$work/log"; exit 1; }
+libdir=$(dirname "$(find "$work/prefix" -name libpupil.a)")
+cp "$work/block.c" "$work/$source"
+echo "$line"
+(
+    cd "$work"
+    PKG_CONFIG_PATH=$libdir/pkgconfig LD_LIBRARY_PATH=$libdir
+    export PKG_CONFIG_PATH LD_LIBRARY_PATH
+    eval "$line"
+    "./${program:-a.out}"
+) || { echo "check.sh: the program of README.md does not compile or run"; exit 1; }
+echo "README.md's program of $(wc -l <"$work/block.c") lines compiles and runs"
+
+for script in $(grep -oE '(^|[ `(])\./[a-z_]+\.sh' README.md | grep -oE '[a-z_]+\.sh' | sort -u); do
+    [ -x "$script" ] || { echo "check.sh: README.md names ./$script, which is not there or cannot be run"; exit 1; }
+    echo "./$script is there"
+done
+for script in demo.sh test.sh; do
+    grep -q "\./$script" README.md || { echo "check.sh: README.md does not name ./$script"; exit 1; }
+done

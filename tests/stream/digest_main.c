@@ -1,0 +1,270 @@
+/* The cases of the digest program. The line of a case: "name 0123456789abcdef". */
+#include "digest.h"
+
+#ifdef PUPIL_BOARD
+#include "../freestanding/board.h"
+#define print board_print
+#else
+#include <stdio.h>
+#define print(text) (void)fputs(text, stdout)
+#endif
+
+/* ---- lines without a C library ------------------------------------------------------------------------------------
+ */
+
+static char line[128];
+static size_t used;
+
+static void put(const char *text)
+{
+    while (*text && used < sizeof line - 2)
+        line[used++] = *text++;
+}
+
+static void put_number(uint32_t number)
+{
+    char digits[11];
+    size_t i = sizeof digits - 1;
+    digits[i] = 0;
+    do
+        digits[--i] = (char)('0' + number % 10);
+    while (number /= 10);
+    put(digits + i);
+}
+
+static void run(const digest_case *c)
+{
+    uint64_t digest = digest_run(c);
+    put(" ");
+    for (int i = 0; i < 16; i++, digest <<= 4) {
+        const char digit[2] = {"0123456789abcdef"[digest >> 60], 0};
+        put(digit);
+    }
+    line[used++] = '\n';
+    line[used] = 0;
+    used = 0;
+    print(line);
+}
+
+/* Six frames of 64 x 48 with timestamps, defaults everywhere. */
+static digest_case usual(void)
+{
+    digest_case c = {0};
+    pupil_config_default(&c.config);
+    c.in = PUPIL_PIXEL_RGB32F;
+    c.out = PUPIL_PIXEL_RGBA8;
+    c.width = 64;
+    c.height = 48;
+    c.frames = 6;
+    c.flags = DIGEST_STAMPED;
+    return c;
+}
+
+/* ---- the battery --------------------------------------------------------------------------------------------------
+ */
+
+static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {"none",  "rgba32f", "rgb32f", "rgba16f", "rgba16",
+                                                           "rgb16", "rgba8",   "rgb8",   "bgrx8"};
+static const uint32_t out_pixels[3] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8};
+
+/* Every input format to every output format at every size, upright and upside down. Widths around 16, the number of
+ * lanes that a row is metered in; fewer, equal and more rows than the grid and the bands have. */
+static void shapes(void)
+{
+    static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {17, 2}, {641, 7}, {64, 48}, {2, 100}};
+    for (uint32_t in = PUPIL_PIXEL_RGBA32F; in <= PUPIL_PIXEL_RGB8; in++)
+        for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
+            for (uint32_t o = 0; o < 3; o++) {
+                digest_case c = usual();
+                c.in = in;
+                c.out = out_pixels[o];
+                c.width = sizes[s][0];
+                c.height = sizes[s][1];
+                c.frames = 2;
+                c.flags |= o == 1 ? DIGEST_UPSIDE_DOWN : o == 2 ? DIGEST_PLAIN : 0;
+                put(pixel_names[in]);
+                put("-");
+                put(pixel_names[c.out]);
+                put("-");
+                put_number(c.width);
+                put("x");
+                put_number(c.height);
+                run(&c);
+            }
+}
+
+/* Every law with both orders, with and without exposure metadata, whole and in parts. */
+static void laws(void)
+{
+    for (uint32_t law = 0; law < PUPIL_LAW_COUNT; law++)
+        for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++)
+            for (uint32_t way = 0; way < 4; way++) {
+                digest_case c = usual();
+                c.config.law = law;
+                c.config.order = order;
+                c.frames = 8;
+                c.flags |= way == 1 ? DIGEST_EXPOSED : way == 2 ? DIGEST_ROWS : way == 3 ? DIGEST_SEAM : 0;
+                put("law");
+                put_number(law);
+                put(order ? "-fused" : "-exact");
+                put(way == 0 ? "-whole" : way == 1 ? "-exposed" : way == 2 ? "-rows" : "-seam");
+                run(&c);
+            }
+}
+
+/* Every transfer with every white mode, on floats and on 8-bit codes. */
+static void curves(void)
+{
+    for (uint32_t transfer = 0; transfer < PUPIL_TRANSFER_COUNT; transfer++)
+        for (uint32_t white = 0; white < PUPIL_WHITE_COUNT; white++)
+            for (uint32_t codes = 0; codes < 2; codes++) {
+                digest_case c = usual();
+                c.config.transfer = transfer;
+                c.config.white_mode = white;
+                c.config.white = 3.0;
+                c.in = codes ? PUPIL_PIXEL_RGBA8 : PUPIL_PIXEL_RGBA16F;
+                put("transfer");
+                put_number(transfer);
+                put("-white");
+                put_number(white);
+                put(codes ? "-codes" : "-half");
+                run(&c);
+            }
+}
+
+static void trimmed(digest_case *c)
+{
+    c->config.trim_low = 0.05;
+    c->config.trim_high = 0.95;
+}
+
+static void centre(digest_case *c)
+{
+    pupil_metering_centre(&c->config);
+}
+
+static void spot(digest_case *c)
+{
+    pupil_metering_spot(&c->config);
+}
+
+static void roi(digest_case *c)
+{
+    pupil_metering_roi(&c->config, 0.1, 0.3, 0.45, 0.6);
+    c->config.histogram = 1;
+}
+
+static void mask(digest_case *c)
+{
+    for (uint32_t y = 0; y < PUPIL_GRID_SIDE; y++)
+        for (uint32_t x = 0; x < PUPIL_GRID_SIDE; x++)
+            c->config.weight[y][x] = (uint8_t)((x + y) % 3 ? 17 * x : 0);
+    trimmed(c);
+    c->in = PUPIL_PIXEL_RGBA32F;
+}
+
+static void bt2020(digest_case *c)
+{
+    c->config.primaries = PUPIL_PRIMARIES_BT2020;
+}
+
+static void matrix(digest_case *c)
+{
+    /* Display P3 to XYZ, rounded to eight binary places: any matrix would do. */
+    static const float p3[9] = {124.0f, 68.0f, 51.0f, 59.0f, 177.0f, 20.0f, 0.0f, 12.0f, 267.0f};
+    c->config.primaries = PUPIL_PRIMARIES_MATRIX;
+    for (int i = 0; i < 9; i++)
+        c->config.rgb_to_xyz[i] = p3[i] / 256.0f;
+}
+
+static void limits(digest_case *c)
+{
+    c->config.ev_min = -1.5;
+    c->config.ev_max = 0.75;
+    c->config.ev_compensation = -0.7;
+    c->config.key = 0.25;
+}
+
+static void floor_and_clip(digest_case *c)
+{
+    c->config.floor = 0x1p-3f;
+    c->config.clip = 4.0f;
+}
+
+static void calibrated(digest_case *c)
+{
+    c->config.calibration = 12.5;
+    c->config.law = PUPIL_LAW_GEOMETRIC_LUMINANCE;
+    c->config.frame_weight = 1e-7;
+    c->flags |= DIGEST_EXPOSED;
+}
+
+static void slow(digest_case *c)
+{
+    c->config.tau_light_s = 1e6;
+    c->config.tau_dark_s = 1e5;
+}
+
+static void at_once(digest_case *c)
+{
+    c->config.tau_light_s = 0.0;
+    c->config.tau_dark_s = 0.0;
+    c->config.white_quantile = 0.9;
+}
+
+static void unstamped(digest_case *c)
+{
+    c->flags &= ~(unsigned)DIGEST_STAMPED;
+    c->config.nominal_frame_s = 0.25;
+}
+
+static void locked(digest_case *c)
+{
+    c->config.lock = 1;
+}
+
+static void weight_one(digest_case *c)
+{
+    c->config.law = PUPIL_LAW_ARITHMETIC_SCALE;
+    c->config.frame_weight = 1.0;
+}
+
+static void refused(digest_case *c)
+{
+    c->config.key = -1.0;
+}
+
+int main(void)
+{
+    static const struct {
+        const char *name;
+        void (*set)(digest_case *);
+    } settings[] = {
+        {"trimmed", trimmed},
+        {"centre", centre},
+        {"spot", spot},
+        {"roi", roi},
+        {"mask", mask},
+        {"bt2020", bt2020},
+        {"matrix", matrix},
+        {"limits", limits},
+        {"floor-and-clip", floor_and_clip},
+        {"slow", slow},
+        {"at-once", at_once},
+        {"calibrated", calibrated},
+        {"locked", locked},
+        {"refused", refused},
+        {"unstamped", unstamped},
+        {"weight-one", weight_one},
+    };
+    shapes();
+    laws();
+    curves();
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        digest_case c = usual();
+        settings[i].set(&c);
+        put(settings[i].name);
+        run(&c);
+    }
+    return 0;
+}

@@ -1,0 +1,60 @@
+# Tests of the tree rather than of the code in it: what it needs, what it exports, what other compilers and CPUs make of
+# it. They build it anew, so they belong to the dev preset only.
+set(nested ${PROJECT_BINARY_DIR}/nested)
+
+# pupil_add_tree_test(NAME LABEL SECONDS COMMAND...)
+function(pupil_add_tree_test name label seconds)
+  add_test(NAME ${name} COMMAND sh ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT ${seconds} SKIP_RETURN_CODE 77)
+endfunction()
+
+# pupil_add_nested(NAME LABEL SECONDS TARGET CTEST_ARGUMENTS CMAKE_ARGUMENTS...)
+function(pupil_add_nested name label seconds target ctest_arguments)
+  string(REPLACE . - folder ${name})
+  pupil_add_tree_test(${name} ${label} ${seconds} ${CMAKE_CURRENT_SOURCE_DIR}/nested.sh
+    ${nested}/${folder} ${target} ${ctest_arguments} -- ${ARGN})
+  set_tests_properties(${name} PROPERTIES PROCESSORS 2)
+endfunction()
+
+set(here ${CMAKE_CURRENT_SOURCE_DIR})
+pupil_add_tree_test(tree.symbols quick 60 ${here}/freestanding/symbols.sh
+  $<TARGET_FILE:pupil_static> $<TARGET_FILE:pupil_shared>)
+pupil_add_tree_test(tree.stack quick 300 ${here}/freestanding/stack.sh)
+pupil_add_tree_test(tree.size quick 120 ${here}/freestanding/size.sh)
+pupil_add_tree_test(tree.headers quick 120 ${here}/headers/check.sh)
+pupil_add_tree_test(tree.install quick 120 ${here}/install/check.sh ${PROJECT_BINARY_DIR})
+pupil_add_tree_test(tree.readme quick 120 ${here}/readme/check.sh ${PROJECT_BINARY_DIR})
+pupil_add_tree_test(tree.style quick 120 ${here}/style.sh)
+
+# The same bits from other compilers and levels: tests/stream/digests.txt.
+set(digest_only -DPUPIL_PROGRAM=OFF -DPUPIL_TESTS=ON -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=None)
+foreach(compiler gcc clang)
+  foreach(level O0 O2 O3)
+    pupil_add_nested(digest.${compiler}-${level} full 600 digest "-R ^stream.digest$"
+      -DCMAKE_C_COMPILER=${compiler} -DCMAKE_C_FLAGS=-${level} ${digest_only})
+  endforeach()
+endforeach()
+pupil_add_nested(digest.x86-64-v3 full 600 digest "-R ^stream.digest$"
+  -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
+
+# The other presets, as a user would build them.
+pupil_add_nested(preset.minimal full 600 - - --preset minimal)
+pupil_add_nested(preset.release full 600 - - --preset release -DPUPIL_WERROR=ON)
+pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
+pupil_add_nested(preset.arm64 full 1800 - "-L quick" --preset arm64)
+pupil_add_nested(preset.musl full 1800 - "-L quick" --preset musl)
+
+# The quick tests under the sanitizers, then every fuzzer for a while, all from one build.
+pupil_add_nested(preset.asan.build full 1200 - - --preset asan)
+set_tests_properties(preset.asan.build PROPERTIES FIXTURES_SETUP asan)
+pupil_add_tree_test(preset.asan full 1800 ${here}/nested.sh
+  ${nested}/preset-asan-build - "-L quick")
+set_tests_properties(preset.asan PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2)
+file(GLOB fuzzers CONFIGURE_DEPENDS fuzz/fuzz_*.c)
+foreach(source IN LISTS fuzzers)
+  cmake_path(GET source STEM name)
+  string(REPLACE fuzz_ "" name ${name})
+  pupil_add_tree_test(fuzz.${name} fuzz 300 ${here}/nested.sh
+  ${nested}/preset-asan-build - "-R ^fuzz.${name}$")
+  set_tests_properties(fuzz.${name} PROPERTIES FIXTURES_REQUIRED asan)
+endforeach()
