@@ -1,0 +1,11 @@
+/* In place of read_exr.c in a build without OpenEXR. */
+#include "file/still.h"
+
+#include <stdio.h>
+
+int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+{
+    (void)still, (void)bytes, (void)size;
+    snprintf(why, why_bytes, "this build of pupil reads no EXR (it was configured with PUPIL_EXR=OFF)");
+    return -1;
+}
