@@ -1,8 +1,25 @@
 /* drivers/file/still.h: one HDR still in memory, and the readers that make it: one file a format, one function each.
  *
- * A reader takes the whole file as bytes (so that a fuzzer can call it as it is) and leaves linear Rec.709 float
- * pixels. Limits: at most PUPIL_STILL_MAX_PIXELS pixels and PUPIL_MAX_SIDE_PX a side; a header that promises more than
- * the file can hold is refused before memory is taken.
+ * A reader takes the whole file as bytes (so that a fuzzer can call it as it is) and leaves linear Rec.709/D65 pixels.
+ * Limits: at most PUPIL_STILL_MAX_PIXELS pixels and PUPIL_MAX_SIDE_PX a side; a header that promises more than the file
+ * can hold is refused before memory is taken. Files have at most 2 GiB.
+ *
+ * What each format's values are taken for:
+ *   OpenEXR   linear, as stored; expTime and the like are never divided out. Half, float and uint channels; scanlines
+ * or tiles (the full-size level); all compressions of the installed OpenEXR C library (its versions before 3.3 lack
+ * DWAA and DWAB). R, G, B; else Y with RY and BY (chroma of half the size is interpolated linearly); else Y as grey;
+ * else the first layer with one of these sets ("left.R"). Alpha and other channels are left out. Of several parts the
+ * first flat one with such channels; deep data is refused. The picture is the display window, as compositors and
+ * players show it: what the data window does not cover is black, and what it holds beyond is cut off. `chromaticities`
+ * are converted from (Bradford), where they are sane. Radiance  mantissa * 2^(exponent - 136) (the lower edge of Ward's
+ * step, as nearly every reader has it; the figures of images in circulation agree with it, not with Ward's mantissa +
+ * 1/2); EXPOSURE and COLORCORR divided out; PRIMARIES converted from where sane; XYZE through its equal-energy white.
+ *   PFM       as stored. Of the scale only the sign (byte order) counts: many files in circulation carry a magnitude
+ *             (1/255, a maximum) that their samples do not want to be multiplied with. PF, Pf and PF4.
+ *   PNG       by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else sRGB, else gAMA (a
+ *             power law; 1.0 is linear), else sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core
+ *             decodes; everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
+ * Chromaticities that are zero, not finite or no usable triangle count as unspecified, that is as Rec.709/D65.
  */
 #ifndef PUPIL_DRIVERS_FILE_STILL_H
 #define PUPIL_DRIVERS_FILE_STILL_H
@@ -13,14 +30,16 @@
 #include "pupil/image.h"
 
 #define PUPIL_STILL_MAX_PIXELS (UINT64_C(1) << 26) /* 8192 x 8192; 805 MB as RGB float */
+#define PUPIL_STILL_WHY_BYTES  512                 /* room that suffices for a reader's sentence */
 
 typedef struct pupil_still {
     void *pixels; /* malloc'ed; kept and reused by the next read where it is large enough */
     size_t capacity_bytes;
     uint32_t width, height;
-    uint32_t pixel;    /* PUPIL_PIXEL_RGB32F, or _RGBA32F, _RGB16... as the reader likes */
-    double exposure_s; /* 0 where unknown. Carried for information only where the format's convention is that pixel
-                        * values already are scene light (EXR's expTime, Radiance's EXPOSURE is divided out here) */
+    uint32_t pixel;    /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
+    double exposure_s; /* 0: in all four formats the pixel values are scene light already */
+    uint8_t *file;     /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
+    size_t file_capacity_bytes;
 } pupil_still;
 
 void pupil_still_free(pupil_still *still);

@@ -1,0 +1,107 @@
+/* What a user names on a command line, opened by what it is. */
+#include "file_source.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "natural_order.h"
+
+#define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm or .png"
+
+static int is_still(const char *path)
+{
+    static const char *const extensions[] = {".exr", ".hdr", ".pic", ".rgbe", ".pfm", ".png"};
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    for (size_t i = 0; dot && i < sizeof extensions / sizeof *extensions; i++)
+        if (strcasecmp(dot, extensions[i]) == 0)
+            return 1;
+    return 0;
+}
+
+static int starts_with(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+/* Whatever must be the only input. */
+static int is_alone(const char *input)
+{
+    struct stat status;
+    return starts_with(input, "pan:") || strcmp(input, "-") == 0 ||
+           (stat(input, &status) == 0 && !S_ISDIR(status.st_mode) && !is_still(input));
+}
+
+static int add_folder(pupil_paths *paths, const char *folder, char *why, size_t why_bytes)
+{
+    size_t before = paths->count;
+    if (pupil_paths_folder(paths, folder, is_still))
+        snprintf(why, why_bytes, "%s: the folder cannot be read: %s", folder, strerror(errno));
+    else if (paths->count == before)
+        snprintf(why, why_bytes, "%s: the folder holds no still (" STILL_KINDS ")", folder);
+    else
+        return 0;
+    return -1;
+}
+
+static int add_pattern(pupil_paths *paths, const char *pattern, char *why, size_t why_bytes)
+{
+    size_t before = paths->count;
+    if (pupil_paths_glob(paths, pattern, is_still))
+        snprintf(why, why_bytes, "%s: the pattern cannot be expanded: %s", pattern, strerror(errno));
+    else if (paths->count == before)
+        snprintf(why, why_bytes, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
+    else
+        return 0;
+    return -1;
+}
+
+/* Appends the stills that one input stands for. A file of a literal name goes before a pattern of the same text. */
+static int add_input(pupil_paths *paths, const char *input, char *why, size_t why_bytes)
+{
+    struct stat status;
+    if (stat(input, &status) == 0) {
+        if (S_ISDIR(status.st_mode))
+            return add_folder(paths, input, why, why_bytes);
+        if (pupil_paths_add(paths, input) == 0)
+            return 0;
+        snprintf(why, why_bytes, "no memory for the names of the inputs");
+        return -1;
+    }
+    if (errno == ENOENT && strpbrk(input, "*?["))
+        return add_pattern(paths, input, why, why_bytes);
+    snprintf(why, why_bytes, "%s: cannot be opened: %s", input, strerror(errno));
+    return -1;
+}
+
+int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
+                           pupil_source **source, char *why, size_t why_bytes)
+{
+    pupil_paths paths = {0};
+    int result = 0;
+    if (count == 0) {
+        snprintf(why, why_bytes, "no input was named; a file, a folder, a pattern, pan:FILE or - is needed");
+        return PUPIL_SOURCE_FAILED;
+    }
+    for (size_t i = 0; i < count; i++)
+        if (count > 1 && is_alone(inputs[i])) {
+            snprintf(why, why_bytes, "%s: must be the only input; only stills (" STILL_KINDS ") can follow one another",
+                     inputs[i]);
+            return PUPIL_SOURCE_FAILED;
+        }
+    if (starts_with(inputs[0], "pan:"))
+        return pupil_pan_source_open(inputs[0], options, source, why, why_bytes);
+    if (is_alone(inputs[0]))
+        return pupil_video_source_open(inputs[0], options, source, why, why_bytes);
+    for (size_t i = 0; i < count && result == 0; i++)
+        result = add_input(&paths, inputs[i], why, why_bytes);
+    if (result == 0)
+        result =
+            pupil_stills_source_open((const char *const *)paths.path, paths.count, options, source, why, why_bytes);
+    else
+        result = PUPIL_SOURCE_FAILED;
+    pupil_paths_free(&paths);
+    return result;
+}
