@@ -1,8 +1,9 @@
 # Compiler flags that every target of pupil gets.
 
 # A product and a sum must round twice, on every compiler and CPU: the results are compared bit by bit.
-# No code looks at errno after mathematics, and no code may be compiled as if NaN did not exist.
-add_compile_options(-ffp-contract=off -fno-math-errno)
+# No code looks at errno after mathematics or at the floating-point status flags (without -fno-trapping-math gcc will
+# not vectorise a comparison). No code may be compiled as if NaN did not exist.
+add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla)
 if(PUPIL_WERROR)
