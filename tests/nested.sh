@@ -19,7 +19,7 @@ quietly() {
 if [ $# -gt 0 ]; then
     shift
     cd "$source" # where the presets are
-    quietly cmake "$@" -B "$build"
+    quietly cmake -G Ninja "$@" -B "$build"
     quietly cmake --build "$build" --target "$target" -j "${PUPIL_JOBS:-2}"
 fi
 # Words, on purpose.

@@ -1,0 +1,53 @@
+# packages.sh: for demo.sh and test.sh. install_missing LINES: each line is a Debian package and what it is for; those
+# that dpkg does not know as installed are named and installed.
+install_missing() {
+    command -v dpkg-query >/dev/null && command -v apt-get >/dev/null || {
+        echo "$0: this is no Debian: install what docs/dependencies.md lists, then run the rest of this script by hand" >&2
+        exit 1
+    }
+    missing=$(echo "$1" | while read -r package reason; do
+        [ -n "$package" ] || continue
+        status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || :)
+        [ "$status" = installed ] || echo "$package $reason"
+    done)
+    [ -n "$missing" ] || return 0
+    echo "== installing what is missing"
+    echo "$missing" | sed 's/ /: /; s/^/   /'
+    packages=$(echo "$missing" | sed 's/ .*//')
+    as_root=
+    if [ "$(id -u)" != 0 ]; then
+        command -v sudo >/dev/null || {
+            echo "$0: to install packages, run it as root or install sudo" >&2
+            exit 1
+        }
+        as_root="sudo env"
+    else
+        as_root="env"
+    fi
+    $as_root DEBIAN_FRONTEND=noninteractive apt-get update -qq </dev/null
+    # Words, on purpose.
+    $as_root DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages </dev/null \
+        >"${TMPDIR:-/tmp}/pupil-apt.$$" 2>&1 || {
+        tail -n 30 "${TMPDIR:-/tmp}/pupil-apt.$$" >&2
+        echo "$0: apt-get install failed; its output is in ${TMPDIR:-/tmp}/pupil-apt.$$" >&2
+        exit 1
+    }
+    rm -f "${TMPDIR:-/tmp}/pupil-apt.$$"
+}
+
+# What the program is built with and from; docs/dependencies.md has licences and the options that do without.
+packages_of_the_program='
+gcc the C compiler
+libc6-dev the C library
+cmake writes the build files
+ninja-build runs the build
+pkg-config finds the libraries
+libopenexr-dev reads EXR
+libpng-dev reads and writes PNG
+libavformat-dev reads and writes video files
+libavcodec-dev decodes and encodes video
+libavutil-dev goes with the two above
+libswscale-dev converts video pixels
+libcjson-dev writes statistics as JSON
+gnuplot-nox draws the plots
+'

@@ -1,0 +1,43 @@
+#!/bin/sh
+# test.sh [quick]: on a bare Debian 12, installs what the tests need, builds, and runs every test; with "quick" those
+# that take seconds. The last lines are ctest's.
+set -eu
+cd "$(dirname "$0")"
+. cmake/packages.sh
+
+case ${1:-all} in
+all) selection= ;;
+quick) selection="-L ^quick$" ;;
+*)
+    echo "usage: $0 [quick]" >&2
+    exit 2
+    ;;
+esac
+
+install_missing "$packages_of_the_program
+g++ compiles the headers and a user's program as C++
+clang the second compiler, sanitizers and fuzzers
+libclang-rt-14-dev what clang links for sanitizers and libFuzzer
+llvm names the functions in what a sanitizer reports
+clang-format checks the style
+git lists the files whose style is checked
+gcc-aarch64-linux-gnu builds for 64-bit ARM
+libc6-dev-arm64-cross the C library for 64-bit ARM
+qemu-user runs what was built for 64-bit ARM
+gcc-arm-none-eabi builds for Cortex-M7
+qemu-system-arm runs what was built for Cortex-M7
+musl-tools builds with musl in place of glibc
+ffmpeg makes videos that the video reader is tested with
+python3 prints the tables anew, to compare them"
+
+echo "== building into build/dev"
+mkdir -p build
+{ cmake --preset dev && cmake --build --preset dev; } >build/test.log 2>&1 </dev/null || {
+    tail -n 40 build/test.log >&2
+    echo "$0: the build failed; all of its output is in build/test.log" >&2
+    exit 1
+}
+
+echo "== testing"
+# Words, on purpose.
+exec ctest --test-dir build/dev --output-on-failure -j "$(nproc)" $selection </dev/null
