@@ -20,6 +20,7 @@ typedef struct exr_pixels {
     float *chroma[2];       /* RY and BY over the data window, at their own sampling */
     int64_t chroma_width, chroma_height;
     exr_decode_pipeline_t decode;
+    exr_result_t (*decompress)(exr_decode_pipeline_t *decode);
     int begun; /* decode has been set up */
 } exr_pixels;
 
@@ -147,6 +148,7 @@ static exr_result_t begin_decode(exr_pixels *p, const exr_chunk_info_t *chunk)
     }
     result = exr_decoding_choose_default_routines(plan->file, plan->part, &p->decode);
     p->decode.unpack_and_convert_fn = NULL;
+    p->decompress = p->decode.decompress_fn;
     return result;
 }
 
@@ -159,6 +161,8 @@ static int read_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t left
         return pupil_exr_fail(plan, "cannot be decoded");
     if (check_chunk(p, chunk, top))
         return -1;
+    /* A chunk that would not shrink is stored as it is; 3.1.5 takes such chunks of B44 for compressed ones. */
+    p->decode.decompress_fn = chunk->packed_size == chunk->unpacked_size ? NULL : p->decompress;
     result = exr_decoding_run(plan->file, plan->part, &p->decode);
     if (result == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
         return pupil_still_fail(plan->why, plan->why_bytes,

@@ -5,21 +5,25 @@
  * can hold is refused before memory is taken. Files have at most 2 GiB.
  *
  * What each format's values are taken for:
- *   OpenEXR   linear, as stored; expTime and the like are never divided out. Half, float and uint channels; scanlines
- * or tiles (the full-size level); all compressions of the installed OpenEXR C library (its versions before 3.3 lack
- * DWAA and DWAB). R, G, B; else Y with RY and BY (chroma of half the size is interpolated linearly); else Y as grey;
- * else the first layer with one of these sets ("left.R"). Alpha and other channels are left out. Of several parts the
- * first flat one with such channels; deep data is refused. The picture is the display window, as compositors and
- * players show it: what the data window does not cover is black, and what it holds beyond is cut off. `chromaticities`
- * are converted from (Bradford), where they are sane. Radiance  mantissa * 2^(exponent - 136) (the lower edge of Ward's
- * step, as nearly every reader has it; the figures of images in circulation agree with it, not with Ward's mantissa +
- * 1/2); EXPOSURE and COLORCORR divided out; PRIMARIES converted from where sane; XYZE through its equal-energy white.
- *   PFM       as stored. Of the scale only the sign (byte order) counts: many files in circulation carry a magnitude
- *             (1/255, a maximum) that their samples do not want to be multiplied with. PF, Pf and PF4.
- *   PNG       by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else sRGB, else gAMA (a
- *             power law; 1.0 is linear), else sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core
- *             decodes; everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
- * Chromaticities that are zero, not finite or no usable triangle count as unspecified, that is as Rec.709/D65.
+ *
+ * - OpenEXR: linear, as stored; expTime and the like are never divided out. Half, float and uint channels; scanlines or
+ *   tiles (the full-size level); all compressions of the installed OpenEXR C library (3.1 lacks DWAA and DWAB). R, G
+ *   and B; else Y with RY and BY (chroma of half the size is interpolated linearly); else Y as grey; else the first
+ *   layer with one of these sets ("left.R"). Alpha and other channels are left out. Of several parts the first flat one
+ *   with such channels; deep data is refused. The picture is the display window, as compositors and players show it:
+ *   what the data window does not cover is black, what it holds beyond is cut off, and a data window wholly outside is
+ *   refused. `chromaticities` are converted from, where they are sane.
+ * - Radiance: mantissa * 2^(exponent - 136), the lower edge of Ward's step, as nearly every reader has it: the figures
+ *   published with images agree with it and not with Ward's mantissa + 1/2. EXPOSURE and COLORCORR are divided out,
+ *   PRIMARIES converted from where they are sane, XYZE through its equal-energy white.
+ * - PFM: as stored. Of the scale only the sign (the byte order) counts: files in circulation carry magnitudes (1/255,
+ *   a maximum) that their samples are not to be multiplied with. PF, Pf and PF4 (alpha left out).
+ * - PNG: by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else sRGB, else gAMA (a power
+ *   law; 1.0 is linear), else as sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core decodes;
+ *   everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
+ *
+ * White other than D65 is adapted (Bradford). Chromaticities that are zero, not finite or no usable triangle count as
+ * unspecified, that is as Rec.709/D65.
  */
 #ifndef PUPIL_DRIVERS_FILE_STILL_H
 #define PUPIL_DRIVERS_FILE_STILL_H
