@@ -1,0 +1,18 @@
+/* apps/json_absent.c: in the place of stats_json.c where the program is built without cJSON. */
+#include <stdlib.h>
+
+#include "file/sink_common.h"
+#include "stats_file.h"
+
+int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
+{
+    return pupil_sink_refuse(why, why_bytes,
+                             "%s: this program was built without cJSON (PUPIL_JSON=OFF); statistics can be a .csv file",
+                             path);
+}
+
+char *pupil_stats_json_line(const pupil_record *record)
+{
+    (void)record;
+    abort(); /* nobody comes here past the check */
+}
