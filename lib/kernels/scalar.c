@@ -182,10 +182,10 @@ static void tone(float *restrict r, float *restrict g, float *restrict b, float 
 
 static inline uint8_t encode(const pupil_encoder *e, float x)
 {
-    x = x > 0.0f ? x : 0.0f;
+    const float lowest = pupil_float_of_bits(e->base_bits); /* and all below it, and NaN: code 0 */
+    x = x > lowest ? x : lowest;
     x = x < 1.0f ? x : 1.0f;
-    uint32_t bits = pupil_bits_of_float(x);
-    uint32_t code = e->guess[bits > e->base_bits ? (bits - e->base_bits) >> 16 : 0];
+    uint32_t code = e->guess[(pupil_bits_of_float(x) - e->base_bits) >> 16];
     return (uint8_t)(code + (uint32_t)(x >= e->bound[code + 1]));
 }
 
