@@ -1,0 +1,14 @@
+/* apps/plot.h: --plot: what the exposure did over time, drawn by gnuplot. */
+#ifndef PUPIL_APPS_PLOT_H
+#define PUPIL_APPS_PLOT_H
+
+#include <stddef.h>
+
+#include "record.h"
+
+/* Draws the records into an .svg or .png file: metered and adapted EV with the frame's range of light, the level of the
+ * display with the key, the shares of clipped, black and white. Complete or absent. 0, or -1 and a sentence. */
+int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
+                     char *why, size_t why_bytes);
+
+#endif

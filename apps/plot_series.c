@@ -1,0 +1,66 @@
+#include "plot_series.h"
+
+#include <math.h>
+
+static int usable(const pupil_record *record, double value)
+{
+    return isfinite(record->time_s) && isfinite(value);
+}
+
+static void point(FILE *out, const pupil_record *record, double value)
+{
+    fprintf(out, "%.9g %.9g\n", record->time_s, value);
+}
+
+void plot_series(FILE *out, const pupil_record *records, size_t count, plot_value *value)
+{
+    size_t stretch = count <= PLOT_MOST_POINTS ? 1 : (count + PLOT_MOST_POINTS / 2 - 1) / (PLOT_MOST_POINTS / 2);
+    for (size_t from = 0; from < count; from += stretch) {
+        size_t end = count - from < stretch ? count : from + stretch, least = end, most = end;
+        for (size_t i = from; i < end; i++) {
+            if (!usable(&records[i], value(&records[i])))
+                continue;
+            if (least == end || value(&records[i]) < value(&records[least]))
+                least = i;
+            if (most == end || value(&records[i]) > value(&records[most]))
+                most = i;
+        }
+        if (least == end)
+            continue;
+        size_t first = least < most ? least : most, second = least < most ? most : least;
+        point(out, &records[first], value(&records[first]));
+        if (second != first)
+            point(out, &records[second], value(&records[second]));
+    }
+}
+
+void plot_band(FILE *out, const pupil_record *records, size_t count, plot_value *low, plot_value *high)
+{
+    size_t stretch = (count + PLOT_MOST_POINTS - 1) / PLOT_MOST_POINTS;
+    for (size_t from = 0; from < count; from += stretch) {
+        size_t end = count - from < stretch ? count : from + stretch;
+        double least = INFINITY, most = -INFINITY, time_s = 0.0;
+        for (size_t i = from; i < end; i++) {
+            double a = low(&records[i]), b = high(&records[i]);
+            if (!usable(&records[i], a) || !usable(&records[i], b))
+                continue;
+            if (least > most)
+                time_s = records[i].time_s;
+            least = a < least ? a : least;
+            most = b > most ? b : most;
+        }
+        if (least <= most)
+            fprintf(out, "%.9g %.9g %.9g\n", time_s, least, most);
+    }
+}
+
+void plot_range(const pupil_record *records, size_t count, plot_value *value, double *low, double *high)
+{
+    for (size_t i = 0; i < count; i++) {
+        double v = value(&records[i]);
+        if (!isfinite(v))
+            continue;
+        *low = v < *low ? v : *low;
+        *high = v > *high ? v : *high;
+    }
+}
