@@ -5,6 +5,10 @@
 
 #include "numeric.h"
 
+/* log2 of 9/8, the widest bin of the histogram. A frame that is clipped at 1 has its quantile somewhere in the bin from
+ * 1 to 9/8; less a bin it gets a white point of 1, which leaves a well exposed frame as it is. */
+#define BIN_STOPS 0x1.5c01a39fbd688p-3
+
 /* A step of w of the way from s to t, at least one unit where w > 0. */
 static pupil_q40 approach(pupil_q40 s, pupil_q40 t, double w)
 {
@@ -242,7 +246,7 @@ int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_cu
     if (c->white_mode == PUPIL_WHITE_FIXED)
         white_log2 = pupil_log2(c->white);
     else if (c->white_mode == PUPIL_WHITE_FOLLOW)
-        white_log2 = scale_log2 + object->adaptation.result.white_ev;
+        white_log2 = scale_log2 + object->adaptation.result.white_ev - BIN_STOPS;
     if (c->white_mode == PUPIL_WHITE_FOLLOW)
         white_log2 = white_log2 < 0.0 ? 0.0 : white_log2 > 30.0 ? 30.0 : white_log2;
     curve->scale = (float)pupil_exp2(frame_log2);

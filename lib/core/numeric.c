@@ -2,8 +2,8 @@
 
 #define LN2 0x1.62e42fefa39efp-1
 /* ln 2 in two parts: the first has 21 trailing zero bits, so that n * LN2_HIGH is exact for n < 2^21. */
-#define LN2_HIGH 0x1.62e42fep-1
-#define LN2_LOW  0x1.efa39ef35793cp-33
+#define LN2_HIGH 0x1.62e42feep-1
+#define LN2_LOW  0x1.a39ef35793c76p-33
 
 double pupil_log2(double x)
 {

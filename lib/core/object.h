@@ -69,8 +69,10 @@ int pupil_image_check(const pupil_image_const *image, int out);
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out);
 
-/* PUPIL_OK or why statistics cannot be adapted to. */
+/* PUPIL_OK, or PUPIL_ERR_STATS for what no metering can have produced. The second looks at the sums only, not at each
+ * bin and band: for rows that come one at a time. */
 int pupil_stats_check(const pupil_stats *stats);
+int pupil_stats_check_sums(const pupil_stats *stats);
 
 /* Carries the adapted level over to the law of object->config, of which it was not the state before. */
 void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law);

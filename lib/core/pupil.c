@@ -18,9 +18,9 @@ static void derive_luma(pupil_object *object)
     const float *row = c->primaries == PUPIL_PRIMARIES_BT709    ? bt709
                        : c->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020
                                                                 : c->rgb_to_xyz + 3;
-    float sum = c->primaries == PUPIL_PRIMARIES_MATRIX ? (row[0] + row[1]) + row[2] : 1.0f;
+    double sum = c->primaries == PUPIL_PRIMARIES_MATRIX ? (double)row[0] + (double)row[1] + (double)row[2] : 1.0;
     for (int i = 0; i < 3; i++)
-        object->luma[i] = row[i] / sum;
+        object->luma[i] = (float)((double)row[i] / sum);
 }
 
 static void configure(pupil_object *object, const pupil_config *config)
@@ -122,7 +122,7 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
         return PUPIL_ERR_SIZE;
     if (first_row >= frame_height || rows->height > frame_height - first_row)
         return PUPIL_ERR_ROWS;
-    if (pupil_stats_check(stats))
+    if (pupil_stats_check_sums(stats))
         return PUPIL_ERR_STATS;
     if (stats->rows) {
         if (stats->frame_height != frame_height || stats->has_histogram != object->histogram)
@@ -210,6 +210,12 @@ int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t fir
     return error;
 }
 
+static void drop_frame(pupil_object *object)
+{
+    object->progress.active = 0;
+    pupil_stats_clear(&object->stats); /* half a frame's statistics are of no use to anyone */
+}
+
 int pupil_frame_end(pupil_t *pupil)
 {
     int error = pupil_object_check(pupil);
@@ -218,9 +224,11 @@ int pupil_frame_end(pupil_t *pupil)
     pupil_object *object = pupil_object_of(pupil);
     if (!object->progress.active)
         return PUPIL_ERR_ORDER;
-    object->progress.active = 0;
-    if (object->stats.rows != object->progress.height)
+    if (object->stats.rows != object->progress.height) {
+        drop_frame(object);
         return PUPIL_ERR_ROWS;
+    }
+    object->progress.active = 0;
     return pupil_adapt(pupil, &object->stats, &object->progress.info);
 }
 
@@ -231,7 +239,7 @@ int pupil_frame_cancel(pupil_t *pupil)
         return error;
     if (!pupil_object_of(pupil)->progress.active)
         return PUPIL_ERR_ORDER;
-    pupil_object_of(pupil)->progress.active = 0;
+    drop_frame(pupil_object_of(pupil));
     return PUPIL_OK;
 }
 
@@ -249,9 +257,19 @@ int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
 /* ---- a frame at once
  * ------------------------------------------------------------------------------------------------- */
 
+/* For frames before there was any light: nothing is changed but by a white point that was asked for. */
+static pupil_curve curve_at_key(const pupil_config *c)
+{
+    pupil_curve curve = {1.0f, 1.0f};
+    if (c->white_mode == PUPIL_WHITE_FIXED)
+        curve.inverse_white_squared = (float)(1.0 / (c->white * c->white));
+    if (c->white_mode == PUPIL_WHITE_NONE)
+        curve.inverse_white_squared = 0.0f;
+    return curve;
+}
+
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
-    pupil_curve curve = {1.0f, 0.0f}; /* where there never was any light */
     int error = check_in(pupil, in);
     if (!error)
         error = check_out(in, out);
@@ -261,6 +279,7 @@ int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame
     if (object->progress.active)
         return PUPIL_ERR_ORDER;
 
+    pupil_curve curve = curve_at_key(&object->config);
     int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
     pupil_stats_clear(&object->stats);
     pupil_work_rows(object, in, 0, in->height, &object->stats, fused ? &curve : 0, fused ? out : 0);

@@ -42,7 +42,26 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     return PUPIL_OK;
 }
 
-int pupil_stats_check(const pupil_stats *s)
+/* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows. */
+static int bins_and_bands_fit(const pupil_stats *s)
+{
+    const uint64_t wanted = s->has_histogram ? s->weight : 0;
+    uint64_t total = 0, pixels = 0;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
+        if (s->bin[i] > wanted - total)
+            return 0;
+        total += s->bin[i];
+    }
+    for (int i = 0; i < PUPIL_BANDS; i++) {
+        const int64_t most = (int64_t)s->band_pixels[i] * (32 * (INT64_C(1) << 24));
+        if (s->band_log2_sum[i] > most || s->band_log2_sum[i] < -most)
+            return 0;
+        pixels += s->band_pixels[i];
+    }
+    return total == wanted && pixels <= s->pixels;
+}
+
+int pupil_stats_check_sums(const pupil_stats *s)
 {
     const uint64_t limit = UINT64_C(1) << 56; /* far above any frame (2^36), far below overflow */
     if (s->log2_frac >= (uint64_t)PUPIL_Q40_ONE || s->weight > limit || s->pixels > s->weight || s->black > s->pixels ||
@@ -53,15 +72,14 @@ int pupil_stats_check(const pupil_stats *s)
         return PUPIL_ERR_STATS;
     if (!s->weight && s->log2_frac)
         return PUPIL_ERR_STATS;
+    if (s->has_histogram > 1 || s->reserved || (s->pixels && !s->rows))
+        return PUPIL_ERR_STATS;
     return PUPIL_OK;
 }
 
-static uint64_t histogram_total(const pupil_stats *stats)
+int pupil_stats_check(const pupil_stats *s)
 {
-    uint64_t total = 0;
-    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
-        total += stats->bin[i];
-    return total;
+    return pupil_stats_check_sums(s) || !bins_and_bands_fit(s) ? PUPIL_ERR_STATS : PUPIL_OK;
 }
 
 /* The luminance at the share t (0..1) of bin i: bins are equally wide in luminance within their stop. */
@@ -79,8 +97,8 @@ int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_lumina
         return PUPIL_ERR_VALUE;
     if (!stats->has_histogram)
         return PUPIL_ERR_NO_HISTOGRAM;
-    uint64_t total = histogram_total(stats);
-    if (!total)
+    uint64_t total = stats->weight;
+    if (!total || pupil_stats_check(stats))
         return PUPIL_ERR_STATS;
 
     double target = q * (double)total, below = 0.0;
@@ -126,9 +144,7 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
     if (low > 0.0 || high < 1.0) {
         if (!stats->has_histogram)
             return PUPIL_ERR_NO_HISTOGRAM;
-        double total = (double)histogram_total(stats);
-        if (!(total > 0.0))
-            return PUPIL_ERR_STATS;
+        const double total = (double)stats->weight;
         /* The exact mean corrects the bins' middles: as the trim goes to nothing, so does the difference of the two. */
         mean += histogram_mean(stats, low * total, high * total) - histogram_mean(stats, 0.0, total);
     }

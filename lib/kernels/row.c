@@ -43,7 +43,9 @@ static void stats_add_run(pupil_stats *stats, const pupil_run *run, uint32_t n, 
     stats->black += run->black;
     stats->clipped += run->clipped;
     stats->bad += run->bad;
-    stats->band_log2_sum[band] += whole * (1 << 24) + (int64_t)(frac >> 16);
+    /* unsigned, because nobody has checked the bands of a caller's statistics yet */
+    stats->band_log2_sum[band] =
+        (int64_t)((uint64_t)stats->band_log2_sum[band] + (uint64_t)(whole * (1 << 24) + (int64_t)(frac >> 16)));
     stats->band_pixels[band] += n;
 }
 

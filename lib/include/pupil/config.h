@@ -38,7 +38,8 @@ typedef enum pupil_law {
  * 2.5 stops above it). */
 typedef enum pupil_white {
     PUPIL_WHITE_FOLLOW = 0, /* default: the frame's upper quantile (config.white_quantile), adapted as the level is;
-                             * never below 1, so that a frame of little contrast is not stretched */
+                             * less one bin of the histogram (so that a frame clipped at 1 gets 1) and never below 1,
+                             * so that a frame of little contrast is not stretched */
     PUPIL_WHITE_FIXED,      /* config.white */
     PUPIL_WHITE_NONE,       /* Reinhard's global operator, L / (1 + L): nothing ever reaches white */
     PUPIL_WHITE_COUNT
@@ -72,7 +73,7 @@ typedef struct pupil_config {
     float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1 */
     float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value */
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
-    float trim_high;     /* where the kept share ends, trim_low..1; 1. (0.05, 0.95) is the usual trimmed mean */
+    float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
     uint32_t histogram;  /* 0: gathered only if trimming or a following white needs it; 1: always; 0 */
     uint8_t weight[PUPIL_GRID_SIDE][PUPIL_GRID_SIDE]; /* [row][column] of the metering grid, 0..255, at least one
                                                        * above 0; all 1. A pixel belongs to the cell its centre lies in:

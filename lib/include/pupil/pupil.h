@@ -85,10 +85,12 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
 
 /* What a mapper needs: display = map(scale, inverse_white_squared). With v the frame's value and Lv its luminance:
  *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
- * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.) */
+ * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.)
+ * Lv counts as 0..2^30 and a component of v as 0..2^31 here; where Lv is NaN the pixel is black. A result with a
+ * component above 1 is moved toward the grey of its own luminance until it fits. */
 typedef struct pupil_curve {
-    float scale;                 /* X: from frame values to scaled luminance */
-    float inverse_white_squared; /* 1 / W^2; 0: no white point */
+    float scale;                 /* X: from frame values to scaled luminance; 0..2^60 */
+    float inverse_white_squared; /* 1 / W^2; 0: no white point; 0..2^16 */
 } pupil_curve;
 
 /* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to
@@ -145,7 +147,8 @@ PUPIL_API int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
  * light before adapting is put back. `info` may be NULL. PUPIL_ERR_NO_EXPOSURE before the first valid frame. */
 PUPIL_API int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve);
 
-/* The statistics of the last frame that pupil_process or pupil_frame_end metered. */
+/* The statistics of the last frame that pupil_process or pupil_frame_end metered; none where it was dropped. Between
+ * pupil_frame_begin and pupil_frame_end: of the rows so far. */
 PUPIL_API int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats);
 
 #ifdef __cplusplus

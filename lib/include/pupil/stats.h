@@ -5,12 +5,14 @@
  * piece.
  *
  * What a pixel counts as. L = wr R + wg G + wb B in binary32, without fused multiply-add, in that order; negative
- * components count as they are (a colour outside the gamut has the luminance its numbers say).
- *   ordinary       L between floor and 2^30: counts as L
- *   black          L <= floor, zero, negative or denormal L among them: counts as floor
- *   clipped        a channel at or above the clip value (by default the largest code of an integer format, 65504 for
- * half, 2^30 for float): counts as L, at most 2^30 bad            L is NaN or infinite: NaN and -Inf count as floor,
- * +Inf as 2^30; not counted as black or clipped Pixels whose metering weight is 0 count nowhere.
+ * components count as they are (a colour outside the gamut has the luminance its numbers say). A 16-bit sample is
+ * code * (1 / 65535) there, an 8-bit one the nearest binary32 on the sRGB curve.
+ *   ordinary: L between floor and 2^30 counts as L
+ *   black: L <= floor (zero, negative and denormal L among them) counts as floor
+ *   clipped: a channel at or above the clip value; L counts as L, at most 2^30. By default the clip value is the
+ *       largest code of an integer format, 65504 for half, 2^30 for float
+ *   bad: L is NaN or infinite. NaN and -Inf count as floor, +Inf as 2^30; such pixels are not black or clipped
+ * Pixels whose metering weight is 0 count nowhere.
  *
  * Threads: plain values; two threads must not write the same one.
  */
