@@ -1,0 +1,293 @@
+#include "reference.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static long double half_value(uint16_t bits)
+{
+    int exponent = bits >> 10 & 31;
+    long double fraction = bits & 1023, sign = bits >> 15 ? -1 : 1;
+    if (exponent == 31)
+        return fraction > 0 ? NAN : sign * (long double)INFINITY;
+    return sign * (exponent ? ldexpl(1024 + fraction, exponent - 25) : ldexpl(fraction, -24));
+}
+
+/* IEC 61966-2-1, the decoding direction. */
+static long double srgb_value(unsigned code)
+{
+    long double x = code / 255.0L;
+    return x <= 0.04045L ? x / 12.92L : powl((x + 0.055L) / 1.055L, 2.4L);
+}
+
+static int channels(uint32_t pixel)
+{
+    return pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ? 3 : 4;
+}
+
+void ref_sample(const pupil_image_const *image, uint32_t x, uint32_t y, long double rgba[4])
+{
+    const int n = channels(image->pixel);
+    const unsigned char *row = (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes;
+    static long double srgb[256];
+    if (srgb[255] < 0.5L)
+        for (unsigned i = 0; i < 256; i++)
+            srgb[i] = srgb_value(i);
+    rgba[3] = 1;
+    for (int c = 0; c < n; c++) {
+        const size_t at = (size_t)x * (size_t)n + (size_t)c;
+        float f;
+        uint16_t s;
+        switch (image->pixel) {
+        case PUPIL_PIXEL_RGBA32F:
+        case PUPIL_PIXEL_RGB32F:
+            memcpy(&f, row + 4 * at, 4);
+            rgba[c] = f;
+            break;
+        case PUPIL_PIXEL_RGBA16F:
+            memcpy(&s, row + 2 * at, 2);
+            rgba[c] = half_value(s);
+            break;
+        case PUPIL_PIXEL_RGBA16:
+        case PUPIL_PIXEL_RGB16:
+            memcpy(&s, row + 2 * at, 2);
+            rgba[c] = s / 65535.0L;
+            break;
+        default:
+            rgba[c] = c == 3 ? row[at] / 255.0L : srgb[row[at]];
+        }
+    }
+}
+
+void ref_weights(const pupil_config *config, long double exact[3], float rounded[3])
+{
+    static const long double bt709[3] = {0.2126L, 0.7152L, 0.0722L}, bt2020[3] = {0.2627L, 0.6780L, 0.0593L};
+    const float *y = config->rgb_to_xyz + 3;
+    const long double sum = (long double)y[0] + y[1] + y[2];
+    for (int c = 0; c < 3; c++) {
+        exact[c] = config->primaries == PUPIL_PRIMARIES_BT709    ? bt709[c]
+                   : config->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020[c]
+                                                                 : y[c] / sum;
+        rounded[c] = (float)exact[c];
+    }
+}
+
+float ref_luminance(const float weight[3], const float rgb[3])
+{
+    /* volatile: each product and sum is rounded to binary32 whatever the compiler would like to fuse */
+    volatile float r = weight[0] * rgb[0], g = weight[1] * rgb[1], b = weight[2] * rgb[2];
+    volatile float rg = r + g;
+    return rg + b;
+}
+
+unsigned ref_cell(const pupil_config *config, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
+{
+    return config->weight[(2 * y + 1) * 16 / (2 * height)][(2 * x + 1) * 16 / (2 * width)];
+}
+
+/* The samples as binary32. 16-bit ones are code * (1 / 65535), stats.h. */
+static void ref_floats(uint32_t pixel, const long double rgba[4], float rgb[3])
+{
+    const int is_16 = pixel == PUPIL_PIXEL_RGBA16 || pixel == PUPIL_PIXEL_RGB16;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = is_16 ? (float)roundl(rgba[c] * 65535) * (1.0f / 65535.0f) : (float)rgba[c];
+}
+
+static float format_top(uint32_t pixel)
+{
+    switch (pixel) {
+    case PUPIL_PIXEL_RGBA32F:
+    case PUPIL_PIXEL_RGB32F:
+        return 0x1p30f;
+    case PUPIL_PIXEL_RGBA16F:
+        return 65504;
+    default:
+        return 1;
+    }
+}
+
+typedef struct counted {
+    float luminance, clamped;
+    long double exact; /* clamped */
+    int black, clipped, bad;
+} counted;
+
+static counted count_pixel(const pupil_config *config, const pupil_image_const *image, uint32_t x, uint32_t y)
+{
+    long double rgba[4], exact[3];
+    float rounded[3], rgb[3];
+    counted p = {0};
+    const float clip = config->clip > 0 ? config->clip : format_top(image->pixel);
+    ref_sample(image, x, y, rgba);
+    ref_weights(config, exact, rounded);
+    ref_floats(image->pixel, rgba, rgb);
+    p.luminance = ref_luminance(rounded, rgb);
+    p.bad = !isfinite(p.luminance);
+    p.black = !p.bad && p.luminance <= config->floor;
+    p.clipped = !p.bad && (rgb[0] >= clip || rgb[1] >= clip || rgb[2] >= clip);
+    p.clamped = p.luminance > config->floor ? fminf(p.luminance, 0x1p30f) : config->floor;
+    p.exact = exact[0] * rgba[0] + exact[1] * rgba[1] + exact[2] * rgba[2];
+    p.exact = p.exact > config->floor ? fminl(p.exact, REF_TOP) : config->floor;
+    if (p.bad)
+        p.exact = p.clamped;
+    return p;
+}
+
+void ref_meter_frame(const pupil_config *config, const pupil_image_const *image, ref_meter *meter)
+{
+    long double pixels_sum = 0, floats_sum = 0;
+    memset(meter, 0, sizeof *meter);
+    for (uint32_t y = 0; y < image->height; y++)
+        for (uint32_t x = 0; x < image->width; x++) {
+            const unsigned weight = ref_cell(config, x, y, image->width, image->height);
+            const unsigned band = (unsigned)((uint64_t)y * PUPIL_BANDS / image->height);
+            uint32_t bits;
+            if (!weight)
+                continue;
+            const counted p = count_pixel(config, image, x, y);
+            const long double log2_float = log2l(p.clamped);
+            memcpy(&bits, &p.clamped, 4);
+            pixels_sum += weight * log2l(p.exact);
+            floats_sum += weight * log2_float;
+            meter->pixels++;
+            meter->weight += weight;
+            meter->black += (unsigned)p.black;
+            meter->clipped += (unsigned)p.clipped;
+            meter->bad += (unsigned)p.bad;
+            meter->bin[(bits >> 20) - ((127 - 32) << 3)] += weight;
+            meter->band_sum[band] += log2_float;
+            meter->band_pixels[band]++;
+        }
+    meter->mean_of_pixels = meter->weight ? pixels_sum / meter->weight : 0;
+    meter->mean_of_floats = meter->weight ? floats_sum / meter->weight : 0;
+}
+
+static int by_luminance(const void *a, const void *b)
+{
+    const long double x = ((const struct ref_item *)a)->log2_luminance,
+                      y = ((const struct ref_item *)b)->log2_luminance;
+    return (x > y) - (x < y);
+}
+
+void ref_order_make(const pupil_config *config, const pupil_image_const *image, ref_order *order)
+{
+    order->count = 0;
+    order->weight = 0;
+    order->item = malloc((size_t)image->width * image->height * sizeof *order->item);
+    if (!order->item)
+        abort();
+    for (uint32_t y = 0; y < image->height; y++)
+        for (uint32_t x = 0; x < image->width; x++) {
+            const unsigned weight = ref_cell(config, x, y, image->width, image->height);
+            if (!weight)
+                continue;
+            order->item[order->count].log2_luminance = log2l(count_pixel(config, image, x, y).clamped);
+            order->item[order->count++].weight = weight;
+            order->weight += weight;
+        }
+    qsort(order->item, order->count, sizeof *order->item, by_luminance);
+}
+
+void ref_order_free(ref_order *order)
+{
+    free(order->item);
+}
+
+long double ref_trimmed(const ref_order *order, double low, double high)
+{
+    const long double from = low * (long double)order->weight, to = high * (long double)order->weight;
+    long double at = 0, sum = 0;
+    for (size_t i = 0; i < order->count; i++) {
+        const long double next = at + order->item[i].weight;
+        const long double kept = fminl(next, to) - fmaxl(at, from);
+        if (kept > 0)
+            sum += kept * order->item[i].log2_luminance;
+        at = next;
+    }
+    return sum / (to - from);
+}
+
+void ref_quantile(const ref_order *order, double q, long double *left, long double *right)
+{
+    const long double share = q * (long double)order->weight;
+    long double at = 0;
+    *left = *right = order->item[0].log2_luminance;
+    for (size_t i = 0; i < order->count; i++) {
+        if (at <= share)
+            *right = order->item[i].log2_luminance;
+        if (at < share)
+            *left = order->item[i].log2_luminance;
+        at += order->item[i].weight;
+    }
+}
+
+long double ref_encode(uint32_t transfer, long double light)
+{
+    if (!(light > 0))
+        return 0;
+    if (light >= 1)
+        return 255;
+    if (transfer == PUPIL_TRANSFER_GAMMA22)
+        light = powl(light, 1 / 2.2L);
+    else if (transfer == PUPIL_TRANSFER_SRGB)
+        light = light <= 0.0031308L ? 12.92L * light : 1.055L * powl(light, 1 / 2.4L) - 0.055L;
+    return 255 * light;
+}
+
+void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3])
+{
+    long double exact[3], light[3], most = 0, luminance;
+    float rounded[3], rgb[3];
+    ref_weights(config, exact, rounded);
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (float)rgba[c];
+        light[c] = rgba[c] > 0 ? fminl(rgba[c], 0x1p31L) : 0; /* NaN goes to 0; pupil.h, pupil_curve */
+    }
+    luminance = exact[0] * rgba[0] + exact[1] * rgba[1] + exact[2] * rgba[2];
+    if (!isfinite(ref_luminance(rounded, rgb)))
+        luminance = ref_luminance(rounded, rgb);
+    if (isnan(luminance)) /* a pixel that is not a number in its luminance is black */
+        light[0] = light[1] = light[2] = 0;
+    luminance = luminance > 0 ? fminl(luminance, REF_TOP) : 0;
+    const long double u = curve->scale * luminance;
+    const long double gain = curve->scale * (1 + u * curve->inverse_white_squared) / (1 + u);
+    const long double display = luminance * gain;
+    for (int c = 0; c < 3; c++) {
+        light[c] *= gain;
+        most = fmaxl(most, light[c]);
+    }
+    for (int c = 0; c < 3; c++) {
+        if (most > 1)
+            light[c] = display >= 1 ? 1 : display + (light[c] - display) * (1 - display) / (most - display);
+        code[c] = ref_encode(config->transfer, light[c]);
+    }
+}
+
+long double ref_alpha(const long double rgba[4])
+{
+    return rgba[3] > 0 ? 255 * fminl(rgba[3], 1) : 0;
+}
+
+double ref_stats_at(double ev, int histogram, pupil_stats *stats)
+{
+    const double whole = floor(ev), rest = floor((ev - whole) * 0x1p40);
+    memset(stats, 0, sizeof *stats);
+    stats->pixels = stats->weight = stats->rows = stats->frame_height = 1;
+    stats->log2_sum = (int64_t)whole;
+    stats->log2_frac = (uint64_t)rest;
+    stats->has_histogram = histogram != 0;
+    stats->band_pixels[0] = 1;
+    stats->band_log2_sum[0] = (int64_t)floor((whole + rest * 0x1p-40) * 0x1p24);
+    if (histogram) {
+        const float luminance = (float)exp2(whole + rest * 0x1p-40);
+        uint32_t bits;
+        memcpy(&bits, &luminance, 4);
+        stats->bin[(bits >> 20) - ((127 - 32) << 3)] = 1;
+    }
+    return whole + rest * 0x1p-40;
+}
+
+double ref_relative(long double stops_off)
+{
+    return (double)fabsl(expm1l(stops_off * 0.693147180559945309417L));
+}

@@ -1,0 +1,67 @@
+/* tests/reference.h: what the headers say, computed the slow way in long double, so that the library has something
+ * independent to be compared with. Nothing here is shared with the library but its public headers.
+ */
+#ifndef PUPIL_TESTS_REFERENCE_H
+#define PUPIL_TESTS_REFERENCE_H
+
+#include "pupil/pupil.h"
+
+#define REF_TOP 0x1p30L /* the most a luminance counts as, stats.h */
+
+/* The stored components of one pixel, exactly: integer codes divided out, sRGB decoded. Alpha is 1 where there is none.
+ */
+void ref_sample(const pupil_image_const *image, uint32_t x, uint32_t y, long double rgba[4]);
+
+/* Luminance weights, as real numbers and as the nearest binary32. */
+void ref_weights(const pupil_config *config, long double exact[3], float rounded[3]);
+
+/* (wr R + wg G) + wb B in binary32, as stats.h has it. */
+float ref_luminance(const float weight[3], const float rgb[3]);
+
+/* The metering weight of a pixel by the cell rule of config.h. */
+unsigned ref_cell(const pupil_config *config, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
+
+typedef struct ref_meter {
+    long double mean_of_pixels; /* mean log2 of luminances taken in long double */
+    long double mean_of_floats; /* mean log2 of the binary32 luminances that stats.h defines */
+    uint64_t pixels, weight, black, clipped, bad;
+    uint64_t bin[PUPIL_HISTOGRAM_BINS];
+    long double band_sum[PUPIL_BANDS]; /* of log2 of the binary32 luminances */
+    uint32_t band_pixels[PUPIL_BANDS];
+} ref_meter;
+
+void ref_meter_frame(const pupil_config *config, const pupil_image_const *image, ref_meter *meter);
+
+/* log2 of the clamped luminances with their weights, sorted; for quantiles and trimmed means. */
+typedef struct ref_order {
+    struct ref_item {
+        long double log2_luminance;
+        unsigned weight;
+    } * item;
+    size_t count;
+    uint64_t weight;
+} ref_order;
+
+void ref_order_make(const pupil_config *config, const pupil_image_const *image, ref_order *order);
+void ref_order_free(ref_order *order);
+long double ref_trimmed(const ref_order *order, double low, double high);
+/* The values just left and right of the share q of the weight. */
+void ref_quantile(const ref_order *order, double q, long double *left, long double *right);
+
+/* Linear display light to a code on the real line, 0..255, not yet rounded. */
+long double ref_encode(uint32_t transfer, long double light);
+
+/* One pixel through the curve, gamut handling and transfer: three codes on the real line. */
+void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3]);
+
+/* Alpha as a code on the real line. */
+long double ref_alpha(const long double rgba[4]);
+
+/* Statistics of a frame of one pixel whose log2 luminance is the double nearest to ev below it on the 2^-40 grid;
+ * returns that. */
+double ref_stats_at(double ev, int histogram, pupil_stats *stats);
+
+/* Relative error of a log-average from its error in stops. */
+double ref_relative(long double stops_off);
+
+#endif

@@ -1,0 +1,151 @@
+/* What mapping keeps: grey, hue, luminance, order of brightness; and frames that were already well exposed.
+ */
+#include "check.h"
+#include "frames.h"
+#include "reference.h"
+
+#include <math.h>
+
+static void map(const pupil_config *config, const pupil_curve *curve, const frame *in, frame *out)
+{
+    const pupil_image to = frame_writable(out);
+    pupil_t pupil;
+    CHECK(pupil_init(&pupil, config) == PUPIL_OK);
+    CHECK(pupil_map_rows(&pupil, curve, &in->image, &to) == PUPIL_OK);
+}
+
+/* Grey in, equal codes out, and brighter is never darker. */
+static void check_grey(void)
+{
+    static const pupil_curve curve[] = {{1, 1}, {0.3f, 0}, {7, 0.01f}, {100, 0.0001f}, {2, 4}};
+    for (uint32_t pixel = PUPIL_PIXEL_RGBA32F; pixel <= PUPIL_PIXEL_RGB8; pixel++)
+        for (unsigned i = 0; i < 5; i++)
+            for (uint32_t primaries = 0; primaries < 2; primaries++) {
+                frame in = frame_make(4096, 1, pixel, 0, 0), out = frame_make(4096, 1, PUPIL_PIXEL_RGB8, 0, 0);
+                const unsigned char *code = frame_writable(&out).data;
+                pupil_config config;
+                unsigned wrong = 0;
+                pupil_config_default(&config);
+                config.primaries = primaries;
+                config.transfer = i % PUPIL_TRANSFER_COUNT;
+                for (uint32_t x = 0; x < 4096; x++) {
+                    const double light = exp2(x / 4096.0 * 30 - 20);
+                    frame_set(&in, x, 0, light, light, light, 1);
+                }
+                map(&config, &curve[i], &in, &out);
+                for (uint32_t x = 0; x < 4096; x++) {
+                    wrong += code[3 * x] != code[3 * x + 1] || code[3 * x] != code[3 * x + 2];
+                    wrong += x && code[3 * x] < code[3 * x - 3];
+                }
+                CHECK_MSG(wrong == 0, "format %u, curve %u, primaries %u: %u of 4096", pixel, i, primaries, wrong);
+                frame_free(&in);
+                frame_free(&out);
+            }
+}
+
+/* Out of gamut: the colour keeps its luminance and, seen from grey, its direction (hue). */
+static void check_gamut(void)
+{
+    double worst_luminance = 0, worst_hue = 0;
+    unsigned out_of_gamut = 0;
+    const pupil_curve curve = {1, 0.02f};
+    pupil_config config;
+    pupil_config_default(&config);
+    config.transfer = PUPIL_TRANSFER_LINEAR;
+    frame in = frame_make(400, 100, PUPIL_PIXEL_RGB32F, 0, 0), out = frame_make(400, 100, PUPIL_PIXEL_RGB8, 0, 0);
+    for (uint32_t i = 0; i < 40000; i++) {
+        const double light = exp2(8 * check_uniform() - 3);
+        frame_set(&in, i % 400, i / 400, light * pow(check_uniform(), 3), light * pow(check_uniform(), 3),
+                  light * pow(check_uniform(), 3), 1);
+    }
+    map(&config, &curve, &in, &out);
+    for (uint32_t i = 0; i < 40000; i++) {
+        const unsigned char *code = (unsigned char *)frame_writable(&out).data + 3 * i;
+        long double rgba[4], a[3], b[3];
+        ref_sample(&in.image, i % 400, i / 400, rgba);
+        const long double l = 0.2126L * rgba[0] + 0.7152L * rgba[1] + 0.0722L * rgba[2];
+        const long double gain = (1 + l * 0.02L) / (1 + l), display = l * gain;
+        if (fmaxl(rgba[0], fmaxl(rgba[1], rgba[2])) * gain <= 1.01L || display >= 0.97L)
+            continue;
+        out_of_gamut++;
+        const double shown = (0.2126 * code[0] + 0.7152 * code[1] + 0.0722 * code[2]) / 255;
+        worst_luminance = fmax(worst_luminance, fabs(shown - (double)display));
+        for (int c = 0; c < 3; c++) {
+            a[c] = rgba[c] * gain - display;
+            b[c] = code[c] / 255.0L - display;
+        }
+        /* the sine of the angle between the two directions, times the length of the shown one: in units of light */
+        const long double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        const long double aside = sqrtl(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) /
+                                  sqrtl(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+        worst_hue = fmax(worst_hue, (double)aside);
+    }
+    printf("%u colours out of gamut: luminance within %.2g, hue within %.2g of full scale (half a code is 0.002)\n",
+           out_of_gamut, worst_luminance, worst_hue);
+    CHECK(out_of_gamut > 2000);
+    CHECK(worst_luminance <= 0.5 / 255 + 1e-5); /* the weights sum to 1: at most the rounding of one code */
+    CHECK(worst_hue <= sqrt(3) * 0.5 / 255 + 1e-5);
+    frame_free(&in);
+    frame_free(&out);
+}
+
+/* A frame that is already well exposed, white point 1: at most one code of change in any channel. With the default, a
+ * white point that follows, too, whatever share of the frame is clipped. */
+static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, double clipped)
+{
+    pupil_config config;
+    pupil_t pupil;
+    ref_meter meter;
+    uint32_t changed = 0, most = 0;
+    frame in = frame_make(256, 192, pixel, 0, 0);
+    frame out = frame_make(256, 192, pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIXEL_RGBA8 : PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_image to = frame_writable(&out);
+    if (pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGBA16)
+        frame_lognormal(&in, 0.2, 1.5, check_uniform);
+    else
+        frame_bits(&in, check_uniform);
+    for (uint32_t i = 0; i < (uint32_t)(clipped * 256 * 192); i++)
+        frame_set(&in, i % 256, i / 256, 1, 1, 1, 1);
+    pupil_config_default(&config);
+    ref_meter_frame(&config, &in.image, &meter);
+    config.key = (double)exp2l(meter.mean_of_floats); /* well exposed: its log-average is the key */
+    config.white_mode = white_mode;
+    config.order = order;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    CHECK(pupil_process(&pupil, &in.image, NULL, &to) == PUPIL_OK);
+    const size_t in_bytes = pupil_pixel_bytes(pixel), out_bytes = pupil_pixel_bytes(to.pixel);
+    for (uint32_t i = 0; i < 256 * 192; i++) {
+        long double rgba[4];
+        const unsigned char *a = (const unsigned char *)in.image.data + i * in_bytes,
+                            *b = (const unsigned char *)to.data + i * out_bytes;
+        ref_sample(&in.image, i % 256, i / 256, rgba);
+        for (size_t c = 0; c < out_bytes; c++) {
+            const int was = in_bytes == out_bytes ? a[c] : (int)floorl(ref_encode(PUPIL_TRANSFER_SRGB, rgba[c]) + 0.5L);
+            const uint32_t change = (uint32_t)abs(was - b[c]);
+            changed += change != 0;
+            most = change > most ? change : most;
+        }
+    }
+    if (!order)
+        printf("format %u, well exposed, white %s, %g %% clipped: at most %u codes of change, %.4f %% of samples\n",
+               pixel, white_mode == PUPIL_WHITE_FIXED ? "1" : "following", 100 * clipped, most,
+               100.0 * changed / (256 * 192.0 * (double)out_bytes));
+    CHECK(most <= 1);
+    frame_free(&in);
+    frame_free(&out);
+}
+
+int main(int argc, char **argv)
+{
+    static const uint32_t pixel[] = {PUPIL_PIXEL_RGB8, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_RGBA16};
+    check_begin(argc, argv);
+    check_grey();
+    check_gamut();
+    for (unsigned i = 0; i < 4; i++)
+        for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++) {
+            check_identity(pixel[i], PUPIL_WHITE_FIXED, order, 0.05);
+            check_identity(pixel[i], PUPIL_WHITE_FOLLOW, order, 0);
+            check_identity(pixel[i], PUPIL_WHITE_FOLLOW, order, 0.05);
+        }
+    return check_end();
+}
