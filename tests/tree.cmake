@@ -40,6 +40,8 @@ pupil_add_nested(digest.x86-64-v3 full 600 digest "-R ^stream.digest$"
 # The other presets, as a user would build them.
 pupil_add_nested(preset.minimal full 600 - - --preset minimal)
 pupil_add_nested(preset.release full 600 - - --preset release -DPUPIL_WERROR=ON)
+pupil_add_tree_test(preset.absent full 600 ${here}/absent.sh ${nested}/preset-absent)
+set_tests_properties(preset.absent PROPERTIES PROCESSORS 2)
 pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
 pupil_add_nested(preset.arm64 full 1800 - "-L quick" --preset arm64)
 pupil_add_nested(preset.musl full 1800 - "-L quick" --preset musl)

@@ -34,7 +34,7 @@ code_size() {
     shift 2
     command -v "$1" >/dev/null || return 0
     for source in lib/core/*.c lib/kernels/*.c; do
-        "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -Ilib/include -Ilib/core -Ilib/kernels \
+        "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -fno-trapping-math -Ilib/include -Ilib/core -Ilib/kernels \
             -c "$source" -o "$work/$(basename "$source" .c).o"
     done
     "$tool" "$work"/*.o | awk -v name="$name" 'NR > 1 { text += $1; data += $2; bss += $3 }

@@ -10,8 +10,8 @@ trap 'rm -rf "$work"' EXIT
 # The first block that ```c begins.
 awk '/^```c$/ { inside = 1; next } /^```/ { if (inside) exit } inside' README.md >"$work/block.c"
 [ -s "$work/block.c" ] || { echo "check.sh: README.md has no \`\`\`c block"; exit 1; }
-# The line that compiles it: "cc ... NAME.c ... $(pkg-config ... pupil) ... -o PROGRAM", indented or in a block.
-line=$(grep -m1 -E '^[ $]*(cc|gcc) .*\.c.*pkg-config .*pupil' README.md | sed 's/^[ $]*//')
+# The line that compiles it: "cc NAME.c ... $(pkg-config ... pupil)", in a comment of the program or beside it.
+line=$(grep -m1 -E '^[ $/*]*(cc|gcc) .*\.c.*pkg-config .*pupil' README.md | sed 's/^[ $/*]*//; s/ *\*\/ *$//')
 [ -n "$line" ] || { echo "check.sh: README.md has no line that compiles its program with pkg-config"; exit 1; }
 source=$(echo "$line" | grep -oE '[a-zA-Z0-9_]+\.c' | head -n 1)
 program=$(echo "$line" | sed -n 's/.*-o \([a-zA-Z0-9_.]*\).*/\1/p')

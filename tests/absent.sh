@@ -1,0 +1,43 @@
+#!/bin/sh
+# absent.sh BUILD: builds the program without its libraries into BUILD. It works with what is left, and says what is
+# missing.
+set -eu
+sh "$(dirname "$0")/nested.sh" "$1" pupil - -- --preset release -DPUPIL_WERROR=ON \
+    -DPUPIL_EXR=OFF -DPUPIL_PNG=OFF -DPUPIL_VIDEO=OFF -DPUPIL_JSON=OFF
+program=$1/apps/pupil
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+status=0
+
+# refuses OPTION ARGUMENTS...: the program fails, names the option, and leaves no output
+refuses() {
+    option=$1
+    shift
+    if "$program" "$@" >"$work/said" 2>&1 </dev/null; then
+        echo "FAILED: pupil $* succeeds without $option"
+        status=1
+    elif ! grep -q "$option=OFF" "$work/said"; then
+        echo "FAILED: pupil $* does not name $option=OFF: $(cat "$work/said")"
+        status=1
+    else
+        echo "pupil says: $(cat "$work/said")"
+    fi
+    [ -z "$(find "$work" -name 'out*' -o -name '.out*')" ] || {
+        echo "FAILED: pupil $* leaves $(find "$work" -name 'out*' -o -name '.out*')"
+        status=1
+    }
+}
+
+"$program" replay synth:walk --frames 3 -q -o "$work/walk.y4m"
+[ -s "$work/walk.y4m" ] || { echo "FAILED: no Y4M"; status=1; }
+
+printf '\166\057\061\001 EXR by its first bytes' >"$work/a.exr"
+printf '\211PNG\r\n\032\n PNG by its first bytes' >"$work/a.png"
+cp "$work/a.png" "$work/a.mkv"
+refuses PUPIL_EXR replay "$work/a.exr" -q -o "$work/out.y4m"
+refuses PUPIL_PNG replay "$work/a.png" -q -o "$work/out.y4m"
+refuses PUPIL_VIDEO replay "$work/a.mkv" -q -o "$work/out.y4m"
+refuses PUPIL_PNG replay synth:walk --frames 1 -q -o "$work/out.png"
+refuses PUPIL_VIDEO replay synth:walk --frames 1 -q -o "$work/out.mp4"
+refuses PUPIL_JSON replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
+exit $status
