@@ -1,10 +1,10 @@
 /* drivers/file/yuv709.h: 8-bit RGB into 8-bit YCbCr, BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.4
  * and 4.6):
  *     Y  =  16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
- *     Cb = 128 + 224/255 (B - Y') / 1.8556        Cr = 128 + 224/255 (R - Y') / 1.5748
+ *     Cb = 128 + 224/255 (B - L) / 1.8556     Cr = 128 + 224/255 (R - L) / 1.5748     (L: the bracket of Y)
  * in integers, the same on every machine. Never more than one code from the formula rounded, and that only where the
- * formula falls within 0.003 of the middle between two codes (0.02 % of the 2^24 colours' samples); grey is exactly Cb
- * = Cr = 128.
+ * formula falls within 0.003 of the middle between two codes (0.02 % of the samples of all 2^24 colours); grey is
+ * exactly Cb = Cr = 128.
  */
 #ifndef PUPIL_DRIVERS_FILE_YUV709_H
 #define PUPIL_DRIVERS_FILE_YUV709_H

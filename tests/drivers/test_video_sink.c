@@ -18,7 +18,7 @@ typedef struct decoded {
     double mean_difference[FRAMES_MAX][3]; /* decoded minus written, mean of R, G, B, codes */
     AVRational rate;
     AVCodecParameters *tags;
-    int pad_repeats; /* the padding column and row, where there are any, are like their neighbours */
+    int pad_repeats; /* the padding column, where there is one, is like its neighbour */
 } decoded;
 
 static double clamp(double v)
@@ -153,6 +153,9 @@ static void check_picture(const char *path, const decoded *d, const pupil_image 
 
 static void check_tags(const decoded *d)
 {
+    if (!avcodec_find_encoder_by_name("libx264"))
+        return; /* MPEG-4 part 2 has no such tags, nor OpenH264 all of them */
+    CHECK(d->tags->codec_id == AV_CODEC_ID_H264);
     CHECK(d->tags->color_range == AVCOL_RANGE_MPEG);
     CHECK(d->tags->color_space == AVCOL_SPC_BT709);
     CHECK(d->tags->color_primaries == AVCOL_PRI_BT709);
@@ -186,10 +189,7 @@ static void test_containers(void)
         decode(path, &d, &image);
         CHECK_MSG(d.frames == 30, "%d", d.frames);
         check_picture(path, &d, &image, 42, 0.25);
-        if (avcodec_find_encoder_by_name("libx264")) {
-            CHECK(d.tags->codec_id == AV_CODEC_ID_H264);
-            check_tags(&d);
-        }
+        check_tags(&d);
         for (int n = 0; n < 30; n++) /* Matroska counts milliseconds */
             CHECK_MSG(llabs(d.time_us[n] - (int64_t)(n * 1001e6 / 30000)) <= (strstr(path, ".mkv") ? 501 : 1),
                       "%s frame %d at %lld us", path, n, (long long)d.time_us[n]);
@@ -285,11 +285,13 @@ static void test_large(void)
     const char *path = scratch("out.mp4");
     decoded d;
     pupil_sink *sink;
-    record(path, &image, 30, 1, NULL);
-    CHECK(decode(path, &d, &image) == 1);
-    check_picture(path, &d, &image, 40, 0.25);
-    avcodec_parameters_free(&d.tags);
-    remove(path);
+    if (avcodec_find_encoder_by_name("libx264")) { /* the others stop at half of it */
+        record(path, &image, 30, 1, NULL);
+        CHECK(decode(path, &d, &image) == 1);
+        check_picture(path, &d, &image, 40, 0.25);
+        avcodec_parameters_free(&d.tags);
+        remove(path);
+    }
     free(memory);
     CHECK(pupil_file_sink_open(path, &options, &sink, why, sizeof why) == -1 && !sink);
     CHECK_MSG(strncmp(why, path, strlen(path)) == 0 && strstr(why, "16384 x 16384"), "%s", why);
