@@ -92,7 +92,7 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
         error = pupil_adapt(pupil, stats, info);
     if (!error && !fused) {
         if (pupil_get_curve(pupil, info, curve) != PUPIL_OK)
-            *curve = (pupil_curve){1.0f, 0.0f}; /* no light so far: as pupil_process does */
+            *curve = (pupil_curve){1.0f, 1.0f, 0.0f}; /* no light so far: the frame as it is */
         error = pass(f, 0, curve, out);
     }
     return error;

@@ -77,9 +77,11 @@ static void map_pixel(const pupil_config *config, const pupil_curve *curve, cons
         out[c] = clamp(in[c], 0.0, 0x1p31) * s;
         largest = out[c] > largest ? out[c] : largest;
     }
-    double grey = clamp(y * s, 0.0, 1.0);
-    if (largest > 1.0) {
-        double t = grey < 1.0 ? (1.0 - grey) / (largest - grey) : 0.0;
+    double grey = clamp(y * s, 0.0, 1.0), knee = curve->gamut > 0.0f ? (double)PUPIL_GAMUT_KNEE : 1.0;
+    double x = grey < 1.0 ? (largest - grey) / (1.0 - grey) : INFINITY;
+    if (largest > grey && x > knee) {
+        double fitted = knee + (x - knee) / (1.0 + (double)curve->gamut * (x - knee));
+        double t = grey < 1.0 ? (fitted < 1.0 ? fitted : 1.0) / x : 0.0;
         for (int c = 0; c < 3; c++)
             out[c] = grey + (out[c] - grey) * t;
     }

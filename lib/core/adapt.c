@@ -5,10 +5,6 @@
 
 #include "numeric.h"
 
-/* log2 of 9/8, the widest bin of the histogram. A frame that is clipped at 1 has its quantile somewhere in the bin from
- * 1 to 9/8; less a bin it gets a white point of 1, which leaves a well exposed frame as it is. */
-#define BIN_STOPS 0x1.5c01a39fbd688p-3
-
 /* A step of w of the way from s to t, at least one unit where w > 0. */
 static pupil_q40 approach(pupil_q40 s, pupil_q40 t, double w)
 {
@@ -96,8 +92,7 @@ static double weight_of_step(const pupil_config *c, double dt_s, int more_light)
     return tau > 0.0 ? pupil_one_minus_exp(dt_s / tau) : 1.0;
 }
 
-/* log2 of what the frame's values are to be divided by to be scene luminance. */
-static double exposure_log2(const pupil_object *object, const pupil_frame_info *info)
+double pupil_exposure_log2(const pupil_object *object, const pupil_frame_info *info)
 {
     if (info && info->exposure_s > 0.0 && info->gain > 0.0 && info->exposure_s <= 0x1p64 && info->gain <= 0x1p64 &&
         info->exposure_s >= 0x1p-64 && info->gain >= 0x1p-64)
@@ -156,11 +151,11 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
         return PUPIL_OK;
     int error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
-        error = pupil_stats_quantile(stats, c->white_quantile, white_log2);
+        error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);
     return error;
 }
 
-static double log2_of_scale(const pupil_object *object)
+double pupil_scale_log2(const pupil_object *object)
 {
     return pupil_log2(object->config.key) + object->config.ev_compensation - object->adaptation.result.adapted_ev;
 }
@@ -191,7 +186,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         a->result.reason = PUPIL_REASON_NO_LIGHT;
         return PUPIL_OK;
     }
-    a->exposure_log2 = exposure_log2(object, info);
+    a->exposure_log2 = pupil_exposure_log2(object, info);
     a->result.metered_ev = stops_of(q40_of(mean - a->exposure_log2));
 
     double target_ev = a->result.metered_ev;
@@ -207,7 +202,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         move_level(object, q40_of(target_ev), dt_s);
         a->seen = 1;
     }
-    a->result.scale = pupil_exp2(log2_of_scale(object));
+    a->result.scale = pupil_exp2(pupil_scale_log2(object));
     a->result.frames++;
     judge(object, target_ev, reason);
     return PUPIL_OK;
@@ -221,35 +216,5 @@ int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
     if (!exposure)
         return PUPIL_ERR_NULL;
     *exposure = pupil_object_of_const(pupil)->adaptation.result;
-    return PUPIL_OK;
-}
-
-int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
-{
-    int error = pupil_object_check(pupil);
-    if (error)
-        return error;
-    if (!curve)
-        return PUPIL_ERR_NULL;
-    const pupil_object *object = pupil_object_of_const(pupil);
-    const pupil_config *c = &object->config;
-    if (!object->adaptation.seen)
-        return PUPIL_ERR_NO_EXPOSURE;
-
-    /* 2^60 keeps every product of the tone kernel inside a float: scale * 2^30 luminance * 2^16 for the smallest white
-     */
-    double scale_log2 = log2_of_scale(object), frame_log2 = scale_log2 - exposure_log2(object, info);
-    frame_log2 = frame_log2 < -60.0 ? -60.0 : frame_log2 > 60.0 ? 60.0 : frame_log2;
-    double white_log2 = 0.0;
-    int no_white =
-        c->white_mode == PUPIL_WHITE_NONE || (c->white_mode == PUPIL_WHITE_FOLLOW && !object->adaptation.white_seen);
-    if (c->white_mode == PUPIL_WHITE_FIXED)
-        white_log2 = pupil_log2(c->white);
-    else if (c->white_mode == PUPIL_WHITE_FOLLOW)
-        white_log2 = scale_log2 + object->adaptation.result.white_ev - BIN_STOPS;
-    if (c->white_mode == PUPIL_WHITE_FOLLOW)
-        white_log2 = white_log2 < 0.0 ? 0.0 : white_log2 > 30.0 ? 30.0 : white_log2;
-    curve->scale = (float)pupil_exp2(frame_log2);
-    curve->inverse_white_squared = no_white ? 0.0f : (float)pupil_exp2(-2.0 * white_log2);
     return PUPIL_OK;
 }

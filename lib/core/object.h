@@ -74,6 +74,15 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
 int pupil_stats_check(const pupil_stats *stats);
 int pupil_stats_check_sums(const pupil_stats *stats);
 
+/* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */
+double pupil_exposure_log2(const pupil_object *object, const pupil_frame_info *info);
+
+/* log2 of X, from scene luminance. */
+double pupil_scale_log2(const pupil_object *object);
+
+/* For frames before there was any light: the scale is 1. */
+pupil_curve pupil_curve_before_light(const pupil_object *object);
+
 /* Carries the adapted level over to the law of object->config, of which it was not the state before. */
 void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law);
 

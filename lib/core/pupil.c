@@ -106,10 +106,9 @@ static int check_curve(const pupil_curve *curve)
 {
     if (!curve)
         return PUPIL_ERR_NULL;
-    return curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
-                   curve->inverse_white_squared <= 0x1p16f
-               ? PUPIL_OK
-               : PUPIL_ERR_VALUE;
+    int right = curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
+                curve->inverse_white_squared <= 0x1p16f && curve->gamut >= 0.0f && curve->gamut <= 16.0f;
+    return right ? PUPIL_OK : PUPIL_ERR_VALUE;
 }
 
 /* Whether rows of a frame can be added to stats. */
@@ -257,17 +256,6 @@ int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
 /* ---- a frame at once
  * ------------------------------------------------------------------------------------------------- */
 
-/* For frames before there was any light: nothing is changed but by a white point that was asked for. */
-static pupil_curve curve_at_key(const pupil_config *c)
-{
-    pupil_curve curve = {1.0f, 1.0f};
-    if (c->white_mode == PUPIL_WHITE_FIXED)
-        curve.inverse_white_squared = (float)(1.0 / (c->white * c->white));
-    if (c->white_mode == PUPIL_WHITE_NONE)
-        curve.inverse_white_squared = 0.0f;
-    return curve;
-}
-
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     int error = check_in(pupil, in);
@@ -279,7 +267,7 @@ int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame
     if (object->progress.active)
         return PUPIL_ERR_ORDER;
 
-    pupil_curve curve = curve_at_key(&object->config);
+    pupil_curve curve = pupil_curve_before_light(object);
     int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
     pupil_stats_clear(&object->stats);
     pupil_work_rows(object, in, 0, in->height, &object->stats, fused ? &curve : 0, fused ? out : 0);

@@ -35,6 +35,9 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     sum->has_histogram = more->has_histogram;
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
         sum->bin[i] += more->bin[i];
+    for (int i = 0; i < PUPIL_PEAK_BINS; i++)
+        sum->peak_bin[i] += more->peak_bin[i];
+    sum->peak = more->peak > sum->peak ? more->peak : sum->peak;
     for (int i = 0; i < PUPIL_BANDS; i++) {
         sum->band_log2_sum[i] += more->band_log2_sum[i];
         sum->band_pixels[i] += more->band_pixels[i];
@@ -42,23 +45,30 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     return PUPIL_OK;
 }
 
+static int bins_add_up(const uint64_t *bin, int count, uint64_t wanted)
+{
+    uint64_t total = 0;
+    for (int i = 0; i < count; i++) {
+        if (bin[i] > wanted - total)
+            return 0;
+        total += bin[i];
+    }
+    return total == wanted;
+}
+
 /* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows. */
 static int bins_and_bands_fit(const pupil_stats *s)
 {
     const uint64_t wanted = s->has_histogram ? s->weight : 0;
-    uint64_t total = 0, pixels = 0;
-    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
-        if (s->bin[i] > wanted - total)
-            return 0;
-        total += s->bin[i];
-    }
+    uint64_t pixels = 0;
     for (int i = 0; i < PUPIL_BANDS; i++) {
         const int64_t most = (int64_t)s->band_pixels[i] * (32 * (INT64_C(1) << 24));
         if (s->band_log2_sum[i] > most || s->band_log2_sum[i] < -most)
             return 0;
         pixels += s->band_pixels[i];
     }
-    return total == wanted && pixels <= s->pixels;
+    return pixels <= s->pixels && bins_add_up(s->bin, PUPIL_HISTOGRAM_BINS, wanted) &&
+           bins_add_up(s->peak_bin, PUPIL_PEAK_BINS, wanted);
 }
 
 int pupil_stats_check_sums(const pupil_stats *s)
@@ -72,7 +82,10 @@ int pupil_stats_check_sums(const pupil_stats *s)
         return PUPIL_ERR_STATS;
     if (!s->weight && s->log2_frac)
         return PUPIL_ERR_STATS;
-    if (s->has_histogram > 1 || s->reserved || (s->pixels && !s->rows))
+    if (s->has_histogram > 1 || (s->pixels && !s->rows))
+        return PUPIL_ERR_STATS;
+    /* a brightest channel wherever there are bins; false for NaN */
+    if (s->has_histogram && s->weight ? !(s->peak >= 0x1p-32f && s->peak <= PUPIL_CEILING) : s->peak != 0.0f)
         return PUPIL_ERR_STATS;
     return PUPIL_OK;
 }
@@ -82,29 +95,19 @@ int pupil_stats_check(const pupil_stats *s)
     return pupil_stats_check_sums(s) || !bins_and_bands_fit(s) ? PUPIL_ERR_STATS : PUPIL_OK;
 }
 
-/* The luminance at the share t (0..1) of bin i: bins are equally wide in luminance within their stop. */
-static double log2_within_bin(int i, double t)
+/* The light at the share t (0..1) of bin i: bins are equally wide in light within their stop. */
+static double log2_within_bin(int i, double t, int bins_per_stop)
 {
-    int stop = i / PUPIL_HISTOGRAM_BINS_PER_STOP, step = i % PUPIL_HISTOGRAM_BINS_PER_STOP;
-    return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / PUPIL_HISTOGRAM_BINS_PER_STOP);
+    int stop = i / bins_per_stop, step = i % bins_per_stop;
+    return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance)
+static double quantile_of_bins(const uint64_t *bin, int count, int bins_per_stop, double target)
 {
-    if (!stats || !log2_luminance)
-        return PUPIL_ERR_NULL;
-    if (!(q >= 0.0 && q <= 1.0))
-        return PUPIL_ERR_VALUE;
-    if (!stats->has_histogram)
-        return PUPIL_ERR_NO_HISTOGRAM;
-    uint64_t total = stats->weight;
-    if (!total || pupil_stats_check(stats))
-        return PUPIL_ERR_STATS;
-
-    double target = q * (double)total, below = 0.0;
+    double below = 0.0;
     int last = 0;
-    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
-        double here = (double)stats->bin[i];
+    for (int i = 0; i < count; i++) {
+        double here = (double)bin[i];
         if (here > 0.0) {
             last = i;
             if (below + here >= target)
@@ -112,8 +115,40 @@ int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_lumina
             below += here;
         }
     }
-    double t = (target - below) / (double)stats->bin[last];
-    *log2_luminance = log2_within_bin(last, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t);
+    double t = (target - below) / (double)bin[last];
+    return log2_within_bin(last, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
+}
+
+static int check_quantile(const pupil_stats *stats, double q, const double *result)
+{
+    if (!stats || !result)
+        return PUPIL_ERR_NULL;
+    if (!(q >= 0.0 && q <= 1.0))
+        return PUPIL_ERR_VALUE;
+    if (!stats->has_histogram)
+        return PUPIL_ERR_NO_HISTOGRAM;
+    return !stats->weight || pupil_stats_check(stats) ? PUPIL_ERR_STATS : PUPIL_OK;
+}
+
+int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance)
+{
+    int error = check_quantile(stats, q, log2_luminance);
+    if (!error)
+        *log2_luminance = quantile_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS, PUPIL_HISTOGRAM_BINS_PER_STOP,
+                                           q * (double)stats->weight);
+    return error;
+}
+
+int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_peak)
+{
+    int error = check_quantile(stats, q, log2_peak);
+    if (error)
+        return error;
+    double inside =
+        quantile_of_bins(stats->peak_bin, PUPIL_PEAK_BINS, PUPIL_PEAK_BINS_PER_STOP, q * (double)stats->weight);
+    double most =
+        pupil_log2((double)stats->peak); /* a frame clipped at 1 has its quantile at 1, not within the bin above */
+    *log2_peak = inside < most ? inside : most;
     return PUPIL_OK;
 }
 
@@ -126,7 +161,7 @@ static double histogram_mean(const pupil_stats *stats, double from, double to)
         below += (double)stats->bin[i];
         double high = below < to ? below : to;
         if (high > low)
-            sum += (high - low) * log2_within_bin(i, 0.5);
+            sum += (high - low) * log2_within_bin(i, 0.5, PUPIL_HISTOGRAM_BINS_PER_STOP);
     }
     return sum / (to - from);
 }

@@ -37,7 +37,9 @@ typedef void pupil_luminance_kernel(const float weight[3], const float *r, const
                                     float *luminance);
 typedef void pupil_meter_kernel(const float *luminance, const float *r, const float *g, const float *b, uint32_t n,
                                 float floor, float clip, pupil_run *run);
-typedef void pupil_histogram_kernel(const float *luminance, uint32_t n, float floor, uint32_t weight, uint64_t *bin);
+/* Adds to the bins, the peak bins and the peak. */
+typedef void pupil_histogram_kernel(const float *luminance, const float *r, const float *g, const float *b, uint32_t n,
+                                    float floor, uint32_t weight, pupil_stats *stats);
 /* In place; luminance becomes scratch. */
 typedef void pupil_tone_kernel(float *r, float *g, float *b, float *luminance, uint32_t n, const pupil_curve *curve);
 typedef void pupil_store_kernel(const float *r, const float *g, const float *b, uint32_t n,

@@ -67,7 +67,7 @@ void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *ta
         if (stats && weight) {
             k->meter(luminance, r, g, b, m, job->floor, job->clip, &run);
             if (job->histogram)
-                k->histogram(luminance, m, job->floor, weight, stats->bin);
+                k->histogram(luminance, r, g, b, m, job->floor, weight, stats);
         }
         if (target) {
             uint8_t *out = target + x * out_bytes;

@@ -112,13 +112,27 @@ static void meter(const float *restrict l, const float *restrict r, const float 
     }
 }
 
-/* A float's exponent and top three fraction bits are its bin. */
-static void histogram(const float *l, uint32_t n, float floor, uint32_t weight, uint64_t *bin)
+static inline float max3(float a, float b, float c)
 {
+    float m = a > b ? a : b;
+    return m > c ? m : c;
+}
+
+#define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
+
+/* A float's exponent and top fraction bits are its bin: three of them for luminance, two for the brightest channel. */
+static void histogram(const float *restrict l, const float *restrict r, const float *restrict g,
+                      const float *restrict b, uint32_t n, float floor, uint32_t weight, pupil_stats *stats)
+{
+    uint32_t peak_bits = pupil_bits_of_float(stats->peak);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t bits = pupil_bits_of_float(clamp_luminance(l[i], floor));
-        bin[(bits >> 20) - ((127 + PUPIL_HISTOGRAM_MIN_EV) * PUPIL_HISTOGRAM_BINS_PER_STOP)] += weight;
+        uint32_t brightest = pupil_bits_of_float(clamp_luminance(max3(r[i], g[i], b[i]), floor));
+        stats->bin[(bits >> 20) - FIRST_STOP * PUPIL_HISTOGRAM_BINS_PER_STOP] += weight;
+        stats->peak_bin[(brightest >> 21) - FIRST_STOP * PUPIL_PEAK_BINS_PER_STOP] += weight;
+        peak_bits = brightest > peak_bits ? brightest : peak_bits; /* positive floats are in the order of their bits */
     }
+    stats->peak = pupil_float_of_bits(peak_bits);
 }
 
 /* ---- tone: Reinhard by luminance
@@ -132,23 +146,33 @@ static inline float clamp_channel(float v)
     return v < BRIGHTEST ? v : BRIGHTEST;
 }
 
-static inline float max3(float a, float b, float c)
+/* The largest component that stays as it is, for a pixel of the display luminance `grey`. */
+static inline float gamut_limit(float grey, float gamut)
 {
-    float m = a > b ? a : b;
-    return m > c ? m : c;
+    float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f;
+    return grey + knee * (1.0f - grey);
 }
 
 /* A result beyond the display's gamut is moved toward the grey of its own display luminance until it fits: luminance
- * and hue stay, saturation gives way. Clamping each channel by itself would turn the hue. */
+ * and hue stay, saturation gives way. Clamping each channel by itself would turn the hue. Where the white point leaves
+ * room above 1 the way is compressed from a knee on, so that bright colours keep their differences (pupil.h:
+ * pupil_curve). */
 static void fit_gamut(float *restrict r, float *restrict g, float *restrict b, const float *restrict display,
-                      uint32_t n)
+                      uint32_t n, float gamut)
 {
     for (uint32_t i = 0; i < n; i++) {
         float m = max3(r[i], g[i], b[i]), grey = display[i];
-        if (!(m > 1.0f))
+        if (!(m > gamut_limit(grey, gamut)))
             continue;
-        float t = grey < 1.0f ? (1.0f - grey) / (m - grey) : 0.0f;
-        grey = grey < 1.0f ? grey : 1.0f;
+        if (!(grey < 1.0f)) {
+            r[i] = g[i] = b[i] = 1.0f;
+            continue;
+        }
+        float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f;
+        float x = (m - grey) / (1.0f - grey), y = x - knee;
+        float fitted = knee + y / (1.0f + gamut * y);
+        fitted = gamut > 0.0f && fitted < 1.0f ? fitted : 1.0f;
+        float t = fitted / x;
         r[i] = grey + (r[i] - grey) * t;
         g[i] = grey + (g[i] - grey) * t;
         b[i] = grey + (b[i] - grey) * t;
@@ -158,7 +182,7 @@ static void fit_gamut(float *restrict r, float *restrict g, float *restrict b, c
 static void tone(float *restrict r, float *restrict g, float *restrict b, float *restrict l, uint32_t n,
                  const pupil_curve *curve)
 {
-    const float x = curve->scale, iw2 = curve->inverse_white_squared;
+    const float x = curve->scale, iw2 = curve->inverse_white_squared, gamut = curve->gamut;
     uint32_t over = 0;
 
     for (uint32_t i = 0; i < n; i++) {
@@ -171,10 +195,10 @@ static void tone(float *restrict r, float *restrict g, float *restrict b, float 
         g[i] = clamp_channel(g[i]) * s;
         b[i] = clamp_channel(b[i]) * s;
         l[i] = y * s;
-        over |= (uint32_t)(max3(r[i], g[i], b[i]) > 1.0f);
+        over |= (uint32_t)(max3(r[i], g[i], b[i]) > gamut_limit(l[i], gamut));
     }
     if (over)
-        fit_gamut(r, g, b, l, n);
+        fit_gamut(r, g, b, l, n, gamut);
 }
 
 /* ---- store: to 8-bit codes

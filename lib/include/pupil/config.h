@@ -37,9 +37,8 @@ typedef enum pupil_law {
 /* Where the white point W of extended Reinhard comes from, in units of scaled luminance (key is mid-grey, 1 is about
  * 2.5 stops above it). */
 typedef enum pupil_white {
-    PUPIL_WHITE_FOLLOW = 0, /* default: the frame's upper quantile (config.white_quantile), adapted as the level is;
-                             * less one bin of the histogram (so that a frame clipped at 1 gets 1) and never below 1,
-                             * so that a frame of little contrast is not stretched */
+    PUPIL_WHITE_FOLLOW = 0, /* default: the upper quantile (config.white_quantile) of the brightest channel, adapted as
+                             * the level is, and never below 1, so that a frame of little contrast is not stretched */
     PUPIL_WHITE_FIXED,      /* config.white */
     PUPIL_WHITE_NONE,       /* Reinhard's global operator, L / (1 + L): nothing ever reaches white */
     PUPIL_WHITE_COUNT

@@ -41,7 +41,7 @@ extern "C" {
 /* "0.1.0": the version of the library that is linked, which need not be that of this header. */
 PUPIL_API const char *pupil_version(void);
 
-#define PUPIL_OBJECT_BYTES 6144
+#define PUPIL_OBJECT_BYTES 8192
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil {
@@ -83,14 +83,19 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
 /* ---- the seam: any worker meters, one place adapts, any worker maps -----------------------------------------------
  */
 
-/* What a mapper needs: display = map(scale, inverse_white_squared). With v the frame's value and Lv its luminance:
+/* What a mapper needs. With v the frame's value and Lv its luminance:
  *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
  * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.)
- * Lv counts as 0..2^30 and a component of v as 0..2^31 here; where Lv is NaN the pixel is black. A result with a
- * component above 1 is moved toward the grey of its own luminance until it fits. */
+ * Lv counts as 0..2^30 and a component of v as 0..2^31 here; where Lv is NaN the pixel is black.
+ * A result beyond the display's gamut is moved toward the grey of its own luminance D until it fits: with m its largest
+ * component and x = (m - D) / (1 - D) (1: the gamut's surface), x becomes min(1, k + y / (1 + gamut * y)), y = x - k,
+ * where x > k; k is PUPIL_GAMUT_KNEE, or 1 where gamut is 0 (nothing inside the gamut moves). From D = 1 on: white. */
+#define PUPIL_GAMUT_KNEE 0.75f
 typedef struct pupil_curve {
     float scale;                 /* X: from frame values to scaled luminance; 0..2^60 */
     float inverse_white_squared; /* 1 / W^2; 0: no white point; 0..2^16 */
+    float gamut; /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 comes to lie at 1; 0 where W <= 1;
+                  * 0..16 */
 } pupil_curve;
 
 /* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to
@@ -133,7 +138,7 @@ typedef enum pupil_reason {
 typedef struct pupil_exposure {
     double metered_ev; /* the last frame's (trimmed) log-average */
     double adapted_ev; /* what the eye is adapted to */
-    double white_ev;   /* the adapted upper quantile; 0 unless the white point follows */
+    double white_ev;   /* the adapted upper quantile of the brightest channel; 0 unless the white point follows */
     double scale;      /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
     double dt_s;       /* the time step of the last frame */
     uint64_t frames;   /* frames adapted to since init or reset */

@@ -33,6 +33,11 @@ extern "C" {
 #define PUPIL_HISTOGRAM_MIN_EV        (-32)
 #define PUPIL_HISTOGRAM_BINS          512
 
+/* A second, coarser histogram, of each pixel's brightest channel (clamped as L is): 4 bins a stop over the same 64
+ * stops. A white point must leave room for the brightest channel, which in a saturated colour is far above L. */
+#define PUPIL_PEAK_BINS_PER_STOP 4
+#define PUPIL_PEAK_BINS          256
+
 /* Row bands: the frame's rows in this many equal groups, top to bottom, for detecting mains flicker. Row y of a frame
  * of h rows is in band y * 64 / h. */
 #define PUPIL_BANDS 64
@@ -50,8 +55,9 @@ typedef struct pupil_stats {
     uint32_t rows;                      /* rows metered so far */
     uint32_t frame_height;              /* rows of the whole frame; 0 while empty */
     uint32_t has_histogram;             /* 1 where bins were gathered */
-    uint32_t reserved;                  /* 0 */
-    uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights */
+    float peak;                         /* the brightest channel of any metered pixel; 0 without a histogram */
+    uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
+    uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel */
     int64_t band_log2_sum[PUPIL_BANDS]; /* sum of log2 L of the metered pixels, unweighted, in 2^-24 stops */
     uint32_t band_pixels[PUPIL_BANDS];  /* their number */
 } pupil_stats;
@@ -71,6 +77,9 @@ PUPIL_API int pupil_stats_mean(const pupil_stats *stats, double low, double high
 
 /* The luminance (log2, frame units) below which the share q (0..1) of the weight lies, interpolated within a bin. */
 PUPIL_API int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance);
+
+/* The same of the brightest channel; never above `peak`. */
+PUPIL_API int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_peak);
 
 #ifdef __cplusplus
 }

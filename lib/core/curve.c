@@ -1,0 +1,56 @@
+/* The adapted level as what a mapper needs. */
+#include "object.h"
+
+#include "numeric.h"
+
+/* W from its log2; has_white 0: there is none. The scale's bound of 2^60 keeps every product of the tone kernel inside
+ * a float: scale * 2^30 of luminance * 2^16 for the smallest white. */
+static pupil_curve curve_of(double scale_log2, int has_white, double white_log2)
+{
+    const double knee = (double)PUPIL_GAMUT_KNEE;
+    pupil_curve curve = {0.0f, 0.0f, (float)(1.0 / (1.0 - knee))};
+    scale_log2 = scale_log2 < -60.0 ? -60.0 : scale_log2 > 60.0 ? 60.0 : scale_log2;
+    curve.scale = (float)pupil_exp2(scale_log2);
+    if (has_white) {
+        double white = pupil_exp2(white_log2);
+        curve.inverse_white_squared = (float)pupil_exp2(-2.0 * white_log2);
+        curve.gamut = white > 1.0 ? (float)(1.0 / (1.0 - knee) - 1.0 / (white - knee)) : 0.0f;
+    }
+    return curve;
+}
+
+/* A white point that follows is never below 1: a frame of little contrast is not stretched. */
+static double followed(double white_log2)
+{
+    return white_log2 < 0.0 ? 0.0 : white_log2 > 30.0 ? 30.0 : white_log2;
+}
+
+pupil_curve pupil_curve_before_light(const pupil_object *object)
+{
+    const pupil_config *c = &object->config;
+    double white_log2 = c->white_mode == PUPIL_WHITE_FIXED ? pupil_log2(c->white) : 0.0;
+    return curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
+}
+
+int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!curve)
+        return PUPIL_ERR_NULL;
+    const pupil_object *object = pupil_object_of_const(pupil);
+    const pupil_adaptation *a = &object->adaptation;
+    const pupil_config *c = &object->config;
+    if (!a->seen)
+        return PUPIL_ERR_NO_EXPOSURE;
+
+    double scale_log2 = pupil_scale_log2(object), frame_log2 = scale_log2 - pupil_exposure_log2(object, info);
+    if (c->white_mode == PUPIL_WHITE_FIXED)
+        *curve = curve_of(frame_log2, 1, pupil_log2(c->white));
+    else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen)
+        *curve = curve_of(frame_log2, 1, followed(scale_log2 + a->result.white_ev));
+    else
+        *curve = curve_of(frame_log2, 0, 0.0);
+    return PUPIL_OK;
+}
