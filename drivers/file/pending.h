@@ -8,20 +8,20 @@
 
 typedef struct pupil_pending {
     char *path;      /* where it will be */
-    char *temporary; /* where it is written: ".NAME.PID.part" in the same folder */
+    char *temporary; /* where it is written: ".NAME.PID.part" (or ".NAME.PID-1.part" ...) in the same folder */
     int is_folder;
     int overwrite;
 } pupil_pending;
 
-/* Begins a file: checks that the folder is there and can be written (and that path is no folder), picks the temporary
- * name. The caller creates and writes `temporary`. 0, or -1 and a sentence that names the path. */
+/* Begins a file: checks that the folder is there and can be written (and that path is no folder, device or pipe) by
+ * making `temporary`, empty; the caller writes it. A link is followed. 0, or -1 and a sentence that names the path. */
 int pupil_pending_file(pupil_pending *pending, const char *path, char *why, size_t why_bytes);
 
 /* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
- * overwrite. */
+ * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png. */
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, char *why, size_t why_bytes);
 
-/* Flushes to the disk (fsync) and renames into place. */
+/* Flushes to the disk (fsync), renames into place and frees. After a failure the caller discards. */
 int pupil_pending_commit(pupil_pending *pending, char *why, size_t why_bytes);
 
 /* Removes what was written. Safe after commit and twice. */
