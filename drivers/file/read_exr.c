@@ -172,10 +172,6 @@ static int check_layout(exr_plan *plan)
     if (exr_get_tile_descriptor(plan->file, plan->part, &tile_x, &tile_y, &level, &round) != EXR_ERR_SUCCESS ||
         tile_x < 1 || tile_y < 1 || tile_x > PUPIL_MAX_SIDE_PX || tile_y > PUPIL_MAX_SIDE_PX)
         return pupil_exr_fail(plan, "has no sane tile size");
-    for (int c = 0; c < plan->channels->num_channels; c++)
-        if (plan->channels->entries[c].x_sampling != 1 || plan->channels->entries[c].y_sampling != 1)
-            return pupil_still_fail(plan->why, plan->why_bytes,
-                                    "has a subsampled channel in tiles, which OpenEXR rules out");
     return 0;
 }
 

@@ -133,7 +133,7 @@ static void read_colour(png_reader *r)
 
 static void read_header(png_reader *r)
 {
-    png_set_user_limits(r->png, PUPIL_MAX_SIDE_PX, PUPIL_MAX_SIDE_PX);
+    png_set_user_limits(r->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* read_pixels checks, and says which size */
     png_set_chunk_malloc_max(r->png, MAX_CHUNK_BYTES);
     png_set_chunk_cache_max(r->png, 64);
     png_set_keep_unknown_chunks(r->png, PNG_HANDLE_CHUNK_ALWAYS, (png_const_bytep) "cICP", 1);
@@ -170,6 +170,8 @@ static int read_pixels(png_reader *r, pupil_still *still)
     uint64_t stored = (uint64_t)png_get_rowbytes(r->png, r->info) * height;
     int passes = png_set_interlace_handling(r->png), bits, as_is;
     uint8_t *codes;
+    if (pupil_still_size_ok(width, height, r->why, r->why_bytes))
+        return -1;
     png_read_update_info(r->png, r->info);
     bits = png_get_bit_depth(r->png, r->info);
     as_is = bits == 8 && r->curve == CURVE_SRGB && !r->colour.convert;
