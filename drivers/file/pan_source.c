@@ -112,7 +112,7 @@ static int read_key(pan_source *s, const char *key, const char **path, char *why
         wanted = "the keys of a pan are path, fov, size and duration";
     if (!wanted)
         return 0;
-    snprintf(why, why_bytes, "%s: %.80s: %s", s->file, key, wanted);
+    snprintf(why, why_bytes, "%s: key \"%.80s\": %s", s->file, key, wanted);
     return -1;
 }
 

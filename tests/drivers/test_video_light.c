@@ -1,0 +1,219 @@
+/* Video codes come out as the light that their standard says, checked in long double. */
+#include "clip.h"
+#include "scratch.h"
+
+#include "file/video_light.h"
+#include "file/video_source.h"
+
+static char why[PUPIL_WHY_BYTES];
+
+typedef long double real;
+
+static real pq(real e)
+{
+    real m1 = 0.1593017578125L, m2 = 78.84375L, c1 = 0.8359375L, c2 = 18.8515625L, c3 = 18.6875L;
+    real p = powl(e, 1 / m2), above = p - c1 > 0 ? p - c1 : 0;
+    return 100 * powl(above / (c2 - c3 * p), 1 / m1);
+}
+
+static real hlg(real e)
+{
+    real a = 0.17883277L, b = 0.28466892L, c = 0.55991073L; /* as printed in BT.2100-2, table 5 */
+    return e <= 0.5L ? e * e / 3 : (expl((e - c) / a) + b) / 12;
+}
+
+static real srgb(real e)
+{
+    return e <= 0.04045L ? e / 12.92L : powl((e + 0.055L) / 1.055L, 2.4L);
+}
+
+static void test_tables(void)
+{
+    static float table[PUPIL_LIGHT_CODES];
+    static const struct {
+        enum AVColorTransferCharacteristic transfer;
+        real (*light)(real);
+    } curves[] = {{AVCOL_TRC_SMPTE2084, pq}, {AVCOL_TRC_ARIB_STD_B67, hlg}, {AVCOL_TRC_BT709, srgb}};
+    for (int k = 0; k < 3; k++) {
+        CHECK(pupil_light_table(table, curves[k].transfer) == 0);
+        for (int i = 0; i < PUPIL_LIGHT_CODES; i += 5) { /* 65535 is a multiple of 5 */
+            real want = curves[k].light(i / 65535.0L);
+            CHECK_MSG(fabsl(table[i] - want) <= 2e-7L * want + 1e-9L, "curve %d entry %d: %g, not %Lg", k, i, table[i],
+                      want);
+        }
+    }
+    /* Anchors from outside: BT.2408 puts 203 cd/m2 at 58 % PQ; HLG's 75 % is 0.265; 100 cd/m2 is 50.8 % PQ. */
+    CHECK(pupil_light_table(table, AVCOL_TRC_SMPTE2084) == 0 && table[65535] == 100);
+    CHECK(fabsf(table[(int)(0.5806 * 65535)] - 2.03f) < 0.005f && fabsf(table[(int)(0.50808 * 65535)] - 1) < 1e-3f);
+    CHECK(pupil_light_table(table, AVCOL_TRC_ARIB_STD_B67) == 0 && fabsf(table[49151] - 0.26496f) < 2e-5f);
+    CHECK(fabsf(table[65535] - 1) < 1e-6f);
+    CHECK(pupil_light_table(table, AVCOL_TRC_LOG) == -1);
+}
+
+/* Rec. ITU-R BT.2087-0, annex 1, gives this matrix with four digits. */
+static const real bt2020_to_709[9] = {1.6605L,  -0.5876L, -0.0728L, -0.1246L, 1.1329L,
+                                      -0.0083L, -0.0182L, -0.1006L, 1.1187L};
+
+static void test_matrix(void)
+{
+    double m[9];
+    CHECK(pupil_light_to_rec709(m, AVCOL_PRI_BT2020) == 0);
+    for (int i = 0; i < 9; i++)
+        CHECK_MSG(fabsl(m[i] - bt2020_to_709[i]) <= 0.6e-4L, "[%d] %g", i, m[i]);
+    for (int row = 0; row < 3; row++)
+        CHECK(fabs(m[3 * row] + m[3 * row + 1] + m[3 * row + 2] - 1) < 1e-12);
+    CHECK(pupil_light_to_rec709(m, AVCOL_PRI_SMPTE428) == -1);
+}
+
+static int from_list(const clip *c, int frame, int component, int x, int y)
+{
+    const int(*codes)[3] = (const int(*)[3])c->user;
+    (void)x;
+    (void)y;
+    return codes[frame][component];
+}
+
+/* What a frame of constant codes must be, and by how much the 65536 steps of the light table may move it. */
+static void expected(const clip *c, const int code[3], real (*light)(real), real want[3], real slack[3])
+{
+    const AVPixFmtDescriptor *d = av_pix_fmt_desc_get(c->format);
+    int depth = d->comp[0].depth, rgb = (d->flags & AV_PIX_FMT_FLAG_RGB) != 0, full = c->range == AVCOL_RANGE_JPEG;
+    real s = ldexpl(1, depth - 8), top = ldexpl(1, depth) - 1, e[3], linear[3], near[3];
+    double m[9], red, blue;
+    if (rgb || d->nb_components < 3) {
+        for (int i = 0; i < 3; i++)
+            e[i] = code[rgb ? i : 0] / top;
+    } else {
+        real y = full ? code[0] / top : (code[0] - 16 * s) / (219 * s);
+        real u = (code[1] - 128 * s) / (full ? top : 224 * s), v = (code[2] - 128 * s) / (full ? top : 224 * s);
+        CHECK(pupil_light_luma(&red, &blue, c->space) == 0);
+        e[0] = y + 2 * (1 - red) * v;
+        e[2] = y + 2 * (1 - blue) * u;
+        e[1] = (y - red * e[0] - blue * e[2]) / (1 - red - blue);
+    }
+    CHECK(pupil_light_to_rec709(m, c->primaries) == 0);
+    for (int i = 0; i < 3; i++) {
+        e[i] = e[i] < 0 ? 0 : e[i] > 1 ? 1 : e[i];
+        linear[i] = light(e[i]);
+        near[i] = light(e[i] + 0.51L / 65535) - linear[i] + 1e-6L * linear[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        want[i] = slack[i] = 0;
+        for (int j = 0; j < 3; j++) {
+            want[i] += m[3 * i + j] * linear[j];
+            slack[i] += fabs(m[3 * i + j]) * near[j];
+        }
+    }
+}
+
+static const int codes8[][3] = {{16, 128, 128}, {126, 128, 128}, {235, 128, 128}, {126, 150, 110}, {60, 90, 200}};
+static const int codes10[][3] = {{64, 512, 512},  {509, 512, 512}, {940, 512, 512},
+                                 {500, 600, 450}, {400, 300, 700}, {720, 500, 560}};
+static const int codes12[][3] = {{256, 2048, 2048}, {4095, 2048, 2048}, {2000, 1500, 2500}};
+static const int codes16[][3] = {{0, 0, 0}, {65535, 65535, 65535}, {33298, 33298, 33298}, {12000, 50000, 31000}};
+static const int greys[][3] = {{0, 0, 0}, {128, 0, 0}, {255, 0, 0}};
+
+static void test_light(void)
+{
+    static const struct {
+        clip c;
+        real (*light)(real);
+    } clips[] = {
+#define CLIP(format, list, space, transfer, primaries, range, light)                                                   \
+    {{"matroska", "ffv1", AV_PIX_FMT_##format, 40, 24, sizeof list / sizeof *list, AVCOL_SPC_##space,                  \
+      AVCOL_TRC_##transfer, AVCOL_PRI_##primaries, AVCOL_RANGE_##range, AVCHROMA_LOC_UNSPECIFIED, NULL, from_list,     \
+      list},                                                                                                           \
+     light}
+        CLIP(YUV420P10, codes10, BT2020_NCL, SMPTE2084, BT2020, MPEG, pq),
+        CLIP(YUV422P10, codes10, BT2020_NCL, ARIB_STD_B67, BT2020, MPEG, hlg),
+        CLIP(YUV420P, codes8, BT709, BT709, BT709, MPEG, srgb),
+        CLIP(YUV420P, codes8, SMPTE170M, SMPTE170M, SMPTE170M, MPEG, srgb),
+        CLIP(YUV444P, codes8, BT709, BT709, BT709, JPEG, srgb),
+        CLIP(YUV411P, codes8, BT470BG, BT709, BT709, MPEG, srgb),
+        CLIP(YUV410P, codes8, BT709, BT709, BT709, MPEG, srgb),
+        CLIP(YUV444P12, codes12, BT2020_NCL, SMPTE2084, BT2020, JPEG, pq),
+        CLIP(GBRP16, codes16, RGB, SMPTE2084, BT2020, JPEG, pq),
+        CLIP(GBRP16, codes16, RGB, BT709, BT709, JPEG, srgb),
+        CLIP(GRAY8, greys, BT709, BT709, BT709, JPEG, srgb),
+#undef CLIP
+    };
+    for (size_t k = 0; k < sizeof clips / sizeof *clips; k++) {
+        const clip *c = &clips[k].c;
+        pupil_source *source;
+        pupil_frame f;
+        CHECK(clip_write(c, scratch("light.mkv")) == 0);
+        CHECK_MSG(pupil_video_source_open(scratch("light.mkv"), NULL, &source, why, sizeof why) == 0, "%s", why);
+        for (int n = 0; n < c->frames; n++) {
+            const int *code = ((const int(*)[3])c->user)[n];
+            real want[3], slack[3], worst = -INFINITY;
+            int rc = pupil_source_next(source, &f, why, sizeof why), worst_i = 0;
+            CHECK_MSG(rc == PUPIL_SOURCE_FRAME, "clip %zu: %s", k, why);
+            expected(c, code, clips[k].light, want, slack);
+            const float *p = f.image.data;
+            for (int i = 0; i < 40 * 24 * 3; i++)
+                if (fabsl(p[i] - want[i % 3]) - slack[i % 3] > worst) {
+                    worst = fabsl(p[i] - want[i % 3]) - slack[i % 3];
+                    worst_i = i;
+                }
+            CHECK_MSG(worst <= 0, "clip %zu frame %d: %g, not %Lg +- %Lg", k, n, p[worst_i], want[worst_i % 3],
+                      slack[worst_i % 3]);
+            if (code[1] == code[2] && (code[1] == code[0] || code[1] == 512 || code[1] == 2048 || code[1] == 128))
+                CHECK(p[0] == p[1] && p[1] == p[2]); /* grey stays grey, to the bit */
+            CHECK(f.info.timestamp_ns == n * INT64_C(40000000) && f.info.sequence == (uint64_t)n);
+            pupil_source_done(source, &f);
+        }
+        CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_END);
+        CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_END);
+        CHECK(source->fps == 25);
+        pupil_source_close(source);
+    }
+}
+
+/* Blue rises along x and y; everything else stands still. */
+static int ramp(const clip *c, int frame, int component, int x, int y)
+{
+    (void)c;
+    (void)frame;
+    return component == 0 ? 600 : component == 2 ? 512 : 440 + 6 * x + 2 * y;
+}
+
+static void test_chroma(void)
+{
+    static const struct {
+        enum AVChromaLocation location;
+        real x, y; /* of the first chroma sample, in luma samples */
+    } sites[] = {{AVCHROMA_LOC_LEFT, 0, 0.5L},
+                 {AVCHROMA_LOC_CENTER, 0.5L, 0.5L},
+                 {AVCHROMA_LOC_TOPLEFT, 0, 0},
+                 {AVCHROMA_LOC_UNSPECIFIED, 0, 0.5L}};
+    for (size_t k = 0; k < sizeof sites / sizeof *sites; k++) {
+        clip c = {
+            "matroska",      "ffv1",           AV_PIX_FMT_YUV420P10, 33,   17,   1,   AVCOL_SPC_BT709, AVCOL_TRC_LINEAR,
+            AVCOL_PRI_BT709, AVCOL_RANGE_MPEG, sites[k].location,    NULL, ramp, NULL};
+        pupil_source *source;
+        pupil_frame f;
+        CHECK(clip_write(&c, scratch("chroma.mkv")) == 0);
+        CHECK_MSG(pupil_video_source_open(scratch("chroma.mkv"), NULL, &source, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
+        for (int y = 1; y < 15; y++)
+            for (int x = 1; x < 31; x++) { /* off the edges, where there is nothing to interpolate to */
+                real u = (440 + 3 * (x - sites[k].x) + (y - sites[k].y) - 512) / 896;
+                real want = (600 - 64) / 876.0L + 1.8556L * u,
+                     got = ((const float *)f.image.data)[(y * 33 + x) * 3 + 2];
+                CHECK_MSG(fabsl(got - want) < 1e-5L, "site %zu (%d, %d): %Lg, not %Lg", k, x, y, got, want);
+            }
+        pupil_source_close(source);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    scratch_begin();
+    test_tables();
+    test_matrix();
+    test_light();
+    test_chroma();
+    scratch_clear(scratch_folder);
+    return check_end();
+}
