@@ -47,7 +47,7 @@ static void on_read(png_structp png, png_bytep out, size_t count)
 {
     png_reader *r = png_get_io_ptr(png);
     if (count > r->size - r->at)
-        png_error(png, "the file ends early");
+        png_error(png, "it ends early");
     memcpy(out, r->bytes + r->at, count);
     r->at += count;
 }
@@ -197,6 +197,21 @@ static int read_pixels(png_reader *r, pupil_still *still)
     return 0;
 }
 
+/* libpng takes memory for what a chunk's length says before it sees the file's end: so that is looked at first. */
+static int check_chunks(png_reader *r)
+{
+    for (size_t at = 8; r->size >= 12 && at <= r->size - 12;) {
+        const uint8_t *chunk = r->bytes + at;
+        const uint32_t length = png_get_uint_32(chunk);
+        if (length > r->size - at - 12)
+            break;
+        if (memcmp(chunk + 4, "IEND", 4) == 0)
+            return 0;
+        at += 12 + (size_t)length;
+    }
+    return pupil_still_fail(r->why, r->why_bytes, "is damaged as a PNG file: it ends early");
+}
+
 /* Nothing here but what longjmp leaves alone: r lives with the caller. */
 static int read_guarded(png_reader *r, pupil_still *still)
 {
@@ -210,6 +225,8 @@ int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, char *
 {
     png_reader r = {.bytes = bytes, .size = size, .why = why, .why_bytes = why_bytes};
     int result = -1;
+    if (check_chunks(&r))
+        return -1;
     r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, on_error, on_warning);
     if (r.png)
         r.info = png_create_info_struct(r.png);

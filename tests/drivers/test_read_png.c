@@ -208,8 +208,11 @@ static void test_refusals(void)
     static const uint8_t pixel[6] = {0};
     picture p = {.width = 1, .height = 1, .bits = 16, .type = PNG_COLOR_TYPE_RGB, .rows = pixel};
     write_png(&file, &p);
-    CHECK_REFUSED(pupil_read_png, file.data, 20, "damaged as a PNG file: the file ends early");
+    CHECK_REFUSED(pupil_read_png, file.data, 20, "damaged as a PNG file: it ends early");
     CHECK_REFUSED(pupil_read_png, file.data, file.size - 20, "damaged as a PNG file");
+    put32(file.data + 33, 0x7fffffff); /* the length of the chunk after IHDR */
+    CHECK_REFUSED(pupil_read_png, file.data, file.size, "damaged as a PNG file: it ends early");
+    write_png(&file, &p);
     put32(file.data + 16, 8192); /* width and height of IHDR, and its checksum */
     put32(file.data + 20, 8192);
     put32(file.data + 29, crc_of(file.data + 12, 17));

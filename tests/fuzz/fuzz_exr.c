@@ -1,0 +1,3 @@
+/* The reader of OpenEXR under libFuzzer. */
+#define READER pupil_read_exr
+#include "fuzz_still.h"

@@ -1,0 +1,3 @@
+/* The reader of portable float maps under libFuzzer. */
+#define READER pupil_read_pfm
+#include "fuzz_still.h"

@@ -1,0 +1,27 @@
+/* tests/fuzz/fuzz_still.h: a libFuzzer target for one still reader; the file that includes this defines READER.
+ *
+ * The still is kept from input to input, as a sequence of stills does. */
+#include "file/still.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Called by libFuzzer, which declares it nowhere. */
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    static pupil_still still;
+    char why[PUPIL_STILL_WHY_BYTES] = "";
+    if (READER(&still, bytes, size, why, sizeof why) != 0) {
+        if (!*why)
+            abort(); /* a refusal without a sentence */
+        return 0;
+    }
+    if (still.width < 1 || still.width > PUPIL_MAX_SIDE_PX || still.height < 1 || still.height > PUPIL_MAX_SIDE_PX ||
+        (uint64_t)still.width * still.height * pupil_pixel_bytes(still.pixel) > still.capacity_bytes)
+        abort(); /* a picture that its consumer may not touch */
+    if (still.capacity_bytes > (size_t)1 << 24)
+        pupil_still_free(&still); /* so that the next overrun is near its buffer's end */
+    return 0;
+}
