@@ -91,8 +91,10 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
     if (!error)
         error = pupil_adapt(pupil, stats, info);
     if (!error && !fused) {
-        if (pupil_get_curve(pupil, info, curve) != PUPIL_OK)
-            *curve = (pupil_curve){1.0f, 1.0f, 0.0f}; /* no light so far: the frame as it is */
+        if (pupil_get_curve(pupil, info, curve) != PUPIL_OK) { /* no light so far: a rare frame that can take its time */
+            *curve = (pupil_curve){1.0f, 1.0f, 0.0f};
+            return pupil_process(pupil, in, info, out);
+        }
         error = pass(f, 0, curve, out);
     }
     return error;

@@ -80,7 +80,7 @@ static void map_pixel(const pupil_config *config, const pupil_curve *curve, cons
     double grey = clamp(y * s, 0.0, 1.0), knee = curve->gamut > 0.0f ? (double)PUPIL_GAMUT_KNEE : 1.0;
     double x = grey < 1.0 ? (largest - grey) / (1.0 - grey) : INFINITY;
     if (largest > grey && x > knee) {
-        double fitted = knee + (x - knee) / (1.0 + (double)curve->gamut * (x - knee));
+        double fitted = knee + (x - knee) / (1.0 + (double)curve->gamut * (largest / (1.0 - grey) - knee));
         double t = grey < 1.0 ? (fitted < 1.0 ? fitted : 1.0) / x : 0.0;
         for (int c = 0; c < 3; c++)
             out[c] = grey + (out[c] - grey) * t;

@@ -168,9 +168,9 @@ static void fit_gamut(float *restrict r, float *restrict g, float *restrict b, c
             r[i] = g[i] = b[i] = 1.0f;
             continue;
         }
-        float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f;
-        float x = (m - grey) / (1.0f - grey), y = x - knee;
-        float fitted = knee + y / (1.0f + gamut * y);
+        float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f, room = 1.0f - grey;
+        float x = (m - grey) / room;
+        float fitted = knee + (x - knee) / (1.0f + gamut * (m / room - knee));
         fitted = gamut > 0.0f && fitted < 1.0f ? fitted : 1.0f;
         float t = fitted / x;
         r[i] = grey + (r[i] - grey) * t;

@@ -87,9 +87,10 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
  *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
  * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.)
  * Lv counts as 0..2^30 and a component of v as 0..2^31 here; where Lv is NaN the pixel is black.
- * A result beyond the display's gamut is moved toward the grey of its own luminance D until it fits: with m its largest
- * component and x = (m - D) / (1 - D) (1: the gamut's surface), x becomes min(1, k + y / (1 + gamut * y)), y = x - k,
- * where x > k; k is PUPIL_GAMUT_KNEE, or 1 where gamut is 0 (nothing inside the gamut moves). From D = 1 on: white. */
+ * A result beyond the display's gamut is moved toward the grey of its own luminance D until it fits. With m its largest
+ * component and x = (m - D) / (1 - D) its distance from that grey (1: the gamut's surface), where x > k it becomes
+ *     min(1, k + (x - k) / (1 + gamut * (m / (1 - D) - k))),   k = PUPIL_GAMUT_KNEE
+ * and where gamut is 0, min(1, x): nothing inside the gamut moves. From D = 1 on the pixel is white. */
 #define PUPIL_GAMUT_KNEE 0.75f
 typedef struct pupil_curve {
     float scale;                 /* X: from frame values to scaled luminance; 0..2^60 */
