@@ -1,0 +1,339 @@
+/* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "display.h"
+#include "frame_work.h"
+#include "interrupt.h"
+#include "open_input.h"
+#include "outputs.h"
+#include "plot.h"
+#include "progress.h"
+#include "replay_options.h"
+#include "replay_report.h"
+#include "stats_file.h"
+
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_SKIPPED = 3, EXIT_INTERRUPTED = 130 };
+
+typedef struct replay {
+    replay_options options;
+    pupil_source *source;
+    workers *workers;
+    frame_work *work;
+    pupil_t pupil;
+    pupil_stats stats;
+    pupil_curve curve;
+
+    unsigned char *display; /* RGB8, tightly packed */
+    size_t display_bytes;
+
+    outputs outputs;
+    pupil_stats_file *stats_file;
+    replay_report *report;
+    pupil_record *records; /* all of them, where a plot or a report wants them */
+    size_t record_count, record_capacity;
+
+    progress progress;
+    uint64_t shown, skipped;
+    char *last_name;   /* of the frame before, for --reset-each */
+    char summary[512]; /* the figures that a report found */
+    char why[PUPIL_WHY_BYTES];
+} replay;
+
+static const char *state_word(uint32_t state)
+{
+    static const char *const words[] = {"empty", "adapting", "settled", "limited", "locked"};
+    return state < sizeof words / sizeof words[0] ? words[state] : "?";
+}
+
+static int no_memory(replay *r)
+{
+    snprintf(r->why, sizeof r->why, "not enough memory");
+    return -1;
+}
+
+/* ---- records
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static pupil_record describe(const replay *r, const pupil_frame *frame, const pupil_image_const *display)
+{
+    pupil_exposure e;
+    display_figures d = display_measure(display);
+    double pixels = r->stats.pixels ? (double)r->stats.pixels : 1.0;
+    pupil_record record = {
+        .frame = r->shown,
+        .name = frame->name,
+        .time_s = (double)frame->info.timestamp_ns * 1e-9,
+        .scale = (double)r->curve.scale,
+        .output_level = d.level,
+        .black_share = (double)r->stats.black / pixels,
+        .clipped_share = (double)r->stats.clipped / pixels,
+        .bad_share = (double)r->stats.bad / pixels,
+        .output_black_share = d.black_share,
+        .output_white_share = d.white_share,
+    };
+    pupil_get_exposure(&r->pupil, &e);
+    record.dt_s = e.dt_s;
+    record.metered_ev = e.metered_ev;
+    record.adapted_ev = e.adapted_ev;
+    record.state = state_word(e.state);
+    record.white = replay_white_of(&r->curve);
+    pupil_stats_quantile(&r->stats, 0.01, &record.p01_ev); /* refused without light: the quantiles stay 0 */
+    pupil_stats_quantile(&r->stats, 0.50, &record.p50_ev);
+    pupil_stats_quantile(&r->stats, 0.99, &record.p99_ev);
+    return record;
+}
+
+static int keep(replay *r, const pupil_record *record)
+{
+    if (!r->options.plot && !r->options.report)
+        return 0;
+    if (r->record_count == r->record_capacity) {
+        size_t capacity = r->record_capacity ? 2 * r->record_capacity : 1024;
+        pupil_record *more = realloc(r->records, capacity * sizeof *more);
+        if (!more)
+            return no_memory(r);
+        r->records = more;
+        r->record_capacity = capacity;
+    }
+    r->records[r->record_count] = *record;
+    r->records[r->record_count].name = strdup(record->name); /* the source's own is gone with the frame */
+    if (!r->records[r->record_count].name)
+        return no_memory(r);
+    r->record_count++;
+    return 0;
+}
+
+/* ---- a frame
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static int open_outputs(replay *r, const pupil_image_const *first)
+{
+    const replay_options *o = &r->options;
+    pupil_sink_options options = {first->width, first->height, r->source->fps, o->overwrite};
+    for (size_t i = 0; i < o->out_count; i++)
+        if (outputs_open(&r->outputs, o->out[i], &options, r->why, sizeof r->why))
+            return -1;
+    if (o->stats && pupil_stats_file_open(&r->stats_file, o->stats, r->why, sizeof r->why))
+        return -1;
+    if (o->report)
+        return replay_report_open(&r->report, o, &options, r->source->frames * o->hold, r->why, sizeof r->why);
+    return 0;
+}
+
+static int make_room(replay *r, const pupil_image_const *in, pupil_image *out)
+{
+    size_t row = (size_t)in->width * 3, bytes = row * in->height;
+    if (bytes > r->display_bytes) {
+        free(r->display);
+        r->display_bytes = 0;
+        r->display = malloc(bytes);
+        if (!r->display)
+            return no_memory(r);
+        r->display_bytes = bytes;
+    }
+    *out = (pupil_image){r->display, (ptrdiff_t)row, in->width, in->height, PUPIL_PIXEL_RGB8};
+    return 0;
+}
+
+static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
+{
+    double began_s = progress_now_s();
+    if (outputs_write(&r->outputs, display, &frame->info, r->why, sizeof r->why))
+        return -1;
+    record->write_us = (progress_now_s() - began_s) * 1e6;
+    if (r->stats_file && pupil_stats_file_write(r->stats_file, record, r->why, sizeof r->why))
+        return -1;
+    if (keep(r, record))
+        return -1;
+    return r->report
+               ? replay_report_frame(r->report, frame, &r->curve, display, &r->stats, record, r->why, sizeof r->why)
+               : 0;
+}
+
+static int show(replay *r, const pupil_frame *frame, double read_us)
+{
+    pupil_image out;
+    if (make_room(r, &frame->image, &out))
+        return -1;
+    double began_s = progress_now_s();
+    int error = frame_work_process(r->work, &r->pupil, r->options.config.order == PUPIL_ORDER_FUSED, &frame->image,
+                                   &frame->info, &out, &r->stats, &r->curve);
+    double process_us = (progress_now_s() - began_s) * 1e6;
+    if (error) {
+        snprintf(r->why, sizeof r->why, "%s: %s", frame->name, pupil_error_string(error));
+        return -1;
+    }
+    if (!r->shown && open_outputs(r, &frame->image))
+        return -1;
+    pupil_image_const display = pupil_image_as_const(out);
+    pupil_record record = describe(r, frame, &display);
+    record.read_us = read_us;
+    record.process_us = process_us;
+    if (write_frame(r, frame, &display, &record))
+        return -1;
+    progress_step(&r->progress, &record);
+    r->shown++;
+    return 0;
+}
+
+/* A frame as often as --hold says, each with its own moment. */
+static int take(replay *r, pupil_frame *frame, double read_us)
+{
+    const replay_options *o = &r->options;
+    if (o->reset_each && (!r->last_name || strcmp(r->last_name, frame->name) != 0)) {
+        free(r->last_name);
+        r->last_name = strdup(frame->name);
+        if (!r->last_name)
+            return no_memory(r);
+        pupil_reset(&r->pupil);
+    }
+    for (uint64_t i = 0; i < o->hold && !interrupt_came() && (!o->most || r->shown < o->most); i++) {
+        if (o->hold > 1)
+            frame->info.timestamp_ns = (int64_t)((double)r->shown * 1e9 / r->source->fps);
+        if (show(r, frame, i ? 0.0 : read_us))
+            return -1;
+    }
+    return 0;
+}
+
+static int run(replay *r)
+{
+    const replay_options *o = &r->options;
+    while (!interrupt_came() && (!o->most || r->shown < o->most)) {
+        pupil_frame frame;
+        double began_s = progress_now_s();
+        int got = pupil_source_next(r->source, &frame, r->why, sizeof r->why);
+        double read_us = (progress_now_s() - began_s) * 1e6;
+        if (got == PUPIL_SOURCE_END || interrupt_came())
+            return 0;
+        if (got == PUPIL_SOURCE_DAMAGED && o->keep_going) {
+            progress_clear(&r->progress);
+            fprintf(stderr, "pupil replay: %s; skipped\n", r->why);
+            r->skipped++;
+            continue;
+        }
+        if (got != PUPIL_SOURCE_FRAME)
+            return -1;
+        int error = take(r, &frame, read_us);
+        pupil_source_done(r->source, &frame);
+        if (error)
+            return -1;
+    }
+    return 0;
+}
+
+/* ---- begin and end
+ * ---------------------------------------------------------------------------------------------------- */
+
+static int begin(replay *r)
+{
+    const char *fault = "";
+    if (pupil_config_check(&r->options.config, &fault)) {
+        snprintf(r->why, sizeof r->why, "settings: %s", fault);
+        return -1;
+    }
+    if (open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why))
+        return -1;
+    pupil_init(&r->pupil, &r->options.config);
+    r->workers = workers_open(r->options.threads);
+    r->work = r->workers ? frame_work_open(r->workers) : NULL;
+    if (!r->work)
+        return no_memory(r);
+    uint64_t total = r->source->frames * r->options.hold;
+    if (r->options.most && (!total || total > r->options.most))
+        total = r->options.most;
+    progress_begin(&r->progress, r->options.quiet, total);
+    return 0;
+}
+
+static int finish(replay *r)
+{
+    const replay_options *o = &r->options;
+    if (!r->shown) {
+        snprintf(r->why, sizeof r->why, "%s: no frame could be read", o->inputs[0]);
+        return -1;
+    }
+    if (outputs_finish(&r->outputs, r->why, sizeof r->why))
+        return -1;
+    pupil_stats_file *stats_file = r->stats_file;
+    r->stats_file = NULL;
+    if (stats_file && pupil_stats_file_finish(stats_file, r->why, sizeof r->why))
+        return -1;
+    if (o->plot &&
+        pupil_plot_write(o->plot, r->records, r->record_count, o->config.key, o->inputs[0], r->why, sizeof r->why))
+        return -1;
+    replay_report *report = r->report;
+    r->report = NULL;
+    return report ? replay_report_finish(report, r->records, r->record_count, r->summary, sizeof r->summary, r->why,
+                                         sizeof r->why)
+                  : 0;
+}
+
+static void end(replay *r)
+{
+    outputs_discard(&r->outputs);
+    if (r->stats_file)
+        pupil_stats_file_discard(r->stats_file);
+    if (r->report)
+        replay_report_discard(r->report);
+    frame_work_close(r->work);
+    workers_close(r->workers);
+    pupil_source_close(r->source);
+    for (size_t i = 0; i < r->record_count; i++)
+        free((char *)(uintptr_t)r->records[i].name);
+    free(r->records);
+    free(r->display);
+    free(r->last_name);
+}
+
+static void tell(const replay *r)
+{
+    const replay_options *o = &r->options;
+    double took_s = progress_now_s() - r->progress.began_s;
+    fprintf(stderr, "replayed %llu frames in %.1f s", (unsigned long long)r->shown, took_s);
+    if (r->skipped)
+        fprintf(stderr, ", skipped %llu", (unsigned long long)r->skipped);
+    for (size_t i = 0; i < o->out_count; i++)
+        fprintf(stderr, "; %s", o->out[i]);
+    if (o->stats)
+        fprintf(stderr, "; %s", o->stats);
+    if (o->plot)
+        fprintf(stderr, "; %s", o->plot);
+    if (o->report)
+        fprintf(stderr, "; %s/index.html", o->report);
+    fprintf(stderr, "\n%s", r->summary);
+}
+
+int replay_main(int argc, char **argv)
+{
+    static replay r; /* one run a process; pupil_t and pupil_stats are large for a stack */
+    char command[4096];
+    replay_report_command(command, sizeof command, argc, argv); /* before parsing moves argv about */
+    int parsed = replay_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
+    r.options.command = command;
+    if (parsed == REPLAY_HELP) {
+        fputs(replay_help, stdout);
+        return EXIT_DONE;
+    }
+    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options, r.why, sizeof r.why)) {
+        fprintf(stderr, "pupil replay: %s\n", r.why);
+        return EXIT_USAGE;
+    }
+    interrupt_watch();
+    int failed = begin(&r) || run(&r);
+    int interrupted = interrupt_came();
+    progress_clear(&r.progress);
+    if (!failed && !interrupted)
+        failed = finish(&r);
+    end(&r);
+    if (interrupted)
+        fprintf(stderr, "pupil replay: interrupted; nothing was written\n");
+    else if (failed)
+        fprintf(stderr, "pupil replay: %s\n", r.why);
+    else if (!r.options.quiet)
+        tell(&r);
+    return interrupted ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : r.skipped ? EXIT_SKIPPED : EXIT_DONE;
+}

@@ -1,0 +1,134 @@
+#!/bin/sh
+# The program as its user meets it: outputs complete or absent, clear sentences, exit codes, the same bits at any number of
+# threads. Needs $PUPIL_PROGRAM; runs in a folder of its own.
+set -u
+program=${PUPIL_PROGRAM:?the pupil program}
+room=$(mktemp -d) || exit 1
+trap 'rm -rf "$room"' EXIT
+cd "$room" || exit 1
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# expect STATUS WORDS ARGUMENTS...: the exit status, and words that the message must hold
+expect() {
+    status=$1 words=$2
+    shift 2
+    "$program" "$@" >said.out 2>said.err </dev/null
+    got=$?
+    [ "$got" = "$status" ] || fail "pupil $*: exit $got, expected $status: $(cat said.err)"
+    grep -qF -- "$words" said.err || [ -z "$words" ] || fail "pupil $*: no '$words' in: $(cat said.err)"
+    [ "$(wc -l <said.err)" -le 1 ] || [ "$status" = 3 ] || fail "pupil $*: more than one sentence: $(cat said.err)"
+}
+
+# absent PATH...: nothing there, and no temporary left beside it
+absent() {
+    for path in "$@"; do
+        [ ! -e "$path" ] || fail "$path is there"
+    done
+    left=$(find . -name '.*.part*' | head -n 3)
+    [ -z "$left" ] || fail "left behind: $left"
+}
+
+walk="replay synth:walk --size 64x36 -q"
+
+# help and usage
+"$program" replay --help >help.txt || fail "--help does not exit 0"
+[ "$(wc -l <help.txt)" -le 40 ] || fail "--help is $(wc -l <help.txt) lines"
+awk 'length > 90 { exit 1 }' help.txt || fail "--help has a line over 90 characters"
+expect 2 "no such command" nonsense
+expect 2 "no input" replay
+expect 2 "--metreing" replay synth:walk --metreing spot
+for bad in "--key 2" "--fps 0" "--fps nan" "--fps 1x" "--size 0x4" "--size 64" "--trim 95,5" "--trim 5" "--roi 0.5,0.5,0.6,0.1" \
+    "--formula 5" "--weight 0.1" "--white dark" "--white 0" "--ev 17" "--tau-light -1" "--metering moon" "--transfer pq" \
+    "--threads 1000" "--hold 0" "--frames -3" "--frames 0"; do
+    # shellcheck disable=SC2086 # two words
+    expect 2 "${bad%% *}" replay synth:walk $bad
+done
+expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o a.mp4
+
+# wrong inputs
+expect 1 "missing.exr" replay missing.exr -o a.mp4
+expect 1 "walk" replay synth:run -o a.mp4
+echo "not a picture" >text.exr
+expect 1 "text.exr" replay text.exr -o a.png
+expect 1 "a.txt" $walk -n 2 -o a.txt
+expect 1 "nowhere" $walk -n 2 -o nowhere/a.mp4
+expect 1 "one picture" $walk -n 2 -o a.png
+absent a.mp4 a.png a.txt
+
+# every kind of output
+expect 0 "" $walk -n 12 -o a.mp4 -o a.mkv -o a.y4m -o folder --stats s.jsonl --plot p.svg --report report
+for made in a.mp4 a.mkv a.y4m folder/frame_000000.png folder/frame_000011.png s.jsonl p.svg report/index.html; do
+    [ -s "$made" ] || fail "$made is not there"
+done
+[ "$(wc -l <s.jsonl)" = 12 ] || fail "s.jsonl has $(wc -l <s.jsonl) lines"
+expect 1 "folder" $walk -n 2 -o folder
+expect 0 "" $walk -n 2 -o folder -y
+[ ! -e folder/frame_000002.png ] || fail "an overwritten folder keeps old frames"
+expect 0 "" $walk -n 1 -o one.png
+"$program" $walk -n 5 -o - >stream.y4m 2>said.err || fail "stdout: $(cat said.err)"
+[ "$(head -c 9 stream.y4m)" = YUV4MPEG2 ] || fail "stdout is no Y4M"
+"$program" $walk -n 5 -o stream2.y4m
+cmp -s stream.y4m stream2.y4m || fail "stdout and a file differ"
+
+# an output is not an input
+"$program" $walk -n 2 -o in.y4m
+cp in.y4m before.y4m
+expect 2 "is also an input" replay in.y4m -o in.y4m
+cmp -s in.y4m before.y4m || fail "the input was touched"
+
+# the same bits at any number of threads; fused is another picture
+for threads in 1 2 3 7; do
+    "$program" $walk -n 40 --threads $threads -o t$threads.y4m --stats t$threads.csv || fail "threads $threads"
+    cmp -s t1.y4m t$threads.y4m || fail "$threads threads give another picture"
+done
+"$program" $walk -n 40 --fused --threads 1 -o f1.y4m
+"$program" $walk -n 40 --fused --threads 5 -o f5.y4m
+cmp -s f1.y4m f5.y4m || fail "fused: threads give another picture"
+cmp -s t1.y4m f1.y4m && fail "fused and exact are the same picture, which 40 frames of a walk cannot be"
+
+# options reach the picture
+for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" "--roi 0,0,0.3,0.3" "--trim 5,95" "--formula 2" \
+    "--formula 1 --weight 0.5" "--tau-light 0 --tau-dark 0" "--transfer linear" "--lock"; do
+    # shellcheck disable=SC2086
+    "$program" $walk -n 40 $option -o o.y4m || fail "$option"
+    cmp -s t1.y4m o.y4m && fail "$option changes nothing"
+done
+
+# damaged frames
+"$program" $walk -n 3 -o stills
+mkdir mixed && cp stills/frame_000000.png mixed/1.png && head -c 100 stills/frame_000001.png >mixed/2.png &&
+    cp stills/frame_000002.png mixed/3.png
+expect 1 "mixed/2.png" replay mixed -o m.y4m
+absent m.y4m
+expect 3 "mixed/2.png" replay mixed -o m.y4m --keep-going --stats m.jsonl
+[ "$(wc -l <m.jsonl)" = 2 ] || fail "--keep-going: $(wc -l <m.jsonl) frames, expected 2"
+
+# a full disk, in small: no file above 8 KiB
+for kind in mp4 y4m; do
+    (ulimit -f 16 && trap '' XFSZ && "$program" $walk --size 320x180 -n 30 -o full.$kind 2>said.err)
+    [ $? = 1 ] || fail "a full disk ends with exit $? for $kind"
+    grep -q "full.$kind" said.err || fail "a full disk: $(cat said.err)"
+    absent full.$kind
+done
+
+# Ctrl-C: gone without a trace
+"$program" $walk --size 640x360 --hold 100 -o c.mp4 -o c.y4m -o cfolder --report creport 2>said.err &
+running=$!
+sleep 1
+kill -INT $running
+wait $running
+[ $? = 130 ] || fail "Ctrl-C ends with exit $?"
+grep -q interrupted said.err || fail "Ctrl-C: $(cat said.err)"
+absent c.mp4 c.y4m cfolder creport
+
+# a closed pipe
+"$program" $walk --size 320x180 -o - 2>said.err | head -c 1000 >/dev/null
+[ "$(wc -l <said.err)" = 1 ] || fail "a closed pipe: $(cat said.err)"
+
+[ $failures = 0 ] && echo "replay: all as expected"
+exit $((failures > 0))
