@@ -127,7 +127,9 @@ static void histogram(const float *restrict l, const float *restrict r, const fl
     uint32_t peak_bits = pupil_bits_of_float(stats->peak);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t bits = pupil_bits_of_float(clamp_luminance(l[i], floor));
-        uint32_t brightest = pupil_bits_of_float(clamp_luminance(max3(r[i], g[i], b[i]), floor));
+        /* where no channel is NaN the largest does not depend on their order; where one is, so is L */
+        float largest = l[i] == l[i] ? max3(r[i], g[i], b[i]) : floor;
+        uint32_t brightest = pupil_bits_of_float(clamp_luminance(largest, floor));
         stats->bin[(bits >> 20) - FIRST_STOP * PUPIL_HISTOGRAM_BINS_PER_STOP] += weight;
         stats->peak_bin[(brightest >> 21) - FIRST_STOP * PUPIL_PEAK_BINS_PER_STOP] += weight;
         peak_bits = brightest > peak_bits ? brightest : peak_bits; /* positive floats are in the order of their bits */

@@ -33,8 +33,9 @@ extern "C" {
 #define PUPIL_HISTOGRAM_MIN_EV        (-32)
 #define PUPIL_HISTOGRAM_BINS          512
 
-/* A second, coarser histogram, of each pixel's brightest channel (clamped as L is): 4 bins a stop over the same 64
- * stops. A white point must leave room for the brightest channel, which in a saturated colour is far above L. */
+/* A second, coarser histogram, of each pixel's brightest channel (clamped as L is; the floor where L is NaN): 4 bins a
+ * stop over the same 64 stops. A white point must leave room for the brightest channel, which in a saturated colour is
+ * far above L. */
 #define PUPIL_PEAK_BINS_PER_STOP 4
 #define PUPIL_PEAK_BINS          256
 
