@@ -107,8 +107,8 @@ static float format_top(uint32_t pixel)
 }
 
 typedef struct counted {
-    float luminance, clamped;
-    long double exact; /* clamped */
+    float luminance, clamped, brightest; /* the last two clamped */
+    long double exact;                   /* clamped */
     int black, clipped, bad;
 } counted;
 
@@ -126,11 +126,22 @@ static counted count_pixel(const pupil_config *config, const pupil_image_const *
     p.black = !p.bad && p.luminance <= config->floor;
     p.clipped = !p.bad && (rgb[0] >= clip || rgb[1] >= clip || rgb[2] >= clip);
     p.clamped = p.luminance > config->floor ? fminf(p.luminance, 0x1p30f) : config->floor;
+    /* a pixel without a luminance has no brightest channel either */
+    p.brightest = isnan(p.luminance) ? config->floor : fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
+    p.brightest = p.brightest > config->floor ? fminf(p.brightest, 0x1p30f) : config->floor;
     p.exact = exact[0] * rgba[0] + exact[1] * rgba[1] + exact[2] * rgba[2];
     p.exact = p.exact > config->floor ? fminl(p.exact, REF_TOP) : config->floor;
     if (p.bad)
         p.exact = p.clamped;
     return p;
+}
+
+/* The exponent and the top bits of the fraction, from 2^-32 on. */
+static uint32_t bin_of(float light, int fraction_bits)
+{
+    uint32_t bits;
+    memcpy(&bits, &light, 4);
+    return (bits >> (23 - fraction_bits)) - ((127 - 32) << fraction_bits);
 }
 
 void ref_meter_frame(const pupil_config *config, const pupil_image_const *image, ref_meter *meter)
@@ -141,12 +152,10 @@ void ref_meter_frame(const pupil_config *config, const pupil_image_const *image,
         for (uint32_t x = 0; x < image->width; x++) {
             const unsigned weight = ref_cell(config, x, y, image->width, image->height);
             const unsigned band = (unsigned)((uint64_t)y * PUPIL_BANDS / image->height);
-            uint32_t bits;
             if (!weight)
                 continue;
             const counted p = count_pixel(config, image, x, y);
             const long double log2_float = log2l(p.clamped);
-            memcpy(&bits, &p.clamped, 4);
             pixels_sum += weight * log2l(p.exact);
             floats_sum += weight * log2_float;
             meter->pixels++;
@@ -154,7 +163,9 @@ void ref_meter_frame(const pupil_config *config, const pupil_image_const *image,
             meter->black += (unsigned)p.black;
             meter->clipped += (unsigned)p.clipped;
             meter->bad += (unsigned)p.bad;
-            meter->bin[(bits >> 20) - ((127 - 32) << 3)] += weight;
+            meter->bin[bin_of(p.clamped, 3)] += weight;
+            meter->peak_bin[bin_of(p.brightest, 2)] += weight;
+            meter->peak = fmaxf(meter->peak, p.brightest);
             meter->band_sum[band] += log2_float;
             meter->band_pixels[band]++;
         }
@@ -234,6 +245,17 @@ long double ref_encode(uint32_t transfer, long double light)
     return 255 * light;
 }
 
+/* How much of the way from the grey of its luminance D a colour with the largest component m keeps; pupil.h,
+ * pupil_curve.
+ */
+static long double fit(long double D, long double m, long double gamut)
+{
+    const long double k = gamut > 0 ? PUPIL_GAMUT_KNEE : 1, x = (m - D) / (1 - D);
+    if (D >= 1 || x <= k)
+        return 1;
+    return fminl(1, k + (x - k) / (1 + gamut * (m / (1 - D) - k))) / x;
+}
+
 void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3])
 {
     long double exact[3], light[3], most = 0, luminance;
@@ -256,11 +278,9 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
         light[c] *= gain;
         most = fmaxl(most, light[c]);
     }
-    for (int c = 0; c < 3; c++) {
-        if (most > 1)
-            light[c] = display >= 1 ? 1 : display + (light[c] - display) * (1 - display) / (most - display);
-        code[c] = ref_encode(config->transfer, light[c]);
-    }
+    const long double fitted = fit(display, most, curve->gamut);
+    for (int c = 0; c < 3; c++)
+        code[c] = ref_encode(config->transfer, display >= 1 ? 1 : display + (light[c] - display) * fitted);
 }
 
 long double ref_alpha(const long double rgba[4])
@@ -280,9 +300,9 @@ double ref_stats_at(double ev, int histogram, pupil_stats *stats)
     stats->band_log2_sum[0] = (int64_t)floor((whole + rest * 0x1p-40) * 0x1p24);
     if (histogram) {
         const float luminance = (float)exp2(whole + rest * 0x1p-40);
-        uint32_t bits;
-        memcpy(&bits, &luminance, 4);
-        stats->bin[(bits >> 20) - ((127 - 32) << 3)] = 1;
+        stats->bin[bin_of(luminance, 3)] = 1;
+        stats->peak_bin[bin_of(luminance, 2)] = 1;
+        stats->peak = luminance;
     }
     return whole + rest * 0x1p-40;
 }

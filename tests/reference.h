@@ -25,7 +25,8 @@ typedef struct ref_meter {
     long double mean_of_pixels; /* mean log2 of luminances taken in long double */
     long double mean_of_floats; /* mean log2 of the binary32 luminances that stats.h defines */
     uint64_t pixels, weight, black, clipped, bad;
-    uint64_t bin[PUPIL_HISTOGRAM_BINS];
+    uint64_t bin[PUPIL_HISTOGRAM_BINS], peak_bin[PUPIL_PEAK_BINS];
+    float peak;
     long double band_sum[PUPIL_BANDS]; /* of log2 of the binary32 luminances */
     uint32_t band_pixels[PUPIL_BANDS];
 } ref_meter;

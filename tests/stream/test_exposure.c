@@ -29,7 +29,7 @@ static pupil_exposure adapt(pupil_t *pupil, double ev, double exposure_s, double
 static pupil_curve curve_of(const pupil_t *pupil, double exposure_s, double gain)
 {
     const pupil_frame_info info = {.timestamp_ns = now, .exposure_s = exposure_s, .gain = gain};
-    pupil_curve curve = {0, 0};
+    pupil_curve curve = {0, 0, 0};
     CHECK(pupil_get_curve(pupil, exposure_s > 0 ? &info : NULL, &curve) == PUPIL_OK);
     return curve;
 }
@@ -39,7 +39,7 @@ static void check_first(void)
     pupil_config config;
     pupil_t pupil;
     pupil_exposure e = {.frames = 9};
-    pupil_curve curve = {7, 8};
+    pupil_curve curve = {7, 8, 9};
     pupil_stats stats, none;
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
@@ -74,6 +74,9 @@ static void check_scale(void)
         const pupil_curve curve = curve_of(&pupil, exposure_s, gain);
         const double of_frame = i & 1 ? wanted * config.calibration / (exposure_s * gain) : wanted;
         CHECK_MSG(fabs(curve.scale / of_frame - 1) <= 1e-7, "curve scale %.9g, wanted %.9g", curve.scale, of_frame);
+        const double k = (double)PUPIL_GAMUT_KNEE, room = i % 3 ? 1 / (config.white - k) : 0;
+        const double gamut = i % 3 && config.white <= 1 ? 0 : 1 / (1 - k) - room;
+        CHECK_MSG(fabs(curve.gamut - gamut) <= 1e-6, "gamut %g, wanted %g", curve.gamut, gamut);
         const double square = i % 3 ? 1 / (config.white * config.white) : 0;
         CHECK_MSG(fabs(curve.inverse_white_squared - square) <= 1e-7 * square, "1/W^2 %g, wanted %g",
                   curve.inverse_white_squared, square);
@@ -242,10 +245,10 @@ static void check_white_follows(void)
         frame_lognormal(&f, n < 60 ? 0.1 : 3, n < 60 ? 2.5 : 0.2, check_uniform);
         pupil_stats_clear(&stats);
         CHECK(pupil_meter_rows(&pupil, &f.image, 0, 90, &stats) == PUPIL_OK);
-        CHECK(pupil_stats_quantile(&stats, config.white_quantile, &quantile) == PUPIL_OK);
+        CHECK(pupil_stats_peak_quantile(&stats, config.white_quantile, &quantile) == PUPIL_OK);
         const pupil_exposure e = adapt_stats(&pupil, &stats, 0.25, 1);
         const pupil_curve curve = curve_of(&pupil, 0.25, 1);
-        const double white = fmax(1, e.scale * exp2(e.white_ev) * 8 / 9);
+        const double white = fmax(1, e.scale * exp2(e.white_ev));
         quantile += 2; /* scene light: divided by the exposure */
         if (n == 0)
             CHECK_MSG(fabs(e.white_ev - quantile) < 1e-9, "first white %g, quantile %g", e.white_ev, quantile);

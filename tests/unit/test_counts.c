@@ -31,11 +31,15 @@ static void compare(const char *name, const pupil_config *config, const pupil_im
     CHECK_MSG(stats.bad == reference.bad, "%s, format %u: bad %llu, reference %llu", name, image->pixel,
               (unsigned long long)stats.bad, (unsigned long long)reference.bad);
     CHECK(stats.rows == image->height && stats.frame_height == image->height);
-    CHECK(stats.has_histogram == 1 && stats.reserved == 0 && stats.log2_frac < UINT64_C(1) << 40);
+    CHECK(stats.has_histogram == 1 && stats.log2_frac < UINT64_C(1) << 40);
     for (unsigned b = 0; b < PUPIL_HISTOGRAM_BINS; b++) {
         total += stats.bin[b];
         wrong += stats.bin[b] != reference.bin[b];
     }
+    for (unsigned b = 0; b < PUPIL_PEAK_BINS; b++)
+        wrong += stats.peak_bin[b] != reference.peak_bin[b];
+    CHECK_MSG(stats.peak == reference.peak, "%s, format %u: peak %g, reference %g", name, image->pixel, stats.peak,
+              reference.peak);
     CHECK_MSG(wrong == 0, "%s, format %u: %u bins differ", name, image->pixel, wrong);
     CHECK(total == stats.weight);
     for (unsigned b = 0; b < PUPIL_BANDS; b++) {
@@ -166,6 +170,42 @@ static void compare_order(const char *name, const pupil_config *config, const fr
     ref_order_free(&order);
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* Quantiles of the brightest channel: within one of its bins (a quarter of a stop), never above the peak. */
+static void compare_peaks(const pupil_config *config, const frame *f)
+{
+    const uint32_t pixels = f->image.width * f->image.height;
+    float *sorted = malloc(pixels * sizeof *sorted);
+    pupil_stats stats;
+    double before = -1e9, value = NAN, worst = 0;
+    if (!sorted)
+        abort();
+    meter(config, &f->image, &stats);
+    for (uint32_t i = 0; i < pixels; i++) {
+        long double rgba[4];
+        ref_sample(&f->image, i % f->image.width, i / f->image.width, rgba);
+        const long double most = fmaxl(rgba[0], fmaxl(rgba[1], rgba[2]));
+        sorted[i] = (float)fminl(fmaxl(most, config->floor), REF_TOP);
+    }
+    qsort(sorted, pixels, sizeof *sorted, by_value);
+    for (int i = 0; i <= 1000; i++) {
+        const uint32_t at = (uint32_t)((double)i / 1000 * pixels);
+        CHECK(pupil_stats_peak_quantile(&stats, i / 1000.0, &value) == PUPIL_OK);
+        const double low = log2(sorted[at > 0 ? at - 1 : 0]), high = log2(sorted[at < pixels ? at : pixels - 1]);
+        worst = fmax(worst, fmax(low - value, value - high));
+        CHECK_MSG(value >= before && value <= log2(sorted[pixels - 1]) + 1e-12, "peak quantile %d: %g", i, value);
+        before = value;
+    }
+    CHECK_MSG(worst <= log2(1.25) + 1e-9, "peak quantiles off by %g stops", worst);
+    CHECK(value == log2(sorted[pixels - 1]) || fabs(value - log2(sorted[pixels - 1])) < 1e-12);
+    free(sorted);
+}
+
 static void check_order(void)
 {
     pupil_config config;
@@ -175,6 +215,7 @@ static void check_order(void)
     for (int sigma = 1; sigma <= 3; sigma++) {
         frame_lognormal(&f, 0.18, sigma, check_uniform);
         compare_order("log-normal", &config, &f, 1.5e-3);
+        compare_peaks(&config, &f);
         CHECK(pupil_metering_centre(&config) == PUPIL_OK);
         compare_order("log-normal, centre", &config, &f, 1.5e-3);
         CHECK(pupil_metering_uniform(&config) == PUPIL_OK);

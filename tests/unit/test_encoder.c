@@ -17,7 +17,7 @@ static void flush(const pupil_t *pupil, uint32_t transfer)
 {
     static float rgb[3 * AT_ONCE];
     static unsigned char code[3 * AT_ONCE];
-    const pupil_curve one = {1, 1};
+    const pupil_curve one = {1, 1, 0};
     const pupil_image_const in = {rgb, (ptrdiff_t)sizeof rgb, count, 1, PUPIL_PIXEL_RGB32F};
     const pupil_image out = {code, (ptrdiff_t)sizeof code, count, 1, PUPIL_PIXEL_RGB8};
     if (!count)

@@ -1,0 +1,348 @@
+/* Every error code by the misuse that it is for; and after each refusal the object, the statistics and the output are
+ * what they were, byte for byte.
+ */
+#include "check.h"
+#include "frames.h"
+#include "pupil/pupil.h"
+
+#include <math.h>
+#include <stddef.h>
+
+static pupil_t pupil, pupil_before;
+static pupil_stats stats, stats_before;
+static float in_memory[12 * 4 + 8];
+static unsigned char out_memory[12 * 4 + 64], out_before[sizeof out_memory];
+static pupil_image_const in;
+static pupil_image out;
+static const pupil_curve curve = {1, 0, 0};
+
+/* 4 x 3 pixels of RGB32F into RGB8, a stream that is two frames old. */
+static void fresh(void)
+{
+    pupil_config config;
+    pupil_frame_info info = {.timestamp_ns = 1};
+    for (unsigned i = 0; i < sizeof in_memory / sizeof *in_memory; i++)
+        in_memory[i] = 0.1f + (float)i / 64;
+    memset(out_memory, 0x77, sizeof out_memory);
+    in = (pupil_image_const){in_memory, 4 * 12, 4, 3, PUPIL_PIXEL_RGB32F};
+    out = (pupil_image){out_memory + 16, 13, 4, 3, PUPIL_PIXEL_RGB8};
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    CHECK(pupil_process(&pupil, &in, &info, &out) == PUPIL_OK);
+    info.timestamp_ns = 2;
+    CHECK(pupil_process(&pupil, &in, &info, &out) == PUPIL_OK);
+    pupil_stats_clear(&stats);
+    const pupil_image_const top = pupil_image_rows(in, 0, 1);
+    CHECK(pupil_meter_rows(&pupil, &top, 0, 3, &stats) == PUPIL_OK);
+}
+
+static void remember(void)
+{
+    pupil_before = pupil;
+    stats_before = stats;
+    memcpy(out_before, out_memory, sizeof out_memory);
+}
+
+static void expect(int got, int wanted, const char *what)
+{
+    CHECK_MSG(got == wanted, "%s: %d, wanted %d", what, got, wanted);
+    CHECK_MSG(memcmp(&pupil, &pupil_before, sizeof pupil) == 0, "%s: the object was touched", what);
+    CHECK_MSG(memcmp(&stats, &stats_before, sizeof stats) == 0, "%s: the statistics were touched", what);
+    CHECK_MSG(memcmp(out_memory, out_before, sizeof out_memory) == 0, "%s: the output was touched", what);
+}
+
+/* All calls that take images, with the same wrong images. */
+static void expect_images(const pupil_image_const *i, const pupil_image *o, int wanted, const char *what)
+{
+    remember();
+    expect(pupil_process(&pupil, i, NULL, o), wanted, what);
+    expect(pupil_map_rows(&pupil, &curve, i, o), wanted, what);
+    const pupil_image_const row = i ? pupil_image_rows(*i, 0, i->height ? 1 : 0) : in;
+    pupil_image to = o ? *o : out;
+    to.height = o ? to.height != 0 : 1;
+    if (wanted == PUPIL_ERR_STRIDE) /* one row cannot overlap itself */
+        return;
+    if (i && o && i->height == o->height)
+        expect(pupil_fused_rows(&pupil, &curve, &row, 1, 3, &to, &stats), wanted, what);
+    CHECK(pupil_frame_begin(&pupil, 4, 3, NULL) == PUPIL_OK);
+    remember();
+    if (i && o && i->width == 4 && o->height == i->height)
+        expect(pupil_frame_rows(&pupil, &row, 1, &to), wanted, what);
+    CHECK(pupil_frame_cancel(&pupil) == PUPIL_OK);
+}
+
+static void check_images(void)
+{
+    static const uint32_t not_in[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_COUNT, 77, 0xffffffff};
+    static const uint32_t not_out[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_COUNT,
+                                       0xffffffff};
+    static const uint32_t side[] = {0, PUPIL_MAX_SIDE_PX + 1, 0x10000, 0xffffffff};
+    fresh();
+    pupil_image_const i = in;
+    pupil_image o = out;
+    expect_images(NULL, &out, PUPIL_ERR_NULL, "no input");
+    i.data = NULL;
+    expect_images(&i, &out, PUPIL_ERR_NULL, "input without data");
+    remember();
+    expect(pupil_process(&pupil, &in, NULL, NULL), PUPIL_ERR_NULL, "no output");
+    expect(pupil_map_rows(&pupil, &curve, &in, NULL), PUPIL_ERR_NULL, "no output");
+    o.data = NULL;
+    expect_images(&in, &o, PUPIL_ERR_NULL, "output without data");
+    for (unsigned k = 0; k < 5; k++) {
+        i = in;
+        i.pixel = not_in[k];
+        expect_images(&i, &out, PUPIL_ERR_PIXEL, "input format");
+        o = out;
+        o.pixel = not_out[k];
+        expect_images(&in, &o, PUPIL_ERR_PIXEL, "output format");
+    }
+    for (unsigned k = 0; k < 4; k++) {
+        i = in;
+        o = out;
+        i.width = o.width = side[k];
+        i.stride_bytes = o.stride_bytes = 1 << 20;
+        expect_images(&i, &o, PUPIL_ERR_SIZE, "width");
+        i.width = o.width = 4;
+        i.height = o.height = side[k];
+        remember();
+        expect(pupil_process(&pupil, &i, NULL, &o), PUPIL_ERR_SIZE, "height");
+    }
+    o = out;
+    o.width = 3;
+    expect_images(&in, &o, PUPIL_ERR_SIZE, "widths differ");
+    o = out;
+    o.height = 2;
+    remember();
+    expect(pupil_process(&pupil, &in, NULL, &o), PUPIL_ERR_SIZE, "heights differ");
+    expect(pupil_map_rows(&pupil, &curve, &in, &o), PUPIL_ERR_SIZE, "heights differ");
+    static const ptrdiff_t short_stride[] = {0, 44, -44, 4, -4};
+    for (unsigned k = 0; k < 5; k++) {
+        i = in;
+        i.stride_bytes = short_stride[k];
+        expect_images(&i, &out, PUPIL_ERR_STRIDE, "input stride");
+        o = out;
+        o.stride_bytes = short_stride[k] / 4;
+        expect_images(&in, &o, PUPIL_ERR_STRIDE, "output stride");
+    }
+    i = in;
+    i.stride_bytes = 50;
+    expect_images(&i, &out, PUPIL_ERR_ALIGNMENT, "stride of 50 bytes");
+    for (int k = 1; k < 4; k++) {
+        i = in;
+        i.data = (const char *)in_memory + k;
+        expect_images(&i, &out, PUPIL_ERR_ALIGNMENT, "data");
+    }
+    i = (pupil_image_const){(const char *)in_memory + 1, 32, 4, 3, PUPIL_PIXEL_RGBA16F};
+    expect_images(&i, &out, PUPIL_ERR_ALIGNMENT, "half data");
+    i = (pupil_image_const){(const char *)in_memory + 1, 13, 4, 3, PUPIL_PIXEL_RGB8};
+    CHECK(pupil_process(&pupil, &i, NULL, &out) == PUPIL_OK); /* bytes lie anywhere */
+}
+
+static void check_rows(void)
+{
+    const pupil_image_const one = {in_memory, 48, 4, 1, PUPIL_PIXEL_RGB32F};
+    pupil_image to = {out_memory + 16, 13, 4, 1, PUPIL_PIXEL_RGB8};
+    static const uint32_t outside[] = {3, 4, 0x7fffffff, 0xffffffff};
+    fresh();
+    remember();
+    for (unsigned k = 0; k < 4; k++)
+        expect(pupil_meter_rows(&pupil, &one, outside[k], 3, &stats), PUPIL_ERR_ROWS, "first row outside");
+    expect(pupil_meter_rows(&pupil, &in, 1, 3, &stats), PUPIL_ERR_ROWS, "last row outside");
+    expect(pupil_meter_rows(&pupil, &one, 0, 0, &stats), PUPIL_ERR_SIZE, "a frame of no rows");
+    expect(pupil_meter_rows(&pupil, &one, 0, PUPIL_MAX_SIDE_PX + 1, &stats), PUPIL_ERR_SIZE,
+           "a frame of too many rows");
+    expect(pupil_meter_rows(&pupil, &one, 1, 4, &stats), PUPIL_ERR_STATS, "another frame height");
+    expect(pupil_meter_rows(&pupil, &in, 0, 3, &stats), PUPIL_ERR_ROWS, "more rows than the frame has");
+    expect(pupil_meter_rows(&pupil, &one, 1, 3, NULL), PUPIL_ERR_NULL, "no statistics");
+    expect(pupil_fused_rows(&pupil, &curve, &one, 5, 3, &to, &stats), PUPIL_ERR_ROWS, "first row outside");
+    expect(pupil_fused_rows(&pupil, &curve, &one, 1, 3, &to, NULL), PUPIL_ERR_NULL, "no statistics");
+    expect(pupil_fused_rows(&pupil, NULL, &one, 1, 3, &to, &stats), PUPIL_ERR_NULL, "no curve");
+    expect(pupil_map_rows(&pupil, NULL, &one, &to), PUPIL_ERR_NULL, "no curve");
+    static const pupil_curve bad[] = {{NAN, 0, 0},      {-1, 0, 0},  {INFINITY, 0, 0}, {1, NAN, 0},     {1, -1, 0},
+                                      {1, INFINITY, 0}, {1, 0, NAN}, {1, 0, -1},       {1, 0, INFINITY}};
+    for (unsigned k = 0; k < 9; k++) {
+        expect(pupil_map_rows(&pupil, &bad[k], &one, &to), PUPIL_ERR_VALUE, "curve");
+        expect(pupil_fused_rows(&pupil, &bad[k], &one, 1, 3, &to, &stats), PUPIL_ERR_VALUE, "curve");
+    }
+    pupil_config config;
+    pupil_config_default(&config);
+    config.white_mode = PUPIL_WHITE_NONE;
+    CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
+    remember();
+    expect(pupil_meter_rows(&pupil, &one, 1, 3, &stats), PUPIL_ERR_STATS,
+           "statistics with a histogram, metering without");
+}
+
+static void check_order(void)
+{
+    pupil_config config;
+    pupil_exposure e;
+    const pupil_image_const one = {in_memory, 48, 4, 1, PUPIL_PIXEL_RGB32F},
+                            narrow = {in_memory, 48, 3, 1, PUPIL_PIXEL_RGB32F};
+    const pupil_image to = {out_memory + 16, 13, 4, 1, PUPIL_PIXEL_RGB8};
+    pupil_config_default(&config);
+    fresh();
+    remember();
+    expect(pupil_frame_rows(&pupil, &one, 0, NULL), PUPIL_ERR_ORDER, "rows without begin");
+    expect(pupil_frame_end(&pupil), PUPIL_ERR_ORDER, "end without begin");
+    expect(pupil_frame_begin(&pupil, 0, 3, NULL), PUPIL_ERR_SIZE, "begin without width");
+    expect(pupil_frame_begin(&pupil, 4, PUPIL_MAX_SIDE_PX + 1, NULL), PUPIL_ERR_SIZE, "begin too high");
+    CHECK(pupil_get_exposure(&pupil, &e) == PUPIL_OK && e.frames == 2);
+    CHECK(pupil_frame_begin(&pupil, 4, 3, NULL) == PUPIL_OK);
+    CHECK(pupil_frame_rows(&pupil, &one, 2, &to) == PUPIL_OK);
+    remember();
+    expect(pupil_frame_begin(&pupil, 4, 3, NULL), PUPIL_ERR_ORDER, "a second begin");
+    expect(pupil_retune(&pupil, &config), PUPIL_ERR_ORDER, "retune within a frame");
+    expect(pupil_process(&pupil, &in, NULL, &out), PUPIL_ERR_ORDER, "process within a frame");
+    expect(pupil_frame_rows(&pupil, &narrow, 0, NULL), PUPIL_ERR_SIZE, "rows of another width");
+    expect(pupil_frame_rows(&pupil, &one, 3, NULL), PUPIL_ERR_ROWS, "a row outside");
+    expect(pupil_frame_rows(&pupil, &in, 0, NULL), PUPIL_ERR_ROWS, "more rows than the frame has");
+    CHECK(pupil_frame_end(&pupil) == PUPIL_ERR_ROWS); /* and drops it */
+    CHECK(pupil_frame_end(&pupil) == PUPIL_ERR_ORDER);
+    CHECK(pupil_get_exposure(&pupil, &e) == PUPIL_OK && e.frames == 2);
+    CHECK(pupil_frame_begin(&pupil, 4, 1, NULL) == PUPIL_OK && pupil_frame_cancel(&pupil) == PUPIL_OK);
+    CHECK(pupil_frame_begin(&pupil, 4, 1, NULL) == PUPIL_OK && pupil_reset(&pupil) == PUPIL_OK);
+    CHECK(pupil_frame_end(&pupil) == PUPIL_ERR_ORDER); /* reset forgot it */
+    CHECK(pupil_frame_begin(&pupil, 4, 1, NULL) == PUPIL_OK);
+    remember();
+    expect(pupil_frame_rows(&pupil, &one, 0, &to), PUPIL_ERR_NO_EXPOSURE, "mapped before any light");
+    CHECK(pupil_frame_rows(&pupil, &one, 0, NULL) == PUPIL_OK && pupil_frame_end(&pupil) == PUPIL_OK);
+    CHECK(pupil_get_exposure(&pupil, &e) == PUPIL_OK && e.frames == 1);
+}
+
+static void expect_stats(size_t offset, size_t bytes, uint64_t value, const char *what)
+{
+    pupil_stats s = stats;
+    memcpy((unsigned char *)&s + offset, &value, bytes);
+    remember();
+    expect(pupil_adapt(&pupil, &s, NULL), PUPIL_ERR_STATS, what);
+    const pupil_stats wrong = s;
+    expect(pupil_stats_add(&stats, &s), PUPIL_ERR_STATS, what);
+    expect(pupil_stats_add(&s, &stats), PUPIL_ERR_STATS, what);
+    CHECK_MSG(memcmp(&s, &wrong, sizeof s) == 0, "%s: touched", what);
+}
+
+#define STATS_FIELD(field, value)                                                                                      \
+    expect_stats(offsetof(pupil_stats, field), sizeof(stats.field), (uint64_t)(value), #field " " #value)
+
+static void check_stats(void)
+{
+    double value = 5;
+    fresh();
+    STATS_FIELD(log2_frac, UINT64_C(1) << 40);
+    STATS_FIELD(log2_frac, -1);
+    STATS_FIELD(log2_sum, INT64_MAX);
+    STATS_FIELD(log2_sum, INT64_MIN);
+    STATS_FIELD(log2_sum, 4 * 33);
+    STATS_FIELD(weight, -1);
+    STATS_FIELD(weight, 3);
+    STATS_FIELD(pixels, -1);
+    STATS_FIELD(black, 5);
+    STATS_FIELD(clipped, 5);
+    STATS_FIELD(bad, -1);
+    STATS_FIELD(rows, 4);
+    STATS_FIELD(rows, 0);
+    STATS_FIELD(frame_height, 0);
+    STATS_FIELD(frame_height, PUPIL_MAX_SIDE_PX + 1);
+    STATS_FIELD(has_histogram, 2);
+    STATS_FIELD(has_histogram, 0);
+    STATS_FIELD(peak, 0);          /* 0 where there are bins */
+    STATS_FIELD(peak, 0x7fc00000); /* NaN */
+    STATS_FIELD(peak, 0xbf800000); /* -1 */
+    STATS_FIELD(peak_bin[3], 1);
+    STATS_FIELD(bin[3], 1);
+    STATS_FIELD(bin[511], -1);
+    STATS_FIELD(band_log2_sum[0], INT64_MAX);
+    STATS_FIELD(band_log2_sum[63], 1);
+    STATS_FIELD(band_pixels[5], 1000);
+    const pupil_stats good = stats;
+    static const double share[][2] = {{NAN, 1}, {0, NAN}, {-0.1, 1}, {0, 1.1}, {0.6, 0.4}, {1, 0}};
+    for (unsigned i = 0; i < 6; i++)
+        CHECK(pupil_stats_mean(&stats, share[i][0], share[i][1], &value) == PUPIL_ERR_VALUE && value == 5);
+    CHECK(pupil_stats_quantile(&stats, NAN, &value) == PUPIL_ERR_VALUE &&
+          pupil_stats_quantile(&stats, 1.1, &value) == PUPIL_ERR_VALUE);
+    CHECK(pupil_stats_quantile(&stats, -0.1, &value) == PUPIL_ERR_VALUE && value == 5);
+    CHECK(pupil_stats_mean(NULL, 0, 1, &value) == PUPIL_ERR_NULL &&
+          pupil_stats_mean(&stats, 0, 1, NULL) == PUPIL_ERR_NULL);
+    CHECK(pupil_stats_quantile(NULL, 0, &value) == PUPIL_ERR_NULL &&
+          pupil_stats_quantile(&stats, 0, NULL) == PUPIL_ERR_NULL);
+    CHECK(pupil_stats_peak_quantile(&stats, 2, &value) == PUPIL_ERR_VALUE && value == 5);
+    CHECK(pupil_stats_peak_quantile(NULL, 0, &value) == PUPIL_ERR_NULL);
+    CHECK(pupil_stats_peak_quantile(&stats, 0, NULL) == PUPIL_ERR_NULL);
+    pupil_stats_clear(&stats);
+    CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_STATS && value == 5);
+    stats = good;
+    memset(stats.bin, 0, sizeof stats.bin);
+    memset(stats.peak_bin, 0, sizeof stats.peak_bin);
+    stats.peak = 0;
+    stats.has_histogram = 0; /* sound, but the white point wants to follow */
+    remember();
+    expect(pupil_adapt(&pupil, &stats, NULL), PUPIL_ERR_NO_HISTOGRAM, "adapt without a histogram");
+    pupil_stats_clear(NULL);
+}
+
+/* Zeros, noise, and the wrong pointer: every call that takes an object. */
+static void check_objects(void)
+{
+    pupil_config config;
+    pupil_exposure e;
+    pupil_curve c;
+    pupil_config_default(&config);
+    fresh();
+    for (int kind = 0; kind < 4; kind++) {
+        const int wanted = kind < 3 ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
+        pupil_t *p = kind < 3 ? &pupil : NULL;
+        for (size_t i = 0; i < sizeof pupil; i++)
+            ((unsigned char *)&pupil)[i] = (unsigned char)(kind == 0 ? 0 : kind == 1 ? 0xff : check_random());
+        remember();
+        expect(pupil_retune(p, &config), wanted, "retune");
+        expect(pupil_reset(p), wanted, "reset");
+        expect(pupil_process(p, &in, NULL, &out), wanted, "process");
+        expect(pupil_frame_begin(p, 4, 3, NULL), wanted, "frame_begin");
+        expect(pupil_frame_rows(p, &in, 0, NULL), wanted, "frame_rows");
+        expect(pupil_frame_end(p), wanted, "frame_end");
+        expect(pupil_frame_cancel(p), wanted, "frame_cancel");
+        expect(pupil_meter_rows(p, &in, 0, 3, &stats), wanted, "meter_rows");
+        expect(pupil_adapt(p, &stats, NULL), wanted, "adapt");
+        expect(pupil_map_rows(p, &curve, &in, &out), wanted, "map_rows");
+        expect(pupil_fused_rows(p, &curve, &in, 0, 3, &out, &stats), wanted, "fused_rows");
+        expect(pupil_get_exposure(p, &e), wanted, "get_exposure");
+        expect(pupil_get_curve(p, NULL, &c), wanted, "get_curve");
+        expect(pupil_get_stats(p, &stats), wanted, "get_stats");
+    }
+    CHECK(pupil_init(NULL, &config) == PUPIL_ERR_NULL && pupil_init(&pupil, NULL) == PUPIL_ERR_NULL);
+    fresh();
+    remember();
+    expect(pupil_retune(&pupil, NULL), PUPIL_ERR_NULL, "retune to nothing");
+    expect(pupil_adapt(&pupil, NULL, NULL), PUPIL_ERR_NULL, "adapt to nothing");
+    expect(pupil_get_exposure(&pupil, NULL), PUPIL_ERR_NULL, "exposure into nothing");
+    expect(pupil_get_curve(&pupil, NULL, NULL), PUPIL_ERR_NULL, "curve into nothing");
+    expect(pupil_get_stats(&pupil, NULL), PUPIL_ERR_NULL, "statistics into nothing");
+}
+
+static void check_sentences(void)
+{
+    for (int a = 0; a >= PUPIL_ERR_STATS; a--)
+        for (int b = PUPIL_ERR_STATS; b < a; b++)
+            CHECK(strcmp(pupil_error_string(a), pupil_error_string(b)) != 0);
+    for (int a = PUPIL_ERR_STATS - 5; a < 6; a++)
+        CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
+    CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
+    for (uint32_t pixel = 0; pixel < 300; pixel++) {
+        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4};
+        CHECK(pupil_pixel_bytes(pixel) == (pixel < PUPIL_PIXEL_COUNT ? bytes[pixel] : 0));
+    }
+    CHECK(pupil_pixel_bytes(0xffffffff) == 0);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    check_images();
+    check_rows();
+    check_order();
+    check_stats();
+    check_objects();
+    check_sentences();
+    return check_end();
+}
