@@ -60,7 +60,12 @@ static inline const pupil_object *pupil_object_of_const(const pupil_t *pupil)
 }
 
 /* PUPIL_OK, PUPIL_ERR_NULL or PUPIL_ERR_OBJECT. */
-int pupil_object_check(const pupil_t *pupil);
+static inline int pupil_object_check(const pupil_t *pupil)
+{
+    if (!pupil)
+        return PUPIL_ERR_NULL;
+    return pupil_object_of_const(pupil)->magic == PUPIL_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
+}
 
 /* Whether an image can be read (or, out, written): size, pixel, stride, alignment. */
 int pupil_image_check(const pupil_image_const *image, int out);

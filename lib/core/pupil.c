@@ -1,13 +1,6 @@
 /* The object's life, and the calls that take a frame: each checks everything before it touches anything. */
 #include "object.h"
 
-int pupil_object_check(const pupil_t *pupil)
-{
-    if (!pupil)
-        return PUPIL_ERR_NULL;
-    return pupil_object_of_const(pupil)->magic == PUPIL_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
-}
-
 /* ---- life
  * ------------------------------------------------------------------------------------------------------------ */
 
