@@ -79,23 +79,8 @@ static inline AVCodecContext *clip_encoder(const clip *c, AVFormatContext *out)
     return NULL;
 }
 
-/* Writes the clip. 0, or -1 where this libav cannot. */
-static inline int clip_write(const clip *c, const char *path)
+static inline void clip_frames(const clip *c, AVFormatContext *out, AVCodecContext *codec, AVPacket *packet, AVFrame *f)
 {
-    AVFormatContext *out = NULL;
-    avformat_alloc_output_context2(&out, NULL, c->container, path);
-    AVCodecContext *codec = clip_encoder(c, out);
-    AVPacket *packet = av_packet_alloc();
-    AVFrame *f = av_frame_alloc();
-    if (!codec || avio_open(&out->pb, path, AVIO_FLAG_WRITE) < 0)
-        return -1;
-    AVStream *stream = avformat_new_stream(out, NULL);
-    avcodec_parameters_from_context(stream->codecpar, codec);
-    stream->time_base = codec->time_base;
-    stream->avg_frame_rate = codec->framerate;
-    out->flags |= AVFMT_FLAG_BITEXACT;
-    if (avformat_write_header(out, NULL) < 0)
-        return -1;
     f->format = c->format;
     f->width = c->width;
     f->height = c->height;
@@ -115,12 +100,33 @@ static inline int clip_write(const clip *c, const char *path)
     avcodec_send_frame(codec, NULL);
     clip_drain(out, codec, packet);
     av_write_trailer(out);
-    avio_closep(&out->pb);
+}
+
+/* Writes the clip. 0, or -1 where this libav cannot. */
+static inline int clip_write(const clip *c, const char *path)
+{
+    AVFormatContext *out = NULL;
+    int rc = -1;
+    avformat_alloc_output_context2(&out, NULL, c->container, path);
+    AVCodecContext *codec = out ? clip_encoder(c, out) : NULL;
+    AVPacket *packet = av_packet_alloc();
+    AVFrame *f = av_frame_alloc();
+    if (codec && avio_open(&out->pb, path, AVIO_FLAG_WRITE) >= 0) {
+        AVStream *stream = avformat_new_stream(out, NULL);
+        avcodec_parameters_from_context(stream->codecpar, codec);
+        stream->time_base = codec->time_base;
+        stream->avg_frame_rate = codec->framerate;
+        out->flags |= AVFMT_FLAG_BITEXACT;
+        rc = avformat_write_header(out, NULL) < 0 ? -1 : 0;
+        if (rc == 0)
+            clip_frames(c, out, codec, packet, f);
+        avio_closep(&out->pb);
+    }
     avformat_free_context(out);
     avcodec_free_context(&codec);
     av_packet_free(&packet);
     av_frame_free(&f);
-    return 0;
+    return rc;
 }
 
 static inline uint8_t *clip_load(const char *path, size_t *size)
