@@ -1,6 +1,7 @@
 #!/bin/sh
 # fuzz.sh PROGRAM SECONDS: runs a libFuzzer program. It begins with tests/fuzz/seeds/NAME where that folder is, and with
-# what earlier runs of the same build kept. An input that takes over 10 s or 2 GB counts as a finding.
+# what earlier runs of the same build kept, and with the shared folder's files where that is ($PUPIL_SHARED, else
+# ../shared beside the checkout). An input that takes over 10 s or 2 GB counts as a finding.
 set -eu
 program=$1 seconds=$2
 name=$(basename "$program")
@@ -9,5 +10,16 @@ mkdir -p "$corpus"
 set -- "$corpus"
 seeds=$(dirname "$0")/seeds/$name
 [ -d "$seeds" ] && set -- "$@" "$seeds"
+shared=${PUPIL_SHARED:-$(dirname "$0")/../../../shared}/malformed
+case $name in
+fuzz_exr) folders="exr valid_but_unusual/exr" ;;
+fuzz_radiance) folders="hdr valid_but_unusual/hdr" ;;
+fuzz_pfm) folders="pnm_pfm valid_but_unusual/pfm" ;;
+fuzz_png) folders="png valid_but_unusual/png16" ;;
+*) folders= ;;
+esac
+for folder in $folders; do
+    [ -d "$shared/$folder" ] && set -- "$@" "$shared/$folder"
+done
 exec "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
     -verbosity=0 -artifact_prefix="$corpus/../" "$@"
