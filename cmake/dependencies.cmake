@@ -27,8 +27,8 @@ if(PUPIL_PROGRAM)
     target_link_libraries(pupil_dep_EXR INTERFACE OpenEXR::OpenEXRCore)
   endif()
   pupil_needs(PNG libpng-dev libpng)
-  pupil_needs(VIDEO "libavformat-dev libavcodec-dev libavutil-dev libswscale-dev"
-    libavformat>=59 libavcodec>=59 libavutil>=57 libswscale>=6)
+  pupil_needs(VIDEO "libavformat-dev libavcodec-dev libavutil-dev"
+    libavformat>=59 libavcodec>=59 libavutil>=57)
   pupil_needs(JSON libcjson-dev libcjson)
   set(THREADS_PREFER_PTHREAD_FLAG ON)
   find_package(Threads REQUIRED)

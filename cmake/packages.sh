@@ -47,7 +47,6 @@ libpng-dev reads and writes PNG
 libavformat-dev reads and writes video files
 libavcodec-dev decodes and encodes video
 libavutil-dev goes with the two above
-libswscale-dev converts video pixels
 libcjson-dev writes statistics as JSON
 gnuplot-nox draws the plots
 '
