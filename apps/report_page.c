@@ -111,7 +111,8 @@ void report_head(FILE *out, const pupil_report_page *page, const report_sums *su
     if (f.ev_low <= f.ev_high)
         fact(out, "metered light, EV", "%+.1f &hellip; %+.1f", f.ev_low, f.ev_high);
     if (f.process_us > 0.0)
-        fact(out, "frames a second, without reading and writing", "%.0f", 1e6 * (double)page->record_count / f.process_us);
+        fact(out, "frames a second, without reading and writing", "%.0f",
+             1e6 * (double)page->record_count / f.process_us);
     fputs("</ul>\n", out);
     if (page->note) {
         fputs("<p class=\"note\">", out);
@@ -166,7 +167,7 @@ static void number(FILE *out, const char *label, const char *unit, const char *f
 static void share(FILE *out, const char *label, double mean, double most)
 {
     char text[64];
-    snprintf(text, sizeof text, "%.3g (worst frame %.3g)", 100.0 * mean, 100.0 * most);
+    snprintf(text, sizeof text, "%.3g / %.3g", 100.0 * mean, 100.0 * most);
     row(out, &(pupil_report_row){label, text, "%", NULL});
 }
 
@@ -178,8 +179,8 @@ static void own_figures(FILE *out, const pupil_report_page *page, const report_s
     if (f.ev_low <= f.ev_high)
         number(out, "range of the metered light", "stops", "%.2f", f.ev_high - f.ev_low);
     number(out, "display log-average, mean", "linear", "%.4f", exp2(f.level));
-    share(out, "display samples at 0", f.zero, f.most_zero);
-    share(out, "display samples at 255", f.full, f.most_full);
+    share(out, "display samples at 0: mean / worst frame", f.zero, f.most_zero);
+    share(out, "display samples at 255: mean / worst frame", f.full, f.most_full);
     number(out, "input pixels counted as black", "%", "%.3g", 100.0 * f.black);
     number(out, "input pixels counted as clipped", "%", "%.3g", 100.0 * f.clipped);
     number(out, "input pixels NaN or infinite", "%", "%.3g", 100.0 * f.bad);

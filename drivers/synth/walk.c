@@ -4,13 +4,14 @@
 /* Half the field of view across, as a tangent: 70 degrees, a phone's wide camera. */
 #define HALF_WIDTH 0.7f
 
-/* Parts of the way, as shares of the clip: stand, walk to the window, look out, turn, walk back, stand. */
+/* Parts of the way, as shares of the clip: stand, walk to the window, look out, step back and turn round, walk on,
+ * stand. */
 #define WALK_FROM 0.05f
 #define WALK_TO   0.42f
-#define TURN_FROM 0.56f
-#define TURN_TO   0.70f
-#define BACK_FROM 0.66f
-#define BACK_TO   0.95f
+#define TURN_FROM 0.57f
+#define TURN_TO   0.80f
+#define BACK_FROM 0.54f
+#define BACK_TO   0.93f
 
 #define FLASH_AT     0.2 /* on the way, the room still dark */
 #define FLASH_FRAMES 2u

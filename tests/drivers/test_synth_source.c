@@ -20,7 +20,6 @@ static uint64_t digest(const float *values, size_t count)
 }
 
 typedef struct facts {
-    uint64_t digest;
     double log_average_ev;
     float largest;
     size_t odd; /* values that are not finite or not above 0 */
@@ -31,7 +30,6 @@ static facts look(const pupil_image_const *image)
     facts f = {0};
     const float *rgb = image->data;
     size_t pixels = (size_t)image->width * image->height;
-    f.digest = digest(rgb, pixels * 3);
     for (size_t i = 0; i < pixels * 3; i++) {
         f.odd += !(rgb[i] > 0.0f && rgb[i] < 1e30f);
         f.largest = rgb[i] > f.largest ? rgb[i] : f.largest;
@@ -57,25 +55,49 @@ static const struct {
 } pinned[] = {{0, UINT64_C(0xcdd0ffe9bb46d190)},
               {60, UINT64_C(0x74c7f8d4405fd1ac)},
               {150, UINT64_C(0x8e5aba2da5650b7e)},
-              {200, UINT64_C(0xb2b46c7a6a2cb266)},
+              {200, UINT64_C(0xa9aeefd34a914c99)},
               {299, UINT64_C(0x51443f1d6738f91b)}};
 
+static void check_digests(void)
+{
+    static float rgb[320 * 180 * 3];
+    char why[PUPIL_WHY_BYTES];
+    pupil_frame frame;
+    for (size_t i = 0; i < sizeof pinned / sizeof *pinned; i++) {
+        pupil_walk_view view;
+        pupil_walk_view_at(pinned[i].frame, 300, &view);
+        pupil_walk_render(&view, 320, 180, rgb);
+        uint64_t found = digest(rgb, sizeof rgb / sizeof *rgb);
+        CHECK_MSG(found == pinned[i].digest, "frame %u has digest 0x%016llx", (unsigned)pinned[i].frame,
+                  (unsigned long long)found);
+    }
+    /* What is rendered is what the source hands out, and the default is what is pinned. */
+    pupil_source *source = opened((pupil_source_options){0});
+    if (!source)
+        return;
+    CHECK(source->frames == 300 && source->fps == 30.0);
+    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(frame.image.width == 320 && frame.image.height == 180 && frame.image.pixel == PUPIL_PIXEL_RGB32F);
+    CHECK(digest(frame.image.data, sizeof rgb / sizeof *rgb) == pinned[0].digest);
+    pupil_source_done(source, &frame);
+    pupil_source_close(source);
+}
+
+/* The whole clip, small: names, times, and how the light moves. */
 static void check_clip(void)
 {
     static facts seen[300];
     char why[PUPIL_WHY_BYTES];
     pupil_frame frame;
     uint64_t n = 0;
-    pupil_source *source = opened((pupil_source_options){0});
+    pupil_source *source = opened((pupil_source_options){.width = 80, .height = 45});
     if (!source)
         return;
-    CHECK(source->frames == 300 && source->fps == 30.0);
     while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME && n < 300) {
         char name[64];
         snprintf(name, sizeof name, "synth:walk frame %u", (unsigned)n);
         CHECK(strcmp(frame.name, name) == 0 && frame.info.sequence == n);
         CHECK(frame.info.timestamp_ns == (int64_t)((n * UINT64_C(1000000000) * 2 + 30) / 60));
-        CHECK(frame.image.width == 320 && frame.image.height == 180 && frame.image.pixel == PUPIL_PIXEL_RGB32F);
         seen[n++] = look(&frame.image);
         pupil_source_done(source, &frame);
     }
@@ -85,9 +107,6 @@ static void check_clip(void)
     if (n != 300)
         return;
 
-    for (size_t i = 0; i < sizeof pinned / sizeof *pinned; i++)
-        CHECK_MSG(seen[pinned[i].frame].digest == pinned[i].digest, "frame %u has digest 0x%016llx",
-                  (unsigned)pinned[i].frame, (unsigned long long)seen[pinned[i].frame].digest);
     double window = seen[150].log_average_ev;
     CHECK_MSG(window - seen[0].log_average_ev > 5.0, "from %g to %g EV", seen[0].log_average_ev, window);
     CHECK_MSG(window - seen[299].log_average_ev > 5.0, "from %g to %g EV", window, seen[299].log_average_ev);
@@ -151,6 +170,7 @@ static void refused(const char *name, pupil_source_options options, const char *
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
+    check_digests();
     check_clip();
     check_sizes();
     check_pace();
