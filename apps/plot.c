@@ -120,7 +120,9 @@ static void panel(FILE *out, int index, const char *label)
 {
     static const double top[] = {0.93, 0.52, 0.29, 0.06};
     fprintf(out, "set tmargin at screen %g\nset bmargin at screen %g\n", top[index], top[index + 1] + 0.025);
-    fprintf(out, "set ylabel '%s' offset 1\n", label);
+    /* A label in a fixed place: gnuplot puts its own beside the numbers, however far out that is. */
+    fprintf(out, "set label 1 '%s' at screen 0.016, screen %g center rotate\n", label,
+            0.5 * (top[index] + top[index + 1] + 0.025));
     fprintf(out, index == 2 ? "set format x '%%g'\nset xlabel 'time, seconds' offset 0,0.4\n" : "set format x ''\n");
 }
 

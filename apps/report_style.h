@@ -35,7 +35,7 @@ static const char report_style[] =
     "table{width:100%;border-collapse:collapse;font-size:.9rem;background:var(--card);border:1px solid var(--line);"
     "border-radius:8px;border-spacing:0}\n"
     "td{padding:6px 12px;border-top:1px solid var(--line);vertical-align:top}tr:first-child td{border-top:0}\n"
-    "td.v{text-align:right;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}\n"
+    "td.v{text-align:right;min-width:7.5em;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}\n"
     "td.u{color:var(--soft);padding-left:0;white-space:nowrap}\n"
     "td code{display:block;color:var(--soft);font-size:.76rem;overflow-wrap:anywhere}\n"
     "footer{max-width:1080px;margin:0 auto;padding:14px 20px 34px}\n"
