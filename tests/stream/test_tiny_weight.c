@@ -1,6 +1,6 @@
 /* label: full */
-/* A weight of 1e-7 never stalls, never overshoots, and ends bit-equal to its target, under every law. It starts a
- * little more than 0.5 / w units of the state away: a recursion that rounds to nearest would not move from there.
+/* A weight of 1e-7 never stalls, never overshoots, and ends bit-equal to its target, under every law. It starts
+ * less than 0.5 / w units of the state away: a recursion that rounds to nearest would not move from there.
  */
 #include "check.h"
 #include "pupil/pupil.h"
@@ -44,9 +44,10 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     for (uint32_t law = 0; law < PUPIL_LAW_COUNT; law++) {
         const int linear = law == PUPIL_LAW_ARITHMETIC_SCALE || law == PUPIL_LAW_ARITHMETIC_LUMINANCE;
-        converge(law, 1e-7, linear ? 1.6e-9 : 6e-6, 3.7); /* units: 2^-52 of the light, or 2^-40 stops */
+        converge(law, 1e-7, linear ? 6e-10 : 2e-6, 3.7); /* units: 2^-52 of the light, or 2^-40 stops */
         converge(law, 1e-7, linear ? -4e-10 : -1e-6, -2.2);
-        converge(law, 1e-9, 1e-9, 0); /* a target of exactly 0, where doubles would crawl through denormals */
+        converge(law, 1e-9, linear ? 1e-10 : 1e-9,
+                 0); /* a target of exactly 0, where doubles would crawl through denormals */
     }
     return check_end();
 }
