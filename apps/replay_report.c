@@ -125,7 +125,7 @@ int replay_report_frame(replay_report *r, const pupil_frame *frame, const pupil_
         r->first = *curve;
     if (!r->options->reset_each && pupil_report_wants(r->page))
         fixed = map_fixed(r, &frame->image, &fixed_image);
-    if ((n & (n + 1)) == 0) /* frames 0, 1, 3, 7, 15 ...: a few of any run, long or short */
+    if (r->options->reset_each || (n & (n + 1)) == 0) /* unrelated pictures, or 0, 1, 3, 7 ...: a few of any run */
         verify(r, &frame->image, curve, rgb8, stats, record);
     if (r->video && pupil_sink_write(r->video, rgb8, &frame->info, r->note, sizeof r->note)) {
         pupil_sink_discard(r->video);
@@ -216,14 +216,21 @@ int replay_report_finish(replay_report *r, const pupil_record *records, size_t c
     char plot_note[PUPIL_WHY_BYTES] = "";
     if (r->video && pupil_sink_finish(r->video, r->note, sizeof r->note) == PUPIL_SINK_OK)
         r->video = NULL;
-    if (count > 1 && pupil_plot_write(pupil_report_plot(r->page), records, count, r->options->config.key, "", plot_note,
-                                      sizeof plot_note))
+    /* pictures that are adapted to one by one have no time */
+    if (count > 1 && !r->options->reset_each &&
+        pupil_plot_write(pupil_report_plot(r->page), records, count, r->options->config.key, "", plot_note,
+                         sizeof plot_note))
         snprintf(r->note, sizeof r->note, "No plot: %s", plot_note);
+    char title[PUPIL_WHY_BYTES];
+    size_t more = r->options->input_count - 1;
+    snprintf(title, sizeof title, "%s", r->options->inputs[0]);
+    if (more)
+        snprintf(title, sizeof title, "%s and %zu more", r->options->inputs[0], more);
     put_settings(&settings, r->options);
     put_figures(&figures, r);
     put_summary(r, summary, summary_bytes);
     pupil_report_page page = {
-        .title = r->options->inputs[0],
+        .title = title,
         .command = r->options->command,
         .version = pupil_version(),
         .note = *r->note ? r->note : NULL,
