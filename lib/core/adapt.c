@@ -92,12 +92,24 @@ static double weight_of_step(const pupil_config *c, double dt_s, int more_light)
     return tau > 0.0 ? pupil_one_minus_exp(dt_s / tau) : 1.0;
 }
 
+static int brings_exposure(const pupil_frame_info *info)
+{
+    return info && info->exposure_s >= 0x1p-64 && info->exposure_s <= 0x1p64 && info->gain >= 0x1p-64 &&
+           info->gain <= 0x1p64;
+}
+
+static double exposure_and_gain_log2(const pupil_frame_info *info)
+{
+    return pupil_log2(info->exposure_s) + pupil_log2(info->gain);
+}
+
 double pupil_exposure_log2(const pupil_object *object, const pupil_frame_info *info)
 {
-    if (info && info->exposure_s > 0.0 && info->gain > 0.0 && info->exposure_s <= 0x1p64 && info->gain <= 0x1p64 &&
-        info->exposure_s >= 0x1p-64 && info->gain >= 0x1p-64)
-        return pupil_log2(info->exposure_s) + pupil_log2(info->gain) - pupil_log2(object->config.calibration);
-    return object->adaptation.exposure_log2;
+    const pupil_adaptation *a = &object->adaptation;
+    if (!brings_exposure(info) && !a->exposure_known)
+        return 0.0;
+    double taken_with = brings_exposure(info) ? exposure_and_gain_log2(info) : a->exposure_log2;
+    return taken_with - pupil_log2(object->config.calibration);
 }
 
 static void move_level(pupil_object *object, pupil_q40 target, double dt_s)
@@ -186,8 +198,12 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         a->result.reason = PUPIL_REASON_NO_LIGHT;
         return PUPIL_OK;
     }
-    a->exposure_log2 = pupil_exposure_log2(object, info);
-    a->result.metered_ev = stops_of(q40_of(mean - a->exposure_log2));
+    if (brings_exposure(info)) {
+        a->exposure_known = 1;
+        a->exposure_log2 = exposure_and_gain_log2(info);
+    }
+    const double divisor_log2 = pupil_exposure_log2(object, info);
+    a->result.metered_ev = stops_of(q40_of(mean - divisor_log2));
 
     double target_ev = a->result.metered_ev;
     if (target_ev < c->ev_min || target_ev > c->ev_max) {
@@ -198,7 +214,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         reason = PUPIL_REASON_LOCK;
     } else {
         if (c->white_mode == PUPIL_WHITE_FOLLOW)
-            move_white(object, q40_of(white - a->exposure_log2), dt_s);
+            move_white(object, q40_of(white - divisor_log2), dt_s);
         move_level(object, q40_of(target_ev), dt_s);
         a->seen = 1;
     }
