@@ -15,13 +15,13 @@ typedef int64_t pupil_q40;
 #define PUPIL_Q40_ONE (INT64_C(1) << 40)
 
 typedef struct pupil_adaptation {
-    uint32_t seen;       /* a valid frame has set the level */
-    uint32_t stamped;    /* last_timestamp_ns is of a frame */
-    pupil_q40 level;     /* log2 of the adapted scene luminance (laws in log2) */
-    double linear;       /* formula 1: the adapted 1 / L; formula 2: the adapted L */
-    uint32_t white_seen; /* white is set: the white point follows, and a frame has come since it does */
-    uint32_t reserved;
-    pupil_q40 white; /* log2 of the adapted upper quantile */
+    uint32_t seen;           /* a valid frame has set the level */
+    uint32_t stamped;        /* last_timestamp_ns is of a frame */
+    pupil_q40 level;         /* log2 of the adapted scene luminance (laws in log2) */
+    double linear;           /* formula 1: the adapted 1 / L; formula 2: the adapted L */
+    uint32_t white_seen;     /* white is set: the white point follows, and a frame has come since it does */
+    uint32_t exposure_known; /* exposure_log2 is of a frame */
+    pupil_q40 white;         /* log2 of the adapted upper quantile */
     int64_t last_timestamp_ns;
     double exposure_log2; /* log2 of exposure_s * gain / calibration as last known; 0: never known */
     pupil_exposure result;

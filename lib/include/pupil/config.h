@@ -79,8 +79,9 @@ typedef struct pupil_config {
                                                        * (2x+1)*16 / (2*width). */
 
     /* adaptation */
-    uint32_t law;           /* a pupil_law; seconds */
-    uint32_t lock;          /* 1: the adapted level and white stand still while metering goes on; 0 */
+    uint32_t law;  /* a pupil_law; seconds */
+    uint32_t lock; /* 1: the adapted level and white stand still while metering goes on (the first valid frame still
+                      sets them); 0 */
     double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
     double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
     double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */

@@ -72,7 +72,8 @@ PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const p
 
 /* begin; then each row exactly once, in groups of any size and order; then end, which adapts. Where `out` is given the
  * rows are mapped in the same pass with the state before this frame (fused): PUPIL_ERR_NO_EXPOSURE if there is none
- * yet. pupil_frame_end refuses a frame that lacks rows (PUPIL_ERR_ROWS), and drops it; pupil_frame_cancel drops it too.
+ * yet. pupil_frame_end refuses a frame that lacks rows by their number (PUPIL_ERR_ROWS), and drops it;
+ * pupil_frame_cancel drops it too.
  */
 PUPIL_API int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info);
 PUPIL_API int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,

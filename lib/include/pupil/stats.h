@@ -72,8 +72,9 @@ PUPIL_API int pupil_stats_add(pupil_stats *sum, const pupil_stats *more);
 
 /* Weighted mean of log2 luminance in stops, frame units; trimmed to the weight between the shares low and high where
  * they are not (0, 1). The untrimmed mean is exact to about 1e-11 stops on natural frames; the trimmed one takes the
- * order from the histogram (error about 1.5e-3 stops) and tends to the untrimmed one as the trim goes to nothing.
- * PUPIL_ERR_STATS without any weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
+ * order from the histogram (error below 1.5e-3 stops where half of the weight or more is kept) and tends to the
+ * untrimmed one as the trim goes to nothing. PUPIL_ERR_STATS without any weight, PUPIL_ERR_NO_HISTOGRAM where trimming
+ * lacks one. */
 PUPIL_API int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance);
 
 /* The luminance (log2, frame units) below which the share q (0..1) of the weight lies, interpolated within a bin. */
