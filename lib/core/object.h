@@ -23,7 +23,7 @@ typedef struct pupil_adaptation {
     uint32_t exposure_known; /* exposure_log2 is of a frame */
     pupil_q40 white;         /* log2 of the adapted upper quantile */
     int64_t last_timestamp_ns;
-    double exposure_log2; /* log2 of exposure_s * gain / calibration as last known; 0: never known */
+    double exposure_log2; /* log2 of exposure_s * gain as last known */
     pupil_exposure result;
 } pupil_adaptation;
 
