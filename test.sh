@@ -27,7 +27,6 @@ qemu-user runs what was built for 64-bit ARM
 gcc-arm-none-eabi builds for Cortex-M7
 qemu-system-arm runs what was built for Cortex-M7
 musl-tools builds with musl in place of glibc
-ffmpeg makes videos that the video reader is tested with
 python3 prints the tables anew, to compare them"
 
 echo "== building into build/dev"

@@ -2,7 +2,7 @@
 # that dpkg does not know as installed are named and installed.
 install_missing() {
     command -v dpkg-query >/dev/null && command -v apt-get >/dev/null || {
-        echo "$0: this is no Debian: install what docs/dependencies.md lists, then run the rest of this script by hand" >&2
+        echo "$0: this is no Debian: install what docs/dependencies.md lists, then run the rest of $0 by hand" >&2
         exit 1
     }
     missing=$(echo "$1" | while read -r package reason; do

@@ -34,11 +34,14 @@ code_size() {
     shift 2
     command -v "$1" >/dev/null || return 0
     for source in lib/core/*.c lib/kernels/*.c; do
-        "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -fno-trapping-math -Ilib/include -Ilib/core -Ilib/kernels \
-            -c "$source" -o "$work/$(basename "$source" .c).o"
+        "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -fno-trapping-math \
+            -Ilib/include -Ilib/core -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
     done
     "$tool" "$work"/*.o | awk -v name="$name" 'NR > 1 { text += $1; data += $2; bss += $3 }
-        END { printf "%-18s code and constants %6d bytes, data %d, bss %d\n", name, text, data, bss; exit data + bss != 0 }'
+        END {
+            printf "%-18s code and constants %6d bytes, data %d, bss %d\n", name, text, data, bss
+            exit data + bss != 0
+        }'
 }
 code_size "x86 or host, -Os" size "${CC:-cc}" -Os
 code_size "x86 or host, -O3" size "${CC:-cc}" -O3

@@ -13,8 +13,8 @@ check() {
     shift 3
     rm -f "$work"/*
     for source in lib/"$folder"/*.c; do
-        "$@" -std=c11 -ffp-contract=off -fno-math-errno -fno-trapping-math -Ilib/include -Ilib/core -Ilib/kernels -fstack-usage \
-            -c "$source" -o "$work/$(basename "$source" .c).o"
+        "$@" -std=c11 -ffp-contract=off -fno-math-errno -fno-trapping-math -fstack-usage \
+            -Ilib/include -Ilib/core -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
     done
     # FILE:LINE:COLUMN:FUNCTION <tab> BYTES <tab> static | dynamic | dynamic,bounded
     cat "$work"/*.su | sort -t "$(printf '\t')" -k2,2nr >"$work/all"

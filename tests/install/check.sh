@@ -28,7 +28,8 @@ LD_LIBRARY_PATH=$libdir
 export PKG_CONFIG_PATH LD_LIBRARY_PATH
 for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
     # Unquoted on purpose: words.
-    $compiler -Wall -Wextra -Wpedantic -Werror "$here/consumer.c" -xnone $(pkg-config --cflags --libs pupil) -o "$work/a.out"
+    $compiler -Wall -Wextra -Wpedantic -Werror "$here/consumer.c" -xnone $(pkg-config --cflags --libs pupil) \
+        -o "$work/a.out"
     "$work/a.out"
     $compiler "$here/consumer.c" -xnone $(pkg-config --cflags pupil) "$libdir/libpupil.a" -o "$work/a.out"
     LD_LIBRARY_PATH= "$work/a.out"
