@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <stddef.h>
+#include <unistd.h>
 
 static volatile sig_atomic_t came;
 
@@ -9,12 +10,13 @@ static void note(int number)
 {
     (void)number;
     came = 1;
+    alarm(1); /* knocks again until the end: the first knock may come just before a read or write that blocks */
 }
 
 void interrupt_watch(void)
 {
-    static const int ends[] = {SIGINT, SIGTERM, SIGHUP};
-    struct sigaction action = {.sa_handler = note}; /* no SA_RESTART: a blocked read returns */
+    static const int ends[] = {SIGINT, SIGTERM, SIGHUP, SIGALRM};
+    struct sigaction action = {.sa_handler = note}; /* no SA_RESTART: a blocked read or write returns */
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
         sigaction(ends[i], &action, NULL);

@@ -220,28 +220,60 @@ static int gnuplot(FILE *input, int output, FILE *errors)
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
 }
 
+/* What gnuplot() gave back, where it is an errno, as a sentence. */
+static int not_started(const char *path, int error, char *why, size_t why_bytes)
+{
+    if (error == ENOENT)
+        return pupil_sink_refuse(why, why_bytes, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox");
+    return pupil_sink_refuse(why, why_bytes, "%s: gnuplot cannot be started: %s", path, strerror(error));
+}
+
 static int draw(const char *path, FILE *input, FILE *errors, int output, char *why, size_t why_bytes)
 {
     char line[256];
     int failed = gnuplot(input, output, errors);
-    if (failed == ENOENT)
-        return pupil_sink_refuse(why, why_bytes, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox");
     if (failed > 0)
-        return pupil_sink_refuse(why, why_bytes, "%s: gnuplot cannot be started: %s", path, strerror(failed));
+        return not_started(path, failed, why, why_bytes);
     if (!failed && lseek(output, 0, SEEK_END) > 0)
         return 0;
     complaint(errors, line, sizeof line);
     return pupil_sink_refuse(why, why_bytes, "%s: gnuplot cannot draw it: %s", path, line);
 }
 
+/* Whether a plot has a name that says what it is, 1 for .png, 0 for .svg; -1 and a sentence. */
+static int kind_of(const char *path, char *why, size_t why_bytes)
+{
+    const char *ending = strrchr(path, '.');
+    if (ending && strcasecmp(ending, ".png") == 0)
+        return 1;
+    if (ending && strcasecmp(ending, ".svg") == 0)
+        return 0;
+    return pupil_sink_refuse(why, why_bytes, "%s: a plot is an .svg or a .png file", path);
+}
+
+int pupil_plot_check(const char *path, char *why, size_t why_bytes)
+{
+    pupil_pending pending;
+    if (kind_of(path, why, why_bytes) < 0 || pupil_pending_file(&pending, path, why, why_bytes))
+        return -1;
+    pupil_pending_discard(&pending);
+    FILE *nothing = fopen("/dev/null", "r+e");
+    int failed = nothing ? gnuplot(nothing, fileno(nothing), nothing) : errno;
+    if (nothing)
+        fclose(nothing);
+    if (failed < 0)
+        return pupil_sink_refuse(why, why_bytes, "%s: the gnuplot that is installed fails even with nothing to draw",
+                                 path);
+    return failed ? not_started(path, failed, why, why_bytes) : 0;
+}
+
 int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
                      char *why, size_t why_bytes)
 {
     pupil_pending pending;
-    const char *ending = strrchr(path, '.');
-    int is_png = ending && strcasecmp(ending, ".png") == 0;
-    if (!is_png && !(ending && strcasecmp(ending, ".svg") == 0))
-        return pupil_sink_refuse(why, why_bytes, "%s: a plot is an .svg or a .png file", path);
+    int is_png = kind_of(path, why, why_bytes);
+    if (is_png < 0)
+        return -1;
     if (!count)
         return pupil_sink_refuse(why, why_bytes, "%s: there is no frame to plot", path);
     if (pupil_pending_file(&pending, path, why, why_bytes))

@@ -6,6 +6,10 @@
 
 #include "record.h"
 
+/* What would else show at the end of a long run only: the ending, the folder, whether there is a gnuplot that runs.
+ * 0, or -1 and a sentence. */
+int pupil_plot_check(const char *path, char *why, size_t why_bytes);
+
 /* Draws the records into an .svg or .png file: metered and adapted EV with the frame's range of light, the level of the
  * display with the key, the shares of clipped, black and white. Complete or absent. 0, or -1 and a sentence. */
 int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,

@@ -37,7 +37,7 @@ typedef struct replay {
 
     progress progress;
     uint64_t shown, skipped;
-    char *last_name;   /* of the frame before, for --reset-each */
+    size_t finished;   /* outputs that are in their places */
     char summary[512]; /* the figures that a report found */
     char why[PUPIL_WHY_BYTES];
 } replay;
@@ -183,13 +183,8 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
 static int take(replay *r, pupil_frame *frame, double read_us)
 {
     const replay_options *o = &r->options;
-    if (o->reset_each && (!r->last_name || strcmp(r->last_name, frame->name) != 0)) {
-        free(r->last_name);
-        r->last_name = strdup(frame->name);
-        if (!r->last_name)
-            return no_memory(r);
+    if (o->reset_each)
         pupil_reset(&r->pupil);
-    }
     for (uint64_t i = 0; i < o->hold && !interrupt_came() && (!o->most || r->shown < o->most); i++) {
         if (o->hold > 1)
             frame->info.timestamp_ns = (int64_t)((double)r->shown * 1e9 / r->source->fps);
@@ -235,6 +230,8 @@ static int begin(replay *r)
         snprintf(r->why, sizeof r->why, "settings: %s", fault);
         return -1;
     }
+    if (r->options.plot && pupil_plot_check(r->options.plot, r->why, sizeof r->why))
+        return -1;
     if (open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why))
         return -1;
     pupil_init(&r->pupil, &r->options.config);
@@ -249,6 +246,7 @@ static int begin(replay *r)
     return 0;
 }
 
+/* What is most likely to fail goes first: then nothing is in its place yet. Ctrl-C leaves out what is to come. */
 static int finish(replay *r)
 {
     const replay_options *o = &r->options;
@@ -256,20 +254,32 @@ static int finish(replay *r)
         snprintf(r->why, sizeof r->why, "%s: no frame could be read", o->inputs[0]);
         return -1;
     }
-    if (outputs_finish(&r->outputs, r->why, sizeof r->why))
-        return -1;
-    pupil_stats_file *stats_file = r->stats_file;
-    r->stats_file = NULL;
-    if (stats_file && pupil_stats_file_finish(stats_file, r->why, sizeof r->why))
-        return -1;
-    if (o->plot &&
-        pupil_plot_write(o->plot, r->records, r->record_count, o->config.key, o->inputs[0], r->why, sizeof r->why))
-        return -1;
+    if (o->plot) {
+        if (pupil_plot_write(o->plot, r->records, r->record_count, o->config.key, o->inputs[0], r->why, sizeof r->why))
+            return -1;
+        r->finished++;
+    }
     replay_report *report = r->report;
-    r->report = NULL;
-    return report ? replay_report_finish(report, r->records, r->record_count, r->summary, sizeof r->summary, r->why,
-                                         sizeof r->why)
-                  : 0;
+    if (report && !interrupt_came()) {
+        r->report = NULL;
+        if (replay_report_finish(report, r->records, r->record_count, r->summary, sizeof r->summary, r->why,
+                                 sizeof r->why))
+            return -1;
+        r->finished++;
+    }
+    pupil_stats_file *stats_file = r->stats_file;
+    if (stats_file && !interrupt_came()) {
+        r->stats_file = NULL;
+        if (pupil_stats_file_finish(stats_file, r->why, sizeof r->why))
+            return -1;
+        r->finished++;
+    }
+    if (interrupt_came())
+        return -1;
+    size_t count = r->outputs.count;
+    int failed = outputs_finish(&r->outputs, r->why, sizeof r->why);
+    r->finished += count - r->outputs.count;
+    return failed;
 }
 
 static void end(replay *r)
@@ -286,7 +296,6 @@ static void end(replay *r)
         free((char *)(uintptr_t)r->records[i].name);
     free(r->records);
     free(r->display);
-    free(r->last_name);
 }
 
 static void tell(const replay *r)
@@ -324,13 +333,14 @@ int replay_main(int argc, char **argv)
     }
     interrupt_watch();
     int failed = begin(&r) || run(&r);
-    int interrupted = interrupt_came();
     progress_clear(&r.progress);
-    if (!failed && !interrupted)
-        failed = finish(&r);
+    if (!failed)
+        failed = interrupt_came() || finish(&r);
+    int interrupted = failed && interrupt_came();
     end(&r);
     if (interrupted)
-        fprintf(stderr, "pupil replay: interrupted; nothing was written\n");
+        fprintf(stderr, "pupil replay: interrupted; %s\n",
+                r.finished ? "some outputs were complete already, the others are not there" : "nothing was written");
     else if (failed)
         fprintf(stderr, "pupil replay: %s\n", r.why);
     else if (!r.options.quiet)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "file/file_sink.h"
+#include "interrupt.h"
 #include "plot.h"
 #include "progress.h"
 #include "report.h"
@@ -42,7 +43,11 @@ void replay_report_command(char *text, size_t bytes, int argc, char **argv)
     size_t at = (size_t)snprintf(text, bytes, "pupil");
     for (int i = 0; i < argc && at < bytes; i++) {
         const char *quote = *argv[i] && strspn(argv[i], plain) == strlen(argv[i]) ? "" : "'";
-        at += (size_t)snprintf(text + at, bytes - at, " %s%s%s", quote, argv[i], quote);
+        at += (size_t)snprintf(text + at, bytes - at, " %s", quote);
+        for (const char *c = argv[i]; *c && at < bytes; c++)
+            at += (size_t)snprintf(text + at, bytes - at, *c == '\'' ? "'\\''" : "%c", *c);
+        if (at < bytes)
+            at += (size_t)snprintf(text + at, bytes - at, "%s", quote);
     }
 }
 
@@ -221,6 +226,10 @@ int replay_report_finish(replay_report *r, const pupil_record *records, size_t c
         pupil_plot_write(pupil_report_plot(r->page), records, count, r->options->config.key, "", plot_note,
                          sizeof plot_note))
         snprintf(r->note, sizeof r->note, "No plot: %s", plot_note);
+    if (interrupt_came()) { /* gnuplot, too, hears Ctrl-C */
+        replay_report_discard(r);
+        return -1;
+    }
     char title[PUPIL_WHY_BYTES];
     size_t more = r->options->input_count - 1;
     snprintf(title, sizeof title, "%s", r->options->inputs[0]);

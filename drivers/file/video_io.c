@@ -50,11 +50,8 @@ static int read_some(void *opaque, uint8_t *buffer, int wanted)
         io->position += take;
         return take ? (int)take : AVERROR_EOF;
     }
-    ssize_t got;
-    do
-        got = read(io->fd, buffer, (size_t)wanted);
-    while (got < 0 && errno == EINTR);
-    if (got < 0) {
+    ssize_t got = read(io->fd, buffer, (size_t)wanted);
+    if (got < 0) { /* EINTR too: a writer that has stopped must not keep the program from ending */
         io->error = errno;
         return AVERROR(errno);
     }

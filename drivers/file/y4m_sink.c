@@ -39,10 +39,11 @@ static int y4m_flush(y4m_sink *s, char *why, size_t why_bytes)
             sent += (size_t)n;
         } else if (errno == EAGAIN) { /* somebody made the pipe non-blocking */
             struct pollfd ready = {.fd = s->fd, .events = POLLOUT};
-            poll(&ready, 1, -1);
+            if (poll(&ready, 1, -1) < 0)
+                return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         } else if (errno == EPIPE) {
             return pupil_sink_refuse(why, why_bytes, "%s: the reader is gone", y4m_name(s));
-        } else if (errno != EINTR) {
+        } else { /* EINTR too: a reader that has stopped must not keep the program from ending */
             return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         }
     }
