@@ -1,6 +1,7 @@
 /* The `pupil` program: subcommands, each in a file of its own. */
 #include "commands.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,8 +14,18 @@ static const char help[] = "usage: pupil COMMAND ...\n"
                            "  version  the version of the program and of the library\n"
                            "'pupil COMMAND --help' fits a screen; 'man pupil' tells all.\n";
 
+/* The number of a standard stream that is closed would go to the next file that is opened, and sentences for the user
+ * into an output. What takes its place here refuses what the stream is used for, as the closed one would. */
+static void fill_standard_streams(void)
+{
+    for (int fd = 0; fd <= 2; fd++)
+        if (fcntl(fd, F_GETFD) < 0)
+            (void)!open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY); /* the lowest free number: fd */
+}
+
 int main(int argc, char **argv)
 {
+    fill_standard_streams();
     const char *command = argc > 1 ? argv[1] : "";
     if (strcmp(command, "replay") == 0)
         return replay_main(argc - 1, argv + 1);
