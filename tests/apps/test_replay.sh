@@ -49,6 +49,8 @@ for bad in "--key 2" "--fps 0" "--fps nan" "--fps 1x" "--size 0x4" "--size 64" "
     expect 2 "${bad%% *}" replay synth:walk $bad
 done
 expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o a.mp4
+expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o ./a.mp4
+expect 2 "named for two outputs" replay synth:walk -o frames -o frames/
 
 # wrong inputs
 expect 1 "missing.exr" replay missing.exr -o a.mp4
@@ -58,7 +60,11 @@ expect 1 "text.exr" replay text.exr -o a.png
 expect 1 "a.txt" $walk -n 2 -o a.txt
 expect 1 "nowhere" $walk -n 2 -o nowhere/a.mp4
 expect 1 "one picture" $walk -n 2 -o a.png
-absent a.mp4 a.png a.txt
+expect 1 ".svg or a .png" $walk -n 2 -o a.mp4 --plot a.jpg
+expect 1 "nowhere" $walk -n 2 -o a.mp4 --plot nowhere/a.svg
+PATH=/nowhere "$program" $walk -n 2 -o a.mp4 --plot a.svg 2>said.err && fail "a plot without gnuplot"
+grep -q "needs gnuplot" said.err || fail "no gnuplot: $(cat said.err)"
+absent a.mp4 a.png a.txt a.svg
 
 # every kind of output
 expect 0 "" $walk -n 12 -o a.mp4 -o a.mkv -o a.y4m -o folder --stats s.jsonl --plot p.svg --report report
@@ -80,6 +86,11 @@ cmp -s stream.y4m stream2.y4m || fail "stdout and a file differ"
 cp in.y4m before.y4m
 expect 2 "is also an input" replay in.y4m -o in.y4m
 cmp -s in.y4m before.y4m || fail "the input was touched"
+"$program" $walk -n 3 -o taken
+for input in taken 'taken/*.png' taken/frame_000001.png; do
+    expect 2 "is also an input" replay "$input" -o taken -y
+done
+[ -s taken/frame_000002.png ] || fail "a folder of inputs was replaced"
 
 # the same bits at any number of threads; fused is another picture
 for threads in 1 2 3 7; do
@@ -98,6 +109,11 @@ for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" 
     "$program" $walk -n 40 $option -o o.y4m || fail "$option"
     cmp -s t1.y4m o.y4m && fail "$option changes nothing"
 done
+
+# each frame by itself, of a video too: settled at once, wherever the light goes
+"$program" $walk -n 100 -o video.mkv
+"$program" replay video.mkv -q --reset-each --stats each.csv || fail "--reset-each"
+[ "$(grep -c settled each.csv)" = 100 ] || fail "--reset-each of a video: only $(grep -c settled each.csv) of 100 settled"
 
 # damaged frames
 "$program" $walk -n 3 -o stills
@@ -125,6 +141,45 @@ wait $running
 [ $? = 130 ] || fail "Ctrl-C ends with exit $?"
 grep -q interrupted said.err || fail "Ctrl-C: $(cat said.err)"
 absent c.mp4 c.y4m cfolder creport
+
+# the same while the other end of a pipe is there and does nothing
+mkfifo pipe
+sleep 60 <>pipe &
+sleeper=$!
+since=$(date +%s)
+"$program" $walk --size 640x360 -o - -o cfolder >pipe 2>said.err &
+running=$!
+sleep 1
+kill -TERM $running
+wait $running
+[ $? = 130 ] || fail "a stalled reader: exit $?"
+absent cfolder
+"$program" replay - -o c.mp4 <pipe >said.out 2>said.err &
+running=$!
+sleep 1
+kill -TERM $running
+wait $running
+[ $? = 130 ] || fail "a stalled writer: exit $?"
+kill $sleeper
+[ $(($(date +%s) - since)) -lt 30 ] || fail "a stalled pipe: $(($(date +%s) - since)) seconds to end"
+
+# Ctrl-C while gnuplot draws: the plot comes first, and nothing is there
+mkdir bin
+printf '#!/bin/sh\n[ "$(wc -l)" = 0 ] && exit\necho x >drawing\nsleep 3\nexit 1\n' >bin/gnuplot
+chmod +x bin/gnuplot
+PATH="$PWD/bin:$PATH" "$program" $walk -n 3 -o c.mp4 --plot c.svg 2>said.err &
+running=$!
+while [ ! -s drawing ] && kill -0 $running 2>said.out; do sleep 0.1; done
+kill -INT $running
+wait $running
+[ $? = 130 ] || fail "Ctrl-C while gnuplot draws: exit $?"
+grep -q "nothing was written" said.err || fail "Ctrl-C while gnuplot draws: $(cat said.err)"
+absent c.mp4 c.svg
+
+# a closed standard error does not make sentences go into an output
+"$program" replay mixed -o m.y4m --keep-going 2>said.err
+"$program" replay mixed -o m2.y4m --keep-going 2>&-
+cmp -s m.y4m m2.y4m || fail "a closed standard error ends up in an output"
 
 # a closed pipe
 "$program" $walk --size 320x180 -o - 2>said.err | head -c 1000 >/dev/null
