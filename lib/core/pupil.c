@@ -39,8 +39,9 @@ int pupil_init(pupil_t *pupil, const pupil_config *config)
     if (error)
         return error;
     pupil_object *object = pupil_object_of(pupil);
-    for (size_t i = 0; i < sizeof pupil->private_words / sizeof pupil->private_words[0]; i++)
-        pupil->private_words[i] = 0; /* padding too: two objects with one history are equal byte for byte */
+    unsigned char *byte = (unsigned char *)pupil; /* bytes, whose writes no compiler moves behind those of members */
+    for (size_t i = 0; i < sizeof *pupil; i++)
+        byte[i] = 0; /* padding too: two objects with one history are equal byte for byte */
     object->magic = PUPIL_MAGIC;
     configure(object, config);
     forget(object);
