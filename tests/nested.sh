@@ -22,5 +22,6 @@ if [ $# -gt 0 ]; then
     quietly cmake -G Ninja "$@" -B "$build"
     quietly cmake --build "$build" --target "$target" -j "${PUPIL_JOBS:-2}"
 fi
+[ "$ctest_arguments" = - ] && exit
 # Words, on purpose.
-[ "$ctest_arguments" = - ] || ctest --test-dir "$build" --no-tests=error --output-on-failure $ctest_arguments
+ctest --test-dir "$build" -j "${PUPIL_JOBS:-2}" --no-tests=error --output-on-failure $ctest_arguments
