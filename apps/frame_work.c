@@ -91,7 +91,7 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
     if (!error)
         error = pupil_adapt(pupil, stats, info);
     if (!error && !fused) {
-        if (pupil_get_curve(pupil, info, curve) != PUPIL_OK) { /* no light so far: a rare frame that can take its time */
+        if (pupil_get_curve(pupil, info, curve) != PUPIL_OK) { /* no light so far: rare, and may take its time */
             *curve = (pupil_curve){1.0f, 1.0f, 0.0f};
             return pupil_process(pupil, in, info, out);
         }

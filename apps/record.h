@@ -6,25 +6,25 @@
 #include <stdint.h>
 
 typedef struct pupil_record {
-    uint64_t frame;        /* 0, 1, 2 ... of the frames that were replayed */
-    const char *name;      /* the source's name of the frame */
-    double time_s;         /* the frame's timestamp */
-    double dt_s;           /* the step that adaptation took */
-    double metered_ev;     /* log2 of the frame's (trimmed) log-average luminance */
-    double adapted_ev;     /* log2 of the adapted level */
-    double scale;          /* X of the curve that mapped this frame */
-    double white;          /* W of that curve; 0: none */
+    uint64_t frame;                /* 0, 1, 2 ... of the frames that were replayed */
+    const char *name;              /* the source's name of the frame */
+    double time_s;                 /* the frame's timestamp */
+    double dt_s;                   /* the step that adaptation took */
+    double metered_ev;             /* log2 of the frame's (trimmed) log-average luminance */
+    double adapted_ev;             /* log2 of the adapted level */
+    double scale;                  /* X of the curve that mapped this frame */
+    double white;                  /* W of that curve; 0: none */
     double p01_ev, p50_ev, p99_ev; /* quantiles of log2 luminance */
-    double output_level;   /* log-average of the display frame's luminance, linear 0..1 */
-    double black_share;    /* of the metered pixels, 0..1 */
+    double output_level;           /* log-average of the display frame's luminance, linear 0..1 */
+    double black_share;            /* of the metered pixels, 0..1 */
     double clipped_share;
     double bad_share;
     double output_black_share; /* share of 8-bit samples at 0 */
     double output_white_share; /* share of 8-bit samples at 255 */
-    double read_us;        /* microseconds spent on reading, on meter + adapt + map, on writing */
+    double read_us;            /* microseconds spent on reading, on meter + adapt + map, on writing */
     double process_us;
     double write_us;
-    const char *state;     /* "adapting", "settled", "limited", "locked", "empty" */
+    const char *state; /* "adapting", "settled", "limited", "locked", "empty" */
 } pupil_record;
 
 #endif
