@@ -18,8 +18,12 @@ void interrupt_watch(void)
     static const int ends[] = {SIGINT, SIGTERM, SIGHUP, SIGALRM};
     struct sigaction action = {.sa_handler = note}; /* no SA_RESTART: a blocked read or write returns */
     sigemptyset(&action.sa_mask);
-    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
+    struct sigaction before;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        if (ends[i] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN)
+            continue; /* nohup */
         sigaction(ends[i], &action, NULL);
+    }
     action.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &action, NULL);
 }

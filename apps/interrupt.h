@@ -2,8 +2,8 @@
 #ifndef PUPIL_APPS_INTERRUPT_H
 #define PUPIL_APPS_INTERRUPT_H
 
-/* From now on SIGINT, SIGTERM and SIGHUP set the flag (and interrupt blocking reads), and SIGPIPE is ignored: a closed
- * pipe is an error of the write. */
+/* From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored: nohup) set the flag and interrupt what blocks, and
+ * SIGPIPE is ignored: a closed pipe is an error of the write. */
 void interrupt_watch(void);
 int interrupt_came(void);
 

@@ -1,6 +1,8 @@
 #include "progress.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -13,7 +15,9 @@ double progress_now_s(void)
 
 void progress_begin(progress *p, int quiet, uint64_t total)
 {
-    *p = (progress){.shown = !quiet && isatty(STDERR_FILENO), .total = total, .began_s = progress_now_s()};
+    const char *terminal = getenv("TERM");
+    int can_clear = terminal && strcmp(terminal, "dumb") != 0; /* a line, as ECMA-48 has it */
+    *p = (progress){.shown = !quiet && can_clear && isatty(STDERR_FILENO), .total = total, .began_s = progress_now_s()};
 }
 
 void progress_step(progress *p, const pupil_record *r)

@@ -65,8 +65,8 @@ workers *workers_open(unsigned count)
             *s = (seat){w, i};
         if (!s || pthread_create(&w->thread[i], NULL, serve, s) != 0) {
             free(s);
-            workers_close(w);
-            return NULL;
+            w->count = i; /* fewer do the same, to the bit */
+            break;
         }
         w->started = i;
     }

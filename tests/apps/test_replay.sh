@@ -176,6 +176,16 @@ wait $running
 grep -q "nothing was written" said.err || fail "Ctrl-C while gnuplot draws: $(cat said.err)"
 absent c.mp4 c.svg
 
+# nohup
+(trap '' HUP && exec "$program" $walk --hold 10 -o hup.y4m) &
+running=$!
+sleep 0.5
+kill -HUP $running
+wait $running
+[ $? = 0 ] || fail "nohup: exit $?"
+[ -s hup.y4m ] || fail "nohup: no output"
+rm -f hup.y4m
+
 # a closed standard error does not make sentences go into an output
 "$program" replay mixed -o m.y4m --keep-going 2>said.err
 "$program" replay mixed -o m2.y4m --keep-going 2>&-
