@@ -51,13 +51,14 @@ static int make_folder(pupil_report *r, char *why, size_t why_bytes)
 {
     struct stat s;
     r->made_folder = mkdir(r->folder, 0777) == 0;
+    int error = errno; /* of mkdir; stat has one of its own */
     if (r->made_folder || (stat(r->folder, &s) == 0 && S_ISDIR(s.st_mode)))
         return 0;
-    if (errno == ENOENT)
+    if (error == ENOENT)
         return pupil_sink_refuse(why, why_bytes, "%s: the folder it would lie in is not there; make it first",
                                  r->folder);
     return pupil_sink_refuse(why, why_bytes, "%s: is no folder that a report can be put in: %s", r->folder,
-                             strerror(errno == EEXIST ? ENOTDIR : errno));
+                             strerror(error == EEXIST ? ENOTDIR : error));
 }
 
 /* "folder/name", a hidden name with the number of the process in it; NULL: out of memory. */
