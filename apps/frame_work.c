@@ -93,7 +93,8 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
     if (!error && !fused) {
         if (pupil_get_curve(pupil, info, curve) != PUPIL_OK) { /* no light so far: rare, and may take its time */
             *curve = (pupil_curve){1.0f, 1.0f, 0.0f};
-            return pupil_process(pupil, in, info, out);
+            pupil_t copy = *pupil; /* this frame has been adapted to */
+            return pupil_process(&copy, in, info, out);
         }
         error = pass(f, 0, curve, out);
     }

@@ -188,7 +188,8 @@ static void put_figures(table *t, const replay_report *r)
     const verify_figures *f = &r->figures;
     double ns = r->process_us * 1e3 / r->pixels;
     put(t, "frames compared with references", NULL, "%u", f->frames);
-    put(t, "log-average, largest relative error against long double", NULL, "%.2g", f->log_average_error);
+    if (f->means)
+        put(t, "log-average, largest relative error against long double", NULL, "%.2g", f->log_average_error);
     put(t, "display samples, largest distance to double", "codes", "%d", f->code_error);
     put(t, "display samples one code off", "%", "%.2g", 100.0 * (double)f->off / (double)f->samples);
     put(t, "meter, adapt and map", "ns/pixel", "%.2f", ns);
@@ -199,10 +200,13 @@ static void put_figures(table *t, const replay_report *r)
 static void put_summary(const replay_report *r, char *summary, size_t bytes)
 {
     const verify_figures *f = &r->figures;
+    char mean[64] = "";
+    if (f->means)
+        snprintf(mean, sizeof mean, "log-average within %.2g of long double; ", f->log_average_error);
     snprintf(summary, bytes,
-             "on %u of the frames: log-average within %.2g of long double; %.2g %% of the display's samples off, "
+             "on %u of the frames: %s%.2g %% of the display's samples off, "
              "by %d code at most; %.2f ns a pixel, %.1f times a memcpy of the frame\n",
-             f->frames, f->log_average_error, 100.0 * (double)f->off / (double)f->samples, f->code_error,
+             f->frames, mean, 100.0 * (double)f->off / (double)f->samples, f->code_error,
              r->process_us * 1e3 / r->pixels, r->memcpy_us > 0.0 ? r->process_us / r->memcpy_us : 0.0);
 }
 

@@ -127,6 +127,7 @@ void verify_frame(verify_figures *figures, const pupil_config *config, const pup
         double reference = (double)(sum / ((long double)in->width * in->height));
         double error = fabs(expm1((mean - reference) * 0.69314718055994531));
         figures->log_average_error = error > figures->log_average_error ? error : figures->log_average_error;
+        figures->means++;
     }
     figures->frames++;
 }

@@ -8,7 +8,7 @@ typedef struct verify_figures {
     double log_average_error; /* largest relative error of the log-average against long double */
     int code_error;           /* largest distance of a display sample, in codes, to the double reference */
     uint64_t samples, off;    /* display samples compared, and how many differ */
-    unsigned frames;
+    unsigned frames, means;   /* frames compared; those of them whose log-average was */
 } verify_figures;
 
 /* Adds one frame: what went in, the curve that mapped it, the RGB8 that came out, the statistics. Light that the trim

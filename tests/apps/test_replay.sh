@@ -115,6 +115,17 @@ done
 "$program" replay video.mkv -q --reset-each --stats each.csv || fail "--reset-each"
 [ "$(grep -c settled each.csv)" = 100 ] || fail "--reset-each of a video: only $(grep -c settled each.csv) of 100 settled"
 
+# a pixel that no metering weight falls on: held, and time goes on
+printf 'PF\n1 1\n-1.0\n\0\0\0\77\0\0\0\77\0\0\0\77' >dot.pfm
+"$program" replay dot.pfm -q --roi 0,0,0.1,0.1 --hold 2 --stats dot.csv || fail "a frame without weight"
+[ "$(cut -d, -f4,21 dot.csv | tr -d '\r' | tr '\n' ' ')" = "dt_s,state 0,empty 0.033333333,empty " ] ||
+    fail "a frame without weight: $(cut -d, -f4,21 dot.csv)"
+
+# a report tells only what was compared: no log-average where the metering has weights
+"$program" $walk -n 2 --report even && "$program" $walk -n 2 --report spot --metering spot || fail "reports"
+grep -q "long double" even/index.html || fail "a report without its figure of the log-average"
+grep -q "long double" spot/index.html && fail "a report of a log-average that was not compared"
+
 # damaged frames
 "$program" $walk -n 3 -o stills
 mkdir mixed && cp stills/frame_000000.png mixed/1.png && head -c 100 stills/frame_000001.png >mixed/2.png &&
