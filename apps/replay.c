@@ -1,4 +1,5 @@
 /* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,6 +47,15 @@ static const char *state_word(uint32_t state)
 {
     static const char *const words[] = {"empty", "adapting", "settled", "limited", "locked"};
     return state < sizeof words / sizeof words[0] ? words[state] : "?";
+}
+
+/* A sentence may quote a file's name: what would steer a terminal becomes '?'. */
+static void say(replay *r, const char *end)
+{
+    for (char *c = r->why; *c; c++)
+        if (iscntrl((unsigned char)*c))
+            *c = '?';
+    fprintf(stderr, "pupil replay: %s%s\n", r->why, end);
 }
 
 static int no_memory(replay *r)
@@ -206,7 +216,7 @@ static int run(replay *r)
             return 0;
         if (got == PUPIL_SOURCE_DAMAGED && o->keep_going) {
             progress_clear(&r->progress);
-            fprintf(stderr, "pupil replay: %s; skipped\n", r->why);
+            say(r, "; skipped");
             r->skipped++;
             continue;
         }
@@ -328,7 +338,7 @@ int replay_main(int argc, char **argv)
         return EXIT_DONE;
     }
     if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options, r.why, sizeof r.why)) {
-        fprintf(stderr, "pupil replay: %s\n", r.why);
+        say(&r, "");
         return EXIT_USAGE;
     }
     interrupt_watch();
@@ -342,7 +352,7 @@ int replay_main(int argc, char **argv)
         fprintf(stderr, "pupil replay: interrupted; %s\n",
                 r.finished ? "some outputs were complete already, the others are not there" : "nothing was written");
     else if (failed)
-        fprintf(stderr, "pupil replay: %s\n", r.why);
+        say(&r, "");
     else if (!r.options.quiet)
         tell(&r);
     return interrupted ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : r.skipped ? EXIT_SKIPPED : EXIT_DONE;

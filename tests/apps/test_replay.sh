@@ -54,6 +54,7 @@ expect 2 "named for two outputs" replay synth:walk -o frames -o frames/
 
 # wrong inputs
 expect 1 "missing.exr" replay missing.exr -o a.mp4
+expect 1 "miss?ing?.exr" replay "$(printf 'miss\ning\033.exr')" -o a.mp4
 expect 1 "walk" replay synth:run -o a.mp4
 echo "not a picture" >text.exr
 expect 1 "text.exr" replay text.exr -o a.png
