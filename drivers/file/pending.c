@@ -124,7 +124,7 @@ static int may_replace(const char *path, const char *shown, int overwrite, char 
         return refuse(why, why_bytes, "%s: the folder cannot be read: %s", shown, strerror(errno));
     if (entries && !overwrite)
         return refuse(why, why_bytes,
-                      "%s: is there already and not empty; name another folder, or ask for it to be overwritten",
+                      "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)",
                       shown);
     if (other[0])
         return refuse(why, why_bytes,
