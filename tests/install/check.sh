@@ -35,7 +35,7 @@ for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
     LD_LIBRARY_PATH= "$work/a.out"
 done
 
-cmake -S "$here" -B "$work/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
+cmake -G Ninja -S "$here" -B "$work/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
     >"$work/log" && cmake --build "$work/build" >>"$work/log" || { cat "$work/log"; exit 1; }
 for program in c_shared c_static cxx_shared cxx_static; do
     "$work/build/$program"
