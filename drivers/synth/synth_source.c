@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "synth/scene_source.h"
 #include "synth/walk.h"
 
 #define DEFAULT_FPS    30.0
@@ -65,8 +66,6 @@ static const pupil_source_ops synth_ops = {synth_next, synth_done, synth_close};
 static int refuse(const char *name, double fps, uint64_t frames, uint32_t width, uint32_t height, char *why,
                   size_t why_bytes)
 {
-    if (strcmp(name, "walk") != 0)
-        return snprintf(why, why_bytes, "there is no scene \"synth:%s\"; the scenes are: synth:walk", name);
     if (!(fps > 0.0 && fps <= 1e6))
         return snprintf(why, why_bytes, "synth:%s: %g frames a second; it must be above 0 and at most 1000000", name,
                         fps);
@@ -82,6 +81,8 @@ static int refuse(const char *name, double fps, uint64_t frames, uint32_t width,
 int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source, char *why,
                             size_t why_bytes)
 {
+    if (strcmp(name, "walk") != 0)
+        return pupil_scene_source_open(name, options, source, why, why_bytes);
     double fps = options->fps != 0.0 ? options->fps : DEFAULT_FPS;
     uint64_t frames = options->frames ? options->frames : DEFAULT_FRAMES;
     uint32_t width = options->width ? options->width : DEFAULT_WIDTH;
