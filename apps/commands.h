@@ -3,5 +3,6 @@
 #define PUPIL_APPS_COMMANDS_H
 
 int replay_main(int argc, char **argv);
+int study_main(int argc, char **argv);
 
 #endif

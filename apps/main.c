@@ -10,6 +10,7 @@
 static const char help[] = "usage: pupil COMMAND ...\n"
                            "Camera-style auto-exposure for HDR frames.\n"
                            "  replay   recorded HDR frames in; a display video and what the exposure did out\n"
+                           "  study    the study of adaptation made again: tables, videos, acceptance\n"
                            "  help     this text, or 'pupil help COMMAND'\n"
                            "  version  the version of the program and of the library\n"
                            "'pupil COMMAND --help' fits a screen; 'man pupil' tells all.\n";
@@ -29,6 +30,8 @@ int main(int argc, char **argv)
     const char *command = argc > 1 ? argv[1] : "";
     if (strcmp(command, "replay") == 0)
         return replay_main(argc - 1, argv + 1);
+    if (strcmp(command, "study") == 0)
+        return study_main(argc - 1, argv + 1);
     if (strcmp(command, "version") == 0 || strcmp(command, "--version") == 0) {
         printf("pupil %d.%d.%d (library %s)\n", PUPIL_VERSION_MAJOR, PUPIL_VERSION_MINOR, PUPIL_VERSION_PATCH,
                pupil_version());
@@ -37,6 +40,10 @@ int main(int argc, char **argv)
     if (strcmp(command, "help") == 0 && argc > 2 && strcmp(argv[2], "replay") == 0) {
         char *asked[] = {argv[2], "--help", NULL};
         return replay_main(2, asked);
+    }
+    if (strcmp(command, "help") == 0 && argc > 2 && strcmp(argv[2], "study") == 0) {
+        char *asked[] = {argv[2], "--help", NULL};
+        return study_main(2, asked);
     }
     if (strcmp(command, "help") == 0 || strcmp(command, "--help") == 0 || strcmp(command, "-h") == 0) {
         fputs(help, stdout);

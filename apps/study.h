@@ -35,10 +35,12 @@ typedef struct study_images {
     float *state[2]; /* off, on: linear RGB, tightly packed, of half precision (study_images_round) */
 } study_images;
 
-/* The scene of a name: "spheres", two lamps over shaded spheres by formula, 600x600 unless a size is given, or a recipe
- * of the scene renderer, whose darkest and brightest frames are the two states. 0, or -1 and a sentence. */
-int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, char *why,
-                      size_t why_bytes);
+/* study_scene.c. The scene of a name: "spheres", two lamps over shaded spheres by formula, or a recipe of the scene
+ * renderer, whose darkest and brightest frames are the two states; 600x600 unless told otherwise. 0, or -1 and a
+ * sentence. `stop`, where not NULL, is asked now and then whether to give up. */
+int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
+                      int (*stop)(void), char *why, size_t why_bytes);
+int study_images_reserve(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes);
 int study_images_spheres(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes);
 void study_images_free(study_images *images);
 
@@ -151,10 +153,9 @@ typedef struct study_test {
 void study_accept_cells(study_test tests[STUDY_TESTS], const study_cells *cells, double ln_r);
 
 /* A2, A3 and A5 of any tables. */
-void study_accept_order(study_test *test, const uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS]);
-void study_accept_equal(study_test *test, const uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS]);
-void study_accept_one_number(study_test *test, const uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS],
-                             double ln_r);
+void study_accept_order(study_test *test, const study_cells *cells);
+void study_accept_equal(study_test *test, const study_cells *cells);
+void study_accept_one_number(study_test *test, const study_cells *cells, double ln_r);
 
 /* A8, A9 and A11: of the states. 0 or a code of pupil/error.h, or PUPIL_ERR_NULL without memory. */
 int study_accept_states(study_test tests[STUDY_TESTS], const study_cells *cells, const study_lights *lights,
@@ -168,8 +169,7 @@ void study_accept_scaled(study_test *test, const study_cells *cells, const study
 typedef struct study_regression {
     unsigned cells, exact, within_1, within_2; /* of `cells`, misprints left out */
     unsigned misprints;
-    uint16_t seeds[STUDY_FORMULAS][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS]; /* misprints mended */
-    uint16_t ours[STUDY_FORMULAS][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS];
+    study_cells seeds, ours; /* only the frames; misprints mended */
 } study_regression;
 
 /* Against a table of the layout of study_csv. 0, or -1 and a sentence. */
@@ -188,8 +188,8 @@ typedef struct study_result {
     unsigned library_largest;
 } study_result;
 
-int study_csv_read(uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS], const char *path, char *why,
-                   size_t why_bytes);
+/* study_csv.c */
+int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_bytes); /* only the frames */
 void study_csv(FILE *out, const study_cells *cells);
 void study_markdown(FILE *out, const study_result *result);
 void study_html(FILE *out, const study_result *result);

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-typedef const uint16_t table[STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS];
-
 /* A line of cells: of a formula, a case and a weight. */
 #define FOR_EACH_RUN(f, c, w)                                                                                          \
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)                                                                      \
@@ -40,42 +38,43 @@ static double lambda_of(unsigned w)
     return -log1p(-study_weights[w]);
 }
 
-static void accept_at_once(study_test *test, table *frame)
+static void accept_at_once(study_test *test, const study_cells *cells)
 {
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)
         for (unsigned c = 0; c < STUDY_CASES; c++)
             for (unsigned t = 0; t < STUDY_THRESHOLDS; t++)
-                count(test, updates(c, frame[f][c][STUDY_WEIGHTS - 1][t]) == 1.0);
+                count(test, updates(c, cells->frame[f][c][STUDY_WEIGHTS - 1][t]) == 1.0);
 }
 
-void study_accept_order(study_test *test, table *frame)
+void study_accept_order(study_test *test, const study_cells *cells)
 {
     FOR_EACH_RUN(f, c, w)
     {
         for (unsigned t = 0; t + 1 < STUDY_THRESHOLDS; t++)
-            count(test, frame[f][c][w][t + 1] >= frame[f][c][w][t]);
+            count(test, cells->frame[f][c][w][t + 1] >= cells->frame[f][c][w][t]);
         for (unsigned t = 0; w && t < STUDY_THRESHOLDS; t++)
-            count(test, frame[f][c][w][t] <= frame[f][c][w - 1][t]);
+            count(test, cells->frame[f][c][w][t] <= cells->frame[f][c][w - 1][t]);
     }
 }
 
-void study_accept_equal(study_test *test, table *frame)
+void study_accept_equal(study_test *test, const study_cells *cells)
 {
     for (unsigned c = 0; c < STUDY_CASES; c++)
         for (unsigned w = 0; w < STUDY_WEIGHTS; w++)
             for (unsigned t = 0; t < STUDY_THRESHOLDS; t++)
-                count(test, frame[2][c][w][t] == frame[3][c][w][t]);
+                count(test, cells->frame[2][c][w][t] == cells->frame[3][c][w][t]);
 }
 
 /* A flash of 30 frames delays or hastens the arrival by what 30 frames leave of the way. */
-static void accept_flash(study_test *test, table *frame)
+static void accept_flash(study_test *test, const study_cells *cells)
 {
     static const unsigned pair[2][2] = {{2, 1}, {3, 0}}; /* with a flash, without: the same final light */
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)
         for (unsigned p = 0; p < 2; p++)
             for (unsigned w = 0; w + 1 < STUDY_WEIGHTS; w++)
                 for (unsigned t = 0; t < STUDY_THRESHOLDS; t++) {
-                    const unsigned with = frame[f][pair[p][0]][w][t], without = frame[f][pair[p][1]][w][t];
+                    const unsigned with = cells->frame[f][pair[p][0]][w][t],
+                                   without = cells->frame[f][pair[p][1]][w][t];
                     double n = updates(pair[p][0], with), m = updates(pair[p][1], without), lambda = lambda_of(w);
                     if (n >= 2.0 && m >= 2.0 && !cut_off(with) && !cut_off(without))
                         count(test, floor_or_ceil(n - m, log(-expm1(-(double)STUDY_FPS * lambda)) / lambda));
@@ -106,7 +105,7 @@ static unsigned most_common(const span *s, unsigned n, int with_grid)
     return best;
 }
 
-void study_accept_one_number(study_test *test, table *frame, double ln_r)
+void study_accept_one_number(study_test *test, const study_cells *cells, double ln_r)
 {
     for (int light = 0; light < 2; light++)
         for (unsigned t = 0; t < STUDY_THRESHOLDS; t++) {
@@ -114,9 +113,9 @@ void study_accept_one_number(study_test *test, table *frame, double ln_r)
             unsigned n = 0;
             FOR_EACH_RUN(f, c, w)
             {
-                if (study_final(c) != light || w + 1 == STUDY_WEIGHTS || cut_off(frame[f][c][w][t]))
+                if (study_final(c) != light || w + 1 == STUDY_WEIGHTS || cut_off(cells->frame[f][c][w][t]))
                     continue;
-                const double weight = study_weights[w], after = updates(c, frame[f][c][w][t]);
+                const double weight = study_weights[w], after = updates(c, cells->frame[f][c][w][t]);
                 s[n].from = fabs(study_closed_u(f, c, weight, ln_r, after));
                 s[n].low = s[n].from - study_grid(f, weight);
                 s[n++].to = fabs(study_closed_u(f, c, weight, ln_r, after - 1.0));
@@ -177,11 +176,11 @@ void study_accept_cells(study_test tests[STUDY_TESTS], const study_cells *cells,
     static const char *const name[STUDY_TESTS] = {"A1", "A2", "A3", "A4", "A5", "A6", "A7", "A8", "A9", "A10", "A11"};
     for (unsigned i = 0; i < STUDY_TESTS; i++)
         tests[i] = (study_test){.name = name[i], .text = text[i]};
-    accept_at_once(&tests[0], cells->frame);
-    study_accept_order(&tests[1], cells->frame);
-    study_accept_equal(&tests[2], cells->frame);
-    accept_flash(&tests[3], cells->frame);
-    study_accept_one_number(&tests[4], cells->frame, ln_r);
+    accept_at_once(&tests[0], cells);
+    study_accept_order(&tests[1], cells);
+    study_accept_equal(&tests[2], cells);
+    accept_flash(&tests[3], cells);
+    study_accept_one_number(&tests[4], cells, ln_r);
     accept_asymmetry(&tests[5], cells, ln_r);
     accept_closed_form(&tests[6], cells, ln_r);
 }

@@ -40,31 +40,30 @@ static int place(const char *line, unsigned at[4], unsigned *frame)
            *frame < STUDY_FRAMES;
 }
 
-int study_csv_read(uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS], const char *path, char *why,
-                   size_t why_bytes)
+int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_bytes)
 {
     char line[128];
-    unsigned number = 0, cells = 0, at[4], value;
+    unsigned number = 0, known = 0, at[4], value;
     FILE *f = fopen(path, "re");
     if (!f)
         return pupil_sink_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
-    memset(frame, 0, sizeof(uint16_t[STUDY_FORMULAS][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS]));
+    memset(cells, 0, sizeof *cells);
     while (fgets(line, sizeof line, f)) {
         uint16_t *cell;
         if (number++ == 0 && strncmp(line, HEAD, strlen(HEAD)) == 0)
             continue;
-        if (!place(line, at, &value) || *(cell = &frame[at[0]][at[1]][at[2]][at[3]])) {
+        if (!place(line, at, &value) || *(cell = &cells->frame[at[0]][at[1]][at[2]][at[3]])) {
             fclose(f);
             return pupil_sink_refuse(
                 why, why_bytes, "%s: line %u is no cell of the tables, or one that was there already; lines are %s",
                 path, number, HEAD);
         }
         *cell = (uint16_t)value;
-        cells++;
+        known++;
     }
     int failed = ferror(f);
     fclose(f);
-    if (failed || cells != STUDY_FORMULAS * STUDY_CASES * STUDY_WEIGHTS * STUDY_THRESHOLDS)
-        return pupil_sink_refuse(why, why_bytes, "%s: has %u of the 1280 cells that the tables are", path, cells);
+    if (failed || known != STUDY_FORMULAS * STUDY_CASES * STUDY_WEIGHTS * STUDY_THRESHOLDS)
+        return pupil_sink_refuse(why, why_bytes, "%s: has %u of the 1280 cells that the tables are", path, known);
     return 0;
 }

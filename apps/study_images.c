@@ -55,7 +55,7 @@ static void surface(double x, double y, vec *p, vec *n, double albedo[3])
     }
 }
 
-static int reserve(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+int study_images_reserve(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes)
 {
     size_t samples = (size_t)width * height * 3;
     *images = (study_images){.width = width, .height = height};
@@ -71,7 +71,7 @@ static int reserve(study_images *images, uint32_t width, uint32_t height, char *
 int study_images_spheres(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes)
 {
     static const vec left = {-1.6, 0.8, 1.5}, right = {1.5, 0.7, 1.4};
-    if (reserve(images, width, height, why, why_bytes))
+    if (study_images_reserve(images, width, height, why, why_bytes))
         return -1;
     for (uint32_t row = 0; row < height; row++)
         for (uint32_t column = 0; column < width; column++) {
@@ -88,16 +88,6 @@ int study_images_spheres(study_images *images, uint32_t width, uint32_t height, 
     for (int s = 0; s < 2; s++)
         study_images_round(images->state[s], (size_t)width * height * 3);
     return 0;
-}
-
-int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, char *why,
-                      size_t why_bytes)
-{
-    width = width ? width : 600;
-    height = height ? height : 600;
-    if (strcmp(scene, "spheres") == 0)
-        return study_images_spheres(images, width, height, why, why_bytes);
-    return pupil_sink_refuse(why, why_bytes, "%s: no such scene; there is spheres", scene);
 }
 
 void study_images_free(study_images *images)

@@ -49,7 +49,7 @@ static uint16_t first_within(const double *u, uint32_t from, double most)
     return (uint16_t)i;
 }
 
-static void compute(uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS])
+static void compute(study_cells *cells)
 {
     static double u[STUDY_FRAMES];
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)
@@ -61,7 +61,7 @@ static void compute(uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLD
                 study_run run = {f, c, study_weights[w], STUDY_FPS, STUDY_FRAMES};
                 study_run_float32(luminance, &run, u);
                 for (unsigned t = 0; t < STUDY_THRESHOLDS; t++)
-                    frame[f][c][w][t] = first_within(u, study_start(c, STUDY_FPS) + 1, most[t]);
+                    cells->frame[f][c][w][t] = first_within(u, study_start(c, STUDY_FPS) + 1, most[t]);
             }
         }
 }
@@ -69,14 +69,14 @@ static void compute(uint16_t frame[][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLD
 int study_regression_make(study_regression *r, const char *csv, char *why, size_t why_bytes)
 {
     memset(r, 0, sizeof *r);
-    if (study_csv_read(r->seeds, csv, why, why_bytes))
+    if (study_csv_read(&r->seeds, csv, why, why_bytes))
         return -1;
-    compute(r->ours);
+    compute(&r->ours);
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)
         for (unsigned c = 0; c < STUDY_CASES; c++)
             for (unsigned w = 0; w < STUDY_WEIGHTS; w++)
                 for (unsigned t = 0; t < STUDY_THRESHOLDS; t++) {
-                    uint16_t *theirs = &r->seeds[f][c][w][t];
+                    uint16_t *theirs = &r->seeds.frame[f][c][w][t];
                     unsigned known = 0;
                     for (unsigned i = 0; i < MISPRINTS; i++)
                         if (misprint[i].formula == f && misprint[i].which_case == c && misprint[i].weight == w &&
@@ -84,7 +84,7 @@ int study_regression_make(study_regression *r, const char *csv, char *why, size_
                             *theirs = misprint[i].meant;
                             known = 1;
                         }
-                    int off = abs((int)r->ours[f][c][w][t] - (int)*theirs);
+                    int off = abs((int)r->ours.frame[f][c][w][t] - (int)*theirs);
                     r->misprints += known;
                     r->cells += !known;
                     r->exact += !known && off == 0;
