@@ -32,16 +32,20 @@ static void accept_mirror(study_test *test, const study_states *states)
 /* ---- A9 ------------------------------------------------------------------------------------------------------------
  */
 
-/* Frames that suffice for the slowest weight: 43 bits of way at ln 2 / 0.005 frames a bit, and a few hundred of the
- * smallest step. Twice that. */
-#define LONG_FRAMES 13000u
+/* Frames that suffice: 43 bits of way at ln 2 / lambda frames a bit, and a few hundred of the smallest step. Twice
+ * that.
+ */
+static uint32_t long_run(double weight)
+{
+    return (uint32_t)(2.0 * 43.0 * M_LN2 / (weight < 1.0 ? -log1p(-weight) : 1.0)) + 1000;
+}
 
 static int accept_arrival(study_test *test, const study_lights *lights, study_run run, int float32, double *u)
 {
     run.fps = STUDY_FPS;
-    run.frames = LONG_FRAMES;
+    run.frames = long_run(run.weight);
     int error = study_run_any(lights, &run, float32, u);
-    count(test, u[LONG_FRAMES - 1] == 0.0); /* a difference of doubles is 0 only where they are equal */
+    count(test, !error && u[run.frames - 1] == 0.0); /* a difference of doubles is 0 only where they are equal */
     return error;
 }
 
@@ -50,8 +54,17 @@ static int accept_arrival(study_test *test, const study_lights *lights, study_ru
 
 static const unsigned rates[] = {24, 30, 60, 120, 240};
 #define RATES       (sizeof rates / sizeof rates[0])
-#define LONGEST_S   180u /* the slowest tau, 6.65 s, times ln(ln r / u*), and room */
+#define LONGEST_S   400u /* wait_s() of the slowest tau, 6.65 s, and the strongest lamp, 2^20 */
 #define MOST_FRAMES (LONGEST_S * 240u)
+
+/* Seconds after which every formula is within every u*: the slowest has the way ln(r / u*) in units of tau. */
+static double wait_s(const study_cells *cells, double ln_r, int light, double tau_s)
+{
+    double least = 1.0;
+    for (unsigned t = 0; t < STUDY_THRESHOLDS; t++)
+        least = fmin(least, cells->u_star[light][t]);
+    return fmin(3.0 + tau_s * (ln_r + 1.0 - log(fmax(least, 1e-13))), LONGEST_S);
+}
 
 /* Seconds from the last change until |u| <= u_star; negative where that is not reached. */
 static double arrival_s(const double *u, const study_run *run, double u_star)
@@ -80,12 +93,13 @@ static int accept_rates(study_test *test, const study_cells *cells, const study_
                         int float32, double *u)
 {
     const double tau_s = run.weight < 1.0 ? -1.0 / (STUDY_FPS * log1p(-run.weight)) : 0.0;
-    const double wait_s = fmin(4.0 + 26.0 * tau_s, LONGEST_S);
+    const double ln_r = (lights->ev[1] - lights->ev[0]) * M_LN2;
+    const double until_s = wait_s(cells, ln_r, study_final(run.which_case), tau_s);
     double seconds[STUDY_THRESHOLDS][RATES], grid_s[STUDY_THRESHOLDS][RATES];
     for (size_t r = 0; r < RATES; r++) {
         run.fps = rates[r];
         run.weight = tau_s > 0.0 ? -expm1(-1.0 / (run.fps * tau_s)) : 1.0;
-        run.frames = (uint32_t)(wait_s * run.fps);
+        run.frames = (uint32_t)(until_s * run.fps);
         int error = study_run_any(lights, &run, float32 && run.formula < STUDY_FORMULAS, u);
         if (error)
             return error;

@@ -103,14 +103,12 @@ void study_images_free(study_images *images)
 void study_images_round(float *samples, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        float v = samples[i], magnitude = fabsf(v);
-        if (magnitude >= 65504.0f)
-            v = copysignf(65504.0f, v);
+        float v = fabsf(samples[i]) < 65504.0f ? samples[i] : copysignf(65504.0f, samples[i]);
         int exponent;
-        frexpf(magnitude, &exponent);
+        frexpf(v, &exponent);
         /* 11 bits below the leading one's place; subnormals of binary16 are multiples of 2^-24 */
         int step = exponent - 11 > -24 ? exponent - 11 : -24;
-        samples[i] = isnan(v) ? 0.0f : ldexpf(rintf(ldexpf(v, -step)), step);
+        samples[i] = isnan(samples[i]) ? 0.0f : ldexpf(rintf(ldexpf(v, -step)), step);
     }
 }
 

@@ -27,6 +27,7 @@ static void script(FILE *out, int is_png, const void *context)
     fputs(is_png ? "set terminal pngcairo size 1000,360 font 'Sans,11' background '#ffffff'\n"
                  : "set terminal svg size 1000,360 dynamic font 'Helvetica,Arial,sans-serif,14' background '#ffffff'\n",
           out);
+    fputs(study_final(d->which_case) ? "set key top right\n" : "set key bottom right\n", out);
     fputs("set encoding utf8\nset multiplot layout 1,3\nset border 3 lc '#666666'\nset tics nomirror out scale 0.6\n"
           "set grid lc '#dddddd' lt 1 lw 0.7\nset xzeroaxis lc '#555555' dt 2\nset xlabel 'time, seconds'\n"
           "set ylabel 'exposure too bright by, stops'\n",
