@@ -238,6 +238,8 @@ static int regression(study *s)
     study_accept_one_number(&one_number, &r.seeds, log(274.0)); /* the r that explains their first column */
     printf("%u cells and %u misprints: %u exact, %u within 1 frame, %u within 2\n", r.cells, r.misprints, r.exact,
            r.within_1, r.within_2);
+    printf("%u of %u cells of %u would never arrive, the others are late; %u cells are not those of exact arithmetic\n",
+           r.stalled, r.unfinished, STUDY_LAST, r.rounded);
     printf("the table itself violates A2 in %lu cells, A3 in %lu, A5 in %lu\n", order.violations, equal.violations,
            one_number.violations + one_number.by_grid);
     /* what one fit of the constants gave, with room for another libm's expf and logf */

@@ -169,6 +169,8 @@ void study_accept_scaled(study_test *test, const study_cells *cells, const study
 typedef struct study_regression {
     unsigned cells, exact, within_1, within_2; /* of `cells`, misprints left out */
     unsigned misprints;
+    unsigned unfinished, stalled; /* our cells of 1799; those that never arrive, however long it goes on */
+    unsigned rounded;             /* cells in which binary32 is not the closed form, which counts on to infinity */
     study_cells seeds, ours; /* only the frames; misprints mended */
 } study_regression;
 

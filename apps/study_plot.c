@@ -39,7 +39,10 @@ static void script(FILE *out, int is_png, const void *context)
         for (unsigned i = 0; i < 3; i++) {
             const double *u = d->result->states->u[line[i].formula][d->which_case][shown_weight[p]];
             fprintf(out, "$f%u << END\n", i);
-            for (unsigned frame = 0; frame < STUDY_FRAMES && frame <= to * STUDY_FPS; frame++) {
+            const unsigned most = (unsigned)(to * STUDY_FPS), every = 1 + most / 250; /* as many as can be seen */
+            for (unsigned frame = 0; frame < STUDY_FRAMES && frame <= most; frame++) {
+                if (frame % every && frame % STUDY_FPS > 8)
+                    continue;
                 /* against the light that is on then: what a viewer has before the eyes */
                 int lit = study_light_of(d->which_case, STUDY_FPS, frame), end = study_final(d->which_case);
                 double shift = d->result->lights->ev[lit] - d->result->lights->ev[end];

@@ -14,6 +14,9 @@
 /* In case 4 of formulas 2 to 4 the lit room was brighter by this share. */
 #define CASE_4_SHARE 4.66e-6
 
+/* The r that explains the first column by the closed form. */
+#define LN_R log(274.0)
+
 /* u* by final light (off, on) and threshold. */
 static const double u_star[2][STUDY_THRESHOLDS] = {{8.764e-3, 1.909e-5, 8.93e-6, 6.24e-6},
                                                    {8.793e-3, 2.810e-5, 1.148e-5, 9.22e-6}};
@@ -41,27 +44,38 @@ static void luminances(unsigned formula, unsigned which_case, float luminance[3]
     }
 }
 
-static uint16_t first_within(const double *u, uint32_t from, double most)
+/* Enough for the slowest weight to come to its end, where it stays: binary32 has 24 bits. */
+#define ENDLESS 20000u
+
+static uint32_t first_within(const double *u, uint32_t from, double most)
 {
     uint32_t i = from;
-    while (i < STUDY_LAST && !(fabs(u[i]) <= most))
+    while (i < ENDLESS && !(fabs(u[i]) <= most))
         i++;
-    return (uint16_t)i;
+    return i;
 }
 
-static void compute(study_cells *cells)
+static void compute(study_regression *r)
 {
-    static double u[STUDY_FRAMES];
+    static double u[ENDLESS];
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)
         for (unsigned c = 0; c < STUDY_CASES; c++) {
             float luminance[3];
             const double *most = c == 3 && f > 0 ? u_star_case_4 : u_star[study_final(c)];
             luminances(f, c, luminance);
             for (unsigned w = 0; w < STUDY_WEIGHTS; w++) {
-                study_run run = {f, c, study_weights[w], STUDY_FPS, STUDY_FRAMES};
+                study_run run = {f, c, study_weights[w], STUDY_FPS, ENDLESS};
                 study_run_float32(luminance, &run, u);
-                for (unsigned t = 0; t < STUDY_THRESHOLDS; t++)
-                    cells->frame[f][c][w][t] = first_within(u, study_start(c, STUDY_FPS) + 1, most[t]);
+                for (unsigned t = 0; t < STUDY_THRESHOLDS; t++) {
+                    const uint32_t start = study_start(c, STUDY_FPS);
+                    const uint32_t frame = first_within(u, start + 1, most[t]);
+                    double exact = start + study_closed_n(f, c, study_weights[w], LN_R, most[t]);
+                    const uint16_t cell = (uint16_t)(frame < STUDY_LAST ? frame : STUDY_LAST);
+                    r->ours.frame[f][c][w][t] = cell;
+                    r->unfinished += cell == STUDY_LAST;
+                    r->stalled += frame == ENDLESS;
+                    r->rounded += (double)cell != fmin(exact, STUDY_LAST);
+                }
             }
         }
 }
@@ -71,7 +85,7 @@ int study_regression_make(study_regression *r, const char *csv, char *why, size_
     memset(r, 0, sizeof *r);
     if (study_csv_read(&r->seeds, csv, why, why_bytes))
         return -1;
-    compute(&r->ours);
+    compute(r);
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)
         for (unsigned c = 0; c < STUDY_CASES; c++)
             for (unsigned w = 0; w < STUDY_WEIGHTS; w++)

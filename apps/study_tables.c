@@ -166,7 +166,7 @@ void study_html(FILE *out, const study_result *r)
                     formula_text[f]);
             page_cells(out, r->cells->frame[f][c]);
         }
-    fputs("</main>\n", out);
+    fputs("</main>\n<footer>study.csv and study.md hold the same tables.</footer>\n", out);
 }
 
 /* ---- files ---------------------------------------------------------------------------------------------------------
