@@ -45,8 +45,8 @@ cmp -s all/frame_000002.exr all/frame_000003.exr && fail "the lamp's level does 
 cmp a.y4m b.y4m || fail "render maps other than replay"
 "$program" render walk -q -n 2 --size 16x9 -o walk.y4m
 
-expect 0 "" render --help
-[ "$(wc -l <said.out)" -le 24 ] || fail "--help is $(wc -l <said.out) lines"
+"$program" render --help >help.txt
+[ "$(wc -l <help.txt)" -le 24 ] || fail "--help is $(wc -l <help.txt) lines"
 expect 2 "no scene" render -o a.exr
 expect 2 "no output" render room
 expect 2 "--frames 4..2" render small.scene -n 4..2 -o x.exr
@@ -62,7 +62,8 @@ expect 1 "no kind of output" render small.scene -o x.jpg
 echo "camera position_m 0 1" >bad.scene
 expect 1 "bad.scene:1: " render bad.scene -o x.exr
 echo "material m diffuse 0 0 0
-mesh nothing.obj material m position_m 0 0 0" >bad.scene
+mesh nothing.obj material m position_m 0 0 0
+camera position_m 0 1 3 look_at_m 0 0 0 fov_degrees 50" >bad.scene
 expect 1 "nothing.obj" render bad.scene -o x.exr
 [ ! -e x.exr ] || fail "an output of a failed run"
 ! ls -a | grep -q '\.part$' || fail "leftovers: $(ls -a)"
