@@ -7,20 +7,19 @@
 
 #include "pupil/image.h"
 
-const char study_help[] =
-    "usage: pupil study [SCENE] [options]\n"
-    "       pupil study --regression CSV [--check]\n"
-    "When has the picture arrived? Four light scenarios, four formulas, twenty weights.\n"
-    "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: quick, by formula\n"
-    "  -o, --out DIR         study.csv, study.md, study.html and a plot of each case into DIR\n"
-    "      --video C,F       also a video of case C, formula F: the weights side by side; or all\n"
-    "      --check           exit 1 unless all of A1..A11 hold (or its counts)\n"
-    "      --float32         the recursions as the seeds have them, in binary32: A3 and A5 fail\n"
-    "      --regression CSV  the seeds' table again, from numbers alone; no scene\n"
-    "      --size WxH        of the pictures (600x600); the first threshold is their pixels\n"
-    "      --threads N       (0: one a processor)\n"
-    "  -q, --quiet   -h, --help\n"
-    "exit: 0 done, 1 failed or not met, 2 usage, 130 interrupted\n";
+const char study_help[] = "usage: pupil study [SCENE] [options]\n"
+                          "       pupil study --regression CSV [--check]\n"
+                          "When has the picture arrived? Four light scenarios, four formulas, twenty weights.\n"
+                          "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: quick\n"
+                          "  -o, --out DIR         study.csv, study.md, study.html and a plot of each case into DIR\n"
+                          "      --video C,F       also a video of case C, formula F: weights side by side; or all\n"
+                          "      --check           exit 1 unless all of A1..A11 hold (or its counts)\n"
+                          "      --float32         the recursions as the seeds have them, in binary32: A3 and A5 fail\n"
+                          "      --regression CSV  the seeds' table again, from numbers alone; no scene\n"
+                          "      --size WxH        of the pictures (600x600); the first threshold is their pixels\n"
+                          "      --threads N       (0: one a processor)\n"
+                          "  -q, --quiet   -h, --help\n"
+                          "exit: 0 done, 1 failed or not met, 2 usage, 130 interrupted\n";
 
 enum { VIDEO = 256, CHECK, FLOAT32, REGRESSION, SIZE, THREADS };
 
