@@ -171,7 +171,7 @@ typedef struct study_regression {
     unsigned misprints;
     unsigned unfinished, stalled; /* our cells of 1799; those that never arrive, however long it goes on */
     unsigned rounded;             /* cells in which binary32 is not the closed form, which counts on to infinity */
-    study_cells seeds, ours; /* only the frames; misprints mended */
+    study_cells seeds, ours;      /* only the frames; misprints mended */
 } study_regression;
 
 /* Against a table of the layout of study_csv. 0, or -1 and a sentence. */
