@@ -3,5 +3,7 @@
 #define PUPIL_APPS_COMMANDS_H
 
 int replay_main(int argc, char **argv);
+int render_main(int argc, char **argv);
+int study_main(int argc, char **argv);
 
 #endif

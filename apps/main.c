@@ -10,6 +10,8 @@
 static const char help[] = "usage: pupil COMMAND ...\n"
                            "Camera-style auto-exposure for HDR frames.\n"
                            "  replay   recorded HDR frames in; a display video and what the exposure did out\n"
+                           "  render   the frames of a scene: linear pictures, or mapped for a display\n"
+                           "  study    the study of adaptation made again: tables, videos, acceptance\n"
                            "  help     this text, or 'pupil help COMMAND'\n"
                            "  version  the version of the program and of the library\n"
                            "'pupil COMMAND --help' fits a screen; 'man pupil' tells all.\n";
@@ -23,20 +25,36 @@ static void fill_standard_streams(void)
             (void)!open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY); /* the lowest free number: fd */
 }
 
+typedef int command_main(int argc, char **argv);
+
+static command_main *find(const char *name)
+{
+    static const struct {
+        const char *name;
+        command_main *run;
+    } commands[] = {{"replay", replay_main}, {"render", render_main}, {"study", study_main}};
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        if (strcmp(name, commands[i].name) == 0)
+            return commands[i].run;
+    return NULL;
+}
+
 int main(int argc, char **argv)
 {
     fill_standard_streams();
     const char *command = argc > 1 ? argv[1] : "";
-    if (strcmp(command, "replay") == 0)
-        return replay_main(argc - 1, argv + 1);
+    command_main *run = find(command);
+    if (run)
+        return run(argc - 1, argv + 1);
     if (strcmp(command, "version") == 0 || strcmp(command, "--version") == 0) {
         printf("pupil %d.%d.%d (library %s)\n", PUPIL_VERSION_MAJOR, PUPIL_VERSION_MINOR, PUPIL_VERSION_PATCH,
                pupil_version());
         return 0;
     }
-    if (strcmp(command, "help") == 0 && argc > 2 && strcmp(argv[2], "replay") == 0) {
+    run = strcmp(command, "help") == 0 && argc > 2 ? find(argv[2]) : NULL;
+    if (run) {
         char *asked[] = {argv[2], "--help", NULL};
-        return replay_main(2, asked);
+        return run(2, asked);
     }
     if (strcmp(command, "help") == 0 || strcmp(command, "--help") == 0 || strcmp(command, "-h") == 0) {
         fputs(help, stdout);

@@ -175,6 +175,19 @@ static void script(FILE *out, int is_png, const pupil_record *records, size_t co
             style, style, style);
 }
 
+typedef struct run {
+    const pupil_record *records;
+    size_t count;
+    double key;
+    const char *title;
+} run;
+
+static void script_of_run(FILE *out, int is_png, const void *context)
+{
+    const run *r = context;
+    script(out, is_png, r->records, r->count, r->key, r->title);
+}
+
 /* ---- the program --------------------------------------------------------------------------------------------------
  */
 
@@ -267,16 +280,11 @@ int pupil_plot_check(const char *path, char *why, size_t why_bytes)
     return failed ? not_started(path, failed, why, why_bytes) : 0;
 }
 
-int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
-                     char *why, size_t why_bytes)
+int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, char *why, size_t why_bytes)
 {
     pupil_pending pending;
     int is_png = kind_of(path, why, why_bytes);
-    if (is_png < 0)
-        return -1;
-    if (!count)
-        return pupil_sink_refuse(why, why_bytes, "%s: there is no frame to plot", path);
-    if (pupil_pending_file(&pending, path, why, why_bytes))
+    if (is_png < 0 || pupil_pending_file(&pending, path, why, why_bytes))
         return -1;
 
     int failed = -1, output = open(pending.temporary, O_WRONLY | O_TRUNC | O_CREAT | O_CLOEXEC, 0666);
@@ -284,7 +292,7 @@ int pupil_plot_write(const char *path, const pupil_record *records, size_t count
     if (output < 0 || !input || !errors) {
         pupil_sink_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno));
     } else {
-        script(input, is_png, records, count, key, title);
+        write_script(input, is_png, context);
         failed = fflush(input) != 0 || fseek(input, 0, SEEK_SET) != 0
                      ? pupil_sink_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno))
                      : draw(path, input, errors, output, why, why_bytes);
@@ -299,4 +307,15 @@ int pupil_plot_write(const char *path, const pupil_record *records, size_t count
         failed = pupil_pending_commit(&pending, why, why_bytes);
     pupil_pending_discard(&pending);
     return failed;
+}
+
+int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
+                     char *why, size_t why_bytes)
+{
+    const run r = {records, count, key, title};
+    if (kind_of(path, why, why_bytes) < 0)
+        return -1;
+    if (!count)
+        return pupil_sink_refuse(why, why_bytes, "%s: there is no frame to plot", path);
+    return pupil_plot_draw(path, script_of_run, &r, why, why_bytes);
 }

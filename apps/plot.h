@@ -3,6 +3,7 @@
 #define PUPIL_APPS_PLOT_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 #include "record.h"
 
@@ -14,5 +15,10 @@ int pupil_plot_check(const char *path, char *why, size_t why_bytes);
  * display with the key, the shares of clipped, black and white. Complete or absent. 0, or -1 and a sentence. */
 int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
                      char *why, size_t why_bytes);
+
+/* The same for any script: `script` writes what gnuplot is told, with a terminal for the kind of file and no output.
+ */
+typedef void pupil_plot_script(FILE *out, int is_png, const void *context);
+int pupil_plot_draw(const char *path, pupil_plot_script *script, const void *context, char *why, size_t why_bytes);
 
 #endif

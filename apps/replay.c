@@ -242,6 +242,7 @@ static int begin(replay *r)
     }
     if (r->options.plot && pupil_plot_check(r->options.plot, r->why, sizeof r->why))
         return -1;
+    r->options.source.stop = interrupt_came;
     if (open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why))
         return -1;
     pupil_init(&r->pupil, &r->options.config);

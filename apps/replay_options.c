@@ -10,7 +10,8 @@
 const char replay_help[] = "usage: pupil replay INPUT... [options]\n"
                            "Recorded HDR frames in; a display video and what the exposure did out.\n"
                            "  INPUT  .exr .hdr .pfm .png, a folder, a 'glob*', a video, - (stdin),\n"
-                           "         pan:PANORAMA[,key=value...], synth:walk\n"
+                           "         pan:PANORAMA[,key=value...], synth:walk, synth:room,\n"
+                           "         synth:RECIPE.scene\n"
                            "outputs (all complete or absent)\n"
                            "  -o, --out PATH        .mp4 .mkv .mov .y4m .png, a folder of PNG, - (Y4M); repeatable\n"
                            "      --stats FILE      a line a frame: .jsonl or .csv (- is JSONL on stdout)\n"
@@ -190,6 +191,7 @@ static int parse_threads(const cursor *c)
     if (whole(c, 0, 256, "from 0 (one a processor) to 256", &v))
         return REPLAY_USAGE;
     c->o->threads = (unsigned)v;
+    c->o->source.threads = (unsigned)v;
     return REPLAY_RUN;
 }
 

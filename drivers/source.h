@@ -43,8 +43,11 @@ typedef struct pupil_frame {
 typedef struct pupil_source_options {
     double fps;             /* frames a second of sources that have no clock of their own (stills, pan, synth); 0: 30 */
     uint32_t width, height; /* of sources that can make any size (pan, synth); 0: their default */
-    uint64_t frames; /* how many frames, of sources that have no end of their own (pan, synth); 0: their default */
-    uint64_t seed;   /* of sources that draw random numbers (pan); 0: the default seed */
+    uint64_t frames;   /* how many frames, of sources that have no end of their own (pan, synth); 0: their default */
+    uint64_t first;    /* the frame to begin with, of scenes from a recipe (synth) */
+    uint64_t seed;     /* of sources that draw random numbers (pan); 0: the default seed */
+    unsigned threads;  /* of sources that compute their frames (synth); 0: one for each processor */
+    int (*stop)(void); /* asked during long work, which is given up where it says so; NULL: never */
 } pupil_source_options;
 
 typedef struct pupil_source pupil_source;

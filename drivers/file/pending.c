@@ -90,10 +90,11 @@ static int is_frame_name(const char *name)
     if (strncmp(name, "frame_", 6) != 0)
         return 0;
     digits = strspn(name + 6, "0123456789");
-    return digits >= 6 && strcmp(name + 6 + digits, ".png") == 0;
+    return digits >= 6 && (strcmp(name + 6 + digits, ".png") == 0 || strcmp(name + 6 + digits, ".exr") == 0);
 }
 
-/* Looks through a folder: how many entries, and (first_other) the first that is no file named frame_NNNNNN.png. */
+/* Looks through a folder: how many entries, and (first_other) the first that is no file named frame_NNNNNN.png or .exr.
+ */
 static int look_through(const char *path, size_t *entries, char first_other[NAME_MAX + 1])
 {
     DIR *folder = opendir(path);
@@ -127,9 +128,10 @@ static int may_replace(const char *path, const char *shown, int overwrite, char 
                       "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)",
                       shown);
     if (other[0])
-        return refuse(why, why_bytes,
-                      "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png; name another folder",
-                      shown, other);
+        return refuse(
+            why, why_bytes,
+            "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png or .exr; name another folder", shown,
+            other);
     return 0;
 }
 

@@ -18,7 +18,7 @@ typedef struct pupil_pending {
 int pupil_pending_file(pupil_pending *pending, const char *path, char *why, size_t why_bytes);
 
 /* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
- * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png. */
+ * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png or .exr. */
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, char *why, size_t why_bytes);
 
 /* Flushes to the disk (fsync), renames into place and frees. After a failure the caller discards. */

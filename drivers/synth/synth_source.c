@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "synth/scene_source.h"
 #include "synth/walk.h"
 
 #define DEFAULT_FPS    30.0
@@ -62,17 +63,17 @@ static void synth_close(pupil_source *source)
 static const pupil_source_ops synth_ops = {synth_next, synth_done, synth_close};
 
 /* What is wrong with the options, as a sentence; 0 if nothing is. */
-static int refuse(const char *name, double fps, uint64_t frames, uint32_t width, uint32_t height, char *why,
-                  size_t why_bytes)
+static int refuse(const char *name, double fps, uint64_t first, uint64_t frames, uint32_t width, uint32_t height,
+                  char *why, size_t why_bytes)
 {
-    if (strcmp(name, "walk") != 0)
-        return snprintf(why, why_bytes, "there is no scene \"synth:%s\"; the scenes are: synth:walk", name);
     if (!(fps > 0.0 && fps <= 1e6))
         return snprintf(why, why_bytes, "synth:%s: %g frames a second; it must be above 0 and at most 1000000", name,
                         fps);
     if (width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
         return snprintf(why, why_bytes, "synth:%s: a size of %lux%lu; at most %ux%u", name, (unsigned long)width,
                         (unsigned long)height, PUPIL_MAX_SIDE_PX, PUPIL_MAX_SIDE_PX);
+    if (first)
+        return snprintf(why, why_bytes, "synth:%s: begins with frame 0 only", name);
     if ((double)frames / fps > LONGEST_S)
         return snprintf(why, why_bytes, "synth:%s: %llu frames at %g fps last longer than a hundred years", name,
                         (unsigned long long)frames, fps);
@@ -82,11 +83,13 @@ static int refuse(const char *name, double fps, uint64_t frames, uint32_t width,
 int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source, char *why,
                             size_t why_bytes)
 {
+    if (strcmp(name, "walk") != 0)
+        return pupil_scene_source_open(name, options, source, why, why_bytes);
     double fps = options->fps != 0.0 ? options->fps : DEFAULT_FPS;
     uint64_t frames = options->frames ? options->frames : DEFAULT_FRAMES;
     uint32_t width = options->width ? options->width : DEFAULT_WIDTH;
     uint32_t height = options->height ? options->height : DEFAULT_HEIGHT;
-    if (refuse(name, fps, frames, width, height, why, why_bytes))
+    if (refuse(name, fps, options->first, frames, width, height, why, why_bytes))
         return PUPIL_SOURCE_FAILED;
 
     synth_source *s = calloc(1, sizeof *s);

@@ -6,7 +6,8 @@
 
 /* "walk": from a dark room to a bright window and back, with a flash on the way. Linear light in RGB float, 320x180 and
  * 300 frames unless the options say otherwise. The same bits on every machine: additions, multiplications, divisions
- * and square roots only. Refuses other names with the list of names. */
+ * and square roots only.
+ * Other names: a scene from a recipe (scene_source.h). */
 int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source, char *why,
                             size_t why_bytes);
 
