@@ -101,8 +101,8 @@ static const char *mapping_fault(const pupil_config *c)
         return "white_quantile must be from 0.5 to 1";
     if (c->transfer >= PUPIL_TRANSFER_COUNT)
         return "transfer must be a pupil_transfer";
-    if (c->reserved)
-        return "reserved must be 0";
+    if (c->levels >> PUPIL_LEVEL_COUNT)
+        return "levels must be 0 or a mask of 1 << pupil_level";
     return 0;
 }
 

@@ -38,6 +38,7 @@ typedef struct pupil_object {
     pupil_config config;
     float luma[3]; /* weights of luminance, from config.primaries */
     uint32_t histogram;
+    uint32_t level; /* a pupil_level */
     /* pupil_reset clears from here to the end */
     pupil_adaptation adaptation;
     pupil_in_progress progress;

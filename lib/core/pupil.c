@@ -21,6 +21,7 @@ static void configure(pupil_object *object, const pupil_config *config)
     object->config = *config;
     object->histogram = config->histogram || config->white_mode == PUPIL_WHITE_FOLLOW || config->trim_low > 0.0f ||
                         config->trim_high < 1.0f;
+    object->level = pupil_level_choose(config->levels);
     derive_luma(object);
 }
 
@@ -63,6 +64,17 @@ int pupil_retune(pupil_t *pupil, const pupil_config *config)
     pupil_adaptation_change_law(object, old_law);
     if (config->white_mode != PUPIL_WHITE_FOLLOW)
         object->adaptation.white_seen = 0; /* a white from before would be stale when it follows again */
+    return PUPIL_OK;
+}
+
+int pupil_get_level(const pupil_t *pupil, uint32_t *level)
+{
+    int error = pupil_object_check(pupil);
+    if (error)
+        return error;
+    if (!level)
+        return PUPIL_ERR_NULL;
+    *level = pupil_object_of_const(pupil)->level;
     return PUPIL_OK;
 }
 

@@ -46,7 +46,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
 {
     static const uint8_t even[PUPIL_GRID_SIDE] = {0};
     const pupil_row_job job = {
-        .kernels = &pupil_kernels_scalar,
+        .kernels = pupil_level_kernels(object->level),
         .encoder = &pupil_encoders[object->config.transfer],
         .curve = curve,
         .luma = {object->luma[0], object->luma[1], object->luma[2]},

@@ -1,9 +1,18 @@
-/* lib/kernels/kernels.h: the pieces that touch pixels, as one table of functions a level (scalar now; NEON and AVX2
- * slot in beside it). A row is worked in blocks of up to PUPIL_BLOCK pixels as planar floats that stay in the L1 cache:
+/* lib/kernels/kernels.h: what touches pixels, as one table of functions for each level (scalar, NEON, AVX2, AVX-512).
  *
- *     load -> luminance -> meter, histogram -> tone -> store
+ * A row is worked in blocks of up to PUPIL_BLOCK pixels, so that what goes from one piece to the next stays in the L1
+ * cache. A level that has a piece for a format goes straight from the frame's samples:
  *
- * Each type is written once, here; every level has the same bits (no fused multiply-add, 16 fixed lanes).
+ *     meter                          (metering alone: nothing is stored)
+ *     scale (meters too) -> store    (mapping: planar floats in between)
+ *
+ * Any other format, and any frame whose histogram is wanted, takes one step more, through planar floats:
+ *
+ *     load -> histogram -> meter of planes
+ *     load -> histogram -> scale of planes (meters too) -> store
+ *
+ * Each type is written once, here; every level has the same bits (no fused multiply-add, 16 fixed lanes). The scalar
+ * level is the reference, and has every piece that exists; the others have what is faster than it.
  */
 #ifndef PUPIL_KERNELS_KERNELS_H
 #define PUPIL_KERNELS_KERNELS_H
@@ -15,6 +24,8 @@
 #define PUPIL_BLOCK   256 /* pixels; a multiple of 64, so that lanes and exponent moves line up from block to block */
 #define PUPIL_LANES   16
 #define PUPIL_CEILING 0x1p30f /* the largest luminance; 4 factors of it, or of 2^-30, stay inside a float's range */
+/* A channel's bound before it is mapped: above PUPIL_CEILING, so that the largest channel is never below Ld. */
+#define PUPIL_BRIGHTEST 0x1p31f
 
 /* What metering a run of pixels leaves: pixel i of the run is in lane i % 16; log2 of lane = exponent + log2 product.
  */
@@ -24,47 +35,19 @@ typedef struct pupil_run {
     uint32_t black, clipped, bad;
 } pupil_run;
 
-/* 8-bit encoding that is exact by construction: the guess is the code at the start of a cell of the input's float bits
- * (7 bits of fraction), and a cell holds at most one boundary, so one comparison with that boundary settles it. */
+/* 8-bit encoding, exact by construction. The cells are the float's exponent and upper 7 bits of fraction, from
+ * base_bits on; a cell holds at most one boundary of codes. Its word is (code at its start) * 65536 + (65536 - the
+ * boundary's lower 16 bits), or without a boundary code * 65536, so that adding the sample's lower 16 bits carries into
+ * the code exactly where the boundary is reached. */
 typedef struct pupil_encoder {
-    const uint8_t *guess; /* by (bits - base_bits) >> 16 */
-    const float *bound;   /* bound[k]: the smallest float that is coded k or above; bound[256] is never reached */
-    uint32_t base_bits;   /* everything below it is code 0 */
+    const uint32_t *cell; /* by (bits - base_bits) >> 16, up to that of 1.0 */
+    uint32_t base_bits;   /* of a power of two; everything below it is code 0 */
+    uint32_t transfer;    /* a pupil_transfer */
 } pupil_encoder;
-
-typedef void pupil_load_kernel(const void *source, uint32_t n, float *r, float *g, float *b);
-typedef void pupil_luminance_kernel(const float weight[3], const float *r, const float *g, const float *b, uint32_t n,
-                                    float *luminance);
-typedef void pupil_meter_kernel(const float *luminance, const float *r, const float *g, const float *b, uint32_t n,
-                                float floor, float clip, pupil_run *run);
-/* Adds to the bins, the peak bins and the peak. */
-typedef void pupil_histogram_kernel(const float *luminance, const float *r, const float *g, const float *b, uint32_t n,
-                                    float floor, uint32_t weight, pupil_stats *stats);
-/* In place; luminance becomes scratch. */
-typedef void pupil_tone_kernel(float *r, float *g, float *b, float *luminance, uint32_t n, const pupil_curve *curve);
-typedef void pupil_store_kernel(const float *r, const float *g, const float *b, uint32_t n,
-                                const pupil_encoder *encoder, void *target);
-/* Writes the fourth byte of RGBA8 pixels. */
-typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
-
-typedef struct pupil_kernels {
-    pupil_load_kernel *load[PUPIL_PIXEL_COUNT]; /* by input format; NULL: not an input */
-    pupil_luminance_kernel *luminance;
-    pupil_meter_kernel *meter;
-    pupil_histogram_kernel *histogram;
-    pupil_tone_kernel *tone;
-    pupil_store_kernel *store[PUPIL_PIXEL_COUNT]; /* by output format; NULL: not an output */
-    pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT]; /* by input format; NULL: opaque */
-} pupil_kernels;
-
-extern const pupil_kernels pupil_kernels_scalar;
-
-extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
-extern const float pupil_srgb8_to_linear[256];
 
 /* What a row of a frame is worked with; constant over the frame. */
 typedef struct pupil_row_job {
-    const pupil_kernels *kernels;
+    const struct pupil_kernels *kernels;
     const pupil_encoder *encoder;
     const pupil_curve *curve; /* NULL: meter only */
     float luma[3];
@@ -72,6 +55,54 @@ typedef struct pupil_row_job {
     uint32_t in_pixel, out_pixel;
     uint32_t histogram; /* gather bins */
 } pupil_row_job;
+
+/* A block as planar linear floats; grey is scratch of scale. */
+typedef struct pupil_planes {
+    float r[PUPIL_BLOCK], g[PUPIL_BLOCK], b[PUPIL_BLOCK], grey[PUPIL_BLOCK];
+} pupil_planes;
+
+/* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL stands for the planes
+ * themselves. */
+typedef void pupil_load_kernel(const void *source, uint32_t n, pupil_planes *planes);
+typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
+                                pupil_run *run);
+/* Meters into run unless it is NULL, maps into planes (values from 0 to 1). 1: every pixel is known to be opaque. */
+typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
+                               pupil_run *run);
+/* Adds to the bins, the peak bins and the peak. */
+typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
+                                    pupil_stats *stats);
+typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
+/* Writes the fourth byte of RGBA8 pixels. */
+typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
+
+/* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
+ * scalar level, where only meter and scale of formats are NULL beside it: not a format for that. */
+typedef struct pupil_kernels {
+    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];   /* by input format */
+    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT]; /* by input format */
+    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT]; /* by input format */
+    pupil_histogram_kernel *histogram;
+    pupil_store_kernel *store[PUPIL_PIXEL_COUNT]; /* by output format */
+    pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: opaque */
+} pupil_kernels;
+
+#define PUPIL_PLANES PUPIL_PIXEL_NONE
+
+extern const pupil_kernels pupil_kernels_scalar;
+#if defined(__x86_64__)
+extern const pupil_kernels pupil_kernels_avx2, pupil_kernels_avx512;
+#elif defined(__aarch64__)
+extern const pupil_kernels pupil_kernels_neon;
+#endif
+
+/* The best level that this CPU has and the mask (of 1 << pupil_level; 0: all) allows. */
+uint32_t pupil_level_choose(uint32_t mask);
+/* NULL: this build has no such level. */
+const pupil_kernels *pupil_level_kernels(uint32_t level);
+
+extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
+extern const float pupil_srgb8_to_linear[256];
 
 /* Works n pixels that all have the metering weight `weight`; 0 or stats NULL: not metered. target NULL: not mapped. */
 void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *target, uint32_t n, uint32_t weight,

@@ -55,17 +55,14 @@ def encoder(name, to_linear):
     bound = [D(0)] + [to_linear((D(k) - D("0.5")) / 255) for k in range(1, 256)]
     bound = [0.0] + [float_at_or_above(b) for b in bound[1:]] + [2.0]
     base = bits_of(bound[1]) & 0x7F800000  # the power of two below the first boundary
-    guess = []
-    last = bits_of(1.0)
-    for start in range(base, last + 1, 1 << 16):
+    cells = []
+    for start in range(base, bits_of(1.0) + 1, 1 << 16):
         code = sum(1 for b in bound[1:256] if b <= float_of(start))
-        inside = sum(1 for b in bound[1:256] if bits_of(b) > start and bits_of(b) < start + (1 << 16))
-        assert inside <= 1, (name, start)
-        guess.append(code)
-    guess[0] = 0 if bits_of(bound[1]) > base else guess[0]
-    assert guess[-1] == 255
-    print(f"static const uint8_t {name}_guess[{len(guess)}] = {{\n{rows([str(g) for g in guess], 24)}}};\n")
-    print(f"static const float {name}_bound[257] = {{\n{rows([literal(b) for b in bound], 6)}}};\n")
+        inside = [b for b in bound[1:256] if start < bits_of(b) < start + (1 << 16)]
+        assert len(inside) <= 1, (name, start)
+        cells.append((code << 16) + (65536 - (bits_of(inside[0]) - start) if inside else 0))
+    assert cells[0] >> 16 == 0 and cells[-1] >> 16 == 255
+    print(f"static const uint32_t {name}_cell[{len(cells)}] = {{\n{rows([f'0x{c:06x}' for c in cells], 12)}}};\n")
     return base
 
 
@@ -80,6 +77,6 @@ bases = [
 ]
 print("const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT] = {")
 for n, base in bases:
-    print(f"    [PUPIL_TRANSFER_{n.upper()}] = {{{n}_guess, {n}_bound, 0x{base:08x}u}},")
+    print(f"    [PUPIL_TRANSFER_{n.upper()}] = {{{n}_cell, 0x{base:08x}u, PUPIL_TRANSFER_{n.upper()}}},")
 print("};")
 sys.stdout.flush()

@@ -49,34 +49,61 @@ static void stats_add_run(pupil_stats *stats, const pupil_run *run, uint32_t n, 
     stats->band_pixels[band] += n;
 }
 
+/* A piece of a level, or the scalar level's where it has none of its own. */
+#define PIECE(KERNELS, MEMBER) ((KERNELS)->MEMBER ? (KERNELS)->MEMBER : pupil_kernels_scalar.MEMBER)
+
+static void meter_block(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, uint32_t weight,
+                        pupil_run *run, pupil_stats *stats)
+{
+    const pupil_kernels *k = job->kernels;
+    if (k->meter[job->in_pixel] && !job->histogram) {
+        k->meter[job->in_pixel](job, source, 0, n, run);
+        return;
+    }
+    PIECE(k, load[job->in_pixel])(source, n, planes);
+    if (job->histogram)
+        PIECE(k, histogram)(job, planes, n, weight, stats);
+    k->meter[PUPIL_PLANES](job, 0, planes, n, run);
+}
+
+/* run NULL: not metered. */
+static void map_block(const pupil_row_job *job, const void *source, void *target, uint32_t n, pupil_planes *planes,
+                      uint32_t weight, pupil_run *run, pupil_stats *stats)
+{
+    const pupil_kernels *k = job->kernels;
+    const int bins = run && job->histogram;
+    int opaque;
+    if (k->scale[job->in_pixel] && !bins) {
+        opaque = k->scale[job->in_pixel](job, source, n, planes, run);
+    } else {
+        PIECE(k, load[job->in_pixel])(source, n, planes);
+        if (bins)
+            PIECE(k, histogram)(job, planes, n, weight, stats);
+        opaque = k->scale[PUPIL_PLANES](job, 0, n, planes, run);
+    }
+    PIECE(k, store[job->out_pixel])(planes, n, job->encoder, target);
+    pupil_alpha_kernel *alpha = PIECE(k, alpha[job->in_pixel]);
+    if (job->out_pixel == PUPIL_PIXEL_RGBA8 && alpha && !opaque)
+        alpha(source, n, target);
+}
+
 void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *target, uint32_t n, uint32_t weight,
                     uint32_t band, pupil_stats *stats)
 {
-    const pupil_kernels *k = job->kernels;
     const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
-    float r[PUPIL_BLOCK], g[PUPIL_BLOCK], b[PUPIL_BLOCK], luminance[PUPIL_BLOCK];
+    const int metered = stats && weight;
+    pupil_planes planes;
     pupil_run run;
 
     run_clear(&run);
     for (uint32_t x = 0; x < n; x += PUPIL_BLOCK) {
         uint32_t m = n - x < PUPIL_BLOCK ? n - x : PUPIL_BLOCK;
-        const uint8_t *in = source + x * in_bytes;
-
-        k->load[job->in_pixel](in, m, r, g, b);
-        k->luminance(job->luma, r, g, b, m, luminance);
-        if (stats && weight) {
-            k->meter(luminance, r, g, b, m, job->floor, job->clip, &run);
-            if (job->histogram)
-                k->histogram(luminance, r, g, b, m, job->floor, weight, stats);
-        }
-        if (target) {
-            uint8_t *out = target + x * out_bytes;
-            k->tone(r, g, b, luminance, m, job->curve);
-            k->store[job->out_pixel](r, g, b, m, job->encoder, out);
-            if (job->out_pixel == PUPIL_PIXEL_RGBA8 && k->alpha[job->in_pixel])
-                k->alpha[job->in_pixel](in, m, out);
-        }
+        if (target)
+            map_block(job, source + x * in_bytes, target + x * out_bytes, m, &planes, weight, metered ? &run : 0,
+                      stats);
+        else
+            meter_block(job, source + x * in_bytes, m, &planes, weight, &run, stats);
     }
-    if (stats && weight)
+    if (metered)
         stats_add_run(stats, &run, n, weight, band);
 }

@@ -8,13 +8,13 @@
  */
 
 #define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
-    static void NAME(const void *source, uint32_t n, float *restrict r, float *restrict g, float *restrict b)          \
+    static void NAME(const void *source, uint32_t n, pupil_planes *restrict p)                                         \
     {                                                                                                                  \
         const TYPE *restrict s = source;                                                                               \
         for (uint32_t i = 0; i < n; i++) {                                                                             \
-            r[i] = CONVERT(s[SAMPLES * i]);                                                                            \
-            g[i] = CONVERT(s[SAMPLES * i + 1]);                                                                        \
-            b[i] = CONVERT(s[SAMPLES * i + 2]);                                                                        \
+            p->r[i] = CONVERT(s[SAMPLES * i]);                                                                         \
+            p->g[i] = CONVERT(s[SAMPLES * i + 1]);                                                                     \
+            p->b[i] = CONVERT(s[SAMPLES * i + 2]);                                                                     \
         }                                                                                                              \
     }
 
@@ -45,12 +45,11 @@ LOAD(load_rgb8, uint8_t, 3, FROM_SRGB8)
 /* ---- meter ----------------------------------------------------------------------------------------------------------
  */
 
-static void luminance(const float weight[3], const float *restrict r, const float *restrict g, const float *restrict b,
-                      uint32_t n, float *restrict l)
+static void luminance(const float weight[3], const pupil_planes *restrict p, uint32_t n, float *restrict l)
 {
     const float wr = weight[0], wg = weight[1], wb = weight[2];
     for (uint32_t i = 0; i < n; i++)
-        l[i] = (wr * r[i] + wg * g[i]) + wb * b[i];
+        l[i] = (wr * p->r[i] + wg * p->g[i]) + wb * p->b[i];
 }
 
 /* Data first in each comparison, so that NaN goes to the floor. */
@@ -60,15 +59,16 @@ static inline float clamp_luminance(float l, float floor)
     return v < PUPIL_CEILING ? v : PUPIL_CEILING;
 }
 
-static void count(const float *restrict l, const float *restrict r, const float *restrict g, const float *restrict b,
-                  uint32_t n, float floor, float clip, pupil_run *run)
+static void count(const float *restrict l, const pupil_planes *restrict p, uint32_t n, float floor, float clip,
+                  pupil_run *run)
 {
     uint32_t black = 0, clipped = 0, bad = 0;
     for (uint32_t i = 0; i < n; i++) {
         uint32_t finite = (pupil_bits_of_float(l[i]) & 0x7f800000u) != 0x7f800000u;
+        uint32_t full = (uint32_t)(p->r[i] >= clip) | (uint32_t)(p->g[i] >= clip) | (uint32_t)(p->b[i] >= clip);
         bad += 1u - finite;
         black += finite & (uint32_t)(l[i] <= floor);
-        clipped += finite & ((uint32_t)(r[i] >= clip) | (uint32_t)(g[i] >= clip) | (uint32_t)(b[i] >= clip));
+        clipped += finite & full;
     }
     run->black += black;
     run->clipped += clipped;
@@ -85,14 +85,12 @@ static inline void move_exponents(float *restrict product, int32_t *restrict exp
     }
 }
 
-static void meter(const float *restrict l, const float *restrict r, const float *restrict g, const float *restrict b,
-                  uint32_t n, float floor, float clip, pupil_run *run)
+static void meter_luminance(const float *restrict l, uint32_t n, float floor, pupil_run *run)
 {
     float product[PUPIL_LANES];
     int32_t exponent[PUPIL_LANES];
     uint32_t i = 0;
 
-    count(l, r, g, b, n, floor, clip, run);
     for (int j = 0; j < PUPIL_LANES; j++) {
         product[j] = run->product[j];
         exponent[j] = run->exponent[j];
@@ -112,6 +110,15 @@ static void meter(const float *restrict l, const float *restrict r, const float 
     }
 }
 
+static void meter(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n, pupil_run *run)
+{
+    float l[PUPIL_BLOCK];
+    (void)source;
+    luminance(job->luma, planes, n, l);
+    count(l, planes, n, job->floor, job->clip, run);
+    meter_luminance(l, n, job->floor, run);
+}
+
 static inline float max3(float a, float b, float c)
 {
     float m = a > b ? a : b;
@@ -121,10 +128,14 @@ static inline float max3(float a, float b, float c)
 #define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
 
 /* A float's exponent and top fraction bits are its bin: three of them for luminance, two for the brightest channel. */
-static void histogram(const float *restrict l, const float *restrict r, const float *restrict g,
-                      const float *restrict b, uint32_t n, float floor, uint32_t weight, pupil_stats *stats)
+static void histogram(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
+                      pupil_stats *stats)
 {
+    const float *r = planes->r, *g = planes->g, *b = planes->b;
+    const float floor = job->floor;
+    float l[PUPIL_BLOCK];
     uint32_t peak_bits = pupil_bits_of_float(stats->peak);
+    luminance(job->luma, planes, n, l);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t bits = pupil_bits_of_float(clamp_luminance(l[i], floor));
         /* where no channel is NaN the largest does not depend on their order; where one is, so is L */
@@ -140,28 +151,26 @@ static void histogram(const float *restrict l, const float *restrict r, const fl
 /* ---- tone: Reinhard by luminance
  * -------------------------------------------------------------------------------------- */
 
-#define BRIGHTEST 0x1p31f /* a channel's bound: above PUPIL_CEILING, so that the largest channel is never below Ld */
-
 static inline float clamp_channel(float v)
 {
     v = v > 0.0f ? v : 0.0f;
-    return v < BRIGHTEST ? v : BRIGHTEST;
+    return v < PUPIL_BRIGHTEST ? v : PUPIL_BRIGHTEST;
 }
 
 /* The largest component that stays as it is, for a pixel of the display luminance `grey`. */
 static inline float gamut_limit(float grey, float gamut)
 {
     float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f;
-    return grey + knee * (1.0f - grey);
+    return knee + (1.0f - knee) * grey;
 }
 
 /* A result beyond the display's gamut is moved toward the grey of its own display luminance until it fits: luminance
  * and hue stay, saturation gives way. Clamping each channel by itself would turn the hue. Where the white point leaves
  * room above 1 the way is compressed from a knee on, so that bright colours keep their differences (pupil.h:
  * pupil_curve). */
-static void fit_gamut(float *restrict r, float *restrict g, float *restrict b, const float *restrict display,
-                      uint32_t n, float gamut)
+static void fit_gamut(pupil_planes *restrict p, const float *restrict display, uint32_t n, float gamut)
 {
+    float *r = p->r, *g = p->g, *b = p->b;
     for (uint32_t i = 0; i < n; i++) {
         float m = max3(r[i], g[i], b[i]), grey = display[i];
         if (!(m > gamut_limit(grey, gamut)))
@@ -181,10 +190,11 @@ static void fit_gamut(float *restrict r, float *restrict g, float *restrict b, c
     }
 }
 
-static void tone(float *restrict r, float *restrict g, float *restrict b, float *restrict l, uint32_t n,
-                 const pupil_curve *curve)
+/* l becomes the display luminance. */
+static void tone(pupil_planes *restrict p, float *restrict l, uint32_t n, const pupil_curve *curve)
 {
     const float x = curve->scale, iw2 = curve->inverse_white_squared, gamut = curve->gamut;
+    float *restrict r = p->r, *restrict g = p->g, *restrict b = p->b;
     uint32_t over = 0;
 
     for (uint32_t i = 0; i < n; i++) {
@@ -200,7 +210,20 @@ static void tone(float *restrict r, float *restrict g, float *restrict b, float 
         over |= (uint32_t)(max3(r[i], g[i], b[i]) > gamut_limit(l[i], gamut));
     }
     if (over)
-        fit_gamut(r, g, b, l, n, gamut);
+        fit_gamut(p, l, n, gamut);
+}
+
+static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
+{
+    float *l = planes->grey;
+    (void)source;
+    luminance(job->luma, planes, n, l);
+    if (run) {
+        count(l, planes, n, job->floor, job->clip, run);
+        meter_luminance(l, n, job->floor, run);
+    }
+    tone(planes, l, n, job->curve);
+    return 0;
 }
 
 /* ---- store: to 8-bit codes
@@ -211,27 +234,26 @@ static inline uint8_t encode(const pupil_encoder *e, float x)
     const float lowest = pupil_float_of_bits(e->base_bits); /* and all below it, and NaN: code 0 */
     x = x > lowest ? x : lowest;
     x = x < 1.0f ? x : 1.0f;
-    uint32_t code = e->guess[(pupil_bits_of_float(x) - e->base_bits) >> 16];
-    return (uint8_t)(code + (uint32_t)(x >= e->bound[code + 1]));
+    uint32_t bits = pupil_bits_of_float(x);
+    return (uint8_t)((e->cell[(bits - e->base_bits) >> 16] + (bits & 0xffff)) >> 16);
 }
 
-static inline void store(const float *r, const float *g, const float *b, uint32_t n, const pupil_encoder *e, uint8_t *t,
-                         int bytes, int red, int blue)
+static inline void store(const pupil_planes *p, uint32_t n, const pupil_encoder *e, uint8_t *t, int bytes, int red,
+                         int blue)
 {
     for (uint32_t i = 0; i < n; i++, t += bytes) {
-        t[red] = encode(e, r[i]);
-        t[1] = encode(e, g[i]);
-        t[blue] = encode(e, b[i]);
+        t[red] = encode(e, p->r[i]);
+        t[1] = encode(e, p->g[i]);
+        t[blue] = encode(e, p->b[i]);
         if (bytes == 4)
             t[3] = 255;
     }
 }
 
 #define STORE(NAME, BYTES, RED, BLUE)                                                                                  \
-    static void NAME(const float *r, const float *g, const float *b, uint32_t n, const pupil_encoder *encoder,         \
-                     void *target)                                                                                     \
+    static void NAME(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target)               \
     {                                                                                                                  \
-        store(r, g, b, n, encoder, target, BYTES, RED, BLUE);                                                          \
+        store(planes, n, encoder, target, BYTES, RED, BLUE);                                                           \
     }
 
 STORE(store_rgba8, 4, 0, 2)
@@ -272,10 +294,9 @@ const pupil_kernels pupil_kernels_scalar = {
             [PUPIL_PIXEL_RGBA8] = load_rgba8,
             [PUPIL_PIXEL_RGB8] = load_rgb8,
         },
-    .luminance = luminance,
-    .meter = meter,
+    .meter = {[PUPIL_PLANES] = meter},
+    .scale = {[PUPIL_PLANES] = scale},
     .histogram = histogram,
-    .tone = tone,
     .store =
         {
             [PUPIL_PIXEL_RGBA8] = store_rgba8,

@@ -40,7 +40,7 @@ static const struct range {
     {FIELD(white), 'd', 0x1p-8, 0x1p30, {0, -1, 0x1.fffp-9, 0x1.0001p30}},
     {FIELD(white_quantile), 'd', 0.5, 1, {0.4999, 1.0001, 0, -INFINITY}},
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
-    {FIELD(reserved), 'u', 0, 0, {1, 2, 3, 4294967295.0}},
+    {FIELD(levels), 'u', 0, 15, {16, 32, 4294967295.0}},
 };
 #define RANGES (sizeof range / sizeof *range)
 
@@ -143,7 +143,7 @@ static void check_defaults(void)
     CHECK(c.ev_min == -32 && c.ev_max == 32 && c.calibration == 1 && c.key == 0.18 && c.ev_compensation == 0);
     CHECK(c.order == PUPIL_ORDER_EXACT && c.white_mode == PUPIL_WHITE_FOLLOW && c.white == 1 &&
           c.white_quantile == 0.995);
-    CHECK(c.transfer == PUPIL_TRANSFER_SRGB && c.reserved == 0);
+    CHECK(c.transfer == PUPIL_TRANSFER_SRGB && c.levels == 0);
     for (int i = 0; i < 256; i++)
         CHECK(c.weight[i / 16][i % 16] == 1);
 }

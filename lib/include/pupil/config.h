@@ -60,6 +60,15 @@ typedef enum pupil_order {
     PUPIL_ORDER_COUNT
 } pupil_order;
 
+/* Kernels for the instructions of one kind of CPU. */
+typedef enum pupil_level {
+    PUPIL_LEVEL_SCALAR = 0, /* plain C: the reference */
+    PUPIL_LEVEL_NEON,       /* AArch64 */
+    PUPIL_LEVEL_AVX2,       /* x86-64 with AVX2 and F16C */
+    PUPIL_LEVEL_AVX512,     /* x86-64 with AVX-512 F, BW, DQ and VL */
+    PUPIL_LEVEL_COUNT
+} pupil_level;
+
 /* Side of the metering grid: the frame is cut into this many columns and rows of cells. */
 #define PUPIL_GRID_SIDE 16
 
@@ -99,7 +108,9 @@ typedef struct pupil_config {
     double white;          /* W for PUPIL_WHITE_FIXED, 2^-8..2^30; 1 */
     double white_quantile; /* for PUPIL_WHITE_FOLLOW, 0.5..1; 0.995 */
     uint32_t transfer;     /* a pupil_transfer; sRGB */
-    uint32_t reserved;     /* 0 */
+
+    uint32_t levels; /* mask of the levels of kernels that may be used, 1 << pupil_level; 0: all. The best one that the
+                      * CPU has is taken, scalar where there is none; all have the same bits; 0 */
 } pupil_config;
 
 /* Fills in every field with its default. */

@@ -50,12 +50,16 @@ typedef union pupil {
 
 /* ---- life ------------------------------------------------------------------------------------------------------- */
 
-/* Makes an object out of any bytes. PUPIL_ERR_CONFIG: see pupil_config_check. */
+/* Makes an object out of any bytes, and chooses the kernels for this CPU: an object that is saved and taken to another
+ * machine wants a pupil_retune there. PUPIL_ERR_CONFIG: see pupil_config_check. */
 PUPIL_API int pupil_init(pupil_t *pupil, const pupil_config *config);
 
 /* New settings from the next frame on; the adaptation is kept (a change of law carries the level over). Between frames
  * only: PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
 PUPIL_API int pupil_retune(pupil_t *pupil, const pupil_config *config);
+
+/* The pupil_level that was chosen. */
+PUPIL_API int pupil_get_level(const pupil_t *pupil, uint32_t *level);
 
 /* Forgets every frame; the configuration is kept. The next valid frame sets the state at once. */
 PUPIL_API int pupil_reset(pupil_t *pupil);

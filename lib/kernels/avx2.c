@@ -1,0 +1,52 @@
+/* The AVX2 level. Compiled for it whatever the build's flags say: level.c sees to it that no other CPU comes here. */
+#if defined(__x86_64__)
+
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,fma,f16c,popcnt"))), apply_to = function)
+#else
+#pragma GCC target("avx2,fma,f16c,popcnt")
+#endif
+
+#include "avx2.h"
+#include "vector_store.h"
+
+FORMAT_KERNELS(rgba32f, load8_rgba32f, 16)
+FORMAT_KERNELS(rgb32f, load8_rgb32f, 12)
+FORMAT_KERNELS(rgba16f, load8_rgba16f, 8)
+FORMAT_KERNELS(rgba16, load8_rgba16, 8)
+FORMAT_KERNELS(rgb16, load8_rgb16, 6)
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#endif
+
+const pupil_kernels pupil_kernels_avx2 = {
+    .meter =
+        {
+            [PUPIL_PLANES] = meter_planes,
+            [PUPIL_PIXEL_RGBA32F] = meter_rgba32f,
+            [PUPIL_PIXEL_RGB32F] = meter_rgb32f,
+            [PUPIL_PIXEL_RGBA16F] = meter_rgba16f,
+            [PUPIL_PIXEL_RGBA16] = meter_rgba16,
+            [PUPIL_PIXEL_RGB16] = meter_rgb16,
+        },
+    .scale =
+        {
+            [PUPIL_PLANES] = scale_planes,
+            [PUPIL_PIXEL_RGBA32F] = scale_rgba32f,
+            [PUPIL_PIXEL_RGB32F] = scale_rgb32f,
+            [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,
+            [PUPIL_PIXEL_RGBA16] = scale_rgba16,
+            [PUPIL_PIXEL_RGB16] = scale_rgb16,
+        },
+    .store =
+        {
+            [PUPIL_PIXEL_RGBA8] = store_rgba8,
+            [PUPIL_PIXEL_RGB8] = store_rgb8,
+            [PUPIL_PIXEL_BGRX8] = store_bgrx8,
+        },
+};
+
+#else
+typedef int pupil_no_avx2; /* a file of C needs something */
+#endif

@@ -1,0 +1,297 @@
+/* lib/kernels/avx2.h: vectors of 8 floats, for vector.h. */
+#ifndef PUPIL_KERNELS_AVX2_H
+#define PUPIL_KERNELS_AVX2_H
+
+#include <immintrin.h>
+#include <stdint.h>
+
+#define WIDTH 8
+typedef __m256 floats;
+typedef __m256i ints;
+typedef __m256 mask;
+
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE floats v_load(const float *p)
+{
+    return _mm256_loadu_ps(p);
+}
+INLINE void v_store(float *p, floats v)
+{
+    _mm256_storeu_ps(p, v);
+}
+INLINE void v_store_ints(int32_t *p, ints v)
+{
+    _mm256_storeu_si256((__m256i *)(void *)p, v);
+}
+INLINE ints v_load_ints(const int32_t *p)
+{
+    return _mm256_loadu_si256((const __m256i *)(const void *)p);
+}
+INLINE floats v_all(float x)
+{
+    return _mm256_set1_ps(x);
+}
+INLINE ints v_all_ints(uint32_t x)
+{
+    return _mm256_set1_epi32((int32_t)x);
+}
+
+INLINE floats v_add(floats a, floats b)
+{
+    return _mm256_add_ps(a, b);
+}
+INLINE floats v_sub(floats a, floats b)
+{
+    return _mm256_sub_ps(a, b);
+}
+INLINE floats v_mul(floats a, floats b)
+{
+    return _mm256_mul_ps(a, b);
+}
+/* a * b + c, rounded once: only where no result depends on it */
+INLINE floats v_about(floats a, floats b, floats c)
+{
+    return _mm256_fmadd_ps(a, b, c);
+}
+INLINE floats v_div(floats a, floats b)
+{
+    return _mm256_div_ps(a, b);
+}
+/* a > b ? a : b and a < b ? a : b: b where one is NaN */
+INLINE floats v_max(floats a, floats b)
+{
+    return _mm256_max_ps(a, b);
+}
+INLINE floats v_min(floats a, floats b)
+{
+    return _mm256_min_ps(a, b);
+}
+
+INLINE mask v_greater(floats a, floats b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_GT_OQ);
+}
+INLINE mask v_less(floats a, floats b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_LT_OQ);
+}
+INLINE mask v_at_least(floats a, floats b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_GE_OQ);
+}
+INLINE mask v_is_number(floats a)
+{
+    return _mm256_cmp_ps(a, a, _CMP_ORD_Q);
+}
+INLINE mask v_both(mask a, mask b)
+{
+    return _mm256_and_ps(a, b);
+}
+INLINE mask v_not(mask a)
+{
+    return _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1)));
+}
+INLINE floats v_select(mask m, floats yes, floats no)
+{
+    return _mm256_blendv_ps(no, yes, m);
+}
+INLINE floats v_where(mask m, floats a)
+{
+    return _mm256_and_ps(m, a);
+} /* else 0 */
+INLINE int v_none(mask m)
+{
+    return _mm256_testz_ps(m, m);
+}
+INLINE uint32_t v_mask_bits(mask m)
+{
+    return (uint32_t)_mm256_movemask_ps(m);
+}
+
+INLINE ints v_bits(floats a)
+{
+    return _mm256_castps_si256(a);
+}
+INLINE floats v_of_bits(ints a)
+{
+    return _mm256_castsi256_ps(a);
+}
+INLINE ints v_plus(ints a, ints b)
+{
+    return _mm256_add_epi32(a, b);
+}
+INLINE ints v_minus(ints a, ints b)
+{
+    return _mm256_sub_epi32(a, b);
+}
+INLINE ints v_and(ints a, ints b)
+{
+    return _mm256_and_si256(a, b);
+}
+INLINE ints v_or(ints a, ints b)
+{
+    return _mm256_or_si256(a, b);
+}
+#define v_right(a, n) _mm256_srli_epi32(a, n)
+#define v_left(a, n)  _mm256_slli_epi32(a, n)
+INLINE ints v_min_unsigned(ints a, ints b)
+{
+    return _mm256_min_epu32(a, b);
+}
+INLINE ints v_min_halves(ints a, ints b)
+{
+    return _mm256_min_epu16(a, b);
+}
+/* the lower 16 bits of a and the upper of b */
+INLINE ints v_halves(ints a, ints b)
+{
+    return _mm256_blend_epi16(a, b, 0xaa);
+}
+INLINE ints v_to_ints(floats a)
+{
+    return _mm256_cvttps_epi32(a);
+}
+INLINE mask v_equal_ints(ints a, ints b)
+{
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));
+}
+
+/* all below n, unsigned, n > 0 */
+INLINE mask v_below(ints a, uint32_t n)
+{
+    return v_equal_ints(v_min_unsigned(a, v_all_ints(n - 1)), a);
+}
+/* table[i & 7] of 8 floats */
+INLINE floats v_table8_of(const float *table)
+{
+    return _mm256_loadu_ps(table);
+}
+INLINE floats v_table8(floats table, ints i)
+{
+    return _mm256_permutevar8x32_ps(table, i);
+}
+INLINE ints v_gather(const uint32_t *table, ints i)
+{
+    return _mm256_i32gather_epi32((const int *)(const void *)table, i, 4);
+}
+
+/* ---- load WIDTH pixels; *a is alpha ------------------------------------------------------------------------------ */
+
+INLINE __m256 two_of_ps(const float *low, const float *high)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high), 1);
+}
+
+INLINE void load8_rgba32f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const float *s = source;
+    __m256 p04 = two_of_ps(s, s + 16), p15 = two_of_ps(s + 4, s + 20);
+    __m256 p26 = two_of_ps(s + 8, s + 24), p37 = two_of_ps(s + 12, s + 28);
+    __m256 rg01 = _mm256_unpacklo_ps(p04, p15), ba01 = _mm256_unpackhi_ps(p04, p15);
+    __m256 rg23 = _mm256_unpacklo_ps(p26, p37), ba23 = _mm256_unpackhi_ps(p26, p37);
+    *r = _mm256_shuffle_ps(rg01, rg23, 0x44);
+    *g = _mm256_shuffle_ps(rg01, rg23, 0xee);
+    *b = _mm256_shuffle_ps(ba01, ba23, 0x44);
+    *a = _mm256_shuffle_ps(ba01, ba23, 0xee);
+}
+
+INLINE void load8_rgb32f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const float *s = source;
+    __m256 x = two_of_ps(s, s + 12);                              /* r0 g0 b0 r1 */
+    __m256 y = two_of_ps(s + 4, s + 16);                          /* g1 b1 r2 g2 */
+    __m256 z = two_of_ps(s + 8, s + 20);                          /* b2 r3 g3 b3 */
+    __m256 yz = _mm256_shuffle_ps(y, z, _MM_SHUFFLE(2, 1, 3, 2)); /* r2 g2 r3 g3 */
+    __m256 xy = _mm256_shuffle_ps(x, y, _MM_SHUFFLE(1, 0, 2, 1)); /* g0 b0 g1 b1 */
+    *r = _mm256_shuffle_ps(x, yz, _MM_SHUFFLE(2, 0, 3, 0));
+    *g = _mm256_shuffle_ps(xy, yz, _MM_SHUFFLE(3, 1, 2, 0));
+    *b = _mm256_shuffle_ps(xy, z, _MM_SHUFFLE(3, 0, 3, 1));
+    *a = v_all(1.0f);
+}
+
+/* Four times two pixels of four 16-bit samples to one vector of 8 a sample. */
+INLINE void planes_of_16(const void *source, __m128i *r, __m128i *g, __m128i *b, __m128i *a)
+{
+    const __m128i *s = source;
+    __m128i p01 = _mm_loadu_si128(s), p23 = _mm_loadu_si128(s + 1);
+    __m128i p45 = _mm_loadu_si128(s + 2), p67 = _mm_loadu_si128(s + 3);
+    __m128i p02 = _mm_unpacklo_epi16(p01, p23), p13 = _mm_unpackhi_epi16(p01, p23);
+    __m128i p46 = _mm_unpacklo_epi16(p45, p67), p57 = _mm_unpackhi_epi16(p45, p67);
+    __m128i rg0123 = _mm_unpacklo_epi16(p02, p13), ba0123 = _mm_unpackhi_epi16(p02, p13);
+    __m128i rg4567 = _mm_unpacklo_epi16(p46, p57), ba4567 = _mm_unpackhi_epi16(p46, p57);
+    *r = _mm_unpacklo_epi64(rg0123, rg4567);
+    *g = _mm_unpackhi_epi64(rg0123, rg4567);
+    *b = _mm_unpacklo_epi64(ba0123, ba4567);
+    *a = _mm_unpackhi_epi64(ba0123, ba4567);
+}
+
+INLINE void load8_rgba16f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    __m128i pr, pg, pb, pa;
+    planes_of_16(source, &pr, &pg, &pb, &pa);
+    *r = _mm256_cvtph_ps(pr);
+    *g = _mm256_cvtph_ps(pg);
+    *b = _mm256_cvtph_ps(pb);
+    *a = _mm256_cvtph_ps(pa);
+}
+
+INLINE floats from_16(__m128i v)
+{
+    return _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(v)), _mm256_set1_ps(1.0f / 65535.0f));
+}
+
+INLINE void load8_rgba16(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    __m128i pr, pg, pb, pa;
+    planes_of_16(source, &pr, &pg, &pb, &pa);
+    *r = from_16(pr);
+    *g = from_16(pg);
+    *b = from_16(pb);
+    *a = _mm256_blendv_ps(_mm256_setzero_ps(), _mm256_set1_ps(1.0f),
+                          _mm256_castsi256_ps(_mm256_cvtepi16_epi32(_mm_cmpeq_epi16(pa, _mm_set1_epi16(-1)))));
+}
+
+/* 8 pixels of three 16-bit samples: every third sample of 24, by byte shuffles that leave room for each other. */
+INLINE __m128i every_third(__m128i x, __m128i y, __m128i z, __m128i sx, __m128i sy, __m128i sz)
+{
+    return _mm_or_si128(_mm_or_si128(_mm_shuffle_epi8(x, sx), _mm_shuffle_epi8(y, sy)), _mm_shuffle_epi8(z, sz));
+}
+
+INLINE void load8_rgb16(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const __m128i *s = source;
+    const __m128i x = _mm_loadu_si128(s), y = _mm_loadu_si128(s + 1), z = _mm_loadu_si128(s + 2);
+#define NONE -1, -1
+    *r = from_16(every_third(x, y, z, _mm_setr_epi8(0, 1, 6, 7, 12, 13, NONE, NONE, NONE, NONE, NONE),
+                             _mm_setr_epi8(NONE, NONE, NONE, 2, 3, 8, 9, 14, 15, NONE, NONE),
+                             _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, NONE, 4, 5, 10, 11)));
+    *g = from_16(every_third(x, y, z, _mm_setr_epi8(2, 3, 8, 9, 14, 15, NONE, NONE, NONE, NONE, NONE),
+                             _mm_setr_epi8(NONE, NONE, NONE, 4, 5, 10, 11, NONE, NONE, NONE),
+                             _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, 0, 1, 6, 7, 12, 13)));
+    *b = from_16(every_third(x, y, z, _mm_setr_epi8(4, 5, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE),
+                             _mm_setr_epi8(NONE, NONE, 0, 1, 6, 7, 12, 13, NONE, NONE, NONE),
+                             _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, 2, 3, 8, 9, 14, 15)));
+#undef NONE
+    *a = v_all(1.0f);
+}
+
+/* ---- store WIDTH pixels of 8-bit codes -----------------------------------------------------------------------------
+ */
+
+INLINE void v_store_four(ints pixel, uint8_t *target)
+{
+    _mm256_storeu_si256((__m256i *)(void *)target, pixel);
+}
+
+/* The first three bytes of each; writes 4 bytes beyond the last. */
+INLINE void v_store_three(ints pixel, uint8_t *target)
+{
+    const __m256i order = _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1, /**/
+                                           0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+    const __m256i packed = _mm256_shuffle_epi8(pixel, order);
+    _mm_storeu_si128((__m128i *)(void *)target, _mm256_castsi256_si128(packed));
+    _mm_storeu_si128((__m128i *)(void *)(target + 12), _mm256_extracti128_si256(packed, 1));
+}
+
+#endif

@@ -1,0 +1,166 @@
+/* lib/kernels/vector_store.h: 8-bit codes by vectors that have fast arithmetic and slow table look-ups (x86).
+ *
+ * The code of a sample is exact by construction (kernels.h: pupil_encoder). Looking up 24 cells for 8 pixels would take
+ * longer than all the rest. So sRGB is computed first, to a known error: by a polynomial in the fraction times a power
+ * of the exponent (f = 1.055 x^(5/12) - 0.055; IEC 61966-2-1), and near black by two lines. Only where the result lies
+ * as near to a boundary of two codes as that error, in about one of 250 samples, the cell decides.
+ */
+#include "vector.h"
+
+/* In 1/65536 code. ERROR: at least the largest error of all floats (a test tries each of them). */
+#define CODE      65536.0f
+#define ERROR     176.0f
+#define UNCERTAIN 352 /* twice the error */
+
+typedef struct srgb_constants {
+    floats power; /* 65536 * 255 * 1.055 * 2^(5/12 k) for x in [2^k, 2^(k+1)), k = -8..-1, at k + 127 mod 8 */
+    floats p[5];  /* m^(5/12) for m in [1, 2), relative error 1.05e-5: minimax, by Remez' exchange */
+    floats
+        line[2]; /* slopes: the linear toe (2e-4 less, so that it also serves the first boundary above it), and the */
+    floats from[2]; /* line through the two last boundaries below 2^-8 */
+    floats offset;
+} srgb_constants;
+
+static const float srgb_power[8] = {2334900.71f, 3116718.52f, 4160320.09f, 5553361.07f,
+                                    7412847.68f, 9894964.51f, 13208193.0f, 1749199.13f};
+
+INLINE srgb_constants srgb_constants_of(void)
+{
+    srgb_constants c;
+    c.power = v_table8_of(srgb_power);
+    c.p[0] = v_all(0.411229335f);
+    c.p[1] = v_all(0.828860193f);
+    c.p[2] = v_all(-0.318287266f);
+    c.p[3] = v_all(0.089037694f);
+    c.p[4] = v_all(-0.0108295476f);
+    c.line[0] = v_all(215871723.0f); /* 12.92 * 255 * 65536 * (1 - 2e-4) */
+    c.from[0] = v_all(0.5f * CODE + ERROR);
+    c.line[1] = v_all(193289842.0f);
+    c.from[1] = v_all(108127.817f + ERROR);
+    c.offset = v_all((0.5f - 0.055f * 255.0f) * CODE + ERROR);
+    return c;
+}
+
+/* x from 0 to a little above 1. The code in the upper half, and whether it is certain in the lower: not below
+ * UNCERTAIN. */
+INLINE ints srgb_guess(floats x, const srgb_constants *c)
+{
+    x = v_min(x, v_all(0x1.fffffep-1f));
+    const ints bits = v_bits(x);
+    const floats m = v_of_bits(v_or(v_and(bits, v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
+    floats p = v_about(c->p[4], m, c->p[3]);
+    p = v_about(p, m, c->p[2]);
+    p = v_about(p, m, c->p[1]);
+    p = v_about(p, m, c->p[0]);
+    const floats curve = v_about(p, v_table8(c->power, v_right(bits, 23)), c->offset);
+    const floats toe = v_min(v_about(x, c->line[0], c->from[0]), v_about(x, c->line[1], c->from[1]));
+    return v_to_ints(v_select(v_less(x, v_all(0x1p-8f)), toe, curve));
+}
+
+/* By its cell. */
+INLINE ints code_of_cell(floats x, const pupil_encoder *e)
+{
+    const floats lowest = v_of_bits(v_all_ints(e->base_bits));
+    const ints bits = v_bits(v_min(v_max(x, lowest), v_all(1.0f)));
+    const ints cell = v_gather(e->cell, v_right(v_minus(bits, v_all_ints(e->base_bits)), 16));
+    return v_plus(cell, v_and(bits, v_all_ints(0xffff)));
+}
+
+INLINE ints pixel_of(ints first, ints second, ints third)
+{
+    const ints low = v_or(v_right(first, 16), v_and(v_right(second, 8), v_all_ints(0xff00)));
+    return v_or(v_halves(low, third), v_all_ints(0xff000000u));
+}
+
+INLINE void store_pixels(ints pixels, uint8_t *target, uint32_t bytes)
+{
+    if (bytes == 4)
+        v_store_four(pixels, target);
+    else
+        v_store_three(pixels, target);
+}
+
+INLINE uint8_t exact_code(float x, const pupil_encoder *e)
+{
+    const float lowest = pupil_float_of_bits(e->base_bits);
+    x = x > lowest ? x : lowest;
+    x = x < 1.0f ? x : 1.0f;
+    const uint32_t bits = pupil_bits_of_float(x);
+    return (uint8_t)((e->cell[(bits - e->base_bits) >> 16] + (bits & 0xffff)) >> 16);
+}
+
+/* The codes of three channels of the listed pixels, by their cells. */
+static void settle(const vector_list *near, const float *first, const float *second, const float *third,
+                   const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+{
+    for (uint32_t j = 0; j < near->count; j++)
+        for (uint32_t which = near->pixels[j]; which; which &= which - 1) {
+            const uint32_t i = near->vector[j] * WIDTH + (uint32_t)__builtin_ctz(which);
+            target[i * bytes] = exact_code(first[i], e);
+            target[i * bytes + 1] = exact_code(second[i], e);
+            target[i * bytes + 2] = exact_code(third[i], e);
+        }
+}
+
+/* From pixel i on, whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. */
+INLINE uint32_t store_srgb(const float *first, const float *second, const float *third, uint32_t n,
+                           const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+{
+    const srgb_constants c = srgb_constants_of();
+    const uint32_t slack = bytes == 3 ? 2 : 0;
+    vector_list near = {.count = 0};
+    uint32_t i = 0;
+    for (; i + WIDTH + slack <= n; i += WIDTH) {
+        const ints x = srgb_guess(v_load(first + i), &c), y = srgb_guess(v_load(second + i), &c);
+        const ints z = srgb_guess(v_load(third + i), &c);
+        store_pixels(pixel_of(x, y, z), target + (size_t)i * bytes, bytes);
+        /* the smallest of the three lower halves */
+        const ints rest = v_left(v_min_halves(v_min_halves(x, y), z), 16);
+        list_some(&near, i, v_mask_bits(v_below(rest, UNCERTAIN << 16)));
+    }
+    settle(&near, first, second, third, e, target, bytes);
+    return i;
+}
+
+INLINE uint32_t store_by_cells(const float *first, const float *second, const float *third, uint32_t n,
+                               const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+{
+    const uint32_t slack = bytes == 3 ? 2 : 0;
+    uint32_t i = 0;
+    for (; i + WIDTH + slack <= n; i += WIDTH) {
+        const ints x = code_of_cell(v_load(first + i), e), y = code_of_cell(v_load(second + i), e);
+        const ints z = code_of_cell(v_load(third + i), e);
+        store_pixels(pixel_of(x, y, z), target + (size_t)i * bytes, bytes);
+    }
+    return i;
+}
+
+INLINE void store_vectors(const float *first, const float *second, const float *third, uint32_t n,
+                          const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+{
+    uint32_t i = e->transfer == PUPIL_TRANSFER_SRGB ? store_srgb(first, second, third, n, e, target, bytes)
+                                                    : store_by_cells(first, second, third, n, e, target, bytes);
+    for (; i < n; i++) {
+        uint8_t *at = target + (size_t)i * bytes;
+        at[0] = exact_code(first[i], e);
+        at[1] = exact_code(second[i], e);
+        at[2] = exact_code(third[i], e);
+        if (bytes == 4)
+            at[3] = 255;
+    }
+}
+
+static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->r, p->g, p->b, n, e, target, 4);
+}
+
+static void store_bgrx8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->b, p->g, p->r, n, e, target, 4);
+}
+
+static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->r, p->g, p->b, n, e, target, 3);
+}
