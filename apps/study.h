@@ -96,11 +96,6 @@ int study_states_make(study_states *states, const study_lights *lights, int floa
 double study_closed_u(unsigned formula, unsigned which_case, double weight, double ln_r, double n);
 double study_closed_n(unsigned formula, unsigned which_case, double weight, double ln_r, double u_star);
 
-/* By how much the library's state may be nearer to its target, in u, than real numbers would be. Formulas 3, 4 and the
- * law in seconds live on a grid of 2^-40 stop and round each step away from the old value: less than one grid a step,
- * less than 1 / w grids in all. 0 for formulas 1 and 2, whose state is a double. */
-double study_grid(unsigned formula, double weight);
-
 /* ---- study_distance.c: how far a picture is from its target ------------------------------------------------------ */
 
 typedef struct study_target {
@@ -144,7 +139,6 @@ int study_cells_make(study_cells *cells, const study_images *images, study_targe
 typedef struct study_test {
     const char *name, *text;
     unsigned long checked, violations;
-    unsigned long by_grid; /* held, but only counting the state's grid: study_grid */
 } study_test;
 
 #define STUDY_TESTS 11

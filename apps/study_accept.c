@@ -86,20 +86,18 @@ static void accept_flash(study_test *test, const study_cells *cells)
 
 typedef struct span {
     double from, to; /* the u* that explain a cell: from <= u* < to */
-    double low;      /* `from` less the state's grid */
 } span;
 
 #define MOST_SPANS (STUDY_FORMULAS * 2 * (STUDY_WEIGHTS - 1))
 
 /* The most spans that one number lies in; it can be taken where one of them begins. */
-static unsigned most_common(const span *s, unsigned n, int with_grid)
+static unsigned most_common(const span *s, unsigned n)
 {
     unsigned best = 0;
-    for (unsigned i = 0; i < 2 * n; i++) {
-        const double number = i < n ? s[i].from : s[i - n].low;
+    for (unsigned i = 0; i < n; i++) {
         unsigned holding = 0;
         for (unsigned k = 0; k < n; k++)
-            holding += (with_grid ? s[k].low : s[k].from) <= number && number < s[k].to;
+            holding += s[k].from <= s[i].from && s[i].from < s[k].to;
         best = holding > best ? holding : best;
     }
     return best;
@@ -117,13 +115,10 @@ void study_accept_one_number(study_test *test, const study_cells *cells, double 
                     continue;
                 const double weight = study_weights[w], after = updates(c, cells->frame[f][c][w][t]);
                 s[n].from = fabs(study_closed_u(f, c, weight, ln_r, after));
-                s[n].low = s[n].from - study_grid(f, weight);
                 s[n++].to = fabs(study_closed_u(f, c, weight, ln_r, after - 1.0));
             }
-            const unsigned strict = most_common(s, n, 0), with_grid = most_common(s, n, 1);
             test->checked += n;
-            test->violations += n - with_grid;
-            test->by_grid += with_grid - strict;
+            test->violations += n - most_common(s, n);
         }
 }
 
@@ -151,10 +146,7 @@ static void accept_closed_form(study_test *test, const study_cells *cells, doubl
         const double n = updates(c, cells->frame[f][c][w][t]), said = study_closed_n(f, c, weight, ln_r, star);
         if (cut_off(cells->frame[f][c][w][t]))
             continue;
-        /* what the grid gains is gained once |u| is down to u*; so it may save a frame, and no more than that */
-        int by_grid = n < said && n >= study_closed_n(f, c, weight, ln_r, star + study_grid(f, weight));
-        test->by_grid += by_grid;
-        count(test, n == said || by_grid);
+        count(test, n == said);
     }
 }
 

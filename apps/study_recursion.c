@@ -161,8 +161,3 @@ double study_closed_n(unsigned formula, unsigned which_case, double weight, doub
     double n = ceil((ratio + way(which_case, lambda)) / lambda);
     return n > 1.0 ? n : 1.0;
 }
-
-double study_grid(unsigned formula, double weight)
-{
-    return formula < 2 ? 0.0 : 0x1p-40 * M_LN2 / weight;
-}

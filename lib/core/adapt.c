@@ -1,4 +1,4 @@
-/* The only place where time passes. The level lives in log2 (stops, 2^-40) for the default law and formulas 3 and 4,
+/* The only place where time passes. The level lives in log2 (2^-52 stops) for the default law and formulas 3 and 4,
  * and as a double in the quantity that formulas 1 and 2 average. Every step ends on its target, never short of it (the
  * step is rounded away from the old value) and never past it. */
 #include "object.h"
@@ -6,7 +6,7 @@
 #include "numeric.h"
 
 /* A step of w of the way from s to t, at least one unit where w > 0. */
-static pupil_q40 approach(pupil_q40 s, pupil_q40 t, double w)
+static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)
 {
     uint64_t distance = t > s ? (uint64_t)t - (uint64_t)s : (uint64_t)s - (uint64_t)t;
     if (w >= 1.0)
@@ -16,7 +16,7 @@ static pupil_q40 approach(pupil_q40 s, pupil_q40 t, double w)
     step += (double)step < exact;
     if (step > distance)
         step = distance;
-    return t > s ? s + (pupil_q40)step : s - (pupil_q40)step;
+    return (pupil_level_q52)(t > s ? (uint64_t)s + step : (uint64_t)s - step);
 }
 
 /* The same for positive doubles, whose bits are in their order. */
@@ -35,15 +35,18 @@ static double approach_linear(double s, double t, double w)
     return next > t ? next : t;
 }
 
-static pupil_q40 q40_of(double stops)
+/* To the nearest; from 1 stop on a double is a whole number of units as it is. */
+static pupil_level_q52 level_of(double stops)
 {
-    double scaled = stops * 0x1p40;
-    return (pupil_q40)(scaled < 0.0 ? scaled - 0.5 : scaled + 0.5);
+    double scaled = stops * 0x1p52;
+    if (stops < 1.0 && stops > -1.0)
+        scaled += scaled < 0.0 ? -0.5 : 0.5;
+    return (pupil_level_q52)scaled;
 }
 
-static double stops_of(pupil_q40 q)
+static double stops_of(pupil_level_q52 q)
 {
-    return (double)q * 0x1p-40;
+    return (double)q * 0x1p-52;
 }
 
 static int is_linear_law(uint32_t law)
@@ -52,7 +55,7 @@ static int is_linear_law(uint32_t law)
 }
 
 /* What formulas 1 and 2 average, at a level. */
-static double linear_of_level(uint32_t law, pupil_q40 level)
+static double linear_of_level(uint32_t law, pupil_level_q52 level)
 {
     return pupil_exp2(law == PUPIL_LAW_ARITHMETIC_SCALE ? -stops_of(level) : stops_of(level));
 }
@@ -64,7 +67,7 @@ void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law)
     if (!a->seen || law == old_law)
         return;
     if (is_linear_law(old_law))
-        a->level = q40_of(a->result.adapted_ev);
+        a->level = level_of(a->result.adapted_ev);
     if (is_linear_law(law))
         a->linear = linear_of_level(law, a->level);
 }
@@ -112,7 +115,7 @@ double pupil_exposure_log2(const pupil_object *object, const pupil_frame_info *i
     return taken_with - pupil_log2(object->config.calibration);
 }
 
-static void move_level(pupil_object *object, pupil_q40 target, double dt_s)
+static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s)
 {
     const pupil_config *c = &object->config;
     pupil_adaptation *a = &object->adaptation;
@@ -130,7 +133,7 @@ static void move_level(pupil_object *object, pupil_q40 target, double dt_s)
         a->result.adapted_ev = pupil_log2(a->linear) * (c->law == PUPIL_LAW_ARITHMETIC_SCALE ? -1.0 : 1.0);
 }
 
-static void move_white(pupil_object *object, pupil_q40 target, double dt_s)
+static void move_white(pupil_object *object, pupil_level_q52 target, double dt_s)
 {
     pupil_adaptation *a = &object->adaptation;
     double w = weight_of_step(&object->config, dt_s, target > a->white);
@@ -203,7 +206,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         a->exposure_log2 = exposure_and_gain_log2(info);
     }
     const double divisor_log2 = pupil_exposure_log2(object, info);
-    a->result.metered_ev = stops_of(q40_of(mean - divisor_log2));
+    a->result.metered_ev = stops_of(level_of(mean - divisor_log2));
 
     double target_ev = a->result.metered_ev;
     if (target_ev < c->ev_min || target_ev > c->ev_max) {
@@ -214,8 +217,8 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         reason = PUPIL_REASON_LOCK;
     } else {
         if (c->white_mode == PUPIL_WHITE_FOLLOW)
-            move_white(object, q40_of(white - divisor_log2), dt_s);
-        move_level(object, q40_of(target_ev), dt_s);
+            move_white(object, level_of(white - divisor_log2), dt_s);
+        move_level(object, level_of(target_ev), dt_s);
         a->seen = 1;
     }
     a->result.scale = pupil_exp2(pupil_scale_log2(object));

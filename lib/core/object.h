@@ -10,18 +10,21 @@
 #endif
 #define PUPIL_ASSERT(condition) ((condition) ? (void)0 : (void)PUPIL_TRAP())
 
-/* Levels in stops with 40 fractional bits: the state of the log2 laws, whose recursion is exact at its end. */
-typedef int64_t pupil_q40;
+/* Levels in 2^-52 stops: the state of the log2 laws, whose recursion is exact at its end. A step is rounded away from
+ * the old value, up to a unit, so that the state gains up to 1/w units on the closed form: 4e-14 stops at w = 0.005.
+ * Every level fits: 30 stops of luminance, 128 of exposure and gain, 1074 of calibration. */
+typedef int64_t pupil_level_q52;
+/* Sums of log2 in statistics have 40 fractional bits. */
 #define PUPIL_Q40_ONE (INT64_C(1) << 40)
 
 typedef struct pupil_adaptation {
     uint32_t seen;           /* a valid frame has set the level */
     uint32_t stamped;        /* last_timestamp_ns is of a frame */
-    pupil_q40 level;         /* log2 of the adapted scene luminance (laws in log2) */
+    pupil_level_q52 level;   /* log2 of the adapted scene luminance (laws in log2) */
     double linear;           /* formula 1: the adapted 1 / L; formula 2: the adapted L */
     uint32_t white_seen;     /* white is set: the white point follows, and a frame has come since it does */
     uint32_t exposure_known; /* exposure_log2 is of a frame */
-    pupil_q40 white;         /* log2 of the adapted upper quantile */
+    pupil_level_q52 white;   /* log2 of the adapted upper quantile */
     int64_t last_timestamp_ns;
     double exposure_log2; /* log2 of exposure_s * gain as last known */
     pupil_exposure result;

@@ -188,8 +188,8 @@ static void check_exposure(const run *r)
     MUST(error == (e.frames ? PUPIL_OK : PUPIL_ERR_NO_EXPOSURE));
     if (error)
         return;
-    /* the level is kept in 2^-40 stops */
-    MUST(e.adapted_ev >= r->ev_min - 0x1p-40 && e.adapted_ev <= r->ev_max + 0x1p-40);
+    /* the level is kept in 2^-52 stops */
+    MUST(e.adapted_ev >= r->ev_min - 0x1p-52 && e.adapted_ev <= r->ev_max + 0x1p-52);
     MUST(isfinite(e.metered_ev) && isfinite(e.white_ev) && isfinite(e.scale) && e.scale > 0);
     MUST(curve.scale > 0 && isfinite(curve.scale) && isfinite(curve.inverse_white_squared) && curve.gamut >= 0);
 }

@@ -54,9 +54,9 @@ static void check_closed_forms(void)
                 const double low = ref_stats_at(-2.504, 0, &stats[0]),
                              high = ref_stats_at(-2.504 + ratio, 0, &stats[1]);
                 const double from = step & 1 ? high : low, to = step & 1 ? low : high;
-                /* The geometric state is an integer of 2^-40 stop, rounded away from the old value by up to one unit
+                /* The geometric state is an integer of 2^-52 stop, rounded away from the old value by up to one unit
                  * each frame: at most 1/w units ahead. The arithmetic ones are doubles of 2^-53 relative, the same. */
-                const double unit = law >= PUPIL_LAW_GEOMETRIC_SCALE ? 0x1p-40 : 0x1p-51, bound = unit * (1 / w + 8);
+                const double bound = 0x1p-51 * (1 / w + 8);
                 start(&pupil, law, w);
                 adapt(&pupil, &stats[step & 1]);
                 for (int n = 1; n <= 1800; n++) {

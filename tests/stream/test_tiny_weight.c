@@ -44,8 +44,8 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     for (uint32_t law = 0; law < PUPIL_LAW_COUNT; law++) {
         const int linear = law == PUPIL_LAW_ARITHMETIC_SCALE || law == PUPIL_LAW_ARITHMETIC_LUMINANCE;
-        converge(law, 1e-7, linear ? 6e-10 : 2e-6, 3.7); /* units: 2^-52 of the light, or 2^-40 stops */
-        converge(law, 1e-7, linear ? -4e-10 : -1e-6, -2.2);
+        converge(law, 1e-7, linear ? 6e-10 : 1e-9, 3.7); /* units: 2^-52 of the light, or of a stop */
+        converge(law, 1e-7, linear ? -4e-10 : -5e-10, -2.2);
         converge(law, 1e-9, linear ? 1e-10 : 1e-9,
                  0); /* a target of exactly 0, where doubles would crawl through denormals */
     }

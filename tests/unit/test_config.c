@@ -40,7 +40,7 @@ static const struct range {
     {FIELD(white), 'd', 0x1p-8, 0x1p30, {0, -1, 0x1.fffp-9, 0x1.0001p30}},
     {FIELD(white_quantile), 'd', 0.5, 1, {0.4999, 1.0001, 0, -INFINITY}},
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
-    {FIELD(levels), 'u', 0, 15, {16, 32, 4294967295.0}},
+    {FIELD(levels), 'u', 0, 15, {16, 32, 255, 4294967295.0}},
 };
 #define RANGES (sizeof range / sizeof *range)
 
