@@ -21,6 +21,14 @@ FORMAT_KERNELS(rgb16, load8_rgb16, 6)
 #endif
 
 const pupil_kernels pupil_kernels_avx2 = {
+    .load =
+        {
+            [PUPIL_PIXEL_RGBA32F] = load_rgba32f,
+            [PUPIL_PIXEL_RGB32F] = load_rgb32f,
+            [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
+            [PUPIL_PIXEL_RGBA16] = load_rgba16,
+            [PUPIL_PIXEL_RGB16] = load_rgb16,
+        },
     .meter =
         {
             [PUPIL_PLANES] = meter_planes,
@@ -39,6 +47,7 @@ const pupil_kernels pupil_kernels_avx2 = {
             [PUPIL_PIXEL_RGBA16] = scale_rgba16,
             [PUPIL_PIXEL_RGB16] = scale_rgb16,
         },
+    .histogram = histogram,
     .store =
         {
             [PUPIL_PIXEL_RGBA8] = store_rgba8,

@@ -63,10 +63,11 @@ typedef struct pupil_planes {
 
 /* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL stands for the planes
  * themselves. */
-typedef void pupil_load_kernel(const void *source, uint32_t n, pupil_planes *planes);
+/* 1: every pixel is known to be opaque. */
+typedef int pupil_load_kernel(const void *source, uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
-/* Meters into run unless it is NULL, maps into planes (values from 0 to 1). 1: every pixel is known to be opaque. */
+/* Meters into run unless it is NULL, maps into planes (values from 0 to 1). 1: as load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
                                pupil_run *run);
 /* Adds to the bins, the peak bins and the peak. */

@@ -76,10 +76,10 @@ static void map_block(const pupil_row_job *job, const void *source, void *target
     if (k->scale[job->in_pixel] && !bins) {
         opaque = k->scale[job->in_pixel](job, source, n, planes, run);
     } else {
-        PIECE(k, load[job->in_pixel])(source, n, planes);
+        opaque = PIECE(k, load[job->in_pixel])(source, n, planes);
         if (bins)
             PIECE(k, histogram)(job, planes, n, weight, stats);
-        opaque = k->scale[PUPIL_PLANES](job, 0, n, planes, run);
+        k->scale[PUPIL_PLANES](job, 0, n, planes, run);
     }
     PIECE(k, store[job->out_pixel])(planes, n, job->encoder, target);
     pupil_alpha_kernel *alpha = PIECE(k, alpha[job->in_pixel]);

@@ -8,7 +8,7 @@
  */
 
 #define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
-    static void NAME(const void *source, uint32_t n, pupil_planes *restrict p)                                         \
+    static int NAME(const void *source, uint32_t n, pupil_planes *restrict p)                                          \
     {                                                                                                                  \
         const TYPE *restrict s = source;                                                                               \
         for (uint32_t i = 0; i < n; i++) {                                                                             \
@@ -16,6 +16,7 @@
             p->g[i] = CONVERT(s[SAMPLES * i + 1]);                                                                     \
             p->b[i] = CONVERT(s[SAMPLES * i + 2]);                                                                     \
         }                                                                                                              \
+        return SAMPLES == 3;                                                                                           \
     }
 
 /* binary16 to binary32, exact: shift exponent and fraction into place, then mend the exponent of the ordinary numbers,

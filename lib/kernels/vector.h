@@ -126,6 +126,58 @@ INLINE void move_exponents(lanes *s)
     }
 }
 
+/* ---- histogram, as scalar.c's
+ * ---------------------------------------------------------------------------------------- */
+
+#define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
+
+/* In smooth parts of a picture a whole vector falls into one bin. */
+INLINE void add_bins(uint64_t *bin, ints index, uint32_t n, uint32_t weight)
+{
+    int32_t at[WIDTH];
+    v_store_ints(at, index);
+    if (n == WIDTH && v_none(v_not(v_equal_ints(index, v_all_ints((uint32_t)at[0]))))) {
+        bin[at[0]] += WIDTH * weight;
+        return;
+    }
+    for (uint32_t j = 0; j < n; j++)
+        bin[at[j]] += weight;
+}
+
+static void histogram(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
+                      pupil_stats *stats)
+{
+    const meter_constants c = meter_constants_of(job);
+    floats peak = v_all(stats->peak);
+    for (uint32_t i = 0; i < n; i += WIDTH) {
+        const uint32_t m = n - i < WIDTH ? n - i : WIDTH;
+        float rest[3][WIDTH];
+        const float *r_at = planes->r + i, *g_at = planes->g + i, *b_at = planes->b + i;
+        if (m < WIDTH) { /* repeats its first pixel, so that the peak does not change */
+            for (uint32_t j = 0; j < WIDTH; j++) {
+                rest[0][j] = r_at[j < m ? j : 0];
+                rest[1][j] = g_at[j < m ? j : 0];
+                rest[2][j] = b_at[j < m ? j : 0];
+            }
+            r_at = rest[0], g_at = rest[1], b_at = rest[2];
+        }
+        const floats r = v_load(r_at), g = v_load(g_at), b = v_load(b_at);
+        const floats l = v_add(v_add(v_mul(c.weight[0], r), v_mul(c.weight[1], g)), v_mul(c.weight[2], b));
+        const floats largest = v_select(v_is_number(l), max_of_3(r, g, b), c.floor);
+        const floats brightest = v_min(v_max(largest, c.floor), c.ceiling);
+        const ints bits = v_bits(v_min(v_max(l, c.floor), c.ceiling));
+        peak = v_max(brightest, peak);
+        add_bins(stats->bin, v_minus(v_right(bits, 20), v_all_ints(FIRST_STOP * PUPIL_HISTOGRAM_BINS_PER_STOP)), m,
+                 weight);
+        add_bins(stats->peak_bin,
+                 v_minus(v_right(v_bits(brightest), 21), v_all_ints(FIRST_STOP * PUPIL_PEAK_BINS_PER_STOP)), m, weight);
+    }
+    float peaks[WIDTH];
+    v_store(peaks, peak);
+    for (int j = 0; j < WIDTH; j++)
+        stats->peak = peaks[j] > stats->peak ? peaks[j] : stats->peak;
+}
+
 /* ---- scale: Reinhard by luminance, as scalar.c's tone() and fit_gamut() --------------------------------------------
  */
 
@@ -262,6 +314,16 @@ INLINE void load_planes(const float *r, const float *g, const float *b, group *p
     }
 }
 
+INLINE void store_planes(const group *p, uint32_t i, pupil_planes *planes)
+{
+    FOR_EACH_WAY(k)
+    {
+        v_store(planes->r + i + k * WIDTH, p->r[k]);
+        v_store(planes->g + i + k * WIDTH, p->g[k]);
+        v_store(planes->b + i + k * WIDTH, p->b[k]);
+    }
+}
+
 INLINE void meter_loaded(group *p, const meter_constants *c, lanes *s, uint32_t i, pupil_run *run)
 {
     luminance_of(p, c);
@@ -348,6 +410,21 @@ INLINE void meter_rest(group *p, const meter_constants *c, lanes *s, uint32_t n,
         uint8_t rest[REST_BYTES];                                                                                      \
         copy_rest(rest, source, n *(BYTES));                                                                           \
         group_##NAME(rest, p);                                                                                         \
+    }                                                                                                                  \
+    static int load_##NAME(const void *source, uint32_t n, pupil_planes *planes)                                       \
+    {                                                                                                                  \
+        const uint8_t *at = source;                                                                                    \
+        mask opaque = v_at_least(v_all(1.0f), v_all(1.0f));                                                            \
+        for (uint32_t i = 0; i < n; i += PUPIL_LANES) {                                                                \
+            group p;                                                                                                   \
+            if (i + PUPIL_LANES <= n)                                                                                  \
+                group_##NAME(at + i * (BYTES), &p);                                                                    \
+            else                                                                                                       \
+                rest_##NAME(at + i * (BYTES), n - i, &p);                                                              \
+            store_planes(&p, i, planes);                                                                               \
+            FOR_EACH_WAY(k) opaque = v_both(opaque, v_at_least(p.a[k], v_all(1.0f)));                                  \
+        }                                                                                                              \
+        return v_none(v_not(opaque));                                                                                  \
     }                                                                                                                  \
     static void meter_##NAME(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,     \
                              pupil_run *run)                                                                           \
