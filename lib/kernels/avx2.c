@@ -10,11 +10,25 @@
 #include "avx2.h"
 #include "vector_store.h"
 
-FORMAT_KERNELS(rgba32f, load8_rgba32f, 16)
-FORMAT_KERNELS(rgb32f, load8_rgb32f, 12)
-FORMAT_KERNELS(rgba16f, load8_rgba16f, 8)
-FORMAT_KERNELS(rgba16, load8_rgba16, 8)
-FORMAT_KERNELS(rgb16, load8_rgb16, 6)
+GROUP_OF_VECTORS(rgba32f, load8_rgba32f, 16)
+GROUP_OF_VECTORS(rgb32f, load8_rgb32f, 12)
+GROUP_OF_VECTORS(rgb16, load8_rgb16, 6)
+
+INLINE void group_rgba16f(const uint8_t *source, group *p)
+{
+    load16_rgba16f(source, p->r, p->g, p->b, p->a);
+}
+
+INLINE void group_rgba16(const uint8_t *source, group *p)
+{
+    load16_rgba16(source, p->r, p->g, p->b, p->a);
+}
+
+FORMAT_KERNELS(rgba32f, 16)
+FORMAT_KERNELS(rgb32f, 12)
+FORMAT_KERNELS(rgba16f, 8)
+FORMAT_KERNELS(rgba16, 8)
+FORMAT_KERNELS(rgb16, 6)
 
 #if defined(__clang__)
 #pragma clang attribute pop

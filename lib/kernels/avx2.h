@@ -210,30 +210,41 @@ INLINE void load8_rgb32f(const void *source, floats *r, floats *g, floats *b, fl
     *a = v_all(1.0f);
 }
 
-/* Four times two pixels of four 16-bit samples to one vector of 8 a sample. */
-INLINE void planes_of_16(const void *source, __m128i *r, __m128i *g, __m128i *b, __m128i *a)
+/* 16 pixels of four 16-bit samples to one vector a sample: pixels 0 to 7 in the lower half, 8 to 15 in the upper. */
+INLINE __m256i two_of_16(const uint8_t *low, const uint8_t *high)
 {
-    const __m128i *s = source;
-    __m128i p01 = _mm_loadu_si128(s), p23 = _mm_loadu_si128(s + 1);
-    __m128i p45 = _mm_loadu_si128(s + 2), p67 = _mm_loadu_si128(s + 3);
-    __m128i p02 = _mm_unpacklo_epi16(p01, p23), p13 = _mm_unpackhi_epi16(p01, p23);
-    __m128i p46 = _mm_unpacklo_epi16(p45, p67), p57 = _mm_unpackhi_epi16(p45, p67);
-    __m128i rg0123 = _mm_unpacklo_epi16(p02, p13), ba0123 = _mm_unpackhi_epi16(p02, p13);
-    __m128i rg4567 = _mm_unpacklo_epi16(p46, p57), ba4567 = _mm_unpackhi_epi16(p46, p57);
-    *r = _mm_unpacklo_epi64(rg0123, rg4567);
-    *g = _mm_unpackhi_epi64(rg0123, rg4567);
-    *b = _mm_unpacklo_epi64(ba0123, ba4567);
-    *a = _mm_unpackhi_epi64(ba0123, ba4567);
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)low)),
+                                   _mm_loadu_si128((const __m128i *)(const void *)high), 1);
 }
 
-INLINE void load8_rgba16f(const void *source, floats *r, floats *g, floats *b, floats *a)
+INLINE void planes_of_16(const uint8_t *s, __m256i *r, __m256i *g, __m256i *b, __m256i *a)
 {
-    __m128i pr, pg, pb, pa;
+    const __m256i p01 = two_of_16(s, s + 64), p23 = two_of_16(s + 16, s + 80);
+    const __m256i p45 = two_of_16(s + 32, s + 96), p67 = two_of_16(s + 48, s + 112);
+    const __m256i p02 = _mm256_unpacklo_epi16(p01, p23), p13 = _mm256_unpackhi_epi16(p01, p23);
+    const __m256i p46 = _mm256_unpacklo_epi16(p45, p67), p57 = _mm256_unpackhi_epi16(p45, p67);
+    const __m256i rg0123 = _mm256_unpacklo_epi16(p02, p13), ba0123 = _mm256_unpackhi_epi16(p02, p13);
+    const __m256i rg4567 = _mm256_unpacklo_epi16(p46, p57), ba4567 = _mm256_unpackhi_epi16(p46, p57);
+    *r = _mm256_unpacklo_epi64(rg0123, rg4567);
+    *g = _mm256_unpackhi_epi64(rg0123, rg4567);
+    *b = _mm256_unpacklo_epi64(ba0123, ba4567);
+    *a = _mm256_unpackhi_epi64(ba0123, ba4567);
+}
+
+INLINE void from_half(__m256i v, floats to[2])
+{
+    to[0] = _mm256_cvtph_ps(_mm256_castsi256_si128(v));
+    to[1] = _mm256_cvtph_ps(_mm256_extracti128_si256(v, 1));
+}
+
+INLINE void load16_rgba16f(const uint8_t *source, floats r[2], floats g[2], floats b[2], floats a[2])
+{
+    __m256i pr, pg, pb, pa;
     planes_of_16(source, &pr, &pg, &pb, &pa);
-    *r = _mm256_cvtph_ps(pr);
-    *g = _mm256_cvtph_ps(pg);
-    *b = _mm256_cvtph_ps(pb);
-    *a = _mm256_cvtph_ps(pa);
+    from_half(pr, r);
+    from_half(pg, g);
+    from_half(pb, b);
+    from_half(pa, a);
 }
 
 INLINE floats from_16(__m128i v)
@@ -241,15 +252,21 @@ INLINE floats from_16(__m128i v)
     return _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(v)), _mm256_set1_ps(1.0f / 65535.0f));
 }
 
-INLINE void load8_rgba16(const void *source, floats *r, floats *g, floats *b, floats *a)
+INLINE void from_16s(__m256i v, floats to[2])
 {
-    __m128i pr, pg, pb, pa;
+    to[0] = from_16(_mm256_castsi256_si128(v));
+    to[1] = from_16(_mm256_extracti128_si256(v, 1));
+}
+
+INLINE void load16_rgba16(const uint8_t *source, floats r[2], floats g[2], floats b[2], floats a[2])
+{
+    __m256i pr, pg, pb, pa;
     planes_of_16(source, &pr, &pg, &pb, &pa);
-    *r = from_16(pr);
-    *g = from_16(pg);
-    *b = from_16(pb);
-    *a = _mm256_blendv_ps(_mm256_setzero_ps(), _mm256_set1_ps(1.0f),
-                          _mm256_castsi256_ps(_mm256_cvtepi16_epi32(_mm_cmpeq_epi16(pa, _mm_set1_epi16(-1)))));
+    from_16s(pr, r);
+    from_16s(pg, g);
+    from_16s(pb, b);
+    /* opaque or not is all that is asked of alpha here */
+    from_16s(_mm256_cmpeq_epi16(pa, _mm256_set1_epi16(-1)), a);
 }
 
 /* 8 pixels of three 16-bit samples: every third sample of 24, by byte shuffles that leave room for each other. */

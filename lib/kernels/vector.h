@@ -28,7 +28,7 @@ typedef struct lanes {
 } lanes;
 
 typedef struct meter_constants {
-    floats weight[3], floor, clip, ceiling, infinity;
+    floats weight[3], floor, clip, near_clip, ceiling;
 } meter_constants;
 
 INLINE floats max_of_3(floats a, floats b, floats c)
@@ -47,7 +47,7 @@ INLINE meter_constants meter_constants_of(const pupil_row_job *job)
     c.floor = v_all(job->floor);
     c.clip = v_all(job->clip);
     c.ceiling = v_all(PUPIL_CEILING);
-    c.infinity = v_all((float)__builtin_inf());
+    c.near_clip = v_all(job->clip < 0x1p126f ? job->clip : 0x1p126f);
     return c;
 }
 
@@ -82,31 +82,30 @@ INLINE uint32_t bits_set(uint32_t bits)
     return (uint32_t)__builtin_popcount(bits);
 }
 
-/* Of the pixels in `valid` (a bit each). An L that is above the floor and below infinity, and no channel at the clip:
- * nothing to count, as almost everywhere. */
+/* Of the pixels in `valid` (a bit each). An L above the floor, and no channel near the clip: nothing to count, as
+ * almost everywhere. A NaN and a negative infinity make an L that is not above the floor, and a positive infinity is
+ * beyond every clip. */
 INLINE void count_of(const group *p, const meter_constants *c, uint32_t valid, pupil_run *run)
 {
-    mask light[WAYS], below_clip[WAYS], below_inf[WAYS];
+    mask light[WAYS];
+    floats top[WAYS];
     uint32_t nothing = 0;
     FOR_EACH_WAY(k)
     {
-        /* a channel that is NaN makes L NaN, so that it does not matter which one the maximum leaves */
-        const floats top = max_of_3(p->r[k], p->g[k], p->b[k]);
+        top[k] = max_of_3(p->r[k], p->g[k], p->b[k]);
         light[k] = v_greater(p->l[k], c->floor);
-        below_clip[k] = v_less(top, c->clip);
-        below_inf[k] = v_less(p->l[k], c->infinity);
-        nothing |= v_mask_bits(v_both(v_both(light[k], below_clip[k]), below_inf[k])) << k * WIDTH;
+        nothing |= v_mask_bits(v_both(light[k], v_less(top[k], c->near_clip))) << k * WIDTH;
     }
     if ((nothing & valid) == valid)
         return;
     FOR_EACH_WAY(k)
     {
         const uint32_t here = valid >> k * WIDTH & ((1u << WIDTH) - 1);
-        const uint32_t minus_inf = v_mask_bits(v_less(p->l[k], v_all(-0x1.fffffep127f)));
-        const uint32_t finite = v_mask_bits(below_inf[k]) & ~minus_inf;
+        const uint32_t finite = v_mask_bits(
+            v_both(v_less(p->l[k], v_all((float)__builtin_inf())), v_greater(p->l[k], v_all(-(float)__builtin_inf()))));
         run->bad += bits_set(~finite & here);
         run->black += bits_set(finite & ~v_mask_bits(light[k]) & here);
-        run->clipped += bits_set(finite & ~v_mask_bits(below_clip[k]) & here);
+        run->clipped += bits_set(finite & ~v_mask_bits(v_less(top[k], c->clip)) & here);
     }
 }
 
@@ -275,9 +274,9 @@ static void fit_listed(const vector_list *over, const scale_constants *c, pupil_
 /* ---- kernels by format ---------------------------------------------------------------------------------------------
  */
 
-/* LOAD(source, r, g, b, a) loads WIDTH pixels of BYTES each. */
-#define LOAD_GROUP(NAME, LOAD, BYTES)                                                                                  \
-    INLINE void NAME(const uint8_t *source, group *p)                                                                  \
+/* group_NAME from LOAD(source, r, g, b, a), which loads WIDTH pixels of BYTES each. */
+#define GROUP_OF_VECTORS(NAME, LOAD, BYTES)                                                                            \
+    INLINE void group_##NAME(const uint8_t *source, group *p)                                                          \
     {                                                                                                                  \
         FOR_EACH_WAY(k) LOAD(source + k * WIDTH * (BYTES), &p->r[k], &p->g[k], &p->b[k], &p->a[k]);                    \
     }
@@ -403,8 +402,8 @@ INLINE void meter_rest(group *p, const meter_constants *c, lanes *s, uint32_t n,
     fit_listed(&over, &d, planes);                                                                                     \
     return v_none(v_not(opaque));
 
-#define FORMAT_KERNELS(NAME, LOAD, BYTES)                                                                              \
-    LOAD_GROUP(group_##NAME, LOAD, BYTES)                                                                              \
+/* From group_NAME(source, group), which loads 16 pixels of BYTES each. */
+#define FORMAT_KERNELS(NAME, BYTES)                                                                                    \
     INLINE void rest_##NAME(const uint8_t *source, uint32_t n, group *p)                                               \
     {                                                                                                                  \
         uint8_t rest[REST_BYTES];                                                                                      \
