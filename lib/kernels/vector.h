@@ -380,6 +380,9 @@ INLINE void meter_rest(group *p, const meter_constants *c, lanes *s, uint32_t n,
             LOAD_REST;                                                                                                 \
             meter_rest(&p, &c, &s, n - i, run);                                                                        \
             move_exponents(&s);                                                                                        \
+            scale_group(&p, &d, i, planes, &over);                                                                     \
+            FOR_EACH_WAY(k)                                                                                            \
+            opaque = v_both(opaque, v_at_least(p.a[k], one));                                                          \
         }                                                                                                              \
         lanes_to(&s, run);                                                                                             \
     } else {                                                                                                           \
@@ -393,11 +396,10 @@ INLINE void meter_rest(group *p, const meter_constants *c, lanes *s, uint32_t n,
             LOAD_REST;                                                                                                 \
             luminance_of(&p, &c);                                                                                      \
             only_first(&p, n - i);                                                                                     \
+            scale_group(&p, &d, i, planes, &over);                                                                     \
+            FOR_EACH_WAY(k)                                                                                            \
+            opaque = v_both(opaque, v_at_least(p.a[k], one));                                                          \
         }                                                                                                              \
-    }                                                                                                                  \
-    if (i < n) {                                                                                                       \
-        scale_group(&p, &d, i, planes, &over);                                                                         \
-        FOR_EACH_WAY(k) opaque = v_both(opaque, v_at_least(p.a[k], one));                                              \
     }                                                                                                                  \
     fit_listed(&over, &d, planes);                                                                                     \
     return v_none(v_not(opaque));

@@ -1,0 +1,196 @@
+/* lib/kernels/neon.h: vectors of 4 floats (AArch64), for vector.h. */
+#ifndef PUPIL_KERNELS_NEON_H
+#define PUPIL_KERNELS_NEON_H
+
+#include <arm_neon.h>
+#include <stdint.h>
+
+#define WIDTH 4
+typedef float32x4_t floats;
+typedef uint32x4_t ints;
+typedef uint32x4_t mask;
+
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE floats v_load(const float *p)
+{
+    return vld1q_f32(p);
+}
+INLINE void v_store(float *p, floats v)
+{
+    vst1q_f32(p, v);
+}
+INLINE void v_store_ints(int32_t *p, ints v)
+{
+    vst1q_s32(p, vreinterpretq_s32_u32(v));
+}
+INLINE ints v_load_ints(const int32_t *p)
+{
+    return vreinterpretq_u32_s32(vld1q_s32(p));
+}
+INLINE floats v_all(float x)
+{
+    return vdupq_n_f32(x);
+}
+INLINE ints v_all_ints(uint32_t x)
+{
+    return vdupq_n_u32(x);
+}
+
+INLINE floats v_add(floats a, floats b)
+{
+    return vaddq_f32(a, b);
+}
+INLINE floats v_sub(floats a, floats b)
+{
+    return vsubq_f32(a, b);
+}
+INLINE floats v_mul(floats a, floats b)
+{
+    return vmulq_f32(a, b);
+}
+INLINE floats v_div(floats a, floats b)
+{
+    return vdivq_f32(a, b);
+}
+/* a > b ? a : b and a < b ? a : b where b is a number; a zero may come out with either sign */
+INLINE floats v_max(floats a, floats b)
+{
+    return vmaxnmq_f32(a, b);
+}
+INLINE floats v_min(floats a, floats b)
+{
+    return vminnmq_f32(a, b);
+}
+
+INLINE mask v_greater(floats a, floats b)
+{
+    return vcgtq_f32(a, b);
+}
+INLINE mask v_less(floats a, floats b)
+{
+    return vcltq_f32(a, b);
+}
+INLINE mask v_at_least(floats a, floats b)
+{
+    return vcgeq_f32(a, b);
+}
+INLINE mask v_is_number(floats a)
+{
+    return vceqq_f32(a, a);
+}
+INLINE mask v_both(mask a, mask b)
+{
+    return vandq_u32(a, b);
+}
+INLINE mask v_not(mask a)
+{
+    return vmvnq_u32(a);
+}
+INLINE floats v_select(mask m, floats yes, floats no)
+{
+    return vbslq_f32(m, yes, no);
+}
+INLINE floats v_where(mask m, floats a)
+{
+    return vreinterpretq_f32_u32(vandq_u32(m, vreinterpretq_u32_f32(a)));
+}
+INLINE int v_none(mask m)
+{
+    return vmaxvq_u32(m) == 0;
+}
+/* a bit for each */
+INLINE uint32_t v_mask_bits(mask m)
+{
+    static const uint32_t bit[4] = {1, 2, 4, 8};
+    return vaddvq_u32(vandq_u32(m, vld1q_u32(bit)));
+}
+
+INLINE ints v_bits(floats a)
+{
+    return vreinterpretq_u32_f32(a);
+}
+INLINE floats v_of_bits(ints a)
+{
+    return vreinterpretq_f32_u32(a);
+}
+INLINE ints v_plus(ints a, ints b)
+{
+    return vaddq_u32(a, b);
+}
+INLINE ints v_minus(ints a, ints b)
+{
+    return vsubq_u32(a, b);
+}
+INLINE ints v_and(ints a, ints b)
+{
+    return vandq_u32(a, b);
+}
+INLINE ints v_or(ints a, ints b)
+{
+    return vorrq_u32(a, b);
+}
+#define v_right(a, n) vshrq_n_u32(a, n)
+#define v_left(a, n)  vshlq_n_u32(a, n)
+INLINE mask v_equal_ints(ints a, ints b)
+{
+    return vceqq_u32(a, b);
+}
+
+/* ---- load WIDTH pixels; *a is alpha, or whether it is opaque ------------------------------------------------------
+ */
+
+INLINE void load4_rgba32f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const float32x4x4_t p = vld4q_f32(source);
+    *r = p.val[0], *g = p.val[1], *b = p.val[2], *a = p.val[3];
+}
+
+INLINE void load4_rgb32f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const float32x4x3_t p = vld3q_f32(source);
+    *r = p.val[0], *g = p.val[1], *b = p.val[2], *a = v_all(1.0f);
+}
+
+/* Eight pixels of 16-bit samples to the two vectors from r, g, b, a on. */
+INLINE void halves_to(uint16x8_t v, floats to[2])
+{
+    to[0] = vcvt_f32_f16(vreinterpret_f16_u16(vget_low_u16(v)));
+    to[1] = vcvt_high_f32_f16(vreinterpretq_f16_u16(v));
+}
+
+INLINE void sixteens_to(uint16x8_t v, floats to[2])
+{
+    const floats unit = v_all(1.0f / 65535.0f);
+    to[0] = vmulq_f32(vcvtq_f32_u32(vmovl_u16(vget_low_u16(v))), unit);
+    to[1] = vmulq_f32(vcvtq_f32_u32(vmovl_high_u16(v)), unit);
+}
+
+INLINE void load8_rgba16f(const uint8_t *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const uint16x8x4_t p = vld4q_u16((const uint16_t *)(const void *)source);
+    halves_to(p.val[0], r);
+    halves_to(p.val[1], g);
+    halves_to(p.val[2], b);
+    halves_to(p.val[3], a);
+}
+
+INLINE void load8_rgba16(const uint8_t *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const uint16x8x4_t p = vld4q_u16((const uint16_t *)(const void *)source);
+    sixteens_to(p.val[0], r);
+    sixteens_to(p.val[1], g);
+    sixteens_to(p.val[2], b);
+    sixteens_to(vceqq_u16(p.val[3], vdupq_n_u16(0xffff)), a);
+}
+
+INLINE void load8_rgb16(const uint8_t *source, floats *r, floats *g, floats *b, floats *a)
+{
+    const uint16x8x3_t p = vld3q_u16((const uint16_t *)(const void *)source);
+    sixteens_to(p.val[0], r);
+    sixteens_to(p.val[1], g);
+    sixteens_to(p.val[2], b);
+    a[0] = a[1] = v_all(1.0f);
+}
+
+#endif
