@@ -1,6 +1,7 @@
 /* In the place of the renderer and the study where they are not built in. */
 #include <stdio.h>
 
+#include "bench.h"
 #include "commands.h"
 
 static int absent(const char *command)
@@ -21,4 +22,11 @@ int study_main(int argc, char **argv)
     (void)argc;
     (void)argv;
     return absent("study");
+}
+
+int bench_scene_main(int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    return absent("bench scene");
 }

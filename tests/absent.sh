@@ -40,4 +40,7 @@ refuses PUPIL_VIDEO replay "$work/a.mkv" -q -o "$work/out.y4m"
 refuses PUPIL_PNG replay synth:walk --frames 1 -q -o "$work/out.png"
 refuses PUPIL_VIDEO replay synth:walk --frames 1 -q -o "$work/out.mp4"
 refuses PUPIL_JSON replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
+refuses PUPIL_SCENES render room -q -o "$work/out.y4m"
+refuses PUPIL_SCENES study -q
+refuses PUPIL_BENCH bench scene
 exit $status

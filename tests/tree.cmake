@@ -27,15 +27,15 @@ pupil_add_tree_test(tree.readme quick 120 ${here}/readme/check.sh ${PROJECT_BINA
 pupil_add_tree_test(tree.tables quick 120 ${here}/kernels/check_tables.sh)
 pupil_add_tree_test(tree.style quick 120 ${here}/style.sh)
 
-# The same bits from other compilers and levels: tests/stream/digests.txt.
+# The same bits from other compilers and levels: tests/stream/digests.txt, tests/scene/digests.txt.
 set(digest_only -DPUPIL_PROGRAM=OFF -DPUPIL_TESTS=ON -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=None)
 foreach(compiler gcc clang)
-  foreach(level O0 O2 O3)
-    pupil_add_nested(digest.${compiler}-${level} full 600 digest "-R ^stream.digest$"
+  foreach(level O0 O1 O2 O3)
+    pupil_add_nested(digest.${compiler}-${level} full 600 digests "-R digest$"
       -DCMAKE_C_COMPILER=${compiler} -DCMAKE_C_FLAGS=-${level} ${digest_only})
   endforeach()
 endforeach()
-pupil_add_nested(digest.x86-64-v3 full 600 digest "-R ^stream.digest$"
+pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
   -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
 
 # The other presets, as a user would build them.
@@ -45,7 +45,7 @@ pupil_add_tree_test(preset.absent full 600 ${here}/absent.sh ${nested}/preset-ab
 set_tests_properties(preset.absent PROPERTIES PROCESSORS 2)
 pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
 # The unit tests compare with long double, which 64-bit ARM does in software: minutes each in the emulator.
-pupil_add_nested(preset.arm64 full 1200 - "-L quick -R ^stream" --preset arm64)
+pupil_add_nested(preset.arm64 full 1200 - "-L quick -R ^(stream|scene)" --preset arm64)
 pupil_add_nested(preset.musl full 1200 - "-L quick" --preset musl)
 
 # The quick tests under the sanitizers, then every fuzzer for a while, all from one build.
