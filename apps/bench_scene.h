@@ -7,7 +7,7 @@
 
 #include "recipe.h"
 
-#define BENCH_MOST_LIGHTS (RECIPE_MOST_LAMPS + 1)
+#define BENCH_MOST_LIGHTS (FIXTURE_MOST_LAMPS + 1)
 
 typedef struct bench_sums { /* medians of one race */
     double sum_s, copy_s, read_s;
