@@ -8,17 +8,19 @@
 
 enum { EXIT_DONE = 0, EXIT_USAGE = 2 };
 
-static const char help[] = "usage: pupil bench WHAT ...\n"
-                           "How long things take, each beside what it cannot be faster than, in turns in one run.\n"
-                           "  scene    rendering a scene's lights once, and its frames as their sums\n"
-                           "'pupil bench WHAT --help' tells more.\n";
+static const char help[] =
+    "usage: pupil bench WHAT ...\n"
+    "How long things take, each beside what it cannot be faster than, in turns in one run.\n"
+    "  kernels  metering and mapping at every level, format and number of threads; their errors\n"
+    "  scene    rendering a scene's lights once, and its frames as their sums\n"
+    "'pupil bench WHAT --help' tells more.\n";
 
 int bench_main(int argc, char **argv)
 {
     static const struct {
         const char *name;
         int (*run)(int argc, char **argv);
-    } whats[] = {{"scene", bench_scene_main}};
+    } whats[] = {{"kernels", bench_kernels_main}, {"scene", bench_scene_main}};
     const char *what = argc > 1 ? argv[1] : "";
     for (size_t i = 0; i < sizeof whats / sizeof whats[0]; i++)
         if (strcmp(what, whats[i].name) == 0)

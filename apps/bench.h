@@ -4,5 +4,6 @@
 #define PUPIL_APPS_BENCH_H
 
 int bench_scene_main(int argc, char **argv);
+int bench_kernels_main(int argc, char **argv);
 
 #endif
