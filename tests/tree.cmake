@@ -38,6 +38,10 @@ endforeach()
 pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
   -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
 
+# Everything again at the scalar level alone, which is what a CPU without vectors has.
+pupil_add_nested(level.scalar full 900 - "-L quick -R ^(unit|stream|kernels|drivers|apps|fixtures|scene)"
+  -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
+
 # The other presets, as a user would build them.
 pupil_add_nested(preset.minimal full 600 - - --preset minimal)
 pupil_add_nested(preset.release full 600 - - --preset release -DPUPIL_WERROR=ON)
@@ -45,7 +49,7 @@ pupil_add_tree_test(preset.absent full 600 ${here}/absent.sh ${nested}/preset-ab
 set_tests_properties(preset.absent PROPERTIES PROCESSORS 2)
 pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
 # The unit tests compare with long double, which 64-bit ARM does in software: minutes each in the emulator.
-pupil_add_nested(preset.arm64 full 1200 - "-L quick -R ^(stream|scene)" --preset arm64)
+pupil_add_nested(preset.arm64 full 1200 - "-L quick -R ^(stream|scene|kernels)" --preset arm64)
 pupil_add_nested(preset.musl full 1200 - "-L quick" --preset musl)
 
 # The quick tests under the sanitizers, then every fuzzer for a while, all from one build.

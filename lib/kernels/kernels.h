@@ -67,12 +67,14 @@ typedef struct pupil_planes {
 typedef int pupil_load_kernel(const void *source, uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
-/* Meters into run unless it is NULL, maps into planes (values from 0 to 1). 1: as load. */
+/* Meters into run unless it is NULL, maps into planes: values from 0 to 1, or by rounding the float above it. 1: as
+ * load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
                                pupil_run *run);
 /* Adds to the bins, the peak bins and the peak. */
 typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
                                     pupil_stats *stats);
+/* Of what scale leaves: nothing negative, no NaN. */
 typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
 /* Writes the fourth byte of RGBA8 pixels. */
 typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);

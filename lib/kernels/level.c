@@ -1,6 +1,18 @@
 /* Which level this CPU can run. Asked once, at init: the instruction that tells takes microseconds in a VM. */
 #include "kernels.h"
 
+/* The levels that may be chosen beside scalar: a mask of 1 << pupil_level (CMake's PUPIL_LEVELS). */
+#ifndef PUPIL_LEVELS
+#define PUPIL_LEVELS ~0u
+#endif
+
+/* A test: functions stand in for the level's instructions, on any CPU. */
+#if defined(PUPIL_EMULATE)
+#define EMULATED (1u << PUPIL_LEVEL_AVX512)
+#else
+#define EMULATED 0u
+#endif
+
 #if defined(__x86_64__)
 #include <cpuid.h>
 
@@ -29,9 +41,6 @@ static uint32_t levels_here(void)
         levels |= 1u << PUPIL_LEVEL_AVX2;
     if ((saved & SAVES_AVX512) == SAVES_AVX512 && (b & bit_AVX2) && (b & avx512) == avx512)
         levels |= 1u << PUPIL_LEVEL_AVX512;
-#if defined(PUPIL_EMULATE) /* a test: the level's instructions are functions */
-    levels |= 1u << PUPIL_LEVEL_AVX512;
-#endif
     return levels;
 }
 
@@ -72,9 +81,10 @@ const pupil_kernels *pupil_level_kernels(uint32_t level)
 
 uint32_t pupil_level_choose(uint32_t mask)
 {
-    uint32_t levels = levels_here(), best = PUPIL_LEVEL_SCALAR;
+    const uint32_t levels = (levels_here() | EMULATED) & PUPIL_LEVELS & (mask ? mask : ~0u);
+    uint32_t best = PUPIL_LEVEL_SCALAR;
     for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++)
-        if (levels & (mask ? mask : ~0u) & 1u << level)
+        if (levels & 1u << level)
             best = level;
     return best;
 }
