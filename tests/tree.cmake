@@ -39,7 +39,7 @@ pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
   -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
 
 # Everything again at the scalar level alone, which is what a CPU without vectors has.
-pupil_add_nested(level.scalar full 900 - "-L quick -R ^(unit|stream|kernels|drivers|apps|fixtures|scene)"
+pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps)"
   -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
 
 # The other presets, as a user would build them.
