@@ -16,13 +16,21 @@ GROUP_OF_VECTORS(rgb16, load8_rgb16, 6)
 
 INLINE void group_rgba16f(const uint8_t *source, group *p)
 {
-    load16_rgba16f(source, p->r, p->g, p->b, p->a);
+    load16_rgba16f(source, p->r, p->g, p->b, &p->opaque);
+    p->top = top_of(p->r, p->g, p->b);
 }
 
 INLINE void group_rgba16(const uint8_t *source, group *p)
 {
-    load16_rgba16(source, p->r, p->g, p->b, p->a);
+    load16_rgba16(source, p->r, p->g, p->b, &p->opaque);
+    p->top = top_of(p->r, p->g, p->b);
 }
+
+SUM_OF_VECTORS(rgba32f, load8_rgba32f, 16)
+SUM_OF_VECTORS(rgb32f, load8_rgb32f, 12)
+SUM_OF_GROUP(rgba16f)
+SUM_OF_GROUP(rgba16)
+SUM_OF_VECTORS(rgb16, load8_rgb16, 6)
 
 FORMAT_KERNELS(rgba32f, 16)
 FORMAT_KERNELS(rgb32f, 12)

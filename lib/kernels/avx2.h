@@ -100,13 +100,20 @@ INLINE floats v_where(mask m, floats a)
 {
     return _mm256_and_ps(m, a);
 } /* else 0 */
-INLINE int v_none(mask m)
+INLINE int v_every(mask m)
 {
-    return _mm256_testz_ps(m, m);
+    return _mm256_movemask_ps(m) == 0xff;
 }
 INLINE uint32_t v_mask_bits(mask m)
 {
     return (uint32_t)_mm256_movemask_ps(m);
+}
+
+/* its fraction, as a number in [1, 2) */
+INLINE floats v_fraction(floats a)
+{
+    const __m256i fraction = _mm256_and_si256(_mm256_castps_si256(a), _mm256_set1_epi32(0x007fffff));
+    return _mm256_castsi256_ps(_mm256_or_si256(fraction, _mm256_set1_epi32(0x3f800000)));
 }
 
 INLINE ints v_bits(floats a)
@@ -135,6 +142,10 @@ INLINE ints v_or(ints a, ints b)
 }
 #define v_right(a, n) _mm256_srli_epi32(a, n)
 #define v_left(a, n)  _mm256_slli_epi32(a, n)
+INLINE ints v_max_unsigned(ints a, ints b)
+{
+    return _mm256_max_epu32(a, b);
+}
 INLINE ints v_min_unsigned(ints a, ints b)
 {
     return _mm256_min_epu32(a, b);
@@ -155,6 +166,31 @@ INLINE ints v_to_ints(floats a)
 INLINE mask v_equal_ints(ints a, ints b)
 {
     return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));
+}
+/* unsigned */
+INLINE mask v_at_most(ints a, ints b)
+{
+    return v_equal_ints(v_max_unsigned(a, b), b);
+}
+
+/* how many are true, over several masks */
+typedef uint32_t tally;
+INLINE tally v_no_tally(void)
+{
+    return 0;
+}
+INLINE tally v_tally(tally t, mask m)
+{
+    return t + (uint32_t)__builtin_popcount(v_mask_bits(m));
+}
+INLINE uint32_t v_tallied(tally t)
+{
+    return t;
+}
+/* of two masks, 32 bits for each */
+INLINE uint64_t v_group_bits(const mask *m)
+{
+    return v_mask_bits(m[0]) | (uint64_t)v_mask_bits(m[1]) << 32;
 }
 
 /* all below n, unsigned, n > 0 */
@@ -237,14 +273,22 @@ INLINE void from_half(__m256i v, floats to[2])
     to[1] = _mm256_cvtph_ps(_mm256_extracti128_si256(v, 1));
 }
 
-INLINE void load16_rgba16f(const uint8_t *source, floats r[2], floats g[2], floats b[2], floats a[2])
+/* A mask of 16-bit lanes to one of half as many: both of two are set. */
+INLINE mask both_halves(__m256i m)
+{
+    return _mm256_castsi256_ps(_mm256_and_si256(m, _mm256_slli_epi32(m, 16)));
+}
+
+INLINE void load16_rgba16f(const uint8_t *source, floats r[2], floats g[2], floats b[2], mask *opaque)
 {
     __m256i pr, pg, pb, pa;
     planes_of_16(source, &pr, &pg, &pb, &pa);
     from_half(pr, r);
     from_half(pg, g);
     from_half(pb, b);
-    from_half(pa, a);
+    /* 1.0 to infinity, which as 16-bit numbers are in the order of the halves */
+    const __m256i above_1 = _mm256_sub_epi16(pa, _mm256_set1_epi16(0x3c00)), reach = _mm256_set1_epi16(0x7c00 - 0x3c00);
+    *opaque = both_halves(_mm256_cmpeq_epi16(_mm256_max_epu16(above_1, reach), reach));
 }
 
 INLINE floats from_16(__m128i v)
@@ -258,15 +302,14 @@ INLINE void from_16s(__m256i v, floats to[2])
     to[1] = from_16(_mm256_extracti128_si256(v, 1));
 }
 
-INLINE void load16_rgba16(const uint8_t *source, floats r[2], floats g[2], floats b[2], floats a[2])
+INLINE void load16_rgba16(const uint8_t *source, floats r[2], floats g[2], floats b[2], mask *opaque)
 {
     __m256i pr, pg, pb, pa;
     planes_of_16(source, &pr, &pg, &pb, &pa);
     from_16s(pr, r);
     from_16s(pg, g);
     from_16s(pb, b);
-    /* opaque or not is all that is asked of alpha here */
-    from_16s(_mm256_cmpeq_epi16(pa, _mm256_set1_epi16(-1)), a);
+    *opaque = both_halves(_mm256_cmpeq_epi16(pa, _mm256_set1_epi16(-1)));
 }
 
 /* 8 pixels of three 16-bit samples: every third sample of 24, by byte shuffles that leave room for each other. */

@@ -18,6 +18,12 @@ GROUP_OF_VECTORS(rgba16f, load16_rgba16f, 8)
 GROUP_OF_VECTORS(rgba16, load16_rgba16, 8)
 GROUP_OF_VECTORS(rgb16, load16_rgb16, 6)
 
+SUM_OF_VECTORS(rgba32f, load16_rgba32f, 16)
+SUM_OF_VECTORS(rgb32f, load16_rgb32f, 12)
+SUM_OF_VECTORS(rgba16f, load16_rgba16f, 8)
+SUM_OF_VECTORS(rgba16, load16_rgba16, 8)
+SUM_OF_VECTORS(rgb16, load16_rgb16, 6)
+
 FORMAT_KERNELS(rgba32f, 16)
 FORMAT_KERNELS(rgb32f, 12)
 FORMAT_KERNELS(rgba16f, 8)

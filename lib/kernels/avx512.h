@@ -100,13 +100,20 @@ INLINE floats v_where(mask m, floats a)
 {
     return _mm512_maskz_mov_ps(m, a);
 } /* else 0 */
-INLINE int v_none(mask m)
+INLINE int v_every(mask m)
 {
-    return m == 0;
+    return m == 0xffff;
 }
 INLINE uint32_t v_mask_bits(mask m)
 {
     return m;
+}
+
+/* its fraction, as a number in [1, 2) */
+INLINE floats v_fraction(floats a)
+{
+    const __m512i fraction = _mm512_and_si512(_mm512_castps_si512(a), _mm512_set1_epi32(0x007fffff));
+    return _mm512_castsi512_ps(_mm512_or_si512(fraction, _mm512_set1_epi32(0x3f800000)));
 }
 
 INLINE ints v_bits(floats a)
@@ -135,6 +142,10 @@ INLINE ints v_or(ints a, ints b)
 }
 #define v_right(a, n) _mm512_srli_epi32(a, n)
 #define v_left(a, n)  _mm512_slli_epi32(a, n)
+INLINE ints v_max_unsigned(ints a, ints b)
+{
+    return _mm512_max_epu32(a, b);
+}
 INLINE ints v_min_halves(ints a, ints b)
 {
     return _mm512_min_epu16(a, b);
@@ -152,6 +163,32 @@ INLINE mask v_equal_ints(ints a, ints b)
 {
     return _mm512_cmpeq_epi32_mask(a, b);
 }
+/* unsigned */
+INLINE mask v_at_most(ints a, ints b)
+{
+    return _mm512_cmple_epu32_mask(a, b);
+}
+
+/* how many are true, over several masks */
+typedef uint32_t tally;
+INLINE tally v_no_tally(void)
+{
+    return 0;
+}
+INLINE tally v_tally(tally t, mask m)
+{
+    return t + (uint32_t)__builtin_popcount(m);
+}
+INLINE uint32_t v_tallied(tally t)
+{
+    return t;
+}
+/* of one mask */
+INLINE uint64_t v_group_bits(const mask *m)
+{
+    return m[0];
+}
+
 /* below n, unsigned, n > 0 */
 INLINE mask v_below(ints a, uint32_t n)
 {

@@ -5,19 +5,59 @@
 #include "neon.h"
 #include "vector.h"
 
+#if defined(__clang__)
+#define FOR_TWO(i) for (int i = 0; i < 2; i++)
+#else
+#define FOR_TWO(i) _Pragma("GCC unroll 2") for (int i = 0; i < 2; i++)
+#endif
+
 GROUP_OF_VECTORS(rgba32f, load4_rgba32f, 16)
 GROUP_OF_VECTORS(rgb32f, load4_rgb32f, 12)
 
-#define GROUP_OF_EIGHTS(NAME, LOAD, BYTES)                                                                             \
-    INLINE void group_##NAME(const uint8_t *source, group *p)                                                          \
-    {                                                                                                                  \
-        LOAD(source, p->r, p->g, p->b, p->a);                                                                          \
-        LOAD(source + 8 * (BYTES), p->r + 2, p->g + 2, p->b + 2, p->a + 2);                                            \
+INLINE void group_rgba16f(const uint8_t *source, group *p)
+{
+    const words w = load16_four(source);
+    FOR_TWO(i)
+    {
+        halves_to(w.r[i], p->r + 2 * i);
+        halves_to(w.g[i], p->g + 2 * i);
+        halves_to(w.b[i], p->b + 2 * i);
     }
+    /* as 16-bit numbers, halves have the order that floats have as 32-bit numbers */
+    p->top = v_bits(vcvt_f32_f16(vreinterpret_f16_u16(top_of_words(&w))));
+    /* from 1.0 to infinity */
+    const uint16x8_t one = vdupq_n_u16(0x3c00), reach = vdupq_n_u16(0x7c00 - 0x3c00);
+    p->opaque = vreinterpretq_u32_u16(
+        vandq_u16(vcleq_u16(vsubq_u16(w.a[0], one), reach), vcleq_u16(vsubq_u16(w.a[1], one), reach)));
+}
 
-GROUP_OF_EIGHTS(rgba16f, load8_rgba16f, 8)
-GROUP_OF_EIGHTS(rgba16, load8_rgba16, 8)
-GROUP_OF_EIGHTS(rgb16, load8_rgb16, 6)
+INLINE void group_of_words(words w, group *p)
+{
+    FOR_TWO(i)
+    {
+        sixteens_to(w.r[i], p->r + 2 * i);
+        sixteens_to(w.g[i], p->g + 2 * i);
+        sixteens_to(w.b[i], p->b + 2 * i);
+    }
+    p->top = v_bits(vmulq_n_f32(vcvtq_f32_u32(vmovl_u16(top_of_words(&w))), 1.0f / 65535.0f));
+    p->opaque = vreinterpretq_u32_u16(vceqq_u16(vandq_u16(w.a[0], w.a[1]), vdupq_n_u16(0xffff)));
+}
+
+INLINE void group_rgba16(const uint8_t *source, group *p)
+{
+    group_of_words(load16_four(source), p);
+}
+
+INLINE void group_rgb16(const uint8_t *source, group *p)
+{
+    group_of_words(load16_three(source), p);
+}
+
+SUM_OF_VECTORS(rgba32f, load4_rgba32f, 16)
+SUM_OF_VECTORS(rgb32f, load4_rgb32f, 12)
+SUM_OF_GROUP(rgba16f)
+SUM_OF_GROUP(rgba16)
+SUM_OF_GROUP(rgb16)
 
 FORMAT_KERNELS(rgba32f, 16)
 FORMAT_KERNELS(rgb32f, 12)
@@ -28,27 +68,22 @@ FORMAT_KERNELS(rgb16, 6)
 /* ---- store ----------------------------------------------------------------------------------------------------------
  */
 
-/* The codes of four samples, in their words' third byte. */
-INLINE ints codes_of(floats x, const uint32_t *cell, floats lowest)
+/* A word of the encoder's at each number's upper half. */
+INLINE ints words_at(const uint32_t *cell, ints at)
 {
-    const ints bits = v_bits(v_min(v_max(x, lowest), v_all(1.0f)));
-    const ints at = v_right(v_minus(bits, v_bits(lowest)), 16);
-    ints c = vdupq_n_u32(cell[vgetq_lane_u32(at, 0)]);
-    c = vld1q_lane_u32(cell + vgetq_lane_u32(at, 1), c, 1);
-    c = vld1q_lane_u32(cell + vgetq_lane_u32(at, 2), c, 2);
-    c = vld1q_lane_u32(cell + vgetq_lane_u32(at, 3), c, 3);
-    return v_plus(c, v_and(bits, v_all_ints(0xffff)));
+    const uint16x8_t i = vreinterpretq_u16_u32(at);
+    const ints c = {cell[vgetq_lane_u16(i, 1)], cell[vgetq_lane_u16(i, 3)], cell[vgetq_lane_u16(i, 5)],
+                    cell[vgetq_lane_u16(i, 7)]};
+    return c;
 }
 
-/* Of sixteen samples. */
-INLINE uint8x16_t bytes_of(const float *x, const uint32_t *cell, floats lowest)
+/* The codes of eight samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). What lies below the
+ * first cell has the code 0, as its beginning has: base is a power of two, whose lower half is 0. */
+INLINE uint16x8_t codes_of(const float *x, const uint32_t *cell, ints base)
 {
-    const ints a = codes_of(v_load(x), cell, lowest), b = codes_of(v_load(x + 4), cell, lowest);
-    const ints c = codes_of(v_load(x + 8), cell, lowest), d = codes_of(v_load(x + 12), cell, lowest);
-    /* the upper halves of the words, which are the codes; then their lower bytes */
-    const uint16x8_t low = vuzp2q_u16(vreinterpretq_u16_u32(a), vreinterpretq_u16_u32(b));
-    const uint16x8_t high = vuzp2q_u16(vreinterpretq_u16_u32(c), vreinterpretq_u16_u32(d));
-    return vuzp1q_u8(vreinterpretq_u8_u16(low), vreinterpretq_u8_u16(high));
+    const ints low = vqsubq_u32(v_bits(v_load(x)), base), high = vqsubq_u32(v_bits(v_load(x + 4)), base);
+    const ints half = v_all_ints(0xffff);
+    return vaddhn_high_u32(vaddhn_u32(words_at(cell, low), v_and(low, half)), words_at(cell, high), v_and(high, half));
 }
 
 INLINE uint8_t code_of(float x, const pupil_encoder *e)
@@ -63,15 +98,19 @@ INLINE uint8_t code_of(float x, const pupil_encoder *e)
 INLINE void store_vectors(const float *first, const float *second, const float *third, uint32_t n,
                           const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
-    const floats lowest = v_of_bits(v_all_ints(e->base_bits));
-    uint32_t i = 0;
-    for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
-        const uint8x16_t x = bytes_of(first + i, e->cell, lowest), y = bytes_of(second + i, e->cell, lowest);
-        const uint8x16_t z = bytes_of(third + i, e->cell, lowest);
-        if (bytes == 4)
-            vst4q_u8(target + (size_t)i * 4, ((uint8x16x4_t){{x, y, z, vdupq_n_u8(255)}}));
-        else
-            vst3q_u8(target + (size_t)i * 3, ((uint8x16x3_t){{x, y, z}}));
+    const uint32_t *cell = e->cell;
+    const ints base = v_all_ints(e->base_bits);
+    size_t i = 0;
+    for (; i + 8 <= n; i += 8) {
+        const uint16x8_t x = codes_of(first + i, cell, base), y = codes_of(second + i, cell, base);
+        const uint16x8_t z = codes_of(third + i, cell, base);
+        if (bytes == 4) {
+            const uint16x8_t xy = vsliq_n_u16(x, y, 8), za = vorrq_u16(z, vdupq_n_u16(0xff00));
+            vst1q_u16((uint16_t *)(target + i * 4), vzip1q_u16(xy, za));
+            vst1q_u16((uint16_t *)(target + i * 4 + 16), vzip2q_u16(xy, za));
+        } else {
+            vst3_u8(target + i * 3, ((uint8x8x3_t){{vmovn_u16(x), vmovn_u16(y), vmovn_u16(z)}}));
+        }
     }
     for (; i < n; i++) {
         uint8_t *at = target + (size_t)i * bytes;

@@ -95,15 +95,35 @@ INLINE floats v_where(mask m, floats a)
 {
     return vreinterpretq_f32_u32(vandq_u32(m, vreinterpretq_u32_f32(a)));
 }
-INLINE int v_none(mask m)
+/* its fraction, as a number in [1, 2) */
+INLINE floats v_fraction(floats a)
 {
-    return vmaxvq_u32(m) == 0;
+    return vbslq_f32(vdupq_n_u32(0x007fffff), a, vdupq_n_f32(1.0f));
 }
-/* a bit for each */
-INLINE uint32_t v_mask_bits(mask m)
+INLINE int v_every(mask m)
 {
-    static const uint32_t bit[4] = {1, 2, 4, 8};
-    return vaddvq_u32(vandq_u32(m, vld1q_u32(bit)));
+    return vminvq_u32(m) == ~0u;
+}
+
+/* how many are true, over several masks */
+typedef uint32x4_t tally;
+INLINE tally v_no_tally(void)
+{
+    return vdupq_n_u32(0);
+}
+INLINE tally v_tally(tally t, mask m)
+{
+    return vsubq_u32(t, m);
+}
+INLINE uint32_t v_tallied(tally t)
+{
+    return vaddvq_u32(t);
+}
+/* of four masks, 16 bits for each */
+INLINE uint64_t v_group_bits(const mask *m)
+{
+    const uint32x4_t some = vpmaxq_u32(vpmaxq_u32(m[0], m[1]), vpmaxq_u32(m[2], m[3]));
+    return vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(some)), 0);
 }
 
 INLINE ints v_bits(floats a)
@@ -121,6 +141,14 @@ INLINE ints v_plus(ints a, ints b)
 INLINE ints v_minus(ints a, ints b)
 {
     return vsubq_u32(a, b);
+}
+INLINE ints v_max_unsigned(ints a, ints b)
+{
+    return vmaxq_u32(a, b);
+}
+INLINE mask v_at_most(ints a, ints b)
+{
+    return vcleq_u32(a, b);
 }
 INLINE ints v_and(ints a, ints b)
 {
@@ -152,7 +180,7 @@ INLINE void load4_rgb32f(const void *source, floats *r, floats *g, floats *b, fl
     *r = p.val[0], *g = p.val[1], *b = p.val[2], *a = v_all(1.0f);
 }
 
-/* Eight pixels of 16-bit samples to the two vectors from r, g, b, a on. */
+/* Eight 16-bit samples to two vectors. */
 INLINE void halves_to(uint16x8_t v, floats to[2])
 {
     to[0] = vcvt_f32_f16(vreinterpret_f16_u16(vget_low_u16(v)));
@@ -166,31 +194,33 @@ INLINE void sixteens_to(uint16x8_t v, floats to[2])
     to[1] = vmulq_f32(vcvtq_f32_u32(vmovl_high_u16(v)), unit);
 }
 
-INLINE void load8_rgba16f(const uint8_t *source, floats *r, floats *g, floats *b, floats *a)
+/* Sixteen pixels. What is asked of all of them at once is cheaper to find before their samples are twice as wide. */
+typedef struct words {
+    uint16x8_t r[2], g[2], b[2], a[2];
+} words;
+
+INLINE words load16_four(const uint8_t *source)
 {
-    const uint16x8x4_t p = vld4q_u16((const uint16_t *)(const void *)source);
-    halves_to(p.val[0], r);
-    halves_to(p.val[1], g);
-    halves_to(p.val[2], b);
-    halves_to(p.val[3], a);
+    const uint16_t *s = (const uint16_t *)(const void *)source;
+    const uint16x8x4_t p = vld4q_u16(s), q = vld4q_u16(s + 32);
+    return (words){{p.val[0], q.val[0]}, {p.val[1], q.val[1]}, {p.val[2], q.val[2]}, {p.val[3], q.val[3]}};
 }
 
-INLINE void load8_rgba16(const uint8_t *source, floats *r, floats *g, floats *b, floats *a)
+INLINE words load16_three(const uint8_t *source)
 {
-    const uint16x8x4_t p = vld4q_u16((const uint16_t *)(const void *)source);
-    sixteens_to(p.val[0], r);
-    sixteens_to(p.val[1], g);
-    sixteens_to(p.val[2], b);
-    sixteens_to(vceqq_u16(p.val[3], vdupq_n_u16(0xffff)), a);
+    const uint16_t *s = (const uint16_t *)(const void *)source;
+    const uint16x8x3_t p = vld3q_u16(s), q = vld3q_u16(s + 24);
+    const uint16x8_t most = vdupq_n_u16(0xffff);
+    return (words){{p.val[0], q.val[0]}, {p.val[1], q.val[1]}, {p.val[2], q.val[2]}, {most, most}};
 }
 
-INLINE void load8_rgb16(const uint8_t *source, floats *r, floats *g, floats *b, floats *a)
+/* The largest of all channels is one of these. */
+INLINE uint16x4_t top_of_words(const words *w)
 {
-    const uint16x8x3_t p = vld3q_u16((const uint16_t *)(const void *)source);
-    sixteens_to(p.val[0], r);
-    sixteens_to(p.val[1], g);
-    sixteens_to(p.val[2], b);
-    a[0] = a[1] = v_all(1.0f);
+    const uint16x8_t p = vmaxq_u16(vmaxq_u16(w->r[0], w->g[0]), w->b[0]);
+    const uint16x8_t q = vmaxq_u16(vmaxq_u16(w->r[1], w->g[1]), w->b[1]);
+    const uint16x8_t top = vmaxq_u16(p, q);
+    return vget_low_u16(vpmaxq_u16(top, top));
 }
 
 #endif

@@ -96,6 +96,12 @@ void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *ta
     pupil_run run;
 
     run_clear(&run);
+    if (!target && job->kernels->meter[job->in_pixel] && !job->histogram) {
+        job->kernels->meter[job->in_pixel](job, source, 0, n, &run);
+        if (metered)
+            stats_add_run(stats, &run, n, weight, band);
+        return;
+    }
     for (uint32_t x = 0; x < n; x += PUPIL_BLOCK) {
         uint32_t m = n - x < PUPIL_BLOCK ? n - x : PUPIL_BLOCK;
         if (target)

@@ -15,21 +15,28 @@
 /* gcc -O2 wants to be told, so that what a loop carries stays in registers; clang does so by itself. */
 #if defined(__clang__)
 #define FOR_EACH_WAY(k) for (int k = 0; k < WAYS; k++)
+#define FOR_FOUR(k)     for (int k = 0; k < 4; k++)
 #else
+#define FOR_FOUR(k)     _Pragma("GCC unroll 4") for (int k = 0; k < 4; k++)
 #define FOR_EACH_WAY(k) _Pragma("GCC unroll 4") for (int k = 0; k < WAYS; k++)
 #endif
 
 typedef struct group { /* 16 pixels */
-    floats r[WAYS], g[WAYS], b[WAYS], a[WAYS], l[WAYS];
+    floats r[WAYS], g[WAYS], b[WAYS], l[WAYS];
+    ints top;    /* the largest bits, as unsigned numbers, of any channel are those of one of these */
+    mask opaque; /* all true: every alpha is at least 1 */
 } group;
 
 typedef struct lanes {
     floats product[WAYS];
-    ints exponent[WAYS];
 } lanes;
 
+/* Bits of a float that are at most a limit, as unsigned numbers, are a float that is not negative, not NaN, and at most
+ * the limit. Pixels whose channels are all so need not be clamped, or counted one by one: almost all are. */
 typedef struct meter_constants {
-    floats weight[3], floor, clip, near_clip, ceiling;
+    floats weight[3], floor, clip, ceiling;
+    ints bounded;  /* no luminance above PUPIL_CEILING comes from these */
+    ints ordinary; /* and below the clip */
 } meter_constants;
 
 INLINE floats max_of_3(floats a, floats b, floats c)
@@ -48,81 +55,113 @@ INLINE meter_constants meter_constants_of(const pupil_row_job *job)
     c.floor = v_all(job->floor);
     c.clip = v_all(job->clip);
     c.ceiling = v_all(PUPIL_CEILING);
-    c.near_clip = v_all(job->clip < 0x1p126f ? job->clip : 0x1p126f);
+    /* The weights' sum is 1. A primary beyond all colours has a negative one: then no channel but 0 is bounded. */
+    const int positive = job->luma[0] >= 0.0f && job->luma[1] >= 0.0f && job->luma[2] >= 0.0f;
+    const float bound = positive ? PUPIL_CEILING / 2 : 0x1p-149f;
+    c.bounded = v_all_ints(pupil_bits_of_float(bound) - 1);
+    c.ordinary = v_all_ints(pupil_bits_of_float(bound < job->clip ? bound : job->clip) - 1);
     return c;
 }
 
 INLINE lanes lanes_of(const pupil_run *run)
 {
     lanes s;
-    FOR_EACH_WAY(k)
-    {
-        s.product[k] = v_load(run->product + k * WIDTH);
-        s.exponent[k] = v_load_ints(run->exponent + k * WIDTH);
-    }
+    FOR_EACH_WAY(k) s.product[k] = v_load(run->product + k * WIDTH);
     return s;
 }
 
-INLINE void lanes_to(const lanes *s, pupil_run *run)
+INLINE floats luminance(floats r, floats g, floats b, const meter_constants *c)
 {
-    FOR_EACH_WAY(k)
-    {
-        v_store(run->product + k * WIDTH, s->product[k]);
-        v_store_ints(run->exponent + k * WIDTH, s->exponent[k]);
-    }
+    return v_add(v_add(v_mul(c->weight[0], r), v_mul(c->weight[1], g)), v_mul(c->weight[2], b));
 }
 
 INLINE void luminance_of(group *p, const meter_constants *c)
 {
-    FOR_EACH_WAY(k)
-    p->l[k] = v_add(v_add(v_mul(c->weight[0], p->r[k]), v_mul(c->weight[1], p->g[k])), v_mul(c->weight[2], p->b[k]));
+    FOR_EACH_WAY(k) p->l[k] = luminance(p->r[k], p->g[k], p->b[k], c);
 }
 
-INLINE uint32_t bits_set(uint32_t bits)
+INLINE int is_bounded(const group *p, const meter_constants *c)
 {
-    return (uint32_t)__builtin_popcount(bits);
+    return v_every(v_at_most(p->top, c->bounded));
 }
 
-/* Of the pixels in `valid` (a bit each). An L above the floor, and no channel near the clip: nothing to count, as
- * almost everywhere. A NaN and a negative infinity make an L that is not above the floor, and a positive infinity is
- * beyond every clip. */
-INLINE void count_of(const group *p, const meter_constants *c, uint32_t valid, pupil_run *run)
+/* Of 64 pixels, to see once whether there is anything to clamp or to count in them. */
+typedef struct extremes {
+    ints top;
+    floats least;
+} extremes;
+
+/* One vector of an ordinary group. */
+INLINE void sum_vector(floats r, floats g, floats b, const meter_constants *c, floats *product, extremes *e)
 {
-    mask light[WAYS];
-    floats top[WAYS];
-    uint32_t nothing = 0;
+    const floats l = luminance(r, g, b, c);
+    e->top = v_max_unsigned(e->top, v_max_unsigned(v_max_unsigned(v_bits(r), v_bits(g)), v_bits(b)));
+    e->least = v_min(e->least, l);
+    *product = v_mul(*product, l);
+}
+
+INLINE void sum_group(group *p, const meter_constants *c, lanes *s, extremes *e)
+{
+    luminance_of(p, c);
+    floats least = p->l[0];
+    for (int k = 1; k < WAYS; k++)
+        least = v_min(least, p->l[k]);
+    e->top = v_max_unsigned(e->top, p->top);
+    e->least = v_min(e->least, least);
+    FOR_EACH_WAY(k) s->product[k] = v_mul(s->product[k], p->l[k]);
+}
+
+INLINE int is_ordinary(const extremes *e, const meter_constants *c)
+{
+    return v_every(v_both(v_at_most(e->top, c->ordinary), v_greater(e->least, c->floor)));
+}
+
+/* Whether pixel k * WIDTH + lane is one of the first n. */
+INLINE mask first_of(uint32_t n, int k)
+{
+    static const float ramp[2 * PUPIL_LANES] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    return v_greater(v_load(ramp + PUPIL_LANES - n + k * WIDTH), v_all(0.0f));
+}
+
+/* Of the first n pixels. Where L is finite, so are the channels. */
+INLINE void count_of(const group *p, const meter_constants *c, uint32_t n, pupil_run *run)
+{
+    const floats infinity = v_all((float)__builtin_inf()), below_all = v_all(-(float)__builtin_inf());
+    tally finite = v_no_tally(), black = v_no_tally(), clipped = v_no_tally();
     FOR_EACH_WAY(k)
     {
-        top[k] = max_of_3(p->r[k], p->g[k], p->b[k]);
-        light[k] = v_greater(p->l[k], c->floor);
-        nothing |= v_mask_bits(v_both(light[k], v_less(top[k], c->near_clip))) << k * WIDTH;
+        mask here = v_both(v_less(p->l[k], infinity), v_greater(p->l[k], below_all));
+        if (n < PUPIL_LANES)
+            here = v_both(here, first_of(n, k));
+        finite = v_tally(finite, here);
+        black = v_tally(black, v_both(here, v_at_least(c->floor, p->l[k])));
+        clipped = v_tally(clipped, v_both(here, v_at_least(max_of_3(p->r[k], p->g[k], p->b[k]), c->clip)));
     }
-    if ((nothing & valid) == valid)
-        return;
+    run->bad += n - v_tallied(finite);
+    run->black += v_tallied(black);
+    run->clipped += v_tallied(clipped);
+}
+
+/* The first n pixels, whatever they are. */
+INLINE void meter_hard(const group *p, const meter_constants *c, lanes *s, uint32_t n, pupil_run *run)
+{
+    count_of(p, c, n, run);
     FOR_EACH_WAY(k)
     {
-        const uint32_t here = valid >> k * WIDTH & ((1u << WIDTH) - 1);
-        const uint32_t finite = v_mask_bits(
-            v_both(v_less(p->l[k], v_all((float)__builtin_inf())), v_greater(p->l[k], v_all(-(float)__builtin_inf()))));
-        run->bad += bits_set(~finite & here);
-        run->black += bits_set(finite & ~v_mask_bits(light[k]) & here);
-        run->clipped += bits_set(finite & ~v_mask_bits(v_less(top[k], c->clip)) & here);
+        const floats factor = v_min(v_max(p->l[k], c->floor), c->ceiling);
+        s->product[k] = v_mul(s->product[k], n < PUPIL_LANES ? v_select(first_of(n, k), factor, v_all(1.0f)) : factor);
     }
 }
 
-INLINE void meter_group(const group *p, const meter_constants *c, lanes *s)
-{
-    FOR_EACH_WAY(k)
-    s->product[k] = v_mul(s->product[k], v_min(v_max(p->l[k], c->floor), c->ceiling));
-}
-
-INLINE void move_exponents(lanes *s)
+/* And all of s goes to the run. */
+INLINE void move_exponents(lanes *s, pupil_run *run)
 {
     FOR_EACH_WAY(k)
     {
-        const ints bits = v_bits(s->product[k]);
-        s->exponent[k] = v_plus(s->exponent[k], v_minus(v_right(bits, 23), v_all_ints(127)));
-        s->product[k] = v_of_bits(v_or(v_and(bits, v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
+        const ints bits = v_bits(s->product[k]), exponent = v_load_ints(run->exponent + k * WIDTH);
+        v_store_ints(run->exponent + k * WIDTH, v_minus(v_plus(exponent, v_right(bits, 23)), v_all_ints(127)));
+        s->product[k] = v_fraction(s->product[k]);
+        v_store(run->product + k * WIDTH, s->product[k]);
     }
 }
 
@@ -136,7 +175,7 @@ INLINE void add_bins(uint64_t *bin, ints index, uint32_t n, uint32_t weight)
 {
     int32_t at[WIDTH];
     v_store_ints(at, index);
-    if (n == WIDTH && v_none(v_not(v_equal_ints(index, v_all_ints((uint32_t)at[0]))))) {
+    if (n == WIDTH && v_every(v_equal_ints(index, v_all_ints((uint32_t)at[0])))) {
         bin[at[0]] += WIDTH * weight;
         return;
     }
@@ -241,66 +280,112 @@ INLINE void list_some(vector_list *list, uint32_t i, uint32_t pixels)
     list->count += (uint32_t)(pixels != 0);
 }
 
+/* The same for whole groups: 64 / WAYS bits for each vector, not all 0 where it wants one. */
+typedef struct group_list {
+    uint64_t vectors[PUPIL_BLOCK / PUPIL_LANES], any;
+} group_list;
+
 /* From a loaded group to planes. */
-INLINE void scale_group(const group *p, const scale_constants *c, uint32_t i, pupil_planes *planes, vector_list *over)
+INLINE void scale_group(const group *p, const scale_constants *c, size_t i, pupil_planes *planes, group_list *over,
+                        int bounded)
 {
     const floats one = v_all(1.0f);
+    mask beyond[WAYS];
     FOR_EACH_WAY(k)
     {
-        const uint32_t at = i + (uint32_t)k * WIDTH;
-        const floats y = v_min(v_max(p->l[k], v_all(0.0f)), v_all(PUPIL_CEILING));
+        const size_t at = i + (size_t)k * WIDTH;
+        const floats y = bounded ? p->l[k] : v_min(v_max(p->l[k], v_all(0.0f)), v_all(PUPIL_CEILING));
         const floats u = v_mul(c->scale, y);
-        floats s = v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u));
-        s = v_where(v_is_number(p->l[k]), v_mul(c->scale, s));
-        const floats r = v_mul(clamp_channel(p->r[k]), s);
-        const floats g = v_mul(clamp_channel(p->g[k]), s);
-        const floats b = v_mul(clamp_channel(p->b[k]), s);
+        floats s = v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
+        if (!bounded)
+            s = v_where(v_is_number(p->l[k]), s);
+        const floats r = v_mul(bounded ? p->r[k] : clamp_channel(p->r[k]), s);
+        const floats g = v_mul(bounded ? p->g[k] : clamp_channel(p->g[k]), s);
+        const floats b = v_mul(bounded ? p->b[k] : clamp_channel(p->b[k]), s);
         const floats grey = v_mul(y, s), limit = v_add(c->knee, v_mul(c->above_knee, grey));
         v_store(planes->r + at, r);
         v_store(planes->g + at, g);
         v_store(planes->b + at, b);
         v_store(planes->grey + at, grey);
-        list_some(over, at, v_mask_bits(v_greater(max_of_3(r, g, b), limit)));
+        beyond[k] = v_greater(max_of_3(r, g, b), limit);
     }
+    over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
 }
 
-static void fit_listed(const vector_list *over, const scale_constants *c, pupil_planes *planes)
+/* Not inline: what is rare must not take registers from what is not. */
+static __attribute__((noinline)) void scale_hard(const group *p, const scale_constants *c, size_t i,
+                                                 pupil_planes *planes, group_list *over)
 {
-    for (uint32_t j = 0; j < over->count; j++) {
-        const uint32_t i = over->vector[j] * WIDTH;
-        fit_gamut(planes->r + i, planes->g + i, planes->b + i, planes->grey + i, c);
-    }
+    scale_group(p, c, i, planes, over, 0);
+}
+
+static void fit_listed(const group_list *over, uint32_t n, const scale_constants *c, pupil_planes *planes)
+{
+    for (uint32_t j = 0; j < n; j += PUPIL_LANES)
+        for (uint64_t vectors = over->vectors[j / PUPIL_LANES]; vectors;) {
+            const uint32_t k = (uint32_t)__builtin_ctzll(vectors) / (64 / WAYS), i = j + k * WIDTH;
+            fit_gamut(planes->r + i, planes->g + i, planes->b + i, planes->grey + i, c);
+            vectors &= WAYS == 1 ? 0 : ~(((UINT64_C(1) << (64 / WAYS) % 64) - 1) << k * (64 / WAYS));
+        }
 }
 
 /* ---- kernels by format ---------------------------------------------------------------------------------------------
  */
 
+INLINE ints top_of(const floats *r, const floats *g, const floats *b)
+{
+    ints top[WAYS];
+    FOR_EACH_WAY(k)
+    top[k] = v_max_unsigned(v_max_unsigned(v_bits(r[k]), v_bits(g[k])), v_bits(b[k]));
+    for (int k = 1; k < WAYS; k++)
+        top[0] = v_max_unsigned(top[0], top[k]);
+    return top[0];
+}
+
+INLINE mask opaque_of(const floats *a)
+{
+    mask opaque = v_at_least(a[0], v_all(1.0f));
+    for (int k = 1; k < WAYS; k++)
+        opaque = v_both(opaque, v_at_least(a[k], v_all(1.0f)));
+    return opaque;
+}
+
 /* group_NAME from LOAD(source, r, g, b, a), which loads WIDTH pixels of BYTES each. */
 #define GROUP_OF_VECTORS(NAME, LOAD, BYTES)                                                                            \
     INLINE void group_##NAME(const uint8_t *source, group *p)                                                          \
     {                                                                                                                  \
-        FOR_EACH_WAY(k) LOAD(source + k * WIDTH * (BYTES), &p->r[k], &p->g[k], &p->b[k], &p->a[k]);                    \
+        floats a[WAYS];                                                                                                \
+        FOR_EACH_WAY(k) LOAD(source + k * WIDTH * (BYTES), &p->r[k], &p->g[k], &p->b[k], &a[k]);                       \
+        p->top = top_of(p->r, p->g, p->b);                                                                             \
+        p->opaque = opaque_of(a);                                                                                      \
     }
 
-/* What is left of a run, as a whole group: the bytes behind it are 0. */
+#define SUM_OF_VECTORS(NAME, LOAD, BYTES)                                                                              \
+    INLINE void sum_##NAME(const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)                     \
+    {                                                                                                                  \
+        FOR_EACH_WAY(k)                                                                                                \
+        {                                                                                                              \
+            floats r, g, b, a;                                                                                         \
+            LOAD(source + k * WIDTH * (BYTES), &r, &g, &b, &a);                                                        \
+            sum_vector(r, g, b, c, &s->product[k], e);                                                                 \
+        }                                                                                                              \
+    }
+
+#define SUM_OF_GROUP(NAME)                                                                                             \
+    INLINE void sum_##NAME(const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)                     \
+    {                                                                                                                  \
+        group p;                                                                                                       \
+        group_##NAME(source, &p);                                                                                      \
+        sum_group(&p, c, s, e);                                                                                        \
+    }
+
+/* What is left of a run, as a whole group: the pixels behind it repeat the first. */
 #define REST_BYTES (PUPIL_LANES * 16)
 
-static void copy_rest(uint8_t rest[REST_BYTES], const uint8_t *source, size_t bytes)
+static void copy_rest(uint8_t rest[REST_BYTES], const uint8_t *source, size_t bytes, size_t pixel_bytes)
 {
-    for (size_t i = 0; i < REST_BYTES; i++)
-        rest[i] = i < bytes ? source[i] : 0;
-}
-
-/* Pixels that are not there count as L = 1, which changes no product, and as opaque. */
-INLINE void only_first(group *p, uint32_t n)
-{
-    static const float ramp[2 * PUPIL_LANES] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
-    FOR_EACH_WAY(k)
-    {
-        const mask there = v_greater(v_load(ramp + PUPIL_LANES - n + k * WIDTH), v_all(0.0f));
-        p->l[k] = v_select(there, p->l[k], v_all(1.0f));
-        p->a[k] = v_select(there, p->a[k], v_all(1.0f));
-    }
+    for (size_t i = 0; i < PUPIL_LANES * pixel_bytes; i++)
+        rest[i] = source[i < bytes ? i : i % pixel_bytes];
 }
 
 INLINE void load_planes(const float *r, const float *g, const float *b, group *p)
@@ -310,11 +395,12 @@ INLINE void load_planes(const float *r, const float *g, const float *b, group *p
         p->r[k] = v_load(r + k * WIDTH);
         p->g[k] = v_load(g + k * WIDTH);
         p->b[k] = v_load(b + k * WIDTH);
-        p->a[k] = v_all(0.0f); /* of alpha nothing is known */
     }
+    p->top = top_of(p->r, p->g, p->b);
+    p->opaque = v_greater(v_all(0.0f), v_all(0.0f)); /* of alpha nothing is known */
 }
 
-INLINE void store_planes(const group *p, uint32_t i, pupil_planes *planes)
+INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
 {
     FOR_EACH_WAY(k)
     {
@@ -324,93 +410,84 @@ INLINE void store_planes(const group *p, uint32_t i, pupil_planes *planes)
     }
 }
 
-INLINE void meter_loaded(group *p, const meter_constants *c, lanes *s, uint32_t i, pupil_run *run)
-{
-    luminance_of(p, c);
-    count_of(p, c, 0xffff, run);
-    meter_group(p, c, s);
-    if ((i & 3 * PUPIL_LANES) == 3 * PUPIL_LANES)
-        move_exponents(s);
-}
-
-/* The last n pixels; alone with its exponents, because up to four factors may already be in the products. */
-INLINE void meter_rest(group *p, const meter_constants *c, lanes *s, uint32_t n, pupil_run *run)
-{
-    luminance_of(p, c);
-    only_first(p, n);
-    count_of(p, c, (1u << n) - 1, run);
-    meter_group(p, c, s);
-}
-
-/* LOAD(i) fills the group p with the pixels from i on, LOAD_REST with those that are left. */
-#define METER_BODY(LOAD, LOAD_REST)                                                                                    \
+/* The body of a kernel that loops over groups. LOAD fills the group p with the pixels from i on, LOAD_REST with those
+ * that are left. After each 64 pixels the exponents are moved, and before those that are left, because up to four
+ * factors may be in the products. */
+#define METER_BODY(SUM, HARD)                                                                                          \
     const meter_constants c = meter_constants_of(job);                                                                 \
     lanes s = lanes_of(run);                                                                                           \
-    uint32_t i = 0;                                                                                                    \
+    size_t i = 0;                                                                                                      \
+    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {                                                           \
+        extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};                                                            \
+        FOR_FOUR(j)                                                                                                    \
+        {                                                                                                              \
+            const size_t k = i + (size_t)j * PUPIL_LANES;                                                              \
+            SUM;                                                                                                       \
+        }                                                                                                              \
+        if (__builtin_expect(!is_ordinary(&e, &c), 0)) {                                                               \
+            HARD(job, source, planes, i, i + 4 * PUPIL_LANES, run);                                                    \
+            s = lanes_of(run);                                                                                         \
+        } else {                                                                                                       \
+            move_exponents(&s, run);                                                                                   \
+        }                                                                                                              \
+    }                                                                                                                  \
+    if (i < n)                                                                                                         \
+        HARD(job, source, planes, i, n, run);
+
+#define HARD_BODY(LOAD, LOAD_REST)                                                                                     \
+    const meter_constants c = meter_constants_of(job);                                                                 \
+    lanes s = lanes_of(run);                                                                                           \
     group p;                                                                                                           \
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {                                                                   \
         LOAD;                                                                                                          \
-        meter_loaded(&p, &c, &s, i, run);                                                                              \
+        luminance_of(&p, &c);                                                                                          \
+        meter_hard(&p, &c, &s, PUPIL_LANES, run);                                                                      \
     }                                                                                                                  \
-    move_exponents(&s);                                                                                                \
+    move_exponents(&s, run);                                                                                           \
     if (i < n) {                                                                                                       \
         LOAD_REST;                                                                                                     \
-        meter_rest(&p, &c, &s, n - i, run);                                                                            \
-        move_exponents(&s);                                                                                            \
-    }                                                                                                                  \
-    lanes_to(&s, run);
+        luminance_of(&p, &c);                                                                                          \
+        meter_hard(&p, &c, &s, (uint32_t)(n - i), run);                                                                \
+        move_exponents(&s, run);                                                                                       \
+    }
 
 #define SCALE_BODY(LOAD, LOAD_REST)                                                                                    \
     const meter_constants c = meter_constants_of(job);                                                                 \
     const scale_constants d = scale_constants_of(job->curve);                                                          \
-    const floats one = v_all(1.0f);                                                                                    \
-    vector_list over = {.count = 0};                                                                                   \
-    mask opaque = v_at_least(one, one);                                                                                \
-    uint32_t i = 0;                                                                                                    \
-    group p;                                                                                                           \
-    if (run) {                                                                                                         \
-        lanes s = lanes_of(run);                                                                                       \
-        for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {                                                               \
-            LOAD;                                                                                                      \
-            meter_loaded(&p, &c, &s, i, run);                                                                          \
-            scale_group(&p, &d, i, planes, &over);                                                                     \
-            FOR_EACH_WAY(k) opaque = v_both(opaque, v_at_least(p.a[k], one));                                          \
-        }                                                                                                              \
-        move_exponents(&s);                                                                                            \
-        if (i < n) {                                                                                                   \
-            LOAD_REST;                                                                                                 \
-            meter_rest(&p, &c, &s, n - i, run);                                                                        \
-            move_exponents(&s);                                                                                        \
-            scale_group(&p, &d, i, planes, &over);                                                                     \
-            FOR_EACH_WAY(k)                                                                                            \
-            opaque = v_both(opaque, v_at_least(p.a[k], one));                                                          \
-        }                                                                                                              \
-        lanes_to(&s, run);                                                                                             \
-    } else {                                                                                                           \
-        for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {                                                               \
-            LOAD;                                                                                                      \
-            luminance_of(&p, &c);                                                                                      \
-            scale_group(&p, &d, i, planes, &over);                                                                     \
-            FOR_EACH_WAY(k) opaque = v_both(opaque, v_at_least(p.a[k], one));                                          \
-        }                                                                                                              \
-        if (i < n) {                                                                                                   \
-            LOAD_REST;                                                                                                 \
-            luminance_of(&p, &c);                                                                                      \
-            only_first(&p, n - i);                                                                                     \
-            scale_group(&p, &d, i, planes, &over);                                                                     \
-            FOR_EACH_WAY(k)                                                                                            \
-            opaque = v_both(opaque, v_at_least(p.a[k], one));                                                          \
+    group_list over;                                                                                                   \
+    mask opaque = v_at_least(v_all(1.0f), v_all(1.0f));                                                                \
+    size_t i = 0;                                                                                                      \
+    over.any = 0;                                                                                                      \
+    for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {                                                                   \
+        group p;                                                                                                       \
+        LOAD;                                                                                                          \
+        luminance_of(&p, &c);                                                                                          \
+        opaque = v_both(opaque, p.opaque);                                                                             \
+        if (__builtin_expect(is_bounded(&p, &c), 1)) {                                                                 \
+            scale_group(&p, &d, i, planes, &over, 1);                                                                  \
+        } else {                                                                                                       \
+            const group q = p;                                                                                         \
+            scale_hard(&q, &d, i, planes, &over);                                                                      \
         }                                                                                                              \
     }                                                                                                                  \
-    fit_listed(&over, &d, planes);                                                                                     \
-    return v_none(v_not(opaque));
+    if (i < n) {                                                                                                       \
+        group p;                                                                                                       \
+        LOAD_REST;                                                                                                     \
+        luminance_of(&p, &c);                                                                                          \
+        opaque = v_both(opaque, p.opaque);                                                                             \
+        const group q = p;                                                                                             \
+        scale_hard(&q, &d, i, planes, &over);                                                                          \
+    }                                                                                                                  \
+    if (over.any)                                                                                                      \
+        fit_listed(&over, n, &d, planes);                                                                              \
+    return v_every(opaque);
 
 /* From group_NAME(source, group), which loads 16 pixels of BYTES each. */
 #define FORMAT_KERNELS(NAME, BYTES)                                                                                    \
-    INLINE void rest_##NAME(const uint8_t *source, uint32_t n, group *p)                                               \
+    INLINE void rest_##NAME(const uint8_t *source, size_t n, group *p)                                                 \
     {                                                                                                                  \
         uint8_t rest[REST_BYTES];                                                                                      \
-        copy_rest(rest, source, n *(BYTES));                                                                           \
+        copy_rest(rest, source, n *(BYTES), BYTES);                                                                    \
         group_##NAME(rest, p);                                                                                         \
     }                                                                                                                  \
     static int load_##NAME(const void *source, uint32_t n, pupil_planes *planes)                                       \
@@ -424,27 +501,35 @@ INLINE void meter_rest(group *p, const meter_constants *c, lanes *s, uint32_t n,
             else                                                                                                       \
                 rest_##NAME(at + i * (BYTES), n - i, &p);                                                              \
             store_planes(&p, i, planes);                                                                               \
-            FOR_EACH_WAY(k) opaque = v_both(opaque, v_at_least(p.a[k], v_all(1.0f)));                                  \
+            opaque = v_both(opaque, p.opaque);                                                                         \
         }                                                                                                              \
-        return v_none(v_not(opaque));                                                                                  \
+        return v_every(opaque);                                                                                        \
+    }                                                                                                                  \
+    static __attribute__((noinline)) void hard_##NAME(const pupil_row_job *job, const void *source,                    \
+                                                      const pupil_planes *planes, size_t i, size_t n, pupil_run *run)  \
+    {                                                                                                                  \
+        const uint8_t *at = source;                                                                                    \
+        (void)planes;                                                                                                  \
+        HARD_BODY(group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                        \
     }                                                                                                                  \
     static void meter_##NAME(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,     \
                              pupil_run *run)                                                                           \
     {                                                                                                                  \
         const uint8_t *at = source;                                                                                    \
-        (void)planes;                                                                                                  \
-        METER_BODY(group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                       \
+        METER_BODY(sum_##NAME(at + k * (BYTES), &c, &s, &e), hard_##NAME)                                              \
     }                                                                                                                  \
     static int scale_##NAME(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,            \
                             pupil_run *run)                                                                            \
     {                                                                                                                  \
         const uint8_t *at = source;                                                                                    \
+        if (run)                                                                                                       \
+            meter_##NAME(job, source, planes, n, run);                                                                 \
         SCALE_BODY(group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                       \
     }
 
 #define FROM_PLANES load_planes(planes->r + i, planes->g + i, planes->b + i, &p)
 
-INLINE void rest_planes(const pupil_planes *planes, uint32_t i, uint32_t n, group *p)
+INLINE void rest_planes(const pupil_planes *planes, size_t i, size_t n, group *p)
 {
     float rest[3][PUPIL_LANES];
     for (uint32_t j = 0; j < PUPIL_LANES; j++) {
@@ -455,15 +540,30 @@ INLINE void rest_planes(const pupil_planes *planes, uint32_t i, uint32_t n, grou
     load_planes(rest[0], rest[1], rest[2], p);
 }
 
+INLINE void sum_planes(const pupil_planes *planes, size_t i, const meter_constants *c, lanes *s, extremes *e)
+{
+    FOR_EACH_WAY(k)
+    sum_vector(v_load(planes->r + i + k * WIDTH), v_load(planes->g + i + k * WIDTH), v_load(planes->b + i + k * WIDTH),
+               c, &s->product[k], e);
+}
+
+static __attribute__((noinline)) void hard_planes(const pupil_row_job *job, const void *source,
+                                                  const pupil_planes *planes, size_t i, size_t n, pupil_run *run)
+{
+    (void)source;
+    HARD_BODY(FROM_PLANES, rest_planes(planes, i, n - i, &p))
+}
+
 static void meter_planes(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                          pupil_run *run)
 {
-    (void)source;
-    METER_BODY(FROM_PLANES, rest_planes(planes, i, n - i, &p))
+    METER_BODY(sum_planes(planes, k, &c, &s, &e), hard_planes)
 }
 
 static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
 {
     (void)source;
+    if (run)
+        meter_planes(job, source, planes, n, run);
     SCALE_BODY(FROM_PLANES, rest_planes(planes, i, n - i, &p))
 }

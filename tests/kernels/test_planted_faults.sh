@@ -27,7 +27,7 @@ try() {
 
 try "no fault" missed vector.h ''
 try "the luminance by a fused multiply-add" caught vector.h \
-    's/v_add(v_add(v_mul(c->weight\[0\], p->r\[k\]), v_mul(c->weight\[1\], p->g\[k\]))/v_add(v_about(c->weight[0], p->r[k], v_mul(c->weight[1], p->g[k]))/'
+    's/v_add(v_add(v_mul(c->weight\[0\], r), v_mul(c->weight\[1\], g))/v_add(v_about(c->weight[0], r, v_mul(c->weight[1], g))/'
 try "a clamp that lets NaN through" caught vector.h \
     's/v_min(v_max(p->l\[k\], c->floor), c->ceiling)/v_min(v_max(c->floor, p->l[k]), c->ceiling)/'
 try "codes that are guessed but not settled" caught vector_store.h 's/#define UNCERTAIN .*/#define UNCERTAIN 1/'
