@@ -26,11 +26,11 @@ INLINE void group_rgba16(const uint8_t *source, group *p)
     p->top = top_of(p->r, p->g, p->b);
 }
 
-SUM_OF_VECTORS(rgba32f, load8_rgba32f, 16)
-SUM_OF_VECTORS(rgb32f, load8_rgb32f, 12)
-SUM_OF_GROUP(rgba16f)
-SUM_OF_GROUP(rgba16)
-SUM_OF_VECTORS(rgb16, load8_rgb16, 6)
+ORDINARY_VECTORS(rgba32f, load8_rgba32f, 16)
+ORDINARY_VECTORS(rgb32f, load8_rgb32f, 12)
+ORDINARY_GROUP(rgba16f)
+ORDINARY_GROUP(rgba16)
+ORDINARY_VECTORS(rgb16, load8_rgb16, 6)
 
 FORMAT_KERNELS(rgba32f, 16)
 FORMAT_KERNELS(rgb32f, 12)

@@ -14,50 +14,80 @@
 GROUP_OF_VECTORS(rgba32f, load4_rgba32f, 16)
 GROUP_OF_VECTORS(rgb32f, load4_rgb32f, 12)
 
-INLINE void group_rgba16f(const uint8_t *source, group *p)
+ORDINARY_VECTORS(rgba32f, load4_rgba32f, 16)
+ORDINARY_VECTORS(rgb32f, load4_rgb32f, 12)
+/* As 16-bit numbers, halves have the order that floats have as 32-bit numbers: the largest is found before they are
+ * widened. */
+INLINE ints top_rgba16f(ints top)
 {
-    const words w = load16_four(source);
-    FOR_TWO(i)
-    {
-        halves_to(w.r[i], p->r + 2 * i);
-        halves_to(w.g[i], p->g + 2 * i);
-        halves_to(w.b[i], p->b + 2 * i);
+    const uint16x8_t t = vreinterpretq_u16_u32(top);
+    return v_bits(vcvt_f32_f16(vreinterpret_f16_u16(vmax_u16(vget_low_u16(t), vget_high_u16(t)))));
+}
+
+INLINE ints top_rgba16(ints top)
+{
+    const uint16x8_t t = vreinterpretq_u16_u32(top);
+    return v_bits(vmulq_n_f32(vcvtq_f32_u32(vmovl_u16(vmax_u16(vget_low_u16(t), vget_high_u16(t)))), 1.0f / 65535.0f));
+}
+#define top_rgb16 top_rgba16
+
+#define ORDINARY_EIGHTS(NAME, LOAD, CONVERT, OPAQUE)                                                                   \
+    INLINE void sum_##NAME(const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)                     \
+    {                                                                                                                  \
+        FOR_TWO(h)                                                                                                     \
+        {                                                                                                              \
+            const words w = LOAD(source, h);                                                                           \
+            floats r[2], g[2], b[2], l[2];                                                                             \
+            CONVERT(w.r, r);                                                                                           \
+            CONVERT(w.g, g);                                                                                           \
+            CONVERT(w.b, b);                                                                                           \
+            e->top = larger_words(e->top, &w);                                                                         \
+            FOR_TWO(k)                                                                                                 \
+            {                                                                                                          \
+                l[k] = luminance(r[k], g[k], b[k], c);                                                                 \
+                s->product[2 * h + k] = v_mul(s->product[2 * h + k], l[k]);                                            \
+            }                                                                                                          \
+            e->least = v_min(e->least, v_min(l[0], l[1]));                                                             \
+        }                                                                                                              \
+    }                                                                                                                  \
+    INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
+                               pupil_planes *planes, mask *beyond, mask *opaque)                                       \
+    {                                                                                                                  \
+        ints top = v_all_ints(0);                                                                                      \
+        FOR_TWO(h)                                                                                                     \
+        {                                                                                                              \
+            const words w = LOAD(source, h);                                                                           \
+            floats r[2], g[2], b[2];                                                                                   \
+            CONVERT(w.r, r);                                                                                           \
+            CONVERT(w.g, g);                                                                                           \
+            CONVERT(w.b, b);                                                                                           \
+            top = larger_words(top, &w);                                                                               \
+            *opaque = v_both(*opaque, OPAQUE(w.a));                                                                    \
+            FOR_TWO(k)                                                                                                 \
+            beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], luminance(r[k], g[k], b[k], c), d,                      \
+                                             i + (size_t)(2 * h + k) * WIDTH, planes, 1);                              \
+        }                                                                                                              \
+        return top;                                                                                                    \
+    }                                                                                                                  \
+    INLINE void group_##NAME(const uint8_t *source, group *p)                                                          \
+    {                                                                                                                  \
+        ints top = v_all_ints(0);                                                                                      \
+        p->opaque = v_all_ints(~0u);                                                                                   \
+        FOR_TWO(h)                                                                                                     \
+        {                                                                                                              \
+            const words w = LOAD(source, h);                                                                           \
+            CONVERT(w.r, p->r + 2 * h);                                                                                \
+            CONVERT(w.g, p->g + 2 * h);                                                                                \
+            CONVERT(w.b, p->b + 2 * h);                                                                                \
+            top = larger_words(top, &w);                                                                               \
+            p->opaque = v_both(p->opaque, OPAQUE(w.a));                                                                \
+        }                                                                                                              \
+        p->top = top_##NAME(top);                                                                                      \
     }
-    /* as 16-bit numbers, halves have the order that floats have as 32-bit numbers */
-    p->top = v_bits(vcvt_f32_f16(vreinterpret_f16_u16(top_of_words(&w))));
-    /* from 1.0 to infinity */
-    const uint16x8_t one = vdupq_n_u16(0x3c00), reach = vdupq_n_u16(0x7c00 - 0x3c00);
-    p->opaque = vreinterpretq_u32_u16(
-        vandq_u16(vcleq_u16(vsubq_u16(w.a[0], one), reach), vcleq_u16(vsubq_u16(w.a[1], one), reach)));
-}
 
-INLINE void group_of_words(words w, group *p)
-{
-    FOR_TWO(i)
-    {
-        sixteens_to(w.r[i], p->r + 2 * i);
-        sixteens_to(w.g[i], p->g + 2 * i);
-        sixteens_to(w.b[i], p->b + 2 * i);
-    }
-    p->top = v_bits(vmulq_n_f32(vcvtq_f32_u32(vmovl_u16(top_of_words(&w))), 1.0f / 65535.0f));
-    p->opaque = vreinterpretq_u32_u16(vceqq_u16(vandq_u16(w.a[0], w.a[1]), vdupq_n_u16(0xffff)));
-}
-
-INLINE void group_rgba16(const uint8_t *source, group *p)
-{
-    group_of_words(load16_four(source), p);
-}
-
-INLINE void group_rgb16(const uint8_t *source, group *p)
-{
-    group_of_words(load16_three(source), p);
-}
-
-SUM_OF_VECTORS(rgba32f, load4_rgba32f, 16)
-SUM_OF_VECTORS(rgb32f, load4_rgb32f, 12)
-SUM_OF_GROUP(rgba16f)
-SUM_OF_GROUP(rgba16)
-SUM_OF_GROUP(rgb16)
+ORDINARY_EIGHTS(rgba16f, load8_four, halves_to, opaque_halves)
+ORDINARY_EIGHTS(rgba16, load8_four, sixteens_to, all_ones)
+ORDINARY_EIGHTS(rgb16, load8_three, sixteens_to, all_ones)
 
 FORMAT_KERNELS(rgba32f, 16)
 FORMAT_KERNELS(rgb32f, 12)

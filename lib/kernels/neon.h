@@ -194,33 +194,38 @@ INLINE void sixteens_to(uint16x8_t v, floats to[2])
     to[1] = vmulq_f32(vcvtq_f32_u32(vmovl_high_u16(v)), unit);
 }
 
-/* Sixteen pixels. What is asked of all of them at once is cheaper to find before their samples are twice as wide. */
+/* Eight pixels of 16-bit samples, those at `eighth` * 8. */
 typedef struct words {
-    uint16x8_t r[2], g[2], b[2], a[2];
+    uint16x8_t r, g, b, a;
 } words;
 
-INLINE words load16_four(const uint8_t *source)
+INLINE words load8_four(const uint8_t *source, int eighth)
 {
-    const uint16_t *s = (const uint16_t *)(const void *)source;
-    const uint16x8x4_t p = vld4q_u16(s), q = vld4q_u16(s + 32);
-    return (words){{p.val[0], q.val[0]}, {p.val[1], q.val[1]}, {p.val[2], q.val[2]}, {p.val[3], q.val[3]}};
+    const uint16x8x4_t p = vld4q_u16((const uint16_t *)(const void *)source + 32 * eighth);
+    return (words){p.val[0], p.val[1], p.val[2], p.val[3]};
 }
 
-INLINE words load16_three(const uint8_t *source)
+INLINE words load8_three(const uint8_t *source, int eighth)
 {
-    const uint16_t *s = (const uint16_t *)(const void *)source;
-    const uint16x8x3_t p = vld3q_u16(s), q = vld3q_u16(s + 24);
-    const uint16x8_t most = vdupq_n_u16(0xffff);
-    return (words){{p.val[0], q.val[0]}, {p.val[1], q.val[1]}, {p.val[2], q.val[2]}, {most, most}};
+    const uint16x8x3_t p = vld3q_u16((const uint16_t *)(const void *)source + 24 * eighth);
+    return (words){p.val[0], p.val[1], p.val[2], vdupq_n_u16(0xffff)};
 }
 
-/* The largest of all channels is one of these. */
-INLINE uint16x4_t top_of_words(const words *w)
+INLINE ints larger_words(ints top, const words *w)
 {
-    const uint16x8_t p = vmaxq_u16(vmaxq_u16(w->r[0], w->g[0]), w->b[0]);
-    const uint16x8_t q = vmaxq_u16(vmaxq_u16(w->r[1], w->g[1]), w->b[1]);
-    const uint16x8_t top = vmaxq_u16(p, q);
-    return vget_low_u16(vpmaxq_u16(top, top));
+    const uint16x8_t rg = vmaxq_u16(w->r, w->g), bt = vmaxq_u16(w->b, vreinterpretq_u16_u32(top));
+    return vreinterpretq_u32_u16(vmaxq_u16(rg, bt));
+}
+
+/* Alphas from 1.0 to infinity. */
+INLINE mask opaque_halves(uint16x8_t a)
+{
+    return vreinterpretq_u32_u16(vcleq_u16(vsubq_u16(a, vdupq_n_u16(0x3c00)), vdupq_n_u16(0x7c00 - 0x3c00)));
+}
+
+INLINE mask all_ones(uint16x8_t a)
+{
+    return vreinterpretq_u32_u16(a);
 }
 
 #endif

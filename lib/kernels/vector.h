@@ -80,11 +80,6 @@ INLINE void luminance_of(group *p, const meter_constants *c)
     FOR_EACH_WAY(k) p->l[k] = luminance(p->r[k], p->g[k], p->b[k], c);
 }
 
-INLINE int is_bounded(const group *p, const meter_constants *c)
-{
-    return v_every(v_at_most(p->top, c->bounded));
-}
-
 /* Of 64 pixels, to see once whether there is anything to clamp or to count in them. */
 typedef struct extremes {
     ints top;
@@ -285,38 +280,35 @@ typedef struct group_list {
     uint64_t vectors[PUPIL_BLOCK / PUPIL_LANES], any;
 } group_list;
 
-/* From a loaded group to planes. */
-INLINE void scale_group(const group *p, const scale_constants *c, size_t i, pupil_planes *planes, group_list *over,
-                        int bounded)
+/* One vector to planes, from pixel `at` on. Bounded: there is nothing to clamp. */
+INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_constants *c, size_t at,
+                         pupil_planes *planes, int bounded)
 {
     const floats one = v_all(1.0f);
-    mask beyond[WAYS];
-    FOR_EACH_WAY(k)
-    {
-        const size_t at = i + (size_t)k * WIDTH;
-        const floats y = bounded ? p->l[k] : v_min(v_max(p->l[k], v_all(0.0f)), v_all(PUPIL_CEILING));
-        const floats u = v_mul(c->scale, y);
-        floats s = v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
-        if (!bounded)
-            s = v_where(v_is_number(p->l[k]), s);
-        const floats r = v_mul(bounded ? p->r[k] : clamp_channel(p->r[k]), s);
-        const floats g = v_mul(bounded ? p->g[k] : clamp_channel(p->g[k]), s);
-        const floats b = v_mul(bounded ? p->b[k] : clamp_channel(p->b[k]), s);
-        const floats grey = v_mul(y, s), limit = v_add(c->knee, v_mul(c->above_knee, grey));
-        v_store(planes->r + at, r);
-        v_store(planes->g + at, g);
-        v_store(planes->b + at, b);
-        v_store(planes->grey + at, grey);
-        beyond[k] = v_greater(max_of_3(r, g, b), limit);
-    }
-    over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
+    const floats y = bounded ? l : v_min(v_max(l, v_all(0.0f)), v_all(PUPIL_CEILING));
+    const floats u = v_mul(c->scale, y);
+    floats s = v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
+    if (!bounded)
+        s = v_where(v_is_number(l), s);
+    r = v_mul(bounded ? r : clamp_channel(r), s);
+    g = v_mul(bounded ? g : clamp_channel(g), s);
+    b = v_mul(bounded ? b : clamp_channel(b), s);
+    const floats grey = v_mul(y, s), limit = v_add(c->knee, v_mul(c->above_knee, grey));
+    v_store(planes->r + at, r);
+    v_store(planes->g + at, g);
+    v_store(planes->b + at, b);
+    v_store(planes->grey + at, grey);
+    return v_greater(max_of_3(r, g, b), limit);
 }
 
-/* Not inline: what is rare must not take registers from what is not. */
+/* A group that may hold anything. Not inline: what is rare must not take registers from what is not. */
 static __attribute__((noinline)) void scale_hard(const group *p, const scale_constants *c, size_t i,
                                                  pupil_planes *planes, group_list *over)
 {
-    scale_group(p, c, i, planes, over, 0);
+    mask beyond[WAYS];
+    FOR_EACH_WAY(k)
+    beyond[k] = scale_vector(p->r[k], p->g[k], p->b[k], p->l[k], c, i + (size_t)k * WIDTH, planes, 0);
+    over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
 }
 
 static void fit_listed(const group_list *over, uint32_t n, const scale_constants *c, pupil_planes *planes)
@@ -360,7 +352,19 @@ INLINE mask opaque_of(const floats *a)
         p->opaque = opaque_of(a);                                                                                      \
     }
 
-#define SUM_OF_VECTORS(NAME, LOAD, BYTES)                                                                              \
+INLINE ints as_it_is(ints top)
+{
+    return top;
+}
+
+/* What the loops over ordinary groups do with one: sum_NAME meters it, scale16_NAME maps it to planes. From LOAD,
+ * vector by vector, or from the group as a whole where it is loaded so. top_NAME makes the bits of floats out of what
+ * they have found to be the largest bits. */
+#define ORDINARY_VECTORS(NAME, LOAD, BYTES)                                                                            \
+    INLINE ints top_##NAME(ints top)                                                                                   \
+    {                                                                                                                  \
+        return top;                                                                                                    \
+    }                                                                                                                  \
     INLINE void sum_##NAME(const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)                     \
     {                                                                                                                  \
         FOR_EACH_WAY(k)                                                                                                \
@@ -369,14 +373,43 @@ INLINE mask opaque_of(const floats *a)
             LOAD(source + k * WIDTH * (BYTES), &r, &g, &b, &a);                                                        \
             sum_vector(r, g, b, c, &s->product[k], e);                                                                 \
         }                                                                                                              \
+    }                                                                                                                  \
+    INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
+                               pupil_planes *planes, mask *beyond, mask *opaque)                                       \
+    {                                                                                                                  \
+        ints top = v_all_ints(0);                                                                                      \
+        FOR_EACH_WAY(k)                                                                                                \
+        {                                                                                                              \
+            floats r, g, b, a;                                                                                         \
+            LOAD(source + k * WIDTH * (BYTES), &r, &g, &b, &a);                                                        \
+            *opaque = v_both(*opaque, v_at_least(a, v_all(1.0f)));                                                     \
+            top = v_max_unsigned(top, v_max_unsigned(v_max_unsigned(v_bits(r), v_bits(g)), v_bits(b)));                \
+            beyond[k] = scale_vector(r, g, b, luminance(r, g, b, c), d, i + (size_t)k * WIDTH, planes, 1);             \
+        }                                                                                                              \
+        return top;                                                                                                    \
     }
 
-#define SUM_OF_GROUP(NAME)                                                                                             \
+#define ORDINARY_GROUP(NAME)                                                                                           \
+    INLINE ints top_##NAME(ints top)                                                                                   \
+    {                                                                                                                  \
+        return top;                                                                                                    \
+    }                                                                                                                  \
     INLINE void sum_##NAME(const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)                     \
     {                                                                                                                  \
         group p;                                                                                                       \
         group_##NAME(source, &p);                                                                                      \
         sum_group(&p, c, s, e);                                                                                        \
+    }                                                                                                                  \
+    INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
+                               pupil_planes *planes, mask *beyond, mask *opaque)                                       \
+    {                                                                                                                  \
+        group p;                                                                                                       \
+        group_##NAME(source, &p);                                                                                      \
+        luminance_of(&p, c);                                                                                           \
+        *opaque = v_both(*opaque, p.opaque);                                                                           \
+        FOR_EACH_WAY(k)                                                                                                \
+        beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 1);                 \
+        return p.top;                                                                                                  \
     }
 
 /* What is left of a run, as a whole group: the pixels behind it repeat the first. */
@@ -413,7 +446,7 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
 /* The body of a kernel that loops over groups. LOAD fills the group p with the pixels from i on, LOAD_REST with those
  * that are left. After each 64 pixels the exponents are moved, and before those that are left, because up to four
  * factors may be in the products. */
-#define METER_BODY(SUM, HARD)                                                                                          \
+#define METER_BODY(SUM, TOP, HARD)                                                                                     \
     const meter_constants c = meter_constants_of(job);                                                                 \
     lanes s = lanes_of(run);                                                                                           \
     size_t i = 0;                                                                                                      \
@@ -424,6 +457,7 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
             const size_t k = i + (size_t)j * PUPIL_LANES;                                                              \
             SUM;                                                                                                       \
         }                                                                                                              \
+        e.top = TOP(e.top);                                                                                            \
         if (__builtin_expect(!is_ordinary(&e, &c), 0)) {                                                               \
             HARD(job, source, planes, i, i + 4 * PUPIL_LANES, run);                                                    \
             s = lanes_of(run);                                                                                         \
@@ -451,7 +485,8 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
         move_exponents(&s, run);                                                                                       \
     }
 
-#define SCALE_BODY(LOAD, LOAD_REST)                                                                                    \
+/* SCALE16 maps the group from i on as if it were ordinary; LOAD and LOAD_REST as above. */
+#define SCALE_BODY(SCALE16, TOP, LOAD, LOAD_REST)                                                                      \
     const meter_constants c = meter_constants_of(job);                                                                 \
     const scale_constants d = scale_constants_of(job->curve);                                                          \
     group_list over;                                                                                                   \
@@ -459,15 +494,14 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
     size_t i = 0;                                                                                                      \
     over.any = 0;                                                                                                      \
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {                                                                   \
-        group p;                                                                                                       \
-        LOAD;                                                                                                          \
-        luminance_of(&p, &c);                                                                                          \
-        opaque = v_both(opaque, p.opaque);                                                                             \
-        if (__builtin_expect(is_bounded(&p, &c), 1)) {                                                                 \
-            scale_group(&p, &d, i, planes, &over, 1);                                                                  \
+        mask beyond[WAYS];                                                                                             \
+        if (__builtin_expect(v_every(v_at_most(TOP(SCALE16), c.bounded)), 1)) {                                        \
+            over.any |= over.vectors[i / PUPIL_LANES] = v_group_bits(beyond);                                          \
         } else {                                                                                                       \
-            const group q = p;                                                                                         \
-            scale_hard(&q, &d, i, planes, &over);                                                                      \
+            group p;                                                                                                   \
+            LOAD;                                                                                                      \
+            luminance_of(&p, &c);                                                                                      \
+            scale_hard(&p, &d, i, planes, &over);                                                                      \
         }                                                                                                              \
     }                                                                                                                  \
     if (i < n) {                                                                                                       \
@@ -475,8 +509,7 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
         LOAD_REST;                                                                                                     \
         luminance_of(&p, &c);                                                                                          \
         opaque = v_both(opaque, p.opaque);                                                                             \
-        const group q = p;                                                                                             \
-        scale_hard(&q, &d, i, planes, &over);                                                                          \
+        scale_hard(&p, &d, i, planes, &over);                                                                          \
     }                                                                                                                  \
     if (over.any)                                                                                                      \
         fit_listed(&over, n, &d, planes);                                                                              \
@@ -516,7 +549,7 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
                              pupil_run *run)                                                                           \
     {                                                                                                                  \
         const uint8_t *at = source;                                                                                    \
-        METER_BODY(sum_##NAME(at + k * (BYTES), &c, &s, &e), hard_##NAME)                                              \
+        METER_BODY(sum_##NAME(at + k * (BYTES), &c, &s, &e), top_##NAME, hard_##NAME)                                  \
     }                                                                                                                  \
     static int scale_##NAME(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,            \
                             pupil_run *run)                                                                            \
@@ -524,7 +557,8 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
         const uint8_t *at = source;                                                                                    \
         if (run)                                                                                                       \
             meter_##NAME(job, source, planes, n, run);                                                                 \
-        SCALE_BODY(group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                       \
+        SCALE_BODY(scale16_##NAME(at + i * (BYTES), &c, &d, i, planes, beyond, &opaque), top_##NAME,                   \
+                   group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                       \
     }
 
 #define FROM_PLANES load_planes(planes->r + i, planes->g + i, planes->b + i, &p)
@@ -555,9 +589,20 @@ static __attribute__((noinline)) void hard_planes(const pupil_row_job *job, cons
 }
 
 static void meter_planes(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
-                         pupil_run *run)
+                         pupil_run *run){METER_BODY(sum_planes(planes, k, &c, &s, &e), as_it_is, hard_planes)}
+
+/* Leaves what is not ordinary as it is: source and target are one. */
+INLINE ints
+    scale16_planes(pupil_planes *planes, const meter_constants *c, const scale_constants *d, size_t i, mask *beyond)
 {
-    METER_BODY(sum_planes(planes, k, &c, &s, &e), hard_planes)
+    group p;
+    FROM_PLANES;
+    luminance_of(&p, c);
+    if (!v_every(v_at_most(p.top, c->bounded)))
+        return p.top;
+    FOR_EACH_WAY(k)
+    beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 1);
+    return p.top;
 }
 
 static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
@@ -565,5 +610,5 @@ static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n
     (void)source;
     if (run)
         meter_planes(job, source, planes, n, run);
-    SCALE_BODY(FROM_PLANES, rest_planes(planes, i, n - i, &p))
+    SCALE_BODY(scale16_planes(planes, &c, &d, i, beyond), as_it_is, FROM_PLANES, rest_planes(planes, i, n - i, &p))
 }

@@ -44,8 +44,8 @@ static uint16_t half(uint32_t v)
 
 static void fill(uint32_t pixel, int hard)
 {
-    const uint32_t samples = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ? 3
-                                                                                                                     : 4;
+    const uint32_t samples =
+        pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ? 3 : 4;
     void *const to = source;
     state = 1;
     for (uint32_t i = 0; i < WIDTH * samples; i++) {

@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define EXPORT      __attribute__((visibility("default")))
+#define EXPORT          __attribute__((visibility("default")))
 #define AARCH64_GETPPID 173 /* include/uapi/asm-generic/unistd.h of Linux */
 
 typedef uint64_t plugin_id;
