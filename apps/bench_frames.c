@@ -86,7 +86,8 @@ pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, i
     const size_t bytes = pupil_pixel_bytes(pixel), row = width * bytes, all = (row * height + 63) / 64 * 64;
     unsigned char *data = aligned_alloc(64, all);
     uint64_t state = 1;
-    pupil_image_const image = {data, (ptrdiff_t)row, width, height, pixel};
+    pupil_image_const image = {
+        .data = data, .stride_bytes = (ptrdiff_t)row, .width = width, .height = height, .pixel = pixel};
     if (!data)
         return image;
     memset(data, 0, all);

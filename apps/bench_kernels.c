@@ -152,7 +152,8 @@ static int measure_error(uint32_t level, uint32_t pixel, int hard, verify_figure
     pupil_stats stats;
     pupil_curve curve;
     pupil_image_const in = bench_frame(pixel, 480, 270, hard);
-    pupil_image out = {malloc(480 * 270 * 3), 480 * 3, 480, 270, PUPIL_PIXEL_RGB8};
+    pupil_image out = {
+        .data = malloc(480 * 270 * 3), .stride_bytes = 480 * 3, .width = 480, .height = 270, .pixel = PUPIL_PIXEL_RGB8};
     *f = (verify_figures){0};
     configure(&c, 0);
     c.levels = 1u << level;
@@ -248,8 +249,11 @@ static int bench_format(const options *o, uint32_t pixel, workers *crew, const b
     subject s = {.o = o, .crew = crew, .in = bench_frame(pixel, o->width, o->height, 0)};
     s.bytes = (size_t)o->width * o->height * pupil_pixel_bytes(pixel);
     s.copy = aligned_alloc(64, (s.bytes + 63) / 64 * 64);
-    s.out = (pupil_image){aligned_alloc(64, ((size_t)o->width * o->height * 4 + 63) / 64 * 64), (ptrdiff_t)o->width * 4,
-                          o->width, o->height, PUPIL_PIXEL_RGBA8};
+    s.out = (pupil_image){.data = aligned_alloc(64, ((size_t)o->width * o->height * 4 + 63) / 64 * 64),
+                          .stride_bytes = (ptrdiff_t)o->width * 4,
+                          .width = o->width,
+                          .height = o->height,
+                          .pixel = PUPIL_PIXEL_RGBA8};
     kernel *k = calloc(MOST_RUNNERS, sizeof *k);
     int status = EXIT_FAILED;
     pupil_config c;

@@ -220,8 +220,11 @@ static int write_frame(render *r, const pupil_frame *frame)
         return -1;
     if (!r->display.count)
         return 0;
-    pupil_image out = {r->rgb8, (ptrdiff_t)frame->image.width * 3, frame->image.width, frame->image.height,
-                       PUPIL_PIXEL_RGB8};
+    pupil_image out = {.data = r->rgb8,
+                       .stride_bytes = (ptrdiff_t)frame->image.width * 3,
+                       .width = frame->image.width,
+                       .height = frame->image.height,
+                       .pixel = PUPIL_PIXEL_RGB8};
     pupil_image_const shown = pupil_image_as_const(out);
     pupil_curve curve;
     int error = frame_work_process(r->work, &r->pupil, 0, &frame->image, &frame->info, &out, &r->stats, &curve);

@@ -144,7 +144,11 @@ static int make_room(replay *r, const pupil_image_const *in, pupil_image *out)
             return no_memory(r);
         r->display_bytes = bytes;
     }
-    *out = (pupil_image){r->display, (ptrdiff_t)row, in->width, in->height, PUPIL_PIXEL_RGB8};
+    *out = (pupil_image){.data = r->display,
+                         .stride_bytes = (ptrdiff_t)row,
+                         .width = in->width,
+                         .height = in->height,
+                         .pixel = PUPIL_PIXEL_RGB8};
     return 0;
 }
 

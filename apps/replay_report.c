@@ -89,7 +89,11 @@ static const pupil_image_const *map_fixed(replay_report *r, const pupil_image_co
     r->fixed = room(r->fixed, &r->fixed_bytes, row * in->height);
     if (!r->fixed)
         return NULL;
-    pupil_image out = {r->fixed, (ptrdiff_t)row, in->width, in->height, PUPIL_PIXEL_RGB8};
+    pupil_image out = {.data = r->fixed,
+                       .stride_bytes = (ptrdiff_t)row,
+                       .width = in->width,
+                       .height = in->height,
+                       .pixel = PUPIL_PIXEL_RGB8};
     if (pupil_map_rows(&r->mapper, &r->first, in, &out))
         return NULL;
     *fixed = pupil_image_as_const(out);

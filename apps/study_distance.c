@@ -98,9 +98,16 @@ int study_distance_library(const study_target *target, const study_images *image
     uint8_t *mapped = malloc(target->pixels * 3);
     pupil_t pupil;
     pupil_curve curve;
-    pupil_image_const in = {images->state[light], (ptrdiff_t)(row * sizeof(float)), images->width, images->height,
-                            PUPIL_PIXEL_RGB32F};
-    pupil_image out = {mapped, (ptrdiff_t)row, images->width, images->height, PUPIL_PIXEL_RGB8};
+    pupil_image_const in = {.data = images->state[light],
+                            .stride_bytes = (ptrdiff_t)(row * sizeof(float)),
+                            .width = images->width,
+                            .height = images->height,
+                            .pixel = PUPIL_PIXEL_RGB32F};
+    pupil_image out = {.data = mapped,
+                       .stride_bytes = (ptrdiff_t)row,
+                       .width = images->width,
+                       .height = images->height,
+                       .pixel = PUPIL_PIXEL_RGB8};
     int error = mapped ? pupil_init(&pupil, &lights->config) : PUPIL_ERR_NULL;
     if (!error)
         error = pupil_adapt(&pupil, &lights->stats[light], NULL);

@@ -132,8 +132,11 @@ int study_lights_meter(study_lights *lights, const study_images *images, int shi
     lights->config.floor = ldexpf(lights->config.floor, shift);
     int error = pupil_init(&pupil, &lights->config);
     for (int s = 0; s < 2; s++) {
-        pupil_image_const image = {images->state[s], (ptrdiff_t)(images->width * 3 * sizeof(float)), images->width,
-                                   images->height, PUPIL_PIXEL_RGB32F};
+        pupil_image_const image = {.data = images->state[s],
+                                   .stride_bytes = (ptrdiff_t)(images->width * 3 * sizeof(float)),
+                                   .width = images->width,
+                                   .height = images->height,
+                                   .pixel = PUPIL_PIXEL_RGB32F};
         pupil_exposure exposure = {0}; /* the level as the library takes it over, on its grid of 2^-40 stops */
         pupil_stats_clear(&lights->stats[s]);
         error = error ? error : pupil_meter_rows(&pupil, &image, 0, images->height, &lights->stats[s]);

@@ -77,16 +77,27 @@ static int draw_tile(video *v, unsigned w, const study_lights *lights, int light
     v->tile[w].light = light;
     v->tile[w].scale = curve.scale;
     uint8_t *corner = v->frame[w / COLUMNS * TILE + (TILE - v->height) / 2][w % COLUMNS * TILE + (TILE - v->width) / 2];
-    pupil_image_const in = {v->small[light], (ptrdiff_t)(v->width * 3 * sizeof(float)), v->width, v->height,
-                            PUPIL_PIXEL_RGB32F};
-    pupil_image out = {corner, (ptrdiff_t)sizeof v->frame[0], v->width, v->height, PUPIL_PIXEL_RGB8};
+    pupil_image_const in = {.data = v->small[light],
+                            .stride_bytes = (ptrdiff_t)(v->width * 3 * sizeof(float)),
+                            .width = v->width,
+                            .height = v->height,
+                            .pixel = PUPIL_PIXEL_RGB32F};
+    pupil_image out = {.data = corner,
+                       .stride_bytes = (ptrdiff_t)sizeof v->frame[0],
+                       .width = v->width,
+                       .height = v->height,
+                       .pixel = PUPIL_PIXEL_RGB8};
     return pupil_map_rows(&v->tile[w].pupil, &curve, &in, &out);
 }
 
 static int write_frames(video *v, outputs *o, const study_lights *lights, unsigned which_case, study_progress *progress,
                         void *context, char *why, size_t why_bytes)
 {
-    const pupil_image_const image = {v->frame, (ptrdiff_t)sizeof v->frame[0], WIDTH, HEIGHT, PUPIL_PIXEL_RGB8};
+    const pupil_image_const image = {.data = v->frame,
+                                     .stride_bytes = (ptrdiff_t)sizeof v->frame[0],
+                                     .width = WIDTH,
+                                     .height = HEIGHT,
+                                     .pixel = PUPIL_PIXEL_RGB8};
     for (uint32_t i = 0; i < STUDY_FRAMES; i++) {
         pupil_frame_info info = {.timestamp_ns = (int64_t)i * 1000000000 / STUDY_FPS, .sequence = i};
         for (unsigned w = 0; w < STUDY_WEIGHTS; w++) {

@@ -81,6 +81,10 @@ void thumbnail_free(thumbnail *small)
 
 pupil_image_const thumbnail_image(const thumbnail *small)
 {
-    pupil_image_const image = {small->rgb, (ptrdiff_t)small->width * 3, small->width, small->height, PUPIL_PIXEL_RGB8};
+    pupil_image_const image = {.data = small->rgb,
+                               .stride_bytes = (ptrdiff_t)small->width * 3,
+                               .width = small->width,
+                               .height = small->height,
+                               .pixel = PUPIL_PIXEL_RGB8};
     return image;
 }

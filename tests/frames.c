@@ -6,46 +6,85 @@
 
 #define GUARD 64
 
+void frame_fit(uint32_t pixel, uint32_t *width, uint32_t *height)
+{
+    if (pixel >= PUPIL_PIXEL_BAYER8) {
+        *width = (*width + 3) / 4 * 4;
+        *height = (*height + 1) / 2 * 2;
+    }
+}
+
+static unsigned char *filled(size_t bytes)
+{
+    unsigned char *memory = malloc(bytes);
+    if (!memory)
+        abort();
+    memset(memory, 0xff, bytes);
+    return memory;
+}
+
 frame frame_make(uint32_t width, uint32_t height, uint32_t pixel, size_t padding, int upside_down)
 {
-    frame f;
-    const size_t stride = width * pupil_pixel_bytes(pixel) + padding;
+    frame f = {.image = {.width = width, .height = height, .pixel = pixel}};
+    const size_t stride = pupil_row_bytes(pixel, width) + padding;
     f.bytes = stride * height + 2 * GUARD;
-    f.memory = malloc(f.bytes);
-    if (!f.memory)
-        abort();
-    memset(f.memory, 0xff, f.bytes);
+    f.memory = filled(f.bytes);
     f.image.data = f.memory + GUARD + (upside_down ? stride * (height - 1) : 0);
     f.image.stride_bytes = upside_down ? -(ptrdiff_t)stride : (ptrdiff_t)stride;
-    f.image.width = width;
-    f.image.height = height;
-    f.image.pixel = pixel;
+    if (pixel == PUPIL_PIXEL_NV12) {
+        const size_t chroma_stride = width + width % 2 + padding, rows = (height + 1) / 2;
+        f.chroma_bytes = chroma_stride * rows + 2 * GUARD;
+        f.chroma_memory = filled(f.chroma_bytes);
+        f.image.chroma = f.chroma_memory + GUARD + (upside_down ? chroma_stride * (rows - 1) : 0);
+        f.image.chroma_stride_bytes = upside_down ? -(ptrdiff_t)chroma_stride : (ptrdiff_t)chroma_stride;
+    }
     return f;
 }
 
 void frame_free(frame *f)
 {
     free(f->memory);
-    f->memory = NULL;
+    free(f->chroma_memory);
+    f->memory = f->chroma_memory = NULL;
 }
 
 pupil_image frame_writable(const frame *f)
 {
-    pupil_image image = {f->memory + ((const unsigned char *)f->image.data - f->memory), f->image.stride_bytes,
-                         f->image.width, f->image.height, f->image.pixel};
+    pupil_image image = {.data = f->memory + ((const unsigned char *)f->image.data - f->memory),
+                         .stride_bytes = f->image.stride_bytes,
+                         .width = f->image.width,
+                         .height = f->image.height,
+                         .pixel = f->image.pixel,
+                         .chroma_stride_bytes = f->image.chroma_stride_bytes,
+                         .coding = f->image.coding};
+    if (f->chroma_memory)
+        image.chroma = f->chroma_memory + ((const unsigned char *)f->image.chroma - f->chroma_memory);
     return image;
+}
+
+int frame_equal(const frame *a, const frame *b)
+{
+    return a->bytes == b->bytes && a->chroma_bytes == b->chroma_bytes && memcmp(a->memory, b->memory, a->bytes) == 0 &&
+           (!a->chroma_memory || memcmp(a->chroma_memory, b->chroma_memory, a->chroma_bytes) == 0);
+}
+
+static int untouched(const unsigned char *memory, size_t bytes, ptrdiff_t stride_bytes, size_t row)
+{
+    const size_t stride = (size_t)llabs((long long)stride_bytes);
+    for (size_t i = 0; i < bytes; i++) {
+        const int inside = i >= GUARD && i < bytes - GUARD && (i - GUARD) % stride < row;
+        if (!inside && memory[i] != 0xff)
+            return 0;
+    }
+    return 1;
 }
 
 int frame_guards_intact(const frame *f)
 {
-    const size_t row = f->image.width * pupil_pixel_bytes(f->image.pixel);
-    const size_t stride = (size_t)llabs((long long)f->image.stride_bytes);
-    for (size_t i = 0; i < f->bytes; i++) {
-        const int inside = i >= GUARD && i < f->bytes - GUARD && (i - GUARD) % stride < row;
-        if (!inside && f->memory[i] != 0xff)
-            return 0;
-    }
-    return 1;
+    const pupil_image_const *i = &f->image;
+    return untouched(f->memory, f->bytes, i->stride_bytes, pupil_row_bytes(i->pixel, i->width)) &&
+           (!f->chroma_memory ||
+            untouched(f->chroma_memory, f->chroma_bytes, i->chroma_stride_bytes, i->width + i->width % 2));
 }
 
 uint16_t frame_half(double value)
@@ -74,8 +113,45 @@ static double srgb(double light)
     return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
 }
 
+/* Formats of a camera: one sample a pixel, and colour only beside it. */
+static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, double b)
+{
+    static const unsigned char bits[PUPIL_PIXEL_COUNT] = {
+        [PUPIL_PIXEL_GREY10] = 10,  [PUPIL_PIXEL_GREY12] = 12,  [PUPIL_PIXEL_GREY16] = 16, [PUPIL_PIXEL_BAYER10] = 10,
+        [PUPIL_PIXEL_BAYER12] = 12, [PUPIL_PIXEL_BAYER14] = 14, [PUPIL_PIXEL_BAYER16] = 16};
+    const pupil_image image = frame_writable(f);
+    const uint32_t pixel = f->image.pixel;
+    unsigned char *row = (unsigned char *)image.data + (ptrdiff_t)y * image.stride_bytes;
+    const double mine = pixel < PUPIL_PIXEL_BAYER8 ? (r + g + b) / 3 : x % 2 == y % 2 ? x % 2 ? b : r : g;
+    const unsigned char colour = (unsigned char)to_code(0.5 + 0.4 * (x % 2 ? r - g : b - g) / (r + g + b), 255);
+    if (pixel == PUPIL_PIXEL_YUYV) {
+        row[2 * x] = (unsigned char)to_code(srgb(mine), 255);
+        row[2 * x + 1] = colour;
+    } else if (pixel == PUPIL_PIXEL_NV12) {
+        row[x] = (unsigned char)to_code(srgb(mine), 255);
+        ((unsigned char *)image.chroma)[(ptrdiff_t)(y / 2) * image.chroma_stride_bytes + x] = colour;
+    } else if (pixel == PUPIL_PIXEL_BAYER10P) {
+        const unsigned code = to_code(mine, 1023), at = x / 4 * 5;
+        row[at + x % 4] = (unsigned char)(code >> 2);
+        row[at + 4] = (unsigned char)((row[at + 4] & ~(3u << 2 * (x % 4))) | (code & 3) << 2 * (x % 4));
+    } else if (pixel == PUPIL_PIXEL_BAYER12P) {
+        const unsigned code = to_code(mine, 4095), at = x / 2 * 3;
+        row[at + x % 2] = (unsigned char)(code >> 4);
+        row[at + 2] = (unsigned char)((row[at + 2] & ~(15u << 4 * (x % 2))) | (code & 15) << 4 * (x % 2));
+    } else if (bits[pixel]) {
+        const uint16_t word = (uint16_t)to_code(mine, (1 << bits[pixel]) - 1);
+        memcpy(row + 2 * x, &word, 2);
+    } else {
+        row[x] = (unsigned char)to_code(mine, 255);
+    }
+}
+
 void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, double a)
 {
+    if (f->image.pixel >= PUPIL_PIXEL_YUYV) {
+        set_sample(f, x, y, r, g, b);
+        return;
+    }
     const double value[4] = {r, g, b, a};
     const size_t pixel_bytes = pupil_pixel_bytes(f->image.pixel);
     unsigned char *at =
@@ -167,11 +243,18 @@ void frame_odd(frame *f, frame_random *random)
         }
 }
 
+static void any_bits(unsigned char *at, ptrdiff_t stride, uint32_t rows, size_t row, frame_random *random)
+{
+    for (uint32_t y = 0; y < rows; y++)
+        for (size_t i = 0; i < row; i++)
+            at[(ptrdiff_t)y * stride + (ptrdiff_t)i] = (unsigned char)(random() * 256);
+}
+
 void frame_bits(frame *f, frame_random *random)
 {
-    const size_t row = f->image.width * pupil_pixel_bytes(f->image.pixel);
-    for (uint32_t y = 0; y < f->image.height; y++)
-        for (size_t i = 0; i < row; i++)
-            ((unsigned char *)frame_writable(f).data)[(ptrdiff_t)y * f->image.stride_bytes + (ptrdiff_t)i] =
-                (unsigned char)(random() * 256);
+    const pupil_image image = frame_writable(f);
+    any_bits(image.data, image.stride_bytes, image.height, pupil_row_bytes(image.pixel, image.width), random);
+    if (image.chroma)
+        any_bits(image.chroma, image.chroma_stride_bytes, (image.height + 1) / 2, image.width + image.width % 2,
+                 random);
 }

@@ -10,8 +10,10 @@
 
 typedef struct frame {
     pupil_image_const image;
-    unsigned char *memory; /* with 64 bytes of guard before and after */
-    size_t bytes;          /* of the memory, guards and all */
+    unsigned char *memory;        /* with 64 bytes of guard before and after */
+    size_t bytes;                 /* of the memory, guards and all */
+    unsigned char *chroma_memory; /* NV12: of the second plane, the same */
+    size_t chroma_bytes;
 } frame;
 
 typedef double frame_random(void); /* in [0, 1) */
@@ -22,10 +24,17 @@ frame frame_make(uint32_t width, uint32_t height, uint32_t pixel, size_t padding
 void frame_free(frame *f);
 pupil_image frame_writable(const frame *f);
 
+/* The nearest size up from this one that the format can have. */
+void frame_fit(uint32_t pixel, uint32_t *width, uint32_t *height);
+
+/* 1 if all planes are the same, byte for byte. */
+int frame_equal(const frame *a, const frame *b);
+
 /* 1 if nothing outside the pixels has changed since frame_make. */
 int frame_guards_intact(const frame *f);
 
-/* Stores a colour: clamped and rounded in integer formats, sRGB-encoded in 8 bit, rounded to nearest in half. */
+/* Stores a colour: clamped and rounded in integer formats, sRGB-encoded in 8 bit, rounded to nearest in half. Of
+ * Y'CbCr, grey and mosaics, which hold less than a colour at a pixel: something that goes up and down with it. */
 void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, double a);
 void frame_fill(frame *f, double r, double g, double b);
 

@@ -56,6 +56,10 @@ static const char *metering_fault(const pupil_config *c)
         return "trim_high must be above trim_low, up to 1";
     if (c->histogram > 1)
         return "histogram must be 0 or 1";
+    if (c->meter_rows > 8 || (c->meter_rows & (c->meter_rows - 1)))
+        return "meter_rows must be 0, 1, 2, 4 or 8";
+    if (c->grey_world > 1)
+        return "grey_world must be 0 or 1";
     for (int i = 0; i < PUPIL_GRID_SIDE * PUPIL_GRID_SIDE; i++)
         if (c->weight[i / PUPIL_GRID_SIDE][i % PUPIL_GRID_SIDE])
             return 0;

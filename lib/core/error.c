@@ -17,7 +17,8 @@ const char *pupil_error_string(int code)
     case PUPIL_ERR_OBJECT:
         return "the object was not made by pupil_init of this version of the library";
     case PUPIL_ERR_SIZE:
-        return "width and height must be 1 to 16384 pixels, and equal for input and output";
+        return "width and height must be 1 to 16384 pixels, equal for input and output (of a mosaic even, and equal "
+               "or twice the output's)";
     case PUPIL_ERR_STRIDE:
         return "the stride must be at least as long as a row of pixels (either sign)";
     case PUPIL_ERR_ALIGNMENT:
@@ -25,7 +26,8 @@ const char *pupil_error_string(int code)
     case PUPIL_ERR_PIXEL:
         return "this pixel format cannot be used on this side (input or output)";
     case PUPIL_ERR_ROWS:
-        return "rows lie outside the frame, or the frame ended before each row came once";
+        return "rows lie outside the frame or cut a pair of NV12 or a mosaic, or the frame ended before each row came "
+               "once";
     case PUPIL_ERR_ORDER:
         return "calls out of order: begin a frame once, give its rows, then end it";
     case PUPIL_ERR_NO_EXPOSURE:
@@ -36,6 +38,8 @@ const char *pupil_error_string(int code)
         return "an argument is not a number or outside its range";
     case PUPIL_ERR_STATS:
         return "these statistics cannot come from metering, or belong to another frame";
+    case PUPIL_ERR_CODING:
+        return "the image's coding is refused; pupil_coding_check names the field";
     default:
         return "not an error code of this version of the library";
     }

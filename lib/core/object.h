@@ -71,8 +71,20 @@ static inline int pupil_object_check(const pupil_t *pupil)
     return pupil_object_of_const(pupil)->magic == PUPIL_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
 }
 
-/* Whether an image can be read (or, out, written): size, pixel, stride, alignment. */
+/* Whether an image can be read (or, out, written): size, pixel, planes, strides, alignment, coding. */
 int pupil_image_check(const pupil_image_const *image, int out);
+
+int pupil_pixel_is_mosaic(uint32_t pixel);
+/* Bits of a grey or mosaic format's samples; 0 for all others. */
+uint32_t pupil_pixel_bits(uint32_t pixel);
+/* How many rows belong together: 2 for NV12 and mosaics. */
+uint32_t pupil_pixel_rows(uint32_t pixel);
+
+/* pupil_coding_check, and whether it is one for this format. */
+int pupil_coding_fits(const pupil_coding *coding, uint32_t pixel);
+/* coding may be NULL; it has been checked. */
+void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *coder);
+void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *coder);
 
 /* Meters rows into stats (unless NULL) and maps them by curve to out (unless NULL); arguments already checked. */
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,

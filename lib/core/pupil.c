@@ -105,7 +105,10 @@ static int check_out(const pupil_image_const *in, const pupil_image *out)
     int error = pupil_image_check(&as_const, 1);
     if (error)
         return error;
-    return in->width == out->width && in->height == out->height ? PUPIL_OK : PUPIL_ERR_SIZE;
+    if (in->width == out->width && in->height == out->height)
+        return PUPIL_OK;
+    const int halved = in->width == 2 * out->width && in->height == 2 * out->height;
+    return halved && pupil_pixel_is_mosaic(in->pixel) ? PUPIL_OK : PUPIL_ERR_SIZE;
 }
 
 static int check_curve(const pupil_curve *curve)
@@ -119,7 +122,7 @@ static int check_curve(const pupil_curve *curve)
 
 /* Whether rows of a frame can be added to stats. */
 static int check_place(const pupil_object *object, const pupil_image_const *rows, uint32_t first_row,
-                       uint32_t frame_height, const pupil_stats *stats)
+                       uint32_t frame_height, const pupil_stats *stats, const pupil_image *out)
 {
     if (!stats)
         return PUPIL_ERR_NULL;
@@ -127,6 +130,11 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
         return PUPIL_ERR_SIZE;
     if (first_row >= frame_height || rows->height > frame_height - first_row)
         return PUPIL_ERR_ROWS;
+    const uint32_t together = pupil_pixel_rows(out && out->pixel == PUPIL_PIXEL_NV12 ? out->pixel : rows->pixel);
+    if (first_row % together || (rows->height % together && first_row + rows->height != frame_height))
+        return PUPIL_ERR_ROWS;
+    if (pupil_pixel_is_mosaic(rows->pixel) && frame_height % 2)
+        return PUPIL_ERR_SIZE;
     if (pupil_stats_check_sums(stats))
         return PUPIL_ERR_STATS;
     if (stats->rows) {
@@ -143,7 +151,7 @@ int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32
 {
     int error = check_in(pupil, rows);
     if (!error)
-        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats);
+        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, 0);
     if (!error)
         pupil_work_rows(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, 0, 0);
     return error;
@@ -171,7 +179,7 @@ int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil
     if (!error)
         error = check_curve(curve);
     if (!error)
-        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats);
+        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, out);
     if (!error)
         pupil_work_rows(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, curve, out);
     return error;

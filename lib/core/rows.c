@@ -13,10 +13,23 @@ static uint32_t cell_of(uint32_t y, uint32_t height)
     return (2 * y + 1) * PUPIL_GRID_SIDE / (2 * height);
 }
 
-static void work_row(const pupil_row_job *job, const uint8_t *weight, const uint8_t *in, uint8_t *out, uint32_t width,
-                     uint32_t band, pupil_stats *stats)
+/* The value at which a channel counts as clipped. */
+static float clip_of(const pupil_config *config, uint32_t pixel, const pupil_coder *coder)
 {
-    const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
+    if (config->clip > 0.0f)
+        return config->clip;
+    if (pupil_pixel_is_mosaic(pixel))
+        return coder->most;
+    if (pixel == PUPIL_PIXEL_RGBA16F)
+        return 65504.0f; /* the largest binary16 */
+    return pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F ? PUPIL_CEILING : 1.0f;
+}
+
+/* One row of runs; width in what job->way makes of a row. target NULL: not mapped. */
+static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupil_row *row, uint8_t *target,
+                     uint32_t width, uint32_t band, pupil_stats *stats)
+{
+    const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
     uint32_t x = 0;
 
     for (uint32_t cell = 0; cell < PUPIL_GRID_SIDE;) {
@@ -24,51 +37,183 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const uint
         while (next < PUPIL_GRID_SIDE && weight[next] == weight[cell])
             next++;
         uint32_t end = next < PUPIL_GRID_SIDE ? first_in_cell(next, width) : width;
-        if (end > x && (out || weight[cell]))
-            pupil_work_run(job, in + x * in_bytes, out ? out + x * out_bytes : 0, end - x, weight[cell], band, stats);
+        if (end > x && (target || weight[cell]))
+            pupil_work_run(job, row, x, end - x, target ? target + x * out_bytes : 0, weight[cell], band, stats);
         x = end;
         cell = next;
     }
 }
 
-/* The value at which a channel counts as clipped. */
-static float clip_of(const pupil_config *config, uint32_t pixel)
+/* What the rows of one call are worked with. */
+typedef struct work {
+    const pupil_object *object;
+    const pupil_image_const *in;
+    const pupil_image *out; /* NULL: metered only */
+    pupil_stats *stats;     /* NULL: mapped only */
+    uint32_t first_row, frame_height;
+    pupil_coder coder;
+    pupil_chroma_coder chroma;
+    pupil_row_job meter, map;
+    uint32_t in_unit; /* rows of a mosaic's quad, or 1 */
+} work;
+
+static const uint8_t *in_row(const work *w, uint32_t i)
 {
-    if (config->clip > 0.0f)
-        return config->clip;
-    if (pixel == PUPIL_PIXEL_RGBA16F)
-        return 65504.0f; /* the largest binary16 */
-    return pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F ? PUPIL_CEILING : 1.0f;
+    return (const uint8_t *)w->in->data + (ptrdiff_t)i * w->in->stride_bytes;
+}
+
+static uint8_t *out_row(const work *w, uint32_t i)
+{
+    return (uint8_t *)w->out->data + (ptrdiff_t)i * w->out->stride_bytes;
+}
+
+/* Row i of the call's, and of a mosaic those beside it. */
+static pupil_row row_of(const work *w, uint32_t i)
+{
+    const pupil_image_const *in = w->in;
+    pupil_row row = {.data = in_row(w, i), .width = in->width};
+    if (in->pixel == PUPIL_PIXEL_NV12)
+        row.chroma = (const uint8_t *)in->chroma + (ptrdiff_t)(i / 2) * in->chroma_stride_bytes;
+    if (w->in_unit == 2) {
+        const int is_first = i == 0 && !in->rows_above, is_last = i + 1 == in->height && !in->rows_below;
+        row.above = is_first ? in_row(w, i + 1) : row.data - in->stride_bytes;
+        row.below = is_last ? row.data - in->stride_bytes : row.data + in->stride_bytes;
+        row.odd = i & 1;
+    }
+    return row;
+}
+
+/* With config.meter_rows = n one of each n rows (or rows of quads) is metered: any, another one in another frame and in
+ * another group of n, so that no stripe is met every time. The frames' number and the group's are mixed as in Steele,
+ * Lea, Flood: Fast Splittable Pseudorandom Number Generators, 2014 (figure 14, mix32). */
+static int is_metered(const work *w, uint32_t unit_row)
+{
+    const uint32_t n = w->object->config.meter_rows, units = w->frame_height / w->in_unit;
+    if (n <= 1)
+        return 1;
+    const uint32_t group = unit_row / n, rows = units - group * n < n ? units - group * n : n;
+    uint64_t z =
+        w->object->adaptation.result.frames * UINT64_C(0x9e3779b97f4a7c15) + group * UINT64_C(0xd1b54a32d192ed03);
+    z = (z ^ (z >> 33)) * UINT64_C(0x62a9d9ed799705f5);
+    z = (z ^ (z >> 28)) * UINT64_C(0xcb24d0a5c88c35b3);
+    return unit_row % n == (uint32_t)(z >> 32) % rows;
+}
+
+static const uint8_t *weights_of(const work *w, uint32_t unit_row, uint32_t *band)
+{
+    const uint32_t units = w->frame_height / w->in_unit;
+    *band = unit_row * PUPIL_BANDS / units;
+    return w->object->config.weight[cell_of(unit_row, units)];
+}
+
+/* Row i, metered and, where it is a row of pixels to a row of pixels, mapped in the same pass. */
+static void work_plain_row(const work *w, uint32_t i)
+{
+    static const uint8_t even[PUPIL_GRID_SIDE] = {0};
+    const pupil_row row = row_of(w, i);
+    const uint8_t *weight = even;
+    uint32_t band = 0;
+    pupil_stats *stats = w->stats && is_metered(w, w->first_row + i) ? w->stats : 0;
+    if (stats)
+        weight = weights_of(w, w->first_row + i, &band);
+    if (stats || w->out)
+        work_row(&w->map, weight, &row, w->out ? out_row(w, i) : 0, w->in->width, band, stats);
+}
+
+static void meter_unit(const work *w, uint32_t i)
+{
+    const uint32_t unit_row = (w->first_row + i) / w->in_unit;
+    uint32_t band;
+    if (!is_metered(w, unit_row))
+        return;
+    const uint8_t *weight = weights_of(w, unit_row, &band);
+    const pupil_row row = row_of(w, i);
+    work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
+}
+
+/* Row i of out from the row, or the quads, that it stands for. */
+static pupil_row source_of(const work *w, uint32_t i)
+{
+    return row_of(w, w->map.way == PUPIL_WAY_BINNED ? 2 * i : i);
+}
+
+/* Rows i and i + 1 (or the last alone) of an NV12 picture. */
+static void map_nv12_rows(const work *w, uint32_t i)
+{
+    const int two = i + 1 < w->out->height;
+    const pupil_row upper = source_of(w, i), lower = source_of(w, two ? i + 1 : i);
+    uint8_t *chroma = (uint8_t *)w->out->chroma + (ptrdiff_t)(i / 2) * w->out->chroma_stride_bytes;
+    pupil_map_nv12(&w->map, &w->chroma, &upper, two ? &lower : 0, w->out->width, out_row(w, i),
+                   two ? out_row(w, i + 1) : 0, chroma);
+}
+
+/* Rows i to end of out. */
+static void map_rows(const work *w, uint32_t i, uint32_t end)
+{
+    for (; i < end && w->out->pixel == PUPIL_PIXEL_NV12; i += 2)
+        map_nv12_rows(w, i);
+    for (; i < end; i++) {
+        const pupil_row row = source_of(w, i);
+        pupil_work_run(&w->map, &row, 0, w->out->width, out_row(w, i), 0, 0, 0);
+    }
+}
+
+/* Where rows are not mapped one by one as they are metered: four at a time, which are whole quads, and whole pairs of
+ * NV12 also in a picture of half the size. They stay in the cache from the one to the other. */
+static void work_in_fours(const work *w)
+{
+    const uint32_t halved = w->map.way == PUPIL_WAY_BINNED ? 2 : 1;
+    for (uint32_t i = 0; i < w->in->height; i += 4) {
+        const uint32_t end = w->in->height - i < 4 ? w->in->height : i + 4;
+        for (uint32_t j = i; w->stats && j < end; j += w->in_unit)
+            meter_unit(w, j);
+        if (w->out)
+            map_rows(w, i / halved, end / halved);
+    }
 }
 
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out)
 {
-    static const uint8_t even[PUPIL_GRID_SIDE] = {0};
-    const pupil_row_job job = {
+    work w = {.object = object, .in = in, .out = out, .stats = stats, .first_row = first_row};
+    const int mosaic = pupil_pixel_is_mosaic(in->pixel), halved = out && out->width != in->width;
+    const int nv12 = out && out->pixel == PUPIL_PIXEL_NV12;
+    w.frame_height = frame_height;
+    w.in_unit = mosaic ? 2 : 1;
+    pupil_coder_make(in->coding, in->pixel, &w.coder);
+    if (nv12)
+        pupil_chroma_coder_make(out->coding, &w.chroma);
+    w.map = (pupil_row_job){
         .kernels = pupil_level_kernels(object->level),
         .encoder = &pupil_encoders[object->config.transfer],
+        .coder = &w.coder,
         .curve = curve,
         .luma = {object->luma[0], object->luma[1], object->luma[2]},
         .floor = object->config.floor,
-        .clip = clip_of(&object->config, in->pixel),
+        .clip = clip_of(&object->config, in->pixel, &w.coder),
         .in_pixel = in->pixel,
-        .out_pixel = out ? out->pixel : (uint32_t)PUPIL_PIXEL_NONE,
+        .out_pixel = nv12  ? (uint32_t)PUPIL_PIXEL_RGBA8
+                     : out ? out->pixel
+                           : (uint32_t)PUPIL_PIXEL_NONE,
+        .way = !mosaic  ? PUPIL_WAY_PIXELS
+               : halved ? PUPIL_WAY_BINNED
+                        : PUPIL_WAY_BILINEAR,
         .histogram = object->histogram,
     };
-    const uint8_t *source = in->data;
-    uint8_t *target = out ? out->data : 0;
+    w.meter = w.map;
+    w.meter.curve = 0;
+    w.meter.way = mosaic ? PUPIL_WAY_BINNED : PUPIL_WAY_PIXELS;
+    w.meter.grey_world = mosaic && object->config.grey_world;
+    if (w.coder.has_matrix) /* the luminance that the matrix leads to */
+        for (int i = 0; i < 3; i++)
+            w.meter.luma[i] = (object->luma[0] * w.coder.matrix[i] + object->luma[1] * w.coder.matrix[3 + i]) +
+                              object->luma[2] * w.coder.matrix[6 + i];
 
-    for (uint32_t i = 0; i < in->height; i++) {
-        uint32_t y = first_row + i;
-        const uint8_t *weight = stats ? object->config.weight[cell_of(y, frame_height)] : even;
-        uint32_t band = stats ? y * PUPIL_BANDS / frame_height : 0;
-        work_row(&job, weight, source, target, in->width, band, stats);
-        if (i + 1 < in->height) { /* no pointer beyond the image, in whichever direction it lies */
-            source += in->stride_bytes;
-            target = target ? target + out->stride_bytes : 0;
-        }
-    }
+    if (mosaic || nv12)
+        work_in_fours(&w);
+    else
+        for (uint32_t i = 0; i < in->height; i++)
+            work_plain_row(&w, i);
     if (stats) {
         stats->rows += in->height;
         stats->frame_height = frame_height;

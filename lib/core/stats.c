@@ -38,6 +38,9 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     for (int i = 0; i < PUPIL_PEAK_BINS; i++)
         sum->peak_bin[i] += more->peak_bin[i];
     sum->peak = more->peak > sum->peak ? more->peak : sum->peak;
+    for (int i = 0; i < 3; i++)
+        sum->channel_sum[i] += more->channel_sum[i];
+    sum->channel_quads += more->channel_quads;
     for (int i = 0; i < PUPIL_BANDS; i++) {
         sum->band_log2_sum[i] += more->band_log2_sum[i];
         sum->band_pixels[i] += more->band_pixels[i];
@@ -84,6 +87,13 @@ int pupil_stats_check_sums(const pupil_stats *s)
         return PUPIL_ERR_STATS;
     if (s->has_histogram > 1 || (s->pixels && !s->rows))
         return PUPIL_ERR_STATS;
+    if (s->channel_quads > s->pixels)
+        return PUPIL_ERR_STATS;
+    for (int i = 0; i < 3; i++) {
+        const int64_t most = (int64_t)s->channel_quads << 18; /* four samples of 16 bits */
+        if (s->channel_quads >> 44 || s->channel_sum[i] > most || s->channel_sum[i] < -most)
+            return PUPIL_ERR_STATS;
+    }
     /* a brightest channel wherever there are bins; false for NaN */
     if (s->has_histogram && s->weight ? !(s->peak >= 0x1p-32f && s->peak <= PUPIL_CEILING) : s->peak != 0.0f)
         return PUPIL_ERR_STATS;
@@ -184,5 +194,24 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
         mean += histogram_mean(stats, low * total, high * total) - histogram_mean(stats, 0.0, total);
     }
     *log2_luminance = mean;
+    return PUPIL_OK;
+}
+
+int pupil_stats_grey_world(const pupil_stats *stats, float balance[3])
+{
+    if (!stats || !balance)
+        return PUPIL_ERR_NULL;
+    if (pupil_stats_check(stats) || !stats->channel_quads)
+        return PUPIL_ERR_STATS;
+    int64_t most = 0;
+    for (int i = 0; i < 3; i++) {
+        if (stats->channel_sum[i] <= 0)
+            return PUPIL_ERR_STATS;
+        most = stats->channel_sum[i] > most ? stats->channel_sum[i] : most;
+    }
+    for (int i = 0; i < 3; i++) {
+        const double factor = (double)most / (double)stats->channel_sum[i];
+        balance[i] = (float)(factor < 0x1p10 ? factor : 0x1p10); /* the largest that a coding takes */
+    }
     return PUPIL_OK;
 }

@@ -8,6 +8,7 @@
 #endif
 
 #include "avx2.h"
+#include "loads.h"
 #include "vector_store.h"
 
 GROUP_OF_VECTORS(rgba32f, load8_rgba32f, 16)
@@ -50,7 +51,9 @@ const pupil_kernels pupil_kernels_avx2 = {
             [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
             [PUPIL_PIXEL_RGBA16] = load_rgba16,
             [PUPIL_PIXEL_RGB16] = load_rgb16,
+            LOADS_BY_FORMAT,
         },
+    UNPACK_AND_DEVELOP,
     .meter =
         {
             [PUPIL_PLANES] = meter_planes,

@@ -10,6 +10,7 @@
 #endif
 
 #include "avx512.h"
+#include "loads.h"
 #include "vector_store.h"
 
 GROUP_OF_VECTORS(rgba32f, load16_rgba32f, 16)
@@ -42,7 +43,9 @@ const pupil_kernels pupil_kernels_avx512 = {
             [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
             [PUPIL_PIXEL_RGBA16] = load_rgba16,
             [PUPIL_PIXEL_RGB16] = load_rgb16,
+            LOADS_BY_FORMAT,
         },
+    UNPACK_AND_DEVELOP,
     .meter =
         {
             [PUPIL_PLANES] = meter_planes,

@@ -11,6 +11,10 @@
  *     load -> histogram -> meter of planes
  *     load -> histogram -> scale of planes (meters too) -> store
  *
+ * To load a mosaic is three pieces: unpack (by format) to 16-bit samples, row by row; then binned, a pixel for each
+ * quad, or bilinear, for each sample. A row of NV12 goes out as RGBA first, and its codes are then made into Y', Cb and
+ * Cr.
+ *
  * Each type is written once, here; every level has the same bits (no fused multiply-add, 16 fixed lanes). The scalar
  * level is the reference, and has every piece that exists; the others have what is faster than it.
  */
@@ -23,6 +27,7 @@
 
 #define PUPIL_BLOCK   256 /* pixels; a multiple of 64, so that lanes and exponent moves line up from block to block */
 #define PUPIL_LANES   16
+#define PUPIL_SAMPLES (2 * PUPIL_BLOCK) /* of a mosaic's row: those of a block of quads */
 #define PUPIL_CEILING 0x1p30f /* the largest luminance; 4 factors of it, or of 2^-30, stay inside a float's range */
 /* A channel's bound before it is mapped: above PUPIL_CEILING, so that the largest channel is never below Ld. */
 #define PUPIL_BRIGHTEST 0x1p31f
@@ -45,15 +50,51 @@ typedef struct pupil_encoder {
     uint32_t transfer;    /* a pupil_transfer */
 } pupil_encoder;
 
+/* A pupil_coding (coding.h) as factors. */
+typedef struct pupil_coder {
+    /* Y'CbCr, to 0..255: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
+     * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 */
+    float y_zero, y_unit, red_v, green_u, green_v, blue_u;
+    const float *light;          /* of a code 0..255, and once more of 255; NULL: linear */
+    float zero, unit;            /* grey: (code - zero) * unit */
+    float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
+    float matrix[9];
+    uint32_t has_matrix, shift, red_x, red_y; /* which pixel of a quad is red */
+} pupil_coder;
+
+/* R'G'B' codes to Y'CbCr: integers, in 2^-16. */
+typedef struct pupil_chroma_coder {
+    int32_t y_zero, y[3], cb[3], cr[3];
+} pupil_chroma_coder;
+
+/* What kernels read of a frame: one row, or both rows of a mosaic's quads. */
+typedef struct pupil_row {
+    const uint8_t *data;
+    const uint8_t *chroma;        /* NV12 */
+    const uint8_t *above, *below; /* mosaics: the rows beside it; at the frame's edges the picture is mirrored */
+    uint32_t width;               /* of the frame, pixels */
+    uint32_t odd;                 /* mosaics: the second row of a quad */
+} pupil_row;
+
+/* How pixels come to planes. */
+typedef enum pupil_way {
+    PUPIL_WAY_PIXELS = 0, /* each by itself */
+    PUPIL_WAY_BINNED,     /* mosaics: one for each quad, of this row and the one below */
+    PUPIL_WAY_BILINEAR    /* mosaics: one for each sample */
+} pupil_way;
+
 /* What a row of a frame is worked with; constant over the frame. */
 typedef struct pupil_row_job {
     const struct pupil_kernels *kernels;
     const pupil_encoder *encoder;
+    const pupil_coder *coder;
     const pupil_curve *curve; /* NULL: meter only */
     float luma[3];
     float floor, clip;
     uint32_t in_pixel, out_pixel;
-    uint32_t histogram; /* gather bins */
+    uint32_t way;        /* a pupil_way */
+    uint32_t histogram;  /* gather bins */
+    uint32_t grey_world; /* mosaics: gather the sums of the channels */
 } pupil_row_job;
 
 /* A block as planar linear floats; grey is scratch of scale. */
@@ -63,8 +104,20 @@ typedef struct pupil_planes {
 
 /* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL stands for the planes
  * themselves. */
-/* 1: every pixel is known to be opaque. */
-typedef int pupil_load_kernel(const void *source, uint32_t n, pupil_planes *planes);
+/* Pixels x to x + n of a row. 1: every pixel is known to be opaque. */
+typedef int pupil_load_kernel(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n,
+                              pupil_planes *planes);
+/* Samples x to x + n of a mosaic's row; n is at most PUPIL_SAMPLES. */
+typedef void pupil_unpack_kernel(const uint8_t *row, uint32_t shift, uint32_t x, uint32_t n, uint16_t *samples);
+/* n quads, from both of their rows. */
+typedef void pupil_binned_kernel(const pupil_coder *coder, const uint16_t *upper, const uint16_t *lower, uint32_t n,
+                                 pupil_planes *planes);
+/* n pixels, from three rows of n + 2 samples, the first being left of the first pixel. `red_x`: whether the first
+ * pixel's column is one of red samples; `red_y`: whether its row is. */
+typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *const rows[3], int red_x, int red_y,
+                                   uint32_t n, pupil_planes *planes);
+/* Camera RGB to the picture's. */
+typedef void pupil_matrix_kernel(const float matrix[9], uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
 /* Meters into run unless it is NULL, maps into planes: values from 0 to 1, or by rounding the float above it. 1: as
@@ -82,9 +135,13 @@ typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL beside it: not a format for that. */
 typedef struct pupil_kernels {
-    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];   /* by input format */
-    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT]; /* by input format */
-    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT]; /* by input format */
+    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];     /* by input format */
+    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];   /* by input format */
+    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT];   /* by input format */
+    pupil_unpack_kernel *unpack[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: not a mosaic */
+    pupil_binned_kernel *binned;
+    pupil_bilinear_kernel *bilinear;
+    pupil_matrix_kernel *matrix;
     pupil_histogram_kernel *histogram;
     pupil_store_kernel *store[PUPIL_PIXEL_COUNT]; /* by output format */
     pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: opaque */
@@ -105,10 +162,16 @@ uint32_t pupil_level_choose(uint32_t mask);
 const pupil_kernels *pupil_level_kernels(uint32_t level);
 
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
-extern const float pupil_srgb8_to_linear[256];
+/* Light of the codes 0 to 255, and once more of 255. */
+extern const float pupil_srgb8_to_linear[257], pupil_bt709_to_linear[257];
 
-/* Works n pixels that all have the metering weight `weight`; 0 or stats NULL: not metered. target NULL: not mapped. */
-void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *target, uint32_t n, uint32_t weight,
-                    uint32_t band, pupil_stats *stats);
+/* Pixels (quads, where job->way is binned) x to x + n of a row, that all have the metering weight `weight`; 0 or stats
+ * NULL: not metered. target NULL: not mapped. */
+void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
+                    uint32_t weight, uint32_t band, pupil_stats *stats);
+
+/* Two rows (or one: lower and y_lower NULL) of n pixels to Y' and their common Cb and Cr; not metered. */
+void pupil_map_nv12(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_row *upper,
+                    const pupil_row *lower, uint32_t n, uint8_t *y_upper, uint8_t *y_lower, uint8_t *chroma);
 
 #endif

@@ -15,6 +15,10 @@ def srgb_to_linear(c):  # IEC 61966-2-1
     return c / D("12.92") if c <= D("0.04045") else ((c + D("0.055")) / D("1.055")) ** D("2.4")
 
 
+def bt709_to_linear(c):  # the inverse of the camera's curve of Rec. ITU-R BT.709-6, item 1.2
+    return c / D("4.5") if c < D("0.081") else ((c + D("0.099")) / D("1.099")) ** (1 / D("0.45"))
+
+
 def gamma22_to_linear(c):
     return c ** D("2.2") if c else D(0)
 
@@ -69,8 +73,9 @@ def encoder(name, to_linear):
 print("/* Made by lib/kernels/make_tables.py; do not edit. Transfer curves: config.h names their sources. */")
 print('#include "kernels.h"\n')
 print("/* clang-format off */")
-decode = [nearest_float(srgb_to_linear(D(k) / 255)) for k in range(256)]
-print(f"const float pupil_srgb8_to_linear[256] = {{\n{rows([literal(f) for f in decode], 6)}}};\n")
+for name, curve in (("srgb8", srgb_to_linear), ("bt709", bt709_to_linear)):
+    decode = [nearest_float(curve(D(min(k, 255)) / 255)) for k in range(257)]
+    print(f"const float pupil_{name}_to_linear[257] = {{\n{rows([literal(f) for f in decode], 6)}}};\n")
 bases = [
     (n, encoder(n, f))
     for n, f in (("srgb", srgb_to_linear), ("gamma22", gamma22_to_linear), ("linear", linear_to_linear))

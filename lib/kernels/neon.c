@@ -3,6 +3,7 @@
 #if defined(__aarch64__)
 
 #include "neon.h"
+#include "loads.h"
 #include "vector.h"
 
 #if defined(__clang__)
@@ -175,7 +176,9 @@ const pupil_kernels pupil_kernels_neon = {
             [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
             [PUPIL_PIXEL_RGBA16] = load_rgba16,
             [PUPIL_PIXEL_RGB16] = load_rgb16,
+            LOADS_BY_FORMAT,
         },
+    UNPACK_AND_DEVELOP,
     .meter =
         {
             [PUPIL_PLANES] = meter_planes,

@@ -52,31 +52,91 @@ static void stats_add_run(pupil_stats *stats, const pupil_run *run, uint32_t n, 
 /* A piece of a level, or the scalar level's where it has none of its own. */
 #define PIECE(KERNELS, MEMBER) ((KERNELS)->MEMBER ? (KERNELS)->MEMBER : pupil_kernels_scalar.MEMBER)
 
-static void meter_block(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, uint32_t weight,
-                        pupil_run *run, pupil_stats *stats)
+/* Samples x - 1 to x + n + 1 of a mosaic's row, mirrored at the frame's sides. */
+static void unpack_around(const pupil_row_job *job, const uint8_t *row, uint32_t width, uint32_t x, uint32_t n,
+                          uint16_t *samples)
+{
+    const uint32_t first = x ? x - 1 : 0, end = x + n < width ? x + n + 1 : width;
+    uint16_t *to = x ? samples : samples + 1;
+    PIECE(job->kernels, unpack[job->in_pixel])(row, job->coder->shift, first, end - first, to);
+    if (!x)
+        samples[0] = samples[2];
+    if (x + n == width)
+        samples[n + 1] = samples[n - 1];
+}
+
+static __attribute__((noinline)) void load_bilinear(const pupil_row_job *job, const pupil_row *row, uint32_t x,
+                                                    uint32_t n, pupil_planes *planes)
+{
+    uint16_t samples[3][PUPIL_BLOCK + 2];
+    const uint16_t *const rows[3] = {samples[0], samples[1], samples[2]};
+    unpack_around(job, row->above, row->width, x, n, samples[0]);
+    unpack_around(job, row->data, row->width, x, n, samples[1]);
+    unpack_around(job, row->below, row->width, x, n, samples[2]);
+    PIECE(job->kernels, bilinear)
+    (job->coder, rows, (x & 1) == job->coder->red_x, row->odd == job->coder->red_y, n, planes);
+}
+
+static void add_grey_world(const pupil_coder *c, const pupil_planes *planes, uint32_t n, pupil_stats *stats)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float rgb[3] = {planes->r[i], planes->g[i], planes->b[i]};
+        if (rgb[0] >= c->most || rgb[1] >= c->most || rgb[2] >= c->most)
+            continue;               /* what is clipped has lost its colour */
+        for (int k = 0; k < 3; k++) /* the integer that developed to this, within half of one */
+            stats->channel_sum[k] += (int64_t)((double)rgb[k] / (double)c->unit4[k] + (rgb[k] < 0.0f ? -0.5 : 0.5));
+        stats->channel_quads++;
+    }
+}
+
+static __attribute__((noinline)) void load_binned(const pupil_row_job *job, const pupil_row *row, uint32_t x,
+                                                  uint32_t n, pupil_planes *planes)
+{
+    uint16_t upper[PUPIL_SAMPLES], lower[PUPIL_SAMPLES];
+    pupil_unpack_kernel *unpack = PIECE(job->kernels, unpack[job->in_pixel]);
+    unpack(row->data, job->coder->shift, 2 * x, 2 * n, upper);
+    unpack(row->below, job->coder->shift, 2 * x, 2 * n, lower);
+    PIECE(job->kernels, binned)(job->coder, upper, lower, n, planes);
+}
+
+/* 1: opaque */
+static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    if (job->way == PUPIL_WAY_PIXELS)
+        return PIECE(job->kernels, load[job->in_pixel])(job->coder, row, x, n, planes);
+    if (job->way == PUPIL_WAY_BINNED)
+        load_binned(job, row, x, n, planes);
+    else
+        load_bilinear(job, row, x, n, planes);
+    if (job->curve && job->coder->has_matrix)
+        PIECE(job->kernels, matrix)(job->coder->matrix, n, planes);
+    return 1;
+}
+
+static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes,
+                        uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
     const pupil_kernels *k = job->kernels;
-    if (k->meter[job->in_pixel] && !job->histogram) {
-        k->meter[job->in_pixel](job, source, 0, n, run);
-        return;
-    }
-    PIECE(k, load[job->in_pixel])(source, n, planes);
+    (void)load(job, row, x, n, planes);
     if (job->histogram)
         PIECE(k, histogram)(job, planes, n, weight, stats);
+    if (job->grey_world)
+        add_grey_world(job->coder, planes, n, stats);
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
 }
 
 /* run NULL: not metered. */
-static void map_block(const pupil_row_job *job, const void *source, void *target, uint32_t n, pupil_planes *planes,
-                      uint32_t weight, pupil_run *run, pupil_stats *stats)
+static void map_block(const pupil_row_job *job, const pupil_row *row, uint32_t x, void *target, uint32_t n,
+                      pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
     const pupil_kernels *k = job->kernels;
+    const uint8_t *source = row->data + x * pupil_pixel_bytes(job->in_pixel);
     const int bins = run && job->histogram;
     int opaque;
     if (k->scale[job->in_pixel] && !bins) {
         opaque = k->scale[job->in_pixel](job, source, n, planes, run);
     } else {
-        opaque = PIECE(k, load[job->in_pixel])(source, n, planes);
+        opaque = load(job, row, x, n, planes);
         if (bins)
             PIECE(k, histogram)(job, planes, n, weight, stats);
         k->scale[PUPIL_PLANES](job, 0, n, planes, run);
@@ -87,8 +147,8 @@ static void map_block(const pupil_row_job *job, const void *source, void *target
         alpha(source, n, target);
 }
 
-void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *target, uint32_t n, uint32_t weight,
-                    uint32_t band, pupil_stats *stats)
+void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
+                    uint32_t weight, uint32_t band, pupil_stats *stats)
 {
     const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
     const int metered = stats && weight;
@@ -97,18 +157,17 @@ void pupil_work_run(const pupil_row_job *job, const uint8_t *source, uint8_t *ta
 
     run_clear(&run);
     if (!target && job->kernels->meter[job->in_pixel] && !job->histogram) {
-        job->kernels->meter[job->in_pixel](job, source, 0, n, &run);
+        job->kernels->meter[job->in_pixel](job, row->data + x * in_bytes, 0, n, &run);
         if (metered)
             stats_add_run(stats, &run, n, weight, band);
         return;
     }
-    for (uint32_t x = 0; x < n; x += PUPIL_BLOCK) {
-        uint32_t m = n - x < PUPIL_BLOCK ? n - x : PUPIL_BLOCK;
+    for (uint32_t i = 0; i < n; i += PUPIL_BLOCK) {
+        uint32_t m = n - i < PUPIL_BLOCK ? n - i : PUPIL_BLOCK;
         if (target)
-            map_block(job, source + x * in_bytes, target + x * out_bytes, m, &planes, weight, metered ? &run : 0,
-                      stats);
+            map_block(job, row, x + i, target + i * out_bytes, m, &planes, weight, metered ? &run : 0, stats);
         else
-            meter_block(job, source + x * in_bytes, m, &planes, weight, &run, stats);
+            meter_block(job, row, x + i, m, &planes, weight, &run, stats);
     }
     if (metered)
         stats_add_run(stats, &run, n, weight, band);

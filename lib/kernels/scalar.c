@@ -1,6 +1,7 @@
 /* The reference level: plain C. Loops over planar floats, so that a compiler may use whatever vectors it has; without
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
 #include "kernels.h"
+#include "loads.h"
 
 #include "../core/numeric.h"
 
@@ -8,9 +9,10 @@
  */
 
 #define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
-    static int NAME(const void *source, uint32_t n, pupil_planes *restrict p)                                          \
+    static int NAME(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)  \
     {                                                                                                                  \
-        const TYPE *restrict s = source;                                                                               \
+        const TYPE *restrict s = (const TYPE *)(const void *)row->data + SAMPLES * (size_t)x;                          \
+        (void)coder;                                                                                                   \
         for (uint32_t i = 0; i < n; i++) {                                                                             \
             p->r[i] = CONVERT(s[SAMPLES * i]);                                                                         \
             p->g[i] = CONVERT(s[SAMPLES * i + 1]);                                                                     \
@@ -31,17 +33,14 @@ static inline float half_to_float(uint16_t h)
     return pupil_float_of_bits(bits | (uint32_t)(h & 0x8000) << 16);
 }
 
-#define AS_IT_IS(x)   (x)
-#define FROM_16(x)    ((float)(x) * (1.0f / 65535.0f))
-#define FROM_SRGB8(x) (pupil_srgb8_to_linear[x])
+#define AS_IT_IS(x) (x)
+#define FROM_16(x)  ((float)(x) * (1.0f / 65535.0f))
 
 LOAD(load_rgba32f, float, 4, AS_IT_IS)
 LOAD(load_rgb32f, float, 3, AS_IT_IS)
 LOAD(load_rgba16f, uint16_t, 4, half_to_float)
 LOAD(load_rgba16, uint16_t, 4, FROM_16)
 LOAD(load_rgb16, uint16_t, 3, FROM_16)
-LOAD(load_rgba8, uint8_t, 4, FROM_SRGB8)
-LOAD(load_rgb8, uint8_t, 3, FROM_SRGB8)
 
 /* ---- meter ----------------------------------------------------------------------------------------------------------
  */
@@ -292,9 +291,9 @@ const pupil_kernels pupil_kernels_scalar = {
             [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
             [PUPIL_PIXEL_RGBA16] = load_rgba16,
             [PUPIL_PIXEL_RGB16] = load_rgb16,
-            [PUPIL_PIXEL_RGBA8] = load_rgba8,
-            [PUPIL_PIXEL_RGB8] = load_rgb8,
+            LOADS_BY_FORMAT,
         },
+    UNPACK_AND_DEVELOP,
     .meter = {[PUPIL_PLANES] = meter},
     .scale = {[PUPIL_PLANES] = scale},
     .histogram = histogram,

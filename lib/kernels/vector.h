@@ -523,9 +523,11 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
         copy_rest(rest, source, n *(BYTES), BYTES);                                                                    \
         group_##NAME(rest, p);                                                                                         \
     }                                                                                                                  \
-    static int load_##NAME(const void *source, uint32_t n, pupil_planes *planes)                                       \
+    static int load_##NAME(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n,                     \
+                           pupil_planes *planes)                                                                       \
     {                                                                                                                  \
-        const uint8_t *at = source;                                                                                    \
+        const uint8_t *at = row->data + x * (size_t)(BYTES);                                                           \
+        (void)coder;                                                                                                   \
         mask opaque = v_at_least(v_all(1.0f), v_all(1.0f));                                                            \
         for (uint32_t i = 0; i < n; i += PUPIL_LANES) {                                                                \
             group p;                                                                                                   \

@@ -48,7 +48,11 @@ static void check_thumbnails(void)
         for (size_t k = 0; k < (size_t)w * h * 3; k++)
             rgb[k] = (unsigned char)((k / 3 % w + k / 3 / w) % 2 ? 255 : 0);
         /* bottom-up, so that the stride is negative */
-        pupil_image_const in = {rgb + (size_t)w * 3 * (h - 1), -(ptrdiff_t)w * 3, w, h, PUPIL_PIXEL_RGB8};
+        pupil_image_const in = {.data = rgb + (size_t)w * 3 * (h - 1),
+                                .stride_bytes = -(ptrdiff_t)w * 3,
+                                .width = w,
+                                .height = h,
+                                .pixel = PUPIL_PIXEL_RGB8};
         thumbnail t;
         CHECK(thumbnail_make(&t, &in) == 0 && t.width == size[i][2] && t.height == size[i][3]);
         int wrong = 0;
@@ -92,7 +96,8 @@ static const char evil[] = "<script>alert('\"&')</script>";
 static void page_of(const char *folder, int overwrite, run how)
 {
     static unsigned char rgb[40 * 30 * 3];
-    pupil_image_const image = {rgb, 40 * 3, 40, 30, PUPIL_PIXEL_RGB8};
+    pupil_image_const image = {
+        .data = rgb, .stride_bytes = 40 * 3, .width = 40, .height = 30, .pixel = PUPIL_PIXEL_RGB8};
     pupil_record *records = calloc(how.frames, sizeof *records);
     pupil_report *report = NULL;
     CHECK_MSG(pupil_report_begin(&report, folder, overwrite, how.stills, why, sizeof why) == 0, "%s", why);

@@ -15,7 +15,8 @@ static pupil_image_const make(uint32_t width, uint32_t height, int turned)
         picture[i] = (float)(check_uniform() * pow(2.0, (double)(check_random() % 40) - 20.0));
     picture[0] = 0.0f;
     ptrdiff_t stride = (ptrdiff_t)(width * 3 * sizeof(float));
-    pupil_image_const image = {picture, stride, width, height, PUPIL_PIXEL_RGB32F};
+    pupil_image_const image = {
+        .data = picture, .stride_bytes = stride, .width = width, .height = height, .pixel = PUPIL_PIXEL_RGB32F};
     if (turned) { /* the last row first */
         image.data = (const unsigned char *)image.data + (ptrdiff_t)(height - 1) * stride;
         image.stride_bytes = -stride;

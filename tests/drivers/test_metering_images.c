@@ -24,8 +24,11 @@ static void meter(const char *path, pupil_still *still)
     CHECK_MSG(pupil_still_load(still, path, why, sizeof why) == 0, "%s", why);
     if (why[0])
         return;
-    const pupil_image_const image = {still->pixels, (ptrdiff_t)(still->width * pupil_pixel_bytes(still->pixel)),
-                                     still->width, still->height, still->pixel};
+    const pupil_image_const image = {.data = still->pixels,
+                                     .stride_bytes = (ptrdiff_t)(still->width * pupil_pixel_bytes(still->pixel)),
+                                     .width = still->width,
+                                     .height = still->height,
+                                     .pixel = still->pixel};
     const int large = (uint64_t)still->width * still->height >= 1000000;
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);

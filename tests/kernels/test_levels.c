@@ -12,11 +12,16 @@
 #include "kernels.h"
 
 static const char *const level_name[PUPIL_LEVEL_COUNT] = {"scalar", "NEON", "AVX2", "AVX-512"};
-static const char *const pixel_name[PUPIL_PIXEL_COUNT] = {"none",  "rgba32f", "rgb32f", "rgba16f", "rgba16",
-                                                          "rgb16", "rgba8",   "rgb8",   "bgrx8"};
-static const uint32_t in_pixel[] = {PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F, PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGBA16,
-                                    PUPIL_PIXEL_RGB16,   PUPIL_PIXEL_RGBA8,  PUPIL_PIXEL_RGB8};
-static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8};
+static const char *const pixel_name[PUPIL_PIXEL_COUNT] = {
+    "none",    "rgba32f", "rgb32f",  "rgba16f", "rgba16",   "rgb16",   "rgba8",  "rgb8",
+    "bgrx8",   "yuyv",    "nv12",    "grey8",   "grey10",   "grey12",  "grey16", "bayer8",
+    "bayer10", "bayer12", "bayer14", "bayer16", "bayer10p", "bayer12p"};
+static const uint32_t in_pixel[] = {
+    PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,  PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGBA16,   PUPIL_PIXEL_RGB16,
+    PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,    PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,     PUPIL_PIXEL_GREY8,
+    PUPIL_PIXEL_GREY10,  PUPIL_PIXEL_GREY12,  PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,   PUPIL_PIXEL_BAYER10,
+    PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P, PUPIL_PIXEL_BAYER12P};
+static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12};
 #define INS  (sizeof in_pixel / sizeof *in_pixel)
 #define OUTS (sizeof out_pixel / sizeof *out_pixel)
 
@@ -29,18 +34,24 @@ typedef struct outcome {
     frame mapped, fused_to;
 } outcome;
 
+/* `out`: a pixel format, and HALVED for a mosaic mapped quad by quad. */
+#define HALVED 0x100
+
 static void work(const frame *in, const pupil_config *usual, const pupil_curve *curve, uint32_t level, uint32_t out,
                  size_t padding, int upside_down, outcome *o)
 {
     pupil_config config = *usual;
     pupil_t pupil;
     uint32_t got = 99;
-    const uint32_t h = in->image.height;
+    const uint32_t h = in->image.height, smaller = out & HALVED ? 2 : 1, pixel = out & ~HALVED;
     config.levels = 1u << level;
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
     CHECK(pupil_get_level(&pupil, &got) == PUPIL_OK && got == level);
-    o->mapped = frame_make(in->image.width, h, out, padding, upside_down);
-    o->fused_to = frame_make(in->image.width, h, out, padding, upside_down);
+    o->mapped = frame_make(in->image.width / smaller, h / smaller, pixel, padding, upside_down);
+    o->fused_to = frame_make(in->image.width / smaller, h / smaller, pixel, padding, upside_down);
+    o->mapped.image.coding = o->fused_to.image.coding = in->image.coding;
+    if (pixel != PUPIL_PIXEL_NV12)
+        o->mapped.image.coding = o->fused_to.image.coding = NULL;
     const pupil_image mapped = frame_writable(&o->mapped), fused = frame_writable(&o->fused_to);
     pupil_stats_clear(&o->metered);
     pupil_stats_clear(&o->fused);
@@ -63,13 +74,13 @@ static void compare(const frame *in, const pupil_config *config, const pupil_cur
                       memcmp(&got.fused, &expected.fused, sizeof got.fused) == 0,
                   "%s: statistics of %s %s %ux%u", level_name[level], what, pixel_name[in->image.pixel],
                   in->image.width, in->image.height);
-        CHECK_MSG(memcmp(got.mapped.memory, expected.mapped.memory, got.mapped.bytes) == 0,
-                  "%s: %s of %s %s %ux%u, transfer %u, scale %g", level_name[level], pixel_name[out], what,
-                  pixel_name[in->image.pixel], in->image.width, in->image.height, config->transfer, curve->scale);
-        CHECK_MSG(memcmp(got.fused_to.memory, expected.fused_to.memory, got.fused_to.bytes) == 0 &&
-                      frame_guards_intact(&got.mapped) && frame_guards_intact(&got.fused_to),
-                  "%s: fused %s of %s %s %ux%u", level_name[level], pixel_name[out], what, pixel_name[in->image.pixel],
-                  in->image.width, in->image.height);
+        CHECK_MSG(frame_equal(&got.mapped, &expected.mapped), "%s: %s of %s %s %ux%u, transfer %u, scale %g",
+                  level_name[level], pixel_name[out & ~HALVED], what, pixel_name[in->image.pixel], in->image.width,
+                  in->image.height, config->transfer, curve->scale);
+        CHECK_MSG(frame_equal(&got.fused_to, &expected.fused_to) && frame_guards_intact(&got.mapped) &&
+                      frame_guards_intact(&got.fused_to),
+                  "%s: fused %s of %s %s %ux%u", level_name[level], pixel_name[out & ~HALVED], what,
+                  pixel_name[in->image.pixel], in->image.width, in->image.height);
         frame_free(&got.mapped);
         frame_free(&got.fused_to);
     }
@@ -94,6 +105,31 @@ static pupil_config any_config(void)
         c.clip = check_uniform() < 0.5 ? 0x1p127f : INFINITY;
     if (check_uniform() < 0.3)
         pupil_metering_centre(&c);
+    c.meter_rows = check_uniform() < 0.2 ? 1u << (int)(check_uniform() * 4) : 0;
+    c.grey_world = check_uniform() < 0.3;
+    return c;
+}
+
+/* One that the format can have. */
+static pupil_coding any_coding(uint32_t pixel)
+{
+    pupil_coding c = {0};
+    c.matrix = (uint32_t)(check_uniform() * PUPIL_MATRIX_COUNT);
+    c.range = (uint32_t)(check_uniform() * PUPIL_RANGE_COUNT);
+    c.light = pixel < PUPIL_PIXEL_BAYER8 ? (uint32_t)(check_uniform() * PUPIL_LIGHT_COUNT) : 0;
+    c.bayer = (uint32_t)(check_uniform() * PUPIL_BAYER_COUNT);
+    if (pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10 || pixel == PUPIL_PIXEL_BAYER12)
+        c.shift = (uint32_t)(check_uniform() * 5);
+    if (check_uniform() < 0.7)
+        c.black = (float)(check_uniform() < 0.5 ? (int)(check_uniform() * 64) : check_uniform() * 64);
+    if (check_uniform() < 0.5)
+        c.white = c.black + 100 + (float)(check_uniform() * 900);
+    for (int i = 0; i < 3 && check_uniform() < 0.9; i++)
+        c.balance[0] = c.balance[1] = 1, c.balance[2] = c.balance[2] > 0 ? c.balance[2] : 1.5f, c.balance[i] += 0.7f;
+    if (check_uniform() < 0.5)
+        for (int i = 0; i < 9; i++)
+            c.rgb_from_camera[i] = (float)((i % 4 == 0 ? 1.6 : -0.3) * (0.5 + check_uniform()));
+    CHECK(pupil_coding_check(&c, NULL) == PUPIL_OK);
     return c;
 }
 
@@ -127,14 +163,27 @@ static const char *fill(frame *f, int kind)
     return name[kind];
 }
 
+static size_t sample_bytes(uint32_t pixel)
+{
+    const size_t bytes = pupil_pixel_bytes(pixel);
+    const int words = (pixel >= PUPIL_PIXEL_GREY10 && pixel <= PUPIL_PIXEL_GREY16) ||
+                      (pixel >= PUPIL_PIXEL_BAYER10 && pixel <= PUPIL_PIXEL_BAYER16);
+    return bytes > 8 ? 4 : bytes > 4 || words ? 2 : 1;
+}
+
 static void one(uint32_t width, uint32_t height, size_t in, size_t out, int kind)
 {
-    const size_t sample = pupil_pixel_bytes(in_pixel[in]) > 8 ? 4 : pupil_pixel_bytes(in_pixel[in]) > 4 ? 2 : 1;
-    frame f = frame_make(width, height, in_pixel[in], sample * (size_t)(check_uniform() * 5), check_uniform() < 0.3);
+    const pupil_coding coding = any_coding(in_pixel[in]);
+    frame_fit(in_pixel[in], &width, &height);
+    frame f = frame_make(width, height, in_pixel[in], sample_bytes(in_pixel[in]) * (size_t)(check_uniform() * 5),
+                         check_uniform() < 0.3);
     const char *what = fill(&f, kind);
     const pupil_config config = any_config();
     const pupil_curve curve = any_curve();
-    compare(&f, &config, &curve, out_pixel[out], (size_t)(check_uniform() * 7), check_uniform() < 0.3, what);
+    const int halved = in_pixel[in] >= PUPIL_PIXEL_BAYER8 && check_uniform() < 0.5;
+    f.image.coding = in_pixel[in] >= PUPIL_PIXEL_YUYV ? &coding : NULL;
+    compare(&f, &config, &curve, out_pixel[out] | (halved ? HALVED : 0), (size_t)(check_uniform() * 7),
+            check_uniform() < 0.3, what);
     frame_free(&f);
 }
 
@@ -172,33 +221,66 @@ static void every_half(void)
 /* ---- no byte beyond a row is touched -------------------------------------------------------------------------------
  */
 
-/* The last byte of the only row is the last before a page that cannot be read. */
+/* `bytes` that are the last before a page that cannot be read. */
+typedef struct last_bytes {
+    unsigned char *memory;
+    size_t size, page;
+} last_bytes;
+
+static last_bytes last_bytes_make(void)
+{
+    last_bytes l = {.page = (size_t)sysconf(_SC_PAGESIZE)};
+    l.size = 4 * l.page;
+    l.memory = mmap(NULL, l.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    CHECK(l.memory != MAP_FAILED && mprotect(l.memory + l.size - l.page, l.page, PROT_NONE) == 0);
+    return l;
+}
+
+static unsigned char *last(const last_bytes *l, size_t bytes)
+{
+    return l->memory + l->size - l->page - bytes;
+}
+
+/* The last byte of each plane, in and out, is the last before a page that cannot be read. */
 static void at_the_end_of_memory(void)
 {
-    const size_t page = (size_t)sysconf(_SC_PAGESIZE), bytes = 4 * page;
-    unsigned char *in = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    unsigned char *out = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    CHECK(in != MAP_FAILED && out != MAP_FAILED);
-    CHECK(mprotect(in + bytes - page, page, PROT_NONE) == 0 && mprotect(out + bytes - page, page, PROT_NONE) == 0);
+    const last_bytes in = last_bytes_make(), in_chroma = last_bytes_make(), out = last_bytes_make(),
+                     out_chroma = last_bytes_make();
     for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++)
         for (size_t i = 0; i < INS; i++)
-            for (uint32_t width = 1; width <= 66; width++) {
+            for (uint32_t w = 1; w <= 66; w++) {
+                uint32_t width = w, height = 1;
+                frame_fit(in_pixel[i], &width, &height);
                 pupil_config config = any_config();
+                const pupil_coding coding = any_coding(in_pixel[i]);
                 const pupil_curve curve = any_curve();
-                const uint32_t to = out_pixel[width % OUTS];
-                const size_t in_row = width * pupil_pixel_bytes(in_pixel[i]), out_row = width * pupil_pixel_bytes(to);
-                pupil_image_const from = {in + bytes - page - in_row, (ptrdiff_t)in_row, width, 1, in_pixel[i]};
-                pupil_image target = {out + bytes - page - out_row, (ptrdiff_t)out_row, width, 1, to};
+                const uint32_t to = out_pixel[w % OUTS];
+                const size_t in_row = pupil_row_bytes(in_pixel[i], width), out_row = pupil_row_bytes(to, width);
+                const pupil_image_const from = {.data = last(&in, height * in_row),
+                                                .stride_bytes = (ptrdiff_t)in_row,
+                                                .width = width,
+                                                .height = height,
+                                                .pixel = in_pixel[i],
+                                                .chroma = last(&in_chroma, width + width % 2),
+                                                .coding = &coding};
+                const pupil_image target = {.data = last(&out, height * out_row),
+                                            .stride_bytes = (ptrdiff_t)out_row,
+                                            .width = width,
+                                            .height = height,
+                                            .pixel = to,
+                                            .chroma = last(&out_chroma, width + width % 2)};
                 pupil_stats stats;
                 pupil_t pupil;
                 config.levels = 1u << level;
                 pupil_stats_clear(&stats);
                 CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
-                CHECK(pupil_meter_rows(&pupil, &from, 0, 1, &stats) == PUPIL_OK);
+                CHECK(pupil_meter_rows(&pupil, &from, 0, height, &stats) == PUPIL_OK);
                 CHECK(pupil_map_rows(&pupil, &curve, &from, &target) == PUPIL_OK);
             }
-    munmap(in, bytes);
-    munmap(out, bytes);
+    munmap(in.memory, in.size);
+    munmap(in_chroma.memory, in_chroma.size);
+    munmap(out.memory, out.size);
+    munmap(out_chroma.memory, out_chroma.size);
 }
 
 /* ---- threads -------------------------------------------------------------------------------------------------------
@@ -217,9 +299,7 @@ static void *work_part(void *argument)
 {
     part *p = argument;
     const pupil_image_const rows = pupil_image_rows(p->in, p->first, p->rows);
-    pupil_image to = p->out;
-    to.data = (unsigned char *)to.data + (ptrdiff_t)p->first * to.stride_bytes;
-    to.height = p->rows;
+    const pupil_image to = pupil_image_out_rows(p->out, p->first, p->rows);
     pupil_stats_clear(&p->stats);
     CHECK(pupil_fused_rows(p->pupil, p->curve, &rows, p->first, p->height, &to, &p->stats) == PUPIL_OK);
     return NULL;
@@ -227,25 +307,37 @@ static void *work_part(void *argument)
 
 static void any_number_of_threads(void)
 {
-    enum { MOST = 8, HEIGHT = 61 };
+    enum { MOST = 8 };
     for (size_t i = 0; i < INS; i++) {
         const pupil_config usual = any_config();
+        const pupil_coding coding = any_coding(in_pixel[i]);
         const pupil_curve curve = any_curve();
-        frame f = frame_make(333, HEIGHT, in_pixel[i], 0, 0);
+        const uint32_t to = out_pixel[i % 3 ? 0 : 3];
+        const int pairs =
+            to == PUPIL_PIXEL_NV12 || in_pixel[i] == PUPIL_PIXEL_NV12 || in_pixel[i] >= PUPIL_PIXEL_BAYER8;
+        uint32_t width = 333, height = 61;
+        frame_fit(in_pixel[i], &width, &height);
+        frame f = frame_make(width, height, in_pixel[i], 0, 0);
         fill(&f, (int)i % 3);
+        f.image.coding = in_pixel[i] >= PUPIL_PIXEL_YUYV ? &coding : NULL;
         outcome expected;
-        work(&f, &usual, &curve, PUPIL_LEVEL_SCALAR, PUPIL_PIXEL_RGBA8, 0, 0, &expected);
+        work(&f, &usual, &curve, PUPIL_LEVEL_SCALAR, to, 0, 0, &expected);
         for (uint32_t threads = 1; threads <= MOST; threads++) {
             static part p[MOST];
             pthread_t thread[MOST];
             pupil_t pupil;
             pupil_stats sum;
-            frame out = frame_make(333, HEIGHT, PUPIL_PIXEL_RGBA8, 0, 0);
+            frame out = frame_make(width, height, to, 0, 0);
+            out.image.coding = expected.mapped.image.coding;
             CHECK(pupil_init(&pupil, &usual) == PUPIL_OK); /* the best level */
             pupil_stats_clear(&sum);
             for (uint32_t t = 0; t < threads; t++) {
-                const uint32_t first = HEIGHT * t / threads, end = HEIGHT * (t + 1) / threads;
-                p[t] = (part){&pupil, &curve, f.image, frame_writable(&out), first, end - first, HEIGHT, {0}};
+                uint32_t first = height * t / threads, end = height * (t + 1) / threads;
+                if (pairs) {
+                    first -= first % 2;
+                    end -= t + 1 < threads ? end % 2 : 0;
+                }
+                p[t] = (part){&pupil, &curve, f.image, frame_writable(&out), first, end - first, height, {0}};
                 pthread_create(&thread[t], NULL, work_part, &p[t]);
             }
             for (uint32_t t = 0; t < threads; t++)
@@ -254,7 +346,8 @@ static void any_number_of_threads(void)
                 CHECK(pupil_stats_add(&sum, &p[t].stats) == PUPIL_OK);
             CHECK_MSG(memcmp(&sum, &expected.fused, sizeof sum) == 0, "%s on %u threads", pixel_name[in_pixel[i]],
                       threads);
-            CHECK(memcmp(out.memory, expected.fused_to.memory, out.bytes) == 0);
+            CHECK_MSG(frame_equal(&out, &expected.fused_to), "%s on %u threads, mapped", pixel_name[in_pixel[i]],
+                      threads);
             frame_free(&out);
         }
         frame_free(&expected.mapped);

@@ -209,8 +209,9 @@ static void check_no_light(void)
     pupil_exposure e;
     unsigned char code[3] = {1, 2, 3};
     const float grey[3] = {0.18f, 0.18f, 0.18f};
-    const pupil_image_const in = {grey, sizeof grey, 1, 1, PUPIL_PIXEL_RGB32F};
-    const pupil_image out = {code, 3, 1, 1, PUPIL_PIXEL_RGB8};
+    const pupil_image_const in = {
+        .data = grey, .stride_bytes = sizeof grey, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
+    const pupil_image out = {.data = code, .stride_bytes = 3, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
     pupil_frame_info info = {.timestamp_ns = 1};
     pupil_config_default(&config);
     CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK); /* a frame of one pixel lies in cell 8, 8 */

@@ -18,8 +18,10 @@ static void flush(const pupil_t *pupil, uint32_t transfer)
     static float rgb[3 * AT_ONCE];
     static unsigned char code[3 * AT_ONCE];
     const pupil_curve one = {1, 1, 0};
-    const pupil_image_const in = {rgb, (ptrdiff_t)sizeof rgb, count, 1, PUPIL_PIXEL_RGB32F};
-    const pupil_image out = {code, (ptrdiff_t)sizeof code, count, 1, PUPIL_PIXEL_RGB8};
+    const pupil_image_const in = {
+        .data = rgb, .stride_bytes = (ptrdiff_t)sizeof rgb, .width = count, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
+    const pupil_image out = {
+        .data = code, .stride_bytes = (ptrdiff_t)sizeof code, .width = count, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
     if (!count)
         return;
     for (unsigned i = 0; i < 3 * count; i++)

@@ -24,8 +24,10 @@ static void fresh(void)
     for (unsigned i = 0; i < sizeof in_memory / sizeof *in_memory; i++)
         in_memory[i] = 0.1f + (float)i / 64;
     memset(out_memory, 0x77, sizeof out_memory);
-    in = (pupil_image_const){in_memory, 4 * 12, 4, 3, PUPIL_PIXEL_RGB32F};
-    out = (pupil_image){out_memory + 16, 13, 4, 3, PUPIL_PIXEL_RGB8};
+    in = (pupil_image_const){
+        .data = in_memory, .stride_bytes = 4 * 12, .width = 4, .height = 3, .pixel = PUPIL_PIXEL_RGB32F};
+    out =
+        (pupil_image){.data = out_memory + 16, .stride_bytes = 13, .width = 4, .height = 3, .pixel = PUPIL_PIXEL_RGB8};
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
     CHECK(pupil_process(&pupil, &in, &info, &out) == PUPIL_OK);
@@ -133,16 +135,19 @@ static void check_images(void)
         i.data = (const char *)in_memory + k;
         expect_images(&i, &out, PUPIL_ERR_ALIGNMENT, "data");
     }
-    i = (pupil_image_const){(const char *)in_memory + 1, 32, 4, 3, PUPIL_PIXEL_RGBA16F};
+    i = (pupil_image_const){
+        .data = (const char *)in_memory + 1, .stride_bytes = 32, .width = 4, .height = 3, .pixel = PUPIL_PIXEL_RGBA16F};
     expect_images(&i, &out, PUPIL_ERR_ALIGNMENT, "half data");
-    i = (pupil_image_const){(const char *)in_memory + 1, 13, 4, 3, PUPIL_PIXEL_RGB8};
+    i = (pupil_image_const){
+        .data = (const char *)in_memory + 1, .stride_bytes = 13, .width = 4, .height = 3, .pixel = PUPIL_PIXEL_RGB8};
     CHECK(pupil_process(&pupil, &i, NULL, &out) == PUPIL_OK); /* bytes lie anywhere */
 }
 
 static void check_rows(void)
 {
-    const pupil_image_const one = {in_memory, 48, 4, 1, PUPIL_PIXEL_RGB32F};
-    pupil_image to = {out_memory + 16, 13, 4, 1, PUPIL_PIXEL_RGB8};
+    const pupil_image_const one = {
+        .data = in_memory, .stride_bytes = 48, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
+    pupil_image to = {.data = out_memory + 16, .stride_bytes = 13, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
     static const uint32_t outside[] = {3, 4, 0x7fffffff, 0xffffffff};
     fresh();
     remember();
@@ -178,9 +183,11 @@ static void check_order(void)
 {
     pupil_config config;
     pupil_exposure e;
-    const pupil_image_const one = {in_memory, 48, 4, 1, PUPIL_PIXEL_RGB32F},
-                            narrow = {in_memory, 48, 3, 1, PUPIL_PIXEL_RGB32F};
-    const pupil_image to = {out_memory + 16, 13, 4, 1, PUPIL_PIXEL_RGB8};
+    const pupil_image_const
+        one = {.data = in_memory, .stride_bytes = 48, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_RGB32F},
+        narrow = {.data = in_memory, .stride_bytes = 48, .width = 3, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
+    const pupil_image to = {
+        .data = out_memory + 16, .stride_bytes = 13, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
     pupil_config_default(&config);
     fresh();
     remember();
@@ -323,10 +330,10 @@ static void check_objects(void)
 
 static void check_sentences(void)
 {
-    for (int a = 0; a >= PUPIL_ERR_STATS; a--)
-        for (int b = PUPIL_ERR_STATS; b < a; b++)
+    for (int a = 0; a >= PUPIL_ERR_CODING; a--)
+        for (int b = PUPIL_ERR_CODING; b < a; b++)
             CHECK(strcmp(pupil_error_string(a), pupil_error_string(b)) != 0);
-    for (int a = PUPIL_ERR_STATS - 5; a < 6; a++)
+    for (int a = PUPIL_ERR_CODING - 5; a < 6; a++)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     for (uint32_t pixel = 0; pixel < 300; pixel++) {

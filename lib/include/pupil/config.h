@@ -83,6 +83,10 @@ typedef struct pupil_config {
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
     float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
     uint32_t histogram;  /* 0: gathered only if trimming or a following white needs it; 1: always; 0 */
+    uint32_t meter_rows; /* n of 1, 2, 4, 8: one of each n rows (of a mosaic: rows of quads) is metered, another one
+                          * from frame to frame; mapping does not change. For slow boards: docs/numerics.md has the
+                          * error; 0: as 1 */
+    uint32_t grey_world; /* 1: sum up the channels of mosaics (pupil_stats_grey_world); 0 */
     uint8_t weight[PUPIL_GRID_SIDE][PUPIL_GRID_SIDE]; /* [row][column] of the metering grid, 0..255, at least one
                                                        * above 0; all 1. A pixel belongs to the cell its centre lies in:
                                                        * (2x+1)*16 / (2*width). */

@@ -22,19 +22,21 @@ extern "C" {
 
 enum {
     PUPIL_OK = 0,
-    PUPIL_ERR_NULL = -1,          /* a required pointer is NULL */
-    PUPIL_ERR_CONFIG = -2,        /* pupil_config_check refuses the configuration, and says which field */
-    PUPIL_ERR_OBJECT = -3,        /* the object was not made by pupil_init of this version */
-    PUPIL_ERR_SIZE = -4,          /* width or height is 0 or above PUPIL_MAX_SIDE_PX, or in and out differ in size */
-    PUPIL_ERR_STRIDE = -5,        /* rows would overlap: |stride| is smaller than one row of pixels */
-    PUPIL_ERR_ALIGNMENT = -6,     /* data or stride is not a multiple of the sample's size */
-    PUPIL_ERR_PIXEL = -7,         /* the pixel format cannot be used on this side (input or output) */
-    PUPIL_ERR_ROWS = -8,          /* rows outside the frame, or a frame ended before each of its rows came once */
-    PUPIL_ERR_ORDER = -9,         /* calls out of order: rows or end without a begin, or a second begin */
+    PUPIL_ERR_NULL = -1,      /* a required pointer is NULL (the chroma plane of NV12 is one) */
+    PUPIL_ERR_CONFIG = -2,    /* pupil_config_check refuses the configuration, and says which field */
+    PUPIL_ERR_OBJECT = -3,    /* the object was not made by pupil_init of this version */
+    PUPIL_ERR_SIZE = -4,      /* width or height is 0 or above PUPIL_MAX_SIDE_PX or not what the format can have, or in
+                               * and out differ in size */
+    PUPIL_ERR_STRIDE = -5,    /* rows would overlap: |stride| is smaller than one row of pixels */
+    PUPIL_ERR_ALIGNMENT = -6, /* data or stride is not a multiple of the sample's size */
+    PUPIL_ERR_PIXEL = -7,     /* the pixel format cannot be used on this side (input or output) */
+    PUPIL_ERR_ROWS = -8,      /* rows outside the frame, or a frame ended before each of its rows came once */
+    PUPIL_ERR_ORDER = -9,     /* calls out of order: rows or end without a begin, or a second begin */
     PUPIL_ERR_NO_EXPOSURE = -10,  /* a curve was asked for before any frame was adapted to */
     PUPIL_ERR_NO_HISTOGRAM = -11, /* a quantile was asked of statistics gathered without a histogram */
     PUPIL_ERR_VALUE = -12,        /* an argument is NaN or outside its range */
-    PUPIL_ERR_STATS = -13         /* statistics that no metering can have produced, or of another frame height */
+    PUPIL_ERR_STATS = -13,        /* statistics that no metering can have produced, or of another frame height */
+    PUPIL_ERR_CODING = -14        /* pupil_coding_check refuses the image's coding, and says which field */
 };
 
 /* One sentence, in English, for any code above (and for any other number). Never NULL; points to constant text. */

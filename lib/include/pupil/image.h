@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/coding.h"
 #include "pupil/error.h"
 
 #ifdef __cplusplus
@@ -23,8 +24,9 @@ extern "C" {
 #define PUPIL_MAX_SIDE_PX 16384u
 
 /* Pixel formats. "linear": the sample is proportional to light. "sRGB": coded with the curve of IEC 61966-2-1.
- * Integer samples stand for 0..1: code / (2^bits - 1). Alpha is never light: it is not metered, and is copied to
- * outputs that have it (rounded, clamped to 0..1, NaN to 0; outputs of inputs without alpha are opaque). */
+ * Integer samples stand for 0..1: code / (2^bits - 1), unless the image's coding says otherwise. Alpha is never light:
+ * it is not metered, and is copied to outputs that have it (rounded, clamped to 0..1, NaN to 0; outputs of inputs
+ * without alpha are opaque). Names in parentheses are those of V4L2. */
 typedef enum pupil_pixel {
     PUPIL_PIXEL_NONE = 0,
     PUPIL_PIXEL_RGBA32F, /* in: 4 x IEEE binary32, linear */
@@ -35,15 +37,43 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_RGBA8,   /* in: 4 x unsigned 8 bit, sRGB; out: in the configured transfer */
     PUPIL_PIXEL_RGB8,    /* in: 3 x unsigned 8 bit, sRGB; out: in the configured transfer */
     PUPIL_PIXEL_BGRX8,   /* out only: blue, green, red, 255 (DRM XRGB8888, the usual frame buffer) */
+
+    PUPIL_PIXEL_YUYV,   /* in: two pixels in Y' Cb Y' Cr (YUYV). An odd width's last pixel has 4 bytes, too */
+    PUPIL_PIXEL_NV12,   /* in and out: Y' in `data`; Cb Cr of each 2 x 2 pixels in `chroma` (NV12, NM12) */
+    PUPIL_PIXEL_GREY8,  /* in: 8 bit (GREY) */
+    PUPIL_PIXEL_GREY10, /* in: 10 bit in 16-bit words (Y10) */
+    PUPIL_PIXEL_GREY12, /* in: 12 bit in 16-bit words (Y12) */
+    PUPIL_PIXEL_GREY16, /* in: 16 bit (Y16) */
+
+    /* Mosaics: one colour a pixel, in the order that the coding names. Width and height are even. */
+    PUPIL_PIXEL_BAYER8,   /* in: 8 bit (RGGB ...) */
+    PUPIL_PIXEL_BAYER10,  /* in: 10 bit in 16-bit words (RG10 ...) */
+    PUPIL_PIXEL_BAYER12,  /* in: 12 bit in 16-bit words (RG12 ...) */
+    PUPIL_PIXEL_BAYER14,  /* in: 14 bit in 16-bit words (RG14 ...) */
+    PUPIL_PIXEL_BAYER16,  /* in: 16 bit (RG16 ...) */
+    PUPIL_PIXEL_BAYER10P, /* in: 4 pixels in 5 bytes, the lowest bits in the last (MIPI CSI-2 RAW10; pRAA ...); the
+                           * width is a multiple of 4 */
+    PUPIL_PIXEL_BAYER12P, /* in: 2 pixels in 3 bytes, the lowest bits in the last (MIPI CSI-2 RAW12; pRCC ...) */
     PUPIL_PIXEL_COUNT
 } pupil_pixel;
 
+/* A mosaic is metered as the picture of half its size that its quads of 2 x 2 pixels make (red, the mean of both
+ * greens, blue): this is what the statistics count as pixels. It is mapped to a picture of its own size by bilinear
+ * interpolation, or, to an `out` of half its width and height, quad by quad.
+ *
+ * Rows of NV12 and of mosaics come in pairs: a group of rows begins at an even one, and has an odd number of rows only
+ * at the end of an NV12 frame. To interpolate a mosaic, the rows just outside the group are read too where rows_above
+ * and rows_below say that there are any; at the frame's edges (0) the picture is mirrored. pupil_image_rows sees to all
+ * of it. */
 typedef struct pupil_image {
     void *data;             /* the top row */
     ptrdiff_t stride_bytes; /* from one row to the next; may be negative */
     uint32_t width;         /* pixels, 1..PUPIL_MAX_SIDE_PX */
     uint32_t height;        /* rows, 1..PUPIL_MAX_SIDE_PX */
     uint32_t pixel;         /* a pupil_pixel */
+    void *chroma;           /* NV12: the top row of Cb and Cr */
+    ptrdiff_t chroma_stride_bytes;
+    const pupil_coding *coding; /* NULL: all zero. NV12: its matrix and range */
 } pupil_image;
 
 typedef struct pupil_image_const {
@@ -52,6 +82,11 @@ typedef struct pupil_image_const {
     uint32_t width;
     uint32_t height;
     uint32_t pixel;
+    const void *chroma;
+    ptrdiff_t chroma_stride_bytes;
+    const pupil_coding *coding;
+    uint32_t rows_above; /* mosaics: rows of the same picture in memory before the first, and after the last row */
+    uint32_t rows_below;
 } pupil_image_const;
 
 /* What is known of a frame beside its pixels. All zero means: nothing is known. */
@@ -64,13 +99,31 @@ typedef struct pupil_frame_info {
     double gain;          /* total gain, 1 = none; 0 where unknown */
 } pupil_frame_info;
 
-/* Bytes of one pixel (16 for RGBA32F ... 3 for RGB8), 0 for anything that is no pupil_pixel. */
+/* Bytes of one pixel in `data` (16 for RGBA32F ... 1 for NV12); 0 for anything that is no pupil_pixel, and where it is
+ * no whole number (the packed mosaics). */
 PUPIL_API size_t pupil_pixel_bytes(uint32_t pixel);
+
+/* Bytes of a row in `data`; 0 for anything that is no pupil_pixel. A row of NV12's chroma has width + width % 2. */
+PUPIL_API size_t pupil_row_bytes(uint32_t pixel, uint32_t width);
 
 /* The rows [first_row, first_row + rows) of an image, as an image. The caller keeps them inside the image. */
 static inline pupil_image_const pupil_image_rows(pupil_image_const image, uint32_t first_row, uint32_t rows)
 {
+    image.rows_above += first_row;
+    image.rows_below += image.height - first_row - rows;
     image.data = (const unsigned char *)image.data + (ptrdiff_t)first_row * image.stride_bytes;
+    if (image.chroma)
+        image.chroma = (const unsigned char *)image.chroma + (ptrdiff_t)(first_row / 2) * image.chroma_stride_bytes;
+    image.height = rows;
+    return image;
+}
+
+/* The same of an image to write to. */
+static inline pupil_image pupil_image_out_rows(pupil_image image, uint32_t first_row, uint32_t rows)
+{
+    image.data = (unsigned char *)image.data + (ptrdiff_t)first_row * image.stride_bytes;
+    if (image.chroma)
+        image.chroma = (unsigned char *)image.chroma + (ptrdiff_t)(first_row / 2) * image.chroma_stride_bytes;
     image.height = rows;
     return image;
 }
@@ -83,6 +136,11 @@ static inline pupil_image_const pupil_image_as_const(pupil_image image)
     c.width = image.width;
     c.height = image.height;
     c.pixel = image.pixel;
+    c.chroma = image.chroma;
+    c.chroma_stride_bytes = image.chroma_stride_bytes;
+    c.coding = image.coding;
+    c.rows_above = 0;
+    c.rows_below = 0;
     return c;
 }
 

@@ -59,6 +59,9 @@ typedef struct pupil_stats {
     float peak;                         /* the brightest channel of any metered pixel; 0 without a histogram */
     uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
     uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel */
+    int64_t channel_sum[3]; /* mosaics, with config.grey_world: sums of four times the samples above black, of red,
+                             * green and blue, over ... */
+    uint64_t channel_quads; /* ... the quads without a clipped channel, unweighted */
     int64_t band_log2_sum[PUPIL_BANDS]; /* sum of log2 L of the metered pixels, unweighted, in 2^-24 stops */
     uint32_t band_pixels[PUPIL_BANDS];  /* their number */
 } pupil_stats;
@@ -82,6 +85,11 @@ PUPIL_API int pupil_stats_quantile(const pupil_stats *stats, double q, double *l
 
 /* The same of the brightest channel; never above `peak`. */
 PUPIL_API int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_peak);
+
+/* The factors that make the average of a mosaic's channels grey, the least being 1: for pupil_coding.balance. They do
+ * not depend on the balance that the frame was metered with. PUPIL_ERR_STATS where nothing was summed up or a channel
+ * has no light. (Buchsbaum: A spatial processor model for object colour perception, 1980.) */
+PUPIL_API int pupil_stats_grey_world(const pupil_stats *stats, float balance[3]);
 
 #ifdef __cplusplus
 }

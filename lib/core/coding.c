@@ -1,0 +1,171 @@
+/* A pupil_coding: whether it is right, and as factors for the kernels. */
+#include "object.h"
+
+#include "numeric.h"
+
+static int within(float x, float low, float high)
+{
+    return x >= low && x <= high; /* false for NaN */
+}
+
+static int all_zero(const float *x, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (x[i] != 0.0f)
+            return 0;
+    return 1;
+}
+
+static const char *fault_of(const pupil_coding *c)
+{
+    if (c->matrix >= PUPIL_MATRIX_COUNT)
+        return "matrix must be a pupil_matrix";
+    if (c->range >= PUPIL_RANGE_COUNT)
+        return "range must be a pupil_range";
+    if (c->light >= PUPIL_LIGHT_COUNT)
+        return "light must be a pupil_light";
+    if (c->bayer >= PUPIL_BAYER_COUNT)
+        return "bayer must be a pupil_bayer";
+    if (c->shift > 6)
+        return "shift must be from 0 to the bits of the word that the format leaves over (at most 6)";
+    if (!within(c->black, 0.0f, 65534.0f))
+        return "black must be from 0 to 65534";
+    if (c->white != 0.0f && !(c->white <= 65535.0f && c->white - c->black >= 1.0f))
+        return "white must be 0 (the format's largest code) or from black + 1 to 65535";
+    for (int i = 0; i < 3 && !all_zero(c->balance, 3); i++)
+        if (!within(c->balance[i], 0x1p-10f, 0x1p10f))
+            return "balance must be all 0, or each factor from 2^-10 to 2^10";
+    for (int i = 0; i < 9; i++)
+        if (!within(c->rgb_from_camera[i], -16.0f, 16.0f))
+            return "rgb_from_camera must be numbers from -16 to 16";
+    return 0;
+}
+
+int pupil_coding_check(const pupil_coding *coding, const char **why)
+{
+    if (!coding)
+        return PUPIL_ERR_NULL;
+    const char *fault = fault_of(coding);
+    if (fault && why)
+        *why = fault;
+    return fault ? PUPIL_ERR_CODING : PUPIL_OK;
+}
+
+int pupil_coding_fits(const pupil_coding *coding, uint32_t pixel)
+{
+    const uint32_t bits = pupil_pixel_bits(pixel);
+    const int error = pupil_coding_check(coding, 0);
+    if (error || !bits)
+        return error;
+    const int in_words = pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_GREY12 || pixel == PUPIL_PIXEL_BAYER10 ||
+                         pixel == PUPIL_PIXEL_BAYER12 || pixel == PUPIL_PIXEL_BAYER14;
+    if (coding->shift > (in_words ? 16 - bits : 0))
+        return PUPIL_ERR_CODING;
+    if (coding->white == 0.0f && coding->black >= (float)((1u << bits) - 1))
+        return PUPIL_ERR_CODING;
+    if (pupil_pixel_is_mosaic(pixel) && coding->light > PUPIL_LIGHT_LINEAR)
+        return PUPIL_ERR_CODING;
+    return PUPIL_OK;
+}
+
+/* Kr, Kb (coding.h has the sources) */
+static const float luma_of_matrix[PUPIL_MATRIX_COUNT][2] = {
+    [PUPIL_MATRIX_BT601] = {0.299f, 0.114f},
+    [PUPIL_MATRIX_BT709] = {0.2126f, 0.0722f},
+    [PUPIL_MATRIX_BT2020] = {0.2627f, 0.0593f},
+};
+
+static void from_yuv(const pupil_coding *coding, pupil_coder *c)
+{
+    const float kr = luma_of_matrix[coding->matrix][0], kb = luma_of_matrix[coding->matrix][1], kg = 1.0f - kr - kb;
+    const int full = coding->range == PUPIL_RANGE_FULL;
+    const float chroma = full ? 1.0f : 255.0f / 224.0f;
+    c->y_zero = full ? 0.0f : 16.0f;
+    c->y_unit = full ? 1.0f : 255.0f / 219.0f;
+    c->red_v = 2.0f * (1.0f - kr) * chroma;
+    c->blue_u = 2.0f * (1.0f - kb) * chroma;
+    c->green_u = -c->blue_u * kb / kg;
+    c->green_v = -c->red_v * kr / kg;
+}
+
+/* The smallest factor from `about` on that takes span to at least `top`: what is full is full, whatever is rounded. */
+static float unit_to(float top, float span)
+{
+    float unit = top / span;
+    while (unit * span < top)
+        unit = pupil_float_of_bits(pupil_bits_of_float(unit) + 1);
+    return unit;
+}
+
+/* The code of the largest light. */
+static float white_of(const pupil_coding *coding, uint32_t bits)
+{
+    return coding->white != 0.0f ? coding->white : (float)((1u << bits) - 1);
+}
+
+static void from_grey(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
+{
+    c->zero = coding->black;
+    c->unit = unit_to(1.0f, white_of(coding, bits) - coding->black);
+    c->shift = coding->shift;
+}
+
+static void from_mosaic(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
+{
+    float balance[3] = {1.0f, 1.0f, 1.0f};
+    for (int i = 0; i < 3 && !all_zero(coding->balance, 3); i++)
+        balance[i] = coding->balance[i];
+    c->zero4 = 4.0f * coding->black;
+    c->most = balance[0];
+    for (int i = 0; i < 3; i++) {
+        c->unit4[i] = unit_to(balance[i], 4.0f * white_of(coding, bits) - c->zero4);
+        c->most = balance[i] < c->most ? balance[i] : c->most;
+    }
+    c->shift = coding->shift;
+    c->red_x = coding->bayer == PUPIL_BAYER_GRBG || coding->bayer == PUPIL_BAYER_BGGR;
+    c->red_y = coding->bayer == PUPIL_BAYER_GBRG || coding->bayer == PUPIL_BAYER_BGGR;
+    c->has_matrix = !all_zero(coding->rgb_from_camera, 9);
+    for (int i = 0; i < 9; i++)
+        c->matrix[i] = coding->rgb_from_camera[i];
+}
+
+static const pupil_coding usual = {0};
+
+void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c)
+{
+    static const float *const curve[PUPIL_LIGHT_COUNT] = {
+        [PUPIL_LIGHT_SRGB] = pupil_srgb8_to_linear, [PUPIL_LIGHT_BT709] = pupil_bt709_to_linear};
+    const int yuv = pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
+    *c = (pupil_coder){0};
+    coding = coding ? coding : &usual;
+    c->light = yuv && coding->light == PUPIL_LIGHT_USUAL ? pupil_srgb8_to_linear : curve[coding->light];
+    if (yuv)
+        from_yuv(coding, c);
+    else if (pupil_pixel_is_mosaic(pixel))
+        from_mosaic(coding, pupil_pixel_bits(pixel), c);
+    else if (pupil_pixel_bits(pixel))
+        from_grey(coding, pupil_pixel_bits(pixel), c);
+}
+
+static int32_t in_q16(double x)
+{
+    return (int32_t)(x * 65536.0 + (x < 0.0 ? -0.5 : 0.5));
+}
+
+void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *c)
+{
+    coding = coding ? coding : &usual;
+    const double kr = (double)luma_of_matrix[coding->matrix][0], kb = (double)luma_of_matrix[coding->matrix][1];
+    const int full = coding->range == PUPIL_RANGE_FULL;
+    const double luma = full ? 1.0 : 219.0 / 255.0, chroma = full ? 0.5 : 0.5 * 224.0 / 255.0;
+    c->y_zero = (full ? 0 : 16 * 65536) + 32768; /* and a half, to round */
+    c->y[0] = in_q16(kr * luma);
+    c->y[2] = in_q16(kb * luma);
+    c->y[1] = in_q16(luma) - c->y[0] - c->y[2]; /* so that white is white */
+    c->cb[2] = in_q16(chroma);
+    c->cb[0] = in_q16(-kr / (1.0 - kb) * chroma);
+    c->cb[1] = -c->cb[0] - c->cb[2]; /* so that grey has no colour */
+    c->cr[0] = in_q16(chroma);
+    c->cr[2] = in_q16(-kb / (1.0 - kr) * chroma);
+    c->cr[1] = -c->cr[0] - c->cr[2];
+}

@@ -1,0 +1,447 @@
+/* Y'CbCr, grey and mosaics against the standards' formulas in long double: light, statistics and pictures. */
+#include <math.h>
+#include <string.h>
+
+#include "check.h"
+#include "frames.h"
+#include "reference.h"
+
+/* ---- what coding.h says, the slow way ------------------------------------------------------------------------------
+ */
+
+static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,    PUPIL_PIXEL_GREY8,   PUPIL_PIXEL_GREY10,
+                                  PUPIL_PIXEL_GREY12,  PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,  PUPIL_PIXEL_BAYER10,
+                                  PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P,
+                                  PUPIL_PIXEL_BAYER12P};
+#define FORMATS (sizeof camera / sizeof *camera)
+
+static int bits_of(uint32_t pixel)
+{
+    switch (pixel) {
+    case PUPIL_PIXEL_GREY10:
+    case PUPIL_PIXEL_BAYER10:
+    case PUPIL_PIXEL_BAYER10P:
+        return 10;
+    case PUPIL_PIXEL_GREY12:
+    case PUPIL_PIXEL_BAYER12:
+    case PUPIL_PIXEL_BAYER12P:
+        return 12;
+    case PUPIL_PIXEL_BAYER14:
+        return 14;
+    case PUPIL_PIXEL_GREY16:
+    case PUPIL_PIXEL_BAYER16:
+        return 16;
+    default:
+        return 8;
+    }
+}
+
+static long double to_light(long double v, uint32_t light)
+{
+    if (light == PUPIL_LIGHT_LINEAR)
+        return v;
+    v = v < 0 ? 0 : v > 1 ? 1 : v;
+    if (light == PUPIL_LIGHT_BT709)
+        return v < 0.081L ? v / 4.5L : powl((v + 0.099L) / 1.099L, 1 / 0.45L);
+    return v <= 0.04045L ? v / 12.92L : powl((v + 0.055L) / 1.055L, 2.4L);
+}
+
+static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
+{
+    return (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes;
+}
+
+static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y)
+{
+    const unsigned char *row = row_at(image, y);
+    uint16_t word;
+    switch (image->pixel) {
+    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2: four upper bytes, then a byte of four times two bits */
+        return row[x / 4 * 5 + x % 4] * 4u + (row[x / 4 * 5 + 4] >> 2 * (x % 4)) % 4u;
+    case PUPIL_PIXEL_BAYER12P:
+        return row[x / 2 * 3 + x % 2] * 16u + (row[x / 2 * 3 + 2] >> 4 * (x % 2)) % 16u;
+    case PUPIL_PIXEL_GREY8:
+    case PUPIL_PIXEL_BAYER8:
+        return row[x];
+    default:
+        memcpy(&word, row + 2 * x, 2);
+        return (unsigned)word >> image->coding->shift;
+    }
+}
+
+static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, long double rgb[3])
+{
+    static const long double kr_kb[PUPIL_MATRIX_COUNT][2] = {{0.299L, 0.114L}, {0.2126L, 0.0722L}, {0.2627L, 0.0593L}};
+    const pupil_coding *c = image->coding;
+    const long double kr = kr_kb[c->matrix][0], kb = kr_kb[c->matrix][1], kg = 1 - kr - kb;
+    const unsigned char *row = row_at(image, y), *uv;
+    unsigned luma;
+    if (image->pixel == PUPIL_PIXEL_YUYV) {
+        luma = row[2 * x];
+        uv = row + x / 2 * 4 + 1;
+    } else {
+        luma = row[x];
+        uv = (const unsigned char *)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2;
+    }
+    const int cb = uv[0], cr = uv[image->pixel == PUPIL_PIXEL_YUYV ? 2 : 1];
+    const int full = c->range == PUPIL_RANGE_FULL;
+    const long double yy = full ? luma / 255.0L : ((int)luma - 16) / 219.0L;
+    const long double pb = (cb - 128) / (full ? 255.0L : 224.0L), pr = (cr - 128) / (full ? 255.0L : 224.0L);
+    const long double r = yy + 2 * (1 - kr) * pr, b = yy + 2 * (1 - kb) * pb, g = (yy - kr * r - kb * b) / kg;
+    const long double coded[3] = {r, g, b};
+    for (int k = 0; k < 3; k++) {
+        const long double v = coded[k] < 0 ? 0 : coded[k] > 1 ? 1 : coded[k];
+        rgb[k] = to_light(v, c->light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_SRGB : c->light);
+    }
+}
+
+/* 0 red, 1 green, 2 blue */
+static int colour_at(const pupil_coding *c, int64_t x, int64_t y)
+{
+    static const char order[PUPIL_BAYER_COUNT][5] = {"0112", "1021", "1201", "2110"};
+    return order[c->bayer][(y & 1) * 2 + (x & 1)] - '0';
+}
+
+static long double full_at(const pupil_coding *c, int bits)
+{
+    return c->white > 0 ? (long double)c->white : ldexpl(1, bits) - 1;
+}
+
+static long double balanced(const pupil_image_const *image, long double code, int channel)
+{
+    const pupil_coding *c = image->coding;
+    long double balance[3] = {1, 1, 1}, least = 1;
+    if (c->balance[0] > 0) {
+        least = fminl(fminl(c->balance[0], c->balance[1]), c->balance[2]);
+        for (int k = 0; k < 3; k++)
+            balance[k] = c->balance[k];
+    }
+    const long double v = (code - c->black) / (full_at(c, bits_of(image->pixel)) - c->black) * balance[channel];
+    return v < least ? v : least;
+}
+
+/* The mean of the channel's samples in the quad, or among the pixel and the eight around it. */
+static long double mean_sample(const pupil_image_const *image, uint32_t x, uint32_t y, int channel, int quad)
+{
+    const int from = quad ? 0 : -1;
+    long double sum = 0;
+    int count = 0;
+    if (!quad && colour_at(image->coding, x, y) == channel)
+        return sample_at(image, x, y);
+    for (int dy = from; dy < 2; dy++)
+        for (int dx = from; dx < 2; dx++) {
+            int64_t sx = (int64_t)x + dx, sy = (int64_t)y + dy;
+            if (colour_at(image->coding, sx, sy) != channel)
+                continue;
+            sx = sx < 0 ? 1 : sx >= image->width ? (int64_t)image->width - 2 : sx;
+            sy = sy < 0 ? 1 : sy >= image->height ? (int64_t)image->height - 2 : sy;
+            sum += sample_at(image, (uint32_t)sx, (uint32_t)sy);
+            count++;
+        }
+    return sum / count;
+}
+
+/* Of a pixel, or of the quad that begins there; without the camera's matrix. */
+static void camera_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgb[3])
+{
+    const pupil_coding *c = image->coding;
+    if (image->pixel <= PUPIL_PIXEL_NV12) {
+        yuv_light(image, x, y, rgb);
+    } else if (image->pixel < PUPIL_PIXEL_BAYER8) {
+        const long double black = c->black, full = full_at(c, bits_of(image->pixel));
+        rgb[0] = rgb[1] = rgb[2] = to_light((sample_at(image, x, y) - black) / (full - black),
+                                            c->light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_LINEAR : c->light);
+    } else {
+        for (int k = 0; k < 3; k++)
+            rgb[k] = balanced(image, mean_sample(image, x, y, k, quad), k);
+    }
+}
+
+static void picture_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgb[3])
+{
+    const float *m = image->coding->rgb_from_camera;
+    long double v[3];
+    camera_light(image, x, y, quad, v);
+    for (int k = 0; k < 3; k++)
+        rgb[k] = m[0] != 0 && image->pixel >= PUPIL_PIXEL_BAYER8
+                     ? m[3 * k] * v[0] + m[3 * k + 1] * v[1] + m[3 * k + 2] * v[2]
+                     : v[k];
+}
+
+/* ---- compared ------------------------------------------------------------------------------------------------------
+ */
+
+static struct {
+    long double ev, code;
+    double samples, off;
+} worst;
+
+static void check_metering(const pupil_t *pupil, const pupil_config *config, const frame *f, const char *what)
+{
+    const int mosaic = f->image.pixel >= PUPIL_PIXEL_BAYER8;
+    const uint32_t step = mosaic ? 2 : 1;
+    long double sum = 0, weights[3];
+    uint64_t pixels = 0;
+    float rounded[3];
+    pupil_stats stats;
+    double mean;
+    ref_weights(config, weights, rounded);
+    for (uint32_t y = 0; y < f->image.height; y += step)
+        for (uint32_t x = 0; x < f->image.width; x += step) {
+            long double rgb[3];
+            picture_light(&f->image, x, y, mosaic, rgb);
+            const long double l = weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2];
+            sum += log2l(l > config->floor ? l : config->floor);
+            pixels++;
+        }
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(pupil, &f->image, 0, f->image.height, &stats) == PUPIL_OK);
+    CHECK(pupil_stats_mean(&stats, 0, 1, &mean) == PUPIL_OK);
+    const long double error = fabsl(mean - sum / (long double)pixels);
+    worst.ev = error > worst.ev ? error : worst.ev;
+    CHECK_MSG(stats.pixels == pixels && error < 4e-4L, "%s: mean off by %Lg EV", what, error);
+}
+
+static void check_mapping(const pupil_t *pupil, const pupil_config *config, const pupil_curve *curve, const frame *f,
+                          int halved, const char *what)
+{
+    const uint32_t step = halved ? 2 : 1, w = f->image.width / step, h = f->image.height / step;
+    frame out = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_image to = frame_writable(&out);
+    /* Half a code, what binary32 rounds, and where light comes from a coded value 7e-6 of light (coding.h), which make
+     * the most codes in the dark: the encoder's slope is 12.92 there. */
+    const int coded = f->image.pixel < PUPIL_PIXEL_BAYER8 && f->image.coding->light != PUPIL_LIGHT_LINEAR;
+    const long double limit = 0.51L + (coded ? 7e-6L * curve->scale * 12.92L * 255 : 0);
+    CHECK(pupil_map_rows(pupil, curve, &f->image, &to) == PUPIL_OK);
+    for (uint32_t y = 0; y < h; y++)
+        for (uint32_t x = 0; x < w; x++) {
+            long double rgba[4] = {0, 0, 0, 1}, code[3];
+            picture_light(&f->image, x * step, y * step, halved, rgba);
+            ref_map(config, curve, rgba, code);
+            for (int k = 0; k < 3; k++) {
+                const int got = row_at(&out.image, y)[3 * x + k];
+                const long double error = fabsl(got - code[k]);
+                worst.code = error > worst.code ? error : worst.code;
+                worst.samples++;
+                worst.off += got != (int)floorl(code[k] + 0.5L);
+                CHECK_MSG(error < limit, "%s, pixel %u %u, channel %d: code %d for %Lg", what, x, y, k, got, code[k]);
+            }
+        }
+    CHECK(frame_guards_intact(&out));
+    frame_free(&out);
+}
+
+static pupil_coding a_coding(uint32_t pixel, unsigned n)
+{
+    pupil_coding c = {.matrix = n % PUPIL_MATRIX_COUNT, .range = n / 2 % 2, .bayer = n % PUPIL_BAYER_COUNT};
+    if (pixel < PUPIL_PIXEL_BAYER8)
+        c.light = n / 3 % PUPIL_LIGHT_COUNT;
+    if (n % 3)
+        c.black = (float)(4 << (bits_of(pixel) - 8)) + (n % 3 == 2 ? 0.37f : 0);
+    if (n % 4 == 1)
+        c.white = (float)(200 << (bits_of(pixel) - 8));
+    if (pixel == PUPIL_PIXEL_BAYER10 || pixel == PUPIL_PIXEL_GREY12)
+        c.shift = n % 5;
+    if (n % 2) {
+        const float balance[3] = {1.9f, 1, 1.4f};
+        /* a daylight matrix of the usual size; rows sum up to 1 */
+        const float matrix[9] = {1.6f, -0.5f, -0.1f, -0.2f, 1.5f, -0.3f, 0.02f, -0.5f, 1.48f};
+        memcpy(c.balance, balance, sizeof balance);
+        if (n % 4 == 3)
+            memcpy(c.rgb_from_camera, matrix, sizeof matrix);
+    }
+    return c;
+}
+
+static void against_the_formulas(void)
+{
+    for (size_t i = 0; i < FORMATS; i++)
+        for (unsigned n = 0; n < 24; n++) {
+            char what[80];
+            uint32_t width = 37 + n, height = 9 + n % 5;
+            pupil_config config;
+            pupil_t pupil;
+            const pupil_coding coding = a_coding(camera[i], n);
+            const pupil_curve curve = {0.2f * (float)(1 << n % 6), n % 3 ? 0.05f : 0, n % 3 ? 3.7f : 0};
+            frame_fit(camera[i], &width, &height);
+            frame f = frame_make(width, height, camera[i], camera[i] == PUPIL_PIXEL_GREY12 ? 2 : 4, n % 7 == 0);
+            if (n % 4 == 0)
+                frame_bits(&f, check_uniform);
+            else
+                frame_lognormal(&f, 0.1, 2, check_uniform);
+            f.image.coding = &coding;
+            snprintf(what, sizeof what, "pixel %u, coding %u", camera[i], n);
+            pupil_config_default(&config);
+            CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+            check_metering(&pupil, &config, &f, what);
+            check_mapping(&pupil, &config, &curve, &f, 0, what);
+            if (camera[i] >= PUPIL_PIXEL_BAYER8)
+                check_mapping(&pupil, &config, &curve, &f, 1, what);
+            frame_free(&f);
+        }
+    printf("worst: metering %.2Lg EV, mapping %.4Lf codes, %.4f %% of %.0f samples off by one\n", worst.ev, worst.code,
+           100 * worst.off / worst.samples, worst.samples);
+}
+
+/* ---- what is exact -------------------------------------------------------------------------------------------------
+ */
+
+/* Full range without colour is sRGB grey: the codes of RGB8, bit for bit. */
+static void grey_is_grey(void)
+{
+    frame yuv = frame_make(256, 2, PUPIL_PIXEL_NV12, 0, 0), rgb = frame_make(256, 2, PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_coding full = {.range = PUPIL_RANGE_FULL};
+    pupil_config config;
+    pupil_t pupil;
+    pupil_stats a, b;
+    for (uint32_t i = 0; i < 512; i++) {
+        memset((unsigned char *)frame_writable(&rgb).data + 3 * i, (int)i % 256, 3);
+        ((unsigned char *)frame_writable(&yuv).data)[i] = (unsigned char)(i % 256);
+        if (i < 256)
+            ((unsigned char *)frame_writable(&yuv).chroma)[i] = 128;
+    }
+    yuv.image.coding = &full;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    pupil_stats_clear(&a);
+    pupil_stats_clear(&b);
+    CHECK(pupil_meter_rows(&pupil, &yuv.image, 0, 2, &a) == PUPIL_OK);
+    CHECK(pupil_meter_rows(&pupil, &rgb.image, 0, 2, &b) == PUPIL_OK);
+    CHECK(memcmp(&a, &b, sizeof a) == 0 && a.clipped == 2);
+    frame_free(&yuv);
+    frame_free(&rgb);
+}
+
+/* A sensor that is full everywhere is white and clipped, whatever the balance: not magenta. */
+static void full_is_white(void)
+{
+    for (unsigned n = 0; n < 200; n++) {
+        frame f = frame_make(16, 4, PUPIL_PIXEL_BAYER12, 0, 0), out = frame_make(16, 4, PUPIL_PIXEL_RGB8, 0, 0);
+        const pupil_image to = frame_writable(&out);
+        pupil_coding coding = {.bayer = n % 4, .black = (float)(check_uniform() * 300)};
+        const pupil_curve curve = {1, 1, 0}; /* what is 1 stays 1 */
+        pupil_config config;
+        pupil_t pupil;
+        pupil_stats stats;
+        coding.white = n % 2 ? 0 : (float)(3000 + check_uniform() * 1000);
+        for (int k = 0; k < 3; k++)
+            coding.balance[k] = k == (int)n % 3 ? 1 : (float)(1 + 2 * check_uniform());
+        for (uint32_t i = 0; i < 64; i++)
+            ((uint16_t *)frame_writable(&f).data)[i] = 4095;
+        f.image.coding = &coding;
+        pupil_config_default(&config);
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &f.image, 0, 4, &stats) == PUPIL_OK);
+        CHECK_MSG(stats.pixels == 16 && stats.clipped == 16, "%u clipped", (unsigned)stats.clipped);
+        CHECK(pupil_map_rows(&pupil, &curve, &f.image, &to) == PUPIL_OK);
+        for (int i = 0; i < 16 * 4 * 3; i++)
+            CHECK(out.memory[64 + i] == 255);
+        frame_free(&f);
+        frame_free(&out);
+    }
+}
+
+/* The gains are those that were taken out of a grey scene, whatever balance it was metered with. */
+static void grey_world(void)
+{
+    for (int n = 0; n < 50; n++) {
+        const double factor[3] = {0.3 + check_uniform(), 0.3 + check_uniform(), 0.3 + check_uniform()};
+        const double most = fmax(fmax(factor[0], factor[1]), factor[2]);
+        frame f = frame_make(64, 64, PUPIL_PIXEL_BAYER16, 0, 0);
+        pupil_coding coding = {.bayer = (uint32_t)n % 4, .black = 256};
+        pupil_config config;
+        pupil_t pupil;
+        pupil_stats stats;
+        float balance[3], again[3];
+        for (uint32_t y = 0; y < 64; y++)
+            for (uint32_t x = 0; x < 64; x++) {
+                const double light = 4000 * (1 + (double)(x / 2 * 7 + y / 2 * 3) / 100);
+                ((uint16_t *)frame_writable(&f).data)[64 * y + x] =
+                    (uint16_t)lround(256 + light * factor[colour_at(&coding, x, y)]);
+            }
+        f.image.coding = &coding;
+        pupil_config_default(&config);
+        config.grey_world = 1;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &f.image, 0, 64, &stats) == PUPIL_OK);
+        CHECK(pupil_stats_grey_world(&stats, balance) == PUPIL_OK);
+        for (int k = 0; k < 3; k++)
+            CHECK_MSG(fabs(balance[k] * factor[k] / most - 1) < 1e-4, "channel %d: %g for %g", k, balance[k],
+                      most / factor[k]);
+        memcpy(coding.balance, balance, sizeof balance);
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &f.image, 0, 64, &stats) == PUPIL_OK);
+        CHECK(pupil_stats_grey_world(&stats, again) == PUPIL_OK && memcmp(balance, again, sizeof again) == 0);
+        frame_free(&f);
+    }
+    pupil_stats none;
+    float balance[3] = {5, 5, 5};
+    pupil_stats_clear(&none);
+    CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_STATS && balance[0] == 5);
+}
+
+/* NV12 out: BT.601's and BT.709's own formulas on the RGB codes of the same picture. */
+static void nv12_out(void)
+{
+    static const long double kr_kb[PUPIL_MATRIX_COUNT][2] = {{0.299L, 0.114L}, {0.2126L, 0.0722L}, {0.2627L, 0.0593L}};
+    long double most = 0;
+    for (unsigned n = 0; n < 24; n++) {
+        const uint32_t w = 33 + n, h = 5 + n % 4;
+        const pupil_coding coding = {.matrix = n % 3, .range = n % 2};
+        const long double kr = kr_kb[n % 3][0], kb = kr_kb[n % 3][1], luma = n % 2 ? 255 : 219,
+                          chroma = n % 2 ? 255 : 224;
+        const pupil_curve curve = {0.5f, 0.05f, 3.7f};
+        frame f = frame_make(w, h, PUPIL_PIXEL_RGB32F, 0, 0), rgb = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0);
+        frame yuv = frame_make(w, h, PUPIL_PIXEL_NV12, 3, n % 5 == 0);
+        yuv.image.coding = &coding;
+        const pupil_image to_rgb = frame_writable(&rgb), to_yuv = frame_writable(&yuv);
+        pupil_config config;
+        pupil_t pupil;
+        if (n % 3)
+            frame_lognormal(&f, 0.5, 3, check_uniform);
+        else
+            frame_fill(&f, 5, 0.001, n % 2 ? 0.001 : 4);
+        pupil_config_default(&config);
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        CHECK(pupil_map_rows(&pupil, &curve, &f.image, &to_rgb) == PUPIL_OK);
+        CHECK(pupil_map_rows(&pupil, &curve, &f.image, &to_yuv) == PUPIL_OK && frame_guards_intact(&yuv));
+        for (uint32_t y = 0; y < h; y++)
+            for (uint32_t x = 0; x < w; x++) {
+                long double sum[3] = {0, 0, 0};
+                const unsigned char *p = row_at(&rgb.image, y) + 3 * x;
+                const long double l = (kr * p[0] + (1 - kr - kb) * p[1] + kb * p[2]) / 255;
+                long double error = fabsl(row_at(&yuv.image, y)[x] - ((n % 2 ? 0 : 16) + luma * l));
+                for (uint32_t k = 0; k < 4; k++) { /* the pixels of its quad that there are */
+                    const uint32_t qx = x / 2 * 2 + k % 2 < w ? x / 2 * 2 + k % 2 : w - 1;
+                    const uint32_t qy = y / 2 * 2 + k / 2 < h ? y / 2 * 2 + k / 2 : h - 1;
+                    for (int c = 0; c < 3; c++)
+                        sum[c] += row_at(&rgb.image, qy)[3 * qx + (uint32_t)c] / (4 * 255.0L);
+                }
+                const long double mean = kr * sum[0] + (1 - kr - kb) * sum[1] + kb * sum[2];
+                const unsigned char *uv = (const unsigned char *)yuv.image.chroma +
+                                          (ptrdiff_t)(y / 2) * yuv.image.chroma_stride_bytes + x / 2 * 2;
+                const long double cb = 128 + chroma * (sum[2] - mean) / (2 * (1 - kb));
+                const long double cr = 128 + chroma * (sum[0] - mean) / (2 * (1 - kr));
+                error = fmaxl(error, fmaxl(fabsl(uv[0] - fminl(cb, 255)), fabsl(uv[1] - fminl(cr, 255))));
+                most = error > most ? error : most;
+            }
+        frame_free(&f);
+        frame_free(&rgb);
+        frame_free(&yuv);
+    }
+    printf("NV12 out: at most %.4Lf codes from the formulas\n", most);
+    CHECK(most < 0.51L);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    against_the_formulas();
+    grey_is_grey();
+    full_is_white();
+    grey_world();
+    nv12_out();
+    return check_end();
+}
