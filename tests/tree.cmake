@@ -25,6 +25,7 @@ pupil_add_tree_test(tree.headers quick 120 ${here}/headers/check.sh)
 pupil_add_tree_test(tree.install quick 120 ${here}/install/check.sh ${PROJECT_BINARY_DIR})
 pupil_add_tree_test(tree.readme quick 120 ${here}/readme/check.sh ${PROJECT_BINARY_DIR})
 pupil_add_tree_test(tree.tables quick 120 ${here}/kernels/check_tables.sh)
+pupil_add_tree_test(arm.instructions quick 300 ${here}/arm/test_instructions.sh)
 pupil_add_tree_test(tree.style quick 120 ${here}/style.sh)
 
 # The same bits from other compilers and levels: tests/stream/digests.txt, tests/scene/digests.txt.
