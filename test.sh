@@ -23,7 +23,7 @@ clang-format checks the style
 git lists the files whose style is checked
 gcc-aarch64-linux-gnu builds for 64-bit ARM
 libc6-dev-arm64-cross the C library for 64-bit ARM
-qemu-user runs what was built for 64-bit ARM
+qemu-user runs what was built for 64-bit ARM, and counts its instructions
 libsimde-dev stands in for instructions that this CPU may not have
 gcc-arm-none-eabi builds for Cortex-M7
 qemu-system-arm runs what was built for Cortex-M7

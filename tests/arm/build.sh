@@ -23,7 +23,8 @@ arm_build() {
     }
 }
 
-# arm_count DIR WHAT: what count_arm prints, with the numbers of instructions.
+# arm_count DIR WHAT [,blocks=on]: what count_arm prints, with the numbers of instructions. The CPU is named because the
+# C library chooses its memcpy by it.
 arm_count() {
-    qemu-aarch64 -plugin "$1/count_plugin.so" "$1/count_arm" "$2"
+    qemu-aarch64 -cpu cortex-a53 -plugin "$1/count_plugin.so${3:-}" "$1/count_arm" "$2"
 }

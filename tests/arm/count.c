@@ -109,10 +109,12 @@ static void fill(const struct format *f, size_t bytes, int hard, uint32_t seed)
     }
     for (size_t i = 0; f->pixel == PUPIL_PIXEL_YUYV && i < bytes; i += 2) {
         source[i] = (uint8_t)(16 + source[i] * 219 / 255);
-        source[i + 1] = (uint8_t)(128 + source[i + 1] % 16);
+        source[i + 1] = (uint8_t)(128 + source[i + 1] % 8);
     }
+    for (size_t i = 0; f->pixel == PUPIL_PIXEL_NV12 && i < bytes; i++)
+        source[i] = (uint8_t)(16 + source[i] * 219 / 255);
     for (size_t i = 0; f->pixel == PUPIL_PIXEL_NV12 && i < sizeof source_chroma; i++)
-        source_chroma[i] = (uint8_t)(128 + source[i] % 16);
+        source_chroma[i] = (uint8_t)(128 + source[i] % 8);
 }
 
 typedef enum option { NO_OPTION, HISTOGRAM, TRIMMED, FOLLOWING_WHITE, MASK, OPTIONS } option;
