@@ -120,6 +120,8 @@ typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *con
 typedef void pupil_matrix_kernel(const float matrix[9], uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
+/* n quads of a mosaic from quad x on, of any number of pixels; 0: not done, the usual pieces are to be taken. */
+typedef int pupil_quads_kernel(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run);
 /* Meters into run unless it is NULL, maps into planes: values from 0 to 1, or by rounding the float above it. 1: as
  * load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
@@ -141,10 +143,11 @@ typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL beside it: not a format for that. */
 typedef struct pupil_kernels {
-    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];     /* by input format */
-    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];   /* by input format */
-    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT];   /* by input format */
-    pupil_unpack_kernel *unpack[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: not a mosaic */
+    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];         /* by input format */
+    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];       /* by input format */
+    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT];       /* by input format */
+    pupil_unpack_kernel *unpack[PUPIL_PIXEL_COUNT];     /* by input format; scalar NULL: not a mosaic */
+    pupil_quads_kernel *meter_quads[PUPIL_PIXEL_COUNT]; /* by input format; only where it is faster than its pieces */
     pupil_binned_kernel *binned;
     pupil_bilinear_kernel *bilinear;
     pupil_matrix_kernel *matrix;

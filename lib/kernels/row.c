@@ -144,17 +144,30 @@ static void map_block(const pupil_row_job *job, const pupil_row *row, uint32_t x
         alpha(source, n, target);
 }
 
+/* Where a level goes from the samples to the lanes in one step, and nothing else is wanted. */
+static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run)
+{
+    const pupil_kernels *k = job->kernels;
+    if (job->histogram || job->grey_world)
+        return 0;
+    if (job->way == PUPIL_WAY_BINNED)
+        return k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);
+    if (!k->meter[job->in_pixel])
+        return 0;
+    k->meter[job->in_pixel](job, row->data + x * pupil_pixel_bytes(job->in_pixel), 0, n, run);
+    return 1;
+}
+
 void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                     uint32_t weight, uint32_t band, pupil_stats *stats)
 {
-    const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
+    const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
     const int metered = stats && weight;
     pupil_planes planes;
     pupil_run run;
 
     run_clear(&run);
-    if (!target && job->kernels->meter[job->in_pixel] && !job->histogram) {
-        job->kernels->meter[job->in_pixel](job, row->data + x * in_bytes, 0, n, &run);
+    if (!target && meter_at_once(job, row, x, n, &run)) {
         if (metered)
             stats_add_run(stats, &run, n, weight, band);
         return;
