@@ -9,14 +9,13 @@
 #define BENCH_TOP_BITS     0x3f7fffffu /* the float below 1 */
 #define BENCH_CELL_BASE    0x39000000u /* 2^-13: below it the code is 0, for 0.5 / 255 / 12.92 is above it */
 #define BENCH_NEAREST_BASE 0x37800000u /* 2^-16, so that 16 octaves of 512 make 8192 */
-enum { BENCH_CELLS = 13 * 128, BENCH_NEAREST = 16 * 512, BENCH_SEGMENTS = 13 * 8, BENCH_OCTAVES = 9 };
+enum { BENCH_CELLS = 13 * 128, BENCH_NEAREST = 16 * 512, BENCH_SEGMENTS = 13 * 8 };
 
 typedef struct bench_tables {
     uint32_t cell[BENCH_CELLS]; /* 65536 code + (65536 - the boundary's place in the cell), as pupil's own */
     uint8_t nearest[BENCH_NEAREST];
     uint32_t segment[BENCH_SEGMENTS]; /* upper half: code at its start, in 1/128; lower half: slope */
     float cubic[4], quartic[5];       /* m^(5/12) for m in [1, 2) */
-    float power[BENCH_OCTAVES];       /* of 2^(-9 + i): 255 * 1.055 * its 5/12 power */
 } bench_tables;
 
 /* Samples from 0 to 1 to codes. n is a multiple of 64. */

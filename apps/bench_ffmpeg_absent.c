@@ -13,4 +13,5 @@ static void *refuse(const float *rgba, uint32_t width, uint32_t height, char *wh
 }
 
 const bench_peer bench_peer_ffmpeg = {.name = "ffmpeg", .does = "tonemap and zscale", .open = refuse};
+const bench_peer bench_peer_ffmpeg_least = {.name = "ffmpeg-min", .does = "the same, as planes", .open = refuse};
 const bench_peer bench_peer_libplacebo = {.name = "libplacebo", .does = "its filter in libavfilter", .open = refuse};

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/photo.hpp>
 
 namespace
@@ -16,6 +17,7 @@ struct opencv {
 
 void *open_opencv(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes)
 try {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR); // it warns of its own use of itself
     cv::setNumThreads(1);
     opencv *o = new opencv{cv::Mat(int(height), int(width), CV_32FC3), {}, {}, false};
     float *to = o->in.ptr<float>();

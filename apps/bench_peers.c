@@ -11,9 +11,10 @@
 #include "bench_subject.h"
 #include "interrupt.h"
 
-enum { ROUNDS = 15, OWN = 2 * PUPIL_LEVEL_COUNT, PLAIN = 2, PEERS = 3, MOST_RUNNERS = 2 + OWN + PLAIN + PEERS };
+enum { ROUNDS = 15, OWN = 2 * PUPIL_LEVEL_COUNT, PLAIN = 2, PEERS = 4, MOST_RUNNERS = 2 + OWN + PLAIN + PEERS };
 
-static const bench_peer *const peers[PEERS] = {&bench_peer_opencv, &bench_peer_ffmpeg, &bench_peer_libplacebo};
+static const bench_peer *const peers[PEERS] = {&bench_peer_opencv, &bench_peer_ffmpeg, &bench_peer_ffmpeg_least,
+                                               &bench_peer_libplacebo};
 
 typedef struct plain_job {
     const bench_subject *s;

@@ -20,7 +20,7 @@ typedef struct bench_peer {
     void (*close)(void *state);
 } bench_peer;
 
-extern const bench_peer bench_peer_opencv, bench_peer_ffmpeg, bench_peer_libplacebo;
+extern const bench_peer bench_peer_opencv, bench_peer_ffmpeg, bench_peer_ffmpeg_least, bench_peer_libplacebo;
 
 #ifdef __cplusplus
 }

@@ -29,8 +29,8 @@ typedef struct panel {
     bench_group first, last; /* groups that are in it */
     double x0, x1, y0, y1;   /* where its axes are, of 1 */
     double fastest, slowest; /* ns: its axis */
-    int lowest, highest;     /* error: powers of ten; what is exact stands a decade below */
-    const char *title, *error;
+    int lowest, highest;     /* error: powers of ten; what is exact stands below the lowest */
+    const char *error;
 } panel;
 
 typedef struct drawing {
@@ -63,8 +63,8 @@ static void fit(panel *p, const drawing *d)
             highest = fmax(highest, log10(c->error));
         }
     }
-    p->slowest *= 1.15;
-    p->lowest = (int)floor(lowest) - 1;
+    p->slowest *= 1.3;                  /* room for the last name */
+    p->lowest = (int)floor(lowest) - 2; /* and for those of what is exact */
     p->highest = (int)ceil(fmax(highest, lowest) + 0.3);
 }
 
@@ -83,7 +83,7 @@ static int apart(const box *a, const box *b)
 
 static int is_free(const box *wanted, const box *taken, size_t count, const panel *p)
 {
-    if (wanted->x0 < WIDE * p->x0 + 4.0 || wanted->x1 > WIDE * p->x1 + 12.0 || wanted->y0 < HIGH * p->y0 + 2.0 ||
+    if (wanted->x0 < WIDE * p->x0 + 4.0 || wanted->x1 > WIDE * p->x1 + 4.0 || wanted->y0 < HIGH * p->y0 + 2.0 ||
         wanted->y1 > HIGH * p->y1)
         return 0;
     for (size_t i = 0; i < count; i++)
@@ -92,17 +92,32 @@ static int is_free(const box *wanted, const box *taken, size_t count, const pane
     return 1;
 }
 
+static void label(FILE *out, const bench_choice *c, double x, double y, int left)
+{
+    fprintf(out, "set label '%s", c->name);
+    if (c->code_max > 1)
+        fprintf(out, " (up to %d codes)", c->code_max);
+    fprintf(out, "' at screen %.5f, screen %.5f %s tc '%s' font ',10' noenhanced front\n", x / WIDE, y / HIGH,
+            left ? "right" : "left", colour[c->group]);
+}
+
+static void line(FILE *out, const bench_choice *c, double x0, double y0, double x1, double y1)
+{
+    fprintf(out, "set arrow from screen %.5f, screen %.5f to screen %.5f, screen %.5f nohead lw 0.6 lc '%s'\n",
+            x0 / WIDE, y0 / HIGH, x1 / WIDE, y1 / HIGH, colour[c->group]);
+}
+
+static double width_of(const bench_choice *c)
+{
+    return LETTER * (double)(strlen(c->name) + (c->code_max > 1 ? 16 : 0));
+}
+
 /* Beside its point, where nothing else is: to the right or left of it, higher and lower by one line more each time; a
  * thin line leads there from the point. */
 static void name_point(FILE *out, const panel *p, const bench_choice *c, box *taken, size_t *count)
 {
     const box at = point_of(p, c);
-    char text[96];
-    if (c->code_max)
-        snprintf(text, sizeof text, "%s (at most %d code%s)", c->name, c->code_max, c->code_max > 1 ? "s" : "");
-    else
-        snprintf(text, sizeof text, "%s", c->name);
-    const double wide = LETTER * (double)strlen(text), middle = 0.5 * (at.y0 + at.y1);
+    const double wide = width_of(c), middle = 0.5 * (at.y0 + at.y1);
     for (int step = 0; step < 80; step++) {
         const int left = step & 1, lines = (step / 2 + 1) / 2 * ((step / 2 & 1) ? 1 : -1);
         const double gap = lines ? 10.0 : 3.0, y = middle + LINE * lines;
@@ -111,13 +126,31 @@ static void name_point(FILE *out, const panel *p, const bench_choice *c, box *ta
         if (!is_free(&wanted, taken, *count, p))
             continue;
         taken[(*count)++] = wanted;
-        fprintf(out, "set label '%s' at screen %.5f, screen %.5f %s tc '%s' font ',10' noenhanced front\n", text,
-                (left ? x + wide : x) / WIDE, y / HIGH, left ? "right" : "left", colour[c->group]);
+        label(out, c, left ? x + wide : x, y, left);
         if (lines)
-            fprintf(out, "set arrow from screen %.5f, screen %.5f to screen %.5f, screen %.5f nohead lw 0.6 lc '%s'\n",
-                    0.5 * (at.x0 + at.x1) / WIDE, middle / HIGH, (left ? x + wide + 1.0 : x - 1.0) / WIDE, y / HIGH,
-                    colour[c->group]);
+            line(out, c, 0.5 * (at.x0 + at.x1), middle, left ? x + wide + 1.0 : x - 1.0, y);
         return;
+    }
+}
+
+/* What is exact lies on one line: names as flags above it, on masts that are the higher the farther left they stand, so
+ * that none goes through a name. */
+static void name_exact(FILE *out, const panel *p, const drawing *d, box *taken, size_t *count)
+{
+    for (size_t i = 0; i < d->count; i++) {
+        const bench_choice *c = &d->choice[i];
+        int rank = 1;
+        if (!is_in(p, c) || c->error > 0.0)
+            continue;
+        for (size_t k = 0; k < d->count; k++)
+            rank += is_in(p, &d->choice[k]) && !(d->choice[k].error > 0.0) &&
+                    (d->choice[k].ns_per_px > c->ns_per_px || (d->choice[k].ns_per_px == c->ns_per_px && k > i));
+        const box at = point_of(p, c);
+        const double x = 0.5 * (at.x0 + at.x1), y = at.y1 + LINE * (rank - 0.4), wide = width_of(c);
+        const int left = x + 4.0 + wide > WIDE * p->x1 + 12.0;
+        line(out, c, x, at.y1, x, y + 0.4 * LINE);
+        label(out, c, left ? x - 4.0 : x + 4.0, y, left);
+        taken[(*count)++] = (box){left ? x - 4.0 - wide : x, at.y0, left ? x : x + 4.0 + wide, y + 0.5 * LINE};
     }
 }
 
@@ -127,10 +160,9 @@ static void axes(FILE *out, const panel *p)
             "unset label\nunset arrow\nset lmargin at screen %g\nset rmargin at screen %g\n"
             "set bmargin at screen %g\nset tmargin at screen %g\nset xrange [0:%.6g]\nset yrange [%g:%d]\n",
             p->x0, p->x1, p->y0, p->y1, p->slowest, p->lowest - 0.5, p->highest);
-    fprintf(out, "set title '%s'\nset ylabel '%s' offset 1,0\nset xlabel 'ns for a pixel'\nset ytics ('exact' %d",
-            p->title, p->error, p->lowest);
+    fprintf(out, "set ylabel '%s' offset 1,0\nset xlabel 'ns for a pixel'\nset ytics ('exact' %d", p->error, p->lowest);
     const int every = p->highest - p->lowest > 8 ? 2 : 1;
-    for (int decade = p->lowest + 1; decade <= p->highest; decade += every)
+    for (int decade = p->lowest + 2; decade <= p->highest; decade += every)
         fprintf(out, ", '%g' %d", pow(10.0, decade), decade);
     fprintf(out, ")\nset arrow from graph 0, first %d to graph 1, first %d nohead lw 1.2 dt 2 lc '#555555' back\n",
             p->lowest, p->lowest);
@@ -145,8 +177,9 @@ static void draw_panel(FILE *out, panel *p, const drawing *d)
     for (size_t i = 0; i < d->count; i++)
         if (is_in(p, &d->choice[i]))
             taken[count++] = point_of(p, &d->choice[i]);
+    name_exact(out, p, d, taken, &count);
     for (size_t i = 0; i < d->count; i++)
-        if (is_in(p, &d->choice[i]))
+        if (is_in(p, &d->choice[i]) && d->choice[i].error > 0.0)
             name_point(out, p, &d->choice[i], taken, &count);
     for (int group = p->first; group <= (int)p->last; group++) {
         fprintf(out, "$g%d << END\n", group);
@@ -169,23 +202,21 @@ static void script(FILE *out, int is_png, const void *context)
                         .x0 = 0.075,
                         .x1 = 0.455,
                         .y0 = 0.11,
-                        .y1 = 0.80,
-                        .title = "metering",
+                        .y1 = 0.83,
                         .error = "error of the log-average, EV"},
                        {.first = BENCH_GROUP_FRAME,
                         .last = BENCH_GROUP_ENCODER,
                         .x0 = 0.555,
                         .x1 = 0.98,
                         .y0 = 0.11,
-                        .y1 = 0.80,
-                        .title = "mapping to 8 bits",
-                        .error = "share of samples that are off"}};
+                        .y1 = 0.83,
+                        .error = "share of samples that are one code off"}};
     fprintf(out, "set terminal %s size %g,%g %s background '#ffffff'\n", is_png ? "pngcairo" : "svg", WIDE, HIGH,
             is_png ? "font 'Sans,10'" : "dynamic font 'Helvetica,Arial,sans-serif,13'");
     fprintf(out,
             "set encoding utf8\nset multiplot title '%s' noenhanced\nset border 3 lc '#666666'\n"
             "set tics nomirror out scale 0.6\nset grid lc '#dddddd' lt 1 lw 0.7\n"
-            "set key above center horizontal samplen 1 noenhanced\n",
+            "set key at graph 0.02, graph 1.02 left bottom Left reverse samplen 1 noenhanced\n",
             d->title);
     for (int i = 0; i < 2; i++)
         draw_panel(out, &panels[i], d);

@@ -11,13 +11,15 @@
 #include "bench_subject.h"
 #include "interrupt.h"
 
-enum { ROUNDS = 2000, CASES = 5, FRESH = CASES - 1 };
+enum { ROUNDS = 2000, CASES = 6, FRESH = CASES - 1 };
 
-static const char *const case_name[CASES] = {"ordinary", "hard", "denormal", "nan-inf", "fresh"};
-static const char *const case_says[CASES] = {
-    "the easy frame, memory in use", "of 16 samples one odd, one denormal, one black; 40 stops",
-    "every second pixel is denormal", "every second pixel has a NaN, +Inf or -Inf",
-    "the easy frame, output never touched before: page faults"};
+static const char *const case_name[CASES] = {"ordinary", "hard", "dark", "denormal", "nan-inf", "fresh"};
+static const char *const case_says[CASES] = {"the easy frame, memory in use",
+                                             "of 16 samples one odd, one denormal, one black; 40 stops",
+                                             "every second pixel is black: 1e-20 or so",
+                                             "the same, 1e-41 or so: denormal",
+                                             "every second pixel has a NaN, +Inf or -Inf",
+                                             "the easy frame, output never touched before: page faults"};
 
 typedef struct worst_case {
     bench_subject s;
@@ -57,7 +59,8 @@ static void plant(pupil_image_const in, const float *odd, unsigned count)
 
 static int open_case(worst_case *w, int which, const bench_options *o, workers *crew, uint32_t level)
 {
-    static const float denormal[] = {1e-41f, 1e-39f, 1e-45f}, odd[] = {NAN, INFINITY, -INFINITY, 1.0f};
+    static const float denormal[] = {1e-41f, 1e-39f, 1e-45f}, dark[] = {1e-20f, 1e-18f, 1e-24f},
+                       odd[] = {NAN, INFINITY, -INFINITY, 1.0f};
     if (bench_subject_open(&w->s, o, PUPIL_PIXEL_RGBA32F, crew))
         return -1;
     free(w->s.copy); /* nothing is copied here */
@@ -72,8 +75,10 @@ static int open_case(worst_case *w, int which, const bench_options *o, workers *
     if (!w->s.in.data || !w->kernel || bench_kernel_open(w->kernel, &w->s, BENCH_FUSED, level))
         return fputs("pupil bench: not enough memory\n", stderr), -1;
     if (which == 2)
-        plant(w->s.in, denormal, 3);
+        plant(w->s.in, dark, 3);
     if (which == 3)
+        plant(w->s.in, denormal, 3);
+    if (which == 4)
         plant(w->s.in, odd, 4);
     bench_kernel_run(w->kernel); /* the memory that is in use */
     return 0;
