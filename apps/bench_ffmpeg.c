@@ -172,14 +172,14 @@ static void *open_libplacebo(const float *rgba, uint32_t width, uint32_t height,
 }
 
 const bench_peer bench_peer_ffmpeg = {
-    "ffmpeg",   "tonemap=reinhard, zscale to sRGB, RGBA8; planar floats in: no metering, the peak is told",
-    open_usual, run_chain,
-    mean_of,    close_chain};
+    "ffmpeg",   "rgba8",   "tonemap=reinhard, zscale to sRGB, RGBA8; planar floats in: no metering, the peak is told",
+    open_usual, run_chain, mean_of,
+    close_chain};
 const bench_peer bench_peer_ffmpeg_least = {
-    "ffmpeg-min", "the same with desat=0, and 8-bit planes out: the least that these filters can do",
-    open_least,   run_chain,
-    mean_of,      close_chain};
+    "ffmpeg-min", "gbrp8",   "the same with desat=0, and 8-bit planes out: the least that these filters can do",
+    open_least,   run_chain, mean_of,
+    close_chain};
 const bench_peer bench_peer_libplacebo = {
-    "libplacebo",    "its filter on Mesa's llvmpipe: meters peak and mean, own tone mapping; made for GPUs",
-    open_libplacebo, run_chain,
-    mean_of,         close_chain};
+    "libplacebo",    "rgba8",   "its filter on Mesa's llvmpipe: meters peak and mean, own tone mapping; made for GPUs",
+    open_libplacebo, run_chain, mean_of,
+    close_chain};

@@ -12,6 +12,6 @@ static void *refuse(const float *rgba, uint32_t width, uint32_t height, char *wh
     return NULL;
 }
 
-const bench_peer bench_peer_ffmpeg = {.name = "ffmpeg", .does = "tonemap and zscale", .open = refuse};
-const bench_peer bench_peer_ffmpeg_least = {.name = "ffmpeg-min", .does = "the same, as planes", .open = refuse};
-const bench_peer bench_peer_libplacebo = {.name = "libplacebo", .does = "its filter in libavfilter", .open = refuse};
+const bench_peer bench_peer_ffmpeg = {.name = "ffmpeg", .open = refuse};
+const bench_peer bench_peer_ffmpeg_least = {.name = "ffmpeg-min", .open = refuse};
+const bench_peer bench_peer_libplacebo = {.name = "libplacebo", .open = refuse};

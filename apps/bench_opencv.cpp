@@ -56,6 +56,7 @@ void close_opencv(void *state)
 
 const bench_peer bench_peer_opencv = {
     "opencv",
+    "rgb8",
     "TonemapReinhard(2.2), a fresh object a frame, and convertTo 8U: two means, one power a sample; no white point",
     open_opencv,
     run_opencv,

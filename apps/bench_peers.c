@@ -65,7 +65,8 @@ static void line_up(peer_race *r)
     }
 }
 
-static void tell_json(const peer_race *r, const char *name, const char *level, const bench_runner *one, double mean)
+static void tell_json(const peer_race *r, const char *name, const char *level, const char *out, const bench_runner *one,
+                      double mean)
 {
     const bench_options *o = r->o;
     const bench_runner *fused = &r->runner[2];
@@ -73,7 +74,7 @@ static void tell_json(const peer_race *r, const char *name, const char *level, c
         "{\"bench\":\"peers\",\"kernel\":\"%s\",\"level\":\"%s\",\"format\":\"rgba32f\",\"out\":\"%s\",\"width\":%lu,"
         "\"height\":%lu,\"threads\":1,\"cold\":%s,\"ns_per_px\":%.4f,\"bytes_per_px\":16,\"ratio_read\":%.4f,"
         "\"ratio_memcpy\":%.4f,\"mean_code\":%.1f",
-        name, level, "8bit", (unsigned long)o->width, (unsigned long)o->height, o->warm ? "false" : "true",
+        name, level, out, (unsigned long)o->width, (unsigned long)o->height, o->warm ? "false" : "true",
         one->median_s * 1e9 / ((double)o->width * o->height), one->median_s / r->runner[0].median_s,
         one->median_s / r->runner[1].median_s, mean);
     for (size_t i = 0; i < r->own; i++)
@@ -82,11 +83,12 @@ static void tell_json(const peer_race *r, const char *name, const char *level, c
     puts("}");
 }
 
-static void tell(const peer_race *r, const char *name, const char *level, const bench_runner *one, double mean)
+static void tell(const peer_race *r, const char *name, const char *level, const char *out, const bench_runner *one,
+                 double mean)
 {
     const bench_options *o = r->o;
     if (o->json) {
-        tell_json(r, name, level, one, mean);
+        tell_json(r, name, level, out, one, mean);
         return;
     }
     printf("%-11s %-7s %8.3f %7.2f %9.2f %6.1f", name, level, one->median_s * 1e9 / ((double)o->width * o->height),
@@ -122,14 +124,15 @@ static void tell_all(peer_race *r)
     /* once more, for their picture */
     for (size_t i = 0; i < r->own; i++, next++) {
         bench_kernel_run(&r->kernel[i]);
-        tell(r, bench_kernel_names[r->kernel[i].which], bench_level_names[r->kernel[i].level], next, mean_green(&r->s));
+        tell(r, bench_kernel_names[r->kernel[i].which], bench_level_names[r->kernel[i].level], "rgba8", next,
+             mean_green(&r->s));
     }
     for (size_t i = 0; i < r->plains; i++, next++) {
         run_plain(&r->plain[i]);
-        tell(r, i ? "plain-fast" : "plain", "C", next, mean_green(&r->s));
+        tell(r, i ? "plain-fast" : "plain", "C", "rgba8", next, mean_green(&r->s));
     }
     for (size_t i = 0; i < r->opened; i++, next++)
-        tell(r, r->peer[i]->name, "peer", next, r->peer[i]->mean(r->state[i]));
+        tell(r, r->peer[i]->name, "peer", r->peer[i]->out, next, r->peer[i]->mean(r->state[i]));
     for (size_t i = 0; i < r->opened && !r->o->json; i++)
         printf("%s%-10s  %s\n", i ? "" : "\n", r->peer[i]->name, r->peer[i]->does);
 }

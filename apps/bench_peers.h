@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 typedef struct bench_peer {
-    const char *name, *does;
+    const char *name, *out, *does; /* out: what its samples are, rgba8 or the like */
     /* Takes the frame into the peer's own layout, which is not timed. NULL and a sentence: not in this build, or it
      * does not work here. */
     void *(*open)(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes);

@@ -11,15 +11,17 @@
 #include "bench_subject.h"
 #include "interrupt.h"
 
-enum { ROUNDS = 2000, CASES = 6, FRESH = CASES - 1 };
+enum { ROUNDS = 2000, CASES = 7, FRESH = CASES - 2, READ = CASES - 1 };
 
-static const char *const case_name[CASES] = {"ordinary", "hard", "dark", "denormal", "nan-inf", "fresh"};
-static const char *const case_says[CASES] = {"the easy frame, memory in use",
-                                             "of 16 samples one odd, one denormal, one black; 40 stops",
-                                             "every second pixel is black: 1e-20 or so",
-                                             "the same, 1e-41 or so: denormal",
-                                             "every second pixel has a NaN, +Inf or -Inf",
-                                             "the easy frame, output never touched before: page faults"};
+static const char *const case_name[CASES] = {"ordinary", "hard", "dark", "denormal", "nan-inf", "fresh", "read"};
+static const char *const case_says[CASES] = {
+    "the easy frame, memory in use",
+    "of 16 samples one odd, one denormal, one black; 40 stops",
+    "every second pixel is black: 1e-20 or so",
+    "the same, 1e-41 or so: denormal",
+    "every second pixel has a NaN, +Inf or -Inf",
+    "the easy frame, output never touched before: page faults",
+    "no kernel: a plain read of the easy frame, for what the machine itself does"};
 
 typedef struct worst_case {
     bench_subject s;
@@ -40,6 +42,11 @@ static void map_afresh(void *context)
         w->s.out.data = w->own_out;
         w->failed = 1;
     }
+}
+
+static void run_read(void *context)
+{
+    bench_read_run(&((worst_case *)context)->s);
 }
 
 static void run(void *context)
@@ -99,12 +106,13 @@ static void tell(const bench_options *o, uint32_t level, unsigned threads, int i
 {
     const double us = 1e6;
     if (o->json)
-        printf("{\"bench\":\"worst\",\"frame\":\"%s\",\"kernel\":\"fused\",\"level\":\"%s\",\"format\":\"rgba32f\","
+        printf("{\"bench\":\"worst\",\"frame\":\"%s\",\"kernel\":\"%s\",\"level\":\"%s\",\"format\":\"rgba32f\","
                "\"out\":\"rgba8\",\"width\":%lu,\"height\":%lu,\"threads\":%u,\"frames\":%u,\"median_us\":%.2f,"
                "\"p99_us\":%.2f,\"p999_us\":%.2f,\"max_us\":%.2f,\"ratio_p999_median\":%.4f,\"ratio_ordinary\":%.4f}\n",
-               case_name[i], bench_level_names[level], (unsigned long)o->width, (unsigned long)o->height, threads,
-               o->rounds ? o->rounds : ROUNDS, us * r->median_s, us * r->p99_s, us * r->p999_s, us * r->most_s,
-               r->p999_s / r->median_s, r->median_s / ordinary->median_s);
+               case_name[i], i == READ ? "read" : "fused", i == READ ? "C" : bench_level_names[level],
+               (unsigned long)o->width, (unsigned long)o->height, threads, o->rounds ? o->rounds : ROUNDS,
+               us * r->median_s, us * r->p99_s, us * r->p999_s, us * r->most_s, r->p999_s / r->median_s,
+               r->median_s / ordinary->median_s);
     else
         printf("%-9s %9.1f %9.1f %9.1f %9.1f %9.2f %9.3f  %s\n", case_name[i], us * r->median_s, us * r->p99_s,
                us * r->p999_s, us * r->most_s, r->p999_s / r->median_s, r->median_s / ordinary->median_s, case_says[i]);
@@ -114,7 +122,8 @@ static int race(const bench_options *o, worst_case *w, workers *crew, uint32_t l
 {
     bench_runner runner[CASES];
     for (int i = 0; i < CASES; i++) {
-        runner[i] = (bench_runner){.run = run, .context = &w[i], .prepare = i == FRESH ? map_afresh : NULL};
+        runner[i] = (bench_runner){
+            .run = i == READ ? run_read : run, .context = &w[i], .prepare = i == FRESH ? map_afresh : NULL};
         if (open_case(&w[i], i, o, crew, level))
             return BENCH_FAILED;
     }
