@@ -138,35 +138,52 @@ INLINE void segments(const bench_tables *t, const float *restrict light, size_t 
 }
 
 /* 65536 times the code's value, and a half. */
-INLINE int32_t value_of(const bench_tables *t, float x, int degree)
+INLINE int32_t value_of(const bench_tables *t, float x, float clamped, int degree)
 {
-    x = x < of_bits(BENCH_TOP_BITS) ? x : of_bits(BENCH_TOP_BITS);
-    const uint32_t bits = bits_of(x > 0x1p-9f ? x : 0x1p-9f);
+    const uint32_t bits = bits_of(clamped);
     const float m = of_bits((bits & 0x007fffffu) | 0x3f800000u), *c = degree == 3 ? t->cubic : t->quartic;
-    float p = degree == 3 ? c[3] : c[4] * m + c[3];
-    p = (p * m + c[2]) * m;
-    p = (p + c[1]) * m + c[0];
-    /* times 2^(-5/12 k), bit by bit of k: quicker than a table where vectors cannot gather */
-    const uint32_t k = 127u - (bits >> 23); /* 1..9 */
-    p *= k & 1u ? 0x1.7f910d768cfbp-1f : 1.0f;
-    p *= k & 2u ? 0x1.1f59ac3c7d6cp-1f : 1.0f;
-    p *= k & 4u ? 0x1.428a2f98d728bp-2f : 1.0f;
-    p *= k & 8u ? 0x1.965fea53d6e3dp-4f : 1.0f;
-    const float bent = p * (1.055f * 255.0f) - 0.055f * 255.0f;
-    const float line = 12.92f * 255.0f * x;
-    return (int32_t)(65536.0f * ((x <= 0.0031308f ? line : bent) + 0.5f));
+    /* pairs first, so that one product need not wait for another */
+    const float low = c[0] + c[1] * m, high = degree == 3 ? c[2] + c[3] * m : (c[2] + c[3] * m) + c[4] * (m * m);
+    const uint32_t k = 127u - (bits >> 23); /* 1..9: times 2^(-5/12 k), bit by bit; vectors here cannot gather */
+    const float power = ((k & 1u ? 0x1.7f910d768cfbp-1f : 1.0f) * (k & 2u ? 0x1.1f59ac3c7d6cp-1f : 1.0f)) *
+                        ((k & 4u ? 0x1.428a2f98d728bp-2f : 1.0f) * (k & 8u ? 0x1.965fea53d6e3cp-4f : 1.0f));
+    const float bent =
+        (low + high * (m * m)) * (power * (65536.0f * 1.055f * 255.0f)) + 65536.0f * (0.5f - 0.055f * 255.0f);
+    const float line = 65536.0f * 12.92f * 255.0f * x + 32768.0f;
+    return (int32_t)(x <= 0.0031308f ? line : bent);
+}
+
+/* In steps, each a loop of its own: of one loop gcc makes vectors as long as bytes allow, which do not fit the
+ * registers, and a path for each side of each bound. */
+INLINE void values(const bench_tables *t, const float *restrict light, int32_t *restrict value, int degree)
+{
+    float clamped[64];
+    for (size_t i = 0; i < 64; i++) {
+        const float x = light[i] < of_bits(BENCH_TOP_BITS) ? light[i] : of_bits(BENCH_TOP_BITS);
+        clamped[i] = x > 0x1p-9f ? x : 0x1p-9f;
+    }
+    for (size_t i = 0; i < 64; i++)
+        value[i] = value_of(t, light[i], clamped[i], degree);
+}
+
+INLINE void polynomial(const bench_tables *t, const float *restrict light, size_t n, uint8_t *restrict code, int degree)
+{
+    int32_t value[64];
+    for (size_t from = 0; from < n; from += 64) {
+        values(t, light + from, value, degree);
+        for (size_t i = 0; i < 64; i++)
+            code[from + i] = (uint8_t)(value[i] >> 16);
+    }
 }
 
 INLINE void cubic(const bench_tables *t, const float *restrict light, size_t n, uint8_t *restrict code)
 {
-    for (size_t i = 0; i < n; i++)
-        code[i] = (uint8_t)(value_of(t, light[i], 3) >> 16);
+    polynomial(t, light, n, code, 3);
 }
 
 INLINE void quartic(const bench_tables *t, const float *restrict light, size_t n, uint8_t *restrict code)
 {
-    for (size_t i = 0; i < n; i++)
-        code[i] = (uint8_t)(value_of(t, light[i], 4) >> 16);
+    polynomial(t, light, n, code, 4);
 }
 
 /* The quartic, and the cell where it is nearer to a boundary than its error: 0.0045 code, that of the polynomial
@@ -177,11 +194,11 @@ INLINE void settled(const bench_tables *t, const float *restrict light, size_t n
     int32_t value[64];
     for (size_t from = 0; from < n; from += 64) {
         uint32_t unsure = 0;
-        for (size_t i = 0; i < 64; i++) {
-            value[i] = value_of(t, light[from + i], 4);
+        values(t, light + from, value, 4);
+        for (size_t i = 0; i < 64; i++)
             code[from + i] = (uint8_t)(value[i] >> 16);
+        for (size_t i = 0; i < 64; i++)
             unsure |= (uint32_t)((((uint32_t)value[i] + NEAR) & 0xffffu) < 2u * NEAR);
-        }
         for (size_t i = 0; unsure && i < 64; i++)
             if ((((uint32_t)value[i] + NEAR) & 0xffffu) < 2u * NEAR)
                 code[from + i] = by_cell(t, light[from + i]);
