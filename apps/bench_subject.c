@@ -93,7 +93,11 @@ int bench_subject_open(bench_subject *s, const bench_options *o, uint32_t pixel,
     *s = (bench_subject){.crew = crew, .in = bench_frame(pixel, o->width, o->height, 0)};
     s->bytes = pixels * pupil_pixel_bytes(pixel);
     s->copy = aligned_alloc(64, (s->bytes + 63) / 64 * 64);
-    s->out = (pupil_image){.data = aligned_alloc(64, (pixels * 4 + 63) / 64 * 64), .stride_bytes = (ptrdiff_t)o->width * 4, .width = o->width, .height = o->height, .pixel = PUPIL_PIXEL_RGBA8};
+    s->out = (pupil_image){.data = aligned_alloc(64, (pixels * 4 + 63) / 64 * 64),
+                           .stride_bytes = (ptrdiff_t)o->width * 4,
+                           .width = o->width,
+                           .height = o->height,
+                           .pixel = PUPIL_PIXEL_RGBA8};
     configure(&c, BENCH_METER);
     if (s->in.data && s->copy && s->out.data && !pupil_init(&pupil, &c) &&
         !pupil_process(&pupil, &s->in, NULL, &s->out) && !pupil_get_curve(&pupil, NULL, &s->curve)) {
@@ -145,7 +149,8 @@ int bench_kernel_error(uint32_t level, uint32_t pixel, int hard, verify_figures 
     pupil_stats stats;
     pupil_curve curve;
     pupil_image_const in = bench_frame(pixel, 480, 270, hard);
-    pupil_image out = {.data = malloc(480 * 270 * 3), .stride_bytes = 480 * 3, .width = 480, .height = 270, .pixel = PUPIL_PIXEL_RGB8};
+    pupil_image out = {
+        .data = malloc(480 * 270 * 3), .stride_bytes = 480 * 3, .width = 480, .height = 270, .pixel = PUPIL_PIXEL_RGB8};
     *figures = (verify_figures){0};
     configure(&c, BENCH_METER);
     c.levels = 1u << level;
