@@ -59,15 +59,21 @@ int bench_race(bench_runner *runner, size_t runners, unsigned rounds, const benc
         for (size_t i = 0; i < runners; i++) {
             if (flush)
                 flush_caches(flush);
+            if (runner[i].prepare)
+                runner[i].prepare(runner[i].context);
             double began_s = progress_now_s();
             runner[i].run(runner[i].context);
             time_s[i * rounds + round] = progress_now_s() - began_s;
             stopped = stop && stop();
         }
     for (size_t i = 0; i < runners && !stopped; i++) {
+        const double *own = time_s + i * rounds;
         qsort(time_s + i * rounds, rounds, sizeof *time_s, by_size);
-        runner[i].median_s = time_s[i * rounds + rounds / 2];
-        runner[i].least_s = time_s[i * rounds];
+        runner[i].median_s = own[rounds / 2];
+        runner[i].least_s = own[0];
+        runner[i].p99_s = own[rounds - 1 - rounds / 100];
+        runner[i].p999_s = own[rounds - 1 - rounds / 1000];
+        runner[i].most_s = own[rounds - 1];
     }
     free(time_s);
     return stopped ? -1 : 0;

@@ -8,7 +8,9 @@
 typedef struct bench_runner {
     void (*run)(void *context);
     void *context;
-    double median_s, least_s; /* of the rounds, once raced */
+    double median_s, least_s;       /* of the rounds, once raced */
+    double p99_s, p999_s, most_s;   /* as many of them took at most as long: 99 %, 99.9 %, all */
+    void (*prepare)(void *context); /* what goes before each run and is not timed; NULL: nothing */
 } bench_runner;
 
 /* A block of memory larger than the caches, to be read and written before what is measured cold. */

@@ -5,7 +5,8 @@
 # not vectorise a comparison). No code may be compiled as if NaN did not exist.
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)
 
-add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla)
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wvla
+  $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>)
 if(PUPIL_WERROR)
   add_compile_options(-Werror)
 endif()

@@ -1,5 +1,5 @@
 #!/bin/sh
-# style.sh: .clang-format's opinion of every C file that git knows, and no line over 120 characters in C, CMake or Python.
+# style.sh: .clang-format's opinion of every C and C++ file that git knows, and no line over 120 characters in these, CMake or Python.
 set -eu
 cd "$(dirname "$0")/.."
 status=0
@@ -8,9 +8,9 @@ if [ -e .git ]; then
 else
     files=$(find . -type f -not -path './build*' | sed 's|^\./||')
 fi
-sources=$(echo "$files" | grep '\.[ch]$' | grep -v 'lib/kernels/tables\.c$')
+sources=$(echo "$files" | grep -E '\.([ch]|cpp)$' | grep -v 'lib/kernels/tables\.c$')
 long=$(grep -nE '^.{121,}' $(echo "$files" | grep -v 'lib/kernels/tables\.c$' |
-    grep -E '\.([ch]|cmake|py|in)$|CMakeLists.txt$') || :)
+    grep -E '\.([ch]|cpp|cmake|py|in)$|CMakeLists.txt$') || :)
 if [ -n "$long" ]; then
     echo "style.sh: lines over 120 characters:"
     echo "$long" | cut -c1-140

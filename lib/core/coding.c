@@ -133,12 +133,12 @@ static const pupil_coding usual = {0};
 
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c)
 {
-    static const float *const curve[PUPIL_LIGHT_COUNT] = {
-        [PUPIL_LIGHT_SRGB] = pupil_srgb8_to_linear, [PUPIL_LIGHT_BT709] = pupil_bt709_to_linear};
+    static const float(*const curve[PUPIL_LIGHT_COUNT])[2] = {
+        [PUPIL_LIGHT_SRGB] = pupil_srgb_light, [PUPIL_LIGHT_BT709] = pupil_bt709_light};
     const int yuv = pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
     *c = (pupil_coder){0};
     coding = coding ? coding : &usual;
-    c->light = yuv && coding->light == PUPIL_LIGHT_USUAL ? pupil_srgb8_to_linear : curve[coding->light];
+    c->light = yuv && coding->light == PUPIL_LIGHT_USUAL ? pupil_srgb_light : curve[coding->light];
     if (yuv)
         from_yuv(coding, c);
     else if (pupil_pixel_is_mosaic(pixel))

@@ -163,6 +163,10 @@ INLINE ints v_to_ints(floats a)
 {
     return _mm256_cvttps_epi32(a);
 }
+INLINE floats v_from_ints(ints a)
+{
+    return _mm256_cvtepi32_ps(a);
+}
 INLINE mask v_equal_ints(ints a, ints b)
 {
     return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));

@@ -45,7 +45,7 @@ const pupil_kernels pupil_kernels_avx512 = {
             [PUPIL_PIXEL_RGB16] = load_rgb16,
             LOADS_BY_FORMAT,
         },
-    UNPACK_AND_DEVELOP,
+    CAMERA_PIECES,
     .meter =
         {
             [PUPIL_PLANES] = meter_planes,

@@ -159,6 +159,10 @@ INLINE ints v_to_ints(floats a)
 {
     return _mm512_cvttps_epi32(a);
 }
+INLINE floats v_from_ints(ints a)
+{
+    return _mm512_cvtepi32_ps(a);
+}
 INLINE mask v_equal_ints(ints a, ints b)
 {
     return _mm512_cmpeq_epi32_mask(a, b);

@@ -55,7 +55,7 @@ typedef struct pupil_coder {
     /* Y'CbCr, to 0..255: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
      * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 */
     float y_zero, y_unit, red_v, green_u, green_v, blue_u;
-    const float *light;          /* of a code 0..255, and once more of 255; NULL: linear */
+    const float (*light)[2];     /* light of a code 0..255, and how much more the next one's is; NULL: linear */
     float zero, unit;            /* grey: (code - zero) * unit */
     float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
     float matrix[9];
@@ -120,6 +120,8 @@ typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *con
 typedef void pupil_matrix_kernel(const float matrix[9], uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
+/* n quads of a mosaic from quad x on, of any number of pixels; 0: not done, the usual pieces are to be taken. */
+typedef int pupil_quads_kernel(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run);
 /* Meters into run unless it is NULL, maps into planes: values from 0 to 1, or by rounding the float above it. 1: as
  * load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
@@ -132,22 +134,34 @@ typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pu
 /* Writes the fourth byte of RGBA8 pixels. */
 typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
 
+/* Of n RGBA codes. */
+typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *rgba, uint32_t n, uint8_t *luma);
+/* Of two rows (or twice the same) of n: n + n % 2 bytes. */
+typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t *upper, const uint8_t *lower,
+                                 uint32_t n, uint8_t *chroma);
+
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL beside it: not a format for that. */
 typedef struct pupil_kernels {
-    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];     /* by input format */
-    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];   /* by input format */
-    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT];   /* by input format */
-    pupil_unpack_kernel *unpack[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: not a mosaic */
+    pupil_load_kernel *load[PUPIL_PIXEL_COUNT];         /* by input format */
+    pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];       /* by input format */
+    pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT];       /* by input format */
+    pupil_unpack_kernel *unpack[PUPIL_PIXEL_COUNT];     /* by input format; scalar NULL: not a mosaic */
+    pupil_quads_kernel *meter_quads[PUPIL_PIXEL_COUNT]; /* by input format; only where it is faster than its pieces */
     pupil_binned_kernel *binned;
     pupil_bilinear_kernel *bilinear;
     pupil_matrix_kernel *matrix;
+    pupil_luma_kernel *luma_of_codes;
+    pupil_chroma_kernel *chroma_of_codes;
     pupil_histogram_kernel *histogram;
     pupil_store_kernel *store[PUPIL_PIXEL_COUNT]; /* by output format */
     pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: opaque */
 } pupil_kernels;
 
 #define PUPIL_PLANES PUPIL_PIXEL_NONE
+
+/* A piece of a level, or the scalar level's where it has none of its own. */
+#define PUPIL_PIECE(KERNELS, MEMBER) ((KERNELS)->MEMBER ? (KERNELS)->MEMBER : pupil_kernels_scalar.MEMBER)
 
 extern const pupil_kernels pupil_kernels_scalar;
 #if defined(__x86_64__)
@@ -162,8 +176,8 @@ uint32_t pupil_level_choose(uint32_t mask);
 const pupil_kernels *pupil_level_kernels(uint32_t level);
 
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
-/* Light of the codes 0 to 255, and once more of 255. */
-extern const float pupil_srgb8_to_linear[257], pupil_bt709_to_linear[257];
+/* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. */
+extern const float pupil_srgb_light[256][2], pupil_bt709_light[256][2];
 
 /* Pixels (quads, where job->way is binned) x to x + n of a row, that all have the metering weight `weight`; 0 or stats
  * NULL: not metered. target NULL: not mapped. */

@@ -1,5 +1,5 @@
-/* lib/kernels/loads.h: loading what has no vectors of its own in a level: plain C loops, written once and compiled in
- * each level's file for its instructions. No result depends on which: nothing here is rounded differently by them.
+/* lib/kernels/loads.h: loading (and, of NV12, storing) what has no vectors of its own in a level: plain C loops,
+ * written once and compiled in each level's file, for its instructions. No result depends on which.
  */
 #ifndef PUPIL_KERNELS_LOADS_H
 #define PUPIL_KERNELS_LOADS_H
@@ -9,42 +9,59 @@
 /* ---- codes to light ------------------------------------------------------------------------------------------------
  */
 
-/* `code` is clamped to 0..255 here (NaN is impossible), between codes light is interpolated; on one it is the code's.
- */
-static inline float light_of(float code, const float *light)
+/* Of coded values, clamped to 0..255 (NaN is impossible), the whole part, and in `v` what is left. By vectors what lies
+ * behind n is worked too. */
+static void split_codes(float *restrict v, uint32_t n, int32_t *restrict whole)
 {
-    code = code > 0.0f ? code : 0.0f;
-    code = code < 255.0f ? code : 255.0f;
-    const int32_t i = (int32_t)code;
-    const float below = light[i];
-    return below + (code - (float)i) * (light[i + 1] - below);
-}
-
-/* linear light of a code 0..255 */
-static inline float plain_light_of(float code)
-{
-    code = code > 0.0f ? code : 0.0f;
-    code = code < 255.0f ? code : 255.0f;
-    return code * (1.0f / 255.0f);
-}
-
-static void codes_to_light(pupil_planes *restrict p, uint32_t n, const float *light)
-{
-    if (!light) {
-        for (uint32_t i = 0; i < n; i++) {
-            p->r[i] = plain_light_of(p->r[i]);
-            p->g[i] = plain_light_of(p->g[i]);
-            p->b[i] = plain_light_of(p->b[i]);
-        }
-        return;
+#if defined(WIDTH)
+    for (uint32_t i = 0; i < n; i += WIDTH) {
+        const floats code = v_min(v_max(v_load(v + i), v_all(0.0f)), v_all(255.0f));
+        const ints below = v_to_ints(code);
+        v_store_ints(whole + i, below);
+        v_store(v + i, v_sub(code, v_from_ints(below)));
     }
-    for (uint32_t i = 0; i < n; i++)
-        p->r[i] = light_of(p->r[i], light);
-    for (uint32_t i = 0; i < n; i++)
-        p->g[i] = light_of(p->g[i], light);
-    for (uint32_t i = 0; i < n; i++)
-        p->b[i] = light_of(p->b[i], light);
+#else
+    for (uint32_t i = 0; i < n; i++) {
+        float code = v[i] > 0.0f ? v[i] : 0.0f;
+        code = code < 255.0f ? code : 255.0f;
+        whole[i] = (int32_t)code;
+        v[i] = code - (float)whole[i];
+    }
+#endif
 }
+
+/* To light: between two codes it is interpolated, on one it is the code's. */
+static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2])
+{
+    int32_t below[PUPIL_BLOCK];
+    split_codes(v, n, below);
+    for (uint32_t i = 0; i < n; i++)
+        v[i] = light[below[i]][0] + v[i] * light[below[i]][1];
+}
+
+static void plain_light(float *restrict v, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        float code = v[i] > 0.0f ? v[i] : 0.0f;
+        code = code < 255.0f ? code : 255.0f;
+        v[i] = code * (1.0f / 255.0f);
+    }
+}
+
+static void codes_to_light(float *v, uint32_t n, const float (*light)[2])
+{
+    if (light)
+        look_up_light(v, n, light);
+    else
+        plain_light(v, n);
+}
+
+/* In a loop of look-ups: gcc would put vectors together out of single loads, which takes half as long again. */
+#if defined(__clang__)
+#define ONE_BY_ONE (void)0
+#else
+#define ONE_BY_ONE __asm__ volatile("")
+#endif
 
 /* ---- 8-bit RGB, through its table ----------------------------------------------------------------------------------
  */
@@ -54,9 +71,10 @@ static int load_rgba8(const pupil_coder *coder, const pupil_row *row, uint32_t x
     const uint8_t *restrict s = row->data + 4 * (size_t)x;
     (void)coder;
     for (uint32_t i = 0; i < n; i++) {
-        p->r[i] = pupil_srgb8_to_linear[s[4 * i]];
-        p->g[i] = pupil_srgb8_to_linear[s[4 * i + 1]];
-        p->b[i] = pupil_srgb8_to_linear[s[4 * i + 2]];
+        p->r[i] = pupil_srgb_light[s[4 * i]][0];
+        p->g[i] = pupil_srgb_light[s[4 * i + 1]][0];
+        p->b[i] = pupil_srgb_light[s[4 * i + 2]][0];
+        ONE_BY_ONE;
     }
     return 0;
 }
@@ -66,9 +84,10 @@ static int load_rgb8(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     const uint8_t *restrict s = row->data + 3 * (size_t)x;
     (void)coder;
     for (uint32_t i = 0; i < n; i++) {
-        p->r[i] = pupil_srgb8_to_linear[s[3 * i]];
-        p->g[i] = pupil_srgb8_to_linear[s[3 * i + 1]];
-        p->b[i] = pupil_srgb8_to_linear[s[3 * i + 2]];
+        p->r[i] = pupil_srgb_light[s[3 * i]][0];
+        p->g[i] = pupil_srgb_light[s[3 * i + 1]][0];
+        p->b[i] = pupil_srgb_light[s[3 * i + 2]][0];
+        ONE_BY_ONE;
     }
     return 1;
 }
@@ -76,38 +95,41 @@ static int load_rgb8(const pupil_coder *coder, const pupil_row *row, uint32_t x,
 /* ---- Y'CbCr --------------------------------------------------------------------------------------------------------
  */
 
-static inline void pixel_of_yuv(const pupil_coder *c, float luma, float u, float v, uint32_t i, pupil_planes *p)
-{
-    const float y = (luma - c->y_zero) * c->y_unit;
-    p->r[i] = y + c->red_v * v;
-    p->g[i] = (y + c->green_u * u) + c->green_v * v;
-    p->b[i] = y + c->blue_u * u;
-}
-
 /* Y' is every `step`th byte from luma on, Cb and Cr every `pair`th from chroma on: for each two pixels one. */
 static inline void load_yuv(const pupil_coder *c, const uint8_t *restrict luma, const uint8_t *restrict chroma,
                             uint32_t step, uint32_t apart, uint32_t pair, uint32_t x, uint32_t n,
                             pupil_planes *restrict p)
 {
-    uint32_t i = 0;
-    if (x % 2 && n) { /* the second pixel of a pair */
-        const uint8_t *uv = chroma + (size_t)(x / 2) * pair;
-        pixel_of_yuv(c, (float)luma[(size_t)x * step], (float)uv[0] - 128.0f, (float)uv[apart] - 128.0f, 0, p);
-        i = 1;
+    float u[PUPIL_BLOCK / 2 + 1], v[PUPIL_BLOCK / 2 + 1];
+    const uint32_t odd = x % 2, pairs = (n + odd + 1) / 2;
+    luma += (size_t)x * step;
+    chroma += (size_t)(x / 2) * pair;
+    for (uint32_t k = 0; k < pairs; k++) {
+        u[k] = (float)chroma[k * pair] - 128.0f;
+        v[k] = (float)chroma[k * pair + apart] - 128.0f;
     }
-    luma += (size_t)(x + i) * step;
-    chroma += (size_t)((x + i) / 2) * pair;
-    for (uint32_t k = 0; k < (n - i) / 2; k++) {
-        const float u = (float)chroma[k * pair] - 128.0f, v = (float)chroma[k * pair + apart] - 128.0f;
-        pixel_of_yuv(c, (float)luma[2 * k * step], u, v, i + 2 * k, p);
-        pixel_of_yuv(c, (float)luma[(2 * k + 1) * step], u, v, i + 2 * k + 1, p);
+    for (uint32_t i = 0; i < n; i++)
+        p->grey[i] = ((float)luma[i * step] - c->y_zero) * c->y_unit;
+    if (odd) {
+        for (uint32_t i = 0; i < n; i++) {
+            p->g[i] = u[(i + 1) / 2];
+            p->b[i] = v[(i + 1) / 2];
+        }
+    } else {
+        for (uint32_t i = 0; i < n; i++) {
+            p->g[i] = u[i / 2];
+            p->b[i] = v[i / 2];
+        }
     }
-    if ((n - i) % 2) {
-        const uint32_t k = (n - i) / 2;
-        const float u = (float)chroma[k * pair] - 128.0f, v = (float)chroma[k * pair + apart] - 128.0f;
-        pixel_of_yuv(c, (float)luma[2 * k * step], u, v, n - 1, p);
+    for (uint32_t i = 0; i < n; i++) {
+        const float y = p->grey[i], cb = p->g[i], cr = p->b[i];
+        p->r[i] = y + c->red_v * cr;
+        p->g[i] = (y + c->green_u * cb) + c->green_v * cr;
+        p->b[i] = y + c->blue_u * cb;
     }
-    codes_to_light(p, n, c->light);
+    codes_to_light(p->r, n, c->light);
+    codes_to_light(p->g, n, c->light);
+    codes_to_light(p->b, n, c->light);
 }
 
 static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
@@ -127,9 +149,11 @@ static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x,
 
 static inline void grey_to_planes(const pupil_coder *c, uint32_t n, pupil_planes *restrict p)
 {
-    if (c->light)
+    if (c->light) {
         for (uint32_t i = 0; i < n; i++)
-            p->r[i] = light_of(p->r[i] * 255.0f, c->light);
+            p->r[i] *= 255.0f;
+        look_up_light(p->r, n, c->light);
+    }
     for (uint32_t i = 0; i < n; i++)
         p->g[i] = p->b[i] = p->r[i];
 }
@@ -239,39 +263,22 @@ static void binned(const pupil_coder *c, const uint16_t *upper, const uint16_t *
     bin_rows(c, red + c->red_x, red + 1 - c->red_x, blue + c->red_x, blue + 1 - c->red_x, n, p);
 }
 
-/* Two pixels of a row from pixel i on: first one where the row's own colour (red or blue) is, then a green one. In
- * `own` and `other` go the row's colour and the one of the rows beside. */
-static inline void interpolate_own(const uint16_t *up, const uint16_t *at, const uint16_t *down, uint32_t sum4[3])
-{
-    sum4[0] = 4u * at[0];
-    sum4[1] = (uint32_t)at[-1] + at[1] + up[0] + down[0];
-    sum4[2] = (uint32_t)up[-1] + up[1] + down[-1] + down[1];
-}
-
-static inline void interpolate_green(const uint16_t *up, const uint16_t *at, const uint16_t *down, uint32_t sum4[3])
-{
-    sum4[0] = 2u * ((uint32_t)at[-1] + at[1]);
-    sum4[1] = 4u * at[0];
-    sum4[2] = 2u * ((uint32_t)up[0] + down[0]);
-}
-
-static inline void interpolate(const pupil_coder *c, const uint16_t *up, const uint16_t *at, const uint16_t *down,
-                               int own_first, int own, uint32_t n, pupil_planes *restrict p)
+/* A row has its own colour, red or blue, in every second pixel, and green in the others; `own_odd`: in the second, the
+ * fourth and so on. Each pixel is worked both ways, and one is taken: no faster way for vectors was found. */
+static inline void interpolate(const pupil_coder *c, const uint16_t *restrict up, const uint16_t *restrict at,
+                               const uint16_t *restrict down, uint32_t own_odd, int own, uint32_t n,
+                               pupil_planes *restrict p)
 {
     float *restrict mine = own ? p->b : p->r, *restrict other = own ? p->r : p->b, *restrict green = p->g;
     const int mine_channel = own ? 2 : 0, other_channel = 2 - mine_channel;
-    uint32_t sum4[3];
-    for (uint32_t half = 0; half < 2; half++) { /* every second pixel, then the others */
-        const int is_own = (half == 0) == own_first;
-        for (uint32_t i = half; i < n; i += 2) {
-            if (is_own)
-                interpolate_own(up + i, at + i, down + i, sum4);
-            else
-                interpolate_green(up + i, at + i, down + i, sum4);
-            mine[i] = develop(sum4[0], c, mine_channel);
-            green[i] = develop(sum4[1], c, 1);
-            other[i] = develop(sum4[2], c, other_channel);
-        }
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t is_own = 0u - ((i & 1) == own_odd);
+        const uint32_t left = at[(int64_t)i - 1], here = at[i], right = at[i + 1];
+        const uint32_t above = up[i], below = down[i];
+        const uint32_t corners = (uint32_t)up[(int64_t)i - 1] + up[i + 1] + down[(int64_t)i - 1] + down[i + 1];
+        mine[i] = develop((4u * here & is_own) | (2u * (left + right) & ~is_own), c, mine_channel);
+        green[i] = develop(((left + right + above + below) & is_own) | (4u * here & ~is_own), c, 1);
+        other[i] = develop((corners & is_own) | (2u * (above + below) & ~is_own), c, other_channel);
     }
 }
 
@@ -281,9 +288,9 @@ static void bilinear(const pupil_coder *c, const uint16_t *const rows[3], int re
     const uint16_t *up = rows[0] + 1, *at = rows[1] + 1, *down = rows[2] + 1;
     /* in a row of red samples the first is red where red_x says so; in one of blue, blue where it does not */
     if (red_y)
-        interpolate(c, up, at, down, red_x, 0, n, p);
+        interpolate(c, up, at, down, !red_x, 0, n, p);
     else
-        interpolate(c, up, at, down, !red_x, 1, n, p);
+        interpolate(c, up, at, down, red_x != 0, 1, n, p);
 }
 
 static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
@@ -296,6 +303,64 @@ static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
     }
 }
 
+/* ---- display codes to Y' Cb Cr 4:2:0 --------------------------------------------------------------------------------
+ */
+
+static inline uint32_t word_at(const uint8_t *p)
+{
+    uint32_t w;
+    __builtin_memcpy(&w, p, sizeof w);
+    return w;
+}
+
+static inline int32_t byte_of(uint32_t word, uint32_t which)
+{
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    which = 3 - which;
+#endif
+    return (int32_t)(word >> 8 * which & 255);
+}
+
+static void luma_of_codes(const pupil_chroma_coder *c, const uint8_t *restrict rgba, uint32_t n, uint8_t *restrict luma)
+{
+    const int32_t r = c->y[0], g = c->y[1], b = c->y[2], zero = c->y_zero;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t w = word_at(rgba + 4 * (size_t)i);
+        luma[i] = (uint8_t)((r * byte_of(w, 0) + g * byte_of(w, 1) + b * byte_of(w, 2) + zero) >> 16);
+    }
+}
+
+/* Of four pixels: (128 and a half) * 4 in 2^-16, and a quarter of the sum. */
+static inline uint8_t chroma_of(const int32_t factor[3], int32_t r, int32_t g, int32_t b)
+{
+    const int32_t x = (factor[0] * r + factor[1] * g + factor[2] * b + (257 << 17)) >> 18;
+    return (uint8_t)(x < 0 ? 0 : x > 255 ? 255 : x);
+}
+
+static inline void chroma_of_quad(const pupil_chroma_coder *c, uint32_t w0, uint32_t w1, uint32_t w2, uint32_t w3,
+                                  uint8_t *chroma)
+{
+    const int32_t r = byte_of(w0, 0) + byte_of(w1, 0) + byte_of(w2, 0) + byte_of(w3, 0);
+    const int32_t g = byte_of(w0, 1) + byte_of(w1, 1) + byte_of(w2, 1) + byte_of(w3, 1);
+    const int32_t b = byte_of(w0, 2) + byte_of(w1, 2) + byte_of(w2, 2) + byte_of(w3, 2);
+    chroma[0] = chroma_of(c->cb, r, g, b);
+    chroma[1] = chroma_of(c->cr, r, g, b);
+}
+
+static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *restrict upper,
+                            const uint8_t *restrict lower, uint32_t n, uint8_t *restrict chroma)
+{
+    const pupil_chroma_coder c = *coder;
+    for (uint32_t i = 0; i < n / 2; i++) {
+        const uint8_t *up = upper + 8 * (size_t)i, *down = lower + 8 * (size_t)i;
+        chroma_of_quad(&c, word_at(up), word_at(up + 4), word_at(down), word_at(down + 4), chroma + 2 * (size_t)i);
+    }
+    if (n % 2) { /* the last column counts twice */
+        const uint32_t up = word_at(upper + 4 * (size_t)(n - 1)), down = word_at(lower + 4 * (size_t)(n - 1));
+        chroma_of_quad(&c, up, up, down, down, chroma + n - 1);
+    }
+}
+
 /* ---- as entries of a level's table ---------------------------------------------------------------------------------
  */
 
@@ -304,7 +369,7 @@ static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
     [PUPIL_PIXEL_NV12] = load_nv12, [PUPIL_PIXEL_GREY8] = load_grey8, [PUPIL_PIXEL_GREY10] = load_grey16,              \
     [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16
 
-#define UNPACK_AND_DEVELOP                                                                                             \
+#define CAMERA_PIECES                                                                                                  \
     .unpack =                                                                                                          \
         {                                                                                                              \
             [PUPIL_PIXEL_BAYER8] = unpack_bayer8,     [PUPIL_PIXEL_BAYER10] = unpack_bayer16,                          \
@@ -312,6 +377,7 @@ static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
             [PUPIL_PIXEL_BAYER16] = unpack_bayer16,   [PUPIL_PIXEL_BAYER10P] = unpack_bayer10p,                        \
             [PUPIL_PIXEL_BAYER12P] = unpack_bayer12p,                                                                  \
     },                                                                                                                 \
-    .binned = binned, .bilinear = bilinear, .matrix = matrix
+    .binned = binned, .bilinear = bilinear, .matrix = matrix, .luma_of_codes = luma_of_codes,                          \
+    .chroma_of_codes = chroma_of_codes
 
 #endif

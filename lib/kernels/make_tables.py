@@ -73,9 +73,11 @@ def encoder(name, to_linear):
 print("/* Made by lib/kernels/make_tables.py; do not edit. Transfer curves: config.h names their sources. */")
 print('#include "kernels.h"\n')
 print("/* clang-format off */")
-for name, curve in (("srgb8", srgb_to_linear), ("bt709", bt709_to_linear)):
-    decode = [nearest_float(curve(D(min(k, 255)) / 255)) for k in range(257)]
-    print(f"const float pupil_{name}_to_linear[257] = {{\n{rows([literal(f) for f in decode], 6)}}};\n")
+for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
+    light = [nearest_float(curve(D(k) / 255)) for k in range(256)]
+    step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]
+    pairs = [f"{{{literal(a)}, {literal(b)}}}" for a, b in zip(light, step)]
+    print(f"const float pupil_{name}_light[256][2] = {{\n{rows(pairs, 3)}}};\n")
 bases = [
     (n, encoder(n, f))
     for n, f in (("srgb", srgb_to_linear), ("gamma22", gamma22_to_linear), ("linear", linear_to_linear))

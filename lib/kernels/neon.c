@@ -96,6 +96,8 @@ FORMAT_KERNELS(rgba16f, 8)
 FORMAT_KERNELS(rgba16, 8)
 FORMAT_KERNELS(rgb16, 6)
 
+#include "neon_raw10.h"
+
 /* ---- store ----------------------------------------------------------------------------------------------------------
  */
 
@@ -178,7 +180,7 @@ const pupil_kernels pupil_kernels_neon = {
             [PUPIL_PIXEL_RGB16] = load_rgb16,
             LOADS_BY_FORMAT,
         },
-    UNPACK_AND_DEVELOP,
+    CAMERA_PIECES,
     .meter =
         {
             [PUPIL_PLANES] = meter_planes,
@@ -197,6 +199,7 @@ const pupil_kernels pupil_kernels_neon = {
             [PUPIL_PIXEL_RGBA16] = scale_rgba16,
             [PUPIL_PIXEL_RGB16] = scale_rgb16,
         },
+    .meter_quads = {[PUPIL_PIXEL_BAYER10P] = meter_bayer10p},
     .histogram = histogram,
     .store =
         {

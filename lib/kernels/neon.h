@@ -160,6 +160,15 @@ INLINE ints v_or(ints a, ints b)
 }
 #define v_right(a, n) vshrq_n_u32(a, n)
 #define v_left(a, n)  vshlq_n_u32(a, n)
+/* of numbers from 0 on */
+INLINE ints v_to_ints(floats a)
+{
+    return vcvtq_u32_f32(a);
+}
+INLINE floats v_from_ints(ints a)
+{
+    return vcvtq_f32_u32(a);
+}
 INLINE mask v_equal_ints(ints a, ints b)
 {
     return vceqq_u32(a, b);

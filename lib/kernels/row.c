@@ -49,16 +49,13 @@ static void stats_add_run(pupil_stats *stats, const pupil_run *run, uint32_t n, 
     stats->band_pixels[band] += n;
 }
 
-/* A piece of a level, or the scalar level's where it has none of its own. */
-#define PIECE(KERNELS, MEMBER) ((KERNELS)->MEMBER ? (KERNELS)->MEMBER : pupil_kernels_scalar.MEMBER)
-
 /* Samples x - 1 to x + n + 1 of a mosaic's row, mirrored at the frame's sides. */
 static void unpack_around(const pupil_row_job *job, const uint8_t *row, uint32_t width, uint32_t x, uint32_t n,
                           uint16_t *samples)
 {
     const uint32_t first = x ? x - 1 : 0, end = x + n < width ? x + n + 1 : width;
     uint16_t *to = x ? samples : samples + 1;
-    PIECE(job->kernels, unpack[job->in_pixel])(row, job->coder->shift, first, end - first, to);
+    PUPIL_PIECE(job->kernels, unpack[job->in_pixel])(row, job->coder->shift, first, end - first, to);
     if (!x)
         samples[0] = samples[2];
     if (x + n == width)
@@ -73,7 +70,7 @@ static __attribute__((noinline)) void load_bilinear(const pupil_row_job *job, co
     unpack_around(job, row->above, row->width, x, n, samples[0]);
     unpack_around(job, row->data, row->width, x, n, samples[1]);
     unpack_around(job, row->below, row->width, x, n, samples[2]);
-    PIECE(job->kernels, bilinear)
+    PUPIL_PIECE(job->kernels, bilinear)
     (job->coder, rows, (x & 1) == job->coder->red_x, row->odd == job->coder->red_y, n, planes);
 }
 
@@ -93,23 +90,23 @@ static __attribute__((noinline)) void load_binned(const pupil_row_job *job, cons
                                                   uint32_t n, pupil_planes *planes)
 {
     uint16_t upper[PUPIL_SAMPLES], lower[PUPIL_SAMPLES];
-    pupil_unpack_kernel *unpack = PIECE(job->kernels, unpack[job->in_pixel]);
+    pupil_unpack_kernel *unpack = PUPIL_PIECE(job->kernels, unpack[job->in_pixel]);
     unpack(row->data, job->coder->shift, 2 * x, 2 * n, upper);
     unpack(row->below, job->coder->shift, 2 * x, 2 * n, lower);
-    PIECE(job->kernels, binned)(job->coder, upper, lower, n, planes);
+    PUPIL_PIECE(job->kernels, binned)(job->coder, upper, lower, n, planes);
 }
 
 /* 1: opaque */
 static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
 {
     if (job->way == PUPIL_WAY_PIXELS)
-        return PIECE(job->kernels, load[job->in_pixel])(job->coder, row, x, n, planes);
+        return PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, row, x, n, planes);
     if (job->way == PUPIL_WAY_BINNED)
         load_binned(job, row, x, n, planes);
     else
         load_bilinear(job, row, x, n, planes);
     if (job->curve && job->coder->has_matrix)
-        PIECE(job->kernels, matrix)(job->coder->matrix, n, planes);
+        PUPIL_PIECE(job->kernels, matrix)(job->coder->matrix, n, planes);
     return 1;
 }
 
@@ -119,7 +116,7 @@ static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t
     const pupil_kernels *k = job->kernels;
     (void)load(job, row, x, n, planes);
     if (job->histogram)
-        PIECE(k, histogram)(job, planes, n, weight, stats);
+        PUPIL_PIECE(k, histogram)(job, planes, n, weight, stats);
     if (job->grey_world)
         add_grey_world(job->coder, planes, n, stats);
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
@@ -138,26 +135,39 @@ static void map_block(const pupil_row_job *job, const pupil_row *row, uint32_t x
     } else {
         opaque = load(job, row, x, n, planes);
         if (bins)
-            PIECE(k, histogram)(job, planes, n, weight, stats);
+            PUPIL_PIECE(k, histogram)(job, planes, n, weight, stats);
         k->scale[PUPIL_PLANES](job, 0, n, planes, run);
     }
-    PIECE(k, store[job->out_pixel])(planes, n, job->encoder, target);
-    pupil_alpha_kernel *alpha = PIECE(k, alpha[job->in_pixel]);
+    PUPIL_PIECE(k, store[job->out_pixel])(planes, n, job->encoder, target);
+    pupil_alpha_kernel *alpha = PUPIL_PIECE(k, alpha[job->in_pixel]);
     if (job->out_pixel == PUPIL_PIXEL_RGBA8 && alpha && !opaque)
         alpha(source, n, target);
+}
+
+/* Where a level goes from the samples to the lanes in one step, and nothing else is wanted. */
+static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run)
+{
+    const pupil_kernels *k = job->kernels;
+    if (job->histogram || job->grey_world)
+        return 0;
+    if (job->way == PUPIL_WAY_BINNED)
+        return k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);
+    if (!k->meter[job->in_pixel])
+        return 0;
+    k->meter[job->in_pixel](job, row->data + x * pupil_pixel_bytes(job->in_pixel), 0, n, run);
+    return 1;
 }
 
 void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                     uint32_t weight, uint32_t band, pupil_stats *stats)
 {
-    const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
+    const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
     const int metered = stats && weight;
     pupil_planes planes;
     pupil_run run;
 
     run_clear(&run);
-    if (!target && job->kernels->meter[job->in_pixel] && !job->histogram) {
-        job->kernels->meter[job->in_pixel](job, row->data + x * in_bytes, 0, n, &run);
+    if (!target && meter_at_once(job, row, x, n, &run)) {
         if (metered)
             stats_add_run(stats, &run, n, weight, band);
         return;

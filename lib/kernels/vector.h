@@ -7,6 +7,9 @@
  * Pixels go by groups of 16: WAYS vectors, one or more for each lane of a run. What is left of a run goes through the
  * scalar level. The operations of a pixel are those of scalar.c, one by one, so that the bits are the same.
  */
+#ifndef PUPIL_KERNELS_VECTOR_H
+#define PUPIL_KERNELS_VECTOR_H
+
 #include "kernels.h"
 
 #include "../core/numeric.h"
@@ -614,3 +617,5 @@ static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n
         meter_planes(job, source, planes, n, run);
     SCALE_BODY(scale16_planes(planes, &c, &d, i, beyond), as_it_is, FROM_PLANES, rest_planes(planes, i, n - i, &p))
 }
+
+#endif

@@ -1,5 +1,6 @@
 #!/bin/sh
-# pupil bench kernels: what it prints, that every level has the same errors, what is refused, Ctrl-C.
+# pupil bench kernels: what it prints, that every level has the same errors, peers, worst case, plot, what is refused,
+# Ctrl-C. No time is judged.
 set -eu
 program=${PUPIL_PROGRAM:?}
 work=$(mktemp -d)
@@ -7,6 +8,15 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 
 fail() { echo "FAILED: $*"; exit 1; }
+# fields FILE NAME...: every line of the file has every field.
+fields() {
+    file=$1
+    shift
+    [ -s "$file" ] || fail "no lines: $file"
+    for field; do
+        [ "$(grep -c "\"$field\":" "$file")" = "$(wc -l <"$file")" ] || fail "a line without $field: $(cat "$file")"
+    done
+}
 # expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
 expect() {
     wanted=$1 words=$2
@@ -23,6 +33,8 @@ for format in rgba32f rgb32f rgba16f rgba16 rgb16 rgba8 rgb8; do
     for kernel in meter map fused exact default; do
         grep -q "\"kernel\":\"$kernel\",\"level\":\"scalar\",\"format\":\"$format\"" lines.txt || fail "no $kernel: $(cat lines.txt)"
     done
+    fields lines.txt kernel level format out width height threads cold ns_per_px bytes_per_px ratio_read ratio_memcpy \
+        error_ev error_code_max off_by_one hard_error_ev hard_error_code_max hard_off_by_one
     # the bits are the same on every level, and so the errors are: one set of figures, and small
     errors=$(grep -o '"error_ev":.*' lines.txt | sort -u)
     [ "$(echo "$errors" | wc -l)" = 1 ] || fail "levels differ in error: $errors"
@@ -33,8 +45,66 @@ done
 "$program" bench kernels --format rgba32f --size 64x64 --rounds 3 --threads 2 >table.txt
 grep -q "64x64, 2 threads, cold" table.txt || fail "no headline: $(cat table.txt)"
 [ "$(grep -c "^rgba32f" table.txt)" -ge 5 ] || fail "no rows: $(cat table.txt)"
-"$program" bench kernels --format rgba32f --size 64x64 --rounds 3 | grep -q "^rgba32f *plain-fast" || fail "no plain loop"
 
+# beside others: each is measured, or says why not
+"$program" bench kernels --peers --size 64x64 --rounds 2 --json >peers.txt 2>said.err
+fields peers.txt kernel level format out width height threads cold ns_per_px bytes_per_px ratio_read ratio_memcpy \
+    mean_code ratio_fused_scalar ratio_exact_scalar
+for kernel in fused exact plain plain-fast; do
+    grep -q "\"kernel\":\"$kernel\"" peers.txt || fail "no $kernel: $(cat peers.txt)"
+done
+for peer in opencv ffmpeg ffmpeg-min libplacebo; do
+    grep -q "\"kernel\":\"$peer\"" peers.txt || grep -q "^pupil bench: $peer: .*[a-z]" said.err ||
+        fail "neither $peer nor why: $(cat said.err)"
+    # whoever came has a picture that is neither black nor white
+    grep "\"kernel\":\"$peer\"" peers.txt | sed 's/.*"mean_code":\([^,]*\),.*/\1/' |
+        awk '!($1 > 10 && $1 < 245) { exit 1 }' || fail "$peer has no picture: $(cat peers.txt)"
+done
+# pupil's picture and the plain loop's are the same, but for what pupil does about gamut
+grep -E '"kernel":"(fused|plain)"' peers.txt | sed 's/.*"mean_code":\([^,]*\),.*/\1/' |
+    awk 'NR == 1 { low = high = $1 } { low = $1 < low ? $1 : low; high = $1 > high ? $1 : high }
+        END { exit !(high - low < 1) }' || fail "pictures differ: $(cat peers.txt)"
+"$program" bench kernels --peers --size 64x64 --rounds 2 2>/dev/null | grep -q "^plain-fast " || fail "no plain loop"
+
+"$program" bench kernels --worst --size 64x64 --rounds 20 --json >worst.txt
+fields worst.txt frame kernel level format out width height threads frames median_us p99_us p999_us max_us \
+    ratio_p999_median ratio_ordinary
+"$program" bench kernels --worst --size 64x64 --rounds 20 --threads 2 >worst_table.txt
+for frame in ordinary hard dark denormal nan-inf fresh read; do
+    grep -q "\"frame\":\"$frame\"" worst.txt || fail "no $frame: $(cat worst.txt)"
+    grep -q "^$frame " worst_table.txt || fail "no $frame: $(cat worst_table.txt)"
+done
+# no time is below the one before it
+sed 's/.*"median_us":\([^,]*\),"p99_us":\([^,]*\),"p999_us":\([^,]*\),"max_us":\([^,]*\),.*/\1 \2 \3 \4/' worst.txt |
+    awk '!($1 > 0 && $1 <= $2 && $2 <= $3 && $3 <= $4) { exit 1 }' || fail "not in order: $(cat worst.txt)"
+
+if command -v gnuplot >/dev/null; then
+    for kind in svg png; do
+        "$program" bench kernels --plot plot.$kind --size 256x256 --rounds 2 --warm >choices.txt 2>noise.txt
+        [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
+        [ -s plot.$kind ] || fail "no plot.$kind"
+    done
+    for name in "every row" "1/2 of the rows" "1/4 of the rows" "1/8 of the rows" "1/2 of the rows, striped" \
+        "1/4 of the rows, striped" "1/8 of the rows, striped" fused "meter, then map" "map alone" cells \
+        "quartic + cells" "8192-byte table" "104 segments" cubic quartic; do
+        grep -q "^$name  " choices.txt || fail "not measured: $name: $(cat choices.txt)"
+        grep -qF ">$name<" plot.svg || fail "not named: $name"
+    done
+    # an encoder that calls itself exact is; an approximation is one code off at most, and is one
+    awk '/^(cells|quartic \+ cells) / && !($(NF - 1) == 0 && $NF == 0) { exit 1 }
+        /^(8192|104|cubic|quartic  )/ && !($(NF - 1) > 0 && $NF == 1) { exit 1 }' choices.txt ||
+        fail "errors of the encoders: $(cat choices.txt)"
+    # fewer rows see less: of stripes nothing at all in the end
+    awk '/^1.8 of the rows, striped/ { exit !($(NF - 1) > 3.4 && $(NF - 1) < 3.6) }' choices.txt ||
+        fail "stripes: $(cat choices.txt)"
+    expect 1 "no/such.svg" --plot no/such.svg
+    expect 1 "plot.gif" --plot plot.gif
+fi
+
+expect 2 "one at a time" --peers --worst
+expect 2 "take rgba32f" --worst --format rgb8
+expect 2 "one thread" --peers --threads 2
+expect 2 "--json" --plot a.svg --json
 expect 2 "--format" --format rgba64f
 expect 2 "--size" --size 0x5
 expect 2 "--size" --size 99999x5

@@ -16,6 +16,7 @@ static union {
     unsigned char bytes[INPUT_BYTES];
 } input;
 static unsigned char output[OUTPUT_BYTES];
+static unsigned char input_chroma[MAX_PIXELS], output_chroma[MAX_PIXELS];
 
 /* ---- digests and numbers ------------------------------------------------------------------------------------------
  */
@@ -80,7 +81,17 @@ static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
         return;
     case PUPIL_PIXEL_RGBA16:
     case PUPIL_PIXEL_RGB16:
+    case PUPIL_PIXEL_GREY16:
+    case PUPIL_PIXEL_BAYER16:
         half = (uint16_t)(is_odd ? (pick & 1) * 65535 : (bits >> 7) >> (12 - stops) / 2);
+        __builtin_memcpy(to, &half, 2);
+        return;
+    case PUPIL_PIXEL_GREY10:
+    case PUPIL_PIXEL_GREY12:
+    case PUPIL_PIXEL_BAYER10:
+    case PUPIL_PIXEL_BAYER12:
+    case PUPIL_PIXEL_BAYER14:
+        half = (uint16_t)(is_odd ? (pick & 1) * 65535 : (bits >> 11) >> (12 - stops) / 3);
         __builtin_memcpy(to, &half, 2);
         return;
     default:
@@ -92,13 +103,18 @@ static size_t sample_bytes(uint32_t pixel)
 {
     if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F)
         return 4;
-    return pixel == PUPIL_PIXEL_RGBA8 || pixel == PUPIL_PIXEL_RGB8 || pixel == PUPIL_PIXEL_BGRX8 ? 1 : 2;
+    if (pixel <= PUPIL_PIXEL_BGRX8)
+        return pixel >= PUPIL_PIXEL_RGBA8 ? 1 : 2;
+    return (pixel >= PUPIL_PIXEL_GREY10 && pixel <= PUPIL_PIXEL_GREY16) ||
+                   (pixel >= PUPIL_PIXEL_BAYER10 && pixel <= PUPIL_PIXEL_BAYER16)
+               ? 2
+               : 1;
 }
 
 /* Rows from the top or from the bottom up, each with room for one more sample, which is never touched. */
 static ptrdiff_t lay_out(uint32_t width, uint32_t height, uint32_t pixel, int upside_down, size_t *first_byte)
 {
-    const ptrdiff_t stride = (ptrdiff_t)(width * pupil_pixel_bytes(pixel) + sample_bytes(pixel));
+    const ptrdiff_t stride = (ptrdiff_t)(pupil_row_bytes(pixel, width) + sample_bytes(pixel));
     *first_byte = upside_down ? (size_t)stride * (height - 1) : 0;
     return upside_down ? -stride : stride;
 }
@@ -114,13 +130,18 @@ static pupil_image_const make_frame(const digest_case *c, unsigned number)
     image.width = c->width;
     image.height = c->height;
     image.pixel = c->in;
+    image.chroma = input_chroma;
+    image.chroma_stride_bytes = (ptrdiff_t)(c->width + c->width % 2);
+    image.coding = &c->coding;
     random_state = number + 1;
     for (uint32_t y = 0; y < c->height; y++) {
         unsigned char *to = input.bytes + ((ptrdiff_t)first + (ptrdiff_t)y * image.stride_bytes);
-        const size_t samples = c->width * pupil_pixel_bytes(c->in) / sample_bytes(c->in);
+        const size_t samples = pupil_row_bytes(c->in, c->width) / sample_bytes(c->in);
         for (size_t s = 0; s < samples; s++, to += sample_bytes(c->in))
             put_sample(to, c->in, level[number % 8] + (int)((s / 8 ^ y / 4) % 8) - 4, !(c->flags & DIGEST_PLAIN));
     }
+    for (size_t i = 0; c->in == PUPIL_PIXEL_NV12 && i < (c->width + 1) / 2 * 2 * ((c->height + 1) / 2); i++)
+        input_chroma[i] = (unsigned char)random_bits(8);
     return image;
 }
 
@@ -141,37 +162,40 @@ static pupil_frame_info make_info(const digest_case *c, unsigned number)
 /* ---- one frame, four ways -----------------------------------------------------------------------------------------
  */
 
-static pupil_image rows_of(pupil_image image, uint32_t first, uint32_t rows)
+/* How many rows there are in a group of about `about`: whole pairs, where rows come in pairs. */
+static uint32_t group_of(const pupil_image_const *in, const pupil_image *out, uint32_t about)
 {
-    image.data = (unsigned char *)image.data + (ptrdiff_t)first * image.stride_bytes;
-    image.height = rows;
-    return image;
+    const int pairs = in->pixel >= PUPIL_PIXEL_NV12 || out->pixel == PUPIL_PIXEL_NV12;
+    return pairs ? about + about % 2 : about;
 }
 
 /* In groups of five rows, as they arrive; mapped in the same pass where a frame came before. */
 static int by_rows(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     pupil_exposure exposure;
+    const uint32_t smaller = in->height / out->height, most = group_of(in, out, 5);
     int error = pupil_frame_begin(pupil, in->width, in->height, info);
     error |= pupil_get_exposure(pupil, &exposure);
-    for (uint32_t y = 0; y < in->height; y += 5) {
-        const uint32_t rows = in->height - y < 5 ? in->height - y : 5;
+    for (uint32_t y = 0; y < in->height; y += most) {
+        const uint32_t rows = in->height - y < most ? in->height - y : most;
         const pupil_image_const group = pupil_image_rows(*in, y, rows);
-        const pupil_image to = rows_of(*out, y, rows);
+        const pupil_image to = pupil_image_out_rows(*out, y / smaller, rows / smaller);
         error |= pupil_frame_rows(pupil, &group, y, exposure.frames > 0 ? &to : NULL);
     }
     return error | pupil_frame_end(pupil);
 }
 
-/* Each row by itself from the last to the first into statistics of its own; then adapted to, then mapped. */
+/* Each row (or pair) by itself from the last to the first into statistics of its own; then adapted to, then mapped. */
 static int by_seam(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     static pupil_stats sum, row;
     pupil_curve curve;
     int error = 0;
+    const uint32_t most = group_of(in, out, 1);
     pupil_stats_clear(&sum);
-    for (uint32_t y = in->height; y-- > 0;) {
-        const pupil_image_const one = pupil_image_rows(*in, y, 1);
+    for (uint32_t y = (in->height + most - 1) / most * most; y > 0;) {
+        y -= most;
+        const pupil_image_const one = pupil_image_rows(*in, y, in->height - y < most ? in->height - y : most);
         pupil_stats_clear(&row);
         error |= pupil_meter_rows(pupil, &one, y, in->height, &row);
         error |= pupil_stats_add(&sum, &row);
@@ -213,6 +237,11 @@ static uint64_t digest_stats(uint64_t digest, const pupil_stats *s)
     for (int q = 0; q <= 8; q++)
         if (pupil_stats_quantile(s, q / 8.0, &value) == PUPIL_OK)
             digest = fnv_double(digest, value);
+    if (s->channel_quads) {
+        for (int i = 0; i < 3; i++)
+            digest = fnv_u64(digest, (uint64_t)s->channel_sum[i]);
+        digest = fnv_u64(digest, s->channel_quads);
+    }
     return digest;
 }
 
@@ -247,15 +276,21 @@ uint64_t digest_run(const digest_case *c)
         const pupil_frame_info info = make_info(c, number);
         pupil_image out = {0};
         size_t first;
-        out.stride_bytes = lay_out(c->width, c->height, c->out, c->flags & DIGEST_UPSIDE_DOWN, &first);
+        const uint32_t smaller = c->flags & DIGEST_HALVED ? 2 : 1;
+        out.width = c->width / smaller;
+        out.height = c->height / smaller;
+        out.stride_bytes = lay_out(out.width, out.height, c->out, c->flags & DIGEST_UPSIDE_DOWN, &first);
         out.data = output + first;
-        out.width = c->width;
-        out.height = c->height;
         out.pixel = c->out;
+        out.chroma = output_chroma;
+        out.chroma_stride_bytes = (ptrdiff_t)(out.width + out.width % 2);
+        out.coding = c->out == PUPIL_PIXEL_NV12 ? &c->coding : NULL;
         for (size_t i = 0; i < OUTPUT_BYTES; i++)
             output[i] = 0xa5;
         digest = fnv_u64(digest, (uint64_t)(int64_t)one_frame(&pupil, c, &in, &info, &out));
         digest = fnv(digest, output, OUTPUT_BYTES);
+        if (c->out == PUPIL_PIXEL_NV12)
+            digest = fnv(digest, output_chroma, out.width * (size_t)(out.height + 1) / 2);
         digest = digest_state(digest, &pupil, &info);
     }
     return digest;

@@ -63,8 +63,10 @@ static digest_case usual(void)
 /* ---- the battery --------------------------------------------------------------------------------------------------
  */
 
-static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {"none",  "rgba32f", "rgb32f", "rgba16f", "rgba16",
-                                                           "rgb16", "rgba8",   "rgb8",   "bgrx8"};
+static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {
+    "none",    "rgba32f", "rgb32f",  "rgba16f", "rgba16",   "rgb16",   "rgba8",  "rgb8",
+    "bgrx8",   "yuyv",    "nv12",    "grey8",   "grey10",   "grey12",  "grey16", "bayer8",
+    "bayer10", "bayer12", "bayer14", "bayer16", "bayer10p", "bayer12p"};
 static const uint32_t out_pixels[3] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8};
 
 /* Every input format to every output format at every size, upright and upside down. Widths around 16, the number of
@@ -91,6 +93,59 @@ static void shapes(void)
                 put_number(c.height);
                 run(&c);
             }
+}
+
+/* Every format of cameras, with codings that use all of it, to RGBA, NV12 and, of mosaics, to half the size. */
+static void cameras(void)
+{
+    static const uint32_t sizes[][2] = {{4, 2}, {20, 34}, {64, 48}, {516, 6}};
+    static const uint32_t outs[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_RGB8};
+    for (uint32_t in = PUPIL_PIXEL_YUYV; in <= PUPIL_PIXEL_BAYER12P; in++)
+        for (uint32_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
+            for (uint32_t o = 0; o < 3; o++) {
+                digest_case c = usual();
+                const int mosaic = in >= PUPIL_PIXEL_BAYER8;
+                const uint32_t n = in + s + o;
+                c.in = in;
+                c.out = outs[o];
+                c.width = sizes[s][0] + (mosaic ? 0 : s % 2);
+                c.height = sizes[s][1] + (mosaic ? 0 : o % 2);
+                c.frames = 2;
+                c.flags |= (s == 1   ? DIGEST_ROWS
+                            : s == 2 ? DIGEST_SEAM
+                                     : 0) |
+                           (s == 3 && !o ? DIGEST_UPSIDE_DOWN : 0) | (mosaic && o == 2 ? DIGEST_HALVED : 0);
+                c.coding.matrix = n % PUPIL_MATRIX_COUNT;
+                c.coding.range = n % PUPIL_RANGE_COUNT;
+                c.coding.light = mosaic ? 0 : n % PUPIL_LIGHT_COUNT;
+                c.coding.bayer = n % PUPIL_BAYER_COUNT;
+                c.coding.shift = in == PUPIL_PIXEL_GREY12 || in == PUPIL_PIXEL_BAYER10 ? n % 5 : 0;
+                c.coding.black = (float)(n % 3 * 4);
+                c.coding.white = n % 2 ? 250.5f : 0.0f;
+                if (n % 4) {
+                    c.coding.balance[0] = 1.75f;
+                    c.coding.balance[1] = 1.0f;
+                    c.coding.balance[2] = 1.4f;
+                    for (int i = 0; i < 9 && n % 4 == 3; i++)
+                        c.coding.rgb_from_camera[i] = i % 4 ? -0.25f : 1.5f;
+                }
+                c.config.grey_world = n % 2;
+                c.config.meter_rows = s == 2 ? 1u << o : 0;
+                put(pixel_names[in]);
+                put("-");
+                put(pixel_names[c.out]);
+                put(c.flags & DIGEST_HALVED ? "-halved-" : "-");
+                put_number(c.width);
+                put("x");
+                put_number(c.height);
+                run(&c);
+            }
+}
+
+static void some_rows(digest_case *c)
+{
+    c->config.meter_rows = 4;
+    c->flags |= DIGEST_ROWS;
 }
 
 /* Every law with both orders, with and without exposure metadata, whole and in parts. */
@@ -256,6 +311,7 @@ int main(void)
         {"refused", refused},
         {"unstamped", unstamped},
         {"weight-one", weight_one},
+        {"some-rows", some_rows},
     };
     shapes();
     laws();
@@ -266,5 +322,6 @@ int main(void)
         put(settings[i].name);
         run(&c);
     }
+    cameras();
     return 0;
 }

@@ -328,6 +328,82 @@ static void check_objects(void)
     expect(pupil_get_stats(&pupil, NULL), PUPIL_ERR_NULL, "statistics into nothing");
 }
 
+/* Planes, pairs of rows and codings. */
+static void check_cameras(void)
+{
+    static uint16_t mosaic[8 * 8];
+    pupil_coding coding = {0};
+    pupil_image_const i = {.data = mosaic, .stride_bytes = 16, .width = 8, .height = 8, .pixel = PUPIL_PIXEL_BAYER10};
+    pupil_image o = {
+        .data = out_memory + 16, .stride_bytes = 8 * 3, .width = 8, .height = 8, .pixel = PUPIL_PIXEL_RGB8};
+    fresh();
+    pupil_stats_clear(&stats);
+    remember();
+    for (uint32_t side = 7; side <= 9; side += 2) {
+        pupil_image_const odd = i;
+        odd.width = side == 7 ? 7 : 8;
+        odd.height = side == 9 ? 7 : 8;
+        expect(pupil_meter_rows(&pupil, &odd, 0, 8, &stats), PUPIL_ERR_SIZE, "a mosaic of an odd size");
+    }
+    pupil_image_const packed = i;
+    packed.pixel = PUPIL_PIXEL_BAYER10P;
+    packed.width = 6;
+    expect(pupil_meter_rows(&pupil, &packed, 0, 8, &stats), PUPIL_ERR_SIZE, "packed, and no multiple of 4");
+    o.width = 4;
+    expect(pupil_map_rows(&pupil, &curve, &i, &o), PUPIL_ERR_SIZE, "half as wide, but not half as high");
+    pupil_image_const rows = pupil_image_rows(i, 1, 2);
+    expect(pupil_meter_rows(&pupil, &rows, 1, 8, &stats), PUPIL_ERR_ROWS, "a mosaic from an odd row on");
+    expect(pupil_meter_rows(&pupil, &i, 0, 9, &stats), PUPIL_ERR_SIZE, "a mosaic of nine rows");
+    i.pixel = PUPIL_PIXEL_NV12;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_NULL, "NV12 without chroma");
+    i.chroma = mosaic;
+    i.chroma_stride_bytes = 7;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "chroma rows that overlap");
+    i.chroma_stride_bytes = -8;
+    rows = pupil_image_rows(i, 0, 3);
+    expect(pupil_meter_rows(&pupil, &rows, 0, 8, &stats), PUPIL_ERR_ROWS, "NV12 cut within a pair");
+    o = (pupil_image){.data = out_memory, .stride_bytes = 4, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_NV12};
+    const pupil_image_const one = pupil_image_rows(in, 1, 1);
+    expect(pupil_map_rows(&pupil, &curve, &one, &o), PUPIL_ERR_NULL, "to NV12 without chroma");
+    o.chroma = out_memory + 64;
+    o.chroma_stride_bytes = 4;
+    expect(pupil_fused_rows(&pupil, &curve, &one, 1, 3, &o, &stats), PUPIL_ERR_ROWS, "to NV12 from an odd row on");
+
+    static const struct {
+        const char *what;
+        pupil_coding coding;
+    } wrong[] = {{"matrix", {.matrix = PUPIL_MATRIX_COUNT}},
+                 {"range", {.range = PUPIL_RANGE_COUNT}},
+                 {"light", {.light = PUPIL_LIGHT_COUNT}},
+                 {"bayer", {.bayer = PUPIL_BAYER_COUNT}},
+                 {"shift", {.shift = 7}},
+                 {"black", {.black = -1}},
+                 {"black", {.black = __builtin_nanf("")}},
+                 {"white", {.black = 64, .white = 64}},
+                 {"white", {.white = 65536}},
+                 {"white", {.white = __builtin_nanf("")}},
+                 {"balance", {.balance = {1, 1, 0}}},
+                 {"balance", {.balance = {1, 2000, 1}}},
+                 {"rgb_from_camera", {.rgb_from_camera = {[4] = 17}}}};
+    for (unsigned k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        const char *why = "";
+        CHECK(pupil_coding_check(&wrong[k].coding, &why) == PUPIL_ERR_CODING);
+        CHECK_MSG(strncmp(why, wrong[k].what, strlen(wrong[k].what)) == 0, "%s: %s", wrong[k].what, why);
+        i.coding = &wrong[k].coding;
+        expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, why);
+    }
+    CHECK(pupil_coding_check(&coding, NULL) == PUPIL_OK && pupil_coding_check(NULL, NULL) == PUPIL_ERR_NULL);
+    /* right for some formats, not for this one */
+    i.coding = &coding;
+    i.pixel = PUPIL_PIXEL_BAYER14;
+    coding.shift = 3;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, "14 bits 3 bits up");
+    coding = (pupil_coding){.black = 16383};
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, "black at the largest code");
+    coding = (pupil_coding){.light = PUPIL_LIGHT_SRGB};
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, "a mosaic in sRGB");
+}
+
 static void check_sentences(void)
 {
     for (int a = 0; a >= PUPIL_ERR_CODING; a--)
@@ -337,10 +413,12 @@ static void check_sentences(void)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     for (uint32_t pixel = 0; pixel < 300; pixel++) {
-        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4};
+        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2, 2, 2, 1, 2, 2, 2, 2, 0, 0};
         CHECK(pupil_pixel_bytes(pixel) == (pixel < PUPIL_PIXEL_COUNT ? bytes[pixel] : 0));
     }
-    CHECK(pupil_pixel_bytes(0xffffffff) == 0);
+    CHECK(pupil_pixel_bytes(0xffffffff) == 0 && pupil_row_bytes(0xffffffff, 4) == 0);
+    CHECK(pupil_row_bytes(PUPIL_PIXEL_BAYER10P, 8) == 10 && pupil_row_bytes(PUPIL_PIXEL_BAYER12P, 8) == 12 &&
+          pupil_row_bytes(PUPIL_PIXEL_YUYV, 3) == 8 && pupil_row_bytes(PUPIL_PIXEL_RGB16, 5) == 30);
 }
 
 int main(int argc, char **argv)
@@ -351,6 +429,7 @@ int main(int argc, char **argv)
     check_order();
     check_stats();
     check_objects();
+    check_cameras();
     check_sentences();
     return check_end();
 }
