@@ -21,7 +21,8 @@ A76 neoverse-n1 2.4'
 
 # loops WORK: the loops of one line of count_arm's, as assembler in $work/loop.N.s; prints its pixels and instructions,
 # then for each loop N, its function, how often it is executed, its instructions. A loop is a run of instructions, in the
-# order of their addresses, that are executed at least half as often as any of their function, up to the branch back.
+# order of their addresses, that are executed at least an eighth as often as any of their function (loops over vectors
+# stand beside loops over pixels), up to the branch back.
 loops() {
     rm -f "$work"/loop.*
     awk -v work="$1" -v into="$work/loop" '
@@ -48,7 +49,7 @@ loops() {
         function end_of_function(    i, a, target) {
             for (i = 1; i <= lines; i++) {
                 a = address[i]
-                if (times[a] * 2 < most || most < 16)
+                if (times[a] * 8 < most || most < 16)
                     continue
                 if (!size)
                     first = a
