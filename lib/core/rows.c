@@ -25,6 +25,33 @@ static float clip_of(const pupil_config *config, uint32_t pixel, const pupil_cod
     return pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F ? PUPIL_CEILING : 1.0f;
 }
 
+static float magnitude(float x)
+{
+    return x < 0.0f ? -x : x;
+}
+
+/* What pupil_coder says of ordinary light; four codes of room for what is rounded. */
+static void find_ordinary(pupil_coder *coder, const pupil_row_job *job)
+{
+    const float most = job->clip < coder->most ? job->clip : coder->most;
+    const float weights = magnitude(job->luma[0]) + magnitude(job->luma[1]) + magnitude(job->luma[2]);
+    for (int i = 0; i < 3; i++) {
+        const float limit = most / coder->unit4[i] + coder->zero4;
+        coder->ordinary4[i] = limit < 0x1p18f ? (int32_t)limit - 4 : 1 << 18;
+    }
+    coder->close_to_1 =
+        job->floor >= 0x1p-15f && weights * coder->most < 0x1p14f && coder->zero4 == (float)(int32_t)coder->zero4;
+}
+
+/* Whether all 16 are one: the bytes of both halves, turned by one, are the same. */
+static int is_even(const uint8_t weight[PUPIL_GRID_SIDE])
+{
+    uint64_t half[2];
+    _Static_assert(sizeof half == PUPIL_GRID_SIDE, "two words a row of the grid");
+    __builtin_memcpy(half, weight, sizeof half);
+    return half[0] == half[1] && half[0] == (half[0] << 8 | half[0] >> 56);
+}
+
 /* One row of runs; width in what job->way makes of a row. target NULL: not mapped. */
 static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupil_row *row, uint8_t *target,
                      uint32_t width, uint32_t band, pupil_stats *stats)
@@ -32,6 +59,11 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
     const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
     uint32_t x = 0;
 
+    if (is_even(weight)) {
+        if (target || weight[0])
+            pupil_work_run(job, row, 0, width, target, weight[0], band, stats);
+        return;
+    }
     for (uint32_t cell = 0; cell < PUPIL_GRID_SIDE;) {
         uint32_t next = cell + 1;
         while (next < PUPIL_GRID_SIDE && weight[next] == weight[cell])
@@ -208,6 +240,8 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         for (int i = 0; i < 3; i++)
             w.meter.luma[i] = (object->luma[0] * w.coder.matrix[i] + object->luma[1] * w.coder.matrix[3 + i]) +
                               object->luma[2] * w.coder.matrix[6 + i];
+    if (mosaic)
+        find_ordinary(&w.coder, &w.meter);
 
     if (mosaic || nv12)
         work_in_fours(&w);

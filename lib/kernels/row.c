@@ -122,26 +122,51 @@ static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
 }
 
-/* run NULL: not metered. */
-static void map_block(const pupil_row_job *job, const pupil_row *row, uint32_t x, void *target, uint32_t n,
-                      pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
+/* What maps a job's blocks. */
+typedef struct mapper {
+    pupil_scale_kernel *direct, *planar; /* from the format, where there is such a piece; from planes */
+    pupil_store_kernel *store;
+    pupil_alpha_kernel *alpha;
+    int histogram;
+} mapper;
+
+static inline mapper mapper_of(const pupil_row_job *job, int metered)
 {
     const pupil_kernels *k = job->kernels;
-    const uint8_t *source = row->data + x * pupil_pixel_bytes(job->in_pixel);
-    const int bins = run && job->histogram;
-    int opaque;
-    if (k->scale[job->in_pixel] && !bins) {
-        opaque = k->scale[job->in_pixel](job, source, n, planes, run);
-    } else {
-        opaque = load(job, row, x, n, planes);
-        if (bins)
-            PUPIL_PIECE(k, histogram)(job, planes, n, weight, stats);
-        k->scale[PUPIL_PLANES](job, 0, n, planes, run);
+    const int histogram = metered && job->histogram;
+    return (mapper){.direct = histogram ? 0 : k->scale[job->in_pixel],
+                    .planar = k->scale[PUPIL_PLANES],
+                    .store = PUPIL_PIECE(k, store[job->out_pixel]),
+                    .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
+                    .histogram = histogram};
+}
+
+/* A block's planes, scaled, by way of planes as they were loaded. 1: opaque. */
+static int load_and_scale(const pupil_row_job *job, const mapper *with, const pupil_row *row, uint32_t x, uint32_t n,
+                          pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
+{
+    const int opaque = load(job, row, x, n, planes);
+    if (with->histogram)
+        PUPIL_PIECE(job->kernels, histogram)(job, planes, n, weight, stats);
+    with->planar(job, 0, n, planes, run);
+    return opaque;
+}
+
+/* run NULL: not metered. */
+static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
+                              pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
+{
+    const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
+    const mapper with = mapper_of(job, run != 0);
+    for (uint32_t end = x + n; x < end; x += n, target += n * out_bytes) {
+        n = end - x < PUPIL_BLOCK ? end - x : PUPIL_BLOCK;
+        const uint8_t *source = row->data + x * in_bytes;
+        const int opaque = with.direct ? with.direct(job, source, n, planes, run)
+                                       : load_and_scale(job, &with, row, x, n, planes, weight, run, stats);
+        with.store(planes, n, job->encoder, target);
+        if (with.alpha && !opaque)
+            with.alpha(source, n, target);
     }
-    PUPIL_PIECE(k, store[job->out_pixel])(planes, n, job->encoder, target);
-    pupil_alpha_kernel *alpha = PUPIL_PIECE(k, alpha[job->in_pixel]);
-    if (job->out_pixel == PUPIL_PIXEL_RGBA8 && alpha && !opaque)
-        alpha(source, n, target);
 }
 
 /* Where a level goes from the samples to the lanes in one step, and nothing else is wanted. */
@@ -161,24 +186,16 @@ static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_
 void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                     uint32_t weight, uint32_t band, pupil_stats *stats)
 {
-    const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
     const int metered = stats && weight;
     pupil_planes planes;
     pupil_run run;
 
     run_clear(&run);
-    if (!target && meter_at_once(job, row, x, n, &run)) {
-        if (metered)
-            stats_add_run(stats, &run, n, weight, band);
-        return;
-    }
-    for (uint32_t i = 0; i < n; i += PUPIL_BLOCK) {
-        uint32_t m = n - i < PUPIL_BLOCK ? n - i : PUPIL_BLOCK;
-        if (target)
-            map_block(job, row, x + i, target + i * out_bytes, m, &planes, weight, metered ? &run : 0, stats);
-        else
-            meter_block(job, row, x + i, m, &planes, weight, &run, stats);
-    }
+    if (target)
+        map_blocks(job, row, x, n, target, &planes, weight, metered ? &run : 0, stats);
+    else if (!meter_at_once(job, row, x, n, &run))
+        for (uint32_t i = 0; i < n; i += PUPIL_BLOCK)
+            meter_block(job, row, x + i, n - i < PUPIL_BLOCK ? n - i : PUPIL_BLOCK, &planes, weight, &run, stats);
     if (metered)
         stats_add_run(stats, &run, n, weight, band);
 }
