@@ -216,6 +216,22 @@ INLINE ints v_gather(const uint32_t *table, ints i)
     return _mm256_i32gather_epi32((const int *)(const void *)table, i, 4);
 }
 
+INLINE __m128 two_pairs(const float *first, const float *second)
+{
+    const __m128 low = _mm_castpd_ps(_mm_load_sd((const double *)(const void *)first));
+    return _mm_loadh_pi(low, (const __m64 *)(const void *)second);
+}
+
+/* light[i][0] + rest * light[i][1] */
+INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
+{
+    int32_t at[WIDTH];
+    v_store_ints(at, i);
+    const __m256 even = _mm256_set_m128(two_pairs(light[at[4]], light[at[5]]), two_pairs(light[at[0]], light[at[1]]));
+    const __m256 odd = _mm256_set_m128(two_pairs(light[at[6]], light[at[7]]), two_pairs(light[at[2]], light[at[3]]));
+    return v_add(_mm256_shuffle_ps(even, odd, 0x88), v_mul(rest, _mm256_shuffle_ps(even, odd, 0xdd)));
+}
+
 /* ---- load WIDTH pixels; *a is alpha ------------------------------------------------------------------------------ */
 
 INLINE __m256 two_of_ps(const float *low, const float *high)

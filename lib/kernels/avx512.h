@@ -213,6 +213,14 @@ INLINE ints v_gather(const uint32_t *table, ints i)
     return _mm512_i32gather_epi32(i, table, 4);
 }
 
+/* light[i][0] + rest * light[i][1] */
+INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
+{
+    const uint32_t *table = (const uint32_t *)(const void *)light;
+    const ints at = v_left(i, 1);
+    return v_add(v_of_bits(v_gather(table, at)), v_mul(rest, v_of_bits(v_gather(table + 1, at))));
+}
+
 /* ---- load 16 pixels; *a is alpha, or whether it is opaque ----------------------------------------------------------
  */
 

@@ -180,6 +180,8 @@ const pupil_kernels *pupil_level_kernels(uint32_t level);
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
 /* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. */
 extern const float pupil_srgb_light[256][2], pupil_bt709_light[256][2];
+/* The first of these alone: for where nothing is interpolated, a smaller table with a shorter way to its entries. */
+extern const float pupil_srgb8_to_linear[256];
 
 /* Pixels (quads, where job->way is binned) x to x + n of a row, that all have the metering weight `weight`; 0 or stats
  * NULL: not metered. target NULL: not mapped. */

@@ -9,34 +9,24 @@
 /* ---- codes to light ------------------------------------------------------------------------------------------------
  */
 
-/* Of coded values, clamped to 0..255 (NaN is impossible), the whole part, and in `v` what is left. By vectors what lies
- * behind n is worked too. */
-static void split_codes(float *restrict v, uint32_t n, int32_t *restrict whole)
+/* Coded values, clamped to 0..255 (NaN is impossible), to light: between two codes it is interpolated, on one it is the
+ * code's. By vectors what lies behind n is worked too. */
+static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2])
 {
 #if defined(WIDTH)
     for (uint32_t i = 0; i < n; i += WIDTH) {
         const floats code = v_min(v_max(v_load(v + i), v_all(0.0f)), v_all(255.0f));
         const ints below = v_to_ints(code);
-        v_store_ints(whole + i, below);
-        v_store(v + i, v_sub(code, v_from_ints(below)));
+        v_store(v + i, v_interpolate(light, below, v_sub(code, v_from_ints(below))));
     }
 #else
     for (uint32_t i = 0; i < n; i++) {
         float code = v[i] > 0.0f ? v[i] : 0.0f;
         code = code < 255.0f ? code : 255.0f;
-        whole[i] = (int32_t)code;
-        v[i] = code - (float)whole[i];
+        const int32_t below = (int32_t)code;
+        v[i] = light[below][0] + (code - (float)below) * light[below][1];
     }
 #endif
-}
-
-/* To light: between two codes it is interpolated, on one it is the code's. */
-static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2])
-{
-    int32_t below[PUPIL_BLOCK];
-    split_codes(v, n, below);
-    for (uint32_t i = 0; i < n; i++)
-        v[i] = light[below[i]][0] + v[i] * light[below[i]][1];
 }
 
 static void plain_light(float *restrict v, uint32_t n)
@@ -71,9 +61,9 @@ static int load_rgba8(const pupil_coder *coder, const pupil_row *row, uint32_t x
     const uint8_t *restrict s = row->data + 4 * (size_t)x;
     (void)coder;
     for (uint32_t i = 0; i < n; i++) {
-        p->r[i] = pupil_srgb_light[s[4 * i]][0];
-        p->g[i] = pupil_srgb_light[s[4 * i + 1]][0];
-        p->b[i] = pupil_srgb_light[s[4 * i + 2]][0];
+        p->r[i] = pupil_srgb8_to_linear[s[4 * i]];
+        p->g[i] = pupil_srgb8_to_linear[s[4 * i + 1]];
+        p->b[i] = pupil_srgb8_to_linear[s[4 * i + 2]];
         ONE_BY_ONE;
     }
     return 0;
@@ -84,9 +74,9 @@ static int load_rgb8(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     const uint8_t *restrict s = row->data + 3 * (size_t)x;
     (void)coder;
     for (uint32_t i = 0; i < n; i++) {
-        p->r[i] = pupil_srgb_light[s[3 * i]][0];
-        p->g[i] = pupil_srgb_light[s[3 * i + 1]][0];
-        p->b[i] = pupil_srgb_light[s[3 * i + 2]][0];
+        p->r[i] = pupil_srgb8_to_linear[s[3 * i]];
+        p->g[i] = pupil_srgb8_to_linear[s[3 * i + 1]];
+        p->b[i] = pupil_srgb8_to_linear[s[3 * i + 2]];
         ONE_BY_ONE;
     }
     return 1;
@@ -95,52 +85,64 @@ static int load_rgb8(const pupil_coder *coder, const pupil_row *row, uint32_t x,
 /* ---- Y'CbCr --------------------------------------------------------------------------------------------------------
  */
 
-/* Y' is every `step`th byte from luma on, Cb and Cr every `pair`th from chroma on: for each two pixels one. */
-static inline void load_yuv(const pupil_coder *c, const uint8_t *restrict luma, const uint8_t *restrict chroma,
-                            uint32_t step, uint32_t apart, uint32_t pair, uint32_t x, uint32_t n,
-                            pupil_planes *restrict p)
+static inline void pixel_of_yuv(const pupil_coder *c, uint8_t luma, const uint8_t uv[2], float *r, float *g, float *b)
 {
-    float u[PUPIL_BLOCK / 2 + 1], v[PUPIL_BLOCK / 2 + 1];
-    const uint32_t odd = x % 2, pairs = (n + odd + 1) / 2;
-    luma += (size_t)x * step;
-    chroma += (size_t)(x / 2) * pair;
+    const float y = ((float)luma - c->y_zero) * c->y_unit, u = (float)uv[0] - 128.0f, v = (float)uv[1] - 128.0f;
+    *r = y + c->red_v * v;
+    *g = (y + c->green_u * u) + c->green_v * v;
+    *b = y + c->blue_u * u;
+}
+
+/* Pairs of pixels, each with its Cb and Cr. */
+static void pairs_of_yuv(const pupil_coder *coder, const uint8_t *restrict luma, const uint8_t *restrict chroma,
+                         uint32_t pairs, float *restrict r, float *restrict g, float *restrict b)
+{
+    const pupil_coder c = *coder;
     for (uint32_t k = 0; k < pairs; k++) {
-        u[k] = (float)chroma[k * pair] - 128.0f;
-        v[k] = (float)chroma[k * pair + apart] - 128.0f;
+        const float u = (float)chroma[2 * k] - 128.0f, v = (float)chroma[2 * k + 1] - 128.0f;
+        const float first = ((float)luma[2 * k] - c.y_zero) * c.y_unit;
+        const float second = ((float)luma[2 * k + 1] - c.y_zero) * c.y_unit;
+        r[2 * k] = first + c.red_v * v;
+        r[2 * k + 1] = second + c.red_v * v;
+        g[2 * k] = (first + c.green_u * u) + c.green_v * v;
+        g[2 * k + 1] = (second + c.green_u * u) + c.green_v * v;
+        b[2 * k] = first + c.blue_u * u;
+        b[2 * k + 1] = second + c.blue_u * u;
     }
-    for (uint32_t i = 0; i < n; i++)
-        p->grey[i] = ((float)luma[i * step] - c->y_zero) * c->y_unit;
-    if (odd) {
-        for (uint32_t i = 0; i < n; i++) {
-            p->g[i] = u[(i + 1) / 2];
-            p->b[i] = v[(i + 1) / 2];
-        }
-    } else {
-        for (uint32_t i = 0; i < n; i++) {
-            p->g[i] = u[i / 2];
-            p->b[i] = v[i / 2];
-        }
-    }
-    for (uint32_t i = 0; i < n; i++) {
-        const float y = p->grey[i], cb = p->g[i], cr = p->b[i];
-        p->r[i] = y + c->red_v * cr;
-        p->g[i] = (y + c->green_u * cb) + c->green_v * cr;
-        p->b[i] = y + c->blue_u * cb;
-    }
+}
+
+/* n pixels from luma on; chroma: of the pair that the first one is in. odd: it is the second one there. */
+static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
+                     pupil_planes *p)
+{
+    const uint32_t pairs = (n - odd) / 2, last = odd + 2 * pairs; /* n is at least 1 */
+    if (odd)
+        pixel_of_yuv(c, luma[0], chroma, p->r, p->g, p->b);
+    pairs_of_yuv(c, luma + odd, chroma + 2 * odd, pairs, p->r + odd, p->g + odd, p->b + odd);
+    if (last < n)
+        pixel_of_yuv(c, luma[last], chroma + odd + last, p->r + last, p->g + last, p->b + last);
     codes_to_light(p->r, n, c->light);
     codes_to_light(p->g, n, c->light);
     codes_to_light(p->b, n, c->light);
 }
 
-static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
 {
-    load_yuv(coder, row->data, row->data + 1, 2, 2, 4, x, n, planes);
+    load_yuv(coder, row->data + x, row->chroma + x - x % 2, x % 2, n, planes);
     return 1;
 }
 
-static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+/* Whole pairs, taken apart to what NV12 has. */
+static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
 {
-    load_yuv(coder, row->data, row->chroma, 1, 1, 2, x, n, planes);
+    uint8_t luma[PUPIL_BLOCK + 2], chroma[PUPIL_BLOCK + 2];
+    const uint32_t odd = x % 2, all = (n + odd + 1) / 2 * 2;
+    const uint8_t *restrict s = row->data + 2 * (size_t)(x - odd);
+    for (uint32_t i = 0; i < all; i++) {
+        luma[i] = s[2 * i];
+        chroma[i] = s[2 * i + 1];
+    }
+    load_yuv(coder, luma + odd, chroma, odd, n, planes);
     return 1;
 }
 

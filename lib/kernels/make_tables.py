@@ -73,6 +73,8 @@ def encoder(name, to_linear):
 print("/* Made by lib/kernels/make_tables.py; do not edit. Transfer curves: config.h names their sources. */")
 print('#include "kernels.h"\n')
 print("/* clang-format off */")
+decode = [literal(nearest_float(srgb_to_linear(D(k) / 255))) for k in range(256)]
+print(f"const float pupil_srgb8_to_linear[256] = {{\n{rows(decode, 6)}}};\n")
 for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
     light = [nearest_float(curve(D(k) / 255)) for k in range(256)]
     step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]

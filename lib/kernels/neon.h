@@ -169,6 +169,13 @@ INLINE floats v_from_ints(ints a)
 {
     return vcvtq_f32_u32(a);
 }
+/* light[i][0] + rest * light[i][1] */
+INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
+{
+    const float32x4_t low = vcombine_f32(vld1_f32(light[vgetq_lane_u32(i, 0)]), vld1_f32(light[vgetq_lane_u32(i, 1)]));
+    const float32x4_t high = vcombine_f32(vld1_f32(light[vgetq_lane_u32(i, 2)]), vld1_f32(light[vgetq_lane_u32(i, 3)]));
+    return vaddq_f32(vuzp1q_f32(low, high), vmulq_f32(rest, vuzp2q_f32(low, high)));
+}
 INLINE mask v_equal_ints(ints a, ints b)
 {
     return vceqq_u32(a, b);
