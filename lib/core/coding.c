@@ -147,6 +147,24 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
         from_grey(coding, pupil_pixel_bits(pixel), c);
 }
 
+static float magnitude(float x)
+{
+    return x < 0.0f ? -x : x;
+}
+
+/* Four codes of room for what is rounded. */
+void pupil_coder_find_ordinary(pupil_coder *coder, const pupil_row_job *job)
+{
+    const float most = job->clip < coder->most ? job->clip : coder->most;
+    const float weights = magnitude(job->luma[0]) + magnitude(job->luma[1]) + magnitude(job->luma[2]);
+    for (int i = 0; i < 3; i++) {
+        const float limit = most / coder->unit4[i] + coder->zero4;
+        coder->ordinary4[i] = limit < 0x1p18f ? (int32_t)limit - 4 : 1 << 18;
+    }
+    coder->close_to_1 =
+        job->floor >= 0x1p-15f && weights * coder->most < 0x1p14f && coder->zero4 == (float)(int32_t)coder->zero4;
+}
+
 static int32_t in_q16(double x)
 {
     return (int32_t)(x * 65536.0 + (x < 0.0 ? -0.5 : 0.5));

@@ -84,6 +84,8 @@ uint32_t pupil_pixel_rows(uint32_t pixel);
 int pupil_coding_fits(const pupil_coding *coding, uint32_t pixel);
 /* coding may be NULL; it has been checked. */
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *coder);
+/* Of a mosaic that is metered by this job: what pupil_coder says of ordinary light. */
+void pupil_coder_find_ordinary(pupil_coder *coder, const pupil_row_job *job);
 void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *coder);
 
 /* Meters rows into stats (unless NULL) and maps them by curve to out (unless NULL); arguments already checked. */

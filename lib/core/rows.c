@@ -25,24 +25,6 @@ static float clip_of(const pupil_config *config, uint32_t pixel, const pupil_cod
     return pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F ? PUPIL_CEILING : 1.0f;
 }
 
-static float magnitude(float x)
-{
-    return x < 0.0f ? -x : x;
-}
-
-/* What pupil_coder says of ordinary light; four codes of room for what is rounded. */
-static void find_ordinary(pupil_coder *coder, const pupil_row_job *job)
-{
-    const float most = job->clip < coder->most ? job->clip : coder->most;
-    const float weights = magnitude(job->luma[0]) + magnitude(job->luma[1]) + magnitude(job->luma[2]);
-    for (int i = 0; i < 3; i++) {
-        const float limit = most / coder->unit4[i] + coder->zero4;
-        coder->ordinary4[i] = limit < 0x1p18f ? (int32_t)limit - 4 : 1 << 18;
-    }
-    coder->close_to_1 =
-        job->floor >= 0x1p-15f && weights * coder->most < 0x1p14f && coder->zero4 == (float)(int32_t)coder->zero4;
-}
-
 /* Whether all 16 are one: the bytes of both halves, turned by one, are the same. */
 static int is_even(const uint8_t weight[PUPIL_GRID_SIDE])
 {
@@ -241,7 +223,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
             w.meter.luma[i] = (object->luma[0] * w.coder.matrix[i] + object->luma[1] * w.coder.matrix[3 + i]) +
                               object->luma[2] * w.coder.matrix[6 + i];
     if (mosaic)
-        find_ordinary(&w.coder, &w.meter);
+        pupil_coder_find_ordinary(&w.coder, &w.meter);
 
     if (mosaic || nv12)
         work_in_fours(&w);

@@ -211,6 +211,8 @@ static void count(const char *what, const struct format *f, const struct output 
                                .out_pixel = output ? output->pixel : (uint32_t)PUPIL_PIXEL_NONE,
                                .way = way,
                                .histogram = (uint32_t)histogram};
+    if (way == PUPIL_WAY_BINNED)
+        pupil_coder_find_ordinary(&coder, &job);
     pupil_stats_clear(&stats);
     print_work(what, f, output, hard, WIDTH * (int)rows);
     (void)getppid();
