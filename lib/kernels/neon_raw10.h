@@ -91,10 +91,10 @@ INLINE void raw10_sum(const uint8_t *red_row, const uint8_t *blue_row, const raw
 static __attribute__((noinline)) void meter_raw10_hard(const pupil_row_job *job, const pupil_row *row, uint32_t x,
                                                        uint32_t n, pupil_run *run)
 {
-    uint16_t upper[128], lower[128];
+    uint16_t upper[64], lower[64];
     pupil_planes planes;
     for (uint32_t end = x + n; x < end; x += n) {
-        n = end - x < 64 ? end - x : 64;
+        n = end - x < 32 ? end - x : 32; /* whole lanes */
         unpack_bayer10p(row->data, 0, 2 * x, 2 * n, upper);
         unpack_bayer10p(row->below, 0, 2 * x, 2 * n, lower);
         binned(job->coder, upper, lower, n, &planes);
