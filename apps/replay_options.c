@@ -31,6 +31,7 @@ const char replay_help[] = "usage: pupil replay INPUT... [options]\n"
                            "      --metering M      uniform (default), centre, spot\n"
                            "      --roi X,Y,W,H     meter this part, in fractions of the frame\n"
                            "      --trim LOW,HIGH   leave out the darkest and brightest, per cent (5,95)\n"
+                           "      --meter-rows N    meter one of each N rows: 1 (default), 2, 4, 8\n"
                            "mapping\n"
                            "      --white W         white point: follow (default), none, or a number\n"
                            "      --transfer T      srgb (default), gamma22, linear\n"
@@ -157,6 +158,17 @@ static int parse_trim(const cursor *c)
     return REPLAY_RUN;
 }
 
+static int parse_meter_rows(const cursor *c)
+{
+    uint64_t n;
+    if (whole(c, 1, 8, "1, 2, 4 or 8", &n))
+        return REPLAY_USAGE;
+    if (n & (n - 1))
+        return refuse(c, "1, 2, 4 or 8");
+    c->o->config.meter_rows = (uint32_t)n;
+    return REPLAY_RUN;
+}
+
 static int parse_white(const cursor *c)
 {
     pupil_config *config = &c->o->config;
@@ -236,6 +248,7 @@ enum {
     METERING,
     ROI,
     TRIM,
+    METER_ROWS,
     WHITE,
     TRANSFER,
     FUSED,
@@ -265,6 +278,7 @@ static const struct option long_options[] = {
     {"metering", required_argument, NULL, METERING},
     {"roi", required_argument, NULL, ROI},
     {"trim", required_argument, NULL, TRIM},
+    {"meter-rows", required_argument, NULL, METER_ROWS},
     {"white", required_argument, NULL, WHITE},
     {"transfer", required_argument, NULL, TRANSFER},
     {"fused", no_argument, NULL, FUSED},
@@ -356,6 +370,8 @@ static int take(int option, const cursor *c)
         return parse_roi(c);
     case TRIM:
         return parse_trim(c);
+    case METER_ROWS:
+        return parse_meter_rows(c);
     case WHITE:
         return parse_white(c);
     case TRANSFER:

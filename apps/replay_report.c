@@ -178,6 +178,8 @@ static void put_settings(table *t, const replay_options *o)
     put(t, "metering", NULL, "%s", o->metering);
     if (c->trim_low > 0.0f || c->trim_high < 1.0f)
         put(t, "trimmed to", "%", "%g to %g", 100.0 * (double)c->trim_low, 100.0 * (double)c->trim_high);
+    if (c->meter_rows > 1)
+        put(t, "metered", NULL, "one of each %u rows", c->meter_rows);
     put(t, "white point", NULL, "%s", o->white);
     put(t, "transfer", NULL, "%s", transfers[c->transfer]);
     put(t, "order", NULL, "%s", c->order == PUPIL_ORDER_FUSED ? "fused: one pass, one frame late" : "exact");

@@ -123,7 +123,7 @@ void verify_frame(verify_figures *figures, const pupil_config *config, const pup
         }
     }
     figures->samples += (uint64_t)3 * in->width * in->height;
-    if (is_uniform(config) && pupil_stats_mean(stats, 0.0, 1.0, &mean) == PUPIL_OK) {
+    if (is_uniform(config) && config->meter_rows <= 1 && pupil_stats_mean(stats, 0.0, 1.0, &mean) == PUPIL_OK) {
         double reference = (double)(sum / ((long double)in->width * in->height));
         double error = fabs(expm1((mean - reference) * 0.69314718055994531));
         figures->log_average_error = error > figures->log_average_error ? error : figures->log_average_error;

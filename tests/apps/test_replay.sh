@@ -42,7 +42,7 @@ awk 'length > 90 { exit 1 }' help.txt || fail "--help has a line over 90 charact
 expect 2 "no such command" nonsense
 expect 2 "no input" replay
 expect 2 "--metreing" replay synth:walk --metreing spot
-for bad in "--key 2" "--fps 0" "--fps nan" "--fps 1x" "--size 0x4" "--size 64" "--trim 95,5" "--trim 5" "--roi 0.5,0.5,0.6,0.1" \
+for bad in "--key 2" "--fps 0" "--fps nan" "--fps 1x" "--size 0x4" "--size 64" "--trim 95,5" "--trim 5" "--meter-rows 3" "--meter-rows 16" "--roi 0.5,0.5,0.6,0.1" \
     "--formula 5" "--weight 0.1" "--white dark" "--white 0" "--ev 17" "--tau-light -1" "--metering moon" "--transfer pq" \
     "--threads 1000" "--hold 0" "--frames -3" "--frames 0"; do
     # shellcheck disable=SC2086 # two words
@@ -104,7 +104,7 @@ cmp -s f1.y4m f5.y4m || fail "fused: threads give another picture"
 cmp -s t1.y4m f1.y4m && fail "fused and exact are the same picture, which 40 frames of a walk cannot be"
 
 # options reach the picture
-for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" "--roi 0,0,0.3,0.3" "--trim 5,95" "--formula 2" \
+for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" "--roi 0,0,0.3,0.3" "--trim 5,95" "--meter-rows 8" "--formula 2" \
     "--formula 1 --weight 0.5" "--tau-light 0 --tau-dark 0" "--transfer linear" "--lock"; do
     # shellcheck disable=SC2086
     "$program" $walk -n 40 $option -o o.y4m || fail "$option"
