@@ -58,6 +58,8 @@ typedef struct pupil_coder {
     const float (*light)[2];     /* light of a code 0..255, and how much more the next one's is; NULL: linear */
     float zero, unit;            /* grey: (code - zero) * unit */
     float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
+    float full4;                 /* mosaics: four times the code of the largest light ... */
+    int32_t black4;              /* ... and that of no light, to the nearest */
     float matrix[9];
     uint32_t has_matrix, shift, red_x, red_y; /* which pixel of a quad is red */
 } pupil_coder;
