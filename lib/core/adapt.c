@@ -196,6 +196,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     dt_s = dt_s > 0.0 ? dt_s : 0.0;
     a->last_timestamp_ns = info->timestamp_ns;
     a->stamped = 1;
+    a->turn++;
     a->result.dt_s = dt_s;
     if (!stats->weight) {
         a->result.reason = PUPIL_REASON_NO_LIGHT;

@@ -16,6 +16,7 @@ static int all_zero(const float *x, int count)
     return 1;
 }
 
+/* What is wrong for any format. */
 static const char *fault_of(const pupil_coding *c)
 {
     if (c->matrix >= PUPIL_MATRIX_COUNT)
@@ -41,31 +42,35 @@ static const char *fault_of(const pupil_coding *c)
     return 0;
 }
 
-int pupil_coding_check(const pupil_coding *coding, const char **why)
+static int is_in_words(uint32_t pixel)
+{
+    return pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_GREY12 || pixel == PUPIL_PIXEL_BAYER10 ||
+           pixel == PUPIL_PIXEL_BAYER12 || pixel == PUPIL_PIXEL_BAYER14;
+}
+
+/* What is wrong for grey and mosaics. */
+static const char *fault_for(const pupil_coding *c, uint32_t pixel, uint32_t bits)
+{
+    if (c->shift > (is_in_words(pixel) ? 16 - bits : 0))
+        return "shift must be 0, or in formats of 10, 12 or 14 bits in 16-bit words up to 16 - bits";
+    if (c->white == 0.0f && c->black > (float)((1u << bits) - 2))
+        return "black must be at least 1 below the format's largest code, where white is 0";
+    if (pupil_pixel_is_mosaic(pixel) && c->light > PUPIL_LIGHT_LINEAR)
+        return "light of a mosaic must be PUPIL_LIGHT_USUAL or PUPIL_LIGHT_LINEAR";
+    return 0;
+}
+
+int pupil_coding_check(const pupil_coding *coding, uint32_t pixel, const char **why)
 {
     if (!coding)
         return PUPIL_ERR_NULL;
+    const uint32_t bits = pupil_pixel_bits(pixel);
     const char *fault = fault_of(coding);
+    if (!fault && bits)
+        fault = fault_for(coding, pixel, bits);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CODING : PUPIL_OK;
-}
-
-int pupil_coding_fits(const pupil_coding *coding, uint32_t pixel)
-{
-    const uint32_t bits = pupil_pixel_bits(pixel);
-    const int error = pupil_coding_check(coding, 0);
-    if (error || !bits)
-        return error;
-    const int in_words = pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_GREY12 || pixel == PUPIL_PIXEL_BAYER10 ||
-                         pixel == PUPIL_PIXEL_BAYER12 || pixel == PUPIL_PIXEL_BAYER14;
-    if (coding->shift > (in_words ? 16 - bits : 0))
-        return PUPIL_ERR_CODING;
-    if (coding->white == 0.0f && coding->black >= (float)((1u << bits) - 1))
-        return PUPIL_ERR_CODING;
-    if (pupil_pixel_is_mosaic(pixel) && coding->light > PUPIL_LIGHT_LINEAR)
-        return PUPIL_ERR_CODING;
-    return PUPIL_OK;
 }
 
 /* Kr, Kb (coding.h has the sources) */
@@ -116,9 +121,11 @@ static void from_mosaic(const pupil_coding *coding, uint32_t bits, pupil_coder *
     for (int i = 0; i < 3 && !all_zero(coding->balance, 3); i++)
         balance[i] = coding->balance[i];
     c->zero4 = 4.0f * coding->black;
+    c->full4 = 4.0f * white_of(coding, bits);
+    c->black4 = (int32_t)(c->zero4 + 0.5f);
     c->most = balance[0];
     for (int i = 0; i < 3; i++) {
-        c->unit4[i] = unit_to(balance[i], 4.0f * white_of(coding, bits) - c->zero4);
+        c->unit4[i] = unit_to(balance[i], c->full4 - c->zero4);
         c->most = balance[i] < c->most ? balance[i] : c->most;
     }
     c->shift = coding->shift;

@@ -93,5 +93,5 @@ int pupil_image_check(const pupil_image_const *image, int out)
     if ((uintptr_t)image->data % f.sample || stride % f.sample)
         return PUPIL_ERR_ALIGNMENT;
     const int error = image->pixel == PUPIL_PIXEL_NV12 ? check_chroma(image) : PUPIL_OK;
-    return error || !image->coding ? error : pupil_coding_fits(image->coding, image->pixel);
+    return error || !image->coding ? error : pupil_coding_check(image->coding, image->pixel, 0);
 }

@@ -27,6 +27,7 @@ typedef struct pupil_adaptation {
     pupil_level_q52 white;   /* log2 of the adapted upper quantile */
     int64_t last_timestamp_ns;
     double exposure_log2; /* log2 of exposure_s * gain as last known */
+    uint64_t turn;        /* frames taken, also those without light: which rows config.meter_rows lets through */
     pupil_exposure result;
 } pupil_adaptation;
 
@@ -80,8 +81,6 @@ uint32_t pupil_pixel_bits(uint32_t pixel);
 /* How many rows belong together: 2 for NV12 and mosaics. */
 uint32_t pupil_pixel_rows(uint32_t pixel);
 
-/* pupil_coding_check, and whether it is one for this format. */
-int pupil_coding_fits(const pupil_coding *coding, uint32_t pixel);
 /* coding may be NULL; it has been checked. */
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *coder);
 /* Of a mosaic that is metered by this job: what pupil_coder says of ordinary light. */

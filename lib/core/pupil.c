@@ -130,7 +130,9 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
         return PUPIL_ERR_SIZE;
     if (first_row >= frame_height || rows->height > frame_height - first_row)
         return PUPIL_ERR_ROWS;
-    const uint32_t together = pupil_pixel_rows(out && out->pixel == PUPIL_PIXEL_NV12 ? out->pixel : rows->pixel);
+    uint32_t together = pupil_pixel_rows(rows->pixel);
+    if (out && out->pixel == PUPIL_PIXEL_NV12)
+        together = 2 * (rows->height / out->height); /* pairs of out's rows, of which a mosaic may have half as many */
     if (first_row % together || (rows->height % together && first_row + rows->height != frame_height))
         return PUPIL_ERR_ROWS;
     if (pupil_pixel_is_mosaic(rows->pixel) && frame_height % 2)

@@ -106,8 +106,7 @@ static int is_metered(const work *w, uint32_t unit_row)
     if (n <= 1)
         return 1;
     const uint32_t group = unit_row / n, rows = units - group * n < n ? units - group * n : n;
-    uint64_t z =
-        w->object->adaptation.result.frames * UINT64_C(0x9e3779b97f4a7c15) + group * UINT64_C(0xd1b54a32d192ed03);
+    uint64_t z = w->object->adaptation.turn * UINT64_C(0x9e3779b97f4a7c15) + group * UINT64_C(0xd1b54a32d192ed03);
     z = (z ^ (z >> 33)) * UINT64_C(0x62a9d9ed799705f5);
     z = (z ^ (z >> 28)) * UINT64_C(0xcb24d0a5c88c35b3);
     return unit_row % n == (uint32_t)(z >> 32) % rows;

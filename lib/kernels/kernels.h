@@ -60,6 +60,8 @@ typedef struct pupil_coder {
     float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
     int32_t ordinary4[3]; /* up to which four times a sample is surely neither cut nor clipped; negative: never */
     uint32_t close_to_1;  /* no ordinary luminance is below 2^-15 or above 2^14; and zero4 is an integer */
+    float full4;          /* mosaics: four times the code of the largest light ... */
+    int32_t black4;       /* ... and that of no light, to the nearest */
     float matrix[9];
     uint32_t has_matrix, shift, red_x, red_y; /* which pixel of a quad is red */
 } pupil_coder;

@@ -74,35 +74,42 @@ static __attribute__((noinline)) void load_bilinear(const pupil_row_job *job, co
     (job->coder, rows, (x & 1) == job->coder->red_x, row->odd == job->coder->red_y, n, planes);
 }
 
-static void add_grey_world(const pupil_coder *c, const pupil_planes *planes, uint32_t n, pupil_stats *stats)
+/* From the samples, so that the balance has no part in it: neither in the sums nor in what counts as full. */
+static void add_grey_world(const pupil_coder *c, const uint16_t *upper, const uint16_t *lower, uint32_t n,
+                           pupil_stats *stats)
 {
-    for (uint32_t i = 0; i < n; i++) {
-        const float rgb[3] = {planes->r[i], planes->g[i], planes->b[i]};
-        if (rgb[0] >= c->most || rgb[1] >= c->most || rgb[2] >= c->most)
-            continue;               /* what is clipped has lost its colour */
-        for (int k = 0; k < 3; k++) /* the integer that developed to this, within half of one */
-            stats->channel_sum[k] += (int64_t)((double)rgb[k] / (double)c->unit4[k] + (rgb[k] < 0.0f ? -0.5 : 0.5));
+    const uint16_t *red = (c->red_y ? lower : upper) + c->red_x, *green_r = (c->red_y ? lower : upper) + 1 - c->red_x;
+    const uint16_t *blue = (c->red_y ? upper : lower) + 1 - c->red_x, *green_b = (c->red_y ? upper : lower) + c->red_x;
+    for (uint32_t i = 0; i < 2 * n; i += 2) {
+        const int32_t rgb4[3] = {4 * red[i], 2 * (green_r[i] + green_b[i]), 4 * blue[i]};
+        if ((float)rgb4[0] >= c->full4 || (float)rgb4[1] >= c->full4 || (float)rgb4[2] >= c->full4)
+            continue; /* what is full has lost its colour */
+        for (int k = 0; k < 3; k++)
+            stats->channel_sum[k] += rgb4[k] - c->black4;
         stats->channel_quads++;
     }
 }
 
 static __attribute__((noinline)) void load_binned(const pupil_row_job *job, const pupil_row *row, uint32_t x,
-                                                  uint32_t n, pupil_planes *planes)
+                                                  uint32_t n, pupil_planes *planes, pupil_stats *stats)
 {
     uint16_t upper[PUPIL_SAMPLES], lower[PUPIL_SAMPLES];
     pupil_unpack_kernel *unpack = PUPIL_PIECE(job->kernels, unpack[job->in_pixel]);
     unpack(row->data, job->coder->shift, 2 * x, 2 * n, upper);
     unpack(row->below, job->coder->shift, 2 * x, 2 * n, lower);
     PUPIL_PIECE(job->kernels, binned)(job->coder, upper, lower, n, planes);
+    if (job->grey_world)
+        add_grey_world(job->coder, upper, lower, n, stats);
 }
 
-/* 1: opaque */
-static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+/* 1: opaque. The sums of the channels, where the job wants them, go to stats. */
+static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes,
+                pupil_stats *stats)
 {
     if (job->way == PUPIL_WAY_PIXELS)
         return PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, row, x, n, planes);
     if (job->way == PUPIL_WAY_BINNED)
-        load_binned(job, row, x, n, planes);
+        load_binned(job, row, x, n, planes, stats);
     else
         load_bilinear(job, row, x, n, planes);
     if (job->curve && job->coder->has_matrix)
@@ -114,11 +121,9 @@ static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t
                         uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
     const pupil_kernels *k = job->kernels;
-    (void)load(job, row, x, n, planes);
+    (void)load(job, row, x, n, planes, stats);
     if (job->histogram)
         PUPIL_PIECE(k, histogram)(job, planes, n, weight, stats);
-    if (job->grey_world)
-        add_grey_world(job->coder, planes, n, stats);
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
 }
 
@@ -145,7 +150,7 @@ static inline mapper mapper_of(const pupil_row_job *job, int metered)
 static int load_and_scale(const pupil_row_job *job, const mapper *with, const pupil_row *row, uint32_t x, uint32_t n,
                           pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
-    const int opaque = load(job, row, x, n, planes);
+    const int opaque = load(job, row, x, n, planes, stats);
     if (with->histogram)
         PUPIL_PIECE(job->kernels, histogram)(job, planes, n, weight, stats);
     with->planar(job, 0, n, planes, run);

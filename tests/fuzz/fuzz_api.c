@@ -2,55 +2,14 @@
  * are: no crash, nothing written outside an output, refused calls leave everything as it was, the level is finite and
  * within the limits, a frame in pieces is the frame.
  */
-#include "pupil/pupil.h"
+#include "fuzz_picture.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE  64
-#define GUARD 32
-#define ROOM  ((SIDE * 16 + 64) * SIDE + 2 * GUARD)
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static const uint8_t *input;
-static size_t input_left;
-
-/* Fails as a sanitizer would, so that libFuzzer keeps the input. */
-#define MUST(condition) ((condition) ? (void)0 : abort())
-
-static void take(void *into, size_t bytes)
-{
-    const size_t n = bytes < input_left ? bytes : input_left;
-    memset(into, 0, bytes);
-    memcpy(into, input, n);
-    input += n;
-    input_left -= n;
-}
-
-static uint32_t take_below(uint32_t n)
-{
-    uint16_t u;
-    take(&u, sizeof u);
-    return n ? u % n : 0;
-}
-
-/* Mostly values near the ones that matter; sometimes any bits. */
-static double take_double(double low, double high)
-{
-    static const double odd[] = {0, -1, NAN, INFINITY, -INFINITY, 1e300, 1e-300, 1};
-    const uint32_t kind = take_below(16);
-    double any;
-    if (kind == 0)
-        return odd[take_below(8)];
-    if (kind == 1) {
-        take(&any, sizeof any);
-        return any;
-    }
-    return low + (high - low) * take_below(1025) / 1024;
-}
 
 typedef struct run {
     pupil_t pupil;
@@ -72,6 +31,8 @@ static pupil_config take_config(void)
     c.trim_low = take_below(3) ? 0 : (float)take_double(0, 0.5);
     c.trim_high = take_below(3) ? 1 : (float)take_double(0.5, 1);
     c.histogram = take_below(2);
+    c.meter_rows = take_below(3) ? 0 : take_below(10);
+    c.grey_world = take_below(2) + !take_below(30);
     for (uint32_t i = take_below(20); i > 0; i--)
         c.weight[take_below(16)][take_below(16)] = (uint8_t)take_below(256);
     c.law = take_below(PUPIL_LAW_COUNT + !take_below(30));
@@ -90,6 +51,7 @@ static pupil_config take_config(void)
     c.white = take_double(0.01, 100);
     c.white_quantile = take_double(0.5, 1);
     c.transfer = take_below(3);
+    c.levels = take_below(3) ? 0 : 1u << take_below(PUPIL_LEVEL_COUNT);
     return c;
 }
 
@@ -108,51 +70,6 @@ static pupil_frame_info take_info(void)
     return info;
 }
 
-typedef struct picture {
-    pupil_image image;
-    uint8_t *memory;
-    size_t bytes, row_bytes, stride;
-} picture;
-
-static picture picture_make(uint32_t width, uint32_t height, uint32_t pixel)
-{
-    static const uint8_t align[PUPIL_PIXEL_COUNT] = {1, 4, 4, 2, 2, 2, 1, 1, 1};
-    picture p;
-    p.row_bytes = width * pupil_pixel_bytes(pixel);
-    p.stride = p.row_bytes + (size_t)align[pixel] * take_below(4);
-    p.bytes = p.stride * height + 2 * GUARD;
-    p.memory = malloc(p.bytes);
-    MUST(p.memory != NULL && p.bytes <= ROOM);
-    memset(p.memory, 0xee, p.bytes);
-    p.image.data = p.memory + GUARD;
-    p.image.stride_bytes = (ptrdiff_t)p.stride;
-    if (take_below(2)) {
-        p.image.data = p.memory + GUARD + p.stride * (height - 1);
-        p.image.stride_bytes = -(ptrdiff_t)p.stride;
-    }
-    p.image.width = width;
-    p.image.height = height;
-    p.image.pixel = pixel;
-    return p;
-}
-
-static void picture_guarded(const picture *p)
-{
-    for (size_t i = 0; i < p->bytes; i++)
-        if (i < GUARD || i >= p->bytes - GUARD || (i - GUARD) % p->stride >= p->row_bytes)
-            MUST(p->memory[i] == 0xee);
-}
-
-/* A few bytes of the input, over and over: enough for every kind of pixel beside every other. */
-static void picture_fill(picture *p)
-{
-    uint8_t pattern[97];
-    const uint32_t n = 1 + take_below(sizeof pattern);
-    take(pattern, n);
-    for (size_t i = 0; i < p->bytes - 2 * GUARD; i++)
-        p->memory[GUARD + i] = pattern[i % n];
-}
-
 /* Any int that is no image: one field of a good one is spoilt. */
 static void spoil(pupil_image *image)
 {
@@ -161,7 +78,7 @@ static void spoil(pupil_image *image)
         image->data = NULL;
         break;
     case 1:
-        image->stride_bytes = (ptrdiff_t)take_below(3) - 1;
+        image->stride_bytes = 0;
         image->height = image->height < 2 ? 2 : image->height;
         break;
     case 2:
@@ -196,21 +113,64 @@ static void check_exposure(const run *r)
 
 static void check_refused(const run *before, const run *after, int error)
 {
-    MUST(error == PUPIL_OK || (error < 0 && error >= PUPIL_ERR_STATS));
+    MUST(error == PUPIL_OK || (error < 0 && error >= PUPIL_ERR_CODING));
     MUST(error == PUPIL_OK || memcmp(&before->pupil, &after->pupil, sizeof after->pupil) == 0);
+}
+
+/* How many rows of the input a group of them is a multiple of. */
+static uint32_t together(const picture *in, const picture *out)
+{
+    const uint32_t pair = out->image.pixel == PUPIL_PIXEL_NV12 || in->image.pixel == PUPIL_PIXEL_NV12 ? 2 : 1;
+    const uint32_t smaller = in->image.width / out->image.width;
+    return is_mosaic(in->image.pixel) && pair * smaller < 2 ? 2 : pair * smaller;
+}
+
+/* What pupil_process made of a frame from the state `before`: the same in pieces, then mapped by itself. */
+static void check_pieces(run *before, const run *after, const picture *in, const picture *out,
+                         const pupil_frame_info *info)
+{
+    static pupil_stats whole, parts, fused;
+    const uint32_t height = in->image.height, group = together(in, out), smaller = in->image.width / out->image.width;
+    const uint32_t cut = take_below(height) / group * group;
+    const uint32_t first[2] = {cut, 0}, rows[2] = {height - cut, cut};
+    const pupil_image_const good = pupil_image_as_const(in->image);
+    const int was_fused = before->config.order == PUPIL_ORDER_FUSED;
+    picture mapped = picture_like(out), both = picture_like(out);
+    pupil_curve curve = {1, 1, 0};
+    pupil_exposure a, b;
+    const int early = was_fused && pupil_get_curve(&before->pupil, info, &curve) == PUPIL_OK;
+    pupil_stats_clear(&parts);
+    pupil_stats_clear(&fused);
+    for (int i = 0; i < (cut ? 2 : 1); i++) {
+        const pupil_image_const part = pupil_image_rows(good, first[i], rows[i]);
+        MUST(pupil_meter_rows(&before->pupil, &part, first[i], height, &parts) == PUPIL_OK);
+    }
+    MUST(pupil_get_stats(&after->pupil, &whole) == PUPIL_OK && memcmp(&whole, &parts, sizeof whole) == 0);
+    const pupil_t meter = before->pupil;
+    MUST(pupil_adapt(&before->pupil, &parts, info) == PUPIL_OK);
+    MUST(pupil_get_exposure(&before->pupil, &a) == PUPIL_OK && pupil_get_exposure(&after->pupil, &b) == PUPIL_OK);
+    MUST(memcmp(&a, &b, sizeof a) == 0);
+    if (early || pupil_get_curve(&before->pupil, info, &curve) == PUPIL_OK) {
+        for (int i = 0; i < (cut ? 2 : 1); i++) {
+            const pupil_image_const part = pupil_image_rows(good, first[i], rows[i]);
+            const pupil_image to = pupil_image_out_rows(mapped.image, first[i] / smaller, rows[i] / smaller);
+            const pupil_image to_both = pupil_image_out_rows(both.image, first[i] / smaller, rows[i] / smaller);
+            MUST(pupil_map_rows(&meter, &curve, &part, &to) == PUPIL_OK);
+            MUST(pupil_fused_rows(&meter, &curve, &part, first[i], height, &to_both, &fused) == PUPIL_OK);
+        }
+        MUST(picture_same(&mapped, out) && picture_same(&both, out) && memcmp(&whole, &fused, sizeof whole) == 0);
+    }
+    picture_free(&mapped);
+    picture_free(&both);
 }
 
 /* A frame at once; then, from the same state, in pieces: the same statistics, level and picture. */
 static void do_process(run *r)
 {
-    const uint32_t width = 1 + take_below(SIDE), height = 1 + take_below(SIDE);
-    picture in = picture_make(width, height, PUPIL_PIXEL_RGBA32F + take_below(7));
-    picture out = picture_make(width, height, PUPIL_PIXEL_RGBA8 + take_below(3));
+    picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
     const pupil_frame_info info = take_info();
     static run before;
-    static pupil_stats whole, parts;
     before = *r;
-    picture_fill(&in);
     pupil_image bad = take_below(2) ? in.image : out.image;
     const int was_in = bad.data == in.image.data;
     spoil(&bad);
@@ -220,25 +180,14 @@ static void do_process(run *r)
     MUST(refused < 0);
     check_refused(&before, r, refused);
     const int error = pupil_process(&r->pupil, &good, &info, &out.image);
-    MUST(error == (r->in_frame ? PUPIL_ERR_ORDER : PUPIL_OK));
+    MUST(error == (in.refused ? PUPIL_ERR_CODING : r->in_frame ? PUPIL_ERR_ORDER : PUPIL_OK));
     check_refused(&before, r, error);
-    if (!error) {
-        const uint32_t cut = take_below(height);
-        const pupil_image_const rows[2] = {pupil_image_rows(good, cut, height - cut), pupil_image_rows(good, 0, cut)};
-        MUST(pupil_get_stats(&r->pupil, &whole) == PUPIL_OK);
-        pupil_stats_clear(&parts);
-        for (int i = 0; i < (cut ? 2 : 1); i++)
-            MUST(pupil_meter_rows(&before.pupil, &rows[i], i ? 0 : cut, height, &parts) == PUPIL_OK);
-        MUST(memcmp(&whole, &parts, sizeof whole) == 0);
-        MUST(pupil_adapt(&before.pupil, &parts, &info) == PUPIL_OK);
-        pupil_exposure a, b;
-        MUST(pupil_get_exposure(&before.pupil, &a) == PUPIL_OK && pupil_get_exposure(&r->pupil, &b) == PUPIL_OK);
-        MUST(memcmp(&a, &b, sizeof a) == 0);
-    }
+    if (!error)
+        check_pieces(&before, r, &in, &out, &info);
     picture_guarded(&out);
     check_exposure(r);
-    free(in.memory);
-    free(out.memory);
+    picture_free(&in);
+    picture_free(&out);
 }
 
 static void do_begin(run *r)
@@ -261,19 +210,17 @@ static void do_rows(run *r)
 {
     const uint32_t width =
         r->in_frame && take_below(8) && r->frame_width <= SIDE ? r->frame_width : 1 + take_below(SIDE);
-    picture in = picture_make(width, 1 + take_below(SIDE), PUPIL_PIXEL_RGBA32F + take_below(7));
-    picture out = picture_make(width, in.image.height, PUPIL_PIXEL_RGBA8 + take_below(3));
+    picture in = picture_in(width, 1 + take_below(SIDE)), out = picture_out(&in);
     const pupil_image_const rows = pupil_image_as_const(in.image);
     const uint32_t first = take_below(2) ? 0 : take_below(SIDE);
     static run before;
     before = *r;
-    picture_fill(&in);
     const int error = pupil_frame_rows(&r->pupil, &rows, first, take_below(2) ? &out.image : NULL);
     check_refused(&before, r, error);
     MUST(error != PUPIL_OK || (r->in_frame && first + rows.height <= r->frame_height && rows.width == r->frame_width));
     picture_guarded(&out);
-    free(in.memory);
-    free(out.memory);
+    picture_free(&in);
+    picture_free(&out);
 }
 
 static void do_end(run *r)
@@ -330,20 +277,17 @@ static void do_stats(run *r)
 
 static void do_map(run *r)
 {
-    const uint32_t width = 1 + take_below(SIDE), height = 1 + take_below(SIDE);
-    picture in = picture_make(width, height, PUPIL_PIXEL_RGBA32F + take_below(7));
-    picture out = picture_make(width, height, PUPIL_PIXEL_RGBA8 + take_below(3));
+    picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
     const pupil_image_const rows = pupil_image_as_const(in.image);
     const pupil_curve curve = {(float)take_double(0, 100), (float)take_double(0, 2), (float)take_double(0, 16)};
     static run before;
     before = *r;
-    picture_fill(&in);
     const int error = pupil_map_rows(&r->pupil, &curve, &rows, &out.image);
-    MUST(error == PUPIL_OK || error == PUPIL_ERR_VALUE);
+    MUST(error == PUPIL_OK || error == PUPIL_ERR_VALUE || (in.refused && error == PUPIL_ERR_CODING));
     MUST(memcmp(&before.pupil, &r->pupil, sizeof r->pupil) == 0);
     picture_guarded(&out);
-    free(in.memory);
-    free(out.memory);
+    picture_free(&in);
+    picture_free(&out);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

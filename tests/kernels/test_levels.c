@@ -129,7 +129,7 @@ static pupil_coding any_coding(uint32_t pixel)
     if (check_uniform() < 0.5)
         for (int i = 0; i < 9; i++)
             c.rgb_from_camera[i] = (float)((i % 4 == 0 ? 1.6 : -0.3) * (0.5 + check_uniform()));
-    CHECK(pupil_coding_check(&c, NULL) == PUPIL_OK);
+    CHECK(pupil_coding_check(&c, pixel, NULL) == PUPIL_OK);
     return c;
 }
 

@@ -91,6 +91,35 @@ static void any_split(uint32_t pixel)
     frame_free(&f);
 }
 
+/* Where the weight lies in a few rows a frame may meter none of them: it is held, and a later one finds them. */
+static void few_rows_with_weight(void)
+{
+    frame f = frame_make(32, 32, PUPIL_PIXEL_RGB32F, 0, 0), to = frame_make(32, 32, PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_image out = frame_writable(&to);
+    uint32_t held = 0, seen = 0;
+    frame_fill(&f, 0.5, 0.5, 0.5);
+    for (uint32_t cell = 0; cell < PUPIL_GRID_SIDE; cell++) {
+        pupil_config config;
+        pupil_t pupil;
+        pupil_exposure e;
+        pupil_config_default(&config);
+        config.meter_rows = 8;
+        memset(config.weight, 0, sizeof config.weight);
+        memset(config.weight[cell], 1, sizeof config.weight[cell]);
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        for (int k = 0; k < 40; k++) { /* 2 of 8 rows: none in 40 frames is a chance of 1 in 100000 */
+            CHECK(pupil_process(&pupil, &f.image, NULL, &out) == PUPIL_OK);
+            CHECK(pupil_get_exposure(&pupil, &e) == PUPIL_OK);
+            held += e.reason == PUPIL_REASON_NO_LIGHT;
+            seen += e.reason != PUPIL_REASON_NO_LIGHT;
+        }
+        CHECK_MSG(e.frames > 0 && fabs(e.adapted_ev + 1) < 1e-6, "row %u of the grid is never metered", cell);
+    }
+    CHECK(held > seen && seen > 16 * 4);
+    frame_free(&f);
+    frame_free(&to);
+}
+
 /* What docs/numerics.md says of the error. */
 static void error_of(const char *what, frame *f, const double limit[3])
 {
@@ -120,6 +149,7 @@ int main(int argc, char **argv)
     any_split(PUPIL_PIXEL_RGBA16F);
     any_split(PUPIL_PIXEL_BAYER12);
     any_split(PUPIL_PIXEL_NV12);
+    few_rows_with_weight();
     frame f = frame_make(640, 480, PUPIL_PIXEL_RGB32F, 0, 0);
     frame_lognormal(&f, 0.1, 2, check_uniform);
     error_of("noise of 2 stops", &f, (double[]){0.02, 0.03, 0.05});

@@ -369,6 +369,10 @@ static void check_cameras(void)
     o.chroma_stride_bytes = 4;
     expect(pupil_fused_rows(&pupil, &curve, &one, 1, 3, &o, &stats), PUPIL_ERR_ROWS, "to NV12 from an odd row on");
 
+    const pupil_image_const lower = {
+        .data = mosaic, .stride_bytes = 16, .width = 8, .height = 2, .pixel = PUPIL_PIXEL_BAYER10};
+    expect(pupil_fused_rows(&pupil, &curve, &lower, 2, 8, &o, &stats), PUPIL_ERR_ROWS, "half a pair of NV12's rows");
+
     static const struct {
         const char *what;
         pupil_coding coding;
@@ -387,21 +391,35 @@ static void check_cameras(void)
                  {"rgb_from_camera", {.rgb_from_camera = {[4] = 17}}}};
     for (unsigned k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         const char *why = "";
-        CHECK(pupil_coding_check(&wrong[k].coding, &why) == PUPIL_ERR_CODING);
+        CHECK(pupil_coding_check(&wrong[k].coding, i.pixel, &why) == PUPIL_ERR_CODING);
         CHECK_MSG(strncmp(why, wrong[k].what, strlen(wrong[k].what)) == 0, "%s: %s", wrong[k].what, why);
         i.coding = &wrong[k].coding;
         expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, why);
     }
-    CHECK(pupil_coding_check(&coding, NULL) == PUPIL_OK && pupil_coding_check(NULL, NULL) == PUPIL_ERR_NULL);
+    CHECK(pupil_coding_check(&coding, i.pixel, NULL) == PUPIL_OK &&
+          pupil_coding_check(NULL, i.pixel, NULL) == PUPIL_ERR_NULL);
     /* right for some formats, not for this one */
     i.coding = &coding;
     i.pixel = PUPIL_PIXEL_BAYER14;
-    coding.shift = 3;
-    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, "14 bits 3 bits up");
-    coding = (pupil_coding){.black = 16383};
-    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, "black at the largest code");
-    coding = (pupil_coding){.light = PUPIL_LIGHT_SRGB};
-    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, "a mosaic in sRGB");
+    static const struct {
+        const char *what;
+        uint32_t not, but; /* formats */
+        pupil_coding coding;
+    } unfit[] = {{"shift", PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER12, {.shift = 3}},
+                 {"shift", PUPIL_PIXEL_BAYER10P, PUPIL_PIXEL_BAYER10, {.shift = 1}},
+                 {"shift", PUPIL_PIXEL_GREY16, PUPIL_PIXEL_GREY12, {.shift = 4}},
+                 {"black", PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, {.black = 16383}},
+                 {"black", PUPIL_PIXEL_GREY8, PUPIL_PIXEL_GREY10, {.black = 254.5f}},
+                 {"light", PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_GREY12, {.light = PUPIL_LIGHT_SRGB}}};
+    for (unsigned k = 0; k < sizeof unfit / sizeof *unfit; k++) {
+        const char *why = "";
+        CHECK(pupil_coding_check(&unfit[k].coding, unfit[k].but, &why) == PUPIL_OK && !*why);
+        CHECK(pupil_coding_check(&unfit[k].coding, unfit[k].not, &why) == PUPIL_ERR_CODING);
+        CHECK_MSG(strncmp(why, unfit[k].what, strlen(unfit[k].what)) == 0, "%s: %s", unfit[k].what, why);
+        i.coding = &unfit[k].coding;
+        i.pixel = unfit[k].not ;
+        expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, why);
+    }
 }
 
 static void check_sentences(void)

@@ -66,9 +66,10 @@ typedef struct pupil_coding {
                                * none. A mosaic is metered before it, with the luminance that it leads to. */
 } pupil_coding;
 
-/* PUPIL_OK, or PUPIL_ERR_CODING and, where `why` is not NULL, a sentence in *why (constant text) that names the first
- * wrong field and what would be right. */
-PUPIL_API int pupil_coding_check(const pupil_coding *coding, const char **why);
+/* Whether images of the format `pixel` (a pupil_pixel, image.h) can have this coding; fields that the format has no use
+ * for must be in their range all the same. PUPIL_OK, or PUPIL_ERR_CODING and, where `why` is not NULL, a sentence in
+ * *why (constant text) that names the first wrong field and what would be right. */
+PUPIL_API int pupil_coding_check(const pupil_coding *coding, uint32_t pixel, const char **why);
 
 #ifdef __cplusplus
 }
