@@ -4,7 +4,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const bench_format_names[] = {"rgba32f", "rgb32f", "rgba16f", "rgba16", "rgb16", "rgba8", "rgb8", NULL};
+#include "bench_camera.h"
+#include "camera_light.h"
+
+const bench_format bench_formats[] = {
+    {"rgba32f", PUPIL_PIXEL_RGBA32F},   {"rgb32f", PUPIL_PIXEL_RGB32F},     {"rgba16f", PUPIL_PIXEL_RGBA16F},
+    {"rgba16", PUPIL_PIXEL_RGBA16},     {"rgb16", PUPIL_PIXEL_RGB16},       {"rgba8", PUPIL_PIXEL_RGBA8},
+    {"rgb8", PUPIL_PIXEL_RGB8},         {"yuyv", PUPIL_PIXEL_YUYV},         {"nv12", PUPIL_PIXEL_NV12},
+    {"grey8", PUPIL_PIXEL_GREY8},       {"grey10", PUPIL_PIXEL_GREY10},     {"grey12", PUPIL_PIXEL_GREY12},
+    {"grey16", PUPIL_PIXEL_GREY16},     {"bayer8", PUPIL_PIXEL_BAYER8},     {"bayer10", PUPIL_PIXEL_BAYER10},
+    {"bayer12", PUPIL_PIXEL_BAYER12},   {"bayer14", PUPIL_PIXEL_BAYER14},   {"bayer16", PUPIL_PIXEL_BAYER16},
+    {"bayer10p", PUPIL_PIXEL_BAYER10P}, {"bayer12p", PUPIL_PIXEL_BAYER12P}, {NULL, PUPIL_PIXEL_NONE}};
+
+const char *bench_format_name(uint32_t pixel)
+{
+    const bench_format *f = bench_formats;
+    while (f->name && f->pixel != pixel)
+        f++;
+    return f->name;
+}
 
 /* SplitMix64 (Steele, Lea, Flood 2014), as a number in [0, 1). */
 static double random_of(uint64_t *state)
@@ -81,24 +99,70 @@ static void store(uint32_t pixel, const float rgba[4], void *target)
     }
 }
 
-pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard)
+static size_t chroma_row(uint32_t pixel, uint32_t width)
 {
-    const size_t bytes = pupil_pixel_bytes(pixel), row = width * bytes, all = (row * height + 63) / 64 * 64;
+    return pixel == PUPIL_PIXEL_NV12 ? width + width % 2 : 0;
+}
+
+size_t bench_frame_bytes(uint32_t pixel, uint32_t width, uint32_t height)
+{
+    return pupil_row_bytes(pixel, width) * height + chroma_row(pixel, width) * ((height + 1) / 2);
+}
+
+pupil_image bench_room(uint32_t pixel, uint32_t width, uint32_t height)
+{
+    const size_t row = pupil_row_bytes(pixel, width), all = (bench_frame_bytes(pixel, width, height) + 63) / 64 * 64;
     unsigned char *data = aligned_alloc(64, all);
-    uint64_t state = 1;
-    pupil_image_const image = {
+    pupil_image image = {
         .data = data, .stride_bytes = (ptrdiff_t)row, .width = width, .height = height, .pixel = pixel};
     if (!data)
         return image;
     memset(data, 0, all);
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++) {
+    if (chroma_row(pixel, width)) {
+        image.chroma = data + row * height;
+        image.chroma_stride_bytes = (ptrdiff_t)chroma_row(pixel, width);
+    }
+    image.coding = bench_coding(pixel);
+    return image;
+}
+
+static void fill(pupil_image image, int hard, uint64_t *state)
+{
+    for (uint32_t y = 0; y < image.height; y++)
+        for (uint32_t x = 0; x < image.width; x++) {
             float rgba[4];
             if (hard)
-                hard_pixel(&state, rgba);
+                hard_pixel(state, rgba);
             else
-                easy_pixel(x, y, &state, rgba);
-            store(pixel, rgba, data + y * row + x * bytes);
+                easy_pixel(x, y, state, rgba);
+            store(image.pixel, rgba,
+                  (unsigned char *)image.data + (ptrdiff_t)y * image.stride_bytes + x * pupil_pixel_bytes(image.pixel));
         }
-    return image;
+}
+
+static void fill_camera(pupil_image_const image, uint64_t *state)
+{
+    for (uint32_t y = 0; y < image.height; y += 2)
+        for (uint32_t x = 0; x < image.width; x += 2) {
+            float rgba[4][4];
+            for (uint32_t i = 0; i < 4; i++)
+                easy_pixel(x + i % 2, y + i / 2, state, rgba[i]);
+            bench_store_quad(&image, x, y, (const float(*)[4])rgba);
+        }
+}
+
+pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard)
+{
+    const pupil_image image = bench_room(pixel, width, height);
+    const pupil_image_const frame = pupil_image_as_const(image);
+    uint64_t state = 1;
+    if (!image.data)
+        return frame;
+    if (!camera_is_camera(pixel))
+        fill(image, hard, &state);
+    else if (hard)
+        bench_store_any(&frame, random_of, &state);
+    else
+        fill_camera(frame, &state);
+    return frame;
 }

@@ -3,12 +3,27 @@
 #ifndef PUPIL_APPS_BENCH_FRAMES_H
 #define PUPIL_APPS_BENCH_FRAMES_H
 
+#include <stddef.h>
+
 #include "pupil/pupil.h"
 
-/* An aligned frame of a format, to be given to free() by its data; data NULL: no memory. */
+/* An aligned frame of a format, all its planes in one piece of memory, to be given to free() by its data; data NULL: no
+ * memory. The format can have the size. */
 pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard);
 
-/* Input formats by name, ended by NULL; in the order of pupil_pixel from 1 on. */
-extern const char *const bench_format_names[];
+/* Bytes of all planes of a frame without gaps. */
+size_t bench_frame_bytes(uint32_t pixel, uint32_t width, uint32_t height);
+
+/* Memory for such a frame, aligned and zero, to write to; data NULL: no memory. */
+pupil_image bench_room(uint32_t pixel, uint32_t width, uint32_t height);
+
+/* Input formats, ended by a NULL name. */
+typedef struct bench_format {
+    const char *name;
+    uint32_t pixel;
+} bench_format;
+extern const bench_format bench_formats[];
+
+const char *bench_format_name(uint32_t pixel);
 
 #endif

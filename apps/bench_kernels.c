@@ -9,6 +9,7 @@
 #include "bench_clock.h"
 #include "bench_frames.h"
 #include "bench_subject.h"
+#include "camera_light.h"
 #include "interrupt.h"
 #include "plot.h"
 
@@ -19,16 +20,31 @@ static const char help[] =
     "      --worst        how long the slowest frame in a thousand takes: ordinary, denormal and odd\n"
     "                     frames, and memory never touched before\n"
     "      --plot FILE    speed against error of each choice, as .svg or .png, by gnuplot (one thread)\n"
-    "      --format NAME  rgba32f rgb32f rgba16f rgba16 rgb16 rgba8 rgb8 (all; the three above: rgba32f)\n"
+    "      --format NAME  one input format (all; the three above: rgba32f)\n"
+    "      --out NAME     what is mapped to: rgba8 rgb8 bgrx8 nv12, or half: RGBA8 of half a mosaic's\n"
+    "                     width and height (rgba8)\n"
     "      --size WxH     (1920x1080)\n"
     "      --threads N    (1; 0: one a processor)\n"
     "      --rounds N     each is run N times; the median counts (21; --peers 15, --worst 2000)\n"
     "      --warm         with what the turns before left in the caches (else cold; --worst always)\n"
     "      --json         one object a line for each kernel\n"
     "  -q, --quiet        no progress       -h, --help\n"
-    "kernels: meter, map (to RGBA8), fused (both in one pass), exact (meter, then map), and\n"
-    "default (fused, with the histogram that the following white point needs)\n"
+    "kernels: meter, map, fused (both in one pass), exact (meter, then map), and default (fused,\n"
+    "with the histogram that the following white point needs)\n"
     "exit: 0 done, 1 failed, 2 usage, 130 interrupted\n";
+
+static void put_help(void)
+{
+    int column = 8;
+    fputs(help, stdout);
+    fputs("formats:", stdout);
+    for (const bench_format *f = bench_formats; f->name; f++) {
+        if (column + 1 + strlen(f->name) > 95)
+            column = printf("\n        ") - 1;
+        column += printf(" %s", f->name);
+    }
+    putchar('\n');
+}
 
 static int number(const char *option, const char *text, unsigned long least, unsigned long most, unsigned *value)
 {
@@ -52,6 +68,18 @@ static int read_size(const char *text, bench_options *o)
     return -1;
 }
 
+static int read_out(const char *text, bench_options *o)
+{
+    for (o->out = bench_outs; o->out->name; o->out++)
+        if (strcmp(text, o->out->name) == 0)
+            return 0;
+    fprintf(stderr, "pupil bench: --out %s: must be one of", text);
+    for (const bench_out *out = bench_outs; out->name; out++)
+        fprintf(stderr, " %s", out->name);
+    fputc('\n', stderr);
+    return -1;
+}
+
 /* 0; 1: wrong; -1: nothing more is to be done. */
 static int read_option(int option, bench_options *o)
 {
@@ -68,6 +96,8 @@ static int read_option(int option, bench_options *o)
     case 'f':
         o->format = optarg;
         return 0;
+    case 'u':
+        return read_out(optarg, o) != 0;
     case 's':
         return read_size(optarg, o) != 0;
     case 't':
@@ -84,7 +114,7 @@ static int read_option(int option, bench_options *o)
         o->quiet = 1;
         return 0;
     case 'h':
-        fputs(help, stdout);
+        put_help();
         return -1;
     default:
         return 1;
@@ -96,7 +126,8 @@ static int read_options(int argc, char **argv, bench_options *o)
     static const struct option known[] = {{"peers", 0, NULL, 'p'},  {"worst", 0, NULL, 'o'}, {"plot", 1, NULL, 'g'},
                                           {"format", 1, NULL, 'f'}, {"size", 1, NULL, 's'},  {"threads", 1, NULL, 't'},
                                           {"rounds", 1, NULL, 'r'}, {"warm", 0, NULL, 'w'},  {"json", 0, NULL, 'j'},
-                                          {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},  {NULL, 0, NULL, 0}};
+                                          {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},  {"out", 1, NULL, 'u'},
+                                          {NULL, 0, NULL, 0}};
     int c, wrong = 0;
     optind = 1;
     while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1)
@@ -107,32 +138,56 @@ static int read_options(int argc, char **argv, bench_options *o)
     return 1;
 }
 
+/* Whether the formats that are to be measured are known, can have the size, and the output; 0, or -1 and a sentence. */
+static int check_formats(const bench_options *o)
+{
+    int found = 0, mosaics = 0;
+    for (const bench_format *f = bench_formats; f->name; f++) {
+        const int mosaic = camera_is_mosaic(f->pixel);
+        const uint32_t group = f->pixel == PUPIL_PIXEL_BAYER10P ? 4 : mosaic ? 2 : 1;
+        if (!bench_is_measured(o, f))
+            continue;
+        found++;
+        mosaics += mosaic;
+        if (o->width % group || (mosaic && o->height % 2))
+            return fprintf(stderr,
+                           "pupil bench: --size %lux%lu: %s has a width that is a multiple of %lu, and an even "
+                           "height\n",
+                           (unsigned long)o->width, (unsigned long)o->height, f->name, (unsigned long)group),
+                   -1;
+    }
+    if (!found) {
+        fprintf(stderr, "pupil bench: --format %s: must be one of", o->format);
+        for (const bench_format *f = bench_formats; f->name; f++)
+            fprintf(stderr, " %s", f->name);
+        fputc('\n', stderr);
+        return -1;
+    }
+    if (o->out->step == 2 && !mosaics)
+        return fprintf(stderr, "pupil bench: --out half: %s is no mosaic (bayer8 or the like)\n", o->format), -1;
+    return 0;
+}
+
 /* What goes together; 0, or -1 and a sentence. */
 static int check(const bench_options *o)
 {
     const int modes = o->peers + o->worst + (o->plot != NULL);
-    int found = !o->format;
-    for (int i = 0; o->format && bench_format_names[i]; i++)
-        found += strcmp(o->format, bench_format_names[i]) == 0;
-    if (!found)
-        return fprintf(stderr,
-                       "pupil bench: --format %s: must be one of rgba32f rgb32f rgba16f rgba16 rgb16 rgba8 rgb8\n",
-                       o->format),
-               -1;
     if (modes > 1)
         return fputs("pupil bench: --peers, --worst and --plot are measured one at a time\n", stderr), -1;
     if (modes && o->format && strcmp(o->format, "rgba32f") != 0)
         return fprintf(stderr, "pupil bench: --format %s: --peers, --worst and --plot take rgba32f\n", o->format), -1;
+    if (modes && o->out != bench_outs)
+        return fprintf(stderr, "pupil bench: --out %s: --peers, --worst and --plot are of rgba8\n", o->out->name), -1;
     if ((o->peers || o->plot) && o->threads != 1)
         return fprintf(stderr, "pupil bench: --threads %u: --peers and --plot are of one thread\n", o->threads), -1;
     if (o->plot && o->json)
         return fputs("pupil bench: --json: --plot draws\n", stderr), -1;
-    return 0;
+    return modes ? 0 : check_formats(o);
 }
 
 int bench_kernels_main(int argc, char **argv)
 {
-    bench_options o = {.width = 1920, .height = 1080, .threads = 1};
+    bench_options o = {.out = bench_outs, .width = 1920, .height = 1080, .threads = 1};
     int status = read_options(argc, argv, &o);
     if (status)
         return status < 0 ? BENCH_DONE : BENCH_USAGE;

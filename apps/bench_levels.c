@@ -9,6 +9,7 @@
 #include "bench_clock.h"
 #include "bench_frames.h"
 #include "bench_subject.h"
+#include "camera_light.h"
 #include "interrupt.h"
 
 enum { ROUNDS = 21, MOST_RUNNERS = 2 + BENCH_KERNELS * PUPIL_LEVEL_COUNT };
@@ -16,14 +17,14 @@ enum { ROUNDS = 21, MOST_RUNNERS = 2 + BENCH_KERNELS * PUPIL_LEVEL_COUNT };
 static void tell_json(const bench_options *o, unsigned threads, const bench_kernel *k, const bench_runner *r,
                       const bench_runner *base, const verify_figures error[2])
 {
-    const uint32_t pixel = k->s->in.pixel;
+    const double pixels = (double)o->width * o->height;
     printf("{\"bench\":\"kernels\",\"kernel\":\"%s\",\"level\":\"%s\",\"format\":\"%s\",\"out\":\"%s\",\"width\":%lu,"
            "\"height\":%lu,\"threads\":%u,\"cold\":%s,\"ns_per_px\":%.4f,\"bytes_per_px\":%g,\"ratio_read\":%.4f,"
            "\"ratio_memcpy\":%.4f",
-           bench_kernel_names[k->which], bench_level_names[k->level], bench_format_names[pixel - 1],
-           k->which == BENCH_METER ? "none" : "rgba8", (unsigned long)o->width, (unsigned long)o->height, threads,
-           o->warm ? "false" : "true", r->median_s * 1e9 / ((double)o->width * o->height),
-           (double)pupil_pixel_bytes(pixel), r->median_s / base[0].median_s, r->median_s / base[1].median_s);
+           bench_kernel_names[k->which], bench_level_names[k->level], bench_format_name(k->s->in.pixel),
+           k->which == BENCH_METER ? "none" : o->out->name, (unsigned long)o->width, (unsigned long)o->height, threads,
+           o->warm ? "false" : "true", r->median_s * 1e9 / pixels, (double)k->s->bytes / pixels,
+           r->median_s / base[0].median_s, r->median_s / base[1].median_s);
     for (int hard = 0; hard < 2; hard++)
         printf(",\"%serror_ev\":%.3g,\"%serror_code_max\":%d,\"%soff_by_one\":%.3g", hard ? "hard_" : "",
                log2(1.0 + error[hard].log_average_error), hard ? "hard_" : "", error[hard].code_error,
@@ -34,13 +35,18 @@ static void tell_json(const bench_options *o, unsigned threads, const bench_kern
 static void tell(const bench_options *o, const bench_kernel *k, const bench_runner *r, const bench_runner *base,
                  const verify_figures error[2])
 {
-    printf("%-8s %-8s %-7s %8.3f %7.2f %9.2f", bench_format_names[k->s->in.pixel - 1], bench_kernel_names[k->which],
+    printf("%-8s %-8s %-7s %8.3f %7.2f %9.2f", bench_format_name(k->s->in.pixel), bench_kernel_names[k->which],
            bench_level_names[k->level], r->median_s * 1e9 / ((double)o->width * o->height),
            r->median_s / base[0].median_s, r->median_s / base[1].median_s);
     for (int hard = 0; hard < 2; hard++)
         printf("  %8.1e %d %.5f%%", error[hard].log_average_error, error[hard].code_error,
                100.0 * (double)error[hard].off / (double)error[hard].samples);
     putchar('\n');
+}
+
+int bench_is_measured(const bench_options *o, const bench_format *f)
+{
+    return o->format ? strcmp(o->format, f->name) == 0 : o->out->step == 1 || camera_is_mosaic(f->pixel);
 }
 
 /* k has room for MOST_RUNNERS. */
@@ -58,9 +64,9 @@ static int race(const bench_options *o, bench_subject *s, bench_kernel *k, const
     if (bench_race(runner, n, o->rounds ? o->rounds : ROUNDS, flush, interrupt_came))
         return interrupt_came() ? BENCH_INTERRUPTED : BENCH_FAILED;
     for (size_t i = 2; i < n; i++) {
-        if (k[i].which == BENCH_METER && (bench_kernel_error(k[i].level, s->in.pixel, 0, &error[0]) ||
-                                          bench_kernel_error(k[i].level, s->in.pixel, 1, &error[1])))
-            return BENCH_FAILED;
+        for (int hard = 0; hard < 2 && k[i].which == BENCH_METER; hard++) /* the others of a level share them */
+            if (bench_kernel_error(k[i].level, s->in.pixel, o->out->step, hard, &error[hard]))
+                return BENCH_FAILED;
         if (o->json)
             tell_json(o, workers_count(s->crew), &k[i], &runner[i], runner, error);
         else
@@ -79,18 +85,19 @@ int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush
         return BENCH_FAILED;
     }
     if (!o->json)
-        printf("%lux%lu, %u thread%s, %s, median of %u rounds in turns; errors on an easy and on a hard frame: of the\n"
-               "log-average (relative), of display samples (codes, share that is off)\n"
+        printf("%lux%lu, %u thread%s, %s, to %s, median of %u rounds in turns; errors on an easy and on a hard frame:\n"
+               "of the log-average (relative), of display samples (codes, share that is off)\n"
                "format   kernel   level      ns/px   /read   /memcpy  easy                   hard\n",
                (unsigned long)o->width, (unsigned long)o->height, workers_count(crew),
-               workers_count(crew) > 1 ? "s" : "", flush ? "cold" : "warm", o->rounds ? o->rounds : ROUNDS);
-    for (uint32_t i = 0; bench_format_names[i] && !status; i++) {
+               workers_count(crew) > 1 ? "s" : "", flush ? "cold" : "warm", o->out->name,
+               o->rounds ? o->rounds : ROUNDS);
+    for (const bench_format *f = bench_formats; f->name && !status; f++) {
         bench_subject s;
-        if (o->format && strcmp(o->format, bench_format_names[i]) != 0)
+        if (!bench_is_measured(o, f))
             continue;
         if (!o->quiet && isatty(STDERR_FILENO))
-            fprintf(stderr, "measuring %s ...\r", bench_format_names[i]);
-        status = bench_subject_open(&s, o, i + 1, crew) ? BENCH_FAILED : race(o, &s, k, flush);
+            fprintf(stderr, "measuring %s ...\r", f->name);
+        status = bench_subject_open(&s, o, f->pixel, crew) ? BENCH_FAILED : race(o, &s, k, flush);
         bench_subject_close(&s);
     }
     free(k);

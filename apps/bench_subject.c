@@ -8,6 +8,9 @@
 
 const char *const bench_kernel_names[BENCH_KERNELS] = {"meter", "map", "fused", "exact", "default"};
 const char *const bench_level_names[PUPIL_LEVEL_COUNT] = {"scalar", "neon", "avx2", "avx512"};
+const bench_out bench_outs[] = {{"rgba8", PUPIL_PIXEL_RGBA8, 1}, {"rgb8", PUPIL_PIXEL_RGB8, 1},
+                                {"bgrx8", PUPIL_PIXEL_BGRX8, 1}, {"nv12", PUPIL_PIXEL_NV12, 1},
+                                {"half", PUPIL_PIXEL_RGBA8, 2},  {NULL, PUPIL_PIXEL_NONE, 0}};
 
 static void configure(pupil_config *c, bench_which which)
 {
@@ -19,15 +22,16 @@ static void configure(pupil_config *c, bench_which which)
 /* ---- what is run ---------------------------------------------------------------------------------------------------
  */
 
+/* Parts begin at even rows, as those of NV12 and of mosaics must. */
 static void part_of(const bench_subject *s, unsigned worker, unsigned count, pupil_image_const *in, pupil_image *out,
                     uint32_t *first)
 {
-    const uint32_t begin = s->in.height * worker / count, end = s->in.height * (worker + 1) / count;
+    const uint32_t pairs = (s->in.height + 1) / 2, step = s->in.width / s->out.width;
+    const uint32_t begin = 2 * (pairs * worker / count), next = 2 * (pairs * (worker + 1) / count);
+    const uint32_t rows = (next < s->in.height ? next : s->in.height) - begin;
     *first = begin;
-    *in = pupil_image_rows(s->in, begin, end - begin);
-    *out = s->out;
-    out->data = (unsigned char *)s->out.data + (ptrdiff_t)begin * s->out.stride_bytes;
-    out->height = end - begin;
+    *in = pupil_image_rows(s->in, begin, rows);
+    *out = pupil_image_out_rows(s->out, begin / step, rows / step);
 }
 
 static void work(void *context, unsigned worker, unsigned count)
@@ -89,15 +93,10 @@ int bench_subject_open(bench_subject *s, const bench_options *o, uint32_t pixel,
 {
     pupil_config c;
     pupil_t pupil;
-    const size_t pixels = (size_t)o->width * o->height;
     *s = (bench_subject){.crew = crew, .in = bench_frame(pixel, o->width, o->height, 0)};
-    s->bytes = pixels * pupil_pixel_bytes(pixel);
+    s->bytes = bench_frame_bytes(pixel, o->width, o->height);
     s->copy = aligned_alloc(64, (s->bytes + 63) / 64 * 64);
-    s->out = (pupil_image){.data = aligned_alloc(64, (pixels * 4 + 63) / 64 * 64),
-                           .stride_bytes = (ptrdiff_t)o->width * 4,
-                           .width = o->width,
-                           .height = o->height,
-                           .pixel = PUPIL_PIXEL_RGBA8};
+    s->out = bench_room(o->out->pixel, o->width / o->out->step, o->height / o->out->step);
     configure(&c, BENCH_METER);
     if (s->in.data && s->copy && s->out.data && !pupil_init(&pupil, &c) &&
         !pupil_process(&pupil, &s->in, NULL, &s->out) && !pupil_get_curve(&pupil, NULL, &s->curve)) {
@@ -142,15 +141,14 @@ uint32_t bench_best_level(void)
     return level;
 }
 
-int bench_kernel_error(uint32_t level, uint32_t pixel, int hard, verify_figures *figures)
+int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t step, int hard, verify_figures *figures)
 {
     pupil_config c;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
     pupil_image_const in = bench_frame(pixel, 480, 270, hard);
-    pupil_image out = {
-        .data = malloc(480 * 270 * 3), .stride_bytes = 480 * 3, .width = 480, .height = 270, .pixel = PUPIL_PIXEL_RGB8};
+    pupil_image out = bench_room(PUPIL_PIXEL_RGB8, 480 / step, 270 / step);
     *figures = (verify_figures){0};
     configure(&c, BENCH_METER);
     c.levels = 1u << level;

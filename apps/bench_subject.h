@@ -4,15 +4,25 @@
 #define PUPIL_APPS_BENCH_SUBJECT_H
 
 #include "bench_clock.h"
+#include "bench_frames.h"
 #include "pupil/pupil.h"
 #include "verify.h"
 #include "workers.h"
 
 enum { BENCH_MOST_THREADS = 64 };
 
+typedef struct bench_out { /* what frames are mapped to */
+    const char *name;
+    uint32_t pixel;
+    uint32_t step; /* 2: a mosaic, to half its width and height */
+} bench_out;
+
+extern const bench_out bench_outs[]; /* ended by a NULL name; the first is the usual one */
+
 typedef struct bench_options {
     const char *format; /* NULL: all */
-    const char *plot;   /* a file, or NULL */
+    const bench_out *out;
+    const char *plot; /* a file, or NULL */
     uint32_t width, height;
     unsigned threads;
     unsigned rounds; /* 0: as many as what is measured needs */
@@ -21,7 +31,7 @@ typedef struct bench_options {
 
 typedef enum bench_which {
     BENCH_METER = 0,
-    BENCH_MAP,     /* to RGBA8 */
+    BENCH_MAP,
     BENCH_FUSED,   /* both in one pass */
     BENCH_EXACT,   /* both, one after the other */
     BENCH_DEFAULT, /* fused, with the histogram that the following white point needs */
@@ -34,9 +44,9 @@ extern const char *const bench_level_names[PUPIL_LEVEL_COUNT];
 typedef struct bench_subject { /* what all of a format's runners share */
     workers *crew;
     pupil_image_const in;
-    pupil_image out;     /* RGBA8 */
+    pupil_image out;
     unsigned char *copy; /* as large as `in` */
-    size_t bytes;
+    size_t bytes;        /* of all its planes, which lie in one piece */
     unsigned long long seen;
     pupil_curve curve;
 } bench_subject;
@@ -49,7 +59,8 @@ typedef struct bench_kernel {
     pupil_stats stats[BENCH_MOST_THREADS]; /* one a worker */
 } bench_kernel;
 
-/* The easy frame of a format; 0, or -1 and a sentence on stderr. Closing takes what a failed opening left. */
+/* The easy frame of a format, with room for options.out; 0, or -1 and a sentence on stderr. Closing takes what a failed
+ * opening left. */
 int bench_subject_open(bench_subject *s, const bench_options *o, uint32_t pixel, workers *crew);
 void bench_subject_close(bench_subject *s);
 
@@ -64,8 +75,12 @@ void bench_kernel_run(void *context);
 void bench_read_run(void *context);
 void bench_copy_run(void *context);
 
-/* The errors of a level on a frame like the one that is timed, or on a hard one; small, for the reference is slow. */
-int bench_kernel_error(uint32_t level, uint32_t pixel, int hard, verify_figures *figures);
+/* The errors of a level on a frame like the one that is timed, or on a hard one; small, for the reference is slow. Of
+ * RGB8, at half the size where `step` is 2. */
+int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t step, int hard, verify_figures *figures);
+
+/* Whether bench_levels measures a format: the one that is named, or all that can have such an output. */
+int bench_is_measured(const bench_options *o, const bench_format *f);
 
 /* What the modes of `pupil bench kernels` do; the exit status. */
 int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush);

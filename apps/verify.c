@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "camera_light.h"
+
 /* sRGB decoding, IEC 61966-2-1. */
 static double srgb_to_linear(double c)
 {
@@ -17,9 +19,13 @@ static double half_to_double(uint16_t h)
     return h & 0x8000 ? -magnitude : magnitude;
 }
 
-/* Linear red, green and blue of a pixel of any input format. */
-static void pixel_of(const pupil_image_const *image, uint32_t x, uint32_t y, double rgb[3])
+/* Linear red, green and blue of a pixel of any input format, or of a mosaic's quad. */
+static void pixel_of(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgb[3])
 {
+    if (camera_is_camera(image->pixel)) {
+        camera_light(image, x, y, quad, rgb);
+        return;
+    }
     const void *row = pupil_image_rows(*image, y, 1).data;
     size_t at = x * pupil_pixel_bytes(image->pixel);
     const void *p = (const unsigned char *)row + at;
@@ -97,22 +103,31 @@ static int is_uniform(const pupil_config *config)
     return 1;
 }
 
-void verify_frame(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
-                  const pupil_curve *curve, const pupil_image_const *out, const pupil_stats *stats)
+static long double luminance_of(const pupil_config *config, const double rgb[3])
 {
     const double *luma = luma_of(config);
-    long double sum = 0.0L;
-    double mean;
+    return (long double)luma[0] * rgb[0] + (long double)luma[1] * rgb[1] + (long double)luma[2] * rgb[2];
+}
 
-    for (uint32_t y = 0; y < in->height; y++) {
+static long double logarithm(const pupil_config *config, long double luminance)
+{
+    return log2l((long double)clamp((double)luminance, (double)config->floor, 0x1p30));
+}
+
+/* The display's samples; returns the sum of the logarithms of what they were made of. `step`: 2 where each is of a
+ * quad. */
+static long double compare(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
+                           const pupil_curve *curve, const pupil_image_const *out, uint32_t step)
+{
+    long double sum = 0.0L;
+    for (uint32_t y = 0; y < out->height; y++) {
         const uint8_t *row = pupil_image_rows(*out, y, 1).data;
-        for (uint32_t x = 0; x < in->width; x++) {
+        for (uint32_t x = 0; x < out->width; x++) {
             double rgb[3];
             int code[3];
-            pixel_of(in, x, y, rgb);
-            long double luminance =
-                (long double)luma[0] * rgb[0] + (long double)luma[1] * rgb[1] + (long double)luma[2] * rgb[2];
-            sum += log2l((long double)clamp((double)luminance, (double)config->floor, 0x1p30));
+            pixel_of(in, x * step, y * step, step == 2, rgb);
+            const long double luminance = luminance_of(config, rgb);
+            sum += logarithm(config, luminance);
             map_pixel(config, curve, rgb, (double)luminance, code);
             for (int c = 0; c < 3; c++) {
                 int off = row[3 * x + (uint32_t)c] - code[c];
@@ -122,9 +137,32 @@ void verify_frame(verify_figures *figures, const pupil_config *config, const pup
             }
         }
     }
-    figures->samples += (uint64_t)3 * in->width * in->height;
+    figures->samples += (uint64_t)3 * out->width * out->height;
+    return sum;
+}
+
+static long double sum_of_quads(const pupil_config *config, const pupil_image_const *in)
+{
+    long double sum = 0.0L;
+    for (uint32_t y = 0; y < in->height; y += 2)
+        for (uint32_t x = 0; x < in->width; x += 2) {
+            double rgb[3];
+            pixel_of(in, x, y, 1, rgb);
+            sum += logarithm(config, luminance_of(config, rgb));
+        }
+    return sum;
+}
+
+void verify_frame(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
+                  const pupil_curve *curve, const pupil_image_const *out, const pupil_stats *stats)
+{
+    const uint32_t metered = camera_is_mosaic(in->pixel) ? 2 : 1, step = in->width / out->width;
+    double mean;
+    long double sum = compare(figures, config, in, curve, out, step);
     if (is_uniform(config) && config->meter_rows <= 1 && pupil_stats_mean(stats, 0.0, 1.0, &mean) == PUPIL_OK) {
-        double reference = (double)(sum / ((long double)in->width * in->height));
+        if (metered != step)
+            sum = sum_of_quads(config, in);
+        double reference = (double)(sum / ((long double)(in->width / metered) * (in->height / metered)));
         double error = fabs(expm1((mean - reference) * 0.69314718055994531));
         figures->log_average_error = error > figures->log_average_error ? error : figures->log_average_error;
         figures->means++;

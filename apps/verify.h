@@ -11,10 +11,9 @@ typedef struct verify_figures {
     unsigned frames, means;   /* frames compared; those of them whose log-average was */
 } verify_figures;
 
-/* Adds one frame: what went in, the curve that mapped it, the RGB8 that came out, the statistics. Light that the trim
- * or the metering weights leave out of the mean is compared untrimmed; weighted frames, and
- * those of which some rows are metered only, are compared by the map alone.
- */
+/* Adds one frame: what went in, the curve that mapped it, the RGB8 that came out (of a mosaic perhaps at half its
+ * size), the statistics. Light that the trim or the metering weights leave out of the mean is compared untrimmed;
+ * weighted frames, and those of which only some rows are metered, are compared by the map alone. */
 void verify_frame(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
                   const pupil_curve *curve, const pupil_image_const *out, const pupil_stats *stats);
 

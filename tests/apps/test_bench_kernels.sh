@@ -27,21 +27,59 @@ expect() {
     grep -qF -- "$words" said.err || fail "bench kernels $*: said '$(cat said.err)', expected '$words'"
 }
 
-for format in rgba32f rgb32f rgba16f rgba16 rgb16 rgba8 rgb8; do
-    "$program" bench kernels --format $format --size 67x33 --rounds 3 --warm --json >lines.txt 2>noise.txt
+# measure FORMAT SIZE ERROR_EV OFF ARGUMENTS...: every kernel has its line, and every line its fields; the bits are the
+# same on every level, and so the errors are: one set of figures, none above ERROR_EV (stops), one code, OFF (share).
+measure() {
+    format=$1 size=$2 error_ev=$3 off=$4
+    shift 4
+    "$program" bench kernels --format $format --size $size --rounds 2 --warm --json "$@" >lines.txt 2>noise.txt
     [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
     for kernel in meter map fused exact default; do
         grep -q "\"kernel\":\"$kernel\",\"level\":\"scalar\",\"format\":\"$format\"" lines.txt || fail "no $kernel: $(cat lines.txt)"
     done
     fields lines.txt kernel level format out width height threads cold ns_per_px bytes_per_px ratio_read ratio_memcpy \
         error_ev error_code_max off_by_one hard_error_ev hard_error_code_max hard_off_by_one
-    # the bits are the same on every level, and so the errors are: one set of figures, and small
     errors=$(grep -o '"error_ev":.*' lines.txt | sort -u)
     [ "$(echo "$errors" | wc -l)" = 1 ] || fail "levels differ in error: $errors"
-    echo "$format: $errors"
-    echo "$errors" | sed 's/"[a-z_]*"://g; s/}//' | awk -F, '{ exit !($1 < 1e-7 && $2 <= 1 && $3 < 1e-4 && $4 < 1e-7 && $5 <= 1 && $6 < 1e-4) }' ||
+    echo "$format $*: $errors"
+    echo "$errors" | sed 's/"[a-z_]*"://g; s/}//' | awk -F, -v ev=$error_ev -v off=$off \
+        '{ exit !($1 < ev && $2 <= 1 && $3 < off && $4 < ev && $5 <= 1 && $6 < off) }' ||
         fail "too large an error: $errors"
+}
+# mapped_to NAME: every kernel that maps says so.
+mapped_to() {
+    [ "$(grep -vc '"kernel":"meter"' lines.txt)" = "$(grep -c "\"out\":\"$1\"" lines.txt)" ] ||
+        fail "not to $1: $(cat lines.txt)"
+}
+# has_bytes NUMBER: of a pixel, all planes.
+has_bytes() {
+    grep -q "\"bytes_per_px\":$1," lines.txt || fail "not $1 bytes a pixel: $(head -n 1 lines.txt)"
+}
+
+for format in rgba32f rgb32f rgba16f rgba16 rgb16 rgba8 rgb8 grey8 grey10 grey12 grey16; do
+    measure $format 67x33 1e-7 1e-4
+    mapped_to rgba8
 done
+# light interpolated between codes, within 7e-6 of the curve (coding.h): 1e-4 stops where the light is 0.1, the easy
+# frame's mean
+for format in yuyv nv12; do
+    measure $format 67x33 1e-4 2e-3
+done
+for format in bayer8 bayer10 bayer12 bayer14 bayer16 bayer10p bayer12p; do
+    measure $format 68x34 1e-6 1e-4
+done
+measure bayer14 68x34 1e-6 1e-4 --out half
+mapped_to half
+measure nv12 68x34 1e-4 2e-3 --out nv12 --threads 3
+mapped_to nv12
+has_bytes 1.5
+measure bayer10p 68x34 1e-6 1e-4 --out nv12 --threads 3
+has_bytes 1.25
+measure rgba32f 67x33 1e-7 1e-4 --out bgrx8
+mapped_to bgrx8
+# of all formats those that can have the output
+"$program" bench kernels --out half --size 16x8 --rounds 1 --json >lines.txt
+[ "$(grep -o '"format":"[a-z0-9]*"' lines.txt | sort -u | wc -l)" = 7 ] || fail "not the mosaics: $(cat lines.txt)"
 "$program" bench kernels --format rgba32f --size 64x64 --rounds 3 --threads 2 >table.txt
 grep -q "64x64, 2 threads, cold" table.txt || fail "no headline: $(cat table.txt)"
 [ "$(grep -c "^rgba32f" table.txt)" -ge 5 ] || fail "no rows: $(cat table.txt)"
@@ -105,7 +143,13 @@ expect 2 "one at a time" --peers --worst
 expect 2 "take rgba32f" --worst --format rgb8
 expect 2 "one thread" --peers --threads 2
 expect 2 "--json" --plot a.svg --json
-expect 2 "--format" --format rgba64f
+expect 2 "rgb8 yuyv nv12" --format rgba64f
+expect 2 "--format" --format bgrx8
+expect 2 "rgba8 rgb8 bgrx8 nv12 half" --out rgba32f
+expect 2 "no mosaic" --out half --format rgb8
+expect 2 "rgba8" --out nv12 --worst
+expect 2 "multiple of 4" --size 66x34 --format bayer10p
+expect 2 "even height" --size 68x33
 expect 2 "--size" --size 0x5
 expect 2 "--size" --size 99999x5
 expect 2 "--rounds" --rounds 0

@@ -1,0 +1,164 @@
+#include "camera_light.h"
+
+#include <math.h>
+#include <string.h>
+
+static const pupil_coding usual;
+
+static const pupil_coding *coding_of(const pupil_image_const *image)
+{
+    return image->coding ? image->coding : &usual;
+}
+
+int camera_is_camera(uint32_t pixel)
+{
+    return pixel >= PUPIL_PIXEL_YUYV && pixel < PUPIL_PIXEL_COUNT;
+}
+
+int camera_is_mosaic(uint32_t pixel)
+{
+    return pixel >= PUPIL_PIXEL_BAYER8 && pixel < PUPIL_PIXEL_COUNT;
+}
+
+unsigned camera_bits(uint32_t pixel)
+{
+    switch (pixel) {
+    case PUPIL_PIXEL_GREY10:
+    case PUPIL_PIXEL_BAYER10:
+    case PUPIL_PIXEL_BAYER10P:
+        return 10;
+    case PUPIL_PIXEL_GREY12:
+    case PUPIL_PIXEL_BAYER12:
+    case PUPIL_PIXEL_BAYER12P:
+        return 12;
+    case PUPIL_PIXEL_BAYER14:
+        return 14;
+    case PUPIL_PIXEL_GREY16:
+    case PUPIL_PIXEL_BAYER16:
+        return 16;
+    default:
+        return 8;
+    }
+}
+
+unsigned camera_colour(uint32_t bayer, uint32_t x, uint32_t y)
+{
+    static const unsigned char order[PUPIL_BAYER_COUNT][2][2] = {
+        {{0, 1}, {1, 2}}, {{1, 0}, {2, 1}}, {{1, 2}, {0, 1}}, {{2, 1}, {1, 0}}};
+    return order[bayer][y % 2][x % 2];
+}
+
+static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
+{
+    return (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes;
+}
+
+static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y)
+{
+    const unsigned char *row = row_at(image, y), *group;
+    uint16_t word;
+    switch (image->pixel) {
+    case PUPIL_PIXEL_GREY8:
+    case PUPIL_PIXEL_BAYER8:
+        return row[x];
+    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2 RAW10: the fifth byte has the lowest two bits of each, the first's first */
+        group = row + x / 4 * 5;
+        return (unsigned)group[x % 4] << 2 | (group[4] >> 2 * (x % 4) & 3u);
+    case PUPIL_PIXEL_BAYER12P: /* RAW12: the third byte has the lowest four */
+        group = row + x / 2 * 3;
+        return (unsigned)group[x % 2] << 4 | (group[2] >> 4 * (x % 2) & 15u);
+    default:
+        memcpy(&word, row + 2 * (size_t)x, sizeof word);
+        return (unsigned)word >> coding_of(image)->shift;
+    }
+}
+
+/* A coded value to light. The usual one is the caller's. */
+static double decoded(double v, uint32_t light)
+{
+    if (light == PUPIL_LIGHT_LINEAR)
+        return v;
+    v = v > 0.0 ? v < 1.0 ? v : 1.0 : 0.0;
+    if (light == PUPIL_LIGHT_BT709) /* Rec. ITU-R BT.709-6, item 1.2, backward */
+        return v < 0.081 ? v / 4.5 : pow((v + 0.099) / 1.099, 1.0 / 0.45);
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); /* IEC 61966-2-1 */
+}
+
+/* From 0 at black to 1 at white. */
+static double between(const pupil_image_const *image, double code)
+{
+    const pupil_coding *c = coding_of(image);
+    const double black = (double)c->black;
+    const double white = c->white > 0.0f ? (double)c->white : (double)((1u << camera_bits(image->pixel)) - 1);
+    return (code - black) / (white - black);
+}
+
+static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, double rgb[3])
+{
+    /* Kr and Kb of BT.601, BT.709 and BT.2020: coding.h */
+    static const double kr_kb[PUPIL_MATRIX_COUNT][2] = {{0.299, 0.114}, {0.2126, 0.0722}, {0.2627, 0.0593}};
+    const pupil_coding *c = coding_of(image);
+    const double kr = kr_kb[c->matrix][0], kb = kr_kb[c->matrix][1];
+    const int full = c->range == PUPIL_RANGE_FULL, yuyv = image->pixel == PUPIL_PIXEL_YUYV;
+    const unsigned char *row = row_at(image, y), *pair = row + x / 2 * 4 + 1;
+    if (!yuyv)
+        pair = (const unsigned char *)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2;
+    const int luma = row[yuyv ? 2 * x : x], cb = pair[0], cr = pair[yuyv ? 2 : 1];
+    const double l = full ? luma / 255.0 : (luma - 16) / 219.0, chroma = full ? 255.0 : 224.0;
+    rgb[0] = l + 2.0 * (1.0 - kr) * (cr - 128) / chroma;
+    rgb[2] = l + 2.0 * (1.0 - kb) * (cb - 128) / chroma;
+    rgb[1] = (l - kr * rgb[0] - kb * rgb[2]) / (1.0 - kr - kb);
+    for (int k = 0; k < 3; k++) {
+        const double v = rgb[k] > 0.0 ? rgb[k] < 1.0 ? rgb[k] : 1.0 : 0.0;
+        rgb[k] = decoded(v, c->light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_SRGB : c->light);
+    }
+}
+
+/* The mean of a colour's samples: in the quad, or in the nine around a pixel that has another colour; outside the frame
+ * it is mirrored. */
+static double mean_of(const pupil_image_const *image, uint32_t x, uint32_t y, unsigned colour, int quad)
+{
+    const uint32_t bayer = coding_of(image)->bayer;
+    unsigned sum = 0, count = 0;
+    if (!quad && camera_colour(bayer, x, y) == colour)
+        return sample_at(image, x, y);
+    for (int64_t sy = (int64_t)y - !quad; sy <= (int64_t)y + 1; sy++)
+        for (int64_t sx = (int64_t)x - !quad; sx <= (int64_t)x + 1; sx++) {
+            const uint32_t inside_x = (uint32_t)(sx < 0 ? 1 : sx < image->width ? sx : image->width - 2);
+            const uint32_t inside_y = (uint32_t)(sy < 0 ? 1 : sy < image->height ? sy : image->height - 2);
+            if (camera_colour(bayer, inside_x, inside_y) == colour) {
+                sum += sample_at(image, inside_x, inside_y);
+                count++;
+            }
+        }
+    return (double)sum / count;
+}
+
+static void mosaic_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgb[3])
+{
+    const pupil_coding *c = coding_of(image);
+    const float *m = c->rgb_from_camera;
+    double balance[3] = {1.0, 1.0, 1.0}, v[3];
+    int matrix = 0;
+    for (int k = 0; k < 3 && c->balance[0] > 0.0f; k++)
+        balance[k] = (double)c->balance[k];
+    const double most = fmin(fmin(balance[0], balance[1]), balance[2]);
+    for (unsigned k = 0; k < 3; k++)
+        v[k] = fmin(between(image, mean_of(image, x, y, k, quad)) * balance[k], most);
+    for (int k = 0; k < 9; k++)
+        matrix |= m[k] < 0.0f || m[k] > 0.0f;
+    for (int k = 0; k < 3; k++)
+        rgb[k] = matrix ? (double)m[3 * k] * v[0] + (double)m[3 * k + 1] * v[1] + (double)m[3 * k + 2] * v[2] : v[k];
+}
+
+void camera_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgb[3])
+{
+    const uint32_t light = coding_of(image)->light;
+    if (camera_is_mosaic(image->pixel))
+        mosaic_light(image, x, y, quad, rgb);
+    else if (image->pixel == PUPIL_PIXEL_YUYV || image->pixel == PUPIL_PIXEL_NV12)
+        yuv_light(image, x, y, rgb);
+    else
+        rgb[0] = rgb[1] = rgb[2] =
+            decoded(between(image, sample_at(image, x, y)), light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_LINEAR : light);
+}
