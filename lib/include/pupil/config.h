@@ -79,14 +79,17 @@ typedef struct pupil_config {
     uint32_t primaries;  /* a pupil_primaries; BT.709 */
     float rgb_to_xyz[9]; /* row by row; read only with PUPIL_PRIMARIES_MATRIX */
     float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1 */
-    float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value */
+    float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value
+                          * (stats.h) */
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
     float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
     uint32_t histogram;  /* 0: gathered only if trimming or a following white needs it; 1: always; 0 */
     uint32_t meter_rows; /* n of 1, 2, 4, 8: one of each n rows (of a mosaic: rows of quads) is metered, another one
                           * from frame to frame; mapping does not change. For slow boards: docs/numerics.md has the
-                          * error; 0: as 1 */
-    uint32_t grey_world; /* 1: sum up the channels of mosaics (pupil_stats_grey_world); 0 */
+                          * error. Where few rows have a weight, a frame may meter none of them, and is held as one
+                          * without light. Which rows: by the number of frames that pupil_adapt has taken, so workers
+                          * use the object that adapts, or a copy made since the last frame; 0: as 1 */
+    uint32_t grey_world; /* 1: sum up the channels of mosaics (pupil_stats_grey_world); same for all workers; 0 */
     uint8_t weight[PUPIL_GRID_SIDE][PUPIL_GRID_SIDE]; /* [row][column] of the metering grid, 0..255, at least one
                                                        * above 0; all 1. A pixel belongs to the cell its centre lies in:
                                                        * (2x+1)*16 / (2*width). */

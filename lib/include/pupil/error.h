@@ -30,7 +30,8 @@ enum {
     PUPIL_ERR_STRIDE = -5,    /* rows would overlap: |stride| is smaller than one row of pixels */
     PUPIL_ERR_ALIGNMENT = -6, /* data or stride is not a multiple of the sample's size */
     PUPIL_ERR_PIXEL = -7,     /* the pixel format cannot be used on this side (input or output) */
-    PUPIL_ERR_ROWS = -8,      /* rows outside the frame, or a frame ended before each of its rows came once */
+    PUPIL_ERR_ROWS = -8,      /* rows outside the frame, or that cut what belongs together (image.h), or a frame ended
+                               * before each of its rows came once */
     PUPIL_ERR_ORDER = -9,     /* calls out of order: rows or end without a begin, or a second begin */
     PUPIL_ERR_NO_EXPOSURE = -10,  /* a curve was asked for before any frame was adapted to */
     PUPIL_ERR_NO_HISTOGRAM = -11, /* a quantile was asked of statistics gathered without a histogram */

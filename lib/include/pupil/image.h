@@ -39,7 +39,9 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_BGRX8,   /* out only: blue, green, red, 255 (DRM XRGB8888, the usual frame buffer) */
 
     PUPIL_PIXEL_YUYV,   /* in: two pixels in Y' Cb Y' Cr (YUYV). An odd width's last pixel has 4 bytes, too */
-    PUPIL_PIXEL_NV12,   /* in and out: Y' in `data`; Cb Cr of each 2 x 2 pixels in `chroma` (NV12, NM12) */
+    PUPIL_PIXEL_NV12,   /* in and out: Y' in `data`; Cb Cr of each 2 x 2 pixels in `chroma` (NV12, NM12). Where both
+                         * planes are in one buffer, as V4L2's NV12 is, chroma is data + height * stride there, and has
+                         * the same stride. Odd sizes: the last column's and row's Cb Cr have bytes of their own */
     PUPIL_PIXEL_GREY8,  /* in: 8 bit (GREY) */
     PUPIL_PIXEL_GREY10, /* in: 10 bit in 16-bit words (Y10) */
     PUPIL_PIXEL_GREY12, /* in: 12 bit in 16-bit words (Y12) */
@@ -62,18 +64,19 @@ typedef enum pupil_pixel {
  * interpolation, or, to an `out` of half its width and height, quad by quad.
  *
  * Rows of NV12 and of mosaics come in pairs: a group of rows begins at an even one, and has an odd number of rows only
- * at the end of an NV12 frame. To interpolate a mosaic, the rows just outside the group are read too where rows_above
+ * at the end of an NV12 frame. To NV12 of half a mosaic's size they come in fours, which are a pair there. To
+ * interpolate a mosaic, the rows just outside the group are read too where rows_above
  * and rows_below say that there are any; at the frame's edges (0) the picture is mirrored. pupil_image_rows sees to all
  * of it. */
 typedef struct pupil_image {
-    void *data;             /* the top row */
-    ptrdiff_t stride_bytes; /* from one row to the next; may be negative */
-    uint32_t width;         /* pixels, 1..PUPIL_MAX_SIDE_PX */
-    uint32_t height;        /* rows, 1..PUPIL_MAX_SIDE_PX */
-    uint32_t pixel;         /* a pupil_pixel */
-    void *chroma;           /* NV12: the top row of Cb and Cr */
-    ptrdiff_t chroma_stride_bytes;
-    const pupil_coding *coding; /* NULL: all zero. NV12: its matrix and range */
+    void *data;                    /* the top row */
+    ptrdiff_t stride_bytes;        /* from one row to the next; may be negative */
+    uint32_t width;                /* pixels, 1..PUPIL_MAX_SIDE_PX */
+    uint32_t height;               /* rows, 1..PUPIL_MAX_SIDE_PX */
+    uint32_t pixel;                /* a pupil_pixel */
+    void *chroma;                  /* NV12: the top row of Cb and Cr */
+    ptrdiff_t chroma_stride_bytes; /* may be negative; a row has width + width % 2 bytes */
+    const pupil_coding *coding;    /* NULL: all zero. NV12: its matrix and range */
 } pupil_image;
 
 typedef struct pupil_image_const {

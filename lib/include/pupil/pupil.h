@@ -66,7 +66,8 @@ PUPIL_API int pupil_reset(pupil_t *pupil);
 
 /* ---- a frame at once -------------------------------------------------------------------------------------------- */
 
-/* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap.
+/* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap (of
+ * a mosaic, `out` may have half the width and height).
  * `info` may be NULL (nothing known). A frame that has no light to offer (no weight) leaves the level as it is; before
  * the first valid frame it is mapped at the key itself (scale 1). */
 PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
@@ -74,7 +75,8 @@ PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const p
 
 /* ---- a frame as its rows arrive --------------------------------------------------------------------------------- */
 
-/* begin; then each row exactly once, in groups of any size and order; then end, which adapts. Where `out` is given the
+/* begin; then each row exactly once, in groups of any size and order (of NV12 and mosaics in pairs: image.h); then end,
+ * which adapts. Where `out` is given the
  * rows are mapped in the same pass with the state before this frame (fused): PUPIL_ERR_NO_EXPOSURE if there is none
  * yet. pupil_frame_end refuses a frame that lacks rows by their number (PUPIL_ERR_ROWS), and drops it;
  * pupil_frame_cancel drops it too.

@@ -5,12 +5,14 @@
  * piece.
  *
  * What a pixel counts as. L = wr R + wg G + wb B in binary32, without fused multiply-add, in that order; negative
- * components count as they are (a colour outside the gamut has the luminance its numbers say). A 16-bit sample is
- * code * (1 / 65535) there, an 8-bit one the nearest binary32 on the sRGB curve.
+ * components count as they are (a colour outside the gamut has the luminance its numbers say). A 16-bit sample of RGB
+ * is code * (1 / 65535) there, an 8-bit one the nearest binary32 on the sRGB curve; coding.h has the formats of
+ * cameras.
  *   ordinary: L between floor and 2^30 counts as L
  *   black: L <= floor (zero, negative and denormal L among them) counts as floor
  *   clipped: a channel at or above the clip value; L counts as L, at most 2^30. By default the clip value is the
- *       largest code of an integer format, 65504 for half, 2^30 for float
+ *       largest code of an integer format, 65504 for half, 2^30 for float; for Y'CbCr and grey 1, which is white, and
+ *       for mosaics what the coding lets no channel above
  *   bad: L is NaN or infinite. NaN and -Inf count as floor, +Inf as 2^30; such pixels are not black or clipped
  * Pixels whose metering weight is 0 count nowhere.
  *
@@ -40,7 +42,7 @@ extern "C" {
 #define PUPIL_PEAK_BINS          256
 
 /* Row bands: the frame's rows in this many equal groups, top to bottom, for detecting mains flicker. Row y of a frame
- * of h rows is in band y * 64 / h. */
+ * of h rows is in band y * 64 / h; of a mosaic, rows of quads count. With config.meter_rows bands may be empty. */
 #define PUPIL_BANDS 64
 
 /* Widths: 2^28 pixels (16384 x 16384) x weight 255 x 32 stops < 2^41, so log2_sum and each bin hold any frame, and
@@ -53,15 +55,16 @@ typedef struct pupil_stats {
     uint64_t bad;                       /* pixels */
     int64_t log2_sum;                   /* sum of weight x log2 L, whole stops, rounded down ... */
     uint64_t log2_frac;                 /* ... and the rest in 2^-40 stops, below 2^40 */
-    uint32_t rows;                      /* rows metered so far */
+    uint32_t rows;                      /* rows metered so far, and those that config.meter_rows left out of them */
     uint32_t frame_height;              /* rows of the whole frame; 0 while empty */
     uint32_t has_histogram;             /* 1 where bins were gathered */
     float peak;                         /* the brightest channel of any metered pixel; 0 without a histogram */
     uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
     uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel */
-    int64_t channel_sum[3]; /* mosaics, with config.grey_world: sums of four times the samples above black, of red,
-                             * green and blue, over ... */
-    uint64_t channel_quads; /* ... the quads without a clipped channel, unweighted */
+    int64_t channel_sum[3]; /* mosaics, with config.grey_world: sums of four times the samples above black (which is
+                             * rounded to a quarter of a code), of red, green and blue, over ... */
+    uint64_t channel_quads; /* ... the quads of a weight above 0 with each channel below the coding's white; unweighted,
+                             * and whatever config.clip and the balance are */
     int64_t band_log2_sum[PUPIL_BANDS]; /* sum of log2 L of the metered pixels, unweighted, in 2^-24 stops */
     uint32_t band_pixels[PUPIL_BANDS];  /* their number */
 } pupil_stats;
