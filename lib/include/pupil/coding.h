@@ -56,8 +56,7 @@ typedef enum pupil_bayer {
  * is full in the sensor is white and not magenta; then the matrix. Linear light below black is negative, as the noise
  * of a dark sensor is, and light above white is above 1 in grey.
  * What a field is for: matrix and range for Y'CbCr, also that of an output; light for that of an input and for
- * grey; bayer, balance
- * and rgb_from_camera for mosaics; shift, black and white for grey and mosaics. */
+ * grey; bayer, balance and rgb_from_camera for mosaics; shift, black and white for grey and mosaics. */
 typedef struct pupil_coding {
     uint32_t matrix;  /* a pupil_matrix */
     uint32_t range;   /* a pupil_range */

@@ -65,9 +65,8 @@ typedef enum pupil_pixel {
  *
  * Rows of NV12 and of mosaics come in pairs: a group of rows begins at an even one, and has an odd number of rows only
  * at the end of an NV12 frame. To NV12 of half a mosaic's size they come in fours, which are a pair there. To
- * interpolate a mosaic, the rows just outside the group are read too where rows_above
- * and rows_below say that there are any; at the frame's edges (0) the picture is mirrored. pupil_image_rows sees to all
- * of it. */
+ * interpolate a mosaic, the rows just outside the group are read too where rows_above and rows_below say that there are
+ * any; at the frame's edges (0) the picture is mirrored. pupil_image_rows sees to all of it. */
 typedef struct pupil_image {
     void *data;                    /* the top row */
     ptrdiff_t stride_bytes;        /* from one row to the next; may be negative */

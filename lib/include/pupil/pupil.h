@@ -67,9 +67,9 @@ PUPIL_API int pupil_reset(pupil_t *pupil);
 /* ---- a frame at once -------------------------------------------------------------------------------------------- */
 
 /* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap (of
- * a mosaic, `out` may have half the width and height).
- * `info` may be NULL (nothing known). A frame that has no light to offer (no weight) leaves the level as it is; before
- * the first valid frame it is mapped at the key itself (scale 1). */
+ * a mosaic, `out` may have half the width and height). `info` may be NULL (nothing known). A frame that has no light to
+ * offer (no weight) leaves the level as it is; before the first valid frame it is mapped at the key itself (scale 1).
+ */
 PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
                             const pupil_image *out);
 
