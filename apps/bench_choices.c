@@ -9,12 +9,12 @@
 #include "bench_frames.h"
 #include "interrupt.h"
 
-enum { ROUNDS = 15, SHARES = 4, FRAMES = 3, SAMPLES = 3 * 16384, ERROR_SAMPLES = 16 * SAMPLES };
+enum { ROUNDS = 15, SHARES = 4, FRAMES = 3, SAMPLES = 3 * 16384, ERROR_SAMPLES = 16 * SAMPLES, FRAMES_SEEN = 64 };
 enum { MOST_RUNNERS = SHARES + FRAMES + BENCH_ENCODERS };
 
-typedef struct meter_job { /* each n-th row */
-    const pupil_t *pupil;
-    pupil_image_const rows;
+typedef struct meter_job { /* one of each n rows: config.meter_rows */
+    pupil_t pupil;
+    const pupil_image_const *in;
     pupil_stats stats;
 } meter_job;
 
@@ -41,36 +41,39 @@ typedef struct choosing {
 /* ---- metering some of the rows -------------------------------------------------------------------------------------
  */
 
-static pupil_image_const every(pupil_image_const in, uint32_t n, uint32_t first)
-{
-    pupil_image_const rows = pupil_image_rows(in, first, (in.height - first + n - 1) / n);
-    rows.stride_bytes *= (ptrdiff_t)n;
-    return rows;
-}
-
 static void run_meter(void *context)
 {
     meter_job *j = context;
     pupil_stats_clear(&j->stats);
-    pupil_meter_rows(j->pupil, &j->rows, 0, j->rows.height, &j->stats);
+    pupil_meter_rows(&j->pupil, j->in, 0, j->in->height, &j->stats);
 }
 
-static double mean_of(const pupil_t *pupil, pupil_image_const rows)
+static int meter_job_open(meter_job *j, const pupil_image_const *in, uint32_t n)
 {
-    meter_job j = {.pupil = pupil, .rows = rows};
-    double mean = 0.0;
-    run_meter(&j);
-    pupil_stats_mean(&j.stats, 0.0, 1.0, &mean);
-    return mean;
+    pupil_config config;
+    pupil_config_default(&config);
+    config.white_mode = PUPIL_WHITE_NONE; /* no histogram */
+    config.meter_rows = n;
+    j->in = in;
+    return pupil_init(&j->pupil, &config);
 }
 
-/* The largest of all that the rows may begin with. */
-static double meter_error(const pupil_t *pupil, pupil_image_const in, uint32_t n)
+/* The largest difference to metering every row, of FRAMES_SEEN frames: another row of each n is chosen from frame to
+ * frame. */
+static double meter_error(const pupil_image_const *in, uint32_t n)
 {
-    const double all = mean_of(pupil, in);
-    double most = 0.0;
-    for (uint32_t first = 0; first < n && first < in.height; first++)
-        most = fmax(most, fabs(mean_of(pupil, every(in, n, first)) - all));
+    meter_job all, some;
+    double exact = 0.0, mean = 0.0, most = 0.0;
+    if (meter_job_open(&all, in, 1) || meter_job_open(&some, in, n))
+        return HUGE_VAL;
+    run_meter(&all);
+    pupil_stats_mean(&all.stats, 0.0, 1.0, &exact);
+    for (int i = 0; i < FRAMES_SEEN; i++) {
+        run_meter(&some);
+        pupil_stats_mean(&some.stats, 0.0, 1.0, &mean);
+        most = fmax(most, fabs(mean - exact));
+        pupil_adapt(&some.pupil, &some.stats, NULL);
+    }
     return most;
 }
 
@@ -136,7 +139,8 @@ static int line_up(choosing *c, uint32_t level)
         if (bench_kernel_open(&c->kernel[i], &c->s, frames[i], level))
             return -1;
     for (uint32_t i = 0; i < SHARES; i++) {
-        c->meter[i] = (meter_job){.pupil = &c->kernel[0].pupil, .rows = every(c->s.in, 1u << i, 0)};
+        if (meter_job_open(&c->meter[i], &c->s.in, 1u << i))
+            return -1;
         *next++ = (bench_runner){.run = run_meter, .context = &c->meter[i]};
     }
     for (int i = 0; i < FRAMES; i++)
@@ -171,7 +175,7 @@ static int judge(choosing *c, uint32_t level, bench_choice *choice, size_t *coun
         for (uint32_t i = (uint32_t)striped; i < SHARES; i++) {
             bench_choice *one =
                 next_choice(choice, count, striped ? BENCH_GROUP_STRIPED : BENCH_GROUP_NATURAL, c, &r[i]);
-            one->error = i ? meter_error(&c->kernel[0].pupil, c->s.in, 1u << i) : 0.0;
+            one->error = i ? meter_error(&c->s.in, 1u << i) : 0.0;
             if (i)
                 snprintf(one->name, sizeof one->name, "1/%u of the rows%s", 1u << i, striped ? ", striped" : "");
             else
