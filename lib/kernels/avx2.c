@@ -9,6 +9,7 @@
 
 #include "avx2.h"
 #include "loads.h"
+#include "vector_formats.h"
 #include "vector_store.h"
 
 GROUP_OF_VECTORS(rgba32f, load8_rgba32f, 16)

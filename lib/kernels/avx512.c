@@ -11,6 +11,7 @@
 
 #include "avx512.h"
 #include "loads.h"
+#include "vector_formats.h"
 #include "vector_store.h"
 
 GROUP_OF_VECTORS(rgba32f, load16_rgba32f, 16)

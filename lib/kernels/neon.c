@@ -4,7 +4,7 @@
 
 #include "neon.h"
 #include "loads.h"
-#include "vector.h"
+#include "vector_formats.h"
 
 #if defined(__clang__)
 #define FOR_TWO(i) for (int i = 0; i < 2; i++)

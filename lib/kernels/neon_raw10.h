@@ -4,7 +4,7 @@
  */
 #include "loads.h"
 #include "neon.h"
-#include "vector.h"
+#include "vector_formats.h"
 
 /* 8 quads are 16 samples, 20 bytes, of each row. First the samples of the columns of red, then the others: where their
  * upper bits are, where the byte with their lower bits is, and how far it goes left so that these become bits 2 and 3.

@@ -5,7 +5,7 @@
  * of the exponent (f = 1.055 x^(5/12) - 0.055; IEC 61966-2-1), and near black by two lines. Only where the result lies
  * as near to a boundary of two codes as that error, in about one of 250 samples, the cell decides.
  */
-#include "vector.h"
+#include "vector_scale.h"
 
 /* In 1/65536 code. ERROR: at least the largest error of all floats (a test tries each of them). */
 #define CODE      65536.0f
