@@ -52,7 +52,7 @@ INLINE ints top_rgba16(ints top)
         }                                                                                                              \
     }                                                                                                                  \
     INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
-                               pupil_planes *planes, mask *beyond, mask *opaque)                                       \
+                               pupil_planes *planes, mask *beyond, mask *opaque, float *lum)                           \
     {                                                                                                                  \
         ints top = v_all_ints(0);                                                                                      \
         FOR_TWO(h)                                                                                                     \
@@ -65,8 +65,13 @@ INLINE ints top_rgba16(ints top)
             top = larger_words(top, &w);                                                                               \
             *opaque = v_both(*opaque, OPAQUE(w.a));                                                                    \
             FOR_TWO(k)                                                                                                 \
-            beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], luminance(r[k], g[k], b[k], c), d,                      \
-                                             i + (size_t)(2 * h + k) * WIDTH, planes, 1);                              \
+            {                                                                                                          \
+                const floats l = luminance(r[k], g[k], b[k], c);                                                       \
+                const size_t at = i + (size_t)(2 * h + k) * WIDTH;                                                     \
+                if (lum)                                                                                               \
+                    v_store(lum + at, l);                                                                              \
+                beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], l, d, at, planes, 1);                               \
+            }                                                                                                          \
         }                                                                                                              \
         return top;                                                                                                    \
     }                                                                                                                  \

@@ -57,7 +57,7 @@ INLINE ints as_it_is(ints top)
         }                                                                                                              \
     }                                                                                                                  \
     INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
-                               pupil_planes *planes, mask *beyond, mask *opaque)                                       \
+                               pupil_planes *planes, mask *beyond, mask *opaque, float *lum)                           \
     {                                                                                                                  \
         ints top = v_all_ints(0);                                                                                      \
         FOR_EACH_WAY(k)                                                                                                \
@@ -66,7 +66,10 @@ INLINE ints as_it_is(ints top)
             LOAD(source + k * WIDTH * (BYTES), &r, &g, &b, &a);                                                        \
             *opaque = v_both(*opaque, v_at_least(a, v_all(1.0f)));                                                     \
             top = v_max_unsigned(top, v_max_unsigned(v_max_unsigned(v_bits(r), v_bits(g)), v_bits(b)));                \
-            beyond[k] = scale_vector(r, g, b, luminance(r, g, b, c), d, i + (size_t)k * WIDTH, planes, 1);             \
+            const floats l = luminance(r, g, b, c);                                                                    \
+            if (lum)                                                                                                   \
+                v_store(lum + i + (size_t)k * WIDTH, l);                                                               \
+            beyond[k] = scale_vector(r, g, b, l, d, i + (size_t)k * WIDTH, planes, 1);                                 \
         }                                                                                                              \
         return top;                                                                                                    \
     }
@@ -83,14 +86,18 @@ INLINE ints as_it_is(ints top)
         sum_group(&p, c, s, e);                                                                                        \
     }                                                                                                                  \
     INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
-                               pupil_planes *planes, mask *beyond, mask *opaque)                                       \
+                               pupil_planes *planes, mask *beyond, mask *opaque, float *lum)                           \
     {                                                                                                                  \
         group p;                                                                                                       \
         group_##NAME(source, &p);                                                                                      \
         luminance_of(&p, c);                                                                                           \
         *opaque = v_both(*opaque, p.opaque);                                                                           \
         FOR_EACH_WAY(k)                                                                                                \
-        beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 1);                 \
+        {                                                                                                              \
+            if (lum)                                                                                                   \
+                v_store(lum + i + (size_t)k * WIDTH, p.l[k]);                                                          \
+            beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 1);             \
+        }                                                                                                              \
         return p.top;                                                                                                  \
     }
 
@@ -177,7 +184,8 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
     over.any = 0;                                                                                                      \
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {                                                                   \
         mask beyond[WAYS];                                                                                             \
-        if (__builtin_expect(v_every(v_at_most(TOP(SCALE16), c.bounded)), 1)) {                                        \
+        const ints top = TOP(SCALE16);                                                                                 \
+        if (__builtin_expect(v_every(v_at_most(top, c.bounded)), 1)) {                                                 \
             over.any |= over.vectors[i / PUPIL_LANES] = v_group_bits(beyond);                                          \
         } else {                                                                                                       \
             group p;                                                                                                   \
@@ -194,8 +202,41 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
         scale_hard(&p, &d, i, planes, &over);                                                                          \
     }                                                                                                                  \
     if (over.any)                                                                                                      \
-        fit_listed(&over, n, &d, planes);                                                                              \
-    return v_every(opaque);
+        fit_listed(&over, n, &d, planes);
+
+/* What scaling has found of a block, metered: the luminances, and each group's largest bits. Chunks that are not
+ * ordinary go the hard way, from their source. */
+typedef void hard_meter(const pupil_row_job *job, const void *source, const pupil_planes *planes, size_t i, size_t n,
+                        pupil_run *run);
+
+INLINE void meter_kept(const pupil_row_job *job, const float *lum, const ints *tops, uint32_t n, hard_meter *hard,
+                       const void *source, pupil_run *run)
+{
+    const meter_constants c = meter_constants_of(job);
+    lanes s = lanes_of(run);
+    size_t i = 0;
+    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
+        extremes e = {tops[i / PUPIL_LANES], v_all(PUPIL_CEILING)};
+        FOR_FOUR(j)
+        {
+            e.top = v_max_unsigned(e.top, tops[i / PUPIL_LANES + (size_t)j]);
+            FOR_EACH_WAY(k)
+            {
+                const floats l = v_load(lum + i + (size_t)j * PUPIL_LANES + (size_t)k * WIDTH);
+                e.least = v_min(e.least, l);
+                s.product[k] = v_mul(s.product[k], l);
+            }
+        }
+        if (__builtin_expect(is_ordinary(&e, &c), 1)) {
+            move_exponents(&s, run);
+        } else {
+            hard(job, source, 0, i, i + 4 * PUPIL_LANES, run);
+            s = lanes_of(run);
+        }
+    }
+    if (i < n)
+        hard(job, source, 0, i, n, run);
+}
 
 /* From group_NAME(source, group), which loads 16 pixels of BYTES each. */
 #define FORMAT_KERNELS(NAME, BYTES)                                                                                    \
@@ -235,14 +276,27 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
         const uint8_t *at = source;                                                                                    \
         METER_BODY(sum_##NAME(at + k * (BYTES), &c, &s, &e), top_##NAME, hard_##NAME)                                  \
     }                                                                                                                  \
+    static int fused_##NAME(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,            \
+                            pupil_run *run)                                                                            \
+    {                                                                                                                  \
+        const uint8_t *at = source;                                                                                    \
+        float lum[PUPIL_BLOCK];                                                                                        \
+        ints tops[PUPIL_BLOCK / PUPIL_LANES];                                                                          \
+        SCALE_BODY(tops[i / PUPIL_LANES] =                                                                             \
+                       top_##NAME(scale16_##NAME(at + i * (BYTES), &c, &d, i, planes, beyond, &opaque, lum)),          \
+                   as_it_is, group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))             \
+        meter_kept(job, lum, tops, n, hard_##NAME, source, run);                                                       \
+        return v_every(opaque);                                                                                        \
+    }                                                                                                                  \
     static int scale_##NAME(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,            \
                             pupil_run *run)                                                                            \
     {                                                                                                                  \
         const uint8_t *at = source;                                                                                    \
         if (run)                                                                                                       \
-            meter_##NAME(job, source, planes, n, run);                                                                 \
-        SCALE_BODY(scale16_##NAME(at + i * (BYTES), &c, &d, i, planes, beyond, &opaque), top_##NAME,                   \
+            return fused_##NAME(job, source, n, planes, run);                                                          \
+        SCALE_BODY(scale16_##NAME(at + i * (BYTES), &c, &d, i, planes, beyond, &opaque, 0), top_##NAME,                \
                    group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                       \
+        return v_every(opaque);                                                                                        \
     }
 
 #define FROM_PLANES load_planes(planes->r + i, planes->g + i, planes->b + i, &p)
@@ -295,6 +349,7 @@ static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n
     if (run)
         meter_planes(job, source, planes, n, run);
     SCALE_BODY(scale16_planes(planes, &c, &d, i, beyond), as_it_is, FROM_PLANES, rest_planes(planes, i, n - i, &p))
+    return v_every(opaque);
 }
 
 #endif

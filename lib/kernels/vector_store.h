@@ -41,20 +41,22 @@ INLINE srgb_constants srgb_constants_of(void)
     return c;
 }
 
-/* x from 0 to a little above 1. The code in the upper half, and whether it is certain in the lower: not below
- * UNCERTAIN. */
-INLINE ints srgb_guess(floats x, const srgb_constants *c)
+/* x from 2^-8, where it is `dark` from 0, to just below 1. The code in the upper half, and whether it is certain
+ * in the lower: not below UNCERTAIN. */
+INLINE ints srgb_guess(floats x, const srgb_constants *c, int dark)
 {
-    x = v_min(x, v_all(0x1.fffffep-1f));
     const ints bits = v_bits(x);
     const floats m = v_of_bits(v_or(v_and(bits, v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
     floats p = v_about(c->p[4], m, c->p[3]);
     p = v_about(p, m, c->p[2]);
     p = v_about(p, m, c->p[1]);
     p = v_about(p, m, c->p[0]);
-    const floats curve = v_about(p, v_table8(c->power, v_right(bits, 23)), c->offset);
-    const floats toe = v_min(v_about(x, c->line[0], c->from[0]), v_about(x, c->line[1], c->from[1]));
-    return v_to_ints(v_select(v_less(x, v_all(0x1p-8f)), toe, curve));
+    floats code = v_about(p, v_table8(c->power, v_right(bits, 23)), c->offset);
+    if (dark) {
+        const floats toe = v_min(v_about(x, c->line[0], c->from[0]), v_about(x, c->line[1], c->from[1]));
+        code = v_select(v_less(x, v_all(0x1p-8f)), toe, code);
+    }
+    return v_to_ints(code);
 }
 
 /* By its cell. */
@@ -102,20 +104,31 @@ static void settle(const vector_list *near, const float *first, const float *sec
         }
 }
 
-/* From pixel i on, whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. */
+/* The smallest of the lower halves of three guesses. */
+INLINE ints store_guesses(floats r, floats g, floats b, const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
+{
+    const ints x = srgb_guess(r, c, dark), y = srgb_guess(g, c, dark), z = srgb_guess(b, c, dark);
+    store_pixels(pixel_of(x, y, z), at, bytes);
+    return v_left(v_min_halves(v_min_halves(x, y), z), 16);
+}
+
+/* From pixel i on, whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
+ * samples are in few vectors, side by side: a branch is cheaper than the toe for all. */
 INLINE uint32_t store_srgb(const float *first, const float *second, const float *third, uint32_t n,
                            const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
     const srgb_constants c = srgb_constants_of();
+    const floats most = v_all(0x1.fffffep-1f);
     const uint32_t slack = bytes == 3 ? 2 : 0;
     vector_list near = {.count = 0};
     uint32_t i = 0;
     for (; i + WIDTH + slack <= n; i += WIDTH) {
-        const ints x = srgb_guess(v_load(first + i), &c), y = srgb_guess(v_load(second + i), &c);
-        const ints z = srgb_guess(v_load(third + i), &c);
-        store_pixels(pixel_of(x, y, z), target + (size_t)i * bytes, bytes);
-        /* the smallest of the three lower halves */
-        const ints rest = v_left(v_min_halves(v_min_halves(x, y), z), 16);
+        const floats r = v_min(v_load(first + i), most), g = v_min(v_load(second + i), most);
+        const floats b = v_min(v_load(third + i), most);
+        uint8_t *at = target + (size_t)i * bytes;
+        const mask dark = v_less(v_min(v_min(r, g), b), v_all(0x1p-8f));
+        const ints rest = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(r, g, b, &c, 0, at, bytes)
+                                                                      : store_guesses(r, g, b, &c, 1, at, bytes);
         list_some(&near, i, v_mask_bits(v_below(rest, UNCERTAIN << 16)));
     }
     settle(&near, first, second, third, e, target, bytes);
