@@ -204,10 +204,17 @@ INLINE void store_planes(const group *p, size_t i, pupil_planes *planes)
     if (over.any)                                                                                                      \
         fit_listed(&over, n, &d, planes);
 
-/* What scaling has found of a block, metered: the luminances, and each group's largest bits. Chunks that are not
- * ordinary go the hard way, from their source. */
+/* What scaling has found of a block, metered: the luminances, and the largest bits of each 64 pixels. Chunks that are
+ * not ordinary go the hard way, from their source. */
 typedef void hard_meter(const pupil_row_job *job, const void *source, const pupil_planes *planes, size_t i, size_t n,
                         pupil_run *run);
+
+INLINE ints keep_top(ints *tops, size_t i, ints top)
+{
+    ints *kept = &tops[i / (4 * PUPIL_LANES)];
+    *kept = i % (4 * PUPIL_LANES) ? v_max_unsigned(*kept, top) : top;
+    return top;
+}
 
 INLINE void meter_kept(const pupil_row_job *job, const float *lum, const ints *tops, uint32_t n, hard_meter *hard,
                        const void *source, pupil_run *run)
@@ -216,10 +223,9 @@ INLINE void meter_kept(const pupil_row_job *job, const float *lum, const ints *t
     lanes s = lanes_of(run);
     size_t i = 0;
     for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
-        extremes e = {tops[i / PUPIL_LANES], v_all(PUPIL_CEILING)};
+        extremes e = {tops[i / (4 * PUPIL_LANES)], v_all(PUPIL_CEILING)};
         FOR_FOUR(j)
         {
-            e.top = v_max_unsigned(e.top, tops[i / PUPIL_LANES + (size_t)j]);
             FOR_EACH_WAY(k)
             {
                 const floats l = v_load(lum + i + (size_t)j * PUPIL_LANES + (size_t)k * WIDTH);
@@ -276,15 +282,15 @@ INLINE void meter_kept(const pupil_row_job *job, const float *lum, const ints *t
         const uint8_t *at = source;                                                                                    \
         METER_BODY(sum_##NAME(at + k * (BYTES), &c, &s, &e), top_##NAME, hard_##NAME)                                  \
     }                                                                                                                  \
-    static int fused_##NAME(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,            \
-                            pupil_run *run)                                                                            \
+    static __attribute__((noinline)) int fused_##NAME(const pupil_row_job *job, const void *source, uint32_t n,        \
+                                                      pupil_planes *planes, pupil_run *run)                            \
     {                                                                                                                  \
         const uint8_t *at = source;                                                                                    \
         float lum[PUPIL_BLOCK];                                                                                        \
-        ints tops[PUPIL_BLOCK / PUPIL_LANES];                                                                          \
-        SCALE_BODY(tops[i / PUPIL_LANES] =                                                                             \
-                       top_##NAME(scale16_##NAME(at + i * (BYTES), &c, &d, i, planes, beyond, &opaque, lum)),          \
-                   as_it_is, group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))             \
+        ints tops[PUPIL_BLOCK / (4 * PUPIL_LANES)];                                                                    \
+        SCALE_BODY(                                                                                                    \
+            keep_top(tops, i, top_##NAME(scale16_##NAME(at + i * (BYTES), &c, &d, i, planes, beyond, &opaque, lum))),  \
+            as_it_is, group_##NAME(at + i * (BYTES), &p), rest_##NAME(at + i * (BYTES), n - i, &p))                    \
         meter_kept(job, lum, tops, n, hard_##NAME, source, run);                                                       \
         return v_every(opaque);                                                                                        \
     }                                                                                                                  \
