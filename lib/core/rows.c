@@ -41,7 +41,7 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
     const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
     uint32_t x = 0;
 
-    if (is_even(weight)) {
+    if (is_even(weight)) { /* the usual grid: to walk its cells would take a hundred instructions a row */
         if (target || weight[0])
             pupil_work_run(job, row, 0, width, target, weight[0], band, stats);
         return;

@@ -65,13 +65,8 @@ INLINE ints top_rgba16(ints top)
             top = larger_words(top, &w);                                                                               \
             *opaque = v_both(*opaque, OPAQUE(w.a));                                                                    \
             FOR_TWO(k)                                                                                                 \
-            {                                                                                                          \
-                const floats l = luminance(r[k], g[k], b[k], c);                                                       \
-                const size_t at = i + (size_t)(2 * h + k) * WIDTH;                                                     \
-                if (lum)                                                                                               \
-                    v_store(lum + at, l);                                                                              \
-                beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], l, d, at, planes, 1);                               \
-            }                                                                                                          \
+            beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], luminance(r[k], g[k], b[k], c), d,                      \
+                                             i + (size_t)(2 * h + k) * WIDTH, planes, lum, 1);                         \
         }                                                                                                              \
         return top;                                                                                                    \
     }                                                                                                                  \
@@ -144,8 +139,8 @@ INLINE void store_vectors(const float *first, const float *second, const float *
         const uint16x8_t z = codes_of(third + i, cell, base);
         if (bytes == 4) {
             const uint16x8_t xy = vsliq_n_u16(x, y, 8), za = vorrq_u16(z, vdupq_n_u16(0xff00));
-            vst1q_u16((uint16_t *)(target + i * 4), vzip1q_u16(xy, za));
-            vst1q_u16((uint16_t *)(target + i * 4 + 16), vzip2q_u16(xy, za));
+            vst1q_u8(target + i * 4, vreinterpretq_u8_u16(vzip1q_u16(xy, za)));
+            vst1q_u8(target + i * 4 + 16, vreinterpretq_u8_u16(vzip2q_u16(xy, za)));
         } else {
             vst3_u8(target + i * 3, ((uint8x8x3_t){{vmovn_u16(x), vmovn_u16(y), vmovn_u16(z)}}));
         }

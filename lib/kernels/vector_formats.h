@@ -66,10 +66,7 @@ INLINE ints as_it_is(ints top)
             LOAD(source + k * WIDTH * (BYTES), &r, &g, &b, &a);                                                        \
             *opaque = v_both(*opaque, v_at_least(a, v_all(1.0f)));                                                     \
             top = v_max_unsigned(top, v_max_unsigned(v_max_unsigned(v_bits(r), v_bits(g)), v_bits(b)));                \
-            const floats l = luminance(r, g, b, c);                                                                    \
-            if (lum)                                                                                                   \
-                v_store(lum + i + (size_t)k * WIDTH, l);                                                               \
-            beyond[k] = scale_vector(r, g, b, l, d, i + (size_t)k * WIDTH, planes, 1);                                 \
+            beyond[k] = scale_vector(r, g, b, luminance(r, g, b, c), d, i + (size_t)k * WIDTH, planes, lum, 1);        \
         }                                                                                                              \
         return top;                                                                                                    \
     }
@@ -93,11 +90,7 @@ INLINE ints as_it_is(ints top)
         luminance_of(&p, c);                                                                                           \
         *opaque = v_both(*opaque, p.opaque);                                                                           \
         FOR_EACH_WAY(k)                                                                                                \
-        {                                                                                                              \
-            if (lum)                                                                                                   \
-                v_store(lum + i + (size_t)k * WIDTH, p.l[k]);                                                          \
-            beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 1);             \
-        }                                                                                                              \
+        beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, lum, 1);            \
         return p.top;                                                                                                  \
     }
 
@@ -345,7 +338,7 @@ INLINE ints
     if (!v_every(v_at_most(p.top, c->bounded)))
         return p.top;
     FOR_EACH_WAY(k)
-    beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 1);
+    beyond[k] = scale_vector(p.r[k], p.g[k], p.b[k], p.l[k], d, i + (size_t)k * WIDTH, planes, 0, 1);
     return p.top;
 }
 

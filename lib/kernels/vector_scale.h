@@ -69,11 +69,14 @@ typedef struct group_list {
     uint64_t vectors[PUPIL_BLOCK / PUPIL_LANES], any;
 } group_list;
 
-/* One vector to planes, from pixel `at` on. Bounded: there is nothing to clamp. */
+/* One vector to planes, from pixel `at` on. Bounded: there is nothing to clamp. The luminances are kept in lum unless
+ * it is NULL. */
 INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_constants *c, size_t at,
-                         pupil_planes *planes, int bounded)
+                         pupil_planes *planes, float *lum, int bounded)
 {
     const floats one = v_all(1.0f);
+    if (lum)
+        v_store(lum + at, l);
     const floats y = bounded ? l : v_min(v_max(l, v_all(0.0f)), v_all(PUPIL_CEILING));
     const floats u = v_mul(c->scale, y);
     floats s = v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
@@ -96,7 +99,7 @@ static __attribute__((noinline)) void scale_hard(const group *p, const scale_con
 {
     mask beyond[WAYS];
     FOR_EACH_WAY(k)
-    beyond[k] = scale_vector(p->r[k], p->g[k], p->b[k], p->l[k], c, i + (size_t)k * WIDTH, planes, 0);
+    beyond[k] = scale_vector(p->r[k], p->g[k], p->b[k], p->l[k], c, i + (size_t)k * WIDTH, planes, 0, 0);
     over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
 }
 
