@@ -15,6 +15,15 @@ function(pupil_needs option package)
   target_link_libraries(pupil_dep_${option} INTERFACE PkgConfig::PUPIL_${option}_FOUND)
 endfunction()
 
+if(PUPIL_GLES)
+  include(CheckIncludeFile)
+  check_include_file(GLES3/gl31.h PUPIL_HAS_GL31_H)
+  if(NOT PUPIL_HAS_GL31_H)
+    message(FATAL_ERROR "PUPIL_GLES=ON, but the compiler does not find GLES3/gl31.h. "
+      "On Debian: apt-get install libgles-dev. To do without: -DPUPIL_GLES=OFF")
+  endif()
+endif()
+
 if(PUPIL_PROGRAM)
   # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has the C core alone.
   add_library(pupil_dep_EXR INTERFACE)

@@ -40,6 +40,20 @@ const char *pupil_error_string(int code)
         return "these statistics cannot come from metering, or belong to another frame";
     case PUPIL_ERR_CODING:
         return "the image's coding is refused; pupil_coding_check names the field";
+    case PUPIL_ERR_GLES_ABSENT:
+        return "this library was built without OpenGL ES";
+    case PUPIL_ERR_GLES_VERSION:
+        return "the context lacks the version of OpenGL ES, a function or an extension that is needed";
+    case PUPIL_ERR_GLES_SHADER:
+        return "the OpenGL ES driver refuses a shader";
+    case PUPIL_ERR_GLES_MEMORY:
+        return "the OpenGL ES driver is out of memory";
+    case PUPIL_ERR_GLES_CONTEXT:
+        return "no OpenGL ES context is current in this thread, or not the one that the object was made in";
+    case PUPIL_ERR_GLES_LOST:
+        return "the OpenGL ES context is lost: a new one, and a new object in it, can go on from the adapted level";
+    case PUPIL_ERR_GLES:
+        return "an error of OpenGL ES that should not be";
     default:
         return "not an error code of this version of the library";
     }

@@ -37,7 +37,14 @@ enum {
     PUPIL_ERR_NO_HISTOGRAM = -11, /* a quantile was asked of statistics gathered without a histogram */
     PUPIL_ERR_VALUE = -12,        /* an argument is NaN or outside its range */
     PUPIL_ERR_STATS = -13,        /* statistics that no metering can have produced, or of another frame height */
-    PUPIL_ERR_CODING = -14        /* pupil_coding_check refuses the image's coding, and says which field */
+    PUPIL_ERR_CODING = -14,       /* pupil_coding_check refuses the image's coding, and says which field */
+    PUPIL_ERR_GLES_ABSENT = -15,  /* gles.h: the library was built without OpenGL ES */
+    PUPIL_ERR_GLES_VERSION = -16, /* ... the context lacks the version, a function or an extension that is needed */
+    PUPIL_ERR_GLES_SHADER = -17,  /* ... the driver refuses a shader */
+    PUPIL_ERR_GLES_MEMORY = -18,  /* ... the driver is out of memory */
+    PUPIL_ERR_GLES_CONTEXT = -19, /* ... no context is current, or another one than at init */
+    PUPIL_ERR_GLES_LOST = -20,    /* ... the context is lost */
+    PUPIL_ERR_GLES = -21          /* ... any other error of GL */
 };
 
 /* One sentence, in English, for any code above (and for any other number). Never NULL; points to constant text. */

@@ -1,0 +1,13 @@
+# cmake -DHEADER=... -DFILES=a;b -P embed_files.cmake: what pupil_embed runs. One literal a line, so that no compiler's
+# limit of a literal's length is met.
+set(all "/* Made from the shaders by cmake/embed_files.cmake. */\n")
+foreach(file IN LISTS FILES)
+  get_filename_component(name ${file} NAME)
+  string(MAKE_C_IDENTIFIER ${name} name)
+  file(READ ${file} text)
+  string(REPLACE "\\" "\\\\" text "${text}")
+  string(REPLACE "\"" "\\\"" text "${text}")
+  string(REPLACE "\n" "\\n\"\n    \"" text "${text}")
+  string(APPEND all "static const char text_${name}[] =\n    \"${text}\";\n")
+endforeach()
+file(WRITE ${HEADER} "${all}")

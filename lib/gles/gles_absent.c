@@ -1,0 +1,79 @@
+/* In the place of lib/gles where the library is built without OpenGL ES (PUPIL_GLES=OFF): says so. */
+#include "pupil/gles.h"
+
+static int absent(char *why, size_t why_bytes)
+{
+    static const char sentence[] = "this library was built without OpenGL ES (CMake: -DPUPIL_GLES=ON)";
+    for (size_t i = 0; why && i < why_bytes; i++) {
+        why[i] = i + 1 < why_bytes && i < sizeof sentence ? sentence[i] : '\0';
+        if (!why[i])
+            break;
+    }
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+void pupil_gles_config_default(pupil_gles_config *config)
+{
+    if (config)
+        *config = (pupil_gles_config){.size_bytes = sizeof *config};
+}
+
+int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
+                    pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
+{
+    (void)gles, (void)config, (void)pupil, (void)get_proc;
+    return absent(why, why_bytes);
+}
+
+int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes)
+{
+    (void)gles, (void)pupil;
+    return absent(why, why_bytes);
+}
+
+void pupil_gles_close(pupil_gles *gles)
+{
+    (void)gles;
+}
+
+int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
+{
+    (void)gles, (void)image;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture)
+{
+    (void)gles, (void)texture, (void)chroma_texture;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info *info, const pupil_gles_target *target)
+{
+    (void)gles, (void)pupil, (void)info, (void)target;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
+{
+    (void)gles, (void)info;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)
+{
+    (void)gles, (void)timeout_ns, (void)stats, (void)info;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target)
+{
+    (void)gles, (void)curve, (void)target;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
+int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status)
+{
+    (void)gles, (void)status;
+    return PUPIL_ERR_GLES_ABSENT;
+}

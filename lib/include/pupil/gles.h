@@ -1,0 +1,222 @@
+/* pupil/gles.h: the same seam on a GPU, in the caller's current OpenGL ES context.
+ *
+ * A second way to fill pupil_stats and to apply a pupil_curve. It holds no law of its own: pupil_adapt takes the
+ * statistics, whoever made them, so a frame may be metered here and mapped by the CPU, or the other way round, and the
+ * adaptation stays in the pupil_t.
+ *
+ *     pupil_gles_config config;
+ *     pupil_gles gles;
+ *     pupil_gles_config_default(&config);
+ *     config.pixel = PUPIL_PIXEL_RGBA16F, config.width = 1920, config.height = 1080;
+ *     pupil_gles_init(&gles, &config, &pupil, eglGetProcAddress, why, sizeof why);
+ *     for each frame:
+ *         pupil_gles_upload(&gles, &in);
+ *         pupil_gles_process(&gles, &pupil, &info, &target);
+ *
+ * Versions: OpenGL ES 3.1 (metering by a compute shader, with histograms) or 3.0 (by fragment shaders into integer
+ * targets, without histograms); no extension is needed but for external textures. ES 2.0 is refused.
+ *
+ * What comes out: counts, weights and the histogram's total are exact; the log-average lies within 1e-5 (relative) of
+ * the CPU's; a mapped sample is at most one code off, and at most one of 10,000 is (docs/numerics.md, section 9). A GPU
+ * rounds as it likes, so there is no promise of equal bits between two of them.
+ *
+ * Nothing waits: statistics come through a ring of buffers that are read only once their fence has signalled, and so
+ * reach pupil_adapt a frame late or more. pupil_gles_collect with a timeout is the one call that may wait.
+ *
+ * GL state: nothing is restored. Left changed by upload, use, meter, process and map: program, vertex array, active
+ * texture and the 2D (external) bindings and samplers of units 0..3, pixel unpacking, pixel pack buffer, uniform,
+ * shader storage and framebuffer bindings, viewport, scissor, clear colour, colour mask; blending, depth, stencil,
+ * cull, dither, polygon offset, rasterizer discard and alpha-to-coverage are off. GL objects are made by init and
+ * retune alone.
+ *
+ * Memory: the caller owns the object, which has a fixed size and must not be copied or moved (it stands for objects of
+ * one context). Nothing is allocated here; what the driver does is its own.
+ *
+ * Errors: a refused call leaves the object as it was. Where `why` is given it gets a sentence; `why` may be NULL.
+ * PUPIL_ERR_GLES_CONTEXT: no context is current, or another one than at init (known where get_proc finds
+ * eglGetCurrentContext, as EGL 1.5 does). PUPIL_ERR_GLES_LOST: the context is lost (known where it was made with
+ * reset notification). After either the pupil_t still has its level: pupil_process goes on with the CPU where the GPU
+ * stopped, and so does another pupil_gles_init in a new context.
+ *
+ * Threads: one thread at a time, in which the context is current.
+ */
+#ifndef PUPIL_GLES_H
+#define PUPIL_GLES_H
+
+#include "pupil/pupil.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Finds an entry point of GL or EGL by its name: eglGetProcAddress is one. */
+typedef void (*pupil_gles_function)(void);
+typedef pupil_gles_function (*pupil_gles_get_proc)(const char *name);
+
+typedef enum pupil_gles_version {
+    PUPIL_GLES_BEST = 0, /* default: 3.1 where the context has it and its compute shaders build, or else 3.0 */
+    PUPIL_GLES_ES30 = 30,
+    PUPIL_GLES_ES31 = 31
+} pupil_gles_version;
+
+/* Where a frame's texels come from. */
+typedef enum pupil_gles_source {
+    PUPIL_GLES_MEMORY = 0, /* default: pupil_gles_upload copies images into textures made by init */
+    PUPIL_GLES_TEXTURES,   /* pupil_gles_use names the caller's GL_TEXTURE_2D, for instance dma-bufs */
+    PUPIL_GLES_EXTERNAL,   /* pupil_gles_use names one GL_TEXTURE_EXTERNAL_OES, whose driver makes RGB of whatever is in
+                            * it; config.pixel is RGBA8, coding.light says how it is coded (usual: sRGB). Wants
+                            * GL_OES_EGL_image_external_essl3 */
+    PUPIL_GLES_SOURCE_COUNT
+} pupil_gles_source;
+
+/* Which state maps a frame. */
+typedef enum pupil_gles_adapt {
+    PUPIL_GLES_ADAPT_CPU = 0, /* default: every law. A frame is mapped by the newest statistics that have come back,
+                               * which are a frame old or more */
+    PUPIL_GLES_ADAPT_GPU, /* the frame's own light, with no way back and forth: PUPIL_LAW_SECONDS alone, no trimming,
+                           * a white that does not follow. An integer state on the GPU, within 2e-6 stops of the C
+                           * (docs/numerics.md). Statistics come back all the same, so that the pupil_t follows
+                           * and can take over */
+    PUPIL_GLES_ADAPT_COUNT
+} pupil_gles_adapt;
+
+/* Textures that pupil_gles_use takes for a format (init makes the same for memory). 8-bit formats are normalised:
+ *     RGBA32F, RGB32F, RGBA16F   float, as named
+ *     RGBA16, RGB16              RGBA16UI, RGB16UI
+ *     RGBA8, RGB8                RGBA8, RGB8; not the SRGB8 kinds
+ *     YUYV                       RG8, width + width % 2 texels wide
+ *     NV12                       R8, and RG8 of (width + 1) / 2 by (height + 1) / 2
+ *     GREY8, BAYER8              R8
+ *     GREY10..16, BAYER10..16    R16UI; with config.normalized_16, R16
+ *     BAYER10P, BAYER12P         R8, pupil_row_bytes texels wide
+ */
+typedef struct pupil_gles_config {
+    uint32_t size_bytes;    /* sizeof(pupil_gles_config) as the caller was compiled; filled in by config_default */
+    uint32_t version;       /* a pupil_gles_version; best */
+    uint32_t source;        /* a pupil_gles_source; memory */
+    uint32_t adapt;         /* a pupil_gles_adapt; CPU */
+    uint32_t pixel;         /* a pupil_pixel that can be an input; to be chosen */
+    uint32_t width, height; /* of every frame, pixels; to be chosen */
+    uint32_t normalized_16; /* 1: textures of 16-bit grey and mosaics are R16 (GL_EXT_texture_norm16, dma-bufs); 0 */
+    uint32_t half_size;     /* 1: a mosaic is mapped quad by quad, to a picture of half its size; 0 */
+    uint32_t scaled;        /* 1: targets may have another size than the picture; 0 */
+    pupil_coding coding;    /* of every frame; all 0 */
+} pupil_gles_config;
+
+PUPIL_API void pupil_gles_config_default(pupil_gles_config *config);
+
+/* How the picture lies in the target: EXIF's orientations 1 to 8, less one. */
+typedef enum pupil_gles_orientation {
+    PUPIL_GLES_UPRIGHT = 0,
+    PUPIL_GLES_MIRRORED, /* left and right swapped */
+    PUPIL_GLES_ROTATED_180,
+    PUPIL_GLES_FLIPPED,    /* top and bottom swapped */
+    PUPIL_GLES_TRANSPOSED, /* rows become columns */
+    PUPIL_GLES_ROTATED_90, /* clockwise, to be seen upright from a camera turned to its left */
+    PUPIL_GLES_TRANSVERSED,
+    PUPIL_GLES_ROTATED_270,
+    PUPIL_GLES_ORIENTATION_COUNT
+} pupil_gles_orientation;
+
+typedef enum pupil_gles_fit {
+    PUPIL_GLES_LETTERBOX = 0, /* all of the picture, its shape kept, black beside it */
+    PUPIL_GLES_FILL,          /* all of the target, the picture's shape kept, what is beyond cut off */
+    PUPIL_GLES_STRETCH,       /* all of both */
+    PUPIL_GLES_FIT_COUNT
+} pupil_gles_fit;
+
+/* Where a mapped frame goes: a framebuffer with an 8-bit RGBA colour attachment that is not of an SRGB8 kind. Sizes
+ * other than the picture's (turned as it is) are drawn with four samples a pixel, mixed as display codes; to a half and
+ * less, details may flicker. */
+typedef struct pupil_gles_target {
+    uint32_t framebuffer;   /* 0: the window's */
+    int32_t x, y;           /* the rectangle that it may use; y counts from the framebuffer's first row */
+    uint32_t width, height; /* 1..PUPIL_MAX_SIDE_PX */
+    uint32_t top_first;     /* 1: the framebuffer's first row is the picture's top, as in memory and dma-bufs; 0: its
+                             * bottom, as a window shows it */
+    uint32_t orientation;   /* a pupil_gles_orientation */
+    uint32_t fit;           /* a pupil_gles_fit; used where config.scaled is */
+    float from, to;         /* which part of the rectangle's width is drawn, 0..1, the rest staying as it is: for a
+                             * split screen; both 0: all */
+} pupil_gles_target;
+
+#define PUPIL_GLES_OBJECT_BYTES 8192
+
+/* The object. Its content is private; its size is part of the ABI. */
+typedef union pupil_gles {
+    uint64_t private_words[PUPIL_GLES_OBJECT_BYTES / 8];
+} pupil_gles;
+
+/* ---- life ------------------------------------------------------------------------------------------------------- */
+
+/* Compiles the shaders and makes every GL object for frames of one size and format, with the settings of `pupil`
+ * (config.h); an adapted level that it has is taken over. `gles` may be any bytes, but not an object that is open.
+ * PUPIL_ERR_GLES_ABSENT: the library was built without GLES. PUPIL_ERR_GLES_VERSION: the context is not the ES that is
+ * asked for, or lacks a function or an extension that is named in `why`. PUPIL_ERR_GLES_SHADER, _MEMORY.
+ * PUPIL_ERR_SIZE: larger than the context's textures can be. PUPIL_ERR_CONFIG: a setting of config, or of pupil, that
+ * cannot be had here: a histogram (also for trimming or a white that follows) in ES 3.0; another law on the GPU;
+ * grey_world. PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil is not used:
+ * every row is metered. */
+PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
+                              pupil_gles_get_proc get_proc, char *why, size_t why_bytes);
+
+/* After pupil_retune: takes over the new settings. Compiles again what they change; statistics under way are dropped.
+ * Errors as of init; the old settings then stay. */
+PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes);
+
+/* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */
+PUPIL_API void pupil_gles_close(pupil_gles *gles);
+
+/* ---- a frame's texels ------------------------------------------------------------------------------------------- */
+
+/* PUPIL_GLES_MEMORY: an image of the config's size and format, any stride; its coding is not read. PUPIL_ERR_SIZE,
+ * _PIXEL, _STRIDE, _ALIGNMENT. */
+PUPIL_API int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image);
+
+/* PUPIL_GLES_TEXTURES and _EXTERNAL: textures that the calls from now on read, one for each plane (a second one only
+ * with NV12; else 0). They stay the caller's. */
+PUPIL_API int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture);
+
+/* ---- a frame at once -------------------------------------------------------------------------------------------- */
+
+/* Takes what statistics have come back into `pupil` (pupil_adapt, in the frames' order), meters the frame and maps it.
+ * `info` may be NULL. Before the first statistics are back a frame is mapped at the key itself (scale 1) unless
+ * adapting on the GPU. Where the GPU is more than three frames behind, a frame is mapped but not metered
+ * (pupil_gles_status.unmetered). */
+PUPIL_API int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info *info,
+                                 const pupil_gles_target *target);
+
+/* ---- the seam --------------------------------------------------------------------------------------------------- */
+
+/* Metering of the frame is handed to the GPU, and on the GPU the adaptation too. PUPIL_GLES_BUSY: not metered, because
+ * three frames are still under way. */
+PUPIL_API int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info);
+
+/* Not errors: nothing (more) has come back; three frames are under way. */
+enum { PUPIL_GLES_NOTHING = 1, PUPIL_GLES_BUSY = 2 };
+
+/* The oldest statistics that have come back, with the info of their frame: PUPIL_OK, or PUPIL_GLES_NOTHING. timeout_ns
+ * 0 never waits; else waits so long at most. `info` may be NULL. */
+PUPIL_API int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info);
+
+/* Maps the frame. `curve` NULL: by the level on the GPU (PUPIL_GLES_ADAPT_GPU). */
+PUPIL_API int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target);
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+typedef struct pupil_gles_status {
+    uint32_t version;     /* PUPIL_GLES_ES30 or _ES31 */
+    uint32_t under_way;   /* frames metered whose statistics were not collected yet */
+    uint64_t metered;     /* frames handed to the GPU since init */
+    uint64_t unmetered;   /* frames that pupil_gles_meter found the ring full for */
+    int64_t level_q24;    /* ADAPT_GPU: the level (2^-24 stops) on the GPU after the last frame that was collected */
+    uint32_t level_known; /* ADAPT_GPU: such a frame has come, and the GPU has had a valid one */
+} pupil_gles_status;
+
+PUPIL_API int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
