@@ -1,0 +1,60 @@
+/* drivers/egl/dmabuf.h: a capture buffer of the kernel's as textures, with no copy, and fences both ways.
+ *
+ *     once for each buffer:  pupil_dmabuf_import -> textures for pupil_gles_use
+ *     for each frame:        wait for the producer's fence, if it has one (pupil_fence_wait_fd) -> pupil_gles_use,
+ *                            process -> pupil_fence_make -> when pupil_fence_done, the buffer goes back to its producer
+ *
+ * A plane is imported by itself, as R8, GR88, R16, ... and converted by pupil's own shader: the import of several
+ * planes as one fails on some drivers, and leaves the matrix and range to them.
+ *
+ * Threads: that in which the context is current. All work on eglGetCurrentDisplay.
+ */
+#ifndef PUPIL_DRIVERS_EGL_DMABUF_H
+#define PUPIL_DRIVERS_EGL_DMABUF_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pupil/gles.h"
+
+/* A frame in memory that the kernel shares. Both planes may be in one file descriptor. */
+typedef struct pupil_dmabuf {
+    uint32_t pixel; /* a pupil_pixel: RGBA8 (as AB24), BGRX8 (XR24: read as RGBA8), YUYV, NV12, GREY8, GREY16, BAYER8 to
+                     * BAYER16, the packed mosaics; RGBA16F (AB4H) */
+    uint32_t width, height; /* pixels */
+    int fd[2];              /* stay the caller's; [1]: NV12's chroma */
+    uint32_t offset_bytes[2], stride_bytes[2];
+    int has_modifier; /* modifier is known; else the driver's usual layout */
+    uint64_t modifier;
+} pupil_dmabuf;
+
+typedef struct pupil_dmabuf_textures {
+    uint32_t texture[2]; /* GL names, for pupil_gles_use; 0: no such plane */
+    void *image[2];      /* EGLImages */
+} pupil_dmabuf_textures;
+
+/* 0, or -1 and a sentence (the extension that is missing, the format and what the driver said). 16-bit formats are
+ * imported as R16: pupil_gles_config.normalized_16 is 1 with them. */
+int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, char *why, size_t why_bytes);
+void pupil_dmabuf_release(pupil_dmabuf_textures *textures);
+
+/* The same for an output: a framebuffer that renders into the buffer (RGBA8 or BGRX8), for pupil_gles_target. */
+int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
+                             char *why, size_t why_bytes);
+
+/* A fence behind everything that was handed to GL so far. NULL: the driver has none (EGL_KHR_fence_sync), or no memory.
+ */
+typedef struct pupil_fence pupil_fence;
+pupil_fence *pupil_fence_make(void);
+/* 1: all of it is done. Never waits. */
+int pupil_fence_done(pupil_fence *fence);
+/* A sync file of the kernel's, to be polled or handed on, and closed by the caller; -1: the driver has none
+ * (EGL_ANDROID_native_fence_sync). */
+int pupil_fence_fd(pupil_fence *fence);
+void pupil_fence_close(pupil_fence *fence);
+
+/* Makes the GPU wait (not the caller) for a sync file before anything that is handed to GL from now on. Takes the file
+ * descriptor over. -1: the driver cannot; poll it (POLLIN) instead, it stays the caller's. */
+int pupil_fence_wait_fd(int fd);
+
+#endif
