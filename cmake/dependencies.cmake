@@ -15,14 +15,17 @@ function(pupil_needs option package)
   target_link_libraries(pupil_dep_${option} INTERFACE PkgConfig::PUPIL_${option}_FOUND)
 endfunction()
 
-if(PUPIL_GLES)
-  include(CheckIncludeFile)
-  check_include_file(GLES3/gl31.h PUPIL_HAS_GL31_H)
-  if(NOT PUPIL_HAS_GL31_H)
-    message(FATAL_ERROR "PUPIL_GLES=ON, but the compiler does not find GLES3/gl31.h. "
-      "On Debian: apt-get install libgles-dev. To do without: -DPUPIL_GLES=OFF")
+# Both take the headers of OpenGL ES and link nothing of it: functions are looked up at run time.
+include(CheckIncludeFile)
+foreach(option IN ITEMS GLES EGL)
+  if(PUPIL_${option} AND (PUPIL_PROGRAM OR option STREQUAL GLES))
+    check_include_file(GLES3/gl31.h PUPIL_HAS_GL31_H)
+    if(NOT PUPIL_HAS_GL31_H)
+      message(FATAL_ERROR "PUPIL_${option}=ON, but the compiler does not find GLES3/gl31.h. "
+        "On Debian: apt-get install libgles-dev. To do without: -DPUPIL_${option}=OFF")
+    endif()
   endif()
-endif()
+endforeach()
 
 if(PUPIL_PROGRAM)
   # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has the C core alone.
@@ -39,6 +42,8 @@ if(PUPIL_PROGRAM)
   pupil_needs(VIDEO "libavformat-dev libavcodec-dev libavutil-dev"
     libavformat>=59 libavcodec>=59 libavutil>=57)
   pupil_needs(JSON libcjson-dev libcjson)
+  pupil_needs(EGL libegl-dev egl)
+  pupil_needs(WINDOW libsdl2-dev sdl2)
   set(THREADS_PREFER_PTHREAD_FLAG ON)
   find_package(Threads REQUIRED)
   # Not everything in the C library's mathematics is in the C library's own file.

@@ -7,7 +7,10 @@
  * A plane is imported by itself, as R8, GR88, R16, ... and converted by pupil's own shader: the import of several
  * planes as one fails on some drivers, and leaves the matrix and range to them.
  *
- * Threads: that in which the context is current. All work on eglGetCurrentDisplay.
+ * GL state: the 2D binding of the active texture unit and the framebuffer binding are left 0.
+ *
+ * Threads: that in which the context is current. All work on eglGetCurrentDisplay, which is there as long as the
+ * context is: release and close come before its end.
  */
 #ifndef PUPIL_DRIVERS_EGL_DMABUF_H
 #define PUPIL_DRIVERS_EGL_DMABUF_H
@@ -19,8 +22,8 @@
 
 /* A frame in memory that the kernel shares. Both planes may be in one file descriptor. */
 typedef struct pupil_dmabuf {
-    uint32_t pixel; /* a pupil_pixel: RGBA8 (as AB24), BGRX8 (XR24: read as RGBA8), YUYV, NV12, GREY8, GREY16, BAYER8 to
-                     * BAYER16, the packed mosaics; RGBA16F (AB4H) */
+    uint32_t pixel; /* a pupil_pixel: RGBA8 (as AB24), BGRX8 (XR24: read as RGBA8), YUYV, NV12, GREY8 to GREY16, BAYER8
+                     * to BAYER16, the packed mosaics; RGBA16F (AB4H) */
     uint32_t width, height; /* pixels */
     int fd[2];              /* stay the caller's; [1]: NV12's chroma */
     uint32_t offset_bytes[2], stride_bytes[2];
@@ -29,16 +32,19 @@ typedef struct pupil_dmabuf {
 } pupil_dmabuf;
 
 typedef struct pupil_dmabuf_textures {
-    uint32_t texture[2]; /* GL names, for pupil_gles_use; 0: no such plane */
-    void *image[2];      /* EGLImages */
+    uint32_t texture[2];  /* GL names, for pupil_gles_use; 0: no such plane */
+    void *image[2];       /* EGLImages */
+    uint32_t framebuffer; /* of pupil_dmabuf_framebuffer; else 0 */
 } pupil_dmabuf_textures;
 
 /* 0, or -1 and a sentence (the extension that is missing, the format and what the driver said). 16-bit formats are
  * imported as R16: pupil_gles_config.normalized_16 is 1 with them. */
 int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, char *why, size_t why_bytes);
+/* Deletes what import or framebuffer made; twice is allowed. */
 void pupil_dmabuf_release(pupil_dmabuf_textures *textures);
 
-/* The same for an output: a framebuffer that renders into the buffer (RGBA8 or BGRX8), for pupil_gles_target. */
+/* The same for an output: a framebuffer that renders into the buffer (RGBA8 or BGRX8), for pupil_gles_target. It is
+ * pupil_dmabuf_release's to delete, too. */
 int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
                              char *why, size_t why_bytes);
 
@@ -46,7 +52,7 @@ int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *
  */
 typedef struct pupil_fence pupil_fence;
 pupil_fence *pupil_fence_make(void);
-/* 1: all of it is done. Never waits. */
+/* 1: all of it is done; 0: not yet; -1: never to be known (the context is lost, or not current). Never waits. */
 int pupil_fence_done(pupil_fence *fence);
 /* A sync file of the kernel's, to be polled or handed on, and closed by the caller; -1: the driver has none
  * (EGL_ANDROID_native_fence_sync). */
