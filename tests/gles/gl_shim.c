@@ -138,6 +138,13 @@ int shim_fails(gl_fault fault)
 /* ---- the way in ----------------------------------------------------------------------------------------------------
  */
 
+static int tells_of_loss;
+
+int gl_shim_tells_of_loss(void)
+{
+    return tells_of_loss;
+}
+
 static GLenum GL_APIENTRY my_reset_status(void)
 {
     return shim.lost ? GUILTY_CONTEXT_RESET : GL_NO_ERROR;
@@ -160,6 +167,7 @@ void gl_shim_begin(int in_context)
     if (in_context)
         delete_rest();
     shim = (gl_shim){0};
+    tells_of_loss = 0;
     memset(calls, 0, sizeof calls);
     shim_forget_bindings();
 }
@@ -171,8 +179,10 @@ pupil_gles_function gl_shim_get_proc(const char *name)
         return NULL;
     if (!strcmp(name, "eglGetCurrentContext"))
         return (pupil_gles_function)my_current_context;
-    if (!strncmp(name, "glGetGraphicsResetStatus", strlen("glGetGraphicsResetStatus")))
+    if (!strncmp(name, "glGetGraphicsResetStatus", strlen("glGetGraphicsResetStatus"))) {
+        tells_of_loss = 1;
         return (pupil_gles_function)my_reset_status;
+    }
     const int i = strncmp(name, "gl", 2) ? CALLS : number_of(name + 2);
     if (i == CALLS) {
         shim_breach(name, 0);

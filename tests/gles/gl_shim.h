@@ -64,6 +64,9 @@ pupil_gles_function gl_shim_get_proc(const char *name);
 /* How often a function was called: "FenceSync". */
 unsigned long gl_shim_calls(const char *name);
 
+/* Whether the context can say that it is lost: pupil_gles found a function for it. */
+int gl_shim_tells_of_loss(void);
+
 /* The name of the i-th function that OpenGL ES 3.0, or with has_31 3.1, is asked for; NULL: there is none. */
 const char *gl_shim_function(int i, int has_31);
 
