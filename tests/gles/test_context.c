@@ -14,11 +14,11 @@
 
 #define OPENED 200
 /* It clears tens of MiB for each. */
-#define OPENED_SOFTPIPE 80
+#define OPENED_SOFTPIPE 40
 /* Not counted: Mesa's caches fill with the first contexts. */
-#define WARM_UP 50
-/* A context of llvmpipe's that is not destroyed keeps 2.5 MiB; 150 leaks of 4 KiB, the smallest step of what is
- * resident, would be 600 KiB. What still grows by itself takes some dozens. */
+#define WARM_UP 20
+/* A context of llvmpipe's that is not destroyed keeps 2.5 MiB; 180 leaks of 4 KiB, the smallest step of what is
+ * resident, would be 720 KiB. What still grows by itself takes some dozens. */
 #define GROWTH_KIB 300
 
 static char why[512];
