@@ -319,7 +319,7 @@ static void check_lost_at_work(int kind)
     if (!open_kind(kind) || !gl_shim_tells_of_loss())
         return;
     pupil_gles_close(&s.gles);
-    for (unsigned long n = 1; n < 250; n += 9) {
+    for (unsigned long n = 1; n < 250; n += 17) {
         open_kind(kind);
         shim.lose_at = shim.total + n;
         int error = PUPIL_OK;
