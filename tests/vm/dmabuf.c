@@ -1,0 +1,364 @@
+/* dmabuf.c: runs in the guest (test_dmabuf.sh). Frames of a camera (vivid) in dma-bufs (vgem) become textures without a
+ * copy, are metered and mapped by pupil_gles into a dma-buf, and go from there to a monitor (vivid's output) and over
+ * its cable back into the camera.
+ *
+ * Held, for each format: a texture's texels are the codes in the buffer, all of them; the statistics and the mapped
+ * picture are those of the CPU, by the tolerances of docs/numerics.md. For the way back: every byte of what the cable
+ * brings is that of the mapped picture. */
+#include <linux/videodev2.h>
+#include <math.h>
+
+#include "check.h"
+#include "egl/dmabuf.h"
+#include "egl/egl_context.h"
+#include "vm/read_texels.h"
+#include "vm/vgem.h"
+#include "vm/vivid.h"
+
+/* vivid's smallest picture. More than its buffers, so that each is filled, imported and given back again. */
+#define WIDTH     320u
+#define HEIGHT    180u
+#define FRAMES    5
+#define SECOND_NS UINT64_C(1000000000)
+
+/* The items of vivid's menu "Test Pattern" (the kernel's v4l2-tpg.h: enum tpg_pattern), and of "OSD Text Mode". */
+enum { PATTERN_SQUARES = 4, PATTERN_NOISE = 20, TEXT_ALL = 0, TEXT_NONE = 2 };
+
+/* What vivid fills, and as what pupil takes it. */
+typedef struct format {
+    const char *name;
+    uint32_t fourcc, pixel;
+    uint32_t import; /* where textures are imported as another pupil_pixel than they are read as; 0: the same */
+    uint32_t padding_bytes;
+} format;
+
+static const format formats[] = {
+    {"YUYV", V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 0},
+    {"YUYV, padded rows", V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 64},
+    {"NV12 in one buffer", V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 0},
+    {"NV12, padded rows", V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 64},
+    {"NV12 in two buffers", V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0, 0},
+    {"RGBA8", V4L2_PIX_FMT_RGBA32, PUPIL_PIXEL_RGBA8, 0, 0},
+    {"BGRX8 as RGBA8", V4L2_PIX_FMT_XBGR32, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, 0},
+    {"GREY8", V4L2_PIX_FMT_GREY, PUPIL_PIXEL_GREY8, 0, 0},
+    {"GREY16, padded rows", V4L2_PIX_FMT_Y16, PUPIL_PIXEL_GREY16, 0, 64},
+    {"BAYER8", V4L2_PIX_FMT_SRGGB8, PUPIL_PIXEL_BAYER8, 0, 0},
+    {"BAYER10", V4L2_PIX_FMT_SRGGB10, PUPIL_PIXEL_BAYER10, 0, 0},
+    {"BAYER12", V4L2_PIX_FMT_SRGGB12, PUPIL_PIXEL_BAYER12, 0, 0},
+    {"BAYER16", V4L2_PIX_FMT_SRGGB16, PUPIL_PIXEL_BAYER16, 0, 0},
+};
+
+typedef struct figures {
+    double metering;       /* the log-average's distance, relative; the largest */
+    uint64_t samples, off; /* mapped samples, and those that are not equal */
+    int most;              /* by how many codes at most */
+} figures;
+
+static int vgem;
+
+/* A frame of the node, as dma-bufs for textures and as an image for the CPU. */
+static pupil_dmabuf frame_dmabuf(const vivid_node *node, int index, uint32_t pixel)
+{
+    const vgem_buffer *b = node->buffer[index];
+    pupil_dmabuf d = {.pixel = pixel, .width = node->width, .height = node->height};
+    d.fd[0] = b[0].fd, d.stride_bytes[0] = node->stride_bytes[0];
+    d.fd[1] = b[0].fd, d.stride_bytes[1] = node->stride_bytes[0];
+    d.offset_bytes[1] = node->stride_bytes[0] * node->height;
+    if (node->planes == 2)
+        d.fd[1] = b[1].fd, d.stride_bytes[1] = node->stride_bytes[1], d.offset_bytes[1] = 0;
+    return d;
+}
+
+static pupil_image_const frame_image(const vivid_node *node, int index, uint32_t pixel)
+{
+    const vgem_buffer *b = node->buffer[index];
+    pupil_image_const image = {.data = b[0].data,
+                               .stride_bytes = node->stride_bytes[0],
+                               .width = node->width,
+                               .height = node->height,
+                               .pixel = pixel};
+    if (pixel == PUPIL_PIXEL_NV12) {
+        image.chroma = node->planes == 2 ? b[1].data : b[0].data + (size_t)node->stride_bytes[0] * node->height;
+        image.chroma_stride_bytes = node->stride_bytes[node->planes - 1];
+    }
+    return image;
+}
+
+/* How many of a texture's channels differ from the codes in memory: `channels` of one or two bytes side by side. */
+static unsigned long texels_off(uint32_t texture, const void *data, ptrdiff_t stride_bytes, uint32_t width,
+                                uint32_t height, uint32_t channels, uint32_t largest)
+{
+    uint32_t *codes = malloc((size_t)width * height * 4 * sizeof *codes);
+    unsigned long off = 0;
+    if (!codes || read_texels(texture, width, height, largest, codes) != 0) {
+        free(codes);
+        return ~0ul;
+    }
+    for (uint32_t y = 0; y < height; y++) {
+        const unsigned char *row = (const unsigned char *)data + (ptrdiff_t)y * stride_bytes;
+        for (uint32_t i = 0; i < width * channels; i++) {
+            uint32_t code = largest > 255 ? (uint32_t)(row[2 * i] | row[2 * i + 1] << 8) : row[i];
+            off += codes[((size_t)y * width + i / channels) * 4 + i % channels] != code;
+        }
+    }
+    free(codes);
+    return off;
+}
+
+static void check_texels(const pupil_dmabuf_textures *textures, const pupil_image_const *image, const char *what)
+{
+    uint32_t bytes = (uint32_t)pupil_pixel_bytes(image->pixel), channels = bytes, largest = 255;
+    if (image->pixel == PUPIL_PIXEL_GREY16 ||
+        (image->pixel >= PUPIL_PIXEL_BAYER10 && image->pixel <= PUPIL_PIXEL_BAYER16))
+        channels = 1, largest = 65535;
+    unsigned long off = texels_off(textures->texture[0], image->data, image->stride_bytes, image->width, image->height,
+                                   channels, largest);
+    CHECK_MSG(off == 0, "%s: %lu samples of the texture are not those of the buffer", what, off);
+    if (!image->chroma)
+        return;
+    off = texels_off(textures->texture[1], image->chroma, image->chroma_stride_bytes, image->width / 2,
+                     image->height / 2, 2, 255);
+    CHECK_MSG(off == 0, "%s: %lu samples of the chroma's texture are not those of the buffer", what, off);
+}
+
+/* Waits for what GL was given, so that the CPU may read what it wrote, and the camera write what it read. */
+static void wait_for_gl(const char *what)
+{
+    const struct timespec pause = {0, 1000000};
+    pupil_fence *fence = pupil_fence_make();
+    int done = 0;
+    CHECK_MSG(fence != NULL, "%s: no fence", what);
+    if (!fence)
+        return;
+    for (int i = 0; i < 20000 && (done = pupil_fence_done(fence)) == 0; i++)
+        nanosleep(&pause, NULL);
+    CHECK_MSG(done == 1, "%s: the fence says %d", what, done);
+    pupil_fence_close(fence);
+}
+
+static void compare_metering(pupil_gles *gles, const pupil_t *pupil, const pupil_image_const *image,
+                             pupil_stats *stats, figures *all, const char *what)
+{
+    static pupil_stats cpu;
+    double gpu_mean = 0.0, cpu_mean = 0.0;
+    pupil_stats_clear(stats);
+    pupil_stats_clear(&cpu);
+    CHECK(pupil_gles_meter(gles, NULL) == PUPIL_OK);
+    CHECK(pupil_gles_collect(gles, 60 * SECOND_NS, stats, NULL) == PUPIL_OK);
+    CHECK(pupil_meter_rows(pupil, image, 0, image->height, &cpu) == PUPIL_OK);
+    CHECK_MSG(stats->pixels == cpu.pixels && stats->weight == cpu.weight && stats->clipped == cpu.clipped &&
+                  stats->bad == cpu.bad,
+              "%s: %llu pixels, %llu clipped; the CPU has %llu, %llu", what, (unsigned long long)stats->pixels,
+              (unsigned long long)stats->clipped, (unsigned long long)cpu.pixels, (unsigned long long)cpu.clipped);
+    CHECK(pupil_stats_mean(stats, 0.0, 1.0, &gpu_mean) == PUPIL_OK);
+    CHECK(pupil_stats_mean(&cpu, 0.0, 1.0, &cpu_mean) == PUPIL_OK);
+    const double off = fabs(exp2(gpu_mean - cpu_mean) - 1.0);
+    CHECK_MSG(off <= 1e-5, "%s: the log-average is off by %g", what, off);
+    all->metering = fmax(all->metering, off);
+}
+
+static void compare_pictures(const vgem_buffer *gpu, const unsigned char *cpu, size_t bytes, figures *all,
+                             const char *what)
+{
+    int most = 0;
+    vgem_begin(gpu);
+    for (size_t i = 0; i < bytes; i++) {
+        int off = abs(gpu->data[i] - cpu[i]);
+        all->off += off != 0;
+        most = off > most ? off : most;
+    }
+    vgem_end(gpu);
+    all->samples += bytes;
+    all->most = most > all->most ? most : all->most;
+    CHECK_MSG(most <= 1, "%s: a sample is %d codes off", what, most);
+}
+
+/* Where the mapped picture goes: a dma-buf that GL renders into. */
+typedef struct canvas {
+    vgem_buffer memory;
+    pupil_dmabuf_textures textures;
+    uint32_t pixel, stride_bytes;
+    pupil_gles_target target;
+} canvas;
+
+static int canvas_open(canvas *c, uint32_t pixel, uint32_t width, uint32_t height)
+{
+    char why[512] = "";
+    *c = (canvas){.pixel = pixel, .stride_bytes = width * 4};
+    c->target.width = width, c->target.height = height, c->target.top_first = 1;
+    if (vgem_make(vgem, (size_t)c->stride_bytes * height, &c->memory) != 0) {
+        CHECK_MSG(0, "vgem refuses a buffer");
+        return -1;
+    }
+    const pupil_dmabuf d = {
+        .pixel = pixel, .width = width, .height = height, .fd = {c->memory.fd, -1}, .stride_bytes = {c->stride_bytes}};
+    int failed = pupil_dmabuf_framebuffer(&d, &c->textures, &c->target.framebuffer, why, sizeof why);
+    CHECK_MSG(!failed, "%s", why);
+    return failed;
+}
+
+static void canvas_close(canvas *c)
+{
+    pupil_dmabuf_release(&c->textures);
+    vgem_free(&c->memory);
+}
+
+/* Meters and maps one frame both ways. */
+static void compare_frame(pupil_gles *gles, pupil_t *pupil, const pupil_dmabuf_textures *textures,
+                          const pupil_image_const *image, const canvas *c, figures *all, const char *what)
+{
+    static pupil_stats stats;
+    pupil_curve curve;
+    const size_t bytes = (size_t)c->stride_bytes * image->height;
+    unsigned char *picture = malloc(bytes);
+    const pupil_image out = {.data = picture,
+                             .stride_bytes = c->stride_bytes,
+                             .width = image->width,
+                             .height = image->height,
+                             .pixel = c->pixel};
+    CHECK(pupil_gles_use(gles, textures->texture[0], textures->texture[1]) == PUPIL_OK);
+    compare_metering(gles, pupil, image, &stats, all, what);
+    CHECK(pupil_adapt(pupil, &stats, NULL) == PUPIL_OK);
+    CHECK(pupil_get_curve(pupil, NULL, &curve) == PUPIL_OK);
+    CHECK(pupil_map_rows(pupil, &curve, image, &out) == PUPIL_OK);
+    CHECK(pupil_gles_map(gles, &curve, &c->target) == PUPIL_OK);
+    wait_for_gl(what);
+    compare_pictures(&c->memory, picture, bytes, all, what);
+    free(picture);
+}
+
+/* BGRX8 is none of the CPU's inputs: the same frame with red and blue in the places of RGBA8. */
+static unsigned char *swap_red_and_blue(pupil_image_const *image)
+{
+    size_t bytes = (size_t)image->stride_bytes * image->height;
+    unsigned char *copy = malloc(bytes);
+    const unsigned char *from = image->data;
+    for (size_t i = 0; i < bytes; i++)
+        copy[i] = from[i % 4 == 3 ? i : i % 4 == 1 ? i : i ^ 2];
+    image->data = copy;
+    return copy;
+}
+
+/* FNV-1a (Fowler, Noll, Vo): whether a buffer has a new picture. */
+static uint64_t hash(const vgem_buffer *buffer)
+{
+    uint64_t h = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < buffer->bytes; i++)
+        h = (h ^ buffer->data[i]) * UINT64_C(0x100000001b3);
+    return h;
+}
+
+static int open_gles(pupil_gles *gles, pupil_t *pupil, uint32_t pixel, uint32_t width, uint32_t height)
+{
+    pupil_config config;
+    pupil_gles_config gles_config;
+    char why[1024] = "";
+    pupil_config_default(&config);
+    CHECK(pupil_init(pupil, &config) == PUPIL_OK);
+    pupil_gles_config_default(&gles_config);
+    gles_config.source = PUPIL_GLES_TEXTURES;
+    gles_config.pixel = pixel, gles_config.width = width, gles_config.height = height;
+    gles_config.normalized_16 = 1;
+    int error = pupil_gles_init(gles, &gles_config, pupil, pupil_egl_get_proc, why, sizeof why);
+    CHECK_MSG(error == PUPIL_OK, "%s", why);
+    return error;
+}
+
+static int import_all(const vivid_node *camera, uint32_t pixel, pupil_dmabuf_textures textures[VIVID_BUFFERS])
+{
+    char why[512] = "";
+    int failed = 0;
+    memset(textures, 0, VIVID_BUFFERS * sizeof *textures);
+    for (int i = 0; i < VIVID_BUFFERS && !failed; i++) {
+        const pupil_dmabuf d = frame_dmabuf(camera, i, pixel);
+        failed = pupil_dmabuf_import(&d, &textures[i], why, sizeof why);
+        CHECK_MSG(!failed, "%s", why);
+    }
+    return failed;
+}
+
+static int stream(vivid_node *node)
+{
+    for (uint32_t i = 0; i < VIVID_BUFFERS; i++)
+        if (vivid_queue(node, i) != 0)
+            return -1;
+    return vivid_stream(node);
+}
+
+/* One frame of the camera, and its buffer given back. */
+static void one_frame(vivid_node *camera, const format *f, const pupil_dmabuf_textures *textures, pupil_gles *gles,
+                      pupil_t *pupil, const canvas *c, uint64_t *seen, figures *all)
+{
+    int index = vivid_dequeue(camera);
+    CHECK_MSG(index >= 0, "%s: no frame", f->name);
+    if (index < 0)
+        return;
+    pupil_image_const image = frame_image(camera, index, f->pixel);
+    unsigned char *swapped = NULL;
+    vgem_begin(&camera->buffer[index][0]);
+    const uint64_t now = hash(&camera->buffer[index][0]);
+    CHECK_MSG(now != seen[index], "%s: buffer %d has the picture that it had", f->name, index);
+    seen[index] = now;
+    if (f->import == PUPIL_PIXEL_BGRX8)
+        swapped = swap_red_and_blue(&image);
+    check_texels(&textures[index], &image, f->name);
+    compare_frame(gles, pupil, &textures[index], &image, c, all, f->name);
+    vgem_end(&camera->buffer[index][0]);
+    free(swapped);
+    CHECK(vivid_queue(camera, (uint32_t)index) == 0);
+}
+
+static void test_format(vivid_node *camera, const format *f)
+{
+    static pupil_gles gles;
+    static pupil_t pupil;
+    canvas canvases[2];
+    pupil_dmabuf_textures textures[VIVID_BUFFERS];
+    uint64_t seen[VIVID_BUFFERS] = {0};
+    figures all = {0};
+    CHECK(vivid_start(camera, vgem, f->fourcc, WIDTH, HEIGHT, f->padding_bytes) == 0);
+    CHECK_MSG(camera->stride_bytes[0] == pupil_row_bytes(f->pixel, WIDTH) + f->padding_bytes, "%s: rows of %u bytes",
+              f->name, camera->stride_bytes[0]);
+    int failed = import_all(camera, f->import ? f->import : f->pixel, textures);
+    failed |= open_gles(&gles, &pupil, f->pixel, WIDTH, HEIGHT);
+    failed |= canvas_open(&canvases[0], PUPIL_PIXEL_BGRX8, WIDTH, HEIGHT);
+    failed |= canvas_open(&canvases[1], PUPIL_PIXEL_RGBA8, WIDTH, HEIGHT);
+    CHECK(vivid_control(camera, "Test Pattern", PATTERN_NOISE) == 0);
+    failed |= stream(camera);
+    CHECK_MSG(!failed, "%s: not tested", f->name);
+    for (int i = 0; i < FRAMES && !failed; i++) {
+        if (i == FRAMES / 2)
+            CHECK(vivid_control(camera, "Test Pattern", PATTERN_SQUARES) == 0);
+        one_frame(camera, f, textures, &gles, &pupil, &canvases[i % 2], seen, &all);
+    }
+    vivid_stop(camera);
+    canvas_close(&canvases[1]);
+    canvas_close(&canvases[0]);
+    pupil_gles_close(&gles);
+    for (int i = 0; i < VIVID_BUFFERS; i++)
+        pupil_dmabuf_release(&textures[i]);
+    printf("%-20s metering %.1e relative; %llu of %llu samples off, by %d at most\n", f->name, all.metering,
+           (unsigned long long)all.off, (unsigned long long)all.samples, all.most);
+    CHECK_MSG(all.off * 10000 <= all.samples, "%s: more than a sample in 10,000 is off", f->name);
+}
+
+int main(int argc, char **argv)
+{
+    vivid_node camera, monitor;
+    pupil_egl *egl;
+    char why[512] = "";
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    check_begin(argc, argv);
+    vgem = vgem_open();
+    CHECK_MSG(vgem >= 0, "no vgem device");
+    CHECK(vivid_open(&camera, 0) == 0 && vivid_open(&monitor, 1) == 0);
+    CHECK_MSG(pupil_egl_open(&egl, NULL, why, sizeof why) == 0, "%s", why);
+    if (check_state.failures || read_texels_open() != 0)
+        return 1;
+    pupil_egl_describe(why, sizeof why);
+    printf("%s\n", why);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        test_format(&camera, &formats[i]);
+    pupil_egl_close(egl);
+    return check_end();
+}
