@@ -15,14 +15,14 @@
 #include "vm/vgem.h"
 #include "vm/vivid.h"
 
-/* vivid's smallest picture. More than its buffers, so that each is filled, imported and given back again. */
-#define WIDTH     320u
-#define HEIGHT    180u
-#define FRAMES    5
+/* Small, for everything here is emulated. More frames than buffers, so that one is given back and filled again. */
+#define WIDTH     160u
+#define HEIGHT    96u
+#define FRAMES    4
 #define SECOND_NS UINT64_C(1000000000)
 
-/* The items of vivid's menu "Test Pattern" (the kernel's v4l2-tpg.h: enum tpg_pattern), and of "OSD Text Mode". */
-enum { PATTERN_SQUARES = 4, PATTERN_NOISE = 20, TEXT_ALL = 0, TEXT_NONE = 2 };
+/* The items of vivid's menu "Test Pattern" (the kernel's v4l2-tpg.h: enum tpg_pattern). */
+enum { PATTERN_SQUARES = 4, PATTERN_NOISE = 20 };
 
 /* What vivid fills, and as what pupil takes it. */
 typedef struct format {
@@ -33,9 +33,7 @@ typedef struct format {
 } format;
 
 static const format formats[] = {
-    {"YUYV", V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 0},
     {"YUYV, padded rows", V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 64},
-    {"NV12 in one buffer", V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 0},
     {"NV12, padded rows", V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 64},
     {"NV12 in two buffers", V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0, 0},
     {"RGBA8", V4L2_PIX_FMT_RGBA32, PUPIL_PIXEL_RGBA8, 0, 0},
@@ -136,8 +134,8 @@ static void wait_for_gl(const char *what)
     pupil_fence_close(fence);
 }
 
-static void compare_metering(pupil_gles *gles, const pupil_t *pupil, const pupil_image_const *image,
-                             pupil_stats *stats, figures *all, const char *what)
+static void compare_metering(pupil_gles *gles, const pupil_t *pupil, const pupil_image_const *image, pupil_stats *stats,
+                             figures *all, const char *what)
 {
     static pupil_stats cpu;
     double gpu_mean = 0.0, cpu_mean = 0.0;
@@ -155,22 +153,6 @@ static void compare_metering(pupil_gles *gles, const pupil_t *pupil, const pupil
     const double off = fabs(exp2(gpu_mean - cpu_mean) - 1.0);
     CHECK_MSG(off <= 1e-5, "%s: the log-average is off by %g", what, off);
     all->metering = fmax(all->metering, off);
-}
-
-static void compare_pictures(const vgem_buffer *gpu, const unsigned char *cpu, size_t bytes, figures *all,
-                             const char *what)
-{
-    int most = 0;
-    vgem_begin(gpu);
-    for (size_t i = 0; i < bytes; i++) {
-        int off = abs(gpu->data[i] - cpu[i]);
-        all->off += off != 0;
-        most = off > most ? off : most;
-    }
-    vgem_end(gpu);
-    all->samples += bytes;
-    all->most = most > all->most ? most : all->most;
-    CHECK_MSG(most <= 1, "%s: a sample is %d codes off", what, most);
 }
 
 /* Where the mapped picture goes: a dma-buf that GL renders into. */
@@ -203,6 +185,25 @@ static void canvas_close(canvas *c)
     vgem_free(&c->memory);
 }
 
+/* BGRX8's fourth byte is nothing: what GL leaves there is its own. */
+static void compare_pictures(const canvas *c, const unsigned char *cpu, size_t bytes, figures *all, const char *what)
+{
+    const vgem_buffer *gpu = &c->memory;
+    int most = 0;
+    vgem_begin(gpu);
+    for (size_t i = 0; i < bytes; i++) {
+        if (c->pixel == PUPIL_PIXEL_BGRX8 && i % 4 == 3)
+            continue;
+        all->samples++;
+        int off = abs(gpu->data[i] - cpu[i]);
+        all->off += off != 0;
+        most = off > most ? off : most;
+    }
+    vgem_end(gpu);
+    all->most = most > all->most ? most : all->most;
+    CHECK_MSG(most <= 1, "%s: a sample is %d codes off", what, most);
+}
+
 /* Meters and maps one frame both ways. */
 static void compare_frame(pupil_gles *gles, pupil_t *pupil, const pupil_dmabuf_textures *textures,
                           const pupil_image_const *image, const canvas *c, figures *all, const char *what)
@@ -223,18 +224,18 @@ static void compare_frame(pupil_gles *gles, pupil_t *pupil, const pupil_dmabuf_t
     CHECK(pupil_map_rows(pupil, &curve, image, &out) == PUPIL_OK);
     CHECK(pupil_gles_map(gles, &curve, &c->target) == PUPIL_OK);
     wait_for_gl(what);
-    compare_pictures(&c->memory, picture, bytes, all, what);
+    compare_pictures(c, picture, bytes, all, what);
     free(picture);
 }
 
-/* BGRX8 is none of the CPU's inputs: the same frame with red and blue in the places of RGBA8. */
-static unsigned char *swap_red_and_blue(pupil_image_const *image)
+/* BGRX8 is none of the CPU's inputs: the same frame as RGBA8. Its fourth byte is nothing, which reads as opaque. */
+static unsigned char *as_rgba8(pupil_image_const *image)
 {
     size_t bytes = (size_t)image->stride_bytes * image->height;
     unsigned char *copy = malloc(bytes);
     const unsigned char *from = image->data;
     for (size_t i = 0; i < bytes; i++)
-        copy[i] = from[i % 4 == 3 ? i : i % 4 == 1 ? i : i ^ 2];
+        copy[i] = i % 4 == 3 ? 255 : from[i % 4 == 1 ? i : i ^ 2];
     image->data = copy;
     return copy;
 }
@@ -300,7 +301,7 @@ static void one_frame(vivid_node *camera, const format *f, const pupil_dmabuf_te
     CHECK_MSG(now != seen[index], "%s: buffer %d has the picture that it had", f->name, index);
     seen[index] = now;
     if (f->import == PUPIL_PIXEL_BGRX8)
-        swapped = swap_red_and_blue(&image);
+        swapped = as_rgba8(&image);
     check_texels(&textures[index], &image, f->name);
     compare_frame(gles, pupil, &textures[index], &image, c, all, f->name);
     vgem_end(&camera->buffer[index][0]);
@@ -308,38 +309,115 @@ static void one_frame(vivid_node *camera, const format *f, const pupil_dmabuf_te
     CHECK(vivid_queue(camera, (uint32_t)index) == 0);
 }
 
-static void test_format(vivid_node *camera, const format *f)
+/* Frames of one format. The object of the format before is used again where it is of the same pixels. */
+static void test_format(vivid_node *camera, const format *f, pupil_gles *gles, pupil_t *pupil, canvas canvases[2])
 {
-    static pupil_gles gles;
-    static pupil_t pupil;
-    canvas canvases[2];
+    static uint32_t opened = PUPIL_PIXEL_NONE;
     pupil_dmabuf_textures textures[VIVID_BUFFERS];
     uint64_t seen[VIVID_BUFFERS] = {0};
     figures all = {0};
-    CHECK(vivid_start(camera, vgem, f->fourcc, WIDTH, HEIGHT, f->padding_bytes) == 0);
+    int failed = vivid_start(camera, vgem, f->fourcc, WIDTH, HEIGHT, f->padding_bytes);
     CHECK_MSG(camera->stride_bytes[0] == pupil_row_bytes(f->pixel, WIDTH) + f->padding_bytes, "%s: rows of %u bytes",
               f->name, camera->stride_bytes[0]);
-    int failed = import_all(camera, f->import ? f->import : f->pixel, textures);
-    failed |= open_gles(&gles, &pupil, f->pixel, WIDTH, HEIGHT);
-    failed |= canvas_open(&canvases[0], PUPIL_PIXEL_BGRX8, WIDTH, HEIGHT);
-    failed |= canvas_open(&canvases[1], PUPIL_PIXEL_RGBA8, WIDTH, HEIGHT);
-    CHECK(vivid_control(camera, "Test Pattern", PATTERN_NOISE) == 0);
+    failed |= import_all(camera, f->import ? f->import : f->pixel, textures);
+    if (opened != f->pixel) {
+        pupil_gles_close(gles);
+        failed |= open_gles(gles, pupil, f->pixel, WIDTH, HEIGHT);
+        opened = f->pixel;
+    }
+    failed |= vivid_control(camera, "Test Pattern", PATTERN_NOISE);
     failed |= stream(camera);
     CHECK_MSG(!failed, "%s: not tested", f->name);
     for (int i = 0; i < FRAMES && !failed; i++) {
         if (i == FRAMES / 2)
             CHECK(vivid_control(camera, "Test Pattern", PATTERN_SQUARES) == 0);
-        one_frame(camera, f, textures, &gles, &pupil, &canvases[i % 2], seen, &all);
+        one_frame(camera, f, textures, gles, pupil, &canvases[f->pixel == PUPIL_PIXEL_RGBA8 && i % 2], seen, &all);
     }
     vivid_stop(camera);
-    canvas_close(&canvases[1]);
-    canvas_close(&canvases[0]);
-    pupil_gles_close(&gles);
     for (int i = 0; i < VIVID_BUFFERS; i++)
         pupil_dmabuf_release(&textures[i]);
     printf("%-20s metering %.1e relative; %llu of %llu samples off, by %d at most\n", f->name, all.metering,
            (unsigned long long)all.off, (unsigned long long)all.samples, all.most);
     CHECK_MSG(all.off * 10000 <= all.samples, "%s: more than a sample in 10,000 is off", f->name);
+}
+
+static void test_formats(vivid_node *camera)
+{
+    static pupil_gles gles;
+    static pupil_t pupil;
+    canvas canvases[2];
+    memset(&gles, 0, sizeof gles);
+    int failed = canvas_open(&canvases[0], PUPIL_PIXEL_BGRX8, WIDTH, HEIGHT);
+    failed |= canvas_open(&canvases[1], PUPIL_PIXEL_RGBA8, WIDTH, HEIGHT);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats && !failed; i++)
+        test_format(camera, &formats[i], &gles, &pupil, canvases);
+    pupil_gles_close(&gles);
+    canvas_close(&canvases[1]);
+    canvas_close(&canvases[0]);
+}
+
+/* What the camera sees, mapped into every buffer of the monitor. */
+static int fill_monitor(vivid_node *camera, vivid_node *monitor)
+{
+    static pupil_gles gles;
+    static pupil_t pupil;
+    const pupil_curve curve = {2.0f, 0.1f, 1.0f};
+    pupil_dmabuf_textures textures[VIVID_BUFFERS];
+    char why[512] = "";
+    int failed = vivid_start(camera, vgem, V4L2_PIX_FMT_YUYV, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT, 0);
+    failed |= import_all(camera, PUPIL_PIXEL_YUYV, textures);
+    failed |= open_gles(&gles, &pupil, PUPIL_PIXEL_YUYV, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT);
+    failed |= stream(camera);
+    int index = failed ? -1 : vivid_dequeue(camera);
+    CHECK_MSG(index >= 0, "no frame for the monitor");
+    for (int i = 0; i < VIVID_BUFFERS && index >= 0; i++) {
+        pupil_dmabuf_textures out;
+        pupil_gles_target target = {.width = VIVID_VGA_WIDTH, .height = VIVID_VGA_HEIGHT, .top_first = 1};
+        const pupil_dmabuf d = frame_dmabuf(monitor, i, PUPIL_PIXEL_BGRX8);
+        CHECK_MSG(pupil_dmabuf_framebuffer(&d, &out, &target.framebuffer, why, sizeof why) == 0, "%s", why);
+        CHECK(pupil_gles_use(&gles, textures[index].texture[0], 0) == PUPIL_OK);
+        CHECK(pupil_gles_map(&gles, &curve, &target) == PUPIL_OK);
+        wait_for_gl("the monitor's picture");
+        pupil_dmabuf_release(&out);
+    }
+    vivid_stop(camera);
+    for (int i = 0; i < VIVID_BUFFERS; i++)
+        pupil_dmabuf_release(&textures[i]);
+    pupil_gles_close(&gles);
+    return index >= 0 ? 0 : -1;
+}
+
+/* The mapped picture over the cable: the monitor shows it for as long as it has no other, so each frame that the camera
+ * takes is it. */
+static void test_cable(vivid_node *camera, vivid_node *monitor)
+{
+    const size_t bytes = (size_t)VIVID_VGA_WIDTH * VIVID_VGA_HEIGHT * 4;
+    int failed = vivid_start(monitor, vgem, V4L2_PIX_FMT_XBGR32, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT, 0);
+    failed |= fill_monitor(camera, monitor);
+    failed |= vivid_start(camera, vgem, V4L2_PIX_FMT_XBGR32, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT, 0);
+    failed |= vivid_cable(camera);
+    failed |= stream(monitor);
+    failed |= stream(camera);
+    CHECK_MSG(!failed, "the cable: not tested");
+    const vgem_buffer *shown = &monitor->buffer[0][0];
+    for (int i = 0; i < FRAMES && !failed; i++) {
+        size_t off = 0;
+        int index = vivid_dequeue(camera);
+        CHECK_MSG(index >= 0, "no frame from the cable");
+        if (index < 0)
+            break;
+        const vgem_buffer *taken = &camera->buffer[index][0];
+        vgem_begin(taken);
+        for (size_t k = 0; k < bytes; k++)
+            off += taken->data[k] != shown->data[k];
+        memset(taken->data, 0x5a, bytes);
+        vgem_end(taken);
+        CHECK_MSG(off == 0, "frame %d from the cable: %zu of %zu bytes are not the monitor's", i, off, bytes);
+        CHECK(vivid_queue(camera, (uint32_t)index) == 0);
+    }
+    printf("over the cable       %d frames of %zu bytes\n", FRAMES, bytes);
+    vivid_stop(camera);
+    vivid_stop(monitor);
 }
 
 int main(int argc, char **argv)
@@ -352,13 +430,14 @@ int main(int argc, char **argv)
     vgem = vgem_open();
     CHECK_MSG(vgem >= 0, "no vgem device");
     CHECK(vivid_open(&camera, 0) == 0 && vivid_open(&monitor, 1) == 0);
+    CHECK(vivid_vga(&camera) == 0 && vivid_vga(&monitor) == 0);
     CHECK_MSG(pupil_egl_open(&egl, NULL, why, sizeof why) == 0, "%s", why);
     if (check_state.failures || read_texels_open() != 0)
         return 1;
     pupil_egl_describe(why, sizeof why);
     printf("%s\n", why);
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-        test_format(&camera, &formats[i]);
+    test_formats(&camera);
+    test_cable(&camera, &monitor);
     pupil_egl_close(egl);
     return check_end();
 }

@@ -151,24 +151,26 @@ static uint32_t find_control(const vivid_node *node, const char *name)
     return 0;
 }
 
-int vivid_has_control(const vivid_node *node, const char *name)
-{
-    return find_control(node, name) != 0;
-}
-
 int vivid_control(const vivid_node *node, const char *name, int value)
 {
     struct v4l2_control control = {find_control(node, name), value};
     return control.id && ioctl(node->fd, VIDIOC_S_CTRL, &control) == 0 ? 0 : refused(name);
 }
 
-int vivid_input(const vivid_node *node, int input)
-{
-    return ioctl(node->fd, VIDIOC_S_INPUT, &input) == 0 ? 0 : refused("its input");
-}
-
 int vivid_vga(const vivid_node *node)
 {
     struct v4l2_dv_timings timings = V4L2_DV_BT_DMT_640X480P60;
     return ioctl(node->fd, VIDIOC_S_DV_TIMINGS, &timings) == 0 ? 0 : refused("VGA's timings");
+}
+
+int vivid_cable(const vivid_node *camera)
+{
+    /* Nothing of the camera's own over the picture: item 2 of the menu. */
+    if (vivid_control(camera, "OSD Text Mode", 2) != 0)
+        return -1;
+    /* Before Linux 6.11 a switch; since then a menu with what the camera's connector may be wired to: its own test
+     * pattern, nothing, the monitors. */
+    if (find_control(camera, "Loop Video"))
+        return vivid_control(camera, "Loop Video", 1);
+    return vivid_control(camera, "HDMI 000-0 Is Connected To", 2);
 }

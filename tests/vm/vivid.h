@@ -10,10 +10,10 @@
 
 typedef struct vivid_node {
     int fd;
-    uint32_t type;                         /* a v4l2_buf_type */
-    uint32_t width, height, planes;        /* as the driver took them */
-    uint32_t stride_bytes[2];              /* of each buffer of a frame */
-    vgem_buffer buffer[VIVID_BUFFERS][2];  /* of each frame, one or two */
+    uint32_t type;                        /* a v4l2_buf_type */
+    uint32_t width, height, planes;       /* as the driver took them */
+    uint32_t stride_bytes[2];             /* of each buffer of a frame */
+    vgem_buffer buffer[VIVID_BUFFERS][2]; /* of each frame, one or two */
 } vivid_node;
 
 /* Calls that return int: 0, or -1 after printing what was refused. */
@@ -33,11 +33,12 @@ void vivid_stop(vivid_node *node);
 /* A control by the name that v4l2-ctl -l prints. For menus: the item's index. */
 int vivid_control(const vivid_node *node, const char *name, int value);
 
-/* Whether a menu or a control of this name is there, without complaint. */
-int vivid_has_control(const vivid_node *node, const char *name);
-
-/* Input 0 is a webcam, input 1 HDMI; of VGA's 640 x 480, which both ends of the cable need. */
-int vivid_input(const vivid_node *node, int input);
+/* The signal at the HDMI connector: VGA's, which both ends of the cable need. */
+#define VIVID_VGA_WIDTH  640u
+#define VIVID_VGA_HEIGHT 480u
 int vivid_vga(const vivid_node *node);
+
+/* From now on what the monitor shows is what the camera sees, not its test pattern. */
+int vivid_cable(const vivid_node *camera);
 
 #endif
