@@ -12,4 +12,4 @@ ls /usr/lib/*/dri/swrast_dri.so >/dev/null 2>&1 || {
     exit 77
 }
 sh "$here/make_guest.sh" amd64 "$guest"
-sh "$here/boot.sh" amd64 "$guest" 240 "$here/dmabuf_guest.sh" "$1"
+sh "$here/boot.sh" amd64 "$guest" 600 "$here/dmabuf_guest.sh" "$1"
