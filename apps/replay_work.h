@@ -42,7 +42,7 @@ int replay_work_frame(replay_work *w, pupil_t *pupil, const pupil_frame *frame, 
 int replay_work_map(replay_work *w, const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *in,
                     pupil_image *display);
 
-/* "; GPU: ..." where it did any of the frames. */
+/* "; GPU: ..." where it was asked for. */
 void replay_work_tell(const replay_work *w, char *text, size_t text_bytes);
 
 #endif

@@ -11,7 +11,7 @@
 #define GREEN     0x009E73ffu
 #define GREY      0xA0A0A0ffu
 #define WHITE     0xF0F0F0ffu
-#define SHADE     0x000000b8u
+#define SHADE     0x000000d0u
 
 #define SECONDS 10.0
 
@@ -89,11 +89,17 @@ static void curve(const view_plot *plot, view_paint *p, const panel *on, value_o
     }
 }
 
+/* The thinnest line that is a pixel at least: lines between two pixels' centres would not be seen. */
+static float hair(float scale)
+{
+    return fmaxf(1.0f, floorf(0.5f * scale));
+}
+
 static void frame_of(view_paint *p, const panel *on, float scale)
 {
-    const float corner[3][2] = {{on->x, on->y}, {on->x, on->y + on->height}, {on->x + on->width, on->y + on->height}};
-    view_paint_line(p, corner[0], corner[1], 0.5f * scale, GREY);
-    view_paint_line(p, corner[1], corner[2], 0.5f * scale, GREY);
+    const float thin = hair(scale), bottom = floorf(on->y + on->height);
+    view_paint_box(p, on->x, floorf(on->y), thin, bottom - floorf(on->y), GREY);
+    view_paint_box(p, on->x, bottom, on->width, thin, GREY);
 }
 
 /* The numbers of the edges, right of the axis's end. */
@@ -152,8 +158,8 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     frame_of(p, &out, scale);
     edges(p, &ev, scale, "%+.1f");
     edges(p, &out, scale, "%.2f");
-    curve(plot, p, &ev, metered, 0.8f * scale, BLUE);
-    curve(plot, p, &ev, adapted, 1.4f * scale, VERMILION);
-    view_paint_box(p, out.x, height_of(&out, key), out.width, 0.5f * scale, GREY);
-    curve(plot, p, &out, level, scale, GREEN);
+    curve(plot, p, &ev, metered, 1.4f * scale, BLUE);
+    curve(plot, p, &ev, adapted, 1.8f * scale, VERMILION);
+    view_paint_box(p, out.x, floorf(height_of(&out, key)), out.width, hair(scale), GREY);
+    curve(plot, p, &out, level, 1.4f * scale, GREEN);
 }
