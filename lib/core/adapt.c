@@ -35,8 +35,8 @@ static double approach_linear(double s, double t, double w)
     return next > t ? next : t;
 }
 
-/* To the nearest; from 1 stop on a double is a whole number of units as it is. */
-static pupil_level_q52 level_of(double stops)
+/* From 1 stop on a double is a whole number of units as it is. */
+pupil_level_q52 pupil_level_of(double stops)
 {
     double scaled = stops * 0x1p52;
     if (stops < 1.0 && stops > -1.0)
@@ -67,27 +67,32 @@ void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law)
     if (!a->seen || law == old_law)
         return;
     if (is_linear_law(old_law))
-        a->level = level_of(a->result.adapted_ev);
+        a->level = pupil_level_of(a->result.adapted_ev);
     if (is_linear_law(law))
         a->linear = linear_of_level(law, a->level);
 }
 
-/* dt in seconds; negative: the clock went back. */
-static double time_step(const pupil_object *object, const pupil_frame_info *info)
+static double time_step(const pupil_config *c, const pupil_adaptation *a, const pupil_frame_info *info)
 {
-    const pupil_adaptation *a = &object->adaptation;
     if (!a->stamped)
         return 0.0;
     if (info->timestamp_ns == 0 && a->last_timestamp_ns == 0)
-        return object->config.nominal_frame_s;
+        return c->nominal_frame_s;
     /* in double before subtracting: the difference of two int64 may not fit; 2^-53 of a century is 30 ns */
     if ((info->timestamp_ns < 0) != (a->last_timestamp_ns < 0))
         return ((double)info->timestamp_ns - (double)a->last_timestamp_ns) * 1e-9;
     return (double)(info->timestamp_ns - a->last_timestamp_ns) * 1e-9;
 }
 
-/* Weight of the new frame on the way from s to t. */
-static double weight_of_step(const pupil_config *c, double dt_s, int more_light)
+double pupil_adaptation_tick(const pupil_config *c, pupil_adaptation *a, const pupil_frame_info *info)
+{
+    const double dt_s = time_step(c, a, info);
+    a->last_timestamp_ns = info->timestamp_ns;
+    a->stamped = 1;
+    return dt_s;
+}
+
+double pupil_weight_of_step(const pupil_config *c, double dt_s, int more_light)
 {
     if (c->law != PUPIL_LAW_SECONDS)
         return c->frame_weight;
@@ -106,13 +111,20 @@ static double exposure_and_gain_log2(const pupil_frame_info *info)
     return pupil_log2(info->exposure_s) + pupil_log2(info->gain);
 }
 
-double pupil_exposure_log2(const pupil_object *object, const pupil_frame_info *info)
+void pupil_adaptation_learn_exposure(pupil_adaptation *a, const pupil_frame_info *info)
 {
-    const pupil_adaptation *a = &object->adaptation;
+    if (brings_exposure(info)) {
+        a->exposure_known = 1;
+        a->exposure_log2 = exposure_and_gain_log2(info);
+    }
+}
+
+double pupil_exposure_log2(const pupil_config *c, const pupil_adaptation *a, const pupil_frame_info *info)
+{
     if (!brings_exposure(info) && !a->exposure_known)
         return 0.0;
     double taken_with = brings_exposure(info) ? exposure_and_gain_log2(info) : a->exposure_log2;
-    return taken_with - pupil_log2(object->config.calibration);
+    return taken_with - pupil_log2(c->calibration);
 }
 
 static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s)
@@ -121,7 +133,7 @@ static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s
     pupil_adaptation *a = &object->adaptation;
 
     if (!is_linear_law(c->law)) {
-        a->level = a->seen ? approach(a->level, target, weight_of_step(c, dt_s, target > a->level)) : target;
+        a->level = a->seen ? approach(a->level, target, pupil_weight_of_step(c, dt_s, target > a->level)) : target;
         a->result.adapted_ev = stops_of(a->level);
         return;
     }
@@ -136,7 +148,7 @@ static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s
 static void move_white(pupil_object *object, pupil_level_q52 target, double dt_s)
 {
     pupil_adaptation *a = &object->adaptation;
-    double w = weight_of_step(&object->config, dt_s, target > a->white);
+    double w = pupil_weight_of_step(&object->config, dt_s, target > a->white);
     a->white = a->seen && a->white_seen ? approach(a->white, target, w) : target;
     a->white_seen = 1;
     a->result.white_ev = stops_of(a->white);
@@ -191,23 +203,18 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     pupil_adaptation *a = &object->adaptation;
     const pupil_config *c = &object->config;
     info = info ? info : &nothing_known;
-    double dt_s = time_step(object, info);
+    double dt_s = pupil_adaptation_tick(c, a, info);
     uint32_t reason = dt_s < 0.0 ? PUPIL_REASON_CLOCK_BACK : PUPIL_REASON_NONE;
     dt_s = dt_s > 0.0 ? dt_s : 0.0;
-    a->last_timestamp_ns = info->timestamp_ns;
-    a->stamped = 1;
     a->turn++;
     a->result.dt_s = dt_s;
     if (!stats->weight) {
         a->result.reason = PUPIL_REASON_NO_LIGHT;
         return PUPIL_OK;
     }
-    if (brings_exposure(info)) {
-        a->exposure_known = 1;
-        a->exposure_log2 = exposure_and_gain_log2(info);
-    }
-    const double divisor_log2 = pupil_exposure_log2(object, info);
-    a->result.metered_ev = stops_of(level_of(mean - divisor_log2));
+    pupil_adaptation_learn_exposure(a, info);
+    const double divisor_log2 = pupil_exposure_log2(c, a, info);
+    a->result.metered_ev = stops_of(pupil_level_of(mean - divisor_log2));
 
     double target_ev = a->result.metered_ev;
     if (target_ev < c->ev_min || target_ev > c->ev_max) {
@@ -218,8 +225,8 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         reason = PUPIL_REASON_LOCK;
     } else {
         if (c->white_mode == PUPIL_WHITE_FOLLOW)
-            move_white(object, level_of(white - divisor_log2), dt_s);
-        move_level(object, level_of(target_ev), dt_s);
+            move_white(object, pupil_level_of(white - divisor_log2), dt_s);
+        move_level(object, pupil_level_of(target_ev), dt_s);
         a->seen = 1;
     }
     a->result.scale = pupil_exp2(pupil_scale_log2(object));

@@ -91,19 +91,37 @@ void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *cod
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out);
 
+/* The metering grid: the first x whose pixel lies in column `cell` of it or right of that; the row that y lies in. */
+uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width);
+uint32_t pupil_grid_cell_of(uint32_t y, uint32_t height);
+/* The value at which a channel counts as clipped. */
+float pupil_clip_of(const pupil_config *config, uint32_t pixel, const pupil_coder *coder);
+/* The weights of luminance for samples that are metered before a mosaic's matrix: those that it leads to. */
+void pupil_metered_luma(const float luma[3], const pupil_coder *coder, float metered[3]);
+
 /* PUPIL_OK, or PUPIL_ERR_STATS for what no metering can have produced. The second looks at the sums only, not at each
  * bin and band: for rows that come one at a time. */
 int pupil_stats_check(const pupil_stats *stats);
 int pupil_stats_check_sums(const pupil_stats *stats);
 
 /* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */
-double pupil_exposure_log2(const pupil_object *object, const pupil_frame_info *info);
+double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);
+/* The steps of pupil_adapt that do not depend on the light, for whoever else adapts: seconds since the frame before
+ * (negative: the clock went back; the clock is then set to this frame's), and the exposure as last known. */
+double pupil_adaptation_tick(const pupil_config *config, pupil_adaptation *a, const pupil_frame_info *info);
+void pupil_adaptation_learn_exposure(pupil_adaptation *a, const pupil_frame_info *info);
+/* Weight of the new frame on the way to it. */
+double pupil_weight_of_step(const pupil_config *config, double dt_s, int more_light);
+/* Stops as a level, to the nearest. */
+pupil_level_q52 pupil_level_of(double stops);
 
 /* log2 of X, from scene luminance. */
 double pupil_scale_log2(const pupil_object *object);
 
 /* For frames before there was any light: the scale is 1. */
 pupil_curve pupil_curve_before_light(const pupil_object *object);
+/* PUPIL_OK, PUPIL_ERR_NULL or PUPIL_ERR_VALUE. */
+int pupil_curve_check(const pupil_curve *curve);
 
 /* Carries the adapted level over to the law of object->config, of which it was not the state before. */
 void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law);

@@ -111,7 +111,7 @@ static int check_out(const pupil_image_const *in, const pupil_image *out)
     return halved && pupil_pixel_is_mosaic(in->pixel) ? PUPIL_OK : PUPIL_ERR_SIZE;
 }
 
-static int check_curve(const pupil_curve *curve)
+int pupil_curve_check(const pupil_curve *curve)
 {
     if (!curve)
         return PUPIL_ERR_NULL;
@@ -166,7 +166,7 @@ int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_i
     if (!error)
         error = check_out(rows, out);
     if (!error)
-        error = check_curve(curve);
+        error = pupil_curve_check(curve);
     if (!error)
         pupil_work_rows(pupil_object_of_const(pupil), rows, 0, rows->height, 0, curve, out);
     return error;
@@ -179,7 +179,7 @@ int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil
     if (!error)
         error = check_out(rows, out);
     if (!error)
-        error = check_curve(curve);
+        error = pupil_curve_check(curve);
     if (!error)
         error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, out);
     if (!error)

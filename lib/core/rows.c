@@ -1,20 +1,18 @@
 /* Rows of a frame through the kernels: each row in runs of equal metering weight. */
 #include "object.h"
 
-/* The first x whose pixel lies in column `cell` of the grid or right of it: the smallest with
- * (2x + 1) * 16 / (2 * width) >= cell. The same for rows. */
-static uint32_t first_in_cell(uint32_t cell, uint32_t width)
+/* The smallest x with (2x + 1) * 16 / (2 * width) >= cell. */
+uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width)
 {
     return (cell * width + PUPIL_GRID_SIDE / 2 - 1) / PUPIL_GRID_SIDE;
 }
 
-static uint32_t cell_of(uint32_t y, uint32_t height)
+uint32_t pupil_grid_cell_of(uint32_t y, uint32_t height)
 {
     return (2 * y + 1) * PUPIL_GRID_SIDE / (2 * height);
 }
 
-/* The value at which a channel counts as clipped. */
-static float clip_of(const pupil_config *config, uint32_t pixel, const pupil_coder *coder)
+float pupil_clip_of(const pupil_config *config, uint32_t pixel, const pupil_coder *coder)
 {
     if (config->clip > 0.0f)
         return config->clip;
@@ -23,6 +21,13 @@ static float clip_of(const pupil_config *config, uint32_t pixel, const pupil_cod
     if (pixel == PUPIL_PIXEL_RGBA16F)
         return 65504.0f; /* the largest binary16 */
     return pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F ? PUPIL_CEILING : 1.0f;
+}
+
+void pupil_metered_luma(const float luma[3], const pupil_coder *coder, float metered[3])
+{
+    const float *m = coder->matrix;
+    for (int i = 0; i < 3; i++)
+        metered[i] = coder->has_matrix ? (luma[0] * m[i] + luma[1] * m[3 + i]) + luma[2] * m[6 + i] : luma[i];
 }
 
 /* Whether all 16 are one: the bytes of both halves, turned by one, are the same. */
@@ -50,7 +55,7 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
         uint32_t next = cell + 1;
         while (next < PUPIL_GRID_SIDE && weight[next] == weight[cell])
             next++;
-        uint32_t end = next < PUPIL_GRID_SIDE ? first_in_cell(next, width) : width;
+        uint32_t end = next < PUPIL_GRID_SIDE ? pupil_grid_first_in_cell(next, width) : width;
         if (end > x && (target || weight[cell]))
             pupil_work_run(job, row, x, end - x, target ? target + x * out_bytes : 0, weight[cell], band, stats);
         x = end;
@@ -116,7 +121,7 @@ static const uint8_t *weights_of(const work *w, uint32_t unit_row, uint32_t *ban
 {
     const uint32_t units = w->frame_height / w->in_unit;
     *band = unit_row * PUPIL_BANDS / units;
-    return w->object->config.weight[cell_of(unit_row, units)];
+    return w->object->config.weight[pupil_grid_cell_of(unit_row, units)];
 }
 
 /* Row i, metered and, where it is a row of pixels to a row of pixels, mapped in the same pass. */
@@ -203,7 +208,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         .curve = curve,
         .luma = {object->luma[0], object->luma[1], object->luma[2]},
         .floor = object->config.floor,
-        .clip = clip_of(&object->config, in->pixel, &w.coder),
+        .clip = pupil_clip_of(&object->config, in->pixel, &w.coder),
         .in_pixel = in->pixel,
         .out_pixel = nv12  ? (uint32_t)PUPIL_PIXEL_RGBA8
                      : out ? out->pixel
@@ -217,10 +222,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     w.meter.curve = 0;
     w.meter.way = mosaic ? PUPIL_WAY_BINNED : PUPIL_WAY_PIXELS;
     w.meter.grey_world = mosaic && object->config.grey_world;
-    if (w.coder.has_matrix) /* the luminance that the matrix leads to */
-        for (int i = 0; i < 3; i++)
-            w.meter.luma[i] = (object->luma[0] * w.coder.matrix[i] + object->luma[1] * w.coder.matrix[3 + i]) +
-                              object->luma[2] * w.coder.matrix[6 + i];
+    pupil_metered_luma(object->luma, &w.coder, w.meter.luma);
     if (mosaic)
         pupil_coder_find_ordinary(&w.coder, &w.meter);
 

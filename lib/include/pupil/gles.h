@@ -140,7 +140,7 @@ typedef struct pupil_gles_target {
                              * split screen; both 0: all */
 } pupil_gles_target;
 
-#define PUPIL_GLES_OBJECT_BYTES 8192
+#define PUPIL_GLES_OBJECT_BYTES 16384
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil_gles {

@@ -1,0 +1,388 @@
+/* The object's life, and a frame at once. */
+#include "gles_object.h"
+
+void pupil_gles_config_default(pupil_gles_config *config)
+{
+    if (config)
+        *config = (pupil_gles_config){.size_bytes = sizeof *config};
+}
+
+/* ---- errors --------------------------------------------------------------------------------------------------------
+ */
+
+void gles_say(char *why, size_t why_bytes, const char *const parts[])
+{
+    size_t n = 0;
+    if (!why || !why_bytes)
+        return;
+    for (; *parts; parts++)
+        for (const char *c = *parts; *c && n + 1 < why_bytes; c++)
+            why[n++] = *c;
+    while (n && why[n - 1] == '\n') /* as drivers end their logs */
+        n--;
+    why[n] = '\0';
+}
+
+static int is_lost(const gles_object *o)
+{
+    return o->gl.GetGraphicsResetStatus && o->gl.GetGraphicsResetStatus() != GL_NO_ERROR;
+}
+
+int gles_check(const pupil_gles *gles)
+{
+    if (!gles)
+        return PUPIL_ERR_NULL;
+    const gles_object *o = (const gles_object *)(const void *)gles;
+    if (o->magic != GLES_MAGIC)
+        return PUPIL_ERR_OBJECT;
+    if (o->gl.GetCurrentContext && o->gl.GetCurrentContext() != o->context)
+        return PUPIL_ERR_GLES_CONTEXT;
+    return is_lost(o) ? PUPIL_ERR_GLES_LOST : PUPIL_OK;
+}
+
+#define CONTEXT_LOST 0x0507 /* ES 3.2 and KHR_robustness */
+
+int gles_error(const gles_object *o)
+{
+    const GLenum error = o->gl.GetError();
+    if (error == GL_NO_ERROR)
+        return PUPIL_OK;
+    if (error == CONTEXT_LOST || is_lost(o))
+        return PUPIL_ERR_GLES_LOST;
+    return error == GL_OUT_OF_MEMORY ? PUPIL_ERR_GLES_MEMORY : PUPIL_ERR_GLES;
+}
+
+/* ---- the context ---------------------------------------------------------------------------------------------------
+ */
+
+static int equal(const char *a, const char *b)
+{
+    while (*a && *a == *b)
+        a++, b++;
+    return *a == *b;
+}
+
+static int has_extension(const gl_functions *gl, const char *name)
+{
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++) {
+        const char *have = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        if (have && equal(have, name))
+            return 1;
+    }
+    return 0;
+}
+
+/* "OpenGL ES 3.1 ..." as 31; 0: not of this kind. */
+static uint32_t version_of(const char *text)
+{
+    const char *const begins = "OpenGL ES ";
+    int i = 0;
+    for (; begins[i]; i++)
+        if (text[i] != begins[i])
+            return 0;
+    const int has_two =
+        text[i] >= '0' && text[i] <= '9' && text[i + 1] == '.' && text[i + 2] >= '0' && text[i + 2] <= '9';
+    return has_two ? (uint32_t)(text[i] - '0') * 10 + (uint32_t)(text[i + 2] - '0') : 0;
+}
+
+static int refuse_version(char *why, size_t why_bytes, const char *a, const char *b, const char *c)
+{
+    gles_say(why, why_bytes, (const char *const[]){a, b, c, 0});
+    return PUPIL_ERR_GLES_VERSION;
+}
+
+/* Finds the functions, and which version there is. */
+static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *version, char *why, size_t why_bytes)
+{
+    o->gl.GetCurrentContext = (void *(*)(void))get_proc("eglGetCurrentContext");
+    o->context = o->gl.GetCurrentContext ? o->gl.GetCurrentContext() : 0;
+    o->gl.GetString = (PFNGLGETSTRINGPROC)get_proc("glGetString");
+    if (!o->gl.GetString)
+        return refuse_version(why, why_bytes, "get_proc does not find glGetString", "", "");
+    const char *text = o->gl.GetCurrentContext && !o->context ? 0 : (const char *)o->gl.GetString(GL_VERSION);
+    if (!text) {
+        gles_say(why, why_bytes, (const char *const[]){"no OpenGL ES context is current in this thread", 0});
+        return PUPIL_ERR_GLES_CONTEXT;
+    }
+    *version = version_of(text);
+    if (*version < 30)
+        return refuse_version(why, why_bytes, "OpenGL ES 3.0 or newer is needed; the context is ", text, "");
+    const char *lacks = gl_functions_find(&o->gl, *version >= 31, get_proc);
+    if (lacks)
+        return refuse_version(why, why_bytes, text, ": the context lacks the function ", lacks);
+    if (*version >= 32)
+        o->gl.GetGraphicsResetStatus = (GLenum(*)(void))get_proc("glGetGraphicsResetStatus");
+    else if (has_extension(&o->gl, "GL_KHR_robustness"))
+        o->gl.GetGraphicsResetStatus = (GLenum(*)(void))get_proc("glGetGraphicsResetStatusKHR");
+    else if (has_extension(&o->gl, "GL_EXT_robustness"))
+        o->gl.GetGraphicsResetStatus = (GLenum(*)(void))get_proc("glGetGraphicsResetStatusEXT");
+    o->gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &o->largest_side);
+    for (int i = 0; i < 16 && o->gl.GetError() != GL_NO_ERROR; i++) { /* the caller's own; a lost context has no end */
+    }
+    return PUPIL_OK;
+}
+
+/* ---- settings ------------------------------------------------------------------------------------------------------
+ */
+
+static int refuse_config(char *why, size_t why_bytes, const char *sentence)
+{
+    gles_say(why, why_bytes, (const char *const[]){sentence, 0});
+    return PUPIL_ERR_CONFIG;
+}
+
+static int check_config(const pupil_gles_config *c, char *why, size_t why_bytes)
+{
+    if (c->size_bytes != sizeof *c)
+        return refuse_config(why, why_bytes, "size_bytes must be sizeof(pupil_gles_config) of this version");
+    if (c->version != PUPIL_GLES_BEST && c->version != PUPIL_GLES_ES30 && c->version != PUPIL_GLES_ES31)
+        return refuse_config(why, why_bytes, "version must be a pupil_gles_version");
+    if (c->source >= PUPIL_GLES_SOURCE_COUNT)
+        return refuse_config(why, why_bytes, "source must be a pupil_gles_source");
+    if (c->adapt >= PUPIL_GLES_ADAPT_COUNT)
+        return refuse_config(why, why_bytes, "adapt must be a pupil_gles_adapt");
+    if (c->source == PUPIL_GLES_EXTERNAL && c->pixel != PUPIL_PIXEL_RGBA8)
+        return refuse_config(why, why_bytes, "pixel of PUPIL_GLES_EXTERNAL must be PUPIL_PIXEL_RGBA8");
+    if (c->normalized_16 && c->source != PUPIL_GLES_TEXTURES)
+        return refuse_config(why, why_bytes, "normalized_16 must be 0 but with PUPIL_GLES_TEXTURES");
+    if (c->half_size && !pupil_pixel_is_mosaic(c->pixel))
+        return refuse_config(why, why_bytes, "half_size must be 0 but for mosaics");
+    return PUPIL_OK;
+}
+
+/* Whether frames of the config can be read, and what the coding does not allow. */
+static int check_frames(const pupil_gles_config *c, char *why, size_t why_bytes)
+{
+    static const uint64_t somewhere; /* an address, never read */
+    const pupil_image_const frame = {.data = &somewhere,
+                                     .chroma = &somewhere,
+                                     .stride_bytes = PUPIL_MAX_SIDE_PX * 16,
+                                     .chroma_stride_bytes = PUPIL_MAX_SIDE_PX * 16,
+                                     .width = c->width,
+                                     .height = c->height,
+                                     .pixel = c->pixel};
+    const char *fault = 0;
+    int error = pupil_image_check(&frame, 0);
+    if (error)
+        fault = pupil_error_string(error);
+    else
+        error = pupil_coding_check(&c->coding, c->pixel, &fault);
+    if (error)
+        gles_say(why, why_bytes, (const char *const[]){fault, 0});
+    return error;
+}
+
+static int check_settings(const gles_object *o, const pupil_object *pupil, uint32_t version, char *why,
+                          size_t why_bytes)
+{
+    if (pupil->config.grey_world)
+        return refuse_config(why, why_bytes, "grey_world must be 0: the sums of channels are made by the CPU alone");
+    if (o->config.adapt == PUPIL_GLES_ADAPT_GPU && gles_adapt_check(&pupil->config, why, why_bytes))
+        return PUPIL_ERR_CONFIG;
+    if (pupil->histogram && version == PUPIL_GLES_ES30)
+        return refuse_config(why, why_bytes,
+                             "OpenGL ES 3.0 has no histogram, which a white point that follows, trimming and "
+                             "histogram = 1 need: choose PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE, trim 0 and 1");
+    return PUPIL_OK;
+}
+
+static void take_settings(gles_object *o, const pupil_object *pupil)
+{
+    o->settings = pupil->config;
+    o->histogram = pupil->histogram;
+    for (int i = 0; i < 3; i++)
+        o->luma[i] = pupil->luma[i];
+    pupil_metered_luma(o->luma, &o->coder, o->metered_luma);
+    o->curve = pupil_curve_before_light(pupil);
+}
+
+static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, uint32_t version)
+{
+    const int yuv = o->config.pixel == PUPIL_PIXEL_YUYV || o->config.pixel == PUPIL_PIXEL_NV12;
+    const int external_linear = o->config.source == PUPIL_GLES_EXTERNAL && o->config.coding.light == PUPIL_LIGHT_LINEAR;
+    const int grey = pupil_pixel_bits(o->config.pixel) && !pupil_pixel_is_mosaic(o->config.pixel);
+    return (gles_variant){.version = version,
+                          .pixel = o->config.pixel,
+                          .source = o->config.source,
+                          .normalized_16 = o->config.normalized_16,
+                          .half_size = o->config.half_size,
+                          .is_linear = ((yuv || grey) && !o->coder.light) || external_linear,
+                          .has_matrix = o->coder.has_matrix,
+                          .histogram = pupil->histogram,
+                          .level_here = o->config.adapt == PUPIL_GLES_ADAPT_GPU};
+}
+
+/* ---- life ----------------------------------------------------------------------------------------------------------
+ */
+
+static void delete_all(gles_object *o)
+{
+    gles_meter_delete(o);
+    gles_textures_delete(o);
+    gles_programs_delete(o, &o->programs);
+    o->gl.DeleteVertexArrays(1, &o->vertex_array);
+}
+
+/* Everything of one version; after an error nothing is left. */
+static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version, char *why, size_t why_bytes)
+{
+    int error = check_settings(o, pupil, version, why, why_bytes);
+    if (error)
+        return error;
+    o->variant = variant_of(o, pupil, version);
+    error = gles_programs_make(o, &o->variant, &o->programs, why, why_bytes);
+    if (error)
+        return error;
+    o->gl.GenVertexArrays(1, &o->vertex_array);
+    error = gles_textures_make(o, why, why_bytes);
+    if (!error)
+        error = gles_meter_make(o);
+    if (!error) {
+        gles_textures_set(o);
+        gles_programs_set(o);
+        error = gles_error(o);
+        if (error)
+            gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+    }
+    if (error)
+        delete_all(o);
+    return error;
+}
+
+static int make_best(gles_object *o, const pupil_object *pupil, uint32_t have, char *why, size_t why_bytes)
+{
+    const uint32_t wanted = o->config.version;
+    if (wanted > have)
+        return refuse_version(why, why_bytes, "OpenGL ES 3.1 is asked for; the context has 3.0", "", "");
+    if (wanted == PUPIL_GLES_ES30 || have < 31)
+        return make_all(o, pupil, PUPIL_GLES_ES30, why, why_bytes);
+    const int error = make_all(o, pupil, PUPIL_GLES_ES31, why, why_bytes);
+    if (error != PUPIL_ERR_GLES_SHADER || wanted == PUPIL_GLES_ES31 || pupil->histogram)
+        return error;
+    return make_all(o, pupil, PUPIL_GLES_ES30, why, why_bytes);
+}
+
+static int check_arguments(const void *gles, const pupil_t *pupil, const void *also, char *why, size_t why_bytes)
+{
+    const int error = gles && also ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    if (error)
+        gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+    return error;
+}
+
+int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
+                    pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
+{
+    int error = check_arguments(gles, pupil, get_proc ? (const void *)config : 0, why, why_bytes);
+    if (error || (error = check_config(config, why, why_bytes)) || (error = check_frames(config, why, why_bytes)))
+        return error;
+    const pupil_object *settings = pupil_object_of_const(pupil);
+    gles_object *o = gles_object_of(gles);
+    *o = (gles_object){.config = *config, .unit = pupil_pixel_is_mosaic(config->pixel) ? 2 : 1};
+    pupil_coder_make(&o->config.coding, config->pixel, &o->coder);
+    take_settings(o, settings);
+    o->region_rows = gles_regions_make(config->height / o->unit, o->region_row);
+    uint32_t have = 0;
+    error = meet_context(o, get_proc, &have, why, why_bytes);
+    if (!error && config->source == PUPIL_GLES_EXTERNAL && !has_extension(&o->gl, "GL_OES_EGL_image_external_essl3"))
+        error = refuse_version(why, why_bytes, "the context lacks GL_OES_EGL_image_external_essl3", "", "");
+    if (!error)
+        error = make_best(o, settings, have, why, why_bytes);
+    if (error)
+        return error;
+    gles_adapt_take(o, settings);
+    o->magic = GLES_MAGIC;
+    return PUPIL_OK;
+}
+
+int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes)
+{
+    int error = check_arguments(gles, pupil, gles, why, why_bytes);
+    if (!error && (error = gles_check(gles)))
+        gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+    if (error)
+        return error;
+    gles_object *o = gles_object_of(gles);
+    const pupil_object *settings = pupil_object_of_const(pupil);
+    if ((error = check_settings(o, settings, o->variant.version, why, why_bytes)))
+        return error;
+    const gles_variant variant = variant_of(o, settings, o->variant.version);
+    if (variant.histogram != o->variant.histogram) {
+        gles_programs programs;
+        if ((error = gles_programs_make(o, &variant, &programs, why, why_bytes)))
+            return error;
+        gles_programs_delete(o, &o->programs);
+        o->programs = programs;
+        o->variant = variant;
+    }
+    gles_meter_drop(o);
+    take_settings(o, settings);
+    gles_adapt_take(o, settings);
+    gles_textures_set(o);
+    gles_programs_set(o);
+    return gles_error(o);
+}
+
+void pupil_gles_close(pupil_gles *gles)
+{
+    if (!gles || gles_object_of(gles)->magic != GLES_MAGIC)
+        return;
+    if (gles_check(gles) == PUPIL_OK)
+        delete_all(gles_object_of(gles));
+    gles_object_of(gles)->magic = 0;
+}
+
+int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status)
+{
+    const gles_object *o = (const gles_object *)(const void *)gles;
+    if (!gles || !status)
+        return PUPIL_ERR_NULL;
+    if (o->magic != GLES_MAGIC)
+        return PUPIL_ERR_OBJECT;
+    *status = (pupil_gles_status){.version = o->variant.version,
+                                  .under_way = o->under_way,
+                                  .metered = o->metered,
+                                  .unmetered = o->unmetered,
+                                  .level_q24 = o->level_q24,
+                                  .level_known = o->level_known};
+    return PUPIL_OK;
+}
+
+/* ---- a frame at once -----------------------------------------------------------------------------------------------
+ */
+
+static int take_statistics(pupil_gles *gles, pupil_t *pupil)
+{
+    pupil_stats *stats = &gles_object_of(gles)->stats;
+    pupil_frame_info info;
+    int got;
+    while ((got = pupil_gles_collect(gles, 0, stats, &info)) == PUPIL_OK) {
+        const int error = pupil_adapt(pupil, stats, &info);
+        if (error)
+            return error;
+    }
+    return got == PUPIL_GLES_NOTHING ? PUPIL_OK : got;
+}
+
+int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info *info, const pupil_gles_target *target)
+{
+    int error = gles_check(gles);
+    if (!error)
+        error = pupil_object_check(pupil);
+    if (!error)
+        error = gles_check_target(gles_object_of(gles), target);
+    if (!error)
+        error = take_statistics(gles, pupil);
+    if (!error)
+        error = pupil_gles_meter(gles, info);
+    if (error && error != PUPIL_GLES_BUSY)
+        return error;
+    if (gles_object_of(gles)->config.adapt == PUPIL_GLES_ADAPT_GPU)
+        return pupil_gles_map(gles, 0, target);
+    pupil_curve curve;
+    if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
+        curve = pupil_curve_before_light(pupil_object_of_const(pupil));
+    return pupil_gles_map(gles, &curve, target);
+}

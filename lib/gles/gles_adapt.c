@@ -1,0 +1,95 @@
+/* ADAPT_GPU: what the shaders' integer law (shaders/adapt.glsl) is given for each frame. */
+#include "gles_object.h"
+
+#include "../core/numeric.h"
+
+/* A level of 2^-52 stops as one of 2^-56, between the bounds that 64 bits have room for: 128 stops. */
+#define MOST_STOPS 100.0
+
+int gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
+{
+    const char *fault = 0;
+    if (c->law != PUPIL_LAW_SECONDS)
+        fault = "on the GPU the law must be PUPIL_LAW_SECONDS";
+    else if (c->white_mode == PUPIL_WHITE_FOLLOW)
+        fault = "on the GPU white_mode must be PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE";
+    else if (c->trim_low > 0.0f || c->trim_high < 1.0f)
+        fault = "on the GPU trim_low and trim_high must be 0 and 1";
+    if (fault)
+        gles_say(why, why_bytes, (const char *const[]){fault, 0});
+    return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
+}
+
+void gles_adapt_take(gles_object *o, const pupil_object *pupil)
+{
+    o->adaptation = pupil->adaptation;
+    o->given = 1;
+}
+
+static double within(double x, double most)
+{
+    return x < -most ? -most : x > most ? most : x;
+}
+
+/* Stops in 2^-56. */
+static int64_t q56(double stops)
+{
+    return pupil_level_of(within(stops, MOST_STOPS)) * 16;
+}
+
+static uint32_t low(int64_t q)
+{
+    return (uint32_t)((uint64_t)q & 0xffffffff);
+}
+
+static uint32_t high(int64_t q)
+{
+    return (uint32_t)((uint64_t)q >> 32);
+}
+
+/* In 2^-32; 0 only where the weight is. All bits: at once. */
+static uint32_t weight_q32(const pupil_config *c, double dt_s, int more_light)
+{
+    const double w = pupil_weight_of_step(c, dt_s, more_light) * 0x1p32;
+    return w <= 0.0 ? 0 : w >= 0x1p32 - 1.0 ? 0xffffffffu : w < 1.0 ? 1 : (uint32_t)(w + 0.5);
+}
+
+/* By how much sums of weights times log2 must be shortened: 62 stops in 2^-24 take 30 bits, and 64 are there. */
+static uint32_t sum_shift(const gles_object *o)
+{
+    const uint64_t pixels = (uint64_t)o->config.width * o->config.height;
+    uint32_t shift = 0;
+    while ((pixels * 255) >> (33 + shift))
+        shift++;
+    return shift;
+}
+
+void gles_adapt_set(const gles_object *o, GLint shift, GLint level_limits, GLint is_locked)
+{
+    const int64_t least = q56(o->settings.ev_min), most = q56(o->settings.ev_max);
+    o->gl.Uniform1ui(shift, sum_shift(o));
+    o->gl.Uniform4ui(level_limits, low(least), high(least), low(most), high(most));
+    o->gl.Uniform1i(is_locked, o->settings.lock != 0);
+}
+
+void gles_adapt_step(gles_object *o, const pupil_frame_info *info)
+{
+    const pupil_config *c = &o->settings;
+    pupil_adaptation *a = &o->adaptation;
+    double dt_s = pupil_adaptation_tick(c, a, info);
+    dt_s = dt_s > 0.0 ? dt_s : 0.0;
+    pupil_adaptation_learn_exposure(a, info);
+    const int64_t divisor = -q56(pupil_exposure_log2(c, a, info)), given = q56(a->result.adapted_ev);
+    o->gl.Uniform2ui(o->programs.adapt.minus_divisor, low(divisor), high(divisor));
+    o->gl.Uniform2ui(o->programs.adapt.step_weight, weight_q32(c, dt_s, 1), weight_q32(c, dt_s, 0));
+    o->gl.Uniform4ui(o->programs.adapt.given, low(given), high(given), o->given && a->seen, 0);
+    o->given = 0;
+}
+
+int32_t gles_adapt_scale_base(const gles_object *o)
+{
+    const pupil_config *c = &o->settings;
+    const double exposure = pupil_exposure_log2(c, &o->adaptation, 0);
+    const double base = within(pupil_log2(c->key) + c->ev_compensation - exposure, MOST_STOPS) * 0x1p24;
+    return (int32_t)(base < 0.0 ? base - 0.5 : base + 0.5);
+}

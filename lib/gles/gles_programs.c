@@ -1,0 +1,223 @@
+/* From texts to programs, and their uniforms. */
+#include "gles_object.h"
+
+static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_t shader, char *why, size_t why_bytes)
+{
+    const gl_functions *gl = &o->gl;
+    const char *texts[GLES_MOST_TEXTS];
+    const uint32_t count = gles_shader_texts(variant, shader, texts);
+    const int is_vertex = shader == GLES_TRIANGLE_VERT || shader == GLES_MAP_VERT;
+    const int is_compute = shader == GLES_METER_COMP || shader == GLES_ADAPT_COMP;
+    GLint done = 0;
+    GLuint name = gl->CreateShader(is_vertex ? GL_VERTEX_SHADER : is_compute ? GL_COMPUTE_SHADER : GL_FRAGMENT_SHADER);
+    gl->ShaderSource(name, (GLsizei)count, texts, 0);
+    gl->CompileShader(name);
+    gl->GetShaderiv(name, GL_COMPILE_STATUS, &done);
+    if (done)
+        return name;
+    char log[512] = "";
+    gl->GetShaderInfoLog(name, sizeof log, 0, log);
+    gles_say(why, why_bytes,
+             (const char *const[]){"the driver does not compile ", gles_shader_name(shader), ": ", log, 0});
+    gl->DeleteShader(name);
+    return 0;
+}
+
+/* vertex or other may be GLES_SHADER_COUNT: none. */
+static GLuint link(const gles_object *o, const gles_variant *variant, uint32_t vertex, uint32_t other, char *why,
+                   size_t why_bytes)
+{
+    const gl_functions *gl = &o->gl;
+    const uint32_t stage[2] = {vertex, other};
+    GLuint shader[2] = {0}, program = 0;
+    GLint done = 1;
+    for (int i = 0; i < 2 && done; i++)
+        if (stage[i] != GLES_SHADER_COUNT)
+            done = (shader[i] = compile(o, variant, stage[i], why, why_bytes)) != 0;
+    if (done) {
+        program = gl->CreateProgram();
+        for (int i = 0; i < 2; i++)
+            if (shader[i])
+                gl->AttachShader(program, shader[i]);
+        gl->LinkProgram(program);
+        gl->GetProgramiv(program, GL_LINK_STATUS, &done);
+        if (!done) {
+            char log[512] = "";
+            gl->GetProgramInfoLog(program, sizeof log, 0, log);
+            gles_say(why, why_bytes,
+                     (const char *const[]){"the driver does not link ", gles_shader_name(other), ": ", log, 0});
+            gl->DeleteProgram(program);
+            program = 0;
+        }
+    }
+    for (int i = 0; i < 2; i++)
+        if (shader[i])
+            gl->DeleteShader(shader[i]);
+    return program;
+}
+
+static GLint at(const gles_object *o, GLuint program, const char *name)
+{
+    return program ? o->gl.GetUniformLocation(program, name) : -1;
+}
+
+static void find_uniforms(const gles_object *o, const gles_variant *variant, gles_programs *p)
+{
+    p->adapt.step_weight = at(o, p->name[GLES_ADAPT], "step_weight");
+    p->adapt.minus_divisor = at(o, p->name[GLES_ADAPT], "minus_divisor");
+    p->adapt.given = at(o, p->name[GLES_ADAPT], "given");
+    for (int i = 0; i < 2; i++) {
+        const GLuint name = p->name[GLES_MAP + i];
+        p->map[i].scale = at(o, name, variant->level_here ? "scale_base" : "given_scale");
+        p->map[i].inverse_white_squared = at(o, name, "inverse_white_squared");
+        p->map[i].gamut = at(o, name, "gamut");
+        p->map[i].turn = at(o, name, "turn");
+        p->map[i].shift = at(o, name, "shift");
+    }
+}
+
+int gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
+                       size_t why_bytes)
+{
+    const int is_31 = variant->version == PUPIL_GLES_ES31;
+    const uint32_t none = GLES_SHADER_COUNT;
+    const struct {
+        int is_wanted;
+        uint32_t vertex, other;
+    } stages[GLES_PROGRAM_COUNT] = {
+        [GLES_METER] = {1, is_31 ? none : GLES_TRIANGLE_VERT, is_31 ? GLES_METER_COMP : GLES_METER_FRAG},
+        [GLES_REDUCE] = {!is_31, GLES_TRIANGLE_VERT, GLES_REDUCE_FRAG},
+        [GLES_WEIGH] = {variant->level_here && !is_31, GLES_TRIANGLE_VERT, GLES_WEIGH_FRAG},
+        [GLES_ADAPT] = {variant->level_here, is_31 ? none : GLES_TRIANGLE_VERT,
+                        is_31 ? GLES_ADAPT_COMP : GLES_ADAPT_FRAG},
+        [GLES_MAP] = {1, GLES_MAP_VERT, GLES_MAP_FRAG},
+        [GLES_MAP_SCALED] = {o->config.scaled, GLES_MAP_VERT, GLES_MAP_SCALED_FRAG},
+    };
+    gles_programs made = {.name = {0}};
+    for (int i = 0; i < GLES_PROGRAM_COUNT; i++) {
+        if (!stages[i].is_wanted)
+            continue;
+        made.name[i] = link(o, variant, stages[i].vertex, stages[i].other, why, why_bytes);
+        if (!made.name[i]) {
+            gles_programs_delete(o, &made);
+            return PUPIL_ERR_GLES_SHADER;
+        }
+    }
+    find_uniforms(o, variant, &made);
+    *programs = made;
+    return PUPIL_OK;
+}
+
+void gles_programs_delete(const gles_object *o, gles_programs *programs)
+{
+    for (int i = 0; i < GLES_PROGRAM_COUNT; i++) {
+        if (programs->name[i])
+            o->gl.DeleteProgram(programs->name[i]);
+        programs->name[i] = 0;
+    }
+}
+
+static GLint uniform(const gles_object *o, uint32_t program, const char *name)
+{
+    return at(o, o->programs.name[program], name);
+}
+
+/* ---- uniforms that stay; GL ignores those that a program does not have ---------------------------------------------
+ */
+
+static void set_frame(const gles_object *o, uint32_t p)
+{
+    const gl_functions *gl = &o->gl;
+    const pupil_coder *c = &o->coder;
+    gl->Uniform1i(uniform(o, p, "frame"), GLES_UNIT_FRAME);
+    gl->Uniform1i(uniform(o, p, "chroma"), GLES_UNIT_CHROMA);
+    gl->Uniform1i(uniform(o, p, "light"), GLES_UNIT_LIGHT);
+    gl->Uniform2i(uniform(o, p, "frame_size"), (GLint)o->config.width, (GLint)o->config.height);
+    gl->Uniform2f(uniform(o, p, "yuv_luma"), c->y_zero, c->y_unit);
+    gl->Uniform4f(uniform(o, p, "yuv_chroma"), c->red_v, c->green_u, c->green_v, c->blue_u);
+    gl->Uniform1i(uniform(o, p, "sample_shift"), (GLint)c->shift);
+    gl->Uniform2f(uniform(o, p, "grey"), c->zero, c->unit);
+    gl->Uniform2f(uniform(o, p, "mosaic"), c->zero4, c->most);
+    gl->Uniform3f(uniform(o, p, "unit4"), c->unit4[0], c->unit4[1], c->unit4[2]);
+    gl->Uniform2i(uniform(o, p, "red_at"), (GLint)c->red_x, (GLint)c->red_y);
+    gl->UniformMatrix3fv(uniform(o, p, "camera_matrix"), 1, GL_TRUE, c->matrix);
+}
+
+static void set_regions(const gles_object *o, uint32_t p)
+{
+    const gl_functions *gl = &o->gl;
+    GLuint weights[PUPIL_GRID_SIDE][4] = {{0}};
+    for (int y = 0; y < PUPIL_GRID_SIDE; y++)
+        for (int x = 0; x < PUPIL_GRID_SIDE; x++)
+            weights[y][x / 4] |= (GLuint)o->settings.weight[y][x] << 8 * (x % 4);
+    gl->Uniform4uiv(uniform(o, p, "weights"), PUPIL_GRID_SIDE, weights[0]);
+    gl->Uniform4iv(uniform(o, p, "region_row"), (GLsizei)o->region_rows, &o->region_row[0].first);
+    gl->Uniform2i(uniform(o, p, "metered_size"), (GLint)(o->config.width / o->unit),
+                  (GLint)(o->config.height / o->unit));
+    gl->Uniform1i(uniform(o, p, "region_rows"), (GLint)o->region_rows);
+}
+
+static void set_metering(const gles_object *o, uint32_t p)
+{
+    const gl_functions *gl = &o->gl;
+    gl->Uniform1f(uniform(o, p, "floor_luminance"), o->settings.floor);
+    gl->Uniform1f(uniform(o, p, "clip_value"), pupil_clip_of(&o->settings, o->config.pixel, &o->coder));
+    gl->Uniform3f(uniform(o, p, "luma"), o->metered_luma[0], o->metered_luma[1], o->metered_luma[2]);
+}
+
+static void set_mapping(const gles_object *o, uint32_t p)
+{
+    const gl_functions *gl = &o->gl;
+    const GLint halved = o->config.half_size ? 2 : 1;
+    gl->Uniform3f(uniform(o, p, "luma"), o->luma[0], o->luma[1], o->luma[2]);
+    gl->Uniform1i(uniform(o, p, "encoder"), GLES_UNIT_ENCODER);
+    gl->Uniform1ui(uniform(o, p, "encoder_base"), pupil_encoders[o->settings.transfer].base_bits);
+    gl->Uniform1i(uniform(o, p, "adapted"), GLES_UNIT_STATE);
+    gl->Uniform2i(uniform(o, p, "picture_size"), (GLint)o->config.width / halved, (GLint)o->config.height / halved);
+}
+
+void gles_programs_set(const gles_object *o)
+{
+    for (uint32_t p = 0; p < GLES_PROGRAM_COUNT; p++) {
+        if (!o->programs.name[p])
+            continue;
+        o->gl.UseProgram(o->programs.name[p]);
+        if (p == GLES_METER || p == GLES_MAP || p == GLES_MAP_SCALED)
+            set_frame(o, p);
+        if (p == GLES_METER || p == GLES_WEIGH || p == GLES_ADAPT)
+            set_regions(o, p);
+        if (p == GLES_METER)
+            set_metering(o, p);
+        if (p == GLES_MAP || p == GLES_MAP_SCALED)
+            set_mapping(o, p);
+        if (p == GLES_REDUCE)
+            o->gl.Uniform1i(uniform(o, p, "parts"), GLES_UNIT_FRAME);
+        if (p == GLES_WEIGH)
+            o->gl.Uniform1i(uniform(o, p, "regions"), GLES_UNIT_FRAME);
+        if (p == GLES_WEIGH || p == GLES_ADAPT)
+            gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "level_limits"), uniform(o, p, "is_locked"));
+        if (p == GLES_ADAPT) {
+            o->gl.Uniform1i(uniform(o, p, "columns"), GLES_UNIT_FRAME);
+            o->gl.Uniform1i(uniform(o, p, "state_before"), GLES_UNIT_STATE);
+        }
+    }
+}
+
+void gles_begin(const gles_object *o, uint32_t program)
+{
+    static const GLenum off[] = {GL_BLEND,
+                                 GL_DEPTH_TEST,
+                                 GL_STENCIL_TEST,
+                                 GL_CULL_FACE,
+                                 GL_SCISSOR_TEST,
+                                 GL_DITHER,
+                                 GL_POLYGON_OFFSET_FILL,
+                                 GL_RASTERIZER_DISCARD,
+                                 GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                 GL_SAMPLE_COVERAGE};
+    for (size_t i = 0; i < sizeof off / sizeof off[0]; i++)
+        o->gl.Disable(off[i]);
+    o->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    o->gl.BindVertexArray(o->vertex_array);
+    o->gl.UseProgram(o->programs.name[program]);
+}

@@ -1,0 +1,61 @@
+/* How a frame is cut for metering, and statistics from what the pieces left. */
+#include "gles_object.h"
+
+uint32_t gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS])
+{
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < units_y; y++) {
+        const int32_t grid_row = (int32_t)pupil_grid_cell_of(y, units_y), band = (int32_t)(y * PUPIL_BANDS / units_y);
+        if (!count || rows[count - 1].grid_row != grid_row || rows[count - 1].band != band)
+            rows[count++] = (gles_region_row){.first = (int32_t)y, .grid_row = grid_row, .band = band};
+        rows[count - 1].end = (int32_t)y + 1;
+    }
+    return count;
+}
+
+/* One region, by the rules of lib/kernels/row.c: stats_add_run. */
+static void add_region(const uint32_t words[4], uint32_t pixels, uint32_t weight, uint32_t band, pupil_stats *stats)
+{
+    const int64_t whole = (int64_t)(int32_t)words[0] + (words[1] >> 24);
+    const uint64_t frac_q24 = words[1] & 0xffffff, low = stats->log2_frac + (frac_q24 << 16) * weight;
+    stats->log2_sum += whole * (int64_t)weight + (int64_t)(low >> 40);
+    stats->log2_frac = low & ((UINT64_C(1) << 40) - 1);
+    stats->pixels += pixels;
+    stats->weight += (uint64_t)pixels * weight;
+    stats->black += words[2] & 0xfffff;
+    stats->clipped += words[3] & 0xfffff;
+    stats->bad += words[2] >> 20 | words[3] >> 20 << 12;
+    stats->band_log2_sum[band] += whole * (1 << 24) + (int64_t)frac_q24;
+    stats->band_pixels[band] += pixels;
+}
+
+void gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats)
+{
+    const uint32_t units_x = o->config.width / o->unit;
+    pupil_stats_clear(stats);
+    for (uint32_t y = 0; y < o->region_rows; y++) {
+        const gles_region_row *row = &o->region_row[y];
+        for (uint32_t x = 0; x < GLES_REGION_COLUMNS; x++) {
+            const uint32_t width = pupil_grid_first_in_cell(x + 1, units_x) - pupil_grid_first_in_cell(x, units_x);
+            const uint32_t pixels = width * (uint32_t)(row->end - row->first);
+            const uint32_t weight = o->settings.weight[row->grid_row][x];
+            if (pixels && weight)
+                add_region(from->region[y][x], pixels, weight, (uint32_t)row->band, stats);
+        }
+    }
+    stats->rows = stats->frame_height = o->config.height;
+    stats->has_histogram = o->histogram;
+    if (!o->histogram)
+        return;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
+        stats->bin[i] = (uint64_t)from->bin[i][1] << 32 | from->bin[i][0];
+    for (int i = 0; i < PUPIL_PEAK_BINS; i++) {
+        const uint32_t *bin = from->bin[PUPIL_HISTOGRAM_BINS + i];
+        stats->peak_bin[i] = (uint64_t)bin[1] << 32 | bin[0];
+    }
+    union {
+        uint32_t bits;
+        float value;
+    } peak = {.bits = from->peak[0]};
+    stats->peak = peak.value;
+}

@@ -1,0 +1,171 @@
+#include "gles_variant.h"
+
+#include "gles_shader_texts.h"
+
+const char *gles_shader_name(uint32_t shader)
+{
+    static const char *const names[GLES_SHADER_COUNT] = {
+        "triangle.vert", "meter.comp", "meter.frag", "reduce.frag", "weigh.frag",
+        "adapt.comp",    "adapt.frag", "map.vert",   "map.frag",    "map.frag, scaled"};
+    return names[shader];
+}
+
+/* All of them: the default precision of samplers is low, and fragment shaders have none for floats. */
+static const char precisions[] = "precision highp float;\n"
+                                 "precision highp int;\n"
+                                 "precision highp sampler2D;\n"
+                                 "precision highp usampler2D;\n";
+
+/* Load of load.glsl, by format. */
+static const char *load_of(const gles_variant *v)
+{
+    if (v->source == PUPIL_GLES_EXTERNAL)
+        return "#define LOAD_CODED_RGB\n";
+    switch (v->pixel) {
+    case PUPIL_PIXEL_RGBA32F:
+    case PUPIL_PIXEL_RGBA16F:
+        return "#define LOAD_FLOAT\n#define ALPHA\n";
+    case PUPIL_PIXEL_RGB32F:
+        return "#define LOAD_FLOAT\n";
+    case PUPIL_PIXEL_RGBA16:
+        return "#define LOAD_RGB16\n#define ALPHA\n";
+    case PUPIL_PIXEL_RGB16:
+        return "#define LOAD_RGB16\n";
+    case PUPIL_PIXEL_RGBA8:
+        return "#define LOAD_RGB8\n#define ALPHA\n";
+    case PUPIL_PIXEL_RGB8:
+        return "#define LOAD_RGB8\n";
+    case PUPIL_PIXEL_YUYV:
+        return "#define LOAD_YUYV\n";
+    case PUPIL_PIXEL_NV12:
+        return "#define LOAD_NV12\n";
+    case PUPIL_PIXEL_GREY8:
+    case PUPIL_PIXEL_GREY10:
+    case PUPIL_PIXEL_GREY12:
+    case PUPIL_PIXEL_GREY16:
+        return "#define LOAD_GREY\n";
+    default:
+        return "#define LOAD_MOSAIC\n";
+    }
+}
+
+static const char *samples_of(const gles_variant *v)
+{
+    switch (v->pixel) {
+    case PUPIL_PIXEL_GREY8:
+    case PUPIL_PIXEL_BAYER8:
+        return "#define SAMPLES_8\n";
+    case PUPIL_PIXEL_BAYER10P:
+        return "#define SAMPLES_10P\n";
+    case PUPIL_PIXEL_BAYER12P:
+        return "#define SAMPLES_12P\n";
+    case PUPIL_PIXEL_GREY10:
+    case PUPIL_PIXEL_GREY12:
+    case PUPIL_PIXEL_GREY16:
+    case PUPIL_PIXEL_BAYER10:
+    case PUPIL_PIXEL_BAYER12:
+    case PUPIL_PIXEL_BAYER14:
+    case PUPIL_PIXEL_BAYER16:
+        return v->normalized_16 ? "#define SAMPLES_NORMALIZED_16\n" : "#define SAMPLES_16\n";
+    default:
+        return "";
+    }
+}
+
+static int is_grey(uint32_t pixel)
+{
+    return pixel == PUPIL_PIXEL_GREY8 || pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_GREY12 ||
+           pixel == PUPIL_PIXEL_GREY16;
+}
+
+/* What reads the frame. */
+static uint32_t add_load(const gles_variant *v, uint32_t n, const char *texts[GLES_MOST_TEXTS])
+{
+    texts[n++] = load_of(v);
+    texts[n++] = samples_of(v);
+    if (is_grey(v->pixel) && !v->is_linear)
+        texts[n++] = "#define GREY_LIGHT\n";
+    if (v->is_linear)
+        texts[n++] = "#define LIGHT_LINEAR\n";
+    if (v->has_matrix)
+        texts[n++] = "#define MATRIX\n";
+    if (v->half_size)
+        texts[n++] = "#define QUADS\n";
+    texts[n++] = text_load_glsl;
+    texts[n++] = text_load_samples_glsl;
+    texts[n++] = text_light_glsl;
+    return n;
+}
+
+static uint32_t add_metering(const gles_variant *v, uint32_t n, const char *texts[GLES_MOST_TEXTS])
+{
+    n = add_load(v, n, texts);
+    texts[n++] = text_regions_glsl;
+    texts[n++] = text_meter_glsl;
+    return n;
+}
+
+static uint32_t add_adapting(uint32_t n, const char *texts[GLES_MOST_TEXTS])
+{
+    texts[n++] = text_regions_glsl;
+    texts[n++] = text_integers_glsl;
+    texts[n++] = text_adapt_glsl;
+    return n;
+}
+
+uint32_t gles_shader_texts(const gles_variant *v, uint32_t shader, const char *texts[GLES_MOST_TEXTS])
+{
+    uint32_t n = 0;
+    texts[n++] = v->version == PUPIL_GLES_ES31 ? "#version 310 es\n" : "#version 300 es\n";
+    if (v->source == PUPIL_GLES_EXTERNAL)
+        texts[n++] = "#extension GL_OES_EGL_image_external_essl3 : require\n"
+                     "precision highp samplerExternalOES;\n";
+    texts[n++] = precisions;
+    if (v->level_here)
+        texts[n++] =
+            v->version == PUPIL_GLES_ES31 ? "#define LEVEL_HERE\n#define STATE_IN_BUFFER\n" : "#define LEVEL_HERE\n";
+    switch (shader) {
+    case GLES_METER_COMP:
+        if (v->histogram)
+            texts[n++] = "#define HISTOGRAM\n";
+        n = add_metering(v, n, texts);
+        texts[n++] = text_statistics_glsl;
+        texts[n++] = text_meter_comp;
+        break;
+    case GLES_METER_FRAG:
+        n = add_metering(v, n, texts);
+        texts[n++] = text_meter_frag;
+        break;
+    case GLES_REDUCE_FRAG:
+        texts[n++] = text_regions_glsl;
+        texts[n++] = text_reduce_frag;
+        break;
+    case GLES_WEIGH_FRAG:
+        n = add_adapting(n, texts);
+        texts[n++] = text_weigh_frag;
+        break;
+    case GLES_ADAPT_FRAG:
+        n = add_adapting(n, texts);
+        texts[n++] = text_adapt_frag;
+        break;
+    case GLES_ADAPT_COMP:
+        n = add_adapting(n, texts);
+        texts[n++] = text_statistics_glsl;
+        texts[n++] = text_adapt_comp;
+        break;
+    case GLES_MAP_SCALED_FRAG:
+    case GLES_MAP_FRAG:
+        if (shader == GLES_MAP_SCALED_FRAG)
+            texts[n++] = "#define SCALED\n";
+        n = add_load(v, n, texts);
+        texts[n++] = text_map_frag;
+        break;
+    case GLES_MAP_VERT:
+        texts[n++] = text_map_vert;
+        break;
+    default:
+        texts[n++] = text_triangle_vert;
+        break;
+    }
+    return n;
+}

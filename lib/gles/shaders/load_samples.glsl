@@ -1,0 +1,126 @@
+// Grey and mosaics, one sample a pixel, as linear light (load.glsl goes before).
+
+#if defined(LOAD_GREY) || defined(LOAD_MOSAIC)
+#ifdef SAMPLES_8
+uint sample_at(ivec2 at)
+{
+    return uint(texelFetch(frame, at, 0).r * 255.0 + 0.5);
+}
+#endif
+
+#ifdef SAMPLES_16
+uniform int sample_shift;
+
+uint sample_at(ivec2 at)
+{
+    return texelFetch(frame, at, 0).r >> sample_shift;
+}
+#endif
+
+#ifdef SAMPLES_NORMALIZED_16
+uniform int sample_shift;
+
+uint sample_at(ivec2 at)
+{
+    return uint(texelFetch(frame, at, 0).r * 65535.0 + 0.5) >> sample_shift;
+}
+#endif
+
+#if defined(SAMPLES_10P) || defined(SAMPLES_12P)
+uint byte_at(ivec2 at)
+{
+    return uint(texelFetch(frame, at, 0).r * 255.0 + 0.5);
+}
+#endif
+
+// MIPI CSI-2: the upper eight bits of each sample of a group, then a byte of what they lack, the first one lowest.
+#ifdef SAMPLES_10P
+uint sample_at(ivec2 at)
+{
+    int group = at.x / 4 * 5, which = at.x & 3;
+    uint low = byte_at(ivec2(group + 4, at.y)) >> (2 * which) & 3u;
+    return byte_at(ivec2(group + which, at.y)) << 2 | low;
+}
+#endif
+
+#ifdef SAMPLES_12P
+uint sample_at(ivec2 at)
+{
+    int group = at.x / 2 * 3, which = at.x & 1;
+    uint low = byte_at(ivec2(group + 2, at.y)) >> (4 * which) & 15u;
+    return byte_at(ivec2(group + which, at.y)) << 4 | low;
+}
+#endif
+#endif
+
+#ifdef LOAD_GREY
+uniform vec2 grey; // zero, unit
+
+vec3 load(ivec2 at)
+{
+    float v = (float(sample_at(at)) - grey.x) * grey.y;
+#ifdef GREY_LIGHT
+    v = light_of(v * 255.0);
+#endif
+    return vec3(v);
+}
+#endif
+
+#ifdef LOAD_MOSAIC
+uniform vec2 mosaic;  // zero4, most
+uniform vec3 unit4;
+uniform ivec2 red_at; // which pixel of a quad is red
+#ifdef MATRIX
+uniform mat3 camera_matrix;
+#endif
+
+// Four times each channel's sample, or the sum of four, to balanced light.
+vec3 develop(uvec3 sum4)
+{
+    vec3 v = (vec3(sum4) - mosaic.x) * unit4;
+    return min(v, vec3(mosaic.y));
+}
+
+vec3 load_quad(ivec2 quad)
+{
+    ivec2 at = 2 * quad, blue_at = 1 - red_at;
+    uint greens = sample_at(at + ivec2(blue_at.x, red_at.y)) + sample_at(at + ivec2(red_at.x, blue_at.y));
+    return develop(uvec3(4u * sample_at(at + red_at), 2u * greens, 4u * sample_at(at + blue_at)));
+}
+
+// Beyond the frame's edges the picture is mirrored.
+uint mirrored(ivec2 at)
+{
+    at = abs(at);
+    return sample_at(min(at, 2 * (frame_size - 1) - at));
+}
+
+// Bilinear: the mean of the neighbours of a colour, two or four.
+vec3 load_bilinear(ivec2 at)
+{
+    ivec2 own = (at & 1) ^ red_at; // 0: a column, a row, of red samples
+    uint here = 4u * sample_at(at);
+    uint beside = mirrored(at - ivec2(1, 0)) + mirrored(at + ivec2(1, 0));
+    uint above_below = mirrored(at - ivec2(0, 1)) + mirrored(at + ivec2(0, 1));
+    if (own.x != own.y) // green
+        return develop(own.y == 0 ? uvec3(2u * beside, here, 2u * above_below)
+                                  : uvec3(2u * above_below, here, 2u * beside));
+    uint corners = mirrored(at + ivec2(-1, -1)) + mirrored(at + ivec2(1, -1)) + mirrored(at + ivec2(-1, 1)) +
+                   mirrored(at + ivec2(1, 1));
+    uint cross4 = beside + above_below;
+    return develop(own.x == 0 ? uvec3(here, cross4, corners) : uvec3(corners, cross4, here));
+}
+
+vec3 load(ivec2 at)
+{
+#ifdef QUADS
+    vec3 rgb = load_quad(at);
+#else
+    vec3 rgb = load_bilinear(at);
+#endif
+#ifdef MATRIX
+    rgb = camera_matrix * rgb;
+#endif
+    return rgb;
+}
+#endif

@@ -1,0 +1,78 @@
+// Reinhard's operator by luminance, fitted to the display's gamut, encoded to 8 bits (pupil/pupil.h: pupil_curve). The
+// same steps as lib/kernels/scalar.c: tone, fit_gamut, encode.
+
+#define BRIGHTEST  2147483648.0 // 2^31
+#define GAMUT_KNEE 0.75
+
+uniform float inverse_white_squared, gamut;
+uniform highp usampler2D encoder; // lib/kernels/kernels.h: pupil_encoder, 256 cells a row
+uniform uint encoder_base;
+uniform ivec2 picture_size;
+#ifdef SCALED
+uniform vec4 turn; // from the target's pixels to the picture's: rows of a matrix, and a shift
+uniform vec2 shift;
+#else
+uniform ivec4 turn;
+uniform ivec2 shift;
+#endif
+
+flat in float scale;
+layout(location = 0) out vec4 display;
+
+vec3 fit_gamut(vec3 rgb, float m, float grey)
+{
+    if (!(grey < 1.0))
+        return vec3(1.0);
+    float knee = gamut > 0.0 ? GAMUT_KNEE : 1.0, room = 1.0 - grey;
+    float x = (m - grey) / room;
+    float fitted = knee + (x - knee) / (1.0 + gamut * (m / room - knee));
+    fitted = gamut > 0.0 && fitted < 1.0 ? fitted : 1.0;
+    return grey + (rgb - grey) * (fitted / x);
+}
+
+vec3 tone(vec3 rgb)
+{
+    float l = luminance(rgb), y = l > 0.0 ? min(l, CEILING) : 0.0, u = scale * y;
+    float s = scale * ((1.0 + u * inverse_white_squared) / (1.0 + u));
+    if (is_nan(l))
+        return vec3(0.0);
+    rgb = min(mix(vec3(0.0), rgb, greaterThan(rgb, vec3(0.0))), vec3(BRIGHTEST)) * s;
+    float grey = y * s, m = largest(rgb), knee = gamut > 0.0 ? GAMUT_KNEE : 1.0;
+    return m > knee + (1.0 - knee) * grey ? fit_gamut(rgb, m, grey) : rgb;
+}
+
+float encode(float x)
+{
+    float lowest = uintBitsToFloat(encoder_base);
+    uint bits = floatBitsToUint(x > lowest ? min(x, 1.0) : lowest);
+    int i = int((bits - encoder_base) >> 16);
+    return float((texelFetch(encoder, ivec2(i & 255, i >> 8), 0).r + (bits & 0xffffu)) >> 16);
+}
+
+// The picture's pixel as codes.
+vec4 codes_at(ivec2 at)
+{
+    vec3 rgb = tone(load(at));
+    vec4 codes = vec4(encode(rgb.r), encode(rgb.g), encode(rgb.b), 255.0);
+#ifdef ALPHA
+    codes.a = opacity(at);
+#endif
+    return codes;
+}
+
+void main()
+{
+#ifdef SCALED
+    vec2 place = vec2(dot(turn.xy, gl_FragCoord.xy), dot(turn.zw, gl_FragCoord.xy)) + shift - 0.5;
+    ivec2 first = ivec2(floor(place)), last = picture_size - 1;
+    vec2 part = place - floor(place);
+    ivec2 low = clamp(first, ivec2(0), last), high = clamp(first + 1, ivec2(0), last);
+    vec4 upper = mix(codes_at(low), codes_at(ivec2(high.x, low.y)), part.x);
+    vec4 lower = mix(codes_at(ivec2(low.x, high.y)), codes_at(high), part.x);
+    display = mix(upper, lower, part.y) * (1.0 / 255.0);
+#else
+    ivec2 here = ivec2(gl_FragCoord.xy);
+    ivec2 at = ivec2(turn.x * here.x + turn.y * here.y, turn.z * here.x + turn.w * here.y) + shift;
+    display = codes_at(at) * (1.0 / 255.0);
+#endif
+}
