@@ -102,7 +102,7 @@ static void tell_json(const machine *m, const bench_gles_subject *s, bench_part 
 static void tell(const bench_gles_subject *s, bench_part part, double gpu_s, double cpu_s, const double copy_s[2],
                  const bench_gles_error *e)
 {
-    char size[16];
+    char size[24];
     snprintf(size, sizeof size, "%lux%lu", (unsigned long)s->in.width, (unsigned long)s->in.height);
     printf("%-8s %-10s %-9s %9.3f %7.2f", bench_format_name(s->in.pixel), size, bench_part_names[part], gpu_s * 1e3,
            gpu_s / copy_s[0]);

@@ -80,30 +80,30 @@ void gles_work_close(gles_work *g)
     free(g);
 }
 
-/* What would mend a refused init, where it is a matter of the settings. */
-static const char *mend(const gles_work *g, int error)
+static int wants_histogram(const pupil_config *c)
 {
-    if (error != PUPIL_ERR_CONFIG)
-        return "";
-    return g->settings.trim_low > 0.0f || g->settings.trim_high < 1.0f ? "; without --trim it can"
-           : g->settings.white_mode == PUPIL_WHITE_FOLLOW              ? "; with --white none, or a number, it can"
-                                                                       : "";
+    return c->trim_low > 0.0f || c->trim_high < 1.0f || c->white_mode == PUPIL_WHITE_FOLLOW;
 }
 
 static int start(gles_work *g, pupil_t *pupil, char *why, size_t why_bytes)
 {
     char reason[PUPIL_WHY_BYTES] = "";
     int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, reason, sizeof reason);
-    const int needed =
-        g->settings.trim_low > 0.0f || g->settings.trim_high < 1.0f || g->settings.white_mode == PUPIL_WHITE_FOLLOW;
-    if (error == PUPIL_ERR_CONFIG && g->settings.histogram && !needed) { /* ES 3.0 */
+    if (error == PUPIL_ERR_CONFIG && wants_histogram(&g->settings)) { /* in the words of replay's options */
+        snprintf(why, why_bytes, "OpenGL ES 3.0 has no histogram, which %s",
+                 g->settings.white_mode == PUPIL_WHITE_FOLLOW
+                     ? "a white point that follows needs; --white none, or a number, does without"
+                     : "--trim needs");
+        return -1;
+    }
+    if (error == PUPIL_ERR_CONFIG && g->settings.histogram) {
         g->no_histogram = 1;
         g->settings.histogram = 0;
         pupil_retune(pupil, &g->settings);
         error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, reason, sizeof reason);
     }
     if (error) {
-        snprintf(why, why_bytes, "%s%s", *reason ? reason : pupil_error_string(error), mend(g, error));
+        snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));
         return -1;
     }
     g->open = 1;

@@ -41,6 +41,7 @@ typedef struct replay {
     progress progress;
     uint64_t shown, skipped;
     size_t finished;   /* outputs that are in their places */
+    char gpu[640];     /* who did the frames */
     char summary[512]; /* the figures that a report found */
     char why[PUPIL_WHY_BYTES];
 } replay;
@@ -343,6 +344,7 @@ static void end(replay *r)
         pupil_stats_file_discard(r->stats_file);
     if (r->report)
         replay_report_discard(r->report);
+    replay_work_tell(&r->work, r->gpu, sizeof r->gpu);
     replay_work_close(&r->work); /* before its window, whose context it may use */
     view_close(r->view);
     pupil_source_close(r->source);
@@ -366,9 +368,7 @@ static void tell(const replay *r)
         fprintf(stderr, "; %s", o->plot);
     if (o->report)
         fprintf(stderr, "; %s/index.html", o->report);
-    char gpu[640];
-    replay_work_tell(&r->work, gpu, sizeof gpu);
-    fprintf(stderr, "%s\n%s", gpu, r->summary);
+    fprintf(stderr, "%s\n%s", r->gpu, r->summary);
 }
 
 int replay_main(int argc, char **argv)
