@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #include "bench.h"
@@ -41,21 +40,12 @@ typedef struct options {
 typedef struct machine {
     pupil_egl *egl;
     gl_calls gl;
-    char name[300]; /* for people */
-    int software;   /* no GPU */
+    char name[300];       /* for people */
+    const char *software; /* no GPU, but this */
 } machine;
 
 /* ---- what is told -------------------------------------------------------------------------------------------------
  */
-
-static const char *software_of(const char *renderer)
-{
-    static const char *const known[] = {"llvmpipe", "softpipe", "swrast", "lavapipe", "SwiftShader", NULL};
-    for (size_t i = 0; known[i]; i++)
-        if (strcasestr(renderer, known[i]))
-            return known[i];
-    return NULL;
-}
 
 static void put_text(const char *text)
 {
@@ -188,7 +178,7 @@ static int measure_all(const options *o, const machine *m)
         printf("%s\n%s%s%s%u frames back to back, medians of %u rounds in turns with one thread of the CPU;\n"
                "errors against the CPU: of the log-average (relative), of display samples (codes, share that is off)\n"
                "format   size       part         GPU ms   /copy    CPU ms  /memcpy  GPU/CPU  error\n",
-               m->name, m->software ? "no GPU: this is " : "", m->software ? software_of(m->name) : "",
+               m->name, m->software ? "no GPU: this is " : "", m->software ? m->software : "",
                m->software ? ", a software renderer\n" : "", o->frames, o->rounds);
     for (unsigned i = 0; i < (o->width ? 1 : 2) && !status; i++)
         for (unsigned f = 0; f < (o->pixel ? 1 : sizeof usual / sizeof usual[0]) && !status; f++)
@@ -309,7 +299,7 @@ int bench_gles_main(int argc, char **argv)
         return BENCH_FAILED;
     }
     pupil_egl_describe(m.name, sizeof m.name);
-    m.software = software_of(m.name) != NULL;
+    m.software = gl_calls_software(&m.gl);
     status = measure_all(&o, &m);
     pupil_egl_close(m.egl);
     return status;

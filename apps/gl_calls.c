@@ -1,6 +1,7 @@
 #include "gl_calls.h"
 
 #include <stdio.h>
+#include <string.h>
 
 int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
 {
@@ -39,6 +40,16 @@ GLuint gl_calls_program(const gl_calls *gl, const char *vertex, const char *frag
         program = 0;
     }
     return program;
+}
+
+const char *gl_calls_software(const gl_calls *gl)
+{
+    static const char *const known[] = {"llvmpipe", "softpipe", "swrast", "lavapipe", "SwiftShader"};
+    const char *renderer = (const char *)gl->GetString(GL_RENDERER);
+    for (size_t i = 0; renderer && i < sizeof known / sizeof known[0]; i++)
+        if (strcasestr(renderer, known[i]))
+            return known[i];
+    return NULL;
 }
 
 void gl_calls_begin(const gl_calls *gl, GLuint framebuffer, GLsizei width, GLsizei height)

@@ -79,6 +79,9 @@ int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, char *why, size_t 
 /* A program of two shaders; attributes have their places in the text. 0: the driver refuses it. */
 GLuint gl_calls_program(const gl_calls *gl, const char *vertex, const char *fragment);
 
+/* The name of a renderer that is no GPU but a program; NULL: it is a GPU, or nobody knows it. */
+const char *gl_calls_software(const gl_calls *gl);
+
 /* The state that pupil_gles and the program's own drawing change, as drawing to a framebuffer's rectangle wants it. */
 void gl_calls_begin(const gl_calls *gl, GLuint framebuffer, GLsizei width, GLsizei height);
 

@@ -316,7 +316,9 @@ int view_open(view **opened, const view_of *of, const pupil_image_const *first, 
         view_close(v);
         return -1;
     }
-    replay_work_gles(of->work, pupil_window_get_proc);
+    /* What only plays the GPU is slower than the CPU itself; who names it has it. */
+    if (of->options->gles || of->options->gles_version || !gl_calls_software(&v->gl))
+        replay_work_gles(of->work, pupil_window_get_proc);
     *opened = v;
     return 0;
 }

@@ -23,8 +23,8 @@ typedef struct view_of {
 
 enum { VIEW_ON = 0, VIEW_QUIT = 1 };
 
-/* A window for pictures of the first frame's shape, and the work's GPU in its context. -1 and a sentence: there is no
- * display, or no OpenGL ES 3. */
+/* A window for pictures of the first frame's shape, and in its context the work's GPU, where it is one or --gles asks
+ * for it. -1 and a sentence: there is no display, or no OpenGL ES 3. */
 int view_open(view **v, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes);
 
 /* replay_work_close comes first. NULL is allowed. */
