@@ -18,8 +18,8 @@ static const char help[] = "usage: pupil bench gles [options]\n"
                            "Frames on the GPU, in turns with one thread of the CPU and with plain copies.\n"
                            "      --format NAME  one input format (rgba32f, rgba16f, nv12, bayer10, one by one)\n"
                            "      --size WxH     (1920x1080, then 3840x2160)\n"
-                           "      --frames N     so many back to back on the GPU, then one wait (8)\n"
-                           "      --rounds N     each is run N times; the median counts (7)\n"
+                           "      --frames N     so many back to back on the GPU, then one wait (8; software: 1)\n"
+                           "      --rounds N     each is run N times; the median counts (7; software: 3)\n"
                            "      --gles-version 3.0|3.1   (the best that there is)\n"
                            "      --json         one object a line for each part\n"
                            "  -q, --quiet        no progress       -h, --help\n"
@@ -175,11 +175,11 @@ static int measure_all(const options *o, const machine *m)
     static const uint32_t size[2][2] = {{1920, 1080}, {3840, 2160}};
     int status = BENCH_DONE;
     if (!o->json)
-        printf("%s\n%s%s%s%u frames back to back, medians of %u rounds in turns with one thread of the CPU;\n"
+        printf("%s\n%s%s%s%u frame%s back to back, medians of %u rounds in turns with one thread of the CPU;\n"
                "errors against the CPU: of the log-average (relative), of display samples (codes, share that is off)\n"
                "format   size       part         GPU ms   /copy    CPU ms  /memcpy  GPU/CPU  error\n",
                m->name, m->software ? "no GPU: this is " : "", m->software ? m->software : "",
-               m->software ? ", a software renderer\n" : "", o->frames, o->rounds);
+               m->software ? ", a software renderer\n" : "", o->frames, o->frames > 1 ? "s" : "", o->rounds);
     for (unsigned i = 0; i < (o->width ? 1 : 2) && !status; i++)
         for (unsigned f = 0; f < (o->pixel ? 1 : sizeof usual / sizeof usual[0]) && !status; f++)
             status = measure_format(o, m, o->pixel ? o->pixel : usual[f], o->width ? o->width : size[i][0],
@@ -284,7 +284,7 @@ static int read_options(int argc, char **argv, options *o)
 
 int bench_gles_main(int argc, char **argv)
 {
-    options o = {.frames = 8, .rounds = 7};
+    options o = {0};
     static machine m;
     char why[PUPIL_WHY_BYTES];
     int status = read_options(argc, argv, &o);
@@ -300,6 +300,8 @@ int bench_gles_main(int argc, char **argv)
     }
     pupil_egl_describe(m.name, sizeof m.name);
     m.software = gl_calls_software(&m.gl);
+    o.frames = o.frames ? o.frames : m.software ? 1 : 8; /* software takes as long for one as for many: a minute */
+    o.rounds = o.rounds ? o.rounds : m.software ? 3 : 7;
     status = measure_all(&o, &m);
     pupil_egl_close(m.egl);
     return status;
