@@ -175,7 +175,7 @@ static int measure_all(const options *o, const machine *m)
     static const uint32_t size[2][2] = {{1920, 1080}, {3840, 2160}};
     int status = BENCH_DONE;
     if (!o->json)
-        printf("%s\n%s%s%s%u frame%s back to back, medians of %u rounds in turns with one thread of the CPU;\n"
+        printf("%s\n%s%s%s%u frame%s before each wait, medians of %u rounds in turns with one thread of the CPU;\n"
                "errors against the CPU: of the log-average (relative), of display samples (codes, share that is off)\n"
                "format   size       part         GPU ms   /copy    CPU ms  /memcpy  GPU/CPU  error\n",
                m->name, m->software ? "no GPU: this is " : "", m->software ? m->software : "",
