@@ -27,6 +27,10 @@ qemu-user runs what was built for 64-bit ARM, and counts its instructions
 libsimde-dev stands in for instructions that this CPU may not have
 gcc-arm-none-eabi builds for Cortex-M7
 qemu-system-arm runs what was built for Cortex-M7
+glslang-tools checks the shaders
+xvfb is the screen that windows open on
+xdotool types their keys
+imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
 python3 prints the tables anew, to compare them"
 

@@ -48,5 +48,11 @@ libavformat-dev reads and writes video files
 libavcodec-dev decodes and encodes video
 libavutil-dev goes with the two above
 libcjson-dev writes statistics as JSON
+libegl-dev makes contexts of OpenGL ES without a window
+libgles-dev the headers of OpenGL ES
+libsdl2-dev opens the window of --view
+libegl1 finds the driver of OpenGL ES
+libgles2 OpenGL ES itself
+libgl1-mesa-dri its drivers, and one for the CPU
 gnuplot-nox draws the plots
 '

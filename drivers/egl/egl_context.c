@@ -1,9 +1,8 @@
-/* A context without a window. All contexts of the process share one display, which is initialised with the first and
- * terminated with the last: a display is EGL's own, and the same however often it is asked for. */
+/* A context without a window. The display is never terminated: it is the whole process's, whoever else asked EGL for
+ * it, and initialising it again does nothing. */
 #include "egl/egl_context.h"
 
 #include <GLES3/gl3.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,10 +12,6 @@ struct pupil_egl {
     EGLDisplay display;
     EGLContext context;
 };
-
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static EGLDisplay shared_display = EGL_NO_DISPLAY;
-static unsigned users;
 
 /* A display of the platform; EGL_NO_DISPLAY: not here. */
 static EGLDisplay platform_display(EGLenum platform, const char *extension)
@@ -49,28 +44,6 @@ static EGLDisplay find_display(void)
     }
     EGLDisplay display = eglGetDisplay(EGL_DEFAULT_DISPLAY);
     return display != EGL_NO_DISPLAY && eglInitialize(display, NULL, NULL) ? display : EGL_NO_DISPLAY;
-}
-
-static EGLDisplay take_display(void)
-{
-    pthread_mutex_lock(&lock);
-    if (users == 0)
-        shared_display = find_display();
-    if (shared_display != EGL_NO_DISPLAY)
-        users++;
-    EGLDisplay display = shared_display;
-    pthread_mutex_unlock(&lock);
-    return display;
-}
-
-static void give_display_back(void)
-{
-    pthread_mutex_lock(&lock);
-    if (--users == 0) {
-        eglTerminate(shared_display);
-        shared_display = EGL_NO_DISPLAY;
-    }
-    pthread_mutex_unlock(&lock);
 }
 
 /* Any configuration will do, for nothing is ever drawn to a surface of EGL's. */
@@ -152,20 +125,18 @@ static int open_context(pupil_egl *egl, const pupil_egl_options *options, char *
 int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, char *why, size_t why_bytes)
 {
     static const pupil_egl_options usual;
-    pupil_egl *opened = calloc(1, sizeof *opened);
-    *egl = NULL;
     if (!options)
         options = &usual;
+    *egl = NULL;
     if (options->version != PUPIL_GLES_BEST && options->version != PUPIL_GLES_ES30 &&
-        options->version != PUPIL_GLES_ES31) {
-        free(opened);
+        options->version != PUPIL_GLES_ES31)
         return pupil_egl_refuse(why, why_bytes, "version %u is no pupil_gles_version; give 0, 30 or 31",
                                 options->version);
-    }
+    pupil_egl *opened = calloc(1, sizeof *opened);
     if (!opened)
         return pupil_egl_refuse(why, why_bytes, "out of memory");
     opened->context = EGL_NO_CONTEXT;
-    opened->display = take_display();
+    opened->display = find_display();
     if (opened->display == EGL_NO_DISPLAY) {
         free(opened);
         return pupil_egl_refuse(why, why_bytes,
@@ -189,7 +160,6 @@ void pupil_egl_close(pupil_egl *egl)
             pupil_egl_release_current(egl);
         eglDestroyContext(egl->display, egl->context);
     }
-    give_display_back();
     free(egl);
 }
 

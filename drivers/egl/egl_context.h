@@ -19,11 +19,12 @@ typedef struct pupil_egl_options {
     int robust;       /* with reset notification, where the driver has it */
 } pupil_egl_options;
 
-/* The display of the surfaceless platform, or else of a GBM device's, or else the default one. 0, or -1 and a sentence
- * that says what to install or what the driver lacks. options NULL: all zero. */
+/* On the display of the surfaceless platform, or else of a GBM device, of EGL's first device, or the default one; it
+ * stays initialised until the process ends. 0, or -1 and a sentence that says what to install or what the driver lacks.
+ * options NULL: all zero. */
 int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, char *why, size_t why_bytes);
 
-/* Destroys the context; NULL is allowed. pupil_gles_close comes first. */
+/* Destroys the context; in this thread none is current if it was. NULL is allowed. pupil_gles_close comes first. */
 void pupil_egl_close(pupil_egl *egl);
 
 /* 0: current in this thread from now on. */

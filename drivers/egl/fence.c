@@ -1,6 +1,7 @@
 /* Fences, of egl/dmabuf.h. A pupil_fence is the EGL sync itself, so that a frame allocates nothing here. Functions that
  * EGL 1.4 does not have are looked up; what eglGetProcAddress answers holds for every display. */
 #include <GLES3/gl3.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -85,7 +86,7 @@ int pupil_fence_wait_fd(int fd)
         !pupil_egl_has(display, "EGL_KHR_wait_sync"))
         return -1;
     /* EGL closes the file that it is given, also where waiting is refused; the caller's goes only when all is well. */
-    int own = dup(fd);
+    int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
     if (own < 0)
         return -1;
     EGLint attributes[] = {EGL_SYNC_NATIVE_FENCE_FD_ANDROID, own, EGL_NONE};

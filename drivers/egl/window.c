@@ -31,18 +31,17 @@ static int open_video(char *why, size_t why_bytes)
     SDL_SetHint(SDL_HINT_VIDEO_X11_FORCE_EGL, "1"); /* GLX needs an extension for OpenGL ES; dma-bufs need EGL */
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0"); /* the desktop's other windows stay as they are */
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");                 /* they are the program's */
-    if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
+    const char *failed = SDL_InitSubSystem(SDL_INIT_VIDEO) == 0 ? NULL : SDL_GetError();
+    /* SDL falls back to this driver, which shows nothing. Whoever wants it asks by SDL_VIDEODRIVER. */
+    if (!failed && SDL_strcmp(SDL_GetCurrentVideoDriver(), "offscreen") == 0 && !SDL_getenv("SDL_VIDEODRIVER")) {
+        SDL_Quit();
+        failed = "its offscreen driver alone would start";
+    }
+    if (failed)
         return refuse(why, why_bytes,
                       "no display for a window (SDL: %s); set DISPLAY or WAYLAND_DISPLAY, or use the console of a "
                       "machine with a screen",
-                      SDL_GetError());
-    /* SDL falls back to this one, which shows nothing. Whoever wants it asks by SDL_VIDEODRIVER. */
-    if (SDL_strcmp(SDL_GetCurrentVideoDriver(), "offscreen") == 0 && !SDL_getenv("SDL_VIDEODRIVER")) {
-        SDL_QuitSubSystem(SDL_INIT_VIDEO);
-        return refuse(why, why_bytes,
-                      "no display for a window; set DISPLAY or WAYLAND_DISPLAY, or use the console of a machine with a "
-                      "screen");
-    }
+                      failed);
     return 0;
 }
 

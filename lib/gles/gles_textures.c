@@ -108,6 +108,14 @@ static int make_targets(gles_object *o)
     return PUPIL_OK;
 }
 
+/* The table that codes are looked up in; 8-bit RGB is sRGB whatever its coding says (pupil/image.h). */
+static const float (*light_of(const gles_object *o))[2]
+{
+    const int is_rgb8 = o->config.pixel == PUPIL_PIXEL_RGBA8 || o->config.pixel == PUPIL_PIXEL_RGB8;
+    const int by_coding = !is_rgb8 || o->config.source == PUPIL_GLES_EXTERNAL;
+    return by_coding && o->coder.light ? o->coder.light : pupil_srgb_light;
+}
+
 int gles_textures_make(gles_object *o, char *why, size_t why_bytes)
 {
     const gl_functions *gl = &o->gl;
@@ -126,7 +134,7 @@ int gles_textures_make(gles_object *o, char *why, size_t why_bytes)
     if (o->config.source == PUPIL_GLES_MEMORY)
         make_frames(o);
     o->light = make_texture(o, GL_RG32F, 256, 1);
-    send(o, o->light, 256, 1, GL_RG, GL_FLOAT, o->coder.light ? o->coder.light : pupil_srgb_light);
+    send(o, o->light, 256, 1, GL_RG, GL_FLOAT, light_of(o));
     o->encoder = make_texture(o, GL_R32UI, GLES_ENCODER_WIDTH, GLES_ENCODER_HEIGHT);
     return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o) : PUPIL_OK;
 }

@@ -47,15 +47,11 @@ void sum_up(uint i)
     }
 }
 
-void main()
+// A region that has pixels: all of the group does this, or none.
+void meter_region(ivec2 region, ivec4 row, int first_x, int end_x, uint weight, uint i, uint index)
 {
-    ivec2 region = ivec2(gl_WorkGroupID.xy), here = ivec2(gl_LocalInvocationID.xy);
-    uint i = gl_LocalInvocationIndex, index = gl_WorkGroupID.y * uint(REGION_COLUMNS) + gl_WorkGroupID.x;
-    uint weight = weight_of(region); // the same for the group, as barriers want it
-    ivec4 row = region_row[region.y];
-    int end_x = weight > 0u ? first_column(region.x + 1) : 0;
+    ivec2 here = ivec2(gl_LocalInvocationID.xy);
     run r = run(1.0, 0, 0u, 0u, 0u);
-
 #ifdef HISTOGRAM
     for (uint b = i; b < BINS + PEAK_BINS; b += THREADS)
         own_bin[b] = 0u;
@@ -65,7 +61,7 @@ void main()
     barrier();
 #endif
     for (int y = row.x + here.y; y < row.y; y += 8)
-        for (int x = first_column(region.x) + here.x; x < end_x; x += 16) {
+        for (int x = first_x + here.x; x < end_x; x += 16) {
             vec2 l = meter_pixel(load_metered(ivec2(x, y)), r);
 #ifdef HISTOGRAM
             count_pixel(l);
@@ -81,4 +77,16 @@ void main()
 #ifdef HISTOGRAM
     add_histogram(i, weight);
 #endif
+}
+
+void main()
+{
+    ivec2 region = ivec2(gl_WorkGroupID.xy);
+    uint i = gl_LocalInvocationIndex, index = gl_WorkGroupID.y * uint(REGION_COLUMNS) + gl_WorkGroupID.x;
+    uint weight = weight_of(region);
+    int first_x = first_column(region.x), end_x = first_column(region.x + 1);
+    if (weight > 0u && end_x > first_x)
+        meter_region(region, region_row[region.y], first_x, end_x, weight, i, index);
+    else if (i == 0u)
+        statistics.region[index] = uvec4(0u);
 }

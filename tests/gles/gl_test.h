@@ -1,0 +1,51 @@
+/* tests/gles/gl_test.h: what the tests of the GPU's side share: a context without a window that listens to its driver
+ * (GL_KHR_debug), and a framebuffer.
+ *
+ *     static gl_test test;
+ *     int status = gl_test_open(&test, PUPIL_GLES_BEST);
+ *     if (status != 0)
+ *         return status;                  // no driver, or not this version: skipped
+ *     ... gl_test_framebuffer(&test, 64, 48) ... gl_test_read(&test, rgba)
+ *     gl_test_close(&test);               // the driver has said nothing bad
+ *     return check_end();
+ */
+#ifndef PUPIL_TESTS_GL_TEST_H
+#define PUPIL_TESTS_GL_TEST_H
+
+#include <GLES3/gl32.h>
+
+#include "check.h"
+#include "egl/egl_context.h"
+
+typedef struct gl_test {
+    pupil_egl *egl;
+    unsigned long messages; /* of the driver's, that no good program causes */
+    int listens;            /* the driver has GL_KHR_debug */
+    uint32_t framebuffer, texture, width, height;
+} gl_test;
+
+/* 0, or the exit status: 77 and a line that says so where there is no driver, or none of this version (a
+ * pupil_gles_version; 0: 3.1 or else 3.0). The object stays where it is until gl_test_close. */
+int gl_test_open(gl_test *test, uint32_t version);
+
+/* Lets go of everything; the messages, and glGetError's last, are still told. */
+GLenum gl_test_end(gl_test *test);
+
+/* For a test that provokes errors: those up to now are as they should be. */
+void gl_test_forget(gl_test *test);
+
+/* The name of a framebuffer with one RGBA8 attachment, in place of an earlier one. It is left bound. */
+uint32_t gl_test_framebuffer(gl_test *test, uint32_t width, uint32_t height);
+
+/* Its pixels, width * height * 4 bytes, the framebuffer's first row first. Waits. */
+void gl_test_read(const gl_test *test, uint8_t *rgba);
+
+/* Here, so that they count as the test's own. */
+static inline void gl_test_close(gl_test *test)
+{
+    GLenum error = gl_test_end(test);
+    CHECK_MSG(error == GL_NO_ERROR, "glGetError says 0x%x at the end", error);
+    CHECK_MSG(test->messages == 0, "%lu messages of the driver's, above", test->messages);
+}
+
+#endif

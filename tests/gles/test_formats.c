@@ -1,0 +1,141 @@
+/* Every format, easy and hard frames, sizes and settings: the GPU's statistics and picture beside the CPU's. */
+#include "frames.h"
+#include "same.h"
+
+typedef struct scene {
+    const char *name;
+    void (*draw)(frame *f);
+} scene;
+
+static void lognormal(frame *f)
+{
+    frame_lognormal(f, 0.18, 2.0, check_uniform);
+}
+
+static void gradient(frame *f)
+{
+    frame_gradient(f, 1e-4, 4.0);
+}
+
+static void odd(frame *f)
+{
+    frame_odd(f, check_uniform);
+}
+
+static void bits(frame *f)
+{
+    frame_bits(f, check_uniform);
+}
+
+static void black(frame *f)
+{
+    frame_fill(f, 0.0, 0.0, 0.0);
+}
+
+static void white(frame *f)
+{
+    frame_fill(f, 1.0, 1.0, 1.0);
+}
+
+static void one(frame *f)
+{
+    frame_one(f, 0.01, 60000.0, check_uniform);
+}
+
+/* Half of the pixels below the smallest normal half. */
+static void subnormal(frame *f)
+{
+    frame_checker(f, 0x1p-20, 0.18);
+}
+
+static const scene scenes[] = {{"log-normal", lognormal}, {"gradient", gradient},  {"odd values", odd},
+                               {"any bits", bits},        {"black", black},        {"white", white},
+                               {"one bright", one},       {"subnormal", subnormal}};
+
+static const char *const formats[PUPIL_PIXEL_COUNT] = {
+    [PUPIL_PIXEL_RGBA32F] = "RGBA32F",   [PUPIL_PIXEL_RGB32F] = "RGB32F",     [PUPIL_PIXEL_RGBA16F] = "RGBA16F",
+    [PUPIL_PIXEL_RGBA16] = "RGBA16",     [PUPIL_PIXEL_RGB16] = "RGB16",       [PUPIL_PIXEL_RGBA8] = "RGBA8",
+    [PUPIL_PIXEL_RGB8] = "RGB8",         [PUPIL_PIXEL_YUYV] = "YUYV",         [PUPIL_PIXEL_NV12] = "NV12",
+    [PUPIL_PIXEL_GREY8] = "GREY8",       [PUPIL_PIXEL_GREY10] = "GREY10",     [PUPIL_PIXEL_GREY12] = "GREY12",
+    [PUPIL_PIXEL_GREY16] = "GREY16",     [PUPIL_PIXEL_BAYER8] = "BAYER8",     [PUPIL_PIXEL_BAYER10] = "BAYER10",
+    [PUPIL_PIXEL_BAYER12] = "BAYER12",   [PUPIL_PIXEL_BAYER14] = "BAYER14",   [PUPIL_PIXEL_BAYER16] = "BAYER16",
+    [PUPIL_PIXEL_BAYER10P] = "BAYER10P", [PUPIL_PIXEL_BAYER12P] = "BAYER12P",
+};
+
+/* As the frame's number goes round: the usual one, and one with a grid, a clip, a curve, primaries of its own. */
+static void configure(pupil_config *config, unsigned turn)
+{
+    pupil_config_default(config);
+    config->white_mode = turn & 1 ? PUPIL_WHITE_NONE : PUPIL_WHITE_FIXED;
+    config->white = 3.0;
+    config->histogram = turn & 1;
+    config->transfer = turn % PUPIL_TRANSFER_COUNT;
+    if (turn & 2)
+        pupil_metering_centre(config);
+    if (turn & 4) {
+        pupil_metering_spot(config);
+        config->clip = 0.75f;
+        config->primaries = PUPIL_PRIMARIES_BT2020;
+    }
+}
+
+/* Formats of cameras: every order, matrix, range, light, shift and level of black. */
+static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
+{
+    *coding = (pupil_coding){.matrix = turn % PUPIL_MATRIX_COUNT,
+                             .range = turn / 3 % PUPIL_RANGE_COUNT,
+                             .light = turn / 2 % PUPIL_LIGHT_COUNT,
+                             .bayer = turn % PUPIL_BAYER_COUNT,
+                             .black = turn & 1 ? 16.0f : 0.0f};
+    if (pixel >= PUPIL_PIXEL_BAYER8 && turn & 1) {
+        const float matrix[9] = {1.5f, -0.3f, -0.2f, -0.2f, 1.4f, -0.2f, 0.0f, -0.5f, 1.5f};
+        memcpy(coding->rgb_from_camera, matrix, sizeof matrix);
+        coding->balance[0] = 1.9f;
+        coding->balance[1] = 1.0f;
+        coding->balance[2] = 1.6f;
+    }
+    if (pixel >= PUPIL_PIXEL_BAYER8)
+        coding->light = PUPIL_LIGHT_LINEAR;
+    if ((pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10) && turn & 2)
+        coding->shift = 6;
+}
+
+int main(int argc, char **argv)
+{
+    static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {64, 48}, {161, 119}, {641, 479}};
+    static gl_test test;
+    unsigned turn = 0;
+    check_begin(argc, argv);
+    const int status = gl_test_open(&test, PUPIL_GLES_BEST);
+    if (status)
+        return status;
+    for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++) {
+        same_figures figures = {0};
+        if (!formats[pixel])
+            continue;
+        for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
+            for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++, turn++) {
+                uint32_t width = sizes[k][0], height = sizes[k][1];
+                if (width > 600 && pixel != PUPIL_PIXEL_RGBA32F && pixel != PUPIL_PIXEL_RGBA16F)
+                    continue;
+                pupil_config config;
+                pupil_coding coding;
+                char what[64];
+                frame_fit(pixel, &width, &height);
+                frame f = frame_make(width, height, pixel, turn % 3 * 48, turn % 5 == 4);
+                scenes[s].draw(&f);
+                configure(&config, turn);
+                code(&coding, pixel, turn);
+                f.image.coding = &coding;
+                snprintf(what, sizeof what, "%s %ux%u, %s, %u", formats[pixel], width, height, scenes[s].name, turn);
+                if (!same_frame(&test, &f.image, &config, &figures, what)) {
+                    config.histogram = 0;
+                    CHECK(same_frame(&test, &f.image, &config, &figures, what));
+                }
+                frame_free(&f);
+            }
+        same_judge(&figures, formats[pixel]);
+    }
+    gl_test_close(&test);
+    return check_end();
+}
