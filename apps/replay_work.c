@@ -113,7 +113,7 @@ int replay_work_map(replay_work *w, const pupil_t *pupil, const pupil_curve *cur
 
 void replay_work_tell(const replay_work *w, char *text, size_t text_bytes)
 {
-    snprintf(text, text_bytes, "%s", w->options->gles || w->options->view ? "; by the CPU" : "");
+    snprintf(text, text_bytes, "%s", w->frames && (w->options->gles || w->options->view) ? "; by the CPU" : "");
     if (w->gpu_frames == w->frames && w->frames)
         snprintf(text, text_bytes, "; GPU: %s", w->gpu_name);
     else if (w->gpu_frames)
