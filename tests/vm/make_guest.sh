@@ -1,0 +1,107 @@
+#!/bin/sh
+# make_guest.sh ARCHITECTURE FOLDER [PACKAGE]: makes FOLDER/vmlinuz and FOLDER/initrd for boot.sh: the stock kernel that
+# PACKAGE (linux-image-ARCHITECTURE) depends on today, with the few modules that the tests load. Exit code 77 and a
+# sentence where this machine cannot. What is there is kept, and once a week Debian is asked for a newer one.
+#
+# Nothing is installed: the kernel is downloaded with lists of its own, so that another architecture needs no change of
+# the system either, and unpacked in FOLDER. The rest of the guest is this machine's files (boot.sh).
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+architecture=$1
+mkdir -p "$2"
+folder=$(cd "$2" && pwd)
+wanted=${3:-linux-image-$architecture}
+# The way to the host's files; a camera and a monitor; memory for dma-bufs. What they depend on is added.
+modules="virtio_pci 9p 9pnet_virtio vivid vgem"
+
+skip() {
+    echo "skipped: $1"
+    exit 77
+}
+
+for tool in apt-get busybox cpio depmod flock modprobe xz; do
+    command -v $tool >/dev/null || skip "no $tool: the packages are listed in test.sh"
+done
+exec 9>"$folder/lock"
+flock 9 # tests run beside each other
+
+# The guest is there, and of these scripts; for how many days it is taken as it is.
+is_made() {
+    [ -n "$(find "$folder/initrd" -newer "$here/make_guest.sh" -newer "$here/init.sh" ${1:+-mtime "-$1"} 2>/dev/null)" ]
+}
+is_made 7 && exit 0
+
+new=$folder/new
+rm -rf "$new"
+mkdir -p "$new/state/lists/partial" "$new/cache/archives/partial" "$new/kernel" "$new/root/bin"
+trap 'rm -rf "$new"' EXIT
+: >"$new/status"
+cat >"$new/apt.conf" <<END
+Dir::State "$new/state";
+Dir::State::status "$new/status";
+Dir::Cache "$new/cache";
+APT::Architecture "$architecture";
+APT::Architectures { "$architecture"; };
+APT::Sandbox::User "";
+Acquire::Languages "none";
+END
+export APT_CONFIG="$new/apt.conf"
+
+# A source that does not answer may be one of others.
+apt-get -qq update >"$new/apt.log" 2>&1 || :
+apt-cache depends "$wanted" >"$new/depends" 2>>"$new/apt.log" || {
+    is_made && exit 0 # as good as it was
+    skip "apt-get finds no $wanted: $(head -n 1 "$new/apt.log")"
+}
+package=$(awk '$1 == "Depends:" { print $2; exit }' "$new/depends")
+if is_made && [ "$(cat "$folder/package")" = "$package" ]; then
+    touch "$folder/initrd"
+    exit 0
+fi
+(cd "$new" && apt-get -qq download "$package") >"$new/apt.log" 2>&1 ||
+    skip "apt-get cannot download $package: $(tail -n 1 "$new/apt.log")"
+dpkg-deb -x "$new"/*.deb "$new/kernel"
+release=$(ls "$new/kernel/lib/modules")
+depmod -b "$new/kernel" "$release"
+
+# The guest's first files: busybox, init, and the modules where modprobe looks for them.
+from=$new/kernel/lib/modules/$release
+to=$new/root/lib/modules/$release
+for module in $modules; do
+    modprobe -d "$new/kernel" -S "$release" --show-depends "$module" >>"$new/depends.modules"
+done
+awk '$1 == "insmod" && !seen[$2]++ { print $2 }' "$new/depends.modules" | while read -r file; do
+    name=${file#"$from/"}
+    mkdir -p "$to/$(dirname "$name")"
+    case $file in
+    *.xz) xz -dc "$file" >"$to/${name%.xz}" ;;
+    *) cp "$file" "$to/$name" ;;
+    esac
+done
+cp "$from"/modules.builtin* "$from/modules.order" "$to"
+depmod -b "$new/root" "$release"
+cp "$(command -v busybox)" "$new/root/bin/busybox"
+cp "$here/init.sh" "$new/root/init"
+chmod 755 "$new/root/init"
+(cd "$new/root" && find . | LC_ALL=C sort | cpio -o -H newc --quiet -R 0:0) >"$new/initrd"
+
+# A PC's kernel unpacks itself, which takes the emulator longer than all else; qemu boots what is packed in it, too.
+# Where that lies: the kernel's Documentation/arch/x86/boot.rst (setup_sects, payload_offset, payload_length, whose last
+# four bytes are no part of the packed data).
+kernel=$new/kernel/boot/vmlinuz-$release
+number_at() {
+    od -A n -t "u$2" -j "$1" -N "$2" "$kernel" | tr -d ' '
+}
+if [ "$architecture" = amd64 ]; then
+    first=$((($(number_at 497 1) + 1) * 512 + $(number_at 584 4)))
+    tail -c "+$((first + 1))" "$kernel" | head -c "$(($(number_at 588 4) - 4))" >"$new/packed"
+    for unpack in xz zstd; do # without zstd, which few need, it unpacks itself
+        if $unpack -dc <"$new/packed" >"$new/vmlinux" 2>/dev/null; then
+            kernel=$new/vmlinux
+            break
+        fi
+    done
+fi
+mv "$kernel" "$folder/vmlinuz"
+mv "$new/initrd" "$folder/initrd"
+echo "$package" >"$folder/package"
