@@ -56,7 +56,7 @@ static void meter_31(gles_object *o, const gles_slot *slot)
     gles_begin(o, GLES_METER);
     gles_bind_frame(o);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, slot->buffer);
-    gl->DispatchCompute(GLES_REGION_COLUMNS, o->region_rows, 1);
+    gl->DispatchCompute(GLES_REGION_COLUMNS / o->cells_together, o->region_rows, 1);
     if (o->variant.level_here) {
         gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
         gl->UseProgram(o->programs.name[GLES_ADAPT]);
@@ -142,7 +142,7 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
         meter_30(o, slot);
     gles_unbind(o);
     slot->fence = o->gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    o->gl.Flush(); /* or the fence might never signal */
+    o->gl.Flush();     /* or the fence might never signal */
     if (slot->fence) { /* or nobody would ever know */
         o->under_way++;
         o->metered++;

@@ -78,8 +78,9 @@ typedef struct gles_object {
     float luma[3], metered_luma[3];
     pupil_coder coder;
     uint32_t histogram;
-    pupil_curve curve; /* ADAPT_GPU: its white and gamut; the scale is 1 */
-    uint32_t unit;     /* rows of a mosaic's quad, or 1 */
+    pupil_curve curve;       /* ADAPT_GPU: its white and gamut; the scale is 1 */
+    uint32_t unit;           /* rows of a mosaic's quad, or 1 */
+    uint32_t cells_together; /* columns of the metering grid in one of regions */
     uint32_t region_rows;
     gles_region_row region_row[GLES_REGION_ROWS];
 
@@ -133,7 +134,7 @@ int gles_programs_make(const gles_object *o, const gles_variant *variant, gles_p
                        size_t why_bytes);
 void gles_programs_delete(const gles_object *o, gles_programs *programs);
 /* Uniforms that stay as they are from frame to frame, by the settings. */
-void gles_programs_set(const gles_object *o);
+void gles_programs_set(gles_object *o);
 /* Makes a program current, with the state of GL that all of pupil_gles draws with. */
 void gles_begin(const gles_object *o, uint32_t program);
 
@@ -152,6 +153,8 @@ void gles_unbind(const gles_object *o);
 /* ---- gles_regions.c */
 
 uint32_t gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS]);
+/* Columns that may be metered as one: 4 where that is no difference, or 1. */
+uint32_t gles_regions_together(const gles_object *o);
 /* Statistics of the whole frame from what came back. */
 void gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats);
 

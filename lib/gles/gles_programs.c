@@ -154,6 +154,7 @@ static void set_regions(const gles_object *o, uint32_t p)
     gl->Uniform4iv(uniform(o, p, "region_row"), (GLsizei)o->region_rows, &o->region_row[0].first);
     gl->Uniform2i(uniform(o, p, "metered_size"), (GLint)(o->config.width / o->unit),
                   (GLint)(o->config.height / o->unit));
+    gl->Uniform1i(uniform(o, p, "cells_together"), (GLint)o->cells_together);
     gl->Uniform1i(uniform(o, p, "region_rows"), (GLint)o->region_rows);
 }
 
@@ -176,8 +177,9 @@ static void set_mapping(const gles_object *o, uint32_t p)
     gl->Uniform2i(uniform(o, p, "picture_size"), (GLint)o->config.width / halved, (GLint)o->config.height / halved);
 }
 
-void gles_programs_set(const gles_object *o)
+void gles_programs_set(gles_object *o)
 {
+    o->cells_together = gles_regions_together(o);
     for (uint32_t p = 0; p < GLES_PROGRAM_COUNT; p++) {
         if (!o->programs.name[p])
             continue;

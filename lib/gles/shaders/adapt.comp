@@ -13,7 +13,7 @@ void main()
 {
     int column = int(gl_LocalInvocationIndex);
     uvec2 log2_sum = uvec2(0u), weight_sum = uvec2(0u);
-    for (int y = 0; y < region_rows; y++)
+    for (int y = 0; y < region_rows && column * cells_together < REGION_COLUMNS; y++)
         weigh_region(ivec2(column, y), statistics.region[y * REGION_COLUMNS + column], log2_sum, weight_sum);
     column_sums[column] = uvec4(log2_sum, weight_sum);
     memoryBarrierShared();

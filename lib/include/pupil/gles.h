@@ -17,7 +17,7 @@
  * targets, without histograms); no extension is needed but for external textures. ES 2.0 is refused.
  *
  * What comes out: counts, weights and the histogram's total are exact; the log-average lies within 1e-5 (relative) of
- * the CPU's; a mapped sample is at most one code off, and at most one of 10,000 is (docs/numerics.md, section 9). A GPU
+ * the CPU's; a mapped sample is at most one code off, and at most one of 10,000 is (docs/numerics.md, On a GPU). A GPU
  * rounds as it likes, so there is no promise of equal bits between two of them.
  *
  * Nothing waits: statistics come through a ring of buffers that are read only once their fence has signalled, and so
