@@ -142,7 +142,7 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
         meter_30(o, slot);
     gles_unbind(o);
     slot->fence = o->gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    o->gl.Flush(); /* or the fence might never signal */
+    o->gl.Flush();     /* or the fence might never signal */
     if (slot->fence) { /* or nobody would ever know */
         o->under_way++;
         o->metered++;
