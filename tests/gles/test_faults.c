@@ -28,16 +28,25 @@ static void check_nothing_left(const char *what)
     gl_test_forget(&s.test); /* what a call without its object provokes */
 }
 
-/* Init fails with the error, and why has the words. */
-static void refused(int expected, const char *words, const char *what)
+static int init(void)
 {
     memset(&s.gles, 0, sizeof s.gles);
-    const int error = session_init(&s);
+    return session_init(&s);
+}
+
+/* Init has failed with the error, and why has the words. */
+static void judge(int error, int expected, const char *words, const char *what)
+{
     CHECK_MSG(error == expected, "%s, %s: error %d (\"%s\"), not %d", session_name(&s), what, error, s.why, expected);
     CHECK_MSG(strstr(s.why, words), "%s, %s: \"%s\" does not say \"%s\"", session_name(&s), what, s.why, words);
     if (error == PUPIL_OK)
         pupil_gles_close(&s.gles);
     check_nothing_left(what);
+}
+
+static void refused(int expected, const char *words, const char *what)
+{
+    judge(init(), expected, words, what);
 }
 
 /* ---- what the caller has wrong -------------------------------------------------------------------------------------
@@ -234,16 +243,14 @@ static void check_memory(int kind)
 {
     unsigned n = 1;
     for (; n < 200; n++) {
-        set_kind(kind);
-        shim.fault = GL_FAULT_MEMORY, shim.nth = n;
-        if (session_init(&s) == PUPIL_OK && !shim.fired)
-            break;
-        pupil_gles_close(&s.gles);
         char what[64];
-        snprintf(what, sizeof what, "allocation %u", n);
         set_kind(kind);
         shim.fault = GL_FAULT_MEMORY, shim.nth = n;
-        refused(PUPIL_ERR_GLES_MEMORY, "out of memory", what);
+        const int error = init();
+        if (error == PUPIL_OK && !shim.fired)
+            break;
+        snprintf(what, sizeof what, "allocation %u", n);
+        judge(error, PUPIL_ERR_GLES_MEMORY, "out of memory", what);
     }
     CHECK_MSG(n > 20 && n < 200, "%u", n);
     printf("%s: %u allocations\n", session_name(&s), n - 1);
@@ -257,18 +264,17 @@ static void check_memory(int kind)
     }
 }
 
-/* The context is lost at some call of init: each one of the first, then one of seven. */
+/* The context is lost at some call of init: each one of the first, then one of nineteen. */
 static void check_lost(int kind)
 {
     set_kind(kind);
     CHECK(session_init(&s) == PUPIL_OK);
     const unsigned long all = gl_shim_tells_of_loss() ? shim.total : 0;
     pupil_gles_close(&s.gles);
-    for (unsigned long n = 1; n <= all; n += n < 10 ? 1 : 7) {
+    for (unsigned long n = 1; n <= all; n += n < 10 ? 1 : 19) {
         set_kind(kind);
         shim.lose_at = n;
-        memset(&s.gles, 0, sizeof s.gles);
-        const int error = session_init(&s);
+        const int error = init();
         CHECK_MSG(error == PUPIL_ERR_GLES_LOST, "%s, lost at call %lu of %lu: error %d, \"%s\"", session_name(&s), n,
                   all, error, s.why);
         CHECK_MSG(strstr(s.why, "lost"), "lost at call %lu: \"%s\"", n, s.why);
