@@ -5,5 +5,6 @@
 
 int bench_scene_main(int argc, char **argv);
 int bench_kernels_main(int argc, char **argv);
+int bench_gles_main(int argc, char **argv);
 
 #endif

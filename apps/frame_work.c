@@ -100,3 +100,11 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
     }
     return error;
 }
+
+int frame_work_map(frame_work *f, const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *in,
+                   const pupil_image *out)
+{
+    f->pupil = pupil;
+    f->in = in;
+    return pass(f, 0, curve, out);
+}

@@ -6,7 +6,6 @@
 
 #include "commands.h"
 #include "display.h"
-#include "frame_work.h"
 #include "interrupt.h"
 #include "open_input.h"
 #include "outputs.h"
@@ -14,21 +13,24 @@
 #include "progress.h"
 #include "replay_options.h"
 #include "replay_report.h"
+#include "replay_work.h"
 #include "stats_file.h"
+#include "view.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_SKIPPED = 3, EXIT_INTERRUPTED = 130 };
 
 typedef struct replay {
     replay_options options;
     pupil_source *source;
-    workers *workers;
-    frame_work *work;
+    replay_work work;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
 
-    unsigned char *display; /* RGB8, tightly packed */
-    size_t display_bytes;
+    view *view;      /* NULL: no window (yet) */
+    int quit;        /* the window was closed */
+    int64_t last_ns; /* the last frame's moment */
+    int64_t loop_ns; /* how much later than its file says this pass of --loop is */
 
     outputs outputs;
     pupil_stats_file *stats_file;
@@ -39,6 +41,7 @@ typedef struct replay {
     progress progress;
     uint64_t shown, skipped;
     size_t finished;   /* outputs that are in their places */
+    char gpu[640];     /* who did the frames */
     char summary[512]; /* the figures that a report found */
     char why[PUPIL_WHY_BYTES];
 } replay;
@@ -133,25 +136,6 @@ static int open_outputs(replay *r, const pupil_image_const *first)
     return 0;
 }
 
-static int make_room(replay *r, const pupil_image_const *in, pupil_image *out)
-{
-    size_t row = (size_t)in->width * 3, bytes = row * in->height;
-    if (bytes > r->display_bytes) {
-        free(r->display);
-        r->display_bytes = 0;
-        r->display = malloc(bytes);
-        if (!r->display)
-            return no_memory(r);
-        r->display_bytes = bytes;
-    }
-    *out = (pupil_image){.data = r->display,
-                         .stride_bytes = (ptrdiff_t)row,
-                         .width = in->width,
-                         .height = in->height,
-                         .pixel = PUPIL_PIXEL_RGB8};
-    return 0;
-}
-
 static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
 {
     double began_s = progress_now_s();
@@ -167,19 +151,46 @@ static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_co
                : 0;
 }
 
+/* The window comes with the first frame, and where it is there the GPU is its own. */
+static int open_view(replay *r, const pupil_frame *first)
+{
+    const replay_options *o = &r->options;
+    const view_of of = {&r->options, &r->pupil, &r->work, r->source->fps};
+    if (!o->view || r->shown)
+        return 0;
+    return view_open(&r->view, &of, &first->image, r->why, sizeof r->why);
+}
+
+/* For the user, without an end of the run. */
+static void warn(replay *r)
+{
+    if (!*r->work.warning)
+        return;
+    progress_clear(&r->progress);
+    memcpy(r->why, r->work.warning, sizeof r->why);
+    say(r, "; the CPU goes on");
+    *r->work.warning = 0;
+}
+
+/* Frames are written in all their pixels; what is only viewed is measured in a smaller picture. */
+static int is_written(const replay_options *o)
+{
+    return o->out_count || o->stats || o->plot || o->report;
+}
+
 static int show(replay *r, const pupil_frame *frame, double read_us)
 {
     pupil_image out;
-    if (make_room(r, &frame->image, &out))
+    if (open_view(r, frame))
         return -1;
+    warn(r);
     double began_s = progress_now_s();
-    int error = frame_work_process(r->work, &r->pupil, r->options.config.order == PUPIL_ORDER_FUSED, &frame->image,
-                                   &frame->info, &out, &r->stats, &r->curve);
+    int error = replay_work_frame(&r->work, &r->pupil, frame, !r->view || is_written(&r->options), &r->stats, &r->curve,
+                                  &out, r->why, sizeof r->why);
     double process_us = (progress_now_s() - began_s) * 1e6;
-    if (error) {
-        snprintf(r->why, sizeof r->why, "%s: %s", frame->name, pupil_error_string(error));
+    if (error)
         return -1;
-    }
+    warn(r);
     if (!r->shown && open_outputs(r, &frame->image))
         return -1;
     pupil_image_const display = pupil_image_as_const(out);
@@ -190,7 +201,14 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
         return -1;
     progress_step(&r->progress, &record);
     r->shown++;
+    r->quit = r->view && view_frame(r->view, frame, &r->curve, &display, &record) == VIEW_QUIT;
+    warn(r);
     return 0;
+}
+
+static int goes_on(const replay *r)
+{
+    return !interrupt_came() && !r->quit && (!r->options.most || r->shown < r->options.most);
 }
 
 /* A frame as often as --hold says, each with its own moment. */
@@ -199,25 +217,47 @@ static int take(replay *r, pupil_frame *frame, double read_us)
     const replay_options *o = &r->options;
     if (o->reset_each)
         pupil_reset(&r->pupil);
-    for (uint64_t i = 0; i < o->hold && !interrupt_came() && (!o->most || r->shown < o->most); i++) {
+    frame->info.timestamp_ns += r->loop_ns;
+    for (uint64_t i = 0; i < o->hold && goes_on(r); i++) {
         if (o->hold > 1)
             frame->info.timestamp_ns = (int64_t)((double)r->shown * 1e9 / r->source->fps);
+        r->last_ns = frame->info.timestamp_ns;
         if (show(r, frame, i ? 0.0 : read_us))
             return -1;
     }
     return 0;
 }
 
+/* The input is at its end: from its beginning again, its first frame a period after the last one. 1: it is not to be;
+ * -1: it cannot. */
+static int again(replay *r, uint64_t shown_before)
+{
+    if (!r->options.loop || r->shown == shown_before)
+        return 1;
+    r->loop_ns = r->last_ns + (int64_t)(1e9 / r->source->fps);
+    pupil_source_close(r->source);
+    r->source = NULL;
+    return open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why);
+}
+
 static int run(replay *r)
 {
     const replay_options *o = &r->options;
-    while (!interrupt_came() && (!o->most || r->shown < o->most)) {
+    uint64_t shown_before = 0;
+    while (goes_on(r)) {
         pupil_frame frame;
         double began_s = progress_now_s();
         int got = pupil_source_next(r->source, &frame, r->why, sizeof r->why);
         double read_us = (progress_now_s() - began_s) * 1e6;
-        if (got == PUPIL_SOURCE_END || interrupt_came())
+        if (interrupt_came())
             return 0;
+        if (got == PUPIL_SOURCE_END) {
+            int stop = again(r, shown_before);
+            if (stop)
+                return stop < 0 ? -1 : 0;
+            shown_before = r->shown;
+            continue;
+        }
         if (got == PUPIL_SOURCE_DAMAGED && o->keep_going) {
             progress_clear(&r->progress);
             say(r, "; skipped");
@@ -250,14 +290,14 @@ static int begin(replay *r)
     if (open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why))
         return -1;
     pupil_init(&r->pupil, &r->options.config);
-    r->workers = workers_open(r->options.threads);
-    r->work = r->workers ? frame_work_open(r->workers) : NULL;
-    if (!r->work)
+    if (replay_work_open(&r->work, &r->options))
         return no_memory(r);
+    if (r->options.gles && !r->options.view)
+        replay_work_gles(&r->work, NULL);
     uint64_t total = r->source->frames * r->options.hold;
     if (r->options.most && (!total || total > r->options.most))
         total = r->options.most;
-    progress_begin(&r->progress, r->options.quiet, total);
+    progress_begin(&r->progress, r->options.quiet, r->options.loop ? 0 : total);
     return 0;
 }
 
@@ -304,13 +344,13 @@ static void end(replay *r)
         pupil_stats_file_discard(r->stats_file);
     if (r->report)
         replay_report_discard(r->report);
-    frame_work_close(r->work);
-    workers_close(r->workers);
+    replay_work_tell(&r->work, r->gpu, sizeof r->gpu);
+    replay_work_close(&r->work); /* before its window, whose context it may use */
+    view_close(r->view);
     pupil_source_close(r->source);
     for (size_t i = 0; i < r->record_count; i++)
         free((char *)(uintptr_t)r->records[i].name);
     free(r->records);
-    free(r->display);
 }
 
 static void tell(const replay *r)
@@ -328,7 +368,7 @@ static void tell(const replay *r)
         fprintf(stderr, "; %s", o->plot);
     if (o->report)
         fprintf(stderr, "; %s/index.html", o->report);
-    fprintf(stderr, "\n%s", r->summary);
+    fprintf(stderr, "%s\n%s", r->gpu, r->summary);
 }
 
 int replay_main(int argc, char **argv)
@@ -349,6 +389,8 @@ int replay_main(int argc, char **argv)
     interrupt_watch();
     int failed = begin(&r) || run(&r);
     progress_clear(&r.progress);
+    if (!failed && r.view && !r.quit && !is_written(&r.options) && !r.options.most)
+        view_stay(r.view); /* until a key is pressed */
     if (!failed)
         failed = interrupt_came() || finish(&r);
     int interrupted = failed && interrupt_came();

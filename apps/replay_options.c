@@ -7,38 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char replay_help[] = "usage: pupil replay INPUT... [options]\n"
-                           "Recorded HDR frames in; a display video and what the exposure did out.\n"
-                           "  INPUT  .exr .hdr .pfm .png, a folder, a 'glob*', a video, - (stdin),\n"
-                           "         pan:PANORAMA[,key=value...], synth:walk, synth:room,\n"
-                           "         synth:RECIPE.scene\n"
-                           "outputs (all complete or absent)\n"
-                           "  -o, --out PATH        .mp4 .mkv .mov .y4m .png, a folder of PNG, - (Y4M); repeatable\n"
-                           "      --stats FILE      a line a frame: .jsonl or .csv (- is JSONL on stdout)\n"
-                           "      --plot FILE       exposure over time: .svg or .png\n"
-                           "      --report DIR      a page with the video, the plot and the figures\n"
-                           "  -y, --overwrite       replace an output folder that is not empty\n"
-                           "frames\n"
-                           "      --fps N           of stills, pan and synth (30)   --size WxH  of pan and synth\n"
-                           "  -n, --frames N        at most N frames                --hold N    show each N times\n"
-                           "      --reset-each      adapt to each input frame by itself\n"
-                           "      --seed N          of a pan's path                 --keep-going  past bad frames\n"
-                           "exposure\n"
-                           "      --tau-light S     time constant toward light, seconds (0.3); --tau-dark S (0.9)\n"
-                           "      --formula 1..4    the study's formulas instead, with --weight W a frame (0.05)\n"
-                           "      --key K           what the log-average is mapped to (0.18)\n"
-                           "      --ev STOPS        compensation (0)                --lock      hold the first level\n"
-                           "      --metering M      uniform (default), centre, spot\n"
-                           "      --roi X,Y,W,H     meter this part, in fractions of the frame\n"
-                           "      --trim LOW,HIGH   leave out the darkest and brightest, per cent (5,95)\n"
-                           "      --meter-rows N    meter one of each N rows: 1 (default), 2, 4, 8\n"
-                           "mapping\n"
-                           "      --white W         white point: follow (default), none, or a number\n"
-                           "      --transfer T      srgb (default), gamma22, linear\n"
-                           "      --fused           map with the state before the frame: one pass, one frame late\n"
-                           "      --threads N       (0: one a processor)            -q, --quiet  -h, --help\n"
-                           "exit: 0 done, 1 failed, 2 usage, 3 done but frames were skipped, 130 interrupted\n";
-
 typedef struct cursor { /* what a parser of one option needs */
     replay_options *o;
     const char *name, *text;
@@ -218,6 +186,16 @@ static int parse_transfer(const cursor *c)
     return word(c, words, &c->o->config.transfer);
 }
 
+static int parse_gles_version(const cursor *c)
+{
+    static const char *const words[] = {"3.0", "3.1", NULL};
+    uint32_t which = 0;
+    if (word(c, words, &which))
+        return REPLAY_USAGE;
+    c->o->gles_version = which ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
+    return REPLAY_RUN;
+}
+
 static int parse_out(const cursor *c)
 {
     if (c->o->out_count == REPLAY_MOST_OUTPUTS)
@@ -252,6 +230,10 @@ enum {
     WHITE,
     TRANSFER,
     FUSED,
+    GLES,
+    GLES_VERSION,
+    VIEW,
+    LOOP,
     THREADS
 };
 
@@ -282,6 +264,10 @@ static const struct option long_options[] = {
     {"white", required_argument, NULL, WHITE},
     {"transfer", required_argument, NULL, TRANSFER},
     {"fused", no_argument, NULL, FUSED},
+    {"gles", no_argument, NULL, GLES},
+    {"gles-version", required_argument, NULL, GLES_VERSION},
+    {"view", no_argument, NULL, VIEW},
+    {"loop", no_argument, NULL, LOOP},
     {"threads", required_argument, NULL, THREADS},
     {"quiet", no_argument, NULL, 'q'},
     {"help", no_argument, NULL, 'h'},
@@ -324,6 +310,15 @@ static int take_flag(int option, replay_options *o)
         return 1;
     case FUSED:
         o->config.order = PUPIL_ORDER_FUSED;
+        return 1;
+    case GLES:
+        o->gles = 1;
+        return 1;
+    case VIEW:
+        o->view = 1;
+        return 1;
+    case LOOP:
+        o->loop = 1;
         return 1;
     default:
         return 0;
@@ -376,9 +371,24 @@ static int take(int option, const cursor *c)
         return parse_white(c);
     case TRANSFER:
         return parse_transfer(c);
+    case GLES_VERSION:
+        return parse_gles_version(c);
     default:
         return parse_threads(c);
     }
+}
+
+/* What --view and --gles ask of the other options. */
+static int check_view(const replay_options *o, char *why, size_t why_bytes)
+{
+    if (o->loop && !o->view)
+        return snprintf(why, why_bytes, "--loop: is of --view; to write frames several times there is --hold"), -1;
+    for (size_t i = 0; o->loop && i < o->input_count; i++)
+        if (strcmp(o->inputs[i], "-") == 0)
+            return snprintf(why, why_bytes, "--loop: standard input comes once; name a file"), -1;
+    if (o->gles_version && !o->gles && !o->view)
+        return snprintf(why, why_bytes, "--gles-version: is of --gles and --view"), -1;
+    return 0;
 }
 
 int replay_options_parse(replay_options *o, int argc, char **argv, char *why, size_t why_bytes)
@@ -421,6 +431,8 @@ int replay_options_parse(replay_options *o, int argc, char **argv, char *why, si
                  "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' tells more");
         return REPLAY_USAGE;
     }
+    if (check_view(o, why, why_bytes))
+        return REPLAY_USAGE;
     if (weight_given && o->config.law == PUPIL_LAW_SECONDS) {
         snprintf(why, why_bytes,
                  "--weight: is a weight a frame, of --formula 1..4; the default law takes --tau-light and --tau-dark");

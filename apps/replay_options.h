@@ -2,7 +2,7 @@
 #ifndef PUPIL_APPS_REPLAY_OPTIONS_H
 #define PUPIL_APPS_REPLAY_OPTIONS_H
 
-#include "pupil/pupil.h"
+#include "pupil/gles.h"
 #include "source.h"
 
 #define REPLAY_MOST_OUTPUTS 16
@@ -19,6 +19,8 @@ typedef struct replay_options {
     uint64_t most;    /* frames to replay at most; 0: all */
     unsigned threads; /* 0: one a processor */
     int reset_each, overwrite, keep_going, quiet;
+    int gles, view, loop;         /* on the GPU; in a window, by the GPU where it can be had; again and again */
+    uint32_t gles_version;        /* a pupil_gles_version */
     char metering[64], white[64]; /* as the user said them, for the report */
     const char *command;          /* the whole command line, for the report; set by whoever has it */
 } replay_options;

@@ -52,6 +52,17 @@ int gles_error(const gles_object *o)
     return error == GL_OUT_OF_MEMORY ? PUPIL_ERR_GLES_MEMORY : PUPIL_ERR_GLES;
 }
 
+/* After a step of init or retune: what GL itself says, out of memory or lost, is the cause of whatever else went wrong.
+ */
+static int cause_of(const gles_object *o, int error, char *why, size_t why_bytes)
+{
+    const int by_gl = gles_error(o);
+    if (by_gl == PUPIL_OK || (error && by_gl == PUPIL_ERR_GLES))
+        return error;
+    gles_say(why, why_bytes, (const char *const[]){pupil_error_string(by_gl), 0});
+    return by_gl;
+}
+
 /* ---- the context ---------------------------------------------------------------------------------------------------
  */
 
@@ -103,6 +114,9 @@ static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *
         return refuse_version(why, why_bytes, "get_proc does not find glGetString", "", "");
     const char *text = o->gl.GetCurrentContext && !o->context ? 0 : (const char *)o->gl.GetString(GL_VERSION);
     if (!text) {
+        o->gl.GetError = (PFNGLGETERRORPROC)get_proc("glGetError");
+        if (o->context && o->gl.GetError && gles_error(o) == PUPIL_ERR_GLES_LOST)
+            return cause_of(o, PUPIL_ERR_GLES_LOST, why, why_bytes);
         gles_say(why, why_bytes, (const char *const[]){"no OpenGL ES context is current in this thread", 0});
         return PUPIL_ERR_GLES_CONTEXT;
     }
@@ -234,7 +248,7 @@ static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version,
     o->variant = variant_of(o, pupil, version);
     error = gles_programs_make(o, &o->variant, &o->programs, why, why_bytes);
     if (error)
-        return error;
+        return cause_of(o, error, why, why_bytes);
     o->gl.GenVertexArrays(1, &o->vertex_array);
     error = gles_textures_make(o, why, why_bytes);
     if (!error)
@@ -242,10 +256,8 @@ static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version,
     if (!error) {
         gles_textures_set(o);
         gles_programs_set(o);
-        error = gles_error(o);
-        if (error)
-            gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
     }
+    error = cause_of(o, error, why, why_bytes);
     if (error)
         delete_all(o);
     return error;
@@ -312,7 +324,7 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t 
     if (variant.histogram != o->variant.histogram) {
         gles_programs programs;
         if ((error = gles_programs_make(o, &variant, &programs, why, why_bytes)))
-            return error;
+            return cause_of(o, error, why, why_bytes);
         gles_programs_delete(o, &o->programs);
         o->programs = programs;
         o->variant = variant;
@@ -322,7 +334,7 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t 
     gles_adapt_take(o, settings);
     gles_textures_set(o);
     gles_programs_set(o);
-    return gles_error(o);
+    return cause_of(o, PUPIL_OK, why, why_bytes);
 }
 
 void pupil_gles_close(pupil_gles *gles)

@@ -143,9 +143,12 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
     gles_unbind(o);
     slot->fence = o->gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     o->gl.Flush(); /* or the fence might never signal */
-    o->under_way++;
-    o->metered++;
-    return gles_error(o);
+    if (slot->fence) { /* or nobody would ever know */
+        o->under_way++;
+        o->metered++;
+    }
+    const int by_gl = gles_error(o);
+    return by_gl || slot->fence ? by_gl : PUPIL_ERR_GLES;
 }
 
 /* ---- what has come back --------------------------------------------------------------------------------------------
@@ -166,7 +169,7 @@ int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats
     if (signalled == GL_TIMEOUT_EXPIRED)
         return PUPIL_GLES_NOTHING;
     if (signalled == GL_WAIT_FAILED)
-        return gles_error(o) == PUPIL_ERR_GLES_LOST ? PUPIL_ERR_GLES_LOST : PUPIL_ERR_GLES;
+        return (error = gles_error(o)) ? error : PUPIL_ERR_GLES;
 
     o->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
     const gles_statistics *from =

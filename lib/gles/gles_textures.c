@@ -87,7 +87,7 @@ static void make_frames(gles_object *o)
 }
 
 /* What ES 3.0's chain draws into. */
-static int make_targets(gles_object *o)
+static int make_targets(gles_object *o, char *why, size_t why_bytes)
 {
     const GLsizei columns = GLES_REGION_COLUMNS, rows = (GLsizei)o->region_rows;
     const extent size[GLES_TARGET_COUNT] = {[GLES_PARTS] = {columns * GLES_PARTS_X, rows * GLES_PARTS_Y},
@@ -100,8 +100,10 @@ static int make_targets(gles_object *o)
         o->gl.GenFramebuffers(1, &o->framebuffer[i]);
         o->gl.BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer[i]);
         o->gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, o->target[i], 0);
-        if (o->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        if (o->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+            gles_say(why, why_bytes, (const char *const[]){"the driver refuses a framebuffer of GL_RGBA32UI", 0});
             return PUPIL_ERR_GLES;
+        }
     }
     for (int i = GLES_STATE_0; i <= GLES_STATE_1 && o->variant.level_here; i++)
         send(o, o->target[i], 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, (const GLuint[4]){0});
@@ -136,7 +138,7 @@ int gles_textures_make(gles_object *o, char *why, size_t why_bytes)
     o->light = make_texture(o, GL_RG32F, 256, 1);
     send(o, o->light, 256, 1, GL_RG, GL_FLOAT, light_of(o));
     o->encoder = make_texture(o, GL_R32UI, GLES_ENCODER_WIDTH, GLES_ENCODER_HEIGHT);
-    return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o) : PUPIL_OK;
+    return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o, why, why_bytes) : PUPIL_OK;
 }
 
 void gles_textures_delete(gles_object *o)

@@ -1,0 +1,273 @@
+#include "gles_work.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "egl/egl_context.h"
+#include "gl_calls.h"
+#include "source.h"
+
+/* Ten seconds: a software renderer may take one for a frame of 16384 x 16384; a GPU that needs longer hangs. */
+#define COLLECT_NS UINT64_C(10000000000)
+
+enum { PICTURE = 0, SMALL, ROOMS };
+
+typedef struct gles_room { /* what is mapped to, to be read back */
+    GLuint framebuffer, renderbuffer;
+    uint32_t width, height;
+} gles_room;
+
+struct gles_work {
+    pupil_egl *egl; /* NULL: the context is the caller's */
+    pupil_gles_get_proc get_proc;
+    gl_calls gl;
+    pupil_config settings;
+    int no_histogram; /* the context can have none, and nothing needs it but the record's quantiles */
+    pupil_gles_config config;
+    pupil_gles gles; /* for frames as in config */
+    int open;
+    gles_room room[ROOMS];
+    unsigned char *rgba; /* as it is read back */
+    size_t rgba_bytes;
+};
+
+static int say(char *why, size_t why_bytes, int error, const char *what)
+{
+    snprintf(why, why_bytes, "%s: %s", what, pupil_error_string(error));
+    return -1;
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------
+ */
+
+int gles_work_open(gles_work **work, const pupil_config *config, uint32_t version, pupil_gles_get_proc get_proc,
+                   char *why, size_t why_bytes)
+{
+    const pupil_egl_options options = {.version = version, .robust = 1};
+    gles_work *g = calloc(1, sizeof *g);
+    if (!g) {
+        snprintf(why, why_bytes, "not enough memory");
+        return -1;
+    }
+    g->get_proc = get_proc ? get_proc : pupil_egl_get_proc;
+    g->settings = *config;
+    pupil_gles_config_default(&g->config);
+    g->config.version = version;
+    g->config.scaled = get_proc != NULL; /* a window has any size */
+    if ((!get_proc && pupil_egl_open(&g->egl, &options, why, why_bytes)) ||
+        gl_calls_load(&g->gl, g->get_proc, why, why_bytes)) {
+        pupil_egl_close(g->egl);
+        free(g);
+        return -1;
+    }
+    *work = g;
+    return 0;
+}
+
+void gles_work_close(gles_work *g)
+{
+    if (!g)
+        return;
+    if (g->open)
+        pupil_gles_close(&g->gles);
+    for (int i = 0; i < ROOMS; i++) {
+        g->gl.DeleteFramebuffers(1, &g->room[i].framebuffer);
+        g->gl.DeleteRenderbuffers(1, &g->room[i].renderbuffer);
+    }
+    pupil_egl_close(g->egl);
+    free(g->rgba);
+    free(g);
+}
+
+static int wants_histogram(const pupil_config *c)
+{
+    return c->trim_low > 0.0f || c->trim_high < 1.0f || c->white_mode == PUPIL_WHITE_FOLLOW;
+}
+
+static int start(gles_work *g, pupil_t *pupil, char *why, size_t why_bytes)
+{
+    char reason[PUPIL_WHY_BYTES] = "";
+    int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, reason, sizeof reason);
+    if (error == PUPIL_ERR_CONFIG && wants_histogram(&g->settings)) { /* in the words of replay's options */
+        snprintf(why, why_bytes, "OpenGL ES 3.0 has no histogram, which %s",
+                 g->settings.white_mode == PUPIL_WHITE_FOLLOW
+                     ? "a white point that follows needs; --white none, or a number, does without"
+                     : "--trim needs");
+        return -1;
+    }
+    if (error == PUPIL_ERR_CONFIG && g->settings.histogram) {
+        g->no_histogram = 1;
+        g->settings.histogram = 0;
+        pupil_retune(pupil, &g->settings);
+        error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, reason, sizeof reason);
+    }
+    if (error) {
+        snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));
+        return -1;
+    }
+    g->open = 1;
+    return 0;
+}
+
+/* The object for frames like this one. */
+static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *why, size_t why_bytes)
+{
+    static const pupil_coding usual;
+    const pupil_coding *coding = in->coding ? in->coding : &usual;
+    pupil_gles_config *c = &g->config;
+    if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
+        memcmp(&c->coding, coding, sizeof *coding) == 0)
+        return 0;
+    if (g->open)
+        pupil_gles_close(&g->gles);
+    g->open = 0;
+    c->pixel = in->pixel;
+    c->width = in->width;
+    c->height = in->height;
+    memcpy(&c->coding, coding, sizeof *coding);
+    return start(g, pupil, why, why_bytes);
+}
+
+int gles_work_retune(gles_work *g, pupil_t *pupil, const pupil_config *config, char *why, size_t why_bytes)
+{
+    char reason[PUPIL_WHY_BYTES] = "";
+    g->settings = *config;
+    if (g->no_histogram)
+        g->settings.histogram = 0;
+    int error = pupil_retune(pupil, &g->settings);
+    if (error)
+        return say(why, why_bytes, error, "new settings");
+    error = g->open ? pupil_gles_retune(&g->gles, pupil, reason, sizeof reason) : PUPIL_OK;
+    if (error)
+        snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));
+    return error ? -1 : 0;
+}
+
+void gles_work_describe(const gles_work *g, char *text, size_t text_bytes)
+{
+    char renderer[256];
+    pupil_gles_status status = {0};
+    pupil_egl_describe(renderer, sizeof renderer);
+    if (g->open && pupil_gles_get_status(&g->gles, &status) == PUPIL_OK)
+        snprintf(text, text_bytes, "%s, metering as in ES %lu.%lu", renderer, (unsigned long)status.version / 10,
+                 (unsigned long)status.version % 10);
+    else
+        snprintf(text, text_bytes, "%s", renderer);
+}
+
+/* ---- a frame ------------------------------------------------------------------------------------------------------
+ */
+
+static int process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in, const pupil_frame_info *info,
+                   pupil_stats *stats, pupil_curve *curve, char *why, size_t why_bytes)
+{
+    if (fit(g, pupil, in, why, why_bytes))
+        return -1;
+    fused = fused && pupil_get_curve(pupil, info, curve) == PUPIL_OK; /* the first frame is done exactly */
+    int error = pupil_gles_upload(&g->gles, in);
+    if (error)
+        return say(why, why_bytes, error, "uploading the frame");
+    error = pupil_gles_meter(&g->gles, info);
+    if (error < 0)
+        return say(why, why_bytes, error, "metering");
+    error = pupil_gles_collect(&g->gles, COLLECT_NS, stats, NULL);
+    if (error < 0)
+        return say(why, why_bytes, error, "reading statistics back");
+    if (error) {
+        snprintf(why, why_bytes, "the GPU has not metered a frame within ten seconds");
+        return -1;
+    }
+    error = pupil_adapt(pupil, stats, info);
+    if (error)
+        return say(why, why_bytes, error, "the GPU's statistics");
+    if (!fused && pupil_get_curve(pupil, info, curve) != PUPIL_OK)
+        *curve = (pupil_curve){1.0f, 1.0f, 0.0f}; /* no light so far: as pupil_process */
+    return 0;
+}
+
+int gles_work_process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in,
+                      const pupil_frame_info *info, pupil_stats *stats, pupil_curve *curve, char *why, size_t why_bytes)
+{
+    const pupil_t before = *pupil;
+    if (process(g, pupil, fused, in, info, stats, curve, why, why_bytes) == 0)
+        return 0;
+    *pupil = before;
+    return -1;
+}
+
+/* ---- mapping ------------------------------------------------------------------------------------------------------
+ */
+
+static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+{
+    const size_t bytes = (size_t)width * height * 4;
+    if (bytes > g->rgba_bytes) {
+        free(g->rgba);
+        g->rgba = malloc(bytes);
+        g->rgba_bytes = g->rgba ? bytes : 0;
+        if (!g->rgba) {
+            snprintf(why, why_bytes, "not enough memory");
+            return -1;
+        }
+    }
+    if (r->framebuffer && r->width == width && r->height == height)
+        return 0;
+    if (!r->framebuffer) {
+        g->gl.GenFramebuffers(1, &r->framebuffer);
+        g->gl.GenRenderbuffers(1, &r->renderbuffer);
+    }
+    r->width = width;
+    r->height = height;
+    g->gl.BindRenderbuffer(GL_RENDERBUFFER, r->renderbuffer);
+    g->gl.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, (GLsizei)width, (GLsizei)height);
+    g->gl.BindFramebuffer(GL_FRAMEBUFFER, r->framebuffer);
+    g->gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, r->renderbuffer);
+    if (g->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+        return 0;
+    r->width = 0; /* to be made anew */
+    snprintf(why, why_bytes, "the driver has no framebuffer of %lux%lu pixels", (unsigned long)width,
+             (unsigned long)height);
+    return -1;
+}
+
+int gles_work_draw(gles_work *g, const pupil_curve *curve, const pupil_gles_target *target, char *why, size_t why_bytes)
+{
+    const int error = pupil_gles_map(&g->gles, curve, target);
+    return error ? say(why, why_bytes, error, "mapping") : 0;
+}
+
+static void pack(const unsigned char *rgba, const pupil_image *rgb8)
+{
+    for (uint32_t y = 0; y < rgb8->height; y++) {
+        unsigned char *to = pupil_image_out_rows(*rgb8, y, 1).data;
+        for (uint32_t x = 0; x < rgb8->width; x++, rgba += 4, to += 3)
+            memcpy(to, rgba, 3);
+    }
+}
+
+int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rgb8, char *why, size_t why_bytes)
+{
+    const int whole = rgb8->width == g->config.width && rgb8->height == g->config.height;
+    gles_room *room = &g->room[whole ? PICTURE : SMALL];
+    if (make_room(g, room, rgb8->width, rgb8->height, why, why_bytes))
+        return -1;
+    const pupil_gles_target target = {.framebuffer = room->framebuffer,
+                                      .width = rgb8->width,
+                                      .height = rgb8->height,
+                                      .top_first = 1,
+                                      .fit = PUPIL_GLES_STRETCH};
+    if (gles_work_draw(g, curve, &target, why, why_bytes))
+        return -1;
+    g->gl.BindFramebuffer(GL_FRAMEBUFFER, room->framebuffer);
+    g->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    g->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
+    g->gl.ReadPixels(0, 0, (GLsizei)rgb8->width, (GLsizei)rgb8->height, GL_RGBA, GL_UNSIGNED_BYTE, g->rgba);
+    const GLenum error = g->gl.GetError();
+    if (error) {
+        snprintf(why, why_bytes, "reading the picture back: OpenGL ES error 0x%x", (unsigned)error);
+        return -1;
+    }
+    pack(g->rgba, rgb8);
+    return 0;
+}

@@ -1,0 +1,200 @@
+#!/bin/sh
+# pupil replay --view in a virtual screen: the window comes, each key does in the pixels what it is for, by the CPU and by
+# the GPU's path; closing, Ctrl-C, no display.
+set -u
+program=${PUPIL_PROGRAM:?the pupil program}
+for tool in Xvfb xdotool import convert; do
+    command -v $tool >/dev/null || { echo "skipped: no $tool (on Debian: xvfb xdotool imagemagick)"; exit 77; }
+done
+room=$(mktemp -d) || exit 1
+server=
+running=
+cleanup() {
+    [ -z "$running" ] || kill "$running" 2>/dev/null
+    [ -z "$server" ] || kill "$server" 2>/dev/null
+    rm -rf "$room"
+}
+trap cleanup EXIT
+trap 'exit 1' INT TERM
+cd "$room" || exit 1
+failures=0
+export SDL_VIDEODRIVER=x11 SDL_VIDEO_X11_FORCE_EGL=1 XDG_RUNTIME_DIR="$room"
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# no display: a sentence, and nothing is left
+env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER "$program" replay synth:walk --size 64x36 -n 2 --view -o a.y4m 2>said.err
+got=$?
+grep -qE "PUPIL_(GLES|WINDOW|EGL)" said.err && { echo "skipped: $(cat said.err)"; exit 77; }
+[ $got = 1 ] || fail "no display: exit $got"
+grep -q "display" said.err || fail "no display: said $(cat said.err)"
+[ ! -e a.y4m ] || fail "no display, but an output"
+
+Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>number >xvfb.log 2>&1 &
+server=$!
+tries=0
+while [ ! -s number ] && [ $tries -lt 100 ]; do sleep 0.1; tries=$((tries + 1)); done
+[ -s number ] || { echo "skipped: Xvfb does not start: $(cat xvfb.log)"; exit 77; }
+DISPLAY=:$(cat number)
+export DISPLAY
+
+# start ARGUMENTS...: a window; its number in $window
+start() {
+    "$program" replay "$@" --view 2>said.err &
+    running=$!
+    window=
+    tries=0
+    while [ -z "$window" ] && kill -0 $running 2>/dev/null && [ $tries -lt 300 ]; do
+        sleep 0.1
+        window=$(xdotool search --name pupil 2>/dev/null | head -n 1)
+        tries=$((tries + 1))
+    done
+    [ -n "$window" ] || fail "no window: $(cat said.err)"
+}
+# finish STATUS: the program has ended so
+finish() {
+    tries=0
+    while kill -0 $running 2>/dev/null && [ $tries -lt 200 ]; do sleep 0.1; tries=$((tries + 1)); done
+    kill -9 $running 2>/dev/null && fail "it does not end"
+    wait $running
+    got=$?
+    running=
+    [ $got = "$1" ] || fail "exit $got, expected $1: $(cat said.err)"
+}
+# look: the whole window, as it is now
+look() {
+    import -window root look.png
+}
+# mean CROP: of the picture in a part of the screen, 0 to 65535
+mean() {
+    convert look.png -crop "$1" +repage -colorspace gray -format '%[fx:int(65535*mean)]' info:
+}
+# pixels COLOUR: how many there are in the window
+pixels() {
+    convert look.png -crop 480x270+80+105 +repage -fill black +opaque "$1" -fill white -opaque "$1" -colorspace gray \
+        -format '%[fx:int(mean*w*h+0.5)]' info:
+}
+# until WORDS COMMAND...: the command is true within ten seconds; a slow renderer draws when it can
+until_true() {
+    words=$1
+    shift
+    tries=0
+    while ! { look; "$@"; }; do
+        tries=$((tries + 1))
+        [ $tries -lt 50 ] || { fail "$words"; return 1; }
+        sleep 0.2
+    done
+}
+titled() {
+    xdotool getwindowname "$window" | grep -qF -- "$1"
+}
+# A title needs no look at the screen.
+until_titled() {
+    tries=0
+    until titled "$1"; do
+        tries=$((tries + 1))
+        [ $tries -lt 100 ] || { fail "not in the title: $1"; return; }
+        sleep 0.1
+    done
+}
+# The window's corner stays where it was.
+has_bars() { [ "$(mean 440x20+100+115)" = 0 ] && [ "$(mean 440x60+100+200)" -gt 1000 ]; }
+brighter_than() { [ "$(mean 440x60+100+125)" -gt "$1" ]; }
+darker_than() { [ "$(mean 440x60+100+125)" -lt "$1" ]; }
+has() { [ "$(pixels "$1")" -gt "$2" ]; }
+has_no() { [ "$(pixels "$1")" -lt "$2" ]; }
+# the left half is as it was, the right one brighter by far
+is_split() { [ "$(mean 140x60+340+125)" -gt $(($(mean 140x60+150+125) * 5 / 4)) ]; }
+is_even() { [ "$(mean 140x60+340+125)" -lt $(($(mean 140x60+150+125) * 21 / 20)) ]; }
+
+# A picture of one brightness, so that halves can be compared; light enough for stops to be seen.
+printf 'PF\n480 270\n-1.0\n' >grey.pfm
+head -c 1555200 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x80\x3e/g' >>grey.pfm
+
+# check_picture ARGUMENTS...: what the keys do to the picture
+check_picture() {
+    start grey.pfm --loop --fps 20 "$@"
+    [ -n "$window" ] || return
+    until_true "no picture" brighter_than 1000
+    before=$(mean 440x60+100+125)
+    xdotool key plus plus plus
+    until_true "+ is not brighter than $before" brighter_than $((before * 5 / 4))
+    until_titled "EV +1.00"
+    until_true "the picture is not even" is_even
+    xdotool key s
+    until_true "s does not split" is_split
+    until_true "no line where the split is" has '#F0F0F0' 200
+    xdotool key Left Left Left Left Left Left Left Left Left
+    until_true "left does not move the split" is_even
+    xdotool key s minus minus Down
+    until_true "- is not as dark as before ($before)" darker_than $((before * 21 / 20))
+    xdotool key space plus plus plus
+    until_true "a paused picture has no keys" brighter_than $((before * 5 / 4))
+    xdotool key q
+    finish 0
+}
+
+# check_rest ARGUMENTS...: what is drawn over it, and what the title tells
+check_rest() {
+    start grey.pfm --loop --fps 20 "$@"
+    [ -n "$window" ] || return
+    until_true "no picture" brighter_than 1000
+    xdotool key p
+    for colour in '#D55E00' '#009E73' '#0072B2'; do
+        until_true "p shows nothing of $colour" has "$colour" 20
+    done
+    xdotool key p
+    until_true "p does not go" has_no '#D55E00' 1
+    xdotool key h
+    until_true "h has no words" has '#F0F0F0' 1000
+    xdotool key h
+    until_true "h does not go" has_no '#F0F0F0' 1
+    for formula in 1 2 3 4; do
+        xdotool key $formula
+        until_titled "formula $formula"
+    done
+    xdotool key bracketright
+    until_titled "weight 0.035"
+    xdotool key 0 bracketleft
+    until_titled "tau 0.21 and 0.64"
+    xdotool key l
+    until_titled "locked"
+    xdotool key l
+    xdotool windowsize "$window" 480 400 # with bars of 65 above and below
+    until_true "a larger window has no bars" has_bars
+    xdotool key f F11 Escape # no window manager here that could make it full: it must not fall over
+    finish 0
+}
+
+check_picture
+grep -q "by the CPU\|GPU: " said.err || fail "who did the frames is not told: $(cat said.err)"
+check_picture --gles
+grep -q "GPU: \|the CPU goes on" said.err || fail "who did the frames is not told: $(cat said.err)"
+check_rest --gles-version 3.0 --white none
+
+# the window's close button, Escape, Ctrl-C; the end of the input waits for a viewer, unless something is written
+start grey.pfm -q
+sleep 1
+kill -0 $running 2>/dev/null || fail "a still does not stay"
+xdotool key Escape
+finish 0
+start grey.pfm --loop -q
+kill -INT $running
+finish 130
+
+# what is written beside a window is what is written without one, and closing it keeps what was shown so far
+"$program" replay synth:walk --size 64x36 -n 20 -q -o without.y4m
+start synth:walk --size 64x36 -n 20 -q -o with.y4m
+finish 0
+cmp -s without.y4m with.y4m || fail "--view changes the picture that is written"
+start synth:walk --size 64x36 -q -o part.y4m
+sleep 1
+xdotool key q
+finish 0
+[ -s part.y4m ] || fail "closing the window loses the output"
+
+[ $failures = 0 ] && echo "view: all as expected"
+exit $((failures > 0))

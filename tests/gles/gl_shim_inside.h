@@ -1,0 +1,51 @@
+/* tests/gles/gl_shim_inside.h: what gl_shim.c, gl_shim_calls.c and gl_shim_fences.c are to each other. */
+#ifndef PUPIL_TESTS_GL_SHIM_INSIDE_H
+#define PUPIL_TESTS_GL_SHIM_INSIDE_H
+
+#include "gl_functions.h"
+#include "gl_shim.h"
+
+enum {
+#define CALL_NUMBER(NAME, TYPE) CALL_##NAME,
+    GL_FUNCTIONS_30(CALL_NUMBER) CALLS_30,
+    CALL_BEFORE_31 = CALLS_30 - 1,
+    GL_FUNCTIONS_31(CALL_NUMBER) CALLS
+};
+
+/* What gl_shim_get_proc hands out. */
+#define CALL_DECLARED(NAME, TYPE) __typeof__(*(PFNGL##TYPE##PROC)0) shim_##NAME;
+GL_FUNCTIONS_30(CALL_DECLARED)
+GL_FUNCTIONS_31(CALL_DECLARED)
+
+/* The driver's. */
+extern gl_functions shim_driver;
+
+typedef enum kind { BUFFER, TEXTURE, FRAMEBUFFER, SAMPLER, VERTEX_ARRAY, SHADER, PROGRAM, FENCE } kind;
+
+typedef struct thing {
+    kind kind;
+    GLuint name;
+    GLsync sync;         /* a fence; a buffer: the one behind what the GPU writes into it, or NULL */
+    int written;         /* a buffer: by the GPU, since when no fence was seen to have signalled */
+    unsigned long frame; /* a fence: made in */
+} thing;
+
+#define THINGS 256
+extern thing shim_things[THINGS]; /* the first shim.alive */
+
+void shim_breach(const char *what, unsigned long which);
+void shim_make(thing made);
+void shim_unmake(kind which, GLuint name, GLsync sync);
+thing *shim_find(kind which, GLuint name, GLsync sync);
+
+/* Counts a call. 1: the context is lost, it must do nothing. */
+int shim_enter(int call);
+/* Whether it is this one's turn to fail. */
+int shim_turn_of(gl_fault fault);
+/* The same, with GL_OUT_OF_MEMORY as the error; as in GL, the first one is kept until it is asked for. */
+int shim_fails(gl_fault fault);
+
+/* Of buffers. */
+void shim_forget_bindings(void);
+
+#endif

@@ -1,0 +1,102 @@
+/* tests/gles/session.h: an object behind the shim (gl_shim.h), small frames of changing light for it, and a target. In
+ * a header, so that its checks count as the test's own. */
+#ifndef PUPIL_TESTS_SESSION_H
+#define PUPIL_TESTS_SESSION_H
+
+#include "frames.h"
+#include "gl_shim.h"
+#include "gl_test.h"
+#include "pupil/gles.h"
+
+#define SESSION_FRAMES 5 /* of different light, in turn; no multiple of the ring's three */
+
+typedef struct session {
+    gl_test test;
+    pupil_t pupil;
+    pupil_gles gles;
+    pupil_gles_config config;
+    frame frame[SESSION_FRAMES];
+    pupil_gles_target target;
+    char why[1024];
+} session;
+
+static inline const char *session_name(const session *s)
+{
+    static char text[64];
+    snprintf(text, sizeof text, "ES %u, adapting on the %s, pixel %u", s->config.version,
+             s->config.adapt == PUPIL_GLES_ADAPT_GPU ? "GPU" : "CPU", s->config.pixel);
+    return text;
+}
+
+/* What both versions can have, on both sides. */
+static inline pupil_config session_settings(void)
+{
+    pupil_config settings;
+    pupil_config_default(&settings);
+    settings.white_mode = PUPIL_WHITE_FIXED;
+    settings.white = 4.0;
+    return settings;
+}
+
+/* A new pupil_t, frames and a target, for a context that is open; nothing of GL's but the target is made. */
+static inline void session_set(session *s, uint32_t version, uint32_t adapt, uint32_t pixel, uint32_t width,
+                               uint32_t height)
+{
+    const pupil_config settings = session_settings();
+    CHECK(pupil_init(&s->pupil, &settings) == PUPIL_OK);
+    pupil_gles_config_default(&s->config);
+    s->config.version = version;
+    s->config.adapt = adapt;
+    s->config.pixel = pixel;
+    s->config.width = width;
+    s->config.height = height;
+    for (int i = 0; i < SESSION_FRAMES; i++) {
+        if (s->frame[i].memory)
+            frame_free(&s->frame[i]);
+        s->frame[i] = frame_make(width, height, pixel, 0, 0);
+        frame_lognormal(&s->frame[i], 0.02 * (1 << i), 1.0, check_uniform);
+    }
+    s->target = (pupil_gles_target){
+        .framebuffer = gl_test_framebuffer(&s->test, width, height), .width = width, .height = height, .top_first = 1};
+}
+
+static inline void session_free(session *s)
+{
+    for (int i = 0; i < SESSION_FRAMES; i++)
+        if (s->frame[i].memory)
+            frame_free(&s->frame[i]);
+    memset(s->frame, 0, sizeof s->frame);
+}
+
+static inline int session_init(session *s)
+{
+    memset(s->why, 0, sizeof s->why);
+    return pupil_gles_init(&s->gles, &s->config, &s->pupil, gl_shim_get_proc, s->why, sizeof s->why);
+}
+
+static inline pupil_frame_info session_info(unsigned long i)
+{
+    return (pupil_frame_info){.timestamp_ns = 1000000000 + (int64_t)i * 33333333, .sequence = i};
+}
+
+static inline int session_upload(session *s, unsigned long i)
+{
+    shim.frame = i;
+    return pupil_gles_upload(&s->gles, &s->frame[i % SESSION_FRAMES].image);
+}
+
+static inline int session_process(session *s, unsigned long i)
+{
+    const pupil_frame_info info = session_info(i);
+    const int error = session_upload(s, i);
+    return error ? error : pupil_gles_process(&s->gles, &s->pupil, &info, &s->target);
+}
+
+/* Where the context has no ES 3.1 there is nothing to test of it. */
+static inline int session_has_31(void)
+{
+    const char *text = (const char *)glGetString(GL_VERSION);
+    return strcmp(text, "OpenGL ES 3.1") >= 0;
+}
+
+#endif
