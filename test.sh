@@ -28,7 +28,6 @@ libsimde-dev stands in for instructions that this CPU may not have
 gcc-arm-none-eabi builds for Cortex-M7
 qemu-system-arm runs what was built for Cortex-M7
 qemu-system-x86 boots the virtual machine of tests/vm
-busybox-static is the user space of its first second
 cpio packs what it boots from
 kmod finds the drivers that it needs
 xz-utils unpacks its kernel

@@ -8,7 +8,7 @@ export PATH=/bin
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t devtmpfs dev /dev 2>/dev/null
-exec <>/dev/console 2>&1 >&0
+exec <>/dev/console >&0 2>&1
 
 modprobe virtio_pci && modprobe 9pnet_virtio && modprobe 9p &&
     mount -t 9p -o trans=virtio,version=9p2000.L,ro,cache=loose,msize=512000 host /host || reboot -f

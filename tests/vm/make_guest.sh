@@ -3,8 +3,8 @@
 # PACKAGE (linux-image-ARCHITECTURE) depends on today, with the few modules that the tests load. Exit code 77 and a
 # sentence where this machine cannot. What is there is kept, and once a week Debian is asked for a newer one.
 #
-# Nothing is installed: the kernel is downloaded with lists of its own, so that another architecture needs no change of
-# the system either, and unpacked in FOLDER. The rest of the guest is this machine's files (boot.sh).
+# Nothing is installed: the kernel and busybox are downloaded with lists of their own, so that another architecture needs
+# no change of the system either, and unpacked in FOLDER. The rest of the guest is this machine's files (boot.sh).
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 architecture=$1
@@ -19,7 +19,7 @@ skip() {
     exit 77
 }
 
-for tool in apt-get busybox cpio depmod flock modprobe xz; do
+for tool in apt-get cpio depmod flock modprobe xz; do
     command -v $tool >/dev/null || skip "no $tool: the packages are listed in test.sh"
 done
 exec 9>"$folder/lock"
@@ -58,9 +58,11 @@ if is_made && [ "$(cat "$folder/package")" = "$package" ]; then
     touch "$folder/initrd"
     exit 0
 fi
-(cd "$new" && apt-get -qq download "$package") >"$new/apt.log" 2>&1 ||
-    skip "apt-get cannot download $package: $(tail -n 1 "$new/apt.log")"
-dpkg-deb -x "$new"/*.deb "$new/kernel"
+(cd "$new" && apt-get -qq download "$package" busybox-static) >"$new/apt.log" 2>&1 ||
+    skip "apt-get cannot download $package: $(head -n 1 "$new/apt.log")"
+for file in "$new"/*.deb; do
+    dpkg-deb -x "$file" "$new/kernel"
+done
 release=$(ls "$new/kernel/lib/modules")
 depmod -b "$new/kernel" "$release"
 
@@ -80,7 +82,7 @@ awk '$1 == "insmod" && !seen[$2]++ { print $2 }' "$new/depends.modules" | while 
 done
 cp "$from"/modules.builtin* "$from/modules.order" "$to"
 depmod -b "$new/root" "$release"
-cp "$(command -v busybox)" "$new/root/bin/busybox"
+cp "$new/kernel/bin/busybox" "$new/root/bin/busybox"
 cp "$here/init.sh" "$new/root/init"
 chmod 755 "$new/root/init"
 (cd "$new/root" && find . | LC_ALL=C sort | cpio -o -H newc --quiet -R 0:0) >"$new/initrd"
@@ -102,6 +104,7 @@ if [ "$architecture" = amd64 ]; then
         fi
     done
 fi
+rm -f "$folder/initrd"
 mv "$kernel" "$folder/vmlinuz"
 mv "$new/initrd" "$folder/initrd"
 echo "$package" >"$folder/package"

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <linux/v4l2-dv-timings.h>
 #include <linux/videodev2.h>
 #include <poll.h>
 #include <stdio.h>
@@ -159,8 +158,12 @@ int vivid_control(const vivid_node *node, const char *name, int value)
 
 int vivid_vga(const vivid_node *node)
 {
-    struct v4l2_dv_timings timings = V4L2_DV_BT_DMT_640X480P60;
-    return ioctl(node->fd, VIDIOC_S_DV_TIMINGS, &timings) == 0 ? 0 : refused("VGA's timings");
+    struct v4l2_enum_dv_timings known = {.index = 0};
+    struct v4l2_dv_timings *timings = &known.timings;
+    for (; ioctl(node->fd, VIDIOC_ENUM_DV_TIMINGS, &known) == 0; known.index++)
+        if (timings->bt.width == VIVID_VGA_WIDTH && timings->bt.height == VIVID_VGA_HEIGHT)
+            return ioctl(node->fd, VIDIOC_S_DV_TIMINGS, timings) == 0 ? 0 : refused("VGA's timings");
+    return refused("to tell VGA's timings");
 }
 
 int vivid_cable(const vivid_node *camera)
