@@ -59,6 +59,10 @@ set_tests_properties(preset.asan.build PROPERTIES FIXTURES_SETUP asan)
 pupil_add_tree_test(preset.asan full 1800 ${here}/nested.sh
   ${nested}/preset-asan-build - "-L quick")
 set_tests_properties(preset.asan PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2)
+# The GPU's side is mostly in the long ones.
+pupil_add_tree_test(preset.asan.gles full 1800 ${here}/nested.sh
+  ${nested}/preset-asan-build - "-R ^gles.(formats|adaptation|faults|fallback|calls)$")
+set_tests_properties(preset.asan.gles PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2)
 file(GLOB fuzzers CONFIGURE_DEPENDS fuzz/fuzz_*.c)
 foreach(source IN LISTS fuzzers)
   cmake_path(GET source STEM name)
