@@ -190,26 +190,13 @@ static int measure_all(const options *o, const machine *m)
 /* ---- the command line ---------------------------------------------------------------------------------------------
  */
 
-static int number(const char *option, const char *text, unsigned most, unsigned *value)
-{
-    char *end;
-    unsigned long n = strtoul(text, &end, 10);
-    if (*end || end == text || *text == '-' || n < 1 || n > most) {
-        fprintf(stderr, "pupil bench: --%s %s: must be a whole number from 1 to %u\n", option, text, most);
-        return -1;
-    }
-    *value = (unsigned)n;
-    return 0;
-}
-
 static int read_size(const char *text, options *o)
 {
-    char after;
-    if (sscanf(text, "%5ux%5u%c", &o->width, &o->height, &after) == 2 && o->width && o->height && o->width % 4 == 0 &&
-        o->height % 2 == 0 && o->width <= PUPIL_MAX_SIDE_PX && o->height <= PUPIL_MAX_SIDE_PX)
+    if (bench_size(text, &o->width, &o->height))
+        return -1;
+    if (o->width % 4 == 0 && o->height % 2 == 0)
         return 0;
-    fprintf(stderr, "pupil bench: --size %s: must be WxH, a multiple of 4 by an even number, each up to %u\n", text,
-            PUPIL_MAX_SIDE_PX);
+    fprintf(stderr, "pupil bench: --size %s: must be a multiple of 4 by an even number\n", text);
     return -1;
 }
 
@@ -247,9 +234,9 @@ static int read_option(int option, options *o)
     case 's':
         return read_size(optarg, o) != 0;
     case 'n':
-        return number("frames", optarg, 1000, &o->frames) != 0;
+        return bench_number("frames", optarg, 1, 1000, &o->frames) != 0;
     case 'r':
-        return number("rounds", optarg, 10000, &o->rounds) != 0;
+        return bench_number("rounds", optarg, 1, 10000, &o->rounds) != 0;
     case 'v':
         return read_version(optarg, o) != 0;
     case 'j':

@@ -46,28 +46,6 @@ static void put_help(void)
     putchar('\n');
 }
 
-static int number(const char *option, const char *text, unsigned long least, unsigned long most, unsigned *value)
-{
-    char *end;
-    unsigned long n = strtoul(text, &end, 10);
-    if (*end || end == text || *text == '-' || n < least || n > most) {
-        fprintf(stderr, "pupil bench: --%s %s: must be a whole number from %lu to %lu\n", option, text, least, most);
-        return -1;
-    }
-    *value = (unsigned)n;
-    return 0;
-}
-
-static int read_size(const char *text, bench_options *o)
-{
-    char after;
-    if (sscanf(text, "%5ux%5u%c", &o->width, &o->height, &after) == 2 && o->width && o->height &&
-        o->width <= PUPIL_MAX_SIDE_PX && o->height <= PUPIL_MAX_SIDE_PX)
-        return 0;
-    fprintf(stderr, "pupil bench: --size %s: must be WxH, each from 1 to %u\n", text, PUPIL_MAX_SIDE_PX);
-    return -1;
-}
-
 static int read_out(const char *text, bench_options *o)
 {
     for (o->out = bench_outs; o->out->name; o->out++)
@@ -99,11 +77,11 @@ static int read_option(int option, bench_options *o)
     case 'u':
         return read_out(optarg, o) != 0;
     case 's':
-        return read_size(optarg, o) != 0;
+        return bench_size(optarg, &o->width, &o->height) != 0;
     case 't':
-        return number("threads", optarg, 0, BENCH_MOST_THREADS, &o->threads) != 0;
+        return bench_number("threads", optarg, 0, BENCH_MOST_THREADS, &o->threads) != 0;
     case 'r':
-        return number("rounds", optarg, 1, 10000, &o->rounds) != 0;
+        return bench_number("rounds", optarg, 1, 10000, &o->rounds) != 0;
     case 'w':
         o->warm = 1;
         return 0;

@@ -1,210 +1,10 @@
 #include "replay_options.h"
 
-#include <errno.h>
 #include <getopt.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-typedef struct cursor { /* what a parser of one option needs */
-    replay_options *o;
-    const char *name, *text;
-    char *why;
-    size_t why_bytes;
-} cursor;
-
-static int refuse(const cursor *c, const char *right)
-{
-    snprintf(c->why, c->why_bytes, "--%s %s: must be %s", c->name, c->text, right);
-    return REPLAY_USAGE;
-}
-
-/* A number within a range; `right` says in words what would do. */
-static int number(const cursor *c, double low, double high, const char *right, double *value)
-{
-    char *end;
-    errno = 0;
-    double v = strtod(c->text, &end);
-    if (end == c->text || *end || !(v >= low && v <= high))
-        return refuse(c, right);
-    *value = v;
-    return REPLAY_RUN;
-}
-
-static int whole(const cursor *c, uint64_t low, uint64_t high, const char *right, uint64_t *value)
-{
-    char *end;
-    errno = 0;
-    unsigned long long v = strtoull(c->text, &end, 10);
-    if (end == c->text || *end || errno || strchr(c->text, '-') || v < low || v > high)
-        return refuse(c, right);
-    *value = v;
-    return REPLAY_RUN;
-}
-
-/* One of a list of words; its place is the value. */
-static int word(const cursor *c, const char *const *words, uint32_t *value)
-{
-    char right[256] = "";
-    for (uint32_t i = 0; words[i]; i++) {
-        if (strcmp(c->text, words[i]) == 0) {
-            *value = i;
-            return REPLAY_RUN;
-        }
-        snprintf(right + strlen(right), sizeof right - strlen(right), "%s%s", i ? ", " : "", words[i]);
-    }
-    return refuse(c, right);
-}
-
-/* `count` numbers with commas (or, for a trim, a dash) between. */
-static int numbers(const cursor *c, int count, const char *right, double *value)
-{
-    const char *p = c->text;
-    for (int i = 0; i < count; i++) {
-        char *end;
-        value[i] = strtod(p, &end);
-        if (end == p || !isfinite(value[i]) || (i + 1 < count ? *end != ',' : *end != 0))
-            return refuse(c, right);
-        p = end + 1;
-    }
-    return REPLAY_RUN;
-}
-
-static int parse_size(const cursor *c)
-{
-    unsigned width, height;
-    char rest;
-    if (sscanf(c->text, "%ux%u%c", &width, &height, &rest) != 2 || strchr(c->text, '-') || !width || !height ||
-        width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-        return refuse(c, "WIDTHxHEIGHT, for example 640x360, each from 1 to 16384");
-    c->o->source.width = width;
-    c->o->source.height = height;
-    return REPLAY_RUN;
-}
-
-static int parse_metering(const cursor *c)
-{
-    static const char *const words[] = {"uniform", "centre", "spot", NULL};
-    uint32_t which = 0;
-    if (strcmp(c->text, "center") != 0 && word(c, words, &which))
-        return REPLAY_USAGE;
-    if (strcmp(c->text, "center") == 0)
-        which = 1;
-    if (which == 0)
-        pupil_metering_uniform(&c->o->config);
-    else if (which == 1)
-        pupil_metering_centre(&c->o->config);
-    else
-        pupil_metering_spot(&c->o->config);
-    snprintf(c->o->metering, sizeof c->o->metering, "%s", words[which]);
-    return REPLAY_RUN;
-}
-
-static int parse_roi(const cursor *c)
-{
-    const char *right = "X,Y,WIDTH,HEIGHT in fractions of the frame, for example 0.25,0.25,0.5,0.5";
-    double v[4];
-    if (numbers(c, 4, right, v))
-        return REPLAY_USAGE;
-    if (pupil_metering_roi(&c->o->config, v[0], v[1], v[2], v[3]))
-        return refuse(c, right);
-    snprintf(c->o->metering, sizeof c->o->metering, "roi %s", c->text);
-    return REPLAY_RUN;
-}
-
-static int parse_trim(const cursor *c)
-{
-    const char *right = "LOW,HIGH in per cent, for example 5,95, with 0 <= LOW < HIGH <= 100";
-    double v[2];
-    if (numbers(c, 2, right, v))
-        return REPLAY_USAGE;
-    if (!(v[0] >= 0.0 && v[0] < v[1] && v[1] <= 100.0))
-        return refuse(c, right);
-    c->o->config.trim_low = (float)(v[0] / 100.0);
-    c->o->config.trim_high = (float)(v[1] / 100.0);
-    return REPLAY_RUN;
-}
-
-static int parse_meter_rows(const cursor *c)
-{
-    uint64_t n;
-    if (whole(c, 1, 8, "1, 2, 4 or 8", &n))
-        return REPLAY_USAGE;
-    if (n & (n - 1))
-        return refuse(c, "1, 2, 4 or 8");
-    c->o->config.meter_rows = (uint32_t)n;
-    return REPLAY_RUN;
-}
-
-static int parse_white(const cursor *c)
-{
-    pupil_config *config = &c->o->config;
-    snprintf(c->o->white, sizeof c->o->white, "%s", c->text);
-    config->white_mode = strcmp(c->text, "follow") == 0 ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_NONE;
-    if (config->white_mode == PUPIL_WHITE_FOLLOW || strcmp(c->text, "none") == 0)
-        return REPLAY_RUN;
-    config->white_mode = PUPIL_WHITE_FIXED;
-    return number(c, 0x1p-8, 0x1p30, "follow, none, or a number from 0.0039 to 1e9", &config->white);
-}
-
-static int parse_formula(const cursor *c)
-{
-    uint64_t v;
-    if (whole(c, 1, 4, "1, 2, 3 or 4", &v))
-        return REPLAY_USAGE;
-    c->o->config.law = (uint32_t)(PUPIL_LAW_ARITHMETIC_SCALE + v - 1);
-    return REPLAY_RUN;
-}
-
-static int parse_weight(const cursor *c)
-{
-    const char *right = "above 0, up to 1";
-    if (number(c, 0.0, 1.0, right, &c->o->config.frame_weight))
-        return REPLAY_USAGE;
-    return c->o->config.frame_weight > 0.0 ? REPLAY_RUN : refuse(c, right);
-}
-
-static int parse_threads(const cursor *c)
-{
-    uint64_t v;
-    if (whole(c, 0, 256, "from 0 (one a processor) to 256", &v))
-        return REPLAY_USAGE;
-    c->o->threads = (unsigned)v;
-    c->o->source.threads = (unsigned)v;
-    return REPLAY_RUN;
-}
-
-static int parse_fps(const cursor *c)
-{
-    return number(c, 0.001, 1e5, "frames a second, from 0.001 to 100000", &c->o->source.fps);
-}
-
-static int parse_transfer(const cursor *c)
-{
-    static const char *const words[] = {"srgb", "gamma22", "linear", NULL};
-    return word(c, words, &c->o->config.transfer);
-}
-
-static int parse_gles_version(const cursor *c)
-{
-    static const char *const words[] = {"3.0", "3.1", NULL};
-    uint32_t which = 0;
-    if (word(c, words, &which))
-        return REPLAY_USAGE;
-    c->o->gles_version = which ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
-    return REPLAY_RUN;
-}
-
-static int parse_out(const cursor *c)
-{
-    if (c->o->out_count == REPLAY_MOST_OUTPUTS)
-        return refuse(c, "one of at most 16 outputs");
-    if (!*c->text)
-        return refuse(c, "a path");
-    c->o->out[c->o->out_count++] = c->text;
-    return REPLAY_RUN;
-}
+#include "replay_values.h"
 
 enum {
     STATS = 256,
@@ -282,10 +82,10 @@ static const char *name_of(int option)
     return "?";
 }
 
-static int path(const cursor *c, const char **where)
+static int path(const value_text *c, const char **where)
 {
     if (!*c->text)
-        return refuse(c, "a path");
+        return value_refuse(c, "a path");
     *where = c->text;
     return REPLAY_RUN;
 }
@@ -325,12 +125,12 @@ static int take_flag(int option, replay_options *o)
     }
 }
 
-static int take(int option, const cursor *c)
+static int take(int option, const value_text *c)
 {
     replay_options *o = c->o;
     switch (option) {
     case 'o':
-        return parse_out(c);
+        return value_of_out(c);
     case STATS:
         return path(c, &o->stats);
     case PLOT:
@@ -338,43 +138,43 @@ static int take(int option, const cursor *c)
     case REPORT:
         return path(c, &o->report);
     case FPS:
-        return parse_fps(c);
+        return value_of_fps(c);
     case SIZE:
-        return parse_size(c);
+        return value_of_size(c);
     case 'n':
-        return whole(c, 1, UINT64_C(1) << 40, "a whole number of frames, 1 or more", &o->most);
+        return value_whole(c, 1, UINT64_C(1) << 40, "a whole number of frames, 1 or more", &o->most);
     case HOLD:
-        return whole(c, 1, 1000000, "a whole number from 1 to 1000000", &o->hold);
+        return value_whole(c, 1, 1000000, "a whole number from 1 to 1000000", &o->hold);
     case SEED:
-        return whole(c, 1, UINT64_MAX, "a whole number, 1 or more", &o->source.seed);
+        return value_whole(c, 1, UINT64_MAX, "a whole number, 1 or more", &o->source.seed);
     case TAU_LIGHT:
-        return number(c, 0.0, 1e6, "seconds, from 0 to 1e6", &o->config.tau_light_s);
+        return value_number(c, 0.0, 1e6, "seconds, from 0 to 1e6", &o->config.tau_light_s);
     case TAU_DARK:
-        return number(c, 0.0, 1e6, "seconds, from 0 to 1e6", &o->config.tau_dark_s);
+        return value_number(c, 0.0, 1e6, "seconds, from 0 to 1e6", &o->config.tau_dark_s);
     case FORMULA:
-        return parse_formula(c);
+        return value_of_formula(c);
     case WEIGHT:
-        return parse_weight(c);
+        return value_of_weight(c);
     case KEY:
-        return number(c, 0x1p-10, 1.0, "from 0.001 to 1", &o->config.key);
+        return value_number(c, 0x1p-10, 1.0, "from 0.001 to 1", &o->config.key);
     case EV:
-        return number(c, -16.0, 16.0, "stops, from -16 to 16", &o->config.ev_compensation);
+        return value_number(c, -16.0, 16.0, "stops, from -16 to 16", &o->config.ev_compensation);
     case METERING:
-        return parse_metering(c);
+        return value_of_metering(c);
     case ROI:
-        return parse_roi(c);
+        return value_of_roi(c);
     case TRIM:
-        return parse_trim(c);
+        return value_of_trim(c);
     case METER_ROWS:
-        return parse_meter_rows(c);
+        return value_of_meter_rows(c);
     case WHITE:
-        return parse_white(c);
+        return value_of_white(c);
     case TRANSFER:
-        return parse_transfer(c);
+        return value_of_transfer(c);
     case GLES_VERSION:
-        return parse_gles_version(c);
+        return value_of_gles_version(c);
     default:
-        return parse_threads(c);
+        return value_of_threads(c);
     }
 }
 
@@ -420,7 +220,7 @@ int replay_options_parse(replay_options *o, int argc, char **argv, char *why, si
         }
         if (take_flag(option, o))
             continue;
-        cursor c = {o, name_of(option), optarg, why, why_bytes};
+        value_text c = {o, name_of(option), optarg, why, why_bytes};
         weight_given |= option == WEIGHT;
         if (take(option, &c))
             return REPLAY_USAGE;
