@@ -3,8 +3,12 @@
 
 #include "../core/numeric.h"
 
-/* A level of 2^-52 stops as one of 2^-56, between the bounds that 64 bits have room for: 128 stops. */
-#define MOST_STOPS 100.0
+/* 64 bits of 2^-56 stops end at 128. A divisor beyond 96 has the target at ev_min or ev_max, 64 at most, whatever the
+ * frame holds, which is 2^-30 to 2^30: it may as well be 96. */
+#define MOST_STOPS 96.0
+/* 32 bits of 2^-24 stops end at 128, too. A curve's scale ends 60 stops from 1 (lib/core/curve.c), which 124 are from
+ * every level. */
+#define MOST_BASE_STOPS 124.0
 
 int gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
 {
@@ -26,7 +30,7 @@ void gles_adapt_take(gles_object *o, const pupil_object *pupil)
     o->given = 1;
 }
 
-static double within(double x, double most)
+static double within(double x, double most) /* -most..most */
 {
     return x < -most ? -most : x > most ? most : x;
 }
@@ -90,6 +94,6 @@ int32_t gles_adapt_scale_base(const gles_object *o)
 {
     const pupil_config *c = &o->settings;
     const double exposure = pupil_exposure_log2(c, &o->adaptation, 0);
-    const double base = within(pupil_log2(c->key) + c->ev_compensation - exposure, MOST_STOPS) * 0x1p24;
+    const double base = within(pupil_log2(c->key) + c->ev_compensation - exposure, MOST_BASE_STOPS) * 0x1p24;
     return (int32_t)(base < 0.0 ? base - 0.5 : base + 0.5);
 }
