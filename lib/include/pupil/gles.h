@@ -24,11 +24,11 @@
  * reach pupil_adapt a frame late or more. pupil_gles_collect with a timeout is the one call that may wait.
  *
  * GL state: nothing is restored. Left changed by init, retune, upload, meter, collect, process and map: program, vertex
- * array, active texture and the 2D (external) bindings and samplers of units 0..4, pixel packing and unpacking and their
- * buffers, copy write, uniform, shader storage and framebuffer bindings, viewport, scissor, clear colour, colour mask;
- * blending, depth, stencil, cull, dither, polygon offset, rasterizer discard, alpha-to-coverage, sample coverage and
- * sample mask are off. Whatever else is set before changes nothing, but transform feedback must not be active, and an
- * error that glGetError still holds is taken for the call's own. GL objects are made by init and retune alone.
+ * array, active texture and the 2D (external) bindings and samplers of units 0..4, pixel packing and unpacking and
+ * their buffers, copy write, uniform, shader storage and framebuffer bindings, viewport, scissor, clear colour, colour
+ * mask; blending, depth, stencil, cull, dither, polygon offset, rasterizer discard, alpha-to-coverage, sample coverage
+ * and sample mask are off. Whatever else is set before changes nothing, but transform feedback must not be active, and
+ * an error that glGetError still holds is taken for the call's own. GL objects are made by init and retune alone.
  *
  * Memory: the caller owns the object, which has a fixed size and must not be copied or moved (it stands for objects of
  * one context). Nothing is allocated here; what the driver does is its own.
