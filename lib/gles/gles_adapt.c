@@ -86,7 +86,7 @@ void gles_adapt_step(gles_object *o, const pupil_frame_info *info)
     const int64_t divisor = -q56(pupil_exposure_log2(c, a, info)), given = q56(a->result.adapted_ev);
     o->gl.Uniform2ui(o->programs.adapt.minus_divisor, low(divisor), high(divisor));
     o->gl.Uniform2ui(o->programs.adapt.step_weight, weight_q32(c, dt_s, 1), weight_q32(c, dt_s, 0));
-    o->gl.Uniform4ui(o->programs.adapt.given, low(given), high(given), o->given && a->seen, 0);
+    o->gl.Uniform4ui(o->programs.adapt.given, low(given), high(given), a->seen != 0, o->given);
     o->given = 0;
 }
 

@@ -1,5 +1,5 @@
 /* The level on the GPU beside pupil_adapt where numbers are extreme: exposures and calibrations to the end of what is
- * allowed, limits that leave no room, a lock from the start. */
+ * allowed, limits that leave no room, a lock from the start, reset and retune on the way. */
 #include <math.h>
 
 #include "frames.h"
@@ -136,6 +136,24 @@ static void test_lock(void)
     pupil_gles_close(&b.gles);
 }
 
+static void test_reset(void)
+{
+    const pupil_config config = usual();
+    begin(&config);
+    CHECK(step(0x1p10, 0.1, 0.0, 0.0) <= 2e-6);
+    CHECK(pupil_reset(&b.pupil) == PUPIL_OK && pupil_gles_retune(&b.gles, &b.pupil, NULL, 0) == PUPIL_OK);
+    const double reset = step(0x1p-10, 0.1, 0.0, 0.0); /* nothing was seen before: at once */
+    CHECK_MSG(reset <= 2e-6, "after a reset: %g stops", reset);
+    pupil_gles_close(&b.gles);
+
+    begin(&config); /* a frame that is dropped on the way has never been */
+    meter(0x1p10, 0.1, 0.0, 0.0);
+    CHECK(pupil_gles_retune(&b.gles, &b.pupil, NULL, 0) == PUPIL_OK);
+    const double dropped = step(0x1p-10, 0.1, 0.0, 0.0);
+    CHECK_MSG(dropped <= 2e-6, "after a dropped frame: %g stops", dropped);
+    pupil_gles_close(&b.gles);
+}
+
 int main(int argc, char **argv)
 {
     static gl_test test;
@@ -146,6 +164,7 @@ int main(int argc, char **argv)
     test_exposures(&test);
     test_no_room();
     test_lock();
+    test_reset();
     frame_free(&b.frame);
     gl_test_close(&test);
     return check_end();

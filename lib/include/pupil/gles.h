@@ -161,8 +161,8 @@ typedef union pupil_gles {
 PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
                               pupil_gles_get_proc get_proc, char *why, size_t why_bytes);
 
-/* After pupil_retune: takes over the new settings. Compiles again what they change; statistics under way are dropped.
- * Errors as of init; the old settings then stay. */
+/* After pupil_retune or pupil_reset: takes over the new settings and the level. Compiles again what they change;
+ * statistics under way are dropped. Errors as of init; the old settings then stay. */
 PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes);
 
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */
