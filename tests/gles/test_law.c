@@ -1,5 +1,5 @@
 /* The level on the GPU beside pupil_adapt where numbers are extreme: exposures and calibrations to the end of what is
- * allowed, limits that leave no room, a lock from the start, reset and retune on the way. */
+ * allowed, time constants of hours, limits that leave no room, a lock from the start, reset and retune on the way. */
 #include <math.h>
 
 #include "frames.h"
@@ -113,6 +113,21 @@ static void test_exposures(gl_test *test)
     }
 }
 
+static void test_slow(double frame_s, double tau_s, unsigned frames)
+{
+    pupil_config config = usual();
+    double most = 0.0;
+    config.tau_light_s = tau_s;
+    config.tau_dark_s = tau_s;
+    begin(&config);
+    step(0x1p-10, frame_s, 0.0, 0.0);
+    for (unsigned i = 0; i < frames; i++)
+        most = fmax(most, step(i < frames / 2 || i % 2 ? 0x1p14 : 0x1p-12, frame_s, 0.0, 0.0));
+    printf("%g s a frame, tau %g s, %u frames: %.1e stops\n", frame_s, tau_s, frames, most);
+    CHECK_MSG(most <= 2e-6, "%g stops", most);
+    pupil_gles_close(&b.gles);
+}
+
 static void test_no_room(void)
 {
     pupil_config config = usual();
@@ -162,6 +177,9 @@ int main(int argc, char **argv)
     if (status)
         return status;
     test_exposures(&test);
+    test_slow(1.0 / 240.0, 60.0, 2000);
+    test_slow(1.0 / 240.0, 3600.0, 2000);
+    test_slow(1.0 / 1000.0, 1e6, 2000);
     test_no_room();
     test_lock();
     test_reset();
