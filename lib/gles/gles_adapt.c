@@ -97,7 +97,6 @@ void gles_adapt_step(gles_object *o, const pupil_frame_info *info)
 int32_t gles_adapt_scale_base(const gles_object *o)
 {
     const pupil_config *c = &o->settings;
-    const double exposure = pupil_exposure_log2(c, &o->adaptation, 0);
-    const double base = within(pupil_log2(c->key) + c->ev_compensation - exposure, MOST_BASE_STOPS) * 0x1p24;
+    const double base = within(pupil_log2(c->key) + c->ev_compensation - o->exposure_log2, MOST_BASE_STOPS) * 0x1p24;
     return (int32_t)(base < 0.0 ? base - 0.5 : base + 0.5);
 }

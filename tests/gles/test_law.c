@@ -1,5 +1,6 @@
 /* The level on the GPU beside pupil_adapt where numbers are extreme: exposures and calibrations to the end of what is
- * allowed, time constants of hours, limits that leave no room, a lock from the start, reset and retune on the way. */
+ * allowed, time constants of hours, limits that leave no room, a lock from the start, reset and retune on the way, a
+ * full ring. */
 #include <math.h>
 
 #include "frames.h"
@@ -73,8 +74,7 @@ static double step(double light, double dt_s, double exposure_s, double gain)
     return collect();
 }
 
-/* Nothing but the CPU knows a better one. */
-static void compare_pictures(gl_test *test, const char *what)
+static void compare_pictures(gl_test *test, const pupil_frame_info *info, const char *what)
 {
     uint8_t gpu[SIDE * SIDE * 4], cpu[SIDE * SIDE * 4];
     const pupil_image out = {
@@ -82,7 +82,7 @@ static void compare_pictures(gl_test *test, const char *what)
     const pupil_gles_target target = {
         .framebuffer = gl_test_framebuffer(test, SIDE, SIDE), .width = SIDE, .height = SIDE, .top_first = 1};
     pupil_curve curve;
-    CHECK(pupil_get_curve(&b.pupil, NULL, &curve) == PUPIL_OK);
+    CHECK(pupil_get_curve(&b.pupil, info, &curve) == PUPIL_OK);
     CHECK(pupil_map_rows(&b.pupil, &curve, &b.frame.image, &out) == PUPIL_OK);
     CHECK(pupil_gles_map(&b.gles, NULL, &target) == PUPIL_OK);
     gl_test_read(test, gpu);
@@ -107,7 +107,7 @@ static void test_exposures(gl_test *test)
                              exposure, gain, lights[i]);
                     const double off = step(lights[i], 1.0, ldexp(1.0, exposure), ldexp(1.0, gain));
                     CHECK_MSG(off <= 2e-6, "%s: %g stops off", what, off);
-                    compare_pictures(test, what);
+                    compare_pictures(test, NULL, what);
                 }
         pupil_gles_close(&b.gles);
     }
@@ -169,6 +169,24 @@ static void test_reset(void)
     pupil_gles_close(&b.gles);
 }
 
+/* A frame that comes when the ring is full is not metered, but its exposure is its own. */
+static void test_full_ring(gl_test *test)
+{
+    const pupil_config config = usual();
+    begin(&config);
+    CHECK(step(0.25, 0.1, 0.01, 1.0) <= 2e-6);
+    for (int i = 0; i < 3; i++)
+        meter(0.25, 0.1, 0.01, 1.0);
+    const pupil_frame_info info = {.timestamp_ns = b.now_ns += 100000000, .exposure_s = 0.04, .gain = 1.0};
+    frame_fill(&b.frame, 1.0, 1.0, 1.0);
+    CHECK(pupil_gles_upload(&b.gles, &b.frame.image) == PUPIL_OK);
+    CHECK(pupil_gles_meter(&b.gles, &info) == PUPIL_GLES_BUSY);
+    compare_pictures(test, &info, "a full ring");
+    for (int i = 0; i < 3; i++)
+        CHECK(collect() <= 2e-6);
+    pupil_gles_close(&b.gles);
+}
+
 int main(int argc, char **argv)
 {
     static gl_test test;
@@ -183,6 +201,7 @@ int main(int argc, char **argv)
     test_no_room();
     test_lock();
     test_reset();
+    test_full_ring(&test);
     frame_free(&b.frame);
     gl_test_close(&test);
     return check_end();
