@@ -115,6 +115,9 @@ static int open_context(pupil_egl *egl, const pupil_egl_options *options, char *
                                 pupil_egl_error());
     if (pupil_egl_make_current(egl) != 0)
         return pupil_egl_refuse(why, why_bytes, "the OpenGL ES context cannot be made current: %s", pupil_egl_error());
+    if (!eglGetProcAddress("glGetString")) /* EGL 1.4 may find extensions' functions alone */
+        return pupil_egl_refuse(why, why_bytes, "EGL does not find OpenGL ES's own functions here: it lacks %s",
+                                "EGL_KHR_get_all_proc_addresses");
     uint32_t got = current_version();
     if (got < lowest)
         return pupil_egl_refuse(why, why_bytes, "the driver has OpenGL ES %u.%u; %u.%u is needed", got / 10, got % 10,

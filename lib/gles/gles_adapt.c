@@ -3,8 +3,12 @@
 
 #include "../core/numeric.h"
 
-/* A level of 2^-52 stops as one of 2^-56, between the bounds that 64 bits have room for: 128 stops. */
-#define MOST_STOPS 100.0
+/* 64 bits of 2^-56 stops end at 128. A divisor beyond 96 has the target at ev_min or ev_max, 64 at most, whatever the
+ * frame holds, which is 2^-30 to 2^30: it may as well be 96. */
+#define MOST_STOPS 96.0
+/* 32 bits of 2^-24 stops end at 128, too. A curve's scale ends 60 stops from 1 (lib/core/curve.c), which 124 are from
+ * every level. */
+#define MOST_BASE_STOPS 124.0
 
 int gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
 {
@@ -26,7 +30,7 @@ void gles_adapt_take(gles_object *o, const pupil_object *pupil)
     o->given = 1;
 }
 
-static double within(double x, double most)
+static double within(double x, double most) /* -most..most */
 {
     return x < -most ? -most : x > most ? most : x;
 }
@@ -47,11 +51,14 @@ static uint32_t high(int64_t q)
     return (uint32_t)((uint64_t)q >> 32);
 }
 
-/* In 2^-32; 0 only where the weight is. All bits: at once. */
-static uint32_t weight_q32(const pupil_config *c, double dt_s, int more_light)
+/* In 2^-32. All bits: at once. What rounding leaves goes to the next frame, or a tau of hours would be another one. */
+static uint32_t weight_q32(const pupil_config *c, double dt_s, int more_light, double *rest)
 {
-    const double w = pupil_weight_of_step(c, dt_s, more_light) * 0x1p32;
-    return w <= 0.0 ? 0 : w >= 0x1p32 - 1.0 ? 0xffffffffu : w < 1.0 ? 1 : (uint32_t)(w + 0.5);
+    const double w = pupil_weight_of_step(c, dt_s, more_light) * 0x1p32 + *rest;
+    const int at_once = w >= 0x1p32 - 1.0;
+    const uint32_t rounded = at_once ? 0xffffffffu : w < 0.5 ? 0 : (uint32_t)(w + 0.5);
+    *rest = at_once ? 0.0 : w - rounded;
+    return rounded;
 }
 
 /* By how much sums of weights times log2 must be shortened: 62 stops in 2^-24 take 30 bits, and 64 are there. */
@@ -81,15 +88,15 @@ void gles_adapt_step(gles_object *o, const pupil_frame_info *info)
     pupil_adaptation_learn_exposure(a, info);
     const int64_t divisor = -q56(pupil_exposure_log2(c, a, info)), given = q56(a->result.adapted_ev);
     o->gl.Uniform2ui(o->programs.adapt.minus_divisor, low(divisor), high(divisor));
-    o->gl.Uniform2ui(o->programs.adapt.step_weight, weight_q32(c, dt_s, 1), weight_q32(c, dt_s, 0));
-    o->gl.Uniform4ui(o->programs.adapt.given, low(given), high(given), o->given && a->seen, 0);
+    const uint32_t light = weight_q32(c, dt_s, 1, &o->weight_rest[0]);
+    o->gl.Uniform2ui(o->programs.adapt.step_weight, light, weight_q32(c, dt_s, 0, &o->weight_rest[1]));
+    o->gl.Uniform4ui(o->programs.adapt.given, low(given), high(given), a->seen != 0, o->given);
     o->given = 0;
 }
 
 int32_t gles_adapt_scale_base(const gles_object *o)
 {
     const pupil_config *c = &o->settings;
-    const double exposure = pupil_exposure_log2(c, &o->adaptation, 0);
-    const double base = within(pupil_log2(c->key) + c->ev_compensation - exposure, MOST_STOPS) * 0x1p24;
+    const double base = within(pupil_log2(c->key) + c->ev_compensation - o->exposure_log2, MOST_BASE_STOPS) * 0x1p24;
     return (int32_t)(base < 0.0 ? base - 0.5 : base + 0.5);
 }

@@ -130,6 +130,7 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
     gles_object *o = gles_object_of(gles);
     if (!o->source[0])
         return PUPIL_ERR_ORDER;
+    o->exposure_log2 = pupil_exposure_log2(&o->settings, &o->adaptation, info);
     if (o->under_way == GLES_RING) {
         o->unmetered++;
         return PUPIL_GLES_BUSY;

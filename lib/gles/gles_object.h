@@ -102,7 +102,9 @@ typedef struct gles_object {
 
     /* ADAPT_GPU: the clock and the exposure, as pupil_adapt keeps them */
     pupil_adaptation adaptation;
-    uint32_t given; /* adaptation.level is to be taken over by the next frame */
+    uint32_t given;        /* adaptation.level, or that there is none, is to be taken over by the next frame */
+    double exposure_log2;  /* of the frame at hand, metered or not */
+    double weight_rest[2]; /* toward more light, toward less: what the frames before have left, 2^-32 */
     uint32_t newest_state;
 
     pupil_stats stats; /* room, for pupil_gles_process */

@@ -219,6 +219,8 @@ void gles_begin(const gles_object *o, uint32_t program)
                                  GL_SAMPLE_COVERAGE};
     for (size_t i = 0; i < sizeof off / sizeof off[0]; i++)
         o->gl.Disable(off[i]);
+    if (o->gl.MemoryBarrier) /* of 3.1, too; asked of the context, not of the version that is used */
+        o->gl.Disable(GL_SAMPLE_MASK);
     o->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     o->gl.BindVertexArray(o->vertex_array);
     o->gl.UseProgram(o->programs.name[program]);

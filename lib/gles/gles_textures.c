@@ -193,7 +193,8 @@ void gles_unbind(const gles_object *o)
 static void send_plane(const gles_object *o, GLuint texture, const layout *l, extent e, const void *data,
                        ptrdiff_t stride)
 {
-    const int at_once = e.height == 1 || (stride > 0 && stride % (ptrdiff_t)l->bytes == 0);
+    const int near = stride > 0 && stride <= 1 << 30; /* GL counts a row's texels in 32 bits, drivers its bytes, too */
+    const int at_once = e.height == 1 || (near && stride % (ptrdiff_t)l->bytes == 0);
     unpack_rows(o, at_once && e.height > 1 ? (GLint)(stride / (ptrdiff_t)l->bytes) : 0);
     if (at_once) {
         send(o, texture, e.width, e.height, l->format, l->type, data);

@@ -1,4 +1,6 @@
 /* Every format, easy and hard frames, sizes and settings: the GPU's statistics and picture beside the CPU's. */
+#include <sys/mman.h>
+
 #include "frames.h"
 #include "same.h"
 
@@ -100,6 +102,25 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
         coding->shift = 6;
 }
 
+/* Rows so far apart that GL has no number for it. */
+static void test_far_rows(gl_test *test)
+{
+    const size_t stride = (size_t)(UINT64_C(1) << 33), bytes = stride + 4096;
+    uint8_t *far = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    same_figures figures = {0};
+    pupil_config config;
+    const pupil_image_const image = {
+        .data = far, .stride_bytes = (ptrdiff_t)stride, .width = 4, .height = 2, .pixel = PUPIL_PIXEL_GREY8};
+    if (!stride || far == MAP_FAILED)
+        return; /* no room for addresses */
+    pupil_config_default(&config);
+    config.white_mode = PUPIL_WHITE_NONE;
+    memset(far, 60, 4);
+    memset(far + stride, 180, 4);
+    CHECK(same_frame(test, &image, &config, &figures, "rows 2^33 bytes apart"));
+    munmap(far, bytes);
+}
+
 int main(int argc, char **argv)
 {
     static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {64, 48}, {161, 119}, {641, 479}};
@@ -136,6 +157,7 @@ int main(int argc, char **argv)
             }
         same_judge(&figures, formats[pixel]);
     }
+    test_far_rows(&test);
     gl_test_close(&test);
     return check_end();
 }

@@ -5,7 +5,7 @@ uniform uint sum_shift;      // by how much sums are shortened, so that those of
 uniform uvec2 minus_divisor; // from the frame's values to scene luminance
 uniform uvec4 level_limits;  // ev_min, ev_max
 uniform uvec2 step_weight;   // toward more light, toward less: 1 - exp(-dt / tau) in 2^-32; all bits: at once
-uniform uvec4 given;         // the level to begin with, where z is 1
+uniform uvec4 given;         // the state to begin with, where w is 1
 uniform bool is_locked;
 
 #define OFFSET_STOPS 32 // makes every exponent positive
@@ -62,8 +62,8 @@ uvec2 approach(uvec2 s, uvec2 t)
 // A state is (level, whether a frame has set it, 0).
 uvec4 adapt(uvec4 state, uvec2 log2_sum, uvec2 weight_sum)
 {
-    if (given.z == 1u)
-        state = given;
+    if (given.w == 1u)
+        state = uvec4(given.xyz, 0u);
     if (weight_sum == uvec2(0u) || (is_locked && state.z == 1u))
         return state;
     uvec2 target = add(mean_of(log2_sum, weight_sum), minus_divisor);

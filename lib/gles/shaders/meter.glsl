@@ -30,10 +30,10 @@ vec2 meter_pixel(vec3 rgb, inout run r)
     return vec2(counted, nan ? floor_luminance : clamp_luminance(largest(rgb)));
 }
 
-// log2 of the product in 2^-24.
+// log2 of the product in 2^-24. That of 1 may come out below 0 (by 2^-21, says GLSL), of which there is no uint.
 uint fraction_of(run r)
 {
-    return uint(log2(r.product) * 16777216.0 + 0.5);
+    return uint(max(log2(r.product), 0.0) * 16777216.0 + 0.5);
 }
 
 vec3 load_metered(ivec2 at)

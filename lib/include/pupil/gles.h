@@ -23,11 +23,12 @@
  * Nothing waits: statistics come through a ring of buffers that are read only once their fence has signalled, and so
  * reach pupil_adapt a frame late or more. pupil_gles_collect with a timeout is the one call that may wait.
  *
- * GL state: nothing is restored. Left changed by upload, use, meter, process and map: program, vertex array, active
- * texture and the 2D (external) bindings and samplers of units 0..3, pixel unpacking, pixel pack buffer, uniform,
- * shader storage and framebuffer bindings, viewport, scissor, clear colour, colour mask; blending, depth, stencil,
- * cull, dither, polygon offset, rasterizer discard and alpha-to-coverage are off. GL objects are made by init and
- * retune alone.
+ * GL state: nothing is restored. Left changed by init, retune, upload, meter, collect, process and map: program, vertex
+ * array, active texture and the 2D (external) bindings and samplers of units 0..4, pixel packing and unpacking and
+ * their buffers, copy write, uniform, shader storage and framebuffer bindings, viewport, scissor, clear colour, colour
+ * mask; blending, depth, stencil, cull, dither, polygon offset, rasterizer discard, alpha-to-coverage, sample coverage
+ * and sample mask are off. Whatever else is set before changes nothing, but transform feedback must not be active, and
+ * an error that glGetError still holds is taken for the call's own. GL objects are made by init and retune alone.
  *
  * Memory: the caller owns the object, which has a fixed size and must not be copied or moved (it stands for objects of
  * one context). Nothing is allocated here; what the driver does is its own.
@@ -160,8 +161,8 @@ typedef union pupil_gles {
 PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
                               pupil_gles_get_proc get_proc, char *why, size_t why_bytes);
 
-/* After pupil_retune: takes over the new settings. Compiles again what they change; statistics under way are dropped.
- * Errors as of init; the old settings then stay. */
+/* After pupil_retune or pupil_reset: takes over the new settings and the level. Compiles again what they change;
+ * statistics under way are dropped. Errors as of init; the old settings then stay. */
 PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes);
 
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */

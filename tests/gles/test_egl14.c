@@ -1,0 +1,32 @@
+/* EGL 1.4 without EGL_KHR_get_all_proc_addresses finds extensions' functions alone: a sentence, no crash. This program
+ * has an eglGetProcAddress of its own in front of the driver's, which finds no other. */
+#include <EGL/egl.h>
+#include <dlfcn.h>
+#include <string.h>
+
+#include "check.h"
+#include "egl/egl_context.h"
+
+typedef __eglMustCastToProperFunctionPointerType (*get_proc)(const char *name);
+
+__eglMustCastToProperFunctionPointerType EGLAPIENTRY eglGetProcAddress(const char *name)
+{
+    union {
+        void *object;
+        get_proc function;
+    } next = {dlsym(RTLD_NEXT, "eglGetProcAddress")};
+    return strncmp(name, "gl", 2) == 0 ? NULL : next.function(name);
+}
+
+int main(int argc, char **argv)
+{
+    pupil_egl *egl;
+    char why[512] = "";
+    check_begin(argc, argv);
+    CHECK(pupil_egl_open(&egl, NULL, why, sizeof why) == -1 && egl == NULL);
+    if (strstr(why, "no driver for OpenGL ES"))
+        return check_skip(why);
+    CHECK_MSG(strstr(why, "EGL_KHR_get_all_proc_addresses"), "%s", why);
+    CHECK(eglGetCurrentContext() == EGL_NO_CONTEXT);
+    return check_end();
+}
