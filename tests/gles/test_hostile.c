@@ -103,9 +103,9 @@ static void set_switches(void)
 
 static void set_pixels(const rubbish *r)
 {
-    static const GLenum skips[] = {GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES,
-                                   GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
-                                   GL_PACK_SKIP_PIXELS, GL_PACK_ROW_LENGTH};
+    static const GLenum skips[] = {GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES,
+                                   GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_ROW_LENGTH,  GL_PACK_SKIP_ROWS,
+                                   GL_PACK_SKIP_PIXELS,    GL_PACK_ROW_LENGTH};
     for (size_t i = 0; i < sizeof skips / sizeof *skips; i++)
         glPixelStorei(skips[i], 1000);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 8);
