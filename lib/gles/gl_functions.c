@@ -1,6 +1,6 @@
 #include "gl_functions.h"
 
-const char *gl_functions_find(gl_functions *gl, int has_31, pupil_gles_get_proc get_proc)
+const char *pupil_gl_functions_find(gl_functions *gl, int has_31, pupil_gles_get_proc get_proc)
 {
 #define FIND_FUNCTION(NAME, TYPE)                                                                                      \
     gl->NAME = (PFNGL##TYPE##PROC)get_proc("gl" #NAME);                                                                \

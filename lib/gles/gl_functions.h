@@ -97,6 +97,6 @@ typedef struct gl_functions {
 } gl_functions;
 
 /* The name of the first function that get_proc does not find, or NULL: all of them are there. */
-const char *gl_functions_find(gl_functions *gl, int has_31, pupil_gles_get_proc get_proc);
+const char *pupil_gl_functions_find(gl_functions *gl, int has_31, pupil_gles_get_proc get_proc);
 
 #endif

@@ -10,7 +10,7 @@ void pupil_gles_config_default(pupil_gles_config *config)
 /* ---- errors --------------------------------------------------------------------------------------------------------
  */
 
-void gles_say(char *why, size_t why_bytes, const char *const parts[])
+void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[])
 {
     size_t n = 0;
     if (!why || !why_bytes)
@@ -28,7 +28,7 @@ static int is_lost(const gles_object *o)
     return o->gl.GetGraphicsResetStatus && o->gl.GetGraphicsResetStatus() != GL_NO_ERROR;
 }
 
-int gles_check(const pupil_gles *gles)
+int pupil_gles_check(const pupil_gles *gles)
 {
     if (!gles)
         return PUPIL_ERR_NULL;
@@ -42,7 +42,7 @@ int gles_check(const pupil_gles *gles)
 
 #define CONTEXT_LOST 0x0507 /* ES 3.2 and KHR_robustness */
 
-int gles_error(const gles_object *o)
+int pupil_gles_error(const gles_object *o)
 {
     const GLenum error = o->gl.GetError();
     if (error == GL_NO_ERROR)
@@ -56,10 +56,10 @@ int gles_error(const gles_object *o)
  */
 static int cause_of(const gles_object *o, int error, char *why, size_t why_bytes)
 {
-    const int by_gl = gles_error(o);
+    const int by_gl = pupil_gles_error(o);
     if (by_gl == PUPIL_OK || (error && by_gl == PUPIL_ERR_GLES))
         return error;
-    gles_say(why, why_bytes, (const char *const[]){pupil_error_string(by_gl), 0});
+    pupil_gles_say(why, why_bytes, (const char *const[]){pupil_error_string(by_gl), 0});
     return by_gl;
 }
 
@@ -100,7 +100,7 @@ static uint32_t version_of(const char *text)
 
 static int refuse_version(char *why, size_t why_bytes, const char *a, const char *b, const char *c)
 {
-    gles_say(why, why_bytes, (const char *const[]){a, b, c, 0});
+    pupil_gles_say(why, why_bytes, (const char *const[]){a, b, c, 0});
     return PUPIL_ERR_GLES_VERSION;
 }
 
@@ -115,15 +115,15 @@ static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *
     const char *text = o->gl.GetCurrentContext && !o->context ? 0 : (const char *)o->gl.GetString(GL_VERSION);
     if (!text) {
         o->gl.GetError = (PFNGLGETERRORPROC)get_proc("glGetError");
-        if (o->context && o->gl.GetError && gles_error(o) == PUPIL_ERR_GLES_LOST)
+        if (o->context && o->gl.GetError && pupil_gles_error(o) == PUPIL_ERR_GLES_LOST)
             return cause_of(o, PUPIL_ERR_GLES_LOST, why, why_bytes);
-        gles_say(why, why_bytes, (const char *const[]){"no OpenGL ES context is current in this thread", 0});
+        pupil_gles_say(why, why_bytes, (const char *const[]){"no OpenGL ES context is current in this thread", 0});
         return PUPIL_ERR_GLES_CONTEXT;
     }
     *version = version_of(text);
     if (*version < 30)
         return refuse_version(why, why_bytes, "OpenGL ES 3.0 or newer is needed; the context is ", text, "");
-    const char *lacks = gl_functions_find(&o->gl, *version >= 31, get_proc);
+    const char *lacks = pupil_gl_functions_find(&o->gl, *version >= 31, get_proc);
     if (lacks)
         return refuse_version(why, why_bytes, text, ": the context lacks the function ", lacks);
     if (*version >= 32)
@@ -143,7 +143,7 @@ static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *
 
 static int refuse_config(char *why, size_t why_bytes, const char *sentence)
 {
-    gles_say(why, why_bytes, (const char *const[]){sentence, 0});
+    pupil_gles_say(why, why_bytes, (const char *const[]){sentence, 0});
     return PUPIL_ERR_CONFIG;
 }
 
@@ -184,7 +184,7 @@ static int check_frames(const pupil_gles_config *c, char *why, size_t why_bytes)
     else
         error = pupil_coding_check(&c->coding, c->pixel, &fault);
     if (error)
-        gles_say(why, why_bytes, (const char *const[]){fault, 0});
+        pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
     return error;
 }
 
@@ -193,7 +193,7 @@ static int check_settings(const gles_object *o, const pupil_object *pupil, uint3
 {
     if (pupil->config.grey_world)
         return refuse_config(why, why_bytes, "grey_world must be 0: the sums of channels are made by the CPU alone");
-    if (o->config.adapt == PUPIL_GLES_ADAPT_GPU && gles_adapt_check(&pupil->config, why, why_bytes))
+    if (o->config.adapt == PUPIL_GLES_ADAPT_GPU && pupil_gles_adapt_check(&pupil->config, why, why_bytes))
         return PUPIL_ERR_CONFIG;
     if (pupil->histogram && version == PUPIL_GLES_ES30)
         return refuse_config(why, why_bytes,
@@ -233,9 +233,9 @@ static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, 
 
 static void delete_all(gles_object *o)
 {
-    gles_meter_delete(o);
-    gles_textures_delete(o);
-    gles_programs_delete(o, &o->programs);
+    pupil_gles_meter_delete(o);
+    pupil_gles_textures_delete(o);
+    pupil_gles_programs_delete(o, &o->programs);
     o->gl.DeleteVertexArrays(1, &o->vertex_array);
 }
 
@@ -246,16 +246,16 @@ static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version,
     if (error)
         return error;
     o->variant = variant_of(o, pupil, version);
-    error = gles_programs_make(o, &o->variant, &o->programs, why, why_bytes);
+    error = pupil_gles_programs_make(o, &o->variant, &o->programs, why, why_bytes);
     if (error)
         return cause_of(o, error, why, why_bytes);
     o->gl.GenVertexArrays(1, &o->vertex_array);
-    error = gles_textures_make(o, why, why_bytes);
+    error = pupil_gles_textures_make(o, why, why_bytes);
     if (!error)
-        error = gles_meter_make(o);
+        error = pupil_gles_meter_make(o);
     if (!error) {
-        gles_textures_set(o);
-        gles_programs_set(o);
+        pupil_gles_textures_set(o);
+        pupil_gles_programs_set(o);
     }
     error = cause_of(o, error, why, why_bytes);
     if (error)
@@ -280,7 +280,7 @@ static int check_arguments(const void *gles, const pupil_t *pupil, const void *a
 {
     const int error = gles && also ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
     if (error)
-        gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+        pupil_gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
     return error;
 }
 
@@ -295,7 +295,7 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
     *o = (gles_object){.config = *config, .unit = pupil_pixel_is_mosaic(config->pixel) ? 2 : 1};
     pupil_coder_make(&o->config.coding, config->pixel, &o->coder);
     take_settings(o, settings);
-    o->region_rows = gles_regions_make(config->height / o->unit, o->region_row);
+    o->region_rows = pupil_gles_regions_make(config->height / o->unit, o->region_row);
     uint32_t have = 0;
     error = meet_context(o, get_proc, &have, why, why_bytes);
     if (!error && config->source == PUPIL_GLES_EXTERNAL && !has_extension(&o->gl, "GL_OES_EGL_image_external_essl3"))
@@ -304,7 +304,7 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
         error = make_best(o, settings, have, why, why_bytes);
     if (error)
         return error;
-    gles_adapt_take(o, settings);
+    pupil_gles_adapt_take(o, settings);
     o->magic = GLES_MAGIC;
     return PUPIL_OK;
 }
@@ -312,8 +312,8 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
 int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes)
 {
     int error = check_arguments(gles, pupil, gles, why, why_bytes);
-    if (!error && (error = gles_check(gles)))
-        gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+    if (!error && (error = pupil_gles_check(gles)))
+        pupil_gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
@@ -323,17 +323,17 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t 
     const gles_variant variant = variant_of(o, settings, o->variant.version);
     if (variant.histogram != o->variant.histogram) {
         gles_programs programs;
-        if ((error = gles_programs_make(o, &variant, &programs, why, why_bytes)))
+        if ((error = pupil_gles_programs_make(o, &variant, &programs, why, why_bytes)))
             return cause_of(o, error, why, why_bytes);
-        gles_programs_delete(o, &o->programs);
+        pupil_gles_programs_delete(o, &o->programs);
         o->programs = programs;
         o->variant = variant;
     }
-    gles_meter_drop(o);
+    pupil_gles_meter_drop(o);
     take_settings(o, settings);
-    gles_adapt_take(o, settings);
-    gles_textures_set(o);
-    gles_programs_set(o);
+    pupil_gles_adapt_take(o, settings);
+    pupil_gles_textures_set(o);
+    pupil_gles_programs_set(o);
     return cause_of(o, PUPIL_OK, why, why_bytes);
 }
 
@@ -341,7 +341,7 @@ void pupil_gles_close(pupil_gles *gles)
 {
     if (!gles || gles_object_of(gles)->magic != GLES_MAGIC)
         return;
-    if (gles_check(gles) == PUPIL_OK)
+    if (pupil_gles_check(gles) == PUPIL_OK)
         delete_all(gles_object_of(gles));
     gles_object_of(gles)->magic = 0;
 }
@@ -380,11 +380,11 @@ static int take_statistics(pupil_gles *gles, pupil_t *pupil)
 
 int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info *info, const pupil_gles_target *target)
 {
-    int error = gles_check(gles);
+    int error = pupil_gles_check(gles);
     if (!error)
         error = pupil_object_check(pupil);
     if (!error)
-        error = gles_check_target(gles_object_of(gles), target);
+        error = pupil_gles_check_target(gles_object_of(gles), target);
     if (!error)
         error = take_statistics(gles, pupil);
     if (!error)

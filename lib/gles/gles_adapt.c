@@ -10,7 +10,7 @@
  * every level. */
 #define MOST_BASE_STOPS 124.0
 
-int gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
+int pupil_gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
 {
     const char *fault = 0;
     if (c->law != PUPIL_LAW_SECONDS)
@@ -20,11 +20,11 @@ int gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
     else if (c->trim_low > 0.0f || c->trim_high < 1.0f)
         fault = "on the GPU trim_low and trim_high must be 0 and 1";
     if (fault)
-        gles_say(why, why_bytes, (const char *const[]){fault, 0});
+        pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
 }
 
-void gles_adapt_take(gles_object *o, const pupil_object *pupil)
+void pupil_gles_adapt_take(gles_object *o, const pupil_object *pupil)
 {
     o->adaptation = pupil->adaptation;
     o->given = 1;
@@ -71,7 +71,7 @@ static uint32_t sum_shift(const gles_object *o)
     return shift;
 }
 
-void gles_adapt_set(const gles_object *o, GLint shift, GLint level_limits, GLint is_locked)
+void pupil_gles_adapt_set(const gles_object *o, GLint shift, GLint level_limits, GLint is_locked)
 {
     const int64_t least = q56(o->settings.ev_min), most = q56(o->settings.ev_max);
     o->gl.Uniform1ui(shift, sum_shift(o));
@@ -79,7 +79,7 @@ void gles_adapt_set(const gles_object *o, GLint shift, GLint level_limits, GLint
     o->gl.Uniform1i(is_locked, o->settings.lock != 0);
 }
 
-void gles_adapt_step(gles_object *o, const pupil_frame_info *info)
+void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info)
 {
     const pupil_config *c = &o->settings;
     pupil_adaptation *a = &o->adaptation;
@@ -94,7 +94,7 @@ void gles_adapt_step(gles_object *o, const pupil_frame_info *info)
     o->given = 0;
 }
 
-int32_t gles_adapt_scale_base(const gles_object *o)
+int32_t pupil_gles_adapt_scale_base(const gles_object *o)
 {
     const pupil_config *c = &o->settings;
     const double base = within(pupil_log2(c->key) + c->ev_compensation - o->exposure_log2, MOST_BASE_STOPS) * 0x1p24;

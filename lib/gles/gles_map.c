@@ -74,7 +74,7 @@ static rectangle part_of(const pupil_gles_target *t)
     return (rectangle){t->x + first, t->y, end - first, (int32_t)t->height};
 }
 
-int gles_check_target(const gles_object *o, const pupil_gles_target *t)
+int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *t)
 {
     if (!t)
         return PUPIL_ERR_NULL;
@@ -126,7 +126,7 @@ static void scissor(const gles_object *o, rectangle r)
 static void set_curve(const gles_object *o, int scaled, const pupil_curve *curve)
 {
     if (o->variant.level_here)
-        o->gl.Uniform1i(o->programs.map[scaled].scale, gles_adapt_scale_base(o));
+        o->gl.Uniform1i(o->programs.map[scaled].scale, pupil_gles_adapt_scale_base(o));
     else
         o->gl.Uniform1f(o->programs.map[scaled].scale, curve->scale);
     o->gl.Uniform1f(o->programs.map[scaled].inverse_white_squared, curve->inverse_white_squared);
@@ -141,7 +141,7 @@ static void draw(gles_object *o, const pupil_curve *curve, const pupil_gles_targ
     const rectangle drawn = common(r, part), covered = common(r, all);
     const int scaled = (uint32_t)r.width != p.shown_width || (uint32_t)r.height != p.shown_height;
 
-    gles_begin(o, scaled ? GLES_MAP_SCALED : GLES_MAP);
+    pupil_gles_begin(o, scaled ? GLES_MAP_SCALED : GLES_MAP);
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
     gl->Viewport(t->x, t->y, (GLsizei)t->width, (GLsizei)t->height);
     scissor(o, part);
@@ -150,23 +150,23 @@ static void draw(gles_object *o, const pupil_curve *curve, const pupil_gles_targ
         gl->Clear(GL_COLOR_BUFFER_BIT);
     }
     scissor(o, drawn);
-    gles_bind_frame(o);
+    pupil_gles_bind_frame(o);
     if (o->variant.level_here && o->variant.version == PUPIL_GLES_ES31)
         gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, o->state);
     else if (o->variant.level_here)
-        gles_bind(o, GLES_UNIT_STATE, GL_TEXTURE_2D, o->target[GLES_STATE_0 + o->newest_state]);
+        pupil_gles_bind(o, GLES_UNIT_STATE, GL_TEXTURE_2D, o->target[GLES_STATE_0 + o->newest_state]);
     set_curve(o, scaled, curve);
     if (scaled)
         set_scaled_turn(o, t, &p, r);
     else
         set_turn(o, t, &p, r);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    gles_unbind(o);
+    pupil_gles_unbind(o);
 }
 
 int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target)
 {
-    int error = gles_check(gles);
+    int error = pupil_gles_check(gles);
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
@@ -174,10 +174,10 @@ int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_
         return curve ? PUPIL_ERR_VALUE : PUPIL_ERR_NULL;
     if (curve && (error = pupil_curve_check(curve)))
         return error;
-    if ((error = gles_check_target(o, target)))
+    if ((error = pupil_gles_check_target(o, target)))
         return error;
     if (!o->source[0])
         return PUPIL_ERR_ORDER;
     draw(o, curve ? curve : &o->curve, target);
-    return gles_error(o);
+    return pupil_gles_error(o);
 }

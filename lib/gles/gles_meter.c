@@ -3,7 +3,7 @@
 
 static const gles_statistics no_statistics;
 
-int gles_meter_make(gles_object *o)
+int pupil_gles_meter_make(gles_object *o)
 {
     const gl_functions *gl = &o->gl;
     for (int i = 0; i < GLES_RING; i++) {
@@ -26,16 +26,16 @@ static void let_go(gles_object *o, gles_slot *slot)
     slot->fence = 0;
 }
 
-void gles_meter_drop(gles_object *o)
+void pupil_gles_meter_drop(gles_object *o)
 {
     for (int i = 0; i < GLES_RING; i++)
         let_go(o, &o->slot[i]);
     o->under_way = 0;
 }
 
-void gles_meter_delete(gles_object *o)
+void pupil_gles_meter_delete(gles_object *o)
 {
-    gles_meter_drop(o);
+    pupil_gles_meter_drop(o);
     for (int i = 0; i < GLES_RING; i++)
         o->gl.DeleteBuffers(1, &o->slot[i].buffer);
     o->gl.DeleteBuffers(1, &o->state);
@@ -53,14 +53,14 @@ static void meter_31(gles_object *o, const gles_slot *slot)
         gl->BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)bins, (GLsizeiptr)(sizeof(gles_statistics) - bins),
                           &no_statistics);
     }
-    gles_begin(o, GLES_METER);
-    gles_bind_frame(o);
+    pupil_gles_begin(o, GLES_METER);
+    pupil_gles_bind_frame(o);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, slot->buffer);
     gl->DispatchCompute(GLES_REGION_COLUMNS / o->cells_together, o->region_rows, 1);
     if (o->variant.level_here) {
         gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
         gl->UseProgram(o->programs.name[GLES_ADAPT]);
-        gles_adapt_step(o, &slot->info);
+        pupil_gles_adapt_step(o, &slot->info);
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, o->state);
         gl->DispatchCompute(1, 1, 1);
         gl->MemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
@@ -88,13 +88,13 @@ static void read_back(const gles_object *o, GLsizei width, GLsizei height, size_
 static void adapt_30(gles_object *o, const pupil_frame_info *info)
 {
     const uint32_t next = o->newest_state ^ 1;
-    gles_begin(o, GLES_WEIGH);
-    gles_bind(o, GLES_UNIT_FRAME, GL_TEXTURE_2D, o->target[GLES_REGIONS]);
+    pupil_gles_begin(o, GLES_WEIGH);
+    pupil_gles_bind(o, GLES_UNIT_FRAME, GL_TEXTURE_2D, o->target[GLES_REGIONS]);
     draw_into(o, GLES_COLUMNS, GLES_REGION_COLUMNS, 1);
-    gles_begin(o, GLES_ADAPT);
-    gles_adapt_step(o, info);
-    gles_bind(o, GLES_UNIT_FRAME, GL_TEXTURE_2D, o->target[GLES_COLUMNS]);
-    gles_bind(o, GLES_UNIT_STATE, GL_TEXTURE_2D, o->target[GLES_STATE_0 + o->newest_state]);
+    pupil_gles_begin(o, GLES_ADAPT);
+    pupil_gles_adapt_step(o, info);
+    pupil_gles_bind(o, GLES_UNIT_FRAME, GL_TEXTURE_2D, o->target[GLES_COLUMNS]);
+    pupil_gles_bind(o, GLES_UNIT_STATE, GL_TEXTURE_2D, o->target[GLES_STATE_0 + o->newest_state]);
     draw_into(o, GLES_STATE_0 + (int)next, 1, 1);
     o->newest_state = next;
     read_back(o, 1, 1, offsetof(gles_statistics, level));
@@ -104,11 +104,11 @@ static void meter_30(gles_object *o, const gles_slot *slot)
 {
     const gl_functions *gl = &o->gl;
     const GLsizei columns = GLES_REGION_COLUMNS, rows = (GLsizei)o->region_rows;
-    gles_begin(o, GLES_METER);
-    gles_bind_frame(o);
+    pupil_gles_begin(o, GLES_METER);
+    pupil_gles_bind_frame(o);
     draw_into(o, GLES_PARTS, columns * GLES_PARTS_X, rows * GLES_PARTS_Y);
-    gles_begin(o, GLES_REDUCE);
-    gles_bind(o, GLES_UNIT_FRAME, GL_TEXTURE_2D, o->target[GLES_PARTS]);
+    pupil_gles_begin(o, GLES_REDUCE);
+    pupil_gles_bind(o, GLES_UNIT_FRAME, GL_TEXTURE_2D, o->target[GLES_PARTS]);
     draw_into(o, GLES_REGIONS, columns, rows);
 
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
@@ -124,7 +124,7 @@ static void meter_30(gles_object *o, const gles_slot *slot)
 
 int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
 {
-    const int error = gles_check(gles);
+    const int error = pupil_gles_check(gles);
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
@@ -141,14 +141,14 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
         meter_31(o, slot);
     else
         meter_30(o, slot);
-    gles_unbind(o);
+    pupil_gles_unbind(o);
     slot->fence = o->gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     o->gl.Flush();     /* or the fence might never signal */
     if (slot->fence) { /* or nobody would ever know */
         o->under_way++;
         o->metered++;
     }
-    const int by_gl = gles_error(o);
+    const int by_gl = pupil_gles_error(o);
     return by_gl || slot->fence ? by_gl : PUPIL_ERR_GLES;
 }
 
@@ -157,7 +157,7 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
 
 int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)
 {
-    int error = gles_check(gles);
+    int error = pupil_gles_check(gles);
     if (error)
         return error;
     if (!stats)
@@ -170,13 +170,13 @@ int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats
     if (signalled == GL_TIMEOUT_EXPIRED)
         return PUPIL_GLES_NOTHING;
     if (signalled == GL_WAIT_FAILED)
-        return (error = gles_error(o)) ? error : PUPIL_ERR_GLES;
+        return (error = pupil_gles_error(o)) ? error : PUPIL_ERR_GLES;
 
     o->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
     const gles_statistics *from =
         o->gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, sizeof(gles_statistics), GL_MAP_READ_BIT);
     if (from) {
-        gles_regions_add_up(o, from, stats);
+        pupil_gles_regions_add_up(o, from, stats);
         o->level_known = o->variant.level_here && from->level[2];
         o->level_q24 = (int32_t)from->level[1];
         error = o->gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER) ? PUPIL_OK : PUPIL_ERR_GLES;
@@ -187,6 +187,6 @@ int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats
     let_go(o, slot);
     o->oldest = (o->oldest + 1) % GLES_RING;
     o->under_way--;
-    const int by_gl = gles_error(o);
+    const int by_gl = pupil_gles_error(o);
     return by_gl ? by_gl : from ? error : PUPIL_ERR_GLES_MEMORY;
 }

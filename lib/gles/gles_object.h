@@ -123,64 +123,64 @@ static inline gles_object *gles_object_of(pupil_gles *gles)
 /* ---- gles.c */
 
 /* PUPIL_OK where the object is open and its context is current and not lost. */
-int gles_check(const pupil_gles *gles);
+int pupil_gles_check(const pupil_gles *gles);
 /* What GL has to say of the calls since: PUPIL_OK or an error. */
-int gles_error(const gles_object *o);
+int pupil_gles_error(const gles_object *o);
 /* Puts sentences together, cut where the buffer ends; up to a NULL. */
-void gles_say(char *why, size_t why_bytes, const char *const parts[]);
+void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[]);
 
 /* ---- gles_programs.c */
 
 /* Compiles and links what the variant needs; after an error nothing is left. */
-int gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
-                       size_t why_bytes);
-void gles_programs_delete(const gles_object *o, gles_programs *programs);
+int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
+                             size_t why_bytes);
+void pupil_gles_programs_delete(const gles_object *o, gles_programs *programs);
 /* Uniforms that stay as they are from frame to frame, by the settings. */
-void gles_programs_set(gles_object *o);
+void pupil_gles_programs_set(gles_object *o);
 /* Makes a program current, with the state of GL that all of pupil_gles draws with. */
-void gles_begin(const gles_object *o, uint32_t program);
+void pupil_gles_begin(const gles_object *o, uint32_t program);
 
 /* ---- gles_textures.c */
 
-int gles_textures_make(gles_object *o, char *why, size_t why_bytes);
-void gles_textures_delete(gles_object *o);
+int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes);
+void pupil_gles_textures_delete(gles_object *o);
 /* The table of the transfer that the settings name. */
-void gles_textures_set(const gles_object *o);
+void pupil_gles_textures_set(const gles_object *o);
 /* Texture and nearest sampler at a unit. */
-void gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture);
+void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture);
 /* The frame and its tables, for a program that loads it; and none at all. */
-void gles_bind_frame(const gles_object *o);
-void gles_unbind(const gles_object *o);
+void pupil_gles_bind_frame(const gles_object *o);
+void pupil_gles_unbind(const gles_object *o);
 
 /* ---- gles_regions.c */
 
-uint32_t gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS]);
+uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS]);
 /* Columns that may be metered as one: 4 where that is no difference, or 1. */
-uint32_t gles_regions_together(const gles_object *o);
+uint32_t pupil_gles_regions_together(const gles_object *o);
 /* Statistics of the whole frame from what came back. */
-void gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats);
+void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats);
 
 /* ---- gles_meter.c */
 
-int gles_meter_make(gles_object *o);
-void gles_meter_delete(gles_object *o);
+int pupil_gles_meter_make(gles_object *o);
+void pupil_gles_meter_delete(gles_object *o);
 /* Forgets frames that are under way. */
-void gles_meter_drop(gles_object *o);
+void pupil_gles_meter_drop(gles_object *o);
 
 /* ---- gles_map.c */
 
-int gles_check_target(const gles_object *o, const pupil_gles_target *target);
+int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *target);
 
 /* ---- gles_adapt.c */
 
 /* PUPIL_OK, or PUPIL_ERR_CONFIG and a sentence: the GPU cannot adapt by these settings. */
-int gles_adapt_check(const pupil_config *settings, char *why, size_t why_bytes);
+int pupil_gles_adapt_check(const pupil_config *settings, char *why, size_t why_bytes);
 /* The level of a pupil_t is that of the GPU from the next frame on. */
-void gles_adapt_take(gles_object *o, const pupil_object *pupil);
+void pupil_gles_adapt_take(gles_object *o, const pupil_object *pupil);
 /* Uniforms of GLES_ADAPT, which is current: those that stay, and those of a frame's step. */
-void gles_adapt_set(const gles_object *o, GLint sum_shift, GLint level_limits, GLint is_locked);
-void gles_adapt_step(gles_object *o, const pupil_frame_info *info);
+void pupil_gles_adapt_set(const gles_object *o, GLint sum_shift, GLint level_limits, GLint is_locked);
+void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info);
 /* For map.vert: key, compensation and exposure in 2^-24. */
-int32_t gles_adapt_scale_base(const gles_object *o);
+int32_t pupil_gles_adapt_scale_base(const gles_object *o);
 
 #endif

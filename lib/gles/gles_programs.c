@@ -5,7 +5,7 @@ static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_
 {
     const gl_functions *gl = &o->gl;
     const char *texts[GLES_MOST_TEXTS];
-    const uint32_t count = gles_shader_texts(variant, shader, texts);
+    const uint32_t count = pupil_gles_shader_texts(variant, shader, texts);
     const int is_vertex = shader == GLES_TRIANGLE_VERT || shader == GLES_MAP_VERT;
     const int is_compute = shader == GLES_METER_COMP || shader == GLES_ADAPT_COMP;
     GLint done = 0;
@@ -17,8 +17,8 @@ static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_
         return name;
     char log[512] = "";
     gl->GetShaderInfoLog(name, sizeof log, 0, log);
-    gles_say(why, why_bytes,
-             (const char *const[]){"the driver does not compile ", gles_shader_name(shader), ": ", log, 0});
+    pupil_gles_say(why, why_bytes,
+                   (const char *const[]){"the driver does not compile ", pupil_gles_shader_name(shader), ": ", log, 0});
     gl->DeleteShader(name);
     return 0;
 }
@@ -44,8 +44,9 @@ static GLuint link(const gles_object *o, const gles_variant *variant, uint32_t v
         if (!done) {
             char log[512] = "";
             gl->GetProgramInfoLog(program, sizeof log, 0, log);
-            gles_say(why, why_bytes,
-                     (const char *const[]){"the driver does not link ", gles_shader_name(other), ": ", log, 0});
+            pupil_gles_say(
+                why, why_bytes,
+                (const char *const[]){"the driver does not link ", pupil_gles_shader_name(other), ": ", log, 0});
             gl->DeleteProgram(program);
             program = 0;
         }
@@ -76,8 +77,8 @@ static void find_uniforms(const gles_object *o, const gles_variant *variant, gle
     }
 }
 
-int gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
-                       size_t why_bytes)
+int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
+                             size_t why_bytes)
 {
     const int is_31 = variant->version == PUPIL_GLES_ES31;
     const uint32_t none = GLES_SHADER_COUNT;
@@ -99,7 +100,7 @@ int gles_programs_make(const gles_object *o, const gles_variant *variant, gles_p
             continue;
         made.name[i] = link(o, variant, stages[i].vertex, stages[i].other, why, why_bytes);
         if (!made.name[i]) {
-            gles_programs_delete(o, &made);
+            pupil_gles_programs_delete(o, &made);
             return PUPIL_ERR_GLES_SHADER;
         }
     }
@@ -108,7 +109,7 @@ int gles_programs_make(const gles_object *o, const gles_variant *variant, gles_p
     return PUPIL_OK;
 }
 
-void gles_programs_delete(const gles_object *o, gles_programs *programs)
+void pupil_gles_programs_delete(const gles_object *o, gles_programs *programs)
 {
     for (int i = 0; i < GLES_PROGRAM_COUNT; i++) {
         if (programs->name[i])
@@ -177,9 +178,9 @@ static void set_mapping(const gles_object *o, uint32_t p)
     gl->Uniform2i(uniform(o, p, "picture_size"), (GLint)o->config.width / halved, (GLint)o->config.height / halved);
 }
 
-void gles_programs_set(gles_object *o)
+void pupil_gles_programs_set(gles_object *o)
 {
-    o->cells_together = gles_regions_together(o);
+    o->cells_together = pupil_gles_regions_together(o);
     for (uint32_t p = 0; p < GLES_PROGRAM_COUNT; p++) {
         if (!o->programs.name[p])
             continue;
@@ -197,7 +198,8 @@ void gles_programs_set(gles_object *o)
         if (p == GLES_WEIGH)
             o->gl.Uniform1i(uniform(o, p, "regions"), GLES_UNIT_FRAME);
         if (p == GLES_WEIGH || p == GLES_ADAPT)
-            gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "level_limits"), uniform(o, p, "is_locked"));
+            pupil_gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "level_limits"),
+                                 uniform(o, p, "is_locked"));
         if (p == GLES_ADAPT) {
             o->gl.Uniform1i(uniform(o, p, "columns"), GLES_UNIT_FRAME);
             o->gl.Uniform1i(uniform(o, p, "state_before"), GLES_UNIT_STATE);
@@ -205,7 +207,7 @@ void gles_programs_set(gles_object *o)
     }
 }
 
-void gles_begin(const gles_object *o, uint32_t program)
+void pupil_gles_begin(const gles_object *o, uint32_t program)
 {
     static const GLenum off[] = {GL_BLEND,
                                  GL_DEPTH_TEST,

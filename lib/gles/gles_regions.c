@@ -1,7 +1,7 @@
 /* How a frame is cut for metering, and statistics from what the pieces left. */
 #include "gles_object.h"
 
-uint32_t gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS])
+uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS])
 {
     uint32_t count = 0;
     for (uint32_t y = 0; y < units_y; y++) {
@@ -13,7 +13,7 @@ uint32_t gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_RO
     return count;
 }
 
-uint32_t gles_regions_together(const gles_object *o)
+uint32_t pupil_gles_regions_together(const gles_object *o)
 {
     /* Groups of a compute shader end with a sum and a histogram of their own, so fewer are better, as long as they fill
      * a GPU: 316 of 128 do. A region's counts have 20 bits. ES 3.0 has neither groups nor their ends. */
@@ -42,7 +42,7 @@ static void add_region(const uint32_t words[4], uint32_t pixels, uint32_t weight
     stats->band_pixels[band] += pixels;
 }
 
-void gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats)
+void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats)
 {
     const uint32_t units_x = o->config.width / o->unit, together = o->cells_together;
     pupil_stats_clear(stats);

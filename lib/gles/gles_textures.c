@@ -101,7 +101,7 @@ static int make_targets(gles_object *o, char *why, size_t why_bytes)
         o->gl.BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer[i]);
         o->gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, o->target[i], 0);
         if (o->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-            gles_say(why, why_bytes, (const char *const[]){"the driver refuses a framebuffer of GL_RGBA32UI", 0});
+            pupil_gles_say(why, why_bytes, (const char *const[]){"the driver refuses a framebuffer of GL_RGBA32UI", 0});
             return PUPIL_ERR_GLES;
         }
     }
@@ -118,12 +118,13 @@ static const float (*light_of(const gles_object *o))[2]
     return by_coding && o->coder.light ? o->coder.light : pupil_srgb_light;
 }
 
-int gles_textures_make(gles_object *o, char *why, size_t why_bytes)
+int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes)
 {
     const gl_functions *gl = &o->gl;
     const extent e = extent_of(o, 0);
     if (e.width > o->largest_side || e.height > o->largest_side) {
-        gles_say(why, why_bytes, (const char *const[]){"the frame is larger than the context's textures can be", 0});
+        pupil_gles_say(why, why_bytes,
+                       (const char *const[]){"the frame is larger than the context's textures can be", 0});
         return PUPIL_ERR_SIZE;
     }
     gl->ActiveTexture(GL_TEXTURE0);
@@ -141,7 +142,7 @@ int gles_textures_make(gles_object *o, char *why, size_t why_bytes)
     return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o, why, why_bytes) : PUPIL_OK;
 }
 
-void gles_textures_delete(gles_object *o)
+void pupil_gles_textures_delete(gles_object *o)
 {
     const gl_functions *gl = &o->gl;
     gl->DeleteSamplers(1, &o->sampler);
@@ -152,7 +153,7 @@ void gles_textures_delete(gles_object *o)
     gl->DeleteFramebuffers(GLES_TARGET_COUNT, o->framebuffer);
 }
 
-void gles_textures_set(const gles_object *o)
+void pupil_gles_textures_set(const gles_object *o)
 {
     const pupil_encoder *e = &pupil_encoders[o->settings.transfer];
     const GLsizei cells = (GLsizei)((0x3f800000u - e->base_bits) >> 16) + 1; /* up to that of 1.0 */
@@ -167,23 +168,23 @@ void gles_textures_set(const gles_object *o)
 /* ---- at work --------------------------------------------------------------------------------------------------------
  */
 
-void gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture)
+void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture)
 {
     o->gl.ActiveTexture(GL_TEXTURE0 + unit);
     o->gl.BindTexture(target, texture);
     o->gl.BindSampler(unit, o->sampler);
 }
 
-void gles_bind_frame(const gles_object *o)
+void pupil_gles_bind_frame(const gles_object *o)
 {
     const GLenum target = o->config.source == PUPIL_GLES_EXTERNAL ? TEXTURE_EXTERNAL : GL_TEXTURE_2D;
-    gles_bind(o, GLES_UNIT_FRAME, target, o->source[0]);
-    gles_bind(o, GLES_UNIT_CHROMA, GL_TEXTURE_2D, o->source[1]);
-    gles_bind(o, GLES_UNIT_LIGHT, GL_TEXTURE_2D, o->light);
-    gles_bind(o, GLES_UNIT_ENCODER, GL_TEXTURE_2D, o->encoder);
+    pupil_gles_bind(o, GLES_UNIT_FRAME, target, o->source[0]);
+    pupil_gles_bind(o, GLES_UNIT_CHROMA, GL_TEXTURE_2D, o->source[1]);
+    pupil_gles_bind(o, GLES_UNIT_LIGHT, GL_TEXTURE_2D, o->light);
+    pupil_gles_bind(o, GLES_UNIT_ENCODER, GL_TEXTURE_2D, o->encoder);
 }
 
-void gles_unbind(const gles_object *o)
+void pupil_gles_unbind(const gles_object *o)
 {
     for (uint32_t unit = 0; unit < GLES_UNIT_COUNT; unit++)
         o->gl.BindSampler(unit, 0);
@@ -222,7 +223,7 @@ static int check_image(const gles_object *o, const pupil_image_const *image)
 int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
 {
     gles_object *o = gles_object_of(gles);
-    int error = gles_check(gles);
+    int error = pupil_gles_check(gles);
     if (!error)
         error = image ? check_image(o, image) : PUPIL_ERR_NULL;
     if (error)
@@ -234,12 +235,12 @@ int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
         send_plane(o, texture[1], &chroma_layout, extent_of(o, 1), image->chroma, image->chroma_stride_bytes);
     o->source[0] = texture[0];
     o->source[1] = texture[1];
-    return gles_error(o);
+    return pupil_gles_error(o);
 }
 
 int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture)
 {
-    const int error = gles_check(gles);
+    const int error = pupil_gles_check(gles);
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);

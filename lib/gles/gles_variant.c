@@ -2,7 +2,7 @@
 
 #include "gles_shader_texts.h"
 
-const char *gles_shader_name(uint32_t shader)
+const char *pupil_gles_shader_name(uint32_t shader)
 {
     static const char *const names[GLES_SHADER_COUNT] = {
         "triangle.vert", "meter.comp", "meter.frag", "reduce.frag", "weigh.frag",
@@ -113,7 +113,7 @@ static uint32_t add_adapting(uint32_t n, const char *texts[GLES_MOST_TEXTS])
     return n;
 }
 
-uint32_t gles_shader_texts(const gles_variant *v, uint32_t shader, const char *texts[GLES_MOST_TEXTS])
+uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const char *texts[GLES_MOST_TEXTS])
 {
     uint32_t n = 0;
     texts[n++] = v->version == PUPIL_GLES_ES31 ? "#version 310 es\n" : "#version 300 es\n";

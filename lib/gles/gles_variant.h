@@ -32,11 +32,11 @@ typedef enum gles_shader {
 } gles_shader;
 
 /* "meter.comp" and so on, for messages. */
-const char *gles_shader_name(uint32_t shader);
+const char *pupil_gles_shader_name(uint32_t shader);
 
 #define GLES_MOST_TEXTS 24
 
 /* The texts that glShaderSource takes, constant ones; their number. */
-uint32_t gles_shader_texts(const gles_variant *variant, uint32_t shader, const char *texts[GLES_MOST_TEXTS]);
+uint32_t pupil_gles_shader_texts(const gles_variant *variant, uint32_t shader, const char *texts[GLES_MOST_TEXTS]);
 
 #endif

@@ -20,7 +20,7 @@ static int count;
 static char *put_together(const gles_variant *v, uint32_t shader)
 {
     const char *texts[GLES_MOST_TEXTS];
-    const uint32_t parts = gles_shader_texts(v, shader, texts);
+    const uint32_t parts = pupil_gles_shader_texts(v, shader, texts);
     size_t bytes = 1;
     CHECK(parts <= GLES_MOST_TEXTS);
     for (uint32_t i = 0; i < parts; i++)
@@ -57,7 +57,7 @@ static void keep(const gles_variant *v, uint32_t shader)
         free(text);
         return;
     }
-    const char *name = gles_shader_name(shader), *stage = stage_of(name);
+    const char *name = pupil_gles_shader_name(shader), *stage = stage_of(name);
     snprintf(names[count], sizeof names[count], "%.*s%s-es%u-pixel%u-%d.%s", (int)strcspn(name, "."), name,
              shader == GLES_MAP_SCALED_FRAG ? "-scaled" : "", v->version, v->pixel, count, stage);
     write_file(names[count], text);
