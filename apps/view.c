@@ -58,6 +58,8 @@ static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_
     replay_work *work = v->of.work;
     char why[PUPIL_WHY_BYTES];
     pupil_image display;
+    if (from >= to) /* the divide is at an edge; pupil_gles_target takes 0 and 0 for all */
+        return;
     if (work->gpu && gles_work_draw(work->gpu, curve, &target, why, sizeof why) == 0)
         return;
     if (work->gpu)

@@ -55,6 +55,8 @@ pupil_fence *pupil_fence_make(void)
 
 int pupil_fence_done(pupil_fence *fence)
 {
+    if (!fence)
+        return -1;
     switch (egl.client_wait(current(), (EGLSyncKHR)fence, 0, 0)) {
     case EGL_CONDITION_SATISFIED_KHR:
         return 1;

@@ -273,6 +273,7 @@ static int make_best(gles_object *o, const pupil_object *pupil, uint32_t have, c
     const int error = make_all(o, pupil, PUPIL_GLES_ES31, why, why_bytes);
     if (error != PUPIL_ERR_GLES_SHADER || wanted == PUPIL_GLES_ES31 || pupil->histogram)
         return error;
+    pupil_gles_say(why, why_bytes, (const char *const[]){0}); /* nothing: it is not refused */
     return make_all(o, pupil, PUPIL_GLES_ES30, why, why_bytes);
 }
 
