@@ -5,7 +5,6 @@
 #include <GLES3/gl3.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "egl/egl_common.h"
 
@@ -29,36 +28,9 @@ static EGLDisplay platform_display(EGLenum platform, const char *extension)
     return get(platform, first, NULL);
 }
 
-/* The first GPU's; EGL_NO_DISPLAY: EGL lists none. The surfaceless platform is Mesa's own: where another vendor's
- * driver has the GPU, it would find a renderer for the CPU. */
-static EGLDisplay gpu_display(void)
-{
-    PFNEGLGETPLATFORMDISPLAYEXTPROC get =
-        (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
-    PFNEGLQUERYDEVICESEXTPROC list = (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");
-    PFNEGLQUERYDEVICESTRINGEXTPROC ask = (PFNEGLQUERYDEVICESTRINGEXTPROC)eglGetProcAddress("eglQueryDeviceStringEXT");
-    EGLDeviceEXT devices[16];
-    EGLint count = 0;
-    if (!get || !list || !ask || !pupil_egl_has(EGL_NO_DISPLAY, "EGL_EXT_platform_device") ||
-        !list(sizeof devices / sizeof *devices, devices, &count))
-        return EGL_NO_DISPLAY;
-    for (EGLint i = 0; i < count; i++) {
-        const char *extensions = ask(devices[i], EGL_EXTENSIONS);
-        if (!extensions || strstr(extensions, "EGL_MESA_device_software"))
-            continue;
-        EGLDisplay display = get(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL);
-        if (display != EGL_NO_DISPLAY && eglInitialize(display, NULL, NULL))
-            return display;
-    }
-    return EGL_NO_DISPLAY;
-}
-
 /* The first display that can be initialised; EGL_NO_DISPLAY: none. */
 static EGLDisplay find_display(void)
 {
-    EGLDisplay gpu = gpu_display();
-    if (gpu != EGL_NO_DISPLAY)
-        return gpu;
     static const struct {
         EGLenum platform;
         const char *extension;
