@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "v4l2/v4l2_device.h"
+#include "v4l2/v4l2_format.h"
 #include "v4l2/v4l2_modes.h"
 #include "v4l2/v4l2_source.h"
 
@@ -42,4 +43,10 @@ void pupil_v4l2_mode_text(const pupil_v4l2_mode *mode, char *text, size_t text_b
 {
     (void)mode;
     snprintf(text, text_bytes, "-");
+}
+
+pupil_v4l2_name pupil_v4l2_fourcc_name(uint32_t fourcc)
+{
+    (void)fourcc;
+    return (pupil_v4l2_name){"-"};
 }

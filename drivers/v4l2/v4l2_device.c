@@ -134,6 +134,8 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
         count++;
         snprintf(path, sizeof path, "/dev/video%d", i);
         const int failed = open_path(&device, path, refused, sizeof refused);
+        if (*device.name && !device.type)
+            *refused = 0; /* it could be asked, and is something else */
         const int ends = seen(closure, failed ? NULL : &device, path, refused);
         pupil_v4l2_device_close(&device);
         if (ends)

@@ -28,9 +28,10 @@ int pupil_v4l2_ask(const pupil_v4l2_device *device, unsigned long request, void 
 /* "PATH: WHAT: what errno says, in the words of cameras"; -1. */
 int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, char *why, size_t why_bytes);
 
-/* Every video node of /dev in the order of their numbers, of which there may be holes: `seen` is called with each that
- * is a capture device and could be opened, and with the sentence of each other (device NULL); it returns nonzero to end
- * the walk. Returns how many nodes there are, or -1 and a sentence: /dev cannot be listed. */
+/* Every video node of /dev in the order of their numbers: `seen` is called with each that captures video; with device
+ * NULL and a sentence for each that could not be opened or asked; and with device NULL and an empty one for those that
+ * are something else (outputs, a camera's metadata). It returns nonzero to end the walk. Returns how many nodes there
+ * were, or -1 and a sentence: /dev cannot be listed. */
 typedef int pupil_v4l2_seen(void *closure, const pupil_v4l2_device *device, const char *path, const char *why);
 int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, char *why,
                        size_t why_bytes);
