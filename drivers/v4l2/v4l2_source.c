@@ -14,9 +14,10 @@ typedef struct v4l2_source {
     char which[256], name[32], bus[32]; /* of the camera that was opened first */
     pupil_v4l2_frame frame;             /* that is out */
     int out;
-    uint64_t sequence; /* of the next frame, if none is lost */
+    uint64_t sequence;      /* of the last frame */
+    uint32_t last_sequence; /* the driver's for it */
     int64_t first_ns;
-    int began;
+    int began, reopened; /* a frame was out; none since the camera was opened again */
     char label[320];
 } v4l2_source;
 
@@ -66,6 +67,7 @@ static int reopen(v4l2_source *s, char *why, size_t why_bytes)
             return PUPIL_SOURCE_END;
         if (try_again(s, why, why_bytes) == 0) {
             s->capture.counts.reopened++;
+            s->reopened = 1;
             return PUPIL_SOURCE_FRAME;
         }
         if (system->now_ns(system->context) >= end_ns)
@@ -84,14 +86,20 @@ static void describe(v4l2_source *s, pupil_frame *frame)
 {
     const pupil_v4l2_frame *f = &s->frame;
     memset(frame, 0, sizeof *frame);
-    s->sequence += f->lost;
-    if (!s->began)
+    const uint32_t step = f->sequence - s->last_sequence;
+    if (!s->began) {
         s->first_ns = s->options.monotonic ? 0 : f->stamp_ns;
+        s->sequence = f->sequence;
+    } else { /* a number that stands still, or began anew: the next one */
+        s->sequence += step && step < UINT32_C(1) << 31 && !s->reopened ? step : 1;
+    }
+    s->last_sequence = f->sequence;
     s->began = 1;
+    s->reopened = 0;
     snprintf(s->label, sizeof s->label, "%s frame %llu", s->capture.device.path, (unsigned long long)s->sequence);
     frame->image = f->image;
     frame->info.timestamp_ns = f->stamp_ns - s->first_ns;
-    frame->info.sequence = s->sequence++;
+    frame->info.sequence = s->sequence;
     frame->name = s->label;
 }
 
