@@ -94,13 +94,16 @@ int list_main(int argc, char **argv)
 {
     static const struct option options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {0}};
     int json = 0, option;
+    opterr = 0;
     while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
         if (option == 'h') {
             fputs(help, stdout);
             return EXIT_DONE;
         }
-        if (option != 'j')
+        if (option != 'j') {
+            fprintf(stderr, "pupil list: %s: no such option; 'pupil list --help' lists them\n", argv[optind - 1]);
             return EXIT_USAGE;
+        }
         json = 1;
     }
     if (optind < argc) {

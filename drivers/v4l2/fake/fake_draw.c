@@ -19,7 +19,8 @@ uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t 
 typedef struct drawing {
     const fake_v4l2_picture *p;
     unsigned char *data, *chroma;
-    uint32_t code[1024]; /* of a value of the scene */
+    uint32_t code[1024];  /* of a value of the scene */
+    double encoded[1024]; /* the same before it is rounded, 0..1 */
     uint32_t bits, red_x, red_y;
 } drawing;
 
@@ -90,7 +91,7 @@ static void to_yuv(const drawing *d, uint32_t x, uint32_t y, unsigned char yuv[3
     const int full = p->quantization == V4L2_QUANTIZATION_FULL_RANGE;
     double rgb[3];
     for (uint32_t c = 0; c < 3; c++)
-        rgb[c] = encode(p->xfer_func, light_of(p, at(d, x, y, c)));
+        rgb[c] = d->encoded[at(d, x, y, c)];
     const double luma = kr * rgb[0] + (1 - kr - kb) * rgb[1] + kb * rgb[2];
     const double cb = (rgb[2] - luma) / (2 * (1 - kb)), cr = (rgb[0] - luma) / (2 * (1 - kr));
     yuv[0] = (unsigned char)(full ? 255 * luma + 0.5 : 16 + 219 * luma + 0.5);
@@ -135,8 +136,10 @@ static void draw_rgb(const drawing *d, uint32_t bytes)
 static void make_codes(drawing *d, uint32_t bits, uint32_t xfer_func)
 {
     d->bits = bits;
-    for (uint32_t v = 0; v < 1024; v++)
-        d->code[v] = (uint32_t)(encode(xfer_func, light_of(d->p, v)) * ((1u << bits) - 1) + 0.5);
+    for (uint32_t v = 0; v < 1024; v++) {
+        d->encoded[v] = encode(xfer_func, light_of(d->p, v));
+        d->code[v] = (uint32_t)(d->encoded[v] * ((1u << bits) - 1) + 0.5);
+    }
 }
 
 static void draw_mosaic(drawing *d, uint32_t fourcc)
@@ -173,6 +176,7 @@ void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma)
     case V4L2_PIX_FMT_YUYV:
     case V4L2_PIX_FMT_NV12:
     case V4L2_PIX_FMT_NV12M:
+        make_codes(&d, 8, picture->xfer_func);
         draw_yuv(&d, picture->fourcc == V4L2_PIX_FMT_YUYV);
         break;
     case V4L2_PIX_FMT_RGB24:
