@@ -18,11 +18,13 @@ int pupil_v4l2_ask(const pupil_v4l2_device *device, unsigned long request, void 
 int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, char *why, size_t why_bytes)
 {
     const char *words = error == EBUSY    ? "another program is using the camera"
-                        : error == ENODEV ? "the camera was unplugged"
                         : error == ENOSPC ? "the USB bus has no room for this size and rate; ask for less, or move the "
                                             "camera to another port"
                                           : strerror(error);
-    snprintf(why, why_bytes, "%s: %s: %s", device->path, what, words);
+    if (error == ENODEV)
+        snprintf(why, why_bytes, "%s: the camera was unplugged", device->path);
+    else
+        snprintf(why, why_bytes, "%s: %s: %s", device->path, what, words);
     return -1;
 }
 

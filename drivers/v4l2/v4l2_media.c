@@ -74,7 +74,7 @@ static const struct media_v2_pad *pad_of(const graph *g, uint32_t id)
 
 static int is_kind(const struct media_v2_link *link, uint32_t kind)
 {
-    return (link->flags & MEDIA_LNK_FL_LINK_TYPE) == kind;
+    return link->flags >> 28 == kind >> 28; /* as MEDIA_LNK_FL_LINK_TYPE, which shifts into a sign */
 }
 
 /* The entity behind a video node. */

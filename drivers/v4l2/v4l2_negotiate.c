@@ -15,8 +15,8 @@ static uint32_t fourcc_of(const struct v4l2_format *f)
     return f->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? f->fmt.pix_mp.pixelformat : f->fmt.pix.pixelformat;
 }
 
-/* What the camera's formats are, "YUYV, MJPG"; the first that is read natively, or 0. */
-static uint32_t look_over(const pupil_v4l2_device *d, char *names, size_t names_bytes)
+/* What the camera's formats are, "YUYV, MJPG", or those of them that are read natively; the first of these, or 0. */
+static uint32_t look_over(const pupil_v4l2_device *d, int all, char *names, size_t names_bytes)
 {
     uint32_t first = 0;
     *names = 0;
@@ -24,11 +24,12 @@ static uint32_t look_over(const pupil_v4l2_device *d, char *names, size_t names_
         struct v4l2_fmtdesc description = {.index = i, .type = d->type};
         if (pupil_v4l2_ask(d, VIDIOC_ENUM_FMT, &description) != 0)
             break;
+        const uint32_t fourcc = description.pixelformat;
         const size_t used = strlen(names);
-        snprintf(names + used, names_bytes - used, "%s%s", i ? ", " : "",
-                 pupil_v4l2_fourcc_name(description.pixelformat).text);
-        if (!first && pupil_v4l2_pixel_of(description.pixelformat))
-            first = description.pixelformat;
+        if (all || pupil_v4l2_pixel_of(fourcc))
+            snprintf(names + used, names_bytes - used, "%s%s", used ? ", " : "", pupil_v4l2_fourcc_name(fourcc).text);
+        if (!first && pupil_v4l2_pixel_of(fourcc))
+            first = fourcc;
     }
     return first;
 }
@@ -44,7 +45,7 @@ static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *se
     }
     if (asked || pupil_v4l2_pixel_of(fourcc_of(set)))
         return asked ? asked : fourcc_of(set);
-    const uint32_t first = look_over(&c->device, names, sizeof names);
+    const uint32_t first = look_over(&c->device, 1, names, sizeof names);
     if (!first)
         snprintf(why, why_bytes, "%s: %s offers %s, which is not read; what is: %s", c->device.path, c->device.name,
                  *names ? names : "no format", pupil_v4l2_natives);
@@ -69,7 +70,7 @@ static int refuse(const pupil_v4l2_capture *c, const char *wanted, const char *i
 {
     char text[600], names[256];
     offers(c, fourcc, text, sizeof text);
-    look_over(&c->device, names, sizeof names);
+    look_over(&c->device, 0, names, sizeof names);
     snprintf(why, why_bytes, "%s: %s offers no %s (%s instead); it has %s%s%s", c->device.path, c->device.name, wanted,
              instead, names, *text ? ": " : "", text);
     return PUPIL_V4L2_FAILED;

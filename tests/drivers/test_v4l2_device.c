@@ -125,7 +125,7 @@ static void test_agreement(void)
          0,
          0,
          0,
-         "/dev/video0: Fake Camera offers no 640x480 of YUYV (320x240 of YUYV instead); it has MJPG, YUYV, "},
+         "/dev/video0: Fake Camera offers no 640x480 of YUYV (320x240 of YUYV instead); it has YUYV, NV12, "},
         {{.width = 640, .height = 480}, 0, 0, 0, ": 64x48@30,15,5 32x24@30,15,5 320x240@30,15,5"},
         {{.fps = 25}, 0, 0, 0, "offers no 25 frames a second at 64x48 (30 instead)"},
         {{.fps = -1}, 0, 0, 0, "-1 frames a second; it must be from 0.001"},
