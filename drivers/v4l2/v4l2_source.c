@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define NOMINAL_FPS 30.0 /* of a camera that does not tell its rate */
-#define RETRY_MS    100
+#define RETRY_MS    250
 
 typedef struct v4l2_source {
     pupil_source base;

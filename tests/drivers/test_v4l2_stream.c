@@ -318,6 +318,28 @@ static void test_long(void)
     fake_source_close(&s);
 }
 
+/* A frame costs three system calls, and no more while it is waited for than its slices of time. */
+static void test_calls(void)
+{
+    const fake_v4l2_config c = usual();
+    fake_v4l2 *fake = fake_v4l2_new(&c);
+    fake_faults counter;
+    pupil_source *source = NULL;
+    pupil_frame frame;
+    char why[PUPIL_WHY_BYTES];
+    fake_faults_begin(&counter, fake_v4l2_system(fake), 0, 0, 0);
+    const pupil_v4l2_options options = {.system = &counter.system};
+    CHECK(pupil_v4l2_source_open("0", NULL, &options, &source, why, sizeof why) == 0);
+    const unsigned long before = counter.calls;
+    for (int i = 0; source && i < 600; i++) {
+        CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+        pupil_source_done(source, &frame);
+    }
+    CHECK_MSG(counter.calls - before == 3 * 600, "%lu calls", counter.calls - before);
+    pupil_source_close(source);
+    fake_v4l2_free(fake);
+}
+
 /* The same frames as dma-bufs. */
 static void test_share(void)
 {
@@ -358,6 +380,7 @@ int main(int argc, char **argv)
     test_stop();
     test_controls();
     test_long();
+    test_calls();
     test_share();
     return check_end();
 }
