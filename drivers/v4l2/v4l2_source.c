@@ -29,6 +29,11 @@ static void take_back(v4l2_source *s)
     s->out = 0;
 }
 
+static int64_t now_ns(const v4l2_source *s)
+{
+    return s->capture.device.system->now_ns(s->capture.device.system->context);
+}
+
 /* ---- again --------------------------------------------------------------------------------------------------------
  */
 
@@ -56,23 +61,24 @@ static int try_again(v4l2_source *s, char *why, size_t why_bytes)
     return error;
 }
 
-/* Waits for the camera and starts it. 0; PUPIL_SOURCE_END: options.stop; PUPIL_SOURCE_FAILED: it did not come. */
-static int reopen(v4l2_source *s, char *why, size_t why_bytes)
+/* Waits until end_ns for the camera, and starts it; `tries` of it have failed already. PUPIL_SOURCE_FRAME: it runs;
+ * PUPIL_SOURCE_END: options.stop; PUPIL_SOURCE_FAILED: it did not come. */
+static int reopen(v4l2_source *s, int64_t end_ns, int tries, char *why, size_t why_bytes)
 {
     const pupil_v4l2_system *system = s->capture.device.system;
-    const int64_t end_ns = system->now_ns(system->context) + (int64_t)(s->options.reopen_s * 1e9);
     pupil_v4l2_capture_close(&s->capture);
-    for (;;) {
+    for (;; tries++) {
         if (s->options.stop && s->options.stop())
             return PUPIL_SOURCE_END;
+        if (tries && now_ns(s) >= end_ns)
+            break;
+        if (tries)
+            system->poll(system->context, NULL, 0, RETRY_MS);
         if (try_again(s, why, why_bytes) == 0) {
             s->capture.counts.reopened++;
             s->reopened = 1;
             return PUPIL_SOURCE_FRAME;
         }
-        if (system->now_ns(system->context) >= end_ns)
-            break;
-        system->poll(system->context, NULL, 0, RETRY_MS);
     }
     const size_t used = strlen(why);
     snprintf(why + used, why_bytes - used, "; it did not come back within %g seconds", s->options.reopen_s);
@@ -106,8 +112,9 @@ static void describe(v4l2_source *s, pupil_frame *frame)
 static int source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
 {
     v4l2_source *s = (v4l2_source *)source;
+    int64_t end_ns = 0;
     take_back(s);
-    for (;;) {
+    for (int tries = 0;; tries++) {
         if (s->capture.device.fd < 0) {
             snprintf(why, why_bytes, "%s: the camera is closed", s->which); /* it could not be opened again */
             return PUPIL_SOURCE_FAILED;
@@ -120,9 +127,11 @@ static int source_next(pupil_source *source, pupil_frame *frame, char *why, size
         }
         if (got == PUPIL_V4L2_END)
             return PUPIL_SOURCE_END;
-        if (got == PUPIL_V4L2_FAILED || !(s->options.reopen_s > 0.0))
+        if (!(s->options.reopen_s > 0.0))
             return PUPIL_SOURCE_FAILED;
-        const int again = reopen(s, why, why_bytes);
+        if (!tries)
+            end_ns = now_ns(s) + (int64_t)(s->options.reopen_s * 1e9);
+        const int again = reopen(s, end_ns, tries, why, why_bytes);
         if (again != PUPIL_SOURCE_FRAME)
             return again;
     }

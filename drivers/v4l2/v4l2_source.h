@@ -6,8 +6,9 @@
  * frame unless options.monotonic is 1. Exposure and gain are unknown here.
  *
  * An unplugged camera, a stream that stops and a signal that changes are errors with a sentence each; where
- * options.reopen_s is above 0, next waits so long for the camera (the same path or name, or the same name and socket on
- * another node), and goes on, with frames of another size perhaps. options.stop ends the stream as its end does.
+ * options.reopen_s is above 0, next waits so long for the camera and its first frame (the same path or name, or the
+ * same name and socket on another node), and goes on, with frames of another size perhaps. options.stop ends the stream
+ * as its end does.
  */
 #ifndef PUPIL_DRIVERS_V4L2_SOURCE_H
 #define PUPIL_DRIVERS_V4L2_SOURCE_H

@@ -242,6 +242,15 @@ static void test_reopen(void)
     CHECK(clock_of(&s) > INT64_C(1020000000000) && clock_of(&s) < INT64_C(1021000000000));
     CHECK(run(&s, 10, &frames) == PUPIL_SOURCE_FAILED && frames == 0 && *s.why);
     fake_source_close(&s);
+    /* One that comes back each time, and has no frame. */
+    c = usual();
+    c.flagged = 1;
+    s = fake_source_open("/dev/video0", &c, &options);
+    const int64_t began_ns = clock_of(&s);
+    CHECK(run(&s, 1000, &frames) == PUPIL_SOURCE_FAILED && frames == 0);
+    CHECK_MSG(strstr(s.why, "no whole frame within 1 seconds"), "%s", s.why);
+    CHECK(clock_of(&s) - began_ns < INT64_C(23) * 1000000000);
+    fake_source_close(&s);
 }
 
 static int stops_left;
