@@ -6,5 +6,6 @@ int replay_main(int argc, char **argv);
 int render_main(int argc, char **argv);
 int study_main(int argc, char **argv);
 int bench_main(int argc, char **argv);
+int list_main(int argc, char **argv);
 
 #endif

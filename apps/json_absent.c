@@ -1,7 +1,8 @@
-/* apps/json_absent.c: in the place of stats_json.c where the program is built without cJSON. */
+/* apps/json_absent.c: in the place of stats_json.c and list_json.c where the program is built without cJSON. */
 #include <stdlib.h>
 
 #include "file/sink_common.h"
+#include "list.h"
 #include "stats_file.h"
 
 int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
@@ -15,4 +16,15 @@ char *pupil_stats_json_line(const pupil_record *record)
 {
     (void)record;
     abort(); /* nobody comes here past the check */
+}
+
+const char *list_json_refusal(void)
+{
+    return "this program was built without cJSON (PUPIL_JSON=OFF); without --json the list is text";
+}
+
+char *list_json(const list_camera *cameras, size_t count)
+{
+    (void)cameras, (void)count;
+    abort(); /* nor here */
 }

@@ -5,18 +5,33 @@
 
 #include "file/file_source.h"
 #include "synth/synth_source.h"
+#include "v4l2/v4l2_source.h"
+
+static int starts_with(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+static int is_camera(const char *input)
+{
+    return starts_with(input, PUPIL_V4L2_PREFIX) || starts_with(input, "/dev/video") || starts_with(input, "/dev/v4l/");
+}
 
 int open_input(const char *const *inputs, size_t count, const pupil_source_options *options, pupil_source **source,
                char *why, size_t why_bytes)
 {
     static const char synth[] = "synth:";
     for (size_t i = 0; i < count; i++) {
-        if (strncmp(inputs[i], synth, sizeof synth - 1) != 0)
+        const int camera = is_camera(inputs[i]);
+        if (!camera && !starts_with(inputs[i], synth))
             continue;
         if (count > 1) {
-            snprintf(why, why_bytes, "%s: a synthetic scene must be the only input", inputs[i]);
+            snprintf(why, why_bytes, "%s: a %s must be the only input", inputs[i],
+                     camera ? "camera" : "synthetic scene");
             return PUPIL_SOURCE_FAILED;
         }
+        if (camera)
+            return pupil_v4l2_source_open(inputs[i], options, NULL, source, why, why_bytes);
         return pupil_synth_source_open(inputs[i] + sizeof synth - 1, options, source, why, why_bytes);
     }
     return pupil_file_source_open(inputs, count, options, source, why, why_bytes);

@@ -27,6 +27,14 @@ foreach(option IN ITEMS GLES EGL)
   endif()
 endforeach()
 
+if(PUPIL_V4L2 AND PUPIL_PROGRAM)
+  check_include_file(linux/videodev2.h PUPIL_HAS_VIDEODEV2_H)
+  if(NOT PUPIL_HAS_VIDEODEV2_H)
+    message(FATAL_ERROR "PUPIL_V4L2=ON, but the compiler does not find linux/videodev2.h. "
+      "On Debian: apt-get install linux-libc-dev. To do without: -DPUPIL_V4L2=OFF")
+  endif()
+endif()
+
 if(PUPIL_PROGRAM)
   # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has the C core alone.
   add_library(pupil_dep_EXR INTERFACE)

@@ -3,7 +3,7 @@
 # missing.
 set -eu
 sh "$(dirname "$0")/nested.sh" "$1" pupil - -- --preset release -DPUPIL_WERROR=ON \
-    -DPUPIL_EXR=OFF -DPUPIL_PNG=OFF -DPUPIL_VIDEO=OFF -DPUPIL_JSON=OFF
+    -DPUPIL_EXR=OFF -DPUPIL_PNG=OFF -DPUPIL_VIDEO=OFF -DPUPIL_JSON=OFF -DPUPIL_V4L2=OFF
 program=$1/apps/pupil
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -40,6 +40,10 @@ refuses PUPIL_VIDEO replay "$work/a.mkv" -q -o "$work/out.y4m"
 refuses PUPIL_PNG replay synth:walk --frames 1 -q -o "$work/out.png"
 refuses PUPIL_VIDEO replay synth:walk --frames 1 -q -o "$work/out.mp4"
 refuses PUPIL_JSON replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
+refuses PUPIL_V4L2 replay v4l2:0 -q -o "$work/out.y4m"
+refuses PUPIL_V4L2 replay /dev/video0 -q -o "$work/out.y4m"
+refuses PUPIL_V4L2 list
+refuses PUPIL_JSON list --json
 refuses PUPIL_SCENES render room -q -o "$work/out.y4m"
 refuses PUPIL_SCENES study -q
 refuses PUPIL_BENCH bench scene

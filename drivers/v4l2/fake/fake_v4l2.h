@@ -1,0 +1,100 @@
+/* drivers/v4l2/fake/fake_v4l2.h: a camera in this process, in the place of the kernel's: for tests.
+ *
+ * Its buffers are memfds and its file descriptors real ones, so that what leaks is seen; its clock is its own and moves
+ * only where somebody waits (and a microsecond a call), so that hours pass in no time, and the same seed gives the same
+ * frames, losses and damages. The scene is light on integers: fake_v4l2_draw draws any frame again.
+ *
+ * Its nodes: /dev/video0 the camera; video1 its metadata; video2 an output; video3 (config.twin) a second camera, which
+ * tells what it offers and does not stream; media0 and v4l-subdev0, 1 (config.media).
+ *
+ * Threads: any number, one call at a time takes effect.
+ */
+#ifndef PUPIL_DRIVERS_V4L2_FAKE_H
+#define PUPIL_DRIVERS_V4L2_FAKE_H
+
+#include "v4l2/system.h"
+
+#define FAKE_V4L2_NAME "Fake Camera"
+#define FAKE_V4L2_TWIN "Fake Camera, the other"
+
+enum { FAKE_STAMP_END_OF_FRAME, FAKE_STAMP_START_OF_EXPOSURE, FAKE_STAMP_NONE };
+enum { FAKE_MEDIA_NONE, FAKE_MEDIA_RIGHT, FAKE_MEDIA_LINK_OFF, FAKE_MEDIA_PADS_DIFFER, FAKE_MEDIA_NODE_DIFFERS };
+
+/* All zero but what fake_v4l2_config_default fills in: a webcam without faults. Frames are counted from STREAMON on. */
+typedef struct fake_v4l2_config {
+    uint64_t seed;
+    double fps; /* of the fastest rate; 30 */
+    int absent; /* there is no camera */
+    int twin;
+    int multiplanar;
+    int extra_bytes;                                         /* at the end of each row */
+    int data_offset;                                         /* multiplanar: bytes before the pixels */
+    uint32_t colorspace, ycbcr_enc, quantization, xfer_func; /* V4L2's; 0: DEFAULT */
+    uint32_t only_format;                                    /* it has this format alone; 0: all */
+    int no_mmap, no_share, no_rate, no_events, no_sizes;
+    uint32_t most_buffers; /* 0: 32 */
+    uint32_t stamp, media;
+    uint32_t first_sequence;
+    int no_sequence;                                           /* always 0 */
+    double dropped, flagged, cut;                              /* shares of the frames, 0..1 */
+    uint64_t unplug_at, stall_at, break_at, change_at, end_at; /* the frame at which it happens; 0: never */
+    double back_s;                                             /* after an unplugging; 0: never */
+    int back_as;                                               /* the number of its node then */
+    int start_error;                                           /* errno of VIDIOC_STREAMON */
+    int format_error;                                          /* errno of VIDIOC_S_FMT */
+    uint32_t control_delay;                                    /* frames until a control is in force, 0..7; 2 */
+    int real_time;                                             /* the clock is the machine's */
+} fake_v4l2_config;
+
+typedef struct fake_v4l2 fake_v4l2;
+
+void fake_v4l2_config_default(fake_v4l2_config *config);
+fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config); /* NULL: no memory */
+void fake_v4l2_free(fake_v4l2 *fake);
+
+/* To be handed to whatever takes a system; good until free. */
+const pupil_v4l2_system *fake_v4l2_system(fake_v4l2 *fake);
+
+/* The light of the whole scene, as a factor; 1. */
+void fake_v4l2_light(fake_v4l2 *fake, double light);
+
+/* What was opened and mapped and is so still. */
+typedef struct fake_v4l2_held {
+    int files, maps;
+} fake_v4l2_held;
+fake_v4l2_held fake_v4l2_holds(fake_v4l2 *fake);
+
+/* ---- the picture --------------------------------------------------------------------------------------------------
+ * Red, green and blue of the scene are whole numbers from 0 to 1023, the same for the 2 x 2 pixels of a quad; scaled by
+ * exposure and gain, 4095 is white. */
+#define FAKE_SCENE_WHITE 4095
+
+typedef struct fake_v4l2_picture {
+    uint64_t seed;
+    uint32_t sequence;
+    uint32_t fourcc, width, height;
+    uint32_t stride_bytes[2];                    /* of the rows, and of NV12's chroma */
+    uint32_t ycbcr_enc, quantization, xfer_func; /* without DEFAULT */
+    double scale;                                /* light * exposure / 10 ms * gain */
+} fake_v4l2_picture;
+
+uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel);
+/* chroma: NV12's second plane, wherever it lies. */
+void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma);
+
+/* ---- faults -------------------------------------------------------------------------------------------------------
+ * A system whose n-th call fails, on top of another one. Closing and unmapping are done all the same. */
+typedef struct fake_faults {
+    const pupil_v4l2_system *inner;
+    unsigned long calls;    /* so far */
+    unsigned long fail_at;  /* from 1; 0: never */
+    unsigned long fail_for; /* so many calls in a row */
+    int error;
+    const char *failed; /* the call that failed first; NULL: none so far */
+    pupil_v4l2_system system;
+} fake_faults;
+
+void fake_faults_begin(fake_faults *faults, const pupil_v4l2_system *inner, unsigned long fail_at,
+                       unsigned long fail_for, int error);
+
+#endif

@@ -1,0 +1,52 @@
+/* drivers/v4l2/v4l2_absent.c: in the place of the cameras where they are not built in. */
+#include <stdio.h>
+
+#include "v4l2/v4l2_device.h"
+#include "v4l2/v4l2_format.h"
+#include "v4l2/v4l2_modes.h"
+#include "v4l2/v4l2_source.h"
+
+static int absent(const char *which, char *why, size_t why_bytes)
+{
+    snprintf(why, why_bytes, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
+    return -1;
+}
+
+int pupil_v4l2_source_open(const char *which, const pupil_source_options *options, const pupil_v4l2_options *more,
+                           pupil_source **source, char *why, size_t why_bytes)
+{
+    (void)options, (void)more, (void)source;
+    absent(which, why, why_bytes);
+    return PUPIL_SOURCE_FAILED;
+}
+
+int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, char *why,
+                       size_t why_bytes)
+{
+    (void)system, (void)seen, (void)closure;
+    return absent("/dev/video*", why, why_bytes);
+}
+
+/* Nobody has a device to ask for these. */
+int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, char *why, size_t why_bytes)
+{
+    *modes = (pupil_v4l2_modes){0};
+    return absent(device->path, why, why_bytes);
+}
+
+void pupil_v4l2_modes_free(pupil_v4l2_modes *modes)
+{
+    (void)modes;
+}
+
+void pupil_v4l2_mode_text(const pupil_v4l2_mode *mode, char *text, size_t text_bytes)
+{
+    (void)mode;
+    snprintf(text, text_bytes, "-");
+}
+
+pupil_v4l2_name pupil_v4l2_fourcc_name(uint32_t fourcc)
+{
+    (void)fourcc;
+    return (pupil_v4l2_name){"-"};
+}

@@ -1,0 +1,307 @@
+#include "v4l2/v4l2_media.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <linux/media-bus-format.h>
+#include <linux/media.h>
+#include <linux/v4l2-subdev.h>
+#include <linux/videodev2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_MEDIA 32   /* media devices that are looked at */
+#define MOST_STEPS 32   /* entities between a node and its sensor; a graph could be a ring */
+#define MOST_ITEMS 4096 /* of one kind in a graph; more is no camera's */
+
+typedef struct graph {
+    const pupil_v4l2_system *system;
+    char path[32];
+    struct media_v2_topology t;
+    struct media_v2_entity *entities;
+    struct media_v2_interface *interfaces;
+    struct media_v2_pad *pads;
+    struct media_v2_link *links;
+} graph;
+
+static void free_graph(graph *g)
+{
+    free(g->entities);
+    free(g->interfaces);
+    free(g->pads);
+    free(g->links);
+    g->entities = NULL;
+    g->interfaces = NULL;
+    g->pads = NULL;
+    g->links = NULL;
+}
+
+static int read_graph(graph *g, int fd)
+{
+    g->t = (struct media_v2_topology){0};
+    if (pupil_v4l2_ioctl(g->system, fd, MEDIA_IOC_G_TOPOLOGY, &g->t) != 0 || g->t.num_entities > MOST_ITEMS ||
+        g->t.num_interfaces > MOST_ITEMS || g->t.num_pads > MOST_ITEMS || g->t.num_links > MOST_ITEMS)
+        return -1;
+    g->entities = calloc(g->t.num_entities + 1, sizeof *g->entities);
+    g->interfaces = calloc(g->t.num_interfaces + 1, sizeof *g->interfaces);
+    g->pads = calloc(g->t.num_pads + 1, sizeof *g->pads);
+    g->links = calloc(g->t.num_links + 1, sizeof *g->links);
+    if (!g->entities || !g->interfaces || !g->pads || !g->links)
+        return -1;
+    g->t.ptr_entities = (uintptr_t)g->entities;
+    g->t.ptr_interfaces = (uintptr_t)g->interfaces;
+    g->t.ptr_pads = (uintptr_t)g->pads;
+    g->t.ptr_links = (uintptr_t)g->links;
+    /* Should it have grown in between, the kernel says ENOSPC. */
+    return pupil_v4l2_ioctl(g->system, fd, MEDIA_IOC_G_TOPOLOGY, &g->t);
+}
+
+static const struct media_v2_entity *entity_of(const graph *g, uint32_t id)
+{
+    for (uint32_t i = 0; i < g->t.num_entities; i++)
+        if (g->entities[i].id == id)
+            return &g->entities[i];
+    return NULL;
+}
+
+static const struct media_v2_pad *pad_of(const graph *g, uint32_t id)
+{
+    for (uint32_t i = 0; i < g->t.num_pads; i++)
+        if (g->pads[i].id == id)
+            return &g->pads[i];
+    return NULL;
+}
+
+static int is_kind(const struct media_v2_link *link, uint32_t kind)
+{
+    return link->flags >> 28 == kind >> 28; /* as MEDIA_LNK_FL_LINK_TYPE, which shifts into a sign */
+}
+
+/* The entity behind a video node. */
+static const struct media_v2_entity *entity_of_node(const graph *g, uint32_t major, uint32_t minor)
+{
+    for (uint32_t i = 0; i < g->t.num_interfaces; i++) {
+        const struct media_v2_interface *n = &g->interfaces[i];
+        if (n->intf_type != MEDIA_INTF_T_V4L_VIDEO || n->devnode.major != major || n->devnode.minor != minor)
+            continue;
+        for (uint32_t k = 0; k < g->t.num_links; k++)
+            if (is_kind(&g->links[k], MEDIA_LNK_FL_INTERFACE_LINK) && g->links[k].source_id == n->id)
+                return entity_of(g, g->links[k].sink_id);
+    }
+    return NULL;
+}
+
+/* The node of a subdevice. */
+static int path_of_entity(const graph *g, uint32_t entity, char *path, size_t path_bytes)
+{
+    char name[48];
+    for (uint32_t k = 0; k < g->t.num_links; k++)
+        for (uint32_t i = 0; i < g->t.num_interfaces; i++) {
+            const struct media_v2_interface *n = &g->interfaces[i];
+            if (!is_kind(&g->links[k], MEDIA_LNK_FL_INTERFACE_LINK) || g->links[k].sink_id != entity ||
+                g->links[k].source_id != n->id || n->intf_type != MEDIA_INTF_T_V4L_SUBDEV)
+                continue;
+            if (g->system->device_name(g->system->context, n->devnode.major, n->devnode.minor, name, sizeof name))
+                return -1;
+            snprintf(path, path_bytes, "/dev/%s", name);
+            return 0;
+        }
+    return -1;
+}
+
+/* The link that feeds an entity, with its pads; NULL: none. One that is enabled goes before one that is not. */
+static const struct media_v2_link *feed_of(const graph *g, uint32_t entity, const struct media_v2_pad **source,
+                                           const struct media_v2_pad **sink)
+{
+    const struct media_v2_link *found = NULL;
+    for (uint32_t k = 0; k < g->t.num_links; k++) {
+        const struct media_v2_link *link = &g->links[k];
+        const struct media_v2_pad *from = pad_of(g, link->source_id), *to = pad_of(g, link->sink_id);
+        if (!is_kind(link, MEDIA_LNK_FL_DATA_LINK) || !from || !to || to->entity_id != entity ||
+            (found && !(link->flags & MEDIA_LNK_FL_ENABLED)))
+            continue;
+        found = link;
+        *source = from;
+        *sink = to;
+        if (link->flags & MEDIA_LNK_FL_ENABLED)
+            return found;
+    }
+    return found;
+}
+
+/* ---- the graph of a node ------------------------------------------------------------------------------------------
+ */
+
+static void note_media(void *closure, const char *name)
+{
+    unsigned char *there = closure;
+    char *end;
+    if (strncmp(name, "media", 5) != 0 || !isdigit((unsigned char)name[5]))
+        return;
+    const unsigned long number = strtoul(name + 5, &end, 10);
+    if (!*end && number < MOST_MEDIA)
+        there[number] = 1;
+}
+
+/* The graph that the node belongs to, and its entity there; NULL: none. The graph is to be freed either way. */
+static const struct media_v2_entity *find_graph(const pupil_v4l2_device *device, graph *g)
+{
+    unsigned char there[MOST_MEDIA] = {0};
+    uint32_t major, minor;
+    *g = (graph){.system = device->system};
+    const pupil_v4l2_system *system = g->system;
+    if (system->device_number(system->context, device->fd, &major, &minor) != 0 ||
+        system->list(system->context, "/dev", note_media, there) != 0)
+        return NULL;
+    for (int i = 0; i < MOST_MEDIA; i++) {
+        if (!there[i])
+            continue;
+        snprintf(g->path, sizeof g->path, "/dev/media%d", i);
+        const int fd = system->open(system->context, g->path);
+        if (fd < 0)
+            continue;
+        const int error = read_graph(g, fd);
+        system->close(system->context, fd);
+        const struct media_v2_entity *entity = error ? NULL : entity_of_node(g, major, minor);
+        if (entity)
+            return entity;
+        free_graph(g);
+    }
+    return NULL;
+}
+
+int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, char *why, size_t why_bytes)
+{
+    graph g;
+    const struct media_v2_pad *source, *sink;
+    const struct media_v2_entity *entity = find_graph(device, &g), *node = entity;
+    int error = -1;
+    for (int i = 0; entity && i < MOST_STEPS; i++) {
+        const struct media_v2_link *link = feed_of(&g, entity->id, &source, &sink);
+        if (link && link->flags & MEDIA_LNK_FL_ENABLED)
+            entity = entity_of(&g, source->entity_id);
+        else
+            break;
+    }
+    if (!entity || entity == node)
+        snprintf(why, why_bytes, "%s: %s", device->path,
+                 entity ? "nothing is linked to it in its media graph ('media-ctl -p' shows it)"
+                        : "has no media graph");
+    else if (path_of_entity(&g, entity->id, sensor->path, sizeof sensor->path))
+        snprintf(why, why_bytes, "%s: %.63s has no node of its own (/dev/v4l-subdev*)", g.path, entity->name);
+    else {
+        snprintf(sensor->media, sizeof sensor->media, "%s", g.path);
+        snprintf(sensor->entity, sizeof sensor->entity, "%.63s", entity->name);
+        error = 0;
+    }
+    free_graph(&g);
+    return error;
+}
+
+/* ---- why it does not start ----------------------------------------------------------------------------------------
+ */
+
+#define BUS(code)                                                                                                      \
+    {                                                                                                                  \
+        MEDIA_BUS_FMT_##code, #code                                                                                    \
+    }
+
+static const char *code_name(uint32_t code, char *number, size_t number_bytes)
+{
+    static const struct {
+        uint32_t code;
+        const char *name;
+    } codes[] = {
+        BUS(SBGGR8_1X8),   BUS(SGBRG8_1X8),   BUS(SGRBG8_1X8),   BUS(SRGGB8_1X8),   BUS(SBGGR10_1X10),
+        BUS(SGBRG10_1X10), BUS(SGRBG10_1X10), BUS(SRGGB10_1X10), BUS(SBGGR12_1X12), BUS(SGBRG12_1X12),
+        BUS(SGRBG12_1X12), BUS(SRGGB12_1X12), BUS(SBGGR14_1X14), BUS(SGBRG14_1X14), BUS(SGRBG14_1X14),
+        BUS(SRGGB14_1X14), BUS(Y8_1X8),       BUS(Y10_1X10),     BUS(Y12_1X12),     BUS(UYVY8_1X16),
+        BUS(YUYV8_1X16),   BUS(UYVY8_2X8),    BUS(YUYV8_2X8),    BUS(RGB888_1X24),
+    };
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
+        if (codes[i].code == code)
+            return codes[i].name;
+    snprintf(number, number_bytes, "0x%04x", code);
+    return number;
+}
+
+/* The format of a pad; -1: its entity has no node, or does not tell. */
+static int pad_format(const graph *g, const struct media_v2_pad *pad, struct v4l2_mbus_framefmt *format)
+{
+    char path[64];
+    struct v4l2_subdev_format f = {.which = V4L2_SUBDEV_FORMAT_ACTIVE, .pad = pad->index};
+    if (path_of_entity(g, pad->entity_id, path, sizeof path))
+        return -1;
+    const int fd = g->system->open(g->system->context, path);
+    if (fd < 0)
+        return -1;
+    const int error = pupil_v4l2_ioctl(g->system, fd, VIDIOC_SUBDEV_G_FMT, &f);
+    g->system->close(g->system->context, fd);
+    *format = f.format;
+    return error;
+}
+
+static int mend_link(const graph *g, const struct media_v2_pad *source, const struct media_v2_pad *sink, char *mend,
+                     size_t mend_bytes)
+{
+    const struct media_v2_entity *from = entity_of(g, source->entity_id), *to = entity_of(g, sink->entity_id);
+    if (!from || !to)
+        return -1;
+    snprintf(mend, mend_bytes,
+             "the link from %.63s to %.63s is off; this turns it on: media-ctl -d %s -l "
+             "'\"%.63s\":%u -> \"%.63s\":%u [1]'",
+             from->name, to->name, g->path, from->name, source->index, to->name, sink->index);
+    return 0;
+}
+
+/* Compares the ends of a link. 0: they differ, and the sentence says how; -1: nothing to say. */
+static int mend_format(const graph *g, const struct media_v2_pad *source, const struct media_v2_pad *sink,
+                       const pupil_v4l2_format *node, char *mend, size_t mend_bytes)
+{
+    struct v4l2_mbus_framefmt sent, taken = {0};
+    char number[2][16];
+    const struct media_v2_entity *from = entity_of(g, source->entity_id), *to = entity_of(g, sink->entity_id);
+    if (!from || !to || pad_format(g, source, &sent))
+        return -1;
+    if (node) {
+        if (sent.width == node->width && sent.height == node->height)
+            return -1;
+        snprintf(mend, mend_bytes,
+                 "%.63s sends %ux%u, and %ux%u are asked for; ask for the size that is sent, or change "
+                 "it: media-ctl -d %s -V '\"%.63s\":%u [fmt:%s/%ux%u]'",
+                 from->name, sent.width, sent.height, node->width, node->height, g->path, from->name, source->index,
+                 code_name(sent.code, number[0], sizeof number[0]), node->width, node->height);
+        return 0;
+    }
+    if (pad_format(g, sink, &taken) ||
+        (sent.width == taken.width && sent.height == taken.height && sent.code == taken.code))
+        return -1;
+    snprintf(mend, mend_bytes,
+             "%.63s sends %s/%ux%u, but %.63s takes %s/%ux%u; this mends it: media-ctl -d %s -V "
+             "'\"%.63s\":%u [fmt:%s/%ux%u]'",
+             from->name, code_name(sent.code, number[0], sizeof number[0]), sent.width, sent.height, to->name,
+             code_name(taken.code, number[1], sizeof number[1]), taken.width, taken.height, g->path, to->name,
+             sink->index, code_name(sent.code, number[0], sizeof number[0]), sent.width, sent.height);
+    return 0;
+}
+
+int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_format *format, char *mend,
+                          size_t mend_bytes)
+{
+    graph g;
+    const struct media_v2_pad *source, *sink;
+    const struct media_v2_entity *entity = find_graph(device, &g), *node = entity;
+    int found = -1;
+    for (int i = 0; entity && found && i < MOST_STEPS; i++) {
+        const struct media_v2_link *link = feed_of(&g, entity->id, &source, &sink);
+        if (!link)
+            break;
+        if (link->flags & MEDIA_LNK_FL_ENABLED)
+            found = mend_format(&g, source, sink, entity == node ? format : NULL, mend, mend_bytes);
+        else
+            found = mend_link(&g, source, sink, mend, mend_bytes);
+        entity = entity_of(&g, source->entity_id);
+    }
+    free_graph(&g);
+    return found;
+}

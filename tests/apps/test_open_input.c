@@ -1,0 +1,29 @@
+/* What a user names as an input: which of the drivers is asked, by what it says. */
+#include "check.h"
+
+#include "open_input.h"
+
+static void check_refused(const char *input, const char *other, const char *sentence)
+{
+    const pupil_source_options options = {0};
+    const char *inputs[2] = {input, other};
+    char why[PUPIL_WHY_BYTES] = "";
+    pupil_source *source = NULL;
+    CHECK_MSG(open_input(inputs, other ? 2 : 1, &options, &source, why, sizeof why) == PUPIL_SOURCE_FAILED &&
+                  strstr(why, sentence),
+              "%s: %s", input, why);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    check_refused("v4l2:/dev/null", NULL, "/dev/null: is no video device; a camera is /dev/video0 or its like");
+    check_refused("v4l2:99999", NULL, "99999: the number of a video node is 255 at most");
+    check_refused("v4l2:", NULL, "no camera was named");
+    check_refused("/dev/video-none", NULL, "/dev/video-none: cannot be opened: No such file or directory");
+    check_refused("/dev/v4l/by-id/none", NULL, "/dev/v4l/by-id/none: cannot be opened: No such file or directory");
+    check_refused("v4l2:0", "a.png", "v4l2:0: a camera must be the only input");
+    check_refused("a.png", "/dev/video0", "/dev/video0: a camera must be the only input");
+    check_refused("synth:walk", "v4l2:0", "synth:walk: a synthetic scene must be the only input");
+    return check_end();
+}
