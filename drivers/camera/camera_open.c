@@ -25,12 +25,12 @@ static int find(const pupil_camera *camera, uint32_t id, camera_control *control
     const int fd[2] = {camera->subdevice_fd, camera->fd};
     *control = (camera_control){.fd = -1};
     for (int i = 0; i < 2; i++) {
-        const int error = fd[i] < 0 ? -EINVAL : camera_query(camera, fd[i], id, control);
+        const int error = fd[i] < 0 ? -EINVAL : pupil_camera_query(camera, fd[i], id, control);
         if (!error)
             return 1;
         if (error != -EINVAL && error != -ENOTTY) /* EINVAL: no such control; ENOTTY: no controls at all */
-            return camera_refuse(why, why_bytes, "the driver does not answer for %s: %s", camera_control_name(id),
-                                 strerror(-error));
+            return pupil_camera_refuse(why, why_bytes, "the driver does not answer for %s: %s",
+                                       pupil_camera_control_name(id), strerror(-error));
     }
     return 0;
 }
@@ -46,9 +46,10 @@ static int get_line(pupil_camera *camera, const pupil_camera_options *options, c
     const int has_blank = has_rate < 0 ? -1 : find(camera, V4L2_CID_HBLANK, &blank, why, why_bytes);
     if (has_blank < 0)
         return -1;
-    if (!has_rate || !has_blank || camera_get(camera, rate.fd, rate.id, &pixels_a_second) ||
-        camera_get(camera, blank.fd, blank.id, &pixels) || pixels_a_second <= 0 || pixels < 0 || !options->width)
-        return camera_refuse(
+    if (!has_rate || !has_blank || pupil_camera_get_control(camera, rate.fd, rate.id, &pixels_a_second) ||
+        pupil_camera_get_control(camera, blank.fd, blank.id, &pixels) || pixels_a_second <= 0 || pixels < 0 ||
+        !options->width)
+        return pupil_camera_refuse(
             why, why_bytes,
             "EXPOSURE counts lines, and a line's time is not known: the driver must tell PIXEL_RATE and "
             "HBLANK, and the caller the width; or the caller the line's time itself");
@@ -66,14 +67,15 @@ static int find_exposure(pupil_camera *camera, const pupil_camera_options *optio
         return has < 0 ? -1 : 0;
     has = find(camera, V4L2_CID_EXPOSURE, &camera->exposure, why, why_bytes);
     if (has == 0)
-        return camera_refuse(why, why_bytes,
-                             "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
-                             "sensor's subdevice: its exposure time cannot be set");
+        return pupil_camera_refuse(
+            why, why_bytes,
+            "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
+            "sensor's subdevice: its exposure time cannot be set");
     if (has < 0 || get_line(camera, options, why, why_bytes))
         return -1;
     camera->unit_s = camera->line_s;
     has = options->height ? find(camera, V4L2_CID_VBLANK, &camera->vblank, why, why_bytes) : 0;
-    if (has > 0 && !camera_get(camera, camera->vblank.fd, camera->vblank.id, &blank))
+    if (has > 0 && !pupil_camera_get_control(camera, camera->vblank.fd, camera->vblank.id, &blank))
         camera->now_frame_s = ((double)blank + camera->height) * camera->line_s;
     return has < 0 ? -1 : 0;
 }
@@ -110,7 +112,7 @@ static int find_law(pupil_camera *camera, const pupil_camera_options *options, c
     return has < 0 ? -1 : 0;
 }
 
-void camera_free(pupil_camera *camera)
+void pupil_camera_free(pupil_camera *camera)
 {
     if (camera->owns) {
         if (camera->fd >= 0)
@@ -127,21 +129,21 @@ void camera_free(pupil_camera *camera)
 static int set_up(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
 {
     if ((options->fd >= 0 && camera->fd < 0) || (options->subdevice_fd >= 0 && camera->subdevice_fd < 0))
-        return camera_refuse(why, why_bytes, "no file could be opened: %s", strerror(errno));
+        return pupil_camera_refuse(why, why_bytes, "no file could be opened: %s", strerror(errno));
     if (options->mains_hz && options->mains_hz != 50 && options->mains_hz != 60)
-        return camera_refuse(why, why_bytes, "mains_hz must be 50, 60 or 0, not %u", options->mains_hz);
+        return pupil_camera_refuse(why, why_bytes, "mains_hz must be 50, 60 or 0, not %u", options->mains_hz);
     if (find_exposure(camera, options, why, why_bytes) || find_law(camera, options, why, why_bytes) ||
-        camera_take(camera, options->mains_hz, why, why_bytes))
+        pupil_camera_take(camera, options->mains_hz, why, why_bytes))
         return -1;
-    const int error = camera_writer_start(camera);
-    return error ? camera_refuse(why, why_bytes, "no thread for the camera's controls: %s", strerror(-error)) : 0;
+    const int error = pupil_camera_writer_start(camera);
+    return error ? pupil_camera_refuse(why, why_bytes, "no thread for the camera's controls: %s", strerror(-error)) : 0;
 }
 
 pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, size_t why_bytes)
 {
     pupil_camera *camera = calloc(1, sizeof *camera);
     if (!camera) {
-        camera_refuse(why, why_bytes, "no memory for the camera's controls");
+        pupil_camera_refuse(why, why_bytes, "no memory for the camera's controls");
         return NULL;
     }
     camera->calls = options->calls ? *options->calls : (pupil_camera_calls){system_ioctl, NULL};
@@ -155,8 +157,8 @@ pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, 
         camera->subdevice_fd = options->subdevice_fd < 0 ? -1 : fcntl(options->subdevice_fd, F_DUPFD_CLOEXEC, 0);
     }
     if (set_up(camera, options, why, why_bytes)) {
-        camera_put_back(camera, NULL);
-        camera_free(camera);
+        pupil_camera_put_back(camera, NULL);
+        pupil_camera_free(camera);
         return NULL;
     }
     return camera;
@@ -167,18 +169,18 @@ int pupil_camera_close(pupil_camera *camera, char *why, size_t why_bytes)
     uint32_t first = 0;
     if (!camera)
         return 0;
-    if (camera_writer_stop(camera)) /* the object is the thread's now */
+    if (pupil_camera_writer_stop(camera)) /* the object is the thread's now */
         return 1;
-    const int failed = camera_put_back(camera, &first);
+    const int failed = pupil_camera_put_back(camera, &first);
     if (failed)
-        camera_refuse(why, why_bytes, "%s could not be put back to what it was before (and %d other controls)",
-                      camera_control_name(first), failed - 1);
-    camera_free(camera);
+        pupil_camera_refuse(why, why_bytes, "%s could not be put back to what it was before (and %d other controls)",
+                            pupil_camera_control_name(first), failed - 1);
+    pupil_camera_free(camera);
     return failed ? -1 : 0;
 }
 
 void pupil_camera_restore(pupil_camera *camera)
 {
     if (camera)
-        camera_put_back(camera, NULL);
+        pupil_camera_put_back(camera, NULL);
 }

@@ -61,27 +61,27 @@ struct pupil_camera {
 };
 
 /* Writes the sentence; returns -1. why NULL: nowhere. */
-__attribute__((format(printf, 3, 4))) int camera_refuse(char *why, size_t why_bytes, const char *format, ...);
+__attribute__((format(printf, 3, 4))) int pupil_camera_refuse(char *why, size_t why_bytes, const char *format, ...);
 
 /* 0, or a negative errno. */
-int camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control);
-int camera_get(const pupil_camera *camera, int fd, uint32_t id, int64_t *value);
-int camera_set(const pupil_camera *camera, int fd, uint32_t id, int64_t value);
+int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control);
+int pupil_camera_get_control(const pupil_camera *camera, int fd, uint32_t id, int64_t *value);
+int pupil_camera_set_control(const pupil_camera *camera, int fd, uint32_t id, int64_t value);
 /* "exposure time, absolute": what the driver's documentation calls the control. */
-const char *camera_control_name(uint32_t id);
+const char *pupil_camera_control_name(uint32_t id);
 
 /* Turns off what steers by itself, after noting it; -1 and a sentence. Turns it off once more: 0, or the first error.
  * Puts everything back; the number that could not be, and the id of the first. */
-int camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes);
-int camera_turn_off_again(const pupil_camera *camera);
-int camera_put_back(const pupil_camera *camera, uint32_t *first);
+int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes);
+int pupil_camera_turn_off_again(const pupil_camera *camera);
+int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first);
 
 /* Writes a setting in the right order and reads back what was taken (0: as before): 0, or a negative errno. */
-int camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain);
+int pupil_camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain);
 
 /* The writer. stop: 0, or 1 where it hangs and will free the camera by itself. */
-int camera_writer_start(pupil_camera *camera);
-int camera_writer_stop(pupil_camera *camera);
-void camera_free(pupil_camera *camera);
+int pupil_camera_writer_start(pupil_camera *camera);
+int pupil_camera_writer_stop(pupil_camera *camera);
+void pupil_camera_free(pupil_camera *camera);
 
 #endif

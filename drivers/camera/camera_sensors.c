@@ -142,8 +142,8 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
         reader r = {.line = ++line};
         const char *word;
         if (length >= sizeof r.words)
-            return camera_refuse(why, why_bytes, "sensors, line %d: longer than %zu characters", line,
-                                 sizeof r.words - 1);
+            return pupil_camera_refuse(why, why_bytes, "sensors, line %d: longer than %zu characters", line,
+                                       sizeof r.words - 1);
         memcpy(r.words, at, length);
         r.at = r.words;
         r.end = r.words + length;
@@ -151,12 +151,12 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
         if (!(word = next_word(&r)) || *word == '#')
             continue;
         if (strlen(word) >= sizeof s.name)
-            return camera_refuse(why, why_bytes, "sensors, line %d: a name has at most %zu characters", line,
-                                 sizeof s.name - 1);
+            return pupil_camera_refuse(why, why_bytes, "sensors, line %d: a name has at most %zu characters", line,
+                                       sizeof s.name - 1);
         strcpy(s.name, word);
         read_words(&r, &s);
         if (r.fault)
-            return camera_refuse(why, why_bytes, "sensors, line %d (%s): %s", line, s.name, r.fault);
+            return pupil_camera_refuse(why, why_bytes, "sensors, line %d (%s): %s", line, s.name, r.fault);
         if (!found && name && names(name, s.name)) {
             *sensor = s;
             found = 1;

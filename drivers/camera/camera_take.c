@@ -6,7 +6,7 @@
 
 #include "camera_parts.h"
 
-int camera_refuse(char *why, size_t why_bytes, const char *format, ...)
+int pupil_camera_refuse(char *why, size_t why_bytes, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -21,7 +21,7 @@ static int call(const pupil_camera *camera, int fd, unsigned long request, void 
     return camera->calls.ioctl(camera->calls.user, fd, request, argument);
 }
 
-int camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control)
+int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control)
 {
     struct v4l2_query_ext_ctrl query = {.id = id};
     struct v4l2_queryctrl older = {.id = id};
@@ -44,7 +44,7 @@ int camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control
     return 0;
 }
 
-int camera_get(const pupil_camera *camera, int fd, uint32_t id, int64_t *value)
+int pupil_camera_get_control(const pupil_camera *camera, int fd, uint32_t id, int64_t *value)
 {
     struct v4l2_ext_control control = {.id = id};
     struct v4l2_ext_controls controls = {.count = 1, .controls = &control};
@@ -54,14 +54,14 @@ int camera_get(const pupil_camera *camera, int fd, uint32_t id, int64_t *value)
     return error;
 }
 
-int camera_set(const pupil_camera *camera, int fd, uint32_t id, int64_t value)
+int pupil_camera_set_control(const pupil_camera *camera, int fd, uint32_t id, int64_t value)
 {
     struct v4l2_ext_control control = {.id = id, .value = (int32_t)value};
     struct v4l2_ext_controls controls = {.count = 1, .controls = &control};
     return call(camera, fd, VIDIOC_S_EXT_CTRLS, &controls);
 }
 
-const char *camera_control_name(uint32_t id)
+const char *pupil_camera_control_name(uint32_t id)
 {
     static const struct {
         uint32_t id;
@@ -90,10 +90,10 @@ const char *camera_control_name(uint32_t id)
 static int note(pupil_camera *camera, int fd, uint32_t id, char *why, size_t why_bytes)
 {
     int64_t value = 0;
-    const int error = camera_get(camera, fd, id, &value);
+    const int error = pupil_camera_get_control(camera, fd, id, &value);
     if (error)
-        return camera_refuse(why, why_bytes, "the driver does not tell the value of %s: %s", camera_control_name(id),
-                             strerror(-error));
+        return pupil_camera_refuse(why, why_bytes, "the driver does not tell the value of %s: %s",
+                                   pupil_camera_control_name(id), strerror(-error));
     camera->saved[camera->saved_count].fd = fd;
     camera->saved[camera->saved_count].id = id;
     camera->saved[camera->saved_count++].value = value;
@@ -117,14 +117,14 @@ static int64_t manual_of(const pupil_camera *camera, const camera_control *contr
 static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, char *why, size_t why_bytes)
 {
     camera_control control;
-    const int absent = fd < 0 ? -EINVAL : camera_query(camera, fd, id, &control);
+    const int absent = fd < 0 ? -EINVAL : pupil_camera_query(camera, fd, id, &control);
     if (absent == -EINVAL || absent == -ENOTTY)
         return 0;
     if (absent)
-        return camera_refuse(why, why_bytes, "the driver does not answer for %s: %s", camera_control_name(id),
-                             strerror(-absent));
+        return pupil_camera_refuse(why, why_bytes, "the driver does not answer for %s: %s",
+                                   pupil_camera_control_name(id), strerror(-absent));
     if (id == V4L2_CID_EXPOSURE_AUTO && (value = manual_of(camera, &control)) < 0)
-        return camera_refuse(
+        return pupil_camera_refuse(
             why, why_bytes,
             "the menu of EXPOSURE_AUTO has neither manual nor shutter priority: this camera's exposure "
             "cannot be set");
@@ -134,15 +134,15 @@ static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, ch
     camera->off[camera->off_count].fd = fd;
     camera->off[camera->off_count].id = id;
     camera->off[camera->off_count++].value = value;
-    const int error = camera_set(camera, fd, id, value);
+    const int error = pupil_camera_set_control(camera, fd, id, value);
     /* EINVAL of the priority: some cameras allow it in other modes only, and then it does nothing */
     if (error && !(id == V4L2_CID_EXPOSURE_AUTO_PRIORITY && error == -EINVAL))
-        return camera_refuse(why, why_bytes, "the driver refuses %s = %lld: %s", camera_control_name(id),
-                             (long long)value, strerror(-error));
+        return pupil_camera_refuse(why, why_bytes, "the driver refuses %s = %lld: %s", pupil_camera_control_name(id),
+                                   (long long)value, strerror(-error));
     return 0;
 }
 
-int camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes)
+int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes)
 {
     const camera_control *const steered[] = {&camera->vblank, &camera->exposure, &camera->gain};
     const int64_t mains = mains_hz == 50 ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ : V4L2_CID_POWER_LINE_FREQUENCY_60HZ;
@@ -170,17 +170,17 @@ int camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_b
     return 0;
 }
 
-int camera_turn_off_again(const pupil_camera *camera)
+int pupil_camera_turn_off_again(const pupil_camera *camera)
 {
     int error = 0;
     for (uint32_t i = 0; i < camera->off_count; i++) {
-        const int one = camera_set(camera, camera->off[i].fd, camera->off[i].id, camera->off[i].value);
+        const int one = pupil_camera_set_control(camera, camera->off[i].fd, camera->off[i].id, camera->off[i].value);
         error = error || camera->off[i].id == V4L2_CID_EXPOSURE_AUTO_PRIORITY ? error : one;
     }
     return error;
 }
 
-int camera_put_back(const pupil_camera *camera, uint32_t *first)
+int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first)
 {
     int failed = 0;
     for (uint32_t i = 0; i < camera->saved_count; i++) {
@@ -188,8 +188,8 @@ int camera_put_back(const pupil_camera *camera, uint32_t *first)
         const int fd = camera->saved[i].fd;
         const uint32_t id = camera->saved[i].id;
         /* one that says it has its value already, but cannot be written in this mode, is as it was */
-        if (camera_set(camera, fd, id, camera->saved[i].value) &&
-            (camera_get(camera, fd, id, &value) || value != camera->saved[i].value)) {
+        if (pupil_camera_set_control(camera, fd, id, camera->saved[i].value) &&
+            (pupil_camera_get_control(camera, fd, id, &value) || value != camera->saved[i].value)) {
             if (!failed++ && first)
                 *first = id;
         }

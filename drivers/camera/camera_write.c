@@ -16,7 +16,7 @@ static int set_both(const pupil_camera *camera, const camera_control *const cont
         !camera->calls.ioctl(camera->calls.user, control[0]->fd, VIDIOC_S_EXT_CTRLS, &controls))
         return 0;
     for (int i = 0; i < count; i++) {
-        const int one = camera_set(camera, control[i]->fd, control[i]->id, value[i]);
+        const int one = pupil_camera_set_control(camera, control[i]->fd, control[i]->id, value[i]);
         error = error ? error : one;
     }
     return error;
@@ -32,11 +32,11 @@ static int set_period(pupil_camera *camera, double frame_s)
                                                           : (int64_t)lines;
     camera_control again;
     int64_t taken = code;
-    int error = camera_set(camera, v->fd, v->id, code);
+    int error = pupil_camera_set_control(camera, v->fd, v->id, code);
     if (!error)
-        error = camera_get(camera, v->fd, v->id, &taken);
+        error = pupil_camera_get_control(camera, v->fd, v->id, &taken);
     if (!error)
-        error = camera_query(camera, camera->exposure.fd, camera->exposure.id, &again);
+        error = pupil_camera_query(camera, camera->exposure.fd, camera->exposure.id, &again);
     if (!error) {
         pthread_mutex_lock(&camera->lock);
         camera->now_frame_s = ((double)taken + camera->height) * camera->line_s;
@@ -46,7 +46,7 @@ static int set_period(pupil_camera *camera, double frame_s)
     return error;
 }
 
-int camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain)
+int pupil_camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain)
 {
     const camera_control *control[2];
     int64_t value[2], taken = 0;
@@ -65,11 +65,11 @@ int camera_write(pupil_camera *camera, const pupil_camera_setting *setting, doub
     error = error ? error : one;
     /* read back whatever was refused: the driver's word is all there is */
     *exposure_s = *gain = 0.0;
-    if ((one = camera_get(camera, camera->exposure.fd, camera->exposure.id, &taken)) == 0)
+    if ((one = pupil_camera_get_control(camera, camera->exposure.fd, camera->exposure.id, &taken)) == 0)
         *exposure_s = (double)taken * camera->unit_s;
     error = error ? error : one;
     if (camera->gain.fd >= 0) {
-        if ((one = camera_get(camera, camera->gain.fd, camera->gain.id, &taken)) == 0)
+        if ((one = pupil_camera_get_control(camera, camera->gain.fd, camera->gain.id, &taken)) == 0)
             *gain = pupil_camera_gain_of_code(&camera->law, taken);
         error = error ? error : one;
     }

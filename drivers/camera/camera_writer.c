@@ -68,8 +68,8 @@ static void *writer(void *of)
         camera->again = 0;
         camera->status.writing = 1;
         pthread_mutex_unlock(&camera->lock);
-        int error = again ? camera_turn_off_again(camera) : 0;
-        const int written = camera_write(camera, &setting, &exposure_s, &gain);
+        int error = again ? pupil_camera_turn_off_again(camera) : 0;
+        const int written = pupil_camera_write(camera, &setting, &exposure_s, &gain);
         error = error ? error : written;
         pthread_mutex_lock(&camera->lock);
         camera->status.writing = 0;
@@ -86,13 +86,13 @@ static void *writer(void *of)
     pthread_cond_broadcast(&camera->idle);
     pthread_mutex_unlock(&camera->lock);
     if (abandoned) { /* nobody waits any more */
-        camera_put_back(camera, NULL);
-        camera_free(camera);
+        pupil_camera_put_back(camera, NULL);
+        pupil_camera_free(camera);
     }
     return NULL;
 }
 
-int camera_writer_start(pupil_camera *camera)
+int pupil_camera_writer_start(pupil_camera *camera)
 {
     pthread_condattr_t monotonic;
     int64_t code = 0;
@@ -102,17 +102,17 @@ int camera_writer_start(pupil_camera *camera)
     pthread_cond_init(&camera->wake, &monotonic);
     pthread_cond_init(&camera->idle, &monotonic);
     pthread_condattr_destroy(&monotonic);
-    if (!camera_get(camera, camera->exposure.fd, camera->exposure.id, &code))
+    if (!pupil_camera_get_control(camera, camera->exposure.fd, camera->exposure.id, &code))
         took(camera, &camera->exposures, &camera->status.exposure_s, (double)code * camera->unit_s, 0);
     if (camera->gain.fd < 0)
         took(camera, &camera->gains, &camera->status.gain, 1.0, 0);
-    else if (!camera_get(camera, camera->gain.fd, camera->gain.id, &code))
+    else if (!pupil_camera_get_control(camera, camera->gain.fd, camera->gain.id, &code))
         took(camera, &camera->gains, &camera->status.gain, pupil_camera_gain_of_code(&camera->law, code), 0);
     camera->running = 1;
     return -pthread_create(&camera->thread, NULL, writer, camera);
 }
 
-int camera_writer_stop(pupil_camera *camera)
+int pupil_camera_writer_stop(pupil_camera *camera)
 {
     const struct timespec until = later(STOP_WAIT_MS);
     pthread_mutex_lock(&camera->lock);
