@@ -12,6 +12,14 @@
 #define BLIND_BLACK   0.5
 #define BLIND_STEP_EV 6.0
 
+/* The quantile that is to stay below clip comes from bins of up to 0.32 stops and moves by as much where many pixels
+ * change from one to the next. So it is aimed at below the last bin's middle, and what it asks for is far only beyond a
+ * bin; the filter makes a hundredth of it. */
+#define HIGHLIGHT_AIM_EV  0.20
+#define HIGHLIGHT_FAR_EV  0.35
+#define HIGHLIGHT_STEP_EV 0.40
+#define LEAST_STRIDE      0.125
+
 static pupil_sensor_object *object_of(pupil_sensor *sensor)
 {
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
@@ -75,6 +83,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->magic = SENSOR_MAGIC;
     o->config.delay_frames = config->delay_frames;
     o->waited = config->delay_frames; /* nothing is on its way */
+    o->stride = 1.0;
     o->setting.exposure_s = 0.01;
     o->setting.gain = 1.0;
     o->setting.frame_digital = 1.0;
@@ -146,35 +155,84 @@ static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
     return reason;
 }
 
-/* log2 of the total that this frame asks for; the reason where it is not the key alone. */
-static double target_of(const pupil_sensor_object *o, const pupil_sensor_light *light, double frame_log2,
-                        double *scene_ev, uint32_t *reason)
+/* log2 of the highest total by the highlights. */
+static double highlight_limit(const pupil_sensor_config *c, const pupil_sensor_light *light, double frame_log2,
+                              double guess)
+{
+    const double room = pupil_log2(c->clip) - light->highlight;
+    if (light->clipped_share > c->highlight_share || room <= 0.0) { /* by how much is not known */
+        const double over = guess - pupil_log2(c->clip);
+        return frame_log2 - (over > HIGHLIGHT_STEP_EV ? over : HIGHLIGHT_STEP_EV);
+    }
+    return frame_log2 + room - HIGHLIGHT_AIM_EV;
+}
+
+/* log2 of the total that this frame asks for; the reason where it is not the key alone; whether it is a guess.
+ *
+ * A clipped frame's mean is too low, so its target lies between the frame's own total and the right one: whatever the
+ * scene, one such step after another comes nearer from one side (the error that is left is the clipped share of the one
+ * before). It is only where this says "far too bright" that a guess may go further, and too far; what comes after it
+ * comes from the dark side, without guesses. So guesses cannot make it swing. */
+static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light, double frame_log2, uint32_t *reason,
+                        int *guessed)
 {
     const pupil_sensor_config *c = &o->config;
-    const double clip = pupil_log2(c->clip);
-    double highlight = light->has_highlight ? light->highlight : -1000.0;
-    const double level = pupil_sensor_unclipped(c, light, &highlight);
-    *scene_ev = level - frame_log2;
-    if (light->clipped_share >= BLIND_CLIPPED)
-        return frame_log2 - BLIND_STEP_EV;
-    double target = pupil_log2(c->key) + clip + c->ev_compensation - *scene_ev;
-    const double most = frame_log2 + clip - highlight;
-    if (most < target) {
-        target = most > target - c->highlight_ev ? most : target - c->highlight_ev;
-        *reason = c->highlight_ev > 0.0 ? PUPIL_SENSOR_HIGHLIGHTS : *reason;
+    const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
+    double target = frame_log2 + wanted - light->mean, mean, highlight;
+    pupil_sensor_guess(c, light, &mean, &highlight);
+    o->setting.scene_ev = light->mean - frame_log2;
+    if (target < frame_log2 - c->far_ev) {
+        *guessed = mean > light->mean;
+        target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV : frame_log2 + wanted - mean;
+        o->setting.scene_ev = mean - frame_log2;
     }
-    if (light->black_share > BLIND_BLACK && target > frame_log2 + BLIND_STEP_EV)
+    if (light->has_highlight) {
+        const double most = highlight_limit(c, light, frame_log2, highlight);
+        if (most < target) {
+            target = most > target - c->highlight_ev ? most : target - c->highlight_ev;
+            *reason = PUPIL_SENSOR_HIGHLIGHTS;
+        }
+    }
+    if (light->black_share > BLIND_BLACK && target > frame_log2 + BLIND_STEP_EV) {
         target = frame_log2 + BLIND_STEP_EV;
+        *guessed = 1;
+    }
     return target;
 }
 
+/* The wanted total, on its way to the target. A large step that goes back on the one before, without any rest between
+ * them, goes half the way, the next one of that kind half of that: so a camera that answers otherwise than its numbers
+ * say (a tone curve, dark areas that come and go with a code) is approached and not swung around. */
+static void move(pupil_sensor_object *o, double target, double far_ev, int at_end, int guessed)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double off = target - o->total_log2, most_weight = 0.39 / c->delay_frames; /* sensor.h: tau_s */
+    double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
+    if (o->waited < c->delay_frames)
+        return;
+    if (off <= far_ev && off >= -far_ev) {
+        o->direction = 0;
+        o->stride = 1.0;
+        weight = weight < most_weight ? weight : most_weight;
+        /* the last 5 thousandths to a limit are not seen, and then all of it is used */
+        o->total_log2 = at_end && off < 0.005 && off > -0.005 ? target : o->total_log2 + weight * off;
+        return;
+    }
+    const int32_t direction = off > 0.0 ? 1 : -1;
+    if (o->direction == -direction && o->stride > LEAST_STRIDE)
+        o->stride *= 0.5;
+    o->total_log2 += o->stride * off;
+    o->direction = guessed ? 0 : direction;
+    o->waited = 0;
+}
+
 /* After the step. */
-static void judge(pupil_sensor_object *o, double beyond, double clipped_share, uint32_t reason)
+static void judge(pupil_sensor_object *o, double beyond, double far_ev, double clipped_share, uint32_t reason)
 {
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const int by_hand = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
-    const int far = s->error_ev > c->far_ev || s->error_ev < -c->far_ev;
+    const int far = s->error_ev > far_ev || s->error_ev < -far_ev;
     s->state = PUPIL_SENSOR_CONVERGED;
     if (c->lock || by_hand) {
         s->state = PUPIL_SENSOR_LOCKED;
@@ -202,21 +260,17 @@ static void advance(pupil_sensor_object *o, const pupil_sensor_light *light, con
     if (light->dead || reason == PUPIL_SENSOR_SAME_FRAME) {
         s->reason = light->dead ? PUPIL_SENSOR_DEAD_FRAME : reason;
     } else {
-        const double wanted = target_of(o, light, frame_log2, &s->scene_ev, &reason);
-        const double target = clamp(wanted, o->least_log2, o->most_log2), off = target - o->total_log2;
-        const double most_weight = 0.39 / c->delay_frames; /* sensor.h: tau_s */
-        double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(s->dt_s / c->tau_s) : 1.0;
-        weight = weight < most_weight ? weight : most_weight;
-        s->error_ev = off;
+        int guessed = 0;
+        const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
+        const double target = clamp(wanted, o->least_log2, o->most_log2);
+        const double far_ev =
+            reason == PUPIL_SENSOR_HIGHLIGHTS && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
+        s->error_ev = target - o->total_log2;
         s->frames++;
-        if (!c->lock && o->waited >= c->delay_frames) {
-            const int far = off > c->far_ev || off < -c->far_ev;
-            const int at_end = wanted != target && off < 0.005 && off > -0.005; /* not seen, and then all is used */
-            o->total_log2 = far || at_end ? target : o->total_log2 + weight * off;
-            o->waited = far ? 0 : o->waited;
-        }
+        if (!c->lock)
+            move(o, target, far_ev, wanted != target, guessed);
         choose(o, 0);
-        judge(o, wanted - target, light->clipped_share, reason);
+        judge(o, wanted - target, far_ev, light->clipped_share, reason);
     }
     s->frame_digital = pupil_exp2(clamp(o->total_log2 - frame_log2, -c->digital_ev, c->digital_ev));
 }

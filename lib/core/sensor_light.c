@@ -16,21 +16,20 @@ static double normal_quantile(double p)
 
 /* Of a normal distribution (mu, sigma) cut at C, what lies above counting as C, the share above C is c and the mean m:
  *     z = (C - mu) / sigma,   c = 1 - Phi(z),   m = C - sigma (z Phi(z) + phi(z))
- * which is solved for sigma, then mu. Below a clipped share of 5 % the mean is taken as it is, so that ordinary frames
- * with a lamp in them mean the same to everybody; from 15 % on it is mu. */
-double pupil_sensor_unclipped(const pupil_sensor_config *config, const pupil_sensor_light *light, double *highlight)
+ * which is solved for sigma, then mu. */
+void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double *mean,
+                        double *highlight)
 {
     const double clip = pupil_log2(config->clip), c = light->clipped_share < 0.99 ? light->clipped_share : 0.99;
+    *mean = light->mean;
+    *highlight = clip;
     if (!(c > 1e-6))
-        return light->mean;
+        return;
     const double z = normal_quantile(c);
     const double phi = 0.3989422804014327 * pupil_exp2(-0.5 * 1.4426950408889634 * z * z);
     double sigma = (clip - light->mean) / (z * (1.0 - c) + phi);
     sigma = sigma < 0.0 ? 0.0 : sigma > 3.0 ? 3.0 : sigma; /* pictures of ordinary scenes have 1 to 2 stops */
-    const double mu = clip - z * sigma, share = (c - 0.05) * 10.0;
-    if (light->has_highlight && c > config->highlight_share)
-        *highlight = clip + (normal_quantile(config->highlight_share) - z) * sigma;
-    if (share <= 0.0 || mu <= light->mean)
-        return light->mean;
-    return light->mean + (share < 1.0 ? share : 1.0) * (mu - light->mean);
+    *mean = clip - z * sigma > *mean ? clip - z * sigma : *mean;
+    if (c > config->highlight_share)
+        *highlight += (normal_quantile(config->highlight_share) - z) * sigma;
 }

@@ -13,7 +13,10 @@ typedef struct pupil_sensor_object {
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
     uint32_t stamped;
-    uint32_t waited; /* frames since the last large step, at most delay_frames */
+    uint32_t waited;   /* frames since the last large step, at most delay_frames */
+    double stride;     /* share of the way that a large step goes: halved where it turns back */
+    int32_t direction; /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
+    uint32_t reserved;
     pupil_sensor_setting setting;
 } pupil_sensor_object;
 
@@ -34,7 +37,8 @@ double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);
 
-/* The light where some of it is clipped. */
-double pupil_sensor_unclipped(const pupil_sensor_config *config, const pupil_sensor_light *light, double *highlight);
+/* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed. */
+void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double *mean,
+                        double *highlight);
 
 #endif

@@ -24,9 +24,11 @@
  * that total = exposure_s * gain * digital always. frame_digital is that factor for the frame that was just given,
  * which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
  *
- * Clipped light has no number. With some of it clipped, the light is estimated as that of a log-normal scene with the
- * same clipped share and mean; with nearly all of it clipped (97 %), the total goes down by six stops to look again.
- * The same the other way for black.
+ * Clipped light has no number: a frame with some of it looks darker than the scene is. Where even so it is far too
+ * bright, the step is that for a log-normal scene of the same clipped share and mean; with nearly all of it clipped
+ * (97 %) the total goes down by six stops to look again, and up by six at most where more than half is black. Near the
+ * key the mean is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one
+ * before, with no rest between, goes half the way only.
  *
  * What it assumes: values proportional to light, and an info that tells the truth within delay_frames. A camera whose
  * picture is bent by a tone curve is regulated too, only not in one step.
