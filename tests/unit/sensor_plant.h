@@ -18,6 +18,7 @@ typedef struct plant {
     double noise_ev;   /* of the light as it is metered, standard deviation */
     uint32_t delay[2]; /* frames from the one that was measured to the first that shows the reaction: exposure, gain */
     int lies;          /* info tells what was asked for, not what is in force */
+    double slope;      /* of the picture's log2 against the light's; 1: linear */
     double frame_s;
     uint64_t frame;
     double asked[PLANT_RING][2]; /* after frame i % PLANT_RING: exposure, gain */
@@ -40,6 +41,7 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     p->light_ev = light_ev;
     p->delay[0] = p->delay[1] = delay;
     p->frame_s = 1.0 / 30.0;
+    p->slope = 1.0;
     for (int i = 0; i < PLANT_PIXELS; i++)
         mean += p->scene[i] = PLANT_SIGMA * plant_normal();
     for (int i = 0; i < PLANT_PIXELS; i++)
@@ -75,7 +77,7 @@ static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
                              .exposure_s = p->lies ? p->asked[last][0] : e,
                              .gain = p->lies ? p->asked[last][1] : g};
     for (int i = 0; i < PLANT_PIXELS; i++) {
-        double code = 4095.0 * exp2(ev + p->scene[i]) + 0.5;
+        double code = 4095.0 * exp2(p->slope * (ev + p->scene[i])) + 0.5;
         codes[i] = (uint16_t)(code < 4095.0 ? code : 4095.0);
     }
     pupil_stats_clear(stats);
