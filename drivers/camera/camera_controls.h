@@ -85,8 +85,8 @@ typedef struct pupil_camera_sensor {
                                           * unknown */
     double black;                        /* of a full scale of 65535; negative: unknown */
     uint32_t has_matrix;
-    float matrix[9]; /* rgb_from_camera (pupil/coding.h) in daylight, after white balance */
-    char source[96]; /* where this is known from */
+    float matrix[9];  /* rgb_from_camera (pupil/coding.h) in daylight, after white balance */
+    char source[128]; /* where this is known from */
 } pupil_camera_sensor;
 
 /* Looks a sensor up by its name, or by the name of its subdevice ("imx219 10-0010"), in `text`, or where that is NULL
