@@ -1,0 +1,134 @@
+/* A total as an exposure time and a gain that the camera has. */
+#include "sensor_object.h"
+
+#include "numeric.h"
+
+static double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
+static double multiple(double x, double step)
+{
+    double steps = x / step + 1e-6, whole = (double)(int64_t)steps;
+    return step * (whole > steps ? whole - 1.0 : whole);
+}
+
+static double longest(const pupil_sensor_config *c)
+{
+    return c->frame_rate_priority && c->frame_s < c->exposure_max_s ? c->frame_s : c->exposure_max_s;
+}
+
+static double in_lines(const pupil_sensor_config *c, double exposure_s)
+{
+    return c->exposure_step_s > 0.0 ? multiple(exposure_s, c->exposure_step_s) : exposure_s;
+}
+
+double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
+{
+    const double half_s = c->mains_hz ? 0.5 / c->mains_hz : 0.0;
+    double e = in_lines(c, exposure_s);
+    if (half_s > 0.0 && e >= half_s - c->exposure_step_s) {
+        /* a multiple that was rounded down to lines stays itself */
+        const double up = in_lines(c, multiple(e + c->exposure_step_s, half_s));
+        e = up <= exposure_s * (1.0 + 1e-9) ? up : in_lines(c, multiple(e, half_s));
+        e = e > 0.0 ? e : in_lines(c, exposure_s);
+    }
+    return e < c->exposure_min_s ? c->exposure_min_s : e;
+}
+
+double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
+{
+    const double db = 0.16609640474436813; /* log2(10) / 20 */
+    double g = clamp(gain, c->gain_min, c->gain_max), found = 0.0;
+    switch (c->gain_law) {
+    case PUPIL_GAIN_LINEAR:
+        g = multiple(g, c->gain_step);
+        break;
+    case PUPIL_GAIN_DB:
+        g = pupil_exp2(multiple(pupil_log2(g), db * c->gain_step));
+        break;
+    case PUPIL_GAIN_RECIPROCAL:
+        g = g < 1.0 ? g : c->gain_step / (c->gain_step - multiple(c->gain_step * (1.0 - 1.0 / g), 1.0));
+        break;
+    case PUPIL_GAIN_TABLE:
+        for (uint32_t i = 0; i < c->gain_count; i++)
+            found = c->gain_table[i] <= g * (1.0 + 1e-9) ? c->gain_table[i] : found;
+        g = found;
+        break;
+    default:
+        break;
+    }
+    return g < c->gain_min ? c->gain_min : g;
+}
+
+/* By the profile; steps only at the ends of its stages, so that these can be reached. */
+static void stage_of(const pupil_sensor_config *c, double total, double *exposure_s, double *gain)
+{
+    double e = c->exposure_min_s, g = c->gain_min;
+    const double most_s = longest(c);
+    for (uint32_t i = 0; i <= c->stages + 1; i++) {
+        const pupil_sensor_stage end = {i == c->stages ? c->frame_s : c->exposure_max_s, c->gain_max};
+        const pupil_sensor_stage *stage = i < c->stages ? &c->stage[i] : &end;
+        const double next_s = pupil_sensor_exposure_of(c, clamp(stage->exposure_s, e, most_s > e ? most_s : e));
+        const double next = pupil_sensor_gain_of(c, clamp(stage->gain, g, c->gain_max));
+        if (total <= next_s * g) {
+            e = clamp(total / g, e, next_s);
+            break;
+        }
+        e = next_s;
+        if (total <= e * next) {
+            g = total / e;
+            break;
+        }
+        g = next;
+    }
+    *exposure_s = e;
+    *gain = g;
+}
+
+void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0));
+    double e, g;
+    stage_of(c, total, &e, &g);
+    if (c->gain_mode != PUPIL_SENSOR_AUTO)
+        e = clamp(total / o->held_gain, c->exposure_min_s, longest(c));
+    e = c->exposure_mode != PUPIL_SENSOR_AUTO ? o->held_exposure : pupil_sensor_exposure_of(c, e);
+    *exposure_s = e;
+    *gain = c->gain_mode != PUPIL_SENSOR_AUTO ? o->held_gain : pupil_sensor_gain_of(c, total / e);
+}
+
+uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
+{
+    const pupil_sensor_config *c = &o->config;
+    double least_s, most_s, least, most;
+    uint32_t limits = 0;
+    pupil_sensor_split(o, o->least_log2, &least_s, &least);
+    pupil_sensor_split(o, 500.0, &most_s, &most);
+    if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
+        limits |= o->setting.exposure_s <= least_s ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
+        if (o->setting.exposure_s >= most_s)
+            limits |=
+                1u << (longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX);
+    }
+    if (c->gain_mode == PUPIL_SENSOR_AUTO) {
+        limits |= o->setting.gain <= c->gain_min ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
+        limits |= o->setting.gain >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
+    }
+    return limits;
+}
+
+/* The control that would have had to go on: the profile ends with the gain where it is dark, and begins with the
+ * exposure. */
+uint32_t pupil_sensor_limit(const pupil_sensor_object *o, int dark)
+{
+    const pupil_sensor_config *c = &o->config;
+    if (!dark)
+        return c->exposure_mode == PUPIL_SENSOR_AUTO ? PUPIL_SENSOR_AT_EXPOSURE_MIN : PUPIL_SENSOR_AT_GAIN_MIN;
+    if (c->gain_mode == PUPIL_SENSOR_AUTO)
+        return PUPIL_SENSOR_AT_GAIN_MAX;
+    return longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX;
+}

@@ -1,0 +1,223 @@
+/* pupil/sensor.h: a camera's exposure time and gain, from the statistics of its frames.
+ *
+ *     pupil_sensor_config config;
+ *     pupil_sensor sensor;
+ *     pupil_sensor_setting setting;
+ *     pupil_sensor_config_default(&config);
+ *     config.exposure_step_s = line_s, config.gain_max = 16;
+ *     pupil_sensor_init(&sensor, &config);
+ *     for each frame:
+ *         pupil_sensor_frame(&sensor, &stats, &info);
+ *         pupil_sensor_get(&sensor, &setting);
+ *         if (setting.changed) write setting.exposure_s and setting.gain to the camera;
+ *         show the frame times setting.frame_digital;
+ *
+ * What it does: the light of the scene is what a frame's statistics say, divided by the exposure time and the gain of
+ * that very frame. So it never sees its own controls: light that stands still is the same number whatever they do, and
+ * a loop around it has nothing to swing with. The total (exposure time x gain) that puts this light at `key` of the
+ * sensor's range is asked for at once where it is far (far_ev), and by a slow first-order filter in log2 where it is
+ * near. After a large step nothing large is done for delay_frames frames, whatever they show: a driver that tells the
+ * new setting too early cannot make it hunt.
+ *
+ * The total is split by a profile into an exposure time and a gain that the camera really has, both rounded down; what
+ * is left is a digital factor of at least 1 (a little less for the few frames in which the setting is on its way), so
+ * that total = exposure_s * gain * digital always. frame_digital is that factor for the frame that was just given,
+ * which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
+ *
+ * Clipped light has no number: a frame with some of it looks darker than the scene is. Where even so it is far too
+ * bright, the step is that for a log-normal scene of the same clipped share and mean; with nearly all of it clipped
+ * (97 %) the total goes down by six stops to look again, and up by six at most where more than half is black. Near the
+ * key the mean is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one
+ * before, with no rest between, goes half the way only.
+ *
+ * What it assumes: values proportional to light, and an info that tells the truth within delay_frames. A camera whose
+ * picture is bent by a tone curve is regulated too, only not in one step.
+ *
+ * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
+ * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and
+ * the gain table.
+ */
+#ifndef PUPIL_SENSOR_H
+#define PUPIL_SENSOR_H
+
+#include "pupil/error.h"
+#include "pupil/image.h"
+#include "pupil/stats.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Which gains the camera has. Beside those of the law, gain_min is always one. */
+typedef enum pupil_gain_law {
+    PUPIL_GAIN_ANY = 0,    /* default: every one */
+    PUPIL_GAIN_LINEAR,     /* n * gain_step */
+    PUPIL_GAIN_DB,         /* 10^(n * gain_step / 20) */
+    PUPIL_GAIN_RECIPROCAL, /* gain_step / (gain_step - n): 256 / (256 - n), 512 / (512 - n), ... */
+    PUPIL_GAIN_TABLE,      /* gain_table, rising */
+    PUPIL_GAIN_LAW_COUNT
+} pupil_gain_law;
+
+/* Who decides about one control. */
+typedef enum pupil_sensor_mode {
+    PUPIL_SENSOR_AUTO = 0, /* default */
+    PUPIL_SENSOR_MANUAL,   /* manual_exposure_s, manual_gain; the other control goes on making up for it */
+    PUPIL_SENSOR_HELD,     /* stays what it is at this moment */
+    PUPIL_SENSOR_MODE_COUNT
+} pupil_sensor_mode;
+
+#define PUPIL_SENSOR_STAGES     8
+#define PUPIL_SENSOR_GAIN_TABLE 64
+
+typedef struct pupil_sensor_stage {
+    double exposure_s, gain;
+} pupil_sensor_stage;
+
+typedef struct pupil_sensor_config {
+    uint32_t size_bytes;   /* sizeof(pupil_sensor_config) as the caller was compiled; config_default fills it in */
+    uint32_t delay_frames; /* frames from the one that was measured to the first that shows the reaction, the longer of
+                            * both controls. Too long only costs time, too short can hunt; 4, the longest that is usual;
+                            * 1..16 */
+
+    /* what is wanted */
+    double key;             /* what the log-average is to be, of the sensor's range: of `clip`; 0.18; 2^-10..1 */
+    double ev_compensation; /* stops, positive is brighter; 0; -16..16 */
+    double clip;            /* the value of a frame at which a channel is full; 1 for integer formats; 2^-16..2^16 */
+    double trim_low;        /* share of the weight left out of the mean at the dark end; 0; 0..1 */
+    double trim_high;       /* where the kept share ends, above trim_low; 1. Read only where there is a histogram */
+    double highlight_share; /* at most this share may lie above clip, where there is a histogram; 0.05; 0.001..1 */
+    double highlight_ev;    /* ... at the price of at most so many stops; 1; 0 (never)..8 */
+
+    /* how fast */
+    double far_ev;     /* further off than this: one step; nearer: the filter; stops; 0.10; 0.02..2 */
+    double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
+                        * weight of a frame is never above 0.39 / delay_frames, which no delay up to delay_frames can make
+                        * overshoot, even where info does not tell the truth (largest k without overshoot of
+                        * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
+    double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
+                        * the digital factor follows alone; 0.05; 0..0.5 */
+    double digital_ev; /* frame_digital stays within +- so many stops; 1.5; 0..8 */
+
+    /* exposure time */
+    double frame_s;               /* a frame's period; dt of unstamped frames; 1/30; 1e-6..1e6 */
+    double exposure_min_s;        /* 1e-4; 1e-9..exposure_max_s */
+    double exposure_max_s;        /* 1/30; up to 1e4 */
+    double exposure_step_s;       /* exposures are multiples of it: a line; 0: any; 0..1 */
+    uint32_t frame_rate_priority; /* 1: exposures stay within frame_s; 0: in the dark, after the gain, they may go on up
+                                   * to exposure_max_s; 1 */
+    uint32_t mains_hz; /* 50, 60, or 0; 0. From half a mains period on, exposures are multiples of it (rounded down to
+                        * a multiple of exposure_step_s) */
+    uint32_t exposure_mode;   /* a pupil_sensor_mode */
+    uint32_t gain_mode;       /* a pupil_sensor_mode */
+    double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
+    double manual_gain;       /* the same: 2^-10..2^16 */
+
+    /* gain */
+    double gain_min;     /* 1; 2^-10..gain_max */
+    double gain_max;     /* 16; up to 2^16 */
+    double gain_step;    /* of LINEAR (above 0), DB (dB, above 0), RECIPROCAL (2..65536); 1/16 */
+    uint32_t gain_law;   /* a pupil_gain_law */
+    uint32_t gain_count; /* entries of gain_table in use, 1..PUPIL_SENSOR_GAIN_TABLE */
+    double gain_table[PUPIL_SENSOR_GAIN_TABLE];
+
+    /* the profile: from the shortest exposure at gain_min, up to stage 0's exposure, then to its gain, then to stage
+     * 1's exposure, ... none of which falls; after the last stage, up to frame_s, then gain_max, then exposure_max_s.
+     * So without stages it is exposure first and gain only in the dark. */
+    uint32_t stages; /* 0..PUPIL_SENSOR_STAGES; 0 */
+    uint32_t lock;   /* 1: the setting stands still while measuring goes on; 0 */
+    pupil_sensor_stage stage[PUPIL_SENSOR_STAGES];
+} pupil_sensor_config;
+
+/* Fills in every field with its default. */
+PUPIL_API void pupil_sensor_config_default(pupil_sensor_config *config);
+
+/* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
+ * wrong field and what would be right. */
+PUPIL_API int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why);
+
+#define PUPIL_SENSOR_OBJECT_BYTES 2048
+
+/* The object. Its content is private; its size is part of the ABI. */
+typedef union pupil_sensor {
+    uint64_t private_words[PUPIL_SENSOR_OBJECT_BYTES / 8];
+} pupil_sensor;
+
+typedef enum pupil_sensor_state {
+    PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet */
+    PUPIL_SENSOR_SEARCHING, /* a step is due or on its way */
+    PUPIL_SENSOR_CONVERGED, /* within far_ev, and the last step has had its time */
+    PUPIL_SENSOR_LIMITED,   /* the same at the end of what the camera can: reason has the limit */
+    PUPIL_SENSOR_CLIPPED,   /* more than half of the frame is clipped: the light is a guess, searching goes on */
+    PUPIL_SENSOR_FLICKER,   /* converged, but on an exposure below half a mains period: lamps may show bands */
+    PUPIL_SENSOR_LOCKED     /* config.lock, or both controls manual or held */
+} pupil_sensor_state;
+
+typedef enum pupil_sensor_reason {
+    PUPIL_SENSOR_NO_REASON = 0,
+    PUPIL_SENSOR_WAITING,         /* the last step has not had its time yet */
+    PUPIL_SENSOR_AT_EXPOSURE_MIN, /* limits: the light is beyond what this one allows */
+    PUPIL_SENSOR_AT_EXPOSURE_MAX,
+    PUPIL_SENSOR_AT_FRAME_PERIOD, /* exposure_max_s, had frame_rate_priority not been set */
+    PUPIL_SENSOR_AT_GAIN_MIN,
+    PUPIL_SENSOR_AT_GAIN_MAX,
+    PUPIL_SENSOR_HIGHLIGHTS,  /* the total is lower than the key asks for, by highlight_share */
+    PUPIL_SENSOR_BELOW_MAINS, /* the exposure is shorter than half a mains period */
+    PUPIL_SENSOR_LOCK,        /* config.lock */
+    PUPIL_SENSOR_BY_HAND,     /* both controls are manual or held */
+    PUPIL_SENSOR_DEAD_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
+    PUPIL_SENSOR_SAME_FRAME,  /* this frame has the last one's timestamp: nothing moved */
+    PUPIL_SENSOR_CLOCK_BACK   /* this frame's timestamp is before the last one's: dt was taken as 0 */
+} pupil_sensor_reason;
+
+/* All EV are log2. */
+typedef struct pupil_sensor_setting {
+    double exposure_s;    /* to be written to the camera, as it has it */
+    double gain;          /* to be written to the camera, as it has it */
+    double digital;       /* total_s / (exposure_s * gain) */
+    double total_s;       /* what is wanted: exposure time x gain */
+    double frame_digital; /* for the frame given last, which was taken with what its info says */
+    double scene_ev;      /* log2 of the light of the scene: value / (exposure_s * gain) */
+    double error_ev;      /* how far total_s was off before this frame, positive: too dark; limits allowed for */
+    double dt_s;
+    uint64_t frames;  /* frames with light since init */
+    uint32_t state;   /* a pupil_sensor_state */
+    uint32_t reason;  /* a pupil_sensor_reason */
+    uint32_t limits;  /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that a control which is not manual stands at */
+    uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get */
+} pupil_sensor_setting;
+
+/* ---- life ------------------------------------------------------------------------------------------------------- */
+
+/* Makes an object out of any bytes. The first setting is the total of 1/100 s at gain 1, within the limits. */
+PUPIL_API int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config);
+
+/* New settings, at any time. The wanted total stays what it is wherever the new limits allow it, so that turning a
+ * control from auto to manual or back, a lock, another profile or another gain law does not move the level. */
+PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_config *config);
+
+/* Warm start, or after a pause: begins with the total of a setting saved before (total_s of pupil_sensor_setting, with
+ * gain 1, is best). Brought into the limits. PUPIL_ERR_VALUE: not positive numbers from 2^-64 to 2^64. */
+PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain);
+
+/* ---- a frame ---------------------------------------------------------------------------------------------------- */
+
+/* The statistics of a frame, with the exposure time and gain that it was taken with. Where info lacks one of these (0,
+ * or info NULL) the camera is taken at the setting's word. Refused and nothing moved: PUPIL_ERR_STATS for what no
+ * metering can have produced. */
+PUPIL_API int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pupil_frame_info *info);
+
+/* The same where somebody else has metered: log2 of the light of the scene (pupil_exposure.metered_ev of frames that
+ * bring exposure and gain, with a calibration of 1) and the share of it that was clipped, 0..1. No highlight_share
+ * here. NaN, infinities and shares outside 0..1 make a dead frame. */
+PUPIL_API int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double clipped_share,
+                                 const pupil_frame_info *info);
+
+/* ---- results ---------------------------------------------------------------------------------------------------- */
+
+PUPIL_API int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

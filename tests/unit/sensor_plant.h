@@ -1,0 +1,133 @@
+/* A small camera to close the loop with: linear, 12 bits, a log-normal scene, quantised controls that come late. */
+#ifndef PUPIL_TESTS_SENSOR_PLANT_H
+#define PUPIL_TESTS_SENSOR_PLANT_H
+
+#include <math.h>
+
+#include "check.h"
+#include "pupil/pupil.h"
+#include "pupil/sensor.h"
+
+enum { PLANT_WIDTH = 64, PLANT_HEIGHT = 32, PLANT_PIXELS = PLANT_WIDTH * PLANT_HEIGHT, PLANT_RING = 32 };
+
+#define PLANT_LINE_S 18.9e-6
+#define PLANT_SIGMA  1.3 /* stops, of the scene */
+
+typedef struct plant {
+    double light_ev;   /* log-average of the scene: value of a frame of 1 s and gain 1 */
+    double noise_ev;   /* of the light as it is metered, standard deviation */
+    uint32_t delay[2]; /* frames from the one that was measured to the first that shows the reaction: exposure, gain */
+    int lies;          /* info tells what was asked for, not what is in force */
+    double slope;      /* of the picture's log2 against the light's; 1: linear */
+    double frame_s;
+    uint64_t frame;
+    double asked[PLANT_RING][2]; /* after frame i % PLANT_RING: exposure, gain */
+    double scene[PLANT_PIXELS];  /* log2, mean 0 */
+    pupil_t meter;
+} plant;
+
+static inline double plant_normal(void)
+{
+    double u = 1.0 - check_uniform(), v = check_uniform();
+    return sqrt(-2.0 * log(u)) * cos(2.0 * 3.14159265358979323846 * v);
+}
+
+static inline void plant_open(plant *p, const pupil_sensor *sensor, double light_ev, uint32_t delay)
+{
+    pupil_config config;
+    pupil_sensor_setting s;
+    double mean = 0.0;
+    memset(p, 0, sizeof *p);
+    p->light_ev = light_ev;
+    p->delay[0] = p->delay[1] = delay;
+    p->frame_s = 1.0 / 30.0;
+    p->slope = 1.0;
+    for (int i = 0; i < PLANT_PIXELS; i++)
+        mean += p->scene[i] = PLANT_SIGMA * plant_normal();
+    for (int i = 0; i < PLANT_PIXELS; i++)
+        p->scene[i] -= mean / PLANT_PIXELS;
+    CHECK(pupil_sensor_get(sensor, &s) == PUPIL_OK);
+    for (int i = 0; i < PLANT_RING; i++)
+        p->asked[i][0] = s.exposure_s, p->asked[i][1] = s.gain;
+    pupil_config_default(&config);
+    config.histogram = 1;
+    CHECK(pupil_init(&p->meter, &config) == PUPIL_OK);
+}
+
+/* What is in force in the frame that comes next. */
+static inline double plant_in_force(const plant *p, int control)
+{
+    return p->asked[(p->frame + PLANT_RING - p->delay[control]) % PLANT_RING][control];
+}
+
+/* The next frame's statistics. */
+static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
+{
+    static uint16_t codes[PLANT_PIXELS];
+    const double e = plant_in_force(p, 0), g = plant_in_force(p, 1);
+    const double ev = p->light_ev + log2(e * g) + p->noise_ev * plant_normal();
+    const uint64_t last = (p->frame + PLANT_RING - 1) % PLANT_RING;
+    pupil_image_const image = {.data = codes,
+                               .stride_bytes = PLANT_WIDTH * 2,
+                               .width = PLANT_WIDTH,
+                               .height = PLANT_HEIGHT,
+                               .pixel = PUPIL_PIXEL_GREY12};
+    pupil_frame_info info = {.timestamp_ns = 1000000000 + (int64_t)((double)p->frame * p->frame_s * 1e9),
+                             .sequence = p->frame,
+                             .exposure_s = p->lies ? p->asked[last][0] : e,
+                             .gain = p->lies ? p->asked[last][1] : g};
+    for (int i = 0; i < PLANT_PIXELS; i++) {
+        double code = 4095.0 * exp2(p->slope * (ev + p->scene[i])) + 0.5;
+        codes[i] = (uint16_t)(code < 4095.0 ? code : 4095.0);
+    }
+    pupil_stats_clear(stats);
+    CHECK(pupil_meter_rows(&p->meter, &image, 0, PLANT_HEIGHT, stats) == PUPIL_OK);
+    return info;
+}
+
+/* After the frame has been measured: what the controller wants is asked of the camera. */
+static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
+{
+    p->asked[p->frame % PLANT_RING][0] = s->exposure_s;
+    p->asked[p->frame % PLANT_RING][1] = s->gain;
+    p->frame++;
+}
+
+/* A whole turn. Returns how many stops the frame was too bright, as the sensor took it; *shown: as it is shown, with
+ * the digital factor. */
+static inline double plant_turn(plant *p, pupil_sensor *sensor, pupil_sensor_setting *s, double *shown)
+{
+    static pupil_stats stats;
+    const double off = p->light_ev + log2(plant_in_force(p, 0) * plant_in_force(p, 1)) - log2(0.18);
+    const pupil_frame_info info = plant_next(p, &stats);
+    CHECK(pupil_sensor_frame(sensor, &stats, &info) == PUPIL_OK);
+    CHECK(pupil_sensor_get(sensor, s) == PUPIL_OK);
+    if (shown)
+        *shown = off + log2(s->frame_digital);
+    plant_ask(p, s);
+    return off;
+}
+
+enum { LAW_FINE, LAW_DB, LAW_SIXTEENTH, LAW_THIRD, LAWS };
+static const char *const law_name[LAWS] = {"256/(256-n)", "0.3 dB", "n/16", "1/3 stop"};
+
+/* A camera of 30 frames a second with one of four gain laws, up to 22 times. */
+static inline pupil_sensor_config plant_config(int law)
+{
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    c.exposure_min_s = PLANT_LINE_S;
+    c.exposure_step_s = PLANT_LINE_S;
+    c.gain_max = 22.0;
+    c.gain_law = law == LAW_FINE        ? PUPIL_GAIN_RECIPROCAL
+                 : law == LAW_DB        ? PUPIL_GAIN_DB
+                 : law == LAW_SIXTEENTH ? PUPIL_GAIN_LINEAR
+                                        : PUPIL_GAIN_TABLE;
+    c.gain_step = law == LAW_FINE ? 256.0 : law == LAW_DB ? 0.3 : 1.0 / 16.0;
+    c.gain_count = 14;
+    for (int i = 0; i < 14; i++)
+        c.gain_table[i] = exp2(i / 3.0);
+    return c;
+}
+
+#endif

@@ -1,0 +1,219 @@
+/* The sensor's config, field by field; and how a total is split: laws, profile, mains periods. */
+#include <stddef.h>
+
+#include "sensor_plant.h"
+
+static pupil_sensor sensor;
+static pupil_sensor_setting s;
+
+static void refused(const pupil_sensor_config *c, const char *name)
+{
+    const char *why = NULL;
+    pupil_sensor before;
+    memset(&sensor, 0x3c, sizeof sensor);
+    before = sensor;
+    CHECK_MSG(pupil_sensor_config_check(c, &why) == PUPIL_ERR_CONFIG && why && !strncmp(why, name, strlen(name)),
+              "%s: \"%s\"", name, why ? why : "(null)");
+    CHECK(pupil_sensor_config_check(c, NULL) == PUPIL_ERR_CONFIG);
+    CHECK(pupil_sensor_init(&sensor, c) == PUPIL_ERR_CONFIG && memcmp(&sensor, &before, sizeof sensor) == 0);
+}
+
+#define FIELD(name) #name, offsetof(pupil_sensor_config, name)
+static const struct {
+    const char *name;
+    size_t offset;
+    double low, high, bad[2];
+} number[] = {
+    {FIELD(key), 0x1p-10, 1, {0, 1.01}},
+    {FIELD(ev_compensation), -16, 16, {-17, 17}},
+    {FIELD(clip), 0x1p-16, 65536, {0, 65537}},
+    {FIELD(trim_low), 0, 0.9, {-0.1, 1.1}},
+    {FIELD(trim_high), 0.1, 1, {0, 1.1}},
+    {FIELD(highlight_share), 0.001, 1, {0, 1.1}},
+    {FIELD(highlight_ev), 0, 8, {-1, 9}},
+    {FIELD(far_ev), 0.02, 2, {0.01, 3}},
+    {FIELD(tau_s), 0, 1e6, {-1, 2e6}},
+    {FIELD(hold_ev), 0, 0.5, {-0.1, 0.6}},
+    {FIELD(digital_ev), 0, 8, {-1, 9}},
+    {FIELD(frame_s), 1e-4, 1e6, {0, 2e6}},
+    {FIELD(exposure_min_s), 1e-9, 1 / 30.0, {0, 0.1}},
+    {FIELD(exposure_max_s), 1e-4, 1e4, {0, 2e4}},
+    {FIELD(exposure_step_s), 0, 1, {-1, 2}},
+    {FIELD(gain_min), 0x1p-10, 16, {0, 17}},
+    {FIELD(gain_max), 1, 65536, {0, 65537}},
+};
+static const struct {
+    const char *name;
+    size_t offset;
+    uint32_t good[3], bad[2];
+} choice[] = {
+    {FIELD(delay_frames), {1, 4, 16}, {0, 17}},
+    {FIELD(frame_rate_priority), {0, 1, 1}, {2, ~0u}},
+    {FIELD(mains_hz), {0, 50, 60}, {1, 100}},
+    {FIELD(exposure_mode), {0, 0, 2}, {3, ~0u}},
+    {FIELD(gain_mode), {0, 0, 2}, {3, ~0u}},
+    {FIELD(gain_law), {0, 1, 3}, {5, ~0u}},
+    {FIELD(lock), {0, 1, 1}, {2, ~0u}},
+    {FIELD(stages), {0, 0, 0}, {9, ~0u}},
+    {FIELD(size_bytes),
+     {sizeof(pupil_sensor_config), sizeof(pupil_sensor_config), sizeof(pupil_sensor_config)},
+     {0, 8}},
+};
+
+static void check_fields(void)
+{
+    pupil_sensor_config c;
+    const char *why = "";
+    for (size_t i = 0; i < sizeof number / sizeof *number; i++)
+        for (int k = 0; k < 5; k++) {
+            const double value = k == 0 ? number[i].low : k == 1 ? number[i].high : k == 4 ? NAN : number[i].bad[k - 2];
+            pupil_sensor_config_default(&c);
+            memcpy((char *)&c + number[i].offset, &value, sizeof value);
+            if (k < 2)
+                CHECK_MSG(pupil_sensor_config_check(&c, &why) == PUPIL_OK, "%s = %g: %s", number[i].name, value, why);
+            else if (strcmp(number[i].name, "exposure_max_s") && strcmp(number[i].name, "gain_max"))
+                refused(&c, number[i].name);
+            else /* the ends of a range may be blamed for each other */
+                CHECK(pupil_sensor_config_check(&c, &why) == PUPIL_ERR_CONFIG);
+        }
+    for (size_t i = 0; i < sizeof choice / sizeof *choice; i++)
+        for (int k = 0; k < 5; k++) {
+            const uint32_t value = k < 3 ? choice[i].good[k] : choice[i].bad[k - 3];
+            pupil_sensor_config_default(&c);
+            c.gain_step = 2;
+            memcpy((char *)&c + choice[i].offset, &value, sizeof value);
+            if (k < 3)
+                CHECK_MSG(pupil_sensor_config_check(&c, &why) == PUPIL_OK, "%s = %u: %s", choice[i].name, value, why);
+            else
+                refused(&c, choice[i].name);
+        }
+    pupil_sensor_config_default(NULL);
+    CHECK(pupil_sensor_config_check(NULL, &why) == PUPIL_ERR_NULL);
+}
+
+static void check_laws(void)
+{
+    pupil_sensor_config c = plant_config(LAW_SIXTEENTH);
+    c.gain_step = 0;
+    refused(&c, "gain_step");
+    c = plant_config(LAW_DB);
+    c.gain_step = NAN;
+    refused(&c, "gain_step");
+    c = plant_config(LAW_FINE);
+    c.gain_step = 1;
+    refused(&c, "gain_step");
+    c = plant_config(LAW_THIRD);
+    c.gain_count = 0;
+    refused(&c, "gain_count");
+    c.gain_count = PUPIL_SENSOR_GAIN_TABLE + 1;
+    refused(&c, "gain_count");
+    c.gain_count = 14;
+    c.gain_table[3] = NAN;
+    refused(&c, "gain_table");
+    c.gain_table[3] = 0.5;
+    refused(&c, "gain_table");
+    c = plant_config(LAW_FINE);
+    c.stages = 2;
+    refused(&c, "stage");
+    c.stage[0] = (pupil_sensor_stage){0.01, 2};
+    c.stage[1] = (pupil_sensor_stage){0.02, 1};
+    refused(&c, "stage");
+    c = plant_config(LAW_FINE);
+    c.gain_mode = PUPIL_SENSOR_MANUAL;
+    refused(&c, "manual_gain");
+    c.gain_mode = PUPIL_SENSOR_AUTO;
+    c.exposure_mode = PUPIL_SENSOR_MANUAL;
+    refused(&c, "manual_exposure_s");
+    c = plant_config(LAW_FINE);
+    c.frame_s = 1e-5;
+    refused(&c, "exposure_min_s");
+}
+
+/* The setting for a total; what always holds of it. */
+static void split(const pupil_sensor_config *c, double total_s)
+{
+    CHECK(pupil_sensor_init(&sensor, c) == PUPIL_OK && pupil_sensor_start(&sensor, total_s, 1) == PUPIL_OK);
+    CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    CHECK(fabs(s.exposure_s * s.gain * s.digital / s.total_s - 1) < 1e-12 && s.digital > 1 - 1e-5);
+}
+
+static int is_multiple(double x, double step)
+{
+    return fabs(x / step - floor(x / step + 0.5)) < 1e-5;
+}
+
+static void check_split(void)
+{
+    for (int law = 0; law < LAWS; law++) {
+        pupil_sensor_config c = plant_config(law);
+        double least, last = 0;
+        const double largest = law == LAW_THIRD       ? exp2(1 / 3.0)
+                               : law == LAW_SIXTEENTH ? 17 / 16.0
+                               : law == LAW_DB        ? 1.036
+                                                      : 13 / 12.0; /* 256 / 12 after 256 / 13 */
+        split(&c, 1e-12);
+        least = s.total_s;
+        CHECK(s.exposure_s == c.exposure_min_s && s.gain == 1);
+        split(&c, 1e12);
+        const double most = s.total_s;
+        CHECK(s.exposure_s > c.frame_s - PLANT_LINE_S && s.exposure_s <= c.frame_s && s.gain > 20);
+        for (double total = least; total < most; total *= 1.003) {
+            split(&c, total);
+            const double db = 20 * log10(s.gain) / 0.3;
+            CHECK(fabs(s.total_s / total - 1) < 1e-12 && s.exposure_s * s.gain >= last * (1 - 1e-9));
+            CHECK(is_multiple(s.exposure_s, PLANT_LINE_S) && s.digital < (s.gain > 1 ? largest : 2));
+            CHECK(law == LAW_FINE        ? is_multiple(256 / s.gain, 1)
+                  : law == LAW_DB        ? fabs(db - floor(db + 0.5)) < 1e-6
+                  : law == LAW_SIXTEENTH ? is_multiple(s.gain, 1 / 16.0)
+                                         : is_multiple(3 * log2(s.gain), 1) || s.gain == 1);
+            if (law !=
+                LAW_FINE) /* 0.3 dB are less than a line of 29: there, and with finer laws, gain makes up for lines */
+                CHECK(s.gain < 1.001 || s.exposure_s > c.frame_s - PLANT_LINE_S || s.exposure_s < 30 * PLANT_LINE_S);
+            last = 0.98 * s.exposure_s * s.gain; /* a gain rounded down may cost what a line brought */
+        }
+    }
+}
+
+/* A profile as cameras have them, and mains periods. */
+static void check_profile(void)
+{
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    c.stages = 2;
+    c.stage[0] = (pupil_sensor_stage){0.004, 2};
+    c.stage[1] = (pupil_sensor_stage){0.010, 4};
+    static const double wanted[][3] = {{0.003, 0.003, 1}, {0.006, 0.004, 1.5}, {0.008, 0.004, 2}, {0.016, 0.008, 2},
+                                       {0.03, 0.01, 3},   {0.04, 0.01, 4},     {0.1, 0.025, 4},   {0.2, 1 / 30.0, 6},
+                                       {9, 1 / 30.0, 16}, {1e-5, 1e-4, 1},     {0.02, 0.01, 2}};
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        split(&c, wanted[i][0]);
+        CHECK_MSG(fabs(s.exposure_s / wanted[i][1] - 1) < 1e-9 && fabs(s.gain / wanted[i][2] - 1) < 1e-9,
+                  "%g: %g s, gain %g", wanted[i][0], s.exposure_s, s.gain);
+    }
+    c.frame_rate_priority = 0;
+    c.exposure_max_s = 0.5;
+    split(&c, 4);
+    CHECK(fabs(s.exposure_s - 0.25) < 1e-9 && fabs(s.gain - 16) < 1e-9);
+    for (uint32_t mains = 50; mains <= 60; mains += 10)
+        for (double total = 0.001; total < 0.5; total *= 1.01) {
+            pupil_sensor_config_default(&c);
+            c.mains_hz = mains;
+            split(&c, total);
+            CHECK_MSG(s.exposure_s < 0.5 / mains ? s.gain == 1 : is_multiple(s.exposure_s, 0.5 / mains), "%u Hz: %g s",
+                      mains, s.exposure_s);
+            c.exposure_step_s = PLANT_LINE_S; /* rounded down to lines: less than a line off */
+            split(&c, total);
+            const double periods = (s.exposure_s + PLANT_LINE_S) * 2 * mains;
+            CHECK(s.exposure_s < 0.5 / mains - PLANT_LINE_S || periods - floor(periods) < PLANT_LINE_S * 2 * mains);
+        }
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    check_fields();
+    check_laws();
+    check_split();
+    check_profile();
+    return check_end();
+}

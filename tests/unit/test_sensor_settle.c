@@ -1,0 +1,192 @@
+/* The sensor's controller around a small camera: how soon it is right, that it stays there, and that no step of the
+ * sensor can be seen. Prints the tables of docs/sensor.md. */
+#include "sensor_plant.h"
+
+static plant p;
+static pupil_sensor sensor;
+static pupil_sensor_setting s;
+
+typedef struct answer {
+    int frames;       /* until the sensor is within 0.1 EV (and the law's step below), counted from the first frame that
+                       * has the new light; it stays there */
+    double overshoot; /* stops beyond, on the other side, once it has moved */
+} answer;
+
+/* What the largest step of the law costs: the setting is rounded down. */
+static double rounded_ev(int law)
+{
+    return law == LAW_THIRD ? 1.0 / 3.0 : law == LAW_SIXTEENTH ? log2(17.0 / 16.0) : law == LAW_DB ? 0.05 : 0.01;
+}
+
+static answer watch(int law, double direction)
+{
+    answer a = {0, 0};
+    for (int i = 0; i < 60; i++) {
+        double off = plant_turn(&p, &sensor, &s, NULL);
+        if (off > 0.1 || off < -0.1 - rounded_ev(law) - 0.05)
+            a.frames = i + 1;
+        if (i >= (int)p.delay[0]) /* a scene that got darker is answered by light, and beyond is too bright */
+            a.overshoot = fmax(a.overshoot, direction > 0 ? -off - rounded_ev(law) - 0.05 : off);
+    }
+    CHECK(s.state == PUPIL_SENSOR_CONVERGED);
+    return a;
+}
+
+/* The light moves by so many stops while the loop is at rest. */
+static answer step(int law, uint32_t delay, double ev, int lies)
+{
+    pupil_sensor_config c = plant_config(law);
+    /* from the middle of what the camera can, so that no limit is met */
+    const double middle = 0.5 * (log2(PLANT_LINE_S) + log2(20.0 / 30.0));
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+    plant_open(&p, &sensor, log2(0.18) - middle - 0.5 * ev, delay);
+    p.lies = lies;
+    for (int i = 0; i < 60; i++)
+        plant_turn(&p, &sensor, &s, NULL);
+    p.light_ev += ev;
+    return watch(law, ev);
+}
+
+/* From the start of the stream, with a first setting so many stops too bright. */
+static answer start(int law, uint32_t delay, double ev)
+{
+    pupil_sensor_config c = plant_config(law);
+    const double middle = 0.5 * (log2(PLANT_LINE_S) + log2(20.0 / 30.0));
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+    CHECK(pupil_sensor_start(&sensor, exp2(middle + 0.5 * ev), 1.0) == PUPIL_OK);
+    plant_open(&p, &sensor, log2(0.18) - middle + 0.5 * ev, delay);
+    return watch(law, ev);
+}
+
+static void check_settling(void)
+{
+    static const double steps[] = {-6, -3, -1, 1, 3, 6};
+    printf("frames to +-0.1 EV after a step of the light, delay_frames = 4 (and from white, from black)\n");
+    printf("%-12s D ", "gain");
+    for (int i = 0; i < 6; i++)
+        printf("%+5.0f EV", steps[i]);
+    printf("   white   black  overshoot EV\n");
+    for (int law = 0; law < LAWS; law++)
+        for (uint32_t delay = 1; delay <= 4; delay++) {
+            double overshoot = 0;
+            printf("%-12s %u ", law_name[law], delay);
+            for (int i = 0; i < 6; i++) {
+                answer a = step(law, delay, steps[i], 0), told = step(law, delay, steps[i], 1);
+                /* D frames, where less than half is clipped; where more is, one look more: 4 frames later */
+                int most = steps[i] < 2 ? (int)delay : (int)delay + 4;
+                CHECK_MSG(a.frames <= most, "%s, D %u, %+g EV: %d frames", law_name[law], delay, steps[i], a.frames);
+                CHECK_MSG(a.overshoot <= 0.05, "%s, D %u, %+g EV: overshoot %g", law_name[law], delay, steps[i],
+                          a.overshoot);
+                CHECK_MSG(told.frames <= most + 8, "%s, D %u, %+g EV, lies: %d frames", law_name[law], delay, steps[i],
+                          told.frames);
+                overshoot = fmax(overshoot, a.overshoot);
+                printf("%8d", a.frames);
+            }
+            answer white = start(law, delay, 10.0), black = start(law, delay, -10.0);
+            CHECK_MSG(white.frames <= (int)delay + 8, "%s, D %u, white: %d", law_name[law], delay, white.frames);
+            CHECK_MSG(black.frames <= (int)delay + 8, "%s, D %u, black: %d", law_name[law], delay, black.frames);
+            printf("%8d%8d   %.3f\n", white.frames, black.frames, overshoot);
+        }
+}
+
+/* At rest, with noise of the metering: how far the shown level wanders, and how often the camera is written to. */
+static void check_rest(void)
+{
+    /* the filter passes white noise on with a deviation of sqrt(k / (2 - k)) of its own; nothing beyond eight of these
+     * from end to end is the noise's */
+    const double k = 1 - exp(-1 / 30.0 / 0.8), most = 8 * 0.02 * sqrt(k / (2 - k));
+    printf("at rest, 900 frames with 0.02 EV of metering noise\n%-12s D  p-p EV  RMS EV/frame  settings\n", "gain");
+    for (int law = 0; law < LAWS; law++)
+        for (uint32_t delay = 1; delay <= 4; delay++)
+            for (int lies = 0; lies < 2; lies++) {
+                double low = 100, high = -100, last = 0, sum = 0;
+                int writes = 0;
+                step(law, delay, 1.0, lies);
+                p.noise_ev = 0.02;
+                for (int i = 0; i < 1000; i++) {
+                    double shown;
+                    plant_turn(&p, &sensor, &s, &shown);
+                    CHECK(s.state == PUPIL_SENSOR_CONVERGED || i < 100);
+                    if (i >= 100) {
+                        low = fmin(low, shown);
+                        high = fmax(high, shown);
+                        sum += i > 100 ? (shown - last) * (shown - last) : 0;
+                        writes += s.changed != 0;
+                    }
+                    last = shown;
+                }
+                if (!lies)
+                    printf("%-12s %u  %.4f  %.5f       %d\n", law_name[law], delay, high - low, sqrt(sum / 899),
+                           writes);
+                CHECK_MSG(high - low <= most, "%s, D %u, lies %d: %g EV", law_name[law], delay, lies, high - low);
+            }
+}
+
+/* A slow ramp over many settings: as shown, no frame differs from the one before by more than the ramp and the filter
+ * explain, whatever the law and whatever the two delays. */
+static void check_seams(void)
+{
+    double worst = 0;
+    for (int law = 0; law < LAWS; law++)
+        for (uint32_t e = 1; e <= 4; e++)
+            for (uint32_t g = 1; g <= 4; g++) {
+                pupil_sensor_config c = plant_config(law);
+                double last = 0;
+                c.mains_hz = law % 2 ? 50 : 0; /* exposures that jump by a factor of two, made up for by the gain */
+                CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+                plant_open(&p, &sensor, log2(0.18 * 60), e);
+                p.delay[1] = g;
+                int settings = 0;
+                for (int i = 0; i < 1600; i++) {
+                    double shown, ramp = i < 100 ? 0 : i < 850 ? -0.002 : 0.002;
+                    p.light_ev += ramp;
+                    plant_turn(&p, &sensor, &s, &shown);
+                    settings += s.changed != 0;
+                    if (i > 100)
+                        worst = fmax(worst, fabs(shown - last));
+                    last = shown;
+                }
+                CHECK_MSG(settings > 8, "%s: only %d settings", law_name[law], settings);
+            }
+    printf("seams: %.5f EV from frame to frame at most, the light moving 0.002\n", worst);
+    CHECK(worst <= 0.005);
+}
+
+/* Seconds, not frames: the filter's way at other frame rates. */
+static void check_seconds(void)
+{
+    static const double rates[] = {10, 30, 120, 240};
+    for (int i = 0; i < 4; i++)
+        for (int drops = 0; drops < 2; drops++) {
+            static pupil_stats stats;
+            pupil_sensor_config c = plant_config(LAW_FINE);
+            c.far_ev = 2.0;
+            c.delay_frames = 1;
+            c.exposure_max_s = c.frame_s = 1 / rates[i];
+            CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+            CHECK(pupil_sensor_start(&sensor, 1.0 / 500, 1.0) == PUPIL_OK);
+            plant_open(&p, &sensor, log2(0.18 * 500) - 0.5, 1);
+            p.frame_s = 1 / rates[i];
+            const int last = (int)(1.6 * rates[i]);
+            for (int k = 0; k <= last; k++) {
+                pupil_frame_info info = plant_next(&p, &stats);
+                if (k == 0 || k == last || !drops || check_uniform() > 0.2)
+                    CHECK(pupil_sensor_frame(&sensor, &stats, &info) == PUPIL_OK);
+                CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+                plant_ask(&p, &s);
+            }
+            /* 0.5 EV, less what is left after two time constants; the mean of a partly clipped scene lies 0.01 lower */
+            double way = log2(s.total_s * 500), wanted = 0.5 * (1 - exp(-2.0));
+            CHECK_MSG(fabs(way - wanted) < 0.02, "%g fps: %g EV, %g is right", rates[i], way, wanted);
+        }
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    check_settling();
+    check_rest();
+    check_seams();
+    check_seconds();
+    return check_end();
+}
