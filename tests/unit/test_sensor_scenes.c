@@ -61,7 +61,8 @@ static void check_lamps(void)
 }
 
 /* A share of the scene is even and dark: between code 0, which counts as the floor, and code 1 lie two stops. Where the
- * noise takes a fifth of the scene from one to the other, what is metered jumps by 0.4 stops; half of that is borne. */
+ * noise takes the area from one to the other and back, what is metered jumps by two stops times its share; the loop
+ * must not make more of it. */
 static void check_dark_areas(void)
 {
     double worst = 0;
@@ -71,7 +72,8 @@ static void check_dark_areas(void)
             for (int i = 0; i < PLANT_PIXELS * percent / 100; i++)
                 p.scene[i] = ev;
             rest r = watch();
-            CHECK_MSG(r.wandered <= 0.2, "%d %% at %g EV: %g EV", percent, ev, r.wandered);
+            const int between = percent <= 30 && ev <= -12; /* the area's light is about half a code at the key */
+            CHECK_MSG(r.wandered <= (between ? 0.02 * percent : 0.1), "%d %% at %g EV: %g EV", percent, ev, r.wandered);
             worst = fmax(worst, r.wandered);
         }
     printf("dark areas: %.3f EV from end to end at rest\n", worst);

@@ -91,7 +91,7 @@ typedef struct pupil_sensor_config {
     /* how fast */
     double far_ev;     /* further off than this: one step; nearer: the filter; stops; 0.10; 0.02..2 */
     double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
-                        * weight of a frame is never above 0.39 / delay_frames, which no delay up to delay_frames can make
+                        * weight of a frame is never above 0.39 / delay_frames, which no delay up to that can make
                         * overshoot, even where info does not tell the truth (largest k without overshoot of
                         * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
