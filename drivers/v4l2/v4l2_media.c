@@ -201,44 +201,101 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
 /* ---- why it does not start ----------------------------------------------------------------------------------------
  */
 
-#define BUS(code)                                                                                                      \
+/* A format on the wires between chips, and what it is in memory, one pixel after another and packed. */
+typedef struct bus_format {
+    uint32_t code;
+    const char *name;
+    uint32_t fourcc[2];
+} bus_format;
+
+#define FOUR(a, b, c, d) v4l2_fourcc(a, b, c, d)
+#define BUS(code, plain, packed)                                                                                       \
     {                                                                                                                  \
-        MEDIA_BUS_FMT_##code, #code                                                                                    \
+        MEDIA_BUS_FMT_##code, #code,                                                                                   \
+        {                                                                                                              \
+            plain, packed                                                                                              \
+        }                                                                                                              \
     }
 
-static const char *code_name(uint32_t code, char *number, size_t number_bytes)
+static const bus_format bus_formats[] = {
+    BUS(SRGGB8_1X8, V4L2_PIX_FMT_SRGGB8, 0),
+    BUS(SGRBG8_1X8, V4L2_PIX_FMT_SGRBG8, 0),
+    BUS(SGBRG8_1X8, V4L2_PIX_FMT_SGBRG8, 0),
+    BUS(SBGGR8_1X8, V4L2_PIX_FMT_SBGGR8, 0),
+    BUS(SRGGB10_1X10, V4L2_PIX_FMT_SRGGB10, V4L2_PIX_FMT_SRGGB10P),
+    BUS(SGRBG10_1X10, V4L2_PIX_FMT_SGRBG10, V4L2_PIX_FMT_SGRBG10P),
+    BUS(SGBRG10_1X10, V4L2_PIX_FMT_SGBRG10, V4L2_PIX_FMT_SGBRG10P),
+    BUS(SBGGR10_1X10, V4L2_PIX_FMT_SBGGR10, V4L2_PIX_FMT_SBGGR10P),
+    BUS(SRGGB12_1X12, V4L2_PIX_FMT_SRGGB12, FOUR('p', 'R', 'C', 'C')),
+    BUS(SGRBG12_1X12, V4L2_PIX_FMT_SGRBG12, FOUR('p', 'g', 'C', 'C')),
+    BUS(SGBRG12_1X12, V4L2_PIX_FMT_SGBRG12, FOUR('p', 'G', 'C', 'C')),
+    BUS(SBGGR12_1X12, V4L2_PIX_FMT_SBGGR12, FOUR('p', 'B', 'C', 'C')),
+    BUS(SRGGB14_1X14, FOUR('R', 'G', '1', '4'), 0),
+    BUS(SGRBG14_1X14, FOUR('G', 'R', '1', '4'), 0),
+    BUS(SGBRG14_1X14, FOUR('G', 'B', '1', '4'), 0),
+    BUS(SBGGR14_1X14, FOUR('B', 'G', '1', '4'), 0),
+    BUS(Y8_1X8, V4L2_PIX_FMT_GREY, 0),
+    BUS(Y10_1X10, V4L2_PIX_FMT_Y10, 0),
+    BUS(Y12_1X12, V4L2_PIX_FMT_Y12, 0),
+    BUS(RGB888_1X24, V4L2_PIX_FMT_RGB24, 0),
+    BUS(UYVY8_1X16, 0, 0), /* in memory as whatever the last chip makes of it */
+    BUS(YUYV8_1X16, 0, 0),
+    BUS(UYVY8_2X8, 0, 0),
+    BUS(YUYV8_2X8, 0, 0),
+};
+#define BUS_FORMATS (sizeof bus_formats / sizeof bus_formats[0])
+
+typedef struct code_text {
+    char text[24];
+} code_text;
+
+/* As media-ctl names it. */
+static code_text name_of_code(uint32_t code)
 {
-    static const struct {
-        uint32_t code;
-        const char *name;
-    } codes[] = {
-        BUS(SBGGR8_1X8),   BUS(SGBRG8_1X8),   BUS(SGRBG8_1X8),   BUS(SRGGB8_1X8),   BUS(SBGGR10_1X10),
-        BUS(SGBRG10_1X10), BUS(SGRBG10_1X10), BUS(SRGGB10_1X10), BUS(SBGGR12_1X12), BUS(SGBRG12_1X12),
-        BUS(SGRBG12_1X12), BUS(SRGGB12_1X12), BUS(SBGGR14_1X14), BUS(SGBRG14_1X14), BUS(SGRBG14_1X14),
-        BUS(SRGGB14_1X14), BUS(Y8_1X8),       BUS(Y10_1X10),     BUS(Y12_1X12),     BUS(UYVY8_1X16),
-        BUS(YUYV8_1X16),   BUS(UYVY8_2X8),    BUS(YUYV8_2X8),    BUS(RGB888_1X24),
-    };
-    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
-        if (codes[i].code == code)
-            return codes[i].name;
-    snprintf(number, number_bytes, "0x%04x", code);
-    return number;
+    code_text name;
+    snprintf(name.text, sizeof name.text, "0x%04x", code);
+    for (size_t i = 0; i < BUS_FORMATS; i++)
+        if (bus_formats[i].code == code)
+            snprintf(name.text, sizeof name.text, "%s", bus_formats[i].name);
+    return name;
 }
 
-/* The format of a pad; -1: its entity has no node, or does not tell. */
-static int pad_format(const graph *g, const struct media_v2_pad *pad, struct v4l2_mbus_framefmt *format)
+/* The code that arrives in memory as a fourcc, if there is only one way; 0: there may be others. */
+static uint32_t code_of(uint32_t fourcc)
+{
+    for (size_t i = 0; i < BUS_FORMATS; i++)
+        if (bus_formats[i].fourcc[0] == fourcc || bus_formats[i].fourcc[1] == fourcc)
+            return bus_formats[i].code;
+    return 0;
+}
+
+/* Gets or (try) proposes the format of a pad, which changes nothing; -1: its entity has no node, or does not tell. */
+static int pad_format(const graph *g, const struct media_v2_pad *pad, int try, struct v4l2_mbus_framefmt *format)
 {
     char path[64];
-    struct v4l2_subdev_format f = {.which = V4L2_SUBDEV_FORMAT_ACTIVE, .pad = pad->index};
+    struct v4l2_subdev_format f = {.which = try ? V4L2_SUBDEV_FORMAT_TRY : V4L2_SUBDEV_FORMAT_ACTIVE,
+                                   .pad = pad->index,
+                                   .format = try ? *format : (struct v4l2_mbus_framefmt){0}};
     if (path_of_entity(g, pad->entity_id, path, sizeof path))
         return -1;
     const int fd = g->system->open(g->system->context, path);
     if (fd < 0)
         return -1;
-    const int error = pupil_v4l2_ioctl(g->system, fd, VIDIOC_SUBDEV_G_FMT, &f);
+    const int error = pupil_v4l2_ioctl(g->system, fd, try ? VIDIOC_SUBDEV_S_FMT : VIDIOC_SUBDEV_G_FMT, &f);
     g->system->close(g->system->context, fd);
     *format = f.format;
     return error;
+}
+
+static int is_same(const struct v4l2_mbus_framefmt *a, const struct v4l2_mbus_framefmt *b)
+{
+    return a->width == b->width && a->height == b->height && a->code == b->code;
+}
+
+static int would_take(const graph *g, const struct media_v2_pad *pad, const struct v4l2_mbus_framefmt *format)
+{
+    struct v4l2_mbus_framefmt f = *format;
+    return pad_format(g, pad, 1, &f) == 0 && is_same(&f, format);
 }
 
 static int mend_link(const graph *g, const struct media_v2_pad *source, const struct media_v2_pad *sink, char *mend,
@@ -254,34 +311,54 @@ static int mend_link(const graph *g, const struct media_v2_pad *source, const st
     return 0;
 }
 
-/* Compares the ends of a link. 0: they differ, and the sentence says how; -1: nothing to say. */
-static int mend_format(const graph *g, const struct media_v2_pad *source, const struct media_v2_pad *sink,
-                       const pupil_v4l2_format *node, char *mend, size_t mend_bytes)
+/* "SRGGB10_1X10/640x480" */
+static void tell_format(const struct v4l2_mbus_framefmt *f, char text[48])
 {
-    struct v4l2_mbus_framefmt sent, taken = {0};
-    char number[2][16];
-    const struct media_v2_entity *from = entity_of(g, source->entity_id), *to = entity_of(g, sink->entity_id);
-    if (!from || !to || pad_format(g, source, &sent))
+    snprintf(text, 48, "%s/%ux%u", name_of_code(f->code).text, f->width, f->height);
+}
+
+/* Compares what comes to the node with what it is set to. */
+static int mend_node(const graph *g, const struct media_v2_pad *source, const pupil_v4l2_format *node, char *mend,
+                     size_t mend_bytes)
+{
+    const struct media_v2_entity *from = entity_of(g, source->entity_id);
+    struct v4l2_mbus_framefmt sent;
+    const uint32_t code = code_of(node->fourcc);
+    char is[48], should[48];
+    if (!from || pad_format(g, source, 0, &sent) ||
+        (sent.width == node->width && sent.height == node->height && (!code || sent.code == code)))
         return -1;
-    if (node) {
-        if (sent.width == node->width && sent.height == node->height)
-            return -1;
-        snprintf(mend, mend_bytes,
-                 "%.63s sends %ux%u, and %ux%u are asked for; ask for the size that is sent, or change "
-                 "it: media-ctl -d %s -V '\"%.63s\":%u [fmt:%s/%ux%u]'",
-                 from->name, sent.width, sent.height, node->width, node->height, g->path, from->name, source->index,
-                 code_name(sent.code, number[0], sizeof number[0]), node->width, node->height);
-        return 0;
-    }
-    if (pad_format(g, sink, &taken) ||
-        (sent.width == taken.width && sent.height == taken.height && sent.code == taken.code))
-        return -1;
+    tell_format(&sent, is);
+    sent.width = node->width;
+    sent.height = node->height;
+    sent.code = code ? code : sent.code;
+    tell_format(&sent, should);
     snprintf(mend, mend_bytes,
-             "%.63s sends %s/%ux%u, but %.63s takes %s/%ux%u; this mends it: media-ctl -d %s -V "
-             "'\"%.63s\":%u [fmt:%s/%ux%u]'",
-             from->name, code_name(sent.code, number[0], sizeof number[0]), sent.width, sent.height, to->name,
-             code_name(taken.code, number[1], sizeof number[1]), taken.width, taken.height, g->path, to->name,
-             sink->index, code_name(sent.code, number[0], sizeof number[0]), sent.width, sent.height);
+             "%.63s sends %s, and %ux%u of %s are asked for; ask for what is sent, or change it: "
+             "media-ctl -d %s -V '\"%.63s\":%u [fmt:%s]'",
+             from->name, is, node->width, node->height, pupil_v4l2_fourcc_name(node->fourcc).text, g->path, from->name,
+             source->index, should);
+    return 0;
+}
+
+/* Compares the ends of a link between two subdevices: the end that would take the other's format is to change, the
+ * receiving one first. */
+static int mend_ends(const graph *g, const struct media_v2_pad *source, const struct media_v2_pad *sink, char *mend,
+                     size_t mend_bytes)
+{
+    const struct media_v2_entity *from = entity_of(g, source->entity_id), *to = entity_of(g, sink->entity_id);
+    struct v4l2_mbus_framefmt sent, taken;
+    char sent_text[48], taken_text[48];
+    if (!from || !to || pad_format(g, source, 0, &sent) || pad_format(g, sink, 0, &taken) || is_same(&sent, &taken))
+        return -1;
+    tell_format(&sent, sent_text);
+    tell_format(&taken, taken_text);
+    const int back = !would_take(g, sink, &sent) && would_take(g, source, &taken);
+    snprintf(mend, mend_bytes,
+             "%.63s sends %s, but %.63s takes %s; this mends it: media-ctl -d %s -V "
+             "'\"%.63s\":%u [fmt:%s]'",
+             from->name, sent_text, to->name, taken_text, g->path, back ? from->name : to->name,
+             back ? source->index : sink->index, back ? taken_text : sent_text);
     return 0;
 }
 
@@ -297,7 +374,8 @@ int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_form
         if (!link)
             break;
         if (link->flags & MEDIA_LNK_FL_ENABLED)
-            found = mend_format(&g, source, sink, entity == node ? format : NULL, mend, mend_bytes);
+            found = entity == node ? mend_node(&g, source, format, mend, mend_bytes)
+                                   : mend_ends(&g, source, sink, mend, mend_bytes);
         else
             found = mend_link(&g, source, sink, mend, mend_bytes);
         entity = entity_of(&g, source->entity_id);

@@ -86,7 +86,7 @@ static int set_format(pupil_v4l2_capture *c, char *why, size_t why_bytes)
     if (!fourcc)
         return PUPIL_V4L2_FAILED;
 
-    struct v4l2_format wanted = {.type = c->device.type};
+    struct v4l2_format wanted = f; /* with its colours: behind a media graph they have to match the sensor's */
     const int multi = wanted.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
     const uint32_t width = o->width ? o->width : multi ? f.fmt.pix_mp.width : f.fmt.pix.width;
     const uint32_t height = o->height ? o->height : multi ? f.fmt.pix_mp.height : f.fmt.pix.height;
@@ -95,12 +95,13 @@ static int set_format(pupil_v4l2_capture *c, char *why, size_t why_bytes)
         wanted.fmt.pix_mp.height = height;
         wanted.fmt.pix_mp.field = V4L2_FIELD_NONE;
         wanted.fmt.pix_mp.pixelformat = fourcc;
+        memset(wanted.fmt.pix_mp.plane_fmt, 0, sizeof wanted.fmt.pix_mp.plane_fmt); /* rows as the driver likes them */
     } else {
         wanted.fmt.pix.width = width;
         wanted.fmt.pix.height = height;
         wanted.fmt.pix.field = V4L2_FIELD_NONE;
         wanted.fmt.pix.pixelformat = fourcc;
-        wanted.fmt.pix.priv = V4L2_PIX_FMT_PRIV_MAGIC;
+        wanted.fmt.pix.bytesperline = wanted.fmt.pix.sizeimage = 0;
     }
     if (pupil_v4l2_ask(&c->device, VIDIOC_S_FMT, &wanted) != 0)
         return pupil_v4l2_failed(&c->device, "refuses the format", errno, why, why_bytes);

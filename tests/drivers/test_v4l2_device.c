@@ -218,9 +218,12 @@ static void test_media(void)
         {FAKE_MEDIA_PADS_DIFFER, EPIPE,
          "/dev/video0: does not start: fake 1-0010 sends SRGGB10_1X10/320x240, but fake csi takes SRGGB10_1X10/64x48; "
          "this mends it: media-ctl -d /dev/media0 -V '\"fake csi\":0 [fmt:SRGGB10_1X10/320x240]'"},
+        {FAKE_MEDIA_CODES_DIFFER, EPIPE,
+         "fake 1-0010 sends RGB888_1X24/64x48, but fake csi takes SRGGB10_1X10/64x48; this mends it: media-ctl -d "
+         "/dev/media0 -V '\"fake 1-0010\":0 [fmt:SRGGB10_1X10/64x48]'"}, /* the receiver would not take RGB */
         {FAKE_MEDIA_NODE_DIFFERS, EPIPE,
-         "fake csi sends 320x240, and 64x48 are asked for; ask for the size that is sent, or change it: media-ctl -d "
-         "/dev/media0 -V '\"fake csi\":1 [fmt:SRGGB10_1X10/64x48]'"},
+         "fake csi sends SRGGB10_1X10/320x240, and 64x48 of RG10 are asked for; ask for what is sent, or change it: "
+         "media-ctl -d /dev/media0 -V '\"fake csi\":1 [fmt:SRGGB10_1X10/64x48]'"},
         {FAKE_MEDIA_RIGHT, EPIPE, "does not start: Broken pipe"},
         {FAKE_MEDIA_NONE, EPIPE, "does not start: Broken pipe"},
     };
@@ -250,6 +253,22 @@ static void test_media(void)
     }
 }
 
+/* A node of another format than what comes to it. */
+static void test_media_format(void)
+{
+    fake_v4l2_config c = usual();
+    c.only_format = V4L2_PIX_FMT_SRGGB8;
+    c.media = FAKE_MEDIA_RIGHT;
+    c.start_error = EPIPE;
+    check_refused(&c,
+                  "fake csi sends SRGGB10_1X10/64x48, and 64x48 of RGGB are asked for; ask for what is sent, or change "
+                  "it: media-ctl -d /dev/media0 -V '\"fake csi\":1 [fmt:SRGGB8_1X8/64x48]'");
+    c.only_format = V4L2_PIX_FMT_SRGGB10P; /* the same in memory, packed */
+    check_refused(&c, "does not start: Broken pipe");
+    c.only_format = V4L2_PIX_FMT_NV12; /* may be made of anything */
+    check_refused(&c, "does not start: Broken pipe");
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -258,5 +277,6 @@ int main(int argc, char **argv)
     test_agreement();
     test_refusals();
     test_media();
+    test_media_format();
     return check_end();
 }

@@ -51,17 +51,28 @@ static int topology(const fake_v4l2 *f, struct media_v2_topology *t)
     return 0;
 }
 
-/* All of them send 64x48; where something is to differ it is 320x240. */
+/* All of them send 64x48; where something is to differ it is 320x240, or RGB. */
 static int pad_format(const fake_v4l2 *f, int kind, struct v4l2_subdev_format *s)
 {
+    const uint32_t media = f->config.media;
     const int sends = s->pad == (kind == FAKE_RECEIVER ? 1 : 0);
-    const int larger = (f->config.media == FAKE_MEDIA_PADS_DIFFER && kind == FAKE_SENSOR) ||
-                       (f->config.media == FAKE_MEDIA_NODE_DIFFERS && kind == FAKE_RECEIVER && sends);
+    const int larger = (media == FAKE_MEDIA_PADS_DIFFER && kind == FAKE_SENSOR) ||
+                       (media == FAKE_MEDIA_NODE_DIFFERS && kind == FAKE_RECEIVER && sends);
+    const int rgb = media == FAKE_MEDIA_CODES_DIFFER && kind == FAKE_SENSOR;
     if (s->pad > (kind == FAKE_RECEIVER ? 1u : 0u))
         return fake_fail(EINVAL);
-    s->format = (struct v4l2_mbus_framefmt){
-        .width = larger ? 320 : 64, .height = larger ? 240 : 48, .code = MEDIA_BUS_FMT_SRGGB10_1X10};
+    s->format = (struct v4l2_mbus_framefmt){.width = larger ? 320 : 64,
+                                            .height = larger ? 240 : 48,
+                                            .code = rgb ? MEDIA_BUS_FMT_RGB888_1X24 : MEDIA_BUS_FMT_SRGGB10_1X10};
     return 0;
+}
+
+/* What a pad would make of a format: the receiver takes raw formats only. */
+static int try_format(const fake_v4l2 *f, int kind, struct v4l2_subdev_format *s)
+{
+    if (s->which != V4L2_SUBDEV_FORMAT_TRY)
+        return fake_fail(EBUSY);
+    return kind == FAKE_RECEIVER && s->format.code == MEDIA_BUS_FMT_RGB888_1X24 ? pad_format(f, kind, s) : 0;
 }
 
 int fake_media_ioctl(const fake_v4l2 *f, int kind, unsigned long request, void *argument)
@@ -70,6 +81,8 @@ int fake_media_ioctl(const fake_v4l2 *f, int kind, unsigned long request, void *
         return topology(f, argument);
     if ((kind == FAKE_SENSOR || kind == FAKE_RECEIVER) && request == VIDIOC_SUBDEV_G_FMT)
         return pad_format(f, kind, argument);
+    if ((kind == FAKE_SENSOR || kind == FAKE_RECEIVER) && request == VIDIOC_SUBDEV_S_FMT)
+        return try_format(f, kind, argument);
     return fake_fail(ENOTTY);
 }
 

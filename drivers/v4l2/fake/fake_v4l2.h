@@ -18,7 +18,14 @@
 #define FAKE_V4L2_TWIN "Fake Camera, the other"
 
 enum { FAKE_STAMP_END_OF_FRAME, FAKE_STAMP_START_OF_EXPOSURE, FAKE_STAMP_NONE };
-enum { FAKE_MEDIA_NONE, FAKE_MEDIA_RIGHT, FAKE_MEDIA_LINK_OFF, FAKE_MEDIA_PADS_DIFFER, FAKE_MEDIA_NODE_DIFFERS };
+enum {
+    FAKE_MEDIA_NONE,
+    FAKE_MEDIA_RIGHT,
+    FAKE_MEDIA_LINK_OFF,
+    FAKE_MEDIA_PADS_DIFFER,
+    FAKE_MEDIA_NODE_DIFFERS,
+    FAKE_MEDIA_CODES_DIFFER
+};
 
 /* All zero but what fake_v4l2_config_default fills in: a webcam without faults. Frames are counted from STREAMON on. */
 typedef struct fake_v4l2_config {
