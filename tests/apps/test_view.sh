@@ -33,7 +33,7 @@ grep -qE "PUPIL_(GLES|WINDOW|EGL)" said.err && { echo "skipped: $(cat said.err)"
 grep -q "display" said.err || fail "no display: said $(cat said.err)"
 [ ! -e a.y4m ] || fail "no display, but an output"
 
-Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>number >xvfb.log 2>&1 &
+Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp -noreset 3>number >xvfb.log 2>&1 &
 server=$!
 tries=0
 while [ ! -s number ] && [ $tries -lt 100 ]; do sleep 0.1; tries=$((tries + 1)); done

@@ -11,10 +11,10 @@ count() {
 # Tables are printed by a script, which counts in their place.
 # The levels with vectors say again, faster, what the scalar one says: they are counted by themselves.
 levels=$(ls lib/kernels/vector*.h lib/kernels/neon*.[ch] lib/kernels/avx*.[ch])
-code=$(ls lib/core/*.[ch] lib/kernels/*.[ch] lib/kernels/*.py | grep -v -e '/tables\.c$' $(printf ' -e %s' $levels))
-lines=$(count $code)
-echo "lib/core and lib/kernels: $lines lines that are not blank; beside them the levels with vectors, $(count $levels)," \
-    "and lib/kernels/tables.c, which is generated, $(count lib/kernels/tables.c)"
+reference=$(ls lib/kernels/*.[ch] lib/kernels/*.py | grep -v -e '/tables\.c$' $(printf ' -e %s' $levels))
+lines=$(count lib/core/*.[ch])
+echo "lib/core: $lines lines that are not blank; beside it the kernels of the reference, $(count $reference), the levels with" \
+    "vectors, $(count $levels), and lib/kernels/tables.c, which is generated, $(count lib/kernels/tables.c)"
 echo "public headers: $(count lib/include/pupil/*.h) lines"
 
 cat >"$work/sizes.c" <<'C'

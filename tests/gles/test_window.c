@@ -23,7 +23,8 @@ static pid_t start_server(void)
         close(ends[0]);
         if (!freopen("/dev/null", "w", stderr))
             _exit(127);
-        execlp("Xvfb", "Xvfb", "-displayfd", fd, "-screen", "0", "640x480x24", "-nolisten", "tcp", (char *)NULL);
+        execlp("Xvfb", "Xvfb", "-displayfd", fd, "-screen", "0", "640x480x24", "-nolisten", "tcp", "-noreset",
+               (char *)NULL); /* or it begins anew, and is deaf meanwhile, whenever its last window closes */
         _exit(127);
     }
     close(ends[1]);
@@ -83,8 +84,8 @@ static void check_keys(pupil_window *window)
     CHECK(system("xdotool type 'aA+~ [5' && "
                  "xdotool key Left Right Up Down Escape Tab Return BackSpace ctrl+c F1 F11 && xdotool type q") == 0);
     for (size_t i = 0; i < count; i++) {
-        int got;
-        while ((got = pupil_window_poll(window)) <= PUPIL_WINDOW_OTHER)
+        int got, waits = 0;
+        while ((got = pupil_window_poll(window)) <= PUPIL_WINDOW_OTHER && waits++ < 30000) /* against hanging */
             usleep(1000);
         CHECK_MSG(got == expected[i], "key %zu is 0x%x, not 0x%x", i, (unsigned)got, (unsigned)expected[i]);
         if (got == 'q')
@@ -128,11 +129,15 @@ static void check_window(void)
 
     /* Larger than the screen: its shape is kept. */
     options.width = 1920, options.height = 1080, options.version = PUPIL_GLES_ES30;
-    CHECK(pupil_window_open(&window, &options, why, sizeof why) == 0);
+    CHECK_MSG(pupil_window_open(&window, &options, why, sizeof why) == 0, "%s", why);
+    if (!window)
+        return;
     check_size(window, 640, 360);
     pupil_window_close(window);
     options.fullscreen = 1;
-    CHECK(pupil_window_open(&window, &options, why, sizeof why) == 0);
+    CHECK_MSG(pupil_window_open(&window, &options, why, sizeof why) == 0, "%s", why);
+    if (!window)
+        return;
     check_size(window, 640, 480);
     pupil_window_close(window);
 }
