@@ -362,6 +362,19 @@ static int mend_ends(const graph *g, const struct media_v2_pad *source, const st
     return 0;
 }
 
+/* All links that are on: a sensor that feeds several branches starts only if all of them agree. */
+static int mend_branches(const graph *g, char *mend, size_t mend_bytes)
+{
+    int found = -1;
+    for (uint32_t k = 0; found && k < g->t.num_links; k++) {
+        const struct media_v2_link *link = &g->links[k];
+        const struct media_v2_pad *source = pad_of(g, link->source_id), *sink = pad_of(g, link->sink_id);
+        if (is_kind(link, MEDIA_LNK_FL_DATA_LINK) && link->flags & MEDIA_LNK_FL_ENABLED && source && sink)
+            found = mend_ends(g, source, sink, mend, mend_bytes);
+    }
+    return found;
+}
+
 int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_format *format, char *mend,
                           size_t mend_bytes)
 {
@@ -379,6 +392,15 @@ int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_form
         else
             found = mend_link(&g, source, sink, mend, mend_bytes);
         entity = entity_of(&g, source->entity_id);
+    }
+    if (node && found)
+        found = mend_branches(&g, mend, mend_bytes);
+    if (node && found) {
+        snprintf(mend, mend_bytes,
+                 "what leads to it in %s agrees; its sensor may feed another node that is set to another "
+                 "format ('media-ctl -d %s -p', 'v4l2-ctl --get-fmt-video')",
+                 g.path, g.path);
+        found = 0;
     }
     free_graph(&g);
     return found;
