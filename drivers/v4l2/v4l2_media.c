@@ -2,13 +2,14 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <linux/media-bus-format.h>
 #include <linux/media.h>
 #include <linux/v4l2-subdev.h>
 #include <linux/videodev2.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "v4l2/v4l2_bus.h"
 
 #define MOST_MEDIA 32   /* media devices that are looked at */
 #define MOST_STEPS 32   /* entities between a node and its sensor; a graph could be a ring */
@@ -201,74 +202,6 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
 /* ---- why it does not start ----------------------------------------------------------------------------------------
  */
 
-/* A format on the wires between chips, and what it is in memory, one pixel after another and packed. */
-typedef struct bus_format {
-    uint32_t code;
-    const char *name;
-    uint32_t fourcc[2];
-} bus_format;
-
-#define FOUR(a, b, c, d) v4l2_fourcc(a, b, c, d)
-#define BUS(code, plain, packed)                                                                                       \
-    {                                                                                                                  \
-        MEDIA_BUS_FMT_##code, #code,                                                                                   \
-        {                                                                                                              \
-            plain, packed                                                                                              \
-        }                                                                                                              \
-    }
-
-static const bus_format bus_formats[] = {
-    BUS(SRGGB8_1X8, V4L2_PIX_FMT_SRGGB8, 0),
-    BUS(SGRBG8_1X8, V4L2_PIX_FMT_SGRBG8, 0),
-    BUS(SGBRG8_1X8, V4L2_PIX_FMT_SGBRG8, 0),
-    BUS(SBGGR8_1X8, V4L2_PIX_FMT_SBGGR8, 0),
-    BUS(SRGGB10_1X10, V4L2_PIX_FMT_SRGGB10, V4L2_PIX_FMT_SRGGB10P),
-    BUS(SGRBG10_1X10, V4L2_PIX_FMT_SGRBG10, V4L2_PIX_FMT_SGRBG10P),
-    BUS(SGBRG10_1X10, V4L2_PIX_FMT_SGBRG10, V4L2_PIX_FMT_SGBRG10P),
-    BUS(SBGGR10_1X10, V4L2_PIX_FMT_SBGGR10, V4L2_PIX_FMT_SBGGR10P),
-    BUS(SRGGB12_1X12, V4L2_PIX_FMT_SRGGB12, FOUR('p', 'R', 'C', 'C')),
-    BUS(SGRBG12_1X12, V4L2_PIX_FMT_SGRBG12, FOUR('p', 'g', 'C', 'C')),
-    BUS(SGBRG12_1X12, V4L2_PIX_FMT_SGBRG12, FOUR('p', 'G', 'C', 'C')),
-    BUS(SBGGR12_1X12, V4L2_PIX_FMT_SBGGR12, FOUR('p', 'B', 'C', 'C')),
-    BUS(SRGGB14_1X14, FOUR('R', 'G', '1', '4'), 0),
-    BUS(SGRBG14_1X14, FOUR('G', 'R', '1', '4'), 0),
-    BUS(SGBRG14_1X14, FOUR('G', 'B', '1', '4'), 0),
-    BUS(SBGGR14_1X14, FOUR('B', 'G', '1', '4'), 0),
-    BUS(Y8_1X8, V4L2_PIX_FMT_GREY, 0),
-    BUS(Y10_1X10, V4L2_PIX_FMT_Y10, 0),
-    BUS(Y12_1X12, V4L2_PIX_FMT_Y12, 0),
-    BUS(RGB888_1X24, V4L2_PIX_FMT_RGB24, 0),
-    BUS(UYVY8_1X16, 0, 0), /* in memory as whatever the last chip makes of it */
-    BUS(YUYV8_1X16, 0, 0),
-    BUS(UYVY8_2X8, 0, 0),
-    BUS(YUYV8_2X8, 0, 0),
-};
-#define BUS_FORMATS (sizeof bus_formats / sizeof bus_formats[0])
-
-typedef struct code_text {
-    char text[24];
-} code_text;
-
-/* As media-ctl names it. */
-static code_text name_of_code(uint32_t code)
-{
-    code_text name;
-    snprintf(name.text, sizeof name.text, "0x%04x", code);
-    for (size_t i = 0; i < BUS_FORMATS; i++)
-        if (bus_formats[i].code == code)
-            snprintf(name.text, sizeof name.text, "%s", bus_formats[i].name);
-    return name;
-}
-
-/* The code that arrives in memory as a fourcc, if there is only one way; 0: there may be others. */
-static uint32_t code_of(uint32_t fourcc)
-{
-    for (size_t i = 0; i < BUS_FORMATS; i++)
-        if (bus_formats[i].fourcc[0] == fourcc || bus_formats[i].fourcc[1] == fourcc)
-            return bus_formats[i].code;
-    return 0;
-}
-
 /* Gets or (try) proposes the format of a pad, which changes nothing; -1: its entity has no node, or does not tell. */
 static int pad_format(const graph *g, const struct media_v2_pad *pad, int try, struct v4l2_mbus_framefmt *format)
 {
@@ -314,7 +247,7 @@ static int mend_link(const graph *g, const struct media_v2_pad *source, const st
 /* "SRGGB10_1X10/640x480" */
 static void tell_format(const struct v4l2_mbus_framefmt *f, char text[48])
 {
-    snprintf(text, 48, "%s/%ux%u", name_of_code(f->code).text, f->width, f->height);
+    snprintf(text, 48, "%s/%ux%u", pupil_v4l2_bus_name(f->code).text, f->width, f->height);
 }
 
 /* Compares what comes to the node with what it is set to. */
@@ -323,7 +256,7 @@ static int mend_node(const graph *g, const struct media_v2_pad *source, const pu
 {
     const struct media_v2_entity *from = entity_of(g, source->entity_id);
     struct v4l2_mbus_framefmt sent;
-    const uint32_t code = code_of(node->fourcc);
+    const uint32_t code = pupil_v4l2_bus_code(node->fourcc);
     char is[48], should[48];
     if (!from || pad_format(g, source, 0, &sent) ||
         (sent.width == node->width && sent.height == node->height && (!code || sent.code == code)))
@@ -362,6 +295,19 @@ static int mend_ends(const graph *g, const struct media_v2_pad *source, const st
     return 0;
 }
 
+/* All links that are on: a sensor that feeds several branches starts only if all of them agree. */
+static int mend_branches(const graph *g, char *mend, size_t mend_bytes)
+{
+    int found = -1;
+    for (uint32_t k = 0; found && k < g->t.num_links; k++) {
+        const struct media_v2_link *link = &g->links[k];
+        const struct media_v2_pad *source = pad_of(g, link->source_id), *sink = pad_of(g, link->sink_id);
+        if (is_kind(link, MEDIA_LNK_FL_DATA_LINK) && link->flags & MEDIA_LNK_FL_ENABLED && source && sink)
+            found = mend_ends(g, source, sink, mend, mend_bytes);
+    }
+    return found;
+}
+
 int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_format *format, char *mend,
                           size_t mend_bytes)
 {
@@ -379,6 +325,15 @@ int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_form
         else
             found = mend_link(&g, source, sink, mend, mend_bytes);
         entity = entity_of(&g, source->entity_id);
+    }
+    if (node && found)
+        found = mend_branches(&g, mend, mend_bytes);
+    if (node && found) {
+        snprintf(mend, mend_bytes,
+                 "what leads to it in %s agrees; its sensor may feed another node that is set to another "
+                 "format ('media-ctl -d %s -p', 'v4l2-ctl --get-fmt-video')",
+                 g.path, g.path);
+        found = 0;
     }
     free_graph(&g);
     return found;

@@ -15,8 +15,9 @@ typedef struct pupil_v4l2_sensor {
  * graph (as webcams, whose controls are the node's own), or no sensor is linked to it. */
 int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, char *why, size_t why_bytes);
 
-/* Why a node with this format does not start: the first link of its graph that is missing or whose ends differ, and the
- * media-ctl line that mends it, as the end of a sentence. 0, or -1: nothing was found. */
+/* Why a node with this format does not start: the first link on its way to the sensor, or else of its graph, that is
+ * off or whose ends differ, and the media-ctl line that mends it, as the end of a sentence. 0, or -1: it has no graph.
+ */
 int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_format *format, char *mend,
                           size_t mend_bytes);
 
