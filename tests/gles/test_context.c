@@ -11,6 +11,7 @@
 
 #include "egl/dmabuf.h"
 #include "gles/gl_test.h"
+#include "resident.h"
 
 #define OPENED 200
 /* It clears tens of MiB for each. */
@@ -36,18 +37,6 @@ static int has_driver(void)
         _exit(display != EGL_NO_DISPLAY && eglInitialize(display, NULL, NULL) ? 0 : 1);
     }
     return child > 0 && waitpid(child, &status, 0) == child && status == 0;
-}
-
-static long resident_kib(void)
-{
-    long pages = -1;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (!file)
-        return -1;
-    if (fscanf(file, "%*d %ld", &pages) != 1)
-        pages = -1;
-    fclose(file);
-    return pages < 0 ? -1 : pages * (sysconf(_SC_PAGESIZE) / 1024);
 }
 
 static void check_growth(void)

@@ -3,6 +3,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include "resident.h"
 #include "session.h"
 
 #define FRAMES  100000
@@ -21,18 +22,6 @@
 #define CONTEXT_GROWTH_KIB 256
 
 static session s;
-
-static long resident_kib(void)
-{
-    long pages = -1;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (!file)
-        return -1;
-    if (fscanf(file, "%*d %ld", &pages) != 1)
-        pages = -1;
-    fclose(file);
-    return pages < 0 ? -1 : pages * (sysconf(_SC_PAGESIZE) / 1024);
-}
 
 /* Of malloc's. */
 static long in_use_kib(void)
