@@ -251,9 +251,8 @@ static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version,
         return cause_of(o, error, why, why_bytes);
     o->gl.GenVertexArrays(1, &o->vertex_array);
     error = pupil_gles_textures_make(o, why, why_bytes);
-    if (!error)
-        error = pupil_gles_meter_make(o);
     if (!error) {
+        pupil_gles_meter_make(o);
         pupil_gles_textures_set(o);
         pupil_gles_programs_set(o);
     }

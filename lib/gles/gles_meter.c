@@ -3,7 +3,7 @@
 
 static const gles_statistics no_statistics;
 
-int pupil_gles_meter_make(gles_object *o)
+void pupil_gles_meter_make(gles_object *o)
 {
     const gl_functions *gl = &o->gl;
     for (int i = 0; i < GLES_RING; i++) {
@@ -16,7 +16,6 @@ int pupil_gles_meter_make(gles_object *o)
         gl->BindBuffer(GL_COPY_WRITE_BUFFER, o->state);
         gl->BufferData(GL_COPY_WRITE_BUFFER, 4 * sizeof(GLuint), &no_statistics, GL_DYNAMIC_COPY);
     }
-    return PUPIL_OK;
 }
 
 static void let_go(gles_object *o, gles_slot *slot)

@@ -162,7 +162,7 @@ void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from
 
 /* ---- gles_meter.c */
 
-int pupil_gles_meter_make(gles_object *o);
+void pupil_gles_meter_make(gles_object *o);
 void pupil_gles_meter_delete(gles_object *o);
 /* Forgets frames that are under way. */
 void pupil_gles_meter_drop(gles_object *o);
