@@ -7,9 +7,9 @@
 
 int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
 {
-    return pupil_sink_refuse(why, why_bytes,
-                             "%s: this program was built without cJSON (PUPIL_JSON=OFF); statistics can be a .csv file",
-                             path);
+    return pupil_refuse(why, why_bytes,
+                        "%s: this program was built without cJSON (PUPIL_JSON=OFF); statistics can be a .csv file",
+                        path);
 }
 
 char *pupil_stats_json_line(const pupil_record *record)

@@ -237,8 +237,8 @@ static int gnuplot(FILE *input, int output, FILE *errors)
 static int not_started(const char *path, int error, char *why, size_t why_bytes)
 {
     if (error == ENOENT)
-        return pupil_sink_refuse(why, why_bytes, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox");
-    return pupil_sink_refuse(why, why_bytes, "%s: gnuplot cannot be started: %s", path, strerror(error));
+        return pupil_refuse(why, why_bytes, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox");
+    return pupil_refuse(why, why_bytes, "%s: gnuplot cannot be started: %s", path, strerror(error));
 }
 
 static int draw(const char *path, FILE *input, FILE *errors, int output, char *why, size_t why_bytes)
@@ -250,7 +250,7 @@ static int draw(const char *path, FILE *input, FILE *errors, int output, char *w
     if (!failed && lseek(output, 0, SEEK_END) > 0)
         return 0;
     complaint(errors, line, sizeof line);
-    return pupil_sink_refuse(why, why_bytes, "%s: gnuplot cannot draw it: %s", path, line);
+    return pupil_refuse(why, why_bytes, "%s: gnuplot cannot draw it: %s", path, line);
 }
 
 /* Whether a plot has a name that says what it is, 1 for .png, 0 for .svg; -1 and a sentence. */
@@ -261,7 +261,7 @@ static int kind_of(const char *path, char *why, size_t why_bytes)
         return 1;
     if (ending && strcasecmp(ending, ".svg") == 0)
         return 0;
-    return pupil_sink_refuse(why, why_bytes, "%s: a plot is an .svg or a .png file", path);
+    return pupil_refuse(why, why_bytes, "%s: a plot is an .svg or a .png file", path);
 }
 
 int pupil_plot_check(const char *path, char *why, size_t why_bytes)
@@ -275,8 +275,7 @@ int pupil_plot_check(const char *path, char *why, size_t why_bytes)
     if (nothing)
         fclose(nothing);
     if (failed < 0)
-        return pupil_sink_refuse(why, why_bytes, "%s: the gnuplot that is installed fails even with nothing to draw",
-                                 path);
+        return pupil_refuse(why, why_bytes, "%s: the gnuplot that is installed fails even with nothing to draw", path);
     return failed ? not_started(path, failed, why, why_bytes) : 0;
 }
 
@@ -290,11 +289,11 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
     int failed = -1, output = open(pending.temporary, O_WRONLY | O_TRUNC | O_CREAT | O_CLOEXEC, 0666);
     FILE *input = tmpfile(), *errors = tmpfile();
     if (output < 0 || !input || !errors) {
-        pupil_sink_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno));
+        pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno));
     } else {
         write_script(input, is_png, context);
         failed = fflush(input) != 0 || fseek(input, 0, SEEK_SET) != 0
-                     ? pupil_sink_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno))
+                     ? pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno))
                      : draw(path, input, errors, output, why, why_bytes);
     }
     if (input)
@@ -316,6 +315,6 @@ int pupil_plot_write(const char *path, const pupil_record *records, size_t count
     if (kind_of(path, why, why_bytes) < 0)
         return -1;
     if (!count)
-        return pupil_sink_refuse(why, why_bytes, "%s: there is no frame to plot", path);
+        return pupil_refuse(why, why_bytes, "%s: there is no frame to plot", path);
     return pupil_plot_draw(path, script_of_run, &r, why, why_bytes);
 }

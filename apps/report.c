@@ -36,14 +36,13 @@ static int may_replace(const char *path, int overwrite, char *why, size_t why_by
     char start[sizeof REPORT_MARK] = "";
     FILE *f = fopen(path, "rbe");
     if (!f)
-        return errno == ENOENT ? 0 : pupil_sink_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        return errno == ENOENT ? 0 : pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
     size_t got = fread(start, 1, sizeof start - 1, f);
     fclose(f);
     if (got != sizeof start - 1 || memcmp(start, REPORT_MARK, got) != 0)
-        return pupil_sink_refuse(why, why_bytes, "%s: is there already and no report of pupil; name another folder",
-                                 path);
+        return pupil_refuse(why, why_bytes, "%s: is there already and no report of pupil; name another folder", path);
     if (!overwrite)
-        return pupil_sink_refuse(why, why_bytes, "%s: is there already; name another folder, or add --overwrite", path);
+        return pupil_refuse(why, why_bytes, "%s: is there already; name another folder, or add --overwrite", path);
     return 0;
 }
 
@@ -55,10 +54,9 @@ static int make_folder(pupil_report *r, char *why, size_t why_bytes)
     if (r->made_folder || (stat(r->folder, &s) == 0 && S_ISDIR(s.st_mode)))
         return 0;
     if (error == ENOENT)
-        return pupil_sink_refuse(why, why_bytes, "%s: the folder it would lie in is not there; make it first",
-                                 r->folder);
-    return pupil_sink_refuse(why, why_bytes, "%s: is no folder that a report can be put in: %s", r->folder,
-                             strerror(error == EEXIST ? ENOTDIR : error));
+        return pupil_refuse(why, why_bytes, "%s: the folder it would lie in is not there; make it first", r->folder);
+    return pupil_refuse(why, why_bytes, "%s: is no folder that a report can be put in: %s", r->folder,
+                        strerror(error == EEXIST ? ENOTDIR : error));
 }
 
 /* "folder/name", a hidden name with the number of the process in it; NULL: out of memory. */
@@ -80,9 +78,9 @@ static int begin(pupil_report *r, const char *folder, int overwrite, char *why, 
     r->plot = beside(folder, ".plot.%ld.svg");
     r->picture = beside(folder, ".picture.%ld.png");
     if (!index || !r->folder || !r->video || !r->plot || !r->picture)
-        pupil_sink_refuse(why, why_bytes, "%s: not enough memory", folder);
+        pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
     else if (!*folder)
-        pupil_sink_refuse(why, why_bytes, "\"\": a report needs the name of a folder");
+        pupil_refuse(why, why_bytes, "\"\": a report needs the name of a folder");
     else if (!make_folder(r, why, why_bytes) && !may_replace(index, overwrite, why, why_bytes))
         failed = pupil_pending_file(&r->page, index, why, why_bytes);
     free(index);
@@ -94,7 +92,7 @@ int pupil_report_begin(pupil_report **report, const char *folder, int overwrite,
 {
     pupil_report *r = calloc(1, sizeof *r);
     if (!r)
-        return pupil_sink_refuse(why, why_bytes, "%s: not enough memory", folder);
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
     r->stride = 1;
     r->stills = stills;
     if (begin(r, folder, overwrite, why, why_bytes)) {
@@ -182,7 +180,7 @@ int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pup
                        const pupil_record *record, char *why, size_t why_bytes)
 {
     if (pupil_report_wants(r) && keep(r, rgb8, fixed, record))
-        return pupil_sink_refuse(why, why_bytes, "%s: not enough memory for a thumbnail", r->folder);
+        return pupil_refuse(why, why_bytes, "%s: not enough memory for a thumbnail", r->folder);
     if (!r->seen++) {
         r->sums.width = rgb8->width;
         r->sums.height = rgb8->height;
@@ -202,7 +200,7 @@ static int embed(FILE *out, const char *type, const char *path, uint64_t most, c
     fprintf(out, "data:%s;base64,", type);
     int failed = in ? base64_write(out, in, most) : -1;
     if (failed < 0)
-        pupil_sink_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
     if (in)
         fclose(in);
     return failed;
@@ -298,12 +296,12 @@ int pupil_report_finish(pupil_report *r, const pupil_report_page *page, char *wh
     FILE *out = fopen(r->page.temporary, "wbe");
     int failed = -1;
     if (!out) {
-        pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
+        pupil_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
     } else {
         failed = put_page(r, page, out, why, why_bytes);
         int bad = ferror(out);
         if ((fclose(out) != 0 || bad) && !failed)
-            failed = pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
+            failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
     }
     if (!failed)
         failed = pupil_pending_commit(&r->page, why, why_bytes);

@@ -116,8 +116,8 @@ static int has_ending(const char *path, const char *ending)
 
 static int cannot_write(const pupil_stats_file *f, char *why, size_t why_bytes)
 {
-    return pupil_sink_refuse(why, why_bytes, "%s: the statistics cannot be written: %s",
-                             f->is_stream ? "standard output" : f->path, strerror(errno));
+    return pupil_refuse(why, why_bytes, "%s: the statistics cannot be written: %s",
+                        f->is_stream ? "standard output" : f->path, strerror(errno));
 }
 
 static int begin(pupil_stats_file *f, const char *path, char *why, size_t why_bytes)
@@ -125,12 +125,12 @@ static int begin(pupil_stats_file *f, const char *path, char *why, size_t why_by
     f->is_stream = strcmp(path, "-") == 0;
     f->is_csv = has_ending(path, ".csv");
     if (!f->is_stream && !f->is_csv && !has_ending(path, ".jsonl") && !has_ending(path, ".json"))
-        return pupil_sink_refuse(why, why_bytes, "%s: statistics are written as .jsonl (or .json) or .csv", path);
+        return pupil_refuse(why, why_bytes, "%s: statistics are written as .jsonl (or .json) or .csv", path);
     if (!f->is_csv && pupil_stats_json_check(path, why, why_bytes))
         return -1;
     f->path = strdup(path);
     if (!f->path)
-        return pupil_sink_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
     if (f->is_stream) {
         f->file = stdout;
         return 0;
@@ -149,7 +149,7 @@ int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, 
 {
     pupil_stats_file *f = calloc(1, sizeof *f);
     if (!f)
-        return pupil_sink_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
     if (begin(f, path, why, why_bytes)) {
         pupil_stats_file_discard(f);
         return -1;
@@ -165,7 +165,7 @@ int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, char
     } else {
         char *line = pupil_stats_json_line(record);
         if (!line)
-            return pupil_sink_refuse(why, why_bytes, "%s: not enough memory", f->path);
+            return pupil_refuse(why, why_bytes, "%s: not enough memory", f->path);
         fprintf(f->file, "%s\n", line);
         free(line);
     }

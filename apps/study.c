@@ -60,7 +60,7 @@ static void clear(const study *s)
 
 static int failed_code(study *s, int code)
 {
-    return code ? pupil_sink_refuse(s->why, sizeof s->why, "%s: %s", s->options.scene, pupil_error_string(code)) : 0;
+    return code ? pupil_refuse(s->why, sizeof s->why, "%s: %s", s->options.scene, pupil_error_string(code)) : 0;
 }
 
 /* ---- the tables ----------------------------------------------------------------------------------------------------
@@ -80,7 +80,7 @@ static int make_cells(study *s, const study_lights *lights, const study_states *
     for (int light = 0; !failed && light < 2; light++) {
         failed = study_target_open(&targets[light], &s->images, lights, light);
         if (failed)
-            pupil_sink_refuse(s->why, sizeof s->why, "%s: not enough memory", s->options.scene);
+            pupil_refuse(s->why, sizeof s->why, "%s: not enough memory", s->options.scene);
         if (!failed && result)
             failed = failed_code(s, study_distance_library(&targets[light], &s->images, lights, light,
                                                            &result->library_differ[light], &result->library_largest));
@@ -103,7 +103,7 @@ static int accept_scaled(study *s)
     study_states *states = malloc(sizeof *states);
     int failed = !lights || !states;
     if (failed)
-        pupil_sink_refuse(s->why, sizeof s->why, "%s: not enough memory", s->options.scene);
+        pupil_refuse(s->why, sizeof s->why, "%s: not enough memory", s->options.scene);
     for (size_t i = 0; !failed && i < sizeof shifts / sizeof shifts[0]; i++) {
         study_images_scale(&s->images, shifts[i]);
         failed = failed_code(s, study_lights_meter(lights, &s->images, shifts[i]));
@@ -134,8 +134,8 @@ static int make(study *s)
         failed_code(s, study_states_make(&s->states, &s->lights, s->options.float32)))
         return -1;
     if (!(s->lights.ev[1] > s->lights.ev[0]))
-        return pupil_sink_refuse(s->why, sizeof s->why, "%s: its two states of light have the same log-average",
-                                 s->options.scene);
+        return pupil_refuse(s->why, sizeof s->why, "%s: its two states of light have the same log-average",
+                            s->options.scene);
     s->doing = "tables, runs";
     if (make_cells(s, &s->lights, &s->states, &s->cells, r))
         return -1;
@@ -170,12 +170,12 @@ static int begin_folder(study *s)
     struct stat is;
     const char *out = s->options.out;
     if (strlen(out) > 4000)
-        return pupil_sink_refuse(s->why, sizeof s->why, "--out: a path of over 4000 bytes");
+        return pupil_refuse(s->why, sizeof s->why, "--out: a path of over 4000 bytes");
     s->made_folder = mkdir(out, 0777) == 0;
     int error = errno;
     if (!s->made_folder && (error != EEXIST || stat(out, &is) != 0 || !S_ISDIR(is.st_mode)))
-        return pupil_sink_refuse(s->why, sizeof s->why, "%s: is no folder that the study can be put in: %s", out,
-                                 strerror(error == EEXIST ? ENOTDIR : error));
+        return pupil_refuse(s->why, sizeof s->why, "%s: is no folder that the study can be put in: %s", out,
+                            strerror(error == EEXIST ? ENOTDIR : error));
     return pupil_plot_check(within(s, "level-case1.svg"), s->why, sizeof s->why);
 }
 
@@ -251,7 +251,7 @@ static int run(study *s)
     s->shows = !s->options.quiet && terminal && strcmp(terminal, "dumb") != 0 && isatty(STDERR_FILENO);
     s->team = workers_open(s->options.threads);
     if (!s->team)
-        return pupil_sink_refuse(s->why, sizeof s->why, "not enough memory");
+        return pupil_refuse(s->why, sizeof s->why, "not enough memory");
     s->result = (study_result){.scene = s->options.scene,
                                .command = s->command,
                                .float32 = s->options.float32,

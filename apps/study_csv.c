@@ -46,7 +46,7 @@ int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_b
     unsigned number = 0, known = 0, at[4], value;
     FILE *f = fopen(path, "re");
     if (!f)
-        return pupil_sink_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        return pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
     memset(cells, 0, sizeof *cells);
     while (fgets(line, sizeof line, f)) {
         uint16_t *cell;
@@ -54,9 +54,9 @@ int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_b
             continue;
         if (!place(line, at, &value) || *(cell = &cells->frame[at[0]][at[1]][at[2]][at[3]])) {
             fclose(f);
-            return pupil_sink_refuse(
-                why, why_bytes, "%s: line %u is no cell of the tables, or one that was there already; lines are %s",
-                path, number, HEAD);
+            return pupil_refuse(why, why_bytes,
+                                "%s: line %u is no cell of the tables, or one that was there already; lines are %s",
+                                path, number, HEAD);
         }
         *cell = (uint16_t)value;
         known++;
@@ -64,6 +64,6 @@ int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_b
     int failed = ferror(f);
     fclose(f);
     if (failed || known != STUDY_FORMULAS * STUDY_CASES * STUDY_WEIGHTS * STUDY_THRESHOLDS)
-        return pupil_sink_refuse(why, why_bytes, "%s: has %u of the 1280 cells that the tables are", path, known);
+        return pupil_refuse(why, why_bytes, "%s: has %u of the 1280 cells that the tables are", path, known);
     return 0;
 }

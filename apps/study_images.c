@@ -64,8 +64,8 @@ int study_images_reserve(study_images *images, uint32_t width, uint32_t height, 
     if (images->state[0] && images->state[1])
         return 0;
     study_images_free(images);
-    return pupil_sink_refuse(why, why_bytes, "not enough memory for two pictures of %lux%lu", (unsigned long)width,
-                             (unsigned long)height);
+    return pupil_refuse(why, why_bytes, "not enough memory for two pictures of %lux%lu", (unsigned long)width,
+                        (unsigned long)height);
 }
 
 int study_images_spheres(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes)

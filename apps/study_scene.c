@@ -50,7 +50,7 @@ static int sum_state(float *rgb, const fixture_scene *scene, const fixture_scene
     if (!failed)
         fixture_sum_lights(rgb, image, level, facts->lights, samples);
     else
-        pupil_sink_refuse(why, why_bytes, "not enough memory for the scene's light");
+        pupil_refuse(why, why_bytes, "not enough memory for the scene's light");
     free(image);
     free(level);
     return failed ? -1 : 0;
@@ -62,14 +62,14 @@ static int take_states(study_images *images, fixture_scene *scene, const char *n
     const fixture_scene_facts facts = fixture_scene_facts_of(scene);
     uint64_t state[2];
     if (facts.moves)
-        return pupil_sink_refuse(why, why_bytes, "%s: its camera moves; the study needs one that stands still", name);
+        return pupil_refuse(why, why_bytes, "%s: its camera moves; the study needs one that stands still", name);
     if (!find_states(scene, &facts, state))
-        return pupil_sink_refuse(why, why_bytes,
-                                 "%s: its light never changes; the study needs a lamp with a level line", name);
+        return pupil_refuse(why, why_bytes, "%s: its light never changes; the study needs a lamp with a level line",
+                            name);
     if (fixture_scene_prepare(scene, why, why_bytes))
         return -1;
     if (stop && stop())
-        return pupil_sink_refuse(why, why_bytes, "%s: stopped", name);
+        return pupil_refuse(why, why_bytes, "%s: stopped", name);
     if (study_images_reserve(images, facts.width, facts.height, why, why_bytes))
         return -1;
     for (int s = 0; s < 2; s++) {

@@ -181,7 +181,7 @@ int study_write(const char *path, study_writer *writer, const study_result *resu
         failed |= fclose(f) != 0;
     }
     if (failed)
-        pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
+        pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
     else
         failed = pupil_pending_commit(&pending, why, why_bytes);
     pupil_pending_discard(&pending);

@@ -103,7 +103,7 @@ static int write_frames(video *v, outputs *o, const study_lights *lights, unsign
         for (unsigned w = 0; w < STUDY_WEIGHTS; w++) {
             int error = draw_tile(v, w, lights, study_light_of(which_case, STUDY_FPS, i));
             if (error)
-                return pupil_sink_refuse(why, why_bytes, "the video's frame %u: %s", i, pupil_error_string(error));
+                return pupil_refuse(why, why_bytes, "the video's frame %u: %s", i, pupil_error_string(error));
         }
         if (outputs_write(o, &image, &info, why, why_bytes))
             return -1;
@@ -120,9 +120,9 @@ int study_video(const char *path, const study_images *images, const study_lights
     outputs o = {.count = 0};
     video *v = calloc(1, sizeof *v);
     if (!v)
-        return pupil_sink_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
     shrink(v, images);
-    int failed = begin(v, lights, formula) ? pupil_sink_refuse(why, why_bytes, "%s: cannot begin", path)
+    int failed = begin(v, lights, formula) ? pupil_refuse(why, why_bytes, "%s: cannot begin", path)
                                            : outputs_open(&o, path, &options, why, why_bytes);
     if (!failed)
         failed = write_frames(v, &o, lights, which_case, progress, context, why, why_bytes);

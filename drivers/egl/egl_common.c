@@ -1,18 +1,7 @@
 #include "egl/egl_common.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-int pupil_egl_refuse(char *why, size_t why_bytes, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    if (why && why_bytes)
-        vsnprintf(why, why_bytes, format, arguments);
-    va_end(arguments);
-    return -1;
-}
 
 int pupil_egl_listed(const char *list, const char *name)
 {

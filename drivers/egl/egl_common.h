@@ -5,10 +5,8 @@
 #define EGL_NO_X11 1 /* else its header brings in Xlib's */
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <stddef.h>
 
-/* Writes the sentence; returns -1. why NULL: nowhere. */
-__attribute__((format(printf, 3, 4))) int pupil_egl_refuse(char *why, size_t why_bytes, const char *format, ...);
+#include "refuse.h"
 
 /* The list, words parted by blanks, has the name. NULL: an empty list. */
 int pupil_egl_listed(const char *list, const char *name);

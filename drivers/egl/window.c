@@ -3,9 +3,10 @@
 
 #include <SDL.h>
 #include <SDL_opengles2.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+#include "refuse.h"
 
 struct pupil_window {
     SDL_Window *window;
@@ -14,20 +15,10 @@ struct pupil_window {
     const char *next;
 };
 
-__attribute__((format(printf, 3, 4))) static int refuse(char *why, size_t why_bytes, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    if (why && why_bytes)
-        vsnprintf(why, why_bytes, format, arguments);
-    va_end(arguments);
-    return -1;
-}
-
 static int open_video(char *why, size_t why_bytes)
 {
     if (SDL_WasInit(SDL_INIT_VIDEO))
-        return refuse(why, why_bytes, "a window is open already; there is one a process");
+        return pupil_refuse(why, why_bytes, "a window is open already; there is one a process");
     SDL_SetHint(SDL_HINT_VIDEO_X11_FORCE_EGL, "1"); /* GLX needs an extension for OpenGL ES; dma-bufs need EGL */
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0"); /* the desktop's other windows stay as they are */
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");                 /* they are the program's */
@@ -38,10 +29,11 @@ static int open_video(char *why, size_t why_bytes)
         failed = "its offscreen driver alone would start";
     }
     if (failed)
-        return refuse(why, why_bytes,
-                      "no display for a window (SDL: %s); set DISPLAY or WAYLAND_DISPLAY, or use the console of a "
-                      "machine with a screen",
-                      failed);
+        return pupil_refuse(
+            why, why_bytes,
+            "no display for a window (SDL: %s); set DISPLAY or WAYLAND_DISPLAY, or use the console of a "
+            "machine with a screen",
+            failed);
     return 0;
 }
 
@@ -88,9 +80,10 @@ static int make_window(pupil_window *window, const pupil_window_options *options
     window->window = SDL_CreateWindow(options->title ? options->title : "pupil", SDL_WINDOWPOS_CENTERED,
                                       SDL_WINDOWPOS_CENTERED, w, h, flags);
     if (!window->window)
-        return refuse(why, why_bytes,
-                      "no window with OpenGL ES (SDL: %s). On Debian: apt-get install libegl1 libgles2 libgl1-mesa-dri",
-                      SDL_GetError());
+        return pupil_refuse(
+            why, why_bytes,
+            "no window with OpenGL ES (SDL: %s). On Debian: apt-get install libegl1 libgles2 libgl1-mesa-dri",
+            SDL_GetError());
     /* Where the screen counts in units of several pixels, so many fewer of them. */
     SDL_GL_GetDrawableSize(window->window, &drawn_w, &drawn_h);
     if (!options->fullscreen && drawn_w > w) {
@@ -110,15 +103,15 @@ static int make_context(pupil_window *window, const pupil_window_options *option
         window->context = SDL_GL_CreateContext(window->window);
     }
     if (!window->context)
-        return refuse(why, why_bytes, "the display has no OpenGL ES %u.%u (SDL: %s)", lowest / 10, lowest % 10,
-                      SDL_GetError());
+        return pupil_refuse(why, why_bytes, "the display has no OpenGL ES %u.%u (SDL: %s)", lowest / 10, lowest % 10,
+                            SDL_GetError());
     const GLubyte *(GL_APIENTRY * get_string)(GLenum name);
     get_string = (const GLubyte *(GL_APIENTRY *)(GLenum))pupil_window_get_proc("glGetString");
     const char *text = (const char *)get_string(GL_VERSION);
     unsigned major = 0, minor = 0;
     if (!text || sscanf(text, "OpenGL ES %u.%u", &major, &minor) != 2 || major * 10 + minor < lowest)
-        return refuse(why, why_bytes, "the display has \"%s\"; OpenGL ES %u.%u is needed", text ? text : "no OpenGL",
-                      lowest / 10, lowest % 10);
+        return pupil_refuse(why, why_bytes, "the display has \"%s\"; OpenGL ES %u.%u is needed",
+                            text ? text : "no OpenGL", lowest / 10, lowest % 10);
     SDL_GL_SetSwapInterval(1); /* where it can */
     return 0;
 }
@@ -128,17 +121,17 @@ int pupil_window_open(pupil_window **window, const pupil_window_options *options
     *window = NULL;
     if (options->width < 1 || options->width > PUPIL_MAX_SIDE_PX || options->height < 1 ||
         options->height > PUPIL_MAX_SIDE_PX)
-        return refuse(why, why_bytes, "a window for %u x %u pixels; each side is 1 to %u", options->width,
-                      options->height, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, why_bytes, "a window for %u x %u pixels; each side is 1 to %u", options->width,
+                            options->height, PUPIL_MAX_SIDE_PX);
     if (options->version != PUPIL_GLES_BEST && options->version != PUPIL_GLES_ES30 &&
         options->version != PUPIL_GLES_ES31)
-        return refuse(why, why_bytes, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
+        return pupil_refuse(why, why_bytes, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
     if (open_video(why, why_bytes) != 0)
         return -1;
     pupil_window *opened = calloc(1, sizeof *opened);
     if (!opened) {
         SDL_Quit();
-        return refuse(why, why_bytes, "out of memory");
+        return pupil_refuse(why, why_bytes, "out of memory");
     }
     opened->next = opened->text;
     if (make_window(opened, options, why, why_bytes) != 0 || make_context(opened, options, why, why_bytes) != 0) {

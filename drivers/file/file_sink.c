@@ -23,7 +23,7 @@ int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pu
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
     *sink = NULL;
     if (!*path)
-        return pupil_sink_refuse(why, why_bytes, "\"\": an output needs a name");
+        return pupil_refuse(why, why_bytes, "\"\": an output needs a name");
     if (strcmp(path, "-") == 0)
         return pupil_y4m_sink_open(path, options, sink, why, why_bytes);
     /* A dot that begins the name begins no extension: "." and ".hidden" are folders. */
@@ -32,8 +32,8 @@ int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pu
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcasecmp(dot, kinds[i].extension) == 0)
             return kinds[i].open(path, options, sink, why, why_bytes);
-    return pupil_sink_refuse(why, why_bytes,
-                             "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png, a "
-                             "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output",
-                             path, dot);
+    return pupil_refuse(why, why_bytes,
+                        "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png, a "
+                        "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output",
+                        path, dot);
 }

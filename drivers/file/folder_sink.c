@@ -47,8 +47,7 @@ static int folder_sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
 {
     folder_sink *f = (folder_sink *)sink;
     if (!f->frames)
-        return pupil_sink_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame",
-                                 f->pending.path);
+        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", f->pending.path);
     if (pupil_pending_commit(&f->pending, why, why_bytes))
         return PUPIL_SINK_FAILED;
     folder_sink_discard(sink); /* after commit it only frees */
@@ -66,7 +65,7 @@ int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, 
         return PUPIL_SINK_FAILED;
     f = calloc(1, sizeof *f);
     if (!f)
-        return pupil_sink_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     f->sink.ops = &folder_sink_ops;
     f->options = *options;
     if (pupil_pending_folder(&f->pending, path, options->overwrite, why, why_bytes)) {
@@ -78,7 +77,7 @@ int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, 
     f->name = malloc(f->name_bytes);
     if (!f->file || !f->name) {
         folder_sink_discard(&f->sink);
-        return pupil_sink_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     }
     *sink = &f->sink;
     return PUPIL_SINK_OK;

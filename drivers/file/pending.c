@@ -5,29 +5,18 @@
 #include <fcntl.h>
 #include <ftw.h>
 #include <limits.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "refuse.h"
+
 /* So much of the name goes into the temporary one that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
 #define NAME_PART 200
 /* Temporary names tried: leavings of killed processes of the same number, and outputs asked for twice. */
 #define ATTEMPTS 100
-
-static int refuse(char *why, size_t why_bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
-
-static int refuse(char *why, size_t why_bytes, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    if (why && why_bytes)
-        vsnprintf(why, why_bytes, format, arguments);
-    va_end(arguments);
-    return -1;
-}
 
 /* "folder/.name.pid.ending", made as an empty file or folder that was not there before. NULL: errno says why. */
 static char *make_beside(const char *path, int is_folder, const char *ending)
@@ -122,13 +111,13 @@ static int may_replace(const char *path, const char *shown, int overwrite, char 
     char other[NAME_MAX + 1];
     size_t entries;
     if (look_through(path, &entries, other))
-        return refuse(why, why_bytes, "%s: the folder cannot be read: %s", shown, strerror(errno));
+        return pupil_refuse(why, why_bytes, "%s: the folder cannot be read: %s", shown, strerror(errno));
     if (entries && !overwrite)
-        return refuse(why, why_bytes,
-                      "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)",
-                      shown);
+        return pupil_refuse(
+            why, why_bytes,
+            "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)", shown);
     if (other[0])
-        return refuse(
+        return pupil_refuse(
             why, why_bytes,
             "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png or .exr; name another folder", shown,
             other);
@@ -160,13 +149,14 @@ static int check_parent(const char *path, struct stat *parent, char *why, size_t
     char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
     int failed = 0;
     if (!folder)
-        return refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     if (stat(folder, parent) != 0)
-        failed = errno == ENOENT
-                     ? refuse(why, why_bytes, "%s: there is no folder %s; make it first", path, folder)
-                     : refuse(why, why_bytes, "%s: the folder %s cannot be used: %s", path, folder, strerror(errno));
+        failed =
+            errno == ENOENT
+                ? pupil_refuse(why, why_bytes, "%s: there is no folder %s; make it first", path, folder)
+                : pupil_refuse(why, why_bytes, "%s: the folder %s cannot be used: %s", path, folder, strerror(errno));
     else if (!S_ISDIR(parent->st_mode))
-        failed = refuse(why, why_bytes, "%s: %s is a file, not a folder", path, folder);
+        failed = pupil_refuse(why, why_bytes, "%s: %s is a file, not a folder", path, folder);
     free(folder);
     return failed;
 }
@@ -177,19 +167,19 @@ static int check_there(const pupil_pending *p, const struct stat *parent, char *
     if (stat(p->path, &s) != 0) {
         if (errno == ENOENT)
             return 0;
-        return refuse(why, why_bytes, "%s: cannot be written: %s", p->path, strerror(errno));
+        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", p->path, strerror(errno));
     }
     if (!p->is_folder) {
         if (S_ISDIR(s.st_mode))
-            return refuse(why, why_bytes, "%s: is a folder; name a file", p->path);
+            return pupil_refuse(why, why_bytes, "%s: is a folder; name a file", p->path);
         if (!S_ISREG(s.st_mode)) /* a rename would put a file in the place of a device or a pipe */
-            return refuse(why, why_bytes, "%s: is a device or a pipe; name a file", p->path);
+            return pupil_refuse(why, why_bytes, "%s: is a device or a pipe; name a file", p->path);
         return 0;
     }
     if (!S_ISDIR(s.st_mode))
-        return refuse(why, why_bytes, "%s: is a file; name a folder", p->path);
+        return pupil_refuse(why, why_bytes, "%s: is a file; name a folder", p->path);
     if (s.st_dev != parent->st_dev) /* rename cannot replace it */
-        return refuse(why, why_bytes, "%s: is a mount point; name a folder inside it", p->path);
+        return pupil_refuse(why, why_bytes, "%s: is a mount point; name a folder inside it", p->path);
     return may_replace(p->path, p->path, p->overwrite, why, why_bytes);
 }
 
@@ -198,22 +188,22 @@ static int begin(pupil_pending *p, const char *path, char *why, size_t why_bytes
     struct stat parent;
     const char *slash, *name;
     if (!*path)
-        return refuse(why, why_bytes, "\"\": an output needs a name");
+        return pupil_refuse(why, why_bytes, "\"\": an output needs a name");
     if (!p->is_folder && path[strlen(path) - 1] == '/')
-        return refuse(why, why_bytes, "%s: is a folder; name a file", path);
+        return pupil_refuse(why, why_bytes, "%s: is a folder; name a file", path);
     p->path = final_path(path);
     if (!p->path)
-        return refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     slash = strrchr(p->path, '/');
     name = slash ? slash + 1 : p->path;
     if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return refuse(why, why_bytes, "%s: cannot be replaced; name a %s", path,
-                      p->is_folder ? "folder inside it" : "file");
+        return pupil_refuse(why, why_bytes, "%s: cannot be replaced; name a %s", path,
+                            p->is_folder ? "folder inside it" : "file");
     if (check_parent(p->path, &parent, why, why_bytes) || check_there(p, &parent, why, why_bytes))
         return -1;
     p->temporary = make_beside(p->path, p->is_folder, "part");
     if (!p->temporary)
-        return refuse(why, why_bytes, "%s: cannot be written there: %s", p->path, strerror(errno));
+        return pupil_refuse(why, why_bytes, "%s: cannot be written there: %s", p->path, strerror(errno));
     return 0;
 }
 
@@ -244,21 +234,21 @@ static int swap_folders(pupil_pending *p, char *why, size_t why_bytes)
     char *aside = make_beside(p->path, 1, "old");
     int failed = 0;
     if (!aside || rename(p->path, aside) != 0) {
-        failed = refuse(why, why_bytes, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
+        failed = pupil_refuse(why, why_bytes, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
         if (aside)
             rmdir(aside);
     } else if (may_replace(aside, p->path, 1, why, why_bytes)) {
         failed = -1;
         rename(aside, p->path);
     } else if (rename(p->temporary, p->path) != 0) {
-        failed = refuse(why, why_bytes, "%s: cannot be put in place: %s", p->path, strerror(errno));
+        failed = pupil_refuse(why, why_bytes, "%s: cannot be put in place: %s", p->path, strerror(errno));
         rename(aside, p->path);
     } else {
         free(p->temporary); /* in place; nothing to take back */
         p->temporary = NULL;
         if (remove_tree(aside) != 0)
-            failed = refuse(why, why_bytes, "%s: is in place, but the old folder, now %s, cannot be removed", p->path,
-                            aside);
+            failed = pupil_refuse(why, why_bytes, "%s: is in place, but the old folder, now %s, cannot be removed",
+                                  p->path, aside);
     }
     free(aside);
     return failed;
@@ -281,14 +271,15 @@ int pupil_pending_commit(pupil_pending *pending, char *why, size_t why_bytes)
 {
     const int error = nftw(pending->temporary, flush_entry, 16, FTW_PHYS);
     if (error)
-        return refuse(why, why_bytes, "%s: cannot be written: %s", pending->path, strerror(error > 0 ? error : errno));
+        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", pending->path,
+                            strerror(error > 0 ? error : errno));
     if (rename(pending->temporary, pending->path) != 0) {
         const int there = errno == ENOTEMPTY || errno == EEXIST;
         if (!pending->is_folder || !there)
-            return refuse(why, why_bytes, "%s: cannot be put in place: %s", pending->path, strerror(errno));
+            return pupil_refuse(why, why_bytes, "%s: cannot be put in place: %s", pending->path, strerror(errno));
         if (!pending->overwrite)
-            return refuse(why, why_bytes, "%s: files were put there in the meantime; name another folder",
-                          pending->path);
+            return pupil_refuse(why, why_bytes, "%s: files were put there in the meantime; name another folder",
+                                pending->path);
         if (swap_folders(pending, why, why_bytes))
             return -1;
     }

@@ -20,9 +20,9 @@ static int png_sink_write(pupil_sink *sink, const pupil_image_const *image, cons
     png_sink *p = (png_sink *)sink;
     (void)info;
     if (p->written)
-        return pupil_sink_refuse(
-            why, why_bytes, "%s: one picture was asked for but the input has more frames; name a folder or a video",
-            p->pending.path);
+        return pupil_refuse(why, why_bytes,
+                            "%s: one picture was asked for but the input has more frames; name a folder or a video",
+                            p->pending.path);
     if (pupil_sink_check_image(p->pending.path, &p->options, image, why, why_bytes) ||
         pupil_png_write(p->pending.temporary, p->pending.path, image, why, why_bytes))
         return PUPIL_SINK_FAILED;
@@ -34,8 +34,7 @@ static int png_sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
 {
     png_sink *p = (png_sink *)sink;
     if (!p->written)
-        return pupil_sink_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame",
-                                 p->pending.path);
+        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", p->pending.path);
     if (pupil_pending_commit(&p->pending, why, why_bytes))
         return PUPIL_SINK_FAILED;
     free(p);
@@ -60,7 +59,7 @@ int pupil_png_sink_open(const char *path, const pupil_sink_options *options, pup
         return PUPIL_SINK_FAILED;
     p = calloc(1, sizeof *p);
     if (!p)
-        return pupil_sink_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     p->sink.ops = &png_sink_ops;
     p->options = *options;
     if (pupil_pending_file(&p->pending, path, why, why_bytes)) {

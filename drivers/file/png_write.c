@@ -69,7 +69,7 @@ int pupil_png_write(const char *path, const char *name, const pupil_image_const 
     int failed = -1;
     job.file = fopen(path, "wbe");
     if (!job.file)
-        return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", name, strerror(errno));
+        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", name, strerror(errno));
     job.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning);
     if (job.png && (job.info = png_create_info_struct(job.png)) != NULL)
         failed = encode(&job, image);
@@ -79,6 +79,6 @@ int pupil_png_write(const char *path, const char *name, const pupil_image_const 
         failed = -1;
     }
     if (failed)
-        return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", name, job.problem);
+        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", name, job.problem);
     return 0;
 }

@@ -1,32 +1,21 @@
 #include "file/sink_common.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 
 /* A frame every quarter of an hour to 30 a ms: what the ratio below holds with room to spare. */
 #define FPS_MIN 0.001
 #define FPS_MAX 30000.0
 
-int pupil_sink_refuse(char *why, size_t why_bytes, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    if (why && why_bytes)
-        vsnprintf(why, why_bytes, format, arguments);
-    va_end(arguments);
-    return PUPIL_SINK_FAILED;
-}
-
 int pupil_sink_check_options(const char *path, const pupil_sink_options *options, char *why, size_t why_bytes)
 {
     if (options->width < 1 || options->width > PUPIL_MAX_SIDE_PX || options->height < 1 ||
         options->height > PUPIL_MAX_SIDE_PX)
-        return pupil_sink_refuse(why, why_bytes, "%s: frames of %u x %u pixels cannot be written; each side is 1 to %u",
-                                 path, options->width, options->height, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, why_bytes, "%s: frames of %u x %u pixels cannot be written; each side is 1 to %u",
+                            path, options->width, options->height, PUPIL_MAX_SIDE_PX);
     if (!(options->fps >= FPS_MIN && options->fps <= FPS_MAX))
-        return pupil_sink_refuse(why, why_bytes, "%s: %g frames a second cannot be written; give %g to %g", path,
-                                 options->fps, FPS_MIN, FPS_MAX);
+        return pupil_refuse(why, why_bytes, "%s: %g frames a second cannot be written; give %g to %g", path,
+                            options->fps, FPS_MIN, FPS_MAX);
     return PUPIL_SINK_OK;
 }
 
@@ -34,12 +23,12 @@ int pupil_sink_check_image(const char *path, const pupil_sink_options *options, 
                            char *why, size_t why_bytes)
 {
     if (image->pixel != PUPIL_PIXEL_RGB8)
-        return pupil_sink_refuse(why, why_bytes, "%s: pixel format %u cannot be written; display frames are 8-bit RGB",
-                                 path, image->pixel);
+        return pupil_refuse(why, why_bytes, "%s: pixel format %u cannot be written; display frames are 8-bit RGB", path,
+                            image->pixel);
     if (image->width != options->width || image->height != options->height)
-        return pupil_sink_refuse(why, why_bytes,
-                                 "%s: a frame of %u x %u pixels came after frames of %u x %u; all must be of one size",
-                                 path, image->width, image->height, options->width, options->height);
+        return pupil_refuse(why, why_bytes,
+                            "%s: a frame of %u x %u pixels came after frames of %u x %u; all must be of one size", path,
+                            image->width, image->height, options->width, options->height);
     return PUPIL_SINK_OK;
 }
 

@@ -2,10 +2,8 @@
 #ifndef PUPIL_DRIVERS_FILE_SINK_COMMON_H
 #define PUPIL_DRIVERS_FILE_SINK_COMMON_H
 
+#include "refuse.h" /* its -1 is PUPIL_SINK_FAILED */
 #include "sink.h"
-
-/* Writes the sentence, if there is room for one, and returns PUPIL_SINK_FAILED. */
-int pupil_sink_refuse(char *why, size_t why_bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* 0, or a sentence that begins with `path` and names the field. */
 int pupil_sink_check_options(const char *path, const pupil_sink_options *options, char *why, size_t why_bytes);

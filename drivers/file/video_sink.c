@@ -39,7 +39,7 @@ static int fail(const video_sink *v, int error, char *why, size_t why_bytes)
 {
     char text[AV_ERROR_MAX_STRING_SIZE] = "";
     av_strerror(error, text, sizeof text);
-    return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", v->pending.path, text);
+    return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", v->pending.path, text);
 }
 
 /* The time of the next frame in ticks: the distance of the frames' timestamps where they rise, else the nominal one. */
@@ -136,8 +136,7 @@ static int video_finish(pupil_sink *sink, char *why, size_t why_bytes)
     video_sink *v = (video_sink *)sink;
     int error, close_error;
     if (!v->frames)
-        return pupil_sink_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame",
-                                 v->pending.path);
+        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", v->pending.path);
     if (encode(v, NULL, why, why_bytes))
         return PUPIL_SINK_FAILED;
     error = av_write_trailer(v->muxer);
@@ -247,23 +246,22 @@ static int video_begin(video_sink *v, const char *path, char *why, size_t why_by
     if (pupil_pending_file(&v->pending, path, why, why_bytes))
         return PUPIL_SINK_FAILED;
     if (asprintf(&url, "file:%s", v->pending.temporary) < 0) /* "file:", for names with a colon */
-        return pupil_sink_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     avformat_alloc_output_context2(&v->muxer, NULL, format, url);
     free(url);
     v->frame = av_frame_alloc();
     v->packet = av_packet_alloc();
     if (!v->muxer || !v->frame || !v->packet)
-        return pupil_sink_refuse(why, why_bytes, "%s: libav has no %s writer", path, format);
+        return pupil_refuse(why, why_bytes, "%s: libav has no %s writer", path, format);
     for (size_t i = 0; i < sizeof encoders / sizeof *encoders && !v->encoder; i++)
         error = open_encoder(v, encoders[i]);
     if (!v->encoder) {
         char text[AV_ERROR_MAX_STRING_SIZE] = "";
         av_strerror(error, text, sizeof text);
-        return pupil_sink_refuse(
-            why, why_bytes,
-            "%s: libav has no encoder (libx264, libopenh264, mpeg4) for %u x %u pixels (%s); write "
-            "a folder of PNG or a .y4m",
-            path, v->options.width, v->options.height, text);
+        return pupil_refuse(why, why_bytes,
+                            "%s: libav has no encoder (libx264, libopenh264, mpeg4) for %u x %u pixels (%s); write "
+                            "a folder of PNG or a .y4m",
+                            path, v->options.width, v->options.height, text);
     }
     v->frame->format = v->encoder->pix_fmt;
     v->frame->width = v->encoder->width;
@@ -280,13 +278,13 @@ int pupil_video_sink_open(const char *path, const pupil_sink_options *options, p
     if (pupil_sink_check_options(path, options, why, why_bytes))
         return PUPIL_SINK_FAILED;
     if (options->width * options->height > PIXELS_MAX)
-        return pupil_sink_refuse(why, why_bytes,
-                                 "%s: %u x %u pixels are more than a video frame can have (%u in H.264); write a "
-                                 "folder of PNG or a .y4m",
-                                 path, options->width, options->height, PIXELS_MAX);
+        return pupil_refuse(why, why_bytes,
+                            "%s: %u x %u pixels are more than a video frame can have (%u in H.264); write a "
+                            "folder of PNG or a .y4m",
+                            path, options->width, options->height, PIXELS_MAX);
     v = calloc(1, sizeof *v);
     if (!v)
-        return pupil_sink_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     av_log_set_level(AV_LOG_QUIET); /* what goes wrong is said in sentences; x264 would print a report of its own */
     v->sink.ops = &video_ops;
     v->options = *options;

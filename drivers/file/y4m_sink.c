@@ -40,11 +40,11 @@ static int y4m_flush(y4m_sink *s, char *why, size_t why_bytes)
         } else if (errno == EAGAIN) { /* somebody made the pipe non-blocking */
             struct pollfd ready = {.fd = s->fd, .events = POLLOUT};
             if (poll(&ready, 1, -1) < 0)
-                return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
+                return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         } else if (errno == EPIPE) {
-            return pupil_sink_refuse(why, why_bytes, "%s: the reader is gone", y4m_name(s));
+            return pupil_refuse(why, why_bytes, "%s: the reader is gone", y4m_name(s));
         } else { /* EINTR too: a reader that has stopped must not keep the program from ending */
-            return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
+            return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         }
     }
     s->filled = 0;
@@ -115,12 +115,12 @@ static int y4m_finish(pupil_sink *sink, char *why, size_t why_bytes)
 {
     y4m_sink *s = (y4m_sink *)sink;
     if (!s->frames)
-        return pupil_sink_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", y4m_name(s));
+        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", y4m_name(s));
     if (!s->to_stdout) {
         const int failed = close(s->fd);
         s->fd = -1;
         if (failed)
-            return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
+            return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         if (pupil_pending_commit(&s->pending, why, why_bytes))
             return PUPIL_SINK_FAILED;
     }
@@ -135,16 +135,16 @@ static int y4m_begin(y4m_sink *s, const char *path, char *why, size_t why_bytes)
     if (s->to_stdout) {
         s->fd = STDOUT_FILENO;
         if (isatty(s->fd))
-            return pupil_sink_refuse(why, why_bytes,
-                                     "standard output: is a terminal, which cannot show YUV4MPEG2; pipe it into a "
-                                     "player or redirect it to a file");
+            return pupil_refuse(why, why_bytes,
+                                "standard output: is a terminal, which cannot show YUV4MPEG2; pipe it into a "
+                                "player or redirect it to a file");
         return PUPIL_SINK_OK;
     }
     if (pupil_pending_file(&s->pending, path, why, why_bytes))
         return PUPIL_SINK_FAILED;
     s->fd = open(s->pending.temporary, O_WRONLY | O_TRUNC | O_CLOEXEC);
     if (s->fd < 0)
-        return pupil_sink_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
+        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
     return PUPIL_SINK_OK;
 }
 
@@ -157,7 +157,7 @@ int pupil_y4m_sink_open(const char *path, const pupil_sink_options *options, pup
         return PUPIL_SINK_FAILED;
     s = calloc(1, sizeof *s);
     if (!s)
-        return pupil_sink_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
     s->sink.ops = &y4m_ops;
     s->options = *options;
     s->to_stdout = strcmp(path, "-") == 0;
