@@ -4,21 +4,21 @@
 
 #include <stdio.h>
 
-/* From smaps_rollup, which counts the pages. The totals of statm and status are sums of per-processor counters since
-   Linux 6.2 and lag behind by up to 2 pages x processors (at least 32) on each (linux/percpu_counter.c), 128 KiB and
-   more: they tell a leak from noise only when it is far greater. -1: the system does not say. */
+/* Heap, stacks and shared memory. Not counted: pages of files, which come in 64 KiB at a time as a function of a
+   library runs for the first time. From smaps_rollup, which counts pages; the totals of statm and status are sums of
+   per-processor counters since Linux 6.2 and lag behind. -1: the system does not say. */
 static inline long resident_kib(void)
 {
     char line[256];
-    long kib = -1;
+    long anonymous = -1, shared = -1;
     FILE *file = fopen("/proc/self/smaps_rollup", "r");
     if (!file)
         return -1;
-    while (kib < 0 && fgets(line, sizeof line, file))
-        if (sscanf(line, "Rss: %ld kB", &kib) != 1)
-            kib = -1;
+    while (fgets(line, sizeof line, file))
+        if (sscanf(line, "Pss_Anon: %ld kB", &anonymous) != 1)
+            sscanf(line, "Pss_Shmem: %ld kB", &shared);
     fclose(file);
-    return kib;
+    return anonymous < 0 || shared < 0 ? -1 : anonymous + shared;
 }
 
 #endif
