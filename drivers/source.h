@@ -37,6 +37,8 @@ typedef struct pupil_frame {
     pupil_frame_info info;
     const char
         *name; /* for messages and file names: the file the frame came from, or the source's own word; never NULL */
+    const void *coded;  /* the frame as it came, where that was compressed (MJPG); NULL: the image is as it came */
+    size_t coded_bytes; /* of coded */
 } pupil_frame;
 
 /* What a user can ask of any source; each takes what it understands. Zero means: not asked. */

@@ -1,0 +1,42 @@
+/* drivers/live/live.h: a camera under control, as a source of frames: each brings the exposure time and gain that it
+ * was taken with, and the controls can be asked for others.
+ *
+ *     open -> next -> (use the frame, ask) -> done -> ... -> close
+ *
+ * It is v4l2/v4l2_source.h and camera/camera_controls.h on the same device, kept in step: the sensor's subdevice is
+ * found in the media graph, what the driver sets anew at STREAMON is turned off again, and a camera that was unplugged
+ * and came back is taken again. Close puts every control back.
+ *
+ * A camera without a control of exposure is no error: frames come without exposure and gain, and
+ * pupil_live_no_controls has the sentence.
+ *
+ * Threads: as every source; asking is allowed from any thread.
+ */
+#ifndef PUPIL_DRIVERS_LIVE_H
+#define PUPIL_DRIVERS_LIVE_H
+
+#include "camera/camera_controls.h"
+#include "source.h"
+#include "v4l2/v4l2_capture.h"
+
+typedef struct pupil_live_options {
+    pupil_v4l2_options capture;
+    uint32_t mains_hz; /* 50, 60; 0: as it is */
+    int hands_off;     /* 1: no control is read or touched */
+} pupil_live_options;
+
+/* As pupil_v4l2_source_open. 0, or PUPIL_SOURCE_FAILED and a sentence. */
+int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
+                    pupil_source **source, char *why, size_t why_bytes);
+
+/* Of a source that was opened here. NULL: there are no controls, and why. */
+pupil_camera *pupil_live_camera(const pupil_source *source);
+const char *pupil_live_no_controls(const pupil_source *source);
+/* The capture; another one after the camera was opened again (capture->counts.reopened). */
+const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source);
+/* Of the frame that is out: its buffer, stamps and losses. Latency is the present less stamp_ns. */
+const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
+/* Puts every control back, by system calls alone: for handlers of fatal signals. */
+void pupil_live_restore(const pupil_source *source);
+
+#endif
