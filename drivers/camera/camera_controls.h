@@ -102,11 +102,15 @@ const char *pupil_camera_sensors(void);
 typedef struct pupil_camera_calls {
     int (*ioctl)(void *user, int fd, unsigned long request, void *argument);
     void *user;
+    void (*released)(void *user); /* called once, when user and the files are needed no more: by an open that failed, by
+                                   * close, or after a close that returned 1 by the camera's thread. NULL: nobody asks
+                                   */
 } pupil_camera_calls;
 
 typedef struct pupil_camera_options {
     const pupil_camera_calls
-        *calls;              /* NULL: ioctl(2). Else it, its user and the files must stay until close returned 0 */
+        *calls;              /* NULL: ioctl(2). Else its user and the files must stay until close returned 0 or -1, or
+                              * calls->released was called */
     int fd;                  /* the video node, opened for writing; -1: none. Stays the caller's */
     int subdevice_fd;        /* the sensor's subdevice; -1: none */
     const char *sensor_name; /* its name in the media graph, for its law; NULL: unknown */

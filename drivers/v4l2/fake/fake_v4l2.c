@@ -92,6 +92,14 @@ static int fake_open(void *context, const char *path)
     return fd;
 }
 
+static int camera_is_open(const fake_v4l2 *f)
+{
+    int open_files = 0;
+    for (int i = 0; i < FAKE_MOST_FILES; i++)
+        open_files += f->file[i].kind == FAKE_CAMERA && !f->file[i].gone;
+    return open_files > 0;
+}
+
 static int fake_close(void *context, int fd)
 {
     fake_v4l2 *f = context;
@@ -101,9 +109,9 @@ static int fake_close(void *context, int fd)
     if (file) {
         if (fd == f->owner)
             fake_free_buffers(f);
-        if (file->kind == FAKE_CAMERA)
-            f->event_count = f->subscribed = 0; /* one program at a time */
         file->kind = 0;
+        if (!camera_is_open(f))
+            f->event_count = f->subscribed = 0;
         result = close(fd);
     }
     pthread_mutex_unlock(&f->lock);
