@@ -25,12 +25,21 @@ static int64_t machine_ns(void)
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
+/* Its format and size where it has one of each alone. */
+static void set_up(fake_v4l2 *f)
+{
+    f->fourcc = f->config.only_format ? f->config.only_format : f->fourcc;
+    f->width = f->config.width ? f->config.width : f->width;
+    f->height = f->config.width ? f->config.height : f->height;
+}
+
 static void pass(fake_v4l2 *f, int64_t ns)
 {
     f->now_ns = f->config.real_time ? machine_ns() : f->now_ns + ns;
     if (!f->plugged && f->back_ns && f->now_ns >= f->back_ns) {
         f->plugged = 1;
         f->back_ns = 0;
+        set_up(f);
         f->node = f->config.back_as;
         f->config.unplug_at = 0; /* once */
     }
@@ -317,9 +326,10 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
     f->now_ns = config->real_time ? machine_ns() : INT64_C(1000000000000);
     f->light = 1.0;
     f->plugged = !config->absent;
-    f->fourcc = config->only_format ? config->only_format : V4L2_PIX_FMT_YUYV;
+    f->fourcc = V4L2_PIX_FMT_YUYV;
     f->width = 64;
     f->height = 48;
+    set_up(f);
     f->type = config->multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
     f->owner = -1;
     f->settings = (fake_settings){1, 100, 16, 0};
@@ -343,6 +353,13 @@ void fake_v4l2_free(fake_v4l2 *f)
 const pupil_v4l2_system *fake_v4l2_system(fake_v4l2 *f)
 {
     return &f->system;
+}
+
+void fake_v4l2_reconfigure(fake_v4l2 *f, const fake_v4l2_config *config)
+{
+    pthread_mutex_lock(&f->lock);
+    f->config = *config;
+    pthread_mutex_unlock(&f->lock);
 }
 
 void fake_v4l2_light(fake_v4l2 *f, double light)
