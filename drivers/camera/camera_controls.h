@@ -108,12 +108,11 @@ typedef struct pupil_camera_calls {
 } pupil_camera_calls;
 
 typedef struct pupil_camera_options {
-    const pupil_camera_calls
-        *calls;              /* NULL: ioctl(2). Else its user and the files must stay until close returned 0 or -1, or
-                              * calls->released was called */
-    int fd;                  /* the video node, opened for writing; -1: none. Stays the caller's */
-    int subdevice_fd;        /* the sensor's subdevice; -1: none */
-    const char *sensor_name; /* its name in the media graph, for its law; NULL: unknown */
+    const pupil_camera_calls *calls; /* NULL: ioctl(2). Else its user and the files must stay until close returned 0 or
+                                      * -1, or calls->released was called */
+    int fd;                          /* the video node, opened for writing; -1: none. Stays the caller's */
+    int subdevice_fd;                /* the sensor's subdevice; -1: none */
+    const char *sensor_name;         /* its name in the media graph, for its law; NULL: unknown */
     const pupil_camera_sensor *sensor; /* what is known of it, in place of the table; NULL */
     uint32_t width, height;  /* of the sensor's own format (VIDIOC_SUBDEV_G_FMT); wanted where EXPOSURE is in lines */
     double line_s;           /* a line's time; 0: from PIXEL_RATE, HBLANK and width */
