@@ -15,7 +15,7 @@ static int starts_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-static int is_camera(const char *input)
+int input_is_camera(const char *input)
 {
     return starts_with(input, PUPIL_V4L2_PREFIX) || starts_with(input, "/dev/video") || starts_with(input, "/dev/v4l/");
 }
@@ -23,7 +23,7 @@ static int is_camera(const char *input)
 /* What one input is that must be alone; NULL: a file, of which there can be several. */
 static const char *kind_of(const char *input)
 {
-    return is_camera(input)            ? "camera"
+    return input_is_camera(input)      ? "camera"
            : starts_with(input, SYNTH) ? "synthetic scene"
            : pupil_is_recording(input) ? "recording"
                                        : NULL;

@@ -10,4 +10,7 @@
 int open_input(const char *const *inputs, size_t count, const pupil_source_options *options, pupil_source **source,
                char *why, size_t why_bytes);
 
+/* Of one of them. */
+int input_is_camera(const char *input);
+
 #endif

@@ -41,6 +41,7 @@ enum {
     UID = 0x73C5,
     TYPE = 0x83,
     LACING = 0x9C,
+    LANGUAGE = 0x22B59C,
     CODEC = 0x86,
     DEFAULT_DURATION = 0x23E383,
     VIDEO = 0xE0,
@@ -156,6 +157,7 @@ static void put_track(text *t, const pupil_recording_about *about)
     put_whole(t, UID, 1);
     put_whole(t, TYPE, 1); /* video */
     put_whole(t, LACING, 0);
+    put_words(t, LANGUAGE, "und");
     put_words(t, CODEC, about->jpeg ? "V_MJPEG" : "V_UNCOMPRESSED");
     put_whole(t, DEFAULT_DURATION, (uint64_t)(1e9 / about->fps + 0.5));
     const size_t video = open_master(t, VIDEO);

@@ -15,6 +15,8 @@ typedef struct recording {
     pupil_source base;
     pupil_recording_about about;
     char frames_path[PATH_MAX], lines_path[PATH_MAX];
+    char name[PATH_MAX + 32]; /* of the frame */
+    int folder_length; /* of the name of the recording, at the front of the two paths */
     FILE *lines;
     int fd;
     pupil_mkv_reader mkv;
@@ -112,7 +114,9 @@ static int recording_next(pupil_source *source, pupil_frame *frame, char *why, s
     memset(frame, 0, sizeof *frame);
     frame->image = pupil_recording_image(&r->about, r->bytes);
     frame->info = info;
-    frame->name = r->frames_path;
+    snprintf(r->name, sizeof r->name, "%.*s frame %llu", r->folder_length, r->frames_path,
+             (unsigned long long)info.sequence);
+    frame->name = r->name;
     r->frame++;
     return PUPIL_SOURCE_FRAME;
 }
@@ -159,6 +163,7 @@ static int open_files(recording *r, const char *folder)
     if (pupil_recording_path(r->frames_path, folder, PUPIL_RECORDING_FRAMES) ||
         pupil_recording_path(r->lines_path, folder, PUPIL_RECORDING_LINES))
         return failed(r, "%s: the name is too long", folder);
+    r->folder_length = (int)strlen(folder);
     r->lines = fopen(r->lines_path, "re");
     if (!r->lines)
         return failed(r, "%s: cannot be read: %s", r->lines_path, strerror(errno));
