@@ -101,6 +101,14 @@ static int fake_open(void *context, const char *path)
     return fd;
 }
 
+static int camera_is_open(const fake_v4l2 *f)
+{
+    int open_files = 0;
+    for (int i = 0; i < FAKE_MOST_FILES; i++)
+        open_files += f->file[i].kind == FAKE_CAMERA && !f->file[i].gone;
+    return open_files > 0;
+}
+
 static int fake_close(void *context, int fd)
 {
     fake_v4l2 *f = context;
@@ -110,9 +118,9 @@ static int fake_close(void *context, int fd)
     if (file) {
         if (fd == f->owner)
             fake_free_buffers(f);
-        if (file->kind == FAKE_CAMERA)
-            f->event_count = f->subscribed = 0; /* one program at a time */
         file->kind = 0;
+        if (!camera_is_open(f))
+            f->event_count = f->subscribed = 0;
         result = close(fd);
     }
     pthread_mutex_unlock(&f->lock);
@@ -129,10 +137,22 @@ static int share(fake_v4l2 *f, struct v4l2_exportbuffer *e)
     return e->fd < 0 ? -1 : 0;
 }
 
+/* While others go on. */
+static void sleep_in_write(fake_v4l2 *f)
+{
+    const double s = f->config.sleep_s;
+    const struct timespec t = {(time_t)s, (long)((s - (double)(time_t)s) * 1e9)};
+    pthread_mutex_unlock(&f->lock);
+    nanosleep(&t, NULL);
+    pthread_mutex_lock(&f->lock);
+}
+
 static int fake_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
+    if ((request == VIDIOC_S_CTRL || request == VIDIOC_S_EXT_CTRLS) && ++f->writes == f->config.sleep_at)
+        sleep_in_write(f);
     pass(f, CALL_NS);
     const fake_file *file = file_of(f, fd);
     int result;
@@ -351,6 +371,7 @@ void fake_v4l2_reconfigure(fake_v4l2 *f, const fake_v4l2_config *config)
 {
     pthread_mutex_lock(&f->lock);
     f->config = *config;
+    f->writes = 0;
     pthread_mutex_unlock(&f->lock);
 }
 

@@ -54,7 +54,10 @@ typedef struct fake_v4l2_config {
     int start_error;                                           /* errno of VIDIOC_STREAMON */
     int format_error;                                          /* errno of VIDIOC_S_FMT */
     uint32_t control_delay;                                    /* frames until a control is in force, 0..7; 2 */
-    int real_time;                                             /* the clock is the machine's */
+    uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
+                        * the machine's time; 0: none */
+    double sleep_s;
+    int real_time; /* the clock is the machine's */
 } fake_v4l2_config;
 
 typedef struct fake_v4l2 fake_v4l2;
