@@ -1,17 +1,14 @@
 /* What a frame of a camera under control costs: no memory at all, from any thread, and few system calls, each of a kind
  * that is named here. The allocator is wrapped by the linker (tests/CMakeLists.txt), the system calls are counted in
  * the table that the camera's side makes all of them through. */
-#include <errno.h>
 #include <linux/videodev2.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <unistd.h>
 
-#include "camera/camera_controls.h"
 #include "check.h"
+#include "live/live.h"
 #include "pupil/pupil.h"
 #include "v4l2/fake/fake_v4l2.h"
-#include "v4l2/v4l2_source.h"
 
 #define FRAMES 600
 #define FIRST  10 /* frames before what is counted: those of the first large steps */
@@ -131,17 +128,11 @@ static int count_munmap(void *context, void *memory, size_t bytes)
     return fake_v4l2_system(fake)->munmap(context, memory, bytes);
 }
 
-static int control_call(void *user, int fd, unsigned long request, void *argument)
-{
-    return count_ioctl(user, fd, request, argument) == 0 ? 0 : -errno;
-}
-
 /* ---- the loop -----------------------------------------------------------------------------------------------------
  */
 
 typedef struct loop {
     pupil_source *source;
-    pupil_camera *camera;
     pupil_t pupil;
     pupil_sensor sensor;
     unsigned long asks;
@@ -159,18 +150,17 @@ static void one_frame(loop *l)
     const pupil_image out = {
         .data = l->out, .stride_bytes = 3 * 64, .width = 64, .height = 48, .pixel = PUPIL_PIXEL_RGB8};
     CHECK_MSG(pupil_source_next(l->source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
-    pupil_camera_frame(l->camera, frame.info.sequence, 0);
-    pupil_camera_in_force(l->camera, frame.info.sequence, &frame.info);
     CHECK(pupil_process(&l->pupil, &frame.image, &frame.info, &out) == PUPIL_OK);
     CHECK(pupil_get_stats(&l->pupil, &stats) == PUPIL_OK);
     CHECK(pupil_sensor_frame(&l->sensor, &stats, &frame.info) == PUPIL_OK);
     CHECK(pupil_sensor_get(&l->sensor, &s) == PUPIL_OK);
     if (s.changed) {
-        const uint64_t number = pupil_camera_ask(l->camera, &(pupil_camera_setting){s.exposure_s, s.gain, 0});
+        pupil_camera *camera = pupil_live_camera(l->source);
+        const uint64_t number = pupil_camera_ask(camera, &(pupil_camera_setting){s.exposure_s, s.gain, 0});
         l->asks++;
         do { /* the writer goes by the machine's clock, the camera by its own */
             usleep(20);
-            pupil_camera_get_status(l->camera, &status);
+            pupil_camera_get_status(camera, &status);
         } while (status.written < number);
     }
     pupil_source_done(l->source, &frame);
@@ -217,20 +207,17 @@ int main(int argc, char **argv)
     system.mmap = count_mmap;
     system.munmap = count_munmap;
     system.poll = count_poll;
-    const pupil_v4l2_options options = {.system = &system, .monotonic = 1};
-    const pupil_camera_calls table = {control_call, fake};
+    const pupil_live_options options = {.capture = {.system = &system, .monotonic = 1}};
     const unsigned long before = taken;
-    CHECK_MSG(pupil_v4l2_source_open("0", NULL, &options, &l.source, why, sizeof why) == 0, "%s", why);
-    const pupil_camera_options camera = {
-        .calls = &table, .fd = pupil_v4l2_source_capture(l.source)->device.fd, .subdevice_fd = -1};
-    CHECK_MSG((l.camera = pupil_camera_open(&camera, why, sizeof why)) != NULL, "%s", why);
+    CHECK_MSG(pupil_live_open("0", NULL, &options, &l.source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_camera(l.source), "%s", pupil_live_no_controls(l.source));
     CHECK_MSG(taken >= before + 2 && calls.other > 0, "what is counted is not wrapped");
     pupil_config_default(&adapting);
     pupil_sensor_config_default(&regulating);
-    pupil_camera_configure(l.camera, &regulating);
+    pupil_camera_configure(pupil_live_camera(l.source), &regulating);
     CHECK(pupil_init(&l.pupil, &adapting) == PUPIL_OK && pupil_sensor_init(&l.sensor, &regulating) == PUPIL_OK);
     run(&l);
-    CHECK_MSG(pupil_camera_close(l.camera, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_give_back(l.source, why, sizeof why) == 0, "%s", why);
     pupil_source_close(l.source);
     CHECK(given >= 2);
     fake_v4l2_free(fake);
