@@ -5,10 +5,13 @@
 #include <unistd.h>
 
 #include "file/file_sink.h"
+#include "v4l2/v4l2_sink.h"
 
 int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, char *why, size_t why_bytes)
 {
-    int error = pupil_file_sink_open(path, options, &o->sink[o->count], why, why_bytes);
+    pupil_sink **sink = &o->sink[o->count];
+    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, NULL, why, why_bytes)
+                                                 : pupil_file_sink_open(path, options, sink, why, why_bytes);
     if (!error)
         o->path[o->count++] = path;
     return error;
