@@ -4,6 +4,7 @@
 
 #include "refuse.h"
 
+#define LARGE     256          /* rows from which on one in eight is enough */
 #define NOMINAL_S (1.0 / 30.0) /* between frames without timestamps, as pupil_config.nominal_frame_s */
 
 static uint32_t bits_of(uint32_t pixel) /* 0: no samples of their own */
@@ -49,6 +50,16 @@ static void choose_colours(pupil_coding *c, const pupil_colour_options *o, const
         memcpy(c->rgb_from_camera, sensor->matrix, sizeof c->rgb_from_camera);
 }
 
+static void begin_meter(pupil_t *meter, uint32_t meter_rows)
+{
+    pupil_config config;
+    pupil_config_default(&config);
+    config.grey_world = 1;
+    config.white_mode = PUPIL_WHITE_NONE; /* no histogram */
+    config.meter_rows = meter_rows;
+    pupil_init(meter, &config);
+}
+
 int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
                        uint32_t pixel, const pupil_camera_sensor *sensor, char *why, size_t why_bytes)
 {
@@ -69,10 +80,24 @@ int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options
     return 0;
 }
 
-void pupil_colour_frame(pupil_colour *colour, const pupil_stats *stats, const pupil_frame_info *info)
+/* The factors that this frame asks for. 0: it asks for none. */
+static int look(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info, float grey[3])
+{
+    pupil_stats stats;
+    if (!colour->looked)
+        begin_meter(&colour->meter, image->height >= LARGE ? 8 : 1);
+    colour->looked = 1;
+    pupil_stats_clear(&stats);
+    if (pupil_meter_rows(&colour->meter, image, 0, image->height, &stats) != PUPIL_OK)
+        return 0;
+    pupil_adapt(&colour->meter, &stats, info); /* counts frames, by which the rows are chosen */
+    return pupil_stats_grey_world(&stats, grey) == PUPIL_OK;
+}
+
+void pupil_colour_frame(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info)
 {
     float grey[3];
-    if (!colour->follows || pupil_stats_grey_world(stats, grey) != PUPIL_OK)
+    if (!colour->follows || !look(colour, image, info, grey))
         return;
     const double past_s =
         info->timestamp_ns || colour->last_ns ? (double)(info->timestamp_ns - colour->last_ns) * 1e-9 : NOMINAL_S;

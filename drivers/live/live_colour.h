@@ -2,13 +2,16 @@
  * pupil_coding that frames carry (pupil/coding.h; what is full in the sensor stays white there).
  *
  *     pupil_colour_begin(&colour, &options, &coding, pixel, sensor, why, sizeof why)   // of the stream's first frame
- *     config.grey_world = colour.follows
- *     for each frame: frame.image.coding = &colour.coding; meter; map; pupil_colour_frame(&colour, &stats, &info)
+ *     for each frame:
+ *         frame.image.coding = &colour.coding; meter; map;
+ *         pupil_colour_frame(&colour, &frame.image, &frame.info)
  *
  * Automatic balance: factors that make the average of a frame grey (pupil_stats_grey_world), at most
  * PUPIL_COLOUR_MOST each. The first frame with light sets them for the second one; from then on they follow with a time
  * constant of PUPIL_COLOUR_TAU_S, whatever the frame rate. A frame without light, or clipped all over, moves nothing.
- * The same frames give the same factors, bit for bit, so a recording of raw frames is balanced again as it was.
+ * The same frames give the same factors, bit for bit, so a recording of raw frames is balanced again as it was. Of
+ * large frames one row of quads in eight is looked at, another one each time, so that it costs little beside a GPU that
+ * does the rest.
  *
  * Formats that are no mosaics keep the coding that they came with, but for the black level of grey.
  */
@@ -19,11 +22,12 @@
 #include <stdint.h>
 
 #include "camera/camera_controls.h"
-#include "pupil/stats.h"
+#include "pupil/pupil.h"
 
-#define PUPIL_COLOUR_TAU_S 1.5 /* chosen: a person does not see the factors move, and a lamp switched on is grey soon  \
-                                */
-#define PUPIL_COLOUR_MOST 4.0  /* chosen: a wall of one colour must not be made grey altogether */
+#define PUPIL_COLOUR_TAU_S                                                                                             \
+    1.5                       /* chosen: a person does not see the factors move, and a lamp switched on is grey soon   \
+                               */
+#define PUPIL_COLOUR_MOST 4.0 /* chosen: a wall of one colour must not be made grey altogether */
 
 typedef enum pupil_colour_choice {
     PUPIL_COLOUR_AUTO = 0, /* balance: follows the frames; matrix and black level: the sensor's, where they are known */
@@ -41,10 +45,11 @@ typedef struct pupil_colour_options {
 typedef struct pupil_colour {
     pupil_coding coding; /* of the next frame */
     pupil_coding first;  /* of the first one: what is to be recorded */
-    uint32_t follows;    /* 1: balance is automatic, and pupil_colour_frame wants statistics with config.grey_world */
-    uint32_t began;
+    uint32_t follows;    /* 1: balance is automatic; 0: pupil_colour_frame has nothing to do */
+    uint32_t looked, began;
     int64_t last_ns;
     double balance[3];
+    pupil_t meter;
 } pupil_colour;
 
 /* `coding` is what the driver says of the frames, NULL: nothing. `sensor` is what is known of it, NULL: nothing. A
@@ -53,7 +58,7 @@ typedef struct pupil_colour {
 int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
                        uint32_t pixel, const pupil_camera_sensor *sensor, char *why, size_t why_bytes);
 
-/* After a frame that carried colour->coding. `info` brings the time. */
-void pupil_colour_frame(pupil_colour *colour, const pupil_stats *stats, const pupil_frame_info *info);
+/* After a frame: colour->coding is that of the next one. `info` brings the time. */
+void pupil_colour_frame(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info);
 
 #endif
