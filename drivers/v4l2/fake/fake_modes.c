@@ -66,6 +66,9 @@ int fake_querycap(const fake_v4l2 *f, int kind, struct v4l2_capability *c)
                      : f->config.multiplanar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE
                                              : V4L2_CAP_VIDEO_CAPTURE;
     c->device_caps |= V4L2_CAP_STREAMING;
+    if (kind == FAKE_OUTPUT)
+        c->device_caps =
+            V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_READWRITE | (f->config.out_write_only ? 0 : V4L2_CAP_STREAMING);
     c->capabilities = c->device_caps | V4L2_CAP_DEVICE_CAPS | V4L2_CAP_META_CAPTURE;
     return 0;
 }

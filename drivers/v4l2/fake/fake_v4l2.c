@@ -118,6 +118,8 @@ static int fake_close(void *context, int fd)
     if (file) {
         if (fd == f->owner)
             fake_free_buffers(f);
+        if (fd == f->output.owner)
+            fake_output_free(f);
         file->kind = 0;
         if (!camera_is_open(f))
             f->event_count = f->subscribed = 0;
@@ -164,6 +166,8 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
         result = fake_media_ioctl(f, file->kind, request, argument);
     else if (request == VIDIOC_QUERYCAP)
         result = fake_querycap(f, file->kind, argument);
+    else if (file->kind == FAKE_OUTPUT)
+        result = f->output.gone ? fake_fail(ENODEV) : fake_output_ioctl(f, fd, request, argument);
     else if (file->kind != FAKE_CAMERA && file->kind != FAKE_TWIN)
         result = fake_fail(ENOTTY);
     else if (request == VIDIOC_EXPBUF)
@@ -188,6 +192,8 @@ static void *fake_mmap(void *context, size_t bytes, int fd, off_t offset)
         memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, f->buffer[index].memfd[area], 0);
         memory = memory == MAP_FAILED ? NULL : memory;
     }
+    if (fd == f->output.owner)
+        memory = fake_output_mmap(f, bytes, offset);
     f->maps += memory != NULL;
     pthread_mutex_unlock(&f->lock);
     return memory;
@@ -203,6 +209,21 @@ static int fake_munmap(void *context, void *memory, size_t bytes)
     return result;
 }
 
+static ssize_t fake_write(void *context, int fd, const void *data, size_t bytes)
+{
+    fake_v4l2 *f = context;
+    pthread_mutex_lock(&f->lock);
+    pass(f, CALL_NS);
+    const fake_file *file = file_of(f, fd);
+    ssize_t result;
+    if (!file || file->kind != FAKE_OUTPUT)
+        result = fake_fail(file ? EINVAL : EBADF);
+    else
+        result = f->output.gone ? fake_fail(ENODEV) : fake_output_write(f, data, bytes);
+    pthread_mutex_unlock(&f->lock);
+    return result;
+}
+
 /* ---- the clock ----------------------------------------------------------------------------------------------------
  */
 
@@ -213,6 +234,8 @@ static short ready_for(fake_v4l2 *f, const struct pollfd *p)
         return POLLNVAL;
     if (file->gone)
         return POLLERR | POLLHUP | POLLPRI;
+    if (file->kind == FAKE_OUTPUT)
+        return fake_output_ready(f);
     short ready = 0;
     if (f->event_count)
         ready |= p->events & POLLPRI;
@@ -237,7 +260,8 @@ static int fake_poll(void *context, struct pollfd *fds, nfds_t count, int timeou
         }
         if (found || f->now_ns >= end_ns)
             break;
-        int64_t next_ns = fake_next_ns(f);
+        const fake_file *first = count ? file_of(f, fds[0].fd) : NULL;
+        int64_t next_ns = first && first->kind == FAKE_OUTPUT ? fake_output_next_ns(f) : fake_next_ns(f);
         next_ns = next_ns < end_ns ? next_ns : end_ns;
         const int64_t wait_ns = next_ns > f->now_ns ? next_ns - f->now_ns : 1;
         if (f->config.real_time) {
@@ -332,8 +356,8 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
         return NULL;
     f->config = *config;
     f->system =
-        (pupil_v4l2_system){f,         fake_open,   fake_close, fake_ioctl,         fake_mmap,       fake_munmap,
-                            fake_poll, fake_now_ns, fake_list,  fake_device_number, fake_device_name};
+        (pupil_v4l2_system){f,         fake_open,   fake_close, fake_ioctl,         fake_mmap,        fake_munmap,
+                            fake_poll, fake_now_ns, fake_list,  fake_device_number, fake_device_name, fake_write};
     pthread_mutex_init(&f->lock, NULL);
     f->now_ns = config->real_time ? machine_ns() : INT64_C(1000000000000);
     f->light = 1.0;
@@ -343,7 +367,8 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
     f->height = 48;
     set_up(f);
     f->type = config->multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    f->owner = -1;
+    f->owner = f->output.owner = -1;
+    f->output.fourcc = config->out_format ? config->out_format : V4L2_PIX_FMT_RGB24;
     f->settings = (fake_settings){1, 100, 16, 0};
     for (int i = 0; i < FAKE_SETTINGS; i++)
         f->of_frame[i] = f->settings;
@@ -355,6 +380,8 @@ void fake_v4l2_free(fake_v4l2 *f)
     if (!f)
         return;
     fake_free_buffers(f);
+    fake_output_free(f);
+    free(f->output.shown);
     for (int i = 0; i < FAKE_MOST_FILES; i++)
         if (f->file[i].kind)
             close(f->file[i].fd);

@@ -4,8 +4,8 @@
  * only where somebody waits (and a microsecond a call), so that hours pass in no time, and the same seed gives the same
  * frames, losses and damages. The scene is light on integers: fake_v4l2_draw draws any frame again.
  *
- * Its nodes: /dev/video0 the camera; video1 its metadata; video2 an output; video3 (config.twin) a second camera, which
- * tells what it offers and does not stream; media0 and v4l-subdev0, 1 (config.media).
+ * Its nodes: /dev/video0 the camera; video1 its metadata; video2 an output, which takes frames; video3 (config.twin) a
+ * second camera, which tells what it offers and does not stream; media0 and v4l-subdev0, 1 (config.media).
  *
  * Threads: any number, one call at a time takes effect.
  */
@@ -57,7 +57,11 @@ typedef struct fake_v4l2_config {
     uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
                         * the machine's time; 0: none */
     double sleep_s;
-    int real_time; /* the clock is the machine's */
+    uint32_t out_format, out_width, out_height;               /* the output takes these alone; 0: all */
+    uint32_t out_colorspace, out_ycbcr_enc, out_quantization; /* what it answers; 0: what it was told, and DEFAULT */
+    int out_write_only;                                       /* it has no buffers to stream with */
+    uint64_t out_gone_at, out_stall_at;                       /* the output's frame, from 1, at which it happens */
+    int real_time;                                            /* the clock is the machine's */
 } fake_v4l2_config;
 
 typedef struct fake_v4l2 fake_v4l2;
@@ -80,6 +84,14 @@ typedef struct fake_v4l2_held {
     int files, maps;
 } fake_v4l2_held;
 fake_v4l2_held fake_v4l2_holds(fake_v4l2 *fake);
+
+/* What the output shows, and how many frames it was given. Its memory is good until the next call to the system. */
+typedef struct fake_v4l2_screen {
+    const unsigned char *data; /* NULL: nothing so far */
+    uint32_t bytes, fourcc, width, height, stride_bytes, colorspace;
+    double fps; /* as it was told; 0: it was not */
+} fake_v4l2_screen;
+uint64_t fake_v4l2_shown(fake_v4l2 *fake, fake_v4l2_screen *screen);
 
 /* ---- the picture --------------------------------------------------------------------------------------------------
  * Red, green and blue of the scene are whole numbers from 0 to 1023, the same for the 2 x 2 pixels of a quad; scaled by
