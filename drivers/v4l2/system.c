@@ -95,9 +95,15 @@ static int kernel_device_name(void *context, uint32_t major_number, uint32_t min
     return 0;
 }
 
+static ssize_t kernel_write(void *context, int fd, const void *data, size_t bytes)
+{
+    (void)context;
+    return write(fd, data, bytes);
+}
+
 const pupil_v4l2_system pupil_v4l2_kernel = {
     NULL,        kernel_open,   kernel_close, kernel_ioctl,         kernel_mmap,        kernel_munmap,
-    kernel_poll, kernel_now_ns, kernel_list,  kernel_device_number, kernel_device_name,
+    kernel_poll, kernel_now_ns, kernel_list,  kernel_device_number, kernel_device_name, kernel_write,
 };
 
 int pupil_v4l2_ioctl(const pupil_v4l2_system *system, int fd, unsigned long request, void *argument)

@@ -1,5 +1,5 @@
-/* drivers/v4l2/system.h: every system call that the camera's side makes, as one table, so that a fake device or one
- * whose n-th call fails can take the kernel's place. Errors as the kernel's: -1 (NULL) and errno. */
+/* drivers/v4l2/system.h: every system call that cameras and output nodes need, as one table, so that a fake device or
+ * one whose n-th call fails can take the kernel's place. Errors as the kernel's: -1 (NULL) and errno. */
 #ifndef PUPIL_DRIVERS_V4L2_SYSTEM_H
 #define PUPIL_DRIVERS_V4L2_SYSTEM_H
 
@@ -22,6 +22,7 @@ typedef struct pupil_v4l2_system {
     int (*device_number)(void *context, int fd, uint32_t *major, uint32_t *minor);
     /* The name in /dev of the character device of a number. */
     int (*device_name)(void *context, uint32_t major, uint32_t minor, char *name, size_t name_bytes);
+    ssize_t (*write)(void *context, int fd, const void *data, size_t bytes);
 } pupil_v4l2_system;
 
 extern const pupil_v4l2_system pupil_v4l2_kernel;

@@ -1,9 +1,11 @@
 /* drivers/v4l2/v4l2_absent.c: in the place of the cameras where they are not built in. */
 #include <stdio.h>
+#include <string.h>
 
 #include "v4l2/v4l2_device.h"
 #include "v4l2/v4l2_format.h"
 #include "v4l2/v4l2_modes.h"
+#include "v4l2/v4l2_sink.h"
 #include "v4l2/v4l2_source.h"
 
 static int absent(const char *which, char *why, size_t why_bytes)
@@ -25,6 +27,20 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
 {
     (void)system, (void)seen, (void)closure;
     return absent("/dev/video*", why, why_bytes);
+}
+
+int pupil_is_v4l2_output(const char *path)
+{
+    return strncmp(path, "/dev/video", 10) == 0 || strncmp(path, PUPIL_V4L2_PREFIX, sizeof PUPIL_V4L2_PREFIX - 1) == 0;
+}
+
+int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
+                         const pupil_v4l2_system *system, char *why, size_t why_bytes)
+{
+    (void)options, (void)system;
+    *sink = NULL;
+    absent(path, why, why_bytes);
+    return PUPIL_SINK_FAILED;
 }
 
 /* Nobody has a device to ask for these. */
@@ -49,4 +65,10 @@ pupil_v4l2_name pupil_v4l2_fourcc_name(uint32_t fourcc)
 {
     (void)fourcc;
     return (pupil_v4l2_name){"-"};
+}
+
+/* Any name will do: the camera is refused. */
+uint32_t pupil_v4l2_fourcc(const char *name)
+{
+    return *name ? 1 : 0;
 }

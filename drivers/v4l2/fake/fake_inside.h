@@ -41,6 +41,29 @@ typedef struct fake_settings {
     int32_t automatic, exposure_100us, gain_16ths, priority;
 } fake_settings;
 
+#define FAKE_OUTPUT_BUFFERS 4
+
+typedef struct fake_output_buffer {
+    int memfd;
+    void *memory; /* the fake's own mapping */
+    size_t bytes;
+    int queued;
+    int64_t done_ns; /* when it is given back */
+} fake_output_buffer;
+
+typedef struct fake_output {
+    uint32_t fourcc, width, height, extra_bytes, colorspace;
+    double fps; /* as it was told */
+    fake_output_buffer buffer[FAKE_OUTPUT_BUFFERS];
+    uint32_t buffers, order[FAKE_OUTPUT_BUFFERS], waiting;
+    int owner; /* the fd that has the buffers; -1 */
+    int streaming, gone;
+    int64_t last_ns; /* the end of the last frame's time on the screen */
+    unsigned char *shown;
+    uint32_t shown_bytes;
+    uint64_t frames;
+} fake_output;
+
 struct fake_v4l2 {
     fake_v4l2_config config;
     pupil_v4l2_system system;
@@ -62,10 +85,12 @@ struct fake_v4l2 {
     uint32_t ready[FAKE_MOST_BUFFERS], ready_count; /* done, the first to be taken first */
     int streaming, broken, ended;
     int64_t start_ns;
-    uint64_t made; /* frames since STREAMON, lost ones too */
+    uint64_t made;   /* frames since STREAMON, lost ones too */
+    uint64_t writes; /* of controls */
 
     uint32_t events[FAKE_MOST_EVENTS], event_count, subscribed;
     fake_settings settings, of_frame[FAKE_SETTINGS];
+    fake_output output;
 };
 
 /* What an ioctl answers: 0, or -1 and errno. */
@@ -91,6 +116,14 @@ void fake_unplug(fake_v4l2 *f);
 
 /* fake_controls.c; 1: not a control's */
 int fake_controls_ioctl(fake_v4l2 *f, unsigned long request, void *argument);
+
+/* fake_output.c */
+int fake_output_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argument);
+ssize_t fake_output_write(fake_v4l2 *f, const void *data, size_t bytes);
+void *fake_output_mmap(fake_v4l2 *f, size_t bytes, off_t offset);
+short fake_output_ready(const fake_v4l2 *f);
+int64_t fake_output_next_ns(const fake_v4l2 *f); /* when it takes a frame; INT64_MAX: never */
+void fake_output_free(fake_v4l2 *f);
 
 /* fake_media.c */
 int fake_media_ioctl(const fake_v4l2 *f, int kind, unsigned long request, void *argument);

@@ -25,12 +25,21 @@ static int64_t machine_ns(void)
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
+/* Its format and size where it has one of each alone. */
+static void set_up(fake_v4l2 *f)
+{
+    f->fourcc = f->config.only_format ? f->config.only_format : f->fourcc;
+    f->width = f->config.width ? f->config.width : f->width;
+    f->height = f->config.width ? f->config.height : f->height;
+}
+
 static void pass(fake_v4l2 *f, int64_t ns)
 {
     f->now_ns = f->config.real_time ? machine_ns() : f->now_ns + ns;
     if (!f->plugged && f->back_ns && f->now_ns >= f->back_ns) {
         f->plugged = 1;
         f->back_ns = 0;
+        set_up(f);
         f->node = f->config.back_as;
         f->config.unplug_at = 0; /* once */
     }
@@ -92,6 +101,14 @@ static int fake_open(void *context, const char *path)
     return fd;
 }
 
+static int camera_is_open(const fake_v4l2 *f)
+{
+    int open_files = 0;
+    for (int i = 0; i < FAKE_MOST_FILES; i++)
+        open_files += f->file[i].kind == FAKE_CAMERA && !f->file[i].gone;
+    return open_files > 0;
+}
+
 static int fake_close(void *context, int fd)
 {
     fake_v4l2 *f = context;
@@ -101,9 +118,11 @@ static int fake_close(void *context, int fd)
     if (file) {
         if (fd == f->owner)
             fake_free_buffers(f);
-        if (file->kind == FAKE_CAMERA)
-            f->event_count = f->subscribed = 0; /* one program at a time */
+        if (fd == f->output.owner)
+            fake_output_free(f);
         file->kind = 0;
+        if (!camera_is_open(f))
+            f->event_count = f->subscribed = 0;
         result = close(fd);
     }
     pthread_mutex_unlock(&f->lock);
@@ -120,10 +139,22 @@ static int share(fake_v4l2 *f, struct v4l2_exportbuffer *e)
     return e->fd < 0 ? -1 : 0;
 }
 
+/* While others go on. */
+static void sleep_in_write(fake_v4l2 *f)
+{
+    const double s = f->config.sleep_s;
+    const struct timespec t = {(time_t)s, (long)((s - (double)(time_t)s) * 1e9)};
+    pthread_mutex_unlock(&f->lock);
+    nanosleep(&t, NULL);
+    pthread_mutex_lock(&f->lock);
+}
+
 static int fake_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
+    if ((request == VIDIOC_S_CTRL || request == VIDIOC_S_EXT_CTRLS) && ++f->writes == f->config.sleep_at)
+        sleep_in_write(f);
     pass(f, CALL_NS);
     const fake_file *file = file_of(f, fd);
     int result;
@@ -135,6 +166,8 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
         result = fake_media_ioctl(f, file->kind, request, argument);
     else if (request == VIDIOC_QUERYCAP)
         result = fake_querycap(f, file->kind, argument);
+    else if (file->kind == FAKE_OUTPUT)
+        result = f->output.gone ? fake_fail(ENODEV) : fake_output_ioctl(f, fd, request, argument);
     else if (file->kind != FAKE_CAMERA && file->kind != FAKE_TWIN)
         result = fake_fail(ENOTTY);
     else if (request == VIDIOC_EXPBUF)
@@ -159,6 +192,8 @@ static void *fake_mmap(void *context, size_t bytes, int fd, off_t offset)
         memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, f->buffer[index].memfd[area], 0);
         memory = memory == MAP_FAILED ? NULL : memory;
     }
+    if (fd == f->output.owner)
+        memory = fake_output_mmap(f, bytes, offset);
     f->maps += memory != NULL;
     pthread_mutex_unlock(&f->lock);
     return memory;
@@ -174,6 +209,21 @@ static int fake_munmap(void *context, void *memory, size_t bytes)
     return result;
 }
 
+static ssize_t fake_write(void *context, int fd, const void *data, size_t bytes)
+{
+    fake_v4l2 *f = context;
+    pthread_mutex_lock(&f->lock);
+    pass(f, CALL_NS);
+    const fake_file *file = file_of(f, fd);
+    ssize_t result;
+    if (!file || file->kind != FAKE_OUTPUT)
+        result = fake_fail(file ? EINVAL : EBADF);
+    else
+        result = f->output.gone ? fake_fail(ENODEV) : fake_output_write(f, data, bytes);
+    pthread_mutex_unlock(&f->lock);
+    return result;
+}
+
 /* ---- the clock ----------------------------------------------------------------------------------------------------
  */
 
@@ -184,6 +234,8 @@ static short ready_for(fake_v4l2 *f, const struct pollfd *p)
         return POLLNVAL;
     if (file->gone)
         return POLLERR | POLLHUP | POLLPRI;
+    if (file->kind == FAKE_OUTPUT)
+        return fake_output_ready(f);
     short ready = 0;
     if (f->event_count)
         ready |= p->events & POLLPRI;
@@ -208,7 +260,8 @@ static int fake_poll(void *context, struct pollfd *fds, nfds_t count, int timeou
         }
         if (found || f->now_ns >= end_ns)
             break;
-        int64_t next_ns = fake_next_ns(f);
+        const fake_file *first = count ? file_of(f, fds[0].fd) : NULL;
+        int64_t next_ns = first && first->kind == FAKE_OUTPUT ? fake_output_next_ns(f) : fake_next_ns(f);
         next_ns = next_ns < end_ns ? next_ns : end_ns;
         const int64_t wait_ns = next_ns > f->now_ns ? next_ns - f->now_ns : 1;
         if (f->config.real_time) {
@@ -303,17 +356,19 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
         return NULL;
     f->config = *config;
     f->system =
-        (pupil_v4l2_system){f,         fake_open,   fake_close, fake_ioctl,         fake_mmap,       fake_munmap,
-                            fake_poll, fake_now_ns, fake_list,  fake_device_number, fake_device_name};
+        (pupil_v4l2_system){f,         fake_open,   fake_close, fake_ioctl,         fake_mmap,        fake_munmap,
+                            fake_poll, fake_now_ns, fake_list,  fake_device_number, fake_device_name, fake_write};
     pthread_mutex_init(&f->lock, NULL);
     f->now_ns = config->real_time ? machine_ns() : INT64_C(1000000000000);
     f->light = 1.0;
     f->plugged = !config->absent;
-    f->fourcc = config->only_format ? config->only_format : V4L2_PIX_FMT_YUYV;
+    f->fourcc = V4L2_PIX_FMT_YUYV;
     f->width = 64;
     f->height = 48;
+    set_up(f);
     f->type = config->multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    f->owner = -1;
+    f->owner = f->output.owner = -1;
+    f->output.fourcc = config->out_format ? config->out_format : V4L2_PIX_FMT_RGB24;
     f->settings = (fake_settings){1, 100, 16, 0};
     for (int i = 0; i < FAKE_SETTINGS; i++)
         f->of_frame[i] = f->settings;
@@ -325,6 +380,8 @@ void fake_v4l2_free(fake_v4l2 *f)
     if (!f)
         return;
     fake_free_buffers(f);
+    fake_output_free(f);
+    free(f->output.shown);
     for (int i = 0; i < FAKE_MOST_FILES; i++)
         if (f->file[i].kind)
             close(f->file[i].fd);
@@ -335,6 +392,14 @@ void fake_v4l2_free(fake_v4l2 *f)
 const pupil_v4l2_system *fake_v4l2_system(fake_v4l2 *f)
 {
     return &f->system;
+}
+
+void fake_v4l2_reconfigure(fake_v4l2 *f, const fake_v4l2_config *config)
+{
+    pthread_mutex_lock(&f->lock);
+    f->config = *config;
+    f->writes = 0;
+    pthread_mutex_unlock(&f->lock);
 }
 
 void fake_v4l2_light(fake_v4l2 *f, double light)
