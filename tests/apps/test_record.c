@@ -145,9 +145,9 @@ static void test_command(void)
     CHECK(frames_in(folder, &m) == 12);
     CHECK_MSG(m.info[11].exposure_s == 0.005 && m.info[11].gain == 2, "%g s, %g", m.info[11].exposure_s,
               m.info[11].gain);
-    CHECK(record(fake, "-y -n 2 --shutter 100s %s", folder) == 1 && strstr(said(), "--shutter: 0 exposes from"));
+    CHECK(record(fake, "-y -n 2 --shutter 100s %s", folder) == 1 && strstr(said(), "--shutter: this camera exposes from"));
     CHECK(frames_in(folder, &m) == 12); /* refused before anything was touched */
-    CHECK(record(fake, "-y -n 2 --gain 60000 %s", folder) == 1 && strstr(said(), "--gain: 0 has gains from"));
+    CHECK(record(fake, "-y -n 2 --gain 60000 %s", folder) == 1 && strstr(said(), "--gain: this camera has gains from"));
     CHECK(fake_v4l2_holds(fake).files == 0 && fake_v4l2_holds(fake).maps == 0);
     fake_v4l2_free(fake);
     scratch_clear(folder);
