@@ -164,7 +164,7 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case FLICKER_PERIOD:
         return run_value_period(c, &r->live.mains_hz);
     case RECORD:
-        return path(c, &r->record);
+        return path(c, &c->o->record);
     case 't':
         return run_value_time(c, 1.0, 1e-3, 1e9, "seconds above 0, or 500ms, 10min", &r->seconds);
     default:
