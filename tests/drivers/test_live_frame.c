@@ -1,8 +1,10 @@
-/* What a frame of a camera under control costs: no memory at all, from any thread, and few system calls, each of a kind
- * that is named here. The allocator is wrapped by the linker (tests/CMakeLists.txt), the system calls are counted in
- * the table that the camera's side makes all of them through. */
+/* What a frame of a camera under control costs: no memory at all, from any thread, no page fault, and few system calls,
+ * each of a kind that is named here. The allocator is wrapped by the linker (tests/CMakeLists.txt), the system calls
+ * are counted in the table that the camera's side makes all of them through. */
 #include <linux/videodev2.h>
 #include <stdatomic.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "check.h"
@@ -73,6 +75,7 @@ void __wrap_free(void *memory)
 /* ---- system calls -------------------------------------------------------------------------------------------------
  */
 
+static int locked; /* what is in memory stays there */
 static fake_v4l2 *fake;
 static struct {
     atomic_ulong poll, dequeue, queue, write, read_back, other;
@@ -175,27 +178,47 @@ static void one_frame(loop *l)
     pupil_source_done(l->source, &frame);
 }
 
+/* Where that is allowed without a limit, and is not passed over by a sanitizer. */
+static void lock_memory(void)
+{
+#ifndef PUPIL_SANITIZED
+    struct rlimit most = {0, 0};
+    getrlimit(RLIMIT_MEMLOCK, &most);
+    locked = (geteuid() == 0 || most.rlim_cur == RLIM_INFINITY) && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+#endif
+}
+
+static long faults(void)
+{
+    struct rusage used;
+    getrusage(RUSAGE_SELF, &used);
+    return used.ru_minflt + used.ru_majflt;
+}
+
 /* Light that sways by four stops, so that controls are written again and again. */
 static void run(loop *l, const char *what)
 {
     unsigned long asks = 0;
+    long faulted = 0;
     for (int i = 0; i < FIRST + FRAMES; i++) {
         if (i == FIRST) {
             taken = given = 0;
             calls.poll = calls.dequeue = calls.queue = calls.write = calls.read_back = calls.other = 0;
             asks = l->asks;
+            faulted = faults();
         }
         if (i % 10 == 0)
             fake_v4l2_light(fake, (double)(1 << i / 10 % 5));
         one_frame(l);
     }
     asks = l->asks - asks;
-    printf(
-        "%s: %d frames: %lu poll, %lu DQBUF, %lu QBUF; %lu asks: %lu writes, %lu reads of controls; %lu others; memory "
-        "taken %lu times, given back %lu times\n",
-        what, FRAMES, calls.poll, calls.dequeue, calls.queue, asks, calls.write, calls.read_back, calls.other, taken,
-        given);
+    faulted = faults() - faulted;
+    printf("%s: %d frames: %lu poll, %lu DQBUF, %lu QBUF; %lu asks: %lu writes, %lu reads of controls; %lu others\n",
+           what, FRAMES, calls.poll, calls.dequeue, calls.queue, asks, calls.write, calls.read_back, calls.other);
+    printf("%s: memory taken %lu times, given back %lu times; %ld page faults%s\n", what, taken, given, faulted,
+           locked ? ", all memory locked" : "");
     CHECK(taken == 0 && given == 0);
+    CHECK(!locked || faulted == 0);
     CHECK(calls.poll == FRAMES && calls.dequeue == FRAMES && calls.queue == FRAMES && calls.other == 0);
     CHECK(asks > FRAMES / 20);
     CHECK(calls.write <= 2 * asks && calls.read_back <= 2 * asks); /* of exposure and of gain */
@@ -261,6 +284,7 @@ int main(int argc, char **argv)
     fake_v4l2_config config;
     check_begin(argc, argv);
     scratch_begin();
+    lock_memory();
     fake_v4l2_config_default(&config);
     config.only_format = V4L2_PIX_FMT_SRGGB10;
     fake = fake_v4l2_new(&config);
