@@ -195,8 +195,6 @@ static int show(const pupil_frame *frame)
     warn();
     if (run_sensor_take(&r.sensor, pupil_live_camera(r.source), why, sizeof why))
         return fail(why);
-    if (r.options.mode == RUN_BOTH && !r.sensor.calm)
-        pupil_reset(&r.pupil); /* while the camera looks for its first level there is nothing to adapt to */
     const int64_t began_ns = now_ns();
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
         return fail(why);

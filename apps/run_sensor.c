@@ -3,8 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#define CALM_FRAMES 16u /* the search for the first level takes less (docs/sensor.md, Measured) */
-
 static const char *state_word(const run_sensor *s)
 {
     static const char *const words[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
@@ -128,9 +126,6 @@ void run_sensor_judge(void *run_sensor_, const pupil_stats *stats, const pupil_f
         pupil_sensor_frame(&s->sensor, stats, info);
         pupil_sensor_get(&s->sensor, &s->setting);
         ask(s);
-        s->calm |= s->setting.frames > CALM_FRAMES ||
-                   (s->setting.state != PUPIL_SENSOR_EMPTY && s->setting.state != PUPIL_SENSOR_SEARCHING &&
-                    s->setting.state != PUPIL_SENSOR_CLIPPED);
     }
     run_sensor_curve(s, curve);
 }

@@ -11,7 +11,6 @@ typedef struct run_sensor {
     double fps;
     pupil_camera *camera; /* NULL: none (now) */
     int steers;           /* sensor and setting are valid */
-    int calm;             /* the first search is over */
     pupil_sensor_config config;
     pupil_sensor sensor;
     pupil_sensor_setting setting;
