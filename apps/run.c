@@ -109,9 +109,9 @@ static int record_frame(const pupil_frame *frame, char *why, size_t why_bytes)
     const pupil_recorder_options options = {.camera = pupil_live_capture(r.source)->device.name,
                                             .fps = r.source->fps,
                                             .overwrite = r.options.shown.overwrite};
-    if (!r.options.record)
+    if (!r.options.shown.record)
         return 0;
-    if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.record, frame, &options, why, why_bytes))
+    if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.shown.record, frame, &options, why, why_bytes))
         return -1;
     return pupil_recorder_write(r.recorder, frame, why, why_bytes);
 }

@@ -178,7 +178,7 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case BLACK_LEVEL:
         return colour_option_black(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
     case RECORD:
-        return path(c, &r->record);
+        return path(c, &c->o->record);
     case 't':
         return run_value_time(c, 1.0, 1e-3, 1e9, "seconds above 0, or 500ms, 10min", &r->seconds);
     default:
