@@ -77,6 +77,25 @@ static int pass(frame_work *f, int meter, const pupil_curve *curve, const pupil_
     return PUPIL_OK;
 }
 
+/* What the workers have metered, as one, and what it does to the level. */
+static int adapt(frame_work *f, pupil_t *pupil, const pupil_frame_info *info, pupil_stats *stats)
+{
+    int error = PUPIL_OK;
+    pupil_stats_clear(stats);
+    for (unsigned i = 0; !error && i < workers_count(f->w); i++)
+        error = pupil_stats_add(stats, &f->own[i]);
+    return error ? error : pupil_adapt(pupil, stats, info);
+}
+
+int frame_work_meter(frame_work *f, pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
+                     pupil_stats *stats)
+{
+    f->pupil = pupil;
+    f->in = in;
+    const int error = pass(f, 1, NULL, NULL);
+    return error ? error : adapt(f, pupil, info, stats);
+}
+
 int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_image_const *in,
                        const pupil_frame_info *info, const pupil_image *out, pupil_stats *stats, pupil_curve *curve)
 {
@@ -84,12 +103,8 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
     f->in = in;
     fused = fused && pupil_get_curve(pupil, info, curve) == PUPIL_OK; /* the first frame is done exactly */
     int error = pass(f, 1, curve, fused ? out : NULL);
-
-    pupil_stats_clear(stats);
-    for (unsigned i = 0; !error && i < workers_count(f->w); i++)
-        error = pupil_stats_add(stats, &f->own[i]);
     if (!error)
-        error = pupil_adapt(pupil, stats, info);
+        error = adapt(f, pupil, info, stats);
     if (!error && !fused) {
         if (pupil_get_curve(pupil, info, curve) != PUPIL_OK) { /* no light so far: rare, and may take its time */
             *curve = (pupil_curve){1.0f, 1.0f, 0.0f};

@@ -15,6 +15,10 @@ void frame_work_close(frame_work *f);
 int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_image_const *in,
                        const pupil_frame_info *info, const pupil_image *out, pupil_stats *stats, pupil_curve *curve);
 
+/* Meters and adapts alone. */
+int frame_work_meter(frame_work *f, pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
+                     pupil_stats *stats);
+
 /* Maps alone. */
 int frame_work_map(frame_work *f, const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *in,
                    const pupil_image *out);

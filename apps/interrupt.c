@@ -8,8 +8,8 @@ static volatile sig_atomic_t came;
 
 static void note(int number)
 {
-    (void)number;
-    came = 1;
+    if (number != SIGALRM && came < 2)
+        came++;
     alarm(1); /* knocks again until the end: the first knock may come just before a read or write that blocks */
 }
 
@@ -31,4 +31,34 @@ void interrupt_watch(void)
 int interrupt_came(void)
 {
     return came != 0;
+}
+
+int interrupt_again(void)
+{
+    return came > 1;
+}
+
+/* ---- fatal signals ------------------------------------------------------------------------------------------------
+ */
+
+static void (*last_act)(void);
+
+static void die(int number)
+{
+    last_act();
+    raise(number); /* SA_RESETHAND: as if there had been no handler */
+}
+
+void interrupt_fatal(void (*act)(void))
+{
+    static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGSYS, SIGXCPU, SIGXFSZ};
+    static unsigned char room[65536]; /* a stack that is full has no room for a handler */
+    const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
+    struct sigaction action = {.sa_handler = act ? die : SIG_DFL, .sa_flags = SA_RESETHAND | SA_NODEFER | SA_ONSTACK};
+    sigemptyset(&action.sa_mask);
+    if (act)
+        last_act = act;
+    sigaltstack(&stack, NULL);
+    for (size_t i = 0; i < sizeof fatal / sizeof fatal[0]; i++)
+        sigaction(fatal[i], &action, NULL);
 }

@@ -6,5 +6,10 @@
  * SIGPIPE is ignored: a closed pipe is an error of the write. */
 void interrupt_watch(void);
 int interrupt_came(void);
+int interrupt_again(void); /* twice: whoever waits for an end has no more patience */
+
+/* Where the program dies of a fault of its own (SIGSEGV, SIGABRT ...) or of SIGQUIT, `act` is called first, with what a
+ * signal handler may do. NULL: no longer. */
+void interrupt_fatal(void (*act)(void));
 
 #endif

@@ -10,6 +10,7 @@
 static const char help[] = "usage: pupil COMMAND ...\n"
                            "Camera-style auto-exposure for HDR frames.\n"
                            "  replay   recorded HDR frames in; a display video and what the exposure did out\n"
+                           "  record   a camera's raw frames, kept as they come\n"
                            "  render   the frames of a scene: linear pictures, or mapped for a display\n"
                            "  study    the study of adaptation made again: tables, videos, acceptance\n"
                            "  bench    how long things take, beside what they cannot be faster than\n"
@@ -34,11 +35,8 @@ static command_main *find(const char *name)
     static const struct {
         const char *name;
         command_main *run;
-    } commands[] = {{"replay", replay_main},
-                    {"render", render_main},
-                    {"study", study_main},
-                    {"bench", bench_main},
-                    {"list", list_main}};
+    } commands[] = {{"replay", replay_main}, {"render", render_main}, {"study", study_main},
+                    {"bench", bench_main},   {"list", list_main},     {"record", record_main}};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(name, commands[i].name) == 0)
             return commands[i].run;

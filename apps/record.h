@@ -25,6 +25,20 @@ typedef struct pupil_record {
     double process_us;
     double write_us;
     const char *state; /* "adapting", "settled", "limited", "locked", "empty" */
+
+    /* of a live camera; NaN: unknown */
+    int live;
+    uint64_t sequence;            /* the driver's number */
+    uint64_t lost, flagged, late; /* since the frame before: missing; damaged; left out for a newer one */
+    double exposure_s, gain;      /* that the frame was taken with */
+    double asked_exposure_s;      /* of the camera, latest */
+    double asked_gain;
+    uint64_t in_force_from; /* the frame from which on the camera has what it took last */
+    double digital;         /* what the sensor's setting leaves to be done in this frame's values */
+    double scene_ev;        /* log2 of the light of the scene, as the sensor's controller sees it */
+    double latency_us;      /* from the driver's timestamp to the mapped frame */
+    const char *sensor;     /* "searching", "converged", ...; "" where nobody steers */
+    const char *sensor_reason;
 } pupil_record;
 
 #endif

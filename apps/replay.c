@@ -1,11 +1,10 @@
 /* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
-#include "display.h"
+#include "describe.h"
 #include "interrupt.h"
 #include "open_input.h"
 #include "outputs.h"
@@ -14,6 +13,7 @@
 #include "replay_options.h"
 #include "replay_report.h"
 #include "replay_work.h"
+#include "sentence.h"
 #include "stats_file.h"
 #include "view.h"
 
@@ -46,19 +46,9 @@ typedef struct replay {
     char why[PUPIL_WHY_BYTES];
 } replay;
 
-static const char *state_word(uint32_t state)
-{
-    static const char *const words[] = {"empty", "adapting", "settled", "limited", "locked"};
-    return state < sizeof words / sizeof words[0] ? words[state] : "?";
-}
-
-/* A sentence may quote a file's name: what would steer a terminal becomes '?'. */
 static void say(replay *r, const char *end)
 {
-    for (char *c = r->why; *c; c++)
-        if (iscntrl((unsigned char)*c))
-            *c = '?';
-    fprintf(stderr, "pupil replay: %s%s\n", r->why, end);
+    sentence_say("pupil replay", r->why, end);
 }
 
 static int no_memory(replay *r)
@@ -69,35 +59,6 @@ static int no_memory(replay *r)
 
 /* ---- records
  * ---------------------------------------------------------------------------------------------------------- */
-
-static pupil_record describe(const replay *r, const pupil_frame *frame, const pupil_image_const *display)
-{
-    pupil_exposure e;
-    display_figures d = display_measure(display);
-    double pixels = r->stats.pixels ? (double)r->stats.pixels : 1.0;
-    pupil_record record = {
-        .frame = r->shown,
-        .name = frame->name,
-        .time_s = (double)frame->info.timestamp_ns * 1e-9,
-        .scale = (double)r->curve.scale,
-        .output_level = d.level,
-        .black_share = (double)r->stats.black / pixels,
-        .clipped_share = (double)r->stats.clipped / pixels,
-        .bad_share = (double)r->stats.bad / pixels,
-        .output_black_share = d.black_share,
-        .output_white_share = d.white_share,
-    };
-    pupil_get_exposure(&r->pupil, &e);
-    record.dt_s = e.dt_s;
-    record.metered_ev = e.metered_ev;
-    record.adapted_ev = e.adapted_ev;
-    record.state = state_word(e.state);
-    record.white = replay_white_of(&r->curve);
-    pupil_stats_quantile(&r->stats, 0.01, &record.p01_ev); /* refused without light: the quantiles stay 0 */
-    pupil_stats_quantile(&r->stats, 0.50, &record.p50_ev);
-    pupil_stats_quantile(&r->stats, 0.99, &record.p99_ev);
-    return record;
-}
 
 static int keep(replay *r, const pupil_record *record)
 {
@@ -194,7 +155,8 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
     if (!r->shown && open_outputs(r, &frame->image))
         return -1;
     pupil_image_const display = pupil_image_as_const(out);
-    pupil_record record = describe(r, frame, &display);
+    pupil_record record = describe_frame(&r->pupil, &r->stats, &r->curve, frame, &display);
+    record.frame = r->shown;
     record.read_us = read_us;
     record.process_us = process_us;
     if (write_frame(r, frame, &display, &record))

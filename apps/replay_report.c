@@ -31,11 +31,6 @@ struct replay_report {
     double process_us, memcpy_us, pixels; /* over the verified frames */
 };
 
-double replay_white_of(const pupil_curve *curve)
-{
-    return curve->inverse_white_squared > 0.0f ? 1.0 / sqrt((double)curve->inverse_white_squared) : 0.0;
-}
-
 /* Quoted where a shell would otherwise take it apart. */
 void replay_report_command(char *text, size_t bytes, int argc, char **argv)
 {

@@ -12,9 +12,6 @@ typedef struct replay_report replay_report;
 /* The command line as a user would type it again. */
 void replay_report_command(char *text, size_t bytes, int argc, char **argv);
 
-/* W of a curve; 0 where there is no white point. */
-double replay_white_of(const pupil_curve *curve);
-
 /* `frames`: how many are expected, 0 where unknown. The options stay the caller's. 0, or -1 and a sentence. */
 int replay_report_open(replay_report **report, const replay_options *options, const pupil_sink_options *video,
                        uint64_t frames, char *why, size_t why_bytes);

@@ -69,14 +69,27 @@ static int make_room(replay_work *w, const pupil_image_const *in, int whole, pup
     return 0;
 }
 
+/* The judge's word about a frame; of a fused one it comes too late for the picture. */
+static void judge(const replay_work *w, int fused, const pupil_frame *frame, const pupil_stats *stats,
+                  pupil_curve *curve)
+{
+    pupil_curve unused = *curve;
+    if (w->judge)
+        w->judge(w->context, stats, &frame->info, fused ? &unused : curve);
+}
+
 /* 0; -1: the CPU is to do the frame, with the pupil_t as it was. */
 static int on_gpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *frame, pupil_stats *stats,
                   pupil_curve *curve, const pupil_image *display)
 {
     char why[PUPIL_WHY_BYTES];
     const pupil_t before = *pupil;
-    if (gles_work_process(w->gpu, pupil, fused, &frame->image, &frame->info, stats, curve, why, sizeof why) == 0 &&
-        gles_work_read(w->gpu, curve, display, why, sizeof why) == 0) {
+    int error = gles_work_process(w->gpu, pupil, fused, &frame->image, &frame->info, stats, curve, why, sizeof why);
+    if (!error) {
+        judge(w, fused, frame, stats, curve);
+        error = gles_work_read(w->gpu, curve, display, why, sizeof why);
+    }
+    if (!error) {
         w->gpu_frames++;
         if (w->gpu_frames == 1)
             gles_work_describe(w->gpu, w->gpu_name, sizeof w->gpu_name);
@@ -85,6 +98,25 @@ static int on_gpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *
     *pupil = before;
     replay_work_give_up(w, pupil, why);
     return -1;
+}
+
+static int on_cpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *frame, pupil_stats *stats,
+                  pupil_curve *curve, const pupil_image *display)
+{
+    int error;
+    if (!w->judge || fused) {
+        error = frame_work_process(w->cpu, pupil, fused, &frame->image, &frame->info, display, stats, curve);
+        if (!error)
+            judge(w, 1, frame, stats, curve);
+        return error;
+    }
+    error = frame_work_meter(w->cpu, pupil, &frame->image, &frame->info, stats);
+    if (error)
+        return error;
+    if (pupil_get_curve(pupil, &frame->info, curve) != PUPIL_OK)
+        *curve = (pupil_curve){1.0f, 1.0f, 0.0f}; /* no light so far */
+    judge(w, 0, frame, stats, curve);
+    return frame_work_map(w->cpu, pupil, curve, &frame->image, display);
 }
 
 int replay_work_frame(replay_work *w, pupil_t *pupil, const pupil_frame *frame, int whole, pupil_stats *stats,
@@ -99,7 +131,7 @@ int replay_work_frame(replay_work *w, pupil_t *pupil, const pupil_frame *frame, 
         snprintf(why, why_bytes, "not enough memory");
         return -1;
     }
-    const int error = frame_work_process(w->cpu, pupil, fused, &frame->image, &frame->info, display, stats, curve);
+    const int error = on_cpu(w, pupil, fused, frame, stats, curve, display);
     if (error)
         snprintf(why, why_bytes, "%s: %s", frame->name, pupil_error_string(error));
     return error ? -1 : 0;

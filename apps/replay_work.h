@@ -7,8 +7,14 @@
 #include "gles_work.h"
 #include "replay_options.h"
 
+/* Told of each frame's statistics as soon as they are there; may change the curve that the frame is mapped by (unless
+ * config.order is fused: then it was mapped already). */
+typedef void replay_judge(void *context, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
+
 typedef struct replay_work {
     const replay_options *options; /* its config is that of the pupil_t, and may change between frames */
+    replay_judge *judge;           /* NULL: nobody */
+    void *context;                 /* of judge */
     workers *workers;
     frame_work *cpu;
     gles_work *gpu; /* NULL: the CPU does it */

@@ -15,6 +15,9 @@
 #name, STATS_NUMBER, offsetof(pupil_record, name)                                                              \
     }
 
+/* Those from here on are a live camera's. Every field but `live` has eight bytes. */
+#define LIVE_FIELDS ((sizeof(pupil_record) - offsetof(pupil_record, sequence)) / 8)
+
 const pupil_stats_field pupil_stats_fields[] = {
     {"frame", STATS_COUNT, offsetof(pupil_record, frame)},
     {"name", STATS_TEXT, offsetof(pupil_record, name)},
@@ -37,14 +40,37 @@ const pupil_stats_field pupil_stats_fields[] = {
     NUMBER(process_us),
     NUMBER(write_us),
     {"state", STATS_TEXT, offsetof(pupil_record, state)},
+    {"sequence", STATS_COUNT, offsetof(pupil_record, sequence)},
+    {"lost", STATS_COUNT, offsetof(pupil_record, lost)},
+    {"flagged", STATS_COUNT, offsetof(pupil_record, flagged)},
+    {"late", STATS_COUNT, offsetof(pupil_record, late)},
+    NUMBER(exposure_s),
+    NUMBER(gain),
+    NUMBER(asked_exposure_s),
+    NUMBER(asked_gain),
+    {"in_force_from", STATS_COUNT, offsetof(pupil_record, in_force_from)},
+    NUMBER(digital),
+    NUMBER(scene_ev),
+    NUMBER(latency_us),
+    {"sensor", STATS_TEXT, offsetof(pupil_record, sensor)},
+    {"sensor_reason", STATS_TEXT, offsetof(pupil_record, sensor_reason)},
 };
-const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
+const size_t pupil_stats_live_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
+const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] - LIVE_FIELDS;
+_Static_assert(sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(pupil_record),
+               "a field that is added to the record is written");
+
+size_t pupil_stats_fields_of(const pupil_record *record)
+{
+    return record->live ? pupil_stats_live_field_count : pupil_stats_field_count;
+}
 
 struct pupil_stats_file {
     FILE *file;
     char *path; /* as the user said it */
     pupil_pending pending;
     int is_stream, is_csv;
+    uint64_t lines;
 };
 
 static const void *at(const pupil_record *record, const pupil_stats_field *field)
@@ -94,13 +120,13 @@ static void csv_field(FILE *file, const pupil_record *record, const pupil_stats_
         fprintf(file, "%.17g", pupil_stats_number(record, field));
 }
 
-/* The header (no record) or a record. Lines end with \r\n, as RFC 4180, 2.1 has them. */
-static void csv_line(FILE *file, const pupil_record *record)
+/* The header or a record. Lines end with \r\n, as RFC 4180, 2.1 has them. */
+static void csv_line(FILE *file, const pupil_record *record, int header)
 {
-    for (size_t i = 0; i < pupil_stats_field_count; i++) {
+    for (size_t i = 0; i < pupil_stats_fields_of(record); i++) {
         if (i)
             fputc(',', file);
-        if (record)
+        if (!header)
             csv_field(file, record, &pupil_stats_fields[i]);
         else
             fputs(pupil_stats_fields[i].name, file);
@@ -140,8 +166,6 @@ static int begin(pupil_stats_file *f, const char *path, char *why, size_t why_by
     f->file = fopen(f->pending.temporary, "wbe");
     if (!f->file)
         return cannot_write(f, why, why_bytes);
-    if (f->is_csv)
-        csv_line(f->file, NULL);
     return 0;
 }
 
@@ -161,13 +185,11 @@ int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, 
 int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, char *why, size_t why_bytes)
 {
     if (f->is_csv) {
-        csv_line(f->file, record);
-    } else {
-        char *line = pupil_stats_json_line(record);
-        if (!line)
-            return pupil_refuse(why, why_bytes, "%s: not enough memory", f->path);
-        fprintf(f->file, "%s\n", line);
-        free(line);
+        if (!f->lines++)
+            csv_line(f->file, record, 1);
+        csv_line(f->file, record, 0);
+    } else if (pupil_stats_json_line(f->file, record)) {
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", f->path);
     }
     /* A stream is read while it is written: each line goes out at once. */
     if (ferror(f->file) || (f->is_stream && fflush(f->file) != 0))

@@ -5,6 +5,7 @@
 #define PUPIL_APPS_STATS_FILE_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 #include "record.h"
 
@@ -31,14 +32,16 @@ typedef struct pupil_stats_field {
 } pupil_stats_field;
 
 extern const pupil_stats_field pupil_stats_fields[];
-extern const size_t pupil_stats_field_count;
+extern const size_t pupil_stats_field_count;      /* of a replay's records, */
+extern const size_t pupil_stats_live_field_count; /* and with those of a live camera's, which follow */
+size_t pupil_stats_fields_of(const pupil_record *record);
 
 uint64_t pupil_stats_count(const pupil_record *record, const pupil_stats_field *field);
 const char *pupil_stats_text(const pupil_record *record, const pupil_stats_field *field); /* never NULL */
 double pupil_stats_number(const pupil_record *record, const pupil_stats_field *field);
 
-/* One record as one line of JSON without its newline, to be freed; NULL: out of memory. */
-char *pupil_stats_json_line(const pupil_record *record);
+/* One record as one line of JSON; -1: not enough memory. What cannot be written is left to ferror. */
+int pupil_stats_json_line(FILE *file, const pupil_record *record);
 
 /* 0, or -1 and a sentence where this program was built without JSON. */
 int pupil_stats_json_check(const char *path, char *why, size_t why_bytes);

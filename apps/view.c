@@ -1,4 +1,4 @@
-/* The window of replay: pace, keys, and what is drawn. */
+/* The window of replay and of a live run: pace, keys, and what is drawn. */
 #include "view.h"
 
 #include <math.h>
@@ -47,6 +47,12 @@ struct view {
     float split;
     char said[128];
 };
+
+/* 1: the picture is the camera's own, with its curve. */
+static int is_own(const view *v, pupil_curve *curve)
+{
+    return v->of.curve && v->of.curve(v->of.context, curve);
+}
 
 /* ---- drawing ------------------------------------------------------------------------------------------------------
  */
@@ -112,9 +118,9 @@ static void paint(view *v, float width, float height)
 
 static void draw(view *v)
 {
-    const float split = v->split_on && v->first_known ? v->split : 0.0f;
     uint32_t width, height;
     pupil_curve first;
+    const float split = v->split_on && v->first_known && !is_own(v, &first) ? v->split : 0.0f;
     pupil_window_size(v->window, &width, &height);
     if (!width || !height)
         return;
@@ -217,6 +223,8 @@ static void listen(view *v)
         v->said_s = progress_now_s();
         v->mapped = NULL;
         replay_work_retune(v->of.work, v->of.pupil);
+        if (is_own(v, &v->curve))
+            continue;
         if (v->frame || v->of.work->gpu)
             pupil_get_curve(v->of.pupil, &v->info, &v->curve); /* refused without light so far: as it was */
     }
@@ -278,10 +286,11 @@ int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, cons
     }
     view_plot_add(&v->plot, record);
     listen(v);
-    if (await(v, record->time_s) && !v->quit)
+    if (!v->quit && (v->of.live ? !v->paused : await(v, record->time_s)))
         draw(v);
     title(v);
-    stay(v, &v->paused);
+    if (!v->of.live)
+        stay(v, &v->paused);
     v->frame = NULL;
     v->mapped = NULL;
     return v->quit ? VIEW_QUIT : VIEW_ON;

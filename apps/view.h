@@ -1,4 +1,4 @@
-/* apps/view.h: the window of `pupil replay --view`: the result at the source's pace, keys, a plot of the level.
+/* apps/view.h: the window of --view: the result at the source's pace, keys, a plot of the level.
  *
  * Frames come late where reading or mapping them takes longer than they last: they are metered all the same, and some
  * of them are not shown. Every frame's level is what it is without a window.
@@ -19,6 +19,10 @@ typedef struct view_of {
     pupil_t *pupil;
     replay_work *work;
     double fps;
+    int live;                                        /* frames are shown at once, and go on while the viewer pauses */
+    int (*curve)(void *context, pupil_curve *curve); /* 1: the frame's curve, whatever the pupil_t says; 0: the
+                                                      * pupil_t's. NULL: always that */
+    void *context;
 } view_of;
 
 enum { VIEW_ON = 0, VIEW_QUIT = 1 };

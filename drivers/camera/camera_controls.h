@@ -102,14 +102,17 @@ const char *pupil_camera_sensors(void);
 typedef struct pupil_camera_calls {
     int (*ioctl)(void *user, int fd, unsigned long request, void *argument);
     void *user;
+    void (*released)(void *user); /* called once, when user and the files are needed no more: by an open that failed, by
+                                   * close, or after a close that returned 1 by the camera's thread. NULL: nobody asks
+                                   */
 } pupil_camera_calls;
 
 typedef struct pupil_camera_options {
-    const pupil_camera_calls
-        *calls;              /* NULL: ioctl(2). Else it, its user and the files must stay until close returned 0 */
-    int fd;                  /* the video node, opened for writing; -1: none. Stays the caller's */
-    int subdevice_fd;        /* the sensor's subdevice; -1: none */
-    const char *sensor_name; /* its name in the media graph, for its law; NULL: unknown */
+    const pupil_camera_calls *calls; /* NULL: ioctl(2). Else its user and the files must stay until close returned 0 or
+                                      * -1, or calls->released was called */
+    int fd;                          /* the video node, opened for writing; -1: none. Stays the caller's */
+    int subdevice_fd;                /* the sensor's subdevice; -1: none */
+    const char *sensor_name;         /* its name in the media graph, for its law; NULL: unknown */
     const pupil_camera_sensor *sensor; /* what is known of it, in place of the table; NULL */
     uint32_t width, height;  /* of the sensor's own format (VIDIOC_SUBDEV_G_FMT); wanted where EXPOSURE is in lines */
     double line_s;           /* a line's time; 0: from PIXEL_RATE, HBLANK and width */

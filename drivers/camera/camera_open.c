@@ -114,6 +114,7 @@ static int find_law(pupil_camera *camera, const pupil_camera_options *options, c
 
 void pupil_camera_free(pupil_camera *camera)
 {
+    const pupil_camera_calls calls = camera->calls;
     if (camera->owns) {
         if (camera->fd >= 0)
             close(camera->fd);
@@ -124,6 +125,8 @@ void pupil_camera_free(pupil_camera *camera)
     pthread_cond_destroy(&camera->idle);
     pthread_mutex_destroy(&camera->lock);
     free(camera);
+    if (calls.released)
+        calls.released(calls.user);
 }
 
 static int set_up(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
@@ -144,9 +147,11 @@ pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, 
     pupil_camera *camera = calloc(1, sizeof *camera);
     if (!camera) {
         pupil_camera_refuse(why, why_bytes, "no memory for the camera's controls");
+        if (options->calls && options->calls->released)
+            options->calls->released(options->calls->user);
         return NULL;
     }
-    camera->calls = options->calls ? *options->calls : (pupil_camera_calls){system_ioctl, NULL};
+    camera->calls = options->calls ? *options->calls : (pupil_camera_calls){.ioctl = system_ioctl};
     camera->owns = !options->calls;
     camera->fd = options->fd;
     camera->subdevice_fd = options->subdevice_fd;

@@ -29,13 +29,17 @@ typedef struct pupil_live_options {
 int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
                     pupil_source **source, char *why, size_t why_bytes);
 
-/* Of a source that was opened here. NULL: there are no controls, and why. */
+/* Of a source that was opened here; good until the next `next` of it: a camera that was opened again has other ones,
+ * some frames later. NULL: there are no controls (now), and why. */
 pupil_camera *pupil_live_camera(const pupil_source *source);
 const char *pupil_live_no_controls(const pupil_source *source);
 /* The capture; another one after the camera was opened again (capture->counts.reopened). */
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source);
 /* Of the frame that is out: its buffer, stamps and losses. Latency is the present less stamp_ns. */
 const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
+/* Puts every control back, as close does, and says what could not be: 0, or -1 and a sentence. There are no controls
+ * after it. A write that hangs is waited for for a second; then it puts everything back when it ends. */
+int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes);
 /* Puts every control back, by system calls alone: for handlers of fatal signals. */
 void pupil_live_restore(const pupil_source *source);
 

@@ -124,7 +124,7 @@ static void begin(fake_controls *fake)
     pthread_mutex_init(&fake->lock, NULL);
     pthread_cond_init(&fake->moved, NULL);
     fake->fail_errno = EIO;
-    fake->table = (pupil_camera_calls){fake_ioctl, fake};
+    fake->table = (pupil_camera_calls){.ioctl = fake_ioctl, .user = fake};
 }
 
 static void add(fake_controls *fake, fake_control control)

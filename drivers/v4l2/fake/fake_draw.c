@@ -19,8 +19,8 @@ uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t 
 typedef struct drawing {
     const fake_v4l2_picture *p;
     unsigned char *data, *chroma;
-    uint32_t code[1024];  /* of a value of the scene */
-    double encoded[1024]; /* the same before it is rounded, 0..1 */
+    uint32_t code[3][1024];  /* of a channel's value of the scene */
+    double encoded[3][1024]; /* the same before it is rounded, 0..1 */
     uint32_t bits, red_x, red_y;
 } drawing;
 
@@ -33,15 +33,16 @@ static double encode(uint32_t xfer_func, double light)
     return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055; /* IEC 61966-2-1 */
 }
 
-static double light_of(const fake_v4l2_picture *p, uint32_t scene)
+static double light_of(const fake_v4l2_picture *p, uint32_t channel, uint32_t scene)
 {
-    const double light = scene * p->scale / FAKE_SCENE_WHITE;
+    const int white = !(p->colour[0] > 0.0 || p->colour[1] > 0.0 || p->colour[2] > 0.0);
+    const double light = scene * (p->scale * (white ? 1.0 : p->colour[channel])) / FAKE_SCENE_WHITE;
     return light < 1.0 ? light : 1.0;
 }
 
 static uint32_t at(const drawing *d, uint32_t x, uint32_t y, uint32_t channel)
 {
-    return fake_v4l2_scene(d->p->seed, d->p->sequence, x, y, channel);
+    return d->p->flat ? d->p->flat : fake_v4l2_scene(d->p->seed, d->p->sequence, x, y, channel);
 }
 
 /* The channel that a mosaic has at a pixel. */
@@ -63,7 +64,7 @@ static void draw_samples(const drawing *d, int colours, int packed)
         unsigned char *row = row_of(d, y);
         const uint32_t group = d->bits == 10 ? 4 : 2;
         for (uint32_t x = 0; x < d->p->width; x++) {
-            const uint32_t code = d->code[at(d, x, y, colours ? channel_at(d, x, y) : 1)];
+            const uint32_t channel = colours ? channel_at(d, x, y) : 1, code = d->code[channel][at(d, x, y, channel)];
             if (packed) { /* the upper eight bits of each, then the lower ones of all */
                 unsigned char *low = row + x / group * (group + 1) + group;
                 const uint32_t few = d->bits - 8, shift = x % group * few;
@@ -91,7 +92,7 @@ static void to_yuv(const drawing *d, uint32_t x, uint32_t y, unsigned char yuv[3
     const int full = p->quantization == V4L2_QUANTIZATION_FULL_RANGE;
     double rgb[3];
     for (uint32_t c = 0; c < 3; c++)
-        rgb[c] = d->encoded[at(d, x, y, c)];
+        rgb[c] = d->encoded[c][at(d, x, y, c)];
     const double luma = kr * rgb[0] + (1 - kr - kb) * rgb[1] + kb * rgb[2];
     const double cb = (rgb[2] - luma) / (2 * (1 - kb)), cr = (rgb[0] - luma) / (2 * (1 - kr));
     yuv[0] = (unsigned char)(full ? 255 * luma + 0.5 : 16 + 219 * luma + 0.5);
@@ -127,7 +128,7 @@ static void draw_rgb(const drawing *d, uint32_t bytes)
         for (uint32_t x = 0; x < d->p->width; x++) {
             unsigned char *pixel = row_of(d, y) + bytes * x;
             for (uint32_t c = 0; c < 3; c++)
-                pixel[c] = (unsigned char)d->code[at(d, x, y, c)];
+                pixel[c] = (unsigned char)d->code[c][at(d, x, y, c)];
             if (bytes == 4)
                 pixel[3] = 255;
         }
@@ -136,10 +137,12 @@ static void draw_rgb(const drawing *d, uint32_t bytes)
 static void make_codes(drawing *d, uint32_t bits, uint32_t xfer_func)
 {
     d->bits = bits;
-    for (uint32_t v = 0; v < 1024; v++) {
-        d->encoded[v] = encode(xfer_func, light_of(d->p, v));
-        d->code[v] = (uint32_t)(d->encoded[v] * ((1u << bits) - 1) + 0.5);
-    }
+    const uint32_t flat = d->p->flat, first = flat ? flat : 0, end = flat ? flat + 1 : 1024;
+    for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t v = first; v < end; v++) {
+            d->encoded[c][v] = encode(xfer_func, light_of(d->p, c, v));
+            d->code[c][v] = (uint32_t)(d->encoded[c][v] * ((1u << bits) - 1) + 0.5);
+        }
 }
 
 static void draw_mosaic(drawing *d, uint32_t fourcc)

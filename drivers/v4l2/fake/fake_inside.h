@@ -85,7 +85,8 @@ struct fake_v4l2 {
     uint32_t ready[FAKE_MOST_BUFFERS], ready_count; /* done, the first to be taken first */
     int streaming, broken, ended;
     int64_t start_ns;
-    uint64_t made; /* frames since STREAMON, lost ones too */
+    uint64_t made;   /* frames since STREAMON, lost ones too */
+    uint64_t writes; /* of controls */
 
     uint32_t events[FAKE_MOST_EVENTS], event_count, subscribed;
     fake_settings settings, of_frame[FAKE_SETTINGS];

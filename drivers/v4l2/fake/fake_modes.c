@@ -87,12 +87,13 @@ int fake_enum_sizes(const fake_v4l2 *f, struct v4l2_frmsizeenum *s)
 {
     if (f->config.no_sizes)
         return fake_fail(ENOTTY);
-    if (!has_format(f, s->pixel_format) || s->index >= sizeof sizes / sizeof sizes[0])
+    const uint32_t only = f->config.width;
+    if (!has_format(f, s->pixel_format) || s->index >= (only ? 1 : sizeof sizes / sizeof sizes[0]))
         return fake_fail(EINVAL);
     s->type = V4L2_FRMSIZE_TYPE_DISCRETE;
-    s->discrete.width = sizes[s->index].width;
-    s->discrete.height = sizes[s->index].height;
-    if (s->pixel_format == V4L2_PIX_FMT_Y16) { /* one that is made to any size */
+    s->discrete.width = only ? f->width : sizes[s->index].width;
+    s->discrete.height = only ? f->height : sizes[s->index].height;
+    if (!only && s->pixel_format == V4L2_PIX_FMT_Y16) { /* one that is made to any size */
         if (s->index)
             return fake_fail(EINVAL);
         s->type = V4L2_FRMSIZE_TYPE_STEPWISE;
@@ -176,6 +177,8 @@ static void describe_single(const fake_v4l2 *f, struct v4l2_pix_format *p)
 static void take_size(fake_v4l2 *f, uint32_t width, uint32_t height)
 {
     uint32_t best = 0, best_off = UINT32_MAX;
+    if (f->config.width)
+        return; /* as it is */
     if (f->fourcc == V4L2_PIX_FMT_Y16 && width >= 32 && width <= 320 && height >= 24 && height <= 240) {
         f->width = width;
         f->height = height;

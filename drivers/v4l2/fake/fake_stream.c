@@ -40,7 +40,9 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
                            .ycbcr_enc = f->config.ycbcr_enc,
                            .quantization = f->config.quantization,
                            .xfer_func = f->config.xfer_func,
-                           .scale = f->light * (s->exposure_100us / 100.0) * (s->gain_16ths / 16.0)};
+                           .scale = f->light * (s->exposure_100us / 100.0) * (s->gain_16ths / 16.0),
+                           .flat = f->config.flat,
+                           .colour = {f->config.colour[0], f->config.colour[1], f->config.colour[2]}};
     if (!p.ycbcr_enc)
         p.ycbcr_enc = V4L2_MAP_YCBCR_ENC_DEFAULT(colorspace);
     if (!p.quantization)
@@ -72,7 +74,7 @@ static void hand_out(fake_v4l2 *f, uint32_t sequence, int64_t stamp_ns)
     b->done = 1;
     b->sequence = f->config.no_sequence ? 0 : sequence;
     b->flags = stamps[f->config.stamp % 3];
-    b->stamp_ns = f->config.stamp == FAKE_STAMP_NONE ? 0 : stamp_ns;
+    b->stamp_ns = f->config.stamp == FAKE_STAMP_NONE ? 0 : stamp_ns + f->config.stamps_ns;
     if (draw_share(f, f->made, 1) < f->config.flagged) {
         b->flags |= V4L2_BUF_FLAG_ERROR;
         memset(b->memory[0], 0xee, b->used[0] / 2);
@@ -103,7 +105,7 @@ int64_t fake_next_ns(const fake_v4l2 *f)
 void fake_produce(fake_v4l2 *f)
 {
     for (int64_t due_ns; f->plugged && (due_ns = fake_next_ns(f)) <= f->now_ns;) {
-        const uint32_t sequence = f->config.first_sequence + (uint32_t)f->made;
+        const uint32_t sequence = f->config.first_sequence + (uint32_t)f->made, width = f->width;
         f->of_frame[f->made % FAKE_SETTINGS] = f->settings;
         if (is_at(f->config.unplug_at, f->made)) {
             fake_unplug(f);
@@ -114,8 +116,8 @@ void fake_produce(fake_v4l2 *f)
         if (is_at(f->config.change_at, f->made)) {
             f->config.change_at = 0; /* once */
             post(f, V4L2_EVENT_SOURCE_CHANGE);
-            f->width = 32; /* what the buffers still have is the old size */
-            f->height = 24;
+            f->width = f->config.height ? f->height : 32; /* what the buffers still have is the old size */
+            f->height = f->config.height ? width : 24;
             f->ended = 1;
             return;
         }

@@ -25,12 +25,21 @@ static int64_t machine_ns(void)
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
+/* Its format and size where it has one of each alone. */
+static void set_up(fake_v4l2 *f)
+{
+    f->fourcc = f->config.only_format ? f->config.only_format : f->fourcc;
+    f->width = f->config.width ? f->config.width : f->width;
+    f->height = f->config.width ? f->config.height : f->height;
+}
+
 static void pass(fake_v4l2 *f, int64_t ns)
 {
     f->now_ns = f->config.real_time ? machine_ns() : f->now_ns + ns;
     if (!f->plugged && f->back_ns && f->now_ns >= f->back_ns) {
         f->plugged = 1;
         f->back_ns = 0;
+        set_up(f);
         f->node = f->config.back_as;
         f->config.unplug_at = 0; /* once */
     }
@@ -92,6 +101,14 @@ static int fake_open(void *context, const char *path)
     return fd;
 }
 
+static int camera_is_open(const fake_v4l2 *f)
+{
+    int open_files = 0;
+    for (int i = 0; i < FAKE_MOST_FILES; i++)
+        open_files += f->file[i].kind == FAKE_CAMERA && !f->file[i].gone;
+    return open_files > 0;
+}
+
 static int fake_close(void *context, int fd)
 {
     fake_v4l2 *f = context;
@@ -103,9 +120,9 @@ static int fake_close(void *context, int fd)
             fake_free_buffers(f);
         if (fd == f->output.owner)
             fake_output_free(f);
-        if (file->kind == FAKE_CAMERA)
-            f->event_count = f->subscribed = 0; /* one program at a time */
         file->kind = 0;
+        if (!camera_is_open(f))
+            f->event_count = f->subscribed = 0;
         result = close(fd);
     }
     pthread_mutex_unlock(&f->lock);
@@ -122,10 +139,22 @@ static int share(fake_v4l2 *f, struct v4l2_exportbuffer *e)
     return e->fd < 0 ? -1 : 0;
 }
 
+/* While others go on. */
+static void sleep_in_write(fake_v4l2 *f)
+{
+    const double s = f->config.sleep_s;
+    const struct timespec t = {(time_t)s, (long)((s - (double)(time_t)s) * 1e9)};
+    pthread_mutex_unlock(&f->lock);
+    nanosleep(&t, NULL);
+    pthread_mutex_lock(&f->lock);
+}
+
 static int fake_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
+    if ((request == VIDIOC_S_CTRL || request == VIDIOC_S_EXT_CTRLS) && ++f->writes == f->config.sleep_at)
+        sleep_in_write(f);
     pass(f, CALL_NS);
     const fake_file *file = file_of(f, fd);
     int result;
@@ -333,9 +362,10 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
     f->now_ns = config->real_time ? machine_ns() : INT64_C(1000000000000);
     f->light = 1.0;
     f->plugged = !config->absent;
-    f->fourcc = config->only_format ? config->only_format : V4L2_PIX_FMT_YUYV;
+    f->fourcc = V4L2_PIX_FMT_YUYV;
     f->width = 64;
     f->height = 48;
+    set_up(f);
     f->type = config->multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
     f->owner = f->output.owner = -1;
     f->output.fourcc = config->out_format ? config->out_format : V4L2_PIX_FMT_RGB24;
@@ -362,6 +392,14 @@ void fake_v4l2_free(fake_v4l2 *f)
 const pupil_v4l2_system *fake_v4l2_system(fake_v4l2 *f)
 {
     return &f->system;
+}
+
+void fake_v4l2_reconfigure(fake_v4l2 *f, const fake_v4l2_config *config)
+{
+    pthread_mutex_lock(&f->lock);
+    f->config = *config;
+    f->writes = 0;
+    pthread_mutex_unlock(&f->lock);
 }
 
 void fake_v4l2_light(fake_v4l2 *f, double light)

@@ -38,6 +38,10 @@ typedef struct fake_v4l2_config {
     int data_offset;                                         /* multiplanar: bytes before the pixels */
     uint32_t colorspace, ycbcr_enc, quantization, xfer_func; /* V4L2's; 0: DEFAULT */
     uint32_t only_format;                                    /* it has this format alone; 0: all */
+    uint32_t width, height;                                  /* it has this size alone; 0: its usual three */
+    uint32_t flat;     /* the scene is this value everywhere; 0: ramps and noise */
+    double colour[3];  /* of the light, as factors of red, green and blue; all 0: white */
+    int64_t stamps_ns; /* that the driver's stamps are ahead of its clock */
     int no_mmap, no_share, no_rate, no_events, no_sizes;
     uint32_t most_buffers; /* 0: 32 */
     uint32_t stamp, media;
@@ -50,11 +54,14 @@ typedef struct fake_v4l2_config {
     int start_error;                                           /* errno of VIDIOC_STREAMON */
     int format_error;                                          /* errno of VIDIOC_S_FMT */
     uint32_t control_delay;                                    /* frames until a control is in force, 0..7; 2 */
-    uint32_t out_format, out_width, out_height;                /* the output takes these alone; 0: all */
-    uint32_t out_colorspace, out_ycbcr_enc, out_quantization;  /* what it answers; 0: what it was told, and DEFAULT */
-    int out_write_only;                                        /* it has no buffers to stream with */
-    uint64_t out_gone_at, out_stall_at;                        /* the output's frame, from 1, at which it happens */
-    int real_time;                                             /* the clock is the machine's */
+    uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
+                        * the machine's time; 0: none */
+    double sleep_s;
+    uint32_t out_format, out_width, out_height;               /* the output takes these alone; 0: all */
+    uint32_t out_colorspace, out_ycbcr_enc, out_quantization; /* what it answers; 0: what it was told, and DEFAULT */
+    int out_write_only;                                       /* it has no buffers to stream with */
+    uint64_t out_gone_at, out_stall_at;                       /* the output's frame, from 1, at which it happens */
+    int real_time;                                            /* the clock is the machine's */
 } fake_v4l2_config;
 
 typedef struct fake_v4l2 fake_v4l2;
@@ -65,6 +72,9 @@ void fake_v4l2_free(fake_v4l2 *fake);
 
 /* To be handed to whatever takes a system; good until free. */
 const pupil_v4l2_system *fake_v4l2_system(fake_v4l2 *fake);
+
+/* Another configuration from now on, in mid-stream too; format and size with the next plugging in. */
+void fake_v4l2_reconfigure(fake_v4l2 *fake, const fake_v4l2_config *config);
 
 /* The light of the whole scene, as a factor; 1. */
 void fake_v4l2_light(fake_v4l2 *fake, double light);
@@ -95,6 +105,8 @@ typedef struct fake_v4l2_picture {
     uint32_t stride_bytes[2];                    /* of the rows, and of NV12's chroma */
     uint32_t ycbcr_enc, quantization, xfer_func; /* without DEFAULT */
     double scale;                                /* light * exposure / 10 ms * gain */
+    uint32_t flat;                               /* the configuration's */
+    double colour[3];
 } fake_v4l2_picture;
 
 uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel);

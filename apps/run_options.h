@@ -1,0 +1,43 @@
+/* apps/run_options.h: the command line of `pupil run`. */
+#ifndef PUPIL_APPS_RUN_OPTIONS_H
+#define PUPIL_APPS_RUN_OPTIONS_H
+
+#include "live/live.h"
+#include "replay_values.h"
+
+typedef enum run_mode {
+    RUN_DIGITAL = 0, /* the picture is adapted to; no control is touched, unless by hand */
+    RUN_SENSOR,      /* the camera's exposure and gain are steered; the picture is the camera's own */
+    RUN_BOTH,        /* steered, and what is shown is adapted to on its own */
+    RUN_BEST         /* RUN_BOTH, or RUN_DIGITAL where the camera has no controls */
+} run_mode;
+
+typedef struct run_options {
+    replay_options shown; /* what a replay has, too; its only input is the camera */
+    const char *device;   /* NULL: the first camera */
+    const char *record;   /* a folder, or NULL */
+    pupil_live_options live;
+    uint32_t mode;
+    double exposure_s, gain; /* by hand; 0: not */
+    double seconds;          /* to run; 0: until it is stopped */
+    int any_frame_rate;      /* in the dark the exposure may be longer than a frame */
+} run_options;
+
+/* As replay_options_parse; argv stays as it is. */
+int run_options_parse(run_options *options, int argc, char **argv, char *why, size_t why_bytes);
+
+/* ---- what options are given ---------------------------------------------------------------------------------------
+ */
+
+/* "10ms", "250us", "1/100", "2s", "1min"; a plain number is in units of `plain_s`. */
+int run_value_time(const value_text *c, double plain_s, double low_s, double high_s, const char *right,
+                   double *seconds);
+int run_value_mode(const value_text *c, uint32_t *mode);
+int run_value_mains(const value_text *c, uint32_t *mains_hz);
+int run_value_period(const value_text *c, uint32_t *mains_hz);
+int run_value_side(const value_text *c, uint32_t *side);
+int run_value_format(const value_text *c, uint32_t *fourcc);
+
+extern const char run_help[];
+
+#endif

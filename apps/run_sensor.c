@@ -1,0 +1,158 @@
+#include "run_sensor.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define CALM_FRAMES 60u /* the search for the first level is over by then, whatever the sensor's state is */
+
+static const char *state_word(const run_sensor *s)
+{
+    static const char *const words[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
+    const uint32_t state = s->setting.state;
+    return !s->steers ? "" : state < sizeof words / sizeof words[0] ? words[state] : "?";
+}
+
+static const char *reason_word(const run_sensor *s)
+{
+    static const char *const words[] = {"",         "waiting",    "exposure min", "exposure max", "frame period",
+                                        "gain min", "gain max",   "highlights",   "mains",        "lock",
+                                        "manual",   "dead frame", "same frame",   "clock back"};
+    const uint32_t reason = s->setting.reason;
+    return !s->steers ? "" : reason < sizeof words / sizeof words[0] ? words[reason] : "?";
+}
+
+/* What keys can change while it runs. Where the picture is adapted to by itself, the sensor's own level is hidden, and
+ * stays where a sensor is best. */
+static int follow_keys(run_sensor *s)
+{
+    const pupil_config *shown = &s->options->shown.config;
+    const pupil_sensor_config before = s->config;
+    if (s->options->mode != RUN_SENSOR)
+        return 0;
+    s->config.key = shown->key;
+    s->config.ev_compensation = shown->ev_compensation;
+    s->config.lock = shown->lock;
+    return s->config.key != before.key || s->config.ev_compensation != before.ev_compensation ||
+           s->config.lock != before.lock;
+}
+
+static void configure(run_sensor *s)
+{
+    const run_options *o = s->options;
+    pupil_sensor_config *c = &s->config;
+    pupil_sensor_config_default(c);
+    c->frame_s = 1.0 / s->fps;
+    pupil_camera_configure(s->camera, c);
+    c->frame_rate_priority = !o->any_frame_rate;
+    c->mains_hz = o->live.mains_hz;
+    c->trim_low = (double)o->shown.config.trim_low;
+    c->trim_high = (double)o->shown.config.trim_high;
+    if (o->exposure_s > 0.0) {
+        c->exposure_mode = PUPIL_SENSOR_MANUAL;
+        c->manual_exposure_s = o->exposure_s;
+    }
+    if (o->gain > 0.0) {
+        c->gain_mode = PUPIL_SENSOR_MANUAL;
+        c->manual_gain = o->gain;
+    }
+    follow_keys(s);
+}
+
+/* Where it is another setting than the last one. */
+static void ask(run_sensor *s)
+{
+    const pupil_camera_setting wanted = {.exposure_s = s->setting.exposure_s, .gain = s->setting.gain};
+    if (wanted.exposure_s != s->asked.exposure_s || wanted.gain != s->asked.gain)
+        pupil_camera_ask(s->camera, &wanted);
+    s->asked = wanted;
+}
+
+/* From the level that the camera has, so that its picture does not jump; of one that came back, from the wanted one. */
+static int steer(run_sensor *s, char *why, size_t why_bytes)
+{
+    const char *fault = "";
+    pupil_camera_status status;
+    configure(s);
+    if (pupil_sensor_config_check(&s->config, &fault)) {
+        snprintf(why, why_bytes, "the camera's exposure cannot be steered: %s", fault);
+        return -1;
+    }
+    if (s->steers) {
+        pupil_sensor_retune(&s->sensor, &s->config);
+    } else {
+        pupil_sensor_init(&s->sensor, &s->config);
+        pupil_camera_get_status(s->camera, &status);
+        pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
+    }
+    s->steers = 1;
+    s->asked = (pupil_camera_setting){0}; /* of the camera before */
+    pupil_sensor_get(&s->sensor, &s->setting);
+    ask(s);
+    return 0;
+}
+
+void run_sensor_begin(run_sensor *s, const run_options *options, double fps)
+{
+    *s = (run_sensor){.options = options, .fps = fps, .setting = {.digital = 1.0, .frame_digital = 1.0}};
+}
+
+int run_sensor_take(run_sensor *s, pupil_camera *camera, char *why, size_t why_bytes)
+{
+    const run_options *o = s->options;
+    const int is_new = camera && !s->camera;
+    s->camera = camera;
+    if (!is_new)
+        return 0;
+    if (o->mode != RUN_DIGITAL)
+        return steer(s, why, why_bytes);
+    const pupil_camera_setting by_hand = {.exposure_s = o->exposure_s, .gain = o->gain};
+    pupil_camera_ask(camera, &by_hand);
+    return 0;
+}
+
+int run_sensor_curve(const run_sensor *s, pupil_curve *curve)
+{
+    if (s->options->mode != RUN_SENSOR)
+        return 0;
+    /* Reinhard's extended operator with a white point of 1 leaves all that is below it as it is. */
+    *curve = (pupil_curve){.scale = (float)s->setting.frame_digital, .inverse_white_squared = 1.0f};
+    return 1;
+}
+
+void run_sensor_judge(void *run_sensor_, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve)
+{
+    run_sensor *s = run_sensor_;
+    if (s->steers && s->camera) {
+        if (follow_keys(s))
+            pupil_sensor_retune(&s->sensor, &s->config);
+        pupil_sensor_frame(&s->sensor, stats, info);
+        pupil_sensor_get(&s->sensor, &s->setting);
+        ask(s);
+        s->calm |= s->setting.frames > CALM_FRAMES ||
+                   (s->setting.state != PUPIL_SENSOR_EMPTY && s->setting.state != PUPIL_SENSOR_SEARCHING &&
+                    s->setting.state != PUPIL_SENSOR_CLIPPED);
+    }
+    run_sensor_curve(s, curve);
+}
+
+static double known(double x)
+{
+    return x > 0.0 ? x : (double)NAN;
+}
+
+void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record)
+{
+    pupil_camera_status status = {0};
+    if (s->camera)
+        pupil_camera_get_status(s->camera, &status);
+    record->exposure_s = known(info->exposure_s);
+    record->gain = known(info->gain);
+    record->asked_exposure_s = known(status.exposure_s.asked);
+    record->asked_gain = known(status.gain.asked);
+    record->in_force_from =
+        status.exposure_s.from_frame > status.gain.from_frame ? status.exposure_s.from_frame : status.gain.from_frame;
+    record->digital = s->steers ? s->setting.frame_digital : 1.0;
+    record->scene_ev = s->steers ? s->setting.scene_ev : (double)NAN;
+    record->sensor = state_word(s);
+    record->sensor_reason = reason_word(s);
+}

@@ -1,0 +1,38 @@
+/* apps/run_sensor.h: the camera's side of a run: what a frame's statistics ask of its exposure and gain. */
+#ifndef PUPIL_APPS_RUN_SENSOR_H
+#define PUPIL_APPS_RUN_SENSOR_H
+
+#include "camera/camera_controls.h"
+#include "record.h"
+#include "run_options.h"
+
+typedef struct run_sensor {
+    const run_options *options;
+    double fps;
+    pupil_camera *camera; /* NULL: none (now) */
+    int steers;           /* sensor and setting are valid */
+    int calm;             /* the first search is over */
+    pupil_sensor_config config;
+    pupil_sensor sensor;
+    pupil_sensor_setting setting;
+    pupil_camera_setting asked;
+} run_sensor;
+
+/* Whose mode is options->mode, which is no longer RUN_BEST. */
+void run_sensor_begin(run_sensor *s, const run_options *options, double fps);
+
+/* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
+ * have. -1 and a sentence: they cannot be steered. */
+int run_sensor_take(run_sensor *s, pupil_camera *camera, char *why, size_t why_bytes);
+
+/* A frame's statistics: the setting follows, and is asked for where it has changed. Of RUN_SENSOR the curve becomes the
+ * one that shows the camera's own picture. A replay_judge. */
+void run_sensor_judge(void *run_sensor, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
+
+/* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
+int run_sensor_curve(const run_sensor *s, pupil_curve *curve);
+
+/* Into the record of the last frame. */
+void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record);
+
+#endif

@@ -1,0 +1,431 @@
+/* drivers/file/recording_write.c: the recorder: a queue of frames, and a thread that brings them to the disk. */
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "file/recording.h"
+#include "file/recording_format.h"
+#include "file/recording_mkv.h"
+#include "refuse.h"
+#include "sink.h"
+
+#define ROOM_USUAL 16
+#define ROOM_WAIT  2 /* of sources that wait there are never many */
+#define ROOM_MOST  4096
+
+typedef struct slot {
+    unsigned char *bytes;
+    size_t size, capacity;
+    pupil_frame_info info;
+} slot;
+
+struct pupil_recorder {
+    pupil_recording_about about;
+    char folder[PATH_MAX];
+    int made_folder, wait;
+    size_t frame_bytes; /* of raw frames */
+    pupil_mkv_writer mkv;
+    int frames_fd, lines_fd;
+    off_t lines_end;
+    uint64_t lines;
+
+    slot *slots;
+    unsigned room;
+    unsigned *free_slots,
+        *full_slots; /* numbers of slots: a stack, so that memory that was used is used again; a ring */
+    pthread_t thread;
+    int has_thread;
+    pthread_mutex_t lock; /* of all that follows, free_slots and full_slots */
+    pthread_cond_t came, left;
+    unsigned free_count, full_count, full_first;
+    int ending, failed;
+    pupil_recorder_counts counts;
+    char why[PUPIL_WHY_BYTES]; /* of failed */
+};
+
+static const char *const names[] = {PUPIL_RECORDING_ABOUT, PUPIL_RECORDING_PART, PUPIL_RECORDING_LINES,
+                                    PUPIL_RECORDING_FRAMES};
+#define NAMES (sizeof names / sizeof names[0])
+
+/* ---- the thread ---- */
+
+static int fail(pupil_recorder *r, const char *name)
+{
+    return pupil_refuse(r->why, sizeof r->why, "%s/%s: cannot be written: %s; the %llu frames before are whole",
+                        r->folder, name, strerror(errno), (unsigned long long)r->lines);
+}
+
+/* The frame first, then its line: each line has its frame. */
+static int write_slot(pupil_recorder *r, const slot *s)
+{
+    char line[PUPIL_RECORDING_LINE_BYTES];
+    if (pupil_mkv_frame(&r->mkv, s->info.timestamp_ns, s->bytes, s->size))
+        return fail(r, PUPIL_RECORDING_FRAMES);
+    const size_t length = pupil_recording_line(line, r->lines, &s->info);
+    ssize_t wrote;
+    do
+        wrote = write(r->lines_fd, line, length);
+    while (wrote < 0 && errno == EINTR);
+    if (wrote != (ssize_t)length) {
+        const int error = wrote < 0 ? errno : ENOSPC;
+        (void)!ftruncate(r->lines_fd, r->lines_end);
+        errno = error;
+        return fail(r, PUPIL_RECORDING_LINES);
+    }
+    r->lines_end += wrote;
+    r->lines++;
+    return 0;
+}
+
+static void *write_frames(void *argument)
+{
+    pupil_recorder *r = argument;
+    pthread_mutex_lock(&r->lock);
+    for (;;) {
+        while (!r->full_count && !r->ending)
+            pthread_cond_wait(&r->came, &r->lock);
+        if (!r->full_count || r->failed)
+            break;
+        const unsigned number = r->full_slots[r->full_first];
+        r->full_first = (r->full_first + 1) % r->room;
+        r->full_count--;
+        pthread_mutex_unlock(&r->lock);
+        const int failed = write_slot(r, &r->slots[number]);
+        pthread_mutex_lock(&r->lock);
+        r->free_slots[r->free_count++] = number;
+        r->counts.written += !failed;
+        r->failed = failed;
+        pthread_cond_signal(&r->left);
+    }
+    pthread_mutex_unlock(&r->lock);
+    return NULL;
+}
+
+/* ---- a frame ---- */
+
+static int same_shape(const pupil_recording_about *about, const pupil_frame *frame)
+{
+    static const pupil_coding usual;
+    const pupil_coding *coding = frame->image.coding ? frame->image.coding : &usual;
+    return frame->image.pixel == about->pixel && frame->image.width == about->width &&
+           frame->image.height == about->height && !frame->coded == !about->jpeg &&
+           memcmp(coding, &about->coding, sizeof *coding) == 0;
+}
+
+/* Into memory of the slot's own; JPEGs may be larger than those before. */
+static int fill(pupil_recorder *r, slot *s, const pupil_frame *frame)
+{
+    s->size = r->about.jpeg ? frame->coded_bytes : r->frame_bytes;
+    s->info = frame->info;
+    if (s->size > s->capacity) {
+        unsigned char *more = realloc(s->bytes, s->size);
+        if (!more)
+            return -1;
+        s->bytes = more;
+        s->capacity = s->size;
+    }
+    if (r->about.jpeg)
+        memcpy(s->bytes, frame->coded, s->size);
+    else
+        pupil_recording_pack(&frame->image, s->bytes);
+    return 0;
+}
+
+/* A free slot's number; -1: there is none; -2: the recorder has failed. */
+static int take_slot(pupil_recorder *r, char *why, size_t why_bytes)
+{
+    int number = -1;
+    pthread_mutex_lock(&r->lock);
+    while (r->wait && !r->failed && !r->free_count)
+        pthread_cond_wait(&r->left, &r->lock);
+    if (r->failed) {
+        snprintf(why, why_bytes, "%s", r->why);
+        number = -2;
+    } else if (r->free_count) {
+        number = (int)r->free_slots[--r->free_count];
+    } else {
+        r->counts.lost++;
+    }
+    pthread_mutex_unlock(&r->lock);
+    return number;
+}
+
+int pupil_recorder_write(pupil_recorder *r, const pupil_frame *frame, char *why, size_t why_bytes)
+{
+    if (!same_shape(&r->about, frame))
+        return pupil_refuse(why, why_bytes,
+                            "%s: a frame of %u x %u pixels came after frames of %u x %u, or of another format or "
+                            "coding; a recording has one, so begin another",
+                            r->folder, frame->image.width, frame->image.height, r->about.width, r->about.height);
+    const int number = take_slot(r, why, why_bytes);
+    if (number < 0)
+        return number == -1 ? PUPIL_SINK_OK : PUPIL_SINK_FAILED;
+    const int failed = fill(r, &r->slots[number], frame);
+    pthread_mutex_lock(&r->lock);
+    if (failed) {
+        r->free_slots[r->free_count++] = (unsigned)number;
+    } else {
+        r->full_slots[(r->full_first + r->full_count++) % r->room] = (unsigned)number;
+        pthread_cond_signal(&r->came);
+    }
+    pthread_mutex_unlock(&r->lock);
+    return failed
+               ? pupil_refuse(why, why_bytes, "%s: no memory for a frame of %zu bytes", r->folder, frame->coded_bytes)
+               : PUPIL_SINK_OK;
+}
+
+void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
+{
+    pthread_mutex_lock(&r->lock);
+    *counts = r->counts;
+    pthread_mutex_unlock(&r->lock);
+}
+
+/* ---- open ---- */
+
+static void remove_files(const char *folder)
+{
+    char path[PATH_MAX];
+    for (size_t i = 0; i < NAMES; i++) /* recording.json first: without it the rest is no recording */
+        if (pupil_recording_path(path, folder, names[i]) == 0)
+            unlink(path);
+}
+
+static int is_ours(const char *name)
+{
+    for (size_t i = 0; i < NAMES; i++)
+        if (strcmp(name, names[i]) == 0)
+            return 1;
+    return 0;
+}
+
+/* A folder that is there may be empty, or, where it is to be overwritten, hold a recording and nothing else. */
+static int look_through(const char *path, int overwrite, char *why, size_t why_bytes)
+{
+    DIR *folder = opendir(path);
+    struct dirent *entry;
+    int failed = 0;
+    if (!folder)
+        return pupil_refuse(why, why_bytes, "%s: is no folder that can be used: %s", path, strerror(errno));
+    while (!failed && (entry = readdir(folder)) != NULL) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        if (!is_ours(entry->d_name))
+            failed = pupil_refuse(why, why_bytes,
+                                  "%s: is not used, for it holds %s, which is no part of a recording; name another "
+                                  "folder",
+                                  path, entry->d_name);
+        else if (!overwrite)
+            failed = pupil_refuse(why, why_bytes,
+                                  "%s: is a recording already; name another folder, or overwrite it (-y, --overwrite)",
+                                  path);
+    }
+    closedir(folder);
+    return failed;
+}
+
+static int make_folder(pupil_recorder *r, int overwrite, char *why, size_t why_bytes)
+{
+    if (!*r->folder)
+        return pupil_refuse(why, why_bytes, "\"\": a recording needs a name, of a folder");
+    if (mkdir(r->folder, 0777) == 0) {
+        r->made_folder = 1;
+        return 0;
+    }
+    if (errno == ENOENT)
+        return pupil_refuse(why, why_bytes, "%s: the folder that it is to be in is not there; make it first",
+                            r->folder);
+    if (errno != EEXIST)
+        return pupil_refuse(why, why_bytes, "%s: the folder cannot be made: %s", r->folder, strerror(errno));
+    if (look_through(r->folder, overwrite, why, why_bytes))
+        return -1;
+    remove_files(r->folder);
+    return 0;
+}
+
+static int create(const pupil_recorder *r, const char *name, char *why, size_t why_bytes)
+{
+    char path[PATH_MAX];
+    if (pupil_recording_path(path, r->folder, name))
+        return pupil_refuse(why, why_bytes, "%s: the name is too long", r->folder);
+    const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return pupil_refuse(why, why_bytes, "%s: cannot be made: %s", path, strerror(errno));
+    return fd;
+}
+
+/* recording.json takes its place complete. */
+static int write_about(pupil_recorder *r, char *why, size_t why_bytes)
+{
+    char part[PATH_MAX], path[PATH_MAX], *text = pupil_recording_about_text(&r->about);
+    const int fd = text ? create(r, PUPIL_RECORDING_PART, why, why_bytes) : -1;
+    if (fd < 0) {
+        free(text);
+        return text ? -1 : pupil_refuse(why, why_bytes, "%s: not enough memory", r->folder);
+    }
+    const size_t length = strlen(text);
+    errno = ENOSPC;
+    int failed = write(fd, text, length) != (ssize_t)length;
+    free(text);
+    failed |= close(fd) != 0;
+    if (!failed)
+        failed = pupil_recording_path(part, r->folder, PUPIL_RECORDING_PART) ||
+                 pupil_recording_path(path, r->folder, PUPIL_RECORDING_ABOUT) || rename(part, path);
+    return failed ? pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_ABOUT ": cannot be written: %s", r->folder,
+                                 strerror(errno))
+                  : 0;
+}
+
+static int make_files(pupil_recorder *r, char *why, size_t why_bytes)
+{
+    r->frames_fd = create(r, PUPIL_RECORDING_FRAMES, why, why_bytes);
+    if (r->frames_fd < 0)
+        return -1;
+    r->lines_fd = create(r, PUPIL_RECORDING_LINES, why, why_bytes);
+    if (r->lines_fd < 0)
+        return -1;
+    if (pupil_mkv_begin(&r->mkv, r->frames_fd, &r->about))
+        return pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_FRAMES ": cannot be written: %s", r->folder,
+                            strerror(errno));
+    return write_about(r, why, why_bytes);
+}
+
+static int make_slots(pupil_recorder *r, unsigned room)
+{
+    r->room = room > ROOM_MOST ? ROOM_MOST : room ? room : r->wait ? ROOM_WAIT : ROOM_USUAL;
+    r->slots = calloc(r->room, sizeof *r->slots);
+    r->free_slots = calloc(r->room, sizeof *r->free_slots);
+    r->full_slots = calloc(r->room, sizeof *r->full_slots);
+    if (!r->slots || !r->free_slots || !r->full_slots)
+        return -1;
+    for (unsigned i = 0; i < r->room; i++) {
+        r->slots[i].capacity = r->frame_bytes;
+        r->slots[i].bytes = malloc(r->frame_bytes);
+        if (!r->slots[i].bytes)
+            return -1;
+        r->free_slots[r->free_count++] = i;
+    }
+    return 0;
+}
+
+/* Signals are for the threads that wait for them. */
+static int start(pupil_recorder *r)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    r->has_thread = pthread_create(&r->thread, NULL, write_frames, r) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return r->has_thread ? 0 : -1;
+}
+
+static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_recorder_options *options)
+{
+    pupil_recording_about *a = &r->about;
+    a->pixel = first->image.pixel;
+    a->width = first->image.width;
+    a->height = first->image.height;
+    a->jpeg = first->coded != NULL;
+    a->fps = options->fps;
+    if (first->image.coding)
+        a->coding = *first->image.coding;
+    if (options->camera)
+        snprintf(a->camera, sizeof a->camera, "%s", options->camera);
+}
+
+static void free_recorder(pupil_recorder *r)
+{
+    if (r->frames_fd >= 0)
+        close(r->frames_fd);
+    if (r->lines_fd >= 0)
+        close(r->lines_fd);
+    for (unsigned i = 0; r->slots && i < r->room; i++)
+        free(r->slots[i].bytes);
+    free(r->slots);
+    free(r->free_slots);
+    free(r->full_slots);
+    pthread_mutex_destroy(&r->lock);
+    pthread_cond_destroy(&r->came);
+    pthread_cond_destroy(&r->left);
+    free(r);
+}
+
+static int begin(pupil_recorder *r, const pupil_recorder_options *options, char *why, size_t why_bytes)
+{
+    char words[512];
+    if (pupil_recording_check(&r->about, words, sizeof words))
+        return pupil_refuse(why, why_bytes, "%s: %s", r->folder, words);
+    r->frame_bytes = pupil_recording_bytes(&r->about);
+    if (make_slots(r, options->room))
+        return pupil_refuse(why, why_bytes, "%s: no memory for %u frames of %zu bytes that wait for the disk",
+                            r->folder, r->room, r->frame_bytes);
+    if (make_folder(r, options->overwrite, why, why_bytes))
+        return -1;
+    int failed = make_files(r, why, why_bytes);
+    if (!failed && start(r))
+        failed = pupil_refuse(why, why_bytes, "%s: no thread can be started", r->folder);
+    if (!failed)
+        return 0;
+    remove_files(r->folder);
+    if (r->made_folder)
+        rmdir(r->folder);
+    return -1;
+}
+
+int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
+                        const pupil_recorder_options *options, char *why, size_t why_bytes)
+{
+    pupil_recorder *r = calloc(1, sizeof *r);
+    *recorder = NULL;
+    if (!r)
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+    r->frames_fd = r->lines_fd = -1;
+    r->wait = options->wait;
+    pthread_mutex_init(&r->lock, NULL);
+    pthread_cond_init(&r->came, NULL);
+    pthread_cond_init(&r->left, NULL);
+    describe(r, first, options);
+    const int too_long = snprintf(r->folder, sizeof r->folder, "%s", folder) >= (int)sizeof r->folder;
+    if (too_long || begin(r, options, why, why_bytes)) {
+        if (too_long)
+            pupil_refuse(why, why_bytes, "the folder's name is too long");
+        free_recorder(r);
+        return PUPIL_SINK_FAILED;
+    }
+    *recorder = r;
+    return PUPIL_SINK_OK;
+}
+
+/* ---- close ---- */
+
+/* EINVAL, EROFS: a file system that cannot sync. */
+static int to_disk(int fd)
+{
+    return fsync(fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : -1;
+}
+
+int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
+{
+    if (!r)
+        return PUPIL_SINK_OK;
+    pthread_mutex_lock(&r->lock);
+    r->ending = 1;
+    pthread_cond_signal(&r->came);
+    pthread_mutex_unlock(&r->lock);
+    pthread_join(r->thread, NULL);
+    if (!r->failed && (pupil_mkv_end(&r->mkv) || to_disk(r->frames_fd)))
+        r->failed = fail(r, PUPIL_RECORDING_FRAMES);
+    if (!r->failed && to_disk(r->lines_fd))
+        r->failed = fail(r, PUPIL_RECORDING_LINES);
+    const int failed = r->failed;
+    if (failed)
+        snprintf(why, why_bytes, "%s", r->why);
+    free_recorder(r);
+    return failed ? PUPIL_SINK_FAILED : PUPIL_SINK_OK;
+}

@@ -1,0 +1,152 @@
+/* Frames and controls of one camera, in step. */
+#include "live/live.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "live_parts.h"
+#include "v4l2/v4l2_source.h"
+
+typedef struct live_source {
+    pupil_source base;
+    pupil_source *frames;
+    live_which which;
+    int hands_off;
+    pupil_camera *camera; /* NULL: none (now), and why */
+    char why[PUPIL_WHY_BYTES];
+    live_again *again; /* NULL: the controls are those of the camera that streams */
+    uint64_t reopened; /* as often as the capture says when the controls were opened */
+    int told;          /* the camera was told that the stream has started */
+} live_source;
+
+static live_source *of(const pupil_source *source)
+{
+    return (live_source *)(uintptr_t)source;
+}
+
+static void name_which(live_source *s)
+{
+    const pupil_v4l2_capture *capture = pupil_v4l2_source_capture(s->frames);
+    s->which.system = capture->device.system;
+    snprintf(s->which.path, sizeof s->which.path, "%s", capture->device.path);
+    s->which.width = capture->format.width;
+    s->which.height = capture->format.height;
+}
+
+/* After the camera was opened again: its controls, too. Frames do not wait for them. */
+static void follow(live_source *s)
+{
+    const uint64_t reopened = pupil_v4l2_source_capture(s->frames)->counts.reopened;
+    if (s->again && live_again_ready(&s->again, &s->camera, s->why, sizeof s->why))
+        s->told = 0;
+    if (reopened == s->reopened || s->again || s->hands_off)
+        return;
+    pupil_camera *old = s->camera;
+    s->camera = NULL;
+    s->reopened = reopened;
+    name_which(s);
+    snprintf(s->why, sizeof s->why, "%s: its controls are being opened again", s->which.path);
+    s->again = live_again_start(old, &s->which);
+    if (!s->again)
+        snprintf(s->why, sizeof s->why, "%s: not enough memory for its controls", s->which.path);
+}
+
+static int source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+{
+    live_source *s = of(source);
+    const int got = pupil_source_next(s->frames, frame, why, why_bytes);
+    if (got != PUPIL_SOURCE_FRAME)
+        return got;
+    follow(s);
+    if (!s->camera)
+        return got;
+    if (!s->told) /* some drivers set their controls anew at STREAMON, or with the first frame */
+        pupil_camera_again(s->camera);
+    s->told = 1;
+    pupil_camera_frame(s->camera, frame->info.sequence, 0);
+    pupil_camera_in_force(s->camera, frame->info.sequence, &frame->info);
+    return got;
+}
+
+static void source_done(pupil_source *source, pupil_frame *frame)
+{
+    pupil_source_done(of(source)->frames, frame);
+}
+
+int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes)
+{
+    live_source *s = of(source);
+    char reason[PUPIL_WHY_BYTES];
+    pupil_camera *camera = s->camera;
+    s->camera = NULL;
+    s->hands_off = 1;
+    snprintf(s->why, sizeof s->why, "%s: its controls were given back", s->which.path);
+    live_again_end(s->again);
+    s->again = NULL;
+    if (pupil_camera_close(camera, reason, sizeof reason) >= 0)
+        return 0;
+    snprintf(why, why_bytes, "%s: %.900s", s->which.path, reason);
+    return -1;
+}
+
+static void source_close(pupil_source *source)
+{
+    live_source *s = of(source);
+    char unused[PUPIL_WHY_BYTES];
+    pupil_live_give_back(source, unused, sizeof unused);
+    pupil_source_close(s->frames);
+    free(s);
+}
+
+static const pupil_source_ops source_ops = {source_next, source_done, source_close};
+
+int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
+                    pupil_source **source, char *why, size_t why_bytes)
+{
+    live_source *s = calloc(1, sizeof *s);
+    if (!s) {
+        snprintf(why, why_bytes, "%s: not enough memory", which);
+        return PUPIL_SOURCE_FAILED;
+    }
+    const int error = pupil_v4l2_source_open(which, options, more ? &more->capture : NULL, &s->frames, why, why_bytes);
+    if (error) {
+        free(s);
+        return error;
+    }
+    s->base = *s->frames;
+    s->base.ops = &source_ops;
+    s->hands_off = more && more->hands_off;
+    s->which.mains_hz = more ? more->mains_hz : 0;
+    name_which(s);
+    snprintf(s->why, sizeof s->why, "%s: its controls are left alone", s->which.path);
+    if (!s->hands_off)
+        s->camera = live_controls_open(&s->which, s->why, sizeof s->why);
+    *source = &s->base;
+    return 0;
+}
+
+pupil_camera *pupil_live_camera(const pupil_source *source)
+{
+    return of(source)->camera;
+}
+
+const char *pupil_live_no_controls(const pupil_source *source)
+{
+    return of(source)->why;
+}
+
+const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
+{
+    return pupil_v4l2_source_capture(of(source)->frames);
+}
+
+const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source)
+{
+    return pupil_v4l2_source_frame(of(source)->frames);
+}
+
+void pupil_live_restore(const pupil_source *source)
+{
+    pupil_camera_restore(of(source)->camera);
+}

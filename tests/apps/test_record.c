@@ -1,0 +1,248 @@
+/* pupil record on a camera that is not there: what is recorded replays with the bits of the live frames' statistics. */
+#include "../drivers/scratch.h"
+#include "check.h"
+
+#include <linux/videodev2.h>
+#include <stdarg.h>
+
+#include "file/recording.h"
+#include "live/live.h"
+#include "open_input.h"
+#include "pupil/pupil.h"
+#include "record_command.h"
+#include "v4l2/fake/fake_v4l2.h"
+
+#define FRAMES 12
+
+static char why[PUPIL_WHY_BYTES];
+
+typedef struct metered {
+    pupil_stats stats[FRAMES];
+    pupil_exposure exposure[FRAMES];
+    pupil_frame_info info[FRAMES];
+    int count;
+} metered;
+
+/* Runs the command as a user would; standard error goes to a file of the scratch folder. */
+static int record(fake_v4l2 *fake, const char *words, ...)
+{
+    char text[4096];
+    char *argv[32] = {"record"};
+    int argc = 1;
+    va_list arguments;
+    va_start(arguments, words);
+    vsnprintf(text, sizeof text, words, arguments);
+    va_end(arguments);
+    for (char *word = strtok(text, " "); word && argc < 31; word = strtok(NULL, " "))
+        argv[argc++] = word;
+    fflush(stderr);
+    const int kept = dup(2);
+    if (!freopen(scratch("said"), "w", stderr))
+        abort();
+    const int status = record_on(fake ? fake_v4l2_system(fake) : NULL, argc, argv);
+    fflush(stderr);
+    dup2(kept, 2);
+    close(kept);
+    return status;
+}
+
+/* What it said, for messages. */
+static const char *said(void)
+{
+    static char text[4096];
+    FILE *f = fopen(scratch("said"), "r");
+    text[f ? fread(text, 1, sizeof text - 1, f) : 0] = 0;
+    if (f)
+        fclose(f);
+    return text;
+}
+
+static void meter(pupil_source *source, metered *m, pupil_recorder **recorder)
+{
+    static pupil_t pupil;
+    pupil_config config;
+    pupil_frame frame;
+    pupil_config_default(&config);
+    config.histogram = 1;
+    pupil_init(&pupil, &config);
+    memset(m, 0, sizeof *m);
+    while (m->count < FRAMES && pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+        const pupil_recorder_options options = {.fps = source->fps, .wait = 1};
+        if (recorder && !*recorder)
+            CHECK_MSG(pupil_recorder_open(recorder, scratch("live"), &frame, &options, why, sizeof why) == 0, "%s",
+                      why);
+        if (recorder && *recorder)
+            CHECK_MSG(pupil_recorder_write(*recorder, &frame, why, sizeof why) == 0, "%s", why);
+        pupil_stats_clear(&m->stats[m->count]);
+        CHECK(pupil_meter_rows(&pupil, &frame.image, 0, frame.image.height, &m->stats[m->count]) == PUPIL_OK);
+        CHECK(pupil_adapt(&pupil, &m->stats[m->count], &frame.info) == PUPIL_OK);
+        pupil_get_exposure(&pupil, &m->exposure[m->count]);
+        m->info[m->count++] = frame.info;
+        pupil_source_done(source, &frame);
+    }
+}
+
+/* The fake camera is metered and recorded at once; then the recording is metered. */
+static void test_same_statistics(uint32_t fourcc, int extra_bytes)
+{
+    static metered live, again;
+    const pupil_live_options options = {.capture = {.fourcc = fourcc}};
+    pupil_live_options of_fake = options;
+    fake_v4l2_config config;
+    pupil_recorder *recorder = NULL;
+    pupil_source *source;
+    fake_v4l2_config_default(&config);
+    config.seed = check_random();
+    config.dropped = 0.2;
+    config.extra_bytes = extra_bytes;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    of_fake.capture.system = fake_v4l2_system(fake);
+    CHECK_MSG(pupil_live_open("0", NULL, &of_fake, &source, why, sizeof why) == 0, "%s", why);
+    meter(source, &live, &recorder);
+    pupil_source_close(source);
+    CHECK_MSG(pupil_recorder_close(recorder, why, sizeof why) == 0, "%s", why);
+    fake_v4l2_free(fake);
+
+    const char *inputs[] = {scratch("live")};
+    const pupil_source_options none = {0};
+    CHECK_MSG(open_input(inputs, 1, &none, &source, why, sizeof why) == 0, "%s", why);
+    meter(source, &again, NULL);
+    pupil_source_close(source);
+    CHECK(live.count == FRAMES && again.count == FRAMES && live.info[5].exposure_s > 0);
+    CHECK(memcmp(live.stats, again.stats, sizeof live.stats) == 0);
+    CHECK(memcmp(live.exposure, again.exposure, sizeof live.exposure) == 0);
+    CHECK(memcmp(live.info, again.info, sizeof live.info) == 0);
+    scratch_clear(scratch("live"));
+}
+
+static int frames_in(const char *folder, metered *m)
+{
+    pupil_source *source;
+    if (pupil_recording_open(folder, &source, why, sizeof why))
+        return -1;
+    meter(source, m, NULL);
+    pupil_source_close(source);
+    return m->count;
+}
+
+static void test_command(void)
+{
+    static metered m;
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    const char *folder = scratch("rec");
+    CHECK_MSG(record(fake, "-q -d 0 -n 5 %s", folder) == 0 && !*said(), "%s", said());
+    CHECK(frames_in(folder, &m) == 5 && m.info[4].exposure_s == 0 && m.info[4].gain == 0); /* nobody looked */
+    CHECK(record(fake, "-n 5 %s", folder) == 1 && strstr(said(), "is a recording already"));
+    CHECK(frames_in(folder, &m) == 5);
+    CHECK(record(fake, "-y -n 6 --format RG10 --width 32 --height 24 %s", folder) == 0 &&
+          strstr(said(), "recorded 6 frames"));
+    CHECK(frames_in(folder, &m) == 6 && m.stats[0].pixels == 16 * 12);
+    CHECK(record(fake, "-y -t 0.2 --framerate 15 %s", folder) == 0);
+    CHECK_MSG(frames_in(folder, &m) == 3, "%d", m.count);
+    CHECK_MSG(record(fake, "-y -n 12 --shutter 5ms --gain 2 %s", folder) == 0, "%s", said());
+    CHECK(frames_in(folder, &m) == 12);
+    CHECK_MSG(m.info[11].exposure_s == 0.005 && m.info[11].gain == 2, "%g s, %g", m.info[11].exposure_s,
+              m.info[11].gain);
+    CHECK(record(fake, "-y -n 2 --shutter 100s %s", folder) == 1 && strstr(said(), "--shutter: 0 exposes from"));
+    CHECK(frames_in(folder, &m) == 12); /* refused before anything was touched */
+    CHECK(record(fake, "-y -n 2 --gain 60000 %s", folder) == 1 && strstr(said(), "--gain: 0 has gains from"));
+    CHECK(fake_v4l2_holds(fake).files == 0 && fake_v4l2_holds(fake).maps == 0);
+    fake_v4l2_free(fake);
+    scratch_clear(folder);
+}
+
+/* The light of the scene is far too bright for what is set; --auto comes to what the loop wants. */
+static void test_auto(void)
+{
+    static metered m;
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.real_time = 1; /* the writer of the controls is a thread of its own */
+    config.fps = 60;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    fake_v4l2_light(fake, 0.1);
+    const char *folder = scratch("auto");
+    CHECK_MSG(record(fake, "-q -n 40 --auto %s", folder) == 0, "%s", said());
+    pupil_source *source;
+    CHECK(pupil_recording_open(folder, &source, why, sizeof why) == 0);
+    double first = 0, last = 0;
+    pupil_frame frame;
+    for (int i = 0; pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME; i++) {
+        last = frame.info.exposure_s * frame.info.gain;
+        first = i ? first : last;
+        pupil_source_done(source, &frame);
+    }
+    pupil_source_close(source);
+    CHECK_MSG(last > 2 * first, "from %g to %g s", first, last);
+    (void)m;
+    fake_v4l2_free(fake);
+    scratch_clear(folder);
+}
+
+/* The camera is unplugged, or the disk is full: what came before is there. */
+static void test_ends(void)
+{
+    static metered m;
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.unplug_at = 7;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    const char *folder = scratch("ends");
+    CHECK(record(fake, "%s", folder) == 1 && strstr(said(), "recorded 7 frames"));
+    CHECK_MSG(frames_in(folder, &m) == 7, "%d: %s", m.count, said());
+    fake_v4l2_free(fake);
+    scratch_clear(folder);
+
+    config.unplug_at = 0;
+    fake = fake_v4l2_new(&config);
+    scratch_limit(40000); /* six frames of 64 x 48 YUYV */
+    const int status = record(fake, "-n 200 %s", folder);
+    scratch_limit(0);
+    CHECK_MSG(status == 1 && strstr(said(), "frames.mkv: cannot be written: File too large; the 6 frames before are"),
+              "%s", said());
+    CHECK(frames_in(folder, &m) == 6);
+    fake_v4l2_free(fake);
+    scratch_clear(folder);
+}
+
+static void check_usage(const char *words, const char *sentence)
+{
+    CHECK_MSG(record(NULL, "%s", words) == 2 && strstr(said(), sentence), "%s: %s", words, said());
+}
+
+static void test_usage(void)
+{
+    check_usage("", "no folder to record into");
+    check_usage("--nonsense x", "--nonsense: no such option");
+    check_usage("-n 0 x", "--frames 0: must be a whole number of frames, 1 or more");
+    check_usage("--shutter 10m x", "--shutter 10m: must be a time in microseconds");
+    check_usage("--shutter 0 x", "--shutter 0: must be a time in microseconds");
+    check_usage("--gain 0 x", "--gain 0: must be a factor");
+    check_usage("--format TOOLONG x", "--format TOOLONG: must be a V4L2 format");
+    check_usage("--width 70000 x", "--width 70000: must be a whole number of pixels");
+    check_usage("--auto --gain 2 x", "--auto: follows the light");
+    check_usage("-d 0 synth:walk x", "synth:walk: -d names a camera already");
+    check_usage("--auto synth:walk x", "are a camera's");
+    CHECK(record(NULL, "-n 2 synth:nowhere %s", scratch("x")) == 1 && !scratch_exists(scratch("x")));
+    CHECK(record(NULL, "-n 2 synth:walk %s/none/x", scratch_folder) == 1 && strstr(said(), "make it first"));
+    CHECK(record(NULL, "-n 2 synth:walk /dev/null") == 1 && strstr(said(), "/dev/null: is no folder"));
+}
+
+int main(int argc, char **argv)
+{
+    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_SRGGB10,
+                                       V4L2_PIX_FMT_SRGGB10P, V4L2_PIX_FMT_GREY};
+    check_begin(argc, argv);
+    scratch_begin();
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        for (int extra = 0; extra <= 16; extra += 16)
+            test_same_statistics(formats[i], extra);
+    test_command();
+    test_auto();
+    test_ends();
+    test_usage();
+    scratch_clear(scratch_folder);
+    return check_end();
+}

@@ -1,0 +1,219 @@
+/* A live camera: frames bring what they were taken with, controls are asked for and put back, also where a write hangs
+ * and where the camera is unplugged and comes back. */
+#include "live/live.h"
+
+#include <linux/videodev2.h>
+#include <math.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "check.h"
+#include "v4l2/fake/fake_v4l2.h"
+
+static char why[PUPIL_WHY_BYTES];
+
+static fake_v4l2_config usual(void)
+{
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.control_delay = 3; /* as is believed of a camera of which nothing is known */
+    return config;
+}
+
+static int control(fake_v4l2 *fake, uint32_t id, int set, int value)
+{
+    const pupil_v4l2_system *system = fake_v4l2_system(fake);
+    struct v4l2_control c = {id, value};
+    const int fd = system->open(system->context, "/dev/video0");
+    CHECK(system->ioctl(system->context, fd, set ? VIDIOC_S_CTRL : VIDIOC_G_CTRL, &c) == 0);
+    system->close(system->context, fd);
+    return c.value;
+}
+
+static pupil_source *open_live(fake_v4l2 *fake, double reopen_s)
+{
+    const pupil_live_options options = {.capture = {.system = fake_v4l2_system(fake), .reopen_s = reopen_s}};
+    pupil_source *source = NULL;
+    CHECK_MSG(pupil_live_open("/dev/video0", NULL, &options, &source, why, sizeof why) == 0, "%s", why);
+    if (!source)
+        exit(check_end());
+    return source;
+}
+
+static int next(pupil_source *source, pupil_frame_info *info)
+{
+    pupil_frame frame;
+    const int got = pupil_source_next(source, &frame, why, sizeof why);
+    if (got == PUPIL_SOURCE_FRAME) {
+        *info = frame.info;
+        pupil_source_done(source, &frame);
+    }
+    return got;
+}
+
+static void doze(long ms)
+{
+    const struct timespec t = {ms / 1000, ms % 1000 * 1000000};
+    nanosleep(&t, NULL);
+}
+
+/* Until what was asked is written; the test as a whole has a time limit. */
+static void await_write(pupil_camera *camera)
+{
+    pupil_camera_status status;
+    for (pupil_camera_get_status(camera, &status); status.written != status.asks;
+         pupil_camera_get_status(camera, &status))
+        doze(1);
+}
+
+static void close_all(pupil_source *source, fake_v4l2 *fake)
+{
+    pupil_source_close(source);
+    const fake_v4l2_held held = fake_v4l2_holds(fake);
+    CHECK_MSG(held.files == 0 && held.maps == 0, "%d files and %d maps are left", held.files, held.maps);
+    fake_v4l2_free(fake);
+}
+
+static void test_in_force(void)
+{
+    const fake_v4l2_config config = usual();
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    control(fake, V4L2_CID_EXPOSURE_AUTO, 1, 3);
+    control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 1, 77);
+    control(fake, V4L2_CID_GAIN, 1, 40);
+    pupil_source *source = open_live(fake, 0.0);
+    pupil_camera *camera = pupil_live_camera(source);
+    pupil_frame_info info;
+    CHECK(camera != NULL);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == V4L2_EXPOSURE_MANUAL);
+    for (int i = 0; i < 3; i++)
+        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && fabs(info.exposure_s - 7.7e-3) < 1e-9 && info.gain == 2.5);
+    await_write(camera);
+    pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = 0.02, .gain = 3.0});
+    await_write(camera);
+    const uint64_t from = info.sequence + 1 + 3; /* the next frame is under way */
+    for (int i = 0; i < 8; i++) {
+        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+        CHECK_MSG(info.gain == (info.sequence < from ? 2.5 : 3.0), "frame %d: gain %g", (int)info.sequence, info.gain);
+        CHECK(fabs(info.exposure_s - (info.sequence < from ? 7.7e-3 : 0.02)) < 1e-9);
+    }
+    CHECK(pupil_live_give_back(source, why, sizeof why) == 0 && !pupil_live_camera(source));
+    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0) == 77);
+    CHECK(control(fake, V4L2_CID_GAIN, 0, 0) == 40);
+    close_all(source, fake);
+}
+
+static void test_hands_off(void)
+{
+    const fake_v4l2_config config = usual();
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    const pupil_live_options options = {.capture = {.system = fake_v4l2_system(fake)}, .hands_off = 1};
+    pupil_source *source = NULL;
+    pupil_frame_info info;
+    control(fake, V4L2_CID_EXPOSURE_AUTO, 1, 3);
+    CHECK(pupil_live_open("0", NULL, &options, &source, why, sizeof why) == 0);
+    CHECK(!pupil_live_camera(source) && strstr(pupil_live_no_controls(source), "left alone"));
+    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0 && info.gain == 0.0);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
+    close_all(source, fake);
+}
+
+/* For a handler of fatal signals. */
+static void test_restore(void)
+{
+    const fake_v4l2_config config = usual();
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    control(fake, V4L2_CID_EXPOSURE_AUTO, 1, 3);
+    pupil_source *source = open_live(fake, 0.0);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == V4L2_EXPOSURE_MANUAL);
+    pupil_live_restore(source);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
+    close_all(source, fake);
+}
+
+/* The camera comes back with its controls as they were made; `sleep_s`: a write hangs while it is gone. */
+static void test_again(double sleep_s)
+{
+    fake_v4l2_config config = usual();
+    config.unplug_at = 5;
+    config.back_s = 2.0;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    pupil_source *source = open_live(fake, 10.0);
+    pupil_frame_info info = {0};
+    int frames = 0, without = 0;
+    for (; frames < 3; frames++)
+        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s > 0.0);
+    await_write(pupil_live_camera(source));
+    if (sleep_s > 0.0) {
+        config.sleep_s = sleep_s;
+        config.sleep_at = 1;
+        fake_v4l2_reconfigure(fake, &config);
+        pupil_camera_ask(pupil_live_camera(source), &(pupil_camera_setting){.gain = 2.0});
+    }
+    const pupil_camera *before = pupil_live_camera(source);
+    for (; frames < 5; frames++)
+        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+    CHECK(before == pupil_live_camera(source));
+    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && pupil_live_capture(source)->counts.reopened == 1);
+    for (; !pupil_live_camera(source) && without < 100000; without++) {
+        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+        doze(1);
+    }
+    CHECK_MSG(pupil_live_camera(source) != NULL, "%s", pupil_live_no_controls(source));
+    CHECK_MSG(sleep_s == 0.0 || without > 10, "%d frames while the write hung", without);
+    pupil_camera *camera = pupil_live_camera(source);
+    if (camera) {
+        await_write(camera);
+        pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = 0.015, .gain = 2.0});
+        await_write(camera);
+    }
+    CHECK(control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0) == 150);
+    pupil_source_close(source);
+    while (fake_v4l2_holds(fake).files) /* where a write hung: its own end; the test has a time limit */
+        doze(10);
+    fake_v4l2_free(fake);
+}
+
+/* A write that never ends in time: frames go on, the end comes, and the controls are put back once the write is over.
+ */
+static void test_hang(void)
+{
+    fake_v4l2_config config = usual();
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    pupil_source *source = open_live(fake, 0.0);
+    pupil_frame_info info;
+    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+    await_write(pupil_live_camera(source));
+    config.sleep_s = 3.0;
+    config.sleep_at = 1;
+    fake_v4l2_reconfigure(fake, &config);
+    pupil_camera_ask(pupil_live_camera(source), &(pupil_camera_setting){.exposure_s = 0.015, .gain = 2.0});
+    pupil_camera_status status = {0};
+    while (!status.writing)
+        pupil_camera_get_status(pupil_live_camera(source), &status);
+    int frames = 0;
+    for (; frames < 150; frames++) /* five seconds of the camera's clock; the write's three are the machine's */
+        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.gain == 1.0);
+    pupil_camera_get_status(pupil_live_camera(source), &status);
+    CHECK(status.writing);
+    pupil_source_close(source);
+    while (fake_v4l2_holds(fake).files) /* the writer's own end; the test has a time limit */
+        doze(10);
+    CHECK(control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0) == 100 && control(fake, V4L2_CID_GAIN, 0, 0) == 16);
+    CHECK(fake_v4l2_holds(fake).files == 0 && fake_v4l2_holds(fake).maps == 0);
+    fake_v4l2_free(fake);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    test_in_force();
+    test_hands_off();
+    test_restore();
+    test_again(0.0);
+    test_again(3.0);
+    test_hang();
+    return check_end();
+}
