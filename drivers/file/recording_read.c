@@ -16,7 +16,7 @@ typedef struct recording {
     pupil_recording_about about;
     char frames_path[PATH_MAX], lines_path[PATH_MAX];
     char name[PATH_MAX + 32]; /* of the frame */
-    int folder_length; /* of the name of the recording, at the front of the two paths */
+    int folder_length;        /* of the name of the recording, at the front of the two paths */
     FILE *lines;
     int fd;
     pupil_mkv_reader mkv;
