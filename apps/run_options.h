@@ -3,6 +3,7 @@
 #define PUPIL_APPS_RUN_OPTIONS_H
 
 #include "live/live.h"
+#include "live/live_colour.h"
 #include "replay_values.h"
 
 typedef enum run_mode {
@@ -17,6 +18,7 @@ typedef struct run_options {
     const char *device;   /* NULL: the first camera */
     const char *record;   /* a folder, or NULL */
     pupil_live_options live;
+    pupil_colour_options colour; /* of raw frames */
     uint32_t mode;
     double exposure_s, gain; /* by hand; 0: not */
     double seconds;          /* to run; 0: until it is stopped */
