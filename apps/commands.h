@@ -2,6 +2,7 @@
 #ifndef PUPIL_APPS_COMMANDS_H
 #define PUPIL_APPS_COMMANDS_H
 
+int run_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
 int render_main(int argc, char **argv);
 int study_main(int argc, char **argv);

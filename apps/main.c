@@ -9,6 +9,7 @@
 
 static const char help[] = "usage: pupil COMMAND ...\n"
                            "Camera-style auto-exposure for HDR frames.\n"
+                           "  run      live frames of a camera, with its exposure under control\n"
                            "  replay   recorded HDR frames in; a display video and what the exposure did out\n"
                            "  record   a camera's raw frames, kept as they come\n"
                            "  render   the frames of a scene: linear pictures, or mapped for a display\n"
@@ -35,8 +36,8 @@ static command_main *find(const char *name)
     static const struct {
         const char *name;
         command_main *run;
-    } commands[] = {{"replay", replay_main}, {"render", render_main}, {"study", study_main},
-                    {"bench", bench_main},   {"list", list_main},     {"record", record_main}};
+    } commands[] = {{"run", run_main},     {"replay", replay_main}, {"render", render_main}, {"study", study_main},
+                    {"bench", bench_main}, {"list", list_main},     {"record", record_main}};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(name, commands[i].name) == 0)
             return commands[i].run;

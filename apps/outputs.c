@@ -1,16 +1,15 @@
 #include "outputs.h"
 
-#include <poll.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "file/file_sink.h"
+#include "reader.h"
 #include "v4l2/v4l2_sink.h"
 
 int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, char *why, size_t why_bytes)
 {
     pupil_sink **sink = &o->sink[o->count];
-    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, NULL, why, why_bytes)
+    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, o->system, why, why_bytes)
                                                  : pupil_file_sink_open(path, options, sink, why, why_bytes);
     if (!error)
         o->path[o->count++] = path;
@@ -44,8 +43,7 @@ void outputs_drop(outputs *o)
 
 int outputs_reader_gone(const outputs *o)
 {
-    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
-    return strcmp(o->path[o->failed], "-") == 0 && poll(&out, 1, 0) == 1 && out.revents & (POLLERR | POLLHUP);
+    return strcmp(o->path[o->failed], "-") == 0 && reader_gone();
 }
 
 int outputs_finish(outputs *o, char *why, size_t why_bytes)

@@ -3,10 +3,12 @@
 #define PUPIL_APPS_OUTPUTS_H
 
 #include "sink.h"
+#include "v4l2/system.h"
 
 #define OUTPUTS_MOST 17 /* those of the command line, and the video of a report */
 
 typedef struct outputs {
+    const pupil_v4l2_system *system; /* of output nodes; NULL: the kernel */
     pupil_sink *sink[OUTPUTS_MOST];
     const char *path[OUTPUTS_MOST]; /* the caller's */
     size_t count;

@@ -189,7 +189,8 @@ static int no_memory(render *r)
 
 static int open_outputs(render *r, const pupil_image_const *first)
 {
-    pupil_sink_options options = {first->width, first->height, r->source->fps, r->overwrite};
+    pupil_sink_options options = {
+        .width = first->width, .height = first->height, .fps = r->source->fps, .overwrite = r->overwrite};
     int single;
     for (size_t i = 0; i < r->out_count; i++) {
         if (!pupil_is_linear_path(r->out[i], &single)) {

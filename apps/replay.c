@@ -86,7 +86,8 @@ static int keep(replay *r, const pupil_record *record)
 static int open_outputs(replay *r, const pupil_image_const *first)
 {
     const replay_options *o = &r->options;
-    pupil_sink_options options = {first->width, first->height, r->source->fps, o->overwrite};
+    pupil_sink_options options = {
+        .width = first->width, .height = first->height, .fps = r->source->fps, .overwrite = o->overwrite};
     for (size_t i = 0; i < o->out_count; i++)
         if (outputs_open(&r->outputs, o->out[i], &options, r->why, sizeof r->why))
             return -1;
@@ -116,7 +117,7 @@ static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_co
 static int open_view(replay *r, const pupil_frame *first)
 {
     const replay_options *o = &r->options;
-    const view_of of = {&r->options, &r->pupil, &r->work, r->source->fps};
+    const view_of of = {.options = &r->options, .pupil = &r->pupil, .work = &r->work, .fps = r->source->fps};
     if (!o->view || r->shown)
         return 0;
     return view_open(&r->view, &of, &first->image, r->why, sizeof r->why);

@@ -9,6 +9,7 @@
 
 #include "file/pending.h"
 #include "file/sink_common.h"
+#include "reader.h"
 
 #define NUMBER(name)                                                                                                   \
     {                                                                                                                  \
@@ -195,6 +196,11 @@ int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, char
     if (ferror(f->file) || (f->is_stream && fflush(f->file) != 0))
         return cannot_write(f, why, why_bytes);
     return 0;
+}
+
+int pupil_stats_reader_gone(const pupil_stats_file *f)
+{
+    return f->is_stream && reader_gone();
 }
 
 int pupil_stats_file_finish(pupil_stats_file *f, char *why, size_t why_bytes)

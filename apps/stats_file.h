@@ -15,6 +15,9 @@ typedef struct pupil_stats_file pupil_stats_file;
 int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, size_t why_bytes);
 int pupil_stats_file_write(pupil_stats_file *file, const pupil_record *record, char *why, size_t why_bytes);
 
+/* 1: it goes to standard output, and whoever read that is gone. */
+int pupil_stats_reader_gone(const pupil_stats_file *file);
+
 /* Puts the file in its place. It is gone afterwards, whether that succeeded or not. */
 int pupil_stats_file_finish(pupil_stats_file *file, char *why, size_t why_bytes);
 

@@ -116,7 +116,7 @@ static int write_frames(video *v, outputs *o, const study_lights *lights, unsign
 int study_video(const char *path, const study_images *images, const study_lights *lights, unsigned which_case,
                 unsigned formula, study_progress *progress, void *context, char *why, size_t why_bytes)
 {
-    const pupil_sink_options options = {WIDTH, HEIGHT, STUDY_FPS, 0};
+    const pupil_sink_options options = {.width = WIDTH, .height = HEIGHT, .fps = STUDY_FPS};
     outputs o = {.count = 0};
     video *v = calloc(1, sizeof *v);
     if (!v)

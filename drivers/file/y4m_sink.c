@@ -14,6 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#define GAP_MAX_S    2.0    /* a camera that was away for longer was away */
 #define BUFFER_BYTES 65536u /* a pipe's usual size; holds at least one row of PUPIL_MAX_SIDE_PX samples */
 
 typedef struct y4m_sink {
@@ -22,6 +23,9 @@ typedef struct y4m_sink {
     pupil_pending pending; /* of a file; all zero for standard output */
     int to_stdout, fd;
     uint64_t frames;
+    double due_s;     /* keep_time: the stream's time of the last frame that came, gaps left out, */
+    int64_t stamp_ns; /* and its timestamp */
+    uint64_t came;
     size_t filled;
     uint8_t buffer[BUFFER_BYTES];
 } y4m_sink;
@@ -79,15 +83,23 @@ static int y4m_header(y4m_sink *s, char *why, size_t why_bytes)
     return y4m_text(s, text, why, why_bytes);
 }
 
-static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                     size_t why_bytes)
+/* How often a frame is to be written: up to the nearest moment of the stream's own rate, and not at all where another
+ * one stands there already. */
+static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
 {
-    y4m_sink *s = (y4m_sink *)sink;
-    (void)info;
-    if (pupil_sink_check_image(y4m_name(s), &s->options, image, why, why_bytes))
-        return PUPIL_SINK_FAILED;
-    if (s->frames == 0 && y4m_header(s, why, why_bytes))
-        return PUPIL_SINK_FAILED;
+    const int64_t stamp_ns = info ? info->timestamp_ns : 0;
+    const double step_s = ((double)stamp_ns - (double)s->stamp_ns) * 1e-9;
+    if (!s->options.keep_time)
+        return 1;
+    if (s->came++)
+        s->due_s += step_s > 0.0 && step_s <= GAP_MAX_S ? step_s : 1.0 / s->options.fps;
+    s->stamp_ns = stamp_ns;
+    const uint64_t until = (uint64_t)(s->due_s * s->options.fps + 0.5) + 1;
+    return until > s->frames ? until - s->frames : 0;
+}
+
+static int y4m_frame(y4m_sink *s, const pupil_image_const *image, char *why, size_t why_bytes)
+{
     if (y4m_text(s, "FRAME\n", why, why_bytes))
         return PUPIL_SINK_FAILED;
     for (int plane = PUPIL_YUV_Y; plane <= PUPIL_YUV_CR; plane++)
@@ -100,6 +112,20 @@ static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pup
         }
     s->frames++;
     return y4m_flush(s, why, why_bytes); /* whoever reads the pipe gets a frame as soon as there is one */
+}
+
+static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
+                     size_t why_bytes)
+{
+    y4m_sink *s = (y4m_sink *)sink;
+    if (pupil_sink_check_image(y4m_name(s), &s->options, image, why, why_bytes))
+        return PUPIL_SINK_FAILED;
+    if (s->frames == 0 && y4m_header(s, why, why_bytes))
+        return PUPIL_SINK_FAILED;
+    for (uint64_t times = y4m_times(s, info); times; times--)
+        if (y4m_frame(s, image, why, why_bytes))
+            return PUPIL_SINK_FAILED;
+    return PUPIL_SINK_OK;
 }
 
 static void y4m_discard(pupil_sink *sink)

@@ -62,7 +62,7 @@ static void files(void)
     for (int n = 0; n < 3; n++)
         for (int i = 0; i < 5; i++) {
             pupil_image_const image = make(sizes[i][0], sizes[i][1], i % 2);
-            pupil_sink_options options = {sizes[i][0], sizes[i][1], 30.0, 0};
+            pupil_sink_options options = {.width = sizes[i][0], .height = sizes[i][1], .fps = 30.0};
             pupil_frame_info info = {0};
             pupil_sink *sink;
             CHECK_MSG(pupil_linear_sink_open(scratch(names[n]), &options, &sink, why, sizeof why) == 0, "%s", why);
@@ -77,7 +77,7 @@ static void files(void)
 static void a_folder(void)
 {
     pupil_image_const image = make(6, 4, 0);
-    pupil_sink_options options = {6, 4, 30.0, 0};
+    pupil_sink_options options = {.width = 6, .height = 4, .fps = 30.0};
     char why[PUPIL_WHY_BYTES] = "";
     pupil_sink *sink;
     for (int pass = 0; pass < 2; pass++) {

@@ -1,0 +1,385 @@
+/* pupil run: live frames of a camera through meter -> adapt -> map, with its exposure and gain under control. */
+#include "run.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "commands.h"
+#include "describe.h"
+#include "file/recording.h"
+#include "interrupt.h"
+#include "outputs.h"
+#include "plot.h"
+#include "record_list.h"
+#include "replay_work.h"
+#include "run_choose.h"
+#include "run_sensor.h"
+#include "run_status.h"
+#include "sentence.h"
+#include "stats_file.h"
+#include "view.h"
+
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_GIVEN_UP = 130 };
+
+typedef struct run {
+    run_options options;
+    const pupil_v4l2_system *system; /* NULL: the kernel */
+    char device[256];
+    const char *input; /* device: the name of the only input */
+    pupil_source *source;
+    replay_work work;
+    run_sensor sensor;
+    pupil_t pupil;
+    pupil_stats stats;
+    pupil_curve curve;
+
+    view *view;
+    outputs outputs;
+    pupil_stats_file *stats_file;
+    pupil_recorder *recorder;
+    uint64_t not_recorded; /* the disk was too slow */
+    record_list records;
+
+    run_status status;
+    pupil_v4l2_counts counts; /* at the last frame */
+    uint64_t frames;
+    int64_t end_ns;    /* of -t; 0: none */
+    int ended, failed; /* ended: as it was asked for; failed: why has a sentence */
+    char why[PUPIL_WHY_BYTES];
+} run;
+
+static run r; /* one a process; fatal signals must find its camera */
+
+static void say(char *why, const char *end)
+{
+    run_status_clear(&r.status);
+    sentence_say("pupil run", why, end);
+}
+
+/* Of several sentences the first one is the cause. */
+static int fail(const char *why)
+{
+    if (!r.failed && why != r.why)
+        snprintf(r.why, sizeof r.why, "%s", why);
+    r.failed = 1;
+    return -1;
+}
+
+static int64_t now_ns(void)
+{
+    const pupil_v4l2_system *system = pupil_live_capture(r.source)->device.system;
+    return system->now_ns(system->context);
+}
+
+static int is_over(void)
+{
+    return interrupt_came() || (r.end_ns && r.source && now_ns() >= r.end_ns);
+}
+
+/* ---- outputs ------------------------------------------------------------------------------------------------------
+ */
+
+static int open_outputs(const pupil_frame *first, char *why, size_t why_bytes)
+{
+    const replay_options *o = &r.options.shown;
+    const pupil_sink_options options = {.width = first->image.width,
+                                        .height = first->image.height,
+                                        .fps = r.source->fps,
+                                        .overwrite = o->overwrite,
+                                        .keep_time = 1};
+    for (size_t i = 0; i < o->out_count; i++)
+        if (outputs_open(&r.outputs, o->out[i], &options, why, why_bytes))
+            return -1;
+    if (o->stats && pupil_stats_file_open(&r.stats_file, o->stats, why, why_bytes))
+        return -1;
+    if (o->plot && record_list_open(&r.records)) {
+        snprintf(why, why_bytes, "not enough memory");
+        return -1;
+    }
+    return 0;
+}
+
+/* As it came. */
+static int record_frame(const pupil_frame *frame, char *why, size_t why_bytes)
+{
+    const pupil_recorder_options options = {.camera = pupil_live_capture(r.source)->device.name,
+                                            .fps = r.source->fps,
+                                            .overwrite = r.options.shown.overwrite};
+    if (!r.options.record)
+        return 0;
+    if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.record, frame, &options, why, why_bytes))
+        return -1;
+    return pupil_recorder_write(r.recorder, frame, why, why_bytes);
+}
+
+/* An output that fails ends the run; the others are kept. A reader who has seen enough is no failure. */
+static int write_frame(const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
+{
+    char why[PUPIL_WHY_BYTES];
+    const int64_t began_ns = now_ns();
+    if (outputs_write(&r.outputs, display, &frame->info, why, sizeof why)) {
+        r.ended = interrupt_came() || outputs_reader_gone(&r.outputs);
+        outputs_drop(&r.outputs);
+        return r.ended ? 0 : fail(why);
+    }
+    record->write_us = (double)(now_ns() - began_ns) * 1e-3;
+    if (r.stats_file && pupil_stats_file_write(r.stats_file, record, why, sizeof why)) {
+        r.ended = interrupt_came() || pupil_stats_reader_gone(r.stats_file);
+        pupil_stats_file_discard(r.stats_file);
+        r.stats_file = NULL;
+        return r.ended ? 0 : fail(why);
+    }
+    record_list_add(&r.records, record);
+    return 0;
+}
+
+/* ---- a frame ------------------------------------------------------------------------------------------------------
+ */
+
+static void warn(void)
+{
+    if (!*r.work.warning)
+        return;
+    say(r.work.warning, "; the CPU goes on");
+    *r.work.warning = 0;
+}
+
+static int curve_of_view(void *context, pupil_curve *curve)
+{
+    return run_sensor_curve(context, curve);
+}
+
+/* The window comes with the first frame, and where it is there the GPU is its own. */
+static int open_view(const pupil_frame *first, char *why, size_t why_bytes)
+{
+    const view_of of = {.options = &r.options.shown,
+                        .pupil = &r.pupil,
+                        .work = &r.work,
+                        .fps = r.source->fps,
+                        .live = 1,
+                        .curve = curve_of_view,
+                        .context = &r.sensor};
+    return r.options.shown.view ? view_open(&r.view, &of, &first->image, why, why_bytes) : 0;
+}
+
+/* Frames that are written have all their pixels; what is only viewed is measured in a smaller picture. */
+static int is_written(void)
+{
+    const replay_options *o = &r.options.shown;
+    return o->out_count || o->stats || o->plot;
+}
+
+static void describe_camera(const pupil_frame *frame, pupil_record *record)
+{
+    const pupil_v4l2_counts before = r.counts, *now = &pupil_live_capture(r.source)->counts;
+    const pupil_v4l2_frame *f = pupil_live_frame(r.source);
+    record->live = 1;
+    record->frame = r.frames;
+    record->sequence = frame->info.sequence;
+    record->lost = now->lost - before.lost;
+    record->flagged = now->flagged - before.flagged + now->cut - before.cut;
+    record->late = now->late - before.late;
+    record->read_us = (double)(f->taken_ns - f->stamp_ns) * 1e-3;
+    r.counts = *now;
+    run_sensor_describe(&r.sensor, &frame->info, record);
+}
+
+static int show(const pupil_frame *frame)
+{
+    char why[PUPIL_WHY_BYTES];
+    pupil_image out;
+    if (!r.frames && open_view(frame, why, sizeof why))
+        return fail(why);
+    warn();
+    if (run_sensor_take(&r.sensor, pupil_live_camera(r.source), why, sizeof why))
+        return fail(why);
+    if (r.options.mode == RUN_BOTH && !r.sensor.calm)
+        pupil_reset(&r.pupil); /* while the camera looks for its first level there is nothing to adapt to */
+    const int64_t began_ns = now_ns();
+    if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
+        return fail(why);
+    const int64_t mapped_ns = now_ns();
+    warn();
+    if (record_frame(frame, why, sizeof why) || (!r.frames && open_outputs(frame, why, sizeof why)))
+        return fail(why);
+    const pupil_image_const display = pupil_image_as_const(out);
+    const int measured = r.options.shown.stats || r.options.shown.plot || r.view;
+    pupil_record record = describe_frame(&r.pupil, &r.stats, &r.curve, frame, measured ? &display : NULL);
+    describe_camera(frame, &record);
+    record.process_us = (double)(mapped_ns - began_ns) * 1e-3;
+    record.latency_us = (double)(mapped_ns - pupil_live_frame(r.source)->stamp_ns) * 1e-3;
+    if (write_frame(frame, &display, &record))
+        return -1;
+    r.frames++;
+    run_status_frame(&r.status, &record);
+    r.ended |= r.view && view_frame(r.view, frame, &r.curve, &display, &record) == VIEW_QUIT;
+    warn();
+    return 0;
+}
+
+/* Until it ends, or fails: then why has a sentence. */
+static void go_on(void)
+{
+    while (!r.failed && !r.ended && !is_over() && (!r.options.shown.most || r.frames < r.options.shown.most)) {
+        pupil_frame frame;
+        char why[PUPIL_WHY_BYTES];
+        const int got = pupil_source_next(r.source, &frame, why, sizeof why);
+        if (got == PUPIL_SOURCE_END || is_over())
+            break;
+        if (got != PUPIL_SOURCE_FRAME) {
+            fail(why);
+            break;
+        }
+        if (!r.frames && r.options.seconds > 0.0)
+            r.end_ns = pupil_live_frame(r.source)->stamp_ns + (int64_t)(r.options.seconds * 1e9);
+        show(&frame);
+        pupil_source_done(r.source, &frame);
+    }
+    if (!r.frames && !r.failed && !interrupt_came()) {
+        snprintf(r.why, sizeof r.why, "%s: no frame came", r.device);
+        r.failed = 1;
+    }
+}
+
+/* ---- begin and end ------------------------------------------------------------------------------------------------
+ */
+
+static void restore(void)
+{
+    if (r.source)
+        pupil_live_restore(r.source);
+}
+
+static int begin(void)
+{
+    run_options *o = &r.options;
+    const char *fault = "";
+    if (pupil_config_check(&o->shown.config, &fault)) {
+        snprintf(r.why, sizeof r.why, "settings: %s", fault);
+        return -1;
+    }
+    if (o->shown.plot && pupil_plot_check(o->shown.plot, r.why, sizeof r.why))
+        return -1;
+    if (run_choose_camera(r.system, o->device, r.device, sizeof r.device, r.why, sizeof r.why))
+        return -1;
+    o->shown.inputs = &r.input;
+    o->shown.input_count = 1;
+    r.input = r.device;
+    o->shown.source.stop = is_over;
+    o->live.capture.system = r.system;
+    o->live.hands_off = o->mode == RUN_DIGITAL && !(o->exposure_s > 0.0) && !(o->gain > 0.0);
+    interrupt_fatal(restore);
+    if (pupil_live_open(r.device, &o->shown.source, &o->live, &r.source, r.why, sizeof r.why))
+        return -1;
+    char remark[PUPIL_WHY_BYTES] = "";
+    if (run_choose_mode(o, r.source, remark, sizeof remark, r.why, sizeof r.why))
+        return -1;
+    if (*remark && !o->shown.quiet)
+        say(remark, "");
+    run_sensor_begin(&r.sensor, o, r.source->fps);
+    o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
+    pupil_init(&r.pupil, &o->shown.config);
+    if (replay_work_open(&r.work, &o->shown)) {
+        snprintf(r.why, sizeof r.why, "not enough memory");
+        return -1;
+    }
+    r.work.judge = run_sensor_judge;
+    r.work.context = &r.sensor;
+    r.outputs.system = r.system;
+    if (o->shown.gles && !o->shown.view)
+        replay_work_gles(&r.work, NULL);
+    run_status_begin(&r.status, o->shown.quiet, r.source, o);
+    return 0;
+}
+
+/* What has been taken is kept, whatever ended the run; a second Ctrl-C leaves out what is to come. */
+static void finish(void)
+{
+    const replay_options *o = &r.options.shown;
+    char why[PUPIL_WHY_BYTES];
+    pupil_recorder_counts recorded = {0};
+    if (r.recorder)
+        pupil_recorder_get_counts(r.recorder, &recorded);
+    r.not_recorded = recorded.lost;
+    if (r.recorder && pupil_recorder_close(r.recorder, why, sizeof why))
+        fail(why);
+    r.recorder = NULL;
+    while (r.outputs.count && !interrupt_again())
+        if (outputs_finish(&r.outputs, why, sizeof why)) {
+            fail(why);
+            outputs_drop(&r.outputs);
+        }
+    if (r.stats_file && !interrupt_again()) {
+        if (pupil_stats_file_finish(r.stats_file, why, sizeof why))
+            fail(why);
+        r.stats_file = NULL;
+    }
+    if (r.records.count && !interrupt_again() &&
+        pupil_plot_write(o->plot, r.records.records, r.records.count, o->config.key, r.device, why, sizeof why))
+        fail(why);
+}
+
+/* The camera comes first: nothing that follows can keep it. */
+static void give_back(void)
+{
+    char why[PUPIL_WHY_BYTES];
+    if (r.source && pupil_live_give_back(r.source, why, sizeof why) && !r.failed)
+        fail(why);
+}
+
+static void end(char *more, size_t more_bytes)
+{
+    outputs_discard(&r.outputs);
+    pupil_stats_file_discard(r.stats_file);
+    record_list_close(&r.records);
+    replay_work_tell(&r.work, more, more_bytes);
+    replay_work_close(&r.work); /* before its window, whose context it may use */
+    view_close(r.view);
+    interrupt_fatal(NULL);
+    pupil_source_close(r.source);
+    r.source = NULL;
+}
+
+int run_on(const pupil_v4l2_system *system, int argc, char **argv)
+{
+    char more[640] = "";
+    r.system = system;
+    const int parsed = run_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
+    if (parsed == REPLAY_HELP) {
+        fputs(run_help, stdout);
+        return EXIT_DONE;
+    }
+    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options.shown, r.why, sizeof r.why) ||
+        run_choose_outputs(&r.options, r.why, sizeof r.why)) {
+        say(r.why, "");
+        return EXIT_USAGE;
+    }
+    interrupt_watch();
+    if (begin())
+        r.failed = 1;
+    else
+        go_on();
+    run_status_clear(&r.status);
+    give_back();
+    finish();
+    const int given_up = interrupt_again();
+    const uint64_t reopened = r.source ? pupil_live_capture(r.source)->counts.reopened : 0;
+    end(more, sizeof more);
+    if (r.not_recorded)
+        snprintf(more + strlen(more), sizeof more - strlen(more), "; %llu not recorded, for the disk was too slow",
+                 (unsigned long long)r.not_recorded);
+    if (r.failed)
+        say(r.why, "");
+    if (given_up)
+        fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
+    else
+        run_status_end(&r.status, &r.options, reopened, more);
+    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+int run_main(int argc, char **argv)
+{
+    return run_on(NULL, argc, argv);
+}

@@ -1,0 +1,160 @@
+/* `pupil run` on a camera in this process:
+ *
+ *     run_fake [fake:KEY=VALUE ...] [options of pupil run]
+ *
+ * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
+ * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
+ * light=FACTOR@FRAME (repeatable), real (the machine's clock), absent, media, no-controls, crash=FRAME. At its end it
+ * says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40". */
+#include <linux/videodev2.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run.h"
+#include "v4l2/fake/fake_v4l2.h"
+#include "v4l2/v4l2_format.h"
+
+enum { MOST_LIGHTS = 16 };
+
+static struct {
+    fake_v4l2 *fake;
+    pupil_v4l2_system system; /* the fake's, with what follows */
+    struct {
+        double factor;
+        unsigned long frame;
+    } light[MOST_LIGHTS];
+    int lights, no_controls;
+    unsigned long frames, crash_at;
+} rig;
+
+static int is_control(unsigned long request)
+{
+    return request == VIDIOC_QUERYCTRL || request == VIDIOC_QUERY_EXT_CTRL || request == VIDIOC_S_CTRL ||
+           request == VIDIOC_G_CTRL || request == VIDIOC_S_EXT_CTRLS || request == VIDIOC_G_EXT_CTRLS;
+}
+
+static int rig_ioctl(void *context, int fd, unsigned long request, void *argument)
+{
+    const pupil_v4l2_system *inner = fake_v4l2_system(rig.fake);
+    if (rig.no_controls && is_control(request))
+        request = VIDIOC_LOG_STATUS; /* which it has not either */
+    const int result = inner->ioctl(context, fd, request, argument);
+    if (request == VIDIOC_DQBUF && result == 0) {
+        rig.frames++;
+        for (int i = 0; i < rig.lights; i++)
+            if (rig.light[i].frame == rig.frames)
+                fake_v4l2_light(rig.fake, rig.light[i].factor);
+        if (rig.frames == rig.crash_at)
+            raise(SIGSEGV);
+    }
+    return result;
+}
+
+static int take(const char *text, fake_v4l2_config *c)
+{
+    char format[5] = "";
+    unsigned long when = 0;
+    double x = 0.0, y = 0.0;
+    if (strcmp(text, "real") == 0)
+        c->real_time = 1;
+    else if (strcmp(text, "absent") == 0)
+        c->absent = 1;
+    else if (strcmp(text, "media") == 0)
+        c->media = FAKE_MEDIA_RIGHT;
+    else if (strcmp(text, "no-controls") == 0)
+        rig.no_controls = 1;
+    else if (sscanf(text, "size=%ux%u", &c->width, &c->height) == 2)
+        return 0;
+    else if (sscanf(text, "format=%4s", format) == 1)
+        c->only_format = pupil_v4l2_fourcc(format);
+    else if (sscanf(text, "fps=%lf", &c->fps) == 1)
+        return 0;
+    else if (sscanf(text, "delay=%lu", &when) == 1)
+        c->control_delay = (uint32_t)when;
+    else if (sscanf(text, "flat=%u", &c->flat) == 1)
+        return 0;
+    else if (sscanf(text, "drop=%lf", &c->dropped) == 1 || sscanf(text, "flag=%lf", &c->flagged) == 1)
+        return 0;
+    else if (sscanf(text, "unplug=%lu", &when) == 1)
+        c->unplug_at = when;
+    else if (sscanf(text, "back=%lf", &c->back_s) == 1)
+        return 0;
+    else if (sscanf(text, "end=%lu", &when) == 1)
+        c->end_at = when;
+    else if (sscanf(text, "stall=%lu", &when) == 1)
+        c->stall_at = when;
+    else if (sscanf(text, "sleep=%lf,%lf", &x, &y) == 2) {
+        c->sleep_at = (uint64_t)x;
+        c->sleep_s = y;
+    } else if (sscanf(text, "crash=%lu", &when) == 1)
+        rig.crash_at = when;
+    else if (sscanf(text, "light=%lf@%lu", &x, &when) == 2 && rig.lights < MOST_LIGHTS) {
+        rig.light[rig.lights].factor = x;
+        rig.light[rig.lights++].frame = when;
+    } else
+        return -1;
+    return 0;
+}
+
+static int control(uint32_t id, int set, int value)
+{
+    const pupil_v4l2_system *system = fake_v4l2_system(rig.fake);
+    struct v4l2_control c = {id, value};
+    const int fd = system->open(system->context, "/dev/video0");
+    if (fd < 0)
+        return -1;
+    system->ioctl(system->context, fd, set ? VIDIOC_S_CTRL : VIDIOC_G_CTRL, &c);
+    system->close(system->context, fd);
+    return c.value;
+}
+
+static void tell_controls(void)
+{
+    fprintf(stderr, "fake: auto %d, exposure %d, gain %d\n", control(V4L2_CID_EXPOSURE_AUTO, 0, 0),
+            control(V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0), control(V4L2_CID_GAIN, 0, 0));
+}
+
+static void told_by_crash(int number)
+{
+    tell_controls();
+    _Exit(128 + number);
+}
+
+int main(int argc, char **argv)
+{
+    fake_v4l2_config config;
+    int kept = 1;
+    fake_v4l2_config_default(&config);
+    for (int i = 1; i < argc; i++) {
+        if (strncmp(argv[i], "fake:", 5) != 0)
+            argv[kept++] = argv[i];
+        else if (take(argv[i] + 5, &config)) {
+            fprintf(stderr, "run_fake: %s: no such key\n", argv[i]);
+            return 99;
+        }
+    }
+    argv[kept] = NULL;
+    rig.fake = fake_v4l2_new(&config);
+    if (!rig.fake)
+        return 99;
+    rig.system = *fake_v4l2_system(rig.fake);
+    rig.system.ioctl = rig_ioctl;
+    if (!config.absent && !rig.no_controls) { /* as its user had them */
+        control(V4L2_CID_EXPOSURE_AUTO, 1, 3);
+        control(V4L2_CID_EXPOSURE_ABSOLUTE, 1, 77);
+        control(V4L2_CID_GAIN, 1, 40);
+        fake_v4l2_reconfigure(rig.fake, &config); /* these writes do not count */
+    }
+    if (rig.crash_at)
+        signal(SIGSEGV, told_by_crash);
+    const int status = run_on(&rig.system, kept, argv);
+    if (!config.absent && !rig.no_controls)
+        tell_controls();
+    const fake_v4l2_held held = fake_v4l2_holds(rig.fake);
+    if (held.files || held.maps)
+        fprintf(stderr, "fake: %d files and %d maps are left\n", held.files, held.maps);
+    fake_v4l2_free(rig.fake);
+    return status;
+}
