@@ -170,8 +170,8 @@ static void test_full(void)
         scratch_limit(0);
         CHECK_MSG(taken < 0 && strstr(why, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why);
         const int there = scratch_exists(folder) ? frames_replay(&frames, folder, why) : 0;
-        const int right = limit < 1100 ? 0 : (int)((limit - 500) / 547); /* of 512 bytes and 35 around them */
-        CHECK_MSG(left_over(folder, 547) == 0, "%lu: %d", limit, (int)left_over(folder, 547));
+        const int right = limit < 1100 ? 0 : (int)((limit - 500) / 554); /* of 512 bytes and 42 before them */
+        CHECK_MSG(left_over(folder, 554) == 0, "%lu: %d", limit, (int)left_over(folder, 554));
         CHECK_MSG(there >= 0 && abs(there - right) <= 1, "%lu: %d of %d: %s", limit, there, right, why);
         scratch_clear(folder);
     }
