@@ -22,6 +22,7 @@
 typedef struct pupil_live_options {
     pupil_v4l2_options capture;
     uint32_t mains_hz; /* 50, 60; 0: as it is */
+    uint32_t delay;    /* frames that a control takes to act; 0: as is known of the sensor, or 3 */
     int hands_off;     /* 1: no control is read or touched */
 } pupil_live_options;
 

@@ -118,6 +118,7 @@ int pupil_live_open(const char *which, const pupil_source_options *options, cons
     s->base.ops = &source_ops;
     s->hands_off = more && more->hands_off;
     s->which.mains_hz = more ? more->mains_hz : 0;
+    s->which.delay = more ? more->delay : 0;
     name_which(s);
     snprintf(s->why, sizeof s->why, "%s: its controls are left alone", s->which.path);
     if (!s->hands_off)

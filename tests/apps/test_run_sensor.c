@@ -10,7 +10,9 @@
 #include "replay_work.h"
 #include "v4l2/fake/fake_v4l2.h"
 
-enum { WIDTH = 64, HEIGHT = 48 };
+enum { WIDTH = 64, HEIGHT = 48, USUAL_DELAY = 3 /* believed of a camera of which nothing is known */ };
+
+static uint32_t control_delay = USUAL_DELAY; /* of the fake camera */
 
 typedef struct live_run {
     fake_v4l2 *fake;
@@ -42,7 +44,7 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
     char *no_options[] = {"run", NULL};
     memset(r, 0, sizeof *r);
     fake_v4l2_config_default(&config);
-    config.control_delay = 3; /* as is believed of a camera of which nothing is known */
+    config.control_delay = control_delay;
     config.only_format = fourcc;
     config.flat = flat;
     r->fake = fake_v4l2_new(&config);
@@ -52,6 +54,7 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
     CHECK(run_options_parse(&r->options, 1, no_options, r->why, sizeof r->why) == REPLAY_RUN);
     r->options.mode = mode;
     r->options.shown.threads = 1;
+    r->options.live.delay = control_delay == USUAL_DELAY ? 0 : control_delay;
     r->options.live.capture.system = fake_v4l2_system(r->fake);
     CHECK_MSG(pupil_live_open("0", NULL, &r->options.live, &r->source, r->why, sizeof r->why) == 0, "%s", r->why);
     if (!r->source)
@@ -271,6 +274,9 @@ int main(int argc, char **argv)
     test_hidden_steps(0.2);
     test_hidden_steps(1.0);
     test_hidden_steps(4.0);
+    for (control_delay = 1; control_delay < 6; control_delay++) /* --control-delay */
+        test_hidden_steps(4.0);
+    control_delay = USUAL_DELAY;
     test_settles(2.0);
     test_settles(0.5);
     test_settles(0.125);
