@@ -193,7 +193,7 @@ static int show(const pupil_frame *frame)
     if (!r.frames && open_view(frame, why, sizeof why))
         return fail(why);
     warn();
-    if (run_sensor_take(&r.sensor, pupil_live_camera(r.source), why, sizeof why))
+    if (run_sensor_take(&r.sensor, why, sizeof why))
         return fail(why);
     const int64_t began_ns = now_ns();
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
@@ -276,7 +276,7 @@ static int begin(void)
         return -1;
     if (*remark && !o->shown.quiet)
         say(remark, "");
-    run_sensor_begin(&r.sensor, o, r.source->fps);
+    run_sensor_begin(&r.sensor, o, r.source);
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
     if (replay_work_open(&r.work, &o->shown)) {
