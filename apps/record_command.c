@@ -82,9 +82,9 @@ static int begin_exposure(record *r)
     pupil_config_default(&r->steering.shown.config);
     r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
     pupil_init(&r->pupil, &r->steering.shown.config);
-    run_sensor_begin(&r->sensor, &r->steering, r->source->fps);
+    run_sensor_begin(&r->sensor, &r->steering, r->source);
     return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why) ||
-           run_sensor_take(&r->sensor, camera, r->why, sizeof r->why);
+           run_sensor_take(&r->sensor, r->why, sizeof r->why);
 }
 
 /* One that was unplugged and came back is taken again. */
@@ -93,7 +93,7 @@ static int follow_light(record *r, const pupil_frame *frame)
     pupil_curve unused;
     if (!is_steered(&r->options))
         return 0;
-    if (run_sensor_take(&r->sensor, pupil_live_camera(r->source), r->why, sizeof r->why))
+    if (run_sensor_take(&r->sensor, r->why, sizeof r->why))
         return -1;
     if (!r->options.automatic)
         return 0;
