@@ -2,6 +2,7 @@
 #include "record_command.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,12 +14,15 @@
 #include "progress.h"
 #include "pupil/pupil.h"
 #include "record_options.h"
+#include "run_choose.h"
+#include "run_sensor.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3 };
 
 typedef struct record {
     record_options options;
     pupil_source *source;
+    char device[PATH_MAX];            /* of the camera */
     const char *name;                 /* of the input */
     const pupil_v4l2_capture *camera; /* NULL: the source is no camera */
     pupil_recorder *recorder;
@@ -27,10 +31,10 @@ typedef struct record {
     pupil_recorder_counts counts;
     progress progress;
 
-    /* of --auto */
+    run_options steering; /* as the camera's side of a run has it */
+    run_sensor sensor;
     pupil_t pupil;
     pupil_stats stats;
-    pupil_sensor sensor;
     char why[PUPIL_WHY_BYTES];
 } record;
 
@@ -45,50 +49,24 @@ static void say(record *r)
 
 /* ---- the camera's exposure ---- */
 
-static int by_hand(record *r, pupil_camera *camera)
+static const pupil_source *restored; /* whose controls are put back, whatever happens */
+
+static void restore(void)
 {
-    const pupil_camera_setting setting = {r->options.exposure_s, r->options.gain, 0};
-    pupil_camera_limits limits;
-    pupil_camera_get_limits(camera, &limits);
-    if (setting.exposure_s > 0 &&
-        !(setting.exposure_s >= 0.999 * limits.exposure_min_s && setting.exposure_s <= 1.001 * limits.exposure_max_s)) {
-        snprintf(r->why, sizeof r->why, "--shutter: %s exposes from %.6g to %.6g s", r->name, limits.exposure_min_s,
-                 limits.exposure_max_s);
-        return -1;
-    }
-    if (setting.gain > 0 && !(setting.gain >= 0.999 * limits.gain_min && setting.gain <= 1.001 * limits.gain_max)) {
-        snprintf(r->why, sizeof r->why, "--gain: %s has gains from %.6g to %.6g", r->name, limits.gain_min,
-                 limits.gain_max);
-        return -1;
-    }
-    pupil_camera_ask(camera, &setting);
-    return 0;
+    pupil_live_restore(restored);
 }
 
-static int begin_auto(record *r, pupil_camera *camera)
+static int is_steered(const record_options *o)
 {
-    pupil_sensor_config sensor;
-    pupil_config config;
-    const char *fault = "";
-    pupil_sensor_config_default(&sensor);
-    pupil_camera_configure(camera, &sensor);
-    pupil_config_default(&config);
-    config.histogram = 1; /* of which the sensor's loop takes the highlights */
-    if (pupil_sensor_config_check(&sensor, &fault)) {
-        snprintf(r->why, sizeof r->why, "%s: its controls make no settings for --auto: %s", r->name, fault);
-        return -1;
-    }
-    pupil_sensor_init(&r->sensor, &sensor);
-    pupil_init(&r->pupil, &config);
-    return 0;
+    return o->automatic || o->exposure_s > 0 || o->gain > 0;
 }
 
 static int begin_exposure(record *r)
 {
     const record_options *o = &r->options;
-    if (!o->automatic && !(o->exposure_s > 0) && !(o->gain > 0))
-        return 0;
     pupil_camera *camera = pupil_live_camera(r->source);
+    if (!is_steered(o))
+        return 0;
     if (!camera) {
         snprintf(r->why, sizeof r->why, "--%s: %.900s",
                  o->automatic        ? "auto"
@@ -97,14 +75,27 @@ static int begin_exposure(record *r)
                  pupil_live_no_controls(r->source));
         return -1;
     }
-    return o->automatic ? begin_auto(r, camera) : by_hand(r, camera);
+    restored = r->source;
+    interrupt_fatal(restore);
+    r->steering =
+        (run_options){.mode = o->automatic ? RUN_SENSOR : RUN_DIGITAL, .exposure_s = o->exposure_s, .gain = o->gain};
+    pupil_config_default(&r->steering.shown.config);
+    r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
+    pupil_init(&r->pupil, &r->steering.shown.config);
+    run_sensor_begin(&r->sensor, &r->steering, r->source);
+    return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why) ||
+           run_sensor_take(&r->sensor, r->why, sizeof r->why);
 }
 
+/* One that was unplugged and came back is taken again. */
 static int follow_light(record *r, const pupil_frame *frame)
 {
-    pupil_camera *camera = pupil_live_camera(r->source); /* none while one that came back is taken again */
-    pupil_sensor_setting setting;
-    if (!r->options.automatic || !camera)
+    pupil_curve unused;
+    if (!is_steered(&r->options))
+        return 0;
+    if (run_sensor_take(&r->sensor, r->why, sizeof r->why))
+        return -1;
+    if (!r->options.automatic)
         return 0;
     pupil_stats_clear(&r->stats);
     const int error = pupil_meter_rows(&r->pupil, &frame->image, 0, frame->image.height, &r->stats);
@@ -112,10 +103,7 @@ static int follow_light(record *r, const pupil_frame *frame)
         snprintf(r->why, sizeof r->why, "%s: %s", frame->name, pupil_error_string(error));
         return -1;
     }
-    pupil_sensor_frame(&r->sensor, &r->stats, &frame->info);
-    pupil_sensor_get(&r->sensor, &setting);
-    if (setting.changed || !r->taken)
-        pupil_camera_ask(camera, &(pupil_camera_setting){setting.exposure_s, setting.gain, 0});
+    run_sensor_judge(&r->sensor, &r->stats, &frame->info, &unused);
     return 0;
 }
 
@@ -194,12 +182,14 @@ static int open_source(record *r, const pupil_v4l2_system *system)
 {
     const record_options *o = &r->options;
     r->options.source.stop = interrupt_came;
-    r->name = o->input_count ? o->inputs[0] : o->camera ? o->camera : "0";
+    r->name = o->input_count ? o->inputs[0] : r->device;
     if (o->input_count && (o->input_count > 1 || !input_is_camera(r->name)))
         return open_input(o->inputs, o->input_count, &o->source, &r->source, r->why, sizeof r->why);
-    const int hands_off = !o->automatic && !(o->exposure_s > 0) && !(o->gain > 0);
-    const pupil_live_options live = {.capture = {.system = system, .fourcc = o->fourcc}, .hands_off = hands_off};
-    if (pupil_live_open(r->name, &o->source, &live, &r->source, r->why, sizeof r->why))
+    if (run_choose_camera(system, o->input_count ? o->inputs[0] : o->camera, r->device, sizeof r->device, r->why,
+                          sizeof r->why))
+        return -1;
+    const pupil_live_options live = {.capture = {.system = system, .fourcc = o->fourcc}, .hands_off = !is_steered(o)};
+    if (pupil_live_open(r->device, &o->source, &live, &r->source, r->why, sizeof r->why))
         return -1;
     r->camera = pupil_live_capture(r->source);
     return begin_exposure(r);
@@ -220,6 +210,9 @@ static void tell(const record *r)
 static int end(record *r, int failed)
 {
     char unused[PUPIL_WHY_BYTES];
+    if (r->camera && pupil_live_give_back(r->source, failed ? unused : r->why, PUPIL_WHY_BYTES))
+        failed = -1;
+    interrupt_fatal(NULL);
     if (!r->recorder)
         return failed;
     pupil_recorder_get_counts(r->recorder, &r->counts);

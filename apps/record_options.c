@@ -2,11 +2,9 @@
 
 #include <getopt.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "replay_values.h"
-#include "v4l2/v4l2_format.h"
+#include "run_options.h"
 
 enum { WIDTH = 256, HEIGHT, FRAMERATE, FORMAT, SHUTTER, GAIN, AUTO };
 
@@ -14,15 +12,14 @@ const char record_help[] = "usage: pupil record [-d CAMERA] [options] DIR\n"
                            "       pupil record INPUT... [options] DIR\n"
                            "A camera's raw frames as they come, into a folder that pupil replay, ffmpeg and mpv\n"
                            "open: lossless, with each frame's number, time, exposure and gain. Ctrl-C ends it.\n"
-                           "  -d, --device CAMERA  a path, a number or a name, as pupil list shows them (0)\n"
+                           "  -d, --device CAMERA  a path, a number, a name (the first; 'pupil list')\n"
                            "  INPUT                what pupil replay takes, instead of a camera\n"
-                           "  -n, --frames N       so many frames              -t, --time S  so many seconds\n"
+                           "  -n, --frames N       so many frames     -t, --timeout SECONDS (or 500ms, 10min)\n"
                            "      --width N  --height N  --framerate N         as the camera is set\n"
-                           "      --format CODE    the camera's format, four letters: YUYV, NV12, RG10, ...\n"
+                           "      --format FOURCC  the camera's format: YUYV, NV12, RG10, ...\n"
                            "exposure (without these no control of the camera is touched)\n"
-                           "      --shutter TIME   microseconds, or with its unit: 500us, 10ms, 0.02s\n"
-                           "      --gain FACTOR    1: none\n"
-                           "      --auto           follow the light\n"
+                           "      --shutter TIME   by hand: 10ms, 1/100, 10000 (us)      --gain FACTOR\n"
+                           "      --auto           follow the light with what is not set by hand\n"
                            "  -y, --overwrite      replace a recording that is there\n"
                            "  -q, --quiet  -h, --help\n"
                            "exit: 0 done (by Ctrl-C too), 1 failed, 2 usage, 3 done but frames were lost\n";
@@ -30,7 +27,7 @@ const char record_help[] = "usage: pupil record [-d CAMERA] [options] DIR\n"
 static const struct option long_options[] = {
     {"device", required_argument, NULL, 'd'},
     {"frames", required_argument, NULL, 'n'},
-    {"time", required_argument, NULL, 't'},
+    {"timeout", required_argument, NULL, 't'},
     {"width", required_argument, NULL, WIDTH},
     {"height", required_argument, NULL, HEIGHT},
     {"framerate", required_argument, NULL, FRAMERATE},
@@ -53,37 +50,6 @@ static const char *name_of(int option)
     return "?";
 }
 
-static int side(const value_text *c, uint32_t *value)
-{
-    uint64_t whole;
-    const int refused = value_whole(c, 1, PUPIL_MAX_SIDE_PX, "a whole number of pixels from 1 to 16384", &whole);
-    *value = refused ? 0 : (uint32_t)whole;
-    return refused;
-}
-
-static int shutter(const value_text *c, double *exposure_s)
-{
-    static const struct {
-        const char *name;
-        double seconds;
-    } units[] = {{"", 1e-6}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}};
-    char *end;
-    const double number = strtod(c->text, &end);
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (end != c->text && strcmp(end, units[i].name) == 0 && number * units[i].seconds >= 1e-7 &&
-            number * units[i].seconds <= 1e4) {
-            *exposure_s = number * units[i].seconds;
-            return RECORD_RUN;
-        }
-    return value_refuse(c, "a time in microseconds, or with its unit, as 500us, 10ms or 0.02s are");
-}
-
-static int format(const value_text *c, uint32_t *fourcc)
-{
-    *fourcc = pupil_v4l2_fourcc(c->text);
-    return *fourcc ? RECORD_RUN : value_refuse(c, "a V4L2 format of one to four letters; pupil list has the camera's");
-}
-
 static int take(int option, const value_text *c, record_options *o)
 {
     switch (option) {
@@ -93,17 +59,18 @@ static int take(int option, const value_text *c, record_options *o)
     case 'n':
         return value_whole(c, 1, UINT64_C(1) << 40, "a whole number of frames, 1 or more", &o->most);
     case 't':
-        return value_number(c, 1e-3, 1e9, "seconds, above 0", &o->seconds);
+        return run_value_time(c, 1.0, 1e-3, 1e9, "seconds above 0, or 500ms, 10min", &o->seconds);
     case WIDTH:
-        return side(c, &o->source.width);
+        return run_value_side(c, &o->source.width);
     case HEIGHT:
-        return side(c, &o->source.height);
+        return run_value_side(c, &o->source.height);
     case FRAMERATE:
         return value_number(c, 0.001, 1e5, "frames a second, from 0.001 to 100000", &o->source.fps);
     case FORMAT:
-        return format(c, &o->fourcc);
+        return run_value_format(c, &o->fourcc);
     case SHUTTER:
-        return shutter(c, &o->exposure_s);
+        return run_value_time(c, 1e-6, 1e-7, 1e4, "a time: 10ms, 1/100, 500us; a plain number is microseconds",
+                              &o->exposure_s);
     case GAIN:
         return value_number(c, 0x1p-10, 0x1p16, "a factor from 0.001 to 65536; 1 is none", &o->gain);
     case AUTO:
@@ -125,8 +92,6 @@ static int check(record_options *o, char **words, int count, char *why, size_t w
         snprintf(why, why_bytes, "no folder to record into; 'pupil record --help' tells more");
     else if (o->camera && count > 1)
         snprintf(why, why_bytes, "%s: -d names a camera already, and one folder is recorded into", words[0]);
-    else if (o->automatic && (o->exposure_s > 0 || o->gain > 0))
-        snprintf(why, why_bytes, "--auto: follows the light; with --shutter or --gain it is by hand");
     else if (count > 1 && (o->fourcc || o->automatic || o->exposure_s > 0 || o->gain > 0))
         snprintf(why, why_bytes,
                  "--format, --shutter, --gain, --auto: are a camera's; %s is taken as it is (-d names "

@@ -15,7 +15,6 @@ typedef enum run_mode {
 typedef struct run_options {
     replay_options shown; /* what a replay has, too; its only input is the camera */
     const char *device;   /* NULL: the first camera */
-    const char *record;   /* a folder, or NULL */
     pupil_live_options live;
     uint32_t mode;
     double exposure_s, gain; /* by hand; 0: not */

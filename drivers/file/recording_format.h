@@ -44,6 +44,8 @@ int pupil_recording_check(const pupil_recording_about *about, char *why, size_t 
 
 /* The text of recording.json; to be freed; NULL: out of memory. */
 char *pupil_recording_about_text(const pupil_recording_about *about);
+/* The file, which takes its place complete. 0, or -1 and a sentence. */
+int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, char *why, size_t why_bytes);
 /* Reads it again. 0, or -1 and a sentence that names the file, and the line and field where there is one. */
 int pupil_recording_about_read(const char *folder, pupil_recording_about *about, char *why, size_t why_bytes);
 
@@ -51,5 +53,12 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
 size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info);
 /* Reads it again. 0, or -1 and a sentence without its subject that names the field. */
 int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, char *why, size_t why_bytes);
+
+/* Makes a folder (1), or clears one that is empty or, with overwrite, holds a recording and nothing else (0). -1 and a
+ * sentence: nothing was touched. */
+int pupil_recording_make_folder(const char *folder, int overwrite, char *why, size_t why_bytes);
+void pupil_recording_remove_files(const char *folder);
+/* A file of it that was not there before, to read and write; -1 and a sentence. */
+int pupil_recording_create(const char *folder, const char *name, char *why, size_t why_bytes);
 
 #endif

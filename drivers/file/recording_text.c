@@ -284,11 +284,6 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
     return failed;
 }
 
-static int missing(const char *name, char *why, size_t why_bytes)
-{
-    return pupil_refuse(why, why_bytes, "\"%s\" is missing", name);
-}
-
 int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, char *why, size_t why_bytes)
 {
     static const char *const names[] = {"frame", "sequence", "timestamp_ns", "exposure_s", "gain"};
@@ -315,8 +310,12 @@ int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_inf
     }
     if (got < 0)
         return pupil_refuse(why, why_bytes, "that is no JSON; a line as pupil record writes it was expected");
+    if (isnan(info->exposure_s)) /* null: unknown */
+        info->exposure_s = 0;
+    if (isnan(info->gain))
+        info->gain = 0;
     for (size_t field = 0; field < LENGTH(names); field++)
         if (!(seen & 1u << field))
-            return missing(names[field], why, why_bytes);
+            return pupil_refuse(why, why_bytes, "\"%s\" is missing", names[field]);
     return 0;
 }

@@ -1,12 +1,9 @@
 /* drivers/file/recording_write.c: the recorder: a queue of frames, and a thread that brings them to the disk. */
-#include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "file/recording.h"
@@ -28,7 +25,7 @@ typedef struct slot {
 struct pupil_recorder {
     pupil_recording_about about;
     char folder[PATH_MAX];
-    int made_folder, wait;
+    int wait;
     size_t frame_bytes; /* of raw frames */
     pupil_mkv_writer mkv;
     int frames_fd, lines_fd;
@@ -48,10 +45,6 @@ struct pupil_recorder {
     pupil_recorder_counts counts;
     char why[PUPIL_WHY_BYTES]; /* of failed */
 };
-
-static const char *const names[] = {PUPIL_RECORDING_ABOUT, PUPIL_RECORDING_PART, PUPIL_RECORDING_LINES,
-                                    PUPIL_RECORDING_FRAMES};
-#define NAMES (sizeof names / sizeof names[0])
 
 /* ---- the thread ---- */
 
@@ -83,6 +76,20 @@ static int write_slot(pupil_recorder *r, const slot *s)
     return 0;
 }
 
+/* EINVAL, EROFS: a file system that cannot sync. */
+static int to_disk(int fd)
+{
+    return fsync(fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : -1;
+}
+
+static int complete(pupil_recorder *r)
+{
+    if (pupil_mkv_end(&r->mkv) || to_disk(r->frames_fd))
+        return fail(r, PUPIL_RECORDING_FRAMES);
+    return to_disk(r->lines_fd) ? fail(r, PUPIL_RECORDING_LINES) : 0;
+}
+
+/* All of it, the end too: no signal comes here. */
 static void *write_frames(void *argument)
 {
     pupil_recorder *r = argument;
@@ -104,6 +111,8 @@ static void *write_frames(void *argument)
         pthread_cond_signal(&r->left);
     }
     pthread_mutex_unlock(&r->lock);
+    if (!r->failed)
+        r->failed = complete(r); /* nobody asks any more: it is being closed */
     return NULL;
 }
 
@@ -189,111 +198,18 @@ void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
 
 /* ---- open ---- */
 
-static void remove_files(const char *folder)
-{
-    char path[PATH_MAX];
-    for (size_t i = 0; i < NAMES; i++) /* recording.json first: without it the rest is no recording */
-        if (pupil_recording_path(path, folder, names[i]) == 0)
-            unlink(path);
-}
-
-static int is_ours(const char *name)
-{
-    for (size_t i = 0; i < NAMES; i++)
-        if (strcmp(name, names[i]) == 0)
-            return 1;
-    return 0;
-}
-
-/* A folder that is there may be empty, or, where it is to be overwritten, hold a recording and nothing else. */
-static int look_through(const char *path, int overwrite, char *why, size_t why_bytes)
-{
-    DIR *folder = opendir(path);
-    struct dirent *entry;
-    int failed = 0;
-    if (!folder)
-        return pupil_refuse(why, why_bytes, "%s: is no folder that can be used: %s", path, strerror(errno));
-    while (!failed && (entry = readdir(folder)) != NULL) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
-            continue;
-        if (!is_ours(entry->d_name))
-            failed = pupil_refuse(why, why_bytes,
-                                  "%s: is not used, for it holds %s, which is no part of a recording; name another "
-                                  "folder",
-                                  path, entry->d_name);
-        else if (!overwrite)
-            failed = pupil_refuse(why, why_bytes,
-                                  "%s: is a recording already; name another folder, or overwrite it (-y, --overwrite)",
-                                  path);
-    }
-    closedir(folder);
-    return failed;
-}
-
-static int make_folder(pupil_recorder *r, int overwrite, char *why, size_t why_bytes)
-{
-    if (!*r->folder)
-        return pupil_refuse(why, why_bytes, "\"\": a recording needs a name, of a folder");
-    if (mkdir(r->folder, 0777) == 0) {
-        r->made_folder = 1;
-        return 0;
-    }
-    if (errno == ENOENT)
-        return pupil_refuse(why, why_bytes, "%s: the folder that it is to be in is not there; make it first",
-                            r->folder);
-    if (errno != EEXIST)
-        return pupil_refuse(why, why_bytes, "%s: the folder cannot be made: %s", r->folder, strerror(errno));
-    if (look_through(r->folder, overwrite, why, why_bytes))
-        return -1;
-    remove_files(r->folder);
-    return 0;
-}
-
-static int create(const pupil_recorder *r, const char *name, char *why, size_t why_bytes)
-{
-    char path[PATH_MAX];
-    if (pupil_recording_path(path, r->folder, name))
-        return pupil_refuse(why, why_bytes, "%s: the name is too long", r->folder);
-    const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0)
-        return pupil_refuse(why, why_bytes, "%s: cannot be made: %s", path, strerror(errno));
-    return fd;
-}
-
-/* recording.json takes its place complete. */
-static int write_about(pupil_recorder *r, char *why, size_t why_bytes)
-{
-    char part[PATH_MAX], path[PATH_MAX], *text = pupil_recording_about_text(&r->about);
-    const int fd = text ? create(r, PUPIL_RECORDING_PART, why, why_bytes) : -1;
-    if (fd < 0) {
-        free(text);
-        return text ? -1 : pupil_refuse(why, why_bytes, "%s: not enough memory", r->folder);
-    }
-    const size_t length = strlen(text);
-    errno = ENOSPC;
-    int failed = write(fd, text, length) != (ssize_t)length;
-    free(text);
-    failed |= close(fd) != 0;
-    if (!failed)
-        failed = pupil_recording_path(part, r->folder, PUPIL_RECORDING_PART) ||
-                 pupil_recording_path(path, r->folder, PUPIL_RECORDING_ABOUT) || rename(part, path);
-    return failed ? pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_ABOUT ": cannot be written: %s", r->folder,
-                                 strerror(errno))
-                  : 0;
-}
-
 static int make_files(pupil_recorder *r, char *why, size_t why_bytes)
 {
-    r->frames_fd = create(r, PUPIL_RECORDING_FRAMES, why, why_bytes);
+    r->frames_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_FRAMES, why, why_bytes);
     if (r->frames_fd < 0)
         return -1;
-    r->lines_fd = create(r, PUPIL_RECORDING_LINES, why, why_bytes);
+    r->lines_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_LINES, why, why_bytes);
     if (r->lines_fd < 0)
         return -1;
     if (pupil_mkv_begin(&r->mkv, r->frames_fd, &r->about))
         return pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_FRAMES ": cannot be written: %s", r->folder,
                             strerror(errno));
-    return write_about(r, why, why_bytes);
+    return pupil_recording_about_write(r->folder, &r->about, why, why_bytes);
 }
 
 static int make_slots(pupil_recorder *r, unsigned room)
@@ -365,15 +281,16 @@ static int begin(pupil_recorder *r, const pupil_recorder_options *options, char 
     if (make_slots(r, options->room))
         return pupil_refuse(why, why_bytes, "%s: no memory for %u frames of %zu bytes that wait for the disk",
                             r->folder, r->room, r->frame_bytes);
-    if (make_folder(r, options->overwrite, why, why_bytes))
+    const int made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why, why_bytes);
+    if (made_folder < 0)
         return -1;
     int failed = make_files(r, why, why_bytes);
     if (!failed && start(r))
         failed = pupil_refuse(why, why_bytes, "%s: no thread can be started", r->folder);
     if (!failed)
         return 0;
-    remove_files(r->folder);
-    if (r->made_folder)
+    pupil_recording_remove_files(r->folder);
+    if (made_folder)
         rmdir(r->folder);
     return -1;
 }
@@ -404,12 +321,6 @@ int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pup
 
 /* ---- close ---- */
 
-/* EINVAL, EROFS: a file system that cannot sync. */
-static int to_disk(int fd)
-{
-    return fsync(fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : -1;
-}
-
 int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
 {
     if (!r)
@@ -419,10 +330,6 @@ int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
     pthread_cond_signal(&r->came);
     pthread_mutex_unlock(&r->lock);
     pthread_join(r->thread, NULL);
-    if (!r->failed && (pupil_mkv_end(&r->mkv) || to_disk(r->frames_fd)))
-        r->failed = fail(r, PUPIL_RECORDING_FRAMES);
-    if (!r->failed && to_disk(r->lines_fd))
-        r->failed = fail(r, PUPIL_RECORDING_LINES);
     const int failed = r->failed;
     if (failed)
         snprintf(why, why_bytes, "%s", r->why);

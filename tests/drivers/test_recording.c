@@ -1,8 +1,6 @@
-/* Recordings: every format there and back, bit for bit; cut, full, wrong. */
+/* Recordings: every format there and back, bit for bit; the queue; the disk full; words that are wrong. */
 #include "check.h"
 #include "scratch.h"
-
-#include <fcntl.h>
 
 #include "file/recording.h"
 #include "recording_frames.h"
@@ -25,9 +23,220 @@ static void test_round_trip(void)
             CHECK_MSG(frames_record(&frames, folder, &waiting, why) == 5, "pixel %u: %s", pixel, why);
             CHECK_MSG(frames_replay(&frames, folder, why) == 5, "pixel %u %ux%u: %s", pixel, sizes[i][0], sizes[i][1],
                       why);
+            CHECK(scratch_entries(folder) == 3);
             scratch_clear(folder);
             frames_free(&frames);
         }
+}
+
+/* A frame whose coding is not given has the usual one; numbers that JSON has no word for are unknown. */
+static void test_unknown(void)
+{
+    test_frames frames;
+    pupil_source *source;
+    pupil_frame frame;
+    static const pupil_coding usual;
+    frames_make(&frames, PUPIL_PIXEL_YUYV, 8, 4, 1);
+    frames.frame[0].image.coding = NULL;
+    frames.frame[0].info.exposure_s = NAN;
+    frames.frame[0].info.gain = INFINITY;
+    CHECK(frames_record(&frames, scratch("unknown"), &waiting, why) == 1);
+    CHECK(pupil_recording_open(scratch("unknown"), &source, why, sizeof why) == 0);
+    CHECK(source->fps == 29.97 && source->frames == 1);
+    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(memcmp(frame.image.coding, &usual, sizeof usual) == 0);
+    CHECK(frame.info.exposure_s == 0 && frame.info.gain == 0);
+    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    pupil_source_close(source);
+    frames_free(&frames);
+}
+
+/* ---- the queue ---- */
+
+/* More frames at once than one slot and any disk can take: what is not written is counted, and the rest is in order. */
+static void test_lost(void)
+{
+    const pupil_recorder_options one = {.fps = 30, .room = 1};
+    test_frames frames;
+    pupil_recorder *recorder;
+    pupil_recorder_counts counts;
+    frames_make(&frames, PUPIL_PIXEL_RGBA32F, 512, 256, 2);
+    const char *folder = scratch("lost");
+    CHECK(pupil_recorder_open(&recorder, folder, &frames.frame[0], &one, why, sizeof why) == 0);
+    uint64_t given = 0;
+    do {
+        frames.frame[given % 2].info.sequence = given;
+        CHECK(pupil_recorder_write(recorder, &frames.frame[given % 2], why, sizeof why) == 0);
+        given++;
+        pupil_recorder_get_counts(recorder, &counts);
+    } while (given < 10 || (!counts.lost && given < 200));
+    CHECK_MSG(counts.lost > 0, "of %d none", (int)given);
+    CHECK(pupil_recorder_close(recorder, why, sizeof why) == 0);
+
+    pupil_source *source;
+    pupil_frame frame;
+    uint64_t last = 0, got = 0;
+    CHECK(pupil_recording_open(folder, &source, why, sizeof why) == 0);
+    while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+        CHECK(!got || frame.info.sequence > last);
+        last = frame.info.sequence;
+        CHECK(frames_same_image(&frame.image, &frames.frame[last % 2].image));
+        got++;
+        pupil_source_done(source, &frame);
+    }
+    pupil_source_close(source);
+    CHECK_MSG(got + counts.lost == given, "%d + %d of %d", (int)got, (int)counts.lost, (int)given);
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
+/* ---- what is refused ---- */
+
+static void check_refused(const test_frames *frames, const char *folder, const char *sentence)
+{
+    pupil_recorder *recorder = (pupil_recorder *)1;
+    CHECK(pupil_recorder_open(&recorder, folder, &frames->frame[0], &waiting, why, sizeof why) == PUPIL_SINK_FAILED);
+    CHECK_MSG(!recorder && strstr(why, sentence), "%s", why);
+}
+
+static void test_refused(void)
+{
+    test_frames frames;
+    frames_make(&frames, PUPIL_PIXEL_BAYER10, 8, 4, 2);
+    const char *folder = scratch("refused");
+    char path[1100];
+    check_refused(&frames, "", "a recording needs a name");
+    check_refused(&frames, scratch("none/inside"), "make it first");
+    check_refused(&frames, "/dev/null", "/dev/null: is no folder that can be used");
+    mkdir(folder, 0777);
+    CHECK(frames_record(&frames, folder, &waiting, why) == 2); /* an empty one is used */
+    check_refused(&frames, folder, "is a recording already; name another folder, or overwrite it");
+    snprintf(path, sizeof path, "%s/notes", folder);
+    scratch_put(path, "mine");
+    pupil_recorder_options over = waiting;
+    over.overwrite = 1;
+    CHECK(frames_record(&frames, folder, &over, why) == -1);
+    CHECK_MSG(strstr(why, "holds notes, which is no part of a recording"), "%s", why);
+    CHECK(frames_replay(&frames, folder, why) == 2 && scratch_holds(path, "mine"));
+    remove(path);
+    CHECK(frames_record(&frames, folder, &over, why) == 2 && frames_replay(&frames, folder, why) == 2);
+    scratch_clear(folder);
+
+    frames.frame[0].image.pixel = PUPIL_PIXEL_BGRX8;
+    check_refused(&frames, folder, "refused: frames of pixel format 8 cannot be recorded");
+    frames.frame[0].image.pixel = PUPIL_PIXEL_BAYER10;
+    frames.frame[0].image.width = 7;
+    check_refused(&frames, folder, "refused: frames of 7 x 4 pixels; of bayer10 the width is a multiple of 2");
+    frames.frame[0].image.width = 8;
+    frames.coding.white = -1;
+    check_refused(&frames, folder, "refused: the coding of the frames: white must be");
+    frames.coding.white = 0;
+    over.fps = 0;
+    CHECK(frames_record(&frames, folder, &over, why) == -1 && strstr(why, "fps is 0"));
+    CHECK(!scratch_exists(folder));
+
+    frames.frame[1].image.height = 2;
+    CHECK(frames_record(&frames, folder, &waiting, why) == 1); /* the second has another size */
+    CHECK(frames_replay(&frames, folder, why) == 1);
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
+/* ---- the disk is full ---- */
+
+static void test_full(void)
+{
+    test_frames frames;
+    frames_make(&frames, PUPIL_PIXEL_GREY16, 16, 16, 100);
+    const char *folder = scratch("full");
+    for (unsigned long limit = 1; limit < 8000; limit += 1 + check_random() % 400) {
+        scratch_limit(limit);
+        const int taken = frames_record(&frames, folder, &waiting, why);
+        scratch_limit(0);
+        CHECK_MSG(taken < 0 && strstr(why, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why);
+        const int there = scratch_exists(folder) ? frames_replay(&frames, folder, why) : 0;
+        const int right = limit < 1100 ? 0 : (int)((limit - 500) / 547); /* of 512 bytes and 35 around them */
+        CHECK_MSG(there >= 0 && abs(there - right) <= 1, "%lu: %d of %d: %s", limit, there, right, why);
+        scratch_clear(folder);
+    }
+    frames_free(&frames);
+}
+
+/* ---- recording.json and frames.jsonl ---- */
+
+static char text[65536];
+
+/* The recording with `from` once replaced by `to` in one of its files. */
+static void check_text(const char *folder, const char *name, const char *from, const char *to, const char *sentence)
+{
+    char path[1100];
+
+    pupil_source *source = NULL;
+    pupil_frame frame;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *f = fopen(path, "r");
+    text[fread(text, 1, sizeof text - 1, f)] = 0;
+    fclose(f);
+    const char *at = strstr(text, from);
+    CHECK_MSG(at, "%s is not there", from);
+    f = fopen(path, "w");
+    fprintf(f, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    fclose(f);
+    int got = pupil_recording_open(folder, &source, why, sizeof why);
+    while (!got || got == PUPIL_SOURCE_FRAME)
+        got = pupil_source_next(source, &frame, why, sizeof why);
+    pupil_source_close(source);
+    CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why, sentence), "%s: %d %s", to, got, why);
+    scratch_put(path, text);
+}
+
+static void test_texts(void)
+{
+    static const char *const about[][3] = {
+        {"{", "", "recording.json:2: that is no JSON"},
+        {"\"raw\",", "\"raw\"", "recording.json:10: that is no JSON"},
+        {"pupil recording", "else", "recording.json:2: \"format\" must be \"pupil recording\""},
+        {"\"version\": 1", "\"version\": 2", "recording.json:3: \"version\" must be 1"},
+        {"bayer12", "bayer13", "recording.json:5: \"pixel\" must be a pixel format"},
+        {"bayer12", "bgrx8", "recording.json:5: \"pixel\" must be a pixel format"},
+        {"\"width\": 8", "\"width\": 8.5", "recording.json:6: \"width\" must be a whole number"},
+        {"\"width\": 8", "\"width\": -8", "recording.json:6: \"width\" must be a whole number"},
+        {"\"width\": 8", "\"width\": 4294967304", "recording.json:6: \"width\" must be a whole number"},
+        {"\"width\": 8", "\"width\": 7", "recording.json: frames of 7 x 4 pixels"},
+        {"\"width\": 8", "\"width\": 10", "frames.mkv: frame 0 has 64 bytes; 10 x 4 pixels of bayer12 have 80"},
+        {"\"fps\": 29", "\"fps\": -29", "recording.json:8: \"fps\" must be a number above 0"},
+        {"\"raw\"", "\"cooked\"", "recording.json:9: \"stored\" must be \"raw\" or \"jpeg\""},
+        {"\"shift\": 0", "\"shift\": 9", "recording.json: the coding of the frames: shift"},
+        {"\"black\": 1", "\"black\": x1", "that is no JSON"},
+        {"\"black\"", "\"blank\"", "recording.json: \"black\" is missing; it must be a number"},
+        {"balance\": [", "balance\": [1, ", "\"balance\" must be a list of three numbers"},
+        {"\n}", "\n}}", "that is no JSON"},
+    };
+    static const char *const lines[][3] = {
+        {"{", "", "frames.jsonl:1: that is no JSON"},
+        {"\"frame\":1", "\"frame\":2", "frames.jsonl:2: \"frame\" is 2; in this line it must be 1"},
+        {"\"frame\":1,", "", "frames.jsonl:2: \"frame\" is missing"},
+        {"\"gain\":", "\"gain\":\"1\",\"x\":", "frames.jsonl:1: \"gain\" must be a number"},
+        {"\"timestamp_ns\":0", "\"timestamp_ns\":0.5", "frames.jsonl:1: \"timestamp_ns\" must be a whole number"},
+        {"\"sequence\":1", "\"sequence\":99", "frames.jsonl:"},
+    };
+    test_frames frames;
+    frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 4);
+    frames.coding.black = 16;
+    frames.coding.shift = 0;
+    const char *folder = scratch("texts");
+    CHECK(frames_record(&frames, folder, &waiting, why) == 4);
+    for (size_t i = 0; i < sizeof about / sizeof *about; i++)
+        check_text(folder, "recording.json", about[i][0], about[i][1], about[i][2]);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        check_text(folder, "frames.jsonl", lines[i][0], lines[i][1], lines[i][2]);
+    CHECK(frames_replay(&frames, folder, why) == 4);
+    scratch_put(scratch("texts/frames.mkv"), "no Matroska at all, but long enough for a head");
+    CHECK(frames_replay(&frames, folder, why) == -1 && strstr(why, "frames.mkv: is no Matroska at byte 0"));
+    scratch_clear(folder);
+    CHECK(!pupil_is_recording(folder));
+    frames_free(&frames);
 }
 
 int main(int argc, char **argv)
@@ -35,6 +244,11 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     scratch_begin();
     test_round_trip();
+    test_unknown();
+    test_lost();
+    test_refused();
+    test_full();
+    test_texts();
     scratch_clear(scratch_folder);
     return check_end();
 }

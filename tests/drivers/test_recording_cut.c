@@ -1,0 +1,207 @@
+/* Recordings that were not finished: killed while they are written, cut at every byte, damaged. */
+#include "check.h"
+#include "scratch.h"
+
+#include <sys/wait.h>
+
+#include "file/recording.h"
+#include "recording_frames.h"
+
+#define KILLS 30
+
+static char why[PUPIL_WHY_BYTES];
+static const pupil_recorder_options waiting = {.fps = 30, .wait = 1};
+
+typedef struct file {
+    char path[1100];
+    unsigned char *bytes;
+    size_t size;
+} file;
+
+static file load(const char *folder, const char *name)
+{
+    file f;
+    snprintf(f.path, sizeof f.path, "%s/%s", folder, name);
+    FILE *in = fopen(f.path, "r");
+    if (!in)
+        abort();
+    fseek(in, 0, SEEK_END);
+    f.size = (size_t)ftell(in);
+    rewind(in);
+    f.bytes = malloc(f.size + 1);
+    if (fread(f.bytes, 1, f.size, in) != f.size)
+        abort();
+    fclose(in);
+    return f;
+}
+
+static void store(const file *f, size_t size)
+{
+    FILE *out = fopen(f->path, "w");
+    if (!out || fwrite(f->bytes, 1, size, out) != size || fclose(out))
+        abort();
+}
+
+/* Lines that have their newline: frames that must come back. */
+static int whole_lines(const file *f, size_t size)
+{
+    int lines = 0;
+    for (size_t i = 0; i < size; i++)
+        lines += f->bytes[i] == '\n';
+    return lines;
+}
+
+/* ---- kill -9 ---- */
+
+static void record_until_killed(const test_frames *frames, const char *folder)
+{
+    pupil_recorder *recorder;
+    pupil_frame frame = frames->frame[0];
+    frame.info = (pupil_frame_info){0};
+    if (pupil_recorder_open(&recorder, folder, &frame, &waiting, why, sizeof why))
+        _exit(1);
+    for (uint64_t i = 0;; i++) {
+        frame = frames->frame[i % (uint64_t)frames->count];
+        frame.info = (pupil_frame_info){.timestamp_ns = (int64_t)i * 1000, .sequence = 3 * i, .exposure_s = 1.0 / 3};
+        if (pupil_recorder_write(recorder, &frame, why, sizeof why))
+            _exit(2);
+    }
+}
+
+/* How many came back as they were given; -1: one was another. */
+static int check_killed(const test_frames *frames, const char *folder)
+{
+    pupil_source *source;
+    pupil_frame frame;
+    uint64_t n = 0;
+    int got = pupil_recording_open(folder, &source, why, sizeof why);
+    if (got)
+        return -1;
+    while ((got = pupil_source_next(source, &frame, why, sizeof why)) == PUPIL_SOURCE_FRAME) {
+        const pupil_frame_info info = {.timestamp_ns = (int64_t)n * 1000, .sequence = 3 * n, .exposure_s = 1.0 / 3};
+        if (!frames_same_image(&frame.image, &frames->frame[n % (uint64_t)frames->count].image) ||
+            memcmp(&frame.info, &info, sizeof info))
+            got = -1;
+        n++;
+        pupil_source_done(source, &frame);
+        if (got < 0)
+            break;
+    }
+    pupil_source_close(source);
+    return got == PUPIL_SOURCE_END ? (int)n : -1;
+}
+
+static void test_killed(void)
+{
+    test_frames frames;
+    int most = 0;
+    printf("seed %llu\n", (unsigned long long)check_state.seed);
+    frames_make(&frames, PUPIL_PIXEL_YUYV, 320, 240, 16);
+    for (int i = 0; i < KILLS; i++) {
+        const char *folder = scratch("killed");
+        const useconds_t after_us = (useconds_t)(check_random() % 20000);
+        fflush(stdout);
+        const pid_t child = fork();
+        if (child == 0)
+            record_until_killed(&frames, folder);
+        usleep(after_us);
+        int status;
+        kill(child, SIGKILL);
+        waitpid(child, &status, 0);
+        CHECK_MSG(WIFSIGNALED(status), "it ended by itself: %d", status);
+        if (!pupil_is_recording(folder)) { /* before the first frame */
+            CHECK(scratch_entries(folder) <= 3);
+            scratch_clear(folder);
+            continue;
+        }
+        file lines = load(folder, "frames.jsonl");
+        const int right = whole_lines(&lines, lines.size), there = check_killed(&frames, folder);
+        CHECK_MSG(there == right, "after %u us: %d frames, %d lines: %s", after_us, there, right, why);
+        most = there > most ? there : most;
+        free(lines.bytes);
+        scratch_clear(folder);
+    }
+    CHECK_MSG(most > 0, "never a frame before it was killed");
+    printf("killed %d times, with up to %d frames\n", KILLS, most);
+    frames_free(&frames);
+}
+
+/* ---- cut and damaged ---- */
+
+/* Where each frame ends in frames.mkv: its pixels, found by content. */
+static void find_ends(const test_frames *frames, const file *mkv, size_t *ends)
+{
+    unsigned char *from = mkv->bytes;
+    for (int i = 0; i < frames->count; i++) {
+        const pupil_image_const *image = &frames->frame[i].image;
+        const size_t row = pupil_row_bytes(image->pixel, image->width);
+        from = memmem(from, mkv->size - (size_t)(from - mkv->bytes), image->data, row);
+        CHECK(from);
+        from += row * image->height;
+        ends[i] = (size_t)(from - mkv->bytes);
+    }
+}
+
+static void test_cut(void)
+{
+    test_frames frames;
+    size_t ends[8];
+    frames_make(&frames, PUPIL_PIXEL_BAYER8, 16, 4, 8);
+    const char *folder = scratch("cut");
+    CHECK(frames_record(&frames, folder, &waiting, why) == 8);
+    file mkv = load(folder, "frames.mkv"), lines = load(folder, "frames.jsonl"), about = load(folder, "recording.json");
+    find_ends(&frames, &mkv, ends);
+    for (size_t size = 0; size <= mkv.size; size++) {
+        int right = 0;
+        while (right < 8 && size >= ends[right])
+            right++;
+        store(&mkv, size);
+        const int there = frames_replay(&frames, folder, why);
+        CHECK_MSG(there == right, "frames.mkv cut at %zu: %d of %d: %s", size, there, right, why);
+    }
+    for (size_t size = 0; size <= lines.size; size++) {
+        store(&lines, size);
+        const int there = frames_replay(&frames, folder, why);
+        CHECK_MSG(there == whole_lines(&lines, size), "frames.jsonl cut at %zu: %d: %s", size, there, why);
+    }
+    for (size_t size = 0; size < about.size - 2; size++) {
+        store(&about, size);
+        CHECK(frames_replay(&frames, folder, why) == -1 && strstr(why, "recording.json:"));
+    }
+    store(&about, about.size);
+
+    /* Any other byte, anywhere: frames or a sentence. */
+    file *all[] = {&mkv, &lines, &about};
+    for (int i = 0; i < 4000; i++) {
+        file *f = all[check_random() % 3];
+        const size_t at = check_random() % f->size;
+        const unsigned char kept = f->bytes[at];
+        f->bytes[at] = (unsigned char)check_random();
+        store(f, f->size);
+        pupil_source *source;
+        pupil_frame frame;
+        int n = 0, got = pupil_recording_open(folder, &source, why, sizeof why);
+        if (!got) {
+            while ((got = pupil_source_next(source, &frame, why, sizeof why)) == PUPIL_SOURCE_FRAME)
+                n++;
+            CHECK(n <= 8 && (got == PUPIL_SOURCE_END || (got == PUPIL_SOURCE_FAILED && *why)));
+            pupil_source_close(source);
+        }
+        f->bytes[at] = kept;
+        store(f, f->size);
+    }
+    CHECK(frames_replay(&frames, folder, why) == 8);
+    free(mkv.bytes), free(lines.bytes), free(about.bytes);
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    scratch_begin();
+    test_killed();
+    test_cut();
+    scratch_clear(scratch_folder);
+    return check_end();
+}
