@@ -44,6 +44,11 @@ typedef struct fake_v4l2_config {
     int64_t stamps_ns; /* that the driver's stamps are ahead of its clock */
     int no_mmap, no_share, no_rate, no_events, no_sizes;
     uint32_t most_buffers; /* 0: 32 */
+    int slow;              /* its own buffers are read twenty times as slowly as other memory ... */
+    int hints;             /* ... 1: but those allocated as NON_COHERENT are not; 2: it takes the flag, and they are */
+    int heaps;             /* 1: there is /dev/dma_heap/system; 2: linux,cma, too */
+    int contiguous;        /* it takes dma-bufs of linux,cma alone */
+    int no_import;         /* it takes none */
     uint32_t stamp, media;
     uint32_t first_sequence;
     int no_sequence;                                           /* always 0 */
@@ -82,6 +87,7 @@ void fake_v4l2_light(fake_v4l2 *fake, double light);
 /* What was opened and mapped and is so still. */
 typedef struct fake_v4l2_held {
     int files, maps;
+    int unsynced; /* dma-bufs that were queued or closed between two syncs, or synced out of turn, ever */
 } fake_v4l2_held;
 fake_v4l2_held fake_v4l2_holds(fake_v4l2 *fake);
 
