@@ -13,6 +13,7 @@ typedef struct replay_options {
     const char *out[REPLAY_MOST_OUTPUTS];
     size_t out_count;
     const char *stats, *plot, *report; /* paths, or NULL */
+    const char *record;                /* the same; of a live run alone */
     pupil_config config;
     pupil_source_options source;
     uint64_t hold;    /* how many times each frame is shown; 1 */

@@ -7,11 +7,11 @@
 
 #include "replay_options.h"
 
-enum { MOST_PATHS = REPLAY_MOST_OUTPUTS + 3 };
+enum { MOST_PATHS = REPLAY_MOST_OUTPUTS + 4 };
 
 static size_t gather(const replay_options *o, const char *paths[MOST_PATHS])
 {
-    const char *others[] = {o->stats, o->plot, o->report};
+    const char *others[] = {o->stats, o->plot, o->report, o->record};
     size_t count = 0;
     for (size_t i = 0; i < o->out_count; i++)
         paths[count++] = o->out[i];

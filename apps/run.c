@@ -107,9 +107,9 @@ static int record_frame(const pupil_frame *frame, char *why, size_t why_bytes)
     const pupil_recorder_options options = {.camera = pupil_live_capture(r.source)->device.name,
                                             .fps = r.source->fps,
                                             .overwrite = r.options.shown.overwrite};
-    if (!r.options.record)
+    if (!r.options.shown.record)
         return 0;
-    if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.record, frame, &options, why, why_bytes))
+    if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.shown.record, frame, &options, why, why_bytes))
         return -1;
     return pupil_recorder_write(r.recorder, frame, why, why_bytes);
 }
@@ -193,10 +193,8 @@ static int show(const pupil_frame *frame)
     if (!r.frames && open_view(frame, why, sizeof why))
         return fail(why);
     warn();
-    if (run_sensor_take(&r.sensor, pupil_live_camera(r.source), why, sizeof why))
+    if (run_sensor_take(&r.sensor, why, sizeof why))
         return fail(why);
-    if (r.options.mode == RUN_BOTH && !r.sensor.calm)
-        pupil_reset(&r.pupil); /* while the camera looks for its first level there is nothing to adapt to */
     const int64_t began_ns = now_ns();
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
         return fail(why);
@@ -278,7 +276,7 @@ static int begin(void)
         return -1;
     if (*remark && !o->shown.quiet)
         say(remark, "");
-    run_sensor_begin(&r.sensor, o, r.source->fps);
+    run_sensor_begin(&r.sensor, o, r.source);
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
     if (replay_work_open(&r.work, &o->shown)) {

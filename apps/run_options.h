@@ -16,7 +16,6 @@ typedef enum run_mode {
 typedef struct run_options {
     replay_options shown; /* what a replay has, too; its only input is the camera */
     const char *device;   /* NULL: the first camera */
-    const char *record;   /* a folder, or NULL */
     pupil_live_options live;
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode;

@@ -91,7 +91,7 @@ void run_status_end(const run_status *s, const run_options *options, uint64_t re
             s->most_latency_us * 1e-3);
     for (size_t i = 0; i < options->shown.out_count; i++)
         fprintf(stderr, "; %s", options->shown.out[i]);
-    const char *const others[] = {options->shown.stats, options->shown.plot, options->record};
+    const char *const others[] = {options->shown.stats, options->shown.plot, options->shown.record};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         if (others[i])
             fprintf(stderr, "; %s", others[i]);

@@ -273,6 +273,8 @@ static int start_stream(fake_v4l2 *f)
     f->streaming = 1;
     f->start_ns = f->now_ns;
     f->made = 0;
+    for (int i = 0; i < FAKE_SETTINGS; i++) /* what was set before is in force from the first frame on */
+        f->of_frame[i] = f->settings;
     return 0;
 }
 

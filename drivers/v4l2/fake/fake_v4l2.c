@@ -10,6 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
+static const fake_settings usual_settings = {1, 100, 16, 0};
+
 #define CALL_NS 1000 /* what a call takes */
 
 int fake_fail(int error)
@@ -41,6 +43,7 @@ static void pass(fake_v4l2 *f, int64_t ns)
         f->back_ns = 0;
         set_up(f);
         f->node = f->config.back_as;
+        f->settings = usual_settings; /* it had no power */
         f->config.unplug_at = 0; /* once */
     }
     fake_produce(f);
@@ -369,7 +372,7 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
     f->type = config->multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
     f->owner = f->output.owner = -1;
     f->output.fourcc = config->out_format ? config->out_format : V4L2_PIX_FMT_RGB24;
-    f->settings = (fake_settings){1, 100, 16, 0};
+    f->settings = usual_settings;
     for (int i = 0; i < FAKE_SETTINGS; i++)
         f->of_frame[i] = f->settings;
     return f;

@@ -1,0 +1,275 @@
+#!/bin/sh
+# pupil run as its user meets it, on a camera in the process: modes, outputs, every way to end, what is refused; and the
+# camera's controls put back whatever happens. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+set -u
+program=${PUPIL_RUN_FAKE:-}
+[ -n "$program" ] || { echo "skipped: built without cameras"; exit 77; }
+room=$(mktemp -d) || exit 1
+running=
+cleanup() {
+    [ -z "$running" ] || kill -9 "$running" 2>/dev/null
+    rm -rf "$room"
+}
+trap cleanup EXIT
+cd "$room" || exit 1
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# As their user had the controls, and as run_fake tells them at its end.
+restored="fake: auto 3, exposure 77, gain 40"
+put_back() {
+    grep -qxF -- "$restored" said.err || fail "$1: the controls are not put back: $(cat said.err)"
+    grep -q "are left" said.err && fail "$1: $(cat said.err)"
+}
+
+# run STATUS WORDS ARGUMENTS...: the exit status, and words that standard error must hold
+run() {
+    status=$1 words=$2
+    shift 2
+    "$program" "$@" >said.out 2>said.err </dev/null
+    got=$?
+    [ "$got" = "$status" ] || fail "run $*: exit $got, expected $status: $(cat said.err)"
+    grep -qF -- "$words" said.err || [ -z "$words" ] || fail "run $*: no '$words' in: $(cat said.err)"
+}
+
+# refused STATUS WORDS ARGUMENTS...: one sentence, and nothing is written
+refused() {
+    run "$@"
+    [ "$(grep -cv '^fake: ' said.err)" = 1 ] || fail "run $*: not one sentence: $(cat said.err)"
+    [ ! -e out.y4m ] || fail "run $*: an output is there"
+    put_back "$*"
+}
+
+absent() {
+    for path in "$@"; do
+        [ ! -e "$path" ] || fail "$path is there"
+    done
+    left=$(find . -name '.*.part*' | head -n 3)
+    [ -z "$left" ] || fail "left behind: $left"
+}
+
+# column NAME FILE.csv: its values
+column() {
+    awk -F, -v name="$1" '{ sub(/\r$/, "") } NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) n = i; next } { print $n }' "$2"
+}
+rows() { tail -n +2 "$1" | wc -l; }
+last() { column "$1" "$2" | tail -n 1; }
+sum() { column "$1" "$2" | awk '{ s += $1 } END { print s + 0 }'; }
+# within VALUE LOW HIGH
+within() { awk -v v="$1" -v a="$2" -v b="$3" 'BEGIN { exit !(v >= a && v <= b) }'; }
+
+# help and usage
+"$program" --help >help.txt 2>said.err || fail "--help does not exit 0"
+[ "$(wc -l <help.txt)" -le 40 ] || fail "--help is $(wc -l <help.txt) lines"
+awk 'length > 90 { exit 1 }' help.txt || fail "--help has a line over 90 characters"
+refused 2 "--metreing" --metreing spot
+refused 2 "-d /dev/video0" /dev/video0
+for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutter ms" "--shutter 2000s" "--gain 0" "--gain x" \
+    "--mains 55" "--flicker-period 9ms" "--width 0" "--height 99999" "--size 64" "--framerate 0" "--format YUYVX" \
+    "--control-delay 0" "--control-delay 16" "--buffers 1" "--buffers 33" "--reopen -1" "--timeout 0" "--timeout 5h" "--frames 0" "--ev 17" "--key 2" "--white dark" \
+    "--metering moon" "--roi 0.5,0.5,0.6,0.1" "--trim 95,5" "--meter-rows 3" "--transfer pq" "--threads 1000" \
+    "--gles-version 3.0" "--weight 0.1" "--fused --mode sensor" "--mains 50 --mode digital" \
+    "--no-frame-rate-priority --mode digital"; do
+    # shellcheck disable=SC2086 # words
+    refused 2 "${bad%% *}" $bad -o out.y4m
+done
+refused 2 "named for two outputs" -o a.mp4 -o ./a.mp4
+refused 2 "named for two outputs" -o - --stats -
+refused 2 "named for two outputs" --record a -o a
+refused 2 "is the camera itself" -d /dev/video0 -o /dev/video0
+refused 1 "/dev/video9" -d 9 -o out.y4m
+refused 1 "no camera" -d "no such camera" -o out.y4m
+refused 1 "MJPX" --format MJPX -o out.y4m
+refused 1 "--shutter: this camera exposes from 0.1 to 1000 ms" --shutter 10us -o out.y4m
+refused 1 "--gain: this camera has gains from 1 to 64" --gain 65 -o out.y4m
+refused 1 "none/out.mp4" -o none/out.mp4 -q
+refused 1 ".txt" --stats stats.txt -q
+refused 1 "no kind of output" -o picture.bmp -q
+"$program" fake:absent -o out.y4m 2>said.err
+[ $? = 1 ] || fail "no camera: exit"
+grep -q "no camera is there" said.err || fail "no camera: $(cat said.err)"
+absent out.y4m
+
+# a camera without controls: its picture is adapted to, or a sentence where more was asked
+"$program" fake:no-controls -n 5 -o plain.y4m 2>said.err || fail "no controls: $(cat said.err)"
+grep -q "EXPOSURE_ABSOLUTE.*--mode digital" said.err || fail "no controls are not told: $(cat said.err)"
+for asked in "--mode sensor" "--mode both" "--shutter 10ms" "--gain 2" "--mains 50"; do
+    # shellcheck disable=SC2086 # words
+    "$program" fake:no-controls -n 5 $asked -q 2>said.err
+    [ $? = 1 ] || fail "no controls, $asked: exit"
+    grep -qF -- "${asked}" said.err || grep -qF -- "${asked%% *}" said.err || fail "no controls, $asked: $(cat said.err)"
+done
+
+# modes: what is written is what is asked for, and the controls are put back
+for mode in digital sensor both; do
+    run 0 "mode $mode" fake:delay=3 fake:flat=600 fake:light=2@150 --mode $mode -n 300 --stats $mode.csv -o $mode.y4m
+    put_back "$mode"
+    [ "$(rows $mode.csv)" = 300 ] || fail "$mode: $(rows $mode.csv) records"
+    within "$(last output_level $mode.csv)" 0.165 0.195 || fail "$mode: shown at $(last output_level $mode.csv), not at 0.18"
+    [ "$(sum lost $mode.csv)" = 0 ] || fail "$mode: lost $(sum lost $mode.csv)"
+done
+[ "$(column exposure_s digital.csv | sort -u)" = "" ] || fail "digital: an exposure is told: nobody asked the camera"
+[ "$(last sensor digital.csv)" = "" ] || fail "digital: the sensor is $(last sensor digital.csv)"
+for mode in sensor both; do
+    [ "$(last sensor $mode.csv)" = converged ] || fail "$mode: the sensor is $(last sensor $mode.csv)"
+    within "$(last digital $mode.csv)" 0.93 1.07 || fail "$mode: a digital factor of $(last digital $mode.csv) is left"
+    [ "$(last in_force_from $mode.csv)" -gt 150 ] || fail "$mode: no reaction to the light"
+    within "$(last scene_ev $mode.csv)" 4.8 5.0 || fail "$mode: the light is $(last scene_ev $mode.csv), not log2(0.2930 / 0.01)"
+done
+run 0 "mode both" -n 3 # the default, where there are controls
+run 0 "" --shutter 1/100 --gain 2 -n 20 --stats hand.csv --mode digital
+within "$(last exposure_s hand.csv)" 0.00999 0.01001 || fail "--shutter 1/100: $(last exposure_s hand.csv) s"
+within "$(last gain hand.csv)" 2 2 || fail "--gain 2: $(last gain hand.csv)"
+put_back "by hand"
+run 0 "" --shutter 5000 -n 40 --stats hand.csv
+within "$(last exposure_s hand.csv)" 0.00499 0.00501 || fail "--shutter 5000: $(last exposure_s hand.csv) s"
+run 0 "" --mains 50 fake:flat=600 fake:light=0.7@1 -n 120 --stats mains.csv
+for e in $(column asked_exposure_s mains.csv | sort -u); do
+    awk -v e="$e" 'BEGIN { n = e / 0.01; exit !(e < 0.01 || n - int(n + 0.5) < 1e-6 && int(n + 0.5) - n < 1e-6) }' ||
+        fail "--mains 50: an exposure of $e s"
+done
+run 0 "" -t 2s --stats two.csv
+[ "$(rows two.csv)" -ge 59 ] && [ "$(rows two.csv)" -le 61 ] || fail "-t 2s: $(rows two.csv) frames of 30 a second"
+run 0 "64x48 at 15 frames/s" -t 2 --framerate 15 --width 64 --height 48 --format YUYV
+run 0 "NV12" --format NV12 --buffers 3 --newest -n 5 -d "fake camera" 
+put_back "by name"
+
+# every output, complete; statistics as JSON; a plot
+run 0 "" -n 40 -o a.mp4 -o a.mkv -o frames --stats a.jsonl --record rec
+[ "$(find frames -name '*.png' | wc -l)" = 40 ] || fail "not 40 pictures"
+[ -s a.mp4 ] && [ -s a.mkv ] && [ -s rec/frames.mkv ] || fail "an output is missing"
+[ "$(wc -l <a.jsonl)" = 40 ] || fail "not 40 lines"
+grep -q '"sequence":39,"lost":0,"flagged":0,"late":0,"exposure_s":' a.jsonl || fail "a line: $(tail -n 1 a.jsonl)"
+if command -v gnuplot >/dev/null; then
+    run 0 "" -n 40 --plot a.svg
+    grep -q "<svg" a.svg || fail "no plot"
+fi
+absent out.y4m
+run 0 "/dev/video2" -n 10 -o /dev/video2
+
+# a recording replays to the same statistics
+if [ -n "${PUPIL_PROGRAM:-}" ]; then
+    run 0 "" fake:light=4@20 -n 60 --record again --stats live.csv
+    "$PUPIL_PROGRAM" replay again --stats replay.csv -q 2>said.err || fail "the recording does not replay: $(cat said.err)"
+    cut -d, -f1,3-17,21 live.csv | tr -d '\r' >live.cut
+    cut -d, -f1,3-17,21 replay.csv | tr -d '\r' >replay.cut
+    cmp -s live.cut replay.cut || fail "a recording replays to other statistics"
+fi
+
+# frames that are lost: counted, and what is written plays at the camera's speed
+run 0 "" fake:drop=0.3 fake:flag=0.1 -n 100 --stats lost.csv -o lost.y4m
+[ "$(sum lost lost.csv)" -gt 20 ] || fail "lost frames are not counted"
+[ "$(sum flagged lost.csv)" -gt 2 ] || fail "damaged frames are not counted"
+first=$(column sequence lost.csv | head -n 1)
+want=$(($(last sequence lost.csv) - first + 1))
+bytes=$(($(wc -c <lost.y4m) - $(head -n 1 lost.y4m | wc -c)))
+[ "$bytes" = $((want * (64 * 48 * 3 + 6))) ] || fail "lost.y4m is not as long as the $want frames that were due"
+
+# ends: a closed pipe, a signal, the camera's own end; what was written is kept
+for stream in "-o -" "--stats -"; do
+    # shellcheck disable=SC2086 # words
+    { "$program" $stream -o piped.y4m; echo $? >status; } 2>said.err | head -c 30000 >/dev/null
+    [ "$(cat status)" = 0 ] || fail "$stream into a closed pipe: exit $(cat status): $(cat said.err)"
+    [ -s piped.y4m ] || fail "$stream into a closed pipe: the other output is lost"
+    [ "$(grep -c '^pupil run' said.err)" = 0 ] || fail "$stream into a closed pipe is no failure: $(cat said.err)"
+    put_back "$stream"
+    rm -f piped.y4m
+done
+
+# begin ARGUMENTS...: in the background, until its first record is there
+begin() {
+    rm -f lines
+    mkfifo lines
+    "$program" fake:real "$@" --stats - >lines 2>said.err </dev/null &
+    running=$!
+    exec 4<lines
+    read -r line <&4 || fail "no frame: $(cat said.err)"
+    cat <&4 >/dev/null &
+    exec 4<&-
+}
+# finish STATUS
+finish() {
+    tries=0
+    while kill -0 $running 2>/dev/null && [ $tries -lt 300 ]; do sleep 0.1; tries=$((tries + 1)); done
+    kill -9 $running 2>/dev/null && fail "it does not end"
+    wait $running
+    got=$?
+    running=
+    [ $got = "$1" ] || fail "exit $got, expected $1: $(cat said.err)"
+}
+for signal in INT TERM HUP; do
+    # a shell has its background jobs ignore SIGINT, and what is ignored at its start stays so for a program
+    begin -o signal.y4m -o signal.mp4
+    kill -$signal $running
+    finish 0
+    [ -s signal.y4m ] && [ -s signal.mp4 ] || fail "SIG$signal loses outputs"
+    put_back "SIG$signal"
+    rm -f signal.*
+done
+
+run 1 "unplugged" fake:unplug=30 -o unplug.y4m --stats unplug.csv --record unplug
+[ "$(rows unplug.csv)" = 30 ] && [ -s unplug.y4m ] && [ -s unplug/frames.mkv ] || fail "unplugging loses what was there"
+run 0 "opened again 1" fake:unplug=30 fake:back=1 --reopen 5 -n 90 --stats back.csv
+[ "$(rows back.csv)" = 90 ] || fail "--reopen: $(rows back.csv) frames"
+run 1 "did not come back within 2 seconds" fake:unplug=30 --reopen 2 --stats gone.csv
+[ "$(rows gone.csv)" = 30 ] || fail "--reopen in vain: $(rows gone.csv) frames"
+run 1 "no frame within 5 seconds" fake:stall=20 -o stall.y4m
+put_back "a camera that stalls"
+run 0 "20 frames" fake:end=19 -o end.y4m
+put_back "the camera's end"
+
+# an output that fails ends the run; the others are kept
+mkdir full
+if mount -t tmpfs -o size=64k tmpfs full 2>/dev/null; then
+    run 1 "full/small.y4m" -o full/small.y4m -o large.y4m -n 50
+    put_back "a full disk"
+    [ -s large.y4m ] || fail "a full disk for one output loses the other"
+    absent full/small.y4m
+    umount full
+fi
+
+# the sixth write of controls hangs for five seconds: ten of the camera's pass, none of its frames is lost
+run 0 "300 frames" fake:sleep=6,5 -n 300 --stats hang.csv
+[ "$(sum lost hang.csv)" = 0 ] || fail "a write that hangs loses $(sum lost hang.csv) frames"
+[ "$(last asked_exposure_s hang.csv)" != "$(column asked_exposure_s hang.csv | head -n 1)" ] || fail "nothing was asked meanwhile"
+[ "$(column in_force_from hang.csv | sort -u | wc -l)" -le 2 ] || fail "the write did not hang"
+put_back "a write that hangs"
+
+# a fatal signal: the controls are put back before the end
+("$program" fake:crash=20 -o crash.y4m) >said.out 2>said.err
+[ $? = 139 ] || fail "SIGSEGV is not what it ends with"
+for left in "9a0902 = 77" "980913 = 40" "9a0901 = 3"; do
+    grep -q "after the crash $left" said.err || fail "a crash leaves a control: no '$left' in $(cat said.err)"
+done
+
+rm -f .crash.y4m.*.part # nobody is left to do it
+
+# a second Ctrl-C gives up what takes too long to complete
+mkdir bin
+cat >bin/gnuplot <<'PLOT'
+#!/bin/sh
+read -r line || exit 0 # asked only whether it is there
+: >"$(dirname "$0")/plotting"
+sleep 2
+PLOT
+chmod +x bin/gnuplot
+before=$PATH
+PATH=$room/bin:$PATH
+begin --plot slow.svg
+kill -TERM $running
+tries=0
+while [ ! -e bin/plotting ] && [ $tries -lt 100 ]; do sleep 0.1; tries=$((tries + 1)); done
+[ -e bin/plotting ] || fail "no plot was begun: $(cat said.err)"
+kill -TERM $running
+finish 130
+PATH=$before
+grep -q "given up" said.err || fail "giving up is not told: $(cat said.err)"
+put_back "a second signal"
+absent slow.svg
+
+[ $failures = 0 ] && echo "run: all as expected"
+exit $((failures > 0))

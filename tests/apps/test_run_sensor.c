@@ -1,0 +1,294 @@
+/* What a live run does with a frame, on the fake camera, with every control written before the next frame begins: the
+ * picture of --mode sensor is the camera's own; in --mode both a step of the sensor cannot be seen; the loop settles as
+ * its controller promises. */
+#include "run_sensor.h"
+
+#include <linux/videodev2.h>
+#include <math.h>
+
+#include "check.h"
+#include "replay_work.h"
+#include "v4l2/fake/fake_v4l2.h"
+
+enum { WIDTH = 64, HEIGHT = 48, USUAL_DELAY = 3 /* believed of a camera of which nothing is known */ };
+
+static uint32_t control_delay = USUAL_DELAY; /* of the fake camera */
+
+typedef struct live_run {
+    fake_v4l2 *fake;
+    run_options options;
+    pupil_source *source;
+    replay_work work;
+    run_sensor sensor;
+    pupil_t pupil;
+    pupil_stats stats;
+    pupil_curve curve;
+    pupil_image display;
+    pupil_frame frame; /* that is out */
+    pupil_record record;
+    char why[PUPIL_WHY_BYTES];
+} live_run;
+
+static void control(fake_v4l2 *fake, uint32_t id, int value)
+{
+    const pupil_v4l2_system *system = fake_v4l2_system(fake);
+    struct v4l2_control c = {id, value};
+    const int fd = system->open(system->context, "/dev/video0");
+    CHECK(system->ioctl(system->context, fd, VIDIOC_S_CTRL, &c) == 0);
+    system->close(system->context, fd);
+}
+
+static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, int exposure, int gain, double light)
+{
+    fake_v4l2_config config;
+    char *no_options[] = {"run", NULL};
+    memset(r, 0, sizeof *r);
+    fake_v4l2_config_default(&config);
+    config.control_delay = control_delay;
+    config.only_format = fourcc;
+    config.flat = flat;
+    r->fake = fake_v4l2_new(&config);
+    control(r->fake, V4L2_CID_EXPOSURE_ABSOLUTE, exposure);
+    control(r->fake, V4L2_CID_GAIN, gain);
+    fake_v4l2_light(r->fake, light);
+    CHECK(run_options_parse(&r->options, 1, no_options, r->why, sizeof r->why) == REPLAY_RUN);
+    r->options.mode = mode;
+    r->options.shown.threads = 1;
+    r->options.live.delay = control_delay == USUAL_DELAY ? 0 : control_delay;
+    r->options.live.capture.system = fake_v4l2_system(r->fake);
+    CHECK_MSG(pupil_live_open("0", NULL, &r->options.live, &r->source, r->why, sizeof r->why) == 0, "%s", r->why);
+    if (!r->source)
+        exit(check_end());
+    run_sensor_begin(&r->sensor, &r->options, r->source);
+    CHECK(pupil_init(&r->pupil, &r->options.shown.config) == PUPIL_OK);
+    CHECK(replay_work_open(&r->work, &r->options.shown) == 0);
+    r->work.judge = run_sensor_judge;
+    r->work.context = &r->sensor;
+}
+
+/* The test as a whole has a time limit. */
+static void await_writes(live_run *r)
+{
+    pupil_camera_status status;
+    const struct timespec moment = {0, 100000};
+    pupil_camera *camera = pupil_live_camera(r->source);
+    for (pupil_camera_get_status(camera, &status); status.written != status.asks;
+         pupil_camera_get_status(camera, &status))
+        nanosleep(&moment, NULL);
+}
+
+static void give_frame_back(live_run *r)
+{
+    if (r->frame.name)
+        pupil_source_done(r->source, &r->frame);
+    r->frame.name = NULL;
+}
+
+static void step(live_run *r)
+{
+    give_frame_back(r);
+    CHECK_MSG(pupil_source_next(r->source, &r->frame, r->why, sizeof r->why) == PUPIL_SOURCE_FRAME, "%s", r->why);
+    CHECK(run_sensor_take(&r->sensor, r->why, sizeof r->why) == 0);
+    CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, r->why,
+                                sizeof r->why) == 0,
+              "%s", r->why);
+    memset(&r->record, 0, sizeof r->record);
+    run_sensor_describe(&r->sensor, &r->frame.info, &r->record);
+    await_writes(r);
+}
+
+static void end(live_run *r)
+{
+    give_frame_back(r);
+    replay_work_close(&r->work);
+    pupil_source_close(r->source);
+    CHECK(fake_v4l2_holds(r->fake).files == 0 && fake_v4l2_holds(r->fake).maps == 0);
+    fake_v4l2_free(r->fake);
+}
+
+static const uint8_t *shown(const live_run *r, uint32_t x, uint32_t y)
+{
+    return (const uint8_t *)r->display.data + (ptrdiff_t)y * r->display.stride_bytes + 3 * x;
+}
+
+/* ---- the camera's own picture -------------------------------------------------------------------------------------
+ */
+
+/* The largest distance of the shown picture from the camera's, in codes. */
+static int distance(const live_run *r)
+{
+    int most = 0;
+    for (uint32_t y = 0; y < HEIGHT; y++) {
+        const uint8_t *row = (const uint8_t *)r->frame.image.data + (ptrdiff_t)y * r->frame.image.stride_bytes;
+        for (uint32_t i = 0; i < 3 * WIDTH; i++) {
+            const int d = abs((int)row[i] - (int)shown(r, 0, y)[i]);
+            most = d > most ? d : most;
+        }
+    }
+    return most;
+}
+
+/* A picture whose log-average is at the key: 737 of 4095. */
+static void test_own_picture(void)
+{
+    live_run r;
+    begin(&r, RUN_SENSOR, V4L2_PIX_FMT_RGB24, 737, 100, 16, 1.0);
+    for (int i = 0; i < 60; i++)
+        step(&r);
+    CHECK_MSG(strcmp(r.record.sensor, "converged") == 0, "%s", r.record.sensor);
+    CHECK_MSG(fabs(r.record.digital - 1.0) < 0.01, /* half a code of eight bits, here */ "digital %g",
+              r.record.digital);
+    CHECK_MSG(distance(&r) <= 1, "%d codes from the camera's picture", distance(&r));
+    end(&r);
+}
+
+/* With any factor, the picture is the camera's light times it: no tone curve. */
+static void test_linear(void)
+{
+    static const int exposures[] = {40, 100, 160};
+    for (int k = 0; k < 3; k++) {
+        live_run r;
+        int most = 0;
+        begin(&r, RUN_SENSOR, V4L2_PIX_FMT_RGB24, 0, exposures[k], 16, 3.0);
+        r.options.shown.config.lock = 1; /* the camera stays where it is */
+        step(&r);
+        r.sensor.setting.frame_digital = 0.7 + 0.3 * k;
+        r.options.shown.config.lock = 1;
+        CHECK(run_sensor_curve(&r.sensor, &r.curve) == 1);
+        CHECK(replay_work_map(&r.work, &r.pupil, &r.curve, &r.frame.image, &r.display) == 0);
+        for (uint32_t y = 0; y < HEIGHT; y++)
+            for (uint32_t x = 0; x < WIDTH; x++) {
+                const uint8_t *in =
+                    (const uint8_t *)r.frame.image.data + (ptrdiff_t)y * r.frame.image.stride_bytes + 3 * x;
+                double light[3], largest = 0.0;
+                for (int c = 0; c < 3; c++) {
+                    const double code = in[c] / 255.0; /* IEC 61966-2-1 */
+                    light[c] = r.sensor.setting.frame_digital *
+                               (code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4));
+                    largest = fmax(largest, light[c]);
+                }
+                for (int c = 0; c < 3 && largest < 1.0; c++) {
+                    const double l = light[c];
+                    const double want = 255.0 * (l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055);
+                    const int d = abs((int)(want + 0.5) - shown(&r, x, y)[c]);
+                    most = d > most ? d : most;
+                }
+            }
+        CHECK(k != 1 || distance(&r) <= 1);
+        CHECK_MSG(most <= 1, "factor %g: %d codes off", r.sensor.setting.frame_digital, most);
+        end(&r);
+    }
+}
+
+/* ---- both: hidden steps -------------------------------------------------------------------------------------------
+ */
+
+/* The light stands still, the sensor starts far from its key: every frame shows the same code, for 12 bits of the
+ * camera leave less than one code of 8. slow_ms: what is done with a frame takes so long, and frames wait. */
+static void test_hidden_steps(double light, int slow_ms)
+{
+    const pupil_v4l2_system *system;
+    live_run r;
+    int least = 255, most = 0, settings = 0;
+    double last = 0.0;
+    begin(&r, RUN_BOTH, V4L2_PIX_FMT_Y12, 500, 30, 16, light);
+    system = fake_v4l2_system(r.fake);
+    for (int i = 0; i < 60; i++) {
+        step(&r);
+        if (slow_ms)
+            system->poll(system->context, NULL, 0, slow_ms);
+        const int code = shown(&r, 10, 10)[0];
+        least = code < least ? code : least;
+        most = code > most ? code : most;
+        settings += r.record.exposure_s * r.record.gain != last;
+        last = r.record.exposure_s * r.record.gain;
+    }
+    CHECK_MSG(settings >= 2, "light %g: no step of the sensor", light);
+    CHECK_MSG(most - least <= 1, "light %g: codes from %d to %d over %d settings", light, least, most, settings);
+    CHECK_MSG(strcmp(r.record.sensor, "converged") == 0, "light %g: %s", light, r.record.sensor);
+    end(&r);
+}
+
+/* ---- the loop -----------------------------------------------------------------------------------------------------
+ */
+
+/* Within 0.1 EV of the key, by pupil's digital factor exactly at it: after a change of light that does not clip, as
+ * many frames as the camera's delay, one more for the frame that is measured, and what rounding asks for once more. */
+static void test_settles(double change)
+{
+    live_run r;
+    int frames = 0;
+    begin(&r, RUN_SENSOR, V4L2_PIX_FMT_Y12, 600, 100, 16, 1.0);
+    for (int i = 0; i < 60; i++)
+        step(&r);
+    CHECK_MSG(strcmp(r.record.sensor, "converged") == 0, "%s", r.record.sensor);
+    fake_v4l2_light(r.fake, change);
+    for (; frames < 60; frames++) {
+        step(&r);
+        const double mean = r.record.scene_ev + log2(r.record.exposure_s * r.record.gain);
+        if (frames && fabs(mean - log2(0.18)) < 0.1 + 0.02) /* and a step of its gain, 1/16 of at least 4 */
+            break;
+    }
+    CHECK_MSG(frames <= 8, "a change by %g: %d frames", change, frames);
+    for (int i = 0; i < 60; i++)
+        step(&r);
+    const double code = shown(&r, 10, 10)[0], level = pow((code / 255.0 + 0.055) / 1.055, 2.4);
+    CHECK_MSG(fabs(log2(level / 0.18)) < 0.05, "a change by %g: shown at %g of 0.18", change, level);
+    end(&r);
+}
+
+/* ---- by hand ------------------------------------------------------------------------------------------------------
+ */
+
+static void test_by_hand(uint32_t mode)
+{
+    live_run r;
+    begin(&r, mode, V4L2_PIX_FMT_Y12, 600, 100, 16, 1.0);
+    r.options.exposure_s = 0.02;
+    r.options.gain = 3.0;
+    for (int i = 0; i < 10; i++)
+        step(&r);
+    CHECK_MSG(fabs(r.record.exposure_s - 0.02) < 1e-9 && r.record.gain == 3.0, "mode %u: %g s, gain %g", mode,
+              r.record.exposure_s, r.record.gain);
+    CHECK(strcmp(r.record.sensor, mode == RUN_DIGITAL ? "" : "locked") == 0);
+    end(&r);
+}
+
+/* Keys of a window change the settings while it runs. */
+static void test_keys(void)
+{
+    live_run r;
+    begin(&r, RUN_SENSOR, V4L2_PIX_FMT_Y12, 600, 100, 16, 1.0);
+    for (int i = 0; i < 40; i++)
+        step(&r);
+    const double before = r.record.exposure_s * r.record.gain;
+    r.options.shown.config.ev_compensation = 1.0;
+    for (int i = 0; i < 120; i++)
+        step(&r);
+    const double by = log2(r.record.exposure_s * r.record.gain / before);
+    CHECK_MSG(fabs(by - 1.0) < 0.1, "one stop more was %g", by);
+    end(&r);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    test_own_picture();
+    test_linear();
+    test_hidden_steps(0.2, 0);
+    test_hidden_steps(1.0, 0);
+    test_hidden_steps(4.0, 0);
+    for (control_delay = 1; control_delay < 6; control_delay++) /* --control-delay */
+        test_hidden_steps(4.0, 0);
+    control_delay = USUAL_DELAY;
+    test_hidden_steps(4.0, 40);
+    test_hidden_steps(4.0, 90);
+    test_settles(2.0);
+    test_settles(0.5);
+    test_settles(0.125);
+    test_by_hand(RUN_DIGITAL);
+    test_by_hand(RUN_SENSOR);
+    test_by_hand(RUN_BOTH);
+    test_keys();
+    return check_end();
+}
