@@ -3,6 +3,7 @@
  *     run_fake [fake:KEY=VALUE ...] [options of pupil run]
  *
  * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
+ * colour=R,G,B (of the light),
  * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
  * light=FACTOR@FRAME (repeatable), real (the machine's clock), absent, media, no-controls, crash=FRAME. At its end it
  * says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40". */
@@ -82,6 +83,8 @@ static int take(const char *text, fake_v4l2_config *c)
     else if (sscanf(text, "delay=%lu", &when) == 1)
         c->control_delay = (uint32_t)when;
     else if (sscanf(text, "flat=%u", &c->flat) == 1)
+        return 0;
+    else if (sscanf(text, "colour=%lf,%lf,%lf", &c->colour[0], &c->colour[1], &c->colour[2]) == 3)
         return 0;
     else if (sscanf(text, "drop=%lf", &c->dropped) == 1 || sscanf(text, "flag=%lf", &c->flagged) == 1)
         return 0;

@@ -254,6 +254,30 @@ static void test_texts(void)
     frames_free(&frames);
 }
 
+/* White balance that follows the frames: each has its own, and those of the first one's have none in their line. */
+static void test_balance(void)
+{
+    test_frames frames;
+    pupil_coding coding[6];
+    const char *folder = scratch("balance");
+    frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 6);
+    for (int i = 0; i < 6; i++) {
+        coding[i] = frames.coding;
+        for (int k = 0; k < 3 && i % 3; k++)
+            coding[i].balance[k] = (float)(1 + 3 * check_uniform());
+        frames.frame[i].image.coding = &coding[i];
+    }
+    memset(coding[4].balance, 0, sizeof coding[4].balance);
+    CHECK(frames_record(&frames, folder, &waiting, why) == 6);
+    CHECK_MSG(frames_replay(&frames, folder, why) == 6, "%s", why);
+    check_text(folder, "frames.jsonl", "\"balance\":[", "\"balance\":[0,", "must be a list of three factors");
+    coding[5].black++;
+    CHECK(frames_record(&frames, scratch("other"), &waiting, why) == 5 && strstr(why, "coding"));
+    scratch_clear(scratch("other"));
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -264,6 +288,7 @@ int main(int argc, char **argv)
     test_refused();
     test_full();
     test_texts();
+    test_balance();
     scratch_clear(scratch_folder);
     return check_end();
 }
