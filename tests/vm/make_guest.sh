@@ -107,5 +107,6 @@ if [ "$architecture" = amd64 ]; then
 fi
 rm -f "$folder/initrd"
 mv "$kernel" "$folder/vmlinuz"
+cp "$new/kernel/bin/busybox" "$folder/busybox" # for guests that have no files of this machine
 mv "$new/initrd" "$folder/initrd"
 echo "$package" >"$folder/package"
