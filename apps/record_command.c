@@ -2,6 +2,7 @@
 #include "record_command.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,6 +14,7 @@
 #include "progress.h"
 #include "pupil/pupil.h"
 #include "record_options.h"
+#include "run_choose.h"
 #include "run_sensor.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3 };
@@ -20,6 +22,7 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3 };
 typedef struct record {
     record_options options;
     pupil_source *source;
+    char device[PATH_MAX];            /* of the camera */
     const char *name;                 /* of the input */
     const pupil_v4l2_capture *camera; /* NULL: the source is no camera */
     pupil_recorder *recorder;
@@ -58,25 +61,6 @@ static int is_steered(const record_options *o)
     return o->automatic || o->exposure_s > 0 || o->gain > 0;
 }
 
-static int check_by_hand(record *r, pupil_camera *camera)
-{
-    const record_options *o = &r->options;
-    pupil_camera_limits limits;
-    pupil_camera_get_limits(camera, &limits);
-    if (o->exposure_s > 0 &&
-        !(o->exposure_s >= 0.999 * limits.exposure_min_s && o->exposure_s <= 1.001 * limits.exposure_max_s)) {
-        snprintf(r->why, sizeof r->why, "--shutter: %s exposes from %.6g to %.6g s", r->name, limits.exposure_min_s,
-                 limits.exposure_max_s);
-        return -1;
-    }
-    if (o->gain > 0 && !(o->gain >= 0.999 * limits.gain_min && o->gain <= 1.001 * limits.gain_max)) {
-        snprintf(r->why, sizeof r->why, "--gain: %s has gains from %.6g to %.6g", r->name, limits.gain_min,
-                 limits.gain_max);
-        return -1;
-    }
-    return 0;
-}
-
 static int begin_exposure(record *r)
 {
     const record_options *o = &r->options;
@@ -98,8 +82,9 @@ static int begin_exposure(record *r)
     pupil_config_default(&r->steering.shown.config);
     r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
     pupil_init(&r->pupil, &r->steering.shown.config);
-    run_sensor_begin(&r->sensor, &r->steering, r->source->fps);
-    return check_by_hand(r, camera) || run_sensor_take(&r->sensor, camera, r->why, sizeof r->why);
+    run_sensor_begin(&r->sensor, &r->steering, r->source);
+    return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why) ||
+           run_sensor_take(&r->sensor, r->why, sizeof r->why);
 }
 
 /* One that was unplugged and came back is taken again. */
@@ -108,7 +93,7 @@ static int follow_light(record *r, const pupil_frame *frame)
     pupil_curve unused;
     if (!is_steered(&r->options))
         return 0;
-    if (run_sensor_take(&r->sensor, pupil_live_camera(r->source), r->why, sizeof r->why))
+    if (run_sensor_take(&r->sensor, r->why, sizeof r->why))
         return -1;
     if (!r->options.automatic)
         return 0;
@@ -197,11 +182,14 @@ static int open_source(record *r, const pupil_v4l2_system *system)
 {
     const record_options *o = &r->options;
     r->options.source.stop = interrupt_came;
-    r->name = o->input_count ? o->inputs[0] : o->camera ? o->camera : "0";
+    r->name = o->input_count ? o->inputs[0] : r->device;
     if (o->input_count && (o->input_count > 1 || !input_is_camera(r->name)))
         return open_input(o->inputs, o->input_count, &o->source, &r->source, r->why, sizeof r->why);
+    if (run_choose_camera(system, o->input_count ? o->inputs[0] : o->camera, r->device, sizeof r->device, r->why,
+                          sizeof r->why))
+        return -1;
     const pupil_live_options live = {.capture = {.system = system, .fourcc = o->fourcc}, .hands_off = !is_steered(o)};
-    if (pupil_live_open(r->name, &o->source, &live, &r->source, r->why, sizeof r->why))
+    if (pupil_live_open(r->device, &o->source, &live, &r->source, r->why, sizeof r->why))
         return -1;
     r->camera = pupil_live_capture(r->source);
     return begin_exposure(r);

@@ -2,7 +2,6 @@
 
 #include <getopt.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "run_options.h"
@@ -13,7 +12,7 @@ const char record_help[] = "usage: pupil record [-d CAMERA] [options] DIR\n"
                            "       pupil record INPUT... [options] DIR\n"
                            "A camera's raw frames as they come, into a folder that pupil replay, ffmpeg and mpv\n"
                            "open: lossless, with each frame's number, time, exposure and gain. Ctrl-C ends it.\n"
-                           "  -d, --device CAMERA  a path, a number or a name, as pupil list shows them (0)\n"
+                           "  -d, --device CAMERA  a path, a number, a name (the first; 'pupil list')\n"
                            "  INPUT                what pupil replay takes, instead of a camera\n"
                            "  -n, --frames N       so many frames     -t, --timeout SECONDS (or 500ms, 10min)\n"
                            "      --width N  --height N  --framerate N         as the camera is set\n"

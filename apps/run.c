@@ -195,7 +195,7 @@ static int show(pupil_frame *frame)
     if (!r.frames && open_view(frame, why, sizeof why))
         return fail(why);
     warn();
-    if (run_sensor_take(&r.sensor, pupil_live_camera(r.source), why, sizeof why))
+    if (run_sensor_take(&r.sensor, why, sizeof why))
         return fail(why);
     if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, why, sizeof why))
         return fail(why);
@@ -281,7 +281,7 @@ static int begin(void)
         return -1;
     if (*remark && !o->shown.quiet)
         say(remark, "");
-    run_sensor_begin(&r.sensor, o, r.source->fps);
+    run_sensor_begin(&r.sensor, o, r.source);
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
     if (replay_work_open(&r.work, &o->shown)) {

@@ -24,6 +24,7 @@ enum {
     WHITE_BALANCE,
     COLOUR_MATRIX,
     BLACK_LEVEL,
+    DELAY,
     STATS,
     PLOT,
     RECORD,
@@ -67,6 +68,7 @@ static const struct option long_options[] = {
     {"white-balance", required_argument, NULL, WHITE_BALANCE},
     {"matrix", required_argument, NULL, COLOUR_MATRIX},
     {"black-level", required_argument, NULL, BLACK_LEVEL},
+    {"control-delay", required_argument, NULL, DELAY},
     {"out", required_argument, NULL, 'o'},
     {"stats", required_argument, NULL, STATS},
     {"plot", required_argument, NULL, PLOT},
@@ -144,7 +146,7 @@ static int take_flag(int option, run_options *r)
 static int take_camera(int option, const value_text *c, run_options *r)
 {
     static const char moment[] = "10ms, 1/100, 0.01s, or a plain number of microseconds, from 1us to 1000s";
-    uint64_t buffers = 0;
+    uint64_t whole = 0;
     switch (option) {
     case 'd':
         return *c->text ? path(c, &r->device) : value_refuse(c, "a path, a number or a camera's name");
@@ -157,9 +159,14 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case FORMAT:
         return run_value_format(c, &r->live.capture.fourcc);
     case BUFFERS:
-        if (value_whole(c, 2, PUPIL_V4L2_MOST_BUFFERS, "from 2 to 32", &buffers))
+        if (value_whole(c, 2, PUPIL_V4L2_MOST_BUFFERS, "from 2 to 32", &whole))
             return REPLAY_USAGE;
-        r->live.capture.buffers = (uint32_t)buffers;
+        r->live.capture.buffers = (uint32_t)whole;
+        return REPLAY_RUN;
+    case DELAY:
+        if (value_whole(c, 1, 15, "frames, from 1 to 15", &whole))
+            return REPLAY_USAGE;
+        r->live.delay = (uint32_t)whole;
         return REPLAY_RUN;
     case REOPEN:
         return run_value_time(c, 1.0, 0.0, 1e6, "seconds, from 0 to 1e6", &r->live.capture.reopen_s);

@@ -39,7 +39,7 @@ static void configure(run_sensor *s)
     const run_options *o = s->options;
     pupil_sensor_config *c = &s->config;
     pupil_sensor_config_default(c);
-    c->frame_s = 1.0 / s->fps;
+    c->frame_s = 1.0 / s->source->fps;
     pupil_camera_configure(s->camera, c);
     c->frame_rate_priority = !o->any_frame_rate;
     c->mains_hz = o->live.mains_hz;
@@ -60,8 +60,10 @@ static void configure(run_sensor *s)
 static void ask(run_sensor *s)
 {
     const pupil_camera_setting wanted = {.exposure_s = s->setting.exposure_s, .gain = s->setting.gain};
-    if (wanted.exposure_s != s->asked.exposure_s || wanted.gain != s->asked.gain)
+    if (wanted.exposure_s != s->asked.exposure_s || wanted.gain != s->asked.gain) {
+        pupil_live_mark(s->source);
         pupil_camera_ask(s->camera, &wanted);
+    }
     s->asked = wanted;
 }
 
@@ -89,14 +91,15 @@ static int steer(run_sensor *s, char *why, size_t why_bytes)
     return 0;
 }
 
-void run_sensor_begin(run_sensor *s, const run_options *options, double fps)
+void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source)
 {
-    *s = (run_sensor){.options = options, .fps = fps, .setting = {.digital = 1.0, .frame_digital = 1.0}};
+    *s = (run_sensor){.options = options, .source = source, .setting = {.digital = 1.0, .frame_digital = 1.0}};
 }
 
-int run_sensor_take(run_sensor *s, pupil_camera *camera, char *why, size_t why_bytes)
+int run_sensor_take(run_sensor *s, char *why, size_t why_bytes)
 {
     const run_options *o = s->options;
+    pupil_camera *camera = pupil_live_camera(s->source);
     const int is_new = camera && !s->camera;
     s->camera = camera;
     if (!is_new)

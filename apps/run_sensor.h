@@ -8,7 +8,7 @@
 
 typedef struct run_sensor {
     const run_options *options;
-    double fps;
+    pupil_source *source;
     pupil_camera *camera; /* NULL: none (now) */
     int steers;           /* sensor and setting are valid */
     pupil_sensor_config config;
@@ -17,12 +17,12 @@ typedef struct run_sensor {
     pupil_camera_setting asked;
 } run_sensor;
 
-/* Whose mode is options->mode, which is no longer RUN_BEST. */
-void run_sensor_begin(run_sensor *s, const run_options *options, double fps);
+/* Of a live source. Its mode is options->mode, which is no longer RUN_BEST. */
+void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source);
 
 /* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
  * have. -1 and a sentence: they cannot be steered. */
-int run_sensor_take(run_sensor *s, pupil_camera *camera, char *why, size_t why_bytes);
+int run_sensor_take(run_sensor *s, char *why, size_t why_bytes);
 
 /* A frame's statistics: the setting follows, and is asked for where it has changed. Of RUN_SENSOR the curve becomes the
  * one that shows the camera's own picture. A replay_judge. */

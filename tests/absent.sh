@@ -30,6 +30,9 @@ refuses() {
 
 "$program" replay synth:walk --frames 3 -q -o "$work/walk.y4m"
 [ -s "$work/walk.y4m" ] || { echo "FAILED: no Y4M"; status=1; }
+"$program" record -q synth:walk --width 64 --height 48 -n 3 "$work/shots" # recordings need no library
+"$program" replay "$work/shots" -q --stats "$work/shots.csv"
+[ "$(wc -l <"$work/shots.csv")" = 4 ] || { echo "FAILED: no recording"; status=1; }
 
 printf '\166\057\061\001 EXR by its first bytes' >"$work/a.exr"
 printf '\211PNG\r\n\032\n PNG by its first bytes' >"$work/a.png"
@@ -43,6 +46,8 @@ refuses PUPIL_JSON replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
 refuses PUPIL_V4L2 replay v4l2:0 -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 replay /dev/video0 -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 list
+refuses PUPIL_V4L2 record "$work/out"
+refuses PUPIL_V4L2 record -d 0 --format YUYV "$work/out"
 refuses PUPIL_JSON list --json
 refuses PUPIL_SCENES render room -q -o "$work/out.y4m"
 refuses PUPIL_SCENES study -q

@@ -114,9 +114,10 @@ typedef struct pupil_camera_options {
     int subdevice_fd;                /* the sensor's subdevice; -1: none */
     const char *sensor_name;         /* its name in the media graph, for its law; NULL: unknown */
     const pupil_camera_sensor *sensor; /* what is known of it, in place of the table; NULL */
-    uint32_t width, height;  /* of the sensor's own format (VIDIOC_SUBDEV_G_FMT); wanted where EXPOSURE is in lines */
-    double line_s;           /* a line's time; 0: from PIXEL_RATE, HBLANK and width */
-    uint32_t mains_hz;       /* POWER_LINE_FREQUENCY: 50, 60; 0: as it is */
+    uint32_t width, height; /* of the sensor's own format (VIDIOC_SUBDEV_G_FMT); wanted where EXPOSURE is in lines */
+    double line_s;          /* a line's time; 0: from PIXEL_RATE, HBLANK and width */
+    uint32_t delay;    /* frames that a control takes to act, measured ('pupil probe'); 0: as is known of the sensor */
+    uint32_t mains_hz; /* POWER_LINE_FREQUENCY: 50, 60; 0: as it is */
     uint32_t at_frame_start; /* 1: written just after pupil_camera_frame(.., 1), which gets V4L2_EVENT_FRAME_SYNC; where
                               * none comes in 0.2 s, without */
 } pupil_camera_options;

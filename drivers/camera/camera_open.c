@@ -102,6 +102,8 @@ static int find_law(pupil_camera *camera, const pupil_camera_options *options, c
         return -1;
     camera->exposure_delay = sensor.exposure_delay ? sensor.exposure_delay : CAMERA_USUAL_DELAY;
     camera->gain_delay = sensor.gain_delay ? sensor.gain_delay : CAMERA_USUAL_DELAY;
+    if (options->delay)
+        camera->exposure_delay = camera->gain_delay = options->delay;
     int has = find(camera, V4L2_CID_ANALOGUE_GAIN, &camera->gain, why, why_bytes);
     if (has == 0) { /* the table's laws are those of ANALOGUE_GAIN; the caller's is of whatever there is */
         has = find(camera, V4L2_CID_GAIN, &camera->gain, why, why_bytes);

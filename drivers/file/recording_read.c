@@ -6,10 +6,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "file/jpeg_frame.h"
 #include "file/recording.h"
 #include "file/recording_format.h"
 #include "file/recording_mkv.h"
 #include "refuse.h"
+
+/* A JPEG has at most so many bytes a pixel, and so many more; what says otherwise is damaged. */
+#define JPEG_MOST_BYTES(pixels) (8 * (uint64_t)(pixels) + 65536)
 
 typedef struct recording {
     pupil_source base;
@@ -21,10 +25,11 @@ typedef struct recording {
     FILE *lines;
     int fd;
     pupil_mkv_reader mkv;
-    unsigned char *bytes; /* the frame */
-    size_t capacity;
-    uint64_t frame; /* how many were handed out */
-    int state;      /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
+    unsigned char *bytes; /* the frame, or its JPEG */
+    size_t size, capacity;
+    pupil_jpeg *jpeg; /* NULL: frames are raw */
+    uint64_t frame;   /* how many were handed out */
+    int state;        /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
     char why[PUPIL_WHY_BYTES];
 } recording;
 
@@ -83,7 +88,10 @@ static int next_bytes(recording *r)
     if (!got)
         return PUPIL_SOURCE_END;
     const size_t right = pupil_recording_bytes(&r->about);
-    if (bytes != right)
+    if (r->jpeg && bytes > JPEG_MOST_BYTES((uint64_t)r->about.width * r->about.height))
+        return failed(r, "%s: frame %llu has %llu bytes; no JPEG of %u x %u pixels does", r->frames_path,
+                      (unsigned long long)r->frame, (unsigned long long)bytes, r->about.width, r->about.height);
+    if (!r->jpeg && bytes != right)
         return failed(r, "%s: frame %llu has %llu bytes; %u x %u pixels of %s have %zu", r->frames_path,
                       (unsigned long long)r->frame, (unsigned long long)bytes, r->about.width, r->about.height,
                       pupil_recording_pixel_name(r->about.pixel), right);
@@ -97,7 +105,21 @@ static int next_bytes(recording *r)
             return PUPIL_SOURCE_END;
         used += (uint64_t)part;
     }
+    r->size = bytes;
     return PUPIL_SOURCE_FRAME;
+}
+
+/* As the camera's own frames were decoded, with the coding that they had. */
+static int decode(recording *r, pupil_image_const *image, char *why, size_t why_bytes)
+{
+    char words[512];
+    if (pupil_jpeg_decode(r->jpeg, r->bytes, r->size, image, words, sizeof words))
+        return pupil_refuse(why, why_bytes, "%s: frame %llu: %s", r->frames_path, (unsigned long long)r->frame, words);
+    if (image->pixel != r->about.pixel)
+        return pupil_refuse(why, why_bytes, "%s: frame %llu is no JPEG of which %s is made, as of the others",
+                            r->frames_path, (unsigned long long)r->frame, pupil_recording_pixel_name(r->about.pixel));
+    image->coding = &r->about.coding;
+    return 0;
 }
 
 static int recording_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
@@ -114,7 +136,14 @@ static int recording_next(pupil_source *source, pupil_frame *frame, char *why, s
         return r->state;
     }
     memset(frame, 0, sizeof *frame);
-    frame->image = pupil_recording_image(&r->about, r->bytes);
+    if (r->jpeg && decode(r, &frame->image, why, why_bytes)) {
+        r->frame++;
+        return PUPIL_SOURCE_DAMAGED;
+    }
+    if (!r->jpeg)
+        frame->image = pupil_recording_image(&r->about, r->bytes);
+    frame->coded = r->jpeg ? r->bytes : NULL;
+    frame->coded_bytes = r->jpeg ? r->size : 0;
     frame->info = info;
     snprintf(r->name, sizeof r->name, "%.*s frame %llu", r->folder_length, r->frames_path,
              (unsigned long long)info.sequence);
@@ -136,6 +165,7 @@ static void recording_close(pupil_source *source)
         fclose(r->lines);
     if (r->fd >= 0)
         close(r->fd);
+    pupil_jpeg_close(r->jpeg);
     free(r->bytes);
     free(r);
 }
@@ -175,6 +205,10 @@ static int open_files(recording *r, const char *folder)
     if (!S_ISREG(status.st_mode))
         return failed(r, "%s: is no file", r->frames_path);
     pupil_mkv_open(&r->mkv, r->fd, (uint64_t)status.st_size);
+    char words[512];
+    if (r->about.jpeg &&
+        pupil_jpeg_open(&r->jpeg, r->about.width, r->about.height, &r->about.coding, words, sizeof words))
+        return failed(r, "%s: %s", r->frames_path, words);
     if (reserve(r, pupil_recording_bytes(&r->about)))
         return failed(r, "%s: no memory for a frame", r->frames_path);
     return 0;

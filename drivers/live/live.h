@@ -22,6 +22,7 @@
 typedef struct pupil_live_options {
     pupil_v4l2_options capture;
     uint32_t mains_hz; /* 50, 60; 0: as it is */
+    uint32_t delay;    /* frames that a control takes to act; 0: as is known of the sensor, or 3 */
     int hands_off;     /* 1: no control is read or touched */
 } pupil_live_options;
 
@@ -37,6 +38,9 @@ const char *pupil_live_no_controls(const pupil_source *source);
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source);
 /* Of the frame that is out: its buffer, stamps and losses. Latency is the present less stamp_ns. */
 const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
+/* Before asking for a setting where much time has passed since `next`: which frame is under way now, so that it is
+ * known from which one on the setting will be in force. */
+void pupil_live_mark(pupil_source *source);
 /* Puts every control back, as close does, and says what could not be: 0, or -1 and a sentence. There are no controls
  * after it. A write that hangs is waited for for a second; then it puts everything back when it ends. */
 int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes);

@@ -66,6 +66,7 @@ pupil_camera *live_controls_open(const live_which *which, char *why, size_t why_
                                           .sensor_name = *files->sensor.entity ? files->sensor.entity : NULL,
                                           .width = width,
                                           .height = height,
+                                          .delay = which->delay,
                                           .mains_hz = which->mains_hz};
     char reason[PUPIL_WHY_BYTES];
     pupil_camera *camera = pupil_camera_open(&options, reason, sizeof reason);

@@ -11,7 +11,7 @@ typedef struct live_which {
     const pupil_v4l2_system *system;
     char path[256];         /* of the video node */
     uint32_t width, height; /* of its frames: the sensor's, where its subdevice does not tell */
-    uint32_t mains_hz;
+    uint32_t mains_hz, delay;
 } live_which;
 
 /* A camera's controls on files of their own, which pupil_camera_close closes, too. NULL: there are none, and why. */

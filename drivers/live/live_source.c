@@ -8,6 +8,8 @@
 #include "live_parts.h"
 #include "v4l2/v4l2_source.h"
 
+#define MOST_LATE PUPIL_V4L2_MOST_BUFFERS /* frames in the queue, behind the one that is out */
+
 typedef struct live_source {
     pupil_source base;
     pupil_source *frames;
@@ -18,6 +20,9 @@ typedef struct live_source {
     live_again *again; /* NULL: the controls are those of the camera that streams */
     uint64_t reopened; /* as often as the capture says when the controls were opened */
     int told;          /* the camera was told that the stream has started */
+    int64_t stamp_ns;  /* of the last frame, */
+    uint64_t sequence; /* its number, */
+    double period_ns;  /* and what lay between two numbers before it */
 } live_source;
 
 static live_source *of(const pupil_source *source)
@@ -29,6 +34,7 @@ static void name_which(live_source *s)
 {
     const pupil_v4l2_capture *capture = pupil_v4l2_source_capture(s->frames);
     s->which.system = capture->device.system;
+    s->period_ns = 0.0;
     snprintf(s->which.path, sizeof s->which.path, "%s", capture->device.path);
     s->which.width = capture->format.width;
     s->which.height = capture->format.height;
@@ -52,6 +58,33 @@ static void follow(live_source *s)
         snprintf(s->why, sizeof s->why, "%s: not enough memory for its controls", s->which.path);
 }
 
+/* From what the driver's numbers and stamps say, for a camera's rate may follow the light. */
+static void measure_period(live_source *s, uint64_t sequence)
+{
+    const int64_t stamp_ns = pupil_v4l2_source_frame(s->frames)->stamp_ns;
+    const double passed_ns = (double)(stamp_ns - s->stamp_ns);
+    if (s->period_ns > 0.0 && sequence > s->sequence && passed_ns > 0.0)
+        s->period_ns = passed_ns / (double)(sequence - s->sequence);
+    else
+        s->period_ns = 1e9 / s->base.fps;
+    s->stamp_ns = stamp_ns;
+    s->sequence = sequence;
+}
+
+void pupil_live_mark(pupil_source *source)
+{
+    live_source *s = of(source);
+    const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s->frames);
+    const pupil_v4l2_system *system = s->which.system;
+    if (!s->camera)
+        return;
+    double frames = (double)(system->now_ns(system->context) - s->stamp_ns) / s->period_ns;
+    if (f->stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)
+        frames -= 1.0;
+    const uint64_t since = frames >= 1.0 ? frames < MOST_LATE ? (uint64_t)frames : MOST_LATE : 0;
+    pupil_camera_frame(s->camera, s->sequence + since, 0);
+}
+
 static int source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
 {
     live_source *s = of(source);
@@ -59,12 +92,13 @@ static int source_next(pupil_source *source, pupil_frame *frame, char *why, size
     if (got != PUPIL_SOURCE_FRAME)
         return got;
     follow(s);
+    measure_period(s, frame->info.sequence);
     if (!s->camera)
         return got;
     if (!s->told) /* some drivers set their controls anew at STREAMON, or with the first frame */
         pupil_camera_again(s->camera);
     s->told = 1;
-    pupil_camera_frame(s->camera, frame->info.sequence, 0);
+    pupil_live_mark(source);
     pupil_camera_in_force(s->camera, frame->info.sequence, &frame->info);
     return got;
 }
@@ -118,6 +152,7 @@ int pupil_live_open(const char *which, const pupil_source_options *options, cons
     s->base.ops = &source_ops;
     s->hands_off = more && more->hands_off;
     s->which.mains_hz = more ? more->mains_hz : 0;
+    s->which.delay = more ? more->delay : 0;
     name_which(s);
     snprintf(s->why, sizeof s->why, "%s: its controls are left alone", s->which.path);
     if (!s->hands_off)

@@ -36,6 +36,11 @@ const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source)
     return NULL;
 }
 
+void pupil_live_mark(pupil_source *source)
+{
+    (void)source;
+}
+
 int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes)
 {
     (void)source, (void)why, (void)why_bytes;

@@ -70,7 +70,7 @@ refused 2 "--metreing" --metreing spot
 refused 2 "-d /dev/video0" /dev/video0
 for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutter ms" "--shutter 2000s" "--gain 0" "--gain x" \
     "--mains 55" "--flicker-period 9ms" "--width 0" "--height 99999" "--size 64" "--framerate 0" "--format YUYVX" \
-    "--buffers 1" "--buffers 33" "--reopen -1" "--timeout 0" "--timeout 5h" "--frames 0" "--ev 17" "--key 2" "--white dark" \
+    "--control-delay 0" "--control-delay 16" "--buffers 1" "--buffers 33" "--reopen -1" "--timeout 0" "--timeout 5h" "--frames 0" "--ev 17" "--key 2" "--white dark" \
     "--metering moon" "--roi 0.5,0.5,0.6,0.1" "--trim 95,5" "--meter-rows 3" "--transfer pq" "--threads 1000" \
     "--gles-version 3.0" "--weight 0.1" "--fused --mode sensor" "--mains 50 --mode digital" \
     "--no-frame-rate-priority --mode digital"; do

@@ -10,7 +10,9 @@
 #include "replay_work.h"
 #include "v4l2/fake/fake_v4l2.h"
 
-enum { WIDTH = 64, HEIGHT = 48 };
+enum { WIDTH = 64, HEIGHT = 48, USUAL_DELAY = 3 /* believed of a camera of which nothing is known */ };
+
+static uint32_t control_delay = USUAL_DELAY; /* of the fake camera */
 
 typedef struct live_run {
     fake_v4l2 *fake;
@@ -42,7 +44,7 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
     char *no_options[] = {"run", NULL};
     memset(r, 0, sizeof *r);
     fake_v4l2_config_default(&config);
-    config.control_delay = 3; /* as is believed of a camera of which nothing is known */
+    config.control_delay = control_delay;
     config.only_format = fourcc;
     config.flat = flat;
     r->fake = fake_v4l2_new(&config);
@@ -52,11 +54,12 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
     CHECK(run_options_parse(&r->options, 1, no_options, r->why, sizeof r->why) == REPLAY_RUN);
     r->options.mode = mode;
     r->options.shown.threads = 1;
+    r->options.live.delay = control_delay == USUAL_DELAY ? 0 : control_delay;
     r->options.live.capture.system = fake_v4l2_system(r->fake);
     CHECK_MSG(pupil_live_open("0", NULL, &r->options.live, &r->source, r->why, sizeof r->why) == 0, "%s", r->why);
     if (!r->source)
         exit(check_end());
-    run_sensor_begin(&r->sensor, &r->options, r->source->fps);
+    run_sensor_begin(&r->sensor, &r->options, r->source);
     CHECK(pupil_init(&r->pupil, &r->options.shown.config) == PUPIL_OK);
     CHECK(replay_work_open(&r->work, &r->options.shown) == 0);
     r->work.judge = run_sensor_judge;
@@ -85,7 +88,7 @@ static void step(live_run *r)
 {
     give_frame_back(r);
     CHECK_MSG(pupil_source_next(r->source, &r->frame, r->why, sizeof r->why) == PUPIL_SOURCE_FRAME, "%s", r->why);
-    CHECK(run_sensor_take(&r->sensor, pupil_live_camera(r->source), r->why, sizeof r->why) == 0);
+    CHECK(run_sensor_take(&r->sensor, r->why, sizeof r->why) == 0);
     CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, r->why,
                                 sizeof r->why) == 0,
               "%s", r->why);
@@ -181,15 +184,23 @@ static void test_linear(void)
  */
 
 /* The light stands still, the sensor starts far from its key: every frame shows the same code, for 12 bits of the
- * camera leave less than one code of 8. */
-static void test_hidden_steps(double light)
+ * camera leave less than one code of 8. slow_ms: what is done with a frame takes so long, and frames wait. */
+static void test_hidden_steps(double light, int slow_ms)
 {
+    const pupil_v4l2_system *system;
     live_run r;
     int least = 255, most = 0, settings = 0;
     double last = 0.0;
     begin(&r, RUN_BOTH, V4L2_PIX_FMT_Y12, 500, 30, 16, light);
+    system = fake_v4l2_system(r.fake);
     for (int i = 0; i < 60; i++) {
         step(&r);
+        if (i == 30) { /* the hidden level changes, and with it the sensor's setting, while frames wait in the queue */
+            r.sensor.config.ev_compensation = -2.0;
+            pupil_sensor_retune(&r.sensor.sensor, &r.sensor.config);
+        }
+        if (slow_ms)
+            system->poll(system->context, NULL, 0, slow_ms);
         const int code = shown(&r, 10, 10)[0];
         least = code < least ? code : least;
         most = code > most ? code : most;
@@ -268,9 +279,14 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     test_own_picture();
     test_linear();
-    test_hidden_steps(0.2);
-    test_hidden_steps(1.0);
-    test_hidden_steps(4.0);
+    test_hidden_steps(0.2, 0);
+    test_hidden_steps(1.0, 0);
+    test_hidden_steps(4.0, 0);
+    for (control_delay = 1; control_delay < 6; control_delay++) /* --control-delay */
+        test_hidden_steps(4.0, 0);
+    control_delay = USUAL_DELAY;
+    test_hidden_steps(4.0, 40);
+    test_hidden_steps(4.0, 90);
     test_settles(2.0);
     test_settles(0.5);
     test_settles(0.125);
