@@ -56,7 +56,7 @@ static void print_line(const list_camera *camera, FILE *out)
     for (uint32_t i = 0; i < camera->modes.count; i++) {
         const pupil_v4l2_mode *mode = &camera->modes.mode[i];
         char sizes[4096];
-        const int read = mode->pixel != PUPIL_PIXEL_NONE;
+        const int read = mode->read;
         pupil_v4l2_mode_text(mode, sizes, sizeof sizes);
         fprintf(out, "%s%s%s%s%s%s", i ? "; " : "  ", read ? "" : "[", pupil_v4l2_fourcc_name(mode->fourcc).text,
                 *sizes ? " " : "", sizes, read ? "" : "]");

@@ -44,7 +44,7 @@ static int add_mode(cJSON *formats, const pupil_v4l2_mode *mode)
         return 0;
     int added = add_text(object, "fourcc", pupil_v4l2_fourcc_name(mode->fourcc).text) &&
                 add_text(object, "description", mode->description) &&
-                cJSON_AddBoolToObject(object, "read", mode->pixel != PUPIL_PIXEL_NONE) &&
+                cJSON_AddBoolToObject(object, "read", mode->read) &&
                 (sizes = cJSON_AddArrayToObject(object, "sizes")) != NULL;
     for (uint32_t i = 0; added && i < mode->sizes; i++)
         added = add_size(sizes, &mode->size[i]);

@@ -17,7 +17,7 @@ static int64_t now_ns(const pupil_v4l2_capture *c)
     return c->device.system->now_ns(c->device.system->context);
 }
 
-static double timeout_s(const pupil_v4l2_capture *c)
+double pupil_v4l2_capture_timeout_s(const pupil_v4l2_capture *c)
 {
     return c->options.timeout_s > 0.0 ? c->options.timeout_s : DEFAULT_TIMEOUT_S;
 }
@@ -128,14 +128,14 @@ static int give_back(pupil_v4l2_capture *c, uint32_t index, char *why, size_t wh
     return pupil_v4l2_buffer_queue(c, index) == 0 ? 0 : failed(c, "takes no buffer back", errno, why, why_bytes);
 }
 
-/* Where an area's pixels begin, and whether all of them are there. */
-static int find_area(const pupil_v4l2_capture *c, const done_buffer *d, uint32_t area, uint32_t *offset)
+/* Where an area's pixels begin, how many bytes it has from there on, and whether all of them are there. */
+static int find_area(const pupil_v4l2_capture *c, const done_buffer *d, uint32_t area, uint32_t *offset, size_t *bytes)
 {
     const int multi = c->device.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
     const uint32_t used = multi ? d->planes[area].bytesused : d->b.bytesused;
     *offset = multi ? d->planes[area].data_offset : 0;
-    return used <= c->buffer[d->b.index].bytes[area] && *offset <= used &&
-           used - *offset >= c->format.needs_bytes[area];
+    *bytes = *offset <= used ? used - *offset : 0;
+    return used <= c->buffer[d->b.index].bytes[area] && *bytes >= c->format.needs_bytes[area];
 }
 
 static void stamp(pupil_v4l2_capture *c, const struct v4l2_buffer *b, pupil_v4l2_frame *frame)
@@ -179,6 +179,11 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
                                        .height = f->height,
                                        .pixel = f->pixel,
                                        .coding = &f->coding};
+    frame->coded_bytes = f->compressed ? frame->coded_bytes : 0;
+    if (f->compressed) {
+        frame->coded = data;
+        frame->image.data = NULL;
+    }
     if (f->pixel == PUPIL_PIXEL_NV12) {
         frame->image.chroma = f->buffers == 2 ? (const unsigned char *)buffer->memory[1] + frame->offset_bytes[1]
                                               : data + f->chroma_bytes;
@@ -234,8 +239,9 @@ static int judge(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *
     const int flagged = (d->b.flags & V4L2_BUF_FLAG_ERROR) != 0;
     c->last |= last;
     frame->lost += count_lost(c, d->b.sequence);
-    if (!flagged && find_area(c, d, 0, &frame->offset_bytes[0]) &&
-        (c->format.buffers == 1 || find_area(c, d, 1, &frame->offset_bytes[1])))
+    size_t of_chroma = 0;
+    if (!flagged && find_area(c, d, 0, &frame->offset_bytes[0], &frame->coded_bytes) &&
+        (c->format.buffers == 1 || find_area(c, d, 1, &frame->offset_bytes[1], &of_chroma)))
         return PUPIL_V4L2_FRAME;
     c->counts.flagged += flagged;
     c->counts.cut += !flagged && !last; /* the last one may be empty */
@@ -266,13 +272,13 @@ static void skip_to_newest(pupil_v4l2_capture *c, done_buffer *d, pupil_v4l2_fra
 static int no_frame(const pupil_v4l2_capture *c, uint64_t left_out, char *why, size_t why_bytes)
 {
     snprintf(why, why_bytes, "%s: no %sframe within %g seconds%s", c->device.path, left_out ? "whole " : "",
-             timeout_s(c), left_out ? "; the driver flags all as damaged, or cuts them short" : "");
+             pupil_v4l2_capture_timeout_s(c), left_out ? "; the driver flags all as damaged, or cuts them short" : "");
     return PUPIL_V4L2_STOPPED;
 }
 
 int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, char *why, size_t why_bytes)
 {
-    const int64_t end_ns = now_ns(c) + (int64_t)(timeout_s(c) * 1e9);
+    const int64_t end_ns = now_ns(c) + (int64_t)(pupil_v4l2_capture_timeout_s(c) * 1e9);
     const uint64_t left_out = c->counts.flagged + c->counts.cut;
     memset(frame, 0, sizeof *frame);
     for (;;) {

@@ -18,7 +18,7 @@
 /* What can be asked of a camera. All zero: as it is set, the kernel's, errors where it stops. */
 typedef struct pupil_v4l2_options {
     const pupil_v4l2_system *system; /* NULL: the kernel */
-    uint32_t fourcc;                 /* 0: what is set, if it is read natively, else the first that is */
+    uint32_t fourcc;                 /* 0: what is set, if it is read natively, else the first that is; else JPEGs */
     uint32_t width, height;          /* 0: what is set */
     double fps;                      /* 0: what is set. A camera whose driver has no rate to set runs at its own */
     uint32_t buffers;                /* 2..32; 0: 4 */
@@ -45,6 +45,7 @@ typedef struct pupil_v4l2_counts {
     uint64_t repeated;  /* with the number of the frame before (drivers that do not count) */
     uint64_t flagged;   /* damaged, as the driver says */
     uint64_t cut;       /* with fewer bytes than the format has */
+    uint64_t damaged;   /* pupil_source only: JPEGs that cannot be decoded */
     uint64_t late;      /* left out for a newer one (options.newest) */
     uint64_t unstamped; /* without a monotonic timestamp: the moment they were taken from the driver stands for it */
     uint64_t reopened;  /* times that the camera was opened again */
@@ -73,7 +74,9 @@ typedef enum pupil_v4l2_stamp {
 } pupil_v4l2_stamp;
 
 typedef struct pupil_v4l2_frame {
-    pupil_image_const image;  /* in the kernel's buffer, until done */
+    pupil_image_const image;  /* in the kernel's buffer, until done; of a JPEG without data: pupil_source decodes it */
+    const void *coded;        /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
+    size_t coded_bytes;
     uint32_t index;           /* of its buffer */
     uint32_t offset_bytes[2]; /* where its pixels begin in each area */
     uint32_t sequence;        /* the driver's number */
@@ -100,6 +103,7 @@ int pupil_v4l2_capture_open(pupil_v4l2_capture *capture, const char *which, cons
 int pupil_v4l2_capture_next(pupil_v4l2_capture *capture, pupil_v4l2_frame *frame, char *why, size_t why_bytes);
 /* Back to the driver; twice is allowed. 0, or as next. */
 int pupil_v4l2_capture_done(pupil_v4l2_capture *capture, const pupil_v4l2_frame *frame, char *why, size_t why_bytes);
+double pupil_v4l2_capture_timeout_s(const pupil_v4l2_capture *capture); /* options.timeout_s, or its default */
 void pupil_v4l2_capture_close(pupil_v4l2_capture *capture); /* twice is allowed */
 
 /* ---- the parts, each in its own file ------------------------------------------------------------------------------

@@ -52,10 +52,14 @@ static const native natives[] = {
     {V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0, 2},
     {V4L2_PIX_FMT_RGB24, PUPIL_PIXEL_RGB8, 0, 1},
     {FOUR('A', 'B', '2', '4'), PUPIL_PIXEL_RGBA8, 0, 1},
+    {V4L2_PIX_FMT_MJPEG, PUPIL_PIXEL_NONE, 0, 1},
+    {V4L2_PIX_FMT_JPEG, PUPIL_PIXEL_NONE, 0, 1},
 };
 
+#define LEAST_JPEG_BYTES 4 /* its first and its last marker */
+
 const char pupil_v4l2_natives[] = "RGGB, RG10, RG12, RG14, RG16, pRAA, pRCC and their three other orders, GREY, Y10, "
-                                  "Y12, Y16, YUYV, NV12, NM12, RGB3, AB24";
+                                  "Y12, Y16, YUYV, NV12, NM12, RGB3, AB24, MJPG, JPEG";
 
 static const native *find(uint32_t fourcc)
 {
@@ -69,6 +73,11 @@ uint32_t pupil_v4l2_pixel_of(uint32_t fourcc)
 {
     const native *n = find(fourcc);
     return n ? n->pixel : PUPIL_PIXEL_NONE;
+}
+
+int pupil_v4l2_is_read(uint32_t fourcc)
+{
+    return find(fourcc) != NULL;
 }
 
 pupil_v4l2_name pupil_v4l2_fourcc_name(uint32_t fourcc)
@@ -175,6 +184,10 @@ static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
 {
     const int named_xfer = f->xfer_func != V4L2_XFER_FUNC_DEFAULT;
     const int named_range = f->quantization != V4L2_QUANTIZATION_DEFAULT;
+    if (f->compressed && !named_range)
+        f->quantization = V4L2_QUANTIZATION_FULL_RANGE;
+    if (f->compressed && f->ycbcr_enc == V4L2_YCBCR_ENC_DEFAULT)
+        f->ycbcr_enc = V4L2_YCBCR_ENC_601;
     if (f->colorspace == V4L2_COLORSPACE_DEFAULT) /* drivers of cameras must not say so; then as webcams do */
         f->colorspace = V4L2_MAP_COLORSPACE_DEFAULT(0, 0);
     if (f->xfer_func == V4L2_XFER_FUNC_DEFAULT)
@@ -186,7 +199,7 @@ static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
     f->primaries = f->colorspace == V4L2_COLORSPACE_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
     const int limited = f->quantization == V4L2_QUANTIZATION_LIM_RANGE;
 
-    if (is_yuv(f->pixel)) {
+    if (is_yuv(f->pixel) || f->compressed) {
         f->coding.range = limited ? PUPIL_RANGE_LIMITED : PUPIL_RANGE_FULL;
         return read_matrix(f->ycbcr_enc, &f->coding, why, why_bytes) ||
                        read_light(f->xfer_func, &f->coding, why, why_bytes)
@@ -214,6 +227,14 @@ static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
     const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width);
     const uint32_t chroma_row = f->width + f->width % 2, chroma_rows = (f->height + 1) / 2;
     const int nv12 = f->pixel == PUPIL_PIXEL_NV12;
+    if (f->compressed) {
+        f->stride_bytes[0] = f->stride_bytes[1] = 0;
+        f->needs_bytes[0] = LEAST_JPEG_BYTES;
+        if (f->size_bytes[0] < LEAST_JPEG_BYTES)
+            snprintf(why, why_bytes, "its driver says that a frame of %s has %u bytes at most",
+                     pupil_v4l2_fourcc_name(f->fourcc).text, f->size_bytes[0]);
+        return f->size_bytes[0] < LEAST_JPEG_BYTES ? -1 : 0;
+    }
     if (!f->stride_bytes[0])
         f->stride_bytes[0] = row; /* some drivers of tightly packed frames leave it empty */
     if (f->buffers == 1 || !f->stride_bytes[1])
@@ -317,6 +338,7 @@ int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *
         return -1;
     }
     f.pixel = n->pixel;
+    f.compressed = n->pixel == PUPIL_PIXEL_NONE;
     f.coding.bayer = n->bayer;
     if (check_size(&f, why, why_bytes) || read_layout(&f, why, why_bytes) || read_colour(&f, why, why_bytes))
         return -1;

@@ -97,7 +97,7 @@ int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *mod
         if (more) {
             modes->mode = more;
             more[modes->count] = (pupil_v4l2_mode){.fourcc = d.pixelformat,
-                                                   .pixel = pupil_v4l2_pixel_of(d.pixelformat),
+                                                   .read = pupil_v4l2_is_read(d.pixelformat),
                                                    .compressed = (d.flags & V4L2_FMT_FLAG_COMPRESSED) != 0};
             snprintf(more[modes->count].description, sizeof more->description, "%.31s", (const char *)d.description);
             modes->count++;

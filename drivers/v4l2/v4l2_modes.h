@@ -16,7 +16,7 @@ typedef struct pupil_v4l2_size {
 
 typedef struct pupil_v4l2_mode {
     uint32_t fourcc;
-    uint32_t pixel; /* a pupil_pixel; PUPIL_PIXEL_NONE: is not read natively */
+    int read; /* natively, or as a JPEG */
     int compressed;
     char description[32];
     pupil_v4l2_size *size; /* NULL: the driver does not tell (sensors behind a media graph) */

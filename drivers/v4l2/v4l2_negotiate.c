@@ -15,10 +15,11 @@ static uint32_t fourcc_of(const struct v4l2_format *f)
     return f->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? f->fmt.pix_mp.pixelformat : f->fmt.pix.pixelformat;
 }
 
-/* What the camera's formats are, "YUYV, MJPG", or those of them that are read natively; the first of these, or 0. */
+/* What the camera's formats are, "YUYV, MJPG", or those of them that are read; the first that is natively, else the
+ * first JPEG, which costs a decoder's time and its losses, or 0. */
 static uint32_t look_over(const pupil_v4l2_device *d, int all, char *names, size_t names_bytes)
 {
-    uint32_t first = 0;
+    uint32_t first = 0, first_jpeg = 0;
     *names = 0;
     for (uint32_t i = 0; i < 128; i++) {
         struct v4l2_fmtdesc description = {.index = i, .type = d->type};
@@ -26,19 +27,20 @@ static uint32_t look_over(const pupil_v4l2_device *d, int all, char *names, size
             break;
         const uint32_t fourcc = description.pixelformat;
         const size_t used = strlen(names);
-        if (all || pupil_v4l2_pixel_of(fourcc))
+        if (all || pupil_v4l2_is_read(fourcc))
             snprintf(names + used, names_bytes - used, "%s%s", used ? ", " : "", pupil_v4l2_fourcc_name(fourcc).text);
-        if (!first && pupil_v4l2_pixel_of(fourcc))
-            first = fourcc;
+        uint32_t *found = pupil_v4l2_pixel_of(fourcc) ? &first : &first_jpeg;
+        if (!*found && pupil_v4l2_is_read(fourcc))
+            *found = fourcc;
     }
-    return first;
+    return first ? first : first_jpeg;
 }
 
 static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *set, char *why, size_t why_bytes)
 {
     char names[256];
     const uint32_t asked = c->options.fourcc;
-    if (asked && !pupil_v4l2_pixel_of(asked)) {
+    if (asked && !pupil_v4l2_is_read(asked)) {
         snprintf(why, why_bytes, "%s: format %s is not read; what is: %s", c->device.path,
                  pupil_v4l2_fourcc_name(asked).text, pupil_v4l2_natives);
         return 0;

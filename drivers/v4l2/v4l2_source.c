@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file/jpeg_frame.h"
+
 #define NOMINAL_FPS 30.0 /* of a camera that does not tell its rate */
 #define RETRY_MS    250
 
@@ -14,8 +16,10 @@ typedef struct v4l2_source {
     char which[256], name[32], bus[32]; /* of the camera that was opened first */
     pupil_v4l2_frame frame;             /* that is out */
     int out;
-    uint64_t sequence;      /* of the last frame */
-    uint32_t last_sequence; /* the driver's for it */
+    pupil_jpeg *jpeg;                 /* of compressed frames: their decoder ... */
+    uint32_t jpeg_width, jpeg_height; /* ... and the size that it is for */
+    uint64_t sequence;                /* of the last frame */
+    uint32_t last_sequence;           /* the driver's for it */
     int64_t first_ns;
     int began, reopened; /* a frame was out; none since the camera was opened again */
     char label[320];
@@ -109,12 +113,48 @@ static void describe(v4l2_source *s, pupil_frame *frame)
     frame->name = s->label;
 }
 
+/* A decoder where frames are compressed, for the size that they have now. */
+static int ready_decoder(v4l2_source *s, char *why, size_t why_bytes)
+{
+    const pupil_v4l2_format *f = &s->capture.format;
+    char words[512];
+    if (!f->compressed || (s->jpeg && s->jpeg_width == f->width && s->jpeg_height == f->height))
+        return 0;
+    pupil_jpeg_close(s->jpeg);
+    s->jpeg_width = f->width;
+    s->jpeg_height = f->height;
+    if (pupil_jpeg_open(&s->jpeg, f->width, f->height, &f->coding, words, sizeof words) == 0)
+        return 0;
+    snprintf(why, why_bytes, "%s: %s of %s: %s", s->capture.device.path, pupil_v4l2_fourcc_name(f->fourcc).text,
+             s->capture.device.name, words);
+    return PUPIL_SOURCE_FAILED;
+}
+
+/* A frame that was described: decoded where it is compressed. -1 and a sentence: it cannot be, and is left out. */
+static int decode(v4l2_source *s, pupil_frame *frame, char *why, size_t why_bytes)
+{
+    char words[512];
+    if (!s->capture.format.compressed)
+        return 0;
+    frame->coded = s->frame.coded;
+    frame->coded_bytes = s->frame.coded_bytes;
+    if (pupil_jpeg_decode(s->jpeg, frame->coded, frame->coded_bytes, &frame->image, words, sizeof words) == 0)
+        return 0;
+    snprintf(why, why_bytes, "%s: no whole frame within %g seconds; the last one is %s", s->capture.device.path,
+             pupil_v4l2_capture_timeout_s(&s->capture), words);
+    s->capture.counts.damaged++;
+    take_back(s);
+    return -1;
+}
+
 static int source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
 {
     v4l2_source *s = (v4l2_source *)source;
     int64_t end_ns = 0;
+    int tries = 0; /* at opening it again */
     take_back(s);
-    for (int tries = 0;; tries++) {
+    int64_t whole_ns = now_ns(s) + (int64_t)(pupil_v4l2_capture_timeout_s(&s->capture) * 1e9);
+    for (;;) {
         if (s->capture.device.fd < 0) {
             snprintf(why, why_bytes, "%s: the camera is closed", s->which); /* it could not be opened again */
             return PUPIL_SOURCE_FAILED;
@@ -122,8 +162,14 @@ static int source_next(pupil_source *source, pupil_frame *frame, char *why, size
         const int got = pupil_v4l2_capture_next(&s->capture, &s->frame, why, why_bytes);
         if (got == PUPIL_V4L2_FRAME) {
             s->out = 1;
+            if (ready_decoder(s, why, why_bytes))
+                return PUPIL_SOURCE_FAILED;
             describe(s, frame);
-            return PUPIL_SOURCE_FRAME;
+            if (decode(s, frame, why, why_bytes) == 0)
+                return PUPIL_SOURCE_FRAME;
+            if (now_ns(s) >= whole_ns)
+                return PUPIL_SOURCE_FAILED;
+            continue;
         }
         if (got == PUPIL_V4L2_END)
             return PUPIL_SOURCE_END;
@@ -131,9 +177,10 @@ static int source_next(pupil_source *source, pupil_frame *frame, char *why, size
             return PUPIL_SOURCE_FAILED;
         if (!tries)
             end_ns = now_ns(s) + (int64_t)(s->options.reopen_s * 1e9);
-        const int again = reopen(s, end_ns, tries, why, why_bytes);
+        const int again = reopen(s, end_ns, tries++, why, why_bytes);
         if (again != PUPIL_SOURCE_FRAME)
             return again;
+        whole_ns = now_ns(s) + (int64_t)(pupil_v4l2_capture_timeout_s(&s->capture) * 1e9);
     }
 }
 
@@ -148,6 +195,7 @@ static void source_close(pupil_source *source)
     v4l2_source *s = (v4l2_source *)source;
     take_back(s);
     pupil_v4l2_capture_close(&s->capture);
+    pupil_jpeg_close(s->jpeg);
     free(s);
 }
 
@@ -173,6 +221,11 @@ int pupil_v4l2_source_open(const char *which, const pupil_source_options *option
     }
     snprintf(s->which, sizeof s->which, "%s", which);
     if (pupil_v4l2_capture_open(&s->capture, which, &s->options, why, why_bytes)) {
+        free(s);
+        return PUPIL_SOURCE_FAILED;
+    }
+    if (ready_decoder(s, why, why_bytes)) {
+        pupil_v4l2_capture_close(&s->capture);
         free(s);
         return PUPIL_SOURCE_FAILED;
     }

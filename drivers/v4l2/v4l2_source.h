@@ -1,6 +1,7 @@
 /* drivers/v4l2/v4l2_source.h: a camera as a source of frames.
  *
- * Frames lie in the kernel's buffers; nothing is copied. Damaged frames are left out and counted. info.sequence is the
+ * Frames lie in the kernel's buffers; nothing is copied. JPEGs are decoded, and handed out both ways. Damaged frames
+ * are left out and counted. info.sequence is the
  * driver's number, made of 64 bits: it goes on over a wrap and over a camera that is opened again; a gap is a frame
  * lost. info.timestamp_ns is the driver's stamp (pupil_v4l2_source_frame tells of which moment), less that of the first
  * frame unless options.monotonic is 1. Exposure and gain are unknown here.

@@ -93,9 +93,9 @@ static void test_modes(void)
     CHECK(pupil_v4l2_modes_read(&d, &modes, why, sizeof why) == 0 && modes.count == 37);
     const pupil_v4l2_mode *yuyv = find(&modes, V4L2_PIX_FMT_YUYV), *any = find(&modes, V4L2_PIX_FMT_Y16);
     const pupil_v4l2_mode *mjpg = find(&modes, V4L2_PIX_FMT_MJPEG);
-    CHECK(yuyv && yuyv->sizes == 3 && yuyv->pixel == PUPIL_PIXEL_YUYV && !yuyv->compressed);
+    CHECK(yuyv && yuyv->sizes == 3 && yuyv->read && !yuyv->compressed);
     CHECK(yuyv && yuyv->size[0].rates == 3 && yuyv->size[0].fps[0] == 5.0 && yuyv->size[0].fps[2] == 30.0);
-    CHECK(mjpg && mjpg->compressed && mjpg->pixel == PUPIL_PIXEL_NONE);
+    CHECK(mjpg && mjpg->compressed && mjpg->read);
     pupil_v4l2_mode_text(yuyv, text, sizeof text);
     CHECK_MSG(strcmp(text, "64x48@30,15,5 32x24@30,15,5 320x240@30,15,5") == 0, "%s", text);
     pupil_v4l2_mode_text(any, text, sizeof text);
@@ -125,12 +125,13 @@ static void test_agreement(void)
          0,
          0,
          0,
-         "/dev/video0: Fake Camera offers no 640x480 of YUYV (320x240 of YUYV instead); it has YUYV, NV12, "},
+         "/dev/video0: Fake Camera offers no 640x480 of YUYV (320x240 of YUYV instead); it has MJPG, YUYV, NV12, "},
         {{.width = 640, .height = 480}, 0, 0, 0, ": 64x48@30,15,5 32x24@30,15,5 320x240@30,15,5"},
         {{.fps = 25}, 0, 0, 0, "offers no 25 frames a second at 64x48 (30 instead)"},
         {{.fps = -1}, 0, 0, 0, "-1 frames a second; it must be from 0.001"},
         {{.width = 20000}, 0, 0, 0, "a size of 20000x0; at most 16384x16384"},
-        {{.fourcc = V4L2_PIX_FMT_MJPEG}, 0, 0, 0, "format MJPG is not read; what is: RGGB"},
+        {{.fourcc = V4L2_PIX_FMT_MJPEG}, V4L2_PIX_FMT_MJPEG, 64, 30, NULL},
+        {{.fourcc = V4L2_PIX_FMT_H264}, 0, 0, 0, "format H264 is not read; what is: RGGB"},
         {{.fourcc = V4L2_PIX_FMT_NV12M}, 0, 0, 0, "offers no 64x48 of NM12 (64x48 of MJPG instead)"},
         {{.buffers = 1}, 0, 0, 0, "1 buffers; it must be from 2 to 32"},
         {{.buffers = 33}, 0, 0, 0, "33 buffers"},
@@ -169,8 +170,8 @@ static void test_refusals(void)
     c.most_buffers = 1;
     check_refused(&c, "its driver gives 1 buffer; two are the least");
     c = usual();
-    c.only_format = V4L2_PIX_FMT_MJPEG;
-    check_refused(&c, "Fake Camera offers MJPG, which is not read; what is: RGGB, RG10");
+    c.only_format = V4L2_PIX_FMT_H264;
+    check_refused(&c, "Fake Camera offers H264, which is not read; what is: RGGB, RG10");
     c = usual();
     c.xfer_func = V4L2_XFER_FUNC_SMPTE2084;
     check_refused(&c, "/dev/video0: Fake Camera: its transfer function is SMPTE 2084 (PQ); sRGB, Rec. 709 or none");

@@ -137,6 +137,10 @@ static void test_calls(void)
     s.options.fps = 15;
     play_all(&s, play_source);
 
+    s = (scenario){"MJPG", usual, patient, "0", 3};
+    s.options.fourcc = V4L2_PIX_FMT_MJPEG;
+    play_all(&s, play_source);
+
     s = (scenario){"unplugged and back", usual, patient, "/dev/video0", 6};
     s.config.unplug_at = 2;
     s.config.back_s = 1;

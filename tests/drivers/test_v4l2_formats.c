@@ -136,10 +136,10 @@ static void test_pixels(void)
         CHECK(pupil_v4l2_device_open(&device, fake_v4l2_system(fake), "0", why, sizeof why) == 0);
         CHECK(pupil_v4l2_modes_read(&device, &modes, why, sizeof why) == 0);
         for (uint32_t i = 0; i < modes.count; i++)
-            if (modes.mode[i].pixel) {
+            if (!modes.mode[i].compressed) {
                 /* 8 bits of dark light are coarse; 10 and more are not. */
-                const int coarse =
-                    modes.mode[i].pixel == PUPIL_PIXEL_BAYER8 || modes.mode[i].pixel == PUPIL_PIXEL_GREY8;
+                const uint32_t pixel = pupil_v4l2_pixel_of(modes.mode[i].fourcc);
+                const int coarse = pixel == PUPIL_PIXEL_BAYER8 || pixel == PUPIL_PIXEL_GREY8;
                 check_format(&config, modes.mode[i].fourcc, coarse ? 0.01 : 0.005);
                 checked++;
             }
@@ -203,7 +203,15 @@ static void test_defaults(void)
         {V4L2_PIX_FMT_RGB24, V4L2_COLORSPACE_SRGB, 0, V4L2_QUANTIZATION_LIM_RANGE, 0, 0, 0, 0, 0, "limited range"},
         {V4L2_PIX_FMT_RGB24, V4L2_COLORSPACE_REC709, 0, 0, 0, 0, 0, 0, 0, "transfer function"},
         {V4L2_PIX_FMT_SRGGB10, V4L2_COLORSPACE_REC709, 0, 0, 0, 0, 0, PUPIL_LIGHT_USUAL, 0, NULL},
-        {V4L2_PIX_FMT_MJPEG, V4L2_COLORSPACE_JPEG, 0, 0, 0, 0, 0, 0, 0, "MJPG is not read; what is: RGGB"},
+        {V4L2_PIX_FMT_H264, V4L2_COLORSPACE_JPEG, 0, 0, 0, 0, 0, 0, 0, "H264 is not read; what is: RGGB"},
+        {V4L2_PIX_FMT_MJPEG, V4L2_COLORSPACE_JPEG, 0, 0, 0, PUPIL_MATRIX_BT601, PUPIL_RANGE_FULL, PUPIL_LIGHT_SRGB, 0,
+         NULL},
+        {V4L2_PIX_FMT_MJPEG, V4L2_COLORSPACE_SRGB, 0, 0, 0, PUPIL_MATRIX_BT601, PUPIL_RANGE_FULL, PUPIL_LIGHT_SRGB, 0,
+         NULL},
+        {V4L2_PIX_FMT_JPEG, V4L2_COLORSPACE_REC709, 0, 0, 0, PUPIL_MATRIX_BT601, PUPIL_RANGE_FULL, PUPIL_LIGHT_BT709, 0,
+         NULL},
+        {V4L2_PIX_FMT_MJPEG, V4L2_COLORSPACE_SRGB, V4L2_YCBCR_ENC_709, V4L2_QUANTIZATION_LIM_RANGE, 0,
+         PUPIL_MATRIX_BT709, PUPIL_RANGE_LIMITED, PUPIL_LIGHT_SRGB, 0, NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const said *c = &cases[i];
@@ -225,7 +233,7 @@ static void test_defaults(void)
         if (error || c->refusal)
             continue;
         CHECK_MSG(f.coding.light == c->light && f.primaries == c->primaries, "case %zu: light %u", i, f.coding.light);
-        if (f.pixel == PUPIL_PIXEL_YUYV || f.pixel == PUPIL_PIXEL_NV12)
+        if (f.pixel == PUPIL_PIXEL_YUYV || f.pixel == PUPIL_PIXEL_NV12 || f.compressed)
             CHECK_MSG(f.coding.matrix == c->matrix && f.coding.range == c->range, "case %zu: matrix %u, range %u", i,
                       f.coding.matrix, f.coding.range);
         CHECK(pupil_coding_check(&f.coding, f.pixel, NULL) == PUPIL_OK);

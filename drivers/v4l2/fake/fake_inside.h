@@ -117,6 +117,9 @@ void fake_unplug(fake_v4l2 *f);
 /* fake_controls.c; 1: not a control's */
 int fake_controls_ioctl(fake_v4l2 *f, unsigned long request, void *argument);
 
+/* fake_jpeg.c: the picture as a webcam's JPEG of 4:2:2, without Huffman tables. Its bytes; 0: it cannot be made. */
+uint32_t fake_jpeg(const fake_v4l2_picture *picture, unsigned char *to, uint32_t room);
+
 /* fake_output.c */
 int fake_output_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argument);
 ssize_t fake_output_write(fake_v4l2 *f, const void *data, size_t bytes);

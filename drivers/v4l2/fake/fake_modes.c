@@ -132,6 +132,10 @@ void fake_layout(const fake_v4l2 *f, uint32_t stride[2], uint32_t size[2])
     stride[1] = nv12 ? fake_areas(f) == 2 ? f->width + f->width % 2 + extra : stride[0] : 0;
     size[0] = stride[0] * f->height + (nv12 && fake_areas(f) == 1 ? stride[1] * chroma_rows : 0);
     size[1] = fake_areas(f) == 2 ? stride[1] * chroma_rows : 0;
+    if (f->fourcc == V4L2_PIX_FMT_MJPEG) { /* noise can be larger than it was */
+        stride[0] = 0;
+        size[0] = 4096 + f->width * f->height * 4;
+    }
     for (int i = 0; i < 2; i++)
         size[i] += size[i] ? (uint32_t)f->config.data_offset : 0;
 }

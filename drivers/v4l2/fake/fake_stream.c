@@ -29,7 +29,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
 {
     const fake_settings *s = &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay) % FAKE_SETTINGS];
     const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), colorspace = f->config.colorspace;
-    const int yuv = pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
+    const int jpeg = f->fourcc == V4L2_PIX_FMT_MJPEG;
+    const int yuv = jpeg || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
     const uint32_t offset = (uint32_t)f->config.data_offset;
     uint32_t size[2];
     fake_v4l2_picture p = {.seed = f->config.seed,
@@ -43,6 +44,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
                            .scale = f->light * (s->exposure_100us / 100.0) * (s->gain_16ths / 16.0),
                            .flat = f->config.flat,
                            .colour = {f->config.colour[0], f->config.colour[1], f->config.colour[2]}};
+    if (jpeg && !p.quantization)
+        p.quantization = V4L2_QUANTIZATION_FULL_RANGE;
     if (!p.ycbcr_enc)
         p.ycbcr_enc = V4L2_MAP_YCBCR_ENC_DEFAULT(colorspace);
     if (!p.quantization)
@@ -53,9 +56,12 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
                                    : V4L2_XFER_FUNC_SRGB;
     fake_layout(f, p.stride_bytes, size);
     unsigned char *data = (unsigned char *)b->memory[0] + offset;
-    fake_v4l2_draw(&p, data,
-                   fake_areas(f) == 2 ? (unsigned char *)b->memory[1] + offset
-                                      : data + (size_t)p.stride_bytes[0] * f->height);
+    if (jpeg)
+        size[0] = offset + fake_jpeg(&p, data, size[0] - offset);
+    else
+        fake_v4l2_draw(&p, data,
+                       fake_areas(f) == 2 ? (unsigned char *)b->memory[1] + offset
+                                          : data + (size_t)p.stride_bytes[0] * f->height);
     b->used[0] = size[0];
     b->used[1] = size[1];
 }
