@@ -124,8 +124,9 @@ static void check_formats(const char *path, int fd, const pupil_v4l2_options *o,
     pupil_v4l2_device_close(&device);
     for (uint32_t i = 0; i < modes.count; i++) {
         pupil_v4l2_options one = *o;
-        if (!modes.mode[i].pixel || (smoke && n % 6))
-            n += modes.mode[i].pixel != 0;
+        const int is_read = pupil_v4l2_pixel_of(modes.mode[i].fourcc) != PUPIL_PIXEL_NONE;
+        if (!is_read || (smoke && n % 6))
+            n += is_read;
         else {
             one.fourcc = modes.mode[i].fourcc;
             for (memory_mode mode = MEMORY_MMAP; mode < MEMORY_MODES; mode++)

@@ -39,7 +39,6 @@ int node_find(const char *driver, int output, int n, char path[32])
         if (asked == 0 && strcmp((const char *)c.driver, driver) == 0 && c.device_caps & wanted && n-- == 0)
             return 0;
     }
-    printf("no %s node of %s\n", output ? "output" : "capture", driver);
     return -1;
 }
 

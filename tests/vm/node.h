@@ -6,7 +6,7 @@
 
 /* Calls that return int: 0 (or what they ask for), or -1 after printing what was refused. */
 
-/* The n-th (from 0) node of a driver that captures, or, output 1, that takes frames. */
+/* The n-th (from 0) node of a driver that captures, or, output 1, that takes frames. -1: none. */
 int node_find(const char *driver, int output, int n, char path[32]);
 int node_open(const char *path); /* the file descriptor */
 
