@@ -1,6 +1,7 @@
-/* `pupil run` on a camera in this process:
+/* `pupil run` and `pupil probe` on a camera in this process:
  *
  *     run_fake [fake:KEY=VALUE ...] [options of pupil run]
+ *     run_fake [fake:KEY=VALUE ...] probe [options of pupil probe]
  *
  * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
  * colour=R,G,B (of the light),
@@ -15,6 +16,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "probe.h"
 #include "run.h"
 #include "v4l2/fake/fake_v4l2.h"
 #include "v4l2/v4l2_format.h"
@@ -152,7 +154,8 @@ int main(int argc, char **argv)
         control(V4L2_CID_GAIN, 1, 40);
         fake_v4l2_reconfigure(rig.fake, &config); /* these writes do not count */
     }
-    const int status = run_on(&rig.system, kept, argv);
+    const int probes = kept > 1 && strcmp(argv[1], "probe") == 0;
+    const int status = probes ? probe_on(&rig.system, kept - 1, argv + 1) : run_on(&rig.system, kept, argv);
     const struct timespec moment = {0, 10000000};
     for (int i = 0; fake_v4l2_holds(rig.fake).files && i < 1000; i++)
         nanosleep(&moment, NULL); /* a write that hung, and puts back what it was before by itself */

@@ -29,6 +29,10 @@ static void post(fake_v4l2 *f, uint32_t event)
 static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
 {
     const fake_settings *s = &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay) % FAKE_SETTINGS];
+    const fake_settings *g =
+        &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay + f->config.gain_earlier) % FAKE_SETTINGS];
+    const double exposure = f->config.deaf_exposure ? 1.0 : s->exposure_100us / 100.0;
+    const double gain = f->config.deaf_gain ? 1.0 : g->gain_16ths / 16.0;
     const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), colorspace = f->config.colorspace;
     const int jpeg = f->fourcc == V4L2_PIX_FMT_MJPEG;
     const int yuv = jpeg || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
@@ -42,7 +46,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
                            .ycbcr_enc = f->config.ycbcr_enc,
                            .quantization = f->config.quantization,
                            .xfer_func = f->config.xfer_func,
-                           .scale = f->light * (s->exposure_100us / 100.0) * (s->gain_16ths / 16.0),
+                           .scale = f->light * exposure * gain,
+                           .black = f->config.black,
                            .flat = f->config.flat,
                            .colour = {f->config.colour[0], f->config.colour[1], f->config.colour[2]}};
     if (jpeg && !p.quantization)
@@ -55,6 +60,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
         p.xfer_func = !yuv         ? V4L2_XFER_FUNC_NONE
                       : colorspace ? V4L2_MAP_XFER_FUNC_DEFAULT(colorspace)
                                    : V4L2_XFER_FUNC_SRGB;
+    if (f->config.drawn_xfer)
+        p.xfer_func = f->config.drawn_xfer;
     fake_layout(f, p.stride_bytes, size);
     unsigned char *data = (unsigned char *)b->memory[0] + offset;
     if (jpeg)
