@@ -1,5 +1,5 @@
 #!/bin/sh
-# vm.uvc: test_uvc.sh TEST CAMERA: boots the guest and runs uvc.c there, with the camera.
+# vm.uvc: test_uvc.sh TEST CAMERA NODE: boots the guest and runs uvc.c and the program there, with the camera.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 guest=$here/../../build/vm/amd64

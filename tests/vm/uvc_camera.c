@@ -311,12 +311,11 @@ static void serve(void)
 /* ---- its life -----------------------------------------------------------------------------------------------------
  */
 
-static void on_signal(int signal_number)
+static void on_signal(int signal_number, siginfo_t *info, void *context)
 {
-    if (signal_number == UVC_BRIGHTER)
-        light = light < 15 ? light + 1 : light;
-    else if (signal_number == UVC_DARKER)
-        light = light > 0 ? light - 1 : light;
+    (void)context;
+    if (signal_number == UVC_SET_LIGHT)
+        light = info->si_value.sival_int & 15;
     else
         ended = 1;
 }
@@ -353,14 +352,13 @@ static int64_t period_ns(void)
 
 int main(int argc, char **argv)
 {
-    const struct sigaction action = {.sa_handler = on_signal};
+    const struct sigaction action = {.sa_sigaction = on_signal, .sa_flags = SA_SIGINFO};
     display = argc > 1 && strcmp(argv[1], "display") == 0;
     if (argc < 2 || (!display && strcmp(argv[1], "linear") != 0)) {
         fprintf(stderr, "usage: uvc_camera linear|display\n");
         return 2;
     }
-    sigaction(UVC_BRIGHTER, &action, NULL);
-    sigaction(UVC_DARKER, &action, NULL);
+    sigaction(UVC_SET_LIGHT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     attach();
     for (int64_t next_ns = now_ns(); !ended;) {

@@ -12,9 +12,8 @@
 
 #include <stdint.h>
 
-/* Signals to its process: the light eight times as strong, an eighth. SIGTERM: unplugged. */
-#define UVC_BRIGHTER SIGUSR1
-#define UVC_DARKER   SIGUSR2
+/* A signal with a value (sigqueue): the light, as uvc_truth has it, from 0 to 15. SIGTERM: unplugged. */
+#define UVC_SET_LIGHT SIGUSR1
 
 #define UVC_STOPS 4.0 /* of the ramp, around its middle */
 #define UVC_LIGHT 0.1 /* the ramp's middle at 10 ms, gain 1 and no signal */
