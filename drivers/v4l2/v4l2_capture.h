@@ -74,8 +74,8 @@ typedef enum pupil_v4l2_stamp {
 } pupil_v4l2_stamp;
 
 typedef struct pupil_v4l2_frame {
-    pupil_image_const image;  /* in the kernel's buffer, until done; of a JPEG without data: pupil_source decodes it */
-    const void *coded;        /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
+    pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_source decodes it */
+    const void *coded;       /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
     size_t coded_bytes;
     uint32_t index;           /* of its buffer */
     uint32_t offset_bytes[2]; /* where its pixels begin in each area */
@@ -104,7 +104,7 @@ int pupil_v4l2_capture_next(pupil_v4l2_capture *capture, pupil_v4l2_frame *frame
 /* Back to the driver; twice is allowed. 0, or as next. */
 int pupil_v4l2_capture_done(pupil_v4l2_capture *capture, const pupil_v4l2_frame *frame, char *why, size_t why_bytes);
 double pupil_v4l2_capture_timeout_s(const pupil_v4l2_capture *capture); /* options.timeout_s, or its default */
-void pupil_v4l2_capture_close(pupil_v4l2_capture *capture); /* twice is allowed */
+void pupil_v4l2_capture_close(pupil_v4l2_capture *capture);             /* twice is allowed */
 
 /* ---- the parts, each in its own file ------------------------------------------------------------------------------
  */

@@ -301,8 +301,8 @@ static void test_refused_opens(void)
     scratch_put(scratch("file"), "");
     for (size_t i = 0; i < OUTPUTS; i++) {
         const pupil_sink_options wide = {.width = 16385, .height = 4, .fps = 30}, none = {.width = 4, .fps = 30},
-                                 nan = {.width = 4, .height = 4, .fps = NAN}, fast = {4, 4, INFINITY, 0},
-                                 still = {.width = 4, .height = 4};
+                                 nan = {.width = 4, .height = 4, .fps = NAN},
+                                 fast = {.width = 4, .height = 4, .fps = INFINITY}, still = {.width = 4, .height = 4};
         const char *path = scratch(outputs[i]);
         char nowhere[64], through[64];
         snprintf(nowhere, sizeof nowhere, "missing/%s", outputs[i]);

@@ -44,7 +44,7 @@ static void pass(fake_v4l2 *f, int64_t ns)
         set_up(f);
         f->node = f->config.back_as;
         f->settings = usual_settings; /* it had no power */
-        f->config.unplug_at = 0; /* once */
+        f->config.unplug_at = 0;      /* once */
     }
     fake_produce(f);
 }
