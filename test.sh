@@ -30,6 +30,7 @@ qemu-system-arm runs what was built for Cortex-M7
 qemu-system-x86 boots the virtual machine of tests/vm
 cpio packs what it boots from
 kmod finds the drivers that it needs
+strace tells which system calls a program makes there
 xz-utils unpacks its kernel
 glslang-tools checks the shaders
 xvfb is the screen that windows open on

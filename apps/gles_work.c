@@ -110,6 +110,14 @@ static int start(gles_work *g, pupil_t *pupil, char *why, size_t why_bytes)
     return 0;
 }
 
+/* The same but for the white balance. */
+static int is_balanced(const pupil_coding *a, const pupil_coding *b)
+{
+    pupil_coding with = *a;
+    memcpy(with.balance, b->balance, sizeof with.balance);
+    return memcmp(&with, b, sizeof with) == 0;
+}
+
 /* The object for frames like this one. */
 static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *why, size_t why_bytes)
 {
@@ -119,6 +127,13 @@ static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *
     if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
         memcmp(&c->coding, coding, sizeof *coding) == 0)
         return 0;
+    if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
+        is_balanced(&c->coding, coding)) {
+        c->coding = *coding;
+        return pupil_gles_balance(&g->gles, coding->balance)
+                   ? (snprintf(why, why_bytes, "the GPU takes no other white balance"), -1)
+                   : 0;
+    }
     if (g->open)
         pupil_gles_close(&g->gles);
     g->open = 0;

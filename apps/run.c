@@ -15,6 +15,7 @@
 #include "record_list.h"
 #include "replay_work.h"
 #include "run_choose.h"
+#include "run_colour.h"
 #include "run_sensor.h"
 #include "run_status.h"
 #include "sentence.h"
@@ -31,6 +32,7 @@ typedef struct run {
     pupil_source *source;
     replay_work work;
     run_sensor sensor;
+    run_colour colour;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
@@ -186,7 +188,7 @@ static void describe_camera(const pupil_frame *frame, pupil_record *record)
     run_sensor_describe(&r.sensor, &frame->info, record);
 }
 
-static int show(const pupil_frame *frame)
+static int show(pupil_frame *frame)
 {
     char why[PUPIL_WHY_BYTES];
     pupil_image out;
@@ -194,6 +196,8 @@ static int show(const pupil_frame *frame)
         return fail(why);
     warn();
     if (run_sensor_take(&r.sensor, why, sizeof why))
+        return fail(why);
+    if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, why, sizeof why))
         return fail(why);
     const int64_t began_ns = now_ns();
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
@@ -210,6 +214,7 @@ static int show(const pupil_frame *frame)
     record.latency_us = (double)(mapped_ns - pupil_live_frame(r.source)->stamp_ns) * 1e-3;
     if (write_frame(frame, &display, &record))
         return -1;
+    pupil_colour_frame(&r.colour.colour, &frame->image, &frame->info);
     r.frames++;
     run_status_frame(&r.status, &record);
     r.ended |= r.view && view_frame(r.view, frame, &r.curve, &display, &record) == VIEW_QUIT;

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "colour_options.h"
+
 enum {
     MODE = 256,
     WIDTH,
@@ -19,6 +21,9 @@ enum {
     MAINS,
     FLICKER_PERIOD,
     NO_PRIORITY,
+    WHITE_BALANCE,
+    COLOUR_MATRIX,
+    BLACK_LEVEL,
     DELAY,
     STATS,
     PLOT,
@@ -60,6 +65,9 @@ static const struct option long_options[] = {
     {"mains", required_argument, NULL, MAINS},
     {"flicker-period", required_argument, NULL, FLICKER_PERIOD},
     {"no-frame-rate-priority", no_argument, NULL, NO_PRIORITY},
+    {"white-balance", required_argument, NULL, WHITE_BALANCE},
+    {"matrix", required_argument, NULL, COLOUR_MATRIX},
+    {"black-level", required_argument, NULL, BLACK_LEVEL},
     {"control-delay", required_argument, NULL, DELAY},
     {"out", required_argument, NULL, 'o'},
     {"stats", required_argument, NULL, STATS},
@@ -170,6 +178,12 @@ static int take_camera(int option, const value_text *c, run_options *r)
         return run_value_mains(c, &r->live.mains_hz);
     case FLICKER_PERIOD:
         return run_value_period(c, &r->live.mains_hz);
+    case WHITE_BALANCE:
+        return colour_option_balance(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
+    case COLOUR_MATRIX:
+        return colour_option_matrix(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
+    case BLACK_LEVEL:
+        return colour_option_black(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
     case RECORD:
         return path(c, &c->o->record);
     case 't':

@@ -3,6 +3,7 @@
 #define PUPIL_APPS_RUN_OPTIONS_H
 
 #include "live/live.h"
+#include "live/live_colour.h"
 #include "replay_values.h"
 
 typedef enum run_mode {
@@ -16,6 +17,7 @@ typedef struct run_options {
     replay_options shown; /* what a replay has, too; its only input is the camera */
     const char *device;   /* NULL: the first camera */
     pupil_live_options live;
+    pupil_colour_options colour; /* of raw frames */
     uint32_t mode;
     double exposure_s, gain; /* by hand; 0: not */
     double seconds;          /* to run; 0: until it is stopped */

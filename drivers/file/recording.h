@@ -28,7 +28,8 @@ typedef struct pupil_recorder_counts {
     uint64_t written, lost; /* lost: there was no room */
 } pupil_recorder_counts;
 
-/* `first` is the first frame: all that follow have its size, pixel format and coding. It is not written yet. 0, or
+/* `first` is the first frame: all that follow have its size, pixel format and coding, but for coding.balance, which may
+ * be each frame's own. It is not written yet. 0, or
  * PUPIL_SINK_FAILED and a sentence (folder, no room on the disk, a pixel format that cannot be kept). */
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
                         const pupil_recorder_options *options, char *why, size_t why_bytes);

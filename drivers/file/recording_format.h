@@ -14,7 +14,7 @@
 #define PUPIL_RECORDING_PART    "recording.json.part" /* the same, while it is written */
 #define PUPIL_RECORDING_VERSION 1
 
-/* Room for a line of frames.jsonl: five numbers of at most 24 characters, and their names. */
+/* Room for a line of frames.jsonl: eight numbers of at most 24 characters, and their names. */
 #define PUPIL_RECORDING_LINE_BYTES 512
 
 typedef struct pupil_recording_about {
@@ -49,10 +49,14 @@ int pupil_recording_about_write(const char *folder, const pupil_recording_about 
 /* Reads it again. 0, or -1 and a sentence that names the file, and the line and field where there is one. */
 int pupil_recording_about_read(const char *folder, pupil_recording_about *about, char *why, size_t why_bytes);
 
-/* A line of frames.jsonl with its newline; its length. */
-size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info);
-/* Reads it again. 0, or -1 and a sentence without its subject that names the field. */
-int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, char *why, size_t why_bytes);
+/* A line of frames.jsonl with its newline; its length. balance: the frame's own white balance; NULL: recording.json's.
+ */
+size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info,
+                            const float balance[3]);
+/* Reads it again; balance is left as it is where the line has none. 0, or -1 and a sentence without its subject that
+ * names the field. */
+int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
+                              size_t why_bytes);
 
 /* Makes a folder (1), or clears one that is empty or, with overwrite, holds a recording and nothing else (0). -1 and a
  * sentence: nothing was touched. */

@@ -17,7 +17,8 @@
 
 typedef struct recording {
     pupil_source base;
-    pupil_recording_about about;
+    pupil_recording_about about; /* its coding: the frame's */
+    float usual_balance[3];      /* of frames whose line has none */
     char frames_path[PATH_MAX], lines_path[PATH_MAX];
     char name[PATH_MAX + 32]; /* of the frame */
     int folder_length;        /* of the name of the recording, at the front of the two paths */
@@ -54,7 +55,8 @@ static int next_line(recording *r, pupil_frame_info *info)
         return strlen(line) < sizeof line - 1 && feof(r->lines)
                    ? PUPIL_SOURCE_END
                    : failed(r, "%s:%llu: the line is longer than any that pupil record writes", r->lines_path, number);
-    if (pupil_recording_line_read(line, &frame, info, words, sizeof words))
+    memcpy(r->about.coding.balance, r->usual_balance, sizeof r->usual_balance);
+    if (pupil_recording_line_read(line, &frame, info, r->about.coding.balance, words, sizeof words))
         return failed(r, "%s:%llu: %s", r->lines_path, number, words);
     if (frame != r->frame)
         return failed(r, "%s:%llu: \"frame\" is %llu; in this line it must be %llu", r->lines_path, number,
@@ -224,6 +226,7 @@ int pupil_recording_open(const char *folder, pupil_source **source, char *why, s
     r->state = PUPIL_SOURCE_FRAME;
     r->fd = -1;
     if (pupil_recording_about_read(folder, &r->about, why, why_bytes) == 0) {
+        memcpy(r->usual_balance, r->about.coding.balance, sizeof r->usual_balance);
         if (open_files(r, folder) == 0) {
             r->base.fps = r->about.fps;
             r->base.frames = count_lines(r->lines);

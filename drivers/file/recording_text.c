@@ -67,15 +67,19 @@ static void print_number(char text[32], double number)
         strcpy(text, "null");
 }
 
-size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info)
+size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info,
+                            const float balance[3])
 {
-    char exposure[32], gain[32];
+    char exposure[32], gain[32], own[96] = "";
+    if (balance) /* 9 digits bring every float back */
+        snprintf(own, sizeof own, ",\"balance\":[%.9g,%.9g,%.9g]", (double)balance[0], (double)balance[1],
+                 (double)balance[2]);
     print_number(exposure, info->exposure_s);
     print_number(gain, info->gain);
     return (size_t)snprintf(line, PUPIL_RECORDING_LINE_BYTES,
                             "{\"frame\":%" PRIu64 ",\"sequence\":%" PRIu64 ",\"timestamp_ns\":%" PRId64
-                            ",\"exposure_s\":%s,\"gain\":%s}\n",
-                            frame, info->sequence, info->timestamp_ns, exposure, gain);
+                            ",\"exposure_s\":%s,\"gain\":%s%s}\n",
+                            frame, info->sequence, info->timestamp_ns, exposure, gain, own);
 }
 
 /* ---- reading ---- */
@@ -284,7 +288,19 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
     return failed;
 }
 
-int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, char *why, size_t why_bytes)
+/* Of one frame: three factors that a coding can have. */
+static int take_balance(const pupil_json_member *member, float balance[3])
+{
+    pupil_coding coding = {0};
+    if (pupil_json_numbers(member, coding.balance, 3) ||
+        pupil_coding_check(&coding, PUPIL_PIXEL_BAYER16, NULL) != PUPIL_OK)
+        return -1;
+    memcpy(balance, coding.balance, sizeof coding.balance);
+    return 0;
+}
+
+int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
+                              size_t why_bytes)
 {
     static const char *const names[] = {"frame", "sequence", "timestamp_ns", "exposure_s", "gain"};
     pupil_json json;
@@ -295,6 +311,8 @@ int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_inf
     pupil_json_begin(&json, line);
     while ((got = pupil_json_next(&json, &m)) > 0) {
         size_t field = 0;
+        if (strcmp(m.name, "balance") == 0 && take_balance(&m, balance))
+            return pupil_refuse(why, why_bytes, "\"balance\" must be a list of three factors from 2^-10 to 2^10");
         while (field < LENGTH(names) && strcmp(names[field], m.name))
             field++;
         if (field == LENGTH(names))

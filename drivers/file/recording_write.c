@@ -20,6 +20,7 @@ typedef struct slot {
     unsigned char *bytes;
     size_t size, capacity;
     pupil_frame_info info;
+    float balance[3]; /* the only thing in their coding that frames may have of their own */
 } slot;
 
 struct pupil_recorder {
@@ -60,7 +61,9 @@ static int write_slot(pupil_recorder *r, const slot *s)
     char line[PUPIL_RECORDING_LINE_BYTES];
     if (pupil_mkv_frame(&r->mkv, s->info.timestamp_ns, s->bytes, s->size))
         return fail(r, PUPIL_RECORDING_FRAMES);
-    const size_t length = pupil_recording_line(line, r->lines, &s->info);
+    const size_t length =
+        pupil_recording_line(line, r->lines, &s->info,
+                             memcmp(s->balance, r->about.coding.balance, sizeof s->balance) == 0 ? NULL : s->balance);
     ssize_t wrote;
     do
         wrote = write(r->lines_fd, line, length);
@@ -118,13 +121,19 @@ static void *write_frames(void *argument)
 
 /* ---- a frame ---- */
 
-static int same_shape(const pupil_recording_about *about, const pupil_frame *frame)
+static pupil_coding coding_of(const pupil_frame *frame)
 {
     static const pupil_coding usual;
-    const pupil_coding *coding = frame->image.coding ? frame->image.coding : &usual;
+    return frame->image.coding ? *frame->image.coding : usual;
+}
+
+static int same_shape(const pupil_recording_about *about, const pupil_frame *frame)
+{
+    pupil_coding coding = coding_of(frame);
+    memcpy(coding.balance, about->coding.balance, sizeof coding.balance);
     return frame->image.pixel == about->pixel && frame->image.width == about->width &&
            frame->image.height == about->height && !frame->coded == !about->jpeg &&
-           memcmp(coding, &about->coding, sizeof *coding) == 0;
+           memcmp(&coding, &about->coding, sizeof coding) == 0;
 }
 
 /* Into memory of the slot's own; JPEGs may be larger than those before. */
@@ -132,6 +141,8 @@ static int fill(pupil_recorder *r, slot *s, const pupil_frame *frame)
 {
     s->size = r->about.jpeg ? frame->coded_bytes : r->frame_bytes;
     s->info = frame->info;
+    const pupil_coding coding = coding_of(frame);
+    memcpy(s->balance, coding.balance, sizeof s->balance);
     if (s->size > s->capacity) {
         unsigned char *more = realloc(s->bytes, s->size);
         if (!more)

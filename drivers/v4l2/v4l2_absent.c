@@ -4,6 +4,7 @@
 
 #include "v4l2/v4l2_device.h"
 #include "v4l2/v4l2_format.h"
+#include "v4l2/v4l2_media.h"
 #include "v4l2/v4l2_modes.h"
 #include "v4l2/v4l2_sink.h"
 #include "v4l2/v4l2_source.h"
@@ -71,4 +72,10 @@ pupil_v4l2_name pupil_v4l2_fourcc_name(uint32_t fourcc)
 uint32_t pupil_v4l2_fourcc(const char *name)
 {
     return *name ? 1 : 0;
+}
+
+int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, char *why, size_t why_bytes)
+{
+    (void)sensor;
+    return absent(device->path, why, why_bytes);
 }

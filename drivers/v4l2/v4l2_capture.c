@@ -38,17 +38,19 @@ const char *pupil_v4l2_reading_name(uint32_t reading)
 /* ---- begin and end ------------------------------------------------------------------------------------------------
  */
 
-static int subscribe(const pupil_v4l2_capture *c, uint32_t type)
+static int subscribe(const pupil_v4l2_capture *c, uint32_t type, int id)
 {
-    struct v4l2_event_subscription s = {.type = type};
+    struct v4l2_event_subscription s = {.type = type, .id = (uint32_t)id};
     return pupil_v4l2_ask(&c->device, VIDIOC_SUBSCRIBE_EVENT, &s); /* few drivers have any; not having them is fine */
 }
 
 static int start(pupil_v4l2_capture *c, char *why, size_t why_bytes)
 {
-    int type = (int)c->device.type;
-    subscribe(c, V4L2_EVENT_SOURCE_CHANGE);
-    subscribe(c, V4L2_EVENT_EOS);
+    int type = (int)c->device.type, input = 0;
+    if (pupil_v4l2_ask(&c->device, VIDIOC_G_INPUT, &input) != 0)
+        input = 0; /* it has one alone */
+    subscribe(c, V4L2_EVENT_SOURCE_CHANGE, input);
+    subscribe(c, V4L2_EVENT_EOS, 0);
     if (pupil_v4l2_ask(&c->device, VIDIOC_STREAMON, &type) == 0) {
         c->streaming = 1;
         return 0;

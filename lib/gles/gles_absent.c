@@ -31,6 +31,12 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t 
     return absent(why, why_bytes);
 }
 
+int pupil_gles_balance(pupil_gles *gles, const float balance[3])
+{
+    (void)gles, (void)balance;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
 void pupil_gles_close(pupil_gles *gles)
 {
     (void)gles;

@@ -137,6 +137,8 @@ int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, 
 void pupil_gles_programs_delete(const gles_object *o, gles_programs *programs);
 /* Uniforms that stay as they are from frame to frame, by the settings. */
 void pupil_gles_programs_set(gles_object *o);
+/* Of these, those that a mosaic's white balance is in. */
+void pupil_gles_programs_balance(gles_object *o);
 /* Makes a program current, with the state of GL that all of pupil_gles draws with. */
 void pupil_gles_begin(const gles_object *o, uint32_t program);
 

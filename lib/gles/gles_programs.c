@@ -144,6 +144,23 @@ static void set_frame(const gles_object *o, uint32_t p)
     gl->UniformMatrix3fv(uniform(o, p, "camera_matrix"), 1, GL_TRUE, c->matrix);
 }
 
+void pupil_gles_programs_balance(gles_object *o)
+{
+    static const uint32_t readers[] = {GLES_METER, GLES_MAP, GLES_MAP_SCALED};
+    const gl_functions *gl = &o->gl;
+    const pupil_coder *c = &o->coder;
+    for (uint32_t i = 0; i < sizeof readers / sizeof readers[0]; i++) {
+        const uint32_t p = readers[i];
+        if (!o->programs.name[p])
+            continue;
+        gl->UseProgram(o->programs.name[p]);
+        gl->Uniform2f(uniform(o, p, "mosaic"), c->zero4, c->most);
+        gl->Uniform3f(uniform(o, p, "unit4"), c->unit4[0], c->unit4[1], c->unit4[2]);
+        if (p == GLES_METER)
+            gl->Uniform1f(uniform(o, p, "clip_value"), pupil_clip_of(&o->settings, o->config.pixel, c));
+    }
+}
+
 static void set_regions(const gles_object *o, uint32_t p)
 {
     const gl_functions *gl = &o->gl;

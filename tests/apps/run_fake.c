@@ -4,6 +4,7 @@
  *     run_fake [fake:KEY=VALUE ...] probe [options of pupil probe]
  *
  * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
+ * colour=R,G,B (of the light),
  * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
  * black=SHARE (of full scale), deaf=exposure or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's,
  * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), light=FACTOR@FRAME (repeatable), real (the machine's
@@ -94,6 +95,8 @@ static int take(const char *text, fake_v4l2_config *c)
     else if (sscanf(text, "slow=%d,%d,%d", &c->slow, &c->hints, &c->heaps) == 3)
         return 0;
     else if (sscanf(text, "flat=%u", &c->flat) == 1)
+        return 0;
+    else if (sscanf(text, "colour=%lf,%lf,%lf", &c->colour[0], &c->colour[1], &c->colour[2]) == 3)
         return 0;
     else if (sscanf(text, "drop=%lf", &c->dropped) == 1 || sscanf(text, "flag=%lf", &c->flagged) == 1)
         return 0;

@@ -20,7 +20,7 @@ typedef struct metered {
     pupil_stats stats[FRAMES];
     pupil_exposure exposure[FRAMES];
     pupil_frame_info info[FRAMES];
-    int count;
+    int count, coded;
 } metered;
 
 /* Runs the command as a user would; standard error goes to a file of the scratch folder. */
@@ -77,6 +77,7 @@ static void meter(pupil_source *source, metered *m, pupil_recorder **recorder)
         CHECK(pupil_meter_rows(&pupil, &frame.image, 0, frame.image.height, &m->stats[m->count]) == PUPIL_OK);
         CHECK(pupil_adapt(&pupil, &m->stats[m->count], &frame.info) == PUPIL_OK);
         pupil_get_exposure(&pupil, &m->exposure[m->count]);
+        m->coded += frame.coded != NULL;
         m->info[m->count++] = frame.info;
         pupil_source_done(source, &frame);
     }
@@ -108,6 +109,7 @@ static void test_same_statistics(uint32_t fourcc, int extra_bytes)
     CHECK_MSG(open_input(inputs, 1, &none, &source, why, sizeof why) == 0, "%s", why);
     meter(source, &again, NULL);
     pupil_source_close(source);
+    CHECK(live.coded == again.coded && live.coded == (fourcc == V4L2_PIX_FMT_MJPEG ? FRAMES : 0));
     CHECK(live.count == FRAMES && again.count == FRAMES && live.info[5].exposure_s > 0);
     CHECK(memcmp(live.stats, again.stats, sizeof live.stats) == 0);
     CHECK(memcmp(live.exposure, again.exposure, sizeof live.exposure) == 0);
@@ -240,12 +242,12 @@ static void test_usage(void)
 
 int main(int argc, char **argv)
 {
-    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_SRGGB10,
-                                       V4L2_PIX_FMT_SRGGB10P, V4L2_PIX_FMT_GREY};
+    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV,     V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_SRGGB10,
+                                       V4L2_PIX_FMT_SRGGB10P, V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_MJPEG};
     check_begin(argc, argv);
     scratch_begin();
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-        for (int extra = 0; extra <= 16; extra += 16)
+        for (int extra = 0; extra <= (formats[i] == V4L2_PIX_FMT_MJPEG ? 0 : 16); extra += 16)
             test_same_statistics(formats[i], extra);
     test_command();
     test_auto();

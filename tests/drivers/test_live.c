@@ -2,6 +2,7 @@
  * and where the camera is unplugged and comes back. */
 #include "live/live.h"
 
+#include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
 #include <time.h>
@@ -206,6 +207,46 @@ static void test_hang(void)
     fake_v4l2_free(fake);
 }
 
+/* With the n-th call failing, for every n: a sentence or frames, no leak, no hang. Whether the controls came back
+ * depends on which call it was. */
+static unsigned long session(unsigned long fail_at, int error)
+{
+    fake_v4l2_config config = usual();
+    fake_faults faults;
+    pupil_source *source = NULL;
+    pupil_frame_info info;
+    config.media = FAKE_MEDIA_RIGHT;
+    config.unplug_at = 4;
+    config.back_s = 0.5;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    fake_faults_begin(&faults, fake_v4l2_system(fake), fail_at, 1, error);
+    const pupil_live_options options = {.capture = {.system = &faults.system, .reopen_s = 2.0}};
+    *why = 0;
+    const int result = pupil_live_open("/dev/video0", NULL, &options, &source, why, sizeof why);
+    CHECK_MSG(result == 0 || *why, "call %lu fails without a sentence", fail_at);
+    for (int i = 0; !result && i < 12 && next(source, &info) == PUPIL_SOURCE_FRAME; i++)
+        if (pupil_live_camera(source))
+            pupil_camera_ask(pupil_live_camera(source), &(pupil_camera_setting){.exposure_s = 0.001 * i, .gain = 2.0});
+        else
+            CHECK(*pupil_live_no_controls(source));
+    if (!result)
+        pupil_source_close(source);
+    const fake_v4l2_held held = fake_v4l2_holds(fake);
+    CHECK_MSG(held.files == 0 && held.maps == 0, "call %lu leaves %d files and %d maps", fail_at, held.files,
+              held.maps);
+    fake_v4l2_free(fake);
+    return faults.calls;
+}
+
+static void test_faults(void)
+{
+    static const int errors[] = {EIO, ENODEV, EINVAL, EBUSY};
+    const unsigned long calls = session(0, 0);
+    CHECK_MSG(calls > 100, "%lu calls", calls);
+    for (unsigned long n = 1; n <= calls; n++)
+        session(n, errors[n % 4]);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -215,5 +256,6 @@ int main(int argc, char **argv)
     test_again(0.0);
     test_again(3.0);
     test_hang();
+    test_faults();
     return check_end();
 }

@@ -145,6 +145,20 @@ static void test_refused(void)
 
 /* ---- the disk is full ---- */
 
+/* Bytes behind the last whole frame, each of so many. */
+static size_t left_over(const char *folder, size_t frame)
+{
+    static unsigned char bytes[16384];
+    char path[1100];
+    snprintf(path, sizeof path, "%s/frames.mkv", folder);
+    FILE *f = fopen(path, "r");
+    const size_t size = f ? fread(bytes, 1, sizeof bytes, f) : 0;
+    if (f)
+        fclose(f);
+    const unsigned char *first = memmem(bytes, size, "\x1f\x43\xb6\x75", 4); /* a cluster's ID */
+    return first ? (size - (size_t)(first - bytes)) % frame : 0;
+}
+
 static void test_full(void)
 {
     test_frames frames;
@@ -156,7 +170,8 @@ static void test_full(void)
         scratch_limit(0);
         CHECK_MSG(taken < 0 && strstr(why, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why);
         const int there = scratch_exists(folder) ? frames_replay(&frames, folder, why) : 0;
-        const int right = limit < 1100 ? 0 : (int)((limit - 500) / 547); /* of 512 bytes and 35 around them */
+        const int right = limit < 1100 ? 0 : (int)((limit - 500) / 554); /* of 512 bytes and 42 before them */
+        CHECK_MSG(left_over(folder, 554) == 0, "%lu: %d", limit, (int)left_over(folder, 554));
         CHECK_MSG(there >= 0 && abs(there - right) <= 1, "%lu: %d of %d: %s", limit, there, right, why);
         scratch_clear(folder);
     }
@@ -239,6 +254,30 @@ static void test_texts(void)
     frames_free(&frames);
 }
 
+/* White balance that follows the frames: each has its own, and those of the first one's have none in their line. */
+static void test_balance(void)
+{
+    test_frames frames;
+    pupil_coding coding[6];
+    const char *folder = scratch("balance");
+    frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 6);
+    for (int i = 0; i < 6; i++) {
+        coding[i] = frames.coding;
+        for (int k = 0; k < 3 && i % 3; k++)
+            coding[i].balance[k] = (float)(1 + 3 * check_uniform());
+        frames.frame[i].image.coding = &coding[i];
+    }
+    memset(coding[4].balance, 0, sizeof coding[4].balance);
+    CHECK(frames_record(&frames, folder, &waiting, why) == 6);
+    CHECK_MSG(frames_replay(&frames, folder, why) == 6, "%s", why);
+    check_text(folder, "frames.jsonl", "\"balance\":[", "\"balance\":[0,", "must be a list of three factors");
+    coding[5].black++;
+    CHECK(frames_record(&frames, scratch("other"), &waiting, why) == 5 && strstr(why, "coding"));
+    scratch_clear(scratch("other"));
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -249,6 +288,7 @@ int main(int argc, char **argv)
     test_refused();
     test_full();
     test_texts();
+    test_balance();
     scratch_clear(scratch_folder);
     return check_end();
 }

@@ -35,6 +35,37 @@ for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
     LD_LIBRARY_PATH= "$work/a.out"
 done
 
+# The camera's controls: what the archive shows to others has its name before it, and of libpupil it needs headers only.
+archive=$libdir/libpupil-camera.a
+foreign=$(nm -g --defined-only "$archive" | awk 'NF == 3 && $3 !~ /^pupil_camera_/ { print $3 }')
+[ -z "$foreign" ] || { echo "check.sh: libpupil-camera.a defines" $foreign; exit 1; }
+nm -g --defined-only "$archive" | awk 'NF == 3 { print $3 }' | sort >"$work/defined"
+missing=$(nm -g --undefined-only "$archive" | awk 'NF == 2 && $2 ~ /^pupil/ { print $2 }' | sort -u |
+    comm -23 - "$work/defined")
+[ -z "$missing" ] || { echo "check.sh: libpupil-camera.a needs" $missing; exit 1; }
+grep -ohE '\bpupil_camera_[a-z_]+\(' "$prefix/include/pupil/camera_controls.h" | tr -d '(' | sort -u >"$work/declared"
+[ -s "$work/declared" ] || { echo "check.sh: camera_controls.h declares nothing"; exit 1; }
+absent=$(comm -23 "$work/declared" "$work/defined")
+[ -z "$absent" ] || { echo "check.sh: camera_controls.h declares, and libpupil-camera.a lacks," $absent; exit 1; }
+for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
+    echo '#include <pupil/camera_controls.h>' >"$work/alone.c"
+    $compiler -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags pupil-camera) -c "$work/alone.c" -o "$work/alone.o"
+done
+
+# The examples, by the lines that they give themselves, and as C++.
+examples=$here/../../docs/examples
+for name in meter_only full; do
+    packages=$(sed -n "s/.*cc $name\.c .(pkg-config --cflags --libs \([a-z -]*\)) -o $name\$/\1/p" "$examples/$name.c")
+    [ -n "$packages" ] || { echo "check.sh: docs/examples/$name.c does not say how it is compiled"; exit 1; }
+    for compiler in "gcc -std=gnu11" "g++ -std=c++11 -xc++"; do
+        $compiler -Wall -Wextra -Wpedantic -Werror "$examples/$name.c" -xnone $(pkg-config --cflags --libs $packages) \
+            -o "$work/$name"
+    done
+done
+head -c 16 /dev/zero | "$work/meter_only" 4 2
+"$work/full" "$work/none" 2>"$work/log" && { echo "check.sh: full takes a camera that is not there"; exit 1; }
+grep -qF "full: $work/none: " "$work/log" || { cat "$work/log"; exit 1; }
+
 cmake -G Ninja -S "$here" -B "$work/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
     >"$work/log" && cmake --build "$work/build" >>"$work/log" || { cat "$work/log"; exit 1; }
 for program in c_shared c_static cxx_shared cxx_static; do

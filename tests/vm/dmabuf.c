@@ -11,6 +11,7 @@
 #include "egl/dmabuf.h"
 #include "egl/egl_context.h"
 #include "vm/compare.h"
+#include "vm/node.h"
 #include "vm/read_texels.h"
 #include "vm/vgem.h"
 #include "vm/vivid.h"
@@ -19,6 +20,9 @@
 #define WIDTH  160u
 #define HEIGHT 96u
 #define FRAMES 4
+/* What the monitor is set to: the signal at the HDMI connector, which both ends of the cable need. */
+#define VGA_WIDTH  640u
+#define VGA_HEIGHT 480u
 
 /* The items of vivid's menu "Test Pattern" (the kernel's v4l2-tpg.h: enum tpg_pattern). */
 enum { PATTERN_SQUARES = 4, PATTERN_NOISE = 20 };
@@ -227,12 +231,12 @@ static void test_format(const format *f)
         failed |= open_gles(f->pixel, WIDTH, HEIGHT);
         opened = f->pixel;
     }
-    failed |= vivid_control(&camera, "Test Pattern", PATTERN_NOISE);
+    failed |= node_set(camera.fd, "Test Pattern", PATTERN_NOISE);
     failed |= stream(&camera);
     CHECK_MSG(!failed, "%s: not tested", f->name);
     for (int i = 0; i < FRAMES && !failed; i++) {
         if (i == FRAMES / 2)
-            CHECK(vivid_control(&camera, "Test Pattern", PATTERN_SQUARES) == 0);
+            CHECK(node_set(camera.fd, "Test Pattern", PATTERN_SQUARES) == 0);
         test_frame(f, i, textures, seen, &all);
     }
     vivid_stop(&camera);
@@ -256,18 +260,18 @@ static void test_formats(void)
 static int fill_monitor(void)
 {
     const pupil_curve curve = {2.0f, 0.1f, 1.0f};
-    static unsigned char picture[VIVID_VGA_WIDTH * VIVID_VGA_HEIGHT * 4];
+    static unsigned char picture[VGA_WIDTH * VGA_HEIGHT * 4];
     const pupil_image cpu = {.data = picture,
-                             .stride_bytes = VIVID_VGA_WIDTH * 4,
-                             .width = VIVID_VGA_WIDTH,
-                             .height = VIVID_VGA_HEIGHT,
+                             .stride_bytes = VGA_WIDTH * 4,
+                             .width = VGA_WIDTH,
+                             .height = VGA_HEIGHT,
                              .pixel = PUPIL_PIXEL_BGRX8};
     figures all = {0};
     pupil_dmabuf_textures textures[VIVID_BUFFERS];
     char why[512] = "";
-    int failed = vivid_start(&camera, vgem, V4L2_PIX_FMT_YUYV, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT, 0);
+    int failed = vivid_start(&camera, vgem, V4L2_PIX_FMT_YUYV, VGA_WIDTH, VGA_HEIGHT, 0);
     failed |= import_all(PUPIL_PIXEL_YUYV, textures);
-    failed |= open_gles(PUPIL_PIXEL_YUYV, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT);
+    failed |= open_gles(PUPIL_PIXEL_YUYV, VGA_WIDTH, VGA_HEIGHT);
     failed |= stream(&camera);
     int index = failed ? -1 : vivid_dequeue(&camera);
     CHECK_MSG(index >= 0, "no frame for the monitor");
@@ -277,7 +281,7 @@ static int fill_monitor(void)
     }
     for (int i = 0; i < VIVID_BUFFERS && index >= 0; i++) {
         pupil_dmabuf_textures out;
-        pupil_gles_target target = {.width = VIVID_VGA_WIDTH, .height = VIVID_VGA_HEIGHT, .top_first = 1};
+        pupil_gles_target target = {.width = VGA_WIDTH, .height = VGA_HEIGHT, .top_first = 1};
         const pupil_dmabuf d = frame_dmabuf(&monitor, i, PUPIL_PIXEL_BGRX8);
         CHECK_MSG(pupil_dmabuf_framebuffer(&d, &out, &target.framebuffer, why, sizeof why) == 0, "%s", why);
         CHECK(pupil_gles_use(&gles, textures[index].texture[0], 0) == PUPIL_OK);
@@ -298,11 +302,11 @@ static int fill_monitor(void)
  * takes is it. */
 static void test_cable(void)
 {
-    const size_t bytes = (size_t)VIVID_VGA_WIDTH * VIVID_VGA_HEIGHT * 4;
-    int failed = vivid_start(&monitor, vgem, V4L2_PIX_FMT_XBGR32, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT, 0);
+    const size_t bytes = (size_t)VGA_WIDTH * VGA_HEIGHT * 4;
+    int failed = vivid_start(&monitor, vgem, V4L2_PIX_FMT_XBGR32, VGA_WIDTH, VGA_HEIGHT, 0);
     failed |= fill_monitor();
-    failed |= vivid_start(&camera, vgem, V4L2_PIX_FMT_XBGR32, VIVID_VGA_WIDTH, VIVID_VGA_HEIGHT, 0);
-    failed |= vivid_cable(&camera);
+    failed |= vivid_start(&camera, vgem, V4L2_PIX_FMT_XBGR32, VGA_WIDTH, VGA_HEIGHT, 0);
+    failed |= node_cable(camera.fd);
     failed |= stream(&monitor);
     failed |= stream(&camera);
     CHECK_MSG(!failed, "the cable: not tested");
@@ -336,7 +340,8 @@ int main(int argc, char **argv)
     vgem = vgem_open();
     CHECK_MSG(vgem >= 0, "no vgem device");
     CHECK(vivid_open(&camera, 0) == 0 && vivid_open(&monitor, 1) == 0);
-    CHECK(vivid_vga(&camera) == 0 && vivid_vga(&monitor) == 0);
+    CHECK(node_timings(camera.fd, VGA_WIDTH, VGA_HEIGHT, 60) == 0 &&
+          node_timings(monitor.fd, VGA_WIDTH, VGA_HEIGHT, 60) == 0);
     CHECK_MSG(pupil_egl_open(&egl, NULL, why, sizeof why) == 0, "%s", why);
     if (check_state.failures || read_texels_open() != 0)
         return 1;

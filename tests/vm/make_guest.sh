@@ -11,8 +11,9 @@ architecture=$1
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
 wanted=${3:-linux-image-$architecture}
-# The way to the host's files; a camera and a monitor; memory for dma-bufs. What they depend on is added.
-modules="virtio_pci 9p 9pnet_virtio vivid vgem"
+# The way to the host's files; a camera and a monitor; memory for dma-bufs; a USB port for a camera in user space. What
+# they depend on is added.
+modules="virtio_pci 9p 9pnet_virtio vivid vgem vhci-hcd uvcvideo"
 
 skip() {
     echo "skipped: $1"
@@ -106,5 +107,6 @@ if [ "$architecture" = amd64 ]; then
 fi
 rm -f "$folder/initrd"
 mv "$kernel" "$folder/vmlinuz"
+cp "$new/kernel/bin/busybox" "$folder/busybox" # for guests that have no files of this machine
 mv "$new/initrd" "$folder/initrd"
 echo "$package" >"$folder/package"

@@ -6,7 +6,6 @@
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -136,44 +135,4 @@ void vivid_stop(vivid_node *node)
     for (uint32_t i = 0; i < VIVID_BUFFERS; i++)
         for (uint32_t p = 0; p < 2; p++)
             vgem_free(&node->buffer[i][p]);
-}
-
-/* The control's id; 0: none. */
-static uint32_t find_control(const vivid_node *node, const char *name)
-{
-    struct v4l2_queryctrl control = {.id = V4L2_CTRL_FLAG_NEXT_CTRL};
-    while (ioctl(node->fd, VIDIOC_QUERYCTRL, &control) == 0) {
-        if (strcasecmp((const char *)control.name, name) == 0)
-            return control.id;
-        control.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
-    }
-    return 0;
-}
-
-int vivid_control(const vivid_node *node, const char *name, int value)
-{
-    struct v4l2_control control = {find_control(node, name), value};
-    return control.id && ioctl(node->fd, VIDIOC_S_CTRL, &control) == 0 ? 0 : refused(name);
-}
-
-int vivid_vga(const vivid_node *node)
-{
-    struct v4l2_enum_dv_timings known = {.index = 0};
-    struct v4l2_dv_timings *timings = &known.timings;
-    for (; ioctl(node->fd, VIDIOC_ENUM_DV_TIMINGS, &known) == 0; known.index++)
-        if (timings->bt.width == VIVID_VGA_WIDTH && timings->bt.height == VIVID_VGA_HEIGHT)
-            return ioctl(node->fd, VIDIOC_S_DV_TIMINGS, timings) == 0 ? 0 : refused("VGA's timings");
-    return refused("to tell VGA's timings");
-}
-
-int vivid_cable(const vivid_node *camera)
-{
-    /* Nothing of the camera's own over the picture: item 2 of the menu. */
-    if (vivid_control(camera, "OSD Text Mode", 2) != 0)
-        return -1;
-    /* Before Linux 6.11 a switch; since then a menu with what the camera's connector may be wired to: its own test
-     * pattern, nothing, the monitors. */
-    if (find_control(camera, "Loop Video"))
-        return vivid_control(camera, "Loop Video", 1);
-    return vivid_control(camera, "HDMI 000-0 Is Connected To", 2);
 }

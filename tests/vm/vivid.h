@@ -30,15 +30,4 @@ int vivid_dequeue(vivid_node *node);
 /* Streaming off, and the buffers freed. */
 void vivid_stop(vivid_node *node);
 
-/* A control by the name that v4l2-ctl -l prints. For menus: the item's index. */
-int vivid_control(const vivid_node *node, const char *name, int value);
-
-/* The signal at the HDMI connector: VGA's, which both ends of the cable need. */
-#define VIVID_VGA_WIDTH  640u
-#define VIVID_VGA_HEIGHT 480u
-int vivid_vga(const vivid_node *node);
-
-/* From now on what the monitor shows is what the camera sees, not its test pattern. */
-int vivid_cable(const vivid_node *camera);
-
 #endif

@@ -103,7 +103,8 @@ static void to_yuv(const drawing *d, uint32_t x, uint32_t y, unsigned char yuv[3
 static void draw_yuv(const drawing *d, int is_yuyv)
 {
     for (uint32_t y = 0; y < d->p->height; y++) {
-        unsigned char *row = row_of(d, y), *chroma = d->chroma + (size_t)(y / 2) * d->p->stride_bytes[1];
+        unsigned char *row = row_of(d, y);
+        unsigned char *chroma = is_yuyv ? NULL : d->chroma + (size_t)(y / 2) * d->p->stride_bytes[1];
         for (uint32_t x = 0; x < d->p->width; x++) {
             unsigned char yuv[3];
             to_yuv(d, x, y, yuv);

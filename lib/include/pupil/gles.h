@@ -165,6 +165,10 @@ PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config,
  * statistics under way are dropped. Errors as of init; the old settings then stay. */
 PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes);
 
+/* Another white balance (pupil_coding.balance) for the mosaics that are metered and mapped from now on: for one that
+ * follows the frames. Nothing is compiled, and statistics under way stay. PUPIL_ERR_CODING. */
+PUPIL_API int pupil_gles_balance(pupil_gles *gles, const float balance[3]);
+
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */
 PUPIL_API void pupil_gles_close(pupil_gles *gles);
 

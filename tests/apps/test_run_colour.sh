@@ -1,0 +1,74 @@
+#!/bin/sh
+# pupil run on raw frames in coloured light: what is shown is grey or is not, as it was asked for; recorded frames keep
+# the balance that they were shown with. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+set -u
+program=${PUPIL_RUN_FAKE:-}
+[ -n "$program" ] || { echo "skipped: built without cameras"; exit 77; }
+room=$(mktemp -d) || exit 1
+trap 'rm -rf "$room"' EXIT
+cd "$room" || exit 1
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# shown NAME ARGUMENTS...: the last of 60 frames of a grey scene in reddish light, as "Y Cb Cr" of its last pixel
+shown() {
+    name=$1
+    shift
+    "$program" fake:format=RG10 fake:flat=512 fake:colour=1.2,0.6,0.9 "$@" -n 60 -o "$name.y4m" -q >said.out 2>said.err ||
+        fail "$name: $(cat said.err)"
+    # a YUV4MPEG2 file of C444 ends with the last frame's three planes
+    for plane in 3 2 1; do
+        tail -c $((64 * 48 * (plane - 1) + 1)) "$name.y4m" | head -c 1 | od -A n -t u1
+    done | tr -s ' \n' ' '
+}
+
+# grey is Cb and Cr of 128; red is a larger Cr
+for balance in "" "--white-balance auto" "--white-balance 1,2,1.33333"; do
+    # words, on purpose
+    got=$(shown grey $balance)
+    case $got in
+    *" 128 128 ") ;;
+    *) fail "'$balance' shows $got" ;;
+    esac
+done
+for balance in "--white-balance off" "--white-balance 1,1,1"; do
+    set -- $(shown red $balance)
+    [ "$3" -gt 135 ] || fail "'$balance' shows $*, which is not red"
+done
+set -- $(shown matrix --white-balance off --matrix 0,0,1,0,0,1,0,0,1)
+[ "$2 $3" = "128 128" ] || fail "a matrix that makes all of blue: $*"
+set -- $(shown black --mode digital --white-balance 1,2,1.33333 --black-level 1022)
+[ "$*" = "16 128 128" ] || fail "all is below black: $*"
+
+for mode in digital sensor both; do
+    "$program" fake:format=BG12 fake:colour=0.7,1,0.5 fake:light=3@20 --mode $mode -n 60 --record "$mode" \
+        --stats "$mode.csv" -q >said.out 2>said.err || fail "$mode: $(cat said.err)"
+    [ "$(grep -c '"balance":\[' "$mode/frames.jsonl")" = 59 ] || fail "$mode: the frames have no balance of their own"
+    [ -n "${PUPIL_PROGRAM:-}" ] || continue
+    "$PUPIL_PROGRAM" replay "$mode" --stats replay.csv -q 2>said.err || fail "$mode: $(cat said.err)"
+    for file in "$mode" replay; do # what was metered and adapted to; what is shown of mode sensor is the camera's own
+        cut -d, -f1,3-6,9-11,13-15 "$file.csv" | tr -d '\r' >"$file.cut"
+    done
+    cmp -s "$mode.cut" replay.cut || fail "$mode: a recording replays to other statistics"
+    rm -f replay.csv
+done
+
+# refused WORDS ARGUMENTS...: usage, a sentence, and nothing is written
+refused() {
+    words=$1
+    shift
+    "$program" fake:format=RG10 "$@" -n 3 -o refused.y4m >said.out 2>said.err && fail "$* is taken"
+    grep -qF -- "$words" said.err || fail "$*: $(cat said.err)"
+    [ ! -e refused.y4m ] || fail "$* leaves a file"
+}
+refused "--white-balance warm: must be auto, off, or factors" --white-balance warm
+refused "--matrix 1,2: must be auto, off, or 9 numbers" --matrix 1,2
+refused "--black-level x: must be auto, off, or the code" --black-level x
+refused "black must be at least 1 below the format's largest code" --black-level 1023
+
+[ $failures = 0 ] && echo "ok"
+exit $failures

@@ -1,0 +1,284 @@
+/* The colour of raw frames: on the fake's mosaics in coloured light a grey scene ends grey, slowly where the light
+ * changes; what is full is white; what is off is left alone; and a sensor's black level and matrix are put to use. */
+#include <linux/videodev2.h>
+#include <math.h>
+
+#include "check.h"
+#include "live/live.h"
+#include "live/live_colour.h"
+#include "pupil/pupil.h"
+#include "v4l2/fake/fake_v4l2.h"
+
+#define FPS 30
+
+typedef struct scene {
+    fake_v4l2 *fake;
+    pupil_source *source;
+    pupil_colour colour;
+    pupil_t pupil;
+    pupil_frame frame;
+    unsigned char out[32 * 24 * 3]; /* of 64 x 48, half the size: a pixel for a quad */
+    char why[PUPIL_WHY_BYTES];
+} scene;
+
+static scene open_scene(const fake_v4l2_config *config, const pupil_colour_options *options, const char *sensor)
+{
+    scene s = {.fake = fake_v4l2_new(config)};
+    const pupil_live_options live = {.capture = {.system = fake_v4l2_system(s.fake)}, .hands_off = 1};
+    pupil_camera_sensor known;
+    pupil_config adapting;
+    CHECK_MSG(pupil_live_open("0", NULL, &live, &s.source, s.why, sizeof s.why) == 0, "%s", s.why);
+    if (sensor)
+        CHECK(pupil_camera_find_sensor(NULL, sensor, &known, s.why, sizeof s.why) == 1);
+    const pupil_v4l2_format *format = &pupil_live_capture(s.source)->format;
+    CHECK_MSG(pupil_colour_begin(&s.colour, options, &format->coding, format->pixel, sensor ? &known : NULL, s.why,
+                                 sizeof s.why) == 0,
+              "%s", s.why);
+    pupil_config_default(&adapting);
+    CHECK(pupil_init(&s.pupil, &adapting) == PUPIL_OK);
+    return s;
+}
+
+static void next(scene *s)
+{
+    CHECK_MSG(pupil_source_next(s->source, &s->frame, s->why, sizeof s->why) == PUPIL_SOURCE_FRAME, "%s", s->why);
+    s->frame.image.coding = &s->colour.coding;
+    const pupil_image out = {
+        .data = s->out, .stride_bytes = 32 * 3, .width = 32, .height = 24, .pixel = PUPIL_PIXEL_RGB8};
+    CHECK(pupil_process(&s->pupil, &s->frame.image, &s->frame.info, &out) == PUPIL_OK);
+    pupil_colour_frame(&s->colour, &s->frame.image, &s->frame.info);
+    pupil_source_done(s->source, &s->frame);
+}
+
+static void close_scene(scene *s)
+{
+    pupil_source_close(s->source);
+    fake_v4l2_free(s->fake);
+}
+
+static fake_v4l2_config mosaic(uint32_t fourcc)
+{
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.fps = FPS;
+    config.only_format = fourcc;
+    config.flat = 512;
+    return config;
+}
+
+/* Largest over smallest channel of what the factors make of a grey thing in this light, less 1. */
+static double tint(const scene *s, const double light[3])
+{
+    double low = HUGE_VAL, high = 0;
+    for (int i = 0; i < 3; i++) {
+        const double v = light[i] * (double)s->colour.coding.balance[i];
+        low = fmin(low, v);
+        high = fmax(high, v);
+    }
+    return high / low - 1;
+}
+
+/* In every order and depth: grey within 1 % from the second frame on; another light: no jump, and grey again. */
+static void test_grey(void)
+{
+    static const uint32_t formats[] = {V4L2_PIX_FMT_SRGGB8,   V4L2_PIX_FMT_SGRBG10,  V4L2_PIX_FMT_SGBRG12,
+                                       V4L2_PIX_FMT_SBGGR16,  V4L2_PIX_FMT_SRGGB10P, V4L2_PIX_FMT_SBGGR10P,
+                                       V4L2_PIX_FMT_SGRBG10P, V4L2_PIX_FMT_SRGGB12};
+    const pupil_colour_options automatic = {0};
+    for (size_t n = 0; n < sizeof formats / sizeof formats[0]; n++) {
+        fake_v4l2_config config = mosaic(formats[n]);
+        const double first[3] = {0.5 + check_uniform(), 1.5, 0.5 + check_uniform()};
+        const double second[3] = {1.5, 1.0, 0.5 + check_uniform()};
+        memcpy(config.colour, first, sizeof first);
+        scene s = open_scene(&config, &automatic, NULL);
+        CHECK(s.colour.follows == 1);
+        for (int i = 0; i < 3; i++)
+            next(&s);
+        CHECK_MSG(tint(&s, first) < 0.01, "format %zu: %g", n, tint(&s, first));
+        for (int i = 0; i < 32 * 24; i++)
+            CHECK(abs(s.out[3 * i] - s.out[3 * i + 1]) <= 1 && abs(s.out[3 * i + 2] - s.out[3 * i + 1]) <= 1);
+        memcpy(config.colour, second, sizeof second);
+        fake_v4l2_reconfigure(s.fake, &config);
+        double before = tint(&s, second), at_first = before;
+        for (int i = 0; i < 12 * FPS; i++) {
+            const pupil_coding last = s.colour.coding;
+            next(&s);
+            for (int k = 0; k < 3;
+                 k++) /* a frame moves a factor by a share of 1 / (1 + tau * fps) of the way at most */
+                CHECK(fabs(s.colour.coding.balance[k] - last.balance[k]) <
+                      (PUPIL_COLOUR_MOST - 1) / (1 + PUPIL_COLOUR_TAU_S * FPS) + 1e-6);
+            CHECK_MSG(tint(&s, second) <= before + 0.002, "from %g to %g", before, tint(&s, second));
+            before = tint(&s, second);
+        }
+        CHECK_MSG(at_first > 0.1 && tint(&s, second) < 0.01, "format %zu: %g, then %g", n, at_first, tint(&s, second));
+        for (int i = 0; i < 32 * 24; i++)
+            CHECK(abs(s.out[3 * i] - s.out[3 * i + 1]) <= 1 && abs(s.out[3 * i + 2] - s.out[3 * i + 1]) <= 1);
+        close_scene(&s);
+    }
+}
+
+/* The same way at any frame rate, within what the step's length makes; and twice the same bits. */
+static void test_rate(void)
+{
+    const pupil_colour_options automatic = {0};
+    float after[3][3];
+    for (int n = 0; n < 3; n++) {
+        fake_v4l2_config config = mosaic(V4L2_PIX_FMT_SRGGB16);
+        const double light[3] = {1, 0.5, 0.8};
+        config.fps = n == 1 ? 240 : FPS;
+        scene s = open_scene(&config, &automatic, NULL);
+        next(&s);
+        memcpy(config.colour, light, sizeof light);
+        fake_v4l2_reconfigure(s.fake, &config);
+        while (s.frame.info.timestamp_ns < 1500000000)
+            next(&s);
+        memcpy(after[n], s.colour.coding.balance, sizeof after[n]);
+        close_scene(&s);
+    }
+    CHECK(memcmp(after[0], after[2], sizeof after[0]) == 0);
+    CHECK_MSG(fabs(after[0][1] - after[1][1]) < 0.02, "%g at 30 a second, %g at 240", (double)after[0][1],
+              (double)after[1][1]);
+    CHECK_MSG(fabs(after[1][1] - (2 - exp(-1))) < 0.02, "%g", (double)after[1][1]); /* 1 to 2, after one tau */
+}
+
+/* Ten stops too much: white, whatever the factors and the matrix; and the factors stay. */
+static void test_full(void)
+{
+    const pupil_colour_options automatic = {0};
+    fake_v4l2_config config = mosaic(V4L2_PIX_FMT_SRGGB10);
+    const double light[3] = {0.5, 1, 0.4};
+    memcpy(config.colour, light, sizeof light);
+    scene s = open_scene(&config, &automatic, "ov5647"); /* it has a matrix, and no black level that is known */
+    CHECK(s.colour.coding.rgb_from_camera[0] > 1);
+    for (int i = 0; i < 3; i++)
+        next(&s);
+    const pupil_coding last = s.colour.coding;
+    CHECK(tint(&s, light) < 0.01 && last.balance[0] > 1.9f);
+    fake_v4l2_light(s.fake, 1024);
+    pupil_config bright;
+    pupil_config_default(&bright);
+    bright.lock = 1; /* as it was before the light */
+    CHECK(pupil_retune(&s.pupil, &bright) == PUPIL_OK);
+    for (int i = 0; i < 10; i++)
+        next(&s);
+    for (int i = 0; i < 32 * 24; i++)
+        CHECK_MSG(s.out[3 * i] == s.out[3 * i + 1] && s.out[3 * i + 2] == s.out[3 * i + 1] && s.out[3 * i] > 200,
+                  "%d %d %d", s.out[3 * i], s.out[3 * i + 1], s.out[3 * i + 2]);
+    CHECK(memcmp(&last, &s.colour.coding, sizeof last) == 0);
+    close_scene(&s);
+}
+
+/* Nothing is looked at, and no bit of the coding is another. */
+static void test_off(void)
+{
+    const pupil_colour_options off = {PUPIL_COLOUR_OFF, PUPIL_COLOUR_OFF, PUPIL_COLOUR_OFF, {0}, {0}, 0};
+    const pupil_colour_options automatic = {0};
+    fake_v4l2_config config = mosaic(V4L2_PIX_FMT_SGRBG10);
+    scene s = open_scene(&config, &off, "imx219");
+    const pupil_coding came = pupil_live_capture(s.source)->format.coding;
+    CHECK(!s.colour.follows && memcmp(&came, &s.colour.coding, sizeof came) == 0);
+    for (int i = 0; i < 3; i++)
+        next(&s);
+    CHECK(memcmp(&came, &s.colour.coding, sizeof came) == 0 && !s.colour.looked);
+    close_scene(&s);
+    config.only_format = V4L2_PIX_FMT_YUYV; /* no mosaic: nothing to follow */
+    s = open_scene(&config, &automatic, "imx219");
+    const pupil_coding yuv = pupil_live_capture(s.source)->format.coding;
+    CHECK(!s.colour.follows && memcmp(&yuv, &s.colour.coding, sizeof yuv) == 0);
+    close_scene(&s);
+}
+
+static void test_known(void)
+{
+    const pupil_colour_options automatic = {0}, given = {.balance = PUPIL_COLOUR_GIVEN,
+                                                         .matrix = PUPIL_COLOUR_GIVEN,
+                                                         .black = PUPIL_COLOUR_GIVEN,
+                                                         .given_balance = {2, 1, 1.5f},
+                                                         .given_matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                                         .given_black = 60};
+    const pupil_colour_options plain = {.balance = PUPIL_COLOUR_OFF};
+    static const struct {
+        uint32_t pixel;
+        float black;
+    } blacks[] = {{PUPIL_PIXEL_BAYER8, 16},   {PUPIL_PIXEL_BAYER10, 64}, {PUPIL_PIXEL_BAYER10P, 64},
+                  {PUPIL_PIXEL_BAYER12, 256}, {PUPIL_PIXEL_GREY12, 256}, {PUPIL_PIXEL_BAYER14, 1024},
+                  {PUPIL_PIXEL_BAYER16, 4096}};
+    pupil_camera_sensor imx219;
+    pupil_colour c;
+    char why[256];
+    CHECK(pupil_camera_find_sensor(NULL, "imx219 10-0010", &imx219, why, sizeof why) == 1);
+    for (size_t i = 0; i < sizeof blacks / sizeof blacks[0]; i++) { /* 64 of 10 bits, by its data sheet */
+        CHECK(pupil_colour_begin(&c, &automatic, NULL, blacks[i].pixel, &imx219, why, sizeof why) == 0);
+        CHECK_MSG(c.coding.black == blacks[i].black, "%g", (double)c.coding.black);
+    }
+    CHECK(memcmp(c.coding.rgb_from_camera, imx219.matrix, sizeof imx219.matrix) == 0);
+    const pupil_coding told = {.black = 50};
+    CHECK(pupil_colour_begin(&c, &automatic, &told, PUPIL_PIXEL_BAYER10, &imx219, why, sizeof why) == 0);
+    CHECK(c.coding.black == 50); /* the driver knows better */
+    CHECK(pupil_colour_begin(&c, &plain, NULL, PUPIL_PIXEL_BAYER10, &imx219, why, sizeof why) == 0);
+    CHECK(c.coding.rgb_from_camera[0] == 0 && c.coding.black == 64 && !c.follows);
+    CHECK(pupil_colour_begin(&c, &given, NULL, PUPIL_PIXEL_BAYER10, &imx219, why, sizeof why) == 0);
+    CHECK(c.coding.balance[0] == 2 && c.coding.rgb_from_camera[8] == 1 && c.coding.black == 60 && !c.follows);
+    pupil_colour_options wrong = given;
+    wrong.given_black = 1023;
+    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, why, sizeof why) == -1);
+    CHECK_MSG(strstr(why, "black must be"), "%s", why);
+    wrong = given;
+    wrong.given_balance[1] = 0;
+    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, why, sizeof why) == -1);
+    CHECK_MSG(strstr(why, "balance must be"), "%s", why);
+}
+
+/* Every matrix of the table leaves grey grey, which is what balance before it relies on. */
+static void test_table(void)
+{
+    static const char *const names[] = {"imx219", "imx477", "ov5647"};
+    char why[256];
+    for (size_t n = 0; n < sizeof names / sizeof names[0]; n++) {
+        pupil_camera_sensor s;
+        CHECK(pupil_camera_find_sensor(NULL, names[n], &s, why, sizeof why) == 1 && s.has_matrix);
+        for (int i = 0; i < 3; i++)
+            CHECK(fabs(s.matrix[3 * i] + s.matrix[3 * i + 1] + s.matrix[3 * i + 2] - 1) < 1e-4);
+    }
+}
+
+/* A large frame with one row in eight looked at each time: ramps and noise, whose average is not quite grey. */
+static void test_rows(void)
+{
+    const uint32_t width = 320, height = 512;
+    uint16_t *samples = calloc((size_t)width * height, sizeof *samples);
+    const pupil_image_const image = {
+        .data = samples, .stride_bytes = 2 * width, .width = width, .height = height, .pixel = PUPIL_PIXEL_BAYER16};
+    const pupil_colour_options automatic = {0};
+    const uint32_t light[3] = {10000, 20000, 16000}; /* of red, green and blue */
+    pupil_colour c;
+    pupil_frame_info info = {0};
+    char why[256];
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++)
+            samples[(size_t)y * width + x] =
+                (uint16_t)(light[y % 2 + x % 2] * (1 + y / 2 % 2) + check_random() % 1000); /* RGGB */
+    CHECK(pupil_colour_begin(&c, &automatic, NULL, image.pixel, NULL, why, sizeof why) == 0);
+    for (int i = 0; i < 300; i++) {
+        info.timestamp_ns = 1000000 + i * INT64_C(33333333);
+        pupil_colour_frame(&c, &image, &info);
+    }
+    const double most = 1.5 * 20000 + 499.5; /* of green in the mean, with the noise */
+    for (int k = 0; k < 3; k++)
+        CHECK_MSG(fabs((double)c.coding.balance[k] / (most / (1.5 * light[k] + 499.5)) - 1) < 0.005, "channel %d: %g",
+                  k, (double)c.coding.balance[k]);
+    free(samples);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    test_grey();
+    test_rate();
+    test_full();
+    test_off();
+    test_known();
+    test_table();
+    test_rows();
+    return check_end();
+}

@@ -1,0 +1,184 @@
+/* capture.c: runs in the guest (test_capture.sh). Frames of vivid through the driver that pupil has for cameras: every
+ * format that is read, from each kind of buffer and each kind of input, held against the pattern that vivid draws; and
+ * our own frames over its HDMI cable, bit by bit.
+ *
+ * capture [smoke]: a few formats only. */
+#include <errno.h>
+#include <linux/videodev2.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "check.h"
+#include "v4l2/v4l2_modes.h"
+#include "v4l2/v4l2_source.h"
+#include "vm/loop.h"
+#include "vm/node.h"
+#include "vm/pattern.h"
+
+static char why[PUPIL_WHY_BYTES];
+static unsigned formats_seen;
+
+/* ---- kinds of memory ----------------------------------------------------------------------------------------------
+ */
+
+/* A kernel without buffers of its own. */
+static int ioctl_without_mmap(void *context, int fd, unsigned long request, void *argument)
+{
+    const struct v4l2_requestbuffers *r = argument;
+    if (request == VIDIOC_REQBUFS && r->memory == V4L2_MEMORY_MMAP && r->count) {
+        errno = EINVAL;
+        return -1;
+    }
+    return pupil_v4l2_kernel.ioctl(context, fd, request, argument);
+}
+
+typedef enum memory_mode { MEMORY_MMAP, MEMORY_SHARED, MEMORY_USERPTR, MEMORY_MODES } memory_mode;
+static const char *const memory_names[] = {"MMAP", "MMAP and EXPBUF", "USERPTR"};
+
+/* The frame that is out is the same memory through its dma-buf. */
+static void check_shared_buffer(const pupil_v4l2_capture *c, const pupil_v4l2_frame *frame, const char *what)
+{
+    const pupil_v4l2_buffer *b = &c->buffer[frame->index];
+    for (uint32_t i = 0; i < c->format.buffers; i++) {
+        CHECK_MSG(b->dmabuf[i] >= 0, "%s: no dma-buf", what);
+        if (b->dmabuf[i] < 0)
+            continue;
+        void *memory = mmap(NULL, b->bytes[i], PROT_READ, MAP_SHARED, b->dmabuf[i], 0);
+        CHECK_MSG(memory != MAP_FAILED && memcmp(memory, b->memory[i], b->bytes[i]) == 0, "%s: another frame", what);
+        if (memory != MAP_FAILED)
+            munmap(memory, b->bytes[i]);
+    }
+}
+
+/* ---- a stream and its pattern -------------------------------------------------------------------------------------
+ */
+
+/* Frames until one has the pattern, which frames that were filled before it was set have not; and one more. */
+static void check_pattern(pupil_source *source, int fd, int pattern, memory_mode mode, const char *what)
+{
+    const pupil_v4l2_capture *c = pupil_v4l2_source_capture(source);
+    double off = INFINITY;
+    int right = 0;
+    if (node_set(fd, "Test Pattern", pattern) != 0)
+        CHECK_MSG(0, "%s: no pattern %d", what, pattern);
+    for (uint32_t i = 0; i <= c->buffers + 3 && right < 2; i++) {
+        pupil_frame frame;
+        const int got = pupil_source_next(source, &frame, why, sizeof why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %d, %s", what, got, why);
+        if (got != PUPIL_SOURCE_FRAME)
+            return;
+        /* Half of the first line of a 625-line system is data, and random. */
+        off = pattern_off(&frame.image, &c->format, pattern, c->format.height == 576);
+        right = off <= pattern_tolerance(&c->format, pattern) ? right + 1 : 0;
+        if (right && mode == MEMORY_SHARED)
+            check_shared_buffer(c, pupil_v4l2_source_frame(source), what);
+        pupil_source_done(source, &frame);
+    }
+    CHECK_MSG(right == 2, "%s: pattern %d is off by %g codes", what, pattern, off);
+}
+
+static void check_format(const char *path, int fd, const pupil_v4l2_options *asked, memory_mode mode, const char *input)
+{
+    static const int patterns[] = {PATTERN_CHECKERS, PATTERN_RED, PATTERN_BLUE};
+    pupil_v4l2_options o = *asked;
+    pupil_v4l2_system without_mmap = pupil_v4l2_kernel;
+    pupil_source *source = NULL;
+    char what[128];
+    const node_held before = node_holds();
+    without_mmap.ioctl = ioctl_without_mmap;
+    o.system = mode == MEMORY_USERPTR ? &without_mmap : NULL;
+    o.share = mode == MEMORY_SHARED;
+    snprintf(what, sizeof what, "%s, %s, %s, %ux%u", input, pupil_v4l2_fourcc_name(o.fourcc).text, memory_names[mode],
+             o.width, o.height);
+    const int failed = pupil_v4l2_source_open(path, NULL, &o, &source, why, sizeof why);
+    /* RGB with the transfer function of BT.709 is what vivid says of HDMI, and is refused. */
+    if (failed && strstr(why, "RGB of another transfer function") && strcmp(input, "HDMI") == 0)
+        return;
+    CHECK_MSG(!failed, "%s: %s", what, why);
+    if (failed)
+        return;
+    const pupil_v4l2_capture *c = pupil_v4l2_source_capture(source);
+    CHECK_MSG(c->memory == (mode == MEMORY_USERPTR ? V4L2_MEMORY_USERPTR : V4L2_MEMORY_MMAP), "%s", what);
+    for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++)
+        check_pattern(source, fd, patterns[i], mode, what);
+    const pupil_v4l2_counts *counts = &c->counts;
+    CHECK_MSG(counts->flagged == 0 && counts->cut == 0 && counts->unstamped == 0, "%s: %llu flagged, %llu cut", what,
+              (unsigned long long)counts->flagged, (unsigned long long)counts->cut);
+    pupil_source_close(source);
+    const node_held after = node_holds();
+    CHECK_MSG(after.files == before.files && after.maps == before.maps, "%s: %d files and %d maps are left", what,
+              after.files - before.files, after.maps - before.maps);
+    formats_seen++;
+}
+
+/* Every format that is read, the kinds of memory by turns; all of them for the first. */
+static void check_formats(const char *path, int fd, const pupil_v4l2_options *o, const char *input, int smoke)
+{
+    pupil_v4l2_device device;
+    pupil_v4l2_modes modes;
+    unsigned n = 0;
+    const unsigned before = formats_seen;
+    CHECK_MSG(pupil_v4l2_device_open(&device, NULL, path, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_v4l2_modes_read(&device, &modes, why, sizeof why) == 0, "%s", why);
+    pupil_v4l2_device_close(&device);
+    for (uint32_t i = 0; i < modes.count; i++) {
+        pupil_v4l2_options one = *o;
+        const int is_read = pupil_v4l2_pixel_of(modes.mode[i].fourcc) != PUPIL_PIXEL_NONE;
+        if (!is_read || (smoke && n % 6))
+            n += is_read;
+        else {
+            one.fourcc = modes.mode[i].fourcc;
+            for (memory_mode mode = MEMORY_MMAP; mode < MEMORY_MODES; mode++)
+                if (n == 0 || n % MEMORY_MODES == (unsigned)mode)
+                    check_format(path, fd, &one, mode, input);
+            n++;
+        }
+    }
+    pupil_v4l2_modes_free(&modes);
+    CHECK_MSG(n >= 20, "%s: only %u formats", input, n);
+    printf("%s, %s: %u formats, %u streams\n", path, input, n, formats_seen - before);
+}
+
+/* vivid's inputs (the module's input_types): 0 webcam, 1 TV, 2 S-Video, 3 HDMI. */
+static void check_camera(const char *path, int smoke)
+{
+    const pupil_v4l2_options webcam = {.width = 320, .height = 180, .fps = 60, .buffers = 2, .timeout_s = 20};
+    const pupil_v4l2_options vga = {.width = 640, .height = 480, .buffers = 2, .timeout_s = 20};
+    const pupil_v4l2_options as_it_is = {.fourcc = V4L2_PIX_FMT_YUYV, .timeout_s = 20};
+    const int fd = node_open(path);
+    CHECK(fd >= 0 && node_set(fd, "OSD Text Mode", 2) == 0); /* nothing written into the picture */
+    CHECK(node_input(fd, 0) == 0);
+    check_formats(path, fd, &webcam, "webcam", smoke);
+    CHECK(node_input(fd, 3) == 0 && node_timings(fd, 640, 480, 60) == 0);
+    check_formats(path, fd, &vga, "HDMI", smoke);
+    for (int input = 1; input <= 2; input++) { /* interlaced, as one frame */
+        CHECK(node_input(fd, input) == 0);
+        check_format(path, fd, &as_it_is, MEMORY_MMAP, input == 1 ? "TV" : "S-Video");
+    }
+    close(fd);
+}
+
+int main(int argc, char **argv)
+{
+    const int smoke = argc > 1 && strcmp(argv[1], "smoke") == 0;
+    char path[2][32], monitor[32];
+    check_begin(argc - smoke, argv + smoke);
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    CHECK(node_find("vivid", 0, 0, path[0]) == 0);
+    check_camera(path[0], smoke);
+    if (!smoke) {
+        CHECK(node_find("vivid", 0, 1, path[1]) == 0 && node_find("vivid", 1, 0, monitor) == 0);
+        const int fd = node_open(path[1]);
+        const pupil_v4l2_options vga = {
+            .fourcc = V4L2_PIX_FMT_NV12M, .width = 640, .height = 480, .buffers = 2, .timeout_s = 20};
+        CHECK(fd >= 0 && node_set(fd, "OSD Text Mode", 2) == 0 && node_input(fd, 3) == 0 &&
+              node_timings(fd, 640, 480, 60) == 0);
+        for (memory_mode mode = MEMORY_MMAP; mode < MEMORY_MODES; mode++)
+            check_format(path[1], fd, &vga, mode, "HDMI, multi-planar");
+        close(fd);
+        check_loop(path[0], monitor);
+    }
+    printf("%u streams\n", formats_seen);
+    return check_end();
+}

@@ -1,0 +1,323 @@
+/* uvc.c: uvc CAMERA: runs in the guest (test_uvc.sh). The closed loop on the kernel's uvcvideo: a camera in user space
+ * (CAMERA: uvc_camera.c) answers exposure time and gain, and the light changes.
+ *
+ * Held: what pupil sets, the picture shows; the level settles in as many frames as the controller promises
+ * (docs/sensor.md, Measured) and stays; the controls are the user's again afterwards; unplugging ends it, or, where it
+ * is told to wait, does not. */
+#include <math.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "check.h"
+#include "live/live.h"
+#include "pupil/pupil.h"
+#include "vm/node.h"
+#include "vm/uvc_camera.h"
+
+#define FPS       15.0 /* slow, so that an emulated machine has time for what a frame brings */
+#define TIMEOUT_S 10.0
+
+static char why[PUPIL_WHY_BYTES], path[32];
+static const char *program;
+static pid_t process;
+
+/* ---- the camera ---------------------------------------------------------------------------------------------------
+ */
+
+static void camera_plug(const char *answers)
+{
+    process = fork();
+    if (process == 0) {
+        execl(program, program, answers, (char *)NULL);
+        _exit(127);
+    }
+    for (int i = 0; i < 200 && node_find("uvcvideo", 0, 0, path) != 0; i++)
+        usleep(100000);
+    CHECK_MSG(node_find("uvcvideo", 0, 0, path) == 0, "there is no camera after 20 s");
+}
+
+static void camera_unplug(void)
+{
+    kill(process, SIGTERM);
+    waitpid(process, NULL, 0);
+    char unused[32];
+    for (int i = 0; i < 200 && node_find("uvcvideo", 0, 0, unused) == 0; i++)
+        usleep(100000);
+}
+
+static uvc_truth read_truth(const pupil_image_const *image)
+{
+    const unsigned char *row = image->data;
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < UVC_TRUTH_BITS; i++)
+        bits |= (uint64_t)(row[2 * (i * UVC_TRUTH_PIXELS + UVC_TRUTH_PIXELS / 2)] > 128) << i;
+    return (uvc_truth){bits & 0xffff, bits >> 16 & 0xfff, bits >> 28 & 15, bits >> 32 & 1};
+}
+
+/* log2 of the picture's mean, as long as nothing is clipped. */
+static double level_of(const uvc_truth *t)
+{
+    return log2(UVC_LIGHT * t->exposure_100us / 100.0 * t->gain_16ths / 16.0) + 3.0 * ((int)t->light - 8);
+}
+
+/* ---- the loop -----------------------------------------------------------------------------------------------------
+ */
+
+typedef struct loop {
+    pupil_source *source;
+    pupil_t pupil;
+    pupil_sensor sensor;
+    pupil_sensor_config config;
+    pupil_sensor_setting setting;
+    int is_linear;   /* the camera's luma is light, which YUYV cannot say */
+    double error_ev; /* of the last frame, from the key */
+    uvc_truth truth; /* of the last frame */
+    uint64_t sequence;
+    double worst_ev; /* how far a frame's level was from what its truth makes */
+    unsigned truths; /* frames that were compared so */
+    uint64_t asked_at, delay;
+} loop;
+
+static int loop_open(loop *l, int is_linear, double reopen_s)
+{
+    const pupil_live_options options = {
+        .capture = {.width = 320, .height = 240, .fps = FPS, .timeout_s = TIMEOUT_S, .reopen_s = reopen_s}};
+    pupil_config config;
+    memset(l, 0, sizeof *l);
+    l->is_linear = is_linear;
+    const int failed = pupil_live_open(path, NULL, &options, &l->source, why, sizeof why);
+    CHECK_MSG(!failed, "%s", why);
+    if (failed)
+        return -1;
+    CHECK_MSG(pupil_live_camera(l->source) != NULL, "%s", pupil_live_no_controls(l->source));
+    pupil_config_default(&config);
+    config.histogram = 1;
+    CHECK(pupil_init(&l->pupil, &config) == PUPIL_OK);
+    pupil_sensor_config_default(&l->config);
+    l->config.frame_s = 1.0 / FPS;
+    if (pupil_live_camera(l->source))
+        pupil_camera_configure(pupil_live_camera(l->source), &l->config);
+    CHECK(pupil_sensor_init(&l->sensor, &l->config) == PUPIL_OK);
+    return pupil_live_camera(l->source) ? 0 : -1;
+}
+
+/* How many frames after an ask the picture has it: what a busy machine takes for a write is no fault of the loop's. */
+static void follow_delay(loop *l)
+{
+    const int is_there = fabs(l->setting.exposure_s * 1e4 - l->truth.exposure_100us) < 1.5 &&
+                         fabs(l->setting.gain * 16.0 - l->truth.gain_16ths) < 1.5;
+    if (!l->asked_at || !is_there)
+        return;
+    l->delay = l->sequence - l->asked_at > l->delay ? l->sequence - l->asked_at : l->delay;
+    l->asked_at = 0;
+}
+
+/* One frame: PUPIL_SOURCE_FRAME, or what ended it. */
+static int loop_frame(loop *l)
+{
+    static pupil_stats stats;
+    pupil_frame frame;
+    double mean = 0.0;
+    const int got = pupil_source_next(l->source, &frame, why, sizeof why);
+    if (got != PUPIL_SOURCE_FRAME)
+        return got;
+    l->truth = read_truth(&frame.image);
+    l->sequence = frame.info.sequence;
+    pupil_image_const picture = pupil_image_rows(frame.image, 1, frame.image.height - 1);
+    pupil_coding coding = *picture.coding;
+    if (l->is_linear)
+        coding.light = PUPIL_LIGHT_LINEAR;
+    picture.coding = &coding;
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(&l->pupil, &picture, 0, picture.height, &stats) == PUPIL_OK);
+    CHECK(pupil_stats_mean(&stats, 0.0, 1.0, &mean) == PUPIL_OK);
+    l->error_ev = mean - log2(l->config.key);
+    if (level_of(&l->truth) < -UVC_STOPS / 2 && level_of(&l->truth) > -4.0 && !l->truth.automatic) {
+        l->worst_ev = fmax(l->worst_ev, fabs(mean - level_of(&l->truth)));
+        l->truths++;
+    }
+    CHECK(pupil_sensor_frame(&l->sensor, &stats, &frame.info) == PUPIL_OK);
+    CHECK(pupil_sensor_get(&l->sensor, &l->setting) == PUPIL_OK);
+    follow_delay(l);
+    if (l->setting.changed && pupil_live_camera(l->source)) { /* one that just came back may have none yet */
+        const pupil_camera_setting wanted = {.exposure_s = l->setting.exposure_s, .gain = l->setting.gain};
+        pupil_camera_ask(pupil_live_camera(l->source), &wanted);
+        l->asked_at = l->sequence;
+    }
+    pupil_source_done(l->source, &frame);
+    return PUPIL_SOURCE_FRAME;
+}
+
+/* Further off than far_ev it steps, and steps of less than hold_ev are not made; the camera's steps of gain and
+ * exposure round down by a sixteenth and a hundredth. What is left is the slow filter's. */
+static int is_right(const loop *l)
+{
+    const double near_ev = l->config.far_ev + l->config.hold_ev;
+    return l->error_ev < near_ev && l->error_ev > -near_ev - log2(17.0 / 16.0) - log2(1.01);
+}
+
+/* Frames, counted by the camera, from the first with this light until the level is right and stays so for eight. */
+static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
+{
+    uint64_t first = 0, right_from = 0;
+    unsigned right = 0;
+    for (int i = 0; i < 150 && right < 8; i++) {
+        const int got = loop_frame(l);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", what, why);
+        if (got != PUPIL_SOURCE_FRAME)
+            return;
+        if (l->truth.light != light)
+            continue;
+        first = first ? first : l->sequence + 1; /* 0: none yet */
+        right_from = right ? right_from : l->sequence + 1;
+        right = is_right(l) ? right + 1 : 0;
+    }
+    /* A reaction takes delay_frames at most; another look comes as many later. */
+    const uint64_t believed = l->config.delay_frames, took = right_from - first;
+    const unsigned promised = (unsigned)((2 * looks - 1) * believed);
+    CHECK_MSG(right == 8, "%s: not right", what);
+    if (l->delay > believed) /* the promise is for delays that the controller was told of */
+        printf("%s: a setting took %llu frames on this busy machine\n", what, (unsigned long long)l->delay);
+    else
+        CHECK_MSG(took <= promised, "%s: %llu frames; promised in %u", what, (unsigned long long)took, promised);
+    printf("%s: %llu frames (promised: %u), then %.3f EV off, exposure %.2f ms, gain %.2f\n", what,
+           (unsigned long long)took, promised, l->error_ev, l->truth.exposure_100us / 10.0, l->truth.gain_16ths / 16.0);
+}
+
+/* At rest: the level does not wander, and what is said to be in force is. */
+static void rest(loop *l, const char *what)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (int i = 0; i < 20; i++) {
+        pupil_camera_status status;
+        CHECK(loop_frame(l) == PUPIL_SOURCE_FRAME);
+        least = fmin(least, l->error_ev);
+        most = fmax(most, l->error_ev);
+        pupil_camera_get_status(pupil_live_camera(l->source), &status);
+        if (i >= 12 && status.asks == status.written)
+            CHECK_MSG(fabs(status.exposure_s.taken * 1e4 - l->truth.exposure_100us) < 0.5 &&
+                          fabs(status.gain.taken * 16.0 - l->truth.gain_16ths) < 0.5,
+                      "%s: %g s, gain %g are said to be in force; the frame has %u and %u", what,
+                      status.exposure_s.taken, status.gain.taken, l->truth.exposure_100us, l->truth.gain_16ths);
+    }
+    CHECK_MSG(most - least < 0.112, "%s: %g EV from end to end at rest", what, most - least);
+}
+
+/* ---- the tests ----------------------------------------------------------------------------------------------------
+ */
+
+static const char *const names[] = {"Auto Exposure", "Exposure Time, Absolute", "Exposure, Dynamic Framerate", "Gain"};
+#define NAMES (sizeof names / sizeof names[0])
+
+/* Once around: brighter, darker, much brighter (clipped), much darker. */
+static void test_loop(const char *answers)
+{
+    static loop l;
+    int before[NAMES], after[NAMES];
+    char what[64];
+    camera_plug(answers);
+    const int fd = node_open(path);
+    CHECK(node_set(fd, names[0], 1) == 0 && node_set(fd, names[1], 77) == 0 && node_set(fd, names[2], 1) == 0 &&
+          node_set(fd, names[3], 40) == 0 && node_set(fd, names[0], 3) == 0);
+    for (size_t i = 0; i < NAMES; i++)
+        CHECK(node_get(fd, names[i], &before[i]) == 0);
+    if (loop_open(&l, strcmp(answers, "linear") == 0, 0.0) == 0) {
+        static const struct {
+            const char *name;
+            int signal, times;
+            unsigned
+                looks; /* a second one: 8 bits have too little in the dark, and clipped light has no number; a third
+                        * where it is below one code, or the first frames are of settings that nobody knows */
+        } steps[] = {{"from automatic", 0, 0, 3},
+                     {"-3 EV", UVC_DARKER, 1, 2},
+                     {"+3 EV", UVC_BRIGHTER, 1, 2},
+                     {"+6 EV", UVC_BRIGHTER, 2, 3},
+                     {"-6 EV", UVC_DARKER, 2, 4}};
+        uint32_t light = 8;
+        for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+            for (int k = 0; k < steps[i].times; k++) {
+                kill(process, steps[i].signal);
+                light += steps[i].signal == UVC_BRIGHTER ? 1u : -1u;
+                usleep(2000); /* signals of a kind that wait count as one */
+            }
+            snprintf(what, sizeof what, "%s, %s", answers, steps[i].name);
+            settle(&l, light, steps[i].looks, what);
+            rest(&l, what);
+        }
+        CHECK_MSG(l.truths > 100 && l.worst_ev < 0.1, "%s: %u frames, and one is %g EV from what its setting makes",
+                  answers, l.truths, l.worst_ev);
+        printf("%s: %u frames show what was set, %.3f EV off at most\n", answers, l.truths, l.worst_ev);
+        pupil_source_close(l.source);
+    }
+    for (size_t i = 0; i < NAMES; i++) {
+        CHECK(node_get(fd, names[i], &after[i]) == 0);
+        CHECK_MSG(after[i] == before[i], "%s was %d and is %d", names[i], before[i], after[i]);
+    }
+    close(fd);
+    camera_unplug();
+}
+
+static void test_unplugged(void)
+{
+    static loop l;
+    const node_held before = node_holds();
+    camera_plug("display");
+    if (loop_open(&l, 0, 0.0) == 0) {
+        int got = PUPIL_SOURCE_FRAME;
+        for (int i = 0; i < 40 && got == PUPIL_SOURCE_FRAME; i++) {
+            if (i == 10)
+                kill(process, SIGTERM);
+            got = loop_frame(&l);
+        }
+        CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why, "the camera was unplugged"), "%d, %s", got, why);
+        printf("unplugged: %s\n", why);
+        pupil_source_close(l.source);
+    }
+    camera_unplug();
+    const node_held after = node_holds();
+    CHECK_MSG(after.files == before.files && after.maps == before.maps, "%d files and %d maps are left",
+              after.files - before.files, after.maps - before.maps);
+}
+
+/* Unplugged, and plugged in again: it goes on, and under control. */
+static void test_back(void)
+{
+    static loop l;
+    camera_plug("display");
+    if (loop_open(&l, 0, 20.0) == 0) {
+        for (int i = 0; i < 10; i++)
+            CHECK_MSG(loop_frame(&l) == PUPIL_SOURCE_FRAME, "%s", why);
+        kill(process, SIGTERM);
+        waitpid(process, NULL, 0);
+        process = fork();
+        if (process == 0) {
+            sleep(2);
+            execl(program, program, "display", (char *)NULL);
+            _exit(127);
+        }
+        int manual = 0;
+        for (int i = 0; i < 60; i++) {
+            CHECK_MSG(loop_frame(&l) == PUPIL_SOURCE_FRAME, "%s", why);
+            manual = l.truth.automatic ? 0 : manual + 1;
+        }
+        CHECK_MSG(manual >= 30, "of sixty frames the last %d were steered", manual);
+        CHECK(pupil_live_capture(l.source)->counts.reopened == 1);
+        pupil_source_close(l.source);
+    }
+    camera_unplug();
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2)
+        return 2;
+    program = argv[1];
+    check_begin(argc - 1, argv + 1);
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    test_loop("linear");
+    test_loop("display");
+    test_unplugged();
+    test_back();
+    return check_end();
+}

@@ -1,0 +1,32 @@
+/* tests/vm/uvc_camera.h: a USB camera in user space, which the kernel's uvcvideo takes for one of its own.
+ *
+ * It is the far end of a USB/IP connection (the kernel's vhci_hcd) and speaks the USB Video Class 1.1 there: YUYV in
+ * bulk transfers, 320x240 and 640x480 at 30 and 15 frames a second, and the controls that webcams have: automatic
+ * exposure (manual, aperture priority), its priority over the frame rate, exposure time in 100 us, gain in 16ths.
+ *
+ * Its picture is light times exposure time times gain, the same in every column of a ramp of four stops, as luma:
+ * proportional to light, or with sRGB's curve, as displays want it. The first row tells the truth about the frame.
+ */
+#ifndef PUPIL_TESTS_VM_UVC_CAMERA_H
+#define PUPIL_TESTS_VM_UVC_CAMERA_H
+
+#include <stdint.h>
+
+/* Signals to its process: the light eight times as strong, an eighth. SIGTERM: unplugged. */
+#define UVC_BRIGHTER SIGUSR1
+#define UVC_DARKER   SIGUSR2
+
+#define UVC_STOPS 4.0 /* of the ramp, around its middle */
+#define UVC_LIGHT 0.1 /* the ramp's middle at 10 ms, gain 1 and no signal */
+
+/* What the first row tells, in luma, 8 pixels a bit, the lowest bit first: 16 or 235. */
+typedef struct uvc_truth {
+    uint32_t exposure_100us; /* 16 bits */
+    uint32_t gain_16ths;     /* 12 bits */
+    uint32_t light;          /* 4 bits: the factor is 8^(light - 8) */
+    uint32_t automatic;      /* 1 bit */
+} uvc_truth;
+#define UVC_TRUTH_BITS   33
+#define UVC_TRUTH_PIXELS 8
+
+#endif
