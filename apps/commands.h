@@ -8,6 +8,7 @@ int render_main(int argc, char **argv);
 int study_main(int argc, char **argv);
 int bench_main(int argc, char **argv);
 int list_main(int argc, char **argv);
+int probe_main(int argc, char **argv);
 int record_main(int argc, char **argv);
 
 #endif

@@ -1,8 +1,10 @@
-/* apps/json_absent.c: in the place of stats_json.c and list_json.c where the program is built without cJSON. */
+/* apps/json_absent.c: in the place of stats_json.c, list_json.c and probe_json.c where the program is built without
+ * cJSON. */
 #include <stdlib.h>
 
 #include "file/sink_common.h"
 #include "list.h"
+#include "probe.h"
 #include "stats_file.h"
 
 int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
@@ -20,11 +22,17 @@ int pupil_stats_json_line(FILE *file, const pupil_record *record)
 
 const char *list_json_refusal(void)
 {
-    return "this program was built without cJSON (PUPIL_JSON=OFF); without --json the list is text";
+    return "this program was built without cJSON (PUPIL_JSON=OFF); without --json it is text";
 }
 
 char *list_json(const list_camera *cameras, size_t count)
 {
     (void)cameras, (void)count;
     abort(); /* nor here */
+}
+
+char *probe_json(const probe_report *report)
+{
+    (void)report;
+    abort();
 }

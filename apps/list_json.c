@@ -1,5 +1,6 @@
 /* apps/list_json.c: the list of cameras as JSON. */
-#include <cjson/cJSON.h>
+#include "list_json.h"
+
 #include <stdlib.h>
 
 #include "list.h"
@@ -11,7 +12,7 @@ const char *list_json_refusal(void)
     return NULL;
 }
 
-static int add_text(cJSON *object, const char *name, const char *text)
+int list_json_text(cJSON *object, const char *name, const char *text)
 {
     char *copy = utf8_of(text);
     const int added = copy && cJSON_AddStringToObject(object, name, copy);
@@ -42,8 +43,8 @@ static int add_mode(cJSON *formats, const pupil_v4l2_mode *mode)
     cJSON *object = cJSON_CreateObject(), *sizes = NULL;
     if (!object || !cJSON_AddItemToArray(formats, object))
         return 0;
-    int added = add_text(object, "fourcc", pupil_v4l2_fourcc_name(mode->fourcc).text) &&
-                add_text(object, "description", mode->description) &&
+    int added = list_json_text(object, "fourcc", pupil_v4l2_fourcc_name(mode->fourcc).text) &&
+                list_json_text(object, "description", mode->description) &&
                 cJSON_AddBoolToObject(object, "read", mode->read) &&
                 (sizes = cJSON_AddArrayToObject(object, "sizes")) != NULL;
     for (uint32_t i = 0; added && i < mode->sizes; i++)
@@ -51,17 +52,23 @@ static int add_mode(cJSON *formats, const pupil_v4l2_mode *mode)
     return added;
 }
 
+int list_json_camera(cJSON *object, const pupil_v4l2_device *device, const pupil_v4l2_modes *modes)
+{
+    cJSON *formats = NULL;
+    int added = list_json_text(object, "path", device->path) && list_json_text(object, "name", device->name) &&
+                list_json_text(object, "driver", device->driver) && list_json_text(object, "bus", device->bus) &&
+                (formats = cJSON_AddArrayToObject(object, "formats")) != NULL;
+    for (uint32_t i = 0; added && i < modes->count; i++)
+        added = add_mode(formats, &modes->mode[i]);
+    return added;
+}
+
 static int add_camera(cJSON *list, const list_camera *camera)
 {
-    cJSON *object = cJSON_CreateObject(), *formats = NULL;
+    cJSON *object = cJSON_CreateObject();
     if (!object || !cJSON_AddItemToArray(list, object))
         return 0;
-    int added = add_text(object, "path", camera->device.path) && add_text(object, "name", camera->device.name) &&
-                add_text(object, "driver", camera->device.driver) && add_text(object, "bus", camera->device.bus) &&
-                (formats = cJSON_AddArrayToObject(object, "formats")) != NULL;
-    for (uint32_t i = 0; added && i < camera->modes.count; i++)
-        added = add_mode(formats, &camera->modes.mode[i]);
-    return added;
+    return list_json_camera(object, &camera->device, &camera->modes);
 }
 
 char *list_json(const list_camera *cameras, size_t count)

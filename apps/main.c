@@ -16,6 +16,7 @@ static const char help[] = "usage: pupil COMMAND ...\n"
                            "  study    the study of adaptation made again: tables, videos, acceptance\n"
                            "  bench    how long things take, beside what they cannot be faster than\n"
                            "  list     the cameras that are there, and what they offer\n"
+                           "  probe    what a camera is, and, measured in its picture, what it does\n"
                            "  help     this text, or 'pupil help COMMAND'\n"
                            "  version  the version of the program and of the library\n"
                            "'pupil COMMAND --help' fits a screen; 'man pupil' tells all.\n";
@@ -37,7 +38,7 @@ static command_main *find(const char *name)
         const char *name;
         command_main *run;
     } commands[] = {{"run", run_main},     {"replay", replay_main}, {"render", render_main}, {"study", study_main},
-                    {"bench", bench_main}, {"list", list_main},     {"record", record_main}};
+                    {"bench", bench_main}, {"list", list_main},     {"record", record_main}, {"probe", probe_main}};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(name, commands[i].name) == 0)
             return commands[i].run;

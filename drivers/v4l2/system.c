@@ -101,9 +101,20 @@ static ssize_t kernel_write(void *context, int fd, const void *data, size_t byte
     return write(fd, data, bytes);
 }
 
+static int64_t kernel_read_ns(void *context, const void *memory, size_t bytes)
+{
+    const volatile uint64_t *words = memory; /* volatile: every one of them is read */
+    uint64_t sum = 0;
+    const int64_t began_ns = kernel_now_ns(context);
+    for (size_t i = 0; i < bytes / sizeof *words; i++)
+        sum += words[i];
+    (void)sum;
+    return kernel_now_ns(context) - began_ns;
+}
+
 const pupil_v4l2_system pupil_v4l2_kernel = {
-    NULL,        kernel_open,   kernel_close, kernel_ioctl,         kernel_mmap,        kernel_munmap,
-    kernel_poll, kernel_now_ns, kernel_list,  kernel_device_number, kernel_device_name, kernel_write,
+    NULL,          kernel_open, kernel_close,         kernel_ioctl,       kernel_mmap,  kernel_munmap,  kernel_poll,
+    kernel_now_ns, kernel_list, kernel_device_number, kernel_device_name, kernel_write, kernel_read_ns,
 };
 
 int pupil_v4l2_ioctl(const pupil_v4l2_system *system, int fd, unsigned long request, void *argument)

@@ -28,6 +28,13 @@ static int failed(const pupil_v4l2_capture *c, const char *what, int error, char
     return error == ENODEV ? PUPIL_V4L2_GONE : error == EIO ? PUPIL_V4L2_STOPPED : PUPIL_V4L2_FAILED;
 }
 
+const char *pupil_v4l2_reading_name(uint32_t reading)
+{
+    static const char *const names[] = {"mapped",   "mapped with cache hints", "this program's memory",
+                                        "dma-heap", "the caller's dma-bufs",   "copied"};
+    return reading < PUPIL_V4L2_READS_COUNT ? names[reading] : "-";
+}
+
 /* ---- begin and end ------------------------------------------------------------------------------------------------
  */
 
@@ -125,16 +132,18 @@ static int dequeue(pupil_v4l2_capture *c, done_buffer *d, char *why, size_t why_
 
 static int give_back(pupil_v4l2_capture *c, uint32_t index, char *why, size_t why_bytes)
 {
+    pupil_v4l2_buffer_unread(c, index);
     return pupil_v4l2_buffer_queue(c, index) == 0 ? 0 : failed(c, "takes no buffer back", errno, why, why_bytes);
 }
 
 /* Where an area's pixels begin, how many bytes it has from there on, and whether all of them are there. */
-static int find_area(const pupil_v4l2_capture *c, const done_buffer *d, uint32_t area, uint32_t *offset, size_t *bytes)
+static int find_area(pupil_v4l2_capture *c, const done_buffer *d, uint32_t area, uint32_t *offset, size_t *bytes)
 {
     const int multi = c->device.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
     const uint32_t used = multi ? d->planes[area].bytesused : d->b.bytesused;
     *offset = multi ? d->planes[area].data_offset : 0;
     *bytes = *offset <= used ? used - *offset : 0;
+    c->buffer[d->b.index].used[area] = used;
     return used <= c->buffer[d->b.index].bytes[area] && *bytes >= c->format.needs_bytes[area];
 }
 
@@ -171,7 +180,9 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
 {
     const pupil_v4l2_format *f = &c->format;
     const pupil_v4l2_buffer *buffer = &c->buffer[d->b.index];
-    const unsigned char *data = (const unsigned char *)buffer->memory[0] + frame->offset_bytes[0];
+    const unsigned char *const area[2] = {buffer->copy[0] ? buffer->copy[0] : buffer->memory[0],
+                                          buffer->copy[1] ? buffer->copy[1] : buffer->memory[1]};
+    const unsigned char *data = area[0] + frame->offset_bytes[0];
     frame->index = d->b.index;
     frame->image = (pupil_image_const){.data = data,
                                        .stride_bytes = (ptrdiff_t)f->stride_bytes[0],
@@ -185,8 +196,7 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
         frame->image.data = NULL;
     }
     if (f->pixel == PUPIL_PIXEL_NV12) {
-        frame->image.chroma = f->buffers == 2 ? (const unsigned char *)buffer->memory[1] + frame->offset_bytes[1]
-                                              : data + f->chroma_bytes;
+        frame->image.chroma = f->buffers == 2 ? area[1] + frame->offset_bytes[1] : data + f->chroma_bytes;
         frame->image.chroma_stride_bytes = (ptrdiff_t)f->stride_bytes[1];
     }
 }
@@ -301,6 +311,12 @@ int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, char
         if (got == PUPIL_V4L2_FRAME) {
             if (c->options.newest)
                 skip_to_newest(c, &d, frame);
+            if (pupil_v4l2_buffer_read(c, d.b.index) != 0) {
+                const int error = failed(c, "its buffers cannot be read", errno, why, why_bytes);
+                pupil_v4l2_buffer_unread(c, d.b.index);
+                pupil_v4l2_buffer_queue(c, d.b.index); /* where this fails, too, it is missing until close */
+                return error;
+            }
             frame->sequence = d.b.sequence;
             stamp(c, &d.b, frame);
             describe(c, &d, frame);

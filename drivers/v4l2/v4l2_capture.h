@@ -12,8 +12,30 @@
 
 #include "v4l2/v4l2_device.h"
 #include "v4l2/v4l2_format.h"
+#include "v4l2/v4l2_memory.h"
 
 #define PUPIL_V4L2_MOST_BUFFERS 32 /* of one queue (VIDEO_MAX_FRAME) */
+
+/* Which memory frames come in. */
+typedef enum pupil_v4l2_memory {
+    PUPIL_V4L2_MEMORY_AUTO = 0, /* what the CPU reads fast: the driver's own, else the next best (pupil_v4l2_reading) */
+    PUPIL_V4L2_MEMORY_MMAP,     /* the driver's own, however slow */
+    PUPIL_V4L2_MEMORY_USERPTR,  /* this program's */
+    PUPIL_V4L2_MEMORY_DMABUF,   /* the caller's dma-bufs */
+    PUPIL_V4L2_MEMORY_HEAP,     /* of a dma-heap (/dev/dma_heap) */
+    PUPIL_V4L2_MEMORY_COUNT
+} pupil_v4l2_memory;
+
+/* How frames are read; dma-bufs between two DMA_BUF_IOCTL_SYNC, from next to done. */
+typedef enum pupil_v4l2_reading {
+    PUPIL_V4L2_READS_MAPPED = 0, /* where the driver keeps them */
+    PUPIL_V4L2_READS_HINTED,     /* the same, allocated with V4L2_MEMORY_FLAG_NON_COHERENT: with caches */
+    PUPIL_V4L2_READS_OWN,        /* in ordinary memory that the driver writes to */
+    PUPIL_V4L2_READS_HEAP,       /* in dma-bufs of a heap */
+    PUPIL_V4L2_READS_CALLERS,    /* in the caller's dma-bufs */
+    PUPIL_V4L2_READS_COPIED,     /* copied once, of memory that is slow to read */
+    PUPIL_V4L2_READS_COUNT
+} pupil_v4l2_reading;
 
 /* What can be asked of a camera. All zero: as it is set, the kernel's, errors where it stops. */
 typedef struct pupil_v4l2_options {
@@ -27,6 +49,11 @@ typedef struct pupil_v4l2_options {
                                       * stream stopped or changed is opened again; 0: that is an error */
     int newest;                      /* 1: of several frames that wait, the last one; the others count as late */
     int share;                       /* 1: buffers as dma-bufs, too */
+    uint32_t memory;                 /* a pupil_v4l2_memory */
+    uint32_t dmabufs;                /* with PUPIL_V4L2_MEMORY_DMABUF: how many buffers, 2..32 ... */
+    const int *dmabuf; /* ... and a dma-buf for each area of each of them, of format.size_bytes at least, open for
+                        * reading and writing: the k-th area of buffer i is dmabuf[i * areas + k]. They stay the
+                        * caller's, who keeps them open until close */
     int monotonic;     /* pupil_source only: 1: timestamps are CLOCK_MONOTONIC's; 0: the first frame's is 0 */
     int (*stop)(void); /* asked while waiting; nonzero ends the stream; NULL: never */
 } pupil_v4l2_options;
@@ -34,8 +61,11 @@ typedef struct pupil_v4l2_options {
 typedef struct pupil_v4l2_buffer {
     void *memory[2];
     size_t bytes[2];
-    int dmabuf[2]; /* options.share: a file descriptor of each area; -1: none, or the driver refused */
-    int queued;    /* the driver's */
+    int dmabuf[2];  /* a file descriptor of each area: what it is, or (options.share) an export; -1: none */
+    void *copy[2];  /* PUPIL_V4L2_READS_COPIED: of each area; NULL: none */
+    size_t used[2]; /* bytes of the frame in each area */
+    unsigned read;  /* bit k: area k is between its two syncs */
+    int queued;     /* the driver's */
 } pupil_v4l2_buffer;
 
 /* What was not handed out, and why. */
@@ -55,9 +85,13 @@ typedef struct pupil_v4l2_capture {
     pupil_v4l2_device device;
     pupil_v4l2_options options;
     pupil_v4l2_format format;
-    double fps; /* as the driver says; 0: it does not */
-    uint32_t memory;
+    double fps;      /* as the driver says; 0: it does not */
+    uint32_t memory; /* V4L2's */
+    uint32_t can;    /* V4L2_BUF_CAP_... of the driver's buffers */
     uint32_t buffers;
+    uint32_t reading;       /* a pupil_v4l2_reading */
+    pupil_v4l2_speed speed; /* of the memory that frames come in; not measured: ordinary memory */
+    const char *heap;       /* the heap's path; NULL: none */
     pupil_v4l2_buffer buffer[PUPIL_V4L2_MOST_BUFFERS];
     int streaming;
     int last;  /* the driver has said that no more will come */
@@ -95,6 +129,9 @@ enum {
     PUPIL_V4L2_CHANGED = -4  /* another signal: it must be opened again, at another size perhaps */
 };
 
+/* "mapped", "copied", ...: a pupil_v4l2_reading in a word or two. */
+const char *pupil_v4l2_reading_name(uint32_t reading);
+
 /* 0, or PUPIL_V4L2_FAILED or _GONE and a sentence; then nothing is left open. */
 int pupil_v4l2_capture_open(pupil_v4l2_capture *capture, const char *which, const pupil_v4l2_options *options,
                             char *why, size_t why_bytes);
@@ -115,6 +152,9 @@ int pupil_v4l2_negotiate(pupil_v4l2_capture *capture, char *why, size_t why_byte
 /* Memory for frames, mapped and queued; and given back. */
 int pupil_v4l2_buffers_make(pupil_v4l2_capture *capture, char *why, size_t why_bytes);
 int pupil_v4l2_buffer_queue(pupil_v4l2_capture *capture, uint32_t index); /* 0, or -1 and errno */
+/* Before a filled buffer is read, and after it. 0, or -1 and errno. */
+int pupil_v4l2_buffer_read(pupil_v4l2_capture *capture, uint32_t index);
+void pupil_v4l2_buffer_unread(pupil_v4l2_capture *capture, uint32_t index);
 void pupil_v4l2_buffers_free(pupil_v4l2_capture *capture);
 
 #endif

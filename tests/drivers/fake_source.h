@@ -44,7 +44,8 @@ static inline void fake_source_close(fake_source *s)
     pupil_source_close(s->source);
     s->source = NULL;
     const fake_v4l2_held held = fake_v4l2_holds(s->fake);
-    CHECK_MSG(held.files == 0 && held.maps == 0, "%d files and %d maps are left", held.files, held.maps);
+    CHECK_MSG(held.files == 0 && held.maps == 0 && held.unsynced == 0, "%d files, %d maps are left, %d syncs missing",
+              held.files, held.maps, held.unsynced);
     fake_v4l2_free(s->fake);
 }
 

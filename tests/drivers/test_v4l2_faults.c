@@ -87,6 +87,7 @@ static int play(const scenario *s, void (*part)(const scenario *, fake_faults *)
     const fake_v4l2_held held = fake_v4l2_holds(fake);
     CHECK_MSG(held.files == 0 && held.maps == 0, "%s, call %lu (%s), %s: %d files and %d maps are left", s->name, at,
               f.failed, strerror(error), held.files, held.maps);
+    CHECK_MSG(held.unsynced == 0 || f.failed, "%s: %d syncs missing", s->name, held.unsynced);
     const int64_t took_ns = system->now_ns(system->context) - began_ns;
     const double bound_s = s->frames * (s->options.timeout_s + s->options.reopen_s + 0.2) + 1.0;
     CHECK_MSG((double)took_ns < bound_s * 1e9, "%s, call %lu (%s), %s: %g s", s->name, at, f.failed, strerror(error),
@@ -135,6 +136,22 @@ static void test_calls(void)
     s = (scenario){"our own memory", usual, patient, "0", 3};
     s.config.no_mmap = 1;
     s.options.fps = 15;
+    play_all(&s, play_source);
+
+    s = (scenario){"slow memory, hints", usual, patient, "0", 3};
+    s.config.slow = s.config.hints = 1;
+    play_all(&s, play_source);
+
+    s = (scenario){"slow memory, a heap", usual, patient, "0", 3};
+    s.config.slow = s.config.contiguous = s.config.multiplanar = 1;
+    s.config.heaps = 2;
+    s.options.fourcc = V4L2_PIX_FMT_NV12M;
+    s.options.buffers = 2;
+    play_all(&s, play_source);
+
+    s = (scenario){"slow memory, copied", usual, patient, "0", 3};
+    s.config.slow = 1;
+    s.options.newest = 1;
     play_all(&s, play_source);
 
     s = (scenario){"MJPG", usual, patient, "0", 3};

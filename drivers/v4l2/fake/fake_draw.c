@@ -36,7 +36,7 @@ static double encode(uint32_t xfer_func, double light)
 static double light_of(const fake_v4l2_picture *p, uint32_t channel, uint32_t scene)
 {
     const int white = !(p->colour[0] > 0.0 || p->colour[1] > 0.0 || p->colour[2] > 0.0);
-    const double light = scene * (p->scale * (white ? 1.0 : p->colour[channel])) / FAKE_SCENE_WHITE;
+    const double light = p->black + scene * (p->scale * (white ? 1.0 : p->colour[channel])) / FAKE_SCENE_WHITE;
     return light < 1.0 ? light : 1.0;
 }
 

@@ -82,11 +82,17 @@ static ssize_t faulty_write(void *context, int fd, const void *data, size_t byte
     return fails(f, "write") ? -1 : f->inner->write(f->inner->context, fd, data, bytes);
 }
 
+static int64_t faulty_read_ns(void *context, const void *memory, size_t bytes)
+{
+    fake_faults *f = context;
+    return f->inner->read_ns(f->inner->context, memory, bytes);
+}
+
 void fake_faults_begin(fake_faults *faults, const pupil_v4l2_system *inner, unsigned long fail_at,
                        unsigned long fail_for, int error)
 {
     *faults = (fake_faults){.inner = inner, .fail_at = fail_at, .fail_for = fail_for, .error = error};
-    faults->system = (pupil_v4l2_system){faults,      faulty_open,          faulty_close,       faulty_ioctl,
-                                         faulty_mmap, faulty_munmap,        faulty_poll,        faulty_now_ns,
-                                         faulty_list, faulty_device_number, faulty_device_name, faulty_write};
+    faults->system = (pupil_v4l2_system){
+        faults,        faulty_open, faulty_close,         faulty_ioctl,       faulty_mmap,  faulty_munmap, faulty_poll,
+        faulty_now_ns, faulty_list, faulty_device_number, faulty_device_name, faulty_write, faulty_read_ns};
 }

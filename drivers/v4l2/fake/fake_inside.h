@@ -20,17 +20,22 @@ typedef enum fake_kind {
     FAKE_MEDIA,
     FAKE_SENSOR,
     FAKE_RECEIVER,
-    FAKE_SHARED /* a dma-buf */
+    FAKE_HEAP,       /* a dma-heap; the next ones, too */
+    FAKE_CONTIGUOUS, /* linux,cma */
+    FAKE_SHARED      /* a dma-buf */
 } fake_kind;
 
 typedef struct fake_file {
     int fd, kind; /* kind 0: none */
     int gone;     /* opened before the unplugging */
+    int heap;     /* a dma-buf: the kind of its heap; 0: the camera's own buffer */
+    int reading;  /* a dma-buf: between two syncs */
 } fake_file;
 
 typedef struct fake_buffer {
     int memfd[2];
-    void *memory[2]; /* the fake's own mapping, or the user's memory */
+    void *memory[2]; /* the fake's own mapping, or the user's memory, or what a dma-buf will have once it is synced */
+    int dmabuf[2];
     uint32_t bytes[2];
     int queued, done;
     uint32_t sequence, flags, used[2];
@@ -80,6 +85,9 @@ struct fake_v4l2 {
     uint32_t type;
     fake_buffer buffer[FAKE_MOST_BUFFERS];
     uint32_t buffers, memory;
+    int cached;                        /* they were allocated as NON_COHERENT */
+    void *slow[FAKE_MOST_BUFFERS * 2]; /* maps that are read slowly */
+    int unsynced;
     int owner;                                      /* the fd that has the buffers; -1 */
     uint32_t order[FAKE_MOST_BUFFERS], waiting;     /* queued, the first to be filled first */
     uint32_t ready[FAKE_MOST_BUFFERS], ready_count; /* done, the first to be taken first */
@@ -116,6 +124,16 @@ void fake_unplug(fake_v4l2 *f);
 
 /* fake_controls.c; 1: not a control's */
 int fake_controls_ioctl(fake_v4l2 *f, unsigned long request, void *argument);
+
+/* fake_memory.c */
+fake_file *fake_file_of(fake_v4l2 *f, int fd);
+int fake_keep(fake_v4l2 *f, int fd, int kind);
+int fake_heap_ioctl(fake_v4l2 *f, int kind, unsigned long request, void *argument);
+int fake_dmabuf_ioctl(fake_v4l2 *f, fake_file *file, unsigned long request, const void *argument);
+int fake_import(fake_v4l2 *f, fake_buffer *own, uint32_t area, int fd, uint32_t bytes, uint32_t least);
+void fake_note_map(fake_v4l2 *f, void *memory);
+void fake_forget_map(fake_v4l2 *f, const void *memory);
+int64_t fake_read_ns(void *context, const void *memory, size_t bytes);
 
 /* fake_jpeg.c: the picture as a webcam's JPEG of 4:2:2, without Huffman tables. Its bytes; 0: it cannot be made. */
 uint32_t fake_jpeg(const fake_v4l2_picture *picture, unsigned char *to, uint32_t room);

@@ -2,6 +2,7 @@
 #include "v4l2/fake/fake_inside.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -28,6 +29,10 @@ static void post(fake_v4l2 *f, uint32_t event)
 static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
 {
     const fake_settings *s = &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay) % FAKE_SETTINGS];
+    const fake_settings *g =
+        &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay + f->config.gain_earlier) % FAKE_SETTINGS];
+    const double exposure = f->config.deaf_exposure ? 1.0 : s->exposure_100us / 100.0;
+    const double gain = f->config.deaf_gain ? 1.0 : g->gain_16ths / 16.0;
     const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), colorspace = f->config.colorspace;
     const int jpeg = f->fourcc == V4L2_PIX_FMT_MJPEG;
     const int yuv = jpeg || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
@@ -41,7 +46,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
                            .ycbcr_enc = f->config.ycbcr_enc,
                            .quantization = f->config.quantization,
                            .xfer_func = f->config.xfer_func,
-                           .scale = f->light * (s->exposure_100us / 100.0) * (s->gain_16ths / 16.0),
+                           .scale = f->light * exposure * gain,
+                           .black = f->config.black,
                            .flat = f->config.flat,
                            .colour = {f->config.colour[0], f->config.colour[1], f->config.colour[2]}};
     if (jpeg && !p.quantization)
@@ -54,6 +60,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
         p.xfer_func = !yuv         ? V4L2_XFER_FUNC_NONE
                       : colorspace ? V4L2_MAP_XFER_FUNC_DEFAULT(colorspace)
                                    : V4L2_XFER_FUNC_SRGB;
+    if (f->config.drawn_xfer)
+        p.xfer_func = f->config.drawn_xfer;
     fake_layout(f, p.stride_bytes, size);
     unsigned char *data = (unsigned char *)b->memory[0] + offset;
     if (jpeg)
@@ -154,6 +162,8 @@ void fake_free_buffers(fake_v4l2 *f)
                 munmap(b->memory[k], b->bytes[k]);
             if (f->memory == V4L2_MEMORY_MMAP && b->memory[k])
                 close(b->memfd[k]);
+            if (f->memory == V4L2_MEMORY_DMABUF)
+                free(b->memory[k]);
             b->memory[k] = NULL;
         }
     f->buffers = 0;
@@ -180,16 +190,21 @@ static int make_buffer(fake_v4l2 *f, fake_buffer *b)
 static int request_buffers(fake_v4l2 *f, int fd, struct v4l2_requestbuffers *r)
 {
     const uint32_t most = f->config.most_buffers ? f->config.most_buffers : FAKE_MOST_BUFFERS;
-    if (r->type != f->type || (r->memory != V4L2_MEMORY_MMAP && r->memory != V4L2_MEMORY_USERPTR) ||
-        (f->config.no_mmap && r->memory == V4L2_MEMORY_MMAP))
+    r->capabilities = V4L2_BUF_CAP_SUPPORTS_MMAP | V4L2_BUF_CAP_SUPPORTS_USERPTR |
+                      (f->config.no_import ? 0 : V4L2_BUF_CAP_SUPPORTS_DMABUF) |
+                      (f->config.hints ? V4L2_BUF_CAP_SUPPORTS_MMAP_CACHE_HINTS : 0);
+    if (r->type != f->type || r->memory < V4L2_MEMORY_MMAP || r->memory == V4L2_MEMORY_OVERLAY ||
+        r->memory > V4L2_MEMORY_DMABUF || (f->config.no_mmap && r->memory == V4L2_MEMORY_MMAP) ||
+        (f->config.no_import && r->memory == V4L2_MEMORY_DMABUF))
         return fake_fail(EINVAL);
     if (f->owner >= 0 && fd != f->owner)
         return fake_fail(EBUSY);
     fake_free_buffers(f);
     r->count = r->count < most ? r->count : most;
     f->memory = r->memory;
+    f->cached = f->config.hints == 1 && r->flags & V4L2_MEMORY_FLAG_NON_COHERENT;
     for (f->buffers = 0; f->buffers < r->count; f->buffers++) {
-        if (r->memory == V4L2_MEMORY_USERPTR)
+        if (r->memory != V4L2_MEMORY_MMAP)
             f->buffer[f->buffers] = (fake_buffer){0};
         else if (make_buffer(f, &f->buffer[f->buffers]))
             return -1;
@@ -233,6 +248,10 @@ static int queue_buffer(fake_v4l2 *f, const struct v4l2_buffer *b)
         if (!own->memory[k] || own->bytes[k] < size[k])
             return fake_fail(EINVAL);
     }
+    for (uint32_t k = 0; f->memory == V4L2_MEMORY_DMABUF && k < fake_areas(f); k++)
+        if (fake_import(f, own, k, multi ? b->m.planes[k].m.fd : b->m.fd, multi ? b->m.planes[k].length : b->length,
+                        size[k]))
+            return -1;
     own->queued = 1;
     f->order[f->waiting++] = b->index;
     return 0;

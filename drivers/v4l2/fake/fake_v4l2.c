@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -52,27 +53,6 @@ static void pass(fake_v4l2 *f, int64_t ns)
 /* ---- files --------------------------------------------------------------------------------------------------------
  */
 
-static fake_file *file_of(fake_v4l2 *f, int fd)
-{
-    for (int i = 0; i < FAKE_MOST_FILES; i++)
-        if (f->file[i].kind && f->file[i].fd == fd)
-            return &f->file[i];
-    return NULL;
-}
-
-/* Takes a file descriptor in. */
-static int keep(fake_v4l2 *f, int fd, int kind)
-{
-    for (int i = 0; fd >= 0 && i < FAKE_MOST_FILES; i++)
-        if (!f->file[i].kind) {
-            f->file[i] = (fake_file){fd, kind, 0};
-            return fd;
-        }
-    if (fd >= 0)
-        close(fd);
-    return fake_fail(EMFILE);
-}
-
 static int kind_of_path(const fake_v4l2 *f, const char *path)
 {
     char camera[32];
@@ -85,6 +65,10 @@ static int kind_of_path(const fake_v4l2 *f, const char *path)
         return FAKE_OUTPUT;
     if (f->config.twin && strcmp(path, "/dev/video3") == 0)
         return FAKE_TWIN;
+    if (f->config.heaps >= 1 && strcmp(path, "/dev/dma_heap/system") == 0)
+        return FAKE_HEAP;
+    if (f->config.heaps >= 2 && strcmp(path, "/dev/dma_heap/linux,cma") == 0)
+        return FAKE_CONTIGUOUS;
     if (!f->config.media)
         return 0;
     return strcmp(path, "/dev/media0") == 0        ? FAKE_MEDIA
@@ -99,7 +83,7 @@ static int fake_open(void *context, const char *path)
     pthread_mutex_lock(&f->lock);
     pass(f, CALL_NS);
     const int kind = kind_of_path(f, path);
-    const int fd = kind ? keep(f, eventfd(0, EFD_CLOEXEC), kind) : fake_fail(ENOENT);
+    const int fd = kind ? fake_keep(f, eventfd(0, EFD_CLOEXEC), kind) : fake_fail(ENOENT);
     pthread_mutex_unlock(&f->lock);
     return fd;
 }
@@ -116,13 +100,14 @@ static int fake_close(void *context, int fd)
 {
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
-    fake_file *file = file_of(f, fd);
+    fake_file *file = fake_file_of(f, fd);
     int result = fake_fail(EBADF);
     if (file) {
         if (fd == f->owner)
             fake_free_buffers(f);
         if (fd == f->output.owner)
             fake_output_free(f);
+        f->unsynced += file->reading;
         file->kind = 0;
         if (!camera_is_open(f))
             f->event_count = f->subscribed = 0;
@@ -138,7 +123,7 @@ static int share(fake_v4l2 *f, struct v4l2_exportbuffer *e)
         return fake_fail(ENOTTY);
     if (e->index >= f->buffers || e->plane >= fake_areas(f) || f->memory != V4L2_MEMORY_MMAP)
         return fake_fail(EINVAL);
-    e->fd = keep(f, dup(f->buffer[e->index].memfd[e->plane]), FAKE_SHARED);
+    e->fd = fake_keep(f, dup(f->buffer[e->index].memfd[e->plane]), FAKE_SHARED);
     return e->fd < 0 ? -1 : 0;
 }
 
@@ -159,12 +144,16 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
     if ((request == VIDIOC_S_CTRL || request == VIDIOC_S_EXT_CTRLS) && ++f->writes == f->config.sleep_at)
         sleep_in_write(f);
     pass(f, CALL_NS);
-    const fake_file *file = file_of(f, fd);
+    fake_file *file = fake_file_of(f, fd);
     int result;
     if (!file)
         result = fake_fail(EBADF);
     else if (file->gone)
         result = fake_fail(ENODEV);
+    else if (file->kind == FAKE_SHARED)
+        result = fake_dmabuf_ioctl(f, file, request, argument);
+    else if (file->kind == FAKE_HEAP || file->kind == FAKE_CONTIGUOUS)
+        result = fake_heap_ioctl(f, file->kind, request, argument);
     else if (file->kind >= FAKE_MEDIA)
         result = fake_media_ioctl(f, file->kind, request, argument);
     else if (request == VIDIOC_QUERYCAP)
@@ -194,6 +183,13 @@ static void *fake_mmap(void *context, size_t bytes, int fd, off_t offset)
     if (fd == f->owner && index < f->buffers && area < fake_areas(f) && bytes <= f->buffer[index].bytes[area]) {
         memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, f->buffer[index].memfd[area], 0);
         memory = memory == MAP_FAILED ? NULL : memory;
+        fake_note_map(f, memory);
+    }
+    const fake_file *file = fake_file_of(f, fd);
+    struct stat status;
+    if (file && file->kind == FAKE_SHARED && offset == 0 && fstat(fd, &status) == 0 && (off_t)bytes <= status.st_size) {
+        memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+        memory = memory == MAP_FAILED ? NULL : memory;
     }
     if (fd == f->output.owner)
         memory = fake_output_mmap(f, bytes, offset);
@@ -208,6 +204,7 @@ static int fake_munmap(void *context, void *memory, size_t bytes)
     const int result = munmap(memory, bytes);
     pthread_mutex_lock(&f->lock);
     f->maps -= result == 0;
+    fake_forget_map(f, memory);
     pthread_mutex_unlock(&f->lock);
     return result;
 }
@@ -217,7 +214,7 @@ static ssize_t fake_write(void *context, int fd, const void *data, size_t bytes)
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
     pass(f, CALL_NS);
-    const fake_file *file = file_of(f, fd);
+    const fake_file *file = fake_file_of(f, fd);
     ssize_t result;
     if (!file || file->kind != FAKE_OUTPUT)
         result = fake_fail(file ? EINVAL : EBADF);
@@ -232,7 +229,7 @@ static ssize_t fake_write(void *context, int fd, const void *data, size_t bytes)
 
 static short ready_for(fake_v4l2 *f, const struct pollfd *p)
 {
-    const fake_file *file = file_of(f, p->fd);
+    const fake_file *file = fake_file_of(f, p->fd);
     if (!file)
         return POLLNVAL;
     if (file->gone)
@@ -263,7 +260,7 @@ static int fake_poll(void *context, struct pollfd *fds, nfds_t count, int timeou
         }
         if (found || f->now_ns >= end_ns)
             break;
-        const fake_file *first = count ? file_of(f, fds[0].fd) : NULL;
+        const fake_file *first = count ? fake_file_of(f, fds[0].fd) : NULL;
         int64_t next_ns = first && first->kind == FAKE_OUTPUT ? fake_output_next_ns(f) : fake_next_ns(f);
         next_ns = next_ns < end_ns ? next_ns : end_ns;
         const int64_t wait_ns = next_ns > f->now_ns ? next_ns - f->now_ns : 1;
@@ -322,7 +319,7 @@ static int fake_device_number(void *context, int fd, uint32_t *major, uint32_t *
 {
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
-    const fake_file *file = file_of(f, fd);
+    const fake_file *file = fake_file_of(f, fd);
     *major = FAKE_MAJOR;
     *minor = file && file->kind == FAKE_CAMERA ? (uint32_t)f->node : 255;
     pthread_mutex_unlock(&f->lock);
@@ -358,9 +355,9 @@ fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config)
     if (!f)
         return NULL;
     f->config = *config;
-    f->system =
-        (pupil_v4l2_system){f,         fake_open,   fake_close, fake_ioctl,         fake_mmap,        fake_munmap,
-                            fake_poll, fake_now_ns, fake_list,  fake_device_number, fake_device_name, fake_write};
+    f->system = (pupil_v4l2_system){
+        f,           fake_open, fake_close,         fake_ioctl,       fake_mmap,  fake_munmap, fake_poll,
+        fake_now_ns, fake_list, fake_device_number, fake_device_name, fake_write, fake_read_ns};
     pthread_mutex_init(&f->lock, NULL);
     f->now_ns = config->real_time ? machine_ns() : INT64_C(1000000000000);
     f->light = 1.0;
@@ -414,9 +411,10 @@ void fake_v4l2_light(fake_v4l2 *f, double light)
 
 fake_v4l2_held fake_v4l2_holds(fake_v4l2 *f)
 {
-    fake_v4l2_held held = {0, 0};
+    fake_v4l2_held held = {0};
     pthread_mutex_lock(&f->lock);
     held.maps = f->maps;
+    held.unsynced = f->unsynced;
     for (int i = 0; i < FAKE_MOST_FILES; i++)
         held.files += f->file[i].kind != 0;
     pthread_mutex_unlock(&f->lock);

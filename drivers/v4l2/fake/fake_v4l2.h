@@ -44,6 +44,11 @@ typedef struct fake_v4l2_config {
     int64_t stamps_ns; /* that the driver's stamps are ahead of its clock */
     int no_mmap, no_share, no_rate, no_events, no_sizes;
     uint32_t most_buffers; /* 0: 32 */
+    int slow;              /* its own buffers are read twenty times as slowly as other memory ... */
+    int hints;             /* ... 1: but those allocated as NON_COHERENT are not; 2: it takes the flag, and they are */
+    int heaps;             /* 1: there is /dev/dma_heap/system; 2: linux,cma, too */
+    int contiguous;        /* it takes dma-bufs of linux,cma alone */
+    int no_import;         /* it takes none */
     uint32_t stamp, media;
     uint32_t first_sequence;
     int no_sequence;                                           /* always 0 */
@@ -54,6 +59,10 @@ typedef struct fake_v4l2_config {
     int start_error;                                           /* errno of VIDIOC_STREAMON */
     int format_error;                                          /* errno of VIDIOC_S_FMT */
     uint32_t control_delay;                                    /* frames until a control is in force, 0..7; 2 */
+    uint32_t gain_earlier;                                     /* so many frames before exposure does gain act */
+    int deaf_exposure, deaf_gain; /* 1: the control is read back as it was written, and does nothing */
+    double black;                 /* of full scale, in samples without light */
+    uint32_t drawn_xfer;          /* the transfer function that the picture has, whatever is said of it; 0: that */
     uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
                         * the machine's time; 0: none */
     double sleep_s;
@@ -82,6 +91,7 @@ void fake_v4l2_light(fake_v4l2 *fake, double light);
 /* What was opened and mapped and is so still. */
 typedef struct fake_v4l2_held {
     int files, maps;
+    int unsynced; /* dma-bufs that were queued or closed between two syncs, or synced out of turn, ever */
 } fake_v4l2_held;
 fake_v4l2_held fake_v4l2_holds(fake_v4l2 *fake);
 
@@ -105,7 +115,8 @@ typedef struct fake_v4l2_picture {
     uint32_t stride_bytes[2];                    /* of the rows, and of NV12's chroma */
     uint32_t ycbcr_enc, quantization, xfer_func; /* without DEFAULT */
     double scale;                                /* light * exposure / 10 ms * gain */
-    uint32_t flat;                               /* the configuration's */
+    double black;                                /* the configuration's; the next ones, too */
+    uint32_t flat;
     double colour[3];
 } fake_v4l2_picture;
 
