@@ -9,6 +9,8 @@
 #define MOST_OFF   0.1  /* stops: what codes of 8 bits, and exposures in lines, leave */
 #define MOST_SLOPE 0.05 /* its distance from 1 */
 
+#define NOT_FOLLOWED "the picture does not follow the exposure"
+
 /* ---- points -------------------------------------------------------------------------------------------------------
  */
 
@@ -136,6 +138,8 @@ void probe_laws(probe_stream *s, double exposure_s, double gain)
     if (s->options->say)
         s->options->say("gain");
     gain_law(s, exposure_s * gain);
+    if (s->report->exposure.is.known && !s->report->exposure.obeyed)
+        probe_unknown(&s->report->black.is, NOT_FOLLOWED);
 }
 
 /* ---- black --------------------------------------------------------------------------------------------------------
@@ -143,8 +147,9 @@ void probe_laws(probe_stream *s, double exposure_s, double gain)
  * four times the exposure. */
 
 #define MOST_LIGHT 0.02 /* of full scale: with more of it the difference says nothing of black */
+#define MOST_BLACK 0.1  /* of full scale: no sensor has more (6 % is usual); a picture that stands still may */
 
-void probe_black_level(probe_stream *s)
+static void measure_black(probe_stream *s)
 {
     const pupil_camera_limits *l = &s->report->limits;
     probe_black *b = &s->report->black;
@@ -165,7 +170,21 @@ void probe_black_level(probe_stream *s)
         probe_unknown(&b->is, "the camera has hardly a choice of exposure times");
         return;
     }
+    if (light <= MOST_LIGHT && at_short.low - light > MOST_BLACK && at_long.clipped < PROBE_MOST_BAD) {
+        probe_unknown(&b->is, NOT_FOLLOWED);
+        return;
+    }
     b->is.known = 1;
     b->at_most = at_long.clipped > 0.9 || light > MOST_LIGHT;
     b->share = b->at_most ? at_short.low : fmax(0.0, at_short.low - light);
+}
+
+void probe_black_level(probe_stream *s)
+{
+    const probe_black *b = &s->report->black;
+    s->wants_low = 1;
+    measure_black(s);
+    s->wants_low = 0;
+    if (b->is.known && !b->at_most)
+        s->black = b->share;
 }

@@ -44,6 +44,14 @@ int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_o
     return PUPIL_SINK_FAILED;
 }
 
+int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which, char *why,
+                           size_t why_bytes)
+{
+    (void)system;
+    device->fd = -1;
+    return absent(which, why, why_bytes);
+}
+
 /* Nobody has a device to ask for these. */
 int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, char *why, size_t why_bytes)
 {
@@ -78,4 +86,21 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
 {
     (void)sensor;
     return absent(device->path, why, why_bytes);
+}
+
+void pupil_v4l2_device_close(pupil_v4l2_device *device)
+{
+    (void)device;
+}
+
+int pupil_v4l2_ioctl(const pupil_v4l2_system *system, int fd, unsigned long request, void *argument)
+{
+    (void)system, (void)fd, (void)request, (void)argument;
+    return -1;
+}
+
+const char *pupil_v4l2_reading_name(uint32_t reading)
+{
+    (void)reading;
+    return "-";
 }

@@ -6,8 +6,10 @@
  * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
  * colour=R,G,B (of the light),
  * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
- * light=FACTOR@FRAME (repeatable), real (the machine's clock), absent, media, no-controls, crash=FRAME. At its end it
- * says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40". */
+ * black=SHARE (of full scale), deaf=exposure or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's,
+ * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), light=FACTOR@FRAME (repeatable), real (the machine's
+ * clock), absent, media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left:
+ * "fake: auto 3, exposure 77, gain 40". */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <signal.h>
@@ -84,6 +86,14 @@ static int take(const char *text, fake_v4l2_config *c)
         return 0;
     else if (sscanf(text, "delay=%lu", &when) == 1)
         c->control_delay = (uint32_t)when;
+    else if (sscanf(text, "black=%lf", &c->black) == 1 || sscanf(text, "gain-earlier=%u", &c->gain_earlier) == 1)
+        return 0;
+    else if (sscanf(text, "deaf=%4s", format) == 1)
+        c->deaf_exposure = *format == 'e', c->deaf_gain = *format == 'g';
+    else if (strcmp(text, "curve") == 0)
+        c->drawn_xfer = V4L2_XFER_FUNC_SRGB;
+    else if (sscanf(text, "slow=%d,%d,%d", &c->slow, &c->hints, &c->heaps) == 3)
+        return 0;
     else if (sscanf(text, "flat=%u", &c->flat) == 1)
         return 0;
     else if (sscanf(text, "colour=%lf,%lf,%lf", &c->colour[0], &c->colour[1], &c->colour[2]) == 3)
