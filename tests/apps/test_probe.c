@@ -167,6 +167,14 @@ static void test_lies(void)
     check_unknown(&r->black.is, "the picture does not follow the exposure");
     probe_free(&p.report);
 
+    c = usual(); /* a gain in steps that nobody tells of */
+    c.coarse_gain = 1;
+    probe(&p, &c, 0, 1.0);
+    check_delay(&r->gain_delay, 2, "gain");
+    CHECK_MSG(r->gain.is.known && r->gain.obeyed && !r->gain.as_told && r->gain.off_ev > 0.5 && r->gain.off_ev < 1.05,
+              "%g off, slope %g", r->gain.off_ev, r->gain.slope);
+    probe_free(&p.report);
+
     c = usual(); /* grey that is called linear, and has sRGB's curve */
     c.only_format = V4L2_PIX_FMT_Y12;
     c.drawn_xfer = V4L2_XFER_FUNC_SRGB;
