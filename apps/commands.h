@@ -7,5 +7,6 @@ int render_main(int argc, char **argv);
 int study_main(int argc, char **argv);
 int bench_main(int argc, char **argv);
 int list_main(int argc, char **argv);
+int sim_main(int argc, char **argv);
 
 #endif
