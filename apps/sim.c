@@ -224,13 +224,14 @@ size_t sim_frames(const sim_options *o, size_t *event)
                          : frames > MOST_FRAMES   ? MOST_FRAMES
                                                   : (size_t)frames;
     const double at = ceil(last_s / frame_s - 1e-6);
-    *event = at < (double)(count - REST_FRAMES) ? (size_t)at : count - REST_FRAMES;
+    const size_t latest = count - REST_FRAMES;
+    *event = at < (double)latest ? (size_t)at : latest;
     return count;
 }
 
 static int run_one(sim_options *o, char *why, size_t why_bytes)
 {
-    sim_run run = {.options = o, .rest = REST_FRAMES};
+    sim_run run = {.options = o, .rest = o->plants ? SIM_RANDOM_REST : REST_FRAMES};
     run.frames = sim_frames(o, &run.event);
     run.frame = malloc(run.frames * sizeof *run.frame);
     int failed = run.frame ? fixture_loop_run(&o->loop, run.frames, run.frame, why, why_bytes)

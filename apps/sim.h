@@ -37,6 +37,7 @@ void sim_summary(const sim_run *run, FILE *out);
 int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes);
 /* How long it runs, and from which frame on nothing happens any more. */
 size_t sim_frames(const sim_options *o, size_t *event);
+enum { SIM_RANDOM_REST = 120 }; /* frames at the end of such a run in which nothing may swing */
 /* Many of them; the exit status. */
 int sim_random(sim_options *o);
 

@@ -10,7 +10,7 @@
 #include "sim.h"
 #include "source.h"
 
-enum { TAIL_FRAMES = 240, REST_FRAMES = 120, MOST_RANDOM_FRAMES = 2000, MOST_NAMED = 20 };
+enum { TAIL_FRAMES = 240, MOST_RANDOM_FRAMES = 2000, MOST_NAMED = 20 };
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_INTERRUPTED = 130 };
 
 int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes)
@@ -53,11 +53,11 @@ static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, tal
     if (fixture_loop_run(&o->loop, frames, frame, why, why_bytes))
         return -1;
     t->frames += frames;
-    const fixture_loop_sum sum = fixture_loop_sum_of(frame, frames, 0, REST_FRAMES);
+    const fixture_loop_sum sum = fixture_loop_sum_of(frame, frames, 0, SIM_RANDOM_REST);
     if (!sim_cycles(&sum))
         return 0;
     return pupil_refuse(why, why_bytes, "a limit cycle: %u swings, %.2f EV from end to end, in %d frames", sum.swings,
-                        sum.asked_pp_ev, (int)REST_FRAMES);
+                        sum.asked_pp_ev, (int)SIM_RANDOM_REST);
 }
 
 static void say(const sim_options *o, tally *t)
