@@ -155,7 +155,7 @@ static void put_group(const table *t, size_t first, unsigned char *done)
         if (isnan(r->value) || (!isnan(worst->value) && r->value - r->limit > worst->value - worst->limit))
             worst = r;
     }
-    printf("%-11s %-40s %-15s", of->test, t->row[first].of, of->law->name);
+    printf("%-11s %-44s %-15s", of->test, t->row[first].of, of->law->name);
     put_value(worst->value, frames);
     printf(frames ? "%8.0f" : "%8.4f", worst->limit);
     printf("%6zu of %zu%s\n", passed, count, passed == count ? "" : "  *");
@@ -166,7 +166,7 @@ static void put_tables(const table *t)
     unsigned char *done = calloc(t->rows + 1, 1);
     put_settling(t, "settle", 1);
     put_settling(t, "overshoot", 0);
-    printf("%-11s %-40s %-15s%8s%8s%6s\n", "test", "of", "controller", "worst", "limit", "passed");
+    printf("%-11s %-44s %-15s%8s%8s  %s\n", "test", "of", "controller", "worst", "limit", "passed");
     for (size_t k = 0; done && k < t->rows; k++)
         if (!done[k])
             put_group(t, k, done);

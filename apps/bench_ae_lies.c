@@ -6,6 +6,7 @@
 
 #define OVERSHOOT_EV 0.10
 #define REST_EV      0.02
+#define LEVEL_EV     0.10
 
 enum { REST = 90, FRAMES = 690, EVENT = 390 };
 
@@ -27,13 +28,19 @@ static size_t event_of(const bench_ae *b, const fixture_loop *loop)
     return event;
 }
 
-static void show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev)
+static void show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev, int reachable)
 {
-    const fixture_loop_sum s = fixture_loop_sum_of(b->frame, FRAMES, event_of(b, loop), REST);
+    const size_t event = event_of(b, loop);
+    const fixture_loop_sum before = fixture_loop_sum_of(b->frame, event, 0, 30);
+    const fixture_loop_sum s = fixture_loop_sum_of(b->frame, FRAMES, event, REST);
     const uint32_t d = loop->plant.delay[0];
     char words[80];
     snprintf(words, sizeof words, "%s: frames", of);
     bench_ae_show(b, loop, test, words, step_ev, s.settle_frames < 0 ? NAN : (double)s.settle_frames, 2.0 * (d + 3));
+    if (reachable) { /* a loop that gave up is at rest, too */
+        snprintf(words, sizeof words, "%s: level", of);
+        bench_ae_show(b, loop, test, words, step_ev, fabs(s.aim_ev - before.aim_ev), LEVEL_EV);
+    }
     snprintf(words, sizeof words, "%s: overshoot", of);
     bench_ae_show(b, loop, test, words, step_ev, s.overshoot_ev, OVERSHOOT_EV);
     snprintf(words, sizeof words, "%s: at rest", of);
@@ -55,7 +62,7 @@ int bench_ae_curve(bench_ae *b, const fixture_controller *law)
             if (fixture_plant_parse(&loop.plant, of[i].camera, b->why, sizeof b->why) ||
                 learn_and_step(b, &loop, 0.0, steps[k]))
                 return -1;
-            show(b, &loop, "curve", of[i].of, steps[k]);
+            show(b, &loop, "curve", of[i].of, steps[k], 1);
         }
     }
     return 0;
@@ -66,21 +73,22 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
     static const struct {
         const char *of, *camera;
         double base_ev;
-    } of[] = {{"info tells what was asked", "told=asked", 0},
-              {"no info", "told=nothing", 0},
-              {"read-back stands still", "told=first", 0},
-              {"a line more", "off=1", 3},
-              {"a line less", "off=-1", 3},
-              {"gain shortens exposure", "moves=0.3", -5},
-              {"exposure wraps at 1000 lines", "wrap_lines=1000", -1},
-              {"gain wraps at 8", "wrap_gain=8", -5},
-              {"a fifth of the writes is lost", "ignore=20%", 0},
-              {"gain is dead", "ignore=0%/100%", -3},
-              {"exposure is dead", "ignore=100%/0%", -2},
-              {"jitters by a frame", "jitter=1", 0},
-              {"exposure told ten times too long", "scale=10", 0},
-              {"a fifth of the frames is dropped", "drop=20%", 0},
-              {"exposure 4, gain 1", "delay=4/1", -5}};
+        int beyond; /* of what such a camera can do */
+    } of[] = {{"info tells what was asked", "told=asked", 0, 0},
+              {"no info", "told=nothing", 0, 0},
+              {"read-back stands still", "told=first", 0, 0},
+              {"a line more", "off=1", 3, 0},
+              {"a line less", "off=-1", 3, 0},
+              {"gain shortens exposure", "moves=0.3", -5, 0},
+              {"exposure wraps at 1000 lines", "wrap_lines=1000", -1, 0},
+              {"gain wraps at 8", "wrap_gain=8", -5, 0},
+              {"a fifth of the writes is lost", "ignore=20%", 0, 0},
+              {"gain is dead", "ignore=0%/100%", -3, 1},
+              {"exposure is dead", "ignore=100%/0%", -2, 0},
+              {"jitters by a frame", "jitter=1", 0, 0},
+              {"exposure told ten times too long", "scale=10", 0, 0},
+              {"a fifth of the frames is dropped", "drop=20%", 0, 0},
+              {"exposure 4, gain 1", "delay=4/1", -5, 0}};
     static const double steps[] = {-2, 2};
     fixture_loop loop;
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
@@ -89,7 +97,7 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
             if (fixture_plant_parse(&loop.plant, of[i].camera, b->why, sizeof b->why) ||
                 learn_and_step(b, &loop, of[i].base_ev, steps[k]))
                 return -1;
-            show(b, &loop, "lies", of[i].of, steps[k]);
+            show(b, &loop, "lies", of[i].of, steps[k], !of[i].beyond);
         }
     }
     return 0;

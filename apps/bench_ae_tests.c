@@ -7,12 +7,21 @@
 #include "bench_ae.h"
 #include "interrupt.h"
 
+#define SETTLED_EV   0.1
 #define OVERSHOOT_EV 0.05
 #define HUNT_EV      0.02
 #define SEAM_EV      0.005
 #define STROBE_EV    0.02
 
-enum { REST = 60, BELIEVED_DELAYS = 4, SLOW_BEFORE = 300, SLOW_AFTER = 600, BEFORE = 90, AFTER = 150 };
+enum {
+    REST = 60,
+    BELIEVED_DELAYS = 4,
+    SLOW_BEFORE = 300,
+    SLOW_AFTER = 600,
+    BEFORE = 90,
+    AFTER = 150,
+    SEAM_FRAMES = 1400
+};
 
 const char *const bench_ae_tests[BENCH_AE_TESTS] = {"settle",     "overshoot", "hunt",   "calm",  "seam",
                                                     "background", "bands",     "strobe", "curve", "lies"};
@@ -48,7 +57,7 @@ void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, cons
     const bench_ae_row row = {.law = loop->law,
                               .test = test,
                               .of = of,
-                              .unit = strcmp(test, "settle") == 0 || strstr(of, "frames") ? "frames" : "EV",
+                              .unit = strcmp(test, "settle") == 0 || strstr(of, ": frames") ? "frames" : "EV",
                               .gain_law = fixture_gain_law_name[loop->plant.law],
                               .delay = loop->plant.delay[0],
                               .believed = loop->sensor.delay_frames,
@@ -74,7 +83,9 @@ static void show_settling(bench_ae *b, const fixture_loop *loop, const char *of,
     const uint32_t d = loop->plant.delay[0];
     const int blind = b->frame[event].truth.clipped_share > 0.97;
     const double limit = blind && 2 * d + 1 > d + 3 ? 2 * d + 1 : d + 3;
-    bench_ae_show(b, loop, "settle", of, step_ev, s.settle_frames < 0 ? NAN : (double)s.settle_frames, limit);
+    /* the published laws have keys of their own; pupil has to come to its */
+    const int lost = s.settle_frames < 0 || (!loop->law->total && fabs(s.aim_ev) > SETTLED_EV);
+    bench_ae_show(b, loop, "settle", of, step_ev, lost ? NAN : (double)s.settle_frames, limit);
     bench_ae_show(b, loop, "overshoot", of, step_ev, s.overshoot_ev, OVERSHOOT_EV);
 }
 
@@ -154,20 +165,23 @@ static double seam_of(const fixture_loop_frame *f, size_t from, size_t to)
     return count > 0.0 ? sqrt(squares / count) : 0.0;
 }
 
+/* Light that goes so slowly that nothing is far, through many settings; all pairs of delays of the two controls. */
 int bench_ae_seam(bench_ae *b, const fixture_controller *law)
 {
+    static const fixture_gain_law gains[] = {FIXTURE_GAIN_RECIPROCAL, FIXTURE_GAIN_THIRD};
     fixture_loop loop;
-    for (int gain = 0; gain < FIXTURE_GAIN_FINE; gain++) {
+    for (size_t g = 0; g < sizeof gains / sizeof gains[0]; g++) {
         for (uint32_t pair = 0; pair < 16; pair++) {
-            bench_ae_begin(&loop, law, 1 + pair / 4, (fixture_gain_law)gain);
+            bench_ae_begin(&loop, law, 1 + pair / 4, gains[g]);
+            const uint32_t believed = loop.sensor.delay_frames;
             loop.plant.delay[FIXTURE_GAIN] = 1 + pair % 4;
-            loop.plant.light_ev = -0.5;
-            const pupil_sensor_config believed = loop.sensor;
+            loop.plant.light_ev = 3.0; /* 2^-5.5 s are right, and in the end 2^-2.8: exposures, then gains */
             fixture_loop_fit(&loop);
-            loop.sensor.delay_frames = !law->total ? believed.delay_frames : loop.sensor.delay_frames;
-            if (bench_ae_loop(b, &loop, 700, "2s ramp -0.2ev/s 20s"))
+            if (!law->total)
+                loop.sensor.delay_frames = believed;
+            if (bench_ae_loop(b, &loop, SEAM_FRAMES, "2s ramp -0.06ev/s 45s"))
                 return -1;
-            bench_ae_show(b, &loop, "seam", "", NAN, seam_of(b->frame, 90, 650), SEAM_EV);
+            bench_ae_show(b, &loop, "seam", "", NAN, seam_of(b->frame, 90, SEAM_FRAMES), SEAM_EV);
         }
     }
     return 0;
@@ -208,6 +222,8 @@ int bench_ae_mains(bench_ae *b, const fixture_controller *law)
               {"60 Hz, 25 frames a second", 60, 0, 25}};
     fixture_loop loop;
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+        if (of[i].told && law->total)
+            continue; /* nobody tells them */
         bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
         const uint32_t believed = loop.sensor.delay_frames;
         loop.plant.frame_s = 1.0 / of[i].fps;
