@@ -105,12 +105,12 @@ static void script(FILE *out, int is_png, const void *context)
             "plot 0 w lines dt 2 lw 1.2 lc '#555555' t 'key', $run u 1:10 w %s lw 2.2 lc '" VERMILION
             "' t 'sensor', $run u 1:11 w %s lw 1.2 lc '#000000' t 'as shown'\n",
             style, style);
-    panel(out, 4, 5, "near, EV");
+    panel(out, 4, 5, "at rest, EV"); /* around where it comes to rest */
     fprintf(out,
-            "set yrange [-0.15:0.15]\nplot 0 w lines dt 2 lw 1.2 lc '#555555' t 'key', $run u 1:10 w %s lw 2.2 lc "
+            "set yrange [%.4f:%.4f]\nplot 0 w lines dt 2 lw 1.2 lc '#555555' t 'key', $run u 1:10 w %s lw 2.2 lc "
             "'" VERMILION "' t 'sensor', $run u 1:11 w %s lw 1.2 lc '#000000' t 'as shown', "
             "$run u 1:12 w %s lw 1.2 dt 3 lc '" BLUE "' t 'bands of lamps'\nunset multiplot\n",
-            style, style, style);
+            run->sum.aim_ev - 0.15, run->sum.aim_ev + 0.15, style, style, style);
 }
 
 int sim_plot(const sim_run *run, char *why, size_t why_bytes)
