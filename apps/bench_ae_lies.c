@@ -73,18 +73,18 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
     static const struct {
         const char *of, *camera;
         double base_ev;
-        int beyond; /* of what such a camera can do */
+        int beyond; /* of what a loop can be asked for there: only that it does not swing */
     } of[] = {{"info tells what was asked", "told=asked", 0, 0},
               {"no info", "told=nothing", 0, 0},
               {"read-back stands still", "told=first", 0, 0},
               {"a line more", "off=1", 3, 0},
               {"a line less", "off=-1", 3, 0},
-              {"gain shortens exposure", "moves=0.3", -5, 0},
+              {"gain shortens exposure", "moves=0.3", -4, 0},
               {"exposure wraps at 1000 lines", "wrap_lines=1000", -1, 0},
-              {"gain wraps at 8", "wrap_gain=8", -5, 0},
+              {"gain wraps at 8", "wrap_gain=8", -5, 1},
               {"a fifth of the writes is lost", "ignore=20%", 0, 0},
               {"gain is dead", "ignore=0%/100%", -3, 1},
-              {"exposure is dead", "ignore=100%/0%", -2, 0},
+              {"exposure is dead", "ignore=100%/0%", -2, 1},
               {"jitters by a frame", "jitter=1", 0, 0},
               {"exposure told ten times too long", "scale=10", 0, 0},
               {"a fifth of the frames is dropped", "drop=20%", 0, 0},
