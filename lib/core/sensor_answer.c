@@ -60,6 +60,7 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     for (int i = 0; i < 3; i++)
         a->seen[i] = 1.0;
     a->strange = 0;
+    a->delay[0] = a->delay[1] = 0;
 }
 
 /* log2 of what guess h of control c says was in force so many frames before this one. */
@@ -88,11 +89,13 @@ static void moved(const pupil_sensor_answer *a, const pupil_sensor_light *light,
         *least = *most = 0.5 * (*least + *most);
 }
 
-/* Stops that the scene must have moved by itself, if the controls moved by step. */
-static double left_over(const pupil_sensor_answer *a, double step, double least, double most)
+/* Stops that the scene must have moved by itself, if the controls moved by step. How strongly the picture answers is
+ * known a little, even where nothing has been seen yet. */
+static double left_over(const pupil_sensor_object *o, double step, double least, double most)
 {
-    double low = a->slopes > 1 ? 0.7 * a->slope : STEEP_LEAST, high = a->slopes > 1 ? 1.4 * a->slope : STEEP_MOST;
-    low *= step, high *= step;
+    const pupil_sensor_answer *a = &o->answer;
+    const int known = a->slopes > 1 || o->config.linear;
+    double low = step * (known ? 0.8 * a->slope : STEEP_LEAST), high = step * (known ? 1.25 * a->slope : STEEP_MOST);
     if (low > high) {
         const double swap = low;
         low = high, high = swap;
@@ -101,14 +104,15 @@ static double left_over(const pupil_sensor_answer *a, double step, double least,
 }
 
 /* One comparison of this frame with the one before. */
-static void weigh(pupil_sensor_answer *a, double step[2][PUPIL_SENSOR_GUESSES], double least, double most)
+static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double least, double most)
 {
+    pupil_sensor_answer *a = &o->answer;
     const double scale = 1.0 / (3.0 * a->noise * a->noise);
     double best = FAR_AWAY;
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++) {
         double last = FAR_AWAY, paid = 0.0;
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
-            const double all = step[0][e] + step[1][g], left = left_over(a, all, least, most);
+            const double all = step[0][e] + step[1][g], left = left_over(o, all, least, most);
             paid = left == last ? paid : 2.0 * pupil_log2(1.0 + left * left * scale);
             last = left;
             a->price[e][g] = (float)((double)a->price[e][g] + paid);
@@ -213,9 +217,9 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
     moved(a, light, &least, &most);
     if (high[0] - low[0] > 0.01 || high[1] - low[1] > 0.01) {
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
-        weigh(a, step, least, most);
+        weigh(o, step, least, most);
         /* what info says has moved, and the picture with it: from now on it is believed */
-        if (o->answer.info_tells && clear > STEP_EV && left_over(a, told, least, most) < a->noise)
+        if (o->answer.info_tells && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
             a->is_told = 1;
         survey(a, 0);
         if (least == most)
@@ -228,6 +232,33 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
         a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
     }
+}
+
+static double least_price(const pupil_sensor_answer *a, int control, uint32_t h)
+{
+    double least = FAR_AWAY;
+    for (uint32_t other = 0; other < PUPIL_SENSOR_GUESSES; other++) {
+        const double price = (double)(control ? a->price[other][h] : a->price[h][other]);
+        least = price < least ? price : least;
+    }
+    return least;
+}
+
+/* The delay of a control, once it has been seen to obey and one delay alone explains that, whatever info says; until it
+ * is contradicted. Else 0. */
+static uint32_t delay_of(const pupil_sensor_answer *a, int control)
+{
+    double best = FAR_AWAY, second = FAR_AWAY;
+    uint32_t delay = 0;
+    for (uint32_t h = 1; h < NEVER; h++) {
+        const double price = least_price(a, control, h);
+        second = price < best ? best : price < second ? price : second;
+        delay = price < best ? h : delay;
+        best = price < best ? price : best;
+    }
+    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR)
+        return delay;
+    return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
 }
 
 void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light *light, uint64_t sequence)
@@ -248,6 +279,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
     survey(a, 0);
     for (int c = 0; c < 2; c++) {
         a->told_before[c] = a->told[c];
+        a->delay[c] = delay_of(a, c);
         if (!(a->alive[c] >> NEVER & 1))
             a->anchor[c] = a->taken[c];
     }
@@ -264,31 +296,6 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
         if ((o->answer.alive[0] | o->answer.alive[1]) >> h & 1)
             longest = h;
     return longest ? longest : o->config.delay_frames;
-}
-
-static double least_price(const pupil_sensor_answer *a, int control, uint32_t h)
-{
-    double least = FAR_AWAY;
-    for (uint32_t other = 0; other < PUPIL_SENSOR_GUESSES; other++) {
-        const double price = (double)(control ? a->price[other][h] : a->price[h][other]);
-        least = price < least ? price : least;
-    }
-    return least;
-}
-
-/* The delay of a control where it has been seen to obey and one alone explains that, whatever info says; else 0. */
-uint32_t pupil_sensor_delay_of(const pupil_sensor_object *o, int control)
-{
-    const pupil_sensor_answer *a = &o->answer;
-    double best = FAR_AWAY, second = FAR_AWAY;
-    uint32_t delay = 0;
-    for (uint32_t h = 1; h < NEVER; h++) {
-        const double price = least_price(a, control, h);
-        second = price < best ? best : price < second ? price : second;
-        delay = price < best ? h : delay;
-        best = price < best ? price : best;
-    }
-    return second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR ? delay : 0;
 }
 
 int pupil_sensor_disobeys(const pupil_sensor_object *o)

@@ -28,6 +28,7 @@ typedef struct pupil_sensor_answer {
     uint32_t strange;   /* steps that the picture did not follow; at most 4 */
     uint32_t alive[2];  /* masks of guesses */
     uint32_t best[2];   /* guesses */
+    uint32_t delay[2];  /* found; 0: not yet */
     uint32_t in_flight; /* the last setting may not be in force yet */
     uint32_t has_level;
     uint32_t info_tells; /* this frame's info has both */
@@ -88,7 +89,6 @@ void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *s
 void pupil_sensor_answer_reset(pupil_sensor_object *object);
 void pupil_sensor_answer_frame(pupil_sensor_object *object, const pupil_sensor_light *light, uint64_t sequence);
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
-uint32_t pupil_sensor_delay_of(const pupil_sensor_object *object, int control);
 int pupil_sensor_disobeys(const pupil_sensor_object *object);
 
 #endif

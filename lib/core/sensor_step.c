@@ -250,8 +250,8 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
     }
     s->slope = a->slope;
-    s->exposure_delay = pupil_sensor_delay_of(o, 0);
-    s->gain_delay = pupil_sensor_delay_of(o, 1);
+    s->exposure_delay = a->delay[0];
+    s->gain_delay = a->delay[1];
     /* what multiplies values makes more of a bent picture than of light */
     s->frame_digital = pupil_exp2(clamp(a->slope * (o->total_log2 - frame_log2), -c->digital_ev, c->digital_ev));
 }
