@@ -54,5 +54,6 @@ refuses PUPIL_V4L2 record -d 0 --format YUYV "$work/out"
 refuses PUPIL_JSON list --json
 refuses PUPIL_SCENES render room -q -o "$work/out.y4m"
 refuses PUPIL_SCENES study -q
+refuses PUPIL_SCENES sim -q
 refuses PUPIL_BENCH bench scene
 exit $status
