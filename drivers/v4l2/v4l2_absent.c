@@ -32,7 +32,8 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
 
 int pupil_is_v4l2_output(const char *path)
 {
-    return strncmp(path, "/dev/video", 10) == 0 || strncmp(path, PUPIL_V4L2_PREFIX, sizeof PUPIL_V4L2_PREFIX - 1) == 0;
+    return strncmp(path, "/dev/video", 10) == 0 || strncmp(path, "/dev/v4l/", 9) == 0 ||
+           strncmp(path, PUPIL_V4L2_PREFIX, sizeof PUPIL_V4L2_PREFIX - 1) == 0;
 }
 
 int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
