@@ -16,6 +16,15 @@ static double white_of(const pupil_curve *curve)
     return curve->inverse_white_squared > 0.0f ? 1.0 / sqrt((double)curve->inverse_white_squared) : 0.0;
 }
 
+/* log2 of the scene's light over the frame's values, where exposure and gain are known. */
+static double light_of(const pupil_t *pupil, const pupil_frame_info *info, double scale)
+{
+    pupil_curve curve;
+    if (pupil_get_curve(pupil, info, &curve) || curve.scale == (float)scale || !(curve.scale > 0.0f) || !(scale > 0.0))
+        return 0.0;
+    return log2((double)curve.scale / scale);
+}
+
 pupil_record describe_frame(const pupil_t *pupil, const pupil_stats *stats, const pupil_curve *curve,
                             const pupil_frame *frame, const pupil_image_const *display)
 {
@@ -42,5 +51,9 @@ pupil_record describe_frame(const pupil_t *pupil, const pupil_stats *stats, cons
     pupil_stats_quantile(stats, 0.01, &record.p01_ev); /* refused without light: the quantiles stay 0 */
     pupil_stats_quantile(stats, 0.50, &record.p50_ev);
     pupil_stats_quantile(stats, 0.99, &record.p99_ev);
+    const double light_ev = light_of(pupil, &frame->info, e.scale);
+    record.p01_ev += light_ev;
+    record.p50_ev += light_ev;
+    record.p99_ev += light_ev;
     return record;
 }

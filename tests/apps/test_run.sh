@@ -118,6 +118,8 @@ for mode in sensor both; do
     [ "$(last sensor $mode.csv)" = converged ] || fail "$mode: the sensor is $(last sensor $mode.csv)"
     within "$(last digital $mode.csv)" 0.93 1.07 || fail "$mode: a digital factor of $(last digital $mode.csv) is left"
     [ "$(last in_force_from $mode.csv)" -gt 150 ] || fail "$mode: no reaction to the light"
+    within "$(last metered_ev $mode.csv)" "$(last p01_ev $mode.csv)" "$(last p99_ev $mode.csv)" ||
+        fail "$mode: metered $(last metered_ev $mode.csv) EV lies outside of the frame's quantiles"
     within "$(last scene_ev $mode.csv)" 4.8 5.0 || fail "$mode: the light is $(last scene_ev $mode.csv), not log2(0.2930 / 0.01)"
 done
 run 0 "mode both" -n 3 # the default, where there are controls
