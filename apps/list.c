@@ -22,7 +22,7 @@ static const char help[] = "usage: pupil list [--json]\n"
 typedef struct list {
     list_camera *camera;
     size_t count;
-    int failed;
+    int failed, refused;
     FILE *err;
 } list;
 
@@ -32,6 +32,7 @@ static int add(void *closure, const pupil_v4l2_device *device, const char *path,
     char words[PUPIL_WHY_BYTES];
     (void)path;
     if (!device) {
+        l->refused |= *why != 0;
         if (*why)
             fprintf(l->err, "pupil list: %s\n", why);
         return 0;
@@ -80,7 +81,7 @@ int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err
         for (size_t i = 0; i < l.count; i++)
             print_line(&l.camera[i], out);
         if (!l.count)
-            fputs("no camera\n", out);
+            fputs(l.refused ? "no camera that can be asked\n" : "no camera\n", out);
     }
     if (failed)
         fprintf(err, "pupil list: %s\n", why);

@@ -300,7 +300,7 @@ static int begin(void)
 /* What has been taken is kept, whatever ended the run; a second Ctrl-C leaves out what is to come. */
 static void finish(void)
 {
-    const replay_options *o = &r.options.shown;
+    replay_options *o = &r.options.shown;
     char why[PUPIL_WHY_BYTES];
     pupil_recorder_counts recorded = {0};
     if (r.recorder)
@@ -320,8 +320,10 @@ static void finish(void)
         r.stats_file = NULL;
     }
     if (r.records.count && !interrupt_again() &&
-        pupil_plot_write(o->plot, r.records.records, r.records.count, o->config.key, r.device, why, sizeof why))
+        pupil_plot_write(o->plot, r.records.records, r.records.count, o->config.key, r.device, why, sizeof why)) {
         fail(why);
+        o->plot = NULL; /* the last line names what is there */
+    }
 }
 
 /* The camera comes first: nothing that follows can keep it. */
