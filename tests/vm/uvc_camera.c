@@ -216,11 +216,16 @@ static int answer_standard(uint8_t request, uint32_t value, uvc_text *out)
     }
 }
 
+static uint32_t interval_for(uint32_t asked)
+{
+    return asked > 4 * INTERVAL ? UVC_LONGEST : asked > INTERVAL + INTERVAL / 2 ? 2 * INTERVAL : INTERVAL;
+}
+
 static int answer_stream(uint8_t request, const uint8_t *data, uint32_t bytes, uvc_text *out)
 {
     if (request == SET_CUR && bytes >= 8) {
         stream.frame = data[3] == 2 ? 2 : 1;
-        stream.interval = get(data + 4, 4) > INTERVAL + INTERVAL / 2 ? 2 * INTERVAL : INTERVAL;
+        stream.interval = interval_for(get(data + 4, 4));
         return 0;
     }
     if (request == GET_INFO || request == GET_LEN) {
@@ -228,7 +233,7 @@ static int answer_stream(uint8_t request, const uint8_t *data, uint32_t bytes, u
         return 0;
     }
     UVC_PUT(out, 1, 0, 1, stream.frame);
-    uvc_put(out, 4, request == GET_MAX ? 2 * INTERVAL : request == GET_CUR ? stream.interval : INTERVAL);
+    uvc_put(out, 4, request == GET_MAX ? UVC_LONGEST : request == GET_CUR ? stream.interval : INTERVAL);
     UVC_PUT(out, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
     uvc_put(out, 4, width_of() * height_of() * 2);
     uvc_put(out, 4, PAYLOAD);

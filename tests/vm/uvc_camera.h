@@ -1,7 +1,7 @@
 /* tests/vm/uvc_camera.h: a USB camera in user space, which the kernel's uvcvideo takes for one of its own.
  *
  * It is the far end of a USB/IP connection (the kernel's vhci_hcd) and speaks the USB Video Class 1.1 there: YUYV in
- * bulk transfers, 320x240 and 640x480 at 30 and 15 frames a second, and the controls that webcams have: automatic
+ * bulk transfers, 320x240 and 640x480 at 30, 15 and 5 frames a second, and the controls that webcams have: automatic
  * exposure (manual, aperture priority), its priority over the frame rate, exposure time in 100 us, gain in 16ths.
  *
  * Its picture is light times exposure time times gain, the same in every column of a ramp of four stops, as luma:

@@ -37,23 +37,24 @@ static void describe_control(uvc_text *t)
 
 static void describe_frame(uvc_text *t, uint32_t index, uint32_t width, uint32_t height)
 {
-    UVC_PUT(t, 34, 0x24, 5, (int)index, 0);
+    UVC_PUT(t, 38, 0x24, 5, (int)index, 0);
     uvc_put(t, 2, width);
     uvc_put(t, 2, height);
-    uvc_put(t, 4, width * height * 2 * 8 * 15);
+    uvc_put(t, 4, width * height * 2 * 8 * 5);
     uvc_put(t, 4, width * height * 2 * 8 * 30);
     uvc_put(t, 4, width * height * 2);
     uvc_put(t, 4, UVC_INTERVAL);
-    uvc_put(t, 1, 2); /* so many intervals */
+    uvc_put(t, 1, 3); /* so many intervals */
     uvc_put(t, 4, UVC_INTERVAL);
     uvc_put(t, 4, 2 * UVC_INTERVAL);
+    uvc_put(t, 4, UVC_LONGEST);
 }
 
 /* The interface of the stream: YUY2, in bulk from endpoint 1; (3.9). */
 static void describe_stream(uvc_text *t)
 {
     UVC_PUT(t, 9, 4, 1, 0, 1, 14, 2, 0, 0);
-    UVC_PUT(t, 14, 0x24, 1, 1, 14 + 27 + 34 + 34, 0, 0x81, 0, 3, 0, 0, 0, 1, 0);
+    UVC_PUT(t, 14, 0x24, 1, 1, 14 + 27 + 38 + 38, 0, 0x81, 0, 3, 0, 0, 0, 1, 0);
     UVC_PUT(t, 27, 0x24, 4, 1, 2, 'Y', 'U', 'Y', '2', 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71);
     UVC_PUT(t, 16, 1, 0, 0, 0, 0);
     describe_frame(t, 1, 320, 240);

@@ -4,7 +4,8 @@
 
 #include <stdint.h>
 
-#define UVC_INTERVAL 333333u /* in 100 ns: 30 frames a second */
+#define UVC_INTERVAL 333333u /* in 100 ns: 30 frames a second; 15 and 5 are the others */
+#define UVC_LONGEST  (6 * UVC_INTERVAL)
 
 typedef struct uvc_text {
     uint8_t byte[512];
