@@ -130,20 +130,6 @@ static void test_killed(void)
 
 /* ---- cut and damaged ---- */
 
-/* Where each frame ends in frames.mkv: its pixels, found by content. */
-static void find_ends(const test_frames *frames, const file *mkv, size_t *ends)
-{
-    unsigned char *from = mkv->bytes;
-    for (int i = 0; i < frames->count; i++) {
-        const pupil_image_const *image = &frames->frame[i].image;
-        const size_t row = pupil_row_bytes(image->pixel, image->width);
-        from = memmem(from, mkv->size - (size_t)(from - mkv->bytes), image->data, row);
-        CHECK(from);
-        from += row * image->height;
-        ends[i] = (size_t)(from - mkv->bytes);
-    }
-}
-
 static void test_cut(void)
 {
     test_frames frames;
@@ -152,7 +138,7 @@ static void test_cut(void)
     const char *folder = scratch("cut");
     CHECK(frames_record(&frames, folder, &waiting, why) == 8);
     file mkv = load(folder, "frames.mkv"), lines = load(folder, "frames.jsonl"), about = load(folder, "recording.json");
-    find_ends(&frames, &mkv, ends);
+    frames_ends(&frames, mkv.bytes, mkv.size, ends);
     for (size_t size = 0; size <= mkv.size; size++) {
         int right = 0;
         while (right < 8 && size >= ends[right])
