@@ -52,6 +52,38 @@ static void test_unknown(void)
     frames_free(&frames);
 }
 
+/* Whole numbers come back in full, however large, and are quoted where a double would round them. */
+static void test_large(void)
+{
+    static const struct {
+        uint64_t sequence;
+        int64_t ns;
+        const char *line;
+    } large[] = {
+        {UINT64_C(1) << 53, -(INT64_C(1) << 53), "\"sequence\":9007199254740992,\"timestamp_ns\":-9007199254740992,"},
+        {(UINT64_C(1) << 53) + 1, (INT64_C(1) << 53) + 1,
+         "\"sequence\":\"9007199254740993\",\"timestamp_ns\":\"9007199254740993\","},
+        {UINT64_MAX, INT64_MIN, "\"sequence\":\"18446744073709551615\",\"timestamp_ns\":\"-9223372036854775808\","},
+        {0, INT64_MAX, "\"sequence\":0,\"timestamp_ns\":\"9223372036854775807\","}};
+    const char *folder = scratch("large");
+    static char lines[4096];
+    test_frames frames;
+    frames_make(&frames, PUPIL_PIXEL_GREY8, 4, 4, 4);
+    for (int i = 0; i < 4; i++) {
+        frames.frame[i].info.sequence = large[i].sequence;
+        frames.frame[i].info.timestamp_ns = large[i].ns;
+    }
+    CHECK(frames_record(&frames, folder, &waiting, why) == 4);
+    CHECK_MSG(frames_replay(&frames, folder, why) == 4, "%s", why);
+    FILE *f = fopen(scratch("large/frames.jsonl"), "r");
+    lines[f ? fread(lines, 1, sizeof lines - 1, f) : 0] = 0;
+    fclose(f);
+    for (int i = 0; i < 4; i++)
+        CHECK_MSG(strstr(lines, large[i].line), "%s", large[i].line);
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
 /* ---- the queue ---- */
 
 /* More frames at once than one slot and any disk can take: what is not written is counted, and the rest is in order. */
@@ -125,7 +157,12 @@ static void test_refused(void)
 
     frames.frame[0].image.pixel = PUPIL_PIXEL_BGRX8;
     check_refused(&frames, folder, "refused: frames of pixel format 8 cannot be recorded");
+    frames.frame[0].image.pixel = PUPIL_PIXEL_RGBA16F; /* one row too many: 2^28 - 4 bytes are what Matroska's have */
+    frames.frame[0].image.width = 8192;
+    frames.frame[0].image.height = 4096;
+    check_refused(&frames, folder, "refused: frames of 268435456 bytes cannot be recorded; at most 268435452 can");
     frames.frame[0].image.pixel = PUPIL_PIXEL_BAYER10;
+    frames.frame[0].image.height = 4;
     frames.frame[0].image.width = 7;
     check_refused(&frames, folder, "refused: frames of 7 x 4 pixels; of bayer10 the width is a multiple of 2");
     frames.frame[0].image.width = 8;
@@ -248,6 +285,7 @@ static void test_texts(void)
         {"\"gain\":", "\"gain\":\"1\",\"x\":", "frames.jsonl:1: \"gain\" must be a number"},
         {"\"timestamp_ns\":0", "\"timestamp_ns\":0.5", "frames.jsonl:1: \"timestamp_ns\" must be a whole number"},
         {"\"sequence\":\"1", "\"sequence\":\"99", "frames.jsonl:"},
+        {"\"timestamp_ns\":0", "\"timestamp_ns\":9007199254740994", "a whole number, in quotes where it is above 2^53"},
     };
     test_frames frames;
     frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 4);
@@ -297,6 +335,7 @@ int main(int argc, char **argv)
     scratch_begin();
     test_round_trip();
     test_unknown();
+    test_large();
     test_lost();
     test_refused();
     test_full();
