@@ -13,6 +13,7 @@
 #include "file/video_io.h"
 #include "refuse.h"
 
+#define ERRNO_MOST      4095 /* of Linux; libav's codes of its own are beyond it */
 #define BUFFER_BYTES    4096 /* heads; frames go past it */
 #define HEAD_MOST_BYTES 4096 /* what stands before the first frame; ours has about 600 */
 /* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
@@ -75,7 +76,7 @@ static int64_t seek_to(void *opaque, int64_t offset, int whence)
 /* What was written in part goes again. */
 static int take_back(pupil_mkv_writer *w, int code)
 {
-    const int error = w->error ? w->error : code < 0 ? AVUNERROR(code) : EIO;
+    const int error = w->error ? w->error : code < 0 && code >= -ERRNO_MOST ? AVUNERROR(code) : EIO;
     w->error = error;
     (void)!ftruncate(w->fd, w->end);
     errno = error;
@@ -127,6 +128,7 @@ static int begin(pupil_mkv_writer *w, const pupil_recording_about *about)
     w->format->flags |= AVFMT_FLAG_CUSTOM_IO;
     w->format->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL; /* letters of our own for formats without any */
     describe(stream->codecpar, about);
+    stream->sample_aspect_ratio = stream->codecpar->sample_aspect_ratio = (AVRational){1, 1};
     stream->avg_frame_rate = av_d2q(about->fps, 1000000);
     stream->time_base = (AVRational){1, 1000};
     av_dict_set(&options, "write_crc32", "0", 0); /* of whole frames: time, and nothing checks them */

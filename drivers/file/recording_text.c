@@ -109,10 +109,13 @@ char *pupil_recording_about_text(const pupil_recording_about *about, const char 
     const whole_text t = {.about = *about};
     char *name = utf8_of(camera ? camera : ""), *text = NULL;
     cJSON *object = name ? cJSON_CreateObject() : NULL;
-    int whole = object && cJSON_AddNumberToObject(object, "version", PUPIL_RECORDING_VERSION) &&
-                cJSON_AddStringToObject(object, "camera", name);
-    for (size_t i = 0; whole && i < FIELDS; i++)
+    int whole = object != NULL;
+    for (size_t i = 0; whole && i < FIELDS; i++) {
         whole = cJSON_AddItemToObject(object, fields[i].name, item_of(&fields[i], &t));
+        if (whole && i == 0) /* behind "format" */
+            whole = cJSON_AddNumberToObject(object, "version", PUPIL_RECORDING_VERSION) &&
+                    cJSON_AddStringToObject(object, "camera", name);
+    }
     if (whole)
         text = cJSON_Print(object);
     cJSON_Delete(object);
