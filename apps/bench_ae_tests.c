@@ -23,8 +23,8 @@ enum {
     SEAM_FRAMES = 1400
 };
 
-const char *const bench_ae_tests[BENCH_AE_TESTS] = {"settle",     "overshoot", "hunt",   "calm",  "seam",
-                                                    "background", "bands",     "strobe", "curve", "lies"};
+const char *const bench_ae_tests[BENCH_AE_TESTS] = {"settle",     "overshoot", "hunt",   "identify", "calm", "seam",
+                                                    "background", "bands",     "strobe", "curve",    "lies"};
 
 void bench_ae_begin(fixture_loop *loop, const fixture_controller *law, uint32_t delay, fixture_gain_law gain)
 {
@@ -54,17 +54,19 @@ int bench_ae_loop(bench_ae *b, fixture_loop *loop, size_t frames, const char *fo
 void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev,
                    double value, double limit)
 {
-    const bench_ae_row row = {.law = loop->law,
-                              .test = test,
-                              .of = of,
-                              .unit = strcmp(test, "settle") == 0 || strstr(of, ": frames") ? "frames" : "EV",
-                              .gain_law = fixture_gain_law_name[loop->plant.law],
-                              .delay = loop->plant.delay[0],
-                              .believed = loop->sensor.delay_frames,
-                              .step_ev = step_ev,
-                              .value = value,
-                              .limit = limit,
-                              .pass = value <= limit};
+    const bench_ae_row row = {
+        .law = loop->law,
+        .test = test,
+        .of = of,
+        .unit =
+            strcmp(test, "settle") == 0 || strcmp(test, "identify") == 0 || strstr(of, ": frames") ? "frames" : "EV",
+        .gain_law = fixture_gain_law_name[loop->plant.law],
+        .delay = loop->plant.delay[0],
+        .believed = loop->sensor.delay_frames,
+        .step_ev = step_ev,
+        .value = value,
+        .limit = limit,
+        .pass = value <= limit};
     if (!b->test || strcmp(b->test, test) == 0)
         b->see(b->context, &row);
 }
@@ -130,6 +132,34 @@ int bench_ae_hunt(bench_ae *b, const fixture_controller *law)
             const fixture_loop_sum s = fixture_loop_sum_of(b->frame, 600, 270, 150);
             bench_ae_show(b, &loop, "hunt", "", 1.0, s.rest_pp_ev, HUNT_EV);
         }
+    }
+    return 0;
+}
+
+/* All pairs of the two controls' delays, of a camera whose table says four: frames of light that goes up and down by a
+ * stop or two, as when something passes, until both are known for good. */
+int bench_ae_identify(bench_ae *b, const fixture_controller *law)
+{
+    fixture_loop loop;
+    for (uint32_t pair = 0; pair < 16 && !law->total; pair++) {
+        const uint32_t delay[FIXTURE_CONTROLS] = {1 + pair / 4, 1 + pair % 4};
+        char of[32];
+        bench_ae_begin(&loop, law, delay[0], FIXTURE_GAIN_RECIPROCAL);
+        const uint32_t believed = loop.sensor.delay_frames;
+        loop.plant.delay[FIXTURE_GAIN] = delay[1];
+        loop.plant.told = FIXTURE_TOLD_DELAYED;
+        loop.plant.told_delay[0] = loop.plant.told_delay[1] = 4;
+        loop.plant.light_ev = 2.4; /* the longest exposure, nearly: darker light needs gain, brighter less exposure */
+        fixture_loop_fit(&loop);
+        loop.sensor.delay_frames = believed;
+        if (bench_ae_loop(b, &loop, 240, "3s step -1.5ev; 3.4s step 2.5ev; 3.8s step -2ev; 5s step 1ev"))
+            return -1;
+        size_t known = 240;
+        while (known > 90 && b->frame[known - 1].setting.delay[0] == delay[0] &&
+               b->frame[known - 1].setting.delay[1] == delay[1])
+            known--;
+        snprintf(of, sizeof of, "exposure %u, gain %u", delay[0], delay[1]);
+        bench_ae_show(b, &loop, "identify", of, NAN, known < 240 ? (double)(known - 90) : NAN, 30.0);
     }
     return 0;
 }

@@ -11,7 +11,8 @@
 static const char *const state_names[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
 static const char *const reason_names[] = {"",         "waiting",    "exposure_min", "exposure_max", "frame_period",
                                            "gain_min", "gain_max",   "highlights",   "below_mains",  "lock",
-                                           "by_hand",  "dead_frame", "same_frame",   "clock_back"};
+                                           "by_hand",  "dead_frame", "same_frame",   "clock_back",   "flash",
+                                           "ignored",  "strange",    "unsteady"};
 
 const char *sim_state_name(uint32_t state)
 {
@@ -35,8 +36,9 @@ static void line(FILE *out, const sim_run *run, const fixture_loop_frame *f)
             f->info.exposure_s, f->info.gain, f->setting.exposure_s, f->setting.gain, f->setting.digital, f->error_ev,
             f->shown_ev, t->band_ev, t->clipped_share);
     if (!run->options->loop.law->total)
-        fprintf(out, ",\"state\":\"%s\",\"reason\":\"%s\"", sim_state_name(f->setting.state),
-                sim_reason_name(f->setting.reason));
+        fprintf(out, ",\"state\":\"%s\",\"reason\":\"%s\",\"slope\":%.4f,\"exposure_delay\":%u,\"gain_delay\":%u",
+                sim_state_name(f->setting.state), sim_reason_name(f->setting.reason), f->setting.slope,
+                f->setting.delay[FIXTURE_EXPOSURE], f->setting.delay[FIXTURE_GAIN]);
     fputs("}\n", out);
 }
 
@@ -102,6 +104,9 @@ void sim_summary(const sim_run *run, FILE *out)
         fprintf(out, "; %s%s%s", sim_state_name(last->setting.state), last->setting.reason ? ", " : "",
                 sim_reason_name(last->setting.reason));
     fputc('\n', out);
+    if (!o->loop.law->total)
+        fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet)\n", last->setting.slope,
+                last->setting.delay[FIXTURE_EXPOSURE], last->setting.delay[FIXTURE_GAIN]);
 }
 
 /* All lights of a recipe, as luminance. */
