@@ -10,7 +10,6 @@
 #define SETTLED_EV   0.1
 #define OVERSHOOT_EV 0.05
 #define HUNT_EV      0.02
-#define SEAM_EV      0.005
 #define STROBE_EV    0.02
 
 enum {
@@ -176,43 +175,6 @@ int bench_ae_calm(bench_ae *b, const fixture_controller *law)
         const fixture_loop_sum s = fixture_loop_sum_of(b->frame, 1200, 0, 900);
         bench_ae_show(b, &loop, "calm", "from end to end", NAN, s.shown_pp_ev, HUNT_EV);
         bench_ae_show(b, &loop, "calm", "RMS a frame", NAN, s.shown_rms_ev, 0.001);
-    }
-    return 0;
-}
-
-/* How much more a frame on which the sensor's setting changed moves the picture than those beside it. */
-static double seam_of(const fixture_loop_frame *f, size_t from, size_t to)
-{
-    double squares = 0.0, count = 0.0;
-    for (size_t i = from; i + 1 < to; i++) {
-        if (f[i].truth.exposure_s == f[i - 1].truth.exposure_s && f[i].truth.gain == f[i - 1].truth.gain)
-            continue;
-        const double here = f[i].shown_ev - f[i - 1].shown_ev;
-        const double beside = 0.5 * (f[i + 1].shown_ev - f[i].shown_ev + f[i - 1].shown_ev - f[i - 2].shown_ev);
-        squares += (here - beside) * (here - beside);
-        count += 1.0;
-    }
-    return count > 0.0 ? sqrt(squares / count) : 0.0;
-}
-
-/* Light that goes so slowly that nothing is far, through many settings; all pairs of delays of the two controls. */
-int bench_ae_seam(bench_ae *b, const fixture_controller *law)
-{
-    static const fixture_gain_law gains[] = {FIXTURE_GAIN_RECIPROCAL, FIXTURE_GAIN_THIRD};
-    fixture_loop loop;
-    for (size_t g = 0; g < sizeof gains / sizeof gains[0]; g++) {
-        for (uint32_t pair = 0; pair < 16; pair++) {
-            bench_ae_begin(&loop, law, 1 + pair / 4, gains[g]);
-            const uint32_t believed = loop.sensor.delay_frames;
-            loop.plant.delay[FIXTURE_GAIN] = 1 + pair % 4;
-            loop.plant.light_ev = 3.0; /* 2^-5.5 s are right, and in the end 2^-2.8: exposures, then gains */
-            fixture_loop_fit(&loop);
-            if (!law->total)
-                loop.sensor.delay_frames = believed;
-            if (bench_ae_loop(b, &loop, SEAM_FRAMES, "2s ramp -0.06ev/s 45s"))
-                return -1;
-            bench_ae_show(b, &loop, "seam", "", NAN, seam_of(b->frame, 90, SEAM_FRAMES), SEAM_EV);
-        }
     }
     return 0;
 }
