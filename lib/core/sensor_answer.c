@@ -161,6 +161,19 @@ static void survey(pupil_sensor_answer *a, int never)
         }
     if (!a->alive[0] && !never)
         survey(a, 1);
+    if (never) /* whatever is done next shows which of the two it is */
+        a->low = a->high = a->taken[0] + a->taken[1];
+}
+
+/* What info says of a control was not asked for in the last frames; and the picture has nothing against that. */
+static int is_unheard(const pupil_sensor_answer *a, int c)
+{
+    for (uint32_t h = 1; h <= PUPIL_SENSOR_DELAYS; h++) {
+        const double off = a->told[c] - in_force(a, c, h, 0);
+        if (off < 0.05 && off > -0.05)
+            return 0;
+    }
+    return a->alive[c] & 1u << TOLD;
 }
 
 static double middle_of(const double x[3])
@@ -283,6 +296,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         if (!(a->alive[c] >> NEVER & 1))
             a->anchor[c] = a->taken[c];
     }
+    a->unheard = is_unheard(a, 0) || is_unheard(a, 1);
     a->has_level = !light->dead;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++)
         a->low_of[i] = light->low[i], a->high_of[i] = light->high[i];
@@ -298,7 +312,14 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
     return longest ? longest : o->config.delay_frames;
 }
 
+/* Frames after which a setting is in force, or never will be: what is told tells it by itself. */
+uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *o)
+{
+    return o->answer.alive[0] & o->answer.alive[1] & 1u << TOLD ? PUPIL_SENSOR_DELAYS : pupil_sensor_longest_delay(o);
+}
+
 int pupil_sensor_disobeys(const pupil_sensor_object *o)
 {
-    return (o->answer.alive[0] | o->answer.alive[1]) >> NEVER & 1;
+    const pupil_sensor_answer *a = &o->answer;
+    return ((a->alive[0] | a->alive[1]) >> NEVER & 1) || a->unheard;
 }
