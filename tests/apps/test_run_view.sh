@@ -76,7 +76,7 @@ for mode in sensor both; do
     at=$(lines)
     until_true "$mode: a pause stops the run" more_than $((at + 10))
     xdotool key space q
-    until_true "$mode: q does not end it" is_gone
+    until_true "$mode: q does not end it" is_gone || kill -9 $running
     wait $running
     got=$?
     running=
