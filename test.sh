@@ -26,12 +26,14 @@ libc6-dev-arm64-cross the C library for 64-bit ARM
 qemu-user runs what was built for 64-bit ARM, and counts its instructions
 libsimde-dev stands in for instructions that this CPU may not have
 gcc-arm-none-eabi builds for Cortex-M7
-qemu-system-arm runs what was built for Cortex-M7
+qemu-system-arm runs what was built for Cortex-M7, and boots 64-bit ARM
 qemu-system-x86 boots the virtual machine of tests/vm
 cpio packs what it boots from
 kmod finds the drivers that it needs
 strace tells which system calls a program makes there
 xz-utils unpacks its kernel
+make builds a driver that Debian does not ship
+libelf1 goes with what builds it
 glslang-tools checks the shaders
 xvfb is the screen that windows open on
 xdotool types their keys

@@ -8,6 +8,7 @@
 int bench_scene_main(int argc, char **argv);
 int bench_kernels_main(int argc, char **argv);
 int bench_gles_main(int argc, char **argv);
+int bench_ae_main(int argc, char **argv);
 
 /* Values of options; 0, or -1 and a sentence on standard error. */
 int bench_number(const char *option, const char *text, unsigned long least, unsigned long most, unsigned *value);

@@ -10,5 +10,6 @@ int bench_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 int probe_main(int argc, char **argv);
 int record_main(int argc, char **argv);
+int sim_main(int argc, char **argv);
 
 #endif

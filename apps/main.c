@@ -15,6 +15,7 @@ static const char help[] = "usage: pupil COMMAND ...\n"
                            "  render   the frames of a scene: linear pictures, or mapped for a display\n"
                            "  study    the study of adaptation made again: tables, videos, acceptance\n"
                            "  bench    how long things take, beside what they cannot be faster than\n"
+                           "  sim      an exposure loop around a simulated camera\n"
                            "  list     the cameras that are there, and what they offer\n"
                            "  probe    what a camera is, and, measured in its picture, what it does\n"
                            "  help     this text, or 'pupil help COMMAND'\n"
@@ -37,8 +38,9 @@ static command_main *find(const char *name)
     static const struct {
         const char *name;
         command_main *run;
-    } commands[] = {{"run", run_main},     {"replay", replay_main}, {"render", render_main}, {"study", study_main},
-                    {"bench", bench_main}, {"list", list_main},     {"record", record_main}, {"probe", probe_main}};
+    } commands[] = {{"run", run_main},       {"replay", replay_main}, {"render", render_main},
+                    {"study", study_main},   {"bench", bench_main},   {"list", list_main},
+                    {"record", record_main}, {"probe", probe_main},   {"sim", sim_main}};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(name, commands[i].name) == 0)
             return commands[i].run;

@@ -130,22 +130,23 @@ static int print(const probe_report *report, char *why, size_t why_bytes)
 static int probe(probe_report *report, const pupil_v4l2_system *system)
 {
     char device[256], why[PUPIL_WHY_BYTES];
-    int failed = run_choose_camera(system, run.device, device, sizeof device, why, sizeof why) ||
-                 probe_offers(report, system, device, why, sizeof why);
-    if (!failed) {
+    int result = -1;
+    if (run_choose_camera(system, run.device, device, sizeof device, why, sizeof why) == 0 &&
+        probe_offers(report, system, device, why, sizeof why) == 0) {
         interrupt_fatal(restore);
-        failed = probe_measure(report, system, &run.options, why, sizeof why);
+        result = probe_measure(report, system, &run.options, why, sizeof why);
         interrupt_fatal(NULL);
     }
-    if (failed == 1) {
+    if (result == 1) {
         clear_line();
         fputs("pupil probe: stopped; the camera's controls are as they were\n", stderr);
         return EXIT_STOPPED;
     }
-    failed = failed || print(report, why, sizeof why);
-    if (failed)
+    if (result == 0)
+        result = print(report, why, sizeof why);
+    if (result)
         complain(why);
-    return failed ? EXIT_FAILED : EXIT_DONE;
+    return result ? EXIT_FAILED : EXIT_DONE;
 }
 
 int probe_on(const pupil_v4l2_system *system, int argc, char **argv)

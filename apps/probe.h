@@ -49,7 +49,7 @@ typedef struct probe_law {
     double slope;    /* stops of the picture for a stop of the control */
     double off_ev;   /* the largest of the points', in magnitude */
     double drift_ev; /* what the first point had changed by in the end: the scene's, not the control's */
-    int as_told;     /* slope and off_ev are what they should be, but for the drift */
+    int as_told;     /* off_ev is small, but for the drift */
     probe_point point[PROBE_POINTS];
     unsigned points;
 } probe_law;

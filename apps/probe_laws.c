@@ -7,7 +7,8 @@
 #define OBEYED     0.25 /* of the change of a control: with less the picture has not followed */
 #define LEAST_STOP 0.9  /* of a control's change over all points */
 #define MOST_OFF   0.1  /* stops: what codes of 8 bits, and exposures in lines, leave */
-#define MOST_SLOPE 0.05 /* its distance from 1 */
+
+#define NOT_FOLLOWED "the picture does not follow the exposure"
 
 /* ---- points -------------------------------------------------------------------------------------------------------
  */
@@ -79,8 +80,7 @@ static void judge(probe_stream *s, probe_law *law, int of_gain)
     }
     law->is.known = 1;
     law->slope = (n * xy - x_sum * y_sum) / (n * xx - x_sum * x_sum);
-    law->as_told = law->off_ev <= MOST_OFF + law->drift_ev &&
-                   fabs(law->slope - 1.0) <= MOST_SLOPE + law->drift_ev / (most - least);
+    law->as_told = law->off_ev <= MOST_OFF + law->drift_ev;
     law->obeyed = law->slope > OBEYED;
 }
 
@@ -136,6 +136,8 @@ void probe_laws(probe_stream *s, double exposure_s, double gain)
     if (s->options->say)
         s->options->say("gain");
     gain_law(s, exposure_s * gain);
+    if (s->report->exposure.is.known && !s->report->exposure.obeyed)
+        probe_unknown(&s->report->black.is, NOT_FOLLOWED);
 }
 
 /* ---- black --------------------------------------------------------------------------------------------------------
@@ -143,8 +145,9 @@ void probe_laws(probe_stream *s, double exposure_s, double gain)
  * four times the exposure. */
 
 #define MOST_LIGHT 0.02 /* of full scale: with more of it the difference says nothing of black */
+#define MOST_BLACK 0.1  /* of full scale: no sensor has more (6 % is usual); a picture that stands still may */
 
-void probe_black_level(probe_stream *s)
+static void measure_black(probe_stream *s)
 {
     const pupil_camera_limits *l = &s->report->limits;
     probe_black *b = &s->report->black;
@@ -165,7 +168,21 @@ void probe_black_level(probe_stream *s)
         probe_unknown(&b->is, "the camera has hardly a choice of exposure times");
         return;
     }
+    if (light <= MOST_LIGHT && at_short.low - light > MOST_BLACK && at_long.clipped < PROBE_MOST_BAD) {
+        probe_unknown(&b->is, NOT_FOLLOWED);
+        return;
+    }
     b->is.known = 1;
     b->at_most = at_long.clipped > 0.9 || light > MOST_LIGHT;
     b->share = b->at_most ? at_short.low : fmax(0.0, at_short.low - light);
+}
+
+void probe_black_level(probe_stream *s)
+{
+    const probe_black *b = &s->report->black;
+    s->wants_low = 1;
+    measure_black(s);
+    s->wants_low = 0;
+    if (b->is.known && !b->at_most)
+        s->black = b->share;
 }

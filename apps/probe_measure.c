@@ -50,9 +50,14 @@ static void measure_controls(probe_stream *s)
     probe_report *r = s->report;
     probe_known found = {0};
     double exposure_s, gain;
+    uint64_t unused;
     pupil_camera_get_limits(s->camera, &r->limits);
     s->longest_s = fmax(fmin(r->limits.exposure_max_s, s->period_s), r->limits.exposure_min_s);
     s->settle = FIRST_SETTLE;
+    const pupil_camera_setting before = probe_taken(s);
+    say(s, "black");
+    probe_black_level(s); /* without it nothing that is linear looks so */
+    probe_set(s, before.exposure_s, before.gain, &unused);
     say(s, "a level to measure at");
     probe_find_level(s, &found, &exposure_s, &gain);
     if (found.known) {
@@ -60,10 +65,6 @@ static void measure_controls(probe_stream *s)
         probe_delays(s, exposure_s, gain);
         shorten_settling(s);
         probe_laws(s, exposure_s, gain);
-    }
-    if (!s->state) {
-        say(s, "black");
-        probe_black_level(s);
     }
     unknown_all(r, found.known ? "there was no time left for it" : found.why);
 }

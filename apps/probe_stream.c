@@ -6,6 +6,9 @@
 #include <string.h>
 #include <time.h>
 
+#include "camera_light.h"
+
+#define LOW_SIDE     64
 #define MOST_WAIT_MS 2000 /* for a write of controls, on the machine's clock */
 
 static const pupil_v4l2_system *system_of(const probe_stream *s)
@@ -44,14 +47,45 @@ static double share(uint64_t part, uint64_t whole)
     return whole ? (double)part / (double)whole : 1.0;
 }
 
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* What a tenth of the pixels, taken on a grid, is below: the statistics' bins are too wide for black. */
+static double low_of(const pupil_image_const *image)
+{
+    static double value[LOW_SIDE * LOW_SIDE];
+    const uint32_t across = image->width < LOW_SIDE ? image->width : LOW_SIDE;
+    const uint32_t down = image->height < LOW_SIDE ? image->height : LOW_SIDE;
+    for (uint32_t y = 0; y < down; y++)
+        for (uint32_t x = 0; x < across; x++) {
+            double rgb[3];
+            camera_light(image, x * image->width / across, y * image->height / down, 0, rgb);
+            value[y * across + x] = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+        }
+    qsort(value, (size_t)across * down, sizeof value[0], compare);
+    return value[(size_t)across * down / 10];
+}
+
+static void set_coding(probe_stream *s, const pupil_image_const *image)
+{
+    s->coding = image->coding ? *image->coding : (pupil_coding){0};
+    memset(s->coding.balance, 0, sizeof s->coding.balance);
+    memset(s->coding.rgb_from_camera, 0, sizeof s->coding.rgb_from_camera);
+    s->coding.black = 0.0f;
+    if (camera_is_camera(image->pixel) && image->pixel != PUPIL_PIXEL_YUYV && image->pixel != PUPIL_PIXEL_NV12)
+        s->coding.black = (float)(s->black * (s->coding.white > 0.0f ? (double)s->coding.white
+                                                                     : exp2(camera_bits(image->pixel)) - 1.0));
+}
+
 static int meter(probe_stream *s, const pupil_frame *frame)
 {
     pupil_image_const image = frame->image;
     pupil_stats stats;
     double low_ev = 0.0;
-    if (image.coding)
-        s->coding = *image.coding;
-    s->coding.black = 0.0f; /* as it comes */
+    set_coding(s, &image);
     image.coding = &s->coding;
     pupil_stats_clear(&stats);
     if (pupil_meter_rows(&s->pupil, &image, 0, image.height, &stats) != PUPIL_OK ||
@@ -63,7 +97,8 @@ static int meter(probe_stream *s, const pupil_frame *frame)
     }
     s->level.clipped = share(stats.clipped, stats.pixels);
     s->level.black = share(stats.black, stats.pixels);
-    s->level.low = s->level.black >= 0.1 ? 0.0 : exp2(low_ev);
+    if (s->wants_low)
+        s->level.low = camera_is_camera(image.pixel) ? low_of(&image) : s->level.black >= 0.1 ? 0.0 : exp2(low_ev);
     return 0;
 }
 
@@ -229,12 +264,6 @@ void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, d
 
 /* ---- what all frames told -----------------------------------------------------------------------------------------
  */
-
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 void probe_stream_tell(probe_stream *s)
 {

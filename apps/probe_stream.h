@@ -13,7 +13,7 @@
 typedef struct probe_level {
     double mean_ev;        /* of what is not trimmed */
     double high_ev;        /* of the brightest channel of most pixels */
-    double low;            /* that a tenth of the pixels is below: a share, no log */
+    double low;            /* that a tenth of the pixels is below: a share, no log; only where wants_low is set */
     double clipped, black; /* shares of the pixels */
 } probe_level;
 
@@ -25,10 +25,12 @@ typedef struct probe_stream {
     pupil_source *source;
     pupil_camera *camera;
     pupil_t pupil;
-    pupil_coding coding; /* the format's, without a black level */
-    double period_s;     /* nominal */
-    double longest_s;    /* exposures that leave the frame rate as it is */
-    unsigned settle;     /* frames after which a setting is surely in force */
+    pupil_coding coding; /* the format's, with black as it was measured, and the camera's own colours */
+    double black;        /* a share of full scale, of samples that are linear; 0 before it is known */
+    int wants_low;
+    double period_s;  /* nominal */
+    double longest_s; /* exposures that leave the frame rate as it is */
+    unsigned settle;  /* frames after which a setting is surely in force */
     int64_t end_ns;
     int state; /* 0: goes on; PROBE_OVER_TIME, ... */
     char *why;

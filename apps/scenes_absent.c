@@ -24,6 +24,20 @@ int study_main(int argc, char **argv)
     return absent("study");
 }
 
+int sim_main(int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    return absent("sim");
+}
+
+int bench_ae_main(int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    return absent("bench ae");
+}
+
 int bench_scene_main(int argc, char **argv)
 {
     (void)argc;

@@ -46,10 +46,14 @@ refuses PUPIL_JSON replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
 refuses PUPIL_V4L2 replay v4l2:0 -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 replay /dev/video0 -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 list
+refuses PUPIL_V4L2 probe
+refuses PUPIL_V4L2 probe -d 0
+refuses PUPIL_JSON probe --json
 refuses PUPIL_V4L2 record "$work/out"
 refuses PUPIL_V4L2 record -d 0 --format YUYV "$work/out"
 refuses PUPIL_JSON list --json
 refuses PUPIL_SCENES render room -q -o "$work/out.y4m"
 refuses PUPIL_SCENES study -q
+refuses PUPIL_SCENES sim -q
 refuses PUPIL_BENCH bench scene
 exit $status

@@ -120,7 +120,7 @@ int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes)
     s->again = NULL;
     if (pupil_camera_close(camera, reason, sizeof reason) >= 0)
         return 0;
-    snprintf(why, why_bytes, "%s: %.900s", s->which.path, reason);
+    snprintf(why, why_bytes, "%s: %.760s", s->which.path, reason);
     return -1;
 }
 

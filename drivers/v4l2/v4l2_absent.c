@@ -32,7 +32,8 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
 
 int pupil_is_v4l2_output(const char *path)
 {
-    return strncmp(path, "/dev/video", 10) == 0 || strncmp(path, PUPIL_V4L2_PREFIX, sizeof PUPIL_V4L2_PREFIX - 1) == 0;
+    return strncmp(path, "/dev/video", 10) == 0 || strncmp(path, "/dev/v4l/", 9) == 0 ||
+           strncmp(path, PUPIL_V4L2_PREFIX, sizeof PUPIL_V4L2_PREFIX - 1) == 0;
 }
 
 int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
@@ -42,6 +43,14 @@ int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_o
     *sink = NULL;
     absent(path, why, why_bytes);
     return PUPIL_SINK_FAILED;
+}
+
+int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which, char *why,
+                           size_t why_bytes)
+{
+    (void)system;
+    device->fd = -1;
+    return absent(which, why, why_bytes);
 }
 
 /* Nobody has a device to ask for these. */
@@ -78,4 +87,21 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
 {
     (void)sensor;
     return absent(device->path, why, why_bytes);
+}
+
+void pupil_v4l2_device_close(pupil_v4l2_device *device)
+{
+    (void)device;
+}
+
+int pupil_v4l2_ioctl(const pupil_v4l2_system *system, int fd, unsigned long request, void *argument)
+{
+    (void)system, (void)fd, (void)request, (void)argument;
+    return -1;
+}
+
+const char *pupil_v4l2_reading_name(uint32_t reading)
+{
+    (void)reading;
+    return "-";
 }

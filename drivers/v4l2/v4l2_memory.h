@@ -16,7 +16,7 @@ typedef struct pupil_v4l2_speed {
     double ordinary; /* of ordinary memory of the same size; 0: not measured */
 } pupil_v4l2_speed;
 
-/* Reads up to 256 KiB of it three times, and as much of ordinary memory: a few ms where it is slow. */
+/* Reads up to 256 KiB of it a few times, and as much of ordinary memory: a few ms where it is slow. */
 pupil_v4l2_speed pupil_v4l2_measure(const pupil_v4l2_system *system, const void *memory, size_t bytes);
 int pupil_v4l2_is_slow(const pupil_v4l2_speed *speed);
 

@@ -21,6 +21,8 @@ void pupil_sensor_config_default(pupil_sensor_config *config)
         .gain_min = 1.0,
         .gain_max = 16.0,
         .gain_step = 1.0 / 16.0,
+        .flash_frames = 2, /* what a strobe or a lightning lights: one frame, or parts of two */
+        .linear = 1,
     };
     if (config)
         *config = defaults;
@@ -88,6 +90,8 @@ static const char *fault_of(const pupil_sensor_config *c)
     if (!(c->gain_min >= 0x1p-10 && c->gain_min <= c->gain_max))
         return "gain_min must be from 2^-10 to gain_max";
     WITHIN(lock, 0, 1);
+    WITHIN(flash_frames, 0, 8);
+    WITHIN(linear, 0, 1);
     return fault_of_laws(c);
 }
 

@@ -4,6 +4,38 @@
 
 #include "pupil/sensor.h"
 
+/* Guesses at one control: what info says; what was asked for 1..16 frames before; that it does not obey. */
+#define PUPIL_SENSOR_DELAYS  16
+#define PUPIL_SENSOR_GUESSES (PUPIL_SENSOR_DELAYS + 2)
+#define PUPIL_SENSOR_RING    32 /* twice the delays, so that frames may be missing */
+#define PUPIL_SENSOR_ORDERS  10
+
+/* How the camera answers (sensor_answer.c). All log2; [2]: exposure, gain. */
+typedef struct pupil_sensor_answer {
+    uint64_t frame;    /* counts frames, with those that were dropped; 0 before the first */
+    uint64_t sequence; /* of the frame before */
+    double asked[PUPIL_SENSOR_RING][2];
+    double standing[2]; /* asked for now */
+    double told[2], told_before[2];
+    double taken[2];  /* what the frame was taken with, by the best guess */
+    double anchor[2]; /* what stays in force if the camera does not obey */
+    double low, high; /* total in force, by all that is not ruled out */
+    double noise;     /* of the scene, stops from frame to frame */
+    double slope;     /* of the picture's log2 over the light's */
+    double seen[3];   /* slopes */
+    double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
+    uint32_t slopes;                                                  /* seen; at most 3 */
+    uint32_t strange;   /* steps that the picture did not follow; at most 4 */
+    uint32_t alive[2];  /* masks of guesses */
+    uint32_t best[2];   /* guesses */
+    uint32_t delay[2];  /* found; 0: not yet */
+    uint32_t in_flight; /* the last setting may not be in force yet */
+    uint32_t has_level;
+    uint32_t info_tells; /* this frame's info has both */
+    uint32_t is_told;    /* and the picture has borne it out */
+    float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
+} pupil_sensor_answer;
+
 typedef struct pupil_sensor_object {
     uint64_t magic;
     pupil_sensor_config config;
@@ -13,10 +45,17 @@ typedef struct pupil_sensor_object {
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
     uint32_t stamped;
-    uint32_t waited;   /* frames since the last large step, at most delay_frames */
-    double stride;     /* share of the way that a large step goes: halved where it turns back */
-    int32_t direction; /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
-    uint32_t reserved;
+    uint32_t waited;                   /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
+    double stride;                     /* share of the way that a large step goes: halved where it turns back */
+    int32_t direction;                 /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
+    uint32_t looking;                  /* what is known is a guess: the next frame counts at once */
+    uint32_t odd_frames;               /* in a row that are far off on one side, before anything is done about it */
+    uint32_t turns;                    /* large steps that turned back, without any rest between */
+    double odd_ev;                     /* the least that these were off by */
+    double last_size, last_total_log2; /* of the last large step: stops it was for, and where it began */
+    double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
+    double band_ev;                    /* this far off is taken for what the camera cannot do better; 0 at first */
+    pupil_sensor_answer answer;
     pupil_sensor_setting setting;
 } pupil_sensor_object;
 
@@ -27,6 +66,7 @@ typedef struct pupil_sensor_light {
     double mean, clipped_share, black_share;
     double highlight; /* the brightest that is to stay below clip; where has_highlight */
     uint32_t has_highlight, dead;
+    double low[PUPIL_SENSOR_ORDERS], high[PUPIL_SENSOR_ORDERS]; /* the values of some ranks are from, to */
 } pupil_sensor_light;
 
 /* The exposure and gain that the camera has for a total of at most so much, where it can. */
@@ -40,5 +80,15 @@ uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);
 /* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed. */
 void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double *mean,
                         double *highlight);
+
+void pupil_sensor_choose(pupil_sensor_object *object, int anew);
+void pupil_sensor_advance(pupil_sensor_object *object, const pupil_sensor_light *light, const pupil_frame_info *info);
+
+/* How the camera answers, which frames tell. */
+void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *stats, pupil_sensor_light *light);
+void pupil_sensor_answer_reset(pupil_sensor_object *object);
+void pupil_sensor_answer_frame(pupil_sensor_object *object, const pupil_sensor_light *light, uint64_t sequence);
+uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
+int pupil_sensor_disobeys(const pupil_sensor_object *object);
 
 #endif

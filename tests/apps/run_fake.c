@@ -6,11 +6,13 @@
  * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
  * colour=R,G,B (of the light),
  * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
- * light=FACTOR@FRAME (repeatable), refuse=WRITE,COUNT,ERRNO (so many writes of controls), exposure=LEAST,MOST and
- * gain=LEAST,MOST (what the driver says of these controls), no-menu (of EXPOSURE_AUTO), deaf (exposure and gain do
- * nothing), stamps=SECONDS (0: none), sequence=FIRST, change=FRAME, again=WxH@FRAME (the size after it was unplugged),
- * real (the machine's clock), absent, media, no-controls, crash=FRAME. At its end it
- * says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40". */
+ * black=SHARE (of full scale), deaf=exposure or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's,
+ * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls),
+ * write=SECONDS (each takes so long), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these controls),
+ * no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
+ * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock), absent,
+ * media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left:
+ * "fake: auto 3, exposure 77, gain 40". */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <signal.h>
@@ -35,7 +37,7 @@ static struct {
     } light[MOST_LIGHTS];
     int lights, no_controls, no_menu;
     int refused; /* errno */
-    double slow_s;
+    double write_s;
     unsigned long frames, crash_at, writes, refuse_at, refuse_for, again_at;
     int32_t least[2], most[2]; /* of exposure and gain; most 0: as the fake has them */
     fake_v4l2_config again;
@@ -70,8 +72,8 @@ static int rig_ioctl(void *context, int fd, unsigned long request, void *argumen
         errno = rig.refused;
         return -1;
     }
-    if (request == VIDIOC_S_EXT_CTRLS && rig.slow_s > 0.0) {
-        const struct timespec moment = {(time_t)rig.slow_s, (long)((rig.slow_s - (time_t)rig.slow_s) * 1e9)};
+    if (request == VIDIOC_S_EXT_CTRLS && rig.write_s > 0.0) {
+        const struct timespec moment = {(time_t)rig.write_s, (long)((rig.write_s - (time_t)rig.write_s) * 1e9)};
         nanosleep(&moment, NULL);
     }
     if (request == VIDIOC_QUERYMENU && rig.no_menu) {
@@ -113,14 +115,12 @@ static int take(const char *text, fake_v4l2_config *c)
         rig.no_controls = 1;
     else if (strcmp(text, "no-menu") == 0)
         rig.no_menu = 1;
-    else if (strcmp(text, "deaf") == 0)
-        c->deaf_exposure = c->deaf_gain = 1;
     else if (sscanf(text, "exposure=%d,%d", &rig.least[0], &rig.most[0]) == 2 ||
              sscanf(text, "gain=%d,%d", &rig.least[1], &rig.most[1]) == 2)
         return 0;
     else if (sscanf(text, "refuse=%lu,%lu,%d", &rig.refuse_at, &rig.refuse_for, &rig.refused) == 3)
         return 0;
-    else if (sscanf(text, "slow=%lf", &rig.slow_s) == 1)
+    else if (sscanf(text, "write=%lf", &rig.write_s) == 1)
         return 0;
     else if (strcmp(text, "stamps=0") == 0)
         c->stamp = FAKE_STAMP_NONE;
@@ -140,6 +140,14 @@ static int take(const char *text, fake_v4l2_config *c)
         return 0;
     else if (sscanf(text, "delay=%lu", &when) == 1)
         c->control_delay = (uint32_t)when;
+    else if (sscanf(text, "black=%lf", &c->black) == 1 || sscanf(text, "gain-earlier=%u", &c->gain_earlier) == 1)
+        return 0;
+    else if (sscanf(text, "deaf=%4s", format) == 1)
+        c->deaf_exposure = *format == 'e', c->deaf_gain = *format == 'g';
+    else if (strcmp(text, "curve") == 0)
+        c->drawn_xfer = V4L2_XFER_FUNC_SRGB;
+    else if (sscanf(text, "slow=%d,%d,%d", &c->slow, &c->hints, &c->heaps) == 3)
+        return 0;
     else if (sscanf(text, "flat=%u", &c->flat) == 1)
         return 0;
     else if (sscanf(text, "colour=%lf,%lf,%lf", &c->colour[0], &c->colour[1], &c->colour[2]) == 3)

@@ -32,20 +32,31 @@ static inline double plant_normal(void)
     return sqrt(-2.0 * log(u)) * cos(2.0 * 3.14159265358979323846 * v);
 }
 
+/* x that a share p of a normal distribution lies below, by Newton's method. */
+static inline double plant_quantile(double p)
+{
+    double x = 0.0;
+    for (int i = 0; i < 50; i++) {
+        const double off = (0.5 * erfc(-x / sqrt(2.0)) - p) / (exp(-0.5 * x * x) / sqrt(2.0 * 3.14159265358979323846));
+        x -= fmax(-0.5, fmin(0.5, off)); /* far out, where the density is small, it would jump away */
+    }
+    return x;
+}
+
 static inline void plant_open(plant *p, const pupil_sensor *sensor, double light_ev, uint32_t delay)
 {
     pupil_config config;
     pupil_sensor_setting s;
-    double mean = 0.0;
     memset(p, 0, sizeof *p);
     p->light_ev = light_ev;
     p->delay[0] = p->delay[1] = delay;
     p->frame_s = 1.0 / 30.0;
     p->slope = 1.0;
-    for (int i = 0; i < PLANT_PIXELS; i++)
-        mean += p->scene[i] = PLANT_SIGMA * plant_normal();
-    for (int i = 0; i < PLANT_PIXELS; i++)
-        p->scene[i] -= mean / PLANT_PIXELS;
+    for (int i = 0; i < PLANT_PIXELS; i++) { /* every quantile once, in any order */
+        const int j = (int)(check_random() % (uint64_t)(i + 1));
+        p->scene[i] = p->scene[j];
+        p->scene[j] = PLANT_SIGMA * plant_quantile((i + 0.5) / PLANT_PIXELS);
+    }
     CHECK(pupil_sensor_get(sensor, &s) == PUPIL_OK);
     for (int i = 0; i < PLANT_RING; i++)
         p->asked[i][0] = s.exposure_s, p->asked[i][1] = s.gain;
@@ -98,12 +109,13 @@ static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
 static inline double plant_turn(plant *p, pupil_sensor *sensor, pupil_sensor_setting *s, double *shown)
 {
     static pupil_stats stats;
-    const double off = p->light_ev + log2(plant_in_force(p, 0) * plant_in_force(p, 1)) - log2(0.18);
+    const double light = p->light_ev + log2(plant_in_force(p, 0) * plant_in_force(p, 1));
+    const double off = light - log2(0.18);
     const pupil_frame_info info = plant_next(p, &stats);
     CHECK(pupil_sensor_frame(sensor, &stats, &info) == PUPIL_OK);
     CHECK(pupil_sensor_get(sensor, s) == PUPIL_OK);
     if (shown)
-        *shown = off + log2(s->frame_digital);
+        *shown = p->slope * light - log2(0.18) + log2(s->frame_digital);
     plant_ask(p, s);
     return off;
 }

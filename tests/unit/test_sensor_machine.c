@@ -237,10 +237,11 @@ static void check_setting(const pupil_sensor_config *c)
     CHECK(c->exposure_mode != PUPIL_SENSOR_AUTO || s.exposure_s <= longest * (1 + 1e-9));
     CHECK(s.gain >= c->gain_min && s.gain <= c->gain_max * (1 + 1e-9));
     CHECK(s.frame_digital >= exp2(-c->digital_ev) * 0.999 && s.frame_digital <= exp2(c->digital_ev) * 1.001);
-    CHECK(s.state <= PUPIL_SENSOR_LOCKED && s.reason <= PUPIL_SENSOR_CLOCK_BACK && isfinite(s.scene_ev));
+    CHECK(s.state <= PUPIL_SENSOR_LOCKED && s.reason <= PUPIL_SENSOR_UNSTEADY && isfinite(s.scene_ev));
     CHECK((s.state == PUPIL_SENSOR_LIMITED) ==
-              (s.reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && s.reason <= PUPIL_SENSOR_AT_GAIN_MAX) ||
-          s.reason >= PUPIL_SENSOR_DEAD_FRAME);
+              ((s.reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && s.reason <= PUPIL_SENSOR_AT_GAIN_MAX) ||
+               s.reason == PUPIL_SENSOR_UNSTEADY) ||
+          (s.reason >= PUPIL_SENSOR_DEAD_FRAME && s.reason <= PUPIL_SENSOR_FLASH));
     CHECK(s.state == PUPIL_SENSOR_LOCKED || !c->lock || s.reason >= PUPIL_SENSOR_DEAD_FRAME || !s.frames ||
           s.reason == PUPIL_SENSOR_NO_REASON || s.state != PUPIL_SENSOR_EMPTY);
 }

@@ -72,19 +72,22 @@ static void check_settling(void)
             printf("%-12s %u ", law_name[law], delay);
             for (int i = 0; i < 6; i++) {
                 answer a = step(law, delay, steps[i], 0), told = step(law, delay, steps[i], 1);
-                /* D frames, where less than half is clipped; where more is, one look more: 4 frames later */
-                int most = steps[i] < 2 ? (int)delay : (int)delay + 4;
+                /* three frames have to say the same, then D; where more than 97 % are clipped, one look more */
+                const int most = (int)delay + 3 + (steps[i] > 5 ? (int)delay : 0);
                 CHECK_MSG(a.frames <= most, "%s, D %u, %+g EV: %d frames", law_name[law], delay, steps[i], a.frames);
                 CHECK_MSG(a.overshoot <= 0.05, "%s, D %u, %+g EV: overshoot %g", law_name[law], delay, steps[i],
                           a.overshoot);
-                CHECK_MSG(told.frames <= most + 8, "%s, D %u, %+g EV, lies: %d frames", law_name[law], delay, steps[i],
-                          told.frames);
+                CHECK_MSG(told.frames <= most && told.overshoot <= 0.05,
+                          "%s, D %u, %+g EV, lies: %d frames, %g EV over", law_name[law], delay, steps[i], told.frames,
+                          told.overshoot);
                 overshoot = fmax(overshoot, a.overshoot);
                 printf("%8d", a.frames);
             }
             answer white = start(law, delay, 10.0), black = start(law, delay, -10.0);
-            CHECK_MSG(white.frames <= (int)delay + 8, "%s, D %u, white: %d", law_name[law], delay, white.frames);
-            CHECK_MSG(black.frames <= (int)delay + 8, "%s, D %u, black: %d", law_name[law], delay, black.frames);
+            CHECK_MSG(white.frames <= 2 * (int)delay + 1 && white.overshoot <= 0.05, "%s, D %u, white: %d, %g EV over",
+                      law_name[law], delay, white.frames, white.overshoot);
+            CHECK_MSG(black.frames <= (int)delay + 1 && black.overshoot <= 0.05, "%s, D %u, black: %d, %g EV over",
+                      law_name[law], delay, black.frames, black.overshoot);
             printf("%8d%8d   %.3f\n", white.frames, black.frames, overshoot);
         }
 }

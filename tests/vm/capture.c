@@ -3,9 +3,7 @@
  * our own frames over its HDMI cable, bit by bit.
  *
  * capture [smoke]: a few formats only. */
-#include <errno.h>
 #include <linux/videodev2.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -15,6 +13,7 @@
 #include "vm/loop.h"
 #include "vm/node.h"
 #include "vm/pattern.h"
+#include "vm/vgem.h"
 
 static char why[PUPIL_WHY_BYTES];
 static unsigned formats_seen;
@@ -22,19 +21,27 @@ static unsigned formats_seen;
 /* ---- kinds of memory ----------------------------------------------------------------------------------------------
  */
 
-/* A kernel without buffers of its own. */
-static int ioctl_without_mmap(void *context, int fd, unsigned long request, void *argument)
-{
-    const struct v4l2_requestbuffers *r = argument;
-    if (request == VIDIOC_REQBUFS && r->memory == V4L2_MEMORY_MMAP && r->count) {
-        errno = EINVAL;
-        return -1;
-    }
-    return pupil_v4l2_kernel.ioctl(context, fd, request, argument);
-}
+typedef enum memory_mode { MEMORY_MMAP, MEMORY_SHARED, MEMORY_USERPTR, MEMORY_IMPORTED, MEMORY_MODES } memory_mode;
+static const char *const memory_names[] = {"MMAP", "MMAP and EXPBUF", "USERPTR", "DMABUF"};
+static const uint32_t memory_asked[] = {PUPIL_V4L2_MEMORY_MMAP, PUPIL_V4L2_MEMORY_MMAP, PUPIL_V4L2_MEMORY_USERPTR,
+                                        PUPIL_V4L2_MEMORY_DMABUF};
+static const uint32_t memory_used[] = {V4L2_MEMORY_MMAP, V4L2_MEMORY_MMAP, V4L2_MEMORY_USERPTR, V4L2_MEMORY_DMABUF};
 
-typedef enum memory_mode { MEMORY_MMAP, MEMORY_SHARED, MEMORY_USERPTR, MEMORY_MODES } memory_mode;
-static const char *const memory_names[] = {"MMAP", "MMAP and EXPBUF", "USERPTR"};
+/* Memory of another device (vgem) for frames: of two areas at most, each large enough for every size here. */
+#define IMPORTED       3u
+#define IMPORTED_BYTES (1024u * 1024 * 2)
+static int imported[2 * IMPORTED];
+
+static void make_imported(void)
+{
+    static vgem_buffer buffer[2 * IMPORTED];
+    const int vgem = vgem_open();
+    CHECK(vgem >= 0);
+    for (uint32_t i = 0; i < 2 * IMPORTED; i++) {
+        CHECK(vgem >= 0 && vgem_make(vgem, IMPORTED_BYTES, &buffer[i]) == 0);
+        imported[i] = buffer[i].fd;
+    }
+}
 
 /* The frame that is out is the same memory through its dma-buf. */
 static void check_shared_buffer(const pupil_v4l2_capture *c, const pupil_v4l2_frame *frame, const char *what)
@@ -82,12 +89,12 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
 {
     static const int patterns[] = {PATTERN_CHECKERS, PATTERN_RED, PATTERN_BLUE};
     pupil_v4l2_options o = *asked;
-    pupil_v4l2_system without_mmap = pupil_v4l2_kernel;
     pupil_source *source = NULL;
     char what[128];
     const node_held before = node_holds();
-    without_mmap.ioctl = ioctl_without_mmap;
-    o.system = mode == MEMORY_USERPTR ? &without_mmap : NULL;
+    o.memory = memory_asked[mode];
+    o.dmabuf = imported;
+    o.dmabufs = mode == MEMORY_IMPORTED ? IMPORTED : 0;
     o.share = mode == MEMORY_SHARED;
     snprintf(what, sizeof what, "%s, %s, %s, %ux%u", input, pupil_v4l2_fourcc_name(o.fourcc).text, memory_names[mode],
              o.width, o.height);
@@ -99,7 +106,7 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
     if (failed)
         return;
     const pupil_v4l2_capture *c = pupil_v4l2_source_capture(source);
-    CHECK_MSG(c->memory == (mode == MEMORY_USERPTR ? V4L2_MEMORY_USERPTR : V4L2_MEMORY_MMAP), "%s", what);
+    CHECK_MSG(c->memory == memory_used[mode], "%s: memory %u", what, c->memory);
     for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++)
         check_pattern(source, fd, patterns[i], mode, what);
     const pupil_v4l2_counts *counts = &c->counts;
@@ -165,6 +172,7 @@ int main(int argc, char **argv)
     char path[2][32], monitor[32];
     check_begin(argc - smoke, argv + smoke);
     setvbuf(stdout, NULL, _IOLBF, 0);
+    make_imported();
     CHECK(node_find("vivid", 0, 0, path[0]) == 0);
     check_camera(path[0], smoke);
     if (!smoke) {

@@ -22,7 +22,7 @@ off=$(for part in INSTALL EXR PNG VIDEO JSON GLES EGL WINDOW SHARED; do echo "-D
         cmake --build "$build" --target pupil -j 2 &&
         aarch64-linux-gnu-gcc -O2 -std=gnu11 -D_GNU_SOURCE -Wall -Wextra -Werror -static -pthread \
             -I"$tree/tests" -I"$tree/lib/include" -I"$tree/drivers" -I"$tree/drivers/camera" \
-            "$here/capture.c" "$here/node.c" "$build/drivers/libpupil_drivers.a" \
+            "$here/capture.c" "$here/node.c" "$here/vgem.c" "$build/drivers/libpupil_drivers.a" \
             "$build/drivers/camera/libpupil-camera.a" "$build/lib/libpupil.a" -lm -o "$guest/capture"
 } >"$guest/build.log" 2>&1 || {
     tail -n 40 "$guest/build.log"

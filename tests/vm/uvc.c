@@ -84,7 +84,8 @@ typedef struct loop {
 static int loop_open(loop *l, int is_linear, double reopen_s)
 {
     const pupil_live_options options = {
-        .capture = {.width = 320, .height = 240, .fps = FPS, .timeout_s = TIMEOUT_S, .reopen_s = reopen_s}};
+        .capture = {.width = 320, .height = 240, .fps = FPS, .timeout_s = TIMEOUT_S, .reopen_s = reopen_s},
+        .delay = 1}; /* the camera draws a frame with what it has then */
     pupil_config config;
     memset(l, 0, sizeof *l);
     l->is_linear = is_linear;
@@ -100,6 +101,7 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     l->config.frame_s = 1.0 / FPS;
     if (pupil_live_camera(l->source))
         pupil_camera_configure(pupil_live_camera(l->source), &l->config);
+    l->config.delay_frames = 4; /* as long as a write over this USB may take */
     CHECK(pupil_sensor_init(&l->sensor, &l->config) == PUPIL_OK);
     return pupil_live_camera(l->source) ? 0 : -1;
 }
@@ -170,6 +172,7 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
 {
     uint64_t first = 0, right_from = 0;
     unsigned right = 0, lines = 0;
+    l->delay = 0;
     static char story[150][128]; /* printed if it goes wrong */
     for (int i = 0; i < 150 && right < 8; i++) {
         const int got = loop_frame(l);

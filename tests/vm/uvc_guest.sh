@@ -39,6 +39,11 @@ for answers in display linear; do
         fail "$answers: shown at $(last output_level), not at 0.18"
     [ "$("$node" get "$path" "Auto Exposure"; "$node" get "$path" Gain)" = "3
 40" ] || fail "$answers: the controls are not put back"
+    if [ $answers = display ]; then
+        timeout 120 "$pupil" probe -d "$path" --quick -q >probe.txt || fail "pupil probe: exit $?"
+        cat probe.txt
+        [ "$("$node" get "$path" Gain)" = 40 ] || fail "pupil probe does not put the gain back"
+    fi
     echo "pupil run, $answers: exposure $(last exposure_s) s, gain $(last gain), shown at $(last output_level)"
     kill -TERM $plugged
     wait $plugged

@@ -2,6 +2,7 @@
 #include "v4l2/fake/fake_inside.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -32,7 +33,8 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
     const fake_settings *g =
         &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay + f->config.gain_earlier) % FAKE_SETTINGS];
     const double exposure = f->config.deaf_exposure ? 1.0 : s->exposure_100us / 100.0;
-    const double gain = f->config.deaf_gain ? 1.0 : g->gain_16ths / 16.0;
+    const double asked = f->config.deaf_gain ? 1.0 : g->gain_16ths / 16.0;
+    const double gain = f->config.coarse_gain ? exp2(floor(log2(asked))) : asked;
     const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), colorspace = f->config.colorspace;
     const int jpeg = f->fourcc == V4L2_PIX_FMT_MJPEG;
     const int yuv = jpeg || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;

@@ -61,6 +61,7 @@ typedef struct fake_v4l2_config {
     uint32_t control_delay;                                    /* frames until a control is in force, 0..7; 2 */
     uint32_t gain_earlier;                                     /* so many frames before exposure does gain act */
     int deaf_exposure, deaf_gain; /* 1: the control is read back as it was written, and does nothing */
+    int coarse_gain;              /* 1: gain acts in whole octaves, and is read back as it was written */
     double black;                 /* of full scale, in samples without light */
     uint32_t drawn_xfer;          /* the transfer function that the picture has, whatever is said of it; 0: that */
     uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of

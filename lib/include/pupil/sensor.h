@@ -126,6 +126,13 @@ typedef struct pupil_sensor_config {
     uint32_t stages; /* 0..PUPIL_SENSOR_STAGES; 0 */
     uint32_t lock;   /* 1: the setting stands still while measuring goes on; 0 */
     pupil_sensor_stage stage[PUPIL_SENSOR_STAGES];
+
+    /* what is known of the camera and the light */
+    uint32_t flash_frames; /* light that is far_ev off must be so for more than this many frames before anything moves:
+                            * strobes and lightning are shorter; 2; 0..8. Not while the first setting is looked for */
+    uint32_t linear;       /* 1: values are proportional to light, as of raw sensors; until frames say otherwise twice.
+                            * 0: not known, as of cameras with a tone curve: until the first step has shown how strongly
+                            * the picture answers, steps go half the way; 1 */
 } pupil_sensor_config;
 
 /* Fills in every field with its default. */
@@ -135,7 +142,7 @@ PUPIL_API void pupil_sensor_config_default(pupil_sensor_config *config);
  * wrong field and what would be right. */
 PUPIL_API int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why);
 
-#define PUPIL_SENSOR_OBJECT_BYTES 2048
+#define PUPIL_SENSOR_OBJECT_BYTES 4096
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil_sensor {
@@ -166,7 +173,12 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_BY_HAND,     /* both controls are manual or held */
     PUPIL_SENSOR_DEAD_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
     PUPIL_SENSOR_SAME_FRAME,  /* this frame has the last one's timestamp: nothing moved */
-    PUPIL_SENSOR_CLOCK_BACK   /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_SENSOR_CLOCK_BACK,  /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_SENSOR_FLASH,       /* far off, but for no more than flash_frames so far: nothing moved */
+    PUPIL_SENSOR_IGNORED,     /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
+    PUPIL_SENSOR_STRANGE,     /* the picture does not follow what is asked: small steps only */
+    PUPIL_SENSOR_UNSTEADY     /* every step so far went too far, back and forth: the setting stands still until the
+                               * light is further off than it was then */
 } pupil_sensor_reason;
 
 /* All EV are log2. */
@@ -184,6 +196,9 @@ typedef struct pupil_sensor_setting {
     uint32_t reason;  /* a pupil_sensor_reason */
     uint32_t limits;  /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that a control which is not manual stands at */
     uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get */
+    double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
+    uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
+                                          * was taken with it, as the frames show it; 0: not known yet */
 } pupil_sensor_setting;
 
 /* ---- life ------------------------------------------------------------------------------------------------------- */

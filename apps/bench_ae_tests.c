@@ -1,0 +1,262 @@
+/* What exposure loops are tested for. The limits are those that a loop is to keep to be called good: docs/bench.md. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bench_ae.h"
+#include "interrupt.h"
+
+#define SETTLED_EV   0.1
+#define OVERSHOOT_EV 0.05
+#define HUNT_EV      0.02
+#define SEAM_EV      0.005
+#define STROBE_EV    0.02
+
+enum {
+    REST = 60,
+    BELIEVED_DELAYS = 4,
+    SLOW_BEFORE = 300,
+    SLOW_AFTER = 600,
+    BEFORE = 90,
+    AFTER = 150,
+    SEAM_FRAMES = 1400
+};
+
+const char *const bench_ae_tests[BENCH_AE_TESTS] = {"settle",     "overshoot", "hunt",   "calm",  "seam",
+                                                    "background", "bands",     "strobe", "curve", "lies"};
+
+void bench_ae_begin(fixture_loop *loop, const fixture_controller *law, uint32_t delay, fixture_gain_law gain)
+{
+    pupil_sensor_config usual;
+    pupil_sensor_config_default(&usual);
+    fixture_loop_default(loop);
+    loop->law = law;
+    loop->plant.law = gain;
+    loop->plant.delay[0] = loop->plant.delay[1] = delay;
+    fixture_loop_fit(loop);
+    if (!law->total)
+        loop->sensor.delay_frames = usual.delay_frames;
+}
+
+int bench_ae_loop(bench_ae *b, fixture_loop *loop, size_t frames, const char *format, ...)
+{
+    char text[400];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (interrupt_came() || fixture_light_parse(&loop->script, text, b->why, sizeof b->why))
+        return -1;
+    return fixture_loop_run(loop, frames, b->frame, b->why, sizeof b->why);
+}
+
+void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev,
+                   double value, double limit)
+{
+    const bench_ae_row row = {.law = loop->law,
+                              .test = test,
+                              .of = of,
+                              .unit = strcmp(test, "settle") == 0 || strstr(of, ": frames") ? "frames" : "EV",
+                              .gain_law = fixture_gain_law_name[loop->plant.law],
+                              .delay = loop->plant.delay[0],
+                              .believed = loop->sensor.delay_frames,
+                              .step_ev = step_ev,
+                              .value = value,
+                              .limit = limit,
+                              .pass = value <= limit};
+    if (!b->test || strcmp(b->test, test) == 0)
+        b->see(b->context, &row);
+}
+
+static int is_slow(const fixture_controller *law)
+{
+    return strcmp(law->name, "softisp") == 0; /* a stop takes it seconds: it gets the time to come to rest */
+}
+
+/* Within D + 3 frames: D + 1, and two more for looking whether it was a strobe; where nearly all of the frame was
+ * clipped, 2 D + 1 where that is more. */
+static void show_settling(bench_ae *b, const fixture_loop *loop, const char *of, double step_ev, size_t frames,
+                          size_t event)
+{
+    const fixture_loop_sum s = fixture_loop_sum_of(b->frame, frames, event, REST);
+    const uint32_t d = loop->plant.delay[0];
+    const int blind = b->frame[event].truth.clipped_share > 0.97;
+    const double limit = blind && 2 * d + 1 > d + 3 ? 2 * d + 1 : d + 3;
+    /* the published laws have keys of their own; pupil has to come to its */
+    const int lost = s.settle_frames < 0 || (!loop->law->total && fabs(s.aim_ev) > SETTLED_EV);
+    bench_ae_show(b, loop, "settle", of, step_ev, lost ? NAN : (double)s.settle_frames, limit);
+    bench_ae_show(b, loop, "overshoot", of, step_ev, s.overshoot_ev, OVERSHOOT_EV);
+}
+
+int bench_ae_settle(bench_ae *b, const fixture_controller *law)
+{
+    static const double steps[] = {-6, -3, -1, 1, 3, 6};
+    const size_t before = is_slow(law) ? SLOW_BEFORE : BEFORE, after = is_slow(law) ? SLOW_AFTER : AFTER;
+    fixture_loop loop;
+    for (int gain = 0; gain < FIXTURE_GAIN_FINE; gain++) {
+        for (uint32_t delay = 1; delay <= 4; delay++) {
+            for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+                bench_ae_begin(&loop, law, delay, (fixture_gain_law)gain);
+                if (bench_ae_loop(b, &loop, before + after, "%.6fs step %gev", (double)before * loop.plant.frame_s,
+                                  steps[i]))
+                    return -1;
+                show_settling(b, &loop, "", steps[i], before + after, before);
+            }
+            for (int white = 0; white < 2; white++) { /* ten stops off at the first frame */
+                bench_ae_begin(&loop, law, delay, (fixture_gain_law)gain);
+                fixture_plant_split(&loop.plant, exp2(white ? -3.0 : -13.0), &loop.exposure_s, &loop.gain);
+                if (bench_ae_loop(b, &loop, after, "0s %dev", white ? 5 : -5))
+                    return -1;
+                show_settling(b, &loop, white ? "white" : "black", white ? 10 : -10, after, 0);
+            }
+        }
+    }
+    return 0;
+}
+
+/* All pairs of true delays and those that the table of the camera, and so its info and the controller, has. */
+int bench_ae_hunt(bench_ae *b, const fixture_controller *law)
+{
+    fixture_loop loop;
+    for (uint32_t delay = 1; delay <= 4; delay++) {
+        for (uint32_t believed = 1; believed <= BELIEVED_DELAYS; believed++) {
+            bench_ae_begin(&loop, law, delay, FIXTURE_GAIN_RECIPROCAL);
+            loop.plant.told = FIXTURE_TOLD_DELAYED;
+            loop.plant.told_delay[0] = loop.plant.told_delay[1] = believed;
+            loop.sensor.delay_frames = believed;
+            if (bench_ae_loop(b, &loop, 600, "2s step 2ev; 4s step -4ev; 6s ramp 1ev/s 2s; 9s step 1ev"))
+                return -1;
+            const fixture_loop_sum s = fixture_loop_sum_of(b->frame, 600, 270, 150);
+            bench_ae_show(b, &loop, "hunt", "", 1.0, s.rest_pp_ev, HUNT_EV);
+        }
+    }
+    return 0;
+}
+
+/* Light that stands still, metered with an error of 0.02 EV. */
+int bench_ae_calm(bench_ae *b, const fixture_controller *law)
+{
+    fixture_loop loop;
+    for (uint32_t delay = 1; delay <= 4; delay++) {
+        bench_ae_begin(&loop, law, delay, FIXTURE_GAIN_RECIPROCAL);
+        loop.plant.noise_ev = 0.02;
+        if (bench_ae_loop(b, &loop, 1200, "0s 0ev"))
+            return -1;
+        const fixture_loop_sum s = fixture_loop_sum_of(b->frame, 1200, 0, 900);
+        bench_ae_show(b, &loop, "calm", "from end to end", NAN, s.shown_pp_ev, HUNT_EV);
+        bench_ae_show(b, &loop, "calm", "RMS a frame", NAN, s.shown_rms_ev, 0.001);
+    }
+    return 0;
+}
+
+/* How much more a frame on which the sensor's setting changed moves the picture than those beside it. */
+static double seam_of(const fixture_loop_frame *f, size_t from, size_t to)
+{
+    double squares = 0.0, count = 0.0;
+    for (size_t i = from; i + 1 < to; i++) {
+        if (f[i].truth.exposure_s == f[i - 1].truth.exposure_s && f[i].truth.gain == f[i - 1].truth.gain)
+            continue;
+        const double here = f[i].shown_ev - f[i - 1].shown_ev;
+        const double beside = 0.5 * (f[i + 1].shown_ev - f[i].shown_ev + f[i - 1].shown_ev - f[i - 2].shown_ev);
+        squares += (here - beside) * (here - beside);
+        count += 1.0;
+    }
+    return count > 0.0 ? sqrt(squares / count) : 0.0;
+}
+
+/* Light that goes so slowly that nothing is far, through many settings; all pairs of delays of the two controls. */
+int bench_ae_seam(bench_ae *b, const fixture_controller *law)
+{
+    static const fixture_gain_law gains[] = {FIXTURE_GAIN_RECIPROCAL, FIXTURE_GAIN_THIRD};
+    fixture_loop loop;
+    for (size_t g = 0; g < sizeof gains / sizeof gains[0]; g++) {
+        for (uint32_t pair = 0; pair < 16; pair++) {
+            bench_ae_begin(&loop, law, 1 + pair / 4, gains[g]);
+            const uint32_t believed = loop.sensor.delay_frames;
+            loop.plant.delay[FIXTURE_GAIN] = 1 + pair % 4;
+            loop.plant.light_ev = 3.0; /* 2^-5.5 s are right, and in the end 2^-2.8: exposures, then gains */
+            fixture_loop_fit(&loop);
+            if (!law->total)
+                loop.sensor.delay_frames = believed;
+            if (bench_ae_loop(b, &loop, SEAM_FRAMES, "2s ramp -0.06ev/s 45s"))
+                return -1;
+            bench_ae_show(b, &loop, "seam", "", NAN, seam_of(b->frame, 90, SEAM_FRAMES), SEAM_EV);
+        }
+    }
+    return 0;
+}
+
+int bench_ae_flicker(bench_ae *b, const fixture_controller *law)
+{
+    static const struct {
+        const char *of, *script;
+        double limit;
+    } of[] = {{"1 % lamp blinking +7 EV", "blink 7ev 1% 1s", 0.001},
+              {"10 % alias at 10 Hz", "flicker 10% 10Hz", 0.005},
+              {"both", "blink 7ev 1% 1s; flicker 10% 10Hz", 0.005}};
+    fixture_loop loop;
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+        bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
+        if (bench_ae_loop(b, &loop, 900, "%s", of[i].script))
+            return -1;
+        bench_ae_show(b, &loop, "background", of[i].of, NAN, fixture_loop_sum_of(b->frame, 900, 0, 600).shown_rms_ev,
+                      of[i].limit);
+    }
+    return 0;
+}
+
+/* Lamps on both mains, where the light allows exposures of a period and more; the mains told, or to be found. */
+int bench_ae_mains(bench_ae *b, const fixture_controller *law)
+{
+    static const struct {
+        const char *of;
+        double hz;
+        int told;
+        double fps;
+    } of[] = {{"50 Hz, told", 50, 1, 30},
+              {"60 Hz, told", 60, 1, 30},
+              {"50 Hz", 50, 0, 30},
+              {"60 Hz", 60, 0, 29.9},
+              {"50 Hz, 25 frames a second", 50, 0, 25.1},
+              {"60 Hz, 25 frames a second", 60, 0, 25}};
+    fixture_loop loop;
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+        if (of[i].told && law->total)
+            continue; /* nobody tells them */
+        bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
+        const uint32_t believed = loop.sensor.delay_frames;
+        loop.plant.frame_s = 1.0 / of[i].fps;
+        loop.plant.light_ev = 3.7; /* 13 ms are right: more than a period of either */
+        fixture_loop_fit(&loop);
+        loop.sensor.delay_frames = believed;
+        loop.sensor.mains_hz = of[i].told ? (uint32_t)of[i].hz : 0;
+        if (bench_ae_loop(b, &loop, 300, "lamp %gHz 30%%", of[i].hz))
+            return -1;
+        double worst = 0.0;
+        for (size_t k = 240; k < 300; k++)
+            worst = fmax(worst, b->frame[k].truth.band_ev);
+        bench_ae_show(b, &loop, "bands", of[i].of, NAN, worst, 0.02);
+    }
+    return 0;
+}
+
+int bench_ae_strobe(bench_ae *b, const fixture_controller *law)
+{
+    static const double evs[] = {3, 5, 8, -3};
+    fixture_loop loop;
+    for (uint32_t delay = 1; delay <= 4; delay++) {
+        for (unsigned flash = 1; flash <= 2; flash++) {
+            for (size_t i = 0; i < sizeof evs / sizeof evs[0]; i++) {
+                bench_ae_begin(&loop, law, delay, FIXTURE_GAIN_RECIPROCAL);
+                if (bench_ae_loop(b, &loop, 200, "%.6fs flash %u frames %gev", 90 * loop.plant.frame_s, flash, evs[i]))
+                    return -1;
+                double moved = 0.0;
+                for (size_t k = 90; k < 200; k++)
+                    moved = fmax(moved, fabs(b->frame[k].asked_ev - b->frame[89].asked_ev));
+                bench_ae_show(b, &loop, "strobe", flash == 1 ? "1 frame" : "2 in a row", evs[i], moved, STROBE_EV);
+            }
+        }
+    }
+    return 0;
+}

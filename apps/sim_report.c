@@ -1,0 +1,129 @@
+/* What a simulated loop did: each frame as a line, and a summary. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "file/pending.h"
+#include "refuse.h"
+#include "scene.h"
+#include "sim.h"
+
+static const char *const state_names[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
+static const char *const reason_names[] = {"",         "waiting",    "exposure_min", "exposure_max", "frame_period",
+                                           "gain_min", "gain_max",   "highlights",   "below_mains",  "lock",
+                                           "by_hand",  "dead_frame", "same_frame",   "clock_back"};
+
+const char *sim_state_name(uint32_t state)
+{
+    return state < sizeof state_names / sizeof state_names[0] ? state_names[state] : "other";
+}
+
+const char *sim_reason_name(uint32_t reason)
+{
+    return reason < sizeof reason_names / sizeof reason_names[0] ? reason_names[reason] : "other";
+}
+
+static void line(FILE *out, const sim_run *run, const fixture_loop_frame *f)
+{
+    const fixture_truth *t = &f->truth;
+    fprintf(out,
+            "{\"time_s\":%.6f,\"frame\":%llu,\"dropped\":%u,\"light_ev\":%.6f,\"exposure_s\":%.9g,\"gain\":%.9g,"
+            "\"digital\":%.9g,\"told_exposure_s\":%.9g,\"told_gain\":%.9g,\"asked_exposure_s\":%.9g,"
+            "\"asked_gain\":%.9g,\"asked_digital\":%.9g,\"error_ev\":%.6f,\"shown_ev\":%.6f,\"band_ev\":%.6f,"
+            "\"clipped\":%.6f",
+            t->time_s, (unsigned long long)t->frame, t->dropped, t->light_ev, t->exposure_s, t->gain, t->digital,
+            f->info.exposure_s, f->info.gain, f->setting.exposure_s, f->setting.gain, f->setting.digital, f->error_ev,
+            f->shown_ev, t->band_ev, t->clipped_share);
+    if (!run->options->loop.law->total)
+        fprintf(out, ",\"state\":\"%s\",\"reason\":\"%s\"", sim_state_name(f->setting.state),
+                sim_reason_name(f->setting.reason));
+    fputs("}\n", out);
+}
+
+int sim_stats(const sim_run *run, char *why, size_t why_bytes)
+{
+    const char *path = run->options->stats;
+    const int standard = strcmp(path, "-") == 0;
+    pupil_pending pending = {0};
+    FILE *out = stdout;
+    if (!standard) {
+        if (pupil_pending_file(&pending, path, why, why_bytes))
+            return -1;
+        out = fopen(pending.temporary, "we");
+    }
+    for (size_t i = 0; out && i < run->frames; i++)
+        line(out, run, &run->frame[i]);
+    int failed = !out || ferror(out);
+    failed |= out && (standard ? fflush(out) : fclose(out)) != 0;
+    if (failed)
+        pupil_refuse(why, why_bytes, "%s: the statistics cannot be written", standard ? "standard output" : path);
+    else if (!standard)
+        failed = pupil_pending_commit(&pending, why, why_bytes);
+    pupil_pending_discard(&pending);
+    return failed ? -1 : 0;
+}
+
+int sim_cycles(const fixture_loop_sum *sum)
+{
+    return sum->swings >= 4;
+}
+
+void sim_summary(const sim_run *run, FILE *out)
+{
+    const sim_options *o = run->options;
+    const fixture_loop_sum *s = &run->sum;
+    const fixture_loop_frame *last = &run->frame[run->frames - 1];
+    char camera[1024];
+    fixture_plant_text(&o->loop.plant, camera, sizeof camera);
+    if (o->json) {
+        fprintf(out,
+                "{\"controller\":\"%s\",\"frames\":%zu,\"settle_frames\":%ld,\"overshoot_ev\":%.6f,\"aim_ev\":%.6f,"
+                "\"rest_pp_ev\":%.6f,\"shown_pp_ev\":%.6f,\"shown_rms_ev\":%.6f,\"asked_pp_ev\":%.6f,\"swings\":%u}\n",
+                o->loop.law->name, run->frames, s->settle_frames, s->overshoot_ev, s->aim_ev, s->rest_pp_ev,
+                s->shown_pp_ev, s->shown_rms_ev, s->asked_pp_ev, s->swings);
+        return;
+    }
+    fprintf(out, "controller  %s, which believes in a delay of %u\n", o->loop.law->name, o->loop.sensor.delay_frames);
+    fprintf(out, "camera      %s\n", *camera ? camera : "as usual");
+    fprintf(out, "light       %s\n", o->light);
+    if (s->settle_frames >= 0)
+        fprintf(out, "settled     %ld frames after frame %zu, the last at which something happened\n", s->settle_frames,
+                run->event);
+    else
+        fprintf(out, "settled     never\n");
+    fprintf(out, "overshoot   %.4f EV\n", s->overshoot_ev);
+    fprintf(out, "rest        %.3f EV from the key; %.4f EV from end to end, shown %.4f; %.5f EV RMS a frame\n",
+            s->aim_ev, s->rest_pp_ev, s->shown_pp_ev, s->shown_rms_ev);
+    fprintf(out, "swings      %u of 0.1 EV or more in what is asked in the last %zu frames%s\n", s->swings, run->rest,
+            sim_cycles(s) ? ": a limit cycle" : "");
+    fprintf(out, "at last     %.6g s, gain %.4g, digital %.4f", last->truth.exposure_s, last->truth.gain,
+            last->truth.digital);
+    if (!o->loop.law->total)
+        fprintf(out, "; %s%s%s", sim_state_name(last->setting.state), last->setting.reason ? ", " : "",
+                sim_reason_name(last->setting.reason));
+    fputc('\n', out);
+}
+
+/* All lights of a recipe, as luminance. */
+int sim_scene(sim_options *o, char *why, size_t why_bytes)
+{
+    static const float weight[3] = {0.2126f, 0.7152f, 0.0722f}; /* Rec. ITU-R BT.709-6, item 3.2 */
+    const size_t pixels = (size_t)o->loop.plant.width * o->loop.plant.height;
+    fixture_scene *scene = NULL;
+    const fixture_scene_options options = {.width = o->loop.plant.width, .height = o->loop.plant.height};
+    o->luminance = calloc(pixels, sizeof *o->luminance);
+    int failed = !o->luminance ? pupil_refuse(why, why_bytes, "not enough memory for the scene")
+                               : fixture_scene_load(&scene, o->scene, &options, why, why_bytes) ||
+                                     fixture_scene_prepare(scene, why, why_bytes);
+    const size_t lights = failed ? 0 : fixture_scene_facts_of(scene).lights;
+    for (size_t l = 0; l < lights && !failed; l++) {
+        const float *rgb = fixture_scene_light_image(scene, l);
+        if (!rgb)
+            failed = pupil_refuse(why, why_bytes, "%s: its camera moves; a simulated camera stands still", o->scene);
+        for (size_t i = 0; i < 3 * pixels && !failed; i++)
+            o->luminance[i / 3] += weight[i % 3] * rgb[i];
+    }
+    fixture_scene_free(scene);
+    o->loop.plant.luminance = o->luminance;
+    return failed ? -1 : 0;
+}

@@ -1,0 +1,304 @@
+/* How the camera answers: after how many frames, how strongly, and whether at all; found from the frames.
+ *
+ * For each of the two controls there are these guesses at what was in force in a frame: what its info says; what was
+ * asked for 1, 2, ... 16 frames before; what was in force at the start, because the camera does not obey. Between two
+ * frames each pair of guesses says by how much the picture's level should have moved; what is left is the scene's. A
+ * scene moves as it likes, but not by what was asked of the camera just when some guess expects it; so a guess loses
+ * where it leaves more than another one. Two frames in which all guesses agree tell nothing and cost nothing.
+ *
+ * The price of what is left, r, is the log-likelihood of Student's distribution with three degrees of freedom, so that
+ * a cut of the scene does not decide alone. It is counted from the best guess's, and at most to MOST: one contradiction
+ * to the guess that was believed lets all the others come back. */
+#include "sensor_object.h"
+
+#include "numeric.h"
+
+#define TOLD  0
+#define NEVER (PUPIL_SENSOR_DELAYS + 1)
+
+#define ALIVE 6.0  /* bits: 1 in 64 */
+#define PRIOR 8.0  /* of delays longer than believed, and of a camera that does not obey: not alive at first */
+#define MOST  16.0 /* one surprise of two stops at the least noise: 2 log2(1 + 4 / 0.0027) = 21 is more */
+
+#define NOISE_EV     0.03 /* least: half of what a quantile from bins of 0.09 to 0.17 stops is off by */
+#define STEEP_LEAST  0.45 /* a gamma of 2.2, and below */
+#define STEEP_MOST   2.2
+#define STEP_EV      0.3  /* a control's step from here on shows how strongly the camera answers */
+#define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
+#define STRANGE_MOST 4
+#define FAR_AWAY     1e3
+
+static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
+
+/* Values of the frame that hold a rank; where a rank is clipped or black, only that they are above or below. */
+void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *stats, pupil_sensor_light *light)
+{
+    /* below nine stops under white the codes of 12 bits are coarser than the noise */
+    const double dark = pupil_log2(config->clip) - 9.0;
+    for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
+        double value = light->mean;
+        if (stats && stats->has_histogram)
+            (void)pupil_stats_quantile(stats, order_share[i], &value);
+        const double above = stats && stats->has_histogram ? 0.99 - order_share[i] : 0.02;
+        const double below = stats && stats->has_histogram ? order_share[i] - 0.01 : 0.02;
+        const int is_clipped = light->clipped_share > above;
+        const int is_black = light->black_share > below || (stats && value < dark);
+        light->low[i] = is_black ? -FAR_AWAY : value;
+        light->high[i] = is_clipped ? FAR_AWAY : is_black && value < dark ? dark : value;
+    }
+}
+
+void pupil_sensor_answer_reset(pupil_sensor_object *o)
+{
+    pupil_sensor_answer *a = &o->answer;
+    for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
+            a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
+    a->noise = NOISE_EV;
+    a->slopes = 0;
+    a->slope = 1.0;
+    for (int i = 0; i < 3; i++)
+        a->seen[i] = 1.0;
+    a->strange = 0;
+    a->delay[0] = a->delay[1] = 0;
+}
+
+/* log2 of what guess h of control c says was in force so many frames before this one. */
+static double in_force(const pupil_sensor_answer *a, int c, uint32_t h, uint32_t before)
+{
+    if (h == TOLD)
+        return before ? a->told_before[c] : a->told[c];
+    return h == NEVER ? a->anchor[c] : a->asked[(a->frame - h - before) % PUPIL_SENSOR_RING][c];
+}
+
+/* By how much the picture's level has moved: from least to most. */
+static void moved(const pupil_sensor_answer *a, const pupil_sensor_light *light, double *least, double *most)
+{
+    *least = -FAR_AWAY, *most = FAR_AWAY;
+    for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
+        const double low = light->low[i] - a->high_of[i], high = light->high[i] - a->low_of[i];
+        if (light->low[i] == light->high[i] &&
+            a->low_of[i] == a->high_of[i]) { /* the most central one that is a number */
+            *least = *most = low;
+            return;
+        }
+        *least = low > *least ? low : *least;
+        *most = high < *most ? high : *most;
+    }
+    if (*least > *most)
+        *least = *most = 0.5 * (*least + *most);
+}
+
+/* Stops that the scene must have moved by itself, if the controls moved by step. How strongly the picture answers is
+ * known a little, even where nothing has been seen yet. */
+static double left_over(const pupil_sensor_object *o, double step, double least, double most)
+{
+    const pupil_sensor_answer *a = &o->answer;
+    const int known = a->slopes > 1 || o->config.linear;
+    double low = step * (known ? 0.8 * a->slope : STEEP_LEAST), high = step * (known ? 1.25 * a->slope : STEEP_MOST);
+    if (low > high) {
+        const double swap = low;
+        low = high, high = swap;
+    }
+    return high < least ? least - high : low > most ? low - most : 0.0;
+}
+
+/* One comparison of this frame with the one before. */
+static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double least, double most)
+{
+    pupil_sensor_answer *a = &o->answer;
+    const double scale = 1.0 / (3.0 * a->noise * a->noise);
+    double best = FAR_AWAY;
+    for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++) {
+        double last = FAR_AWAY, paid = 0.0;
+        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
+            const double all = step[0][e] + step[1][g], left = left_over(o, all, least, most);
+            paid = left == last ? paid : 2.0 * pupil_log2(1.0 + left * left * scale);
+            last = left;
+            a->price[e][g] = (float)((double)a->price[e][g] + paid);
+            best = (double)a->price[e][g] < best ? (double)a->price[e][g] : best;
+        }
+    }
+    for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
+            const double more = (double)a->price[e][g] - best;
+            a->price[e][g] = (float)(more < MOST ? more : MOST);
+        }
+}
+
+/* The pairs of guesses from the one that is taken where nothing speaks for another: what is told, then the longest. */
+static uint32_t guess_at(uint32_t i)
+{
+    return i == TOLD || i == NEVER ? i : NEVER - i;
+}
+
+/* What is not ruled out: the range of what was in force, and whether the last setting is. A camera that does not obey
+ * counts only where nothing else is left. */
+static void survey(pupil_sensor_answer *a, int never)
+{
+    a->is_told &= (double)a->price[TOLD][TOLD] < ALIVE;
+    const uint32_t end = never ? PUPIL_SENSOR_GUESSES : a->is_told ? TOLD + 1 : NEVER;
+    const double *asked = a->asked[(a->frame - 1) % PUPIL_SENSOR_RING];
+    double best = FAR_AWAY;
+    a->low = FAR_AWAY, a->high = -FAR_AWAY;
+    a->alive[0] = a->alive[1] = a->in_flight = 0;
+    for (uint32_t i = 0; i < end; i++)
+        for (uint32_t j = 0; j < end; j++) {
+            const uint32_t e = guess_at(i), g = guess_at(j);
+            if (!((double)a->price[e][g] < ALIVE))
+                continue;
+            const double exposure = in_force(a, 0, e, 0), gain = in_force(a, 1, g, 0), sum = exposure + gain;
+            const double off = sum - asked[0] - asked[1];
+            a->alive[0] |= 1u << e, a->alive[1] |= 1u << g;
+            a->low = sum < a->low ? sum : a->low;
+            a->high = sum > a->high ? sum : a->high;
+            a->in_flight |= e != NEVER && g != NEVER && (off > 0.05 || off < -0.05);
+            if ((double)a->price[e][g] < best) {
+                best = (double)a->price[e][g];
+                a->taken[0] = exposure, a->taken[1] = gain;
+                a->best[0] = e, a->best[1] = g;
+            }
+        }
+    if (!a->alive[0] && !never)
+        survey(a, 1);
+}
+
+static double middle_of(const double x[3])
+{
+    const double least = x[0] < x[1] ? x[0] : x[1], most = x[0] < x[1] ? x[1] : x[0];
+    return x[2] < least ? least : x[2] > most ? most : x[2];
+}
+
+/* A step that nothing in doubt is about, and what the picture made of it. */
+static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double answer)
+{
+    pupil_sensor_answer *a = &o->answer;
+    double low = FAR_AWAY, high = -FAR_AWAY;
+    for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
+            if (a->alive[0] >> e & a->alive[1] >> g & 1 && (double)a->price[e][g] < ALIVE) {
+                const double all = step[0][e] + step[1][g];
+                low = all < low ? all : low;
+                high = all > high ? all : high;
+            }
+    const double size = low > 0.0 ? low : -high;
+    if (!(size > STEP_EV && size > 4.0 * a->noise && high - low < 0.1 * size))
+        return;
+    const double slope = 2.0 * answer / (low + high);
+    if (!(slope > 0.3 && slope < 3.3)) {
+        a->strange += a->strange < STRANGE_MOST;
+        return;
+    }
+    a->strange -= a->strange > 0;
+    for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
+        a->seen[i] = !o->config.linear && !a->slopes ? slope : i < 2 ? a->seen[i + 1] : slope;
+    a->slopes += a->slopes < 3;
+    double middle = middle_of(a->seen);
+    if (middle > 1.0 - STRAIGHT && middle < 1.0 + STRAIGHT)
+        middle = 1.0;
+    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT))
+        o->stride = 1.0; /* it was this that steps turned back for */
+    a->slope = middle;
+}
+
+/* This frame and the one before it. */
+static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uint32_t gap)
+{
+    pupil_sensor_answer *a = &o->answer;
+    double step[2][PUPIL_SENSOR_GUESSES], least, most, low[2], high[2];
+    for (int c = 0; c < 2; c++) {
+        low[c] = FAR_AWAY, high[c] = -FAR_AWAY;
+        for (uint32_t h = 0; h < PUPIL_SENSOR_GUESSES; h++) {
+            const double x = step[c][h] = in_force(a, c, h, 0) - in_force(a, c, h, gap);
+            low[c] = x < low[c] ? x : low[c];
+            high[c] = x > high[c] ? x : high[c];
+        }
+    }
+    moved(a, light, &least, &most);
+    if (high[0] - low[0] > 0.01 || high[1] - low[1] > 0.01) {
+        const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
+        weigh(o, step, least, most);
+        /* what info says has moved, and the picture with it: from now on it is believed */
+        if (o->answer.info_tells && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
+            a->is_told = 1;
+        survey(a, 0);
+        if (least == most)
+            learn_slope(o, step, least);
+    }
+    if (least == most) { /* what the best guess leaves is the scene's */
+        const double left = least - a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
+        const double size = 1.25 * (left < 0.0 ? -left : left),
+                     cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
+        a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
+        a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
+    }
+}
+
+static double least_price(const pupil_sensor_answer *a, int control, uint32_t h)
+{
+    double least = FAR_AWAY;
+    for (uint32_t other = 0; other < PUPIL_SENSOR_GUESSES; other++) {
+        const double price = (double)(control ? a->price[other][h] : a->price[h][other]);
+        least = price < least ? price : least;
+    }
+    return least;
+}
+
+/* The delay of a control, once it has been seen to obey and one delay alone explains that, whatever info says; until it
+ * is contradicted. Else 0. */
+static uint32_t delay_of(const pupil_sensor_answer *a, int control)
+{
+    double best = FAR_AWAY, second = FAR_AWAY;
+    uint32_t delay = 0;
+    for (uint32_t h = 1; h < NEVER; h++) {
+        const double price = least_price(a, control, h);
+        second = price < best ? best : price < second ? price : second;
+        delay = price < best ? h : delay;
+        best = price < best ? price : best;
+    }
+    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR)
+        return delay;
+    return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
+}
+
+void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light *light, uint64_t sequence)
+{
+    pupil_sensor_answer *a = &o->answer;
+    const uint64_t ahead = sequence - a->sequence;
+    const uint32_t gap = sequence > a->sequence && ahead < PUPIL_SENSOR_RING ? (uint32_t)ahead : 1;
+    const int first = !a->frame;
+    for (uint32_t i = 0; i < (first ? (uint32_t)PUPIL_SENSOR_RING : gap); i++)
+        for (int c = 0; c < 2; c++) /* what the first frame was taken with stood for some time */
+            a->asked[(a->frame + i) % PUPIL_SENSOR_RING][c] = first ? a->told[c] : a->standing[c];
+    a->frame += first ? PUPIL_SENSOR_RING : gap;
+    a->sequence = sequence;
+    for (int c = 0; c < 2 && first; c++)
+        a->anchor[c] = a->told[c];
+    if (!first && a->has_level && gap < PUPIL_SENSOR_RING - PUPIL_SENSOR_DELAYS && !light->dead)
+        compare(o, light, gap);
+    survey(a, 0);
+    for (int c = 0; c < 2; c++) {
+        a->told_before[c] = a->told[c];
+        a->delay[c] = delay_of(a, c);
+        if (!(a->alive[c] >> NEVER & 1))
+            a->anchor[c] = a->taken[c];
+    }
+    a->has_level = !light->dead;
+    for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++)
+        a->low_of[i] = light->low[i], a->high_of[i] = light->high[i];
+}
+
+/* The longest delay that is not ruled out. */
+uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
+{
+    uint32_t longest = 0;
+    for (uint32_t h = 1; h < NEVER; h++)
+        if ((o->answer.alive[0] | o->answer.alive[1]) >> h & 1)
+            longest = h;
+    return longest ? longest : o->config.delay_frames;
+}
+
+int pupil_sensor_disobeys(const pupil_sensor_object *o)
+{
+    return (o->answer.alive[0] | o->answer.alive[1]) >> NEVER & 1;
+}

@@ -1,0 +1,257 @@
+/* A step of the controller: what a frame asks for, and how much of it is done at once. */
+#include "sensor_object.h"
+
+#include "numeric.h"
+
+static double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* A frame with this share of it clipped, or half of it black, says little but that: by how many stops the total then
+ * moves, to look again. Six stops are the largest step of a scene that is to settle with one look more. */
+#define BLIND_CLIPPED 0.97
+#define BLIND_BLACK   0.5
+#define BLIND_STEP_EV 6.0
+
+/* The quantile that is to stay below clip comes from bins of up to 0.32 stops and moves by as much where many pixels
+ * change from one to the next. So it is aimed at below the last bin's middle, and what it asks for is far only beyond a
+ * bin; the filter makes a hundredth of it. */
+#define HIGHLIGHT_AIM_EV  0.20
+#define HIGHLIGHT_FAR_EV  0.35
+#define HIGHLIGHT_STEP_EV 0.40
+#define LEAST_STRIDE      0.125
+
+/* Turns without rest from which on a camera counts as one that cannot be approached: the strides have come down to the
+ * least. */
+#define MOST_TURNS 4
+#define PATIENCE_S 1.0
+/* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
+#define SMALL_STEP_EV 0.25
+
+/* A large step may not be in force yet. */
+static int is_pending(const pupil_sensor_object *o)
+{
+    return o->waited < pupil_sensor_longest_delay(o) && o->answer.in_flight;
+}
+
+/* Seconds since the frame before. */
+static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
+{
+    const int64_t now = info ? info->timestamp_ns : 0, last = o->last_timestamp_ns;
+    /* in double: the difference of two int64 may not fit; 2^-53 of a century is 30 ns */
+    double dt_s = !o->stamped ? 0.0 : !now && !last ? o->config.frame_s : ((double)now - (double)last) * 1e-9;
+    const uint32_t reason = o->stamped && now && now == last ? PUPIL_SENSOR_SAME_FRAME
+                            : dt_s < 0.0                     ? PUPIL_SENSOR_CLOCK_BACK
+                                                             : PUPIL_SENSOR_NO_REASON;
+    o->setting.dt_s = dt_s > 0.0 ? dt_s : 0.0;
+    o->last_timestamp_ns = now;
+    o->stamped = 1;
+    if (reason != PUPIL_SENSOR_SAME_FRAME && o->waited < PUPIL_SENSOR_DELAYS)
+        o->waited++;
+    return reason;
+}
+
+/* log2 of the highest total by the highlights. */
+static double highlight_limit(const pupil_sensor_config *c, const pupil_sensor_light *light, double frame_log2,
+                              double guess)
+{
+    const double room = pupil_log2(c->clip) - light->highlight;
+    if (light->clipped_share > c->highlight_share || room <= 0.0) { /* by how much is not known */
+        const double over = guess - pupil_log2(c->clip);
+        return frame_log2 - (over > HIGHLIGHT_STEP_EV ? over : HIGHLIGHT_STEP_EV);
+    }
+    return frame_log2 + room - HIGHLIGHT_AIM_EV;
+}
+
+/* log2 of the total that this frame asks for; the reason where it is not the key alone; whether it is a guess.
+ *
+ * A clipped frame's mean is too low, so its target lies between the frame's own total and the right one: whatever the
+ * scene, one such step after another comes nearer from one side (the error that is left is the clipped share of the one
+ * before). It is only where this says "far too bright" that a guess may go further, and too far; what comes after it
+ * comes from the dark side, without guesses. So guesses cannot make it swing. */
+static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light, double frame_log2, uint32_t *reason,
+                        int *guessed)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
+    const double slope = o->answer.slope;
+    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight;
+    pupil_sensor_guess(c, light, &mean, &highlight);
+    o->setting.scene_ev = light->mean - frame_log2;
+    if (target < frame_log2 - c->far_ev) {
+        *guessed = mean > light->mean;
+        target =
+            light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV : frame_log2 + (wanted - mean) / slope;
+        o->setting.scene_ev = mean - frame_log2;
+    }
+    if (light->has_highlight) {
+        const double most = highlight_limit(c, light, frame_log2, highlight);
+        if (most < target) {
+            target = most > target - c->highlight_ev ? most : target - c->highlight_ev;
+            *reason = PUPIL_SENSOR_HIGHLIGHTS;
+        }
+    }
+    if (light->black_share > BLIND_BLACK && target > frame_log2 + BLIND_STEP_EV) {
+        target = frame_log2 + BLIND_STEP_EV;
+        *guessed = 1;
+    }
+    return target;
+}
+
+/* Frames that have to say the same before a step, where light that comes and goes within a frame or two would not be
+ * seen as such: not while the first setting is looked for. What all of them ask for is done: *off becomes the least. */
+static int is_flash(pupil_sensor_object *o, double *off)
+{
+    const int same_side = o->odd_frames && (o->odd_ev > 0.0) == (*off > 0.0);
+    if (!same_side || (*off < 0.0 ? *off > o->odd_ev : *off < o->odd_ev))
+        o->odd_ev = *off;
+    o->odd_frames = same_side ? o->odd_frames + (o->odd_frames < 16) : 1;
+    if (!o->looking && o->odd_frames <= o->config.flash_frames)
+        return 1;
+    *off = o->odd_ev;
+    return 0;
+}
+
+/* A large step that goes back on the one before, without any rest between them, goes half the way, the next one of that
+ * kind half of that: so a camera that answers otherwise than its numbers say (a tone curve, dark areas that come and go
+ * with a code) is approached and not swung around. One that cannot be approached either, because its level jumps over
+ * the key, is left where it was nearer; only light that is further off than that starts the search again, or patience,
+ * of which every vain search doubles the need. */
+static uint32_t step(pupil_sensor_object *o, double off, int guessed)
+{
+    const pupil_sensor_config *c = &o->config;
+    const int32_t direction = off > 0.0 ? 1 : -1;
+    const double size = off < 0.0 ? -off : off;
+    uint32_t reason = PUPIL_SENSOR_NO_REASON;
+    if (o->direction == -direction) {
+        o->stride *= o->stride > LEAST_STRIDE ? 0.5 : 1.0;
+        if (++o->turns >= MOST_TURNS) {
+            o->band_ev = 1.5 * (size > o->last_size ? size : o->last_size);
+            o->total_log2 = size > o->last_size ? o->last_total_log2 : o->total_log2;
+            o->patience_s = o->patience_s > 0.0 ? 2.0 * o->patience_s : PATIENCE_S;
+            o->stood_s = 0.0;
+            o->waited = 0;
+            o->direction = 0;
+            return PUPIL_SENSOR_UNSTEADY;
+        }
+    }
+    o->last_size = size;
+    o->last_total_log2 = o->total_log2;
+    off *= o->stride;
+    o->looking = guessed || o->looking;
+    if (!c->linear && !o->answer.slopes) {
+        off *= 0.5; /* a slope of 2 is the steepest that is ordinary */
+        o->looking = 1;
+    }
+    if (o->answer.strange > 1) {
+        off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
+        reason = PUPIL_SENSOR_STRANGE;
+    }
+    o->total_log2 += off;
+    o->direction = guessed ? 0 : direction;
+    o->waited = 0;
+    o->odd_frames = 0;
+    return reason;
+}
+
+/* The wanted total, on its way to the target, which lies between low and high. Returns the reason for going slowly. */
+static uint32_t move(pupil_sensor_object *o, double low, double high, double far_ev, int at_end, int guessed)
+{
+    const pupil_sensor_config *c = &o->config;
+    low -= o->total_log2, high -= o->total_log2;
+    double off = low > 0.0 ? low : high < 0.0 ? high : 0.0; /* the least that is not in doubt */
+    const double size = off < 0.0 ? -off : off;
+    const int pending = is_pending(o);
+    if (o->band_ev > 0.0) {
+        o->stood_s += o->setting.dt_s;
+        if (size <= o->band_ev && (size <= far_ev || o->stood_s < o->patience_s))
+            return PUPIL_SENSOR_UNSTEADY;
+        o->turns = o->stood_s < o->patience_s ? 0 : MOST_TURNS - 1;
+        o->band_ev = 0.0;
+    }
+    if (size > far_ev) {
+        if (is_flash(o, &off))
+            return PUPIL_SENSOR_FLASH;
+        return pending ? PUPIL_SENSOR_WAITING : step(o, off, guessed);
+    }
+    o->odd_frames = 0;
+    if (pending)
+        return PUPIL_SENSOR_WAITING;
+    const double most_weight = 0.39 / pupil_sensor_longest_delay(o); /* sensor.h: tau_s */
+    double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
+    weight = weight < most_weight ? weight : most_weight;
+    o->direction = 0;
+    o->turns = 0;
+    o->looking = 0;
+    o->stride = 1.0;
+    /* the last 5 thousandths to a limit are not seen, and then all of it is used */
+    o->total_log2 += at_end && off < 0.005 && off > -0.005 ? off : weight * off;
+    return PUPIL_SENSOR_NO_REASON;
+}
+
+/* After the step. */
+static void judge(pupil_sensor_object *o, double beyond, double far_ev, double clipped_share, uint32_t reason,
+                  uint32_t slow)
+{
+    pupil_sensor_setting *s = &o->setting;
+    const pupil_sensor_config *c = &o->config;
+    const int by_hand = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
+    const int far = s->error_ev > far_ev || s->error_ev < -far_ev;
+    if (slow == PUPIL_SENSOR_FLASH) { /* the state is what it was */
+        s->reason = slow;
+        return;
+    }
+    s->state = PUPIL_SENSOR_CONVERGED;
+    if (c->lock || by_hand) {
+        s->state = PUPIL_SENSOR_LOCKED;
+        reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_BY_HAND;
+    } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
+        s->state = PUPIL_SENSOR_LIMITED;
+        reason = PUPIL_SENSOR_UNSTEADY;
+    } else if (far || is_pending(o)) {
+        s->state = clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
+        reason = slow ? slow : reason;
+    } else if (beyond > 0.05 || beyond < -0.05) { /* pupil.h, too, calls a level settled within 0.05 */
+        s->state = PUPIL_SENSOR_LIMITED;
+        reason = pupil_sensor_limit(o, beyond > 0.0);
+    } else if (c->mains_hz && s->exposure_s < 0.5 / c->mains_hz * 0.99 - c->exposure_step_s) {
+        s->state = PUPIL_SENSOR_FLICKER;
+        reason = PUPIL_SENSOR_BELOW_MAINS;
+    }
+    s->reason = reason;
+}
+
+void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *light, const pupil_frame_info *info)
+{
+    pupil_sensor_setting *s = &o->setting;
+    const pupil_sensor_config *c = &o->config;
+    const pupil_sensor_answer *a = &o->answer;
+    uint32_t reason = tick(o, info), slow = PUPIL_SENSOR_NO_REASON;
+    s->changed = 0;
+    if (reason != PUPIL_SENSOR_SAME_FRAME)
+        pupil_sensor_answer_frame(o, light, info ? info->sequence : 0);
+    const double frame_log2 = a->taken[0] + a->taken[1];
+    if (light->dead || reason == PUPIL_SENSOR_SAME_FRAME) {
+        s->reason = light->dead ? PUPIL_SENSOR_DEAD_FRAME : reason;
+    } else {
+        int guessed = 0;
+        const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
+        const double target = clamp(wanted, o->least_log2, o->most_log2);
+        const double low = clamp(wanted + a->low - frame_log2, o->least_log2, o->most_log2);
+        const double high = clamp(wanted + a->high - frame_log2, o->least_log2, o->most_log2);
+        const double far_ev =
+            reason == PUPIL_SENSOR_HIGHLIGHTS && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
+        s->error_ev = target - o->total_log2;
+        s->frames++;
+        if (!c->lock)
+            slow = move(o, low, high, far_ev, wanted != target, guessed);
+        pupil_sensor_choose(o, 0);
+        judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
+    }
+    s->slope = a->slope;
+    s->exposure_delay = a->delay[0];
+    s->gain_delay = a->delay[1];
+    /* what multiplies values makes more of a bent picture than of light */
+    s->frame_digital = pupil_exp2(clamp(a->slope * (o->total_log2 - frame_log2), -c->digital_ev, c->digital_ev));
+}

@@ -1,0 +1,203 @@
+/* pupil probe on cameras in this process whose delays, laws, black and lies are known. */
+#include "probe_rig.h"
+
+#include <math.h>
+
+static void check_delay(const probe_delay *d, unsigned frames, const char *what)
+{
+    CHECK_MSG(d->is.known && d->frames == frames && d->least == frames && d->most == frames,
+              "%s: %u (%u..%u), expected %u: %s", what, d->frames, d->least, d->most, frames, d->is.why);
+}
+
+/* 8 bits of limited range, sRGB's curve: half a code of the darkest point, light of 2^-6, is 0.043 stops, and of the
+ * first, 2^-3, 0.01. 10 bits of linear light: 0.045 and 0.006. */
+#define MOST_OFF_EV 0.055
+
+static void check_law(const probe_law *law)
+{
+    CHECK_MSG(law->is.known && law->obeyed && law->as_told, "known %d, obeyed %d, as told %d: %s", law->is.known,
+              law->obeyed, law->as_told, law->is.why);
+    CHECK_MSG(fabs(law->slope - 1) < 0.02 && law->off_ev < MOST_OFF_EV && law->drift_ev < 0.01,
+              "slope %g, %g off, drift %g", law->slope, law->off_ev, law->drift_ev);
+}
+
+static void test_delays(void)
+{
+    for (uint32_t delay = 0; delay <= 6; delay++)
+        for (uint32_t earlier = 0; earlier <= delay && earlier < 3; earlier++) {
+            probed p;
+            fake_v4l2_config c = usual();
+            c.control_delay = delay;
+            c.gain_earlier = earlier;
+            c.stamp = delay % 2 ? FAKE_STAMP_START_OF_EXPOSURE : FAKE_STAMP_END_OF_FRAME;
+            probe(&p, &c, delay % 3 != 0, 1.0);
+            CHECK_MSG(p.result == 0, "%s", p.why);
+            CHECK_MSG(p.report.seconds < 15, "%g s", p.report.seconds);
+            if (c.stamp == FAKE_STAMP_END_OF_FRAME) {
+                check_delay(&p.report.exposure_delay, delay, "exposure");
+                check_delay(&p.report.gain_delay, delay - earlier, "gain");
+            } else { /* its stamps are those of frame ends all the same: the one under way is taken for one earlier */
+                CHECK(p.report.exposure_delay.is.known && p.report.gain_delay.is.known);
+                CHECK(p.report.exposure_delay.frames - p.report.gain_delay.frames == earlier);
+            }
+            probe_free(&p.report);
+        }
+}
+
+static void test_laws(void)
+{
+    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_SRGGB10, V4L2_PIX_FMT_Y12};
+    for (int i = 0; i < 4; i++) {
+        probed p;
+        fake_v4l2_config c = usual();
+        const probe_report *r = &p.report;
+        c.only_format = formats[i];
+        c.black = i == 2 ? 0.0625 : 0.0; /* 64 of 1023 */
+        probe(&p, &c, 0, 1.0);
+        CHECK_MSG(p.result == 0 && r->has_controls.known, "%s%s", p.why, r->has_controls.why);
+        check_law(&r->exposure);
+        check_law(&r->gain);
+        CHECK(r->exposure.points == 5 && r->gain.points == 6);
+        for (unsigned k = 0; k < r->gain.points; k++)
+            CHECK_MSG((double)r->gain.point[k].code == r->gain.point[k].gain * 16, "code %lld of %g",
+                      (long long)r->gain.point[k].code, r->gain.point[k].gain);
+        CHECK(r->limits.gain_min == 1 && r->limits.gain_max == 64 && !r->limits.gain_known);
+        CHECK_MSG(r->black.is.known && !r->black.at_most && fabs(r->black.share - c.black) < 0.002,
+                  "black %g of %g: %s", r->black.share, c.black, r->black.is.why);
+        CHECK(r->interval.is.known && fabs(r->interval.mean_s * 30 - 1) < 1e-4 && r->interval.jitter_s < 2e-6);
+        CHECK(r->interval.frames > 100 && r->interval.lost == 0 && r->interval.damaged == 0);
+        CHECK(r->latency.is.known && r->latency.most_s < 1e-3 && r->latency.stamp == PUPIL_V4L2_STAMP_END_OF_FRAME);
+        probe_free(&p.report);
+    }
+}
+
+static void check_unknown(const probe_known *is, const char *sentence)
+{
+    CHECK_MSG(!is->known && strstr(is->why, sentence), "known %d: '%s' for '%s'", is->known, is->why, sentence);
+}
+
+/* What the driver says and the picture does not do. */
+static void test_lies(void)
+{
+    probed p;
+    const probe_report *r = &p.report;
+    fake_v4l2_config c = usual();
+    c.deaf_gain = 1;
+    probe(&p, &c, 0, 1.0);
+    check_delay(&r->exposure_delay, 2, "exposure");
+    check_law(&r->exposure);
+    check_unknown(&r->gain_delay.is, "does not follow within 16 frames, though the driver says that it has the value");
+    CHECK(r->gain.is.known && !r->gain.obeyed && !r->gain.as_told);
+    CHECK_MSG(fabs(r->gain.slope) < 0.1, "slope %g", r->gain.slope); /* far from 1: dark codes of 8 bits */
+    probe_free(&p.report);
+
+    c = usual();
+    c.deaf_exposure = 1;
+    probe(&p, &c, 0, 1.0);
+    check_unknown(&r->exposure_delay.is, "does not follow within 16 frames");
+    check_delay(&r->gain_delay, 2, "gain");
+    CHECK(r->exposure.is.known && !r->exposure.obeyed);
+    check_unknown(&r->gain.is, "its exposure does not do what it is told");
+    check_unknown(&r->black.is, "the picture does not follow the exposure");
+    probe_free(&p.report);
+
+    c = usual(); /* a gain in steps that nobody tells of */
+    c.coarse_gain = 1;
+    probe(&p, &c, 0, 1.0);
+    check_delay(&r->gain_delay, 2, "gain");
+    CHECK_MSG(r->gain.is.known && r->gain.obeyed && !r->gain.as_told && r->gain.off_ev > 0.5 && r->gain.off_ev < 1.05,
+              "%g off, slope %g", r->gain.off_ev, r->gain.slope);
+    probe_free(&p.report);
+
+    c = usual(); /* grey that is called linear, and has sRGB's curve */
+    c.only_format = V4L2_PIX_FMT_Y12;
+    c.drawn_xfer = V4L2_XFER_FUNC_SRGB;
+    probe(&p, &c, 0, 1.0);
+    check_delay(&r->exposure_delay, 2, "exposure");
+    /* 1 below 0.0031 and falling to 0.5 at 0.03 (IEC 61966-2-1, its derivative): about where the points are */
+    CHECK_MSG(r->exposure.is.known && r->exposure.obeyed && !r->exposure.as_told && r->exposure.slope < 0.85,
+              "slope %g", r->exposure.slope);
+    probe_free(&p.report);
+}
+
+/* Pictures in which nothing can be measured say so. */
+static void test_light(void)
+{
+    probed p;
+    fake_v4l2_config c = usual();
+    probe(&p, &c, 1, 2000.0);
+    CHECK(p.result == 0);
+    check_unknown(&p.report.exposure_delay.is, "the picture is too bright");
+    check_unknown(&p.report.gain.is, "the picture is too bright");
+    CHECK(!p.report.black.is.known || p.report.black.at_most);
+    probe_free(&p.report);
+    probe(&p, &c, 1, 1e-6);
+    check_unknown(&p.report.exposure_delay.is, "the picture is too dark");
+    check_unknown(&p.report.exposure.is, "the picture is too dark");
+    probe_free(&p.report);
+    for (double light = 0.02; light < 30; light *= 3) { /* a camera has to find its level first */
+        probe(&p, &c, 1, light);
+        check_delay(&p.report.exposure_delay, 2, "exposure");
+        check_delay(&p.report.gain_delay, 2, "gain");
+        probe_free(&p.report);
+    }
+}
+
+/* Lost and damaged frames, moving scenes. */
+static void test_trouble(void)
+{
+    probed p;
+    fake_v4l2_config c = usual();
+    c.dropped = 0.05;
+    c.flagged = 0.05;
+    probe(&p, &c, 0, 1.0);
+    CHECK_MSG(p.result == 0, "%s", p.why);
+    CHECK(p.report.interval.lost > 0 && p.report.interval.damaged > 0);
+    CHECK_MSG(
+        p.report.exposure_delay.is.known && p.report.exposure_delay.least >= 2 && p.report.exposure_delay.most <= 4,
+        "%u..%u: %s", p.report.exposure_delay.least, p.report.exposure_delay.most, p.report.exposure_delay.is.why);
+    check_law(&p.report.exposure);
+    probe_free(&p.report);
+
+    c = usual();
+    c.flat = 0;
+    c.width = 320;
+    c.height = 240;
+    probe(&p, &c, 0, 1.0);
+    check_delay(&p.report.exposure_delay, 2, "exposure");
+    check_delay(&p.report.gain_delay, 2, "gain");
+    CHECK(p.report.exposure.as_told && p.report.gain.as_told);
+    probe_free(&p.report);
+
+    c = usual();
+    c.unplug_at = 100;
+    probe(&p, &c, 0, 1.0);
+    CHECK_MSG(p.result == -1 && strstr(p.why, "the camera was unplugged"), "%s", p.why);
+    probe_free(&p.report);
+}
+
+/* At every moment: it stops, and the camera is given back (probe checks it). */
+static void test_stop(void)
+{
+    for (int at = 1; at < 400; at = at * 3 / 2 + 1) {
+        probed p;
+        const fake_v4l2_config c = usual();
+        stops_left = at;
+        probe(&p, &c, 0, 1.0);
+        CHECK_MSG(p.result == 1 || at > 250 || at == 1, "stopped at %d: %d %s", at, p.result, p.why);
+        probe_free(&p.report);
+    }
+    stops_left = -1;
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    test_delays();
+    test_laws();
+    test_lies();
+    test_light();
+    test_trouble();
+    test_stop();
+    return check_end();
+}

@@ -1,0 +1,109 @@
+#!/bin/sh
+# pupil sim and pupil bench ae: what they print and write, the same again, what is refused with which words.
+set -eu
+program=${PUPIL_PROGRAM:?}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+fail() { echo "FAILED: $*"; exit 1; }
+# expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
+expect() {
+    wanted=$1 words=$2
+    shift 2
+    status=0
+    "$program" "$@" >said.out 2>said.err </dev/null || status=$?
+    [ "$status" = "$wanted" ] || fail "pupil $*: exit $status, expected $wanted: $(cat said.err)"
+    grep -qF -- "$words" said.err || fail "pupil $*: said '$(cat said.err)', expected '$words'"
+}
+
+# a run: its summary, its frames
+"$program" sim --light '2s step +3ev; 4s step -6ev' --stats run.jsonl >summary.txt 2>noise.txt
+[ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
+[ "$(wc -l <run.jsonl)" = 420 ] || fail "$(wc -l <run.jsonl) lines for 14 s at 30 frames a second"
+for words in '^controller  pupil' '^settled     [0-9]* frames after frame 120' '^overshoot ' '^swings      0 of'; do
+    grep -q -- "$words" summary.txt || fail "no $words in $(cat summary.txt)"
+done
+for words in '^{"time_s":0.000000,"frame":0,"dropped":0,"light_ev":5.500000,' '"told_exposure_s":' '"error_ev":' \
+    '"state":"converged"'; do
+    grep -q -- "$words" run.jsonl || fail "no $words in $(head -1 run.jsonl)"
+done
+grep -q 'nan\|inf' run.jsonl && fail "a number that is none: $(grep -m1 'nan\|inf' run.jsonl)"
+if command -v python3 >/dev/null; then
+    python3 -c 'import json, sys; [json.loads(l) for l in open("run.jsonl")]' || fail "no JSON"
+fi
+"$program" sim --light '2s step +3ev; 4s step -6ev' --stats - >again.jsonl
+cmp run.jsonl again.jsonl || fail "another run is another one"
+echo '2s step +3ev # a line
+4s step -6ev' >light.txt
+"$program" sim --light @light.txt --stats - >again.jsonl
+cmp run.jsonl again.jsonl || fail "a script from a file is another one"
+
+# cameras that are what they are told to be
+"$program" sim -c delay=1/4,law=third,drop=20%,bits=10 --duration 4 --stats some.jsonl --json >said.out
+grep -q '^{"controller":"pupil","frames":120,.*"swings":0}$' said.out || fail "summary: $(cat said.out)"
+grep -q '"dropped":[1-9]' some.jsonl || fail "no frame dropped"
+"$program" sim --controller rpi --json -l '2s step 6ev' >said.out
+grep -q '"controller":"rpi".*"settle_frames":3[4-7],' said.out || fail "rpi settles otherwise: $(cat said.out)"
+"$program" sim --controller integrator1 --json >said.out
+grep -q '"swings":0}' said.out && fail "a naive integrator does not swing: $(cat said.out)"
+"$program" sim --scene room --json -l '2s step 2ev' -q >said.out
+grep -q '"swings":0}' said.out || fail "the room: $(cat said.out)"
+"$program" sim --mains 50 -l '0s -3ev; lamp 50Hz 30%' --stats - >lamp.jsonl
+tail -1 lamp.jsonl | grep -q '"band_ev":0.0[01]' || fail "bands with the mains told: $(tail -1 lamp.jsonl)"
+
+if command -v gnuplot >/dev/null; then
+    "$program" sim --plot run.svg >/dev/null
+    grep -q '<svg' run.svg || fail "no plot"
+    expect 1 "a plot is an .svg or a .png file" sim --plot run.jpg
+    [ ! -e run.jpg ] || fail "half a plot"
+fi
+
+# random cameras, and one of them again
+status=0
+"$program" sim --random 30 --seed 1000 >many.txt 2>noise.txt || status=$?
+[ "$status" -le 1 ] && [ ! -s noise.txt ] || fail "random: exit $status, $(cat noise.txt)"
+grep -q '^pupil: 30 cameras from seed 1000, [0-9]* frames: [0-9]* failed' many.txt || fail "random: $(cat many.txt)"
+status=0
+"$program" sim --random 5 --seed 3 --controller integrator1 >many.txt || status=$?
+[ "$status" = 1 ] || fail "naive integrators around random cameras: exit $status"
+again=$(sed -n 's/^seed [0-9]*: a limit cycle: .* again with: pupil \(.*\) --plot again.svg$/\1/p' many.txt | head -1)
+[ -n "$again" ] || fail "no limit cycle: $(cat many.txt)"
+status=0
+"$program" $again >said.out || status=$?
+[ "$status" = 1 ] && grep -q "a limit cycle" said.out || fail "pupil $again: exit $status, $(cat said.out)"
+
+# the comparison
+"$program" bench --ae --test hunt --controller pupil --json >lines.txt
+[ "$(wc -l <lines.txt)" = 16 ] || fail "not a line a pair: $(cat lines.txt)"
+grep -q '^{"controller":"pupil","test":"hunt","of":"","gain_law":"256/(256-n)","delay":4,"believed":1,"step_ev":1,' \
+    lines.txt || fail "hunt: $(cat lines.txt)"
+"$program" bench ae --test strobe --controller rpi >said.out
+grep -q '^strobe  *1 frame  *rpi  *[0-9.]* *0.0200 *[0-9]* of 16' said.out || fail "strobe: $(cat said.out)"
+
+for help in "sim --help" "help sim" "bench ae --help"; do
+    "$program" $help >help.txt
+    [ "$(wc -l <help.txt)" -le 24 ] || fail "$help is $(wc -l <help.txt) lines"
+    grep -q "usage: pupil" help.txt || fail "pupil $help says $(cat help.txt)"
+done
+"$program" sim --camera help | grep -q 'delay=3' || fail "no keys of a camera"
+"$program" sim --light help | grep -q 'flash' || fail "no words of a light"
+
+expect 2 "--light: statement 1: 'stp' is no statement" sim --light '2s stp 1ev'
+expect 2 "camera: bird: there is no such key" sim -c bird=3
+expect 2 "camera: its delay of exposure is 9; 1..8 is right" sim -c delay=9
+expect 2 "--controller wizard: must be one of pupil rpi" sim --controller wizard
+expect 2 "--delay 0: must be a whole number from 1 to 16" sim --delay 0
+expect 2 "--mains 55: must be 0, 50 or 60" sim --mains 55
+expect 2 "--duration soon: must be a number" sim --duration soon
+expect 2 "--random: camera, light, scene and duration" sim --random 3 -c delay=2
+expect 2 "--stats and --plot are of one run" sim --random 3 --stats x.jsonl
+expect 2 "extra: it takes no argument" sim extra
+expect 2 "--shiny" sim --shiny
+expect 2 "no-such.txt: No such file" sim --light @no-such.txt
+expect 1 "no-such-scene" sim --scene no-such-scene
+expect 1 "no/such" sim --stats no/such/run.jsonl
+expect 2 "--test size: must be one of settle" bench ae --test size
+expect 2 "--controller x: must be one of pupil" bench ae --controller x
+expect 2 "it takes no argument" bench ae all
+echo "passed"
