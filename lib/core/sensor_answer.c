@@ -54,7 +54,7 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
-    a->noise = NOISE_EV;
+    a->noise = 2.0 * NOISE_EV;
     a->slopes = 0;
     a->slope = 1.0;
     for (int i = 0; i < 3; i++)
@@ -108,13 +108,15 @@ static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
 {
     pupil_sensor_answer *a = &o->answer;
     const double scale = 1.0 / (3.0 * a->noise * a->noise);
-    double best = FAR_AWAY;
+    double best = FAR_AWAY, told = 0.0, least_paid = FAR_AWAY;
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++) {
         double last = FAR_AWAY, paid = 0.0;
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
             const double all = step[0][e] + step[1][g], left = left_over(o, all, least, most);
             paid = left == last ? paid : 2.0 * pupil_log2(1.0 + left * left * scale);
             last = left;
+            told = e == TOLD && g == TOLD ? paid : told;
+            least_paid = paid < least_paid ? paid : least_paid;
             a->price[e][g] = (float)((double)a->price[e][g] + paid);
             best = (double)a->price[e][g] < best ? (double)a->price[e][g] : best;
         }
@@ -124,6 +126,7 @@ static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
             const double more = (double)a->price[e][g] - best;
             a->price[e][g] = (float)(more < MOST ? more : MOST);
         }
+    a->is_told &= told - least_paid < ALIVE;
 }
 
 /* The pairs of guesses from the one that is taken where nothing speaks for another: what is told, then the longest. */
@@ -269,7 +272,7 @@ static uint32_t delay_of(const pupil_sensor_answer *a, int control)
         delay = price < best ? h : delay;
         best = price < best ? price : best;
     }
-    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR)
+    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR + 1.0)
         return delay;
     return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
 }

@@ -80,9 +80,10 @@ double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);
 
-/* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed. */
-void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double *mean,
-                        double *highlight);
+/* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed; and by how much
+ * clip lowers the mean of such a scene where that is as wanted. */
+void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double wanted, double *mean,
+                        double *highlight, double *lost);
 
 void pupil_sensor_choose(pupil_sensor_object *object, int anew);
 void pupil_sensor_advance(pupil_sensor_object *object, const pupil_sensor_light *light, const pupil_frame_info *info);

@@ -82,13 +82,13 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
     const pupil_sensor_config *c = &o->config;
     const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
     const double slope = o->answer.slope;
-    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight;
-    pupil_sensor_guess(c, light, &mean, &highlight);
+    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight, lost;
+    pupil_sensor_guess(c, light, wanted, &mean, &highlight, &lost);
     o->setting.scene_ev = light->mean - frame_log2;
     if (target < frame_log2 - c->far_ev) {
         *guessed = mean > light->mean;
-        target =
-            light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV : frame_log2 + (wanted - mean) / slope;
+        target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
+                                                       : frame_log2 + (wanted + lost - mean) / slope;
         o->setting.scene_ev = mean - frame_log2;
     }
     if (light->has_highlight) {
@@ -150,7 +150,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
             return PUPIL_SENSOR_UNSTEADY;
         }
     }
-    if (pupil_sensor_disobeys(o)) /* what this step does is to be seen before the next one */
+    if (guessed && pupil_sensor_disobeys(o)) /* nothing is known and nothing can be done */
         stand_still(o, 1.5 * size);
     o->last_direction = direction;
     o->last_size = size;
@@ -234,7 +234,7 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
         reason = PUPIL_SENSOR_IGNORED;
     } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = PUPIL_SENSOR_UNSTEADY;
+        reason = pupil_sensor_disobeys(o) ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
     } else if (far || is_pending(o)) {
         s->state = clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         reason = slow ? slow : reason;

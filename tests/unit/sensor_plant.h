@@ -27,10 +27,10 @@ typedef struct plant {
     int off_by_one;    /* exposures are a line longer than asked for */
     double moving;     /* exposures are so many times as long where the gain is 2 or more; 0: not */
     double wrap;       /* gains from here on begin at 1 again; 0: not */
-    double jitter;     /* share of the frames that are taken with what should have gone a frame before */
-    int late;          /* ... this one is */
-    int pixels;        /* of the scene, whole rows */
-    double drops;      /* share of the frames that are lost on their way */
+    double jitter;     /* share of what is asked for that comes a frame later */
+    uint8_t late[PLANT_RING]; /* that of frame i % PLANT_RING does */
+    int pixels;               /* of the scene, whole rows */
+    double drops;             /* share of the frames that are lost on their way */
     double frame_s;
     uint64_t frame;
     double asked[PLANT_RING][2]; /* after frame i % PLANT_RING: exposure, gain */
@@ -82,7 +82,8 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
 /* What the camera's registers say of the frame that comes next. */
 static inline double plant_register(const plant *p, int control)
 {
-    return p->asked[(p->frame + PLANT_RING - p->delay[control] - (p->late != 0)) % PLANT_RING][control];
+    const uint64_t newest = p->frame + PLANT_RING - p->delay[control];
+    return p->asked[(newest - (p->late[newest % PLANT_RING] != 0)) % PLANT_RING][control];
 }
 
 /* What is in force in it. */
@@ -146,8 +147,8 @@ static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
 {
     p->asked[p->frame % PLANT_RING][0] = s->exposure_s;
     p->asked[p->frame % PLANT_RING][1] = s->gain;
+    p->late[p->frame % PLANT_RING] = p->jitter > 0.0 && check_uniform() < p->jitter;
     p->frame++;
-    p->late = p->jitter > 0.0 && check_uniform() < p->jitter;
 }
 
 /* A whole turn. Returns how many stops the frame was too bright, as the sensor took it; *shown: as it is shown, with
