@@ -22,7 +22,7 @@
 #include "stats_file.h"
 #include "view.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_GIVEN_UP = 130 };
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3, EXIT_GIVEN_UP = 130 };
 
 typedef struct run {
     run_options options;
@@ -347,7 +347,7 @@ static void end(char *more, size_t more_bytes)
 
 int run_on(const pupil_v4l2_system *system, int argc, char **argv)
 {
-    char more[640] = "";
+    char more[900] = "";
     r.system = system;
     const int parsed = run_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
     if (parsed == REPLAY_HELP) {
@@ -373,13 +373,14 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     if (r.not_recorded)
         snprintf(more + strlen(more), sizeof more - strlen(more), "; %llu not recorded, for the disk was too slow",
                  (unsigned long long)r.not_recorded);
+    run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
         say(r.why, "");
     if (given_up)
         fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
     else
         run_status_end(&r.status, &r.options, reopened, more);
-    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : EXIT_DONE;
+    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : r.not_recorded ? EXIT_LOST : EXIT_DONE;
 }
 
 int run_main(int argc, char **argv)
