@@ -134,6 +134,9 @@ for e in $(column asked_exposure_s mains.csv | sort -u); do
 done
 run 0 "" -t 2s --stats two.csv
 [ "$(rows two.csv)" -ge 59 ] && [ "$(rows two.csv)" -le 61 ] || fail "-t 2s: $(rows two.csv) frames of 30 a second"
+run 0 "latency unknown" fake:stamps=1000000 -t 1s --stats clock.csv # of another clock: arrival counts
+[ "$(rows clock.csv)" -ge 29 ] && [ "$(rows clock.csv)" -le 31 ] || fail "another clock, -t 1s: $(rows clock.csv) frames"
+[ -z "$(last latency_us clock.csv)" ] || fail "another clock: a latency of $(last latency_us clock.csv) us"
 run 0 "64x48 at 15 frames/s" -t 2 --framerate 15 --width 64 --height 48 --format YUYV
 run 0 "NV12" --format NV12 --buffers 3 --newest -n 5 -d "fake camera" 
 put_back "by name"
@@ -225,6 +228,8 @@ run 1 "unplugged" fake:unplug=30 -o unplug.y4m --stats unplug.csv --record unplu
 [ "$(rows unplug.csv)" = 30 ] && [ -s unplug.y4m ] && [ -s unplug/frames.mkv ] || fail "unplugging loses what was there"
 run 0 "opened again 1" fake:unplug=30 fake:back=1 --reopen 5 -n 90 --stats back.csv
 [ "$(rows back.csv)" = 90 ] || fail "--reopen: $(rows back.csv) frames"
+run 1 "32 x 24 pixels now" fake:unplug=30 fake:back=1 fake:again=32x24@25 --reopen 5 -o size.y4m -o size.mp4 --stats size.csv
+[ "$(rows size.csv)" = 30 ] && [ -s size.mp4 ] && [ -s size.y4m ] || fail "another size loses what was there"
 run 1 "did not come back within 2 seconds" fake:unplug=30 --reopen 2 --stats gone.csv
 [ "$(rows gone.csv)" = 30 ] || fail "--reopen in vain: $(rows gone.csv) frames"
 run 1 "no frame within 5 seconds" fake:stall=20 -o stall.y4m
