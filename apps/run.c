@@ -297,6 +297,7 @@ static int begin(void)
     if (*remark && !o->shown.quiet)
         say(remark, "");
     run_sensor_begin(&r.sensor, o, r.source);
+    r.colour.own_picture = o->mode == RUN_SENSOR;
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
     if (replay_work_open(&r.work, &o->shown)) {
