@@ -10,9 +10,9 @@
  * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls),
  * write=SECONDS (each takes so long), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these controls),
  * no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
- * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock), absent,
- * media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left:
- * "fake: auto 3, exposure 77, gain 40". */
+ * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
+ * absent, media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left: "fake:
+ * auto 3, exposure 77, gain 40". */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <signal.h>
