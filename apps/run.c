@@ -22,7 +22,7 @@
 #include "stats_file.h"
 #include "view.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_GIVEN_UP = 130 };
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3, EXIT_GIVEN_UP = 130 };
 
 typedef struct run {
     run_options options;
@@ -47,8 +47,9 @@ typedef struct run {
     run_status status;
     pupil_v4l2_counts counts; /* at the last frame */
     uint64_t frames;
-    int64_t end_ns;    /* of -t; 0: none */
-    int ended, failed; /* ended: as it was asked for; failed: why has a sentence */
+    uint32_t width, height; /* of the outputs */
+    int64_t end_ns;         /* of -t; 0: none */
+    int ended, failed;      /* ended: as it was asked for; failed: why has a sentence */
     char why[PUPIL_WHY_BYTES];
 } run;
 
@@ -91,6 +92,8 @@ static int open_outputs(const pupil_frame *first, char *why, size_t why_bytes)
                                         .fps = r.source->fps,
                                         .overwrite = o->overwrite,
                                         .keep_time = 1};
+    r.width = first->image.width;
+    r.height = first->image.height;
     for (size_t i = 0; i < o->out_count; i++)
         if (outputs_open(&r.outputs, o->out[i], &options, why, why_bytes))
             return -1;
@@ -116,10 +119,22 @@ static int record_frame(const pupil_frame *frame, char *why, size_t why_bytes)
     return pupil_recorder_write(r.recorder, frame, why, why_bytes);
 }
 
+/* A camera that was opened again may have another size; what was written until then is kept. */
+static int is_other_size(const pupil_image_const *display, char *why, size_t why_bytes)
+{
+    if (!r.outputs.count || (display->width == r.width && display->height == r.height))
+        return 0;
+    snprintf(why, why_bytes, "%s: its frames have %u x %u pixels now; the outputs are of %u x %u, and end here",
+             r.device, display->width, display->height, r.width, r.height);
+    return 1;
+}
+
 /* An output that fails ends the run; the others are kept. A reader who has seen enough is no failure. */
 static int write_frame(const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
 {
     char why[PUPIL_WHY_BYTES];
+    if (is_other_size(display, why, sizeof why))
+        return fail(why);
     const int64_t began_ns = now_ns();
     if (outputs_write(&r.outputs, display, &frame->info, why, sizeof why)) {
         r.ended = interrupt_came() || outputs_reader_gone(&r.outputs);
@@ -183,7 +198,7 @@ static void describe_camera(const pupil_frame *frame, pupil_record *record)
     record->lost = now->lost - before.lost;
     record->flagged = now->flagged - before.flagged + now->cut - before.cut;
     record->late = now->late - before.late;
-    record->read_us = (double)(f->taken_ns - f->stamp_ns) * 1e-3;
+    record->read_us = f->stamp == PUPIL_V4L2_STAMP_NONE ? (double)NAN : (double)(f->taken_ns - f->stamp_ns) * 1e-3;
     r.counts = *now;
     run_sensor_describe(&r.sensor, &frame->info, record);
 }
@@ -211,7 +226,7 @@ static int show(pupil_frame *frame)
     pupil_record record = describe_frame(&r.pupil, &r.stats, &r.curve, frame, measured ? &display : NULL);
     describe_camera(frame, &record);
     record.process_us = (double)(mapped_ns - began_ns) * 1e-3;
-    record.latency_us = (double)(mapped_ns - pupil_live_frame(r.source)->stamp_ns) * 1e-3;
+    record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
     if (write_frame(frame, &display, &record))
         return -1;
     pupil_colour_frame(&r.colour.colour, &frame->image, &frame->info);
@@ -236,7 +251,7 @@ static void go_on(void)
             break;
         }
         if (!r.frames && r.options.seconds > 0.0)
-            r.end_ns = pupil_live_frame(r.source)->stamp_ns + (int64_t)(r.options.seconds * 1e9);
+            r.end_ns = pupil_live_frame(r.source)->taken_ns + (int64_t)(r.options.seconds * 1e9);
         show(&frame);
         pupil_source_done(r.source, &frame);
     }
@@ -282,6 +297,7 @@ static int begin(void)
     if (*remark && !o->shown.quiet)
         say(remark, "");
     run_sensor_begin(&r.sensor, o, r.source);
+    r.colour.own_picture = o->mode == RUN_SENSOR;
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
     if (replay_work_open(&r.work, &o->shown)) {
@@ -349,7 +365,7 @@ static void end(char *more, size_t more_bytes)
 
 int run_on(const pupil_v4l2_system *system, int argc, char **argv)
 {
-    char more[640] = "";
+    char more[900] = "";
     r.system = system;
     const int parsed = run_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
     if (parsed == REPLAY_HELP) {
@@ -375,13 +391,14 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     if (r.not_recorded)
         snprintf(more + strlen(more), sizeof more - strlen(more), "; %llu not recorded, for the disk was too slow",
                  (unsigned long long)r.not_recorded);
+    run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
         say(r.why, "");
     if (given_up)
         fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
     else
         run_status_end(&r.status, &r.options, reopened, more);
-    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : EXIT_DONE;
+    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : r.not_recorded ? EXIT_LOST : EXIT_DONE;
 }
 
 int run_main(int argc, char **argv)

@@ -22,6 +22,8 @@ int run_colour_take(run_colour *c, const pupil_colour_options *options, const pu
         if (pupil_colour_begin(&c->colour, options, frame->image.coding, frame->image.pixel, is_known ? &known : NULL,
                                why, why_bytes))
             return -1;
+        if (c->own_picture && c->colour.coding.light == PUPIL_LIGHT_BT709)
+            c->colour.coding.light = c->colour.first.light = PUPIL_LIGHT_SRGB;
         c->began = 1;
         c->reopened = capture->counts.reopened;
     }

@@ -9,6 +9,8 @@ typedef struct run_colour {
     pupil_colour colour;
     int began;
     uint64_t reopened; /* when it began */
+    int own_picture;   /* the picture is to be the camera's own, so codes of Rec. 709's curve are read by the display's:
+                        * as players show them, and not by some codes lighter or darker */
 } run_colour;
 
 /* Gives a frame of a live source its coding; begins anew with the first frame of a camera, which may be another one. -1

@@ -30,4 +30,4 @@ const char run_help[] = "usage: pupil run [options]\n"
                         "      --ev STOPS  --key K  --metering M  --roi X,Y,W,H  --trim LOW,HIGH  --meter-rows N\n"
                         "      --tau-light S  --tau-dark S  --formula 1..4  --weight W  --lock  --white W\n"
                         "      --transfer T  --fused  --gles  --gles-version V  --threads N  -q  -h\n"
-                        "exit: 0 ended (also by Ctrl-C), 1 failed, 2 usage, 130 given up by a second Ctrl-C\n";
+                        "exit: 0 ended (Ctrl-C, too), 1 failed, 2 usage, 3 not all recorded, 130 by 2nd Ctrl-C\n";

@@ -2,9 +2,12 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const char *state_word(const run_sensor *s)
 {
+    if (s->steers && s->refused)
+        return "searching";
     static const char *const words[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
     const uint32_t state = s->setting.state;
     return !s->steers ? "" : state < sizeof words / sizeof words[0] ? words[state] : "?";
@@ -14,8 +17,11 @@ static const char *reason_word(const run_sensor *s)
 {
     static const char *const words[] = {"",         "waiting",    "exposure min", "exposure max", "frame period",
                                         "gain min", "gain max",   "highlights",   "mains",        "lock",
-                                        "manual",   "dead frame", "same frame",   "clock back"};
+                                        "manual",   "dead frame", "same frame",   "clock back",   "flash",
+                                        "ignored",  "strange",    "unsteady"};
     const uint32_t reason = s->setting.reason;
+    if (s->refused)
+        return "refused";
     return !s->steers ? "" : reason < sizeof words / sizeof words[0] ? words[reason] : "?";
 }
 
@@ -67,6 +73,48 @@ static void ask(run_sensor *s)
     s->asked = wanted;
 }
 
+/* While nothing can be concluded from frames the setting stands still. */
+static void retune(run_sensor *s)
+{
+    pupil_sensor_config config = s->config;
+    config.lock |= (uint32_t)s->slow;
+    pupil_sensor_retune(&s->sensor, &config);
+}
+
+/* A setting that was refused, for as long as it is: a camera may be busy for a moment. */
+static void ask_again(run_sensor *s)
+{
+    pupil_camera_status status;
+    pupil_camera_get_status(s->camera, &status);
+    if (status.written != status.asks)
+        return;
+    s->refused = status.failed != s->seen_refusals;
+    if (!s->refused)
+        return;
+    s->refusals += status.failed - s->seen_refusals;
+    s->refusal = status.error;
+    s->seen_refusals = status.failed;
+    pupil_live_mark(s->source);
+    pupil_camera_ask(s->camera, &s->asked);
+}
+
+/* While a write takes longer than a frame nobody knows which frame is the first with its setting, so nothing is
+ * concluded from them, and from the first one after it, for its delay may be wrong by one. */
+static void wait_for_slow(run_sensor *s, const pupil_frame_info *info)
+{
+    const int before = s->slow;
+    pupil_camera_status status;
+    pupil_camera_get_status(s->camera, &status);
+    const uint64_t exposure = status.exposure_s.from_frame, gain = status.gain.from_frame;
+    if (status.written != status.asks)
+        s->slow = 1;
+    else if (info->sequence > exposure && info->sequence > gain)
+        s->slow = 0;
+    if (s->slow == before)
+        return;
+    retune(s);
+}
+
 /* From the level that the camera has, so that its picture does not jump; of one that came back, from the wanted one. */
 static int steer(run_sensor *s, char *why, size_t why_bytes)
 {
@@ -77,6 +125,7 @@ static int steer(run_sensor *s, char *why, size_t why_bytes)
         snprintf(why, why_bytes, "the camera's exposure cannot be steered: %s", fault);
         return -1;
     }
+    s->slow = 0;
     if (s->steers) {
         pupil_sensor_retune(&s->sensor, &s->config);
     } else {
@@ -102,12 +151,16 @@ int run_sensor_take(run_sensor *s, char *why, size_t why_bytes)
     pupil_camera *camera = pupil_live_camera(s->source);
     const int is_new = camera && !s->camera;
     s->camera = camera;
+    if (camera && !is_new)
+        ask_again(s);
     if (!is_new)
         return 0;
+    s->seen_refusals = 0;
+    s->refused = 0;
     if (o->mode != RUN_DIGITAL)
         return steer(s, why, why_bytes);
-    const pupil_camera_setting by_hand = {.exposure_s = o->exposure_s, .gain = o->gain};
-    pupil_camera_ask(camera, &by_hand);
+    s->asked = (pupil_camera_setting){.exposure_s = o->exposure_s, .gain = o->gain};
+    pupil_camera_ask(camera, &s->asked);
     return 0;
 }
 
@@ -125,9 +178,14 @@ void run_sensor_judge(void *run_sensor_, const pupil_stats *stats, const pupil_f
     run_sensor *s = run_sensor_;
     if (s->steers && s->camera) {
         if (follow_keys(s))
-            pupil_sensor_retune(&s->sensor, &s->config);
+            retune(s);
+        wait_for_slow(s, info);
         pupil_sensor_frame(&s->sensor, stats, info);
         pupil_sensor_get(&s->sensor, &s->setting);
+        if (s->slow && !s->config.lock) {
+            s->setting.state = PUPIL_SENSOR_SEARCHING;
+            s->setting.reason = PUPIL_SENSOR_WAITING;
+        }
         ask(s);
     }
     run_sensor_curve(s, curve);
@@ -136,6 +194,14 @@ void run_sensor_judge(void *run_sensor_, const pupil_stats *stats, const pupil_f
 static double known(double x)
 {
     return x > 0.0 ? x : (double)NAN;
+}
+
+void run_sensor_tell(const run_sensor *s, char *text, size_t text_bytes)
+{
+    *text = 0;
+    if (s->refusals)
+        snprintf(text, text_bytes, "; settings refused by the camera: %llu (%s)", (unsigned long long)s->refusals,
+                 strerror(s->refusal));
 }
 
 void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record)

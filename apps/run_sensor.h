@@ -15,6 +15,11 @@ typedef struct run_sensor {
     pupil_sensor sensor;
     pupil_sensor_setting setting;
     pupil_camera_setting asked;
+    int slow;               /* the camera's setting is not known for sure: a write takes long, or did just now */
+    uint64_t seen_refusals; /* of this camera */
+    int refused;            /* it refused the latest setting, and is asked again */
+    uint64_t refusals;      /* all in all, and the errno of the last one */
+    int refusal;
 } run_sensor;
 
 /* Of a live source. Its mode is options->mode, which is no longer RUN_BEST. */
@@ -30,6 +35,9 @@ void run_sensor_judge(void *run_sensor, const pupil_stats *stats, const pupil_fr
 
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);
+
+/* "; settings refused by the camera: 3 (Device or resource busy)", or nothing. */
+void run_sensor_tell(const run_sensor *s, char *text, size_t text_bytes);
 
 /* Into the record of the last frame. */
 void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record);

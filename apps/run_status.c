@@ -43,12 +43,17 @@ void run_status_frame(run_status *s, const pupil_record *r)
     s->lost += r->lost;
     s->flagged += r->flagged;
     s->late += r->late;
-    s->latency_us += r->latency_us;
-    s->most_latency_us = fmax(s->most_latency_us, r->latency_us);
+    if (isfinite(r->latency_us)) {
+        s->stamped++;
+        s->latency_us += r->latency_us;
+        s->most_latency_us = fmax(s->most_latency_us, r->latency_us);
+    }
     if (!s->shown || since_s < EVERY_S)
         return;
-    fprintf(stderr, "\r\033[K%.1f frames/s   latency %.1f ms   EV %+.2f", (double)s->since / since_s,
-            r->latency_us * 1e-3, r->metered_ev);
+    fprintf(stderr, "\r\033[K%.1f frames/s", (double)s->since / since_s);
+    if (isfinite(r->latency_us))
+        fprintf(stderr, "   latency %.1f ms", r->latency_us * 1e-3);
+    fprintf(stderr, "   EV %+.2f", r->metered_ev);
     print_time(r->exposure_s);
     if (isfinite(r->gain))
         fprintf(stderr, "   gain %.2f", r->gain);
@@ -87,8 +92,11 @@ void run_status_end(const run_status *s, const run_options *options, uint64_t re
     count("damaged", s->flagged);
     count("late", s->late);
     count("opened again", reopened);
-    fprintf(stderr, "; latency %.1f ms, at most %.1f ms", s->latency_us / (double)s->frames * 1e-3,
-            s->most_latency_us * 1e-3);
+    if (s->stamped)
+        fprintf(stderr, "; latency %.1f ms, at most %.1f ms", s->latency_us / (double)s->stamped * 1e-3,
+                s->most_latency_us * 1e-3);
+    else
+        fputs("; latency unknown, for the driver's timestamps are of no clock that is known", stderr);
     for (size_t i = 0; i < options->shown.out_count; i++)
         fprintf(stderr, "; %s", options->shown.out[i]);
     const char *const others[] = {options->shown.stats, options->shown.plot, options->shown.record};

@@ -12,6 +12,7 @@ typedef struct run_status {
     uint64_t frames, since;      /* all, and since then */
     double first_time_s, time_s; /* of the frames */
     uint64_t lost, flagged, late;
+    uint64_t stamped;                   /* frames whose latency is known: */
     double latency_us, most_latency_us; /* sum, largest */
 } run_status;
 

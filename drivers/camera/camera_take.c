@@ -3,8 +3,11 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include "camera_parts.h"
+
+enum { PUT_BACK_AGAIN = 4, PUT_BACK_PAUSE_NS = 10000000 }; /* a write to a webcam takes some milliseconds */
 
 int pupil_camera_refuse(char *why, size_t why_bytes, const char *format, ...)
 {
@@ -180,19 +183,29 @@ int pupil_camera_turn_off_again(const pupil_camera *camera)
     return error;
 }
 
+/* 1: it has its value again. A camera may be busy for a moment, and this is the last one to ask. */
+static int put_one_back(const pupil_camera *camera, int fd, uint32_t id, int64_t value)
+{
+    for (int i = 0;; i++) {
+        int64_t found = 0;
+        const int error = pupil_camera_set_control(camera, fd, id, value);
+        if (!error)
+            return 1;
+        /* one that says it has its value already, but cannot be written in this mode, is as it was */
+        if (!pupil_camera_get_control(camera, fd, id, &found) && found == value)
+            return 1;
+        if (error == -ENODEV || i == PUT_BACK_AGAIN)
+            return 0;
+        nanosleep(&(struct timespec){0, PUT_BACK_PAUSE_NS}, NULL);
+    }
+}
+
 int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first)
 {
     int failed = 0;
-    for (uint32_t i = 0; i < camera->saved_count; i++) {
-        int64_t value = 0;
-        const int fd = camera->saved[i].fd;
-        const uint32_t id = camera->saved[i].id;
-        /* one that says it has its value already, but cannot be written in this mode, is as it was */
-        if (pupil_camera_set_control(camera, fd, id, camera->saved[i].value) &&
-            (pupil_camera_get_control(camera, fd, id, &value) || value != camera->saved[i].value)) {
-            if (!failed++ && first)
-                *first = id;
-        }
-    }
+    for (uint32_t i = 0; i < camera->saved_count; i++)
+        if (!put_one_back(camera, camera->saved[i].fd, camera->saved[i].id, camera->saved[i].value) && !failed++ &&
+            first)
+            *first = camera->saved[i].id;
     return failed;
 }

@@ -8,9 +8,11 @@
 #include "source.h"
 #include "v4l2/v4l2_media.h"
 
-#define DEFAULT_TIMEOUT_S 5.0 /* webcams take up to three seconds to their first frame */
-#define SLICE_MS          100 /* between two questions to options.stop */
-#define MOST_EVENTS       64  /* taken in one call */
+#define DEFAULT_TIMEOUT_S 5.0                  /* webcams take up to three seconds to their first frame */
+#define SLICE_MS          100                  /* between two questions to options.stop */
+#define MOST_EVENTS       64                   /* taken in one call */
+#define AHEAD_NS          INT64_C(1000000000)  /* what a stamp may be off; uvcvideo's are by some milliseconds */
+#define BEHIND_NS         INT64_C(60000000000) /* no queue of frames is as old */
 
 static int64_t now_ns(const pupil_v4l2_capture *c)
 {
@@ -147,6 +149,12 @@ static int find_area(pupil_v4l2_capture *c, const done_buffer *d, uint32_t area,
     return used <= c->buffer[d->b.index].bytes[area] && *bytes >= c->format.needs_bytes[area];
 }
 
+/* Some drivers call another clock's time monotonic: uvcvideo with clock=CLOCK_REALTIME, for one. */
+static int is_of_our_clock(int64_t stamp_ns, int64_t taken_ns)
+{
+    return stamp_ns > 0 && stamp_ns <= taken_ns + AHEAD_NS && stamp_ns >= taken_ns - BEHIND_NS;
+}
+
 static void stamp(pupil_v4l2_capture *c, const struct v4l2_buffer *b, pupil_v4l2_frame *frame)
 {
     frame->taken_ns = now_ns(c);
@@ -154,7 +162,8 @@ static void stamp(pupil_v4l2_capture *c, const struct v4l2_buffer *b, pupil_v4l2
     frame->stamp = (b->flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE
                        ? PUPIL_V4L2_STAMP_START_OF_EXPOSURE
                        : PUPIL_V4L2_STAMP_END_OF_FRAME;
-    if ((b->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC || frame->stamp_ns <= 0) {
+    if ((b->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC ||
+        !is_of_our_clock(frame->stamp_ns, frame->taken_ns)) {
         frame->stamp = PUPIL_V4L2_STAMP_NONE;
         frame->stamp_ns = frame->taken_ns;
         c->counts.unstamped++;

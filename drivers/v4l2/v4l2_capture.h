@@ -102,7 +102,7 @@ typedef struct pupil_v4l2_capture {
 
 /* What stamped a frame, and when in its life. */
 typedef enum pupil_v4l2_stamp {
-    PUPIL_V4L2_STAMP_NONE = 0,     /* nobody: the moment it was taken from the driver */
+    PUPIL_V4L2_STAMP_NONE = 0,     /* nobody, or by another clock: the moment it was taken from the driver */
     PUPIL_V4L2_STAMP_END_OF_FRAME, /* its last byte had arrived */
     PUPIL_V4L2_STAMP_START_OF_EXPOSURE
 } pupil_v4l2_stamp;

@@ -7,9 +7,12 @@
  * colour=R,G,B (of the light),
  * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
  * black=SHARE (of full scale), deaf=exposure or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's,
- * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), light=FACTOR@FRAME (repeatable), real (the machine's
- * clock), absent, media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left:
- * "fake: auto 3, exposure 77, gain 40". */
+ * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls),
+ * write=SECONDS (each takes so long), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these controls),
+ * no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
+ * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
+ * absent, media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left: "fake:
+ * auto 3, exposure 77, gain 40". */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <signal.h>
@@ -32,14 +35,29 @@ static struct {
         double factor;
         unsigned long frame;
     } light[MOST_LIGHTS];
-    int lights, no_controls;
-    unsigned long frames, crash_at;
+    int lights, no_controls, no_menu;
+    int refused; /* errno */
+    double write_s;
+    unsigned long frames, crash_at, writes, refuse_at, refuse_for, again_at;
+    int32_t least[2], most[2]; /* of exposure and gain; most 0: as the fake has them */
+    fake_v4l2_config again;
 } rig;
 
 static int is_control(unsigned long request)
 {
     return request == VIDIOC_QUERYCTRL || request == VIDIOC_QUERY_EXT_CTRL || request == VIDIOC_S_CTRL ||
            request == VIDIOC_G_CTRL || request == VIDIOC_S_EXT_CTRLS || request == VIDIOC_G_EXT_CTRLS;
+}
+
+/* What the driver says of a control's range. */
+static void narrow(struct v4l2_query_ext_ctrl *q)
+{
+    const int i = q->id == V4L2_CID_GAIN;
+    if ((q->id == V4L2_CID_GAIN || q->id == V4L2_CID_EXPOSURE_ABSOLUTE) && rig.most[i]) {
+        q->minimum = rig.least[i];
+        q->maximum = rig.most[i];
+        q->default_value = rig.least[i];
+    }
 }
 
 static int rig_ioctl(void *context, int fd, unsigned long request, void *argument)
@@ -49,16 +67,33 @@ static int rig_ioctl(void *context, int fd, unsigned long request, void *argumen
         errno = ENOTTY;
         return -1;
     }
+    if (request == VIDIOC_S_EXT_CTRLS && rig.refused && ++rig.writes >= rig.refuse_at &&
+        rig.writes - rig.refuse_at < rig.refuse_for) {
+        errno = rig.refused;
+        return -1;
+    }
+    if (request == VIDIOC_S_EXT_CTRLS && rig.write_s > 0.0) {
+        const struct timespec moment = {(time_t)rig.write_s, (long)((rig.write_s - (time_t)rig.write_s) * 1e9)};
+        nanosleep(&moment, NULL);
+    }
+    if (request == VIDIOC_QUERYMENU && rig.no_menu) {
+        errno = EINVAL;
+        return -1;
+    }
     if (rig.crash_at && rig.frames >= rig.crash_at && request == VIDIOC_S_EXT_CTRLS) {
         const struct v4l2_ext_controls *all = argument;
         dprintf(2, "fake: after the crash %x = %d\n", all->controls[0].id, all->controls[0].value);
     }
     const int result = inner->ioctl(context, fd, request, argument);
+    if (request == VIDIOC_QUERY_EXT_CTRL && result == 0)
+        narrow(argument);
     if (request == VIDIOC_DQBUF && result == 0) {
         rig.frames++;
         for (int i = 0; i < rig.lights; i++)
             if (rig.light[i].frame == rig.frames)
                 fake_v4l2_light(rig.fake, rig.light[i].factor);
+        if (rig.frames == rig.again_at)
+            fake_v4l2_reconfigure(rig.fake, &rig.again);
         if (rig.frames == rig.crash_at)
             raise(SIGSEGV);
     }
@@ -78,6 +113,25 @@ static int take(const char *text, fake_v4l2_config *c)
         c->media = FAKE_MEDIA_RIGHT;
     else if (strcmp(text, "no-controls") == 0)
         rig.no_controls = 1;
+    else if (strcmp(text, "no-menu") == 0)
+        rig.no_menu = 1;
+    else if (sscanf(text, "exposure=%d,%d", &rig.least[0], &rig.most[0]) == 2 ||
+             sscanf(text, "gain=%d,%d", &rig.least[1], &rig.most[1]) == 2)
+        return 0;
+    else if (sscanf(text, "refuse=%lu,%lu,%d", &rig.refuse_at, &rig.refuse_for, &rig.refused) == 3)
+        return 0;
+    else if (sscanf(text, "write=%lf", &rig.write_s) == 1)
+        return 0;
+    else if (strcmp(text, "stamps=0") == 0)
+        c->stamp = FAKE_STAMP_NONE;
+    else if (sscanf(text, "stamps=%lf", &x) == 1)
+        c->stamps_ns = (int64_t)(x * 1e9);
+    else if (sscanf(text, "sequence=%u", &c->first_sequence) == 1)
+        return 0;
+    else if (sscanf(text, "change=%lu", &when) == 1)
+        c->change_at = when;
+    else if (sscanf(text, "again=%ux%u@%lu", &rig.again.width, &rig.again.height, &rig.again_at) == 3)
+        return 0;
     else if (sscanf(text, "size=%ux%u", &c->width, &c->height) == 2)
         return 0;
     else if (sscanf(text, "format=%4s", format) == 1)
@@ -153,6 +207,10 @@ int main(int argc, char **argv)
         }
     }
     argv[kept] = NULL;
+    const uint32_t width = rig.again.width, height = rig.again.height;
+    rig.again = config;
+    rig.again.width = width;
+    rig.again.height = height;
     rig.fake = fake_v4l2_new(&config);
     if (!rig.fake)
         return 99;
@@ -163,6 +221,7 @@ int main(int argc, char **argv)
         control(V4L2_CID_EXPOSURE_ABSOLUTE, 1, 77);
         control(V4L2_CID_GAIN, 1, 40);
         fake_v4l2_reconfigure(rig.fake, &config); /* these writes do not count */
+        rig.writes = 0;
     }
     const int probes = kept > 1 && strcmp(argv[1], "probe") == 0;
     const int status = probes ? probe_on(&rig.system, kept - 1, argv + 1) : run_on(&rig.system, kept, argv);

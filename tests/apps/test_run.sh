@@ -136,12 +136,15 @@ for e in $(column asked_exposure_s mains.csv | sort -u); do
 done
 run 0 "" -t 2s --stats two.csv
 [ "$(rows two.csv)" -ge 59 ] && [ "$(rows two.csv)" -le 61 ] || fail "-t 2s: $(rows two.csv) frames of 30 a second"
+run 0 "latency unknown" fake:stamps=1000000 -t 1s --stats clock.csv # of another clock: arrival counts
+[ "$(rows clock.csv)" -ge 29 ] && [ "$(rows clock.csv)" -le 31 ] || fail "another clock, -t 1s: $(rows clock.csv) frames"
+[ -z "$(last latency_us clock.csv)" ] || fail "another clock: a latency of $(last latency_us clock.csv) us"
 run 0 "64x48 at 15 frames/s" -t 2 --framerate 15 --width 64 --height 48 --format YUYV
 run 0 "NV12" --format NV12 --buffers 3 --newest -n 5 -d "fake camera" 
 put_back "by name"
 
 # every output, complete; statistics as JSON; a plot
-run 0 "" -n 40 -o a.mp4 -o a.mkv -o frames --stats a.jsonl --record rec
+run 0 "" fake:real -n 40 -o a.mp4 -o a.mkv -o frames --stats a.jsonl --record rec
 [ "$(find frames -name '*.png' | wc -l)" = 40 ] || fail "not 40 pictures"
 [ -s a.mp4 ] && [ -s a.mkv ] && [ -s rec/frames.mkv ] || fail "an output is missing"
 [ "$(wc -l <a.jsonl)" = 40 ] || fail "not 40 lines"
@@ -155,11 +158,21 @@ run 0 "/dev/video2" -n 10 -o /dev/video2
 
 # a recording replays to the same statistics
 if [ -n "${PUPIL_PROGRAM:-}" ]; then
-    run 0 "" fake:light=4@20 -n 60 --record again --stats live.csv
+    run 0 "" fake:real fake:light=4@20 -n 60 --record again --stats live.csv
     "$PUPIL_PROGRAM" replay again --stats replay.csv -q 2>said.err || fail "the recording does not replay: $(cat said.err)"
     cut -d, -f1,3-17,21 live.csv | tr -d '\r' >live.cut
     cut -d, -f1,3-17,21 replay.csv | tr -d '\r' >replay.cut
     cmp -s live.cut replay.cut || fail "a recording replays to other statistics"
+fi
+
+# frames that a disk was too slow for: the exit status says so
+if [ -n "${PUPIL_PROGRAM:-}" ]; then
+    "$program" fake:size=320x240 fake:format=RG10 -n 200 -q --record hasty >said.out 2>said.err
+    got=$?
+    "$PUPIL_PROGRAM" replay hasty --stats hasty.csv -q
+    [ "$(rows hasty.csv)" = 200 ] && want=0 || want=3
+    [ $got = $want ] || fail "$(rows hasty.csv) of 200 frames recorded: exit $got, expected $want"
+    rm -rf hasty
 fi
 
 # frames that are lost: counted, and what is written plays at the camera's speed
@@ -217,6 +230,8 @@ run 1 "unplugged" fake:unplug=30 -o unplug.y4m --stats unplug.csv --record unplu
 [ "$(rows unplug.csv)" = 30 ] && [ -s unplug.y4m ] && [ -s unplug/frames.mkv ] || fail "unplugging loses what was there"
 run 0 "opened again 1" fake:unplug=30 fake:back=1 --reopen 5 -n 90 --stats back.csv
 [ "$(rows back.csv)" = 90 ] || fail "--reopen: $(rows back.csv) frames"
+run 1 "32 x 24 pixels now" fake:unplug=30 fake:back=1 fake:again=32x24@25 --reopen 5 -o size.y4m -o size.mp4 --stats size.csv
+[ "$(rows size.csv)" = 30 ] && [ -s size.mp4 ] && [ -s size.y4m ] || fail "another size loses what was there"
 run 1 "did not come back within 2 seconds" fake:unplug=30 --reopen 2 --stats gone.csv
 [ "$(rows gone.csv)" = 30 ] || fail "--reopen in vain: $(rows gone.csv) frames"
 run 1 "no frame within 5 seconds" fake:stall=20 -o stall.y4m
@@ -237,9 +252,24 @@ fi
 # the sixth write of controls hangs for five seconds: ten of the camera's pass, none of its frames is lost
 run 0 "300 frames" fake:sleep=6,5 -n 300 --stats hang.csv
 [ "$(sum lost hang.csv)" = 0 ] || fail "a write that hangs loses $(sum lost hang.csv) frames"
-[ "$(last asked_exposure_s hang.csv)" != "$(column asked_exposure_s hang.csv | head -n 1)" ] || fail "nothing was asked meanwhile"
+[ "$(last sensor_reason hang.csv)" = waiting ] || fail "a write that hangs: the sensor is $(last sensor_reason hang.csv), not waiting"
 [ "$(column in_force_from hang.csv | sort -u | wc -l)" -le 2 ] || fail "the write did not hang"
 put_back "a write that hangs"
+
+# a camera that is busy for a moment: the setting that it refused is asked for again, and what it was is put back
+run 0 "refused by the camera: " fake:real fake:flat=600 fake:light=4@15 fake:refuse=6,6,16 -n 75 --stats busy.csv
+[ "$(last exposure_s busy.csv)" = "$(last asked_exposure_s busy.csv)" ] || fail "a refused exposure is not asked for again"
+within "$(last output_level busy.csv)" 0.165 0.195 || fail "after a refusal: shown at $(last output_level busy.csv)"
+put_back "a camera that is busy"
+run 0 "" --mode digital --shutter 1/100 --gain 2 fake:refuse=6,2,16 fake:real -n 15
+put_back "a camera that is busy at the end"
+run 0 "" --mode digital --shutter 1/100 --gain 2 fake:refuse=5,3,16 fake:real -n 30 --stats busy.csv
+within "$(last exposure_s busy.csv)" 0.00999 0.01001 || fail "--shutter that was refused at first: $(last exposure_s busy.csv)"
+
+# writes of a fifth of a second, while the delay that is believed is wrong by one frame: no step back
+run 0 "" fake:real fake:flat=600 fake:light=2@30 fake:write=0.2 -n 75 --stats slow.csv
+column asked_exposure_s slow.csv | awk 'NR > 30 && $1 > 1.1 * least { exit 1 } NR <= 30 || $1 < least { least = $1 }' ||
+    fail "slow writes make it swing: $(column asked_exposure_s slow.csv | uniq | tr '\n' ' ')"
 
 # a fatal signal: the controls are put back before the end
 ("$program" fake:crash=20 -o crash.y4m) >said.out 2>said.err

@@ -8,6 +8,7 @@
 
 #include "check.h"
 #include "replay_work.h"
+#include "run_colour.h"
 #include "v4l2/fake/fake_v4l2.h"
 
 enum { WIDTH = 64, HEIGHT = 48, USUAL_DELAY = 3 /* believed of a camera of which nothing is known */ };
@@ -20,6 +21,7 @@ typedef struct live_run {
     pupil_source *source;
     replay_work work;
     run_sensor sensor;
+    run_colour colour;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
@@ -38,16 +40,11 @@ static void control(fake_v4l2 *fake, uint32_t id, int value)
     system->close(system->context, fd);
 }
 
-static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, int exposure, int gain, double light)
+static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *config, int exposure, int gain, double light)
 {
-    fake_v4l2_config config;
     char *no_options[] = {"run", NULL};
     memset(r, 0, sizeof *r);
-    fake_v4l2_config_default(&config);
-    config.control_delay = control_delay;
-    config.only_format = fourcc;
-    config.flat = flat;
-    r->fake = fake_v4l2_new(&config);
+    r->fake = fake_v4l2_new(config);
     control(r->fake, V4L2_CID_EXPOSURE_ABSOLUTE, exposure);
     control(r->fake, V4L2_CID_GAIN, gain);
     fake_v4l2_light(r->fake, light);
@@ -60,10 +57,21 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
     if (!r->source)
         exit(check_end());
     run_sensor_begin(&r->sensor, &r->options, r->source);
+    r->colour.own_picture = mode == RUN_SENSOR;
     CHECK(pupil_init(&r->pupil, &r->options.shown.config) == PUPIL_OK);
     CHECK(replay_work_open(&r->work, &r->options.shown) == 0);
     r->work.judge = run_sensor_judge;
     r->work.context = &r->sensor;
+}
+
+static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, int exposure, int gain, double light)
+{
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.control_delay = control_delay;
+    config.only_format = fourcc;
+    config.flat = flat;
+    begin_with(r, mode, &config, exposure, gain, light);
 }
 
 /* The test as a whole has a time limit. */
@@ -89,6 +97,7 @@ static void step(live_run *r)
     give_frame_back(r);
     CHECK_MSG(pupil_source_next(r->source, &r->frame, r->why, sizeof r->why) == PUPIL_SOURCE_FRAME, "%s", r->why);
     CHECK(run_sensor_take(&r->sensor, r->why, sizeof r->why) == 0);
+    CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, r->why, sizeof r->why) == 0);
     CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, r->why,
                                 sizeof r->why) == 0,
               "%s", r->why);
@@ -139,6 +148,68 @@ static void test_own_picture(void)
     CHECK_MSG(fabs(r.record.digital - 1.0) < 0.01, /* half a code of eight bits, here */ "digital %g",
               r.record.digital);
     CHECK_MSG(distance(&r) <= 1, "%d codes from the camera's picture", distance(&r));
+    end(&r);
+}
+
+/* Y'CbCr as ITU-R BT.601 and BT.709 have it, to R'G'B' of eight bits. */
+static int code_of(double x)
+{
+    return x <= 0.0 ? 0 : x >= 1.0 ? 255 : (int)(255.0 * x + 0.5);
+}
+
+static void rgb_of(const int ycc[3], int is_709, int full, int rgb[3])
+{
+    const double kr = is_709 ? 0.2126 : 0.299, kb = is_709 ? 0.0722 : 0.114;
+    const double y = full ? ycc[0] / 255.0 : (ycc[0] - 16) / 219.0;
+    const double b = full ? (ycc[1] - 128) / 255.0 : (ycc[1] - 128) / 224.0;
+    const double r = full ? (ycc[2] - 128) / 255.0 : (ycc[2] - 128) / 224.0;
+    const double red = y + 2.0 * (1.0 - kr) * r, blue = y + 2.0 * (1.0 - kb) * b;
+    rgb[0] = code_of(red);
+    rgb[1] = code_of((y - kr * red - kb * blue) / (1.0 - kr - kb));
+    rgb[2] = code_of(blue);
+}
+
+static void ycc_at(const pupil_image_const *image, uint32_t x, uint32_t y, int ycc[3])
+{
+    const uint8_t *row = (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes;
+    const uint8_t *pair =
+        image->pixel == PUPIL_PIXEL_NV12
+            ? (const uint8_t *)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2
+            : row + x / 2 * 4 + 1;
+    ycc[0] = image->pixel == PUPIL_PIXEL_NV12 ? row[x] : row[2 * x];
+    ycc[1] = pair[0];
+    ycc[2] = image->pixel == PUPIL_PIXEL_NV12 ? pair[1] : pair[2];
+}
+
+/* A sensor that stands still shows a camera's Y'CbCr as every player does. */
+static void test_own_ycc(uint32_t fourcc, uint32_t encoding, uint32_t quantization, uint32_t transfer)
+{
+    fake_v4l2_config config;
+    live_run r;
+    int most = 0;
+    fake_v4l2_config_default(&config);
+    config.only_format = fourcc;
+    config.colorspace = V4L2_COLORSPACE_SRGB;
+    config.ycbcr_enc = encoding;
+    config.quantization = quantization;
+    config.xfer_func = transfer;
+    config.colour[0] = 1.0, config.colour[1] = 0.7, config.colour[2] = 0.4;
+    begin_with(&r, RUN_SENSOR, &config, 100, 48, 1.0);
+    r.options.shown.config.lock = 1;
+    step(&r);
+    CHECK(r.record.digital == 1.0);
+    for (uint32_t y = 0; y < HEIGHT; y++)
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            int ycc[3], rgb[3];
+            ycc_at(&r.frame.image, x, y, ycc);
+            rgb_of(ycc, encoding == V4L2_YCBCR_ENC_709, quantization == V4L2_QUANTIZATION_FULL_RANGE, rgb);
+            for (int c = 0; c < 3; c++) {
+                const int d = abs(rgb[c] - shown(&r, x, y)[c]);
+                most = d > most ? d : most;
+            }
+        }
+    CHECK_MSG(most <= 1, "%.4s, encoding %u, quantization %u, transfer %u: %d codes from the camera's picture",
+              (const char *)&fourcc, encoding, quantization, transfer, most);
     end(&r);
 }
 
@@ -278,6 +349,13 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_own_picture();
+    for (uint32_t encoding = V4L2_YCBCR_ENC_601; encoding <= V4L2_YCBCR_ENC_709; encoding++)
+        for (uint32_t quantization = V4L2_QUANTIZATION_FULL_RANGE; quantization <= V4L2_QUANTIZATION_LIM_RANGE;
+             quantization++)
+            for (uint32_t transfer = V4L2_XFER_FUNC_709; transfer <= V4L2_XFER_FUNC_SRGB; transfer++) {
+                test_own_ycc(V4L2_PIX_FMT_YUYV, encoding, quantization, transfer);
+                test_own_ycc(V4L2_PIX_FMT_NV12, encoding, quantization, transfer);
+            }
     test_linear();
     test_hidden_steps(0.2, 0);
     test_hidden_steps(1.0, 0);

@@ -54,6 +54,31 @@ static void test_times(void)
         }
 }
 
+/* Stamps that cannot be of the clock that they are said to be of: the frames' arrival is their time. */
+static void test_other_clock(void)
+{
+    static const int64_t ahead_ns[] = {INT64_C(1700000000000000000), 2000000000, -INT64_C(990000000000), 3000000, 0};
+    for (int k = 0; k < 5; k++) {
+        fake_v4l2_config config = usual();
+        const pupil_v4l2_options options = {.monotonic = 1};
+        const int ours = llabs(ahead_ns[k]) < 10000000;
+        config.stamps_ns = ahead_ns[k];
+        fake_source s = fake_source_open("/dev/video0", &config, &options);
+        CHECK_MSG(s.result == 0, "%s", s.why);
+        for (int i = 0; i < 4; i++) {
+            pupil_frame frame;
+            CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
+            const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s.source);
+            CHECK((f->stamp == PUPIL_V4L2_STAMP_NONE) == !ours);
+            CHECK(ours || f->stamp_ns == f->taken_ns);
+            CHECK(llabs(frame.info.timestamp_ns - f->taken_ns) < 10000000);
+            pupil_source_done(s.source, &frame);
+        }
+        CHECK(fake_source_counts(&s)->unstamped == (ours ? 0 : 4));
+        fake_source_close(&s);
+    }
+}
+
 /* Losses, damages and cuts drawn from the seed: every frame is either handed out or counted. */
 static void test_losses(void)
 {
@@ -380,6 +405,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_times();
+    test_other_clock();
     test_losses();
     test_no_numbers();
     test_newest();
