@@ -83,11 +83,10 @@ static int begin_exposure(record *r)
     r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
     pupil_init(&r->pupil, &r->steering.shown.config);
     run_sensor_begin(&r->sensor, &r->steering, r->source);
-    return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why) ||
-           run_sensor_take(&r->sensor, r->why, sizeof r->why);
+    return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why);
 }
 
-/* One that was unplugged and came back is taken again. */
+/* From the first frame on, which tells the time; one that was unplugged and came back is taken again. */
 static int follow_light(record *r, const pupil_frame *frame)
 {
     pupil_curve unused;

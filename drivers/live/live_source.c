@@ -76,7 +76,7 @@ void pupil_live_mark(pupil_source *source)
     live_source *s = of(source);
     const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s->frames);
     const pupil_v4l2_system *system = s->which.system;
-    if (!s->camera)
+    if (!s->camera || !(s->period_ns > 0.0)) /* before the first frame none is under way */
         return;
     double frames = (double)(system->now_ns(system->context) - s->stamp_ns) / s->period_ns;
     if (f->stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)

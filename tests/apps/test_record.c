@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include <linux/videodev2.h>
+#include <math.h>
 #include <stdarg.h>
 
 #include "file/recording.h"
@@ -172,6 +173,27 @@ static void ends_of(const char *folder, double ends[2])
     pupil_source_close(source);
 }
 
+/* In steady light the level over exposure and gain is steady, from the first frame on: each line tells what its own
+ * frame was taken with. */
+static void test_told(void)
+{
+    static metered m;
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.real_time = 1;
+    config.control_delay = 3; /* what pupil takes it for */
+    config.flat = 300;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    const char *folder = scratch("told");
+    CHECK_MSG(record(fake, "-q -n 12 --auto %s", folder) == 0, "%s", said());
+    CHECK(frames_in(folder, &m) == 12);
+    CHECK(m.info[11].exposure_s > 0 && m.info[11].exposure_s != m.info[0].exposure_s);
+    CHECK_MSG(fabs(m.exposure[11].metered_ev - m.exposure[0].metered_ev) < 0.05, "%g EV became %g EV",
+              m.exposure[0].metered_ev, m.exposure[11].metered_ev);
+    fake_v4l2_free(fake);
+    scratch_clear(folder);
+}
+
 /* The scene is far too dark for what is set; --auto comes to what the loop wants. */
 static void test_auto(void)
 {
@@ -250,6 +272,7 @@ int main(int argc, char **argv)
         for (int extra = 0; extra <= (formats[i] == V4L2_PIX_FMT_MJPEG ? 0 : 16); extra += 16)
             test_same_statistics(formats[i], extra);
     test_command();
+    test_told();
     test_auto();
     test_ends();
     test_usage();
