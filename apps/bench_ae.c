@@ -19,8 +19,8 @@ static const char help[] =
     "Exposure loops on a simulated camera, side by side: how many frames they take, how far they go\n"
     "too far, what they do at rest, and around cameras that lie. Each number stands beside its limit.\n"
     "      --controller NAME  one of: pupil rpi libipa softisp openpilot integrator0.25 integrator1 (all)\n"
-    "      --test NAME        one of: settle overshoot hunt calm seam background bands strobe curve lies\n"
-    "                         (all)\n"
+    "      --test NAME        one of: settle overshoot hunt identify calm seam background bands strobe\n"
+    "                         curve lies (all)\n"
     "      --json             one object a line: controller, test, of, gain_law, delay, believed,\n"
     "                         step_ev, value, limit, unit, pass (null: it never got there)\n"
     "  -q, --quiet            no progress       -h, --help\n"
@@ -36,6 +36,7 @@ int bench_ae_run(bench_ae *b)
         const char *makes[2];
     } tests[] = {{bench_ae_settle, {"settle", "overshoot"}},
                  {bench_ae_hunt, {"hunt", ""}},
+                 {bench_ae_identify, {"identify", ""}},
                  {bench_ae_calm, {"calm", ""}},
                  {bench_ae_seam, {"seam", ""}},
                  {bench_ae_flicker, {"background", ""}},

@@ -26,7 +26,7 @@ typedef struct bench_ae {
     char why[400];             /* what made it fail; "" */
 } bench_ae;
 
-enum { BENCH_AE_FRAMES = 2000, BENCH_AE_TESTS = 10 };
+enum { BENCH_AE_FRAMES = 2000, BENCH_AE_TESTS = 11 };
 
 extern const char *const bench_ae_tests[BENCH_AE_TESTS];
 
@@ -48,6 +48,7 @@ void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, cons
 
 int bench_ae_settle(bench_ae *b, const fixture_controller *law);
 int bench_ae_hunt(bench_ae *b, const fixture_controller *law);
+int bench_ae_identify(bench_ae *b, const fixture_controller *law);
 int bench_ae_calm(bench_ae *b, const fixture_controller *law);
 int bench_ae_seam(bench_ae *b, const fixture_controller *law);
 int bench_ae_flicker(bench_ae *b, const fixture_controller *law);

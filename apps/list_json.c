@@ -3,8 +3,8 @@
 
 #include <stdlib.h>
 
+#include "file/utf8.h"
 #include "list.h"
-#include "utf8.h"
 #include "v4l2/v4l2_format.h"
 
 const char *list_json_refusal(void)

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -279,6 +280,16 @@ int pupil_plot_check(const char *path, char *why, size_t why_bytes)
     return failed ? not_started(path, failed, why, why_bytes) : 0;
 }
 
+/* A file without a name or a place: boards may have nowhere to write but where the plot goes. */
+static FILE *in_memory(void)
+{
+    const int fd = memfd_create("plot", MFD_CLOEXEC);
+    FILE *file = fd >= 0 ? fdopen(fd, "w+") : NULL;
+    if (!file && fd >= 0)
+        close(fd);
+    return file;
+}
+
 int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, char *why, size_t why_bytes)
 {
     pupil_pending pending;
@@ -287,7 +298,7 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
         return -1;
 
     int failed = -1, output = open(pending.temporary, O_WRONLY | O_TRUNC | O_CREAT | O_CLOEXEC, 0666);
-    FILE *input = tmpfile(), *errors = tmpfile();
+    FILE *input = in_memory(), *errors = in_memory();
     if (output < 0 || !input || !errors) {
         pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno));
     } else {

@@ -138,7 +138,7 @@ static void print_times(const probe_report *r, FILE *out)
         print_seconds(", jitter ", i->jitter_s, out);
         print_seconds(", from ", i->least_s, out);
         print_seconds(" to ", i->most_s, out);
-        fprintf(out, "; of %llu frames %llu were lost before, %llu damaged\n", (unsigned long long)i->frames,
+        fprintf(out, "; %llu frames came, %llu were lost, %llu damaged\n", (unsigned long long)i->frames,
                 (unsigned long long)i->lost, (unsigned long long)i->damaged);
     }
     if (!print_unknown("  latency ", &r->latency.is, out)) {

@@ -30,7 +30,11 @@ int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *
         return -1;
     if (*device)
         return 0;
-    snprintf(why, why_bytes, "%s", *first.why ? first.why : "no camera is there; 'pupil list' shows those that are");
+    snprintf(why, why_bytes, "%s",
+             *first.why
+                 ? first.why
+                 : "no camera is there: no /dev/video* gives pictures; dmesg tells what the kernel made of one that "
+                   "is plugged in");
     return -1;
 }
 

@@ -207,8 +207,9 @@ static int prepare(sim_options *o, char *why, size_t why_bytes)
     char words[PUPIL_WHY_BYTES];
     if (fixture_light_parse(&o->loop.script, o->light, words, sizeof words))
         return pupil_refuse(why, why_bytes, "--light: %s", words), EXIT_USAGE;
-    if (o->scene && sim_scene(o, why, why_bytes))
+    if (o->scene && sim_luminance(o->scene, o->loop.plant.width, o->loop.plant.height, &o->luminance, why, why_bytes))
         return EXIT_FAILED;
+    o->loop.plant.luminance = o->luminance;
     fixture_loop_fit(&o->loop);
     if (o->believed)
         o->loop.sensor.delay_frames = o->believed;

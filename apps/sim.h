@@ -28,7 +28,6 @@ typedef struct sim_run {
 } sim_run;
 
 /* Each 0, or -1 and a sentence. */
-int sim_scene(sim_options *o, char *why, size_t why_bytes);
 int sim_stats(const sim_run *run, char *why, size_t why_bytes);
 int sim_plot(const sim_run *run, char *why, size_t why_bytes);
 void sim_summary(const sim_run *run, FILE *out);
@@ -43,6 +42,9 @@ int sim_random(sim_options *o);
 
 /* Whether the frames end in a limit cycle: what is asked turns by 0.1 EV at least four times while nothing happens. */
 int sim_cycles(const fixture_loop_sum *sum);
+
+/* The luminances of a recipe with all its lights on, to be freed. 0, or -1 and a sentence, and NULL. */
+int sim_luminance(const char *recipe, uint32_t width, uint32_t height, float **luminance, char *why, size_t why_bytes);
 
 /* The names of pupil's states and reasons. */
 const char *sim_state_name(uint32_t state);

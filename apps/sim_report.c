@@ -1,17 +1,16 @@
 /* What a simulated loop did: each frame as a line, and a summary. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "file/pending.h"
 #include "refuse.h"
-#include "scene.h"
 #include "sim.h"
 
 static const char *const state_names[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
 static const char *const reason_names[] = {"",         "waiting",    "exposure_min", "exposure_max", "frame_period",
                                            "gain_min", "gain_max",   "highlights",   "below_mains",  "lock",
-                                           "by_hand",  "dead_frame", "same_frame",   "clock_back"};
+                                           "by_hand",  "dead_frame", "same_frame",   "clock_back",   "flash",
+                                           "ignored",  "strange",    "unsteady"};
 
 const char *sim_state_name(uint32_t state)
 {
@@ -35,8 +34,9 @@ static void line(FILE *out, const sim_run *run, const fixture_loop_frame *f)
             f->info.exposure_s, f->info.gain, f->setting.exposure_s, f->setting.gain, f->setting.digital, f->error_ev,
             f->shown_ev, t->band_ev, t->clipped_share);
     if (!run->options->loop.law->total)
-        fprintf(out, ",\"state\":\"%s\",\"reason\":\"%s\"", sim_state_name(f->setting.state),
-                sim_reason_name(f->setting.reason));
+        fprintf(out, ",\"state\":\"%s\",\"reason\":\"%s\",\"slope\":%.4f,\"exposure_delay\":%u,\"gain_delay\":%u",
+                sim_state_name(f->setting.state), sim_reason_name(f->setting.reason), f->setting.slope,
+                f->setting.delay[FIXTURE_EXPOSURE], f->setting.delay[FIXTURE_GAIN]);
     fputs("}\n", out);
 }
 
@@ -102,28 +102,7 @@ void sim_summary(const sim_run *run, FILE *out)
         fprintf(out, "; %s%s%s", sim_state_name(last->setting.state), last->setting.reason ? ", " : "",
                 sim_reason_name(last->setting.reason));
     fputc('\n', out);
-}
-
-/* All lights of a recipe, as luminance. */
-int sim_scene(sim_options *o, char *why, size_t why_bytes)
-{
-    static const float weight[3] = {0.2126f, 0.7152f, 0.0722f}; /* Rec. ITU-R BT.709-6, item 3.2 */
-    const size_t pixels = (size_t)o->loop.plant.width * o->loop.plant.height;
-    fixture_scene *scene = NULL;
-    const fixture_scene_options options = {.width = o->loop.plant.width, .height = o->loop.plant.height};
-    o->luminance = calloc(pixels, sizeof *o->luminance);
-    int failed = !o->luminance ? pupil_refuse(why, why_bytes, "not enough memory for the scene")
-                               : fixture_scene_load(&scene, o->scene, &options, why, why_bytes) ||
-                                     fixture_scene_prepare(scene, why, why_bytes);
-    const size_t lights = failed ? 0 : fixture_scene_facts_of(scene).lights;
-    for (size_t l = 0; l < lights && !failed; l++) {
-        const float *rgb = fixture_scene_light_image(scene, l);
-        if (!rgb)
-            failed = pupil_refuse(why, why_bytes, "%s: its camera moves; a simulated camera stands still", o->scene);
-        for (size_t i = 0; i < 3 * pixels && !failed; i++)
-            o->luminance[i / 3] += weight[i % 3] * rgb[i];
-    }
-    fixture_scene_free(scene);
-    o->loop.plant.luminance = o->luminance;
-    return failed ? -1 : 0;
+    if (!o->loop.law->total)
+        fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet)\n", last->setting.slope,
+                last->setting.delay[FIXTURE_EXPOSURE], last->setting.delay[FIXTURE_GAIN]);
 }

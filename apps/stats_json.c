@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file/utf8.h"
 #include "stats_file.h"
-#include "utf8.h"
 
 int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
 {

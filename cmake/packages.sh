@@ -44,10 +44,10 @@ ninja-build runs the build
 pkg-config finds the libraries
 libopenexr-dev reads EXR
 libpng-dev reads and writes PNG
-libavformat-dev reads and writes video files
+libavformat-dev reads and writes video files, recordings among them
 libavcodec-dev decodes and encodes video
 libavutil-dev goes with the two above
-libcjson-dev writes statistics as JSON
+libcjson-dev writes statistics as JSON, and what a recording says of its frames
 libegl-dev makes contexts of OpenGL ES without a window
 libgles-dev the headers of OpenGL ES
 libsdl2-dev opens the window of --view

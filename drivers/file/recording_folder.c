@@ -83,19 +83,19 @@ int pupil_recording_create(const char *folder, const char *name, char *why, size
 }
 
 /* recording.json takes its place complete. */
-int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, char *why, size_t why_bytes)
+int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera, char *why,
+                                size_t why_bytes)
 {
-    char part[PATH_MAX], path[PATH_MAX], *text = pupil_recording_about_text(about);
+    char part[PATH_MAX], path[PATH_MAX], *text = pupil_recording_about_text(about, camera);
     const int fd = text ? pupil_recording_create(folder, PUPIL_RECORDING_PART, why, why_bytes) : -1;
     if (fd < 0) {
         free(text);
         return text ? -1 : pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
     }
-    const size_t length = strlen(text);
-    errno = ENOSPC;
-    int failed = write(fd, text, length) != (ssize_t)length;
+    FILE *file = fdopen(fd, "w");
+    int failed = !file || fprintf(file, "%s\n", text) < 0;
+    failed |= (file ? fclose(file) : close(fd)) != 0;
     free(text);
-    failed |= close(fd) != 0;
     if (!failed)
         failed = pupil_recording_path(part, folder, PUPIL_RECORDING_PART) ||
                  pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT) || rename(part, path);

@@ -2,8 +2,13 @@
 #include "file/recording_format.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
+#include "file/recording.h"
 #include "refuse.h"
+
+/* libavformat reads no more of a frame in Matroska (libavformat/matroskadec.c, max_lengths, less a block's head). */
+#define FRAME_MOST_BYTES ((UINT32_C(1) << 28) - 4)
 
 #define FOUR(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
@@ -43,6 +48,13 @@ int pupil_recording_path(char path[PATH_MAX], const char *folder, const char *na
 {
     const int length = snprintf(path, PATH_MAX, "%s/%s", folder, name);
     return length < 0 || length >= PATH_MAX ? -1 : 0;
+}
+
+int pupil_is_recording(const char *folder)
+{
+    char path[PATH_MAX];
+    struct stat status;
+    return pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT) == 0 && stat(path, &status) == 0;
 }
 
 const char *pupil_recording_pixel_name(uint32_t pixel)
@@ -126,6 +138,9 @@ int pupil_recording_check(const pupil_recording_about *about, char *why, size_t 
         return pupil_refuse(why, why_bytes,
                             "frames of %u x %u pixels; of %s the width is a multiple of %u and the height even",
                             about->width, about->height, f->name, f->unit);
+    if (pupil_recording_bytes(about) > FRAME_MOST_BYTES)
+        return pupil_refuse(why, why_bytes, "frames of %zu bytes cannot be recorded; at most %u can, for Matroska",
+                            pupil_recording_bytes(about), FRAME_MOST_BYTES);
     if (pupil_coding_check(&about->coding, about->pixel, &fault))
         return pupil_refuse(why, why_bytes, "the coding of the frames: %s", fault);
     if (!(about->fps > 0.0 && about->fps <= 1e6))

@@ -19,10 +19,9 @@
 
 typedef struct pupil_recording_about {
     uint32_t pixel, width, height; /* pixel: a pupil_pixel */
-    int jpeg;                      /* 1: frames.mkv has the camera's JPEGs, of which such frames are made */
+    uint32_t jpeg;                 /* 1: frames.mkv has the camera's JPEGs, of which such frames are made */
     double fps;
     pupil_coding coding;
-    char camera[256]; /* "": unknown */
 } pupil_recording_about;
 
 /* "folder/name". 0, or -1 where it is too long. */
@@ -42,11 +41,12 @@ pupil_image_const pupil_recording_image(const pupil_recording_about *about, cons
 /* 0, or -1 and a sentence without its subject: frames that no image of the library can be. */
 int pupil_recording_check(const pupil_recording_about *about, char *why, size_t why_bytes);
 
-/* The text of recording.json; to be freed; NULL: out of memory. */
-char *pupil_recording_about_text(const pupil_recording_about *about);
+/* The text of recording.json; to be freed; NULL: out of memory. camera: whose frames these are, for people; NULL. */
+char *pupil_recording_about_text(const pupil_recording_about *about, const char *camera);
 /* The file, which takes its place complete. 0, or -1 and a sentence. */
-int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, char *why, size_t why_bytes);
-/* Reads it again. 0, or -1 and a sentence that names the file, and the line and field where there is one. */
+int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera, char *why,
+                                size_t why_bytes);
+/* Reads it again. 0, or -1 and a sentence that names the file, and the line or field where there is one. */
 int pupil_recording_about_read(const char *folder, pupil_recording_about *about, char *why, size_t why_bytes);
 
 /* A line of frames.jsonl with its newline; its length. balance: the frame's own white balance; NULL: recording.json's.

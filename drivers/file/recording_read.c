@@ -1,19 +1,13 @@
 /* drivers/file/recording_read.c: a recording as a source. */
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "file/jpeg_frame.h"
 #include "file/recording.h"
 #include "file/recording_format.h"
 #include "file/recording_mkv.h"
 #include "refuse.h"
-
-/* A JPEG has at most so many bytes a pixel, and so many more; what says otherwise is damaged. */
-#define JPEG_MOST_BYTES(pixels) (8 * (uint64_t)(pixels) + 65536)
 
 typedef struct recording {
     pupil_source base;
@@ -23,8 +17,7 @@ typedef struct recording {
     char name[PATH_MAX + 32]; /* of the frame */
     int folder_length;        /* of the name of the recording, at the front of the two paths */
     FILE *lines;
-    int fd;
-    pupil_mkv_reader mkv;
+    pupil_mkv_reader *mkv;
     unsigned char *bytes; /* the frame, or its JPEG */
     size_t size, capacity;
     pupil_jpeg *jpeg; /* NULL: frames are raw */
@@ -64,7 +57,7 @@ static int next_line(recording *r, pupil_frame_info *info)
     return PUPIL_SOURCE_FRAME;
 }
 
-static int reserve(recording *r, uint64_t bytes)
+static int reserve(recording *r, size_t bytes)
 {
     if (bytes <= r->capacity)
         return 0;
@@ -77,35 +70,25 @@ static int reserve(recording *r, uint64_t bytes)
 }
 
 /* The next frame's bytes. As next_line. */
-static int next_bytes(recording *r)
+static int next_bytes(recording *r, int64_t timestamp_ns)
 {
-    uint64_t begin, bytes, used = 0;
-    const int got = pupil_mkv_next(&r->mkv, &begin, &bytes);
+    const unsigned char *bytes;
+    size_t size;
+    char words[512];
+    const unsigned long long frame = r->frame;
+    const int got = pupil_mkv_read(r->mkv, timestamp_ns, &bytes, &size, words, sizeof words);
     if (got < 0)
-        return failed(r, "%s: %s%s at byte %llu, behind %llu frames", r->frames_path,
-                      errno ? "cannot be read: " : "is no Matroska", errno ? strerror(errno) : "",
-                      (unsigned long long)r->mkv.at, (unsigned long long)r->frame);
+        return failed(r, "%s: frame %llu: %s", r->frames_path, frame, words);
     if (!got)
         return PUPIL_SOURCE_END;
     const size_t right = pupil_recording_bytes(&r->about);
-    if (r->jpeg && bytes > JPEG_MOST_BYTES((uint64_t)r->about.width * r->about.height))
-        return failed(r, "%s: frame %llu has %llu bytes; no JPEG of %u x %u pixels does", r->frames_path,
-                      (unsigned long long)r->frame, (unsigned long long)bytes, r->about.width, r->about.height);
-    if (!r->jpeg && bytes != right)
-        return failed(r, "%s: frame %llu has %llu bytes; %u x %u pixels of %s have %zu", r->frames_path,
-                      (unsigned long long)r->frame, (unsigned long long)bytes, r->about.width, r->about.height,
-                      pupil_recording_pixel_name(r->about.pixel), right);
-    if (reserve(r, bytes))
-        return failed(r, "%s: no memory for a frame of %llu bytes", r->frames_path, (unsigned long long)bytes);
-    while (used < bytes) {
-        const ssize_t part = pread(r->fd, r->bytes + used, bytes - used, (off_t)(begin + used));
-        if (part < 0)
-            return failed(r, "%s: cannot be read: %s", r->frames_path, strerror(errno));
-        if (part == 0) /* it has become shorter */
-            return PUPIL_SOURCE_END;
-        used += (uint64_t)part;
-    }
-    r->size = bytes;
+    if (!r->about.jpeg && size != right)
+        return failed(r, "%s: frame %llu has %zu bytes; %u x %u pixels of %s have %zu", r->frames_path, frame, size,
+                      r->about.width, r->about.height, pupil_recording_pixel_name(r->about.pixel), right);
+    if (reserve(r, size))
+        return failed(r, "%s: no memory for a frame of %zu bytes", r->frames_path, size);
+    memcpy(r->bytes, bytes, size); /* aligned for its pixels */
+    r->size = size;
     return PUPIL_SOURCE_FRAME;
 }
 
@@ -129,7 +112,7 @@ static int recording_next(pupil_source *source, pupil_frame *frame, char *why, s
     if (r->state == PUPIL_SOURCE_FRAME)
         r->state = next_line(r, &info);
     if (r->state == PUPIL_SOURCE_FRAME)
-        r->state = next_bytes(r);
+        r->state = next_bytes(r, info.timestamp_ns);
     if (r->state != PUPIL_SOURCE_FRAME) {
         if (r->state == PUPIL_SOURCE_FAILED)
             snprintf(why, why_bytes, "%s", r->why);
@@ -163,8 +146,7 @@ static void recording_close(pupil_source *source)
     recording *r = (recording *)source;
     if (r->lines)
         fclose(r->lines);
-    if (r->fd >= 0)
-        close(r->fd);
+    pupil_mkv_close(r->mkv);
     pupil_jpeg_close(r->jpeg);
     free(r->bytes);
     free(r);
@@ -182,16 +164,9 @@ static uint64_t count_lines(FILE *lines)
     return count;
 }
 
-int pupil_is_recording(const char *folder)
-{
-    char path[PATH_MAX];
-    struct stat status;
-    return pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT) == 0 && stat(path, &status) == 0;
-}
-
 static int open_files(recording *r, const char *folder)
 {
-    struct stat status;
+    char words[512];
     if (pupil_recording_path(r->frames_path, folder, PUPIL_RECORDING_FRAMES) ||
         pupil_recording_path(r->lines_path, folder, PUPIL_RECORDING_LINES))
         return failed(r, "%s: the name is too long", folder);
@@ -199,13 +174,8 @@ static int open_files(recording *r, const char *folder)
     r->lines = fopen(r->lines_path, "re");
     if (!r->lines)
         return failed(r, "%s: cannot be read: %s", r->lines_path, strerror(errno));
-    r->fd = open(r->frames_path, O_RDONLY | O_CLOEXEC);
-    if (r->fd < 0 || fstat(r->fd, &status))
-        return failed(r, "%s: cannot be read: %s", r->frames_path, strerror(errno));
-    if (!S_ISREG(status.st_mode))
-        return failed(r, "%s: is no file", r->frames_path);
-    pupil_mkv_open(&r->mkv, r->fd, (uint64_t)status.st_size);
-    char words[512];
+    if (pupil_mkv_open(&r->mkv, r->frames_path, r->about.fps, r->why, sizeof r->why))
+        return -1;
     if (r->about.jpeg &&
         pupil_jpeg_open(&r->jpeg, r->about.width, r->about.height, &r->about.coding, words, sizeof words))
         return failed(r, "%s: %s", r->frames_path, words);
@@ -224,7 +194,6 @@ int pupil_recording_open(const char *folder, pupil_source **source, char *why, s
     }
     r->base.ops = &recording_ops;
     r->state = PUPIL_SOURCE_FRAME;
-    r->fd = -1;
     if (pupil_recording_about_read(folder, &r->about, why, why_bytes) == 0) {
         memcpy(r->usual_balance, r->about.coding.balance, sizeof r->usual_balance);
         if (open_files(r, folder) == 0) {

@@ -1,268 +1,217 @@
-/* drivers/file/recording_text.c: recording.json, and the lines of frames.jsonl. */
+/* drivers/file/recording_text.c: recording.json, and the lines of frames.jsonl, by cJSON. */
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+#include <cjson/cJSON.h>
 
 #include "file/recording_format.h"
-#include "file/recording_json.h"
+#include "file/utf8.h"
 #include "refuse.h"
 
-#define ABOUT_MOST_BYTES 65536 /* of a recording.json; ours have about 600 */
+#define ABOUT_MOST_BYTES 65536  /* of a recording.json; ours have about 600 */
+#define EXACT_MOST       0x1p53 /* whole numbers up to here are doubles, which cJSON and most readers make of numbers */
 
+/* ---- recording.json ---- */
+
+typedef enum kind {
+    WORD,  /* uint32_t: the number of the word; `words` NULL: of a pixel format */
+    WHOLE, /* uint32_t */
+    FLOAT, /* so many floats; more than one are a list */
+    RATE   /* a double above 0 */
+} kind;
+
+typedef struct field {
+    const char *name, *right;
+    kind kind;
+    uint32_t count; /* of the words, or the floats */
+    const char *const *words;
+    size_t offset;
+} field;
+
+typedef struct whole_text {
+    uint32_t format;
+    pupil_recording_about about;
+} whole_text;
+
+static const char *const formats[] = {"pupil recording"};
+static const char *const stored[] = {"raw", "jpeg"};
 static const char *const matrices[] = {"bt601", "bt709", "bt2020"};
 static const char *const ranges[] = {"limited", "full"};
 static const char *const lights[] = {"usual", "linear", "srgb", "bt709"};
 static const char *const bayers[] = {"rggb", "grbg", "gbrg", "bggr"};
-static const char *const stored[] = {"raw", "jpeg"};
 
-#define LENGTH(list) (sizeof(list) / sizeof(list)[0])
-
-/* ---- writing ---- */
-
-static void print_floats(FILE *out, const char *name, const float *values, int count)
-{
-    fprintf(out, ",\n  \"%s\": [", name);
-    for (int i = 0; i < count; i++)
-        fprintf(out, "%s%.9g", i ? ", " : "", (double)values[i]); /* 9 digits bring every float back */
-    fputc(']', out);
-}
-
-char *pupil_recording_about_text(const pupil_recording_about *a)
-{
-    const pupil_coding *c = &a->coding;
-    char camera[6 * sizeof a->camera + 3], *text = NULL;
-    size_t bytes;
-    FILE *out = open_memstream(&text, &bytes);
-    if (!out)
-        return NULL;
-    pupil_json_quote(camera, a->camera);
-    fprintf(out, "{\n  \"format\": \"pupil recording\",\n  \"version\": %d,\n  \"camera\": %s,\n",
-            PUPIL_RECORDING_VERSION, camera);
-    fprintf(out,
-            "  \"pixel\": \"%s\",\n  \"width\": %u,\n  \"height\": %u,\n  \"fps\": %.17g,\n  \"stored\": \"%s\",\n",
-            pupil_recording_pixel_name(a->pixel), a->width, a->height, a->fps, stored[a->jpeg]);
-    fprintf(out, "  \"matrix\": \"%s\",\n  \"range\": \"%s\",\n  \"light\": \"%s\",\n  \"bayer\": \"%s\",\n",
-            matrices[c->matrix], ranges[c->range], lights[c->light], bayers[c->bayer]);
-    fprintf(out, "  \"shift\": %u,\n  \"black\": %.9g,\n  \"white\": %.9g", c->shift, (double)c->black,
-            (double)c->white);
-    print_floats(out, "balance", c->balance, 3);
-    print_floats(out, "rgb_from_camera", c->rgb_from_camera, 9);
-    fputs("\n}\n", out);
-    const int failed = ferror(out);
-    if (fclose(out) == 0 && !failed)
-        return text;
-    free(text);
-    return NULL;
-}
-
-static void print_number(char text[32], double number)
-{
-    if (isfinite(number))
-        snprintf(text, 32, "%.17g", number); /* 17 digits bring every double back */
-    else
-        strcpy(text, "null");
-}
-
-size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info,
-                            const float balance[3])
-{
-    char exposure[32], gain[32], own[96] = "";
-    if (balance) /* 9 digits bring every float back */
-        snprintf(own, sizeof own, ",\"balance\":[%.9g,%.9g,%.9g]", (double)balance[0], (double)balance[1],
-                 (double)balance[2]);
-    print_number(exposure, info->exposure_s);
-    print_number(gain, info->gain);
-    return (size_t)snprintf(line, PUPIL_RECORDING_LINE_BYTES,
-                            "{\"frame\":%" PRIu64 ",\"sequence\":%" PRIu64 ",\"timestamp_ns\":%" PRId64
-                            ",\"exposure_s\":%s,\"gain\":%s%s}\n",
-                            frame, info->sequence, info->timestamp_ns, exposure, gain, own);
-}
-
-/* ---- reading ---- */
-
-enum {
-    FORMAT,
-    VERSION,
-    CAMERA,
-    PIXEL,
-    WIDTH,
-    HEIGHT,
-    FPS,
-    STORED,
-    MATRIX,
-    RANGE,
-    LIGHT,
-    BAYER,
-    SHIFT,
-    BLACK,
-    WHITE,
-    BALANCE,
-    RGB_FROM_CAMERA,
-    FIELDS
+#define AT(member) offsetof(whole_text, member)
+static const field fields[] = {
+    {"format", "\"pupil recording\"", WORD, 1, formats, AT(format)},
+    {"pixel", "a pixel format as pupil record writes it (yuyv, nv12, bayer10, ...)", WORD, PUPIL_PIXEL_COUNT, NULL,
+     AT(about.pixel)},
+    {"width", "a whole number of pixels", WHOLE, 1, NULL, AT(about.width)},
+    {"height", "a whole number of pixels", WHOLE, 1, NULL, AT(about.height)},
+    {"fps", "a number above 0", RATE, 1, NULL, AT(about.fps)},
+    {"stored", "\"raw\" or \"jpeg\"", WORD, 2, stored, AT(about.jpeg)},
+    {"matrix", "\"bt601\", \"bt709\" or \"bt2020\"", WORD, 3, matrices, AT(about.coding.matrix)},
+    {"range", "\"limited\" or \"full\"", WORD, 2, ranges, AT(about.coding.range)},
+    {"light", "\"usual\", \"linear\", \"srgb\" or \"bt709\"", WORD, 4, lights, AT(about.coding.light)},
+    {"bayer", "\"rggb\", \"grbg\", \"gbrg\" or \"bggr\"", WORD, 4, bayers, AT(about.coding.bayer)},
+    {"shift", "a whole number", WHOLE, 1, NULL, AT(about.coding.shift)},
+    {"black", "a number", FLOAT, 1, NULL, AT(about.coding.black)},
+    {"white", "a number", FLOAT, 1, NULL, AT(about.coding.white)},
+    {"balance", "a list of three numbers", FLOAT, 3, NULL, AT(about.coding.balance)},
+    {"rgb_from_camera", "a list of nine numbers", FLOAT, 9, NULL, AT(about.coding.rgb_from_camera)},
 };
+#define FIELDS (sizeof fields / sizeof *fields)
 
-/* In this order, with what each must be. All but the camera's name are wanted. */
-static const struct {
-    const char *name, *right;
-} fields[FIELDS] = {
-    {"format", "\"pupil recording\""},
-    {"version", "1, the only one that this program reads"},
-    {"camera", "a string of at most 255 characters"},
-    {"pixel", "a pixel format as pupil record writes it (yuyv, nv12, bayer10, ...)"},
-    {"width", "a whole number of pixels"},
-    {"height", "a whole number of pixels"},
-    {"fps", "a number above 0"},
-    {"stored", "\"raw\" or \"jpeg\""},
-    {"matrix", "\"bt601\", \"bt709\" or \"bt2020\""},
-    {"range", "\"limited\" or \"full\""},
-    {"light", "\"usual\", \"linear\", \"srgb\" or \"bt709\""},
-    {"bayer", "\"rggb\", \"grbg\", \"gbrg\" or \"bggr\""},
-    {"shift", "a whole number"},
-    {"black", "a number"},
-    {"white", "a number"},
-    {"balance", "a list of three numbers"},
-    {"rgb_from_camera", "a list of nine numbers"},
-};
-
-static int take_word(const pupil_json_member *member, const char *const *words, size_t count, uint32_t *value)
+static const char *word(const field *f, uint32_t number)
 {
-    char text[64];
-    if (pupil_json_string(member, text, sizeof text))
-        return -1;
-    for (size_t i = 0; i < count; i++)
-        if (words[i] && strcmp(words[i], text) == 0) {
-            *value = (uint32_t)i;
+    return f->words ? f->words[number] : pupil_recording_pixel_name(number);
+}
+
+/* cJSON's own numbers have 15 digits where it takes those for enough; 17 bring every double back. */
+static cJSON *number_item(double number)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.17g", number);
+    return cJSON_CreateRaw(text);
+}
+
+static cJSON *list_item(const float *values, uint32_t count)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (uint32_t i = 0; list && i < count; i++)
+        if (!cJSON_AddItemToArray(list, number_item((double)values[i]))) {
+            cJSON_Delete(list);
+            return NULL;
+        }
+    return list;
+}
+
+static cJSON *item_of(const field *f, const whole_text *t)
+{
+    const void *at = (const char *)t + f->offset;
+    switch (f->kind) {
+    case WORD:
+        return cJSON_CreateString(word(f, *(const uint32_t *)at));
+    case WHOLE:
+        return number_item(*(const uint32_t *)at);
+    case FLOAT:
+        return f->count > 1 ? list_item(at, f->count) : number_item((double)*(const float *)at);
+    default:
+        return number_item(*(const double *)at);
+    }
+}
+
+char *pupil_recording_about_text(const pupil_recording_about *about, const char *camera)
+{
+    const whole_text t = {.about = *about};
+    char *name = utf8_of(camera ? camera : ""), *text = NULL;
+    cJSON *object = name ? cJSON_CreateObject() : NULL;
+    int whole = object != NULL;
+    for (size_t i = 0; whole && i < FIELDS; i++) {
+        whole = cJSON_AddItemToObject(object, fields[i].name, item_of(&fields[i], &t));
+        if (whole && i == 0) /* behind "format" */
+            whole = cJSON_AddNumberToObject(object, "version", PUPIL_RECORDING_VERSION) &&
+                    cJSON_AddStringToObject(object, "camera", name);
+    }
+    if (whole)
+        text = cJSON_Print(object);
+    cJSON_Delete(object);
+    free(name);
+    return text;
+}
+
+static int take_number(const cJSON *item, double *number)
+{
+    *number = cJSON_GetNumberValue(item); /* NaN where it is none */
+    return isfinite(*number) ? 0 : -1;
+}
+
+static int take_word(const field *f, const cJSON *item, uint32_t *value)
+{
+    for (uint32_t i = 0; cJSON_IsString(item) && i < f->count; i++)
+        if (word(f, i) && strcmp(word(f, i), item->valuestring) == 0) {
+            *value = i;
             return 0;
         }
     return -1;
 }
 
-static int take_pixel(const pupil_json_member *member, uint32_t *pixel)
+/* By way of a double they are rounded once: their digits are of floats, and more than enough. */
+static int take_floats(const cJSON *item, uint32_t count, float *values)
 {
-    const char *names[PUPIL_PIXEL_COUNT];
-    for (uint32_t i = 0; i < PUPIL_PIXEL_COUNT; i++)
-        names[i] = pupil_recording_pixel_name(i);
-    return take_word(member, names, PUPIL_PIXEL_COUNT, pixel);
-}
-
-static int take_u32(const pupil_json_member *member, uint32_t *value)
-{
-    uint64_t whole;
-    if (pupil_json_whole(member, &whole) || whole > UINT32_MAX)
-        return -1;
-    *value = (uint32_t)whole;
-    return 0;
-}
-
-static int take_float(const pupil_json_member *member, float *value)
-{
+    const cJSON *one = count > 1 ? item->child : item;
     double number;
-    if (pupil_json_number(member, &number) || !(fabs(number) <= 1e30))
+    if (count > 1 && (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != (int)count))
         return -1;
-    *value = strtof(member->value, NULL); /* not by way of the double: rounded once */
+    for (uint32_t i = 0; i < count; i++, one = one->next) {
+        if (take_number(one, &number) || !(fabs(number) <= 1e30))
+            return -1;
+        values[i] = (float)number;
+    }
     return 0;
 }
 
-static int take_coding(int field, const pupil_json_member *m, pupil_coding *c)
+static int take(const field *f, const cJSON *item, whole_text *t)
 {
-    switch (field) {
-    case MATRIX:
-        return take_word(m, matrices, LENGTH(matrices), &c->matrix);
-    case RANGE:
-        return take_word(m, ranges, LENGTH(ranges), &c->range);
-    case LIGHT:
-        return take_word(m, lights, LENGTH(lights), &c->light);
-    case BAYER:
-        return take_word(m, bayers, LENGTH(bayers), &c->bayer);
-    case SHIFT:
-        return take_u32(m, &c->shift);
-    case BLACK:
-        return take_float(m, &c->black);
-    case WHITE:
-        return take_float(m, &c->white);
-    case BALANCE:
-        return pupil_json_numbers(m, c->balance, 3);
+    void *at = (char *)t + f->offset;
+    double number;
+    switch (f->kind) {
+    case WORD:
+        return take_word(f, item, at);
+    case WHOLE:
+        if (take_number(item, &number) || !(number >= 0 && number <= UINT32_MAX) || number != floor(number))
+            return -1;
+        *(uint32_t *)at = (uint32_t)number;
+        return 0;
+    case FLOAT:
+        return take_floats(item, f->count, at);
     default:
-        return pupil_json_numbers(m, c->rgb_from_camera, 9);
+        return take_number(item, at) || !(*(double *)at > 0.0) ? -1 : 0;
     }
 }
 
-static int take(int field, const pupil_json_member *m, pupil_recording_about *a)
+static int take_all(const char *path, const cJSON *object, whole_text *t, char *why, size_t why_bytes)
 {
-    static const char *const format[] = {"pupil recording"};
-    uint32_t word = 0;
-    switch (field) {
-    case FORMAT:
-        return take_word(m, format, 1, &word);
-    case VERSION:
-        return take_u32(m, &word) || word != PUPIL_RECORDING_VERSION ? -1 : 0;
-    case CAMERA:
-        return pupil_json_string(m, a->camera, sizeof a->camera);
-    case PIXEL:
-        return take_pixel(m, &a->pixel);
-    case WIDTH:
-        return take_u32(m, &a->width);
-    case HEIGHT:
-        return take_u32(m, &a->height);
-    case FPS:
-        return pupil_json_number(m, &a->fps) || !(a->fps > 0.0) ? -1 : 0;
-    case STORED:
-        if (take_word(m, stored, LENGTH(stored), &word))
-            return -1;
-        a->jpeg = (int)word;
-        return 0;
-    default:
-        return take_coding(field, m, &a->coding);
+    const cJSON *version = cJSON_GetObjectItemCaseSensitive(object, "version");
+    for (size_t i = 0; i < FIELDS; i++) {
+        const field *f = &fields[i];
+        const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, f->name);
+        if (!item || take(f, item, t))
+            return pupil_refuse(why, why_bytes, "%s: \"%s\" %s %s", path, f->name,
+                                item ? "must be" : "is missing; it must be", f->right);
+        if (i == 0 && cJSON_GetNumberValue(version) != PUPIL_RECORDING_VERSION)
+            return pupil_refuse(why, why_bytes, "%s: \"version\" must be %d, the only one that this program reads",
+                                path, PUPIL_RECORDING_VERSION);
     }
+    return 0;
+}
+
+static unsigned line_of(const char *text, const char *at)
+{
+    unsigned line = 1;
+    for (; text < at; text++)
+        line += *text == '\n';
+    return line;
 }
 
 static int parse(const char *path, const char *text, pupil_recording_about *about, char *why, size_t why_bytes)
 {
-    pupil_json json;
-    pupil_json_member member;
-    unsigned seen = 0;
-    int got, field;
-    pupil_json_begin(&json, text);
-    while ((got = pupil_json_next(&json, &member)) > 0) {
-        for (field = 0; field < FIELDS && strcmp(fields[field].name, member.name); field++)
-            ;
-        if (field == FIELDS)
-            continue; /* of a later version, which says so where that matters */
-        if (take(field, &member, about))
-            return pupil_refuse(why, why_bytes, "%s:%u: \"%s\" must be %s", path, member.line, fields[field].name,
-                                fields[field].right);
-        seen |= 1u << field;
-    }
-    if (got < 0)
-        return pupil_refuse(why, why_bytes, "%s:%u: that is no JSON; an object as pupil record writes it was expected",
-                            path, json.line);
-    for (field = 0; field < FIELDS; field++)
-        if (field != CAMERA && !(seen & 1u << field))
-            return pupil_refuse(why, why_bytes, "%s: \"%s\" is missing; it must be %s", path, fields[field].name,
-                                fields[field].right);
-    return 0;
-}
-
-/* The whole file, ended with 0. Its length, or -1. */
-static ssize_t read_whole(const char *path, char *text, size_t text_bytes)
-{
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    size_t used = 0;
-    ssize_t got = fd < 0 ? -1 : 1;
-    while (got > 0 && used < text_bytes - 1) {
-        got = read(fd, text + used, text_bytes - 1 - used);
-        used += got > 0 ? (size_t)got : 0;
-    }
-    const int error = errno;
-    if (fd >= 0)
-        close(fd);
-    errno = error;
-    text[used] = 0;
-    return got < 0 ? -1 : (ssize_t)used;
+    const char *end = text;
+    whole_text t = {0};
+    cJSON *object = cJSON_ParseWithOpts(text, &end, 1);
+    int failed;
+    if (cJSON_IsObject(object))
+        failed = take_all(path, object, &t, why, why_bytes);
+    else
+        failed =
+            pupil_refuse(why, why_bytes, "%s:%u: that is no JSON; an object as pupil record writes it was expected",
+                         path, line_of(text, end));
+    cJSON_Delete(object);
+    *about = t.about;
+    return failed;
 }
 
 int pupil_recording_about_read(const char *folder, pupil_recording_about *about, char *why, size_t why_bytes)
@@ -270,70 +219,136 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
     char path[PATH_MAX], words[256];
     if (pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT))
         return pupil_refuse(why, why_bytes, "%s: the name is too long", folder);
-    char *text = malloc(ABOUT_MOST_BYTES);
-    if (!text)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
-    memset(about, 0, sizeof *about);
-    const ssize_t length = read_whole(path, text, ABOUT_MOST_BYTES);
+    FILE *file = fopen(path, "re");
+    char *text = calloc(1, ABOUT_MOST_BYTES);
+    const size_t length = file && text ? fread(text, 1, ABOUT_MOST_BYTES, file) : 0;
     int failed = 0;
-    if (length < 0)
+    if (!file || !text || ferror(file))
         failed = pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
-    else if (length == ABOUT_MOST_BYTES - 1 || strlen(text) != (size_t)length)
+    else if (length == ABOUT_MOST_BYTES || strlen(text) != length)
         failed = pupil_refuse(why, why_bytes, "%s: that is no recording.json: too long, or no text", path);
     else
         failed = parse(path, text, about, why, why_bytes);
+    if (file)
+        fclose(file);
     free(text);
     if (!failed && pupil_recording_check(about, words, sizeof words))
         failed = pupil_refuse(why, why_bytes, "%s: %s", path, words);
     return failed;
 }
 
+/* ---- a line of frames.jsonl ---- */
+
+static void print_whole(char text[32], int negative, uint64_t size)
+{
+    const char *quote = size > (uint64_t)EXACT_MOST ? "\"" : "";
+    snprintf(text, 32, "%s%s%" PRIu64 "%s", quote, negative ? "-" : "", size, quote);
+}
+
+static void print_number(char text[32], double number)
+{
+    snprintf(text, 32, isfinite(number) ? "%.17g" : "null", number);
+}
+
+/* Not by cJSON, which would take memory for every frame. */
+size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info,
+                            const float balance[3])
+{
+    char sequence[32], stamp[32], exposure[32], gain[32], own[96] = "";
+    const int64_t ns = info->timestamp_ns;
+    if (balance) /* 9 digits bring every float back */
+        snprintf(own, sizeof own, ",\"balance\":[%.9g,%.9g,%.9g]", (double)balance[0], (double)balance[1],
+                 (double)balance[2]);
+    print_whole(sequence, 0, info->sequence);
+    print_whole(stamp, ns < 0, ns < 0 ? -(uint64_t)ns : (uint64_t)ns);
+    print_number(exposure, info->exposure_s);
+    print_number(gain, info->gain);
+    return (size_t)snprintf(line, PUPIL_RECORDING_LINE_BYTES,
+                            "{\"frame\":%" PRIu64 ",\"sequence\":%s,\"timestamp_ns\":%s,\"exposure_s\":%s,\"gain\":%s"
+                            "%s}\n",
+                            frame, sequence, stamp, exposure, gain, own);
+}
+
+/* In quotes where it is too large for a double. */
+static int take_signed(const cJSON *item, int64_t *value)
+{
+    double number;
+    char *end;
+    errno = 0;
+    if (cJSON_IsString(item)) {
+        *value = strtoll(item->valuestring, &end, 10);
+        return errno || *end || end == item->valuestring ? -1 : 0;
+    }
+    if (take_number(item, &number) || !(fabs(number) <= EXACT_MOST) || number != floor(number))
+        return -1;
+    *value = (int64_t)number;
+    return 0;
+}
+
+static int take_whole(const cJSON *item, uint64_t *value)
+{
+    int64_t number;
+    char *end;
+    errno = 0;
+    if (cJSON_IsString(item)) {
+        *value = strtoull(item->valuestring, &end, 10);
+        return errno || *end || end == item->valuestring || strchr(item->valuestring, '-') ? -1 : 0;
+    }
+    if (take_signed(item, &number) || number < 0)
+        return -1;
+    *value = (uint64_t)number;
+    return 0;
+}
+
+static int take_known(const cJSON *item, double *number)
+{
+    *number = 0;
+    return cJSON_IsNull(item) ? 0 : take_number(item, number); /* null: unknown */
+}
+
 /* Of one frame: three factors that a coding can have. */
-static int take_balance(const pupil_json_member *member, float balance[3])
+static int take_balance(const cJSON *item, float balance[3])
 {
     pupil_coding coding = {0};
-    if (pupil_json_numbers(member, coding.balance, 3) ||
-        pupil_coding_check(&coding, PUPIL_PIXEL_BAYER16, NULL) != PUPIL_OK)
+    if (take_floats(item, 3, coding.balance) || pupil_coding_check(&coding, PUPIL_PIXEL_BAYER16, NULL) != PUPIL_OK)
         return -1;
     memcpy(balance, coding.balance, sizeof coding.balance);
+    return 0;
+}
+
+static int take_line(const cJSON *object, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
+                     size_t why_bytes)
+{
+    static const char *const names[] = {"frame", "sequence", "timestamp_ns", "exposure_s", "gain", "balance"};
+    for (int i = 0; i < 6; i++) {
+        const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, names[i]);
+        if (!item && i < 5)
+            return pupil_refuse(why, why_bytes, "\"%s\" is missing", names[i]);
+        const int wrong = !item    ? 0
+                          : i == 0 ? take_whole(item, frame)
+                          : i == 1 ? take_whole(item, &info->sequence)
+                          : i == 2 ? take_signed(item, &info->timestamp_ns)
+                          : i == 3 ? take_known(item, &info->exposure_s)
+                          : i == 4 ? take_known(item, &info->gain)
+                                   : take_balance(item, balance);
+        if (wrong)
+            return pupil_refuse(why, why_bytes, "\"%s\" must be %s", names[i],
+                                i < 3   ? "a whole number, in quotes where it is above 2^53"
+                                : i < 5 ? "a number"
+                                        : "a list of three factors from 2^-10 to 2^10");
+    }
     return 0;
 }
 
 int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
                               size_t why_bytes)
 {
-    static const char *const names[] = {"frame", "sequence", "timestamp_ns", "exposure_s", "gain"};
-    pupil_json json;
-    pupil_json_member m;
-    unsigned seen = 0;
-    int got;
+    cJSON *object = cJSON_ParseWithOpts(line, NULL, 1);
     memset(info, 0, sizeof *info);
-    pupil_json_begin(&json, line);
-    while ((got = pupil_json_next(&json, &m)) > 0) {
-        size_t field = 0;
-        if (strcmp(m.name, "balance") == 0 && take_balance(&m, balance))
-            return pupil_refuse(why, why_bytes, "\"balance\" must be a list of three factors from 2^-10 to 2^10");
-        while (field < LENGTH(names) && strcmp(names[field], m.name))
-            field++;
-        if (field == LENGTH(names))
-            continue;
-        const int wrong = field == 0   ? pupil_json_whole(&m, frame)
-                          : field == 1 ? pupil_json_whole(&m, &info->sequence)
-                          : field == 2 ? pupil_json_signed(&m, &info->timestamp_ns)
-                          : field == 3 ? pupil_json_number(&m, &info->exposure_s)
-                                       : pupil_json_number(&m, &info->gain);
-        if (wrong)
-            return pupil_refuse(why, why_bytes, "\"%s\" must be a %snumber", names[field], field < 3 ? "whole " : "");
-        seen |= 1u << field;
-    }
-    if (got < 0)
-        return pupil_refuse(why, why_bytes, "that is no JSON; a line as pupil record writes it was expected");
-    if (isnan(info->exposure_s)) /* null: unknown */
-        info->exposure_s = 0;
-    if (isnan(info->gain))
-        info->gain = 0;
-    for (size_t field = 0; field < LENGTH(names); field++)
-        if (!(seen & 1u << field))
-            return pupil_refuse(why, why_bytes, "\"%s\" is missing", names[field]);
-    return 0;
+    const int failed =
+        cJSON_IsObject(object)
+            ? take_line(object, frame, info, balance, why, why_bytes)
+            : pupil_refuse(why, why_bytes, "that is no JSON; a line as pupil record writes it was expected");
+    cJSON_Delete(object);
+    return failed;
 }

@@ -28,7 +28,7 @@ struct pupil_recorder {
     char folder[PATH_MAX];
     int wait;
     size_t frame_bytes; /* of raw frames */
-    pupil_mkv_writer mkv;
+    pupil_mkv_writer *mkv;
     int frames_fd, lines_fd;
     off_t lines_end;
     uint64_t lines;
@@ -59,7 +59,7 @@ static int fail(pupil_recorder *r, const char *name)
 static int write_slot(pupil_recorder *r, const slot *s)
 {
     char line[PUPIL_RECORDING_LINE_BYTES];
-    if (pupil_mkv_frame(&r->mkv, s->info.timestamp_ns, s->bytes, s->size))
+    if (pupil_mkv_write(r->mkv, s->info.timestamp_ns, s->bytes, s->size))
         return fail(r, PUPIL_RECORDING_FRAMES);
     const size_t length =
         pupil_recording_line(line, r->lines, &s->info,
@@ -87,7 +87,7 @@ static int to_disk(int fd)
 
 static int complete(pupil_recorder *r)
 {
-    if (pupil_mkv_end(&r->mkv) || to_disk(r->frames_fd))
+    if (pupil_mkv_finish(r->mkv) || to_disk(r->frames_fd))
         return fail(r, PUPIL_RECORDING_FRAMES);
     return to_disk(r->lines_fd) ? fail(r, PUPIL_RECORDING_LINES) : 0;
 }
@@ -209,7 +209,7 @@ void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
 
 /* ---- open ---- */
 
-static int make_files(pupil_recorder *r, char *why, size_t why_bytes)
+static int make_files(pupil_recorder *r, const char *camera, char *why, size_t why_bytes)
 {
     r->frames_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_FRAMES, why, why_bytes);
     if (r->frames_fd < 0)
@@ -217,10 +217,10 @@ static int make_files(pupil_recorder *r, char *why, size_t why_bytes)
     r->lines_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_LINES, why, why_bytes);
     if (r->lines_fd < 0)
         return -1;
-    if (pupil_mkv_begin(&r->mkv, r->frames_fd, &r->about))
+    if (pupil_mkv_create(&r->mkv, r->frames_fd, &r->about))
         return pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_FRAMES ": cannot be written: %s", r->folder,
                             strerror(errno));
-    return pupil_recording_about_write(r->folder, &r->about, why, why_bytes);
+    return pupil_recording_about_write(r->folder, &r->about, camera, why, why_bytes);
 }
 
 static int make_slots(pupil_recorder *r, unsigned room)
@@ -262,12 +262,11 @@ static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_re
     a->fps = options->fps;
     if (first->image.coding)
         a->coding = *first->image.coding;
-    if (options->camera)
-        snprintf(a->camera, sizeof a->camera, "%s", options->camera);
 }
 
 static void free_recorder(pupil_recorder *r)
 {
+    pupil_mkv_free(r->mkv);
     if (r->frames_fd >= 0)
         close(r->frames_fd);
     if (r->lines_fd >= 0)
@@ -295,7 +294,7 @@ static int begin(pupil_recorder *r, const pupil_recorder_options *options, char 
     const int made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why, why_bytes);
     if (made_folder < 0)
         return -1;
-    int failed = make_files(r, why, why_bytes);
+    int failed = make_files(r, options->camera, why, why_bytes);
     if (!failed && start(r))
         failed = pupil_refuse(why, why_bytes, "%s: no thread can be started", r->folder);
     if (!failed)

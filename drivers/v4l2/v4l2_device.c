@@ -86,6 +86,8 @@ static int open_path(pupil_v4l2_device *d, const char *path, char *why, size_t w
         if (errno == EACCES)
             snprintf(why, why_bytes, "%s: permission denied; the user must be in the node's group, most often 'video'",
                      path);
+        else if (errno == ENOENT)
+            snprintf(why, why_bytes, "%s: is not there; 'pupil list' shows the cameras that are", path);
         else
             pupil_v4l2_failed(d, "cannot be opened", errno, why, why_bytes);
         return -1;

@@ -54,7 +54,7 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
-    a->noise = NOISE_EV;
+    a->noise = 2.0 * NOISE_EV;
     a->slopes = 0;
     a->slope = 1.0;
     for (int i = 0; i < 3; i++)
@@ -108,13 +108,15 @@ static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
 {
     pupil_sensor_answer *a = &o->answer;
     const double scale = 1.0 / (3.0 * a->noise * a->noise);
-    double best = FAR_AWAY;
+    double best = FAR_AWAY, told = 0.0, least_paid = FAR_AWAY;
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++) {
         double last = FAR_AWAY, paid = 0.0;
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
             const double all = step[0][e] + step[1][g], left = left_over(o, all, least, most);
             paid = left == last ? paid : 2.0 * pupil_log2(1.0 + left * left * scale);
             last = left;
+            told = e == TOLD && g == TOLD ? paid : told;
+            least_paid = paid < least_paid ? paid : least_paid;
             a->price[e][g] = (float)((double)a->price[e][g] + paid);
             best = (double)a->price[e][g] < best ? (double)a->price[e][g] : best;
         }
@@ -124,6 +126,7 @@ static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
             const double more = (double)a->price[e][g] - best;
             a->price[e][g] = (float)(more < MOST ? more : MOST);
         }
+    a->is_told &= told - least_paid < ALIVE;
 }
 
 /* The pairs of guesses from the one that is taken where nothing speaks for another: what is told, then the longest. */
@@ -161,6 +164,19 @@ static void survey(pupil_sensor_answer *a, int never)
         }
     if (!a->alive[0] && !never)
         survey(a, 1);
+    if (never) /* whatever is done next shows which of the two it is */
+        a->low = a->high = a->taken[0] + a->taken[1];
+}
+
+/* What info says of a control was not asked for in the last frames; and the picture has nothing against that. */
+static int is_unheard(const pupil_sensor_answer *a, int c)
+{
+    for (uint32_t h = 1; h <= PUPIL_SENSOR_DELAYS; h++) {
+        const double off = a->told[c] - in_force(a, c, h, 0);
+        if (off < 0.05 && off > -0.05)
+            return 0;
+    }
+    return a->alive[c] & 1u << TOLD;
 }
 
 static double middle_of(const double x[3])
@@ -256,7 +272,7 @@ static uint32_t delay_of(const pupil_sensor_answer *a, int control)
         delay = price < best ? h : delay;
         best = price < best ? price : best;
     }
-    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR)
+    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR + 1.0)
         return delay;
     return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
 }
@@ -283,6 +299,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         if (!(a->alive[c] >> NEVER & 1))
             a->anchor[c] = a->taken[c];
     }
+    a->unheard = is_unheard(a, 0) || is_unheard(a, 1);
     a->has_level = !light->dead;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++)
         a->low_of[i] = light->low[i], a->high_of[i] = light->high[i];
@@ -298,7 +315,14 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
     return longest ? longest : o->config.delay_frames;
 }
 
+/* Frames after which a setting is in force, or never will be: what is told tells it by itself. */
+uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *o)
+{
+    return o->answer.alive[0] & o->answer.alive[1] & 1u << TOLD ? PUPIL_SENSOR_DELAYS : pupil_sensor_longest_delay(o);
+}
+
 int pupil_sensor_disobeys(const pupil_sensor_object *o)
 {
-    return (o->answer.alive[0] | o->answer.alive[1]) >> NEVER & 1;
+    const pupil_sensor_answer *a = &o->answer;
+    return ((a->alive[0] | a->alive[1]) >> NEVER & 1) || a->unheard;
 }

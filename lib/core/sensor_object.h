@@ -31,6 +31,7 @@ typedef struct pupil_sensor_answer {
     uint32_t delay[2];  /* found; 0: not yet */
     uint32_t in_flight; /* the last setting may not be in force yet */
     uint32_t has_level;
+    uint32_t unheard;    /* info says of a control what was not asked for */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
@@ -50,7 +51,9 @@ typedef struct pupil_sensor_object {
     int32_t direction;                 /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
     uint32_t looking;                  /* what is known is a guess: the next frame counts at once */
     uint32_t odd_frames;               /* in a row that are far off on one side, before anything is done about it */
-    uint32_t turns;                    /* large steps that turned back, without any rest between */
+    uint32_t turns;                    /* large steps that turned back, with little rest between */
+    uint32_t calm;                     /* frames of rest since the last large step */
+    int32_t last_direction;            /* of the last large step, guessed or not; 0 after some rest */
     double odd_ev;                     /* the least that these were off by */
     double last_size, last_total_log2; /* of the last large step: stops it was for, and where it began */
     double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
@@ -77,9 +80,10 @@ double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);
 
-/* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed. */
-void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double *mean,
-                        double *highlight);
+/* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed; and by how much
+ * clip lowers the mean of such a scene where that is as wanted. */
+void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double wanted, double *mean,
+                        double *highlight, double *lost);
 
 void pupil_sensor_choose(pupil_sensor_object *object, int anew);
 void pupil_sensor_advance(pupil_sensor_object *object, const pupil_sensor_light *light, const pupil_frame_info *info);
@@ -89,6 +93,7 @@ void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *s
 void pupil_sensor_answer_reset(pupil_sensor_object *object);
 void pupil_sensor_answer_frame(pupil_sensor_object *object, const pupil_sensor_light *light, uint64_t sequence);
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
+uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *object);
 int pupil_sensor_disobeys(const pupil_sensor_object *object);
 
 #endif

@@ -22,17 +22,23 @@ static double clamp(double x, double low, double high)
 #define HIGHLIGHT_STEP_EV 0.40
 #define LEAST_STRIDE      0.125
 
-/* Turns without rest from which on a camera counts as one that cannot be approached: the strides have come down to the
- * least. */
-#define MOST_TURNS 4
+/* Turns with less than so many frames of rest between, from which on a camera counts as one that cannot be approached;
+ * and as approached. */
+#define MOST_TURNS 5
+#define CALM       20
+#define LONG_CALM  300
 #define PATIENCE_S 1.0
+/* More than what is rounded down: a third of a stop, and hold_ev. */
+#define UNSEEN_EV 0.4
+/* Where nothing that is asked for is seen to be done, frames beyond flash_frames that have to say the same. */
+#define LESS_BELIEF 8
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
 {
-    return o->waited < pupil_sensor_longest_delay(o) && o->answer.in_flight;
+    return o->waited < pupil_sensor_longest_wait(o) && o->answer.in_flight;
 }
 
 /* Seconds since the frame before. */
@@ -76,13 +82,13 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
     const pupil_sensor_config *c = &o->config;
     const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
     const double slope = o->answer.slope;
-    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight;
-    pupil_sensor_guess(c, light, &mean, &highlight);
+    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight, lost;
+    pupil_sensor_guess(c, light, wanted, &mean, &highlight, &lost);
     o->setting.scene_ev = light->mean - frame_log2;
     if (target < frame_log2 - c->far_ev) {
         *guessed = mean > light->mean;
-        target =
-            light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV : frame_log2 + (wanted - mean) / slope;
+        target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
+                                                       : frame_log2 + (wanted + lost - mean) / slope;
         o->setting.scene_ev = mean - frame_log2;
     }
     if (light->has_highlight) {
@@ -107,10 +113,19 @@ static int is_flash(pupil_sensor_object *o, double *off)
     if (!same_side || (*off < 0.0 ? *off > o->odd_ev : *off < o->odd_ev))
         o->odd_ev = *off;
     o->odd_frames = same_side ? o->odd_frames + (o->odd_frames < 16) : 1;
-    if (!o->looking && o->odd_frames <= o->config.flash_frames)
+    const uint32_t needed = o->config.flash_frames + (pupil_sensor_disobeys(o) ? LESS_BELIEF : 0);
+    if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= needed)
         return 1;
     *off = o->odd_ev;
     return 0;
+}
+
+/* Until the light is further off than this, or for a time that doubles with every vain search. */
+static void stand_still(pupil_sensor_object *o, double band_ev)
+{
+    o->band_ev = band_ev;
+    o->patience_s = o->patience_s > 0.0 ? 2.0 * o->patience_s : PATIENCE_S;
+    o->stood_s = 0.0;
 }
 
 /* A large step that goes back on the one before, without any rest between them, goes half the way, the next one of that
@@ -124,18 +139,20 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     const int32_t direction = off > 0.0 ? 1 : -1;
     const double size = off < 0.0 ? -off : off;
     uint32_t reason = PUPIL_SENSOR_NO_REASON;
-    if (o->direction == -direction) {
+    if (o->direction == -direction || (o->last_direction == -direction && o->turns > 0))
         o->stride *= o->stride > LEAST_STRIDE ? 0.5 : 1.0;
+    if (o->last_direction == -direction) {
         if (++o->turns >= MOST_TURNS) {
-            o->band_ev = 1.5 * (size > o->last_size ? size : o->last_size);
             o->total_log2 = size > o->last_size ? o->last_total_log2 : o->total_log2;
-            o->patience_s = o->patience_s > 0.0 ? 2.0 * o->patience_s : PATIENCE_S;
-            o->stood_s = 0.0;
+            stand_still(o, 1.5 * (size > o->last_size ? size : o->last_size));
             o->waited = 0;
-            o->direction = 0;
+            o->direction = o->last_direction = 0;
             return PUPIL_SENSOR_UNSTEADY;
         }
     }
+    if (guessed && pupil_sensor_disobeys(o)) /* nothing is known and nothing can be done */
+        stand_still(o, 1.5 * size);
+    o->last_direction = direction;
     o->last_size = size;
     o->last_total_log2 = o->total_log2;
     off *= o->stride;
@@ -151,6 +168,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     o->total_log2 += off;
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
+    o->calm = 0;
     o->odd_frames = 0;
     return reason;
 }
@@ -165,9 +183,9 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     const int pending = is_pending(o);
     if (o->band_ev > 0.0) {
         o->stood_s += o->setting.dt_s;
-        if (size <= o->band_ev && (size <= far_ev || o->stood_s < o->patience_s))
+        if (size <= o->band_ev && o->stood_s < o->patience_s)
             return PUPIL_SENSOR_UNSTEADY;
-        o->turns = o->stood_s < o->patience_s ? 0 : MOST_TURNS - 1;
+        o->turns = o->stood_s < o->patience_s ? 0 : MOST_TURNS - 2;
         o->band_ev = 0.0;
     }
     if (size > far_ev) {
@@ -182,7 +200,11 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
     weight = weight < most_weight ? weight : most_weight;
     o->direction = 0;
-    o->turns = 0;
+    o->calm += o->calm < LONG_CALM;
+    if (o->calm >= CALM)
+        o->turns = 0, o->last_direction = 0;
+    if (o->calm >= LONG_CALM)
+        o->patience_s = 0.0;
     o->looking = 0;
     o->stride = 1.0;
     /* the last 5 thousandths to a limit are not seen, and then all of it is used */
@@ -197,6 +219,7 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const int by_hand = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
+    const double unseen = o->total_log2 - o->answer.taken[0] - o->answer.taken[1];
     const int far = s->error_ev > far_ev || s->error_ev < -far_ev;
     if (slow == PUPIL_SENSOR_FLASH) { /* the state is what it was */
         s->reason = slow;
@@ -206,9 +229,12 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     if (c->lock || by_hand) {
         s->state = PUPIL_SENSOR_LOCKED;
         reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_BY_HAND;
+    } else if (pupil_sensor_disobeys(o) && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV)) {
+        s->state = PUPIL_SENSOR_LIMITED;
+        reason = PUPIL_SENSOR_IGNORED;
     } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = PUPIL_SENSOR_UNSTEADY;
+        reason = pupil_sensor_disobeys(o) ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
     } else if (far || is_pending(o)) {
         s->state = clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         reason = slow ? slow : reason;

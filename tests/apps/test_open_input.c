@@ -20,8 +20,9 @@ int main(int argc, char **argv)
     check_refused("v4l2:/dev/null", NULL, "/dev/null: is no video device; a camera is /dev/video0 or its like");
     check_refused("v4l2:99999", NULL, "99999: the number of a video node is 255 at most");
     check_refused("v4l2:", NULL, "no camera was named");
-    check_refused("/dev/video-none", NULL, "/dev/video-none: cannot be opened: No such file or directory");
-    check_refused("/dev/v4l/by-id/none", NULL, "/dev/v4l/by-id/none: cannot be opened: No such file or directory");
+    check_refused("/dev/video-none", NULL, "/dev/video-none: is not there; 'pupil list' shows the cameras that are");
+    check_refused("/dev/v4l/by-id/none", NULL,
+                  "/dev/v4l/by-id/none: is not there; 'pupil list' shows the cameras that are");
     check_refused("v4l2:0", "a.png", "v4l2:0: a camera must be the only input");
     check_refused("a.png", "/dev/video0", "/dev/video0: a camera must be the only input");
     check_refused("synth:walk", "v4l2:0", "synth:walk: a synthetic scene must be the only input");

@@ -130,6 +130,20 @@ static inline int frames_same(const pupil_frame *a, const pupil_frame *b)
            memcmp(a->image.coding, b->image.coding, sizeof *a->image.coding) == 0;
 }
 
+/* Where each frame ends in these bytes of a frames.mkv: its pixels, found by content. */
+static inline void frames_ends(const test_frames *f, unsigned char *bytes, size_t size, size_t *ends)
+{
+    unsigned char *from = bytes;
+    for (int i = 0; i < f->count; i++) {
+        const pupil_image_const *image = &f->frame[i].image;
+        const size_t row = pupil_row_bytes(image->pixel, image->width);
+        from = memmem(from, size - (size_t)(from - bytes), image->data, row);
+        CHECK(from);
+        from += row * image->height;
+        ends[i] = (size_t)(from - bytes);
+    }
+}
+
 /* How many frames came back, each as it was; -1: one was another, or (with a sentence in `why`) the recording fails. */
 static inline int frames_replay(const test_frames *f, const char *folder, char why[PUPIL_WHY_BYTES])
 {

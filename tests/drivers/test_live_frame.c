@@ -1,6 +1,7 @@
 /* What a frame of a camera under control costs: no memory at all, from any thread, no page fault, and few system calls,
  * each of a kind that is named here. The allocator is wrapped by the linker (tests/CMakeLists.txt), the system calls
- * are counted in the table that the camera's side makes all of them through. */
+ * are counted in the table that the camera's side makes all of them through. What shared libraries take is not counted:
+ * libavformat's share, on the recorder's thread (docs/realtime.md). Page faults are, of every thread. */
 #include <linux/videodev2.h>
 #include <stdatomic.h>
 #include <sys/mman.h>

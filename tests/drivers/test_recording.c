@@ -52,6 +52,38 @@ static void test_unknown(void)
     frames_free(&frames);
 }
 
+/* Whole numbers come back in full, however large, and are quoted where a double would round them. */
+static void test_large(void)
+{
+    static const struct {
+        uint64_t sequence;
+        int64_t ns;
+        const char *line;
+    } large[] = {
+        {UINT64_C(1) << 53, -(INT64_C(1) << 53), "\"sequence\":9007199254740992,\"timestamp_ns\":-9007199254740992,"},
+        {(UINT64_C(1) << 53) + 1, (INT64_C(1) << 53) + 1,
+         "\"sequence\":\"9007199254740993\",\"timestamp_ns\":\"9007199254740993\","},
+        {UINT64_MAX, INT64_MIN, "\"sequence\":\"18446744073709551615\",\"timestamp_ns\":\"-9223372036854775808\","},
+        {0, INT64_MAX, "\"sequence\":0,\"timestamp_ns\":\"9223372036854775807\","}};
+    const char *folder = scratch("large");
+    static char lines[4096];
+    test_frames frames;
+    frames_make(&frames, PUPIL_PIXEL_GREY8, 4, 4, 4);
+    for (int i = 0; i < 4; i++) {
+        frames.frame[i].info.sequence = large[i].sequence;
+        frames.frame[i].info.timestamp_ns = large[i].ns;
+    }
+    CHECK(frames_record(&frames, folder, &waiting, why) == 4);
+    CHECK_MSG(frames_replay(&frames, folder, why) == 4, "%s", why);
+    FILE *f = fopen(scratch("large/frames.jsonl"), "r");
+    lines[f ? fread(lines, 1, sizeof lines - 1, f) : 0] = 0;
+    fclose(f);
+    for (int i = 0; i < 4; i++)
+        CHECK_MSG(strstr(lines, large[i].line), "%s", large[i].line);
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
 /* ---- the queue ---- */
 
 /* More frames at once than one slot and any disk can take: what is not written is counted, and the rest is in order. */
@@ -125,7 +157,12 @@ static void test_refused(void)
 
     frames.frame[0].image.pixel = PUPIL_PIXEL_BGRX8;
     check_refused(&frames, folder, "refused: frames of pixel format 8 cannot be recorded");
+    frames.frame[0].image.pixel = PUPIL_PIXEL_RGBA16F; /* one row too many: 2^28 - 4 bytes are what Matroska's have */
+    frames.frame[0].image.width = 8192;
+    frames.frame[0].image.height = 4096;
+    check_refused(&frames, folder, "refused: frames of 268435456 bytes cannot be recorded; at most 268435452 can");
     frames.frame[0].image.pixel = PUPIL_PIXEL_BAYER10;
+    frames.frame[0].image.height = 4;
     frames.frame[0].image.width = 7;
     check_refused(&frames, folder, "refused: frames of 7 x 4 pixels; of bayer10 the width is a multiple of 2");
     frames.frame[0].image.width = 8;
@@ -145,36 +182,49 @@ static void test_refused(void)
 
 /* ---- the disk is full ---- */
 
-/* Bytes behind the last whole frame, each of so many. */
-static size_t left_over(const char *folder, size_t frame)
+#define FULL 100
+
+static size_t mkv_of_full(unsigned char *bytes, size_t most)
 {
-    static unsigned char bytes[16384];
-    char path[1100];
-    snprintf(path, sizeof path, "%s/frames.mkv", folder);
-    FILE *f = fopen(path, "r");
-    const size_t size = f ? fread(bytes, 1, sizeof bytes, f) : 0;
+    FILE *f = fopen(scratch("full/frames.mkv"), "r");
+    const size_t size = f ? fread(bytes, 1, most, f) : 0;
     if (f)
         fclose(f);
-    const unsigned char *first = memmem(bytes, size, "\x1f\x43\xb6\x75", 4); /* a cluster's ID */
-    return first ? (size - (size_t)(first - bytes)) % frame : 0;
+    return size;
+}
+
+/* No file may have more bytes than that; each whole frame has its place in what is not limited. */
+static void check_full(const test_frames *frames, const size_t *ends, unsigned long limit)
+{
+    static unsigned char bytes[1 << 17];
+    const char *folder = scratch("full");
+    int right = 0;
+    while (right < FULL && ends[right] <= limit)
+        right++;
+    scratch_limit(limit);
+    const int taken = frames_record(frames, folder, &waiting, why);
+    scratch_limit(0);
+    CHECK_MSG(taken < 0 && strstr(why, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why);
+    const int there = scratch_exists(folder) ? frames_replay(frames, folder, why) : 0;
+    CHECK_MSG(there == right, "%lu: %d of %d: %s", limit, there, right, why);
+    CHECK_MSG(!right || mkv_of_full(bytes, sizeof bytes) == ends[right - 1], "%lu: not the end of a frame", limit);
+    scratch_clear(folder);
 }
 
 static void test_full(void)
 {
+    static unsigned char bytes[1 << 17];
     test_frames frames;
-    frames_make(&frames, PUPIL_PIXEL_GREY16, 16, 16, 100);
+    size_t ends[FULL];
     const char *folder = scratch("full");
-    for (unsigned long limit = 1; limit < 8000; limit += 1 + check_random() % 400) {
-        scratch_limit(limit);
-        const int taken = frames_record(&frames, folder, &waiting, why);
-        scratch_limit(0);
-        CHECK_MSG(taken < 0 && strstr(why, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why);
-        const int there = scratch_exists(folder) ? frames_replay(&frames, folder, why) : 0;
-        const int right = limit < 1100 ? 0 : (int)((limit - 500) / 554); /* of 512 bytes and 42 before them */
-        CHECK_MSG(left_over(folder, 554) == 0, "%lu: %d", limit, (int)left_over(folder, 554));
-        CHECK_MSG(there >= 0 && abs(there - right) <= 1, "%lu: %d of %d: %s", limit, there, right, why);
-        scratch_clear(folder);
-    }
+    frames_make(&frames, PUPIL_PIXEL_GREY16, 16, 16, FULL);
+    CHECK(frames_record(&frames, folder, &waiting, why) == FULL);
+    frames_ends(&frames, bytes, mkv_of_full(bytes, sizeof bytes), ends);
+    scratch_clear(folder);
+    for (unsigned long limit = 1; limit < 8000; limit += 1 + check_random() % 400)
+        check_full(&frames, ends, limit);
+    check_full(&frames, ends, ends[FULL - 1]); /* of what follows them, nothing or a part */
+    check_full(&frames, ends, ends[FULL - 1] + 100);
     frames_free(&frames);
 }
 
@@ -211,21 +261,21 @@ static void test_texts(void)
     static const char *const about[][3] = {
         {"{", "", "recording.json:2: that is no JSON"},
         {"\"raw\",", "\"raw\"", "recording.json:10: that is no JSON"},
-        {"pupil recording", "else", "recording.json:2: \"format\" must be \"pupil recording\""},
-        {"\"version\": 1", "\"version\": 2", "recording.json:3: \"version\" must be 1"},
-        {"bayer12", "bayer13", "recording.json:5: \"pixel\" must be a pixel format"},
-        {"bayer12", "bgrx8", "recording.json:5: \"pixel\" must be a pixel format"},
-        {"\"width\": 8", "\"width\": 8.5", "recording.json:6: \"width\" must be a whole number"},
-        {"\"width\": 8", "\"width\": -8", "recording.json:6: \"width\" must be a whole number"},
-        {"\"width\": 8", "\"width\": 4294967304", "recording.json:6: \"width\" must be a whole number"},
-        {"\"width\": 8", "\"width\": 7", "recording.json: frames of 7 x 4 pixels"},
-        {"\"width\": 8", "\"width\": 10", "frames.mkv: frame 0 has 64 bytes; 10 x 4 pixels of bayer12 have 80"},
-        {"\"fps\": 29", "\"fps\": -29", "recording.json:8: \"fps\" must be a number above 0"},
-        {"\"raw\"", "\"cooked\"", "recording.json:9: \"stored\" must be \"raw\" or \"jpeg\""},
-        {"\"shift\": 0", "\"shift\": 9", "recording.json: the coding of the frames: shift"},
-        {"\"black\": 1", "\"black\": x1", "that is no JSON"},
+        {"pupil recording", "else", "recording.json: \"format\" must be \"pupil recording\""},
+        {"\"version\":\t1", "\"version\":\t2", "recording.json: \"version\" must be 1"},
+        {"bayer12", "bayer13", "recording.json: \"pixel\" must be a pixel format"},
+        {"bayer12", "bgrx8", "recording.json: \"pixel\" must be a pixel format"},
+        {"\"width\":\t8", "\"width\":\t8.5", "recording.json: \"width\" must be a whole number"},
+        {"\"width\":\t8", "\"width\":\t-8", "recording.json: \"width\" must be a whole number"},
+        {"\"width\":\t8", "\"width\":\t4294967304", "recording.json: \"width\" must be a whole number"},
+        {"\"width\":\t8", "\"width\":\t7", "recording.json: frames of 7 x 4 pixels"},
+        {"\"width\":\t8", "\"width\":\t10", "frames.mkv: frame 0 has 64 bytes; 10 x 4 pixels of bayer12 have 80"},
+        {"\"fps\":\t29", "\"fps\":\t-29", "recording.json: \"fps\" must be a number above 0"},
+        {"\"raw\"", "\"cooked\"", "recording.json: \"stored\" must be \"raw\" or \"jpeg\""},
+        {"\"shift\":\t0", "\"shift\":\t9", "recording.json: the coding of the frames: shift"},
+        {"\"black\":\t1", "\"black\":\tx1", "that is no JSON"},
         {"\"black\"", "\"blank\"", "recording.json: \"black\" is missing; it must be a number"},
-        {"balance\": [", "balance\": [1, ", "\"balance\" must be a list of three numbers"},
+        {"balance\":\t[", "balance\":\t[1, ", "\"balance\" must be a list of three numbers"},
         {"\n}", "\n}}", "that is no JSON"},
     };
     static const char *const lines[][3] = {
@@ -234,7 +284,8 @@ static void test_texts(void)
         {"\"frame\":1,", "", "frames.jsonl:2: \"frame\" is missing"},
         {"\"gain\":", "\"gain\":\"1\",\"x\":", "frames.jsonl:1: \"gain\" must be a number"},
         {"\"timestamp_ns\":0", "\"timestamp_ns\":0.5", "frames.jsonl:1: \"timestamp_ns\" must be a whole number"},
-        {"\"sequence\":1", "\"sequence\":99", "frames.jsonl:"},
+        {"\"sequence\":\"1", "\"sequence\":\"99", "frames.jsonl:"},
+        {"\"timestamp_ns\":0", "\"timestamp_ns\":9007199254740994", "a whole number, in quotes where it is above 2^53"},
     };
     test_frames frames;
     frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 4);
@@ -248,7 +299,7 @@ static void test_texts(void)
         check_text(folder, "frames.jsonl", lines[i][0], lines[i][1], lines[i][2]);
     CHECK(frames_replay(&frames, folder, why) == 4);
     scratch_put(scratch("texts/frames.mkv"), "no Matroska at all, but long enough for a head");
-    CHECK(frames_replay(&frames, folder, why) == -1 && strstr(why, "frames.mkv: is no Matroska at byte 0"));
+    CHECK(frames_replay(&frames, folder, why) == -1 && strstr(why, "frames.mkv: is no Matroska"));
     scratch_clear(folder);
     CHECK(!pupil_is_recording(folder));
     frames_free(&frames);
@@ -284,6 +335,7 @@ int main(int argc, char **argv)
     scratch_begin();
     test_round_trip();
     test_unknown();
+    test_large();
     test_lost();
     test_refused();
     test_full();

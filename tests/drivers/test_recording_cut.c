@@ -130,20 +130,6 @@ static void test_killed(void)
 
 /* ---- cut and damaged ---- */
 
-/* Where each frame ends in frames.mkv: its pixels, found by content. */
-static void find_ends(const test_frames *frames, const file *mkv, size_t *ends)
-{
-    unsigned char *from = mkv->bytes;
-    for (int i = 0; i < frames->count; i++) {
-        const pupil_image_const *image = &frames->frame[i].image;
-        const size_t row = pupil_row_bytes(image->pixel, image->width);
-        from = memmem(from, mkv->size - (size_t)(from - mkv->bytes), image->data, row);
-        CHECK(from);
-        from += row * image->height;
-        ends[i] = (size_t)(from - mkv->bytes);
-    }
-}
-
 static void test_cut(void)
 {
     test_frames frames;
@@ -152,7 +138,7 @@ static void test_cut(void)
     const char *folder = scratch("cut");
     CHECK(frames_record(&frames, folder, &waiting, why) == 8);
     file mkv = load(folder, "frames.mkv"), lines = load(folder, "frames.jsonl"), about = load(folder, "recording.json");
-    find_ends(&frames, &mkv, ends);
+    frames_ends(&frames, mkv.bytes, mkv.size, ends);
     for (size_t size = 0; size <= mkv.size; size++) {
         int right = 0;
         while (right < 8 && size >= ends[right])
@@ -198,12 +184,48 @@ static void test_cut(void)
     frames_free(&frames);
 }
 
+/* A frame in the middle that Matroska's readers pass over: its line is not given another's pixels. */
+static void test_passed_over(void)
+{
+    test_frames frames;
+    const char *folder = scratch("over");
+    frames_make(&frames, PUPIL_PIXEL_BAYER8, 16, 4, 8);
+    CHECK(frames_record(&frames, folder, &waiting, why) == 8);
+    file mkv = load(folder, "frames.mkv");
+    unsigned char *at = mkv.bytes - 1;
+    for (int i = 0; i < 8; i++) {
+        at = memmem(at + 1, mkv.size - (size_t)(at + 1 - mkv.bytes), "\x1f\x43\xb6\x75", 4); /* a cluster's ID */
+        CHECK(at);
+        at[3] ^= 1;
+        store(&mkv, mkv.size);
+        pupil_source *source;
+        pupil_frame frame;
+        int n = 0, got = pupil_recording_open(folder, &source, why, sizeof why);
+        while (source && (got = pupil_source_next(source, &frame, why, sizeof why)) == PUPIL_SOURCE_FRAME) {
+            CHECK(n < i && frames_same(&frame, &frames.frame[n]));
+            n++;
+        }
+        pupil_source_close(source);
+        CHECK_MSG(n == i, "frame %d is not there: %d came", i, n);
+        CHECK_MSG(i == 7 ||
+                      (got == PUPIL_SOURCE_FAILED && strstr(why, "frames.mkv: frame") && strstr(why, "is damaged")),
+                  "frame %d: %d %s", i, got, why);
+        at[3] ^= 1;
+    }
+    store(&mkv, mkv.size);
+    CHECK(frames_replay(&frames, folder, why) == 8);
+    free(mkv.bytes);
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     scratch_begin();
     test_killed();
     test_cut();
+    test_passed_over();
     scratch_clear(scratch_folder);
     return check_end();
 }

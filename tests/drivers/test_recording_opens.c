@@ -89,9 +89,9 @@ static int check_open(const test_frames *frames, const char *folder, int decode)
                                                                                               : AVCOL_SPC_BT2020_NCL));
     while (av_read_frame(format, packet) == 0 && n < frames->count) {
         const size_t size = tight(&frames->frame[n].image, bytes);
-        const int64_t us = av_rescale_q(packet->pts, stream->time_base, (AVRational){1, 1000000});
+        const int64_t ms = av_rescale_q(packet->pts, stream->time_base, (AVRational){1, 1000});
         CHECK(packet->flags & AV_PKT_FLAG_KEY && packet->size == (int)size && !memcmp(packet->data, bytes, size));
-        CHECK_MSG(us == frames->frame[n].info.timestamp_ns / 1000, "frame %d at %lld us", n, (long long)us);
+        CHECK_MSG(ms == frames->frame[n].info.timestamp_ns / 1000000, "frame %d at %lld ms", n, (long long)ms);
         if (decode && name && n < 3)
             check_decoded(stream, packet, name, bytes, size);
         av_packet_unref(packet);

@@ -13,16 +13,29 @@ enum { PLANT_WIDTH = 64, PLANT_HEIGHT = 32, PLANT_PIXELS = PLANT_WIDTH * PLANT_H
 #define PLANT_LINE_S 18.9e-6
 #define PLANT_SIGMA  1.3 /* stops, of the scene */
 
+/* What info says of a frame. */
+enum { PLANT_TRUTH, PLANT_ASKED /* what was asked for last */, PLANT_NOTHING, PLANT_FIRST /* what was at first */ };
+
 typedef struct plant {
     double light_ev;   /* log-average of the scene: value of a frame of 1 s and gain 1 */
     double noise_ev;   /* of the light as it is metered, standard deviation */
     uint32_t delay[2]; /* frames from the one that was measured to the first that shows the reaction: exposure, gain */
-    int lies;          /* info tells what was asked for, not what is in force */
+    int lies;          /* a plant_info */
     double slope;      /* of the picture's log2 against the light's; 1: linear */
+    int shoulder;      /* the picture is bent, too, into white */
+    int ignored[2];    /* what is asked of the control is not done */
+    int off_by_one;    /* exposures are a line longer than asked for */
+    double moving;     /* exposures are so many times as long where the gain is 2 or more; 0: not */
+    double wrap;       /* gains from here on begin at 1 again; 0: not */
+    double jitter;     /* share of what is asked for that comes a frame later */
+    uint8_t late[PLANT_RING]; /* that of frame i % PLANT_RING does */
+    int pixels;               /* of the scene, whole rows */
+    double drops;             /* share of the frames that are lost on their way */
     double frame_s;
     uint64_t frame;
     double asked[PLANT_RING][2]; /* after frame i % PLANT_RING: exposure, gain */
-    double scene[PLANT_PIXELS];  /* log2, mean 0 */
+    double at_first[2];
+    double scene[PLANT_PIXELS]; /* log2, mean 0 */
     pupil_t meter;
 } plant;
 
@@ -52,6 +65,7 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     p->delay[0] = p->delay[1] = delay;
     p->frame_s = 1.0 / 30.0;
     p->slope = 1.0;
+    p->pixels = PLANT_PIXELS;
     for (int i = 0; i < PLANT_PIXELS; i++) { /* every quantile once, in any order */
         const int j = (int)(check_random() % (uint64_t)(i + 1));
         p->scene[i] = p->scene[j];
@@ -59,40 +73,72 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     }
     CHECK(pupil_sensor_get(sensor, &s) == PUPIL_OK);
     for (int i = 0; i < PLANT_RING; i++)
-        p->asked[i][0] = s.exposure_s, p->asked[i][1] = s.gain;
+        p->asked[i][0] = p->at_first[0] = s.exposure_s, p->asked[i][1] = p->at_first[1] = s.gain;
     pupil_config_default(&config);
     config.histogram = 1;
     CHECK(pupil_init(&p->meter, &config) == PUPIL_OK);
 }
 
-/* What is in force in the frame that comes next. */
+/* What the camera's registers say of the frame that comes next. */
+static inline double plant_register(const plant *p, int control)
+{
+    const uint64_t newest = p->frame + PLANT_RING - p->delay[control];
+    return p->asked[(newest - (p->late[newest % PLANT_RING] != 0)) % PLANT_RING][control];
+}
+
+/* What is in force in it. */
 static inline double plant_in_force(const plant *p, int control)
 {
-    return p->asked[(p->frame + PLANT_RING - p->delay[control]) % PLANT_RING][control];
+    double gain = p->ignored[1] ? p->at_first[1] : plant_register(p, 1);
+    double exposure = p->ignored[0] ? p->at_first[0] : plant_register(p, 0);
+    gain = p->wrap > 0.0 && gain >= p->wrap ? gain / p->wrap : gain;
+    exposure += p->off_by_one ? PLANT_LINE_S : 0.0;
+    exposure *= p->moving > 0.0 && gain >= 2.0 ? p->moving : 1.0;
+    return control ? gain : exposure;
+}
+
+/* The picture's log2 (of its range) where the light's is x. */
+static inline double plant_bent(const plant *p, double x)
+{
+    x *= p->slope;
+    return p->shoulder ? x - log2(0.82 + exp2(x)) : x; /* grey, 0.18, stays */
+}
+
+static inline double plant_tells(const plant *p, int control)
+{
+    switch (p->lies) {
+    case PLANT_ASKED:
+        return p->asked[(p->frame + PLANT_RING - 1) % PLANT_RING][control];
+    case PLANT_NOTHING:
+        return 0.0;
+    case PLANT_FIRST:
+        return p->at_first[control];
+    default:
+        return plant_register(p, control);
+    }
 }
 
 /* The next frame's statistics. */
 static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
 {
     static uint16_t codes[PLANT_PIXELS];
-    const double e = plant_in_force(p, 0), g = plant_in_force(p, 1);
-    const double ev = p->light_ev + log2(e * g) + p->noise_ev * plant_normal();
-    const uint64_t last = (p->frame + PLANT_RING - 1) % PLANT_RING;
+    const double ev = p->light_ev + log2(plant_in_force(p, 0) * plant_in_force(p, 1)) + p->noise_ev * plant_normal();
+    const uint32_t rows = (uint32_t)(p->pixels / PLANT_WIDTH);
     pupil_image_const image = {.data = codes,
                                .stride_bytes = PLANT_WIDTH * 2,
                                .width = PLANT_WIDTH,
-                               .height = PLANT_HEIGHT,
+                               .height = rows,
                                .pixel = PUPIL_PIXEL_GREY12};
     pupil_frame_info info = {.timestamp_ns = 1000000000 + (int64_t)((double)p->frame * p->frame_s * 1e9),
                              .sequence = p->frame,
-                             .exposure_s = p->lies ? p->asked[last][0] : e,
-                             .gain = p->lies ? p->asked[last][1] : g};
-    for (int i = 0; i < PLANT_PIXELS; i++) {
-        double code = 4095.0 * exp2(p->slope * (ev + p->scene[i])) + 0.5;
+                             .exposure_s = plant_tells(p, 0),
+                             .gain = plant_tells(p, 1)};
+    for (int i = 0; i < p->pixels; i++) {
+        double code = 4095.0 * exp2(plant_bent(p, ev + p->scene[i])) + 0.5;
         codes[i] = (uint16_t)(code < 4095.0 ? code : 4095.0);
     }
     pupil_stats_clear(stats);
-    CHECK(pupil_meter_rows(&p->meter, &image, 0, PLANT_HEIGHT, stats) == PUPIL_OK);
+    CHECK(pupil_meter_rows(&p->meter, &image, 0, rows, stats) == PUPIL_OK);
     return info;
 }
 
@@ -101,6 +147,7 @@ static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
 {
     p->asked[p->frame % PLANT_RING][0] = s->exposure_s;
     p->asked[p->frame % PLANT_RING][1] = s->gain;
+    p->late[p->frame % PLANT_RING] = p->jitter > 0.0 && check_uniform() < p->jitter;
     p->frame++;
 }
 
@@ -111,11 +158,13 @@ static inline double plant_turn(plant *p, pupil_sensor *sensor, pupil_sensor_set
     static pupil_stats stats;
     const double light = p->light_ev + log2(plant_in_force(p, 0) * plant_in_force(p, 1));
     const double off = light - log2(0.18);
+    const double drawn = p->drops > 0.0 ? check_uniform() : 1.0;
     const pupil_frame_info info = plant_next(p, &stats);
-    CHECK(pupil_sensor_frame(sensor, &stats, &info) == PUPIL_OK);
+    if (drawn >= p->drops)
+        CHECK(pupil_sensor_frame(sensor, &stats, &info) == PUPIL_OK);
     CHECK(pupil_sensor_get(sensor, s) == PUPIL_OK);
     if (shown)
-        *shown = p->slope * light - log2(0.18) + log2(s->frame_digital);
+        *shown = plant_bent(p, light) - log2(0.18) + log2(s->frame_digital);
     plant_ask(p, s);
     return off;
 }

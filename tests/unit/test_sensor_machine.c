@@ -240,7 +240,7 @@ static void check_setting(const pupil_sensor_config *c)
     CHECK(s.state <= PUPIL_SENSOR_LOCKED && s.reason <= PUPIL_SENSOR_UNSTEADY && isfinite(s.scene_ev));
     CHECK((s.state == PUPIL_SENSOR_LIMITED) ==
               ((s.reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && s.reason <= PUPIL_SENSOR_AT_GAIN_MAX) ||
-               s.reason == PUPIL_SENSOR_UNSTEADY) ||
+               s.reason == PUPIL_SENSOR_UNSTEADY || s.reason == PUPIL_SENSOR_IGNORED) ||
           (s.reason >= PUPIL_SENSOR_DEAD_FRAME && s.reason <= PUPIL_SENSOR_FLASH));
     CHECK(s.state == PUPIL_SENSOR_LOCKED || !c->lock || s.reason >= PUPIL_SENSOR_DEAD_FRAME || !s.frames ||
           s.reason == PUPIL_SENSOR_NO_REASON || s.state != PUPIL_SENSOR_EMPTY);

@@ -4,7 +4,6 @@
 
 static plant p;
 static pupil_sensor sensor;
-static pupil_sensor_setting s;
 
 typedef struct rest {
     double wandered;
@@ -14,6 +13,7 @@ typedef struct rest {
 /* 300 frames to settle in, then 400 that are watched. */
 static rest watch(void)
 {
+    pupil_sensor_setting s;
     rest r = {0, 0, 0};
     double low = 1e9, high = -1e9;
     for (int i = 0; i < 700; i++) {

@@ -78,6 +78,7 @@ typedef struct loop {
     unsigned truths;          /* frames that were compared so */
     uint64_t asked_at, delay; /* delay: the longest so far from an ask to its frame, or with a wrong word on a frame */
     uint64_t wrong;           /* frames in a row that were not taken as is said */
+    int misled;               /* there was one, since this light */
     pupil_frame_info info;    /* of the last frame */
 } loop;
 
@@ -116,6 +117,7 @@ static void follow_delay(loop *l)
                  is = l->truth.exposure_100us * 1e-4 * l->truth.gain_16ths / 16;
     l->wrong = fabs(said / is - 1.0) > 0.03 ? l->wrong + 1 : 0;
     l->delay = l->wrong > l->delay ? l->wrong : l->delay;
+    l->misled |= l->wrong > 0;
     if (!l->asked_at || !is_there)
         return;
     l->delay = l->sequence - l->asked_at > l->delay ? l->sequence - l->asked_at : l->delay;
@@ -173,6 +175,7 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
     uint64_t first = 0, right_from = 0;
     unsigned right = 0, lines = 0;
     l->delay = 0;
+    l->misled = 0;
     static char story[150][128]; /* printed if it goes wrong */
     for (int i = 0; i < 150 && right < 8; i++) {
         const int got = loop_frame(l);
@@ -190,9 +193,10 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
         right_from = right ? right_from : l->sequence + 1;
         right = is_right(l) ? right + 1 : 0;
     }
-    /* A reaction takes delay_frames at most; another look comes as many later. */
+    /* A reaction takes delay_frames at most; another look comes as many later. A write that acts before it comes back
+     * has frames described by the setting before: that costs one look. */
     const uint64_t believed = l->config.delay_frames, took = right_from - first;
-    const unsigned promised = (unsigned)((2 * looks - 1) * believed);
+    const unsigned promised = (unsigned)((2 * (looks + (unsigned)l->misled) - 1) * believed);
     CHECK_MSG(right == 8, "%s: not right", what);
     if (l->delay > believed) /* the promise is for delays that the controller was told of */
         printf("%s: a setting took %llu frames on this busy machine\n", what, (unsigned long long)l->delay);

@@ -96,7 +96,7 @@ typedef struct pupil_frame_info {
     int64_t timestamp_ns; /* the middle of the exposure, in ns of a monotonic clock. The library takes dt as the
                            * difference of two frames' timestamps; back in time counts as dt = 0. Two frames in a row
                            * stamped 0 are taken as unstamped and config.nominal_frame_s apart. */
-    uint64_t sequence;    /* the driver's frame number; carried, not interpreted */
+    uint64_t sequence;    /* the driver's frame number; sensor.h counts lost frames by it */
     double exposure_s;    /* exposure time in seconds; 0 where unknown */
     double gain;          /* total gain, 1 = none; 0 where unknown */
 } pupil_frame_info;

@@ -16,8 +16,9 @@
  * that very frame. So it never sees its own controls: light that stands still is the same number whatever they do, and
  * a loop around it has nothing to swing with. The total (exposure time x gain) that puts this light at `key` of the
  * sensor's range is asked for at once where it is far (far_ev), and by a slow first-order filter in log2 where it is
- * near. After a large step nothing large is done for delay_frames frames, whatever they show: a driver that tells the
- * new setting too early cannot make it hunt.
+ * near. After a large step nothing large is done while the frames leave in doubt whether it is in force: the delays
+ * of both controls are found from the frames, beginning with the longest believed (delay_frames), so a driver that
+ * tells a new setting too early cannot make it hunt.
  *
  * The total is split by a profile into an exposure time and a gain that the camera really has, both rounded down; what
  * is left is a digital factor of at least 1 (a little less for the few frames in which the setting is on its way), so
@@ -30,8 +31,9 @@
  * key the mean is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one
  * before, with no rest between, goes half the way only.
  *
- * What it assumes: values proportional to light, and an info that tells the truth within delay_frames. A camera whose
- * picture is bent by a tone curve is regulated too, only not in one step.
+ * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope). A camera that
+ * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
+ * Frames are counted by info's sequence where it rises, so that frames may be lost.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and

@@ -1,4 +1,4 @@
-#include "utf8.h"
+#include "file/utf8.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,0 +1,95 @@
+/* The delays of the two controls, found from the frames where info tells what was asked for: whatever is believed, the
+ * loop does not hunt, and the delays are known after few frames. Prints a table of docs/sensor.md. */
+#include "sensor_plant.h"
+
+static plant p;
+static pupil_sensor sensor;
+
+static void begin(int law, uint32_t believed, uint32_t exposure, uint32_t gain, int lies)
+{
+    pupil_sensor_config c = plant_config(law);
+    c.delay_frames = believed;
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+    plant_open(&p, &sensor, log2(18), exposure); /* right from the first frame on */
+    p.delay[1] = gain;
+    p.lies = lies;
+    p.noise_ev = 0.02;
+}
+
+/* A scene as it is before a camera that somebody carries: it wanders by some hundredths of a stop a frame, and once a
+ * second it changes by up to two stops. */
+static void wander(int frame)
+{
+    p.light_ev += 0.03 * plant_normal();
+    if (frame % 30 == 10)
+        p.light_ev += p.light_ev > 2.0 ? -0.5 - 1.5 * check_uniform() : 0.5 + 1.5 * check_uniform();
+    p.light_ev = fmax(-3.0, fmin(8.0, p.light_ev));
+}
+
+/* The largest way from one end to the other of the shown level at rest. */
+static double hunting(int frames)
+{
+    pupil_sensor_setting s;
+    double low = 100, high = -100;
+    for (int i = 0; i < frames; i++) {
+        double shown;
+        plant_turn(&p, &sensor, &s, &shown);
+        low = fmin(low, shown);
+        high = fmax(high, shown);
+    }
+    return high - low;
+}
+
+static void check_pairs(void)
+{
+    printf(
+        "true and believed delay: frames of a changing scene until exposure and gain are identified, hunting then\n");
+    int late = 0;
+    for (uint32_t real = 1; real <= 4; real++)
+        for (uint32_t believed = 1; believed <= 4; believed++) {
+            pupil_sensor_setting s;
+            int latest = 0, wrong = 0;
+            double worst = 0, before = 0;
+            for (int round = 0; round < 20; round++) {
+                int found = -1;
+                begin(round % LAWS, believed, real, real, 1);
+                for (int i = 0; i < 120; i++) {
+                    wander(i);
+                    plant_turn(&p, &sensor, &s, NULL);
+                    wrong += (s.exposure_delay && s.exposure_delay != real) || (s.gain_delay && s.gain_delay != real);
+                    if (s.exposure_delay != real)
+                        found = -1;
+                    else if (found < 0)
+                        found = i + 1;
+                }
+                found -= 10; /* when the scene first changes */
+                late += found > 30;
+                CHECK_MSG(found <= 40 && s.exposure_delay == real, "true %u, believed %u: %u, after %d frames", real,
+                          believed, s.exposure_delay, found);
+                CHECK(!s.gain_delay || s.gain_delay == real);
+                latest = found > latest ? found : latest;
+                p.noise_ev = 0;
+                hunting(200);
+                worst = fmax(worst, hunting(300));
+                /* and from the first frame on, before anything is known: at rest once it is there */
+                begin(round % LAWS, believed, real, real, 1);
+                p.light_ev -= 3;
+                p.noise_ev = 0;
+                hunting(100);
+                before = fmax(before, hunting(300));
+            }
+            printf("  true %u believed %u: %2d frames, %d wrong, %.4f EV; from a start in still light %.4f EV\n", real,
+                   believed, latest, wrong, worst, before);
+            CHECK_MSG(worst <= 0.02 && before <= 0.02, "true %u, believed %u: %g, %g EV", real, believed, worst,
+                      before);
+        }
+    printf("later than 30 frames: %d of 320\n", late);
+    CHECK(late <= 3); /* one in a hundred: a scene that changed at the very frames at which a guess expected it */
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    check_pairs();
+    return check_end();
+}

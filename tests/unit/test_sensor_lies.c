@@ -1,0 +1,172 @@
+/* Cameras that bend light or do not do what they are asked: what the loop makes of each, against a camera that is
+ * linear and obeys. Prints a table of docs/sensor.md. */
+#include "sensor_plant.h"
+
+static plant p;
+static pupil_sensor sensor;
+
+/* Steps of the scene, in turn, one a second. */
+static const double walk[] = {-2, 3, -1, -3, 2, 1};
+enum { WALK = 6, PAUSE = 30 };
+
+typedef struct answer {
+    int first, later; /* frames until the picture is within 0.15 EV of where it stays: the worst step of the
+                       * first round, of the second */
+    double first_over, later_over; /* how far it went beyond */
+    double wandered;               /* at rest, of the total */
+    uint32_t state, reason;
+    double slope;
+} answer;
+
+static void open_camera(uint32_t delay, uint32_t linear)
+{
+    pupil_sensor_config c = plant_config(LAW_FINE);
+    c.linear = linear;
+    c.highlight_ev = 0; /* the key alone, so that it is known where the picture belongs */
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+    plant_open(&p, &sensor, log2(18) - 1, delay);
+    p.lies = PLANT_ASKED;
+}
+
+/* One step of the light. */
+static void follow(double ev, int *frames, double *over)
+{
+    pupil_sensor_setting s;
+    double off[PAUSE], shown = 0;
+    for (int i = 0; i < PAUSE; i++) {
+        const double light = p.light_ev + ev + log2(plant_in_force(&p, 0) * plant_in_force(&p, 1));
+        off[i] = plant_bent(&p, light);
+        p.light_ev += i ? 0 : ev;
+        ev = i ? 0 : ev;
+        plant_turn(&p, &sensor, &s, &shown);
+        ev = 0;
+    }
+    const double rest = off[PAUSE - 1], sign = off[0] > rest ? 1 : -1;
+    int settled = 0;
+    for (int i = 0; i < PAUSE; i++) {
+        if (fabs(off[i] - rest) > 0.15) /* 0.1, and what is rounded down */
+            settled = i + 1;
+        *over = fmax(*over, sign * (rest - off[i]) - 0.05);
+    }
+    *frames = settled > *frames ? settled : *frames;
+}
+
+static answer watch(void)
+{
+    pupil_sensor_setting s;
+    answer a = {0, 0, 0, 0, 0, 0, 0, 1};
+    double low = 1e9, high = -1e9;
+    for (int i = 0; i < 40; i++)
+        plant_turn(&p, &sensor, &s, NULL);
+    for (int i = 0; i < 3 * WALK; i++)
+        follow(walk[i % WALK], i < WALK ? &a.first : &a.later, i < WALK ? &a.first_over : &a.later_over);
+    for (int i = 0; i < 400; i++) {
+        plant_turn(&p, &sensor, &s, NULL);
+        low = fmin(low, i < 100 ? low : log2(s.total_s));
+        high = fmax(high, i < 100 ? high : log2(s.total_s));
+    }
+    a.wandered = high - low;
+    a.state = s.state;
+    a.reason = s.reason;
+    a.slope = s.slope;
+    return a;
+}
+
+static answer worst_of(const char *name, uint32_t linear, double slope, void (*lie)(void))
+{
+    answer worst = {0, 0, 0, 0, 0, 0, 0, 0};
+    for (uint32_t delay = 1; delay <= 4; delay++) {
+        open_camera(delay, linear);
+        p.slope = slope;
+        if (lie)
+            lie();
+        const answer a = watch();
+        worst.first = a.first > worst.first ? a.first : worst.first;
+        worst.later = a.later > worst.later ? a.later : worst.later;
+        worst.first_over = fmax(worst.first_over, a.first_over);
+        worst.later_over = fmax(worst.later_over, a.later_over);
+        worst.wandered = fmax(worst.wandered, a.wandered);
+        worst.state = a.state;
+        worst.reason = a.reason;
+        worst.slope = a.slope;
+    }
+    printf("%-28s %6d %6d   %.3f  %.3f   %.4f   %.2f  %u/%u\n", name, worst.first, worst.later, worst.first_over,
+           worst.later_over, worst.wandered, worst.slope, worst.state, worst.reason);
+    return worst;
+}
+
+static void off_by_one(void)
+{
+    p.off_by_one = 1;
+}
+
+static void moving_up(void)
+{
+    p.moving = 1.3;
+}
+
+static void moving_down(void)
+{
+    p.moving = 0.7;
+}
+
+static void wrapping(void)
+{
+    p.wrap = 3;
+}
+
+static void shoulder(void)
+{
+    p.shoulder = 1;
+}
+
+static void no_exposure(void)
+{
+    p.ignored[0] = 1;
+}
+
+static void no_gain(void)
+{
+    p.ignored[1] = 1;
+}
+
+static void jittering(void)
+{
+    p.jitter = 0.3;
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    printf("worst of D 1 to 4, info telling what was asked for; frames and overshoot (EV) in the first six steps, and\n"
+           "later; EV that the total wanders at rest; slope found; state and reason\n");
+    const answer straight = worst_of("linear", 1, 1.0, NULL);
+    CHECK(straight.later <= 7 && straight.later_over <= 0.05);
+    for (double slope = 0.5; slope <= 2.01; slope += 0.25) {
+        char name[64];
+        for (uint32_t linear = 0; linear < 2; linear++) {
+            snprintf(name, sizeof name, "slope %.2f%s", slope, linear ? ", said to be linear" : "");
+            const answer a = worst_of(name, linear, slope, NULL);
+            CHECK_MSG(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02,
+                      "%s: %d frames, %g EV over, %g EV at rest", name, a.later, a.later_over, a.wandered);
+        }
+    }
+    answer a = worst_of("off by a line", 1, 1.0, off_by_one);
+    CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
+    a = worst_of("delay jitters", 1, 1.0, jittering);
+    CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
+    /* what no slope describes is approached in several steps, and then stands */
+    static void (*const bent[])(void) = {shoulder, moving_up, moving_down, wrapping};
+    static const char *const bent_name[] = {"shoulder", "gain from 2: exposure x 1.3", "gain from 2: exposure x 0.7",
+                                            "gain wraps at 3"};
+    for (int i = 0; i < 4; i++) {
+        a = worst_of(bent_name[i], i > 0, 1.0, bent[i]);
+        CHECK_MSG(a.wandered <= 0.02 || a.reason == PUPIL_SENSOR_UNSTEADY, "%s: %g EV at rest", bent_name[i],
+                  a.wandered);
+    }
+    a = worst_of("exposure ignored", 1, 1.0, no_exposure);
+    CHECK(a.state == PUPIL_SENSOR_LIMITED && a.reason == PUPIL_SENSOR_IGNORED);
+    a = worst_of("gain ignored", 1, 1.0, no_gain); /* the exposure makes up for it, as far as it goes */
+    CHECK(a.later < PAUSE && a.later_over <= 0.1 && a.wandered <= 0.02);
+    return check_end();
+}
