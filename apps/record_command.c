@@ -19,6 +19,8 @@
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3 };
 
+#define LAST_WRITE_S 10.0 /* for a control's write that hangs; uvcvideo gives one up after 5 */
+
 typedef struct record {
     record_options options;
     pupil_source *source;
@@ -245,6 +247,7 @@ int record_on(const pupil_v4l2_system *system, int argc, char **argv)
     if (r.counts.written && !r.options.quiet)
         tell(&r);
     pupil_source_close(r.source);
+    pupil_live_await(LAST_WRITE_S, interrupt_again);
     return failed ? EXIT_FAILED : r.counts.lost ? EXIT_LOST : EXIT_DONE;
 }
 

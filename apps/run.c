@@ -24,6 +24,8 @@
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3, EXIT_GIVEN_UP = 130 };
 
+#define LAST_WRITE_S 10.0 /* uvcvideo gives up a control's transfer after 5 */
+
 typedef struct run {
     run_options options;
     const pupil_v4l2_system *system; /* NULL: the kernel */
@@ -361,6 +363,8 @@ static void end(char *more, size_t more_bytes)
     interrupt_fatal(NULL);
     pupil_source_close(r.source);
     r.source = NULL;
+    if (pupil_live_await(LAST_WRITE_S, interrupt_again))
+        fail("a control's write hangs: the camera keeps what it was set to");
 }
 
 int run_on(const pupil_v4l2_system *system, int argc, char **argv)

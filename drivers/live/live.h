@@ -44,6 +44,9 @@ void pupil_live_mark(pupil_source *source);
 /* Puts every control back, as close does, and says what could not be: 0, or -1 and a sentence. There are no controls
  * after it. A write that hangs is waited for for a second; then it puts everything back when it ends. */
 int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes);
+/* Before a program ends, which ends such a write's thread, too: waits until all controls of all sources that were
+ * closed or gave back are back, for so long and until `stop` (NULL: never) says 1. 0, or -1: some are not. */
+int pupil_live_await(double most_s, int (*stop)(void));
 /* Puts every control back, by system calls alone: for handlers of fatal signals. */
 void pupil_live_restore(const pupil_source *source);
 

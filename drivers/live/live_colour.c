@@ -67,6 +67,16 @@ int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options
     const int mosaic = pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P;
     const char *fault = "";
     memset(colour, 0, sizeof *colour);
+    if (!mosaic && (options->balance == PUPIL_COLOUR_GIVEN || options->matrix == PUPIL_COLOUR_GIVEN))
+        return pupil_refuse(
+            why, why_bytes,
+            "a white balance or a matrix was given, and is of raw formats (Bayer); this camera's frames "
+            "have their colours already (--white-balance and --matrix auto or off)");
+    if (!bits && options->black == PUPIL_COLOUR_GIVEN)
+        return pupil_refuse(
+            why, why_bytes,
+            "a black level was given, and is of raw formats and grey; this camera's frames have colours "
+            "already (--black-level auto or off)");
     if (coding)
         colour->coding = *coding;
     if (bits)

@@ -54,7 +54,7 @@ typedef struct pupil_colour {
 
 /* `coding` is what the driver says of the frames, NULL: nothing. `sensor` is what is known of it, NULL: nothing. A
  * matrix is of balanced colours: the sensor's own is left out where balance is off. 0, or -1 and a sentence: something
- * given is out of its range. */
+ * given is out of its range, or of no use with this format. */
 int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
                        uint32_t pixel, const pupil_camera_sensor *sensor, char *why, size_t why_bytes);
 

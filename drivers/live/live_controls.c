@@ -1,9 +1,12 @@
 /* Where a camera's controls are: on its node, and on its sensor's subdevice. */
 #include <errno.h>
 #include <linux/v4l2-subdev.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
+#include "live/live.h"
 #include "live_parts.h"
 #include "v4l2/v4l2_media.h"
 
@@ -13,6 +16,8 @@ typedef struct live_files {
     int subdevice_fd; /* -1: none */
     pupil_v4l2_sensor sensor;
 } live_files;
+
+static atomic_int out; /* that were not released so far */
 
 static int call(void *user, int fd, unsigned long request, void *argument)
 {
@@ -28,6 +33,15 @@ static void released(void *user)
         system->close(system->context, files->subdevice_fd);
     pupil_v4l2_device_close(&files->device);
     free(files);
+    atomic_fetch_sub(&out, 1);
+}
+
+int pupil_live_await(double most_s, int (*stop)(void))
+{
+    const struct timespec moment = {0, 10000000};
+    for (double s = 0.0; atomic_load(&out) && s < most_s && !(stop && stop()); s += 0.01)
+        nanosleep(&moment, NULL);
+    return atomic_load(&out) ? -1 : 0;
 }
 
 /* The sensor's subdevice, where there is one that opens; webcams have none. */
@@ -57,6 +71,7 @@ pupil_camera *live_controls_open(const live_which *which, char *why, size_t why_
         free(files);
         return NULL;
     }
+    atomic_fetch_add(&out, 1);
     uint32_t width = which->width, height = which->height;
     find_sensor(files, &width, &height);
     const pupil_camera_calls calls = {call, files, released};

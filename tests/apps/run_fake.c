@@ -226,6 +226,8 @@ int main(int argc, char **argv)
     const int probes = kept > 1 && strcmp(argv[1], "probe") == 0;
     const int status = probes ? probe_on(&rig.system, kept - 1, argv + 1) : run_on(&rig.system, kept, argv);
     const struct timespec moment = {0, 10000000};
+    if (fake_v4l2_holds(rig.fake).files)
+        fprintf(stderr, "fake: files are left as it ends, which a program would take with it\n");
     for (int i = 0; fake_v4l2_holds(rig.fake).files && i < 1000; i++)
         nanosleep(&moment, NULL); /* a write that hung, and puts back what it was before by itself */
     if (!config.absent && !rig.no_controls)

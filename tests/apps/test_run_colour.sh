@@ -45,7 +45,7 @@ set -- $(shown black --mode digital --white-balance 1,2,1.33333 --black-level 10
 [ "$*" = "16 128 128" ] || fail "all is below black: $*"
 
 for mode in digital sensor both; do
-    "$program" fake:format=BG12 fake:colour=0.7,1,0.5 fake:light=3@20 --mode $mode -n 60 --record "$mode" \
+    "$program" fake:real fake:format=BG12 fake:colour=0.7,1,0.5 fake:light=3@20 --mode $mode -n 60 --record "$mode" \
         --stats "$mode.csv" -q >said.out 2>said.err || fail "$mode: $(cat said.err)"
     [ "$(grep -c '"balance":\[' "$mode/frames.jsonl")" = 59 ] || fail "$mode: the frames have no balance of their own"
     [ -n "${PUPIL_PROGRAM:-}" ] || continue
@@ -56,6 +56,17 @@ for mode in digital sensor both; do
     cmp -s "$mode.cut" replay.cut || fail "$mode: a recording replays to other statistics"
     rm -f replay.csv
 done
+
+# of no use with this format: a sentence, and nothing is written
+for given in "--white-balance 2,1,2" "--matrix 1,0,0,0,1,0,0,0,1" "--black-level 64"; do
+    # shellcheck disable=SC2086 # words
+    "$program" fake:format=YUYV $given -n 5 -o useless.y4m -q >said.out 2>said.err
+    got=$?
+    [ $got = 1 ] || fail "$given of YUYV: exit $got"
+    grep -qF -- "(${given%% *}" said.err || grep -qF -- "and ${given%% *}" said.err || fail "$given of YUYV: $(cat said.err)"
+    [ ! -e useless.y4m ] || fail "$given of YUYV: an output is there"
+done
+"$program" fake:format=GREY --black-level 16 -n 5 -q >said.out 2>said.err || fail "a black level of grey: $(cat said.err)"
 
 # refused WORDS ARGUMENTS...: usage, a sentence, and nothing is written
 refused() {
