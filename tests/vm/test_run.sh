@@ -1,11 +1,5 @@
 #!/bin/sh
 # vm.run: test_run.sh NODE: boots the guest and runs the program on vivid there.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-guest=$here/../../build/vm/amd64
-[ "$(uname -m)" = x86_64 ] || {
-    echo "skipped: the program is of this machine, and there is a guest for amd64 alone"
-    exit 77
-}
-sh "$here/make_guest.sh" amd64 "$guest"
-sh "$here/boot.sh" amd64 "$guest" 300 "$here/capture_guest.sh" "$here/run_guest.sh" "$1" "$PUPIL_PROGRAM"
+. "$(dirname "$0")/amd64.sh"
+in_guest "$here/capture_guest.sh" "$here/run_guest.sh" "$1" "$PUPIL_PROGRAM"

@@ -1,12 +1,7 @@
 #!/bin/sh
 # vm.strace: test_strace.sh PUPIL: boots the guest and has 600 frames of `pupil run` traced there.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-guest=$here/../../build/vm/amd64
-[ "$(uname -m)" = x86_64 ] || {
-    echo "skipped: the program is of this machine, and there is a guest for amd64 alone"
-    exit 77
-}
+. "$(dirname "$0")/amd64.sh"
 command -v strace >/dev/null || {
     echo "skipped: no strace: the packages are listed in test.sh"
     exit 77
@@ -29,6 +24,5 @@ for call in "brk(NULL) = 0x5" "mmap(NULL, 4096) = 0x7" "ioctl(3, VIDIOC_QUERYCAP
 done
 ! sh "$here/strace_check.sh" "$work/good" 13 >/dev/null || { echo "test_strace.sh: a frame is missing"; exit 1; }
 
-sh "$here/make_guest.sh" amd64 "$guest"
-sh "$here/boot.sh" amd64 "$guest" 300 "$here/strace_guest.sh" 600 "$1" run -d /dev/video0 --mode digital --width 320 \
+in_guest "$here/strace_guest.sh" 600 "$1" run -d /dev/video0 --mode digital --width 320 \
     --height 180 --threads 1 -n 600 -q -o -
