@@ -1,10 +1,10 @@
 #include "record_options.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "run_options.h"
+#include "shared_options.h"
 
 enum { WIDTH = 256, HEIGHT, FRAMERATE, FORMAT, SHUTTER, GAIN, AUTO };
 
@@ -41,14 +41,6 @@ static const struct option long_options[] = {
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
-
-static const char *name_of(int option)
-{
-    for (const struct option *o = long_options; o->name; o++)
-        if (o->val == option)
-            return o->name;
-    return "?";
-}
 
 static int take(int option, const value_text *c, record_options *o)
 {
@@ -113,7 +105,7 @@ int record_options_parse(record_options *o, int argc, char **argv, char *why, si
     optind = 0; /* from the beginning, also where another command line was read before */
     opterr = 0;
     while ((option = getopt_long(argc, argv, "d:n:t:yqh", long_options, NULL)) != -1) {
-        const value_text c = {NULL, name_of(option), optarg, why, why_bytes};
+        const value_text c = {NULL, option_name(long_options, option), optarg, why, why_bytes};
         if (option == 'h')
             return RECORD_HELP;
         if (option == '?') {

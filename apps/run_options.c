@@ -1,17 +1,15 @@
 #include "run_options.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "colour_options.h"
+#include "shared_options.h"
 
 enum {
-    MODE = 256,
+    MODE = OPTION_OWN,
     WIDTH,
     HEIGHT,
-    SIZE,
-    FPS,
     FORMAT,
     BUFFERS,
     NEWEST,
@@ -25,27 +23,7 @@ enum {
     COLOUR_MATRIX,
     BLACK_LEVEL,
     DELAY,
-    STATS,
-    PLOT,
-    RECORD,
-    VIEW,
-    TAU_LIGHT,
-    TAU_DARK,
-    FORMULA,
-    WEIGHT,
-    KEY,
-    EV,
-    LOCK,
-    METERING,
-    ROI,
-    TRIM,
-    METER_ROWS,
-    WHITE,
-    TRANSFER,
-    FUSED,
-    GLES,
-    GLES_VERSION,
-    THREADS
+    RECORD
 };
 
 static const struct option long_options[] = {
@@ -53,9 +31,7 @@ static const struct option long_options[] = {
     {"mode", required_argument, NULL, MODE},
     {"width", required_argument, NULL, WIDTH},
     {"height", required_argument, NULL, HEIGHT},
-    {"size", required_argument, NULL, SIZE},
-    {"framerate", required_argument, NULL, FPS},
-    {"fps", required_argument, NULL, FPS},
+    {"framerate", required_argument, NULL, OPTION_FPS},
     {"format", required_argument, NULL, FORMAT},
     {"buffers", required_argument, NULL, BUFFERS},
     {"newest", no_argument, NULL, NEWEST},
@@ -69,76 +45,20 @@ static const struct option long_options[] = {
     {"matrix", required_argument, NULL, COLOUR_MATRIX},
     {"black-level", required_argument, NULL, BLACK_LEVEL},
     {"control-delay", required_argument, NULL, DELAY},
-    {"out", required_argument, NULL, 'o'},
-    {"stats", required_argument, NULL, STATS},
-    {"plot", required_argument, NULL, PLOT},
     {"record", required_argument, NULL, RECORD},
-    {"view", no_argument, NULL, VIEW},
-    {"overwrite", no_argument, NULL, 'y'},
-    {"frames", required_argument, NULL, 'n'},
     {"timeout", required_argument, NULL, 't'},
-    {"tau-light", required_argument, NULL, TAU_LIGHT},
-    {"tau-dark", required_argument, NULL, TAU_DARK},
-    {"formula", required_argument, NULL, FORMULA},
-    {"weight", required_argument, NULL, WEIGHT},
-    {"key", required_argument, NULL, KEY},
-    {"ev", required_argument, NULL, EV},
-    {"lock", no_argument, NULL, LOCK},
-    {"metering", required_argument, NULL, METERING},
-    {"roi", required_argument, NULL, ROI},
-    {"trim", required_argument, NULL, TRIM},
-    {"meter-rows", required_argument, NULL, METER_ROWS},
-    {"white", required_argument, NULL, WHITE},
-    {"transfer", required_argument, NULL, TRANSFER},
-    {"fused", no_argument, NULL, FUSED},
-    {"gles", no_argument, NULL, GLES},
-    {"gles-version", required_argument, NULL, GLES_VERSION},
-    {"threads", required_argument, NULL, THREADS},
-    {"quiet", no_argument, NULL, 'q'},
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
+    SHARED_OPTIONS,
 };
-
-static const char *name_of(int option)
-{
-    for (const struct option *o = long_options; o->name; o++)
-        if (o->val == option)
-            return o->name;
-    return "?";
-}
-
-static int path(const value_text *c, const char **where)
-{
-    if (!*c->text)
-        return value_refuse(c, "a path");
-    *where = c->text;
-    return REPLAY_RUN;
-}
 
 static int take_flag(int option, run_options *r)
 {
-    replay_options *o = &r->shown;
     switch (option) {
-    case 'y':
-        return o->overwrite = 1;
-    case 'q':
-        return o->quiet = 1;
     case NEWEST:
         return r->live.capture.newest = 1;
     case NO_PRIORITY:
         return r->any_frame_rate = 1;
-    case VIEW:
-        return o->view = 1;
-    case GLES:
-        return o->gles = 1;
-    case LOCK:
-        o->config.lock = 1;
-        return 1;
-    case FUSED:
-        o->config.order = PUPIL_ORDER_FUSED;
-        return 1;
     default:
-        return 0;
+        return shared_option_flag(option, &r->shown);
     }
 }
 
@@ -149,7 +69,7 @@ static int take_camera(int option, const value_text *c, run_options *r)
     uint64_t whole = 0;
     switch (option) {
     case 'd':
-        return *c->text ? path(c, &r->device) : value_refuse(c, "a path, a number or a camera's name");
+        return *c->text ? option_path(c, &r->device) : value_refuse(c, "a path, a number or a camera's name");
     case MODE:
         return run_value_mode(c, &r->mode);
     case WIDTH:
@@ -185,59 +105,11 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case BLACK_LEVEL:
         return colour_option_black(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
     case RECORD:
-        return path(c, &c->o->record);
+        return option_path(c, &c->o->record);
     case 't':
         return run_value_time(c, 1.0, 1e-3, 1e9, "seconds above 0, or 500ms, 10min", &r->seconds);
     default:
         return -1;
-    }
-}
-
-/* What a replay has, too. */
-static int take(int option, const value_text *c)
-{
-    replay_options *o = c->o;
-    switch (option) {
-    case 'o':
-        return value_of_out(c);
-    case STATS:
-        return path(c, &o->stats);
-    case PLOT:
-        return path(c, &o->plot);
-    case FPS:
-        return value_of_fps(c);
-    case SIZE:
-        return value_of_size(c);
-    case 'n':
-        return value_whole(c, 1, UINT64_C(1) << 40, "a whole number of frames, 1 or more", &o->most);
-    case TAU_LIGHT:
-        return value_number(c, 0.0, 1e6, "seconds, from 0 to 1e6", &o->config.tau_light_s);
-    case TAU_DARK:
-        return value_number(c, 0.0, 1e6, "seconds, from 0 to 1e6", &o->config.tau_dark_s);
-    case FORMULA:
-        return value_of_formula(c);
-    case WEIGHT:
-        return value_of_weight(c);
-    case KEY:
-        return value_number(c, 0x1p-10, 1.0, "from 0.001 to 1", &o->config.key);
-    case EV:
-        return value_number(c, -16.0, 16.0, "stops, from -16 to 16", &o->config.ev_compensation);
-    case METERING:
-        return value_of_metering(c);
-    case ROI:
-        return value_of_roi(c);
-    case TRIM:
-        return value_of_trim(c);
-    case METER_ROWS:
-        return value_of_meter_rows(c);
-    case WHITE:
-        return value_of_white(c);
-    case TRANSFER:
-        return value_of_transfer(c);
-    case GLES_VERSION:
-        return value_of_gles_version(c);
-    default:
-        return value_of_threads(c);
     }
 }
 
@@ -251,12 +123,8 @@ static int conflict(char *why, size_t why_bytes, const char *sentence)
 static int check(const run_options *r, int weight_given, char *why, size_t why_bytes)
 {
     const replay_options *o = &r->shown;
-    if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
-        return conflict(why, why_bytes,
-                        "--weight: is a weight a frame, of --formula 1..4; the default law takes --tau-light and "
-                        "--tau-dark");
-    if (o->gles_version && !o->gles && !o->view)
-        return conflict(why, why_bytes, "--gles-version: is of --gles and --view");
+    if (shared_options_check(o, weight_given, why, why_bytes))
+        return REPLAY_USAGE;
     if (r->mode == RUN_SENSOR && o->config.order == PUPIL_ORDER_FUSED)
         return conflict(why, why_bytes,
                         "--fused: is of --mode digital and both; the picture of sensor is the camera's");
@@ -286,10 +154,10 @@ int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t w
         }
         if (take_flag(option, r))
             continue;
-        const value_text c = {&r->shown, name_of(option), optarg, why, why_bytes};
-        weight_given |= option == WEIGHT;
+        const value_text c = {&r->shown, option_name(long_options, option), optarg, why, why_bytes};
+        weight_given |= option == OPTION_WEIGHT;
         const int camera = take_camera(option, &c, r);
-        if (camera > 0 || (camera < 0 && take(option, &c)))
+        if (camera > 0 || (camera < 0 && shared_option_take(option, &c)))
             return REPLAY_USAGE;
     }
     if (optind < argc) {
