@@ -42,12 +42,11 @@ static void follow(double ev, int *frames, double *over)
         ev = 0;
     }
     const double rest = off[PAUSE - 1], sign = off[0] > rest ? 1 : -1;
-    int settled = 0;
-    for (int i = 0; i < PAUSE; i++) {
-        if (fabs(off[i] - rest) > 0.15) /* 0.1, and what is rounded down */
-            settled = i + 1;
+    for (int i = 0; i < PAUSE; i++)
         *over = fmax(*over, sign * (rest - off[i]) - 0.05);
-    }
+    int settled = PAUSE;
+    while (settled > 0 && fabs(off[settled - 1] - rest) <= 0.15) /* 0.1, and what is rounded down */
+        settled--;
     *frames = settled > *frames ? settled : *frames;
 }
 
@@ -60,10 +59,12 @@ static answer watch(void)
         plant_turn(&p, &sensor, &s, NULL);
     for (int i = 0; i < 3 * WALK; i++)
         follow(walk[i % WALK], i < WALK ? &a.first : &a.later, i < WALK ? &a.first_over : &a.later_over);
-    for (int i = 0; i < 400; i++) {
+    for (int i = 0; i < 100; i++)
         plant_turn(&p, &sensor, &s, NULL);
-        low = fmin(low, i < 100 ? low : log2(s.total_s));
-        high = fmax(high, i < 100 ? high : log2(s.total_s));
+    for (int i = 0; i < 300; i++) {
+        plant_turn(&p, &sensor, &s, NULL);
+        low = fmin(low, log2(s.total_s));
+        high = fmax(high, log2(s.total_s));
     }
     a.wandered = high - low;
     a.state = s.state;
