@@ -40,7 +40,7 @@ endforeach()
 pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
   -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
 
-# Everything again at the scalar level alone, which is what a CPU without vectors has; the sensor's controller uses none.
+# Everything that vectors are used for again at the scalar level alone, which is what a CPU without them has.
 pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps) -E ^unit.sensor"
   -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
 
@@ -54,8 +54,8 @@ pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
 pupil_add_nested(preset.arm64 full 1200 - "-L quick -R ^(stream|scene|kernels)" --preset arm64)
 pupil_add_nested(preset.musl full 1200 - "-L quick" --preset musl)
 
-# The quick tests under the sanitizers, then every fuzzer for a while, all from one build. The long sweeps of the sensor's
-# controller go without: unit.sensor_machine, sensor_lies and fixtures.loop walk all of its code there.
+# The quick tests under the sanitizers, then every fuzzer for a while, all from one build. The long sweeps of the
+# sensor's controller go without: unit.sensor_machine, sensor_lies and fixtures.loop walk all of its code there.
 set(sweeps "unit.sensor_(delays|flashes|scenes|settle)")
 pupil_add_nested(preset.asan.build full 1200 - - --preset asan)
 set_tests_properties(preset.asan.build PROPERTIES FIXTURES_SETUP asan)
