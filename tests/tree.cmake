@@ -40,9 +40,14 @@ endforeach()
 pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
   -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
 
-# Everything that vectors are used for again at the scalar level alone, which is what a CPU without them has.
-pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps) -E ^unit.sensor"
+# What there are vectors for again at the scalar level alone, which is what a CPU without them has.
+set(no_vectors "unit.sensor|drivers.(camera|live|malformed|pending|recording|v4l2|video)")
+string(APPEND no_vectors "|apps.(bench|list|probe|record|run|sim)")
+pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps) -E ^(${no_vectors})"
   -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
+
+# Sweeps of the sensor's controller: unit.sensor_machine, sensor_lies and fixtures.loop walk all of its code elsewhere.
+set(sweeps "unit.sensor_(delays|flashes|scenes|settle)")
 
 # The other presets, as a user would build them.
 pupil_add_nested(preset.minimal full 600 - - --preset minimal)
@@ -52,15 +57,13 @@ set_tests_properties(preset.absent PROPERTIES PROCESSORS 2)
 pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
 # The unit tests compare with long double, which 64-bit ARM does in software: minutes each in the emulator.
 pupil_add_nested(preset.arm64 full 1200 - "-L quick -R ^(stream|scene|kernels)" --preset arm64)
-pupil_add_nested(preset.musl full 1200 - "-L quick" --preset musl)
+pupil_add_nested(preset.musl full 1200 - "-L quick -E ^${sweeps}$" --preset musl)
 
-# The quick tests under the sanitizers, then every fuzzer for a while, all from one build. The long sweeps of the
-# sensor's controller go without: unit.sensor_machine, sensor_lies and fixtures.loop walk all of its code there.
-set(sweeps "unit.sensor_(delays|flashes|scenes|settle)")
+# The quick tests under the sanitizers, then every fuzzer for a while, all from one build.
 pupil_add_nested(preset.asan.build full 1200 - - --preset asan)
 set_tests_properties(preset.asan.build PROPERTIES FIXTURES_SETUP asan)
 pupil_add_tree_test(preset.asan full 1800 ${here}/nested.sh
-  ${nested}/preset-asan-build - "-L quick -E ^${sweeps}$")
+  ${nested}/preset-asan-build - "-L quick -E ^(${sweeps}|apps.bench_(kernels|scene))$")
 set_tests_properties(preset.asan PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2)
 # The GPU's side is mostly in the long ones.
 pupil_add_tree_test(preset.asan.gles full 1800 ${here}/nested.sh
