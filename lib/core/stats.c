@@ -48,15 +48,15 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     return PUPIL_OK;
 }
 
+/* Without a branch, so that it becomes vectors: high is the sum of the upper halves, which says that total is right. */
 static int bins_add_up(const uint64_t *bin, int count, uint64_t wanted)
 {
-    uint64_t total = 0;
+    uint64_t total = 0, high = 0;
     for (int i = 0; i < count; i++) {
-        if (bin[i] > wanted - total)
-            return 0;
         total += bin[i];
+        high += bin[i] >> 32;
     }
-    return total == wanted;
+    return total == wanted && high <= wanted >> 32;
 }
 
 /* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows. */
@@ -112,21 +112,17 @@ static double log2_within_bin(int i, double t, int bins_per_stop)
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-static double quantile_of_bins(const uint64_t *bin, int count, int bins_per_stop, double target)
+/* Of bins that add up to the weight, of which a share q lies below. */
+static double quantile_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, double q)
 {
-    double below = 0.0;
-    int last = 0;
-    for (int i = 0; i < count; i++) {
-        double here = (double)bin[i];
-        if (here > 0.0) {
-            last = i;
-            if (below + here >= target)
-                break;
-            below += here;
-        }
-    }
-    double t = (target - below) / (double)bin[last];
-    return log2_within_bin(last, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
+    const double target = q * (double)weight;
+    uint64_t wanted = (uint64_t)target, below = 0;
+    wanted += (double)wanted < target || !wanted;
+    int i = 0;
+    while (i < 64 * bins_per_stop - 1 && below + bin[i] < wanted)
+        below += bin[i++];
+    const double t = (target - (double)below) / (double)bin[i];
+    return log2_within_bin(i, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
 }
 
 static int check_quantile(const pupil_stats *stats, double q, const double *result)
@@ -144,8 +140,7 @@ int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_lumina
 {
     int error = check_quantile(stats, q, log2_luminance);
     if (!error)
-        *log2_luminance = quantile_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS, PUPIL_HISTOGRAM_BINS_PER_STOP,
-                                           q * (double)stats->weight);
+        *log2_luminance = quantile_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS_PER_STOP, stats->weight, q);
     return error;
 }
 
@@ -154,8 +149,7 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     int error = check_quantile(stats, q, log2_peak);
     if (error)
         return error;
-    double inside =
-        quantile_of_bins(stats->peak_bin, PUPIL_PEAK_BINS, PUPIL_PEAK_BINS_PER_STOP, q * (double)stats->weight);
+    double inside = quantile_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, q);
     double most =
         pupil_log2((double)stats->peak); /* a frame clipped at 1 has its quantile at 1, not within the bin above */
     *log2_peak = inside < most ? inside : most;
