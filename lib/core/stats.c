@@ -112,17 +112,28 @@ static double log2_within_bin(int i, double t, int bins_per_stop)
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-/* Of bins that add up to the weight, of which a share q lies below. */
-static double quantile_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, double q)
+/* What shares q of the weight lie below, which is what the bins add up to: from one share's bin on to the next one's. */
+static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, const double *q, int count,
+                              double *log2_light)
 {
-    const double target = q * (double)weight;
-    uint64_t wanted = (uint64_t)target, below = 0;
-    wanted += (double)wanted < target || !wanted;
-    int i = 0;
-    while (i < 64 * bins_per_stop - 1 && below + bin[i] < wanted)
-        below += bin[i++];
-    const double t = (target - (double)below) / (double)bin[i];
-    return log2_within_bin(i, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
+    uint64_t below = 0;
+    for (int k = 0, i = 0; k < count; k++) {
+        const double target = q[k] * (double)weight;
+        uint64_t wanted = (uint64_t)target;
+        wanted += (double)wanted < target || !wanted;
+        wanted = wanted < weight ? wanted : weight; /* a weight beyond 2^53 may have been rounded up */
+        while (below >= wanted)
+            below -= bin[--i];
+        while (below + bin[i] < wanted)
+            below += bin[i++];
+        const double t = (target - (double)below) / (double)bin[i];
+        log2_light[k] = log2_within_bin(i, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
+    }
+}
+
+void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count, double *log2_luminance)
+{
+    quantiles_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS_PER_STOP, stats->weight, q, count, log2_luminance);
 }
 
 static int check_quantile(const pupil_stats *stats, double q, const double *result)
@@ -140,7 +151,7 @@ int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_lumina
 {
     int error = check_quantile(stats, q, log2_luminance);
     if (!error)
-        *log2_luminance = quantile_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS_PER_STOP, stats->weight, q);
+        pupil_stats_quantiles(stats, &q, 1, log2_luminance);
     return error;
 }
 
@@ -149,7 +160,8 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     int error = check_quantile(stats, q, log2_peak);
     if (error)
         return error;
-    double inside = quantile_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, q);
+    double inside;
+    quantiles_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, &q, 1, &inside);
     double most =
         pupil_log2((double)stats->peak); /* a frame clipped at 1 has its quantile at 1, not within the bin above */
     *log2_peak = inside < most ? inside : most;
