@@ -81,13 +81,8 @@ int pupil_stats_check_sums(const pupil_stats *s)
         s->clipped > s->pixels || s->bad > s->pixels || s->rows > s->frame_height ||
         s->frame_height > PUPIL_MAX_SIDE_PX)
         return PUPIL_ERR_STATS;
-    if (s->log2_sum > (int64_t)s->weight * 32 || s->log2_sum < (int64_t)s->weight * -32)
-        return PUPIL_ERR_STATS;
-    if (!s->weight && s->log2_frac)
-        return PUPIL_ERR_STATS;
-    if (s->has_histogram > 1 || (s->pixels && !s->rows))
-        return PUPIL_ERR_STATS;
-    if (s->channel_quads > s->pixels)
+    if (s->log2_sum > (int64_t)s->weight * 32 || s->log2_sum < (int64_t)s->weight * -32 ||
+        (!s->weight && s->log2_frac) || s->has_histogram > 1 || (s->pixels && !s->rows) || s->channel_quads > s->pixels)
         return PUPIL_ERR_STATS;
     for (int i = 0; i < 3; i++) {
         const int64_t most = (int64_t)s->channel_quads << 18; /* four samples of 16 bits */
@@ -112,7 +107,7 @@ static double log2_within_bin(int i, double t, int bins_per_stop)
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-/* What shares q of the weight lie below, which is what the bins add up to: from one share's bin on to the next one's. */
+/* The light below which shares q of the weight, the bins' sum, lie: from one share's bin on to the next one's. */
 static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, const double *q, int count,
                               double *log2_light)
 {
@@ -126,8 +121,7 @@ static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t w
             below -= bin[--i];
         while (below + bin[i] < wanted)
             below += bin[i++];
-        const double t = (target - (double)below) / (double)bin[i];
-        log2_light[k] = log2_within_bin(i, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
+        log2_light[k] = log2_within_bin(i, (target - (double)below) / (double)bin[i], bins_per_stop);
     }
 }
 
@@ -160,10 +154,8 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     int error = check_quantile(stats, q, log2_peak);
     if (error)
         return error;
-    double inside;
+    double inside, most = pupil_log2((double)stats->peak); /* clipped at 1, it is at 1, not within the bin above */
     quantiles_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, &q, 1, &inside);
-    double most =
-        pupil_log2((double)stats->peak); /* a frame clipped at 1 has its quantile at 1, not within the bin above */
     *log2_peak = inside < most ? inside : most;
     return PUPIL_OK;
 }
