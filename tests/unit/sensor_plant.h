@@ -58,6 +58,7 @@ static inline double plant_quantile(double p)
 
 static inline void plant_open(plant *p, const pupil_sensor *sensor, double light_ev, uint32_t delay)
 {
+    static double quantile[PLANT_PIXELS]; /* the same for all plants */
     pupil_config config;
     pupil_sensor_setting s;
     memset(p, 0, sizeof *p);
@@ -69,7 +70,9 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     for (int i = 0; i < PLANT_PIXELS; i++) { /* every quantile once, in any order */
         const int j = (int)(check_random() % (uint64_t)(i + 1));
         p->scene[i] = p->scene[j];
-        p->scene[j] = PLANT_SIGMA * plant_quantile((i + 0.5) / PLANT_PIXELS);
+        if (quantile[i] == 0.0) /* none is: their number is even */
+            quantile[i] = PLANT_SIGMA * plant_quantile((i + 0.5) / PLANT_PIXELS);
+        p->scene[j] = quantile[i];
     }
     CHECK(pupil_sensor_get(sensor, &s) == PUPIL_OK);
     for (int i = 0; i < PLANT_RING; i++)
