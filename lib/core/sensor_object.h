@@ -17,6 +17,7 @@ typedef struct pupil_sensor_answer {
     double asked[PUPIL_SENSOR_RING][2];
     double standing[2]; /* asked for now */
     double told[2], told_before[2];
+    double unit[2];  /* what info says is so much more than what was asked for */
     double taken[2];  /* what the frame was taken with, by the best guess */
     double anchor[2]; /* what stays in force if the camera does not obey */
     double low, high; /* total in force, by all that is not ruled out */
@@ -31,7 +32,8 @@ typedef struct pupil_sensor_answer {
     uint32_t delay[2];  /* found; 0: not yet */
     uint32_t in_flight; /* the last setting may not be in force yet */
     uint32_t has_level;
-    uint32_t unheard;    /* info says of a control what was not asked for */
+    uint32_t unheard[2]; /* frames in which info has said what was not asked for; at most PUPIL_SENSOR_DELAYS + 1 */
+    uint32_t dead[2];    /* the control does nothing */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];

@@ -60,14 +60,14 @@ static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
 
 /* log2 of the highest total by the highlights. */
 static double highlight_limit(const pupil_sensor_config *c, const pupil_sensor_light *light, double frame_log2,
-                              double guess)
+                              double guess, double slope)
 {
     const double room = pupil_log2(c->clip) - light->highlight;
     if (light->clipped_share > c->highlight_share || room <= 0.0) { /* by how much is not known */
-        const double over = guess - pupil_log2(c->clip);
-        return frame_log2 - (over > HIGHLIGHT_STEP_EV ? over : HIGHLIGHT_STEP_EV);
+        const double over = HIGHLIGHT_AIM_EV + guess - pupil_log2(c->clip);
+        return frame_log2 - (over > HIGHLIGHT_STEP_EV ? over : HIGHLIGHT_STEP_EV) / slope;
     }
-    return frame_log2 + room - HIGHLIGHT_AIM_EV;
+    return frame_log2 + (room - HIGHLIGHT_AIM_EV) / slope;
 }
 
 /* log2 of the total that this frame asks for; the reason where it is not the key alone; whether it is a guess.
@@ -92,7 +92,7 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
         o->setting.scene_ev = mean - frame_log2;
     }
     if (light->has_highlight) {
-        const double most = highlight_limit(c, light, frame_log2, highlight);
+        const double most = highlight_limit(c, light, frame_log2, highlight, slope);
         if (most < target) {
             target = most > target - c->highlight_ev ? most : target - c->highlight_ev;
             *reason = PUPIL_SENSOR_HIGHLIGHTS;
@@ -229,7 +229,8 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     if (c->lock || by_hand) {
         s->state = PUPIL_SENSOR_LOCKED;
         reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_BY_HAND;
-    } else if (pupil_sensor_disobeys(o) && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV)) {
+    } else if (o->answer.dead[0] || o->answer.dead[1] ||
+               (pupil_sensor_disobeys(o) && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV))) {
         s->state = PUPIL_SENSOR_LIMITED;
         reason = PUPIL_SENSOR_IGNORED;
     } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
