@@ -26,7 +26,10 @@
 #define STEP_EV      0.3  /* a control's step from here on shows how strongly the camera answers */
 #define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
 #define STRANGE_MOST 4
+#define JUMP_LEAST   0.1 /* of a control that moves more than itself; more at once is rather the scene's */
+#define JUMP_MOST    0.8
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
+#define UNHEARD_LONG (2 * PUPIL_SENSOR_DELAYS + 2)
 #define FAR_AWAY     1e3
 
 static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
@@ -174,7 +177,8 @@ static int is_near(double x, double y)
     return x - y < 0.05 && x - y > -0.05;
 }
 
-/* For how many frames info has said of a control what was not asked for in the last ones. Where it has moved as was asked, it has another
+/* Twice the frames for which info has said of a control what was not asked for in the last ones; 1 where it is not info
+ * that stands still. Where it has moved as was asked, it has another
  * unit. */
 static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
 {
@@ -189,7 +193,9 @@ static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
     }
     unit = a->unheard[c] ? unit : 0.0;
     a->unit[c] += unit;
-    return unit == 0.0 ? a->unheard[c] + (a->unheard[c] <= PUPIL_SENSOR_DELAYS) : 0;
+    if (unit != 0.0 || !is_near(step, 0.0) || a->unheard[c] == 1)
+        return unit == 0.0;
+    return a->unheard[c] < UNHEARD_LONG ? a->unheard[c] + 2 : UNHEARD_LONG;
 }
 
 /* Whether a control does nothing, and has to be planned around: by the picture, or by info that the picture bears out,
@@ -199,7 +205,7 @@ static int is_dead(const pupil_sensor_answer *a, int c)
     const double off = a->told[c] - a->standing[c];
     return a->alive[c] == 1u << NEVER ||
            (a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) &&
-            (a->dead[c] || (a->unheard[c] > PUPIL_SENSOR_DELAYS && (off > UNHEARD_EV || off < -UNHEARD_EV))));
+            (a->dead[c] || (a->unheard[c] >= UNHEARD_LONG && (off > UNHEARD_EV || off < -UNHEARD_EV))));
 }
 
 static double middle_of(const double x[3])
@@ -265,9 +271,13 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
             learn_slope(o, step, least);
     }
     if (least == most) { /* what the best guess leaves is the scene's */
-        const double left = least - a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
+        const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]), left = least - own;
         const double size = 1.25 * (left < 0.0 ? -left : left),
                      cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
+        const double step_ev = own < 0.0 ? -own : own;
+        const int more = size > cut && size > 2.0 * step_ev; /* less may be a delay that is off */
+        if (step_ev > 0.02)
+            a->surprised = more && size > JUMP_LEAST && size < JUMP_MOST ? 8 : a->surprised - (a->surprised > 0);
         a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
         a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
     }

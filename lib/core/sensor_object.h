@@ -17,7 +17,7 @@ typedef struct pupil_sensor_answer {
     double asked[PUPIL_SENSOR_RING][2];
     double standing[2]; /* asked for now */
     double told[2], told_before[2];
-    double unit[2];  /* what info says is so much more than what was asked for */
+    double unit[2];   /* what info says is so much more than what was asked for */
     double taken[2];  /* what the frame was taken with, by the best guess */
     double anchor[2]; /* what stays in force if the camera does not obey */
     double low, high; /* total in force, by all that is not ruled out */
@@ -32,8 +32,9 @@ typedef struct pupil_sensor_answer {
     uint32_t delay[2];  /* found; 0: not yet */
     uint32_t in_flight; /* the last setting may not be in force yet */
     uint32_t has_level;
-    uint32_t unheard[2]; /* frames in which info has said what was not asked for; at most PUPIL_SENSOR_DELAYS + 1 */
+    uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing */
+    uint32_t surprised;  /* the picture has jumped just when a small step came into force */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
@@ -54,6 +55,8 @@ typedef struct pupil_sensor_object {
     uint32_t looking;                  /* what is known is a guess: the next frame counts at once */
     uint32_t odd_frames;               /* in a row that are far off on one side, before anything is done about it */
     uint32_t turns;                    /* large steps that turned back, with little rest between */
+    uint32_t creeping;                 /* steps in a row to one side of which nothing has been seen */
+    uint32_t coarse;                   /* frames since the highlights had a say, downwards */
     uint32_t calm;                     /* frames of rest since the last large step */
     int32_t last_direction;            /* of the last large step, guessed or not; 0 after some rest */
     double odd_ev;                     /* the least that these were off by */

@@ -34,6 +34,7 @@ static double clamp(double x, double low, double high)
 #define LESS_BELIEF 8
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
+#define PROBE_EV      0.4
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -120,11 +121,11 @@ static int is_flash(pupil_sensor_object *o, double *off)
     return 0;
 }
 
-/* Until the light is further off than this, or for a time that doubles with every vain search. */
+/* Until the light is further off than this, or for a time that grows with every vain search. */
 static void stand_still(pupil_sensor_object *o, double band_ev)
 {
     o->band_ev = band_ev;
-    o->patience_s = o->patience_s > 0.0 ? 2.0 * o->patience_s : PATIENCE_S;
+    o->patience_s = o->patience_s > 0.0 ? 4.0 * o->patience_s : PATIENCE_S;
     o->stood_s = 0.0;
 }
 
@@ -152,6 +153,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     }
     if (guessed && pupil_sensor_disobeys(o)) /* nothing is known and nothing can be done */
         stand_still(o, 1.5 * size);
+    o->creeping = o->last_direction == direction && !o->answer.slopes ? o->creeping + 1 : 0;
     o->last_direction = direction;
     o->last_size = size;
     o->last_total_log2 = o->total_log2;
@@ -161,6 +163,8 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off *= 0.5; /* a slope of 2 is the steepest that is ordinary */
         o->looking = 1;
     }
+    if (o->creeping > 2 && size < PROBE_EV) /* nothing of it has been seen: a step that has to be seen */
+        off = PROBE_EV * direction;
     if (o->answer.strange > 1) {
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
         reason = PUPIL_SENSOR_STRANGE;
@@ -177,10 +181,11 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
 static uint32_t move(pupil_sensor_object *o, double low, double high, double far_ev, int at_end, int guessed)
 {
     const pupil_sensor_config *c = &o->config;
-    low -= o->total_log2, high -= o->total_log2;
-    double off = low > 0.0 ? low : high < 0.0 ? high : 0.0; /* the least that is not in doubt */
-    const double size = off < 0.0 ? -off : off;
     const int pending = is_pending(o);
+    double off = low > o->total_log2 ? low - o->total_log2 : high < o->total_log2 ? high - o->total_log2 : 0.0;
+    if (o->waited >= PUPIL_SENSOR_DELAYS) /* doubt that has lasted so long ends only with what is done next */
+        off = o->setting.error_ev;
+    const double size = off < 0.0 ? -off : off; /* the least that is not in doubt */
     if (o->band_ev > 0.0) {
         o->stood_s += o->setting.dt_s;
         if (size <= o->band_ev && o->stood_s < o->patience_s)
@@ -201,7 +206,7 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     weight = weight < most_weight ? weight : most_weight;
     o->direction = 0;
     o->calm += o->calm < LONG_CALM;
-    if (o->calm >= CALM)
+    if (o->calm >= (o->answer.surprised ? 4 * CALM : CALM))
         o->turns = 0, o->last_direction = 0;
     if (o->calm >= LONG_CALM)
         o->patience_s = 0.0;
@@ -249,6 +254,19 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     s->reason = reason;
 }
 
+/* A stop beyond what is left where a control does nothing: should it do something after all, that shows it. */
+static void reach(const pupil_sensor_object *o, double *least, double *most)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double low[2] = {pupil_log2(c->gain_min), pupil_log2(c->exposure_min_s)};
+    const double high[2] = {pupil_log2(c->gain_max), pupil_log2(c->exposure_max_s)};
+    for (int i = 0; i < 2; i++)
+        if (o->answer.dead[i]) {
+            *least = clamp(o->answer.taken[i] + low[i] - 1.0, *least, *most);
+            *most = clamp(o->answer.taken[i] + high[i] + 1.0, *least, *most);
+        }
+}
+
 void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *light, const pupil_frame_info *info)
 {
     pupil_sensor_setting *s = &o->setting;
@@ -264,11 +282,13 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
     } else {
         int guessed = 0;
         const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
-        const double target = clamp(wanted, o->least_log2, o->most_log2);
-        const double low = clamp(wanted + a->low - frame_log2, o->least_log2, o->most_log2);
-        const double high = clamp(wanted + a->high - frame_log2, o->least_log2, o->most_log2);
-        const double far_ev =
-            reason == PUPIL_SENSOR_HIGHLIGHTS && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
+        double least = o->least_log2, most = o->most_log2;
+        reach(o, &least, &most);
+        const double target = clamp(wanted, least, most), low = clamp(wanted + a->low - frame_log2, least, most);
+        const double high = clamp(wanted + a->high - frame_log2, least, most);
+        o->coarse = reason == PUPIL_SENSOR_HIGHLIGHTS ? CALM : o->coarse - (o->coarse > 0);
+        const int coarse = reason == PUPIL_SENSOR_HIGHLIGHTS || (o->coarse && o->calm >= CALM);
+        const double far_ev = coarse && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
         s->error_ev = target - o->total_log2;
         s->frames++;
         if (!c->lock)
