@@ -151,9 +151,8 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
             return PUPIL_SENSOR_UNSTEADY;
         }
     }
-    if (guessed && pupil_sensor_disobeys(o)) /* nothing is known and nothing can be done */
-        stand_still(o, 1.5 * size);
-    o->creeping = o->last_direction == direction && !o->answer.slopes ? o->creeping + 1 : 0;
+    const int seen = o->answer.slopes || o->answer.dead[0] || o->answer.dead[1];
+    o->creeping = o->last_direction == direction && !seen ? o->creeping + 1 : 0;
     o->last_direction = direction;
     o->last_size = size;
     o->last_total_log2 = o->total_log2;
