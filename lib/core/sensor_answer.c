@@ -59,6 +59,7 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
     a->noise = 2.0 * NOISE_EV;
+    a->brighter = FAR_AWAY;
     a->slopes = 0;
     a->slope = 1.0;
     for (int i = 0; i < 3; i++)
@@ -270,8 +271,10 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         if (least == most)
             learn_slope(o, step, least);
     }
+    const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
+    a->brighter += most - own;
     if (least == most) { /* what the best guess leaves is the scene's */
-        const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]), left = least - own;
+        const double left = least - own;
         const double size = 1.25 * (left < 0.0 ? -left : left),
                      cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
         const double step_ev = own < 0.0 ? -own : own;

@@ -24,6 +24,7 @@ typedef struct pupil_sensor_answer {
     double noise;     /* of the scene, stops from frame to frame */
     double slope;     /* of the picture's log2 over the light's */
     double seen[3];   /* slopes */
+    double brighter;  /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
     double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
     uint32_t slopes;                                                  /* seen; at most 3 */
     uint32_t strange;   /* steps that the picture did not follow; at most 4 */
@@ -49,17 +50,18 @@ typedef struct pupil_sensor_object {
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
     uint32_t stamped;
-    uint32_t waited;                   /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
-    double stride;                     /* share of the way that a large step goes: halved where it turns back */
-    int32_t direction;                 /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
-    uint32_t looking;                  /* what is known is a guess: the next frame counts at once */
-    uint32_t odd_frames;               /* in a row that are far off on one side, before anything is done about it */
-    uint32_t turns;                    /* large steps that turned back, with little rest between */
-    uint32_t creeping;                 /* steps in a row to one side of which nothing has been seen */
-    uint32_t coarse;                   /* frames since the highlights had a say, downwards */
-    uint32_t calm;                     /* frames of rest since the last large step */
-    int32_t last_direction;            /* of the last large step, guessed or not; 0 after some rest */
-    double odd_ev;                     /* the least that these were off by */
+    uint32_t waited;             /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
+    double stride;               /* share of the way that a large step goes: halved where it turns back */
+    int32_t direction;           /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
+    uint32_t looking;            /* what is known is a guess: the next frame counts at once */
+    uint32_t odd_frames;         /* in a row that are far off on one side, before anything is done about it */
+    uint32_t turns;              /* large steps that turned back, with little rest between */
+    uint32_t creeping;           /* steps in a row to one side of which nothing has been seen */
+    uint32_t coarse;             /* frames since the highlights had a say, downwards */
+    uint32_t calm;               /* frames of rest since the last large step */
+    int32_t last_direction;      /* of the last large step, guessed or not; 0 after some rest */
+    double known_ev, known_over; /* the last mean that was not far too bright, of a total of 1; highlights over it */
+    double odd_ev;               /* the least that these were off by */
     double last_size, last_total_log2; /* of the last large step: stops it was for, and where it began */
     double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
     double band_ev;                    /* this far off is taken for what the camera cannot do better; 0 at first */

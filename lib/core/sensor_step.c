@@ -13,6 +13,7 @@ static double clamp(double x, double low, double high)
 #define BLIND_CLIPPED 0.97
 #define BLIND_BLACK   0.5
 #define BLIND_STEP_EV 6.0
+#define KNOWN_EV      0.05 /* a quantile from bins is off by as much */
 
 /* The quantile that is to stay below clip comes from bins of up to 0.32 stops and moves by as much where many pixels
  * change from one to the next. So it is aimed at below the last bin's middle, and what it asks for is far only beyond a
@@ -83,14 +84,24 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
     const pupil_sensor_config *c = &o->config;
     const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
     const double slope = o->answer.slope;
-    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight, lost;
+    const double plain = frame_log2 + (wanted - light->mean) / slope;
+    double target = plain, mean, highlight, lost;
     pupil_sensor_guess(c, light, wanted, &mean, &highlight, &lost);
     o->setting.scene_ev = light->mean - frame_log2;
     if (target < frame_log2 - c->far_ev) {
+        /* what is not clipped shows how much brighter it has become since the mean was one */
+        const double most = o->known_ev + o->answer.brighter + KNOWN_EV,
+                     limit = most + slope * frame_log2 + o->known_over;
         *guessed = mean > light->mean;
         target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
                                                        : frame_log2 + (wanted + lost - mean) / slope;
+        target = clamp((wanted - most) / slope, target, plain);
+        highlight = highlight < limit ? highlight : limit;
         o->setting.scene_ev = mean - frame_log2;
+    } else {
+        o->known_ev = light->mean - slope * frame_log2;
+        o->known_over = (light->clipped_share > c->highlight_share ? highlight : light->highlight) - light->mean;
+        o->answer.brighter = 0.0;
     }
     if (light->has_highlight) {
         const double most = highlight_limit(c, light, frame_log2, highlight, slope);
