@@ -193,8 +193,8 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     const pupil_sensor_config *c = &o->config;
     const int pending = is_pending(o);
     double off = low > o->total_log2 ? low - o->total_log2 : high < o->total_log2 ? high - o->total_log2 : 0.0;
-    if (o->waited >= PUPIL_SENSOR_DELAYS) /* doubt that has lasted so long ends only with what is done next */
-        off = o->setting.error_ev;
+    if (off == 0.0 && o->waited >= PUPIL_SENSOR_DELAYS) /* doubt that has lasted so long ends only with what is done */
+        off = clamp(o->setting.error_ev, -PROBE_EV, PROBE_EV);
     const double size = off < 0.0 ? -off : off; /* the least that is not in doubt */
     if (o->band_ev > 0.0) {
         o->stood_s += o->setting.dt_s;
