@@ -29,7 +29,6 @@
 #define JUMP_LEAST   0.1 /* of a control that moves more than itself; more at once is rather the scene's */
 #define JUMP_MOST    0.8
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
-#define UNHEARD_LONG (2 * PUPIL_SENSOR_DELAYS + 2)
 #define FAR_AWAY     1e3
 
 static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
@@ -178,9 +177,8 @@ static int is_near(double x, double y)
     return x - y < 0.05 && x - y > -0.05;
 }
 
-/* Twice the frames for which info has said of a control what was not asked for in the last ones; 1 where it is not info
- * that stands still. Where it has moved as was asked, it has another
- * unit. */
+/* 0, or that info says of a control what was not asked for in the last frames: 1 where it stands still, 2 where it has
+ * moved by itself. Where it then moves as was asked, twice, it has another unit. */
 static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
 {
     const double step = a->told[c] - a->told_before[c];
@@ -192,21 +190,17 @@ static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
         if (!is_near(step, 0.0) && is_near(step, asked - in_force(a, c, h, gap)))
             unit = a->told[c] - asked;
     }
-    unit = a->unheard[c] ? unit : 0.0;
-    a->unit[c] += unit;
-    if (unit != 0.0 || !is_near(step, 0.0) || a->unheard[c] == 1)
-        return unit == 0.0;
-    return a->unheard[c] < UNHEARD_LONG ? a->unheard[c] + 2 : UNHEARD_LONG;
+    a->unit[c] += a->unheard[c] ? unit : 0.0;
+    return a->unheard[c] && unit != 0.0 ? 0 : is_near(step, 0.0) && a->unheard[c] < 2 ? 1 : 2;
 }
 
-/* Whether a control does nothing, and has to be planned around: by the picture, or by info that the picture bears out,
- * which says for long that it is elsewhere, until it says that it moves. */
+/* A control does nothing, and has to be planned around: by the picture, or by info, until that says that it moves. */
 static int is_dead(const pupil_sensor_answer *a, int c)
 {
     const double off = a->told[c] - a->standing[c];
+    const int is_off = a->unheard[c] == 1 && (off > UNHEARD_EV || off < -UNHEARD_EV);
     return a->alive[c] == 1u << NEVER ||
-           (a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) &&
-            (a->dead[c] || (a->unheard[c] >= UNHEARD_LONG && (off > UNHEARD_EV || off < -UNHEARD_EV))));
+           (a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) && (a->dead[c] || is_off));
 }
 
 static double middle_of(const double x[3])
@@ -336,8 +330,10 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
     if (!first && a->has_level && gap < PUPIL_SENSOR_RING - PUPIL_SENSOR_DELAYS && !light->dead)
         compare(o, light, gap);
     survey(a, 0);
+    a->disobeys = 0;
     for (int c = 0; c < 2; c++) {
         a->dead[c] = (uint32_t)is_dead(a, c);
+        a->disobeys |= !a->dead[c] && (a->alive[c] >> NEVER & 1 || (a->unheard[c] && a->alive[c] & 1u << TOLD));
         a->told_before[c] = a->told[c];
         a->delay[c] = delay_of(a, c);
         if (!(a->alive[c] >> NEVER & 1))
@@ -362,14 +358,4 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
 uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *o)
 {
     return o->answer.alive[0] & o->answer.alive[1] & 1u << TOLD ? PUPIL_SENSOR_DELAYS : pupil_sensor_longest_delay(o);
-}
-
-/* What is asked for cannot be seen, and it is not known yet which control it is. */
-int pupil_sensor_disobeys(const pupil_sensor_object *o)
-{
-    const pupil_sensor_answer *a = &o->answer;
-    int does = 0;
-    for (int c = 0; c < 2; c++)
-        does |= !a->dead[c] && (a->alive[c] >> NEVER & 1 || (a->unheard[c] && a->alive[c] & 1u << TOLD));
-    return does;
 }

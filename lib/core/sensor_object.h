@@ -35,6 +35,7 @@ typedef struct pupil_sensor_answer {
     uint32_t has_level;
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing */
+    uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
     uint32_t surprised;  /* the picture has jumped just when a small step came into force */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
@@ -101,6 +102,5 @@ void pupil_sensor_answer_reset(pupil_sensor_object *object);
 void pupil_sensor_answer_frame(pupil_sensor_object *object, const pupil_sensor_light *light, uint64_t sequence);
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *object);
-int pupil_sensor_disobeys(const pupil_sensor_object *object);
 
 #endif

@@ -125,7 +125,7 @@ static int is_flash(pupil_sensor_object *o, double *off)
     if (!same_side || (*off < 0.0 ? *off > o->odd_ev : *off < o->odd_ev))
         o->odd_ev = *off;
     o->odd_frames = same_side ? o->odd_frames + (o->odd_frames < 16) : 1;
-    const uint32_t needed = o->config.flash_frames + (pupil_sensor_disobeys(o) ? LESS_BELIEF : 0);
+    const uint32_t needed = o->config.flash_frames + (o->answer.disobeys ? LESS_BELIEF : 0);
     if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= needed)
         return 1;
     *off = o->odd_ev;
@@ -245,12 +245,12 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
         s->state = PUPIL_SENSOR_LOCKED;
         reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_BY_HAND;
     } else if (o->answer.dead[0] || o->answer.dead[1] ||
-               (pupil_sensor_disobeys(o) && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV))) {
+               (o->answer.disobeys && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV))) {
         s->state = PUPIL_SENSOR_LIMITED;
         reason = PUPIL_SENSOR_IGNORED;
     } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = pupil_sensor_disobeys(o) ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
+        reason = o->answer.disobeys ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
     } else if (far || is_pending(o)) {
         s->state = clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         reason = slow ? slow : reason;
@@ -265,16 +265,15 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
 }
 
 /* A stop beyond what is left where a control does nothing: should it do something after all, that shows it. */
-static void reach(const pupil_sensor_object *o, double *least, double *most)
+static double reachable(const pupil_sensor_object *o, double wanted)
 {
     const pupil_sensor_config *c = &o->config;
-    const double low[2] = {pupil_log2(c->gain_min), pupil_log2(c->exposure_min_s)};
-    const double high[2] = {pupil_log2(c->gain_max), pupil_log2(c->exposure_max_s)};
+    const double other[2][2] = {{c->gain_min, c->gain_max}, {c->exposure_min_s, c->exposure_max_s}};
     for (int i = 0; i < 2; i++)
-        if (o->answer.dead[i]) {
-            *least = clamp(o->answer.taken[i] + low[i] - 1.0, *least, *most);
-            *most = clamp(o->answer.taken[i] + high[i] + 1.0, *least, *most);
-        }
+        if (o->answer.dead[i])
+            wanted = clamp(wanted, o->answer.taken[i] + pupil_log2(other[i][0]) - 1.0,
+                           o->answer.taken[i] + pupil_log2(other[i][1]) + 1.0);
+    return clamp(wanted, o->least_log2, o->most_log2);
 }
 
 void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *light, const pupil_frame_info *info)
@@ -292,10 +291,8 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
     } else {
         int guessed = 0;
         const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
-        double least = o->least_log2, most = o->most_log2;
-        reach(o, &least, &most);
-        const double target = clamp(wanted, least, most), low = clamp(wanted + a->low - frame_log2, least, most);
-        const double high = clamp(wanted + a->high - frame_log2, least, most);
+        const double target = reachable(o, wanted), low = reachable(o, wanted + a->low - frame_log2);
+        const double high = reachable(o, wanted + a->high - frame_log2);
         o->coarse = reason == PUPIL_SENSOR_HIGHLIGHTS ? CALM : o->coarse - (o->coarse > 0);
         const int coarse = reason == PUPIL_SENSOR_HIGHLIGHTS || (o->coarse && o->calm >= CALM);
         const double far_ev = coarse && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
