@@ -31,8 +31,6 @@ static double clamp(double x, double low, double high)
 #define PATIENCE_S 1.0
 /* More than what is rounded down: a third of a stop, and hold_ev. */
 #define UNSEEN_EV 0.4
-/* Where nothing that is asked for is seen to be done, frames beyond flash_frames that have to say the same. */
-#define LESS_BELIEF 8
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
 #define PROBE_EV      0.4
@@ -125,8 +123,7 @@ static int is_flash(pupil_sensor_object *o, double *off)
     if (!same_side || (*off < 0.0 ? *off > o->odd_ev : *off < o->odd_ev))
         o->odd_ev = *off;
     o->odd_frames = same_side ? o->odd_frames + (o->odd_frames < 16) : 1;
-    const uint32_t needed = o->config.flash_frames + (o->answer.disobeys ? LESS_BELIEF : 0);
-    if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= needed)
+    if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= o->config.flash_frames)
         return 1;
     *off = o->odd_ev;
     return 0;
