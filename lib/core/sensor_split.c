@@ -8,6 +8,9 @@ static double clamp(double x, double low, double high)
     return x < low ? low : x > high ? high : x;
 }
 
+/* A total that came from its logarithm is off by a few 2^-52 of these. */
+#define UP (1.0 + 1e-9)
+
 /* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
 static double multiple(double x, double step)
 {
@@ -50,7 +53,7 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
         g = pupil_exp2(multiple(pupil_log2(g), db * c->gain_step));
         break;
     case PUPIL_GAIN_RECIPROCAL:
-        g = g < 1.0 ? g : c->gain_step / (c->gain_step - multiple(c->gain_step * (1.0 - 1.0 / g), 1.0));
+        g = g < 1.0 ? 0.0 : c->gain_step / (c->gain_step - multiple(c->gain_step * (1.0 - 1.0 / g), 1.0));
         break;
     case PUPIL_GAIN_TABLE:
         for (uint32_t i = 0; i < c->gain_count; i++)
@@ -109,14 +112,14 @@ uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
     pupil_sensor_split(o, o->least_log2, &least_s, &least);
     pupil_sensor_split(o, 500.0, &most_s, &most);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
-        limits |= o->setting.exposure_s <= least_s ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
-        if (o->setting.exposure_s >= most_s)
+        limits |= o->setting.exposure_s <= least_s * UP ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
+        if (o->setting.exposure_s * UP >= most_s)
             limits |=
                 1u << (longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX);
     }
     if (c->gain_mode == PUPIL_SENSOR_AUTO) {
-        limits |= o->setting.gain <= c->gain_min ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
-        limits |= o->setting.gain >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
+        limits |= o->setting.gain <= c->gain_min * UP ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
+        limits |= o->setting.gain * UP >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
     }
     return limits;
 }
