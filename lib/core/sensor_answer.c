@@ -26,6 +26,9 @@
 #define STEP_EV      0.3  /* a control's step from here on shows how strongly the camera answers */
 #define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
 #define STRANGE_MOST 4
+#define JUMP_LEAST   0.1 /* of a control that moves more than itself; more at once is rather the scene's */
+#define JUMP_MOST    0.8
+#define UNHEARD_EV   0.4 /* more than any law of gains rounds */
 #define FAR_AWAY     1e3
 
 static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
@@ -55,6 +58,7 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
     a->noise = 2.0 * NOISE_EV;
+    a->brighter = FAR_AWAY;
     a->slopes = 0;
     a->slope = 1.0;
     for (int i = 0; i < 3; i++)
@@ -168,15 +172,35 @@ static void survey(pupil_sensor_answer *a, int never)
         a->low = a->high = a->taken[0] + a->taken[1];
 }
 
-/* What info says of a control was not asked for in the last frames; and the picture has nothing against that. */
-static int is_unheard(const pupil_sensor_answer *a, int c)
+static int is_near(double x, double y)
 {
+    return x - y < 0.05 && x - y > -0.05;
+}
+
+/* 0, or that info says of a control what was not asked for in the last frames: 1 where it stands still, 2 where it has
+ * moved by itself. Where it then moves as was asked, twice, it has another unit. */
+static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
+{
+    const double step = a->told[c] - a->told_before[c];
+    double unit = 0.0;
     for (uint32_t h = 1; h <= PUPIL_SENSOR_DELAYS; h++) {
-        const double off = a->told[c] - in_force(a, c, h, 0);
-        if (off < 0.05 && off > -0.05)
+        const double asked = in_force(a, c, h, 0);
+        if (is_near(a->told[c], asked))
             return 0;
+        if (!is_near(step, 0.0) && is_near(step, asked - in_force(a, c, h, gap)))
+            unit = a->told[c] - asked;
     }
-    return a->alive[c] & 1u << TOLD;
+    a->unit[c] += a->unheard[c] ? unit : 0.0;
+    return a->unheard[c] && unit != 0.0 ? 0 : is_near(step, 0.0) && a->unheard[c] < 2 ? 1 : 2;
+}
+
+/* A control does nothing, and has to be planned around: by the picture, or by info, until that says that it moves. */
+static int is_dead(const pupil_sensor_answer *a, int c)
+{
+    const double off = a->told[c] - a->standing[c];
+    const int is_off = a->unheard[c] == 1 && (off > UNHEARD_EV || off < -UNHEARD_EV);
+    return a->alive[c] == 1u << NEVER ||
+           (a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) && (a->dead[c] || is_off));
 }
 
 static double middle_of(const double x[3])
@@ -241,10 +265,16 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         if (least == most)
             learn_slope(o, step, least);
     }
+    const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
+    a->brighter += most - own;
     if (least == most) { /* what the best guess leaves is the scene's */
-        const double left = least - a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
+        const double left = least - own;
         const double size = 1.25 * (left < 0.0 ? -left : left),
                      cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
+        const double step_ev = own < 0.0 ? -own : own;
+        const int more = size > cut && size > 2.0 * step_ev; /* less may be a delay that is off */
+        if (step_ev > 0.02)
+            a->surprised = more && size > JUMP_LEAST && size < JUMP_MOST ? 8 : a->surprised - (a->surprised > 0);
         a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
         a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
     }
@@ -288,18 +318,27 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
             a->asked[(a->frame + i) % PUPIL_SENSOR_RING][c] = first ? a->told[c] : a->standing[c];
     a->frame += first ? PUPIL_SENSOR_RING : gap;
     a->sequence = sequence;
+    for (int c = 0; c < 2; c++) { /* what is told for want of info is in its own unit */
+        const double unit = a->unit[c];
+        a->told[c] -= a->told[c] == a->standing[c] ? 0.0 : unit;
+        a->unheard[c] = is_unheard(a, c, gap);
+        a->told[c] -= a->unit[c] - unit;
+        a->told_before[c] -= a->unit[c] - unit;
+    }
     for (int c = 0; c < 2 && first; c++)
         a->anchor[c] = a->told[c];
     if (!first && a->has_level && gap < PUPIL_SENSOR_RING - PUPIL_SENSOR_DELAYS && !light->dead)
         compare(o, light, gap);
     survey(a, 0);
+    a->disobeys = 0;
     for (int c = 0; c < 2; c++) {
+        a->dead[c] = (uint32_t)is_dead(a, c);
+        a->disobeys |= !a->dead[c] && (a->alive[c] >> NEVER & 1 || (a->unheard[c] && a->alive[c] & 1u << TOLD));
         a->told_before[c] = a->told[c];
         a->delay[c] = delay_of(a, c);
         if (!(a->alive[c] >> NEVER & 1))
             a->anchor[c] = a->taken[c];
     }
-    a->unheard = is_unheard(a, 0) || is_unheard(a, 1);
     a->has_level = !light->dead;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++)
         a->low_of[i] = light->low[i], a->high_of[i] = light->high[i];
@@ -319,10 +358,4 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
 uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *o)
 {
     return o->answer.alive[0] & o->answer.alive[1] & 1u << TOLD ? PUPIL_SENSOR_DELAYS : pupil_sensor_longest_delay(o);
-}
-
-int pupil_sensor_disobeys(const pupil_sensor_object *o)
-{
-    const pupil_sensor_answer *a = &o->answer;
-    return ((a->alive[0] | a->alive[1]) >> NEVER & 1) || a->unheard;
 }

@@ -17,12 +17,14 @@ typedef struct pupil_sensor_answer {
     double asked[PUPIL_SENSOR_RING][2];
     double standing[2]; /* asked for now */
     double told[2], told_before[2];
+    double unit[2];   /* what info says is so much more than what was asked for */
     double taken[2];  /* what the frame was taken with, by the best guess */
     double anchor[2]; /* what stays in force if the camera does not obey */
     double low, high; /* total in force, by all that is not ruled out */
     double noise;     /* of the scene, stops from frame to frame */
     double slope;     /* of the picture's log2 over the light's */
     double seen[3];   /* slopes */
+    double brighter;  /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
     double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
     uint32_t slopes;                                                  /* seen; at most 3 */
     uint32_t strange;   /* steps that the picture did not follow; at most 4 */
@@ -31,7 +33,10 @@ typedef struct pupil_sensor_answer {
     uint32_t delay[2];  /* found; 0: not yet */
     uint32_t in_flight; /* the last setting may not be in force yet */
     uint32_t has_level;
-    uint32_t unheard;    /* info says of a control what was not asked for */
+    uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
+    uint32_t dead[2];    /* the control does nothing */
+    uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
+    uint32_t surprised;  /* the picture has jumped just when a small step came into force */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
@@ -46,15 +51,18 @@ typedef struct pupil_sensor_object {
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
     uint32_t stamped;
-    uint32_t waited;                   /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
-    double stride;                     /* share of the way that a large step goes: halved where it turns back */
-    int32_t direction;                 /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
-    uint32_t looking;                  /* what is known is a guess: the next frame counts at once */
-    uint32_t odd_frames;               /* in a row that are far off on one side, before anything is done about it */
-    uint32_t turns;                    /* large steps that turned back, with little rest between */
-    uint32_t calm;                     /* frames of rest since the last large step */
-    int32_t last_direction;            /* of the last large step, guessed or not; 0 after some rest */
-    double odd_ev;                     /* the least that these were off by */
+    uint32_t waited;             /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
+    double stride;               /* share of the way that a large step goes: halved where it turns back */
+    int32_t direction;           /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
+    uint32_t looking;            /* what is known is a guess: the next frame counts at once */
+    uint32_t odd_frames;         /* in a row that are far off on one side, before anything is done about it */
+    uint32_t turns;              /* large steps that turned back, with little rest between */
+    uint32_t creeping;           /* steps in a row to one side of which nothing has been seen */
+    uint32_t coarse;             /* frames since the highlights had a say, downwards */
+    uint32_t calm;               /* frames of rest since the last large step */
+    int32_t last_direction;      /* of the last large step, guessed or not; 0 after some rest */
+    double known_ev, known_over; /* the last mean that was not far too bright, of a total of 1; highlights over it */
+    double odd_ev;               /* the least that these were off by */
     double last_size, last_total_log2; /* of the last large step: stops it was for, and where it began */
     double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
     double band_ev;                    /* this far off is taken for what the camera cannot do better; 0 at first */
@@ -94,6 +102,5 @@ void pupil_sensor_answer_reset(pupil_sensor_object *object);
 void pupil_sensor_answer_frame(pupil_sensor_object *object, const pupil_sensor_light *light, uint64_t sequence);
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *object);
-int pupil_sensor_disobeys(const pupil_sensor_object *object);
 
 #endif

@@ -95,13 +95,19 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
 {
     const pupil_sensor_config *c = &o->config;
     const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0));
+    const int held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, held = c->gain_mode != PUPIL_SENSOR_AUTO;
+    /* a control that does nothing is as good as held, but for what the other one cannot do alone */
+    const double e0 = held_s ? o->held_exposure : pupil_exp2(o->answer.taken[0]),
+                 g0 = held ? o->held_gain : pupil_exp2(o->answer.taken[1]);
+    const int dead_s = o->answer.dead[0] && total >= e0 * c->gain_min && total <= e0 * c->gain_max;
+    const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * longest(c);
     double e, g;
     stage_of(c, total, &e, &g);
-    if (c->gain_mode != PUPIL_SENSOR_AUTO)
-        e = clamp(total / o->held_gain, c->exposure_min_s, longest(c));
-    e = c->exposure_mode != PUPIL_SENSOR_AUTO ? o->held_exposure : pupil_sensor_exposure_of(c, e);
+    if (held || dead)
+        e = clamp(total / g0, c->exposure_min_s, longest(c));
+    e = held_s || dead_s ? e0 : pupil_sensor_exposure_of(c, e);
     *exposure_s = e;
-    *gain = c->gain_mode != PUPIL_SENSOR_AUTO ? o->held_gain : pupil_sensor_gain_of(c, total / e);
+    *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / e);
 }
 
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)

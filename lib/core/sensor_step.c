@@ -13,6 +13,7 @@ static double clamp(double x, double low, double high)
 #define BLIND_CLIPPED 0.97
 #define BLIND_BLACK   0.5
 #define BLIND_STEP_EV 6.0
+#define KNOWN_EV      0.05 /* a quantile from bins is off by as much */
 
 /* The quantile that is to stay below clip comes from bins of up to 0.32 stops and moves by as much where many pixels
  * change from one to the next. So it is aimed at below the last bin's middle, and what it asks for is far only beyond a
@@ -34,6 +35,7 @@ static double clamp(double x, double low, double high)
 #define LESS_BELIEF 8
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
+#define PROBE_EV      0.4
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -60,14 +62,14 @@ static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
 
 /* log2 of the highest total by the highlights. */
 static double highlight_limit(const pupil_sensor_config *c, const pupil_sensor_light *light, double frame_log2,
-                              double guess)
+                              double guess, double slope)
 {
     const double room = pupil_log2(c->clip) - light->highlight;
     if (light->clipped_share > c->highlight_share || room <= 0.0) { /* by how much is not known */
-        const double over = guess - pupil_log2(c->clip);
-        return frame_log2 - (over > HIGHLIGHT_STEP_EV ? over : HIGHLIGHT_STEP_EV);
+        const double over = HIGHLIGHT_AIM_EV + guess - pupil_log2(c->clip);
+        return frame_log2 - (over > HIGHLIGHT_STEP_EV ? over : HIGHLIGHT_STEP_EV) / slope;
     }
-    return frame_log2 + room - HIGHLIGHT_AIM_EV;
+    return frame_log2 + (room - HIGHLIGHT_AIM_EV) / slope;
 }
 
 /* log2 of the total that this frame asks for; the reason where it is not the key alone; whether it is a guess.
@@ -82,17 +84,27 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
     const pupil_sensor_config *c = &o->config;
     const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
     const double slope = o->answer.slope;
-    double target = frame_log2 + (wanted - light->mean) / slope, mean, highlight, lost;
+    const double plain = frame_log2 + (wanted - light->mean) / slope;
+    double target = plain, mean, highlight, lost;
     pupil_sensor_guess(c, light, wanted, &mean, &highlight, &lost);
     o->setting.scene_ev = light->mean - frame_log2;
     if (target < frame_log2 - c->far_ev) {
+        /* what is not clipped shows how much brighter it has become since the mean was one */
+        const double most = o->known_ev + o->answer.brighter + KNOWN_EV,
+                     limit = most + slope * frame_log2 + o->known_over;
         *guessed = mean > light->mean;
         target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
                                                        : frame_log2 + (wanted + lost - mean) / slope;
+        target = clamp((wanted - most) / slope, target, plain);
+        highlight = highlight < limit ? highlight : limit;
         o->setting.scene_ev = mean - frame_log2;
+    } else {
+        o->known_ev = light->mean - slope * frame_log2;
+        o->known_over = (light->clipped_share > c->highlight_share ? highlight : light->highlight) - light->mean;
+        o->answer.brighter = 0.0;
     }
     if (light->has_highlight) {
-        const double most = highlight_limit(c, light, frame_log2, highlight);
+        const double most = highlight_limit(c, light, frame_log2, highlight, slope);
         if (most < target) {
             target = most > target - c->highlight_ev ? most : target - c->highlight_ev;
             *reason = PUPIL_SENSOR_HIGHLIGHTS;
@@ -113,18 +125,18 @@ static int is_flash(pupil_sensor_object *o, double *off)
     if (!same_side || (*off < 0.0 ? *off > o->odd_ev : *off < o->odd_ev))
         o->odd_ev = *off;
     o->odd_frames = same_side ? o->odd_frames + (o->odd_frames < 16) : 1;
-    const uint32_t needed = o->config.flash_frames + (pupil_sensor_disobeys(o) ? LESS_BELIEF : 0);
+    const uint32_t needed = o->config.flash_frames + (o->answer.disobeys ? LESS_BELIEF : 0);
     if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= needed)
         return 1;
     *off = o->odd_ev;
     return 0;
 }
 
-/* Until the light is further off than this, or for a time that doubles with every vain search. */
+/* Until the light is further off than this, or for a time that grows with every vain search. */
 static void stand_still(pupil_sensor_object *o, double band_ev)
 {
     o->band_ev = band_ev;
-    o->patience_s = o->patience_s > 0.0 ? 2.0 * o->patience_s : PATIENCE_S;
+    o->patience_s = o->patience_s > 0.0 ? 4.0 * o->patience_s : PATIENCE_S;
     o->stood_s = 0.0;
 }
 
@@ -150,8 +162,8 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
             return PUPIL_SENSOR_UNSTEADY;
         }
     }
-    if (guessed && pupil_sensor_disobeys(o)) /* nothing is known and nothing can be done */
-        stand_still(o, 1.5 * size);
+    const int seen = o->answer.slopes || o->answer.dead[0] || o->answer.dead[1];
+    o->creeping = o->last_direction == direction && !seen ? o->creeping + 1 : 0;
     o->last_direction = direction;
     o->last_size = size;
     o->last_total_log2 = o->total_log2;
@@ -161,6 +173,8 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off *= 0.5; /* a slope of 2 is the steepest that is ordinary */
         o->looking = 1;
     }
+    if (o->creeping > 2 && size < PROBE_EV) /* nothing of it has been seen: a step that has to be seen */
+        off = PROBE_EV * direction;
     if (o->answer.strange > 1) {
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
         reason = PUPIL_SENSOR_STRANGE;
@@ -177,10 +191,11 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
 static uint32_t move(pupil_sensor_object *o, double low, double high, double far_ev, int at_end, int guessed)
 {
     const pupil_sensor_config *c = &o->config;
-    low -= o->total_log2, high -= o->total_log2;
-    double off = low > 0.0 ? low : high < 0.0 ? high : 0.0; /* the least that is not in doubt */
-    const double size = off < 0.0 ? -off : off;
     const int pending = is_pending(o);
+    double off = low > o->total_log2 ? low - o->total_log2 : high < o->total_log2 ? high - o->total_log2 : 0.0;
+    if (off == 0.0 && o->waited >= PUPIL_SENSOR_DELAYS) /* doubt that has lasted so long ends only with what is done */
+        off = clamp(o->setting.error_ev, -PROBE_EV, PROBE_EV);
+    const double size = off < 0.0 ? -off : off; /* the least that is not in doubt */
     if (o->band_ev > 0.0) {
         o->stood_s += o->setting.dt_s;
         if (size <= o->band_ev && o->stood_s < o->patience_s)
@@ -201,7 +216,7 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     weight = weight < most_weight ? weight : most_weight;
     o->direction = 0;
     o->calm += o->calm < LONG_CALM;
-    if (o->calm >= CALM)
+    if (o->calm >= (o->answer.surprised ? 4 * CALM : CALM))
         o->turns = 0, o->last_direction = 0;
     if (o->calm >= LONG_CALM)
         o->patience_s = 0.0;
@@ -229,12 +244,13 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     if (c->lock || by_hand) {
         s->state = PUPIL_SENSOR_LOCKED;
         reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_BY_HAND;
-    } else if (pupil_sensor_disobeys(o) && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV)) {
+    } else if (o->answer.dead[0] || o->answer.dead[1] ||
+               (o->answer.disobeys && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV))) {
         s->state = PUPIL_SENSOR_LIMITED;
         reason = PUPIL_SENSOR_IGNORED;
     } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = pupil_sensor_disobeys(o) ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
+        reason = o->answer.disobeys ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
     } else if (far || is_pending(o)) {
         s->state = clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         reason = slow ? slow : reason;
@@ -246,6 +262,18 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
         reason = PUPIL_SENSOR_BELOW_MAINS;
     }
     s->reason = reason;
+}
+
+/* A stop beyond what is left where a control does nothing: should it do something after all, that shows it. */
+static double reachable(const pupil_sensor_object *o, double wanted)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double other[2][2] = {{c->gain_min, c->gain_max}, {c->exposure_min_s, c->exposure_max_s}};
+    for (int i = 0; i < 2; i++)
+        if (o->answer.dead[i])
+            wanted = clamp(wanted, o->answer.taken[i] + pupil_log2(other[i][0]) - 1.0,
+                           o->answer.taken[i] + pupil_log2(other[i][1]) + 1.0);
+    return clamp(wanted, o->least_log2, o->most_log2);
 }
 
 void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *light, const pupil_frame_info *info)
@@ -263,11 +291,11 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
     } else {
         int guessed = 0;
         const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
-        const double target = clamp(wanted, o->least_log2, o->most_log2);
-        const double low = clamp(wanted + a->low - frame_log2, o->least_log2, o->most_log2);
-        const double high = clamp(wanted + a->high - frame_log2, o->least_log2, o->most_log2);
-        const double far_ev =
-            reason == PUPIL_SENSOR_HIGHLIGHTS && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
+        const double target = reachable(o, wanted), low = reachable(o, wanted + a->low - frame_log2);
+        const double high = reachable(o, wanted + a->high - frame_log2);
+        o->coarse = reason == PUPIL_SENSOR_HIGHLIGHTS ? CALM : o->coarse - (o->coarse > 0);
+        const int coarse = reason == PUPIL_SENSOR_HIGHLIGHTS || (o->coarse && o->calm >= CALM);
+        const double far_ev = coarse && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
         s->error_ev = target - o->total_log2;
         s->frames++;
         if (!c->lock)
