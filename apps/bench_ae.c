@@ -12,7 +12,7 @@
 #include "interrupt.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
-enum { MOST_ROWS = 8000 };
+enum { MOST_ROWS = 8000, LABEL = 22 };
 
 static const char help[] =
     "usage: pupil bench ae [options]      (also: pupil bench --ae)\n"
@@ -21,6 +21,7 @@ static const char help[] =
     "      --controller NAME  one of: pupil rpi libipa softisp openpilot integrator0.25 integrator1 (all)\n"
     "      --test NAME        one of: settle overshoot hunt identify calm seam background bands strobe\n"
     "                         curve lies (all)\n"
+    "      --plot FILE        draws a step of +3 EV and one of -3 EV instead, all loops in one picture (.svg, .png)\n"
     "      --json             one object a line: controller, test, of, gain_law, delay, believed,\n"
     "                         step_ev, value, limit, unit, pass (null: it never got there)\n"
     "  -q, --quiet            no progress       -h, --help\n"
@@ -117,18 +118,22 @@ static void put_value(double value, int frames)
 static void put_settling(const table *t, const char *test, int frames)
 {
     int first = 1;
-    for (size_t i = 0; i < FIXTURE_CONTROLLERS; i++) {
+    for (size_t i = 0; i < 2 * (size_t)FIXTURE_CONTROLLERS; i++) {
+        const fixture_controller *law = &fixture_controllers[i / 2];
+        const int no_flash = i % 2;
         size_t found = 0;
         for (size_t k = 0; k < t->rows; k++) {
             const bench_ae_row *r = &t->row[k].row;
-            if (strcmp(r->test, test) != 0 || r->delay != 3 || r->law != &fixture_controllers[i] ||
+            if (strcmp(r->test, test) != 0 || r->delay != 3 || r->law != law ||
+                (strstr(t->row[k].of, BENCH_AE_NO_FLASH) != NULL) != no_flash ||
                 strcmp(r->gain_law, fixture_gain_law_name[FIXTURE_GAIN_RECIPROCAL]) != 0)
                 continue;
             if (first)
-                printf("%s, %s; delay 3, gain 256/(256-n)\n%-15s %8s%8s%8s%8s%8s%8s%8s%8s\n", test,
-                       frames ? "frames to +-0.1 EV" : "EV", "", "-6", "-3", "-1", "+1", "+3", "+6", "black", "white");
+                printf("%s, %s; delay 3, gain 256/(256-n)\n%-*s%8s%8s%8s%8s%8s%8s%8s%8s\n", test,
+                       frames ? "frames to +-0.1 EV" : "EV", LABEL, "", "-6", "-3", "-1", "+1", "+3", "+6", "black",
+                       "white");
             if (!found++)
-                printf("%-15s ", r->law->name);
+                printf("%-*s", LABEL, no_flash ? "pupil, " BENCH_AE_NO_FLASH : law->name);
             first = 0;
             put_value(r->value, frames);
         }
@@ -194,8 +199,9 @@ static int named(const char *text, bench_ae *b, int test)
 /* 0; 1: wrong; -1: nothing more is to be done. */
 static int read_options(int argc, char **argv, bench_ae *b, int *json, int *quiet)
 {
-    static const struct option known[] = {{"controller", 1, NULL, 'c'}, {"test", 1, NULL, 't'}, {"json", 0, NULL, 'j'},
-                                          {"quiet", 0, NULL, 'q'},      {"help", 0, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    static const struct option known[] = {
+        {"controller", 1, NULL, 'c'}, {"test", 1, NULL, 't'}, {"json", 0, NULL, 'j'}, {"plot", 1, NULL, 'p'},
+        {"quiet", 0, NULL, 'q'},      {"help", 0, NULL, 'h'}, {NULL, 0, NULL, 0}};
     int c, wrong = 0;
     optind = 1;
     while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1) {
@@ -203,10 +209,14 @@ static int read_options(int argc, char **argv, bench_ae *b, int *json, int *quie
             return fputs(help, stdout), -1;
         *json |= c == 'j';
         *quiet |= c == 'q';
+        if (c == 'p')
+            b->plot = optarg;
         if (c == 'c' || c == 't')
             wrong = named(optarg, b, c == 't');
         wrong |= c == '?';
     }
+    if (!wrong && b->plot && (b->law || b->test || *json))
+        return fputs("pupil bench ae: --plot draws all loops and no test; it goes with no other option\n", stderr), 1;
     if (!wrong && optind < argc)
         return fprintf(stderr, "pupil bench ae: %s: it takes no argument; see --help\n", argv[optind]), 1;
     return wrong;
@@ -231,10 +241,10 @@ int bench_ae_main(int argc, char **argv)
     int failed = !b.frame || (!json && !t.row);
     if (failed)
         snprintf(b.why, sizeof b.why, "not enough memory");
-    failed = failed || bench_ae_run(&b);
+    failed = failed || (b.plot ? bench_ae_plot(&b) : bench_ae_run(&b));
     if (t.shown)
         fputs("\r\033[K", stderr);
-    if (!failed && !json)
+    if (!failed && !json && !b.plot)
         put_tables(&t);
     free(b.frame);
     free(t.row);

@@ -20,6 +20,7 @@ typedef struct bench_ae_row {
 typedef struct bench_ae {
     const fixture_controller *law; /* NULL: all */
     const char *test;              /* NULL: all */
+    const char *plot;              /* a file instead; NULL */
     void (*see)(void *context, const bench_ae_row *row);
     void *context;
     fixture_loop_frame *frame; /* BENCH_AE_FRAMES */
@@ -28,10 +29,16 @@ typedef struct bench_ae {
 
 enum { BENCH_AE_FRAMES = 2000, BENCH_AE_TESTS = 11 };
 
+/* `of` of what pupil does without looking whether light is a strobe. */
+#define BENCH_AE_NO_FLASH "flash_frames 0"
+
 extern const char *const bench_ae_tests[BENCH_AE_TESTS];
 
 /* Runs them in order and shows each row. 0, or -1: interrupted, or `why` has a sentence. */
 int bench_ae_run(bench_ae *b);
+
+/* Draws the answers of all loops to a step either way into b->plot. The same. */
+int bench_ae_plot(bench_ae *b);
 
 /* ---- between the files of the tests --------------------------------------------------------------------------------
  */

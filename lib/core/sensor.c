@@ -35,14 +35,18 @@ void pupil_sensor_choose(pupil_sensor_object *o, int anew)
     s->limits = pupil_sensor_limits(o);
 }
 
-/* The wanted total, brought into what the camera can under the current config. */
-static void begin_from(pupil_sensor_object *o, double total_log2)
+/* The wanted total, brought into what the camera can under the current config; where both controls are held, what was
+ * rounded is held, too. */
+static void begin_from(pupil_sensor_object *o, double total_log2, int is_held)
 {
     double e, g;
     pupil_sensor_split(o, -500.0, &e, &g);
     o->least_log2 = pupil_log2(e * g);
     pupil_sensor_split(o, 500.0, &e, &g);
     o->most_log2 = pupil_log2(e * g);
+    const double digital_log2 = total_log2 - o->most_log2;
+    if (is_held && o->setting.frames && digital_log2 > -1.0 && digital_log2 < 1.0)
+        o->least_log2 = o->most_log2 = total_log2;
     o->total_log2 = clamp(total_log2, o->least_log2, o->most_log2);
     pupil_sensor_choose(o, 1);
 }
@@ -53,13 +57,19 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
     o->config = *config;
     if (believed != config->delay_frames)
         pupil_sensor_answer_reset(o);
+    if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
+        o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
+        o->setting.reason = PUPIL_SENSOR_NO_REASON;
+    }
     o->held_exposure = pupil_sensor_exposure_of(
         config, clamp(config->exposure_mode == PUPIL_SENSOR_MANUAL ? config->manual_exposure_s : o->setting.exposure_s,
                       config->exposure_min_s, config->exposure_max_s));
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
     o->band_ev = 0.0;
-    begin_from(o, o->total_log2);
+    begin_from(o, o->total_log2, config->exposure_mode == PUPIL_SENSOR_HELD && config->gain_mode == PUPIL_SENSOR_HELD);
+    if (o->setting.changed && o->stamped) /* until both controls are there the frames show a mixture */
+        o->waited = 0;
 }
 
 int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
@@ -75,7 +85,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->stride = 1.0;
     o->setting.exposure_s = 0.01;
     o->setting.gain = 1.0;
-    o->setting.frame_digital = 1.0;
+    o->setting.frame_digital = o->setting.slope = 1.0;
     o->total_log2 = pupil_log2(0.01);
     configure(o, config);
     return PUPIL_OK;
@@ -99,7 +109,7 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
         return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     if (!(exposure_s >= 0x1p-64 && exposure_s <= 0x1p64 && gain >= 0x1p-64 && gain <= 0x1p64))
         return PUPIL_ERR_VALUE;
-    begin_from(o, pupil_log2(exposure_s) + pupil_log2(gain));
+    begin_from(o, pupil_log2(exposure_s) + pupil_log2(gain), 0);
     o->looking = 1;
     o->band_ev = 0.0;
     if (o->stamped) /* the stream runs: this step, too, takes its time */

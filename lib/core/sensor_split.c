@@ -8,6 +8,9 @@ static double clamp(double x, double low, double high)
     return x < low ? low : x > high ? high : x;
 }
 
+/* A total that came from its logarithm is off by a few 2^-52 of these. */
+#define UP (1.0 + 1e-9)
+
 /* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
 static double multiple(double x, double step)
 {
@@ -50,7 +53,7 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
         g = pupil_exp2(multiple(pupil_log2(g), db * c->gain_step));
         break;
     case PUPIL_GAIN_RECIPROCAL:
-        g = g < 1.0 ? g : c->gain_step / (c->gain_step - multiple(c->gain_step * (1.0 - 1.0 / g), 1.0));
+        g = g < 1.0 ? 0.0 : c->gain_step / (c->gain_step - multiple(c->gain_step * (1.0 - 1.0 / g), 1.0));
         break;
     case PUPIL_GAIN_TABLE:
         for (uint32_t i = 0; i < c->gain_count; i++)
@@ -94,8 +97,9 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0));
     const int held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, held = c->gain_mode != PUPIL_SENSOR_AUTO;
     /* a control that does nothing is as good as held, but for what the other one cannot do alone */
-    const double e0 = held_s ? o->held_exposure : pupil_exp2(o->answer.taken[0]),
-                 g0 = held ? o->held_gain : pupil_exp2(o->answer.taken[1]);
+    const double most_s = longest(c), taken_s = pupil_exp2(o->answer.taken[0]);
+    const double e0 = held_s ? o->held_exposure : pupil_sensor_exposure_of(c, taken_s < most_s ? taken_s : most_s),
+                 g0 = held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(o->answer.taken[1]));
     const int dead_s = o->answer.dead[0] && total >= e0 * c->gain_min && total <= e0 * c->gain_max;
     const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * longest(c);
     double e, g;
@@ -110,19 +114,18 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
 {
     const pupil_sensor_config *c = &o->config;
-    double least_s, most_s, least, most;
+    double most_s, most;
     uint32_t limits = 0;
-    pupil_sensor_split(o, o->least_log2, &least_s, &least);
     pupil_sensor_split(o, 500.0, &most_s, &most);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
-        limits |= o->setting.exposure_s <= least_s ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
-        if (o->setting.exposure_s >= most_s)
+        limits |= o->setting.exposure_s <= c->exposure_min_s * UP ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
+        if (o->setting.exposure_s * UP >= most_s)
             limits |=
                 1u << (longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX);
     }
     if (c->gain_mode == PUPIL_SENSOR_AUTO) {
-        limits |= o->setting.gain <= c->gain_min ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
-        limits |= o->setting.gain >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
+        limits |= o->setting.gain <= c->gain_min * UP ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
+        limits |= o->setting.gain * UP >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
     }
     return limits;
 }

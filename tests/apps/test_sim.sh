@@ -81,6 +81,14 @@ grep -q '^{"controller":"pupil","test":"hunt","of":"","gain_law":"256/(256-n)","
 "$program" bench ae --test strobe --controller rpi >said.out
 grep -q '^strobe  *1 frame  *rpi  *[0-9.]* *0.0200 *[0-9]* of 16' said.out || fail "strobe: $(cat said.out)"
 
+if command -v gnuplot >/dev/null; then
+    "$program" bench ae --plot steps.svg >said.out 2>noise.txt
+    [ ! -s noise.txt ] && [ ! -s said.out ] || fail "bench ae --plot: $(cat noise.txt said.out)"
+    for name in pupil "pupil, flash_frames 0" rpi libipa softisp openpilot integrator0.25 integrator1; do
+        grep -qF ">$name<" steps.svg || fail "no curve of $name"
+    done
+fi
+
 for help in "sim --help" "help sim" "bench ae --help"; do
     "$program" $help >help.txt
     [ "$(wc -l <help.txt)" -le 24 ] || fail "$help is $(wc -l <help.txt) lines"
@@ -107,4 +115,6 @@ expect 1 "no/such" sim --stats no/such/run.jsonl
 expect 2 "--test size: must be one of settle" bench ae --test size
 expect 2 "--controller x: must be one of pupil" bench ae --controller x
 expect 2 "it takes no argument" bench ae all
+expect 2 "--plot draws all loops" bench ae --plot a.svg --test settle
+expect 1 "no/such.svg" bench ae --plot no/such.svg
 echo "passed"

@@ -102,6 +102,62 @@ static void check_rates(void)
     }
 }
 
+/* dL/dt = (target - L) / tau by Heun's method in long double, 1 / 4096 of tau a step or less. */
+static long double integrate(long double level, long double target, long double tau, long double seconds)
+{
+    const int steps = 1 + (int)(4096 * seconds / tau);
+    const long double h = seconds / steps / tau;
+    for (int i = 0; i < steps; i++) {
+        const long double k1 = target - level, k2 = target - (level + h * k1);
+        level += h * (k1 + k2) / 2;
+    }
+    return level;
+}
+
+/* A step up and one down, each with its own time constant, at any frame rate and with a fifth of the frames lost: the
+ * level is the ODE's at every frame, and each part of the way is done when the ODE has done it, by 1 % of the time. */
+static void check_ode(void)
+{
+    static const int fps[] = {1, 10, 30, 120, 240};
+    static const double taus[2][2] = {{0.4, 1.2}, {2.5, 0.7}}; /* light, dark */
+    double worst_ev = 0, worst_share = 0;
+    for (int turn = 0; turn < 5 * 2 * 2; turn++) {
+        const int rate = fps[turn % 5], drops = turn / 5 % 2;
+        const double *tau = taus[turn / 10];
+        long double level = 0;
+        int64_t last = SECOND;
+        pupil_t pupil;
+        start(&pupil, tau[0], tau[1]);
+        level = adapt(&pupil, -3, SECOND).adapted_ev;
+        int compared[2] = {0, 0};
+        for (int n = 1; n <= 24 * rate; n++) {
+            const int dark = n > 12 * rate;
+            const int64_t now = SECOND + n * SECOND / rate;
+            if (drops && check_uniform() < 0.2)
+                continue;
+            pupil_stats stats;
+            const double target = ref_stats_at(dark ? -2 : 5, 0, &stats), before = (double)level;
+            const double got = adapt(&pupil, dark ? -2 : 5, now).adapted_ev;
+            level = integrate(level, target, tau[dark], (now - last) / 1e9L);
+            worst_ev = fmax(worst_ev, fabs(got - (double)level));
+            CHECK_MSG(fabs(got - (double)level) <= 1e-4, "%d fps, drops %d, frame %d: %g, the ODE has %g", rate, drops,
+                      n, got, (double)level);
+            /* what is left of this frame's way, as time */
+            const double took = tau[dark] * log((before - target) / (got - target)), dt = (double)(now - last) * 1e-9;
+            if (fabs(before - target) > 0.02 && fabs(got - target) > 0.02) {
+                worst_share = fmax(worst_share, fabs(took / dt - 1));
+                CHECK_MSG(fabs(took / dt - 1) <= 0.01, "%d fps, drops %d, frame %d: %g s for %g s", rate, drops, n,
+                          took, dt);
+                compared[dark]++;
+            }
+            last = now;
+        }
+        CHECK(compared[0] > 0 && compared[1] > 0);
+    }
+    printf("1 to 240 fps, a fifth of the frames lost or none: within %.2g stops of the ODE, and %.2g of the time\n",
+           worst_ev, worst_share);
+}
+
 static void check_directions(void)
 {
     pupil_t pupil;
@@ -169,6 +225,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     check_closed_form();
     check_rates();
+    check_ode();
     check_directions();
     check_clocks();
     check_unstamped();

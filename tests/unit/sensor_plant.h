@@ -35,7 +35,9 @@ typedef struct plant {
     uint64_t frame;
     double asked[PLANT_RING][2]; /* after frame i % PLANT_RING: exposure, gain */
     double at_first[2];
-    double scene[PLANT_PIXELS]; /* log2, mean 0 */
+    double scene[PLANT_PIXELS]; /* log2, mean 0; the caller's until the first frame */
+    float light[PLANT_PIXELS];  /* 2^(light_slope x scene): the scene as it is metered */
+    double light_slope;         /* 0: not made yet */
     pupil_t meter;
 } plant;
 
@@ -67,11 +69,12 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     p->frame_s = 1.0 / 30.0;
     p->slope = 1.0;
     p->pixels = PLANT_PIXELS;
+    if (quantile[0] == 0.0)
+        for (int i = 0; i < PLANT_PIXELS; i++)
+            quantile[i] = PLANT_SIGMA * plant_quantile((i + 0.5) / PLANT_PIXELS);
     for (int i = 0; i < PLANT_PIXELS; i++) { /* every quantile once, in any order */
         const int j = (int)(check_random() % (uint64_t)(i + 1));
         p->scene[i] = p->scene[j];
-        if (quantile[i] == 0.0) /* none is: their number is even */
-            quantile[i] = PLANT_SIGMA * plant_quantile((i + 0.5) / PLANT_PIXELS);
         p->scene[j] = quantile[i];
     }
     CHECK(pupil_sensor_get(sensor, &s) == PUPIL_OK);
@@ -136,9 +139,13 @@ static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
                              .sequence = p->frame,
                              .exposure_s = plant_tells(p, 0),
                              .gain = plant_tells(p, 1)};
-    for (int i = 0; i < p->pixels; i++) {
-        double code = 4095.0 * exp2(plant_bent(p, ev + p->scene[i])) + 0.5;
-        codes[i] = (uint16_t)(code < 4095.0 ? code : 4095.0);
+    for (int i = 0; i < PLANT_PIXELS && p->light_slope != p->slope; i++)
+        p->light[i] = (float)exp2(p->slope * p->scene[i]);
+    p->light_slope = p->slope;
+    const float all = (float)exp2(p->slope * ev);
+    for (int i = 0; i < p->pixels; i++) { /* plant_bent without its logarithms */
+        const float x = all * p->light[i], code = 4095.0f * (p->shoulder ? x / (0.82f + x) : x) + 0.5f;
+        codes[i] = (uint16_t)(code < 4095.0f ? code : 4095.0f);
     }
     pupil_stats_clear(stats);
     CHECK(pupil_meter_rows(&p->meter, &image, 0, rows, stats) == PUPIL_OK);

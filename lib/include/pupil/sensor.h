@@ -196,7 +196,7 @@ typedef struct pupil_sensor_setting {
     uint64_t frames;  /* frames with light since init */
     uint32_t state;   /* a pupil_sensor_state */
     uint32_t reason;  /* a pupil_sensor_reason */
-    uint32_t limits;  /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that a control which is not manual stands at */
+    uint32_t limits;  /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that a control which is auto stands at */
     uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get */
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
     uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
