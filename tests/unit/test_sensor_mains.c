@@ -144,6 +144,80 @@ static void check_lamps(const char *what, int trials, double drops, double pan, 
     CHECK(seen > trials / 3 && right >= 0.99 * seen && wrong == 0);
 }
 
+/* ---- without lamps ------------------------------------------------------------------------------------------------
+ */
+
+enum scene { STEADY, DRIFT, STEPS, PAN, SHAKE, STROBE, BLINK, ALL_BLINKS, PASSING, SCENES };
+static const char *const scene_name[SCENES] = {
+    "steady light",    "light and shade that drift",      "steps of the light", "pans",
+    "a shaken camera", "strobes, whole frames and parts", "a lamp at 10 Hz",    "all light at 10 Hz",
+    "things that pass"};
+
+/* What happens before the next frame; by how much all light is over the usual. */
+static double happen(camera *c, enum scene scene, int n, const double chance[4])
+{
+    const int first = (int)(chance[0] * 50.0), size = 2 + (int)(chance[1] * 30.0);
+    double ev = 0.0;
+    if (scene == DRIFT)
+        c->shade[check_random() % PUPIL_BANDS] += 0.01 * normal();
+    if (scene == DRIFT || scene == STEPS)
+        ev = scene == DRIFT ? 0.5 * sin(0.01 * n) : (double)(n / (3 + size) % 4);
+    if (scene == PAN)
+        c->pan = 4.0 * chance[2] * (2.0 * chance[3] - 1.0);
+    if (scene == SHAKE)
+        c->pan = check_uniform() * sin(2.0 * PI * 8.0 * c->t);
+    if (scene == STROBE)
+        ev = n % 7 ? 0.0 : 3.0;
+    if (scene == ALL_BLINKS)
+        ev = log2(1.0 + 0.3 * sin(2.0 * PI * 10.0 * c->t));
+    for (int b = 0; b < PUPIL_BANDS && scene >= STROBE && scene != ALL_BLINKS; b++) {
+        const int from = scene == PASSING ? (int)(n * 6.0 * chance[2]) % 100 - 20 : first;
+        const int on = scene == STROBE ? n % 5 == 0 : scene == PASSING || fmod(10.0 * c->t + chance[3], 1.0) < 0.5;
+        c->shade[b] = on && b >= from && b < from + size ? 3.0 * chance[2] : 0.0;
+    }
+    return ev;
+}
+
+static void check_no_lamps(enum scene scene, int cameras, int frames)
+{
+    static camera c;
+    int alarms = 0;
+    for (int i = 0; i < cameras; i++) {
+        const double chance[4] = {check_uniform(), check_uniform(), check_uniform(), check_uniform()};
+        begin(&c, 0.005);
+        c.noise_ev = 0.006 * check_uniform();
+        for (int n = 0; n < frames; n++)
+            frame(&c, happen(&c, scene, n, chance));
+        alarms += c.setting.mains_hz != 0;
+    }
+    printf("%s: %d x %d frames, %d false alarms\n", scene_name[scene], cameras, frames, alarms);
+    CHECK(alarms == 0);
+}
+
+/* Lamps that leave nothing that could be told. */
+static void check_undetermined(void)
+{
+    static const struct {
+        double hz, fps, readout; /* readout: of the frame */
+        double modulation, exposure_s;
+    } of[] = {{120, 30, 0.7, 0.5, 0.004}, {100, 25, 0.7, 0.5, 0.004}, {100, 50, 0.7, 0.5, 0.004},
+              {120, 60, 0.7, 0.5, 0.004}, {100, 20, 0.7, 0.5, 0.004}, {100, 30, 0.0, 0.5, 0.004},
+              {120, 25, 0.0, 0.5, 0.004}, {100, 30, 0.7, 0.5, 0.010}, {100, 30, 0.7, 0.001, 0.004}};
+    static camera c;
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        begin(&c, of[i].exposure_s);
+        c.frame_s = 1.0 / of[i].fps;
+        c.readout_s = of[i].readout * c.frame_s;
+        c.hz = of[i].hz;
+        c.modulation = of[i].modulation;
+        c.exposure_s = of[i].exposure_s;
+        for (int n = 0; n < 300; n++)
+            frame(&c, 0.0);
+        CHECK_MSG(!c.setting.mains_hz && c.setting.mains == PUPIL_SENSOR_MAINS_UNDETERMINED, "%g Hz, %g fps: %u Hz",
+                  of[i].hz, of[i].fps, c.setting.mains_hz);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -151,5 +225,10 @@ int main(int argc, char **argv)
     check_lamps("a tenth of the frames dropped", 1000, 0.1, 0.0, 0.002);
     check_lamps("slow pans", 1000, 0.0, 0.05, 0.002);
     check_lamps("noise of 0.006 EV", 1000, 0.0, 0.0, 0.006);
+    check_no_lamps(STEADY, 1, 10000);
+    check_no_lamps(DRIFT, 1, 10000);
+    for (int scene = STEADY; scene < SCENES; scene++)
+        check_no_lamps((enum scene)scene, 40, 200);
+    check_undetermined();
     return check_end();
 }
