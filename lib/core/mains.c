@@ -12,6 +12,7 @@
 
 #define FORGET     0.875 /* eight frames: half of those within which lamps are to be found */
 #define ENOUGH     5.2   /* of energy: that of eight frames */
+#define MUCH       6.0   /* times the energy that was usual: another scene */
 #define LEAST_EV   5e-4  /* noise of a band of some hundred pixels: differences below it count less */
 #define LEAST_LOG  0.007 /* log2: half a percent; nobody sees less */
 #define STANDING   0.969 /* cosine of 0.04 turns: a wave that is so slow is taken for the scene's */
@@ -62,8 +63,8 @@ static double explained(const pupil_mains *m, int h, double turns, double *ampli
     return z.c * c.c + z.s * c.s;
 }
 
-/* 0, or the hertz of the mains that the sums speak of. */
-static uint32_t spoken_of(const pupil_mains *m, double dt_s, double *modulation)
+/* Whether the sums speak of one of the two mains. */
+static void listen(pupil_mains *m, double dt_s)
 {
     double best[2] = {0.0, 0.0}, at[2] = {0.0, 0.0}, size[2] = {0.0, 0.0}, other = 0.0;
     for (int h = 0; h < 2; h++)
@@ -79,9 +80,9 @@ static uint32_t spoken_of(const pupil_mains *m, double dt_s, double *modulation)
     const double up = flips ? 0.0 : explained(m, h, -at[h], &other), rival = up > best[!h] ? up : best[!h];
     if (!(best[h] - rival > (flips ? 4.0 : 1.0) * (m->energy - best[h])) || size[h] < LEAST_LOG * LEAST_LOG ||
         turn(light_hz[h] * dt_s).c > STANDING || turn(20.0 * dt_s).c > STANDING)
-        return 0;
-    *modulation = 0.6931471805599453 * pupil_exp2(0.5 * pupil_log2(size[h]));
-    return h ? 60 : 50;
+        return;
+    m->hz = h ? 60 : 50;
+    m->modulation = 0.6931471805599453 * pupil_exp2(0.5 * pupil_log2(size[h]));
 }
 
 /* The groups' levels take the place of the last frame's; how they moved, and the squares' sum. */
@@ -106,12 +107,16 @@ static double take(pupil_mains *m, const pupil_stats *stats, double move[PUPIL_M
 
 void pupil_mains_frame(pupil_mains *m, const pupil_stats *stats, double exposure_s, double dt_s)
 {
-    double move[PUPIL_MAINS_GROUPS], modulation = 0.0;
+    double move[PUPIL_MAINS_GROUPS];
     const double energy = take(m, stats, move), longer = (exposure_s - m->exposure_s) * 110.0; /* periods */
-    /* another exposure has another wave; a little longer, it can be put together with those before */
-    const int goes_on = dt_s > 0.0 && dt_s < 1.0 && longer < 0.1 && longer > -0.1;
-    const double keep = goes_on ? FORGET : 0.0, is_same = goes_on && longer < 0.01 && longer > -0.01;
-    const double weight = is_same / (energy + PUPIL_MAINS_GROUPS * LEAST_EV * LEAST_EV);
+    const double noise = PUPIL_MAINS_GROUPS * LEAST_EV * LEAST_EV;
+    /* lamps that go on are not to be weighed against the dark; and another exposure has another wave, which, where it
+     * is a little longer, can be put together with those before */
+    const int is_new = !(dt_s > 0.0 && dt_s < 1.0) || (m->usual >= 0.0 && energy > MUCH * m->usual + noise);
+    const int goes_on = longer < 0.1 && longer > -0.1 && !is_new;
+    const int counts = goes_on && longer < 0.01 && longer > -0.01;
+    const double keep = goes_on ? FORGET : 0.0, weight = counts / (energy + noise);
+    m->usual = is_new ? -1.0 : m->usual < 0.0 ? energy : m->usual + (1.0 - FORGET) * (energy - m->usual);
     m->exposure_s = exposure_s;
     m->energy = keep * m->energy + weight * energy;
     for (int h = 0; h < 2; h++) {
@@ -129,7 +134,6 @@ void pupil_mains_frame(pupil_mains *m, const pupil_stats *stats, double exposure
             m->sum[h][g][1] = (float)(keep * (double)m->sum[h][g][1] + weight * move[g] * x.s);
         }
     }
-    const uint32_t says = is_same && m->energy > ENOUGH ? spoken_of(m, dt_s, &modulation) : 0;
-    if (says)
-        m->hz = says, m->modulation = modulation;
+    if (counts && m->energy > ENOUGH)
+        listen(m, dt_s);
 }

@@ -12,7 +12,7 @@ enum { ROWS = 4, PIXELS = 1000, TEXTURE = 128, FRAMES = 15 };
 
 /* Light that falls on the rows of frames, and how they are taken. */
 typedef struct camera {
-    double frame_s, readout_s, exposure_s;
+    double frame_s, readout_s, exposure_s, gain;
     double hz, modulation, phase; /* of lamps; 0: none */
     double noise_ev;              /* of a band's mean */
     double texture[TEXTURE];      /* log2, by bands, and again from the beginning */
@@ -50,6 +50,7 @@ static void begin(camera *c, double exposure_s)
     c->exposure_s = fmin(exposure_s, c->frame_s);
     c->noise_ev = 0.002;
     c->phase = check_uniform();
+    c->gain = 1.0;
     for (int i = 0; i < TEXTURE; i++)
         c->texture[i] = level = 0.9 * level + contrast * normal();
     pupil_sensor_config_default(&config);
@@ -71,7 +72,7 @@ static void frame(camera *c, double ev)
     const pupil_frame_info info = {.timestamp_ns = (int64_t)floor((1.0 + c->t) * 1e9 + 0.5),
                                    .sequence = c->n,
                                    .exposure_s = c->exposure_s,
-                                   .gain = 1.0};
+                                   .gain = c->gain};
     double all = 0.0;
     for (int b = 0; b < PUPIL_BANDS; b++) {
         double sum = 0.0;
@@ -124,13 +125,18 @@ static void check_lamps(const char *what, int trials, double drops, double pan, 
         const double left = c.modulation * fabs(left_of(c.hz, c.exposure_s));
         const int counts = left >= 0.02 && from_whole(c.hz * c.frame_s) >= 0.05 && from_whole(20.0 * c.frame_s) >= 0.05;
         uint32_t found = 0, after = 0;
+        const double modulation = c.modulation;
+        c.modulation = 0.0;
+        for (int n = 0; n < 20 * (i % 2); n++) /* every other one is switched on */
+            frame(&c, 0.0);
+        c.modulation = modulation;
         for (uint32_t n = 1; n <= 2 * FRAMES; n++) {
             frame(&c, 0.0);
-            after = c.setting.mains_hz && !found ? n : after;
-            found = c.setting.mains_hz ? c.setting.mains_hz : found;
+            after = c.setting.mains_hz == hz && found != hz ? n : after;
+            found = c.setting.mains_hz;
+            wrong += found && found != hz;
             CHECK(c.setting.mains == (found ? PUPIL_SENSOR_MAINS_FOUND : PUPIL_SENSOR_MAINS_UNDETERMINED));
         }
-        wrong += found && found != hz;
         unseen += !counts;
         seen += counts;
         right += counts && found == hz && after <= FRAMES;
@@ -218,6 +224,124 @@ static void check_undetermined(void)
     }
 }
 
+/* ---- in a loop ----------------------------------------------------------------------------------------------------
+ */
+
+enum { DELAY = 2 };
+
+/* What is asked for is in force some frames later; light of 2^light_ev for a frame of 1 s. How many stops the frame, as
+ * it is shown, is over the key, lamps apart. */
+static double turn(camera *c, double light_ev, double asked[DELAY][2])
+{
+    const double exposure_s = asked[c->n % DELAY][0], gain = asked[c->n % DELAY][1];
+    const double ev = light_ev + log2(exposure_s * gain);
+    double *next = asked[c->n % DELAY];
+    c->exposure_s = exposure_s;
+    c->gain = gain;
+    frame(c, ev + 2.5);
+    next[0] = c->setting.exposure_s;
+    next[1] = c->setting.gain;
+    return ev + log2(c->setting.frame_digital) - log2(0.18);
+}
+
+/* A camera of `fps` under lamps, at rest on the exposure that light of light_ev asks for. */
+static void begin_loop(camera *c, const pupil_sensor_config *config, double fps, double light_ev,
+                       double asked[DELAY][2])
+{
+    begin(c, 0.01);
+    memset(c->texture, 0, sizeof c->texture);
+    c->frame_s = 1.0 / fps;
+    c->readout_s = 0.02;
+    c->noise_ev = 0.001;
+    CHECK(pupil_sensor_init(&c->sensor, config) == PUPIL_OK);
+    CHECK(pupil_sensor_start(&c->sensor, 0.18 * exp2(-light_ev), 1.0) == PUPIL_OK);
+    CHECK(pupil_sensor_get(&c->sensor, &c->setting) == PUPIL_OK);
+    for (int i = 0; i < DELAY; i++)
+        asked[i][0] = c->setting.exposure_s, asked[i][1] = c->setting.gain;
+}
+
+static int is_multiple(double exposure_s, uint32_t hz)
+{
+    return from_whole(exposure_s * 2.0 * hz) < 1e-6;
+}
+
+static void check_loop(void)
+{
+    static camera c;
+    double asked[DELAY][2], worst = 0.0;
+    const double dark_ev = log2(0.18 / 0.013), bright_ev = log2(0.18 / 0.0013); /* 13 ms are right; 1.3 */
+    pupil_sensor_config config;
+    pupil_sensor_config_default(&config);
+    config.frame_s = 1.0 / 25.5;
+    config.exposure_max_s = config.frame_s;
+    begin_loop(&c, &config, 25.5, dark_ev, asked);
+    for (int n = 0; n < 300; n++) { /* nothing yet */
+        turn(&c, dark_ev, asked);
+        CHECK(c.setting.state == PUPIL_SENSOR_CONVERGED && !c.setting.mains_hz);
+        CHECK(c.setting.mains == PUPIL_SENSOR_MAINS_UNDETERMINED && c.setting.mains_modulation == 0.0);
+    }
+    c.readout_s = 0.03;
+    c.modulation = 0.3;
+    c.hz = 120.0;
+    for (int n = 0; n < 60; n++) {
+        worst = fmax(worst, fabs(turn(&c, dark_ev, asked)));
+        CHECK_MSG(n < FRAMES || (c.setting.mains_hz == 60 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND), "frame %d",
+                  n);
+        CHECK_MSG(n < FRAMES || is_multiple(c.setting.exposure_s, 60), "%g s", c.setting.exposure_s);
+        CHECK(n < FRAMES || c.setting.mains_modulation > 0.01);
+    }
+    printf("60 Hz found: the level, lamps apart, is at most %.4f EV off\n", worst);
+    CHECK(worst <= 0.01);
+    for (int n = 0; n < 300; n++) { /* no lamps: what was found stays */
+        c.modulation = 0.0;
+        turn(&c, dark_ev, asked);
+        CHECK(c.setting.mains_hz == 60);
+    }
+    for (int n = 0; n < 60; n++) { /* others */
+        c.modulation = 0.5;
+        c.hz = 100.0;
+        c.frame_s = 1.0 / 30.0;
+        turn(&c, dark_ev, asked);
+        CHECK_MSG(n < FRAMES + DELAY || (c.setting.mains_hz == 50 && is_multiple(c.setting.exposure_s, 50)), "%g s",
+                  c.setting.exposure_s);
+    }
+    for (int n = 0; n < 60; n++)
+        turn(&c, bright_ev, asked);
+    CHECK(c.setting.state == PUPIL_SENSOR_FLICKER && c.setting.reason == PUPIL_SENSOR_BELOW_MAINS);
+    CHECK(pupil_sensor_retune(&c.sensor, &config) == PUPIL_OK && pupil_sensor_get(&c.sensor, &c.setting) == PUPIL_OK);
+    CHECK(c.setting.mains_hz == 50 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND);
+}
+
+/* What is told is not doubted; a lock keeps the setting until it ends. */
+static void check_told(void)
+{
+    static camera c;
+    double asked[DELAY][2];
+    const double dark_ev = log2(0.18 / 0.013);
+    for (int i = 0; i < 4; i++) {
+        pupil_sensor_config config;
+        pupil_sensor_config_default(&config);
+        config.mains_hz = i < 3 ? (uint32_t[]){0, 50, 60}[i] : PUPIL_SENSOR_MAINS_AUTO;
+        config.lock = i == 3;
+        begin_loop(&c, &config, 30.0, dark_ev, asked);
+        const double before_s = c.setting.exposure_s;
+        c.modulation = 0.3;
+        c.hz = 100.0;
+        for (int n = 0; n < 60; n++)
+            turn(&c, dark_ev, asked);
+        CHECK(c.setting.mains == (i < 3 ? PUPIL_SENSOR_MAINS_TOLD : PUPIL_SENSOR_MAINS_UNDETERMINED));
+        CHECK(c.setting.mains_hz == (i < 3 ? config.mains_hz : 0) && (i < 3 || c.setting.exposure_s == before_s));
+        config.mains_hz = PUPIL_SENSOR_MAINS_AUTO;
+        config.lock = 0;
+        CHECK(pupil_sensor_retune(&c.sensor, &config) == PUPIL_OK);
+        for (int n = 0; n < FRAMES + DELAY; n++) /* told 50, the frames had no trace */
+            turn(&c, dark_ev, asked);
+        CHECK_MSG(c.setting.mains_hz == 50 && is_multiple(c.setting.exposure_s, 50), "%g s", c.setting.exposure_s);
+    }
+    CHECK(pupil_sensor_scene(&c.sensor, -2.0, 0.0, NULL) == PUPIL_OK); /* no bands: what was found stays */
+    CHECK(pupil_sensor_get(&c.sensor, &c.setting) == PUPIL_OK && c.setting.mains_hz == 50);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -230,5 +354,7 @@ int main(int argc, char **argv)
     for (int scene = STEADY; scene < SCENES; scene++)
         check_no_lamps((enum scene)scene, 40, 200);
     check_undetermined();
+    check_loop();
+    check_told();
     return check_end();
 }
