@@ -68,6 +68,9 @@ typedef enum pupil_sensor_mode {
     PUPIL_SENSOR_MODE_COUNT
 } pupil_sensor_mode;
 
+/* config.mains_hz: found from the frames. */
+#define PUPIL_SENSOR_MAINS_AUTO 1
+
 #define PUPIL_SENSOR_STAGES     8
 #define PUPIL_SENSOR_GAIN_TABLE 64
 
@@ -107,8 +110,9 @@ typedef struct pupil_sensor_config {
     double exposure_step_s;       /* exposures are multiples of it: a line; 0: any; 0..1 */
     uint32_t frame_rate_priority; /* 1: exposures stay within frame_s; 0: in the dark, after the gain, they may go on up
                                    * to exposure_max_s; 1 */
-    uint32_t mains_hz; /* 50, 60, or 0; 0. From half a mains period on, exposures are multiples of it (rounded down to
-                        * a multiple of exposure_step_s) */
+    uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO, which is 0 until lamps are found; that. From half a
+                        * mains period on, exposures are multiples of it (rounded down to a multiple of
+                        * exposure_step_s) */
     uint32_t exposure_mode;   /* a pupil_sensor_mode */
     uint32_t gain_mode;       /* a pupil_sensor_mode */
     double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
@@ -183,6 +187,13 @@ typedef enum pupil_sensor_reason {
                                * light is further off than it was then */
 } pupil_sensor_reason;
 
+/* Where a setting's mains_hz is from. */
+typedef enum pupil_sensor_mains {
+    PUPIL_SENSOR_MAINS_UNDETERMINED = 0, /* no frame has shown it yet, and many cannot: mains_hz is 0 */
+    PUPIL_SENSOR_MAINS_FOUND,            /* lamps' waves were seen, and none of another frequency since */
+    PUPIL_SENSOR_MAINS_TOLD              /* config.mains_hz */
+} pupil_sensor_mains;
+
 /* All EV are log2. */
 typedef struct pupil_sensor_setting {
     double exposure_s;    /* to be written to the camera, as it has it */
@@ -201,6 +212,9 @@ typedef struct pupil_sensor_setting {
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
     uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
                                           * was taken with it, as the frames show it; 0: not known yet */
+    uint32_t mains_hz;       /* in use: 50, 60 or 0 */
+    uint32_t mains;          /* a pupil_sensor_mains */
+    double mains_modulation; /* of the light, 0..1, when it was last seen in a frame; 0: never */
 } pupil_sensor_setting;
 
 /* ---- life ------------------------------------------------------------------------------------------------------- */
