@@ -3,7 +3,6 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,167 +13,9 @@
 
 #include "file/pending.h"
 #include "file/sink_common.h"
-#include "plot_series.h"
-
-/* Colours that stay apart for every kind of colour vision: Okabe and Ito, Color Universal Design, 2008. */
-#define BLUE      "#0072B2"
-#define SKY       "#56B4E9"
-#define VERMILION "#D55E00"
-#define GREEN     "#009E73"
-#define PURPLE    "#CC79A7"
-#define ORANGE    "#E69F00"
+#include "plot_script.h"
 
 extern char **environ;
-
-/* ---- what is drawn ------------------------------------------------------------------------------------------------
- */
-
-static double get_time(const pupil_record *r)
-{
-    return r->time_s;
-}
-
-static double get_metered(const pupil_record *r)
-{
-    return r->metered_ev;
-}
-
-static double get_adapted(const pupil_record *r)
-{
-    return r->adapted_ev;
-}
-
-static double get_p01(const pupil_record *r)
-{
-    return r->p01_ev;
-}
-
-static double get_p99(const pupil_record *r)
-{
-    return r->p99_ev;
-}
-
-static double get_level(const pupil_record *r)
-{
-    return r->output_level;
-}
-
-static double get_clipped(const pupil_record *r)
-{
-    return 100.0 * r->clipped_share;
-}
-
-static double get_black(const pupil_record *r)
-{
-    return 100.0 * r->black_share;
-}
-
-static double get_white(const pupil_record *r)
-{
-    return 100.0 * r->output_white_share;
-}
-
-/* ---- the script ---------------------------------------------------------------------------------------------------
- */
-
-/* In single quotes gnuplot takes every character as it is, but a quote, which is doubled, and a line end. */
-static void quoted(FILE *out, const char *text)
-{
-    fputc('\'', out);
-    for (; *text; text++) {
-        if (*text == '\'')
-            fputc('\'', out);
-        fputc(iscntrl((unsigned char)*text) ? ' ' : *text, out);
-    }
-    fputc('\'', out);
-}
-
-static void data(FILE *out, const pupil_record *records, size_t count)
-{
-    static const struct {
-        const char *name;
-        plot_value *value;
-    } series[] = {{"metered", get_metered}, {"adapted", get_adapted}, {"level", get_level},
-                  {"clipped", get_clipped}, {"black", get_black},     {"white", get_white}};
-    fputs("$range << END\n", out);
-    plot_band(out, records, count, get_p01, get_p99);
-    fputs("END\n", out);
-    for (size_t i = 0; i < sizeof series / sizeof series[0]; i++) {
-        fprintf(out, "$%s << END\n", series[i].name);
-        plot_series(out, records, count, series[i].value);
-        fputs("END\n", out);
-    }
-}
-
-/* A range that is not empty: gnuplot would widen it too, but with a warning. */
-static void axis(FILE *out, char name, double low, double high, double margin, double at_least)
-{
-    if (low > high)
-        low = high = 0.0;
-    double more = margin * (high - low);
-    if (high - low < at_least)
-        more = 0.5 * (at_least - (high - low));
-    fprintf(out, "set %crange [%.9g:%.9g]\n", name, low - more, high + more);
-}
-
-static void panel(FILE *out, int index, const char *label)
-{
-    static const double top[] = {0.93, 0.52, 0.29, 0.06};
-    fprintf(out, "set tmargin at screen %g\nset bmargin at screen %g\n", top[index], top[index + 1] + 0.025);
-    /* A label in a fixed place: gnuplot puts its own beside the numbers, however far out that is. */
-    fprintf(out, "set label 1 '%s' at screen 0.016, screen %g center rotate\n", label,
-            0.5 * (top[index] + top[index + 1] + 0.025));
-    fprintf(out, index == 2 ? "set format x '%%g'\nset xlabel 'time, seconds' offset 0,0.4\n" : "set format x ''\n");
-}
-
-static void script(FILE *out, int is_png, const pupil_record *records, size_t count, double key, const char *title)
-{
-    const char *style = count <= 60 ? "linespoints pt 7 ps 0.5" : "lines";
-    double from = INFINITY, to = -INFINITY, low = INFINITY, high = -INFINITY, level = 2.0 * key, nothing = 0.0,
-           share = 1;
-    plot_range(records, count, get_time, &from, &to);
-    plot_range(records, count, get_p01, &low, &high);
-    plot_range(records, count, get_p99, &low, &high);
-    plot_range(records, count, get_metered, &low, &high);
-    plot_range(records, count, get_adapted, &low, &high);
-    plot_range(records, count, get_level, &nothing, &level);
-    plot_range(records, count, get_clipped, &nothing, &share);
-    plot_range(records, count, get_black, &nothing, &share);
-    plot_range(records, count, get_white, &nothing, &share);
-
-    fputs(is_png ? "set terminal pngcairo size 1000,760 font 'Sans,11' background '#ffffff'\n"
-                 : "set terminal svg size 1000,760 dynamic font 'Helvetica,Arial,sans-serif,14' background '#ffffff'\n",
-          out);
-    data(out, records, count);
-    fputs("set encoding utf8\nset multiplot title ", out);
-    quoted(out, title);
-    fputs(" noenhanced offset 0,0.3\nset lmargin at screen 0.075\nset rmargin at screen 0.795\n"
-          "set border 3 lc '#666666'\nset tics nomirror out scale 0.6\nset grid lc '#dddddd' lt 1 lw 0.7\n"
-          "set key at graph 1.015, graph 1.0 left top Left reverse samplen 1.6 spacing 1.25 noenhanced\n",
-          out);
-    axis(out, 'x', from, to, 0.0, 1e-3);
-
-    panel(out, 0, "scene light, EV (stops)");
-    axis(out, 'y', low, high, 0.04, 2.0);
-    fprintf(out,
-            "plot $range u 1:2:3 w filledcurves fc '" SKY "' fs transparent solid 0.25 noborder t '1 %% to 99 %%', "
-            "$metered w %s lw 1.4 lc '" BLUE "' t 'metered', "
-            "$adapted w %s lw 2.4 lc '" VERMILION "' t 'adapted'\n",
-            style, style);
-    panel(out, 1, "display, linear");
-    axis(out, 'y', 0.0, 1.05 * level, 0.0, 0.0);
-    fprintf(out,
-            "plot %.9g w lines dt 2 lw 1.4 lc '#555555' t 'key %g', $level w %s lw 1.8 lc '" GREEN
-            "' t 'log-average'\n",
-            key, key, style);
-    panel(out, 2, "share, %");
-    axis(out, 'y', 0.0, 1.05 * share, 0.0, 0.0);
-    fprintf(out,
-            "plot $clipped w %s lw 1.8 lc '" PURPLE "' t 'input clipped', "
-            "$black w %s lw 1.8 dt 3 lc '#000000' t 'input black', "
-            "$white w %s lw 1.8 dt 2 lc '" ORANGE "' t 'display at 255'\nunset multiplot\n",
-            style, style, style);
-}
 
 typedef struct run {
     const pupil_record *records;
@@ -186,7 +27,7 @@ typedef struct run {
 static void script_of_run(FILE *out, int is_png, const void *context)
 {
     const run *r = context;
-    script(out, is_png, r->records, r->count, r->key, r->title);
+    plot_script(out, is_png, r->records, r->count, r->key, r->title);
 }
 
 /* ---- the program --------------------------------------------------------------------------------------------------

@@ -12,7 +12,9 @@
 int pupil_plot_check(const char *path, char *why, size_t why_bytes);
 
 /* Draws the records into an .svg or .png file: metered and adapted EV with the frame's range of light, the level of the
- * display with the key, the shares of clipped, black and white. Complete or absent. 0, or -1 and a sentence. */
+ * display with the key, the shares of clipped, black and white. Of a camera under control: its exposure and gain, and
+ * how far off the key its frames and what is shown of them are, in place of the level. Complete or absent. 0, or -1 and
+ * a sentence. */
 int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
                      char *why, size_t why_bytes);
 

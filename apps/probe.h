@@ -48,7 +48,8 @@ typedef struct probe_law {
     int obeyed;      /* 0: the driver says it has the value, and the picture does not change */
     double slope;    /* stops of the picture for a stop of the control */
     double off_ev;   /* the largest of the points', in magnitude */
-    double drift_ev; /* what the first point had changed by in the end: the scene's, not the control's */
+    double drift_ev; /* the most that the picture changed by where nothing was asked of it: within a point, and at one
+                      * that was gone back to: the scene's, not the control's */
     int as_told;     /* off_ev is small, but for the drift */
     probe_point point[PROBE_POINTS];
     unsigned points;

@@ -8,6 +8,8 @@
 #define MOVED        0.3 /* of the step: more is no noise, and less than half of it a tone curve leaves, too */
 #define LATEST       16  /* frames: the longest delay that pupil/sensor.h takes */
 #define MOST_STEPS   6
+#define MOST_MOVED   0.3  /* stops: half of what counts as moved, of a step by STEP_FACTOR */
+#define MOST_APART   0.25 /* the same step once more: shares of it that the picture made */
 
 /* Two settings to go back and forth between, one control apart. */
 typedef struct stepping {
@@ -15,19 +17,23 @@ typedef struct stepping {
     const char *control;
 } stepping;
 
-enum { NO_MOVE = -1, NO_PICTURE = -2, NO_STEP = -3 };
+enum { NO_MOVE = -1, NO_PICTURE = -2, NO_STEP = -3, MOVES = -4 };
 
-/* The frames from the one that was under way to the first that moved; or one of the above. The state is asked after. */
-static int one_step(probe_stream *s, const stepping *steps, int up)
+/* The frames from the one that was under way to the first that moved, and what share of the step the picture made; or
+ * one of the above. The state is asked after. */
+static int one_step(probe_stream *s, const stepping *steps, int up, double *share)
 {
     const pupil_camera_setting *to = up ? &steps->high : &steps->low;
     const pupil_camera_setting before = probe_taken(s);
     probe_level base;
     uint64_t under_way = 0, first = 0;
+    double off_ev = 0.0;
     if (probe_frames(s, 2, &base) || probe_set(s, to->exposure_s, to->gain, &under_way))
         return NO_STEP;
     if (!probe_is_good(&base))
         return NO_PICTURE;
+    if (base.spread_ev > MOST_MOVED)
+        return MOVES;
     const pupil_camera_setting now = probe_taken(s);
     const double step_ev = log2(now.exposure_s * now.gain / (before.exposure_s * before.gain));
     if (fabs(step_ev) < log2(LEAST_FACTOR) / 2)
@@ -35,13 +41,14 @@ static int one_step(probe_stream *s, const stepping *steps, int up)
     for (int i = 0, in_a_row = 0; i < 64 && s->sequence < under_way + LATEST && in_a_row < 2; i++) {
         if (probe_frame(s))
             return NO_STEP;
-        const int moved = (s->level.mean_ev - base.mean_ev) / step_ev > MOVED;
-        in_a_row = moved ? in_a_row + 1 : 0; /* a single one is a flash */
+        off_ev = fmax(off_ev, fabs(s->level.mean_ev - base.mean_ev));
+        *share = (s->level.mean_ev - base.mean_ev) / step_ev;
+        in_a_row = *share > MOVED ? in_a_row + 1 : 0; /* a single one is a flash */
         first = in_a_row == 1 ? s->sequence : first;
         if (in_a_row == 2)
             return first >= under_way ? (int)(first - under_way) : 0;
     }
-    return probe_is_good(&s->level) ? NO_MOVE : NO_PICTURE;
+    return !probe_is_good(&s->level) ? NO_PICTURE : off_ev > MOST_MOVED ? MOVES : NO_MOVE;
 }
 
 /* The delay that most steps have; the longer one of two that as many have. */
@@ -64,18 +71,27 @@ static void measure(probe_stream *s, const stepping *steps, probe_delay *d)
 {
     const unsigned wanted = s->options->quick ? 2 : 4;
     unsigned delay[MOST_STEPS];
+    double share = 0.0, least = 0.0, most = 0.0;
     int last = NO_STEP;
     if (probe_settle(s, steps->high.exposure_s, steps->high.gain) == 0)
         for (unsigned i = 0; i < MOST_STEPS && d->steps < wanted && !s->state; i++) {
-            const int got = one_step(s, steps, i % 2);
+            const int got = one_step(s, steps, i % 2, &share);
             last = got;
-            if (got >= 0)
+            if (got >= 0) {
+                least = d->steps ? fmin(least, share) : share;
+                most = d->steps ? fmax(most, share) : share;
                 delay[d->steps++] = (unsigned)got;
-            else if (got == NO_MOVE && !d->steps)
+            } else if (got == NO_MOVE && !d->steps)
                 break; /* it need not be asked more often */
             const pupil_camera_setting now = probe_taken(s);
             probe_settle(s, now.exposure_s, now.gain);
         }
+    if (most - least > MOST_APART || (last == MOVES && d->steps < 2)) { /* the scene's share, then */
+        const double step_ev =
+            log2(steps->high.exposure_s * steps->high.gain / (steps->low.exposure_s * steps->low.gain));
+        probe_moves(&d->is, fmax((most - least) * step_ev, MOST_MOVED));
+        return;
+    }
     if (d->steps < 2) {
         if (!probe_gave_up(s, &d->is) && last == NO_MOVE)
             probe_unknown(&d->is,
@@ -98,9 +114,14 @@ static void measure(probe_stream *s, const stepping *steps, probe_delay *d)
     }
 }
 
-void probe_delays(probe_stream *s, double exposure_s, double gain)
+void probe_delays(probe_stream *s, double exposure_s, double gain, double moved_ev)
 {
     probe_report *r = s->report;
+    if (moved_ev > MOST_MOVED) {
+        probe_moves(&r->exposure_delay.is, moved_ev);
+        probe_moves(&r->gain_delay.is, moved_ev);
+        return;
+    }
     const pupil_camera_limits *l = &r->limits;
     stepping e = {{fmax(exposure_s / STEP_FACTOR, l->exposure_min_s), gain, 0}, {exposure_s, gain, 0}, "exposure"};
     if (exposure_s < e.low.exposure_s * LEAST_FACTOR) /* at its shortest: the other way */

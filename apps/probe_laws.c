@@ -6,7 +6,7 @@
 
 #define OBEYED     0.25 /* of the change of a control: with less the picture has not followed */
 #define LEAST_STOP 0.9  /* of a control's change over all points */
-#define MOST_OFF   0.1  /* stops: what codes of 8 bits, and exposures in lines, leave */
+#define MOST_OFF   PROBE_STILL_EV
 
 #define NOT_FOLLOWED "the picture does not follow the exposure"
 
@@ -36,6 +36,7 @@ static int take_point(probe_stream *s, probe_law *law, double exposure_s, double
     if (!probe_is_good(&level))
         return 1;
     const pupil_camera_setting now = probe_taken(s);
+    law->drift_ev = fmax(law->drift_ev, level.spread_ev);
     law->point[law->points++] = (probe_point){.exposure_s = now.exposure_s,
                                               .gain = now.gain,
                                               .code = code_of(s->report, now.gain),
@@ -43,17 +44,25 @@ static int take_point(probe_stream *s, probe_law *law, double exposure_s, double
     return 0;
 }
 
-/* The first point once more: light that changes is not the camera's fault. */
-static void take_drift(probe_stream *s, probe_law *law)
+/* A point once more: light that changes is not the camera's fault. */
+static void take_drift(probe_stream *s, probe_law *law, unsigned i)
 {
     probe_level level;
-    if (law->points && probe_settle(s, law->point[0].exposure_s, law->point[0].gain) == 0 &&
+    if (i < law->points && probe_settle(s, law->point[i].exposure_s, law->point[i].gain) == 0 &&
         probe_frames(s, 2, &level) == 0)
-        law->drift_ev = fabs(level.mean_ev - law->point[0].level_ev);
+        law->drift_ev = fmax(law->drift_ev, fabs(level.mean_ev - law->point[i].level_ev));
+}
+
+static unsigned furthest_off(const probe_law *law)
+{
+    unsigned furthest = 0;
+    for (unsigned i = 1; i < law->points; i++)
+        furthest = fabs(law->point[i].off_ev) > fabs(law->point[furthest].off_ev) ? i : furthest;
+    return furthest;
 }
 
 /* The slope of the level over the control, by least squares, with what the other control did taken out. */
-static void judge(probe_stream *s, probe_law *law, int of_gain)
+static void fit(probe_stream *s, probe_law *law, int of_gain)
 {
     const probe_point *first = &law->point[0];
     double x_sum = 0, y_sum = 0, xx = 0, xy = 0, least = 0, most = 0, moved = 0;
@@ -84,6 +93,19 @@ static void judge(probe_stream *s, probe_law *law, int of_gain)
     law->obeyed = law->slope > OBEYED;
 }
 
+/* What is not as it should be is looked at once more: a scene that moved for a moment does not say the same again. */
+static void judge(probe_stream *s, probe_law *law, int of_gain)
+{
+    fit(s, law, of_gain);
+    if (law->is.known && !law->as_told && law->drift_ev <= MOST_OFF) {
+        take_drift(s, law, furthest_off(law));
+        if (probe_gave_up(s, &law->is))
+            return;
+    }
+    if (law->is.known && law->drift_ev > MOST_OFF)
+        probe_moves(&law->is, law->drift_ev);
+}
+
 /* ---- laws ---------------------------------------------------------------------------------------------------------
  */
 
@@ -98,8 +120,10 @@ static void exposure_law(probe_stream *s, double exposure_s, double gain)
             continue;
         if (take_point(s, law, wanted_s, gain) && s->state)
             break;
+        if (i == count / 2)
+            take_drift(s, law, 0);
     }
-    take_drift(s, law);
+    take_drift(s, law, 0);
     judge(s, law, 0);
 }
 
@@ -123,13 +147,20 @@ static void gain_law(probe_stream *s, double total_s)
         const double gain = least * pow(most / least, (double)i / (count - 1));
         if (take_point(s, law, total_s / gain, gain) && s->state)
             break;
+        if (i == count / 2)
+            take_drift(s, law, 0);
     }
-    take_drift(s, law);
+    take_drift(s, law, 0);
     judge(s, law, 1);
 }
 
-void probe_laws(probe_stream *s, double exposure_s, double gain)
+void probe_laws(probe_stream *s, double exposure_s, double gain, double moved_ev)
 {
+    if (moved_ev > PROBE_STILL_EV) {
+        probe_moves(&s->report->exposure.is, moved_ev);
+        probe_moves(&s->report->gain.is, moved_ev);
+        return;
+    }
     if (s->options->say)
         s->options->say("exposure");
     exposure_law(s, exposure_s, gain);

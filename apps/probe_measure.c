@@ -49,7 +49,7 @@ static void measure_controls(probe_stream *s)
 {
     probe_report *r = s->report;
     probe_known found = {0};
-    double exposure_s, gain;
+    double exposure_s, gain, moved_ev = 0.0;
     uint64_t unused;
     pupil_camera_get_limits(s->camera, &r->limits);
     s->longest_s = fmax(fmin(r->limits.exposure_max_s, s->period_s), r->limits.exposure_min_s);
@@ -61,10 +61,12 @@ static void measure_controls(probe_stream *s)
     say(s, "a level to measure at");
     probe_find_level(s, &found, &exposure_s, &gain);
     if (found.known) {
+        say(s, "whether the picture stands still");
+        probe_restless(s, exposure_s, gain, &moved_ev);
         say(s, "delays of the controls");
-        probe_delays(s, exposure_s, gain);
+        probe_delays(s, exposure_s, gain, moved_ev);
         shorten_settling(s);
-        probe_laws(s, exposure_s, gain);
+        probe_laws(s, exposure_s, gain, moved_ev);
     }
     unknown_all(r, found.known ? "there was no time left for it" : found.why);
 }

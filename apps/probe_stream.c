@@ -146,16 +146,20 @@ int probe_frame(probe_stream *s)
 
 int probe_frames(probe_stream *s, unsigned count, probe_level *level)
 {
+    double least_ev = 0.0, most_ev = 0.0;
     *level = (probe_level){0};
     for (unsigned i = 0; i < count; i++) {
         if (probe_frame(s))
             return s->state;
         level->mean_ev += s->level.mean_ev / count;
+        least_ev = i ? fmin(least_ev, s->level.mean_ev) : s->level.mean_ev;
+        most_ev = i ? fmax(most_ev, s->level.mean_ev) : s->level.mean_ev;
         level->high_ev = i ? fmax(level->high_ev, s->level.high_ev) : s->level.high_ev;
         level->low += s->level.low / count;
         level->clipped = fmax(level->clipped, s->level.clipped);
         level->black = fmax(level->black, s->level.black);
     }
+    level->spread_ev = most_ev - least_ev;
     return 0;
 }
 
@@ -260,6 +264,29 @@ void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, d
     if (!found->known)
         probe_unknown(found, "the picture is too %s: point it at something of medium light that stands still",
                       level.clipped >= PROBE_MOST_BAD || level.high_ev >= -1.0 ? "bright" : "dark");
+}
+
+/* ---- a picture that moves -----------------------------------------------------------------------------------------
+ */
+
+#define WATCHED_S    0.8
+#define LEAST_FRAMES 6
+#define MOST_FRAMES  60
+
+int probe_restless(probe_stream *s, double exposure_s, double gain, double *moved_ev)
+{
+    const double frames = (s->options->quick ? 0.5 * WATCHED_S : WATCHED_S) / s->period_s;
+    probe_level level;
+    if (probe_settle(s, exposure_s, gain) ||
+        probe_frames(s, (unsigned)fmin(fmax(frames, LEAST_FRAMES), MOST_FRAMES), &level))
+        return s->state;
+    *moved_ev = level.spread_ev;
+    return 0;
+}
+
+void probe_moves(probe_known *is, double moved_ev)
+{
+    probe_unknown(is, "the picture moves by itself, by %.2f stops: point it at something that stands still", moved_ev);
 }
 
 /* ---- what all frames told -----------------------------------------------------------------------------------------

@@ -5,8 +5,11 @@
 #include "probe.h"
 #include "pupil/pupil.h"
 
-#define PROBE_TRIM      0.1 /* left out of a level at either end: what clips or is black there does not move it */
-#define PROBE_MOST_BAD  0.08
+#define PROBE_TRIM     0.1 /* left out of a level at either end: what clips or is black there does not move it */
+#define PROBE_MOST_BAD 0.08
+#define PROBE_STILL_EV                                                                                                 \
+    0.1 /* what a picture may move by itself, and its laws still be told: what codes of 8 bits, and                    \
+         * exposures in lines, leave of them */
 #define PROBE_LATENCIES 256
 
 /* A frame's light, or several frames': logs of shares of full scale, linear. */
@@ -15,6 +18,7 @@ typedef struct probe_level {
     double high_ev;        /* of the brightest channel of most pixels */
     double low;            /* that a tenth of the pixels is below: a share, no log; only where wants_low is set */
     double clipped, black; /* shares of the pixels */
+    double spread_ev;      /* of several frames: from the darkest to the brightest */
 } probe_level;
 
 enum { PROBE_OVER_TIME = 1, PROBE_STOPPED = 2 }; /* why a stream goes no further; -1: it failed */
@@ -62,10 +66,16 @@ int probe_is_good(const probe_level *level);
 /* Into the report: what all frames told. */
 void probe_stream_tell(probe_stream *s);
 
+/* How far the picture moves by itself, at a setting that stands. */
+int probe_restless(probe_stream *s, double exposure_s, double gain, double *moved_ev);
+/* Why something that asks for a picture that stands still is not known. */
+void probe_moves(probe_known *is, double moved_ev);
+
 /* The parts. Each writes into the report; what it cannot measure is said there. */
 void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, double *gain);
-void probe_delays(probe_stream *s, double exposure_s, double gain);
-void probe_laws(probe_stream *s, double exposure_s, double gain);
+/* moved_ev: by itself, before. */
+void probe_delays(probe_stream *s, double exposure_s, double gain, double moved_ev);
+void probe_laws(probe_stream *s, double exposure_s, double gain, double moved_ev);
 void probe_black_level(probe_stream *s);
 
 __attribute__((format(printf, 2, 3))) void probe_unknown(probe_known *is, const char *format, ...);

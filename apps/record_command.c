@@ -123,7 +123,8 @@ static int open_recorder(record *r, const pupil_frame *first)
     const pupil_recorder_options options = {.camera = r->camera ? r->camera->device.name : r->name,
                                             .fps = r->source->fps,
                                             .overwrite = r->options.overwrite,
-                                            .wait = !r->camera};
+                                            .wait = !r->camera,
+                                            .give_up = interrupt_again};
     r->first_ns = first->info.timestamp_ns;
     return pupil_recorder_open(&r->recorder, r->options.folder, first, &options, r->why, sizeof r->why);
 }

@@ -31,7 +31,8 @@ enum { REPLAY_RUN = 0, REPLAY_HELP = 1, REPLAY_USAGE = 2 };
 /* REPLAY_RUN; REPLAY_HELP where help was asked for; REPLAY_USAGE and a sentence that names the option. */
 int replay_options_parse(replay_options *options, int argc, char **argv, char *why, size_t why_bytes);
 
-/* Refuses outputs that are named twice, that are also an input, or that would share standard output. */
+/* Refuses outputs that are named twice, that lie in one another or are also an input, or that would share standard
+ * output. */
 int replay_options_check_paths(const replay_options *options, char *why, size_t why_bytes);
 
 extern const char replay_help[];

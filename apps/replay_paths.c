@@ -74,6 +74,21 @@ static int replaces(const char *output, int may_be_folder, const char *input)
            (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
 }
 
+/* A folder is made beside its place and put there, new or in the place of an empty one, when all is in it; what else
+ * lies in it would stop that at the very end. */
+static int is_inside(const char *path, const char *folder)
+{
+    char *copy = strdup(path), *above = copy;
+    int inside = 0, end = !copy || strcmp(path, "-") == 0;
+    while (!end && !inside) {
+        above = dirname(above);
+        inside = is_same_place(above, folder);
+        end = strcmp(above, ".") == 0 || strcmp(above, "/") == 0;
+    }
+    free(copy);
+    return inside;
+}
+
 int replay_options_check_paths(const replay_options *o, char *why, size_t why_bytes)
 {
     const char *paths[MOST_PATHS];
@@ -82,6 +97,12 @@ int replay_options_check_paths(const replay_options *o, char *why, size_t why_by
         for (size_t k = 0; k < i; k++)
             if (is_same_place(paths[i], paths[k])) {
                 snprintf(why, why_bytes, "%s: named for two outputs; each needs a place of its own", paths[i]);
+                return REPLAY_USAGE;
+            }
+        for (size_t k = 0; k < count; k++)
+            if (k != i && is_inside(paths[i], paths[k])) {
+                snprintf(why, why_bytes, "%s: lies in %s, which is an output, too; each needs a place of its own",
+                         paths[i], paths[k]);
                 return REPLAY_USAGE;
             }
         for (size_t k = 0; k < o->input_count; k++) {

@@ -113,7 +113,8 @@ static int record_frame(const pupil_frame *frame, char *why, size_t why_bytes)
 {
     const pupil_recorder_options options = {.camera = pupil_live_capture(r.source)->device.name,
                                             .fps = r.source->fps,
-                                            .overwrite = r.options.shown.overwrite};
+                                            .overwrite = r.options.shown.overwrite,
+                                            .give_up = interrupt_again};
     if (!r.options.shown.record)
         return 0;
     if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.shown.record, frame, &options, why, why_bytes))

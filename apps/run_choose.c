@@ -66,6 +66,8 @@ int run_choose_mode(run_options *o, const pupil_source *source, char *remark, si
                        : o->mode == RUN_BOTH   ? "--mode both"
                        : o->live.mains_hz      ? "--mains"
                        : o->any_frame_rate     ? "--no-frame-rate-priority"
+                       : o->live.delay         ? "--control-delay"
+                       : o->curve              ? "--curve"
                                                : NULL;
     if (!camera && asks) {
         snprintf(why, why_bytes, "%s: %.900s", asks, pupil_live_no_controls(source));

@@ -23,6 +23,7 @@ enum {
     COLOUR_MATRIX,
     BLACK_LEVEL,
     DELAY,
+    CURVE,
     RECORD
 };
 
@@ -45,6 +46,7 @@ static const struct option long_options[] = {
     {"matrix", required_argument, NULL, COLOUR_MATRIX},
     {"black-level", required_argument, NULL, BLACK_LEVEL},
     {"control-delay", required_argument, NULL, DELAY},
+    {"curve", required_argument, NULL, CURVE},
     {"record", required_argument, NULL, RECORD},
     {"timeout", required_argument, NULL, 't'},
     SHARED_OPTIONS,
@@ -88,6 +90,8 @@ static int take_camera(int option, const value_text *c, run_options *r)
             return REPLAY_USAGE;
         r->live.delay = (uint32_t)whole;
         return REPLAY_RUN;
+    case CURVE:
+        return run_value_curve(c, &r->curve);
     case REOPEN:
         return run_value_time(c, 1.0, 0.0, 1e6, "seconds, from 0 to 1e6", &r->live.capture.reopen_s);
     case SHUTTER:
@@ -132,6 +136,11 @@ static int check(const run_options *r, int weight_given, char *why, size_t why_b
         return conflict(why, why_bytes,
                         "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
                         "digital leaves the camera as it is");
+    const int by_hand = r->exposure_s > 0.0 || r->gain > 0.0;
+    if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !by_hand)))
+        return conflict(why, why_bytes,
+                        "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and both; "
+                        "digital steers nothing");
     return REPLAY_RUN;
 }
 

@@ -13,12 +13,19 @@ typedef enum run_mode {
     RUN_BEST         /* RUN_BOTH, or RUN_DIGITAL where the camera has no controls */
 } run_mode;
 
+/* Whether the camera's values are proportional to light. */
+typedef enum run_curve {
+    RUN_CURVE_AUTO = 0, /* as pupil_live_is_linear has it */
+    RUN_CURVE_LINEAR,
+    RUN_CURVE_UNKNOWN
+} run_curve;
+
 typedef struct run_options {
     replay_options shown; /* what a replay has, too; its only input is the camera */
     const char *device;   /* NULL: the first camera */
     pupil_live_options live;
     pupil_colour_options colour; /* of raw frames */
-    uint32_t mode;
+    uint32_t mode, curve;
     double exposure_s, gain; /* by hand; 0: not */
     double seconds;          /* to run; 0: until it is stopped */
     int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */
@@ -35,6 +42,7 @@ int run_options_parse(run_options *options, int argc, char **argv, char *why, si
 int run_value_time(const value_text *c, double plain_s, double low_s, double high_s, const char *right,
                    double *seconds);
 int run_value_mode(const value_text *c, uint32_t *mode);
+int run_value_curve(const value_text *c, uint32_t *curve);
 int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off);
 int run_value_period(const value_text *c, uint32_t *mains_hz);
 int run_value_side(const value_text *c, uint32_t *side);

@@ -49,6 +49,7 @@ static void configure(run_sensor *s)
     pupil_camera_configure(s->camera, c);
     c->frame_rate_priority = !o->any_frame_rate;
     c->mains_hz = o->live.mains_hz || o->mains_off ? o->live.mains_hz : PUPIL_SENSOR_MAINS_AUTO;
+    c->linear = o->curve == RUN_CURVE_AUTO ? (uint32_t)pupil_live_is_linear(s->source) : o->curve == RUN_CURVE_LINEAR;
     c->trim_low = (double)o->shown.config.trim_low;
     c->trim_high = (double)o->shown.config.trim_high;
     if (o->exposure_s > 0.0) {
@@ -182,6 +183,7 @@ void run_sensor_judge(void *run_sensor_, const pupil_stats *stats, const pupil_f
         wait_for_slow(s, info);
         pupil_sensor_frame(&s->sensor, stats, info);
         pupil_sensor_get(&s->sensor, &s->setting);
+        pupil_camera_learn(s->camera, s->setting.exposure_delay, s->setting.gain_delay);
         if (s->slow && !s->config.lock) {
             s->setting.state = PUPIL_SENSOR_SEARCHING;
             s->setting.reason = PUPIL_SENSOR_WAITING;

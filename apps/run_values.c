@@ -36,15 +36,26 @@ int run_value_time(const value_text *c, double plain_s, double low_s, double hig
     return REPLAY_RUN;
 }
 
+static int one_of(const value_text *c, const char *const words[3], const char *right, uint32_t *which)
+{
+    for (uint32_t i = 0; i < 3; i++)
+        if (strcmp(c->text, words[i]) == 0) {
+            *which = i;
+            return REPLAY_RUN;
+        }
+    return value_refuse(c, right);
+}
+
 int run_value_mode(const value_text *c, uint32_t *mode)
 {
     static const char *const words[] = {"digital", "sensor", "both"};
-    for (uint32_t i = 0; i < 3; i++)
-        if (strcmp(c->text, words[i]) == 0) {
-            *mode = i;
-            return REPLAY_RUN;
-        }
-    return value_refuse(c, "digital, sensor or both");
+    return one_of(c, words, "digital, sensor or both", mode);
+}
+
+int run_value_curve(const value_text *c, uint32_t *curve)
+{
+    static const char *const words[] = {"auto", "linear", "unknown"};
+    return one_of(c, words, "auto, linear or unknown", curve);
 }
 
 int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off)

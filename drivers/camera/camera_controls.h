@@ -7,6 +7,7 @@
  *         pupil_camera_frame(camera, sequence, 0);
  *         pupil_camera_in_force(camera, sequence, &info);      // info.exposure_s and .gain of this very frame
  *         ... pupil_sensor_frame, pupil_sensor_get ...
+ *         pupil_camera_learn(camera, s.exposure_delay, s.gain_delay);
  *         pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = s.exposure_s, .gain = s.gain});
  *     pupil_camera_close(camera, why, sizeof why);
  *
@@ -26,8 +27,8 @@
  * from which frame on that is in force.
  *
  * Threads: writing to a control can take milliseconds, or seconds over USB. A thread of the camera's own does it; ask,
- * again, frame, in_force and get_status never wait for the driver. Of several asks in a row the latest is written, the
- * others are forgotten. These may be called from any thread; open, configure and close from one.
+ * again, frame, in_force, learn and get_status never wait for the driver. Of several asks in a row the latest is
+ * written, the others are forgotten. These may be called from any thread; open, configure and close from one.
  */
 #ifndef PUPIL_CAMERA_CONTROLS_H
 #define PUPIL_CAMERA_CONTROLS_H
@@ -116,7 +117,8 @@ typedef struct pupil_camera_options {
     const pupil_camera_sensor *sensor; /* what is known of it, in place of the table; NULL */
     uint32_t width, height; /* of the sensor's own format (VIDIOC_SUBDEV_G_FMT); wanted where EXPOSURE is in lines */
     double line_s;          /* a line's time; 0: from PIXEL_RATE, HBLANK and width */
-    uint32_t delay;    /* frames that a control takes to act, measured ('pupil probe'); 0: as is known of the sensor */
+    uint32_t delay;    /* frames that a control takes to act, measured ('pupil probe'), and then nothing is learned;
+                        * 0: as is known of the sensor */
     uint32_t mains_hz; /* POWER_LINE_FREQUENCY: 50, 60; 0: as it is */
     uint32_t at_frame_start; /* 1: written just after pupil_camera_frame(.., 1), which gets V4L2_EVENT_FRAME_SYNC; where
                               * none comes in 0.2 s, without */
@@ -146,7 +148,7 @@ typedef struct pupil_camera_limits {
     uint32_t has_gain;
     uint32_t gain_known; /* the law is a sensor's; 0: taken to be proportional, 1 at the least code above 0, or at the
                           * control's default where the least is 0 */
-    uint32_t exposure_delay, gain_delay; /* frames, as above; 3 where unknown */
+    uint32_t exposure_delay, gain_delay; /* frames, as above; 3 where unknown; as they were learned */
     pupil_camera_gain gain;
 } pupil_camera_limits;
 
@@ -154,7 +156,8 @@ void pupil_camera_get_limits(pupil_camera *camera, pupil_camera_limits *limits);
 
 /* Writes exposure limits and step, gain limits and law, and, where the sensor's are known, the delay into a config. A
  * law that pupil_gain_law has no name for becomes PUPIL_GAIN_ANY; pupil_camera_in_force has what was made of it. A
- * known frame period goes into frame_s. */
+ * known frame period goes into frame_s. `linear` is the format's affair, and stays as it is: 0 for cameras with a tone
+ * curve (Y'CbCr, RGB). */
 void pupil_camera_configure(pupil_camera *camera, pupil_sensor_config *config);
 
 /* ---- a frame ---------------------------------------------------------------------------------------------------- */
@@ -177,6 +180,13 @@ void pupil_camera_frame(pupil_camera *camera, uint64_t sequence, int started);
 /* Fills in exposure_s and gain of a frame: what the driver took, and was in force by then. Older than the last 16
  * writes: the oldest of them. */
 void pupil_camera_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *info);
+
+/* What the frames show of the delays, as pupil_sensor_setting has them: from the frame last given to in_force when a
+ * setting was asked for to the first that was taken with it; 0: not known. From now on in_force and get_status tell by
+ * them, also of what was written before, in place of what is known of the sensor or believed; as long as only one of
+ * two delays that were alike is known, they stay alike. To be called after each frame; what it has learned already
+ * costs nothing. */
+void pupil_camera_learn(pupil_camera *camera, uint32_t exposure_delay, uint32_t gain_delay);
 
 typedef struct pupil_camera_value {
     double asked;        /* the latest ask; 0: none */

@@ -8,14 +8,15 @@ void pupil_camera_get_limits(pupil_camera *camera, pupil_camera_limits *l)
     pthread_mutex_lock(&camera->lock);
     const pupil_camera_range range = camera->exposure.range, *e = &range;
     const double frame_s = camera->now_frame_s;
+    const uint32_t exposure_delay = camera->exposures.delay, gain_delay = camera->gains.delay;
     pthread_mutex_unlock(&camera->lock);
     const pupil_camera_range *g = &camera->gain.range, *v = &camera->vblank.range;
     *l = (pupil_camera_limits){.gain_min = 1.0, .gain_max = 1.0};
     l->exposure_step_s = camera->unit_s * (double)(e->step > 0 ? e->step : 1);
     l->exposure_min_s = camera->unit_s * (double)(e->least > 0 ? e->least : 1);
     l->exposure_max_s = camera->unit_s * (double)e->most;
-    l->exposure_delay = camera->exposure_delay;
-    l->gain_delay = camera->gain_delay;
+    l->exposure_delay = exposure_delay;
+    l->gain_delay = gain_delay;
     l->has_gain = camera->gain.fd >= 0;
     if (l->has_gain) {
         l->gain = camera->law;

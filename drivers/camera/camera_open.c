@@ -100,10 +100,11 @@ static int find_law(pupil_camera *camera, const pupil_camera_options *options, c
     else if (options->sensor_name &&
              (known = pupil_camera_find_sensor(NULL, options->sensor_name, &sensor, why, why_bytes)) < 0)
         return -1;
-    camera->exposure_delay = sensor.exposure_delay ? sensor.exposure_delay : CAMERA_USUAL_DELAY;
-    camera->gain_delay = sensor.gain_delay ? sensor.gain_delay : CAMERA_USUAL_DELAY;
+    camera->exposures.delay = sensor.exposure_delay ? sensor.exposure_delay : CAMERA_USUAL_DELAY;
+    camera->gains.delay = sensor.gain_delay ? sensor.gain_delay : CAMERA_USUAL_DELAY;
+    camera->delay_given = options->delay != 0;
     if (options->delay)
-        camera->exposure_delay = camera->gain_delay = options->delay;
+        camera->exposures.delay = camera->gains.delay = options->delay;
     int has = find(camera, V4L2_CID_ANALOGUE_GAIN, &camera->gain, why, why_bytes);
     if (has == 0) { /* the table's laws are those of ANALOGUE_GAIN; the caller's is of whatever there is */
         has = find(camera, V4L2_CID_GAIN, &camera->gain, why, why_bytes);

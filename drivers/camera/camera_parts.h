@@ -16,15 +16,20 @@ typedef struct camera_control {
     pupil_camera_range range;
 } camera_control;
 
-/* What was in force from a frame on. */
+/* What the driver took. */
 typedef struct camera_entry {
-    uint64_t from_frame;
+    uint64_t under_way; /* the frame that was then */
+    uint32_t in_stream; /* 0: before the first frame, so it was in force with that one */
     double value;
 } camera_entry;
 
 typedef struct camera_history {
     camera_entry entry[CAMERA_HISTORY];
-    uint32_t count; /* of all that were ever written */
+    uint32_t count;             /* of all that were ever written */
+    uint32_t delay;             /* frames from the one under way to the first that was taken with it */
+    uint32_t learned;           /* what frames showed when `delay` was made from it; 0: it is believed */
+    uint64_t late, late_before; /* frames from the one that was measured to the one under way, when the last value was
+                                 * written, and the one before; 0: not known */
 } camera_history;
 
 struct pupil_camera {
@@ -35,7 +40,7 @@ struct pupil_camera {
     double unit_s; /* of exposure codes */
     double line_s; /* where exposures are in lines */
     pupil_camera_gain law;
-    uint32_t gain_known, exposure_delay, gain_delay;
+    uint32_t gain_known, delay_given; /* delay_given: nothing is learned */
     struct {
         int fd;
         uint32_t id;
@@ -55,6 +60,10 @@ struct pupil_camera {
     pthread_cond_t wake, idle;
     uint32_t closing, abandoned, running, frame_started, any_frame, again;
     uint64_t under_way; /* sequence of the frame that is exposed now */
+    uint64_t measured,
+        measured_mask;      /* the last frame that was asked about; bit k: the one so many before it was, too */
+    uint64_t pending_after; /* `measured` when `pending` was asked for ... */
+    uint32_t pending_is;    /* ... if there was one */
     pupil_camera_setting pending;
     pupil_camera_status status;
     camera_history exposures, gains;
@@ -82,6 +91,9 @@ int pupil_camera_write(pupil_camera *camera, const pupil_camera_setting *setting
 /* The writer. stop: 0, or 1 where it hangs and will free the camera by itself. */
 int pupil_camera_writer_start(pupil_camera *camera);
 int pupil_camera_writer_stop(pupil_camera *camera);
+
+/* From which frame on the latest entry is in force. The lock is held. */
+uint64_t pupil_camera_acts_from(const camera_history *h);
 void pupil_camera_free(pupil_camera *camera);
 
 #endif

@@ -17,27 +17,16 @@ static struct timespec later(long ms)
     return t;
 }
 
-/* Of the entries that are still there the newest whose frame has come. */
-static double history_at(const camera_history *h, uint64_t sequence)
-{
-    const uint32_t kept = h->count < CAMERA_HISTORY ? h->count : CAMERA_HISTORY;
-    double value = kept ? h->entry[(h->count - kept) % CAMERA_HISTORY].value : 0.0;
-    for (uint32_t i = kept; i > 0; i--) {
-        const camera_entry *e = &h->entry[(h->count - i) % CAMERA_HISTORY];
-        if (e->from_frame <= sequence)
-            value = e->value;
-    }
-    return value;
-}
-
-/* The driver has taken `value`; it acts `delay` frames after the one that is under way. */
-static void took(pupil_camera *camera, camera_history *h, pupil_camera_value *v, double value, uint32_t delay)
+/* The driver has taken `value`, asked for after frame `after`, if that is known. */
+static void took(pupil_camera *camera, camera_history *h, pupil_camera_value *v, double value, const uint64_t *after)
 {
     if (!(value > 0.0) || (h->count && value == v->taken))
         return;
+    h->entry[h->count++ % CAMERA_HISTORY] = (camera_entry){camera->under_way, camera->any_frame, value};
+    h->late_before = h->late;
+    h->late = after && camera->any_frame && camera->under_way > *after ? camera->under_way - *after : 0;
     v->taken = value;
-    v->from_frame = camera->any_frame ? camera->under_way + delay : 0;
-    h->entry[h->count++ % CAMERA_HISTORY] = (camera_entry){v->from_frame, value};
+    v->from_frame = pupil_camera_acts_from(h);
 }
 
 /* Waits for something to write; 0: closing. The lock is held. */
@@ -63,6 +52,7 @@ static void *writer(void *of)
         const pupil_camera_setting setting = camera->pending;
         const uint64_t number = camera->status.asks;
         const int again = (int)camera->again;
+        const uint64_t after = camera->pending_after, *const known = camera->pending_is ? &after : NULL;
         double exposure_s, gain;
         camera->pending = (pupil_camera_setting){0};
         camera->again = 0;
@@ -78,8 +68,8 @@ static void *writer(void *of)
             camera->status.failed++;
             camera->status.error = -error;
         }
-        took(camera, &camera->exposures, &camera->status.exposure_s, exposure_s, camera->exposure_delay);
-        took(camera, &camera->gains, &camera->status.gain, gain, camera->gain_delay);
+        took(camera, &camera->exposures, &camera->status.exposure_s, exposure_s, known);
+        took(camera, &camera->gains, &camera->status.gain, gain, known);
     }
     camera->running = 0;
     const int abandoned = (int)camera->abandoned;
@@ -103,11 +93,11 @@ int pupil_camera_writer_start(pupil_camera *camera)
     pthread_cond_init(&camera->idle, &monotonic);
     pthread_condattr_destroy(&monotonic);
     if (!pupil_camera_get_control(camera, camera->exposure.fd, camera->exposure.id, &code))
-        took(camera, &camera->exposures, &camera->status.exposure_s, (double)code * camera->unit_s, 0);
+        took(camera, &camera->exposures, &camera->status.exposure_s, (double)code * camera->unit_s, NULL);
     if (camera->gain.fd < 0)
-        took(camera, &camera->gains, &camera->status.gain, 1.0, 0);
+        took(camera, &camera->gains, &camera->status.gain, 1.0, NULL);
     else if (!pupil_camera_get_control(camera, camera->gain.fd, camera->gain.id, &code))
-        took(camera, &camera->gains, &camera->status.gain, pupil_camera_gain_of_code(&camera->law, code), 0);
+        took(camera, &camera->gains, &camera->status.gain, pupil_camera_gain_of_code(&camera->law, code), NULL);
     camera->running = 1;
     return -pthread_create(&camera->thread, NULL, writer, camera);
 }
@@ -146,6 +136,8 @@ uint64_t pupil_camera_ask(pupil_camera *camera, const pupil_camera_setting *sett
     camera->pending.frame_s = s.frame_s > 0.0 ? s.frame_s : camera->pending.frame_s;
     camera->status.exposure_s.asked = s.exposure_s > 0.0 ? s.exposure_s : camera->status.exposure_s.asked;
     camera->status.gain.asked = s.gain > 0.0 ? s.gain : camera->status.gain.asked;
+    camera->pending_after = camera->measured;
+    camera->pending_is = camera->measured_mask != 0;
     const uint64_t number = ++camera->status.asks;
     pthread_cond_broadcast(&camera->wake);
     pthread_mutex_unlock(&camera->lock);
@@ -175,14 +167,6 @@ void pupil_camera_frame(pupil_camera *camera, uint64_t sequence, int started)
         camera->frame_started = 1;
         pthread_cond_broadcast(&camera->wake);
     }
-    pthread_mutex_unlock(&camera->lock);
-}
-
-void pupil_camera_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *info)
-{
-    pthread_mutex_lock(&camera->lock);
-    info->exposure_s = history_at(&camera->exposures, sequence);
-    info->gain = history_at(&camera->gains, sequence);
     pthread_mutex_unlock(&camera->lock);
 }
 

@@ -17,11 +17,13 @@
 typedef struct pupil_recorder pupil_recorder;
 
 typedef struct pupil_recorder_options {
-    const char *camera; /* whose frames these are, for people; NULL */
-    double fps;         /* nominal, above 0 */
-    int overwrite;      /* 1: a recording (or empty folder) that is there is replaced; 0: it is refused */
-    unsigned room;      /* frames that wait for the disk at most; 0: 16 */
-    int wait;           /* 1: write waits for room instead: of sources that can wait (files, scenes) */
+    const char *camera;   /* whose frames these are, for people; NULL */
+    double fps;           /* nominal, above 0 */
+    int overwrite;        /* 1: a recording (or empty folder) that is there is replaced; 0: it is refused */
+    unsigned room;        /* frames that wait for the disk at most; 0: 16 */
+    int wait;             /* 1: write waits for room instead: of sources that can wait (files, scenes) */
+    int (*give_up)(void); /* asked while the disk is waited for, by write and close: 1: it is waited for no more, and
+                           * what it has not taken yet is left out; NULL: for as long as it takes */
 } pupil_recorder_options;
 
 typedef struct pupil_recorder_counts {
@@ -37,7 +39,8 @@ int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pup
  * stays usable. */
 int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, char *why, size_t why_bytes);
 void pupil_recorder_get_counts(pupil_recorder *recorder, pupil_recorder_counts *counts);
-/* Writes what waits and completes the files; the recorder is gone either way. NULL is allowed. */
+/* Writes what waits and completes the files; the recorder is gone either way, or (give_up) as soon as the call that
+ * hangs comes back. NULL is allowed. */
 int pupil_recorder_close(pupil_recorder *recorder, char *why, size_t why_bytes);
 
 /* 1: the folder is a recording (it has a recording.json). */

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "file/recording.h"
@@ -16,6 +17,8 @@
 #define ROOM_WAIT  2 /* of sources that wait there are never many */
 #define ROOM_MOST  4096
 
+#define ASK_AGAIN_NS 100000000 /* whether it is to be given up: soon enough for whoever pressed Ctrl-C twice */
+
 typedef struct slot {
     unsigned char *bytes;
     size_t size, capacity;
@@ -27,6 +30,7 @@ struct pupil_recorder {
     pupil_recording_about about;
     char folder[PATH_MAX];
     int wait;
+    int (*give_up)(void);
     size_t frame_bytes; /* of raw frames */
     pupil_mkv_writer *mkv;
     int frames_fd, lines_fd;
@@ -42,10 +46,53 @@ struct pupil_recorder {
     pthread_mutex_t lock; /* of all that follows, free_slots and full_slots */
     pthread_cond_t came, left;
     unsigned free_count, full_count, full_first;
-    int ending, failed;
+    int ending, failed, done, abandoned; /* abandoned: its thread frees it */
     pupil_recorder_counts counts;
     char why[PUPIL_WHY_BYTES]; /* of failed */
 };
+
+static void free_recorder(pupil_recorder *r)
+{
+    pupil_mkv_free(r->mkv);
+    if (r->frames_fd >= 0)
+        close(r->frames_fd);
+    if (r->lines_fd >= 0)
+        close(r->lines_fd);
+    for (unsigned i = 0; r->slots && i < r->room; i++)
+        free(r->slots[i].bytes);
+    free(r->slots);
+    free(r->free_slots);
+    free(r->full_slots);
+    pthread_mutex_destroy(&r->lock);
+    pthread_cond_destroy(&r->came);
+    pthread_cond_destroy(&r->left);
+    free(r);
+}
+
+/* Waits for the thread to have done something, under the lock. 1: it is waited for no more. */
+static int wait_for_disk(pupil_recorder *r)
+{
+    struct timespec until;
+    if (!r->give_up) {
+        pthread_cond_wait(&r->left, &r->lock);
+        return 0;
+    }
+    if (r->give_up())
+        return 1;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_nsec += ASK_AGAIN_NS;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_cond_timedwait(&r->left, &r->lock, &until);
+    return 0;
+}
+
+static int given_up(const pupil_recorder *r, char *why, size_t why_bytes)
+{
+    return pupil_refuse(why, why_bytes,
+                        "%s: the disk hangs, and is waited for no more; the %llu frames before are whole", r->folder,
+                        (unsigned long long)r->counts.written);
+}
 
 /* ---- the thread ---- */
 
@@ -114,8 +161,15 @@ static void *write_frames(void *argument)
         pthread_cond_signal(&r->left);
     }
     pthread_mutex_unlock(&r->lock);
-    if (!r->failed)
-        r->failed = complete(r); /* nobody asks any more: it is being closed */
+    const int failed = r->failed || complete(r);
+    pthread_mutex_lock(&r->lock);
+    r->failed = failed;
+    r->done = 1;
+    const int abandoned = r->abandoned;
+    pthread_cond_signal(&r->left);
+    pthread_mutex_unlock(&r->lock);
+    if (abandoned)
+        free_recorder(r);
     return NULL;
 }
 
@@ -157,14 +211,17 @@ static int fill(pupil_recorder *r, slot *s, const pupil_frame *frame)
     return 0;
 }
 
-/* A free slot's number; -1: there is none; -2: the recorder has failed. */
+/* A free slot's number; -1: there is none; -2: the recorder has failed, or is given up. */
 static int take_slot(pupil_recorder *r, char *why, size_t why_bytes)
 {
-    int number = -1;
+    int number = -1, over = 0;
     pthread_mutex_lock(&r->lock);
-    while (r->wait && !r->failed && !r->free_count)
-        pthread_cond_wait(&r->left, &r->lock);
-    if (r->failed) {
+    while (r->wait && !r->failed && !r->free_count && !over)
+        over = wait_for_disk(r);
+    if (over) {
+        given_up(r, why, why_bytes);
+        number = -2;
+    } else if (r->failed) {
         snprintf(why, why_bytes, "%s", r->why);
         number = -2;
     } else if (r->free_count) {
@@ -264,24 +321,6 @@ static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_re
         a->coding = *first->image.coding;
 }
 
-static void free_recorder(pupil_recorder *r)
-{
-    pupil_mkv_free(r->mkv);
-    if (r->frames_fd >= 0)
-        close(r->frames_fd);
-    if (r->lines_fd >= 0)
-        close(r->lines_fd);
-    for (unsigned i = 0; r->slots && i < r->room; i++)
-        free(r->slots[i].bytes);
-    free(r->slots);
-    free(r->free_slots);
-    free(r->full_slots);
-    pthread_mutex_destroy(&r->lock);
-    pthread_cond_destroy(&r->came);
-    pthread_cond_destroy(&r->left);
-    free(r);
-}
-
 static int begin(pupil_recorder *r, const pupil_recorder_options *options, char *why, size_t why_bytes)
 {
     char words[512];
@@ -308,15 +347,20 @@ static int begin(pupil_recorder *r, const pupil_recorder_options *options, char 
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
                         const pupil_recorder_options *options, char *why, size_t why_bytes)
 {
+    pthread_condattr_t monotonic;
     pupil_recorder *r = calloc(1, sizeof *r);
     *recorder = NULL;
     if (!r)
         return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
     r->frames_fd = r->lines_fd = -1;
     r->wait = options->wait;
+    r->give_up = options->give_up;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&r->lock, NULL);
     pthread_cond_init(&r->came, NULL);
-    pthread_cond_init(&r->left, NULL);
+    pthread_cond_init(&r->left, &monotonic);
+    pthread_condattr_destroy(&monotonic);
     describe(r, first, options);
     const int too_long = snprintf(r->folder, sizeof r->folder, "%s", folder) >= (int)sizeof r->folder;
     if (too_long || begin(r, options, why, why_bytes)) {
@@ -338,8 +382,18 @@ int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
     pthread_mutex_lock(&r->lock);
     r->ending = 1;
     pthread_cond_signal(&r->came);
+    while (!r->done && !r->abandoned)
+        r->abandoned = wait_for_disk(r);
+    const pthread_t thread = r->thread;
+    const int abandoned = r->abandoned;
+    if (abandoned) { /* under the lock: from its end on all of it is the thread's */
+        given_up(r, why, why_bytes);
+        pthread_detach(thread);
+    }
     pthread_mutex_unlock(&r->lock);
-    pthread_join(r->thread, NULL);
+    if (abandoned)
+        return PUPIL_SINK_FAILED;
+    pthread_join(thread, NULL);
     const int failed = r->failed;
     if (failed)
         snprintf(why, why_bytes, "%s", r->why);

@@ -22,7 +22,8 @@
 typedef struct pupil_live_options {
     pupil_v4l2_options capture;
     uint32_t mains_hz; /* 50, 60; 0: as it is */
-    uint32_t delay;    /* frames that a control takes to act; 0: as is known of the sensor, or 3 */
+    uint32_t delay;    /* frames that a control takes to act; 0: as is known of the sensor, or 3, until frames show it
+                        * (pupil_camera_learn) */
     int hands_off;     /* 1: no control is read or touched */
 } pupil_live_options;
 
@@ -36,6 +37,11 @@ pupil_camera *pupil_live_camera(const pupil_source *source);
 const char *pupil_live_no_controls(const pupil_source *source);
 /* The capture; another one after the camera was opened again (capture->counts.reopened). */
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source);
+/* For pupil_sensor_config.linear: 1: the frames' values are proportional to light, as of raw sensors, and where the
+ * driver says so. 0: there may be a tone curve: Y'CbCr and RGB, even where they are decoded by the transfer function
+ * that the driver names, for what a camera's picture processing does is seldom that alone; and grey of a UVC camera
+ * whose driver does not call it linear. */
+int pupil_live_is_linear(const pupil_source *source);
 /* Of the frame that is out: its buffer, stamps and losses. Latency is the present less stamp_ns. */
 const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
 /* Before asking for a setting where much time has passed since `next`: which frame is under way now, so that it is

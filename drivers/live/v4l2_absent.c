@@ -30,6 +30,12 @@ const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
     return NULL;
 }
 
+int pupil_live_is_linear(const pupil_source *source)
+{
+    (void)source;
+    return 0;
+}
+
 const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source)
 {
     (void)source;

@@ -36,6 +36,20 @@ static inline int stop(void)
     return stops_left == 0;
 }
 
+/* The light while frames come, as a factor, by how many have; NULL: it stands still. */
+static double (*motion)(unsigned long frames);
+static fake_v4l2 *moving;
+static unsigned long moved_frames;
+static double moved_light;
+
+static inline int move_ioctl(void *context, int fd, unsigned long request, void *argument)
+{
+    const int result = fake_v4l2_system(moving)->ioctl(context, fd, request, argument);
+    if (motion && request == VIDIOC_DQBUF && result == 0)
+        fake_v4l2_light(moving, moved_light * motion(moved_frames++));
+    return result;
+}
+
 static const uint32_t ids[] = {V4L2_CID_EXPOSURE_AUTO, V4L2_CID_EXPOSURE_ABSOLUTE, V4L2_CID_GAIN,
                                V4L2_CID_EXPOSURE_AUTO_PRIORITY};
 static const int32_t left_at[] = {3, 77, 40, 1}; /* as its user had them */
@@ -57,7 +71,12 @@ static inline void probe(probed *p, const fake_v4l2_config *config, int quick, d
     fake_v4l2_light(fake, light);
     for (int i = 0; i < 4; i++)
         control(fake, ids[i], 1, left_at[i]);
-    const pupil_v4l2_system *system = fake_v4l2_system(fake);
+    pupil_v4l2_system moved = *fake_v4l2_system(fake);
+    const pupil_v4l2_system *system = &moved;
+    moved.ioctl = move_ioctl;
+    moving = fake;
+    moved_frames = 0;
+    moved_light = light;
     CHECK_MSG(probe_offers(&p->report, system, "/dev/video0", p->why, sizeof p->why) == 0, "%s", p->why);
     for (int i = 0; i < 4; i++)
         CHECK(control(fake, ids[i], 0, 0) == left_at[i]); /* only asked */

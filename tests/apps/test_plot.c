@@ -95,6 +95,28 @@ static void drawn(const char *name, const pupil_record *records, size_t count, c
     CHECK(scratch_exists(scratch(name)));
 }
 
+/* A camera under control has its exposure and gain drawn; by hand, or with numbers missing, too. */
+static void check_camera(const pupil_record *records)
+{
+    static pupil_record live[300];
+    memcpy(live, records, sizeof live);
+    for (size_t i = 0; i < 300; i++) {
+        live[i].live = 1;
+        live[i].exposure_s = live[i].asked_exposure_s = i < 100 ? 0.01 : 0.001;
+        live[i].gain = live[i].asked_gain = i < 200 ? 1.0 : 4.0;
+        live[i].scene_ev = live[i].metered_ev;
+    }
+    drawn("camera.svg", live, 300, "a camera");
+    CHECK(holds(scratch("camera.svg"), "exposure, ms") && holds(scratch("camera.svg"), "error, EV"));
+    CHECK(holds(scratch("camera.svg"), ">in force<") && !holds(scratch("camera.svg"), "display, linear"));
+    for (size_t i = 0; i < 300; i++) {
+        live[i].scene_ev = live[i].asked_exposure_s = live[i].gain = live[i].asked_gain = NAN;
+        live[i].output_level = 0.0;
+    }
+    drawn("hand.svg", live, 300, "by hand, and black");
+    CHECK(holds(scratch("hand.svg"), "exposure, ms") && holds(scratch("hand.svg"), "</svg>"));
+}
+
 static void check_drawing(void)
 {
     static pupil_record records[300];
@@ -105,7 +127,9 @@ static void check_drawing(void)
     CHECK(holds(scratch("a.svg"), "it's \"odd\" `touch hacked` $(id) &lt;&amp;"));
     drawn("a.PNG", records, 300, "");
     CHECK(holds(scratch("a.PNG"), "\x89PNG") && holds(scratch("a.PNG"), "IEND"));
+    CHECK(!holds(scratch("a.svg"), "exposure, ms"));
     drawn("one.svg", records, 1, "one frame");
+    check_camera(records);
     for (size_t i = 0; i < 300; i++)
         records[i].metered_ev = records[i].adapted_ev = records[i].p01_ev = records[i].p99_ev = -3.0;
     drawn("flat.svg", records, 300, "nothing happens");

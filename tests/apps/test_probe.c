@@ -176,6 +176,103 @@ static void test_trouble(void)
     probe_free(&p.report);
 }
 
+static double amount, speed, from;
+
+static double wave(unsigned long frames) /* stops from end to end, frames a period, frames before */
+{
+    return exp2(0.5 * amount * sin(6.2831853 * ((double)frames + from) / speed));
+}
+
+static double ramp(unsigned long frames)
+{
+    return exp2(amount * fmod((double)frames + from, speed) / speed);
+}
+
+/* Somebody walks by. */
+static double visit(unsigned long frames)
+{
+    return (double)frames >= from && (double)frames < from + speed ? exp2(amount) : 1.0;
+}
+
+static double walk(unsigned long frames)
+{
+    static uint32_t state;
+    static double ev;
+    if (!frames) {
+        ev = 0.0;
+        state = (uint32_t)from;
+    }
+    state = state * 1664525u + 1013904223u; /* Numerical Recipes' quick generator */
+    ev += amount * (2.0 * (state >> 8) / 16777216.0 - 1.0);
+    ev = fmin(fmax(ev, -1.5), 1.5); /* nobody leaves the room */
+    return exp2(ev);
+}
+
+static unsigned known_things, unknown_things;
+
+/* A scene that moves: what is said is true, or it is said that it moves. How many things were told. */
+static unsigned check_moving(double (*how)(unsigned long), int quick)
+{
+    probed p;
+    const fake_v4l2_config c = usual();
+    const probe_report *r = &p.report;
+    unsigned known = 0;
+    motion = how;
+    probe(&p, &c, quick, 1.0);
+    motion = NULL;
+    CHECK_MSG(p.result == 0, "%s", p.why);
+    const probe_delay *delays[] = {&r->exposure_delay, &r->gain_delay};
+    const probe_law *laws[] = {&r->exposure, &r->gain};
+    for (int i = 0; i < 2; i++) {
+        const probe_delay *d = delays[i];
+        const probe_law *law = laws[i];
+        CHECK_MSG(!d->is.known || d->frames == 2, "%g %g %g: delay %d is %u", amount, speed, from, i, d->frames);
+        CHECK_MSG(!law->is.known || (law->obeyed && law->as_told && fabs(law->slope - 1) < 0.2),
+                  "%g %g %g: law %d: slope %g, %g off, drift %g", amount, speed, from, i, law->slope, law->off_ev,
+                  law->drift_ev);
+        CHECK_MSG(d->is.known || *d->is.why, "no sentence");
+        known += (unsigned)(d->is.known + law->is.known);
+    }
+    CHECK_MSG(!r->black.is.known || r->black.at_most || r->black.share < 0.01, "black %g", r->black.share);
+    known_things += known;
+    unknown_things += 4 - known;
+    probe_free(&p.report);
+    return known;
+}
+
+/* People, clouds, lamps. */
+static void test_moving(void)
+{
+    probed p;
+    amount = 1.0, speed = 40.0, from = 0.0;
+    motion = wave;
+    const fake_v4l2_config c = usual();
+    probe(&p, &c, 0, 1.0);
+    motion = NULL;
+    check_unknown(&p.report.exposure_delay.is, "moves by itself, by 1.00 stops: point it at something that stands");
+    check_unknown(&p.report.gain_delay.is, "the picture moves by itself");
+    check_unknown(&p.report.exposure.is, "the picture moves by itself");
+    check_unknown(&p.report.gain.is, "the picture moves by itself");
+    probe_free(&p.report);
+
+    for (amount = 0.5; amount < 3; amount *= 2)
+        for (speed = 7; speed < 200; speed *= 3)
+            for (from = 0; from < speed; from += speed / 3)
+                check_moving(wave, from > 0);
+    for (amount = -1; amount < 3; amount += 2)
+        for (speed = 5; speed < 30; speed += 10)
+            for (from = 40; from < 340; from += 29)
+                check_moving(visit, 0);
+    for (amount = 0.02; amount < 0.4; amount *= 2)
+        for (from = 1; from < 6; from++)
+            check_moving(walk, 0);
+    for (amount = -2; amount < 3; amount += 1)
+        check_moving(ramp, 0);
+    printf("%u things were told of moving scenes, and %u were not\n", known_things, unknown_things);
+    amount = 0.04, speed = 30, from = 0; /* and what hardly moves is told all the same */
+    CHECK(check_moving(wave, 0) == 4);
+}
+
 /* At every moment: it stops, and the camera is given back (probe checks it). */
 static void test_stop(void)
 {
@@ -198,6 +295,7 @@ int main(int argc, char **argv)
     test_lies();
     test_light();
     test_trouble();
+    test_moving();
     test_stop();
     return check_end();
 }

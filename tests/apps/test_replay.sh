@@ -51,6 +51,12 @@ done
 expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o a.mp4
 expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o ./a.mp4
 expect 2 "named for two outputs" replay synth:walk -o frames -o frames/
+mkdir empty
+expect 2 "empty/s.csv: lies in empty," $walk -n 2 -o empty --stats empty/s.csv
+expect 2 "./new/deep/s.csv: lies in new/," $walk -n 2 -o new/ --stats ./new/deep/s.csv
+expect 2 "report/p.svg: lies in report," $walk -n 2 --report report --plot report/p.svg
+rmdir empty
+absent new report
 
 # wrong inputs
 expect 1 "missing.exr" replay missing.exr -o a.mp4

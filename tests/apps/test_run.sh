@@ -73,13 +73,17 @@ for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutte
     "--control-delay 0" "--control-delay 16" "--buffers 1" "--buffers 33" "--reopen -1" "--timeout 0" "--timeout 5h" "--frames 0" "--ev 17" "--key 2" "--white dark" \
     "--metering moon" "--roi 0.5,0.5,0.6,0.1" "--trim 95,5" "--meter-rows 3" "--transfer pq" "--threads 1000" \
     "--gles-version 3.0" "--weight 0.1" "--fused --mode sensor" "--mains 50 --mode digital" \
-    "--no-frame-rate-priority --mode digital"; do
+    "--no-frame-rate-priority --mode digital" "--control-delay 2 --mode digital" "--curve linear --mode digital" \
+    "--curve srgb"; do
     # shellcheck disable=SC2086 # words
     refused 2 "${bad%% *}" $bad -o out.y4m
 done
 refused 2 "named for two outputs" -o a.mp4 -o ./a.mp4
 refused 2 "named for two outputs" -o - --stats -
 refused 2 "named for two outputs" --record a -o a
+mkdir frames
+refused 2 "frames/s.csv: lies in frames," -o frames --stats frames/s.csv
+rmdir frames
 refused 2 "is the camera itself" -d /dev/video0 -o /dev/video0
 refused 1 "/dev/video9" -d 9 -o out.y4m
 refused 1 "no camera" -d "no such camera" -o out.y4m
@@ -97,7 +101,7 @@ absent out.y4m
 # a camera without controls: its picture is adapted to, or a sentence where more was asked
 "$program" fake:no-controls -n 5 -o plain.y4m 2>said.err || fail "no controls: $(cat said.err)"
 grep -q "EXPOSURE_ABSOLUTE.*--mode digital" said.err || fail "no controls are not told: $(cat said.err)"
-for asked in "--mode sensor" "--mode both" "--shutter 10ms" "--gain 2" "--mains 50"; do
+for asked in "--mode sensor" "--mode both" "--shutter 10ms" "--gain 2" "--mains 50" "--control-delay 2" "--curve unknown"; do
     # shellcheck disable=SC2086 # words
     "$program" fake:no-controls -n 5 $asked -q 2>said.err
     [ $? = 1 ] || fail "no controls, $asked: exit"

@@ -284,6 +284,56 @@ static void test_hidden_steps(double light, int slow_ms)
     end(&r);
 }
 
+/* log2 of what is shown of the frame, before its tone curve. */
+static double shown_ev(const live_run *r)
+{
+    const uint16_t *row = (const uint16_t *)r->frame.image.data;
+    return log2(row[10] / 4095.0 * (double)r->curve.scale);
+}
+
+/* Of a camera of which nothing is known a delay of 3 is believed. The search for the first level shows the true one;
+ * from then on frames say what they were taken with, and no step of the sensor can be seen: of exposure, and of gain,
+ * too. Half a code of the darkest picture, 3 % of 4095, is 0.0055 EV, and between two frames there may be two such. */
+static void test_learned(uint32_t true_delay, int slow_ms)
+{
+    static const double ev[] = {-2.0, 1.0, -1.0, 2.0, -2.5, 1.5, 0.0};
+    fake_v4l2_config config;
+    pupil_camera_limits limits;
+    live_run r;
+    int settings = 0, gains = 0;
+    double worst_before = 0.0, worst = 0.0, last_ev = 0.0, last = 0.0, last_gain = 0.0;
+    fake_v4l2_config_default(&config);
+    config.control_delay = true_delay;
+    config.only_format = V4L2_PIX_FMT_Y12;
+    config.flat = 500;
+    begin_with(&r, RUN_BOTH, &config, 30, 16, 0.5);
+    CHECK(r.options.live.delay == 0);
+    for (int i = 0; i < 280; i++) {
+        step(&r);
+        if (i % 30 == 29 && i > 60) {
+            r.sensor.config.ev_compensation = ev[i / 30 - 2];
+            pupil_sensor_retune(&r.sensor.sensor, &r.sensor.config);
+        }
+        if (slow_ms)
+            fake_v4l2_system(r.fake)->poll(fake_v4l2_system(r.fake)->context, NULL, 0, slow_ms);
+        double *of = i < 60 ? &worst_before : &worst;
+        *of = i ? fmax(*of, fabs(shown_ev(&r) - last_ev)) : 0.0;
+        last_ev = shown_ev(&r);
+        settings += r.record.exposure_s * r.record.gain != last;
+        gains += r.record.gain != last_gain;
+        last = r.record.exposure_s * r.record.gain;
+        last_gain = r.record.gain;
+    }
+    pupil_camera_get_limits(pupil_live_camera(r.source), &limits);
+    CHECK_MSG(limits.exposure_delay == true_delay, "delay %u: learned %u", true_delay, limits.exposure_delay);
+    CHECK_MSG(limits.gain_delay == true_delay, "delay %u: learned %u of gain", true_delay, limits.gain_delay);
+    CHECK_MSG(settings >= 9 && gains >= 5, "delay %u: %d settings, %d of gain", true_delay, settings, gains);
+    CHECK_MSG(worst < 0.012, "delay %u: a step of the sensor shows by %g EV", true_delay, worst);
+    printf("delay %u, 3 believed: while it was learned a step showed by %.4f EV, then by %.4f EV\n", true_delay,
+           worst_before, worst);
+    end(&r);
+}
+
 /* ---- the loop -----------------------------------------------------------------------------------------------------
  */
 
@@ -363,6 +413,9 @@ int main(int argc, char **argv)
     for (control_delay = 1; control_delay < 6; control_delay++) /* --control-delay */
         test_hidden_steps(4.0, 0);
     control_delay = USUAL_DELAY;
+    for (uint32_t delay = 1; delay <= 6; delay++)
+        test_learned(delay, 0);
+    test_learned(1, 40);
     test_hidden_steps(4.0, 40);
     test_hidden_steps(4.0, 90);
     test_settles(2.0);

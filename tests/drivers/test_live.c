@@ -121,6 +121,49 @@ static void test_hands_off(void)
     close_all(source, fake);
 }
 
+static const pupil_v4l2_system *inside;
+
+static int as_uvc(void *context, int fd, unsigned long request, void *argument)
+{
+    const int result = inside->ioctl(context, fd, request, argument);
+    if (request == VIDIOC_QUERYCAP && result == 0)
+        memcpy(((struct v4l2_capability *)argument)->driver, "uvcvideo", sizeof "uvcvideo");
+    return result;
+}
+
+/* Raw frames are linear, pictures are not, and grey of a USB camera only where its driver says so. */
+static void test_linear(void)
+{
+    static const struct {
+        uint32_t fourcc, transfer;
+        int linear, of_uvc;
+    } cases[] = {
+        {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_DEFAULT, 0, 0},   {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_709, 0, 0},
+        {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_NONE, 1, 1},      {V4L2_PIX_FMT_NV12, V4L2_XFER_FUNC_SRGB, 0, 0},
+        {V4L2_PIX_FMT_MJPEG, V4L2_XFER_FUNC_DEFAULT, 0, 0},  {V4L2_PIX_FMT_RGB24, V4L2_XFER_FUNC_DEFAULT, 0, 0},
+        {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_DEFAULT, 1, 0},   {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_NONE, 1, 1},
+        {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_SRGB, 0, 0},      {V4L2_PIX_FMT_Y12, V4L2_XFER_FUNC_DEFAULT, 1, 0},
+        {V4L2_PIX_FMT_SRGGB10, V4L2_XFER_FUNC_DEFAULT, 1, 1}};
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof cases[0]; i++) {
+        fake_v4l2_config config = usual();
+        config.only_format = cases[i / 2].fourcc;
+        config.xfer_func = cases[i / 2].transfer;
+        fake_v4l2 *fake = fake_v4l2_new(&config);
+        inside = fake_v4l2_system(fake);
+        pupil_v4l2_system uvc = *inside;
+        uvc.ioctl = as_uvc;
+        const pupil_live_options options = {.capture = {.system = i % 2 ? &uvc : inside}};
+        pupil_source *source = NULL;
+        CHECK_MSG(pupil_live_open("0", NULL, &options, &source, why, sizeof why) == 0, "%s", why);
+        if (!source)
+            exit(check_end());
+        const int wanted = i % 2 ? cases[i / 2].of_uvc : cases[i / 2].linear;
+        CHECK_MSG(pupil_live_is_linear(source) == wanted, "%.4s, transfer %u, %s: not %d",
+                  (const char *)&cases[i / 2].fourcc, cases[i / 2].transfer, i % 2 ? "UVC" : "no UVC", wanted);
+        close_all(source, fake);
+    }
+}
+
 /* For a handler of fatal signals. */
 static void test_restore(void)
 {
@@ -252,6 +295,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     test_in_force();
     test_hands_off();
+    test_linear();
     test_restore();
     test_again(0.0);
     test_again(3.0);

@@ -3,13 +3,16 @@
  *     node set PATH CONTROL VALUE              node get PATH CONTROL
  *     node input PATH N                        node timings PATH WIDTH HEIGHT FPS
  *     node format PATH FOURCC WIDTH HEIGHT     of an output
- *     node cable PATH                          vivid's HDMI input sees its HDMI monitor */
+ *     node cable PATH                          vivid's HDMI input sees its HDMI monitor
+ *     node light PID N                         of uvc_camera, by its process */
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "vm/node.h"
+#include "vm/uvc_camera.h"
 
 static int find(char **words)
 {
@@ -48,11 +51,14 @@ int main(int argc, char **argv)
     static const struct {
         const char *verb;
         int words;
-    } verbs[] = {{"find", 3}, {"set", 3}, {"get", 2}, {"input", 2}, {"timings", 4}, {"format", 4}, {"cable", 1}};
+    } verbs[] = {{"find", 3},    {"set", 3},    {"get", 2},   {"input", 2},
+                 {"timings", 4}, {"format", 4}, {"cable", 1}, {"light", 2}};
     for (size_t i = 0; argc > 1 && i < sizeof verbs / sizeof verbs[0]; i++)
         if (strcmp(argv[1], verbs[i].verb) == 0 && argc == 2 + verbs[i].words) {
             if (i == 0)
                 return find(argv + 2);
+            if (strcmp(argv[1], "light") == 0)
+                return sigqueue(atoi(argv[2]), UVC_SET_LIGHT, (union sigval){.sival_int = atoi(argv[3])}) != 0;
             const int fd = node_open(argv[2]);
             return fd < 0 || act(argv[1], fd, argv + 3) != 0;
         }

@@ -79,14 +79,15 @@ typedef struct loop {
     uint64_t asked_at, delay; /* delay: the longest so far from an ask to its frame, or with a wrong word on a frame */
     uint64_t wrong;           /* frames in a row that were not taken as is said */
     int misled;               /* there was one, since this light */
+    unsigned all_wrong;       /* all in all */
+    uint64_t longest;         /* `delay` of all lights */
     pupil_frame_info info;    /* of the last frame */
 } loop;
 
 static int loop_open(loop *l, int is_linear, double reopen_s)
 {
     const pupil_live_options options = {
-        .capture = {.width = 320, .height = 240, .fps = FPS, .timeout_s = TIMEOUT_S, .reopen_s = reopen_s},
-        .delay = 1}; /* the camera draws a frame with what it has then */
+        .capture = {.width = 320, .height = 240, .fps = FPS, .timeout_s = TIMEOUT_S, .reopen_s = reopen_s}};
     pupil_config config;
     memset(l, 0, sizeof *l);
     l->is_linear = is_linear;
@@ -118,6 +119,7 @@ static void follow_delay(loop *l)
     l->wrong = fabs(said / is - 1.0) > 0.03 ? l->wrong + 1 : 0;
     l->delay = l->wrong > l->delay ? l->wrong : l->delay;
     l->misled |= l->wrong > 0;
+    l->all_wrong += l->wrong > 0;
     if (!l->asked_at || !is_there)
         return;
     l->delay = l->sequence - l->asked_at > l->delay ? l->sequence - l->asked_at : l->delay;
@@ -152,6 +154,8 @@ static int loop_frame(loop *l)
     CHECK(pupil_sensor_frame(&l->sensor, &stats, &frame.info) == PUPIL_OK);
     CHECK(pupil_sensor_get(&l->sensor, &l->setting) == PUPIL_OK);
     follow_delay(l);
+    if (pupil_live_camera(l->source))
+        pupil_camera_learn(pupil_live_camera(l->source), l->setting.exposure_delay, l->setting.gain_delay);
     if (l->setting.changed && pupil_live_camera(l->source)) { /* one that just came back may have none yet */
         const pupil_camera_setting wanted = {.exposure_s = l->setting.exposure_s, .gain = l->setting.gain};
         pupil_camera_ask(pupil_live_camera(l->source), &wanted);
@@ -195,6 +199,7 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
     }
     /* A reaction takes delay_frames at most; another look comes as many later. A write that acts before it comes back
      * has frames described by the setting before: that costs one look. */
+    l->longest = l->delay > l->longest ? l->delay : l->longest;
     const uint64_t believed = l->config.delay_frames, took = right_from - first;
     const unsigned promised = (unsigned)((2 * (looks + (unsigned)l->misled) - 1) * believed);
     CHECK_MSG(right == 8, "%s: not right", what);
@@ -204,8 +209,9 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
         CHECK_MSG(took <= promised, "%s: %llu frames; promised in %u", what, (unsigned long long)took, promised);
     for (unsigned i = 0; (right < 8 || took > promised) && i < lines; i++)
         puts(story[i]);
-    printf("%s: %llu frames (promised: %u), then %.3f EV off, exposure %.2f ms, gain %.2f\n", what,
-           (unsigned long long)took, promised, l->error_ev, l->truth.exposure_100us / 10.0, l->truth.gain_16ths / 16.0);
+    printf("%s: %llu frames (promised: %u)%s, then %.3f EV off, exposure %.2f ms, gain %.2f\n", what,
+           (unsigned long long)took, promised, l->misled ? ", misled" : "", l->error_ev, l->truth.exposure_100us / 10.0,
+           l->truth.gain_16ths / 16.0);
 }
 
 /* At rest: the level does not wander, and what is said to be in force is. */
@@ -264,6 +270,16 @@ static void test_loop(const char *answers)
         CHECK_MSG(l.truths > 100 && l.worst_ev < 0.1, "%s: %u frames, and one is %g EV from what its setting makes",
                   answers, l.truths, l.worst_ev);
         printf("%s: %u frames show what was set, %.3f EV off at most\n", answers, l.truths, l.worst_ev);
+        pupil_camera_limits limits = {0};
+        if (pupil_live_camera(l.source))
+            pupil_camera_get_limits(pupil_live_camera(l.source), &limits);
+        printf("%s: frames show delays of %u and %u, the controls are taken to need %u and %u; %u frames were said to "
+               "be taken otherwise than they were\n",
+               answers, l.setting.exposure_delay, l.setting.gain_delay, limits.exposure_delay, limits.gain_delay,
+               l.all_wrong);
+        /* 3 is believed of a camera of which nothing is known; this one draws a frame with what it has then */
+        if (l.longest <= l.config.delay_frames)
+            CHECK_MSG(limits.exposure_delay < 3, "%s: the delay was not learned", answers);
         pupil_source_close(l.source);
     }
     for (size_t i = 0; i < NAMES; i++) {
