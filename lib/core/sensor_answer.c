@@ -12,6 +12,7 @@
 #include "sensor_object.h"
 
 #include "numeric.h"
+#include "object.h"
 
 #define TOLD  0
 #define NEVER (PUPIL_SENSOR_DELAYS + 1)
@@ -38,10 +39,11 @@ void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *s
 {
     /* below nine stops under white the codes of 12 bits are coarser than the noise */
     const double dark = pupil_log2(config->clip) - 9.0;
+    double quantile[PUPIL_SENSOR_ORDERS];
+    if (stats && stats->has_histogram)
+        pupil_stats_quantiles(stats, order_share, PUPIL_SENSOR_ORDERS, quantile);
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
-        double value = light->mean;
-        if (stats && stats->has_histogram)
-            (void)pupil_stats_quantile(stats, order_share[i], &value);
+        const double value = stats && stats->has_histogram ? quantile[i] : light->mean;
         const double above = stats && stats->has_histogram ? 0.99 - order_share[i] : 0.02;
         const double below = stats && stats->has_histogram ? order_share[i] - 0.01 : 0.02;
         const int is_clipped = light->clipped_share > above;
