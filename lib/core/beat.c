@@ -25,6 +25,13 @@ static double whole(double x)
     return (double)(int64_t)(x < 0.0 ? x - 0.5 : x + 0.5);
 }
 
+/* How far from a whole number. */
+static double beyond(double x)
+{
+    x -= whole(x);
+    return x < 0.0 ? -x : x;
+}
+
 /* Seconds since the frame before, as they would be without jitter: frames' ends are a period apart, or some. The line
  * through all ends so far, then through the last ones (alpha-beta filter with the gains of least squares). */
 static double tick(pupil_beat *b, double dt_s)
@@ -55,9 +62,14 @@ static double wave_at(const pupil_beat_lamp *l, double turn, double at[PUPIL_BEA
 }
 
 /* One step of the fit by what is left; and of the frequency by how far that turned the wave. */
-static void learn(pupil_beat_lamp *l, double left, double rate, double period_s, double was[][2], double is[][2])
+static void learn(pupil_beat_lamp *l, double left, double rate, double alias, double period_s, double was[][2],
+                  double is[][2])
 {
-    for (int k = 0; k < PUPIL_BEAT_HARMONICS; k++) {
+    /* seen at these times, twice the frequency may be the same: then one does for both */
+    const int harmonics = beyond(3.0 * alias) < rate ? 1 : PUPIL_BEAT_HARMONICS;
+    for (int k = harmonics; k < PUPIL_BEAT_HARMONICS; k++)
+        l->wave[k][0] = l->wave[k][1] = 0.0;
+    for (int k = 0; k < harmonics; k++) {
         double *w = l->wave[k];
         const double c = is[k][0] - was[k][0], s = is[k][1] - was[k][1], size = c * c + s * s;
         const double step = size > 0.01 ? 2.0 * LN2 * rate * left / size : 0.0, power = w[0] * w[0] + w[1] * w[1];
@@ -70,13 +82,12 @@ static void learn(pupil_beat_lamp *l, double left, double rate, double period_s,
 
 static void lamp_frame(pupil_beat_lamp *l, double hz, double period_s, double step_s, double moved, int alone)
 {
-    double was[PUPIL_BEAT_HARMONICS][2], is[PUPIL_BEAT_HARMONICS][2], alias = (hz + l->off_hz) * period_s;
+    double was[PUPIL_BEAT_HARMONICS][2], is[PUPIL_BEAT_HARMONICS][2];
+    const double alias = beyond((hz + l->off_hz) * period_s);
     const double turn = l->turn + (hz + l->off_hz) * step_s, before = wave_at(l, l->turn, was);
     double left = moved - (wave_at(l, turn, is) - before);
     const double most = CLOSE * CLOSE * l->left + SEEN_EV2, size = left * left;
     l->turn = turn - whole(turn);
-    alias -= whole(alias);
-    alias = alias < 0.0 ? -alias : alias;
     if (l->gate > 0.0 && size > most && moved * moved < 0.25 * size) /* it would have been right without the lamp */
         l->gone++;
     else if (size < 0.25 * moved * moved)
@@ -94,7 +105,7 @@ static void lamp_frame(pupil_beat_lamp *l, double hz, double period_s, double st
         left *= most / size;
     else
         l->moved += 0.5 * rate * (moved * moved - l->moved);
-    learn(l, left, rate, period_s, was, is);
+    learn(l, left, rate, alias, period_s, was, is);
     const double power = l->wave[0][0] * l->wave[0][0] + l->wave[0][1] * l->wave[0][1] + l->wave[1][0] * l->wave[1][0] +
                          l->wave[1][1] * l->wave[1][1];
     l->age += l->age < OLD ? rate : 0.0;
