@@ -8,16 +8,16 @@
 
 #define LN2 0.6931471805599453
 
-#define PAUSE_S      1.0   /* nothing is known after it */
-#define CLOCK_FRAMES 128.0 /* timestamps are late by chance: a line through so many */
-#define RATE         0.0625 /* most that is learned of a frame; of slow beats a whole beat's share */
+#define PAUSE_S      1.0      /* nothing is known after it */
+#define CLOCK_FRAMES 128.0    /* timestamps are late by chance: a line through so many */
+#define RATE         0.0625   /* most that is learned of a frame; of slow beats a whole beat's share */
 #define SLOWEST      0.015625 /* turns a frame: a beat of 64 frames; what is slower, the level's filter has to do with */
-#define MOST_OFF_HZ  0.5   /* of 100 and 120: far more than grids are off by */
-#define MOST_WAVE    0.45  /* lamps are at 0.3; more is a strobe */
-#define CUT_EV       1.0   /* from one frame to the next no lamp moves that much */
-#define SEEN_EV2     1e-5  /* 0.003 EV from frame to frame: less is not seen, and not counted as wrong */
-#define OLD          4.0   /* ages after which a wave is believed */
-#define OPEN         8.0   /* ... where it explains all but this part of the power; until it is all but a third */
+#define MOST_OFF_HZ  0.5      /* of 100 and 120: far more than grids are off by */
+#define MOST_WAVE    0.45     /* lamps are at 0.3; more is a strobe */
+#define CUT_EV       1.0      /* from one frame to the next no lamp moves that much */
+#define SEEN_EV2     2.5e-5   /* 0.005 EV from frame to frame: less may be seen, and does not count as wrong */
+#define OLD          4.0      /* ages after which a wave is believed */
+#define OPEN         8.0      /* ... where it explains all but this part of the power; until it is all but a third */
 #define CLOSE        3.0
 
 static double whole(double x)
@@ -36,7 +36,8 @@ static double beyond(double x)
  * through all ends so far, then through the last ones (alpha-beta filter with the gains of least squares). */
 static double tick(pupil_beat *b, double dt_s)
 {
-    const double gap = b->period_s > 0.0 ? whole(dt_s / b->period_s) : 0.0, late_s = b->late_s + dt_s - gap * b->period_s;
+    const double gap = b->period_s > 0.0 ? whole(dt_s / b->period_s) : 0.0,
+                 late_s = b->late_s + dt_s - gap * b->period_s;
     if (gap < 1.0 || late_s > 0.25 * b->period_s || late_s < -0.25 * b->period_s) {
         const double step_s = b->late_s + dt_s;
         b->period_s = dt_s, b->late_s = 0.0, b->frames = 2.0;
@@ -120,6 +121,8 @@ static void lamp_frame(pupil_beat_lamp *l, double hz, double period_s, double st
 void pupil_beat_frame(pupil_beat *b, double light, double exposure_s, int64_t timestamp_ns)
 {
     const double since_s = ((double)timestamp_ns - (double)b->timestamp_ns) * 1e-9;
+    if (timestamp_ns && timestamp_ns == b->timestamp_ns) /* the same frame again */
+        return;
     if (!timestamp_ns || !b->timestamp_ns || !(since_s > 0.0 && since_s < PAUSE_S)) {
         *b = (pupil_beat){.timestamp_ns = timestamp_ns, .light = light, .exposure_s = exposure_s};
         return;

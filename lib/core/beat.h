@@ -24,9 +24,9 @@ typedef struct pupil_beat {
     int64_t timestamp_ns; /* of the last frame; 0: none */
     double light;         /* log2 */
     double exposure_s;
-    double period_s;      /* of frames */
-    double late_s;        /* of the last frame's timestamp, against frames that are a period apart */
-    double frames;        /* that period and lateness are from; at most CLOCK_FRAMES */
+    double period_s; /* of frames */
+    double late_s;   /* of the last frame's timestamp, against frames that are a period apart */
+    double frames;   /* that period and lateness are from; at most CLOCK_FRAMES */
     pupil_beat_lamp lamp[PUPIL_BEAT_LAMPS];
 } pupil_beat;
 

@@ -259,7 +259,8 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
         pupil_sensor_answer_frame(o, light, info ? info->sequence : 0);
     const double frame_log2 = a->taken[0] + a->taken[1];
     if (!light->dead && reason != PUPIL_SENSOR_SAME_FRAME)
-        pupil_beat_frame(&o->beat, light->middle - a->slope * frame_log2, pupil_exp2(a->taken[0]), o->last_timestamp_ns);
+        pupil_beat_frame(&o->beat, light->middle - a->slope * frame_log2, pupil_exp2(a->taken[0]),
+                         o->last_timestamp_ns);
     s->beat_ev = pupil_beat_at(&o->beat, o->last_timestamp_ns);
     light->mean -= s->beat_ev, light->highlight -= s->beat_ev;
     if (light->dead || reason == PUPIL_SENSOR_SAME_FRAME) {
