@@ -11,7 +11,7 @@
 #define LINE_S     18.9e-6
 #define LIMIT_EV   0.005        /* RMS from frame to frame */
 #define NOTHING_EV 0.0005       /* most that may be taken out where no lamp is */
-#define SLOWEST    (1.0 / 64.0) /* turns a frame: slower beats are left to the level */
+#define SLOWEST    (1.0 / 16.0) /* turns a frame: slower beats are left to the level */
 
 enum { DELAY = 3, RING = 8, LONG = 100000 };
 
@@ -99,7 +99,7 @@ enum { RATES = sizeof rates / sizeof rates[0] };
  * learned from it, and the swell that makes is followed late. */
 static int is_half(double lamp_hz, double fps)
 {
-    return beyond(lamp_hz / fps) > 0.5 - SLOWEST;
+    return beyond(lamp_hz / fps) > 0.5 - 1.0 / 64.0;
 }
 
 static void check_rates(double jitter_s, double drops, const char *what)
@@ -146,10 +146,10 @@ static void check_steps(void)
     double after = 0.0, rest = 0.0, off = 0.0;
     for (int f = 0; f < RATES; f++) {
         const int second = (int)ceil(rates[f]);
-        const double lamp_hz = beyond(100.05 / rates[f]) > 0.05 ? 100.05 : 119.95;
+        const double lamp_hz = beyond(100.05 / rates[f]) > SLOWEST ? 100.05 : 119.95;
         room r;
         double beat;
-        if (beyond(lamp_hz / rates[f]) < 0.05 || is_half(lamp_hz, rates[f]))
+        if (beyond(lamp_hz / rates[f]) < SLOWEST || is_half(lamp_hz, rates[f]))
             continue;
         open_room(&r, rates[f], lamp_hz, 0.1);
         flicker(&r, 8 * second + 100, NULL);
