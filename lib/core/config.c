@@ -14,6 +14,7 @@ void pupil_config_default(pupil_config *config)
         .tau_light_s = 0.3, /* the eye, too, is faster toward the light */
         .tau_dark_s = 0.9,
         .nominal_frame_s = 1.0 / 30.0,
+        .beat = 1,
         .ev_min = -32.0,
         .ev_max = 32.0,
         .calibration = 1.0,
@@ -72,6 +73,8 @@ static const char *adaptation_fault(const pupil_config *c)
         return "law must be a pupil_law";
     if (c->lock > 1)
         return "lock must be 0 or 1";
+    if (c->beat > 1)
+        return "beat must be 0 or 1";
     if (!(c->frame_weight > 0.0 && c->frame_weight <= 1.0))
         return "frame_weight must be above 0, up to 1";
     if (!within(c->tau_light_s, 0.0, 1e6))

@@ -45,7 +45,8 @@ int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_cu
     if (!a->seen)
         return PUPIL_ERR_NO_EXPOSURE;
 
-    double scale_log2 = pupil_scale_log2(object), frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info);
+    const double beat = c->beat ? pupil_beat_at(&a->beat, info ? info->timestamp_ns : a->last_timestamp_ns) : 0.0;
+    double scale_log2 = pupil_scale_log2(object), frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - beat;
     if (c->white_mode == PUPIL_WHITE_FIXED)
         *curve = curve_of(frame_log2, 1, pupil_log2(c->white));
     else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen)

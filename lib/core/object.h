@@ -3,6 +3,7 @@
 #define PUPIL_CORE_OBJECT_H
 
 #include "../kernels/kernels.h"
+#include "beat.h"
 
 /* Our own mistakes stop here; a board may define its own way of stopping. */
 #ifndef PUPIL_TRAP
@@ -28,6 +29,7 @@ typedef struct pupil_adaptation {
     int64_t last_timestamp_ns;
     double exposure_log2; /* log2 of exposure_s * gain as last known */
     uint64_t turn;        /* frames taken, also those without light: which rows config.meter_rows lets through */
+    pupil_beat beat;
     pupil_exposure result;
 } pupil_adaptation;
 

@@ -6,6 +6,9 @@
 /* "sensor" and the object's size: another version's object is refused. */
 #define SENSOR_MAGIC (UINT64_C(0x73656e736f720000) + sizeof(pupil_sensor_object))
 
+/* Clipped and black pixels do not flicker, small lamps blink: both are left out of the mean that a beat is seen in. */
+#define BEAT_TRIM 0.1
+
 static pupil_sensor_object *object_of(pupil_sensor *sensor)
 {
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
@@ -163,6 +166,8 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
     if (!light.dead) {
         const int trims = stats->has_histogram != 0;
         error = pupil_stats_mean(stats, trims ? c->trim_low : 0.0, trims ? c->trim_high : 1.0, &light.mean);
+        if (!error)
+            error = pupil_stats_mean(stats, trims ? BEAT_TRIM : 0.0, trims ? 1.0 - BEAT_TRIM : 1.0, &light.middle);
         if (!error && light.has_highlight)
             error = pupil_stats_peak_quantile(stats, 1.0 - c->highlight_share, &light.highlight);
         light.clipped_share = (double)stats->clipped / (double)(stats->pixels ? stats->pixels : 1);
@@ -196,7 +201,7 @@ int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double clipped_sha
     const double frame_log2 = told(o, info);
     light.dead = !(scene_ev >= -256.0 && scene_ev <= 256.0 && clipped_share >= 0.0 && clipped_share <= 1.0);
     if (!light.dead) {
-        light.mean = scene_ev + frame_log2;
+        light.mean = light.middle = scene_ev + frame_log2;
         light.clipped_share = clipped_share;
         pupil_sensor_orders(&o->config, 0, &light);
     }

@@ -2,6 +2,7 @@
 #ifndef PUPIL_CORE_SENSOR_OBJECT_H
 #define PUPIL_CORE_SENSOR_OBJECT_H
 
+#include "beat.h"
 #include "mains.h"
 #include "pupil/sensor.h"
 
@@ -68,6 +69,7 @@ typedef struct pupil_sensor_object {
     double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
     double band_ev;                    /* this far off is taken for what the camera cannot do better; 0 at first */
     pupil_mains mains;
+    pupil_beat beat;
     pupil_sensor_answer answer;
     pupil_sensor_setting setting;
 } pupil_sensor_object;
@@ -77,6 +79,7 @@ _Static_assert(sizeof(pupil_sensor_object) <= sizeof(pupil_sensor), "PUPIL_SENSO
 /* What is known of a frame's light, log2 of frame values. */
 typedef struct pupil_sensor_light {
     double mean, clipped_share, black_share;
+    double middle;    /* the mean without the darkest and the brightest */
     double highlight; /* the brightest that is to stay below clip; where has_highlight */
     uint32_t has_highlight, dead;
     double low[PUPIL_SENSOR_ORDERS], high[PUPIL_SENSOR_ORDERS]; /* the values of some ranks are from, to */
@@ -96,7 +99,7 @@ void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_li
                         double *highlight, double *lost);
 
 void pupil_sensor_choose(pupil_sensor_object *object, int anew);
-void pupil_sensor_advance(pupil_sensor_object *object, const pupil_sensor_light *light, const pupil_frame_info *info);
+void pupil_sensor_advance(pupil_sensor_object *object, pupil_sensor_light *light, const pupil_frame_info *info);
 
 /* How the camera answers, which frames tell. */
 void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *stats, pupil_sensor_light *light);

@@ -273,7 +273,7 @@ static double reachable(const pupil_sensor_object *o, double wanted)
     return clamp(wanted, o->least_log2, o->most_log2);
 }
 
-void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *light, const pupil_frame_info *info)
+void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, const pupil_frame_info *info)
 {
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
@@ -283,6 +283,11 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
     if (reason != PUPIL_SENSOR_SAME_FRAME)
         pupil_sensor_answer_frame(o, light, info ? info->sequence : 0);
     const double frame_log2 = a->taken[0] + a->taken[1];
+    if (!light->dead && reason != PUPIL_SENSOR_SAME_FRAME)
+        pupil_beat_frame(&o->beat, light->middle - a->slope * frame_log2, pupil_exp2(a->taken[0]),
+                         o->last_timestamp_ns);
+    s->beat_ev = pupil_beat_at(&o->beat, o->last_timestamp_ns);
+    light->mean -= s->beat_ev, light->highlight -= s->beat_ev;
     if (light->dead || reason == PUPIL_SENSOR_SAME_FRAME) {
         s->reason = light->dead ? PUPIL_SENSOR_DEAD_FRAME : reason;
     } else {
@@ -304,5 +309,6 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
     s->exposure_delay = a->delay[0];
     s->gain_delay = a->delay[1];
     /* what multiplies values makes more of a bent picture than of light */
-    s->frame_digital = pupil_exp2(clamp(a->slope * (o->total_log2 - frame_log2), -c->digital_ev, c->digital_ev));
+    s->frame_digital =
+        pupil_exp2(clamp(a->slope * (o->total_log2 - frame_log2), -c->digital_ev, c->digital_ev) - s->beat_ev);
 }

@@ -145,6 +145,7 @@ typedef enum pupil_reason {
  * and the config a calibration). */
 typedef struct pupil_exposure {
     double metered_ev; /* the last frame's (trimmed) log-average */
+    double beat_ev;    /* how much of it is the beat of lamps (config.beat); 0: none known */
     double adapted_ev; /* what the eye is adapted to */
     double white_ev;   /* the adapted upper quantile of the brightest channel; 0 unless the white point follows */
     double scale;      /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
@@ -157,7 +158,9 @@ typedef struct pupil_exposure {
 PUPIL_API int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure);
 
 /* The curve for a frame: where `info` brings exposure and gain (or an earlier frame did), what was divided out of the
- * light before adapting is put back. `info` may be NULL. PUPIL_ERR_NO_EXPOSURE before the first valid frame. */
+ * light before adapting is put back. The beat of lamps (config.beat) is that of the frame with info's timestamp, which
+ * may be the last one or one to come. `info` may be NULL: the last frame's. PUPIL_ERR_NO_EXPOSURE before the first
+ * valid frame. */
 PUPIL_API int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve);
 
 /* The statistics of the last frame that pupil_process or pupil_frame_end metered; none where it was dropped. Between

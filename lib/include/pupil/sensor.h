@@ -35,6 +35,12 @@
  * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
  *
+ * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
+ * is found from how the bands go on from frame to frame, in 8 to 15 frames with timestamps, and exposures from half a
+ * period on become multiples of it; the level does not move. It stays until frames show the other one: where nothing is
+ * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at 30
+ * frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
+ *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and
  * the gain table.
@@ -201,8 +207,9 @@ typedef struct pupil_sensor_setting {
     double digital;       /* total_s / (exposure_s * gain) */
     double total_s;       /* what is wanted: exposure time x gain */
     double frame_digital; /* for the frame given last, which was taken with what its info says */
-    double scene_ev;      /* log2 of the light of the scene: value / (exposure_s * gain) */
-    double error_ev;      /* how far total_s was off before this frame, positive: too dark; limits allowed for */
+    double beat_ev;  /* how much brighter lamps were in that frame than on average; frame_digital makes up for it */
+    double scene_ev; /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
+    double error_ev; /* how far total_s was off before this frame, positive: too dark; limits allowed for */
     double dt_s;
     uint64_t frames;  /* frames with light since init */
     uint32_t state;   /* a pupil_sensor_state */
@@ -212,9 +219,9 @@ typedef struct pupil_sensor_setting {
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
     uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
                                           * was taken with it, as the frames show it; 0: not known yet */
-    uint32_t mains_hz;       /* in use: 50, 60 or 0 */
-    uint32_t mains;          /* a pupil_sensor_mains */
-    double mains_modulation; /* of the light, 0..1, when it was last seen in a frame; 0: never */
+    uint32_t mains_hz;                   /* in use: 50, 60 or 0 */
+    uint32_t mains;                      /* a pupil_sensor_mains */
+    double mains_modulation;             /* of the light, 0..1, when it was last seen in a frame; 0: never */
 } pupil_sensor_setting;
 
 /* ---- life ------------------------------------------------------------------------------------------------------- */
