@@ -58,6 +58,7 @@ typedef struct pupil_sensor_object {
     uint32_t odd_frames;         /* in a row that are far off on one side, before anything is done about it */
     uint32_t turns;              /* large steps that turned back, with little rest between */
     uint32_t creeping;           /* steps in a row to one side of which nothing has been seen */
+    uint32_t crossed;            /* frames since exposure was exchanged for gain, downwards */
     uint32_t coarse;             /* frames since the highlights had a say, downwards */
     uint32_t calm;               /* frames of rest since the last large step */
     int32_t last_direction;      /* of the last large step, guessed or not; 0 after some rest */
