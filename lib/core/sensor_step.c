@@ -89,16 +89,16 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
     o->setting.scene_ev = light->mean - frame_log2;
     if (target < frame_log2 - c->far_ev) {
         /* what is not clipped shows how much brighter it has become since the mean was one */
-        const double most = o->known_ev + o->answer.brighter + KNOWN_EV,
-                     limit = most + slope * frame_log2 + o->known_over;
+        const double most = o->known_ev + o->answer.brighter + KNOWN_EV + slope * (frame_log2 - o->known_log2);
         *guessed = mean > light->mean;
         target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
                                                        : frame_log2 + (wanted + lost - mean) / slope;
-        target = clamp((wanted - most) / slope, target, plain);
-        highlight = highlight < limit ? highlight : limit;
+        target = clamp(frame_log2 + (wanted - most) / slope, target, plain);
+        highlight = highlight < most + o->known_over ? highlight : most + o->known_over;
         o->setting.scene_ev = mean - frame_log2;
     } else {
-        o->known_ev = light->mean - slope * frame_log2;
+        o->known_ev = light->mean;
+        o->known_log2 = frame_log2;
         o->known_over = (light->clipped_share > c->highlight_share ? highlight : light->highlight) - light->mean;
         o->answer.brighter = 0.0;
     }
