@@ -154,7 +154,7 @@ PUPIL_API void pupil_sensor_config_default(pupil_sensor_config *config);
  * wrong field and what would be right. */
 PUPIL_API int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why);
 
-#define PUPIL_SENSOR_OBJECT_BYTES 4096
+#define PUPIL_SENSOR_OBJECT_BYTES 8192
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil_sensor {
