@@ -94,8 +94,9 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0));
     const int held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, held = c->gain_mode != PUPIL_SENSOR_AUTO;
     /* a control that does nothing is as good as held, but for what the other one cannot do alone */
-    const double e0 = held_s ? o->held_exposure : pupil_exp2(o->answer.taken[0]),
-                 g0 = held ? o->held_gain : pupil_exp2(o->answer.taken[1]);
+    const double dead_e0 = clamp(pupil_exp2(o->answer.taken[0]), c->exposure_min_s, longest(c)),
+                 dead_g0 = clamp(pupil_exp2(o->answer.taken[1]), c->gain_min, c->gain_max);
+    const double e0 = held_s ? o->held_exposure : dead_e0, g0 = held ? o->held_gain : dead_g0;
     const int dead_s = o->answer.dead[0] && total >= e0 * c->gain_min && total <= e0 * c->gain_max;
     const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * longest(c);
     double e, g;
