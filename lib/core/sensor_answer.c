@@ -178,7 +178,7 @@ static int is_near(double x, double y)
 }
 
 /* 0, or that info says of a control what was not asked for in the last frames: 1 where it stands still, 2 where it has
- * moved by itself. Where it then moves as was asked, twice, it has another unit. */
+ * moved by itself. Where it has moved as was asked, it has another unit. */
 static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
 {
     const double step = a->told[c] - a->told_before[c];
@@ -190,8 +190,8 @@ static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
         if (!is_near(step, 0.0) && is_near(step, asked - in_force(a, c, h, gap)))
             unit = a->told[c] - asked;
     }
-    a->unit[c] += a->unheard[c] ? unit : 0.0;
-    return a->unheard[c] && unit != 0.0 ? 0 : is_near(step, 0.0) && a->unheard[c] < 2 ? 1 : 2;
+    a->unit[c] += unit;
+    return unit != 0.0 ? 0 : is_near(step, 0.0) && a->unheard[c] < 2 ? 1 : 2;
 }
 
 /* A control does nothing, and has to be planned around: by the picture, or by info, until that says that it moves. */

@@ -51,21 +51,22 @@ typedef struct pupil_sensor_object {
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
     uint32_t stamped;
-    uint32_t waited;             /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
-    double stride;               /* share of the way that a large step goes: halved where it turns back */
-    int32_t direction;           /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
-    uint32_t looking;            /* what is known is a guess: the next frame counts at once */
-    uint32_t odd_frames;         /* in a row that are far off on one side, before anything is done about it */
-    uint32_t turns;              /* large steps that turned back, with little rest between */
-    uint32_t creeping;           /* steps in a row to one side of which nothing has been seen */
-    uint32_t coarse;             /* frames since the highlights had a say, downwards */
-    uint32_t calm;               /* frames of rest since the last large step */
-    int32_t last_direction;      /* of the last large step, guessed or not; 0 after some rest */
-    double known_ev, known_over; /* the last mean that was not far too bright, of a total of 1; highlights over it */
-    double odd_ev;               /* the least that these were off by */
-    double last_size, last_total_log2; /* of the last large step: stops it was for, and where it began */
-    double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
-    double band_ev;                    /* this far off is taken for what the camera cannot do better; 0 at first */
+    uint32_t waited;        /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
+    double stride;          /* share of the way that a large step goes: halved where it turns back */
+    int32_t direction;      /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
+    uint32_t looking;       /* what is known is a guess: the next frame counts at once */
+    uint32_t odd_frames;    /* in a row that are far off on one side, before anything is done about it */
+    uint32_t turns;         /* large steps that turned back, with little rest between */
+    uint32_t creeping;      /* steps in a row to one side of which nothing has been seen */
+    uint32_t crossed;       /* frames since exposure was exchanged for gain, downwards */
+    uint32_t coarse;        /* frames since the highlights had a say, downwards */
+    uint32_t calm;          /* frames of rest since the last large step */
+    int32_t last_direction; /* of the last large step, guessed or not; 0 after some rest */
+    double known_ev, known_log2, known_over; /* of the last frame not far too bright: mean, total, highlights over it */
+    double odd_ev;                           /* the least that these were off by */
+    double last_size, last_total_log2;       /* of the last large step: stops it was for, and where it began */
+    double stood_s, patience_s;              /* seconds since the search was given up, and until it starts again */
+    double band_ev; /* this far off is taken for what the camera cannot do better; 0 at first */
     pupil_sensor_answer answer;
     pupil_sensor_setting setting;
 } pupil_sensor_object;

@@ -31,11 +31,10 @@ static double clamp(double x, double low, double high)
 #define PATIENCE_S 1.0
 /* More than what is rounded down: a third of a stop, and hold_ev. */
 #define UNSEEN_EV 0.4
-/* Where nothing that is asked for is seen to be done, frames beyond flash_frames that have to say the same. */
-#define LESS_BELIEF 8
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
 #define PROBE_EV      0.4
+#define EXCHANGE_EV   0.2
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -90,16 +89,16 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
     o->setting.scene_ev = light->mean - frame_log2;
     if (target < frame_log2 - c->far_ev) {
         /* what is not clipped shows how much brighter it has become since the mean was one */
-        const double most = o->known_ev + o->answer.brighter + KNOWN_EV,
-                     limit = most + slope * frame_log2 + o->known_over;
+        const double most = o->known_ev + o->answer.brighter + KNOWN_EV + slope * (frame_log2 - o->known_log2);
         *guessed = mean > light->mean;
         target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
                                                        : frame_log2 + (wanted + lost - mean) / slope;
-        target = clamp((wanted - most) / slope, target, plain);
-        highlight = highlight < limit ? highlight : limit;
+        target = clamp(frame_log2 + (wanted - most) / slope, target, plain);
+        highlight = highlight < most + o->known_over ? highlight : most + o->known_over;
         o->setting.scene_ev = mean - frame_log2;
     } else {
-        o->known_ev = light->mean - slope * frame_log2;
+        o->known_ev = light->mean;
+        o->known_log2 = frame_log2;
         o->known_over = (light->clipped_share > c->highlight_share ? highlight : light->highlight) - light->mean;
         o->answer.brighter = 0.0;
     }
@@ -125,8 +124,7 @@ static int is_flash(pupil_sensor_object *o, double *off)
     if (!same_side || (*off < 0.0 ? *off > o->odd_ev : *off < o->odd_ev))
         o->odd_ev = *off;
     o->odd_frames = same_side ? o->odd_frames + (o->odd_frames < 16) : 1;
-    const uint32_t needed = o->config.flash_frames + (o->answer.disobeys ? LESS_BELIEF : 0);
-    if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= needed)
+    if (!(o->looking && !o->answer.in_flight) && o->odd_frames <= o->config.flash_frames)
         return 1;
     *off = o->odd_ev;
     return 0;
@@ -151,10 +149,13 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     const int32_t direction = off > 0.0 ? 1 : -1;
     const double size = off < 0.0 ? -off : off;
     uint32_t reason = PUPIL_SENSOR_NO_REASON;
+    if (o->crossed) /* exchanging exposure and gain has moved the picture */
+        o->answer.surprised = 8;
     if (o->direction == -direction || (o->last_direction == -direction && o->turns > 0))
         o->stride *= o->stride > LEAST_STRIDE ? 0.5 : 1.0;
     if (o->last_direction == -direction) {
-        if (++o->turns >= MOST_TURNS) {
+        o->turns += o->answer.surprised ? 2 : 1;
+        if (o->turns >= MOST_TURNS) {
             o->total_log2 = size > o->last_size ? o->last_total_log2 : o->total_log2;
             stand_still(o, 1.5 * (size > o->last_size ? size : o->last_size));
             o->waited = 0;
@@ -197,8 +198,8 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
         off = clamp(o->setting.error_ev, -PROBE_EV, PROBE_EV);
     const double size = off < 0.0 ? -off : off; /* the least that is not in doubt */
     if (o->band_ev > 0.0) {
-        o->stood_s += o->setting.dt_s;
-        if (size <= o->band_ev && o->stood_s < o->patience_s)
+        o->stood_s += clamp(o->setting.dt_s, 0.0, PATIENCE_S / 30.0); /* of a slow camera, as many frames */
+        if ((size <= o->band_ev || pending) && o->stood_s < o->patience_s)
             return PUPIL_SENSOR_UNSTEADY;
         o->turns = o->stood_s < o->patience_s ? 0 : MOST_TURNS - 2;
         o->band_ev = 0.0;
@@ -300,7 +301,12 @@ void pupil_sensor_advance(pupil_sensor_object *o, const pupil_sensor_light *ligh
         s->frames++;
         if (!c->lock)
             slow = move(o, low, high, far_ev, wanted != target, guessed);
+        const double gain = a->standing[1];
         pupil_sensor_choose(o, 0);
+        const double exchanged = gain - a->standing[1];
+        o->crossed -= o->crossed > 0;
+        if (o->waited && (exchanged > EXCHANGE_EV || exchanged < -EXCHANGE_EV))
+            o->crossed = CALM / 2;
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
     }
     s->slope = a->slope;
