@@ -31,6 +31,7 @@ static const char help[] =
     "      --json            the summary as an object\n"
     "      --random N        N cameras and scripts from seeds; fails where a loop swings for ever\n"
     "      --seed S          the first seed (1); '--random 1' shows one as the others are shown\n"
+    "      --threads N       for --random; the results are the same (0: one a processor)\n"
     "  -q, --quiet           no progress       -h, --help\n"
     "exit: 0 done, 1 failed, or a loop that swings for ever, 2 usage\n";
 
@@ -159,6 +160,10 @@ static int read_option(int option, sim_options *o)
         return whole("random", optarg, 1, 1000000000, &o->plants) != 0;
     case 'S':
         return whole("seed", optarg, 0, UINT64_C(1) << 62, &o->seed) != 0;
+    case 'T':
+        failed = whole("threads", optarg, 0, 256, &n);
+        o->threads = (uint32_t)n;
+        return failed != 0;
     case 'q':
         o->quiet = 1;
         return 0;
@@ -172,10 +177,10 @@ static int read_option(int option, sim_options *o)
 static int read_options(int argc, char **argv, sim_options *o)
 {
     static const struct option known[] = {
-        {"camera", 1, NULL, 'c'}, {"light", 1, NULL, 'l'}, {"scene", 1, NULL, 'e'},    {"controller", 1, NULL, 'o'},
-        {"delay", 1, NULL, 'd'},  {"mains", 1, NULL, 'm'}, {"duration", 1, NULL, 't'}, {"stats", 1, NULL, 's'},
-        {"plot", 1, NULL, 'p'},   {"json", 0, NULL, 'j'},  {"random", 1, NULL, 'r'},   {"seed", 1, NULL, 'S'},
-        {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},  {NULL, 0, NULL, 0}};
+        {"camera", 1, NULL, 'c'},  {"light", 1, NULL, 'l'}, {"scene", 1, NULL, 'e'},    {"controller", 1, NULL, 'o'},
+        {"delay", 1, NULL, 'd'},   {"mains", 1, NULL, 'm'}, {"duration", 1, NULL, 't'}, {"stats", 1, NULL, 's'},
+        {"plot", 1, NULL, 'p'},    {"json", 0, NULL, 'j'},  {"random", 1, NULL, 'r'},   {"seed", 1, NULL, 'S'},
+        {"threads", 1, NULL, 'T'}, {"quiet", 0, NULL, 'q'}, {"help", 0, NULL, 'h'},     {NULL, 0, NULL, 0}};
     int c, wrong = 0;
     optind = 1;
     while (!wrong && (c = getopt_long(argc, argv, "c:l:qh", known, NULL)) != -1)

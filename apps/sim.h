@@ -13,6 +13,7 @@ typedef struct sim_options {
     double duration_s; /* 0: by the script */
     uint32_t believed; /* delay; 0: the camera's own */
     uint32_t mains_hz; /* that pupil is told */
+    uint32_t threads;  /* for --random; 0: one a processor */
     const char *camera, *scene, *stats, *plot;
     float *luminance; /* of the scene */
     int json, quiet;
@@ -38,7 +39,7 @@ int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes);
 size_t sim_frames(const sim_options *o, size_t *event);
 enum { SIM_RANDOM_REST = 120 }; /* frames at the end of such a run in which nothing may swing */
 /* Many of them; the exit status. */
-int sim_random(sim_options *o);
+int sim_random(const sim_options *o);
 
 /* Whether the frames end in a limit cycle: what is asked turns by 0.1 EV at least four times while nothing happens. */
 int sim_cycles(const fixture_loop_sum *sum);

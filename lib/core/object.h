@@ -103,6 +103,8 @@ void pupil_metered_luma(const float luma[3], const pupil_coder *coder, float met
  * bin and band: for rows that come one at a time. */
 int pupil_stats_check(const pupil_stats *stats);
 int pupil_stats_check_sums(const pupil_stats *stats);
+/* pupil_stats_quantile of several shares at once, of statistics that have been checked and have a weight and bins. */
+void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count, double *log2_luminance);
 
 /* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */
 double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);

@@ -48,15 +48,15 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     return PUPIL_OK;
 }
 
+/* Without a branch, so that it becomes vectors: high is the sum of the upper halves, which says that total is right. */
 static int bins_add_up(const uint64_t *bin, int count, uint64_t wanted)
 {
-    uint64_t total = 0;
+    uint64_t total = 0, high = 0;
     for (int i = 0; i < count; i++) {
-        if (bin[i] > wanted - total)
-            return 0;
         total += bin[i];
+        high += bin[i] >> 32;
     }
-    return total == wanted;
+    return total == wanted && high <= wanted >> 32;
 }
 
 /* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows. */
@@ -81,13 +81,8 @@ int pupil_stats_check_sums(const pupil_stats *s)
         s->clipped > s->pixels || s->bad > s->pixels || s->rows > s->frame_height ||
         s->frame_height > PUPIL_MAX_SIDE_PX)
         return PUPIL_ERR_STATS;
-    if (s->log2_sum > (int64_t)s->weight * 32 || s->log2_sum < (int64_t)s->weight * -32)
-        return PUPIL_ERR_STATS;
-    if (!s->weight && s->log2_frac)
-        return PUPIL_ERR_STATS;
-    if (s->has_histogram > 1 || (s->pixels && !s->rows))
-        return PUPIL_ERR_STATS;
-    if (s->channel_quads > s->pixels)
+    if (s->log2_sum > (int64_t)s->weight * 32 || s->log2_sum < (int64_t)s->weight * -32 ||
+        (!s->weight && s->log2_frac) || s->has_histogram > 1 || (s->pixels && !s->rows) || s->channel_quads > s->pixels)
         return PUPIL_ERR_STATS;
     for (int i = 0; i < 3; i++) {
         const int64_t most = (int64_t)s->channel_quads << 18; /* four samples of 16 bits */
@@ -112,21 +107,27 @@ static double log2_within_bin(int i, double t, int bins_per_stop)
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-static double quantile_of_bins(const uint64_t *bin, int count, int bins_per_stop, double target)
+/* The light below which shares q of the weight, the bins' sum, lie: from one share's bin on to the next one's. */
+static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, const double *q, int count,
+                              double *log2_light)
 {
-    double below = 0.0;
-    int last = 0;
-    for (int i = 0; i < count; i++) {
-        double here = (double)bin[i];
-        if (here > 0.0) {
-            last = i;
-            if (below + here >= target)
-                break;
-            below += here;
-        }
+    uint64_t below = 0;
+    for (int k = 0, i = 0; k < count; k++) {
+        const double target = q[k] * (double)weight;
+        uint64_t wanted = (uint64_t)target;
+        wanted += (double)wanted < target || !wanted;
+        wanted = wanted < weight ? wanted : weight; /* a weight beyond 2^53 may have been rounded up */
+        while (below >= wanted)
+            below -= bin[--i];
+        while (below + bin[i] < wanted)
+            below += bin[i++];
+        log2_light[k] = log2_within_bin(i, (target - (double)below) / (double)bin[i], bins_per_stop);
     }
-    double t = (target - below) / (double)bin[last];
-    return log2_within_bin(last, t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t, bins_per_stop);
+}
+
+void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count, double *log2_luminance)
+{
+    quantiles_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS_PER_STOP, stats->weight, q, count, log2_luminance);
 }
 
 static int check_quantile(const pupil_stats *stats, double q, const double *result)
@@ -144,8 +145,7 @@ int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_lumina
 {
     int error = check_quantile(stats, q, log2_luminance);
     if (!error)
-        *log2_luminance = quantile_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS, PUPIL_HISTOGRAM_BINS_PER_STOP,
-                                           q * (double)stats->weight);
+        pupil_stats_quantiles(stats, &q, 1, log2_luminance);
     return error;
 }
 
@@ -154,10 +154,8 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     int error = check_quantile(stats, q, log2_peak);
     if (error)
         return error;
-    double inside =
-        quantile_of_bins(stats->peak_bin, PUPIL_PEAK_BINS, PUPIL_PEAK_BINS_PER_STOP, q * (double)stats->weight);
-    double most =
-        pupil_log2((double)stats->peak); /* a frame clipped at 1 has its quantile at 1, not within the bin above */
+    double inside, most = pupil_log2((double)stats->peak); /* clipped at 1, it is at 1, not within the bin above */
+    quantiles_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, &q, 1, &inside);
     *log2_peak = inside < most ? inside : most;
     return PUPIL_OK;
 }
