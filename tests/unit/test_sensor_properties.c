@@ -131,7 +131,7 @@ static int may_go_together(uint32_t state, uint32_t reason)
         return 1;
     switch (state) {
     case PUPIL_SENSOR_EMPTY:
-        return reason == PUPIL_SENSOR_NO_REASON;
+        return reason == PUPIL_SENSOR_NO_REASON || reason == PUPIL_SENSOR_FLASH;
     case PUPIL_SENSOR_SEARCHING:
     case PUPIL_SENSOR_CLIPPED:
         return reason == PUPIL_SENSOR_NO_REASON || reason == PUPIL_SENSOR_WAITING || reason == PUPIL_SENSOR_FLASH ||
@@ -229,8 +229,8 @@ static void check_setting(const pupil_sensor_setting *before, int frame)
     pair[s.state][s.reason]++;
     HOLDS((s.state == PUPIL_SENSOR_LOCKED) == is_locked(), "state %u, reason %u, lock %u, modes %u %u", s.state,
           s.reason, c.lock, c.exposure_mode, c.gain_mode);
-    HOLDS(s.state != PUPIL_SENSOR_EMPTY && s.frames == before->frames + 1, "state %u after %llu frames", s.state,
-          (unsigned long long)s.frames);
+    HOLDS((s.state != PUPIL_SENSOR_EMPTY || s.reason == PUPIL_SENSOR_FLASH) && s.frames == before->frames + 1,
+          "state %u after %llu frames", s.state, (unsigned long long)s.frames);
     if (s.reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && s.reason <= PUPIL_SENSOR_AT_GAIN_MAX) {
         beyond[s.reason]++;
         /* the light is beyond; the setting is there, or within far_ev and on its slow way */
