@@ -40,13 +40,14 @@ void pupil_sensor_choose(pupil_sensor_object *o, int anew)
 
 /* The wanted total, brought into what the camera can under the current config; where both controls are held, what was
  * rounded is held, too. */
-static void begin_from(pupil_sensor_object *o, double total_log2, int is_held)
+static void begin_from(pupil_sensor_object *o, double total_log2)
 {
     double e, g;
     pupil_sensor_split(o, -500.0, &e, &g);
     o->least_log2 = pupil_log2(e * g);
     pupil_sensor_split(o, 500.0, &e, &g);
     o->most_log2 = pupil_log2(e * g);
+    const int is_held = o->config.exposure_mode == PUPIL_SENSOR_HELD && o->config.gain_mode == PUPIL_SENSOR_HELD;
     const double digital_log2 = total_log2 - o->most_log2;
     if (is_held && o->setting.frames && digital_log2 > -1.0 && digital_log2 < 1.0)
         o->least_log2 = o->most_log2 = total_log2;
@@ -75,7 +76,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
     o->band_ev = 0.0;
-    begin_from(o, o->total_log2, config->exposure_mode == PUPIL_SENSOR_HELD && config->gain_mode == PUPIL_SENSOR_HELD);
+    begin_from(o, o->total_log2);
     if (o->setting.changed && o->stamped) /* until both controls are there the frames show a mixture */
         o->waited = 0;
 }
@@ -117,7 +118,7 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
         return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     if (!(exposure_s >= 0x1p-64 && exposure_s <= 0x1p64 && gain >= 0x1p-64 && gain <= 0x1p64))
         return PUPIL_ERR_VALUE;
-    begin_from(o, pupil_log2(exposure_s) + pupil_log2(gain), 0);
+    begin_from(o, pupil_log2(exposure_s) + pupil_log2(gain));
     o->looking = 1;
     o->band_ev = 0.0;
     if (o->stamped) /* the stream runs: this step, too, takes its time */

@@ -60,7 +60,6 @@ static inline double plant_quantile(double p)
 
 static inline void plant_open(plant *p, const pupil_sensor *sensor, double light_ev, uint32_t delay)
 {
-    static double quantile[PLANT_PIXELS]; /* the same for all plants */
     pupil_config config;
     pupil_sensor_setting s;
     memset(p, 0, sizeof *p);

@@ -162,7 +162,7 @@ typedef union pupil_sensor {
 } pupil_sensor;
 
 typedef enum pupil_sensor_state {
-    PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet */
+    PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet, but for what may be a flash */
     PUPIL_SENSOR_SEARCHING, /* a step is due or on its way */
     PUPIL_SENSOR_CONVERGED, /* within far_ev, and the last step has had its time */
     PUPIL_SENSOR_LIMITED,   /* the same at the end of what the camera can: reason has the limit */
