@@ -57,8 +57,9 @@ void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, cons
         .law = loop->law,
         .test = test,
         .of = of,
-        .unit =
-            strcmp(test, "settle") == 0 || strcmp(test, "identify") == 0 || strstr(of, ": frames") ? "frames" : "EV",
+        .unit = strstr(of, "hertz")                                                                      ? "Hz"
+                : strcmp(test, "settle") == 0 || strcmp(test, "identify") == 0 || strstr(of, ": frames") ? "frames"
+                                                                                                         : "EV",
         .gain_law = fixture_gain_law_name[loop->plant.law],
         .delay = loop->plant.delay[0],
         .believed = loop->sensor.delay_frames,
@@ -198,37 +199,59 @@ int bench_ae_flicker(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* Lamps on both mains, where the light allows exposures of a period and more; the mains told, or to be found. */
+/* Lamps on both mains, where the light allows exposures of a period and more; the mains told, or to be found. Where
+ * each frame meets the lamps as the one before did, and with all rows exposed at once, nothing can be found, and
+ * nothing may be. */
+static void show_mains(bench_ae *b, const fixture_loop *loop, const char *name, double hz, int seen)
+{
+    char of[64];
+    double worst = 0.0;
+    size_t unknown = 0;
+    for (size_t k = 0; k < 300; k++) {
+        worst = k >= 240 ? fmax(worst, b->frame[k].truth.band_ev) : 0.0;
+        unknown += b->frame[k].setting.mains_hz != (uint32_t)hz;
+    }
+    snprintf(of, sizeof of, seen ? "%s" : "%s: undetermined, hertz", name);
+    bench_ae_show(b, loop, "bands", of, NAN, seen ? worst : b->frame[299].setting.mains_hz, seen ? 0.02 : 0.0);
+    if (!seen || loop->law->total || loop->sensor.mains_hz != PUPIL_SENSOR_MAINS_AUTO)
+        return;
+    snprintf(of, sizeof of, "%s: frames until found", name);
+    bench_ae_show(b, loop, "bands", of, NAN, unknown < 300 ? (double)unknown + 1.0 : NAN, 15.0);
+}
+
 int bench_ae_mains(bench_ae *b, const fixture_controller *law)
 {
     static const struct {
         const char *of;
-        double hz;
-        int told;
-        double fps;
-    } of[] = {{"50 Hz, told", 50, 1, 30},
-              {"60 Hz, told", 60, 1, 30},
-              {"50 Hz", 50, 0, 30},
-              {"60 Hz", 60, 0, 29.9},
-              {"50 Hz, 25 frames a second", 50, 0, 25.1},
-              {"60 Hz, 25 frames a second", 60, 0, 25}};
+        double hz, fps;
+        int told, seen;
+        const char *camera;
+    } of[] = {{"50 Hz, told", 50, 30, 1, 1, ""},
+              {"60 Hz, told", 60, 30, 1, 1, ""},
+              {"50 Hz, 30 a second", 50, 30, 0, 1, ""},
+              {"50 Hz, 24 a second", 50, 24, 0, 1, ""},
+              {"50 Hz, 60 a second", 50, 60, 0, 1, "readout=15ms"},
+              {"60 Hz, 25 a second", 60, 25, 0, 1, ""},
+              {"60 Hz, 50 a second", 60, 50, 0, 1, "readout=15ms"},
+              {"60 Hz, 30 a second", 60, 30, 0, 0, ""},
+              {"50 Hz, 25 a second", 50, 25, 0, 0, ""},
+              {"50 Hz, all rows at once", 50, 30, 0, 0, "readout=0ms"}};
     fixture_loop loop;
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
-        if (of[i].told && law->total)
-            continue; /* nobody tells them */
+        if (law->total && (of[i].told || !of[i].seen))
+            continue; /* they are not told, and look for nothing */
         bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
         const uint32_t believed = loop.sensor.delay_frames;
+        if (fixture_plant_parse(&loop.plant, of[i].camera, b->why, sizeof b->why))
+            return -1;
         loop.plant.frame_s = 1.0 / of[i].fps;
         loop.plant.light_ev = 3.7; /* 13 ms are right: more than a period of either */
         fixture_loop_fit(&loop);
         loop.sensor.delay_frames = believed;
-        loop.sensor.mains_hz = of[i].told ? (uint32_t)of[i].hz : 0;
+        loop.sensor.mains_hz = of[i].told ? (uint32_t)of[i].hz : PUPIL_SENSOR_MAINS_AUTO;
         if (bench_ae_loop(b, &loop, 300, "lamp %gHz 30%%", of[i].hz))
             return -1;
-        double worst = 0.0;
-        for (size_t k = 240; k < 300; k++)
-            worst = fmax(worst, b->frame[k].truth.band_ev);
-        bench_ae_show(b, &loop, "bands", of[i].of, NAN, worst, 0.02);
+        show_mains(b, &loop, of[i].of, of[i].hz, of[i].seen);
     }
     return 0;
 }

@@ -95,7 +95,7 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case GAIN:
         return value_number(c, 0x1p-10, 65536.0, "a factor, from 0.001 to 65536", &r->gain);
     case MAINS:
-        return run_value_mains(c, &r->live.mains_hz);
+        return run_value_mains(c, &r->live.mains_hz, &r->mains_off);
     case FLICKER_PERIOD:
         return run_value_period(c, &r->live.mains_hz);
     case WHITE_BALANCE:

@@ -21,6 +21,7 @@ typedef struct run_options {
     uint32_t mode;
     double exposure_s, gain; /* by hand; 0: not */
     double seconds;          /* to run; 0: until it is stopped */
+    int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */
     int any_frame_rate;      /* in the dark the exposure may be longer than a frame */
 } run_options;
 
@@ -34,7 +35,7 @@ int run_options_parse(run_options *options, int argc, char **argv, char *why, si
 int run_value_time(const value_text *c, double plain_s, double low_s, double high_s, const char *right,
                    double *seconds);
 int run_value_mode(const value_text *c, uint32_t *mode);
-int run_value_mains(const value_text *c, uint32_t *mains_hz);
+int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off);
 int run_value_period(const value_text *c, uint32_t *mains_hz);
 int run_value_side(const value_text *c, uint32_t *side);
 int run_value_format(const value_text *c, uint32_t *fourcc);

@@ -48,7 +48,7 @@ static void configure(run_sensor *s)
     c->frame_s = 1.0 / s->source->fps;
     pupil_camera_configure(s->camera, c);
     c->frame_rate_priority = !o->any_frame_rate;
-    c->mains_hz = o->live.mains_hz;
+    c->mains_hz = o->live.mains_hz || o->mains_off ? o->live.mains_hz : PUPIL_SENSOR_MAINS_AUTO;
     c->trim_low = (double)o->shown.config.trim_low;
     c->trim_high = (double)o->shown.config.trim_high;
     if (o->exposure_s > 0.0) {

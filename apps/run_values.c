@@ -47,12 +47,12 @@ int run_value_mode(const value_text *c, uint32_t *mode)
     return value_refuse(c, "digital, sensor or both");
 }
 
-int run_value_mains(const value_text *c, uint32_t *mains_hz)
+int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off)
 {
-    const int off = strcmp(c->text, "off") == 0;
-    if (!off && strcmp(c->text, "50") != 0 && strcmp(c->text, "60") != 0)
-        return value_refuse(c, "50, 60 or off");
-    *mains_hz = off ? 0 : (uint32_t)atoi(c->text);
+    *off = strcmp(c->text, "off") == 0;
+    if (!*off && strcmp(c->text, "auto") != 0 && strcmp(c->text, "50") != 0 && strcmp(c->text, "60") != 0)
+        return value_refuse(c, "50, 60, auto or off");
+    *mains_hz = (uint32_t)atoi(c->text); /* of words 0 */
     return REPLAY_RUN;
 }
 

@@ -24,7 +24,7 @@ static const char help[] =
     "      --controller NAME pupil, or a published law: rpi libipa softisp openpilot\n"
     "                        integrator0.25 integrator1 (pupil)\n"
     "      --delay N         the delay that the controller believes in (the camera's own)\n"
-    "      --mains HZ        the mains that pupil is told of: 0, 50, 60 (0)\n"
+    "      --mains HZ        the mains that pupil is told of: 0, 50, 60; auto: it finds them (auto)\n"
     "      --duration S      seconds (10 after the script's end)\n"
     "      --stats FILE      each frame as a line of JSON (.jsonl, - for standard output)\n"
     "      --plot FILE       light, exposure, gain and error over time, .svg or .png, by gnuplot\n"
@@ -109,13 +109,12 @@ static int read_controller(const char *name, sim_options *o)
 
 static int read_mains(const char *text, sim_options *o)
 {
-    uint64_t hz = 0;
-    if (whole("mains", text, 0, 60, &hz))
-        return -1;
-    o->mains_hz = (uint32_t)hz;
-    if (hz == 0 || hz == 50 || hz == 60)
-        return 0;
-    return fprintf(stderr, "pupil sim: --mains %s: must be 0, 50 or 60\n", text), -1;
+    static const char *const words[] = {"0", "50", "60", "auto"};
+    static const uint32_t hz[] = {0, 50, 60, PUPIL_SENSOR_MAINS_AUTO};
+    for (size_t i = 0; i < 4; i++)
+        if (strcmp(text, words[i]) == 0)
+            return o->mains_hz = hz[i], 0;
+    return fprintf(stderr, "pupil sim: --mains %s: must be 0, 50, 60 or auto\n", text), -1;
 }
 
 /* 0; 1: wrong; -1: nothing more is to be done. */
@@ -257,7 +256,7 @@ static int run_one(sim_options *o, char *why, size_t why_bytes)
 
 int sim_main(int argc, char **argv)
 {
-    sim_options o = {.seed = 1};
+    sim_options o = {.seed = 1, .mains_hz = PUPIL_SENSOR_MAINS_AUTO};
     char why[PUPIL_WHY_BYTES] = "";
     fixture_loop_default(&o.loop);
     const int wrong = read_options(argc, argv, &o);

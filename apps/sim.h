@@ -12,7 +12,7 @@ typedef struct sim_options {
     char light[4096];  /* the script */
     double duration_s; /* 0: by the script */
     uint32_t believed; /* delay; 0: the camera's own */
-    uint32_t mains_hz; /* that pupil is told */
+    uint32_t mains_hz; /* that pupil is told, or PUPIL_SENSOR_MAINS_AUTO */
     const char *camera, *scene, *stats, *plot;
     float *luminance; /* of the scene */
     int json, quiet;

@@ -54,6 +54,11 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
 {
     const uint32_t believed = o->config.delay_frames;
     o->config = *config;
+    o->setting.mains = config->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? PUPIL_SENSOR_MAINS_TOLD
+                       : o->mains.hz                               ? PUPIL_SENSOR_MAINS_FOUND
+                                                                   : PUPIL_SENSOR_MAINS_UNDETERMINED;
+    if (o->setting.mains != PUPIL_SENSOR_MAINS_TOLD)
+        o->config.mains_hz = o->mains.hz;
     if (believed != config->delay_frames)
         pupil_sensor_answer_reset(o);
     o->held_exposure = pupil_sensor_exposure_of(
@@ -118,6 +123,8 @@ int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting)
     if (o->magic != SENSOR_MAGIC)
         return PUPIL_ERR_OBJECT;
     *setting = o->setting;
+    setting->mains_hz = o->config.mains_hz;
+    setting->mains_modulation = o->mains.modulation;
     return PUPIL_OK;
 }
 
@@ -162,6 +169,16 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
         pupil_sensor_orders(c, stats, &light);
     told(o, info);
     pupil_sensor_advance(o, &light, info);
+    if (light.dead || o->setting.reason == PUPIL_SENSOR_SAME_FRAME)
+        return PUPIL_OK;
+    pupil_mains_frame(&o->mains, stats, pupil_exp2(o->answer.taken[0]), o->setting.dt_s);
+    if (o->setting.mains != PUPIL_SENSOR_MAINS_TOLD && !c->lock && o->mains.hz != c->mains_hz) {
+        const uint32_t changed = o->setting.changed;
+        o->config.mains_hz = o->mains.hz;
+        o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
+        begin_from(o, o->total_log2); /* the same in other exposures */
+        o->setting.changed |= changed;
+    }
     return PUPIL_OK;
 }
 

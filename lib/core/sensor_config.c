@@ -18,6 +18,7 @@ void pupil_sensor_config_default(pupil_sensor_config *config)
         .exposure_min_s = 1e-4,
         .exposure_max_s = 1.0 / 30.0,
         .frame_rate_priority = 1,
+        .mains_hz = PUPIL_SENSOR_MAINS_AUTO,
         .gain_min = 1.0,
         .gain_max = 16.0,
         .gain_step = 1.0 / 16.0,
@@ -84,8 +85,8 @@ static const char *fault_of(const pupil_sensor_config *c)
     WITHIN(frame_rate_priority, 0, 1);
     if (c->frame_rate_priority && c->exposure_min_s > c->frame_s)
         return "exposure_min_s must be at most frame_s with frame_rate_priority";
-    if (c->mains_hz != 0 && c->mains_hz != 50 && c->mains_hz != 60)
-        return "mains_hz must be 50, 60 or 0";
+    if (c->mains_hz > PUPIL_SENSOR_MAINS_AUTO && c->mains_hz != 50 && c->mains_hz != 60)
+        return "mains_hz must be 50, 60, 0 or PUPIL_SENSOR_MAINS_AUTO";
     WITHIN(gain_max, 0.0009765625, 65536);
     if (!(c->gain_min >= 0x1p-10 && c->gain_min <= c->gain_max))
         return "gain_min must be from 2^-10 to gain_max";

@@ -3,6 +3,7 @@
 #define PUPIL_CORE_SENSOR_OBJECT_H
 
 #include "beat.h"
+#include "mains.h"
 #include "pupil/sensor.h"
 
 /* Guesses at one control: what info says; what was asked for 1..16 frames before; that it does not obey. */
@@ -40,7 +41,7 @@ typedef struct pupil_sensor_answer {
 
 typedef struct pupil_sensor_object {
     uint64_t magic;
-    pupil_sensor_config config;
+    pupil_sensor_config config;      /* mains_hz: that in use */
     double total_log2;               /* what is wanted */
     double set_log2;                 /* ... when the sensor's setting was last chosen */
     double least_log2, most_log2;    /* what the camera can */
@@ -59,6 +60,7 @@ typedef struct pupil_sensor_object {
     double last_size, last_total_log2; /* of the last large step: stops it was for, and where it began */
     double stood_s, patience_s;        /* seconds since the search was given up, and until it starts again */
     double band_ev;                    /* this far off is taken for what the camera cannot do better; 0 at first */
+    pupil_mains mains;
     pupil_beat beat;
     pupil_sensor_answer answer;
     pupil_sensor_setting setting;

@@ -94,7 +94,7 @@ expect 2 "camera: bird: there is no such key" sim -c bird=3
 expect 2 "camera: its delay of exposure is 9; 1..8 is right" sim -c delay=9
 expect 2 "--controller wizard: must be one of pupil rpi" sim --controller wizard
 expect 2 "--delay 0: must be a whole number from 1 to 16" sim --delay 0
-expect 2 "--mains 55: must be 0, 50 or 60" sim --mains 55
+expect 2 "--mains 55: must be 0, 50, 60 or auto" sim --mains 55
 expect 2 "--duration soon: must be a number" sim --duration soon
 expect 2 "--random: camera, light, scene and duration" sim --random 3 -c delay=2
 expect 2 "--stats and --plot are of one run" sim --random 3 --stats x.jsonl

@@ -49,7 +49,7 @@ static const struct {
 } choice[] = {
     {FIELD(delay_frames), {1, 4, 16}, {0, 17}},
     {FIELD(frame_rate_priority), {0, 1, 1}, {2, ~0u}},
-    {FIELD(mains_hz), {0, 50, 60}, {1, 100}},
+    {FIELD(mains_hz), {PUPIL_SENSOR_MAINS_AUTO, 50, 60}, {2, 100}},
     {FIELD(exposure_mode), {0, 0, 2}, {3, ~0u}},
     {FIELD(gain_mode), {0, 0, 2}, {3, ~0u}},
     {FIELD(gain_law), {0, 1, 3}, {5, ~0u}},

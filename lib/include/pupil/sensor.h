@@ -39,6 +39,12 @@
  * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
  *
+ * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
+ * is found from how the bands go on from frame to frame, in 8 to 15 frames with timestamps, and exposures from half a
+ * period on become multiples of it; the level does not move. It stays until frames show the other one: where nothing is
+ * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at 30
+ * frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
+ *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and
  * the gain table.
@@ -71,6 +77,9 @@ typedef enum pupil_sensor_mode {
     PUPIL_SENSOR_HELD,     /* stays what it is at this moment */
     PUPIL_SENSOR_MODE_COUNT
 } pupil_sensor_mode;
+
+/* config.mains_hz: found from the frames. */
+#define PUPIL_SENSOR_MAINS_AUTO 1
 
 #define PUPIL_SENSOR_STAGES     8
 #define PUPIL_SENSOR_GAIN_TABLE 64
@@ -111,8 +120,9 @@ typedef struct pupil_sensor_config {
     double exposure_step_s;       /* exposures are multiples of it: a line; 0: any; 0..1 */
     uint32_t frame_rate_priority; /* 1: exposures stay within frame_s; 0: in the dark, after the gain, they may go on up
                                    * to exposure_max_s; 1 */
-    uint32_t mains_hz; /* 50, 60, or 0; 0. From half a mains period on, exposures are multiples of it (rounded down to
-                        * a multiple of exposure_step_s) */
+    uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO, which is 0 until lamps are found; that. From half a
+                        * mains period on, exposures are multiples of it (rounded down to a multiple of
+                        * exposure_step_s) */
     uint32_t exposure_mode;   /* a pupil_sensor_mode */
     uint32_t gain_mode;       /* a pupil_sensor_mode */
     double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
@@ -187,6 +197,13 @@ typedef enum pupil_sensor_reason {
                                * light is further off than it was then */
 } pupil_sensor_reason;
 
+/* Where a setting's mains_hz is from. */
+typedef enum pupil_sensor_mains {
+    PUPIL_SENSOR_MAINS_UNDETERMINED = 0, /* no frame has shown it yet, and many cannot: mains_hz is 0 */
+    PUPIL_SENSOR_MAINS_FOUND,            /* lamps' waves were seen, and none of another frequency since */
+    PUPIL_SENSOR_MAINS_TOLD              /* config.mains_hz */
+} pupil_sensor_mains;
+
 /* All EV are log2. */
 typedef struct pupil_sensor_setting {
     double exposure_s;    /* to be written to the camera, as it has it */
@@ -206,6 +223,9 @@ typedef struct pupil_sensor_setting {
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
     uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
                                           * was taken with it, as the frames show it; 0: not known yet */
+    uint32_t mains_hz;                   /* in use: 50, 60 or 0 */
+    uint32_t mains;                      /* a pupil_sensor_mains */
+    double mains_modulation;             /* of the light, 0..1, when it was last seen in a frame; 0: never */
 } pupil_sensor_setting;
 
 /* ---- life ------------------------------------------------------------------------------------------------------- */
