@@ -31,6 +31,10 @@
  * key the mean is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one
  * before, with no rest between, goes half the way only.
  *
+ * Lamps at 50 or 60 Hz make all light go up and down with the frame rate. Where frames bring timestamps and such a beat
+ * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
+ * frame (beat_ev). Beats of more than 16 frames are left to the filter.
+ *
  * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope). A camera that
  * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
@@ -38,8 +42,8 @@
  * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
  * is found from how the bands go on from frame to frame, in 8 to 15 frames with timestamps, and exposures from half a
  * period on become multiples of it; the level does not move. It stays until frames show the other one: where nothing is
- * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at 30
- * frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
+ * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at
+ * 30 frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and
