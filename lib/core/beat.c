@@ -85,9 +85,9 @@ void pupil_beat_frame(pupil_beat *b, double light, double exposure_s, int64_t ti
     if (timestamp_ns && timestamp_ns == b->timestamp_ns) /* the same frame again */
         return;
     if (timestamp_ns && b->timestamp_ns && since_s > 0.0 && since_s > shorter_s && since_s < PAUSE_S) {
-        const double step_s = tick(b, since_s - shorter_s) + shorter_s;
+        b->step_s = tick(b, since_s - shorter_s) + shorter_s;
         for (int i = 0; i < 2; i++)
-            lamp_frame(&b->lamp[i], 100.0 + 20.0 * i, b->period_s, step_s, light - b->light);
+            lamp_frame(&b->lamp[i], 100.0 + 20.0 * i, b->period_s, b->step_s, light - b->light);
     } else {
         *b = (pupil_beat){.lamp = {{.gate = -1.0}, {.gate = -1.0}}};
     }

@@ -18,6 +18,7 @@ typedef struct pupil_beat {
     double light, exposure_s;
     double period_s, late_s; /* of frames; of the last timestamp, against frames that are a period apart */
     double frames;           /* that these are from */
+    double step_s;           /* to the last frame from the one before, without jitter; 0: not known */
     pupil_beat_lamp lamp[2]; /* 100 and 120 Hz */
 } pupil_beat;
 

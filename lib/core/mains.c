@@ -119,13 +119,11 @@ void pupil_mains_frame(pupil_mains *m, const pupil_stats *stats, double exposure
     m->usual = is_new ? -1.0 : m->usual < 0.0 ? energy : m->usual + (1.0 - FORGET) * (energy - m->usual);
     m->exposure_s = exposure_s;
     m->energy = keep * m->energy + weight * energy;
+    const double before = m->phase, now = before + 20.0 * dt_s;
+    m->phase = now - (double)(int64_t)now;
     for (int h = 0; h < 2; h++) {
-        m->phase[h] += light_hz[h] * dt_s;
-        m->phase[h] -= (double)(int64_t)m->phase[h];
-        pupil_wave x = turn(m->phase[h]);
-        const pupil_wave now = x;
-        add(&x, -1.0, m->wave[h]);
-        m->wave[h] = now;
+        pupil_wave x = turn((5.0 + h) * m->phase);
+        add(&x, -1.0, turn((5.0 + h) * before));
         m->half[h] = keep * m->half[h] + 0.5 * weight * (x.c * x.c + x.s * x.s);
         m->gram[h] = (pupil_wave){keep * m->gram[h].c, keep * m->gram[h].s};
         add(&m->gram[h], 0.5 * weight, times(x, x));

@@ -15,8 +15,8 @@ typedef struct pupil_wave {
 typedef struct pupil_mains {
     float before[PUPIL_MAINS_GROUPS];    /* log2 of the groups' light, over the mean of all, in the frame before */
     float sum[2][PUPIL_MAINS_GROUPS][2]; /* of what it moved by times what the wave moved by */
-    pupil_wave wave[2], gram[2];         /* in the frame before; of what the wave moved by */
-    double phase[2], half[2];            /* of the wave, turns; of gram */
+    pupil_wave gram[2];                  /* of what the wave moved by */
+    double half[2], phase;               /* of gram; of 20 Hz, turns: five and six of them are the waves' */
     double energy, usual;                /* of the moves, each brought to 1; of a frame as it is, mean; -1: not known */
     double exposure_s;                   /* of the frame before */
     double modulation;                   /* of the light, when it was last seen */

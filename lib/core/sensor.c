@@ -182,7 +182,8 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
     pupil_sensor_advance(o, &light, info);
     if (light.dead || o->setting.reason == PUPIL_SENSOR_SAME_FRAME)
         return PUPIL_OK;
-    pupil_mains_frame(&o->mains, stats, pupil_exp2(o->answer.taken[0]), o->setting.dt_s);
+    const double step_s = o->beat.step_s > 0.0 ? o->beat.step_s : o->setting.dt_s;
+    pupil_mains_frame(&o->mains, stats, pupil_exp2(o->answer.taken[0]), step_s);
     if (o->setting.mains != PUPIL_SENSOR_MAINS_TOLD && !c->lock && o->mains.hz != c->mains_hz) {
         const uint32_t changed = o->setting.changed;
         o->config.mains_hz = o->mains.hz;
