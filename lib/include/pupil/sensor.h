@@ -29,8 +29,7 @@
  * bright, the step is that for a log-normal scene of the same clipped share and mean, but no further than the quantiles
  * that are not clipped have moved; with nearly all of it clipped (97 %) the total goes down by six stops to look again,
  * and up by six at most where more than half is black. Near the key the mean is taken as it is, so that no guess can
- * make the loop swing. A large step that goes back on the one
- * before, with no rest between, goes half the way only.
+ * make the loop swing. A large step that goes back on the one before, with no rest between, goes half the way only.
  *
  * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope). A camera that
  * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
