@@ -26,10 +26,10 @@
  * which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
  *
  * Clipped light has no number: a frame with some of it looks darker than the scene is. Where even so it is far too
- * bright, the step is that for a log-normal scene of the same clipped share and mean; with nearly all of it clipped
- * (97 %) the total goes down by six stops to look again, and up by six at most where more than half is black. Near the
- * key the mean is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one
- * before, with no rest between, goes half the way only.
+ * bright, the step is that for a log-normal scene of the same clipped share and mean, but no further than the quantiles
+ * that are not clipped have moved; with nearly all of it clipped (97 %) the total goes down by six stops to look again,
+ * and up by six at most where more than half is black. Near the key the mean is taken as it is, so that no guess can
+ * make the loop swing. A large step that goes back on the one before, with no rest between, goes half the way only.
  *
  * Lamps at 50 or 60 Hz make all light go up and down with the frame rate. Where frames bring timestamps and such a beat
  * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
