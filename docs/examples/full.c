@@ -55,6 +55,7 @@ int main(int argc, char **argv)
     pupil_config_default(&config);
     pupil_sensor_config_default(&sensor_config);
     pupil_camera_configure(camera, &sensor_config); /* limits, steps and gain law of this camera */
+    sensor_config.linear = 0;                       /* YUYV has a tone curve */
     must(pupil_init(&pupil, &config) == 0 && pupil_sensor_init(&sensor, &sensor_config) == 0, "the settings");
     for (;;) {
         in.data = capture_next(fd);
@@ -66,6 +67,7 @@ int main(int argc, char **argv)
         pupil_get_stats(&pupil, &stats);
         pupil_sensor_frame(&sensor, &stats, &info);
         pupil_sensor_get(&sensor, &wanted);
+        pupil_camera_learn(camera, wanted.exposure_delay, wanted.gain_delay);
         const pupil_camera_setting setting = {wanted.exposure_s, wanted.gain, 0};
         if (wanted.changed || wanted.frames == 1)
             pupil_camera_ask(camera, &setting); /* another thread writes it */

@@ -197,6 +197,7 @@ static void one_frame(const pupil_frame *frame)
         day.without++;
         day.quiet = 0;
     } else {
+        pupil_camera_learn(pupil_live_camera(day.source), s.exposure_delay, s.gain_delay);
         if (s.changed || day.quiet == 0)
             ask(&s);
         day.quiet++;

@@ -19,16 +19,17 @@ last() {
     tail -n 1 run.jsonl | sed -n "s/.*\"$1\": *\"*\([^,\"}]*\).*/\1/p"
 }
 
-until_frames() {
-    for _ in $(seq 600); do
-        [ "$(wc -l <run.jsonl)" -lt "$1" ] || return 0
-        sleep 0.1
+# until_converged N: so many frames have come, and the level of the last is right; a busy machine takes more of them
+until_converged() {
+    for _ in $(seq 200); do
+        [ "$(wc -l <run.jsonl)" -lt "$1" ] || [ "$(last sensor)" != converged ] || return 0
+        sleep 0.3
     done
 }
 
 # Light that is taken for a display's codes (linear) is a tone curve to pupil. It is regulated all the same; its brightest
 # parts, which would clip, may cost a stop of exposure (highlight_ev), which is up to 2.4 of that picture: 0.034. Eight
-# times the light for a while in between; 5 frames a second, so that a busy machine loses none.
+# times the light for a while in between; 5 frames a second, so that a busy machine loses few.
 for answers in display linear; do
     "$camera" $answers &
     plugged=$!
@@ -40,15 +41,18 @@ for answers in display linear; do
     "$node" set "$path" Gain 40
     : >run.jsonl
     # shellcheck disable=SC2086 # words
-    timeout 120 "$pupil" run -d "$path" --width 320 --height 240 --framerate 5 --mode sensor -n 75 -q --stats - \
+    "$pupil" run -d "$path" --width 320 --height 240 --framerate 5 --mode sensor -t 200 -q --stats - \
         ${plots:+--plot run.svg} >run.jsonl &
     runner=$!
-    until_frames 20
+    until_converged 20
     "$node" light $plugged 9
-    until_frames 45
+    until_converged 45
     "$node" light $plugged 8
+    until_converged 70
+    kill -TERM $runner
     wait $runner || fail "$answers: pupil run: exit $?"
     [ -z "$plots" ] || { echo "plot uvc-$answers.svg"; gzip -9 <run.svg | base64; echo "end of plot"; }
+    [ -z "$plots" ] || { echo "plot uvc-$answers.jsonl"; gzip -9 <run.jsonl | base64; echo "end of plot"; }
     [ "$(last sensor)" = converged ] || fail "$answers: the sensor is $(last sensor)"
     least=0.155
     [ $answers = display ] || least=0.034
