@@ -11,7 +11,8 @@ enum {
     PUPIL_ROW_GAIN_HARMONICS = 4,
     PUPIL_ROW_GAIN_TERMS = 2 * PUPIL_ROW_GAIN_HARMONICS /* cosine and sine of each */
 };
-#define PUPIL_ROW_GAIN_DARK (-10.0) /* log2: what is darker is not looked at */
+#define PUPIL_ROW_GAIN_DARK  (-10.0) /* log2: what is darker is not looked at */
+#define PUPIL_ROW_GAIN_PRIOR 10.0    /* 1 / (0.3 EV)^2: what coefficients are like before there are frames */
 
 typedef struct pupil_row_gain_tile { /* normal equations of its own fundamental */
     double matrix[2][PUPIL_ROW_GAIN_TERMS], side[2];
@@ -54,11 +55,21 @@ typedef struct pupil_row_gain_object {
 
 _Static_assert(sizeof(pupil_row_gain_object) <= sizeof(pupil_row_gain), "PUPIL_ROW_GAIN_OBJECT_BYTES is too small");
 
-/* cos and sin of 2 pi times a number of turns, |turns| < 2^50; absolute error below 1e-15. */
+/* row_gain_wave.c */
+double pupil_row_gain_nearest(double x); /* integer; |x| < 2^62 */
+/* cos and sin of 2 pi times a number of turns, |turns| < 2^50; absolute error below 1e-15 of what turns is. */
 void pupil_row_gain_circle(double turns, double *cosine, double *sine);
 /* What is left of the light's harmonic h when it is averaged over some seconds: sin(x) / x. */
 double pupil_row_gain_averaged(double light_hz, int h, double seconds);
+/* term[][] of a frame whose first row has the phase o->turn. */
+void pupil_row_gain_fill_terms(pupil_row_gain_object *o);
+/* coefficient from matrix and side. */
+void pupil_row_gain_solve(pupil_row_gain_object *o);
 
+/* row_gain_judge.c: result, from what was learned; `heard`: part_wave and part_rest are of a new frame. */
+void pupil_row_gain_judge(pupil_row_gain_object *o, int heard, double dt_s);
+
+/* row_gain_fit.c */
 /* Forgets every frame. */
 void pupil_row_gain_forget(pupil_row_gain_object *o);
 /* From light (filled in) to coefficient and result. */
