@@ -78,6 +78,25 @@ static int is_metered(uint32_t pair, uint32_t pairs)
     return count <= 2 || place == count / 4 || place == count * 3 / 4;
 }
 
+/* Where the metered rows of each band lie. */
+static void find_places(pupil_row_gain_object *o, uint32_t pixel, uint32_t height)
+{
+    const uint32_t pairs = (height + 1) / 2;
+    const int together = pupil_pixel_is_mosaic(pixel); /* a band holds whole quads */
+    int rows[PUPIL_BANDS] = {0};
+    for (int b = 0; b < PUPIL_BANDS; b++)
+        o->place[b] = 0.0;
+    for (uint32_t y = 0; y < height; y++) {
+        const uint32_t band = together ? y / 2 * PUPIL_BANDS / pairs : y * PUPIL_BANDS / height;
+        if (is_metered(y / 2, pairs)) {
+            o->place[band] += (y + 0.5) / height;
+            rows[band]++;
+        }
+    }
+    for (int b = 0; b < PUPIL_BANDS; b++)
+        o->place[b] /= rows[b] ? rows[b] : 1; /* a band without rows is without light, too */
+}
+
 static void meter_group(pupil_row_gain_object *o, const pupil_image_const *image, uint32_t group)
 {
     const uint32_t step = image->width / GROUPS & ~3u, x = group * step;
@@ -119,6 +138,7 @@ int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, 
         pupil_row_gain_forget(o);
     o->width = image->width;
     o->height = image->height;
+    find_places(o, image->pixel, image->height);
     for (uint32_t g = 0; g < GROUPS; g++)
         meter_group(o, image, g);
     pupil_row_gain_learn(o, info);

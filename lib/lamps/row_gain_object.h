@@ -48,6 +48,7 @@ typedef struct pupil_row_gain_object {
 
     double row_rest[PUPIL_BANDS], row_wave[PUPIL_BANDS]; /* of all groups: what is left times the wave; wave^2 */
 
+    double place[PUPIL_BANDS]; /* where the rows that are metered lie on average, 0..1 from top to bottom */
     /* terms and light (log2) by band, and their means over the last frames */
     double term[PUPIL_BANDS][PUPIL_ROW_GAIN_TERMS], term_mean[PUPIL_BANDS][PUPIL_ROW_GAIN_TERMS];
     double light[PUPIL_ROW_GAIN_GROUPS][PUPIL_BANDS], light_mean[PUPIL_ROW_GAIN_GROUPS][PUPIL_BANDS];

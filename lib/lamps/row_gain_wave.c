@@ -39,12 +39,11 @@ double pupil_row_gain_averaged(double light_hz, int h, double seconds)
 void pupil_row_gain_fill_terms(pupil_row_gain_object *o)
 {
     const double per_band_s = o->result.readout_s / BANDS, hz = o->result.light_hz;
-    double left[HARMONICS], cosine, sine, step_cosine, step_sine;
+    double left[HARMONICS], cosine, sine;
     for (int h = 0; h < HARMONICS; h++)
         left[h] = pupil_row_gain_averaged(hz, h + 1, o->exposure_s) * pupil_row_gain_averaged(hz, h + 1, per_band_s);
-    pupil_row_gain_circle(o->turn + 0.5 * hz * per_band_s, &cosine, &sine);
-    pupil_row_gain_circle(hz * per_band_s, &step_cosine, &step_sine);
     for (int b = 0; b < BANDS; b++) {
+        pupil_row_gain_circle(o->turn + hz * o->result.readout_s * o->place[b], &cosine, &sine);
         double c = cosine, s = sine;
         for (int h = 0; h < HARMONICS; h++) {
             o->term[b][2 * h] = c * left[h];
@@ -53,9 +52,6 @@ void pupil_row_gain_fill_terms(pupil_row_gain_object *o)
             s = s * cosine + c * sine;
             c = next;
         }
-        const double turned = cosine * step_cosine - sine * step_sine;
-        sine = sine * step_cosine + cosine * step_sine;
-        cosine = turned;
     }
 }
 
