@@ -20,7 +20,8 @@
  *
  * When it does nothing: wherever one of 64 tiles of the picture shows another wave than the others, because daylight or
  * a monitor lights it, or because it is clipped: gains would put bands there. Gains fade to 1 then, for the whole
- * frame. An area is seen that takes a tenth of a tile, 1/8 x 1/8 of the picture; a smaller one is not. Nor is there a
+ * frame. An area is seen that takes a tenth of a tile, 1/8 x 1/8 of the picture; a smaller one is not. A window that a
+ * pan brings into view is seen after a fifth of a second. Nor is there a
  * gain while lamps and scene cannot be told apart: where the frame rate divides the light's (120 Hz at exactly 30
  * frames a second), while too much else moves, for a second after something began, for frames without timestamps, for
  * a picture of less than 64 x 64 pixels, and from nine tenths of a period up. What is darker than 2^-10 is not looked
