@@ -1,6 +1,6 @@
 #!/bin/sh
-# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib/core and 4608 in
-# lib/kernels, where the mapping kernels keep a buffer that stays in the first-level cache. Never without a bound.
+# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib/core and lib/lamps
+# and 4608 in lib/kernels, where the mapping kernels keep a buffer that stays in the first-level cache. Never without a bound.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
@@ -34,6 +34,7 @@ for level in -Os -O2 -O3; do
         [ "$compiler" != arm-none-eabi-gcc ] ||
             set -- "$@" -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -ffreestanding
         check core 1024 "$compiler $level" "$@"
+        check lamps 1024 "$compiler $level" "$@"
         check kernels 4608 "$compiler $level" "$@"
         ran=$((ran + 1))
     done

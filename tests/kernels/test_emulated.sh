@@ -11,7 +11,7 @@ flags="-std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-tr
     -Ilib/include -Ilib/core -Ilib/kernels -Itests"
 ${CC:-cc} $flags -Itests/kernels/emulated -c lib/kernels/avx512.c -o "$work/avx512.o" 2>"$work/log" ||
     { cat "$work/log"; exit 1; }
-sources=$(ls lib/core/*.c lib/kernels/*.c | grep -v /avx512)
+sources=$(ls lib/core/*.c lib/kernels/*.c lib/lamps/*.c | grep -v /avx512)
 ${CC:-cc} $flags $sources "$work/avx512.o" tests/kernels/test_levels.c tests/frames.c -o "$work/levels" -lm -lpthread
 "$work/levels" "$@" | tee "$work/said"
 grep -q 'levels here.*AVX-512' "$work/said"

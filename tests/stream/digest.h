@@ -25,4 +25,7 @@ typedef struct digest_case {
 
 uint64_t digest_run(const digest_case *c);
 
+/* Gains of rows under lamps. */
+uint64_t digest_lamps(void);
+
 #endif

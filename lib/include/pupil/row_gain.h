@@ -1,0 +1,120 @@
+/* pupil/row_gain.h: the bands that lamps on the mains leave in frames of a rolling shutter, taken out row by row.
+ *
+ *     pupil_row_gain_config config;
+ *     pupil_row_gain lamps;
+ *     pupil_row_gain_config_default(&config);
+ *     config.mains_hz = 50, config.readout_s = 0.025;
+ *     pupil_row_gain_init(&lamps, &config);
+ *     for each frame:
+ *         pupil_row_gain_frame(&lamps, &in, &info);
+ *         pupil_row_gain_of_rows(&lamps, &info, in.height, gain);
+ *         pupil_map_rows_with_gains(&pupil, &curve, &in, gain, &out);
+ *
+ * When to use it: where the exposure must be shorter than a period of the lamps' light (10 ms, 8.3 ms), in bright light
+ * or for fast things. Exposures of whole periods have no bands (sensor.h: mains_hz), and that is always better: a gain
+ * can do nothing about clipped light, and nothing where lamps and daylight mix.
+ *
+ * What it does: the picture is metered in 8 groups of columns and 64 bands of rows. What moves in these from frame to
+ * frame as light of twice mains_hz must (by the frames' timestamps, row after row), with up to four harmonics, is the
+ * lamps' wave. What stands still, and what moves in any other way, is the scene. Each row's gain is one over the wave.
+ *
+ * When it does nothing: wherever one of 64 tiles of the picture shows another wave than the others, because daylight or
+ * a monitor lights it, or because it is clipped: gains would put bands there. Gains fade to 1 then, for the whole
+ * frame. An area is seen that takes a tenth of a tile, 1/8 x 1/8 of the picture; a smaller one is not. A window that a
+ * pan brings into view is seen after a fifth of a second. Nor is there a
+ * gain while lamps and scene cannot be told apart: where the frame rate divides the light's (120 Hz at exactly 30
+ * frames a second), while too much else moves, for a second after something began, for frames without timestamps, for
+ * a picture of less than 64 x 64 pixels, and from nine tenths of a period up. What is darker than 2^-10 is not looked
+ * at.
+ *
+ * Frames must be stamped as image.h says, to 0.1 ms or so. The formats must be linear in light, or coded so that
+ * image.h says how; behind a tone curve that is not told, areas of different brightness show different waves, and there
+ * is no gain. OpenGL ES (gles.h) has no gains of rows.
+ *
+ * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
+ * pointers, the same frames give the same bits.
+ */
+#ifndef PUPIL_ROW_GAIN_H
+#define PUPIL_ROW_GAIN_H
+
+#include "pupil/error.h"
+#include "pupil/image.h"
+#include "pupil/pupil.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pupil_row_gain_config {
+    uint32_t size_bytes; /* sizeof(pupil_row_gain_config) as the caller was compiled; config_default fills it in */
+    uint32_t mains_hz;   /* 50 or 60: the light has twice that; 50 */
+    double readout_s; /* from the middle of the first row's exposure to the last row's, within a tenth: what is off by
+                       * less is found; 1/60; 1e-4..1 */
+} pupil_row_gain_config;
+
+/* Fills in every field with its default. */
+PUPIL_API void pupil_row_gain_config_default(pupil_row_gain_config *config);
+
+/* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
+ * wrong field and what would be right. */
+PUPIL_API int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char **why);
+
+#define PUPIL_ROW_GAIN_OBJECT_BYTES 45056
+
+/* The object. Its content is private; its size is part of the ABI. */
+typedef union pupil_row_gain {
+    uint64_t private_words[PUPIL_ROW_GAIN_OBJECT_BYTES / 8];
+} pupil_row_gain;
+
+typedef enum pupil_row_gain_reason { /* why there are no gains, or not all of them yet */
+                                     PUPIL_ROW_GAIN_ON = 0,
+                                     PUPIL_ROW_GAIN_WAITING, /* too few frames so far, or none with a new timestamp, or
+                                                                what came is no such picture */
+                                     PUPIL_ROW_GAIN_LONG,    /* the exposure is nine tenths of a period of the light, or
+                                                                more */
+                                     PUPIL_ROW_GAIN_STANDING, /* the light's wave stands still in the picture: it cannot
+                                                                 be told from the scene */
+                                     PUPIL_ROW_GAIN_NO_LAMPS, /* there is no such wave */
+                                     PUPIL_ROW_GAIN_MIXED, /* parts of the picture do not have it, or have another one
+                                                            */
+                                     PUPIL_ROW_GAIN_DISTURBED, /* this frame does not have it */
+                                     PUPIL_ROW_GAIN_REASON_COUNT
+} pupil_row_gain_reason;
+
+typedef struct pupil_row_gain_result {
+    double strength; /* 0: all gains are 1; 1: the whole wave is taken out */
+    double wave_ev;  /* amplitude of the wave's fundamental in the last frame, in stops: half of what is seen from the
+                      * brightest row to the darkest */
+    double disagreement; /* of the worst tile: what would be left of the wave there, over the wave; 1 at most */
+    double light_hz;     /* as found; near twice mains_hz */
+    double readout_s;    /* as found; near config.readout_s */
+    uint32_t reason;     /* a pupil_row_gain_reason */
+    uint32_t reserved;   /* 0 */
+} pupil_row_gain_result;
+
+/* Makes an object out of any bytes. PUPIL_ERR_CONFIG: see pupil_row_gain_config_check. */
+PUPIL_API int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *config);
+
+/* Takes a frame: meters it (four rows of each band) and learns the wave. `info` brings the timestamp, and the exposure
+ * where it is known. A frame that is refused changes nothing; one with the last one's timestamp changes nothing either.
+ */
+PUPIL_API int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, const pupil_frame_info *info);
+
+PUPIL_API int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain_result *result);
+
+/* The gains of the rows of a frame, gain[0] the top one's: of the frame that was taken last, or, to map a frame in the
+ * pass that meters it, of the next one, by its timestamp. All 1 where there are none. */
+PUPIL_API int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *info, uint32_t height,
+                                     float *gain);
+
+/* pupil_map_rows with the curve's scale times gain[i] in row i of `rows`. Rows that belong together have the mean of
+ * their gains: pairs of NV12 (in or out) and of mosaics, fours of a mosaic to NV12 of half its size. Gains are above 0
+ * and finite (PUPIL_ERR_VALUE); no scale becomes larger than 2^60. The same may be done with pupil_fused_rows. */
+PUPIL_API int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
+                                        const float *gain, const pupil_image *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

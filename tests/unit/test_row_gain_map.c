@@ -1,0 +1,171 @@
+/* pupil_map_rows_with_gains: each row, or what belongs together, as pupil_map_rows maps it with its own scale; of every
+ * format in and out. And what gains cost beside ordinary work, printed.
+ */
+#include "check.h"
+#include "frames.h"
+#include "pupil/row_gain.h"
+
+#include <math.h>
+
+enum { MOST_ROWS = 64 };
+
+static const pupil_curve curve = {2.0f, 0.0625f, 3.7f};
+
+/* The same by hand: `together` rows of `in` at a time, with the mean of their gains. */
+static void map_by_hand(const pupil_t *pupil, const pupil_image_const *in, const float *gain, const pupil_image *out,
+                        uint32_t together)
+{
+    const uint32_t halved = in->width != out->width ? 2 : 1;
+    for (uint32_t y = 0; y < in->height; y += together) {
+        const uint32_t count = in->height - y < together ? in->height - y : together;
+        float sum = 0;
+        for (uint32_t i = 0; i < count; i++)
+            sum += gain[y + i];
+        pupil_curve scaled = curve;
+        scaled.scale = (float)((double)curve.scale * (sum / (float)count));
+        const pupil_image_const rows = pupil_image_rows(*in, y, count);
+        const pupil_image to = pupil_image_out_rows(*out, y / halved, count / halved);
+        CHECK(pupil_map_rows(pupil, &scaled, &rows, &to) == PUPIL_OK);
+    }
+}
+
+static void check_pair(uint32_t from, uint32_t to, int halved)
+{
+    pupil_config config;
+    pupil_t pupil;
+    float gain[MOST_ROWS], one[MOST_ROWS];
+    uint32_t width = 8 + (uint32_t)(check_random() % 60), height = 8 + (uint32_t)(check_random() % 50);
+    const int mosaic = from >= PUPIL_PIXEL_BAYER8;
+    frame_fit(from, &width, &height);
+    const uint32_t out_width = halved ? width / 2 : width, out_height = halved ? height / 2 : height;
+    frame in = frame_make(width, height, from, 0, (int)(check_random() & 1));
+    frame a = frame_make(out_width, out_height, to, 0, 0), b = frame_make(out_width, out_height, to, 0, 0);
+    const pupil_image to_a = frame_writable(&a), to_b = frame_writable(&b);
+    frame_lognormal(&in, 0.1, 2, check_uniform);
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    for (int i = 0; i < MOST_ROWS; i++) {
+        gain[i] = (float)exp2(2 * check_uniform() - 1);
+        one[i] = 1;
+    }
+    const uint32_t together = to == PUPIL_PIXEL_NV12 && halved                               ? 4
+                              : to == PUPIL_PIXEL_NV12 || from == PUPIL_PIXEL_NV12 || mosaic ? 2
+                                                                                             : 1;
+    map_by_hand(&pupil, &in.image, gain, &to_a, together);
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to_b) == PUPIL_OK);
+    CHECK_MSG(frame_equal(&a, &b), "format %u to %u, halved %d, %u x %u", from, to, halved, width, height);
+    CHECK(frame_guards_intact(&b));
+
+    CHECK(pupil_map_rows(&pupil, &curve, &in.image, &to_a) == PUPIL_OK); /* gains of 1 are none */
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, one, &to_b) == PUPIL_OK);
+    CHECK_MSG(frame_equal(&a, &b), "gains of 1: format %u to %u, halved %d, %u x %u", from, to, halved, width, height);
+    frame_free(&in);
+    frame_free(&a);
+    frame_free(&b);
+}
+
+static void check_refusals(void)
+{
+    pupil_config config;
+    pupil_t pupil;
+    frame in = frame_make(8, 8, PUPIL_PIXEL_RGB8, 0, 0), out = frame_make(8, 8, PUPIL_PIXEL_RGBA8, 0, 0);
+    frame before = frame_make(8, 8, PUPIL_PIXEL_RGBA8, 0, 0), small = frame_make(8, 7, PUPIL_PIXEL_RGBA8, 0, 0);
+    pupil_image to = frame_writable(&out), to_small = frame_writable(&small);
+    float gain[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    for (int i = 0; i < 5; i++) { /* found before anything is written */
+        static const float bad[] = {0, -1, NAN, INFINITY, -INFINITY};
+        gain[7] = bad[i];
+        CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_ERR_VALUE);
+        CHECK(frame_equal(&out, &before));
+    }
+    gain[7] = 1;
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to_small) == PUPIL_ERR_SIZE);
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, NULL, &to) == PUPIL_ERR_NULL);
+    CHECK(pupil_map_rows_with_gains(&pupil, NULL, &in.image, gain, &to) == PUPIL_ERR_NULL);
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, NULL, gain, &to) == PUPIL_ERR_NULL);
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, NULL) == PUPIL_ERR_NULL);
+    to.stride_bytes = 4; /* a row alone has no stride: the whole is looked at */
+    CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_ERR_STRIDE);
+    CHECK(frame_equal(&out, &before));
+    to = frame_writable(&out);
+    pupil_curve brightest = {0x1p60f, 0, 0};
+    for (int i = 0; i < 8; i++)
+        gain[i] = 0x1p100f;
+    CHECK(pupil_map_rows_with_gains(&pupil, &brightest, &in.image, gain, &to) == PUPIL_OK);
+    frame_free(&in);
+    frame_free(&out);
+    frame_free(&before);
+    frame_free(&small);
+}
+
+static double now_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* What one frame of 1920 x 1080 costs, least of a few, over what metering and mapping cost. */
+static void show_cost(const char *name, uint32_t pixel)
+{
+    static float gain[1080];
+    static pupil_row_gain lamps;
+    static pupil_stats stats;
+    pupil_row_gain_config row_config;
+    pupil_config config;
+    pupil_t pupil;
+    frame in = frame_make(1920, 1080, pixel, 0, 0), out = frame_make(1920, 1080, PUPIL_PIXEL_BGRX8, 0, 0);
+    const pupil_image to = frame_writable(&out);
+    double least[5] = {1e9, 1e9, 1e9, 1e9, 1e9};
+    frame_gradient(&in, 0.01, 1);
+    pupil_config_default(&config);
+    pupil_row_gain_config_default(&row_config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_row_gain_init(&lamps, &row_config) == PUPIL_OK);
+    for (int i = 0; i < 12; i++) {
+        const pupil_frame_info info = {.timestamp_ns = 1 + i * INT64_C(33333333), .exposure_s = 1e-3, .gain = 1};
+        double t[6];
+        t[0] = now_s();
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &in.image, 0, 1080, &stats) == PUPIL_OK);
+        t[1] = now_s();
+        CHECK(pupil_map_rows(&pupil, &curve, &in.image, &to) == PUPIL_OK);
+        t[2] = now_s();
+        CHECK(pupil_row_gain_frame(&lamps, &in.image, &info) == PUPIL_OK);
+        t[3] = now_s();
+        CHECK(pupil_row_gain_of_rows(&lamps, &info, 1080, gain) == PUPIL_OK);
+        t[4] = now_s();
+        CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_OK);
+        t[5] = now_s();
+        for (int k = 0; k < 5; k++)
+            least[k] = fmin(least[k], t[k + 1] - t[k]);
+    }
+    printf("%s, 1920 x 1080: pupil_row_gain_frame %.2f of metering, pupil_map_rows_with_gains %.2f of mapping; "
+           "(metering %.0f us, mapping %.0f us, row_gain_frame %.0f us, of_rows %.0f us)\n",
+           name, least[2] / least[0], least[4] / least[1], 1e6 * least[0], 1e6 * least[1], 1e6 * least[2],
+           1e6 * least[3]);
+    frame_free(&in);
+    frame_free(&out);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    for (uint32_t from = PUPIL_PIXEL_RGBA32F; from < PUPIL_PIXEL_COUNT; from++) {
+        if (from == PUPIL_PIXEL_BGRX8)
+            continue; /* out only */
+        for (int i = 0; i < 3; i++) {
+            static const uint32_t to[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12};
+            check_pair(from, to[i], 0);
+            if (from >= PUPIL_PIXEL_BAYER8)
+                check_pair(from, to[i], 1);
+        }
+    }
+    check_refusals();
+    show_cost("RGBA32F", PUPIL_PIXEL_RGBA32F);
+    show_cost("YUYV", PUPIL_PIXEL_YUYV);
+    show_cost("NV12", PUPIL_PIXEL_NV12);
+    show_cost("BAYER10P", PUPIL_PIXEL_BAYER10P);
+    return check_end();
+}
