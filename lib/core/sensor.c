@@ -188,7 +188,9 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
         const uint32_t changed = o->setting.changed;
         o->config.mains_hz = o->mains.hz;
         o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
-        begin_from(o, o->total_log2, o->least_log2 == o->most_log2); /* the same in other exposures */
+        begin_from(o, o->total_log2); /* the same in other exposures */
+        if (o->setting.changed) /* as in configure */
+            o->waited = 0;
         o->setting.changed |= changed;
     }
     return PUPIL_OK;

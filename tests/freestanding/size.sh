@@ -14,7 +14,8 @@ levels=$(ls lib/kernels/vector*.h lib/kernels/neon*.[ch] lib/kernels/avx*.[ch])
 reference=$(ls lib/kernels/*.[ch] lib/kernels/*.py | grep -v -e '/tables\.c$' $(printf ' -e %s' $levels))
 lines=$(count lib/core/*.[ch])
 echo "lib/core: $lines lines that are not blank; beside it lib/lamps, $(count lib/lamps/*.[ch]), the kernels of the" \
-    "reference, $(count $reference), the levels with vectors, $(count $levels), and lib/kernels/tables.c, which is generated, $(count lib/kernels/tables.c)"
+    "reference, $(count $reference), the levels with vectors, $(count $levels), and lib/kernels/tables.c, which is" \
+    "generated, $(count lib/kernels/tables.c)"
 echo "public headers: $(count lib/include/pupil/*.h) lines"
 
 cat >"$work/sizes.c" <<'C'
@@ -37,7 +38,7 @@ code_size() {
     command -v "$1" >/dev/null || return 0
     for source in lib/core/*.c lib/lamps/*.c lib/kernels/*.c; do
         "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -fno-trapping-math \
-            -Ilib/include -Ilib/core -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
+            -Ilib/include -Ilib/core -Ilib/lamps -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
     done
     "$tool" "$work"/*.o | awk -v name="$name" 'NR > 1 { text += $1; data += $2; bss += $3 }
         END {

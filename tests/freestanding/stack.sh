@@ -1,6 +1,7 @@
 #!/bin/sh
-# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib/core and lib/lamps
-# and 4608 in lib/kernels, where the mapping kernels keep a buffer that stays in the first-level cache. Never without a bound.
+# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib/core and lib/lamps,
+# and 4608 in lib/kernels, where the mapping kernels keep a buffer that stays in the first-level cache. Never without a
+# bound.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
@@ -14,7 +15,7 @@ check() {
     rm -f "$work"/*
     for source in lib/"$folder"/*.c; do
         "$@" -std=c11 -ffp-contract=off -fno-math-errno -fno-trapping-math -fstack-usage \
-            -Ilib/include -Ilib/core -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
+            -Ilib/include -Ilib/core -Ilib/lamps -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
     done
     # FILE:LINE:COLUMN:FUNCTION <tab> BYTES <tab> static | dynamic | dynamic,bounded
     cat "$work"/*.su | sort -t "$(printf '\t')" -k2,2nr >"$work/all"

@@ -18,8 +18,9 @@ try() {
         return
     fi
     ${CC:-cc} -std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-trapping-math \
-        -I"$work/lib/include" -I"$work/lib/core" -I"$work/lib/kernels" -Itests "$work"/lib/core/*.c \
-        "$work"/lib/kernels/*.c tests/kernels/test_levels.c tests/frames.c -o "$work/levels" -lm -lpthread
+        -I"$work/lib/include" -I"$work/lib/core" -I"$work/lib/lamps" -I"$work/lib/kernels" -Itests \
+        "$work"/lib/core/*.c "$work"/lib/lamps/*.c "$work"/lib/kernels/*.c tests/kernels/test_levels.c tests/frames.c \
+        -o "$work/levels" -lm -lpthread
     if "$work/levels" >"$work/said" 2>&1; then found=missed; else found=caught; fi
     echo "$1: $found ($(tail -n 1 "$work/said" | sed 's/.*: //'))"
     [ "$found" = "$2" ] || status=1

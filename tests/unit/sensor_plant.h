@@ -68,6 +68,7 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     p->frame_s = 1.0 / 30.0;
     p->slope = 1.0;
     p->pixels = PLANT_PIXELS;
+    static double quantile[PLANT_PIXELS]; /* the same for all plants */
     if (quantile[0] == 0.0)
         for (int i = 0; i < PLANT_PIXELS; i++)
             quantile[i] = PLANT_SIGMA * plant_quantile((i + 0.5) / PLANT_PIXELS);

@@ -1,6 +1,6 @@
-/* lib/core/mains.h: the frequency of the mains, found from the bands that lamps leave in frames. */
-#ifndef PUPIL_CORE_MAINS_H
-#define PUPIL_CORE_MAINS_H
+/* lib/lamps/mains.h: the frequency of the mains, found from the bands that lamps leave in frames. */
+#ifndef PUPIL_LAMPS_MAINS_H
+#define PUPIL_LAMPS_MAINS_H
 
 #include "pupil/stats.h"
 
