@@ -123,7 +123,7 @@ static void name_failed(random_run *r)
             printf(" --controller %s", o->loop.law->name);
         if (o->believed)
             printf(" --delay %u", o->believed);
-        if (o->mains_hz)
+        if (o->mains_hz != PUPIL_SENSOR_MAINS_AUTO)
             printf(" --mains %u", o->mains_hz);
         puts(" --plot again.svg");
         fflush(stdout);

@@ -189,7 +189,7 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
         o->config.mains_hz = o->mains.hz;
         o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
         begin_from(o, o->total_log2); /* the same in other exposures */
-        if (o->setting.changed) /* as in configure */
+        if (o->setting.changed)       /* as in configure */
             o->waited = 0;
         o->setting.changed |= changed;
     }

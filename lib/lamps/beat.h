@@ -1,5 +1,5 @@
-/* lib/lamps/beat.h: the beat of mains light with the frame rate: all light goes up and down by some percent. It is found
- * in the light of whole frames, exposure and gain divided out, and told for each frame. */
+/* lib/lamps/beat.h: the beat of mains light with the frame rate: all light goes up and down by some percent. It is
+ * found in the light of whole frames, exposure and gain divided out, and told for each frame. */
 #ifndef PUPIL_LAMPS_BEAT_H
 #define PUPIL_LAMPS_BEAT_H
 #include <stdint.h>
