@@ -38,8 +38,8 @@
  * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
  * is found from how the bands go on from frame to frame, in 8 to 15 frames with timestamps, and exposures from half a
  * period on become multiples of it; the level does not move. It stays until frames show the other one: where nothing is
- * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at 30
- * frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
+ * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at
+ * 30 frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and
