@@ -216,7 +216,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     const double divisor_log2 = pupil_exposure_log2(c, a, info);
     a->result.metered_ev = stops_of(pupil_level_of(mean - divisor_log2));
     a->result.beat_ev = 0.0;
-    if (c->beat && c->meter_rows < 2) { /* other rows in each frame have a beat of their own */
+    if (c->beat) {
         pupil_beat_frame(&a->beat, a->result.metered_ev, info->exposure_s, info->timestamp_ns);
         a->result.beat_ev = pupil_beat_at(&a->beat, info->timestamp_ns);
     }

@@ -23,7 +23,7 @@ static double clamp(double x, double low, double high)
 /* What is beyond the nearest whole number. */
 static double part(double x)
 {
-    return x - (double)(int64_t)(x < 0.0 ? x - 0.5 : x + 0.5);
+    return x > -1e15 && x < 1e15 ? x - (double)(int64_t)(x < 0.0 ? x - 0.5 : x + 0.5) : 0.0;
 }
 
 /* Seconds since the frame before, without jitter: a line through all times, then the last ones (alpha-beta filter). */

@@ -100,7 +100,7 @@ typedef struct pupil_config {
                       sets them); 0 */
     uint32_t beat; /* 1: where lamps at 50 or 60 Hz make all light go up and down with the frame rate (frames
                     * bring timestamps, the beat is steady and nearly all that happens), that is taken out of
-                    * the level and of each frame's curve; not with meter_rows above 1; 1 */
+                    * the level and of each frame's curve; 1 */
     double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
     double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
     double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */

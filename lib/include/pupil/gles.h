@@ -75,9 +75,9 @@ typedef enum pupil_gles_adapt {
     PUPIL_GLES_ADAPT_CPU = 0, /* default: every law. A frame is mapped by the newest statistics that have come back,
                                * which are a frame old or more */
     PUPIL_GLES_ADAPT_GPU, /* the frame's own light, with no way back and forth: PUPIL_LAW_SECONDS alone, no trimming,
-                           * a white that does not follow. An integer state on the GPU, within 2e-6 stops of the C
-                           * (docs/numerics.md). Statistics come back all the same, so that the pupil_t follows
-                           * and can take over */
+                           * a white that does not follow, the beat of lamps left in. An integer state on the GPU,
+                           * within 2e-6 stops of the C with config.beat 0 (docs/numerics.md). Statistics come back all
+                           * the same, so that the pupil_t follows and can take over */
     PUPIL_GLES_ADAPT_COUNT
 } pupil_gles_adapt;
 

@@ -31,6 +31,10 @@
  * key the mean is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one
  * before, with no rest between, goes half the way only.
  *
+ * Lamps at 50 or 60 Hz make all light go up and down with the frame rate. Where frames bring timestamps and such a beat
+ * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
+ * frame (beat_ev). Beats of more than 16 frames are left to the filter.
+ *
  * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope). A camera that
  * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
