@@ -103,6 +103,7 @@ void sim_summary(const sim_run *run, FILE *out)
                 sim_reason_name(last->setting.reason));
     fputc('\n', out);
     if (!o->loop.law->total)
-        fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet)\n", last->setting.slope,
-                last->setting.delay[FIXTURE_EXPOSURE], last->setting.delay[FIXTURE_GAIN]);
+        fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet), mains %u Hz\n",
+                last->setting.slope, last->setting.delay[FIXTURE_EXPOSURE], last->setting.delay[FIXTURE_GAIN],
+                last->setting.mains_hz);
 }

@@ -1,11 +1,7 @@
-/* Mains light: a row is exposed at the frame's time and its own share of the readout, so light of F Hz lies over the
- * rows as a wave, cos(2 pi (F t + k row)), k = F x readout turns, and goes on by F dt turns from frame to frame: by a
- * third at 100 Hz, not at all at 120 Hz, of 30 frames a second.
- *
- * Differences of frames have no standing scene in them, and less the mean over the rows no level of all light. A wave's
- * are fitted to them by least squares, for both F and every k up to a readout of a whole frame. Each frame's energy is
- * brought to 1 first: a cut is but one of many. A wave is believed that leaves less than it explains beyond its rivals:
- * the other F, and a wave that goes up, as which blinking lights and shade look just as well. */
+/* A lamp's wave, cos(2 pi (F t + k row)), k = F x readout turns, is fitted to what the rows move by from frame to frame
+ * less their mean, by least squares, each frame's energy brought to 1. It is believed where it leaves less than it
+ * explains beyond its rivals: the other F, and a wave that goes up, as which blinking lights and shade look just as
+ * well (docs/sensor.md, Mains light). */
 #include "mains.h"
 
 #include "numeric.h"
@@ -38,8 +34,7 @@ static void add(pupil_wave *sum, double factor, pupil_wave a)
     sum->s += factor * a.s;
 }
 
-/* What a wave of so many turns over the frame explains of the energy, and its amplitude's square: c' G^-1 c, where c is
- * the sum of the frame's differences times the wave's, and G the Gram matrix of the wave's. */
+/* What a wave of so many turns over the frame explains of the energy, c' G^-1 c, and its amplitude's square. */
 static double explained(const pupil_mains *m, int h, double turns, double *amplitude2)
 {
     const pupil_wave step = turn(turns * 3.0 / PUPIL_BANDS);

@@ -19,7 +19,7 @@ typedef struct pupil_mains {
     double half[2], phase;               /* of gram; of 20 Hz, turns: five and six of them are the waves' */
     double energy, usual;                /* of the moves, each brought to 1; of a frame as it is, mean; -1: not known */
     double exposure_s;                   /* of the frame before */
-    double modulation;                   /* of the light, when it was last seen */
+    double modulation;                   /* of the rows, when it was last seen */
     uint32_t hz;                         /* found: 50, 60; 0: not yet */
 } pupil_mains;
 
