@@ -56,6 +56,12 @@ static int is_lit(const pupil_row_gain_object *o, int g, int b)
     return o->light[g][b] > PUPIL_ROW_GAIN_DARK && o->light_mean[g][b] > PUPIL_ROW_GAIN_DARK;
 }
 
+/* A term of this frame less its mean, as the exposure leaves it. */
+static double regressor(const pupil_row_gain_object *o, int b, int i)
+{
+    return (o->term[b][i] - o->term_mean[b][i]) * o->left[i / 2];
+}
+
 /* Light and terms of a group less their means over its bands; 0 where too few bands are lit. */
 typedef struct group_mean {
     double light, term[TERMS];
@@ -70,7 +76,7 @@ static int find_group_mean(const pupil_row_gain_object *o, int g, group_mean *me
             count++;
             mean->light += o->light[g][b] - o->light_mean[g][b];
             for (int k = 0; k < TERMS; k++)
-                mean->term[k] += o->term[b][k] - o->term_mean[b][k];
+                mean->term[k] += regressor(o, b, k);
         }
     if (count < BANDS / 8)
         return 0;
@@ -84,6 +90,7 @@ static int find_group_mean(const pupil_row_gain_object *o, int g, group_mean *me
 typedef struct look {
     double cells;
     double rest;           /* (light - wave)^2 */
+    double wave, miss;     /* this frame's wave, squared; times the rest */
     double early[2];       /* rest x slope of the wave over its phase, times 1 and times the band from the middle */
     double slope[2];       /* slope^2, the same squared */
     double moved, fitting; /* power of the first harmonic's terms as regressed; as they are */
@@ -102,12 +109,12 @@ static void look_at_group(pupil_row_gain_object *o, int g, look *l)
                 continue;
             double wave = 0.0, now = 0.0, slope = 0.0, x[TERMS];
             for (int i = 0; i < TERMS; i++) {
-                x[i] = o->term[b][i] - o->term_mean[b][i] - mean.term[i];
+                x[i] = regressor(o, b, i) - mean.term[i];
                 wave += k[i] * x[i];
-                now += k[i] * o->term[b][i];
+                now += k[i] * o->left[i / 2] * o->term[b][i];
             }
             for (int h = 0; h < HARMONICS; h++)
-                slope += (h + 1) * (k[2 * h + 1] * o->term[b][2 * h] - k[2 * h] * o->term[b][2 * h + 1]);
+                slope += (h + 1) * o->left[h] * (k[2 * h + 1] * o->term[b][2 * h] - k[2 * h] * o->term[b][2 * h + 1]);
             if (pass == 0) {
                 now_mean += now;
                 slope_mean += slope;
@@ -120,6 +127,8 @@ static void look_at_group(pupil_row_gain_object *o, int g, look *l)
             const double place = (b - 0.5 * (BANDS - 1)) / BANDS;
             l->cells += 1.0;
             l->rest += rest * rest;
+            l->wave += now * now;
+            l->miss += now * rest;
             o->part_wave[g] += now * now;
             o->part_rest[g] += now * rest;
             o->part_wave[GROUPS + b * SEGMENTS / BANDS] += now * now;
@@ -129,7 +138,7 @@ static void look_at_group(pupil_row_gain_object *o, int g, look *l)
             l->slope[0] += slope * slope;
             l->slope[1] += slope * slope * place * place;
             l->moved += x[0] * x[0] + x[1] * x[1];
-            l->fitting += o->term[b][0] * o->term[b][0] + o->term[b][1] * o->term[b][1];
+            l->fitting += o->left[0] * o->left[0]; /* cos^2 + sin^2 */
         }
 }
 
@@ -156,7 +165,7 @@ static void add_group(pupil_row_gain_object *o, int g, double weight)
         const double light = o->light[g][b] - o->light_mean[g][b] - mean.light;
         double x[TERMS], wave = 0.0;
         for (int i = 0; i < TERMS; i++) {
-            x[i] = o->term[b][i] - o->term_mean[b][i] - mean.term[i];
+            x[i] = regressor(o, b, i) - mean.term[i];
             wave += x[i] * o->coefficient[i];
         }
         o->row_rest[b] += weight * wave * (light - wave);
@@ -220,6 +229,26 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
     return early > 0.03 || early < -0.03; /* a fifth of a radian: the wave is no straight line that far away */
 }
 
+/* A wave that a shift does not bring back is not there, or not everywhere: phase and all then go on as they were. (Led
+ * after a picture without it the wave would stand still there, and look like the scene.) */
+static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
+{
+    const double turn = o->turn, light_hz = o->result.light_hz, readout_s = o->result.readout_s;
+    int again = 1;
+    for (int i = 0; i < 3 && again; i++) {
+        again = lead(o, &l, dt_s);
+        l = look_at_frame(o);
+    }
+    if (l.miss < -0.15 * l.wave) {
+        o->turn = turn;
+        o->result.light_hz = light_hz;
+        o->result.readout_s = readout_s;
+        pupil_row_gain_fill_terms(o);
+        l = look_at_frame(o);
+    }
+    return l;
+}
+
 static void keep_means(pupil_row_gain_object *o, double weight)
 {
     for (int b = 0; b < BANDS; b++) {
@@ -242,7 +271,7 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
     }
     o->stamped = 1;
     o->timestamp_ns = info->timestamp_ns;
-    o->exposure_s = info->exposure_s > 0.0 && info->exposure_s <= 1e4 ? info->exposure_s : 0.0;
+    pupil_row_gain_expose(o, info->exposure_s > 0.0 && info->exposure_s <= 1e4 ? info->exposure_s : 0.0);
     const double advance = goes_on ? o->result.light_hz * dt_s : 0.0, slip = advance - pupil_row_gain_nearest(advance);
     o->turn += slip;
     o->turn -= pupil_row_gain_nearest(o->turn);
@@ -253,10 +282,8 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
     }
     look l = look_at_frame(o);
     if (l.cells > 0.0) {
-        for (int again = 0; again < 3 && lead(o, &l, dt_s); again++)
-            l = look_at_frame(o);
-        const double explained = l.slope[0] > 0.0 ? l.early[0] * l.early[0] / l.slope[0] : 0.0;
-        const double rest = clamp(l.rest - explained, 0.0, l.rest) / l.cells;
+        l = lead_while_it_helps(o, l, dt_s);
+        const double rest = l.rest / l.cells;
         forget_a_little(o, 1.0 - pupil_one_minus_exp(dt_s / memory_s));
         for (int g = 0; g < GROUPS; g++)
             add_group(o, g, 1.0 / (rest + noise_ev * noise_ev));

@@ -76,19 +76,23 @@ static double worst_disagreement(const pupil_row_gain_object *o)
 }
 
 /* The least that was heard of the wave in any group or segment. A part that is dark, or that the wave does not reach (a
- * segment is a fraction of a period), has little to say. */
+ * segment is a fraction of a period), has little to say. It falls at once and comes back in a tenth of a second: the
+ * means of the last frames get used to whatever is there. */
 static void hear(pupil_row_gain_object *o, double dt_s)
 {
+    const double w = pupil_one_minus_exp(dt_s / 0.1);
     double all = 0.0;
     for (int i = 0; i < PARTS; i++)
         all += o->part_wave[i] / PARTS;
-    o->heard = o->heard_lately = 1.0;
+    double now = 1.0;
+    o->heard_lately = 1.0;
     for (int i = 0; i < PARTS; i++) {
         const double part = 1.0 + clamp(o->part_rest[i] / (o->part_wave[i] + 0.2 * all + 1e-30), -1.0, 1.0);
-        o->part_lately[i] += pupil_one_minus_exp(dt_s / 0.1) * (part - o->part_lately[i]);
-        o->heard = part < o->heard ? part : o->heard;
+        o->part_lately[i] += w * (part - o->part_lately[i]);
+        now = part < now ? part : now;
         o->heard_lately = o->part_lately[i] < o->heard_lately ? o->part_lately[i] : o->heard_lately;
     }
+    o->heard = now < o->heard ? now : o->heard + w * (now - o->heard);
 }
 
 /* How much of a gain there may be, and why not more. */

@@ -31,8 +31,9 @@ typedef struct pupil_row_gain_object {
     uint32_t stamped; /* timestamp_ns is of a frame, and what follows is filled in */
     uint32_t reserved;
     int64_t timestamp_ns;
-    double exposure_s; /* 0: unknown */
-    double turn;       /* the light's phase in the first row, 0..1 */
+    double exposure_s;                     /* 0: unknown */
+    double left[PUPIL_ROW_GAIN_HARMONICS]; /* of each harmonic, as exposure and band average it */
+    double turn;                           /* the light's phase in the first row, 0..1 */
 
     /* the wave: log2 of the light is the sum of coefficient times term, for exposures that are short */
     double coefficient[PUPIL_ROW_GAIN_TERMS];
@@ -49,7 +50,7 @@ typedef struct pupil_row_gain_object {
     double row_rest[PUPIL_BANDS], row_wave[PUPIL_BANDS]; /* of all groups: what is left times the wave; wave^2 */
 
     double place[PUPIL_BANDS]; /* where the rows that are metered lie on average, 0..1 from top to bottom */
-    /* terms and light (log2) by band, and their means over the last frames */
+    /* terms (not averaged by an exposure) and light (log2) by band, and their means over the last frames */
     double term[PUPIL_BANDS][PUPIL_ROW_GAIN_TERMS], term_mean[PUPIL_BANDS][PUPIL_ROW_GAIN_TERMS];
     double light[PUPIL_ROW_GAIN_GROUPS][PUPIL_BANDS], light_mean[PUPIL_ROW_GAIN_GROUPS][PUPIL_BANDS];
 } pupil_row_gain_object;
@@ -62,6 +63,8 @@ double pupil_row_gain_nearest(double x); /* integer; |x| < 2^62 */
 void pupil_row_gain_circle(double turns, double *cosine, double *sine);
 /* What is left of the light's harmonic h when it is averaged over some seconds: sin(x) / x. */
 double pupil_row_gain_averaged(double light_hz, int h, double seconds);
+/* left of a frame of this exposure; light_mean follows, as if its frames had had it, too. */
+void pupil_row_gain_expose(pupil_row_gain_object *o, double exposure_s);
 /* term[][] of a frame whose first row has the phase o->turn. */
 void pupil_row_gain_fill_terms(pupil_row_gain_object *o);
 /* coefficient from matrix and side. */

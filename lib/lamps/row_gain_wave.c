@@ -36,18 +36,33 @@ double pupil_row_gain_averaged(double light_hz, int h, double seconds)
     return turns > 1e-6 ? sine / (2.0 * PI * turns) : 1.0;
 }
 
+void pupil_row_gain_expose(pupil_row_gain_object *o, double exposure_s)
+{
+    const double *k = o->coefficient, per_band_s = o->result.readout_s / BANDS, hz = o->result.light_hz;
+    o->exposure_s = exposure_s;
+    for (int h = 0; h < HARMONICS; h++) {
+        const double left =
+            pupil_row_gain_averaged(hz, h + 1, exposure_s) * pupil_row_gain_averaged(hz, h + 1, per_band_s);
+        const double more = left - o->left[h];
+        o->left[h] = left;
+        for (int b = 0; b < BANDS; b++) {
+            const double *mean = o->term_mean[b] + 2 * h;
+            const double wave = more * (k[2 * h] * mean[0] + k[2 * h + 1] * mean[1]);
+            for (int g = 0; g < PUPIL_ROW_GAIN_GROUPS; g++)
+                o->light_mean[g][b] += wave;
+        }
+    }
+}
+
 void pupil_row_gain_fill_terms(pupil_row_gain_object *o)
 {
-    const double per_band_s = o->result.readout_s / BANDS, hz = o->result.light_hz;
-    double left[HARMONICS], cosine, sine;
-    for (int h = 0; h < HARMONICS; h++)
-        left[h] = pupil_row_gain_averaged(hz, h + 1, o->exposure_s) * pupil_row_gain_averaged(hz, h + 1, per_band_s);
+    double cosine, sine;
     for (int b = 0; b < BANDS; b++) {
-        pupil_row_gain_circle(o->turn + hz * o->result.readout_s * o->place[b], &cosine, &sine);
+        pupil_row_gain_circle(o->turn + o->result.light_hz * o->result.readout_s * o->place[b], &cosine, &sine);
         double c = cosine, s = sine;
         for (int h = 0; h < HARMONICS; h++) {
-            o->term[b][2 * h] = c * left[h];
-            o->term[b][2 * h + 1] = s * left[h];
+            o->term[b][2 * h] = c;
+            o->term[b][2 * h + 1] = s;
             const double next = c * cosine - s * sine;
             s = s * cosine + c * sine;
             c = next;
