@@ -224,12 +224,13 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
     /* The error of the shift is the rest over the slope, and more, because neighbours move together; it is held against
      * what timestamps may be off, 0.1 rad: 0.16 ms. */
     const double error = 8.0 * l->rest / l->cells / l->slope[0], trust = 0.01 / (0.01 + error);
-    const double tilt_trust = 0.01 / (0.01 + 12.0 * error); /* a place is a twelfth of 1, squared and on average */
+    const double usual_s = o->config.readout_s;
+    /* less than half a period does not show how long it is */
+    const double tilt_trust = clamp(2.0 * usual_s * usual_hz - 1.0, 0.0, 1.0) * 0.01 / (0.01 + 2.0 * error);
     const double a = l->slope[0] * (1.0 + 1e-6), b = l->slope[1], c = l->slope[2] + 1e-6 * a, of = a * c - b * b;
     const double shift = (l->early[0] * c - l->early[1] * b) / of, lean = (l->early[1] * a - l->early[0] * b) / of;
     const double early = trust * clamp(shift, -1.0, 1.0) / two_pi;          /* turns */
     const double tilt = 0.2 * tilt_trust * clamp(lean, -0.5, 0.5) / two_pi; /* turns a readout */
-    const double usual_s = o->config.readout_s;
     o->turn += early;
     o->result.light_hz = clamp(o->result.light_hz + 0.03 * early / dt_s, usual_hz * 0.99, usual_hz * 1.01);
     o->result.readout_s = clamp(o->result.readout_s + tilt / o->result.light_hz, usual_s * 0.88, usual_s * 1.12);
@@ -250,7 +251,7 @@ static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
         l = look_at_frame(o);
     }
     o->drift += pupil_one_minus_exp(dt_s / 0.1) * (o->turn - turn - o->drift);
-    if (l.miss < -0.15 * l.wave || o->drift > PUPIL_ROW_GAIN_DRIFT || o->drift < -PUPIL_ROW_GAIN_DRIFT) {
+    if (l.miss < -0.5 * l.wave || o->drift > PUPIL_ROW_GAIN_DRIFT || o->drift < -PUPIL_ROW_GAIN_DRIFT) {
         o->turn = turn;
         o->result.light_hz = light_hz;
         o->result.readout_s = readout_s;

@@ -109,7 +109,7 @@ static double judge(pupil_row_gain_object *o)
         [PUPIL_ROW_GAIN_STANDING] = ramp(o->moving, 0.1, 0.2),
         [PUPIL_ROW_GAIN_NO_LAMPS] = ramp(power, 1e-4, 4e-4), /* 0.01 and 0.02 EV */
         [PUPIL_ROW_GAIN_DISTURBED] =
-            ramp(o->heard, 0.4, 0.7) * ramp(drift, PUPIL_ROW_GAIN_DRIFT, 0.5 * PUPIL_ROW_GAIN_DRIFT),
+            ramp(o->heard, 0.4, 0.7) * ramp(drift, PUPIL_ROW_GAIN_DRIFT, 0.8 * PUPIL_ROW_GAIN_DRIFT),
         /* 8 and 4 % of the wave; sooner, where it is lost in a whole group or segment */
         [PUPIL_ROW_GAIN_MIXED] = ramp(worst, 0.0064, 0.0016) * ramp(o->heard_lately, 0.7, 0.85),
     };

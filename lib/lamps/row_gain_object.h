@@ -12,7 +12,7 @@ enum {
     PUPIL_ROW_GAIN_TERMS = 2 * PUPIL_ROW_GAIN_HARMONICS /* cosine and sine of each */
 };
 #define PUPIL_ROW_GAIN_DARK  (-10.0) /* log2: what is darker is not looked at */
-#define PUPIL_ROW_GAIN_DRIFT 0.04    /* of drift: 0.4 Hz, as far as mains wander, at 10 frames a second */
+#define PUPIL_ROW_GAIN_DRIFT 0.05    /* of drift: 0.5 Hz, more than mains wander, at 10 frames a second */
 #define PUPIL_ROW_GAIN_PRIOR 10.0    /* 1 / (0.3 EV)^2: what coefficients are like before there are frames */
 
 typedef struct pupil_row_gain_tile { /* normal equations of its own fundamental */
