@@ -23,6 +23,7 @@ enum {
 #define PI 0x1.921fb54442d18p+1
 
 static const double memory_s = 0.4;  /* of the normal equations: lamps that go off are half forgotten in 0.3 s */
+static const double scene_s = 1.0;   /* of the means: at most; waves that roll by more slowly count as standing */
 static const double gap_s = 0.5;     /* mains of 50 +- 0.2 Hz are a fifth of a period off after it */
 static const double noise_ev = 0.02; /* what a band differs from the wave by at best; weights of frames */
 
@@ -39,7 +40,7 @@ void pupil_row_gain_forget(pupil_row_gain_object *o)
                                         .readout_s = o->config.readout_s,
                                         .disagreement = 1.0,
                                         .reason = PUPIL_ROW_GAIN_WAITING};
-    o->turn = o->known_s = o->moving = o->faded = 0.0;
+    o->turn = o->known_s = o->moving = o->drift = o->faded = 0.0;
     o->heard = o->heard_lately = 1.0;
     for (int i = 0; i < PARTS; i++)
         o->part_lately[i] = 1.0;
@@ -89,11 +90,11 @@ static int find_group_mean(const pupil_row_gain_object *o, int g, group_mean *me
 /* What a frame says of the wave as it is known: sums over all bands that are lit. */
 typedef struct look {
     double cells;
-    double rest;           /* (light - wave)^2 */
-    double wave, miss;     /* this frame's wave, squared; times the rest */
-    double early[2];       /* rest x slope of the wave over its phase, times 1 and times the band from the middle */
-    double slope[2];       /* slope^2, the same squared */
-    double moved, fitting; /* power of the first harmonic's terms as regressed; as they are */
+    double rest;         /* (light - wave)^2 */
+    double wave, miss;   /* this frame's wave, squared; times the rest */
+    double early[2];     /* rest x slope of the wave over its phase, times 1 and times the band from the middle */
+    double slope[3];     /* slope^2, times 1, the band and its square */
+    double moved, whole; /* power of the first harmonic's terms as regressed; without any mean over frames */
 } look;
 
 static void look_at_group(pupil_row_gain_object *o, int g, look *l)
@@ -102,7 +103,7 @@ static void look_at_group(pupil_row_gain_object *o, int g, look *l)
     if (!find_group_mean(o, g, &mean))
         return;
     const double *k = o->coefficient;
-    double slope_mean = 0.0, now_mean = 0.0, count = 0.0;
+    double slope_mean = 0.0, now_mean = 0.0, count = 0.0, term_mean[2] = {0.0, 0.0};
     for (int pass = 0; pass < 2; pass++)
         for (int b = 0; b < BANDS; b++) {
             if (!is_lit(o, g, b))
@@ -117,6 +118,8 @@ static void look_at_group(pupil_row_gain_object *o, int g, look *l)
                 slope += (h + 1) * o->left[h] * (k[2 * h + 1] * o->term[b][2 * h] - k[2 * h] * o->term[b][2 * h + 1]);
             if (pass == 0) {
                 now_mean += now;
+                term_mean[0] += o->term[b][0];
+                term_mean[1] += o->term[b][1];
                 slope_mean += slope;
                 count += 1.0;
                 continue;
@@ -136,9 +139,13 @@ static void look_at_group(pupil_row_gain_object *o, int g, look *l)
             l->early[0] += rest * slope;
             l->early[1] += rest * slope * place;
             l->slope[0] += slope * slope;
-            l->slope[1] += slope * slope * place * place;
+            l->slope[1] += slope * slope * place;
+            l->slope[2] += slope * slope * place * place;
             l->moved += x[0] * x[0] + x[1] * x[1];
-            l->fitting += o->left[0] * o->left[0]; /* cos^2 + sin^2 */
+            for (int i = 0; i < 2; i++) {
+                const double whole = o->left[0] * (o->term[b][i] - term_mean[i] / count);
+                l->whole += whole * whole;
+            }
         }
 }
 
@@ -217,20 +224,24 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
     /* The error of the shift is the rest over the slope, and more, because neighbours move together; it is held against
      * what timestamps may be off, 0.1 rad: 0.16 ms. */
     const double error = 8.0 * l->rest / l->cells / l->slope[0], trust = 0.01 / (0.01 + error);
-    const double early = trust * clamp(l->early[0] / l->slope[0], -1.0, 1.0) / two_pi; /* turns */
+    const double usual_s = o->config.readout_s;
+    /* less than half a period does not show how long it is */
+    const double tilt_trust = clamp(2.0 * usual_s * usual_hz - 1.0, 0.0, 1.0) * 0.01 / (0.01 + 2.0 * error);
+    const double a = l->slope[0] * (1.0 + 1e-6), b = l->slope[1], c = l->slope[2] + 1e-6 * a, of = a * c - b * b;
+    const double shift = (l->early[0] * c - l->early[1] * b) / of, lean = (l->early[1] * a - l->early[0] * b) / of;
+    const double early = trust * clamp(shift, -1.0, 1.0) / two_pi;          /* turns */
+    const double tilt = 0.2 * tilt_trust * clamp(lean, -0.5, 0.5) / two_pi; /* turns a readout */
     o->turn += early;
     o->result.light_hz = clamp(o->result.light_hz + 0.03 * early / dt_s, usual_hz * 0.99, usual_hz * 1.01);
-    const double tilt_trust = 0.01 / (0.01 + 12.0 * error); /* a place is a twelfth of 1, squared and on average */
-    const double tilt = 0.3 * tilt_trust * clamp(l->early[1] / l->slope[1], -0.5, 0.5) / two_pi; /* turns a readout */
-    const double readout_s = o->result.readout_s + tilt / o->result.light_hz, usual_s = o->config.readout_s;
-    o->result.readout_s = clamp(readout_s, usual_s * 0.88, usual_s * 1.12);
+    o->result.readout_s = clamp(o->result.readout_s + tilt / o->result.light_hz, usual_s * 0.88, usual_s * 1.12);
     o->turn -= 0.5 * tilt; /* so that the middle row stays */
     pupil_row_gain_fill_terms(o);
     return early > 0.03 || early < -0.03; /* a fifth of a radian: the wave is no straight line that far away */
 }
 
-/* A wave that a shift does not bring back is not there, or not everywhere: phase and all then go on as they were. (Led
- * after a picture without it the wave would stand still there, and look like the scene.) */
+/* A wave that a shift does not bring back is not there, or not everywhere: phase and all then go on as they were. So
+ * they do where shifts go on and on the same way: a picture without the wave looks like one in which it stands still.
+ */
 static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
 {
     const double turn = o->turn, light_hz = o->result.light_hz, readout_s = o->result.readout_s;
@@ -239,7 +250,8 @@ static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
         again = lead(o, &l, dt_s);
         l = look_at_frame(o);
     }
-    if (l.miss < -0.15 * l.wave) {
+    o->drift += pupil_one_minus_exp(dt_s / 0.1) * (o->turn - turn - o->drift);
+    if (l.miss < -0.5 * l.wave || o->drift > PUPIL_ROW_GAIN_DRIFT || o->drift < -PUPIL_ROW_GAIN_DRIFT) {
         o->turn = turn;
         o->result.light_hz = light_hz;
         o->result.readout_s = readout_s;
@@ -288,11 +300,11 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
         for (int g = 0; g < GROUPS; g++)
             add_group(o, g, 1.0 / (rest + noise_ev * noise_ev));
         l = look_at_frame(o);
-        o->moving += pupil_one_minus_exp(dt_s / memory_s) * (l.moved / (l.fitting + 1e-30) - o->moving);
+        o->moving += pupil_one_minus_exp(dt_s / memory_s) * (l.moved / (l.whole + 1e-30) - o->moving);
         o->known_s += dt_s;
         pupil_row_gain_solve(o);
     }
     const double pace = slip < 0.0 ? -slip : slip;
-    keep_means(o, clamp(3.0 * pace, 0.03, 1.0));
+    keep_means(o, clamp(3.0 * pace, pupil_one_minus_exp(dt_s / scene_s), 1.0));
     pupil_row_gain_judge(o, l.cells > 0.0, dt_s);
 }

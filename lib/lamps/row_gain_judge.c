@@ -102,12 +102,14 @@ static double judge(pupil_row_gain_object *o)
     const double *k = o->coefficient;
     const double left = pupil_row_gain_averaged(r->light_hz, 1, o->exposure_s);
     const double power = (k[0] * k[0] + k[1] * k[1]) * left * left, worst = worst_disagreement(o);
+    const double drift = o->drift < 0.0 ? -o->drift : o->drift;
     const double allowed[] = {
         [PUPIL_ROW_GAIN_WAITING] = o->known_s >= 0.3,
         [PUPIL_ROW_GAIN_LONG] = ramp(o->exposure_s * r->light_hz, 0.95, 0.9),
-        [PUPIL_ROW_GAIN_STANDING] = ramp(o->moving, 0.02, 0.04),
+        [PUPIL_ROW_GAIN_STANDING] = ramp(o->moving, 0.1, 0.2),
         [PUPIL_ROW_GAIN_NO_LAMPS] = ramp(power, 1e-4, 4e-4), /* 0.01 and 0.02 EV */
-        [PUPIL_ROW_GAIN_DISTURBED] = ramp(o->heard, 0.4, 0.7),
+        [PUPIL_ROW_GAIN_DISTURBED] =
+            ramp(o->heard, 0.4, 0.7) * ramp(drift, PUPIL_ROW_GAIN_DRIFT, 0.8 * PUPIL_ROW_GAIN_DRIFT),
         /* 8 and 4 % of the wave; sooner, where it is lost in a whole group or segment */
         [PUPIL_ROW_GAIN_MIXED] = ramp(worst, 0.0064, 0.0016) * ramp(o->heard_lately, 0.7, 0.85),
     };

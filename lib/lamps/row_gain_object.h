@@ -12,6 +12,7 @@ enum {
     PUPIL_ROW_GAIN_TERMS = 2 * PUPIL_ROW_GAIN_HARMONICS /* cosine and sine of each */
 };
 #define PUPIL_ROW_GAIN_DARK  (-10.0) /* log2: what is darker is not looked at */
+#define PUPIL_ROW_GAIN_DRIFT 0.05    /* of drift: 0.5 Hz, more than mains wander, at 10 frames a second */
 #define PUPIL_ROW_GAIN_PRIOR 10.0    /* 1 / (0.3 EV)^2: what coefficients are like before there are frames */
 
 typedef struct pupil_row_gain_tile { /* normal equations of its own fundamental */
@@ -40,6 +41,7 @@ typedef struct pupil_row_gain_object {
     double matrix[PUPIL_ROW_GAIN_TERMS][PUPIL_ROW_GAIN_TERMS], side[PUPIL_ROW_GAIN_TERMS];
     double known_s; /* seconds of frames that it was learned from */
     double moving;  /* how much of the wave's power moves from frame to frame, 0..1 */
+    double drift;   /* turns a frame that the phase was led by, lately; 0 where light_hz is right */
     double faded;   /* result.strength, but for the last frame's own objection */
     /* how much of the expected wave there was, 1 where all is well: in the groups and the segments of the last frame
      * (its wave^2, times the rest), and lately */

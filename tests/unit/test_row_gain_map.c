@@ -100,6 +100,37 @@ static void check_refusals(void)
     frame_free(&small);
 }
 
+/* A wall of columns of several colours under lamps of 100 Hz, in any format: the wave is found. */
+static void check_metering(uint32_t pixel)
+{
+    static pupil_row_gain lamps;
+    pupil_row_gain_config config;
+    pupil_row_gain_result result;
+    uint32_t width = 64, height = 64;
+    frame_fit(pixel, &width, &height);
+    frame in = frame_make(width, height, pixel, 0, (int)(check_random() & 1));
+    pupil_row_gain_config_default(&config);
+    config.readout_s = 0.025;
+    CHECK(pupil_row_gain_init(&lamps, &config) == PUPIL_OK);
+    for (int i = 1; i <= 30; i++) {
+        const pupil_frame_info info = {.timestamp_ns = i * INT64_C(33333333), .exposure_s = 1e-3, .gain = 1};
+        for (uint32_t y = 0; y < height; y++) {
+            const double t = 1e-9 * (double)info.timestamp_ns + config.readout_s * (y + 0.5) / height;
+            const double light = 0.2 * (1 + 0.3 * cos(2 * 3.14159265358979 * 100 * t));
+            for (uint32_t x = 0; x < width; x++)
+                frame_set(&in, x, y, light * (1 + x % 3), light, light * (1 + x % 2), 1);
+        }
+        CHECK(pupil_row_gain_frame(&lamps, &in.image, &info) == PUPIL_OK);
+    }
+    CHECK(pupil_row_gain_get(&lamps, &result) == PUPIL_OK);
+    printf("format %2u: wave of %.3f EV, strength %.2f, disagreement %.3f, reason %u\n", pixel, result.wave_ev,
+           result.strength, result.disagreement, result.reason);
+    CHECK_MSG(result.strength > 0.9 && result.wave_ev > 0.3, "format %u: strength %g, wave %g, reason %u", pixel,
+              result.strength, result.wave_ev, result.reason);
+    CHECK(frame_guards_intact(&in));
+    frame_free(&in);
+}
+
 static double now_s(void)
 {
     struct timespec t;
@@ -155,6 +186,7 @@ int main(int argc, char **argv)
     for (uint32_t from = PUPIL_PIXEL_RGBA32F; from < PUPIL_PIXEL_COUNT; from++) {
         if (from == PUPIL_PIXEL_BGRX8)
             continue; /* out only */
+        check_metering(from);
         for (int i = 0; i < 3; i++) {
             static const uint32_t to[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12};
             check_pair(from, to[i], 0);

@@ -27,7 +27,7 @@ static rig random_rig(void)
     r.jitter_s = one_in(3) ? 5e-4 * check_uniform() : 0;
     r.noise = 0.03 * check_uniform();
     if (one_in(2)) {
-        const double w = 0.06 + 0.9 * check_uniform(), h = one_in(3) ? 1 : 0.06 + 0.9 * check_uniform();
+        const double w = 0.1 + 0.85 * check_uniform(), h = one_in(3) ? 1 : 0.1 + 0.85 * check_uniform();
         r.day_inside = 0.1 + 0.9 * check_uniform();
         r.x0 = (1 - w) * check_uniform(), r.x1 = r.x0 + w;
         r.y0 = (1 - h) * check_uniform(), r.y1 = r.y0 + h;
