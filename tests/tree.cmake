@@ -41,13 +41,14 @@ pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
   -DCMAKE_C_FLAGS=-O3\ -march=x86-64-v3 ${digest_only})
 
 # What there are vectors for again at the scalar level alone, which is what a CPU without them has.
-set(no_vectors "unit.sensor|drivers.(camera|live|malformed|pending|recording|v4l2|video)")
+set(no_vectors "unit.(sensor|row_gain)|drivers.(camera|live|malformed|pending|recording|v4l2|video)")
 string(APPEND no_vectors "|apps.(bench|list|probe|record|run|sim)")
 pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps) -E ^(${no_vectors})"
   -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
 
-# Sweeps of the sensor's controller: unit.sensor_machine, sensor_lies and fixtures.loop walk all of its code elsewhere.
-set(sweeps "unit.sensor_(delays|flashes|scenes|settle)")
+# Sweeps of the sensor's controller and of row gains: unit.sensor_machine, sensor_lies, fixtures.loop, row_gain_scenes and
+# row_gain_random walk all of their code elsewhere.
+set(sweeps "unit.(row_gain|sensor_(delays|flashes|scenes|settle))")
 
 # The other presets, as a user would build them.
 pupil_add_nested(preset.minimal full 600 - - --preset minimal)
