@@ -46,8 +46,8 @@ string(APPEND no_vectors "|apps.(bench|list|probe|record|run|sim)")
 pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps) -E ^(${no_vectors})"
   -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
 
-# Sweeps of the sensor's controller and of row gains: unit.sensor_machine, sensor_lies, fixtures.loop, row_gain_scenes and
-# row_gain_random walk all of their code elsewhere.
+# Sweeps of the sensor's controller and of row gains: unit.sensor_machine, sensor_lies, fixtures.loop, row_gain_scenes
+# and row_gain_random walk all of their code elsewhere.
 set(sweeps "unit.(row_gain|sensor_(delays|flashes|scenes|settle))")
 
 # The other presets, as a user would build them.
