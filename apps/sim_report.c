@@ -103,7 +103,10 @@ void sim_summary(const sim_run *run, FILE *out)
                 sim_reason_name(last->setting.reason));
     fputc('\n', out);
     if (!o->loop.law->total)
-        fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet), mains %u Hz\n",
+        fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet), mains %u Hz%s\n",
                 last->setting.slope, last->setting.delay[FIXTURE_EXPOSURE], last->setting.delay[FIXTURE_GAIN],
-                last->setting.mains_hz);
+                last->setting.mains_hz,
+                o->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? " (told)"
+                : last->setting.mains_hz               ? ""
+                                                       : " (none seen)");
 }

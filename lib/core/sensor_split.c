@@ -14,7 +14,10 @@ static double clamp(double x, double low, double high)
 /* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
 static double multiple(double x, double step)
 {
-    double steps = x / step + 1e-6, whole = (double)(int64_t)steps;
+    const double steps = x / step + 1e-6;
+    if (!(steps < 1e15)) /* steps that a double of x cannot tell apart */
+        return x;
+    const double whole = (double)(int64_t)steps;
     return step * (whole > steps ? whole - 1.0 : whole);
 }
 

@@ -84,8 +84,9 @@ void pupil_beat_frame(pupil_beat *b, double light, double exposure_s, int64_t ti
     const double shorter_s = exposure_s > 0.0 && b->exposure_s > 0.0 ? 0.5 * (b->exposure_s - exposure_s) : 0.0;
     if (timestamp_ns && timestamp_ns == b->timestamp_ns) /* the same frame again */
         return;
-    if (timestamp_ns && b->timestamp_ns && since_s > 0.0 && since_s > shorter_s && since_s < PAUSE_S) {
-        b->step_s = tick(b, since_s - shorter_s) + shorter_s;
+    const double end_s = since_s - shorter_s; /* from end to end; any number where info's exposures are none */
+    if (timestamp_ns && b->timestamp_ns && since_s > 0.0 && since_s < PAUSE_S && end_s > 0.0 && end_s < PAUSE_S) {
+        b->step_s = tick(b, end_s) + shorter_s;
         for (int i = 0; i < 2; i++)
             lamp_frame(&b->lamp[i], 100.0 + 20.0 * i, b->period_s, b->step_s, light - b->light);
     } else {

@@ -77,7 +77,8 @@ static void listen(pupil_mains *m, double dt_s)
         turn(light_hz[h] * dt_s).c > STANDING || turn(20.0 * dt_s).c > STANDING)
         return;
     m->hz = h ? 60 : 50;
-    m->modulation = 0.6931471805599453 * pupil_exp2(0.5 * pupil_log2(size[h]));
+    const double modulation = 0.6931471805599453 * pupil_exp2(0.5 * pupil_log2(size[h]));
+    m->modulation = modulation < 1.0 ? modulation : 1.0; /* light that goes out has a longer way in log2 */
 }
 
 /* The groups' levels take the place of the last frame's; how they moved, and the squares' sum. */

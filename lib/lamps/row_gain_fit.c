@@ -274,7 +274,7 @@ static void keep_means(pupil_row_gain_object *o, double weight)
 void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info)
 {
     const double dt_s = (double)(int64_t)((uint64_t)info->timestamp_ns - (uint64_t)o->timestamp_ns) * 1e-9;
-    const int goes_on = o->stamped && dt_s > 0.0 && dt_s <= gap_s;
+    const int goes_on = o->stamped && info->timestamp_ns > o->timestamp_ns && dt_s > 0.0 && dt_s <= gap_s;
     if (!goes_on) {
         const uint32_t width = o->width, height = o->height;
         pupil_row_gain_forget(o);

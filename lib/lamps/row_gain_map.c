@@ -13,12 +13,13 @@ static uint32_t rows_together(const pupil_image_const *rows, const pupil_image *
     return nv12 ? 2 : pupil_pixel_rows(rows->pixel);
 }
 
+/* Of one, two or four, so that the parts are exact; the largest floats have no sum. */
 static float mean_of(const float *gain, uint32_t count)
 {
-    float sum = 0.0f;
+    float mean = 0.0f;
     for (uint32_t i = 0; i < count; i++)
-        sum += gain[i];
-    return sum / (float)count;
+        mean += gain[i] / (float)count;
+    return mean;
 }
 
 /* All that pupil_map_rows would refuse of the whole: nothing is mapped before all of it is known to be right. */

@@ -131,6 +131,28 @@ static void check_metering(uint32_t pixel)
     frame_free(&in);
 }
 
+/* The largest gains there are, of pairs of rows: nothing times them is nothing. */
+static void check_largest(void)
+{
+    static const pupil_curve black = {0, 0, 0};
+    pupil_config config;
+    pupil_t pupil;
+    frame in = frame_make(8, 8, PUPIL_PIXEL_BAYER8, 0, 0), a = frame_make(8, 8, PUPIL_PIXEL_RGBA8, 0, 0);
+    frame b = frame_make(8, 8, PUPIL_PIXEL_RGBA8, 0, 0);
+    const pupil_image to_a = frame_writable(&a), to_b = frame_writable(&b);
+    float gain[8];
+    for (int i = 0; i < 8; i++)
+        gain[i] = 0x1.fffffep+127f;
+    frame_lognormal(&in, 0.1, 2, check_uniform);
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    CHECK(pupil_map_rows(&pupil, &black, &in.image, &to_a) == PUPIL_OK);
+    CHECK(pupil_map_rows_with_gains(&pupil, &black, &in.image, gain, &to_b) == PUPIL_OK && frame_equal(&a, &b));
+    frame_free(&in);
+    frame_free(&a);
+    frame_free(&b);
+}
+
 static double now_s(void)
 {
     struct timespec t;
@@ -195,6 +217,7 @@ int main(int argc, char **argv)
         }
     }
     check_refusals();
+    check_largest();
     show_cost("RGBA32F", PUPIL_PIXEL_RGBA32F);
     show_cost("YUYV", PUPIL_PIXEL_YUYV);
     show_cost("NV12", PUPIL_PIXEL_NV12);

@@ -160,6 +160,12 @@ static void check_clocks(void)
     c.lamps = before;
     pupil_frame_info info = {0};
     CHECK(pupil_row_gain_frame(&c.lamps, &c.image, &info) == PUPIL_OK && result().strength == 0);
+    static const int64_t ends[] = {INT64_MAX, INT64_MIN + 33000000}; /* 33 ms later only where integers wrap */
+    for (int i = 0; i < 2; i++) {
+        info.timestamp_ns = ends[i];
+        CHECK(pupil_row_gain_frame(&c.lamps, &c.image, &info) == PUPIL_OK);
+        CHECK(result().disagreement == 1 && result().wave_ev == 0); /* a first frame */
+    }
 
     /* the next frame's gains, before it is metered */
     settle(&r);

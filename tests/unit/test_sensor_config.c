@@ -137,6 +137,20 @@ static void split(const pupil_sensor_config *c, double total_s)
     CHECK(fabs(s.exposure_s * s.gain * s.digital / s.total_s - 1) < 1e-12 && s.digital > 1 - 1e-5);
 }
 
+/* Steps that a double cannot tell apart are none. */
+static void check_fine_lines(void)
+{
+    static const double step_s[] = {5e-324, 1e-300, 1e-18, 0};
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    for (int i = 0; i < 4; i++) {
+        c.exposure_step_s = step_s[i];
+        split(&c, 0.0123);
+        CHECK_MSG(fabs(s.exposure_s - 0.0123) < 1e-12 && s.gain == 1, "lines of %g s: %g s, gain %g", step_s[i],
+                  s.exposure_s, s.gain);
+    }
+}
+
 static int is_multiple(double x, double step)
 {
     return fabs(x / step - floor(x / step + 0.5)) < 1e-5;
@@ -214,6 +228,7 @@ int main(int argc, char **argv)
     check_fields();
     check_laws();
     check_split();
+    check_fine_lines();
     check_profile();
     return check_end();
 }

@@ -345,6 +345,19 @@ static void check_told(void)
     CHECK(pupil_sensor_get(&c.sensor, &c.setting) == PUPIL_OK && c.setting.mains_hz == 50);
 }
 
+/* Lamps that all but go out are known, and their modulation is no more than all of the light. */
+static void check_strong(void)
+{
+    camera c;
+    begin(&c, 5e-4);
+    c.frame_s = 1.0 / 30.0, c.readout_s = 0.025;
+    c.hz = 100.0, c.modulation = 0.999;
+    for (int n = 0; n < FRAMES; n++)
+        frame(&c, 0.0);
+    CHECK_MSG(c.setting.mains_hz == 50 && c.setting.mains_modulation > 0.9 && c.setting.mains_modulation <= 1.0,
+              "%u Hz, modulation %g", c.setting.mains_hz, c.setting.mains_modulation);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -360,5 +373,6 @@ int main(int argc, char **argv)
     check_undetermined();
     check_loop();
     check_told();
+    check_strong();
     return check_end();
 }

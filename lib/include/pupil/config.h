@@ -104,11 +104,11 @@ typedef struct pupil_config {
     double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
     double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
     double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
-    double nominal_frame_s; /* dt of frames that bring no timestamps, seconds, above 0; 1/30 */
+    double nominal_frame_s; /* dt of frames that bring no timestamps, seconds, above 0, up to 1e6; 1/30 */
     double ev_min;          /* lowest adapted level, log2 of scene luminance; -32; -64..ev_max */
     double ev_max;          /* highest adapted level; 32; ev_min..64 */
     double calibration;     /* scene luminance = value / (exposure_s * gain) * calibration, where a frame brings them;
-                             * above 0; 1 */
+                             * 2^-64..2^64; 1 */
     double key;             /* what the log-average is mapped to, 2^-10..1; 0.18 */
     double ev_compensation; /* stops, positive is brighter; 0; -16..16 */
 

@@ -32,7 +32,8 @@
  * is no gain. OpenGL ES (gles.h) has no gains of rows.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
- * pointers, the same frames give the same bits.
+ * pointers, the same frames give the same bits. Kernels are chosen for this CPU by pupil_row_gain_init: on another
+ * machine an object is made anew.
  */
 #ifndef PUPIL_ROW_GAIN_H
 #define PUPIL_ROW_GAIN_H
@@ -96,14 +97,16 @@ typedef struct pupil_row_gain_result {
 PUPIL_API int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *config);
 
 /* Takes a frame: meters it (four rows of each band) and learns the wave. `info` brings the timestamp, and the exposure
- * where it is known. A frame that is refused changes nothing; one with the last one's timestamp changes nothing either.
- */
+ * where it is known (else it is taken as short). A frame that is refused changes nothing; one with the last one's
+ * timestamp changes nothing either. All is forgotten by one without a timestamp, one of another size or too small, and
+ * where the clock goes back or on by more than half a second. */
 PUPIL_API int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, const pupil_frame_info *info);
 
 PUPIL_API int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain_result *result);
 
 /* The gains of the rows of a frame, gain[0] the top one's: of the frame that was taken last, or, to map a frame in the
- * pass that meters it, of the next one, by its timestamp. All 1 where there are none. */
+ * pass that meters it, of the next one, by its timestamp. From 1/16 to 16; all 1 where there are none, and for a time
+ * before the last frame or more than half a second after it. PUPIL_ERR_SIZE: a height of 0, or no picture's. */
 PUPIL_API int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *info, uint32_t height,
                                      float *gain);
 

@@ -111,15 +111,15 @@ typedef struct pupil_sensor_config {
                         * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
                         * the digital factor follows alone; 0.05; 0..0.5 */
-    double digital_ev; /* frame_digital stays within +- so many stops; 1.5; 0..8 */
+    double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
 
     /* exposure time */
     double frame_s;               /* a frame's period; dt of unstamped frames; 1/30; 1e-6..1e6 */
-    double exposure_min_s;        /* 1e-4; 1e-9..exposure_max_s */
-    double exposure_max_s;        /* 1/30; up to 1e4 */
+    double exposure_min_s;        /* 1e-4; 1e-9..exposure_max_s; with frame_rate_priority at most frame_s */
+    double exposure_max_s;        /* 1/30; 1e-9..1e4 */
     double exposure_step_s;       /* exposures are multiples of it: a line; 0: any; 0..1 */
-    uint32_t frame_rate_priority; /* 1: exposures stay within frame_s; 0: in the dark, after the gain, they may go on up
-                                   * to exposure_max_s; 1 */
+    uint32_t frame_rate_priority; /* 1: exposures stay within frame_s, but for those by hand or held; 0: in the dark,
+                                   * after the gain, they may go on up to exposure_max_s; 1 */
     uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO, which is 0 until lamps are found; that. From half a
                         * mains period on, exposures are multiples of it (rounded down to a multiple of
                         * exposure_step_s) */
@@ -130,15 +130,15 @@ typedef struct pupil_sensor_config {
 
     /* gain */
     double gain_min;     /* 1; 2^-10..gain_max */
-    double gain_max;     /* 16; up to 2^16 */
-    double gain_step;    /* of LINEAR (above 0), DB (dB, above 0), RECIPROCAL (2..65536); 1/16 */
+    double gain_max;     /* 16; 2^-10..2^16 */
+    double gain_step;    /* of LINEAR (1e-6..64), DB (dB, 1e-6..64), RECIPROCAL (2..65536); 1/16 */
     uint32_t gain_law;   /* a pupil_gain_law */
     uint32_t gain_count; /* entries of gain_table in use, 1..PUPIL_SENSOR_GAIN_TABLE */
-    double gain_table[PUPIL_SENSOR_GAIN_TABLE];
+    double gain_table[PUPIL_SENSOR_GAIN_TABLE]; /* 2^-10..2^16 */
 
     /* the profile: from the shortest exposure at gain_min, up to stage 0's exposure, then to its gain, then to stage
      * 1's exposure, ... none of which falls; after the last stage, up to frame_s, then gain_max, then exposure_max_s.
-     * So without stages it is exposure first and gain only in the dark. */
+     * So without stages it is exposure first and gain only in the dark. 1e-9..1e4 s, 2^-10..2^16. */
     uint32_t stages; /* 0..PUPIL_SENSOR_STAGES; 0 */
     uint32_t lock;   /* 1: the setting stands still while measuring goes on; 0 */
     pupil_sensor_stage stage[PUPIL_SENSOR_STAGES];
@@ -225,7 +225,8 @@ typedef struct pupil_sensor_setting {
                                           * was taken with it, as the frames show it; 0: not known yet */
     uint32_t mains_hz;                   /* in use: 50, 60 or 0 */
     uint32_t mains;                      /* a pupil_sensor_mains */
-    double mains_modulation;             /* of the light, 0..1, when it was last seen in a frame; 0: never */
+    double mains_modulation;             /* of the rows, as the frames' exposure leaves it, 0..1, when it was last seen
+                                          * in a frame; 0: never */
 } pupil_sensor_setting;
 
 /* ---- life ------------------------------------------------------------------------------------------------------- */
