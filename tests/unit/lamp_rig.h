@@ -77,7 +77,7 @@ static void rig_make_wall(void)
 static double rig_light(const rig *r, double t)
 {
     const double a = 2 * 3.14159265358979323846 * r->light_hz * t, m = r->modulation;
-    if (r->wave == RIG_SINE)
+    if (r->wave == RIG_SINE || m == 0)
         return 1 + m * cos(a);
     if (r->wave == RIG_LED)
         return 1 + m * tanh(2 * cos(a)) / tanh(2);
