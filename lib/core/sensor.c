@@ -148,8 +148,10 @@ static double told(pupil_sensor_object *o, const pupil_frame_info *info)
         e = info->exposure_s, known++;
     if (info && info->gain >= 0x1p-64 && info->gain <= 0x1p64)
         g = info->gain, known++;
-    if (known == 2 && !o->answer.info_tells && (o->answer.dead[0] || o->answer.dead[1]))
-        pupil_sensor_answer_reset(o); /* the camera is back: what did nothing while it was away does something now */
+    if (known == 2 && !o->answer.info_tells && o->answer.frame) { /* the camera is back: as at first */
+        pupil_sensor_answer_reset(o);
+        o->answer.frame = 0; /* and what was asked for meanwhile was not heard */
+    }
     o->answer.info_tells = known == 2;
     o->answer.told[0] = pupil_log2(e);
     o->answer.told[1] = pupil_log2(g);
