@@ -33,9 +33,7 @@ static int answer(bench_ae *b, answers *a, int curve, const fixture_controller *
             a->error_ev[step][curve][i] = b->frame[BEFORE - SHOWN_BEFORE + i].error_ev - rest;
     }
     snprintf(a->name[curve], sizeof a->name[curve], "%s%s", law->name,
-             law->total ? ""
-             : rejects  ? ""
-                        : ", " BENCH_AE_NO_FLASH);
+             law->total || rejects ? "" : ", " BENCH_AE_NO_FLASH);
     return 0;
 }
 

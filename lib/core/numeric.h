@@ -53,6 +53,11 @@ static inline int pupil_is_finite(double x)
     return (pupil_bits_of_double(x) >> 52 & 0x7ff) != 0x7ff;
 }
 
+static inline double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
 /* log2 of a normal x > 0; absolute error below 4e-16 + 2e-16 |log2 x|. */
 double pupil_log2(double x);
 

@@ -15,11 +15,6 @@ static pupil_sensor_object *object_of(pupil_sensor *sensor)
     return o && o->magic == SENSOR_MAGIC ? o : 0;
 }
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /* The setting for the wanted total, unless that is near enough to when it was last chosen. */
 void pupil_sensor_choose(pupil_sensor_object *o, int anew)
 {

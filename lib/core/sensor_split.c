@@ -3,11 +3,6 @@
 
 #include "numeric.h"
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /* A total that came from its logarithm is off by a few 2^-52 of these. */
 #define UP (1.0 + 1e-9)
 

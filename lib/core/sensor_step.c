@@ -3,11 +3,6 @@
 
 #include "numeric.h"
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /* A frame with this share of it clipped, or half of it black, says little but that: by how many stops the total then
  * moves, to look again. Six stops are the largest step of a scene that is to settle with one look more. */
 #define BLIND_CLIPPED 0.97

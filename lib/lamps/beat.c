@@ -15,11 +15,6 @@
 #define OPEN         8.0    /* told where it explains all but this part of the power, until it is all but a third */
 #define CLOSE        3.0
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /* What is beyond the nearest whole number. */
 static double part(double x)
 {

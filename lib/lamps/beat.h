@@ -5,12 +5,12 @@
 #include <stdint.h>
 
 typedef struct pupil_beat_lamp {
-    double turn;         /* of the lamp's wave at the last frame */
-    double off_hz;       /* the mains are never exactly at 50 or 60 */
-    double wave[2];      /* cosine and sine, shares of the mean light */
-    double moved, left;  /* mean squares, stops: the light from frame to frame; less the wave */
-    double gate;         /* share of the beat that is told; below 0: how long it still has to be clear */
-    uint32_t gone, none; /* frames that say that the lamp is off */
+    double turn;        /* of the lamp's wave at the last frame */
+    double off_hz;      /* the mains are never exactly at 50 or 60 */
+    double wave[2];     /* cosine and sine, shares of the mean light */
+    double moved, left; /* mean squares, stops: the light from frame to frame; less the wave */
+    double gate;        /* share of the beat that is told; below 0: how long it still has to be clear */
+    uint32_t gone;      /* frames that say that the lamp is off */
 } pupil_beat_lamp;
 
 typedef struct pupil_beat {

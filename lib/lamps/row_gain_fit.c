@@ -27,11 +27,6 @@ static const double scene_s = 1.0;   /* of the means: at most; waves that roll b
 static const double gap_s = 0.5;     /* mains of 50 +- 0.2 Hz are a fifth of a period off after it */
 static const double noise_ev = 0.02; /* what a band differs from the wave by at best; weights of frames */
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 void pupil_row_gain_forget(pupil_row_gain_object *o)
 {
     o->stamped = 0;

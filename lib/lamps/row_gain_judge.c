@@ -11,11 +11,6 @@ enum {
     BANDS = PUPIL_BANDS
 };
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /* 0 at `none`, 1 at `all`, straight between. */
 static double ramp(double x, double none, double all)
 {
