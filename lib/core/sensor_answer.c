@@ -27,8 +27,6 @@
 #define STEP_EV      0.3  /* a control's step from here on shows how strongly the camera answers */
 #define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
 #define STRANGE_MOST 4
-#define JUMP_LEAST   0.1 /* of a control that moves more than itself; more at once is rather the scene's */
-#define JUMP_MOST    0.8
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
 #define FAR_AWAY     1e3
 
@@ -273,10 +271,6 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         const double left = least - own;
         const double size = 1.25 * (left < 0.0 ? -left : left),
                      cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
-        const double step_ev = own < 0.0 ? -own : own;
-        const int more = size > cut && size > 2.0 * step_ev; /* less may be a delay that is off */
-        if (step_ev > 0.02)
-            a->surprised = more && size > JUMP_LEAST && size < JUMP_MOST ? 8 : a->surprised - (a->surprised > 0);
         a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
         a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
     }

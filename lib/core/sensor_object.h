@@ -38,7 +38,6 @@ typedef struct pupil_sensor_answer {
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing */
     uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
-    uint32_t surprised;  /* the picture has jumped just when a small step came into force */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
@@ -60,7 +59,10 @@ typedef struct pupil_sensor_object {
     uint32_t odd_frames;    /* in a row that are far off on one side, before anything is done about it */
     uint32_t turns;         /* large steps that turned back, with little rest between */
     uint32_t creeping;      /* steps in a row to one side of which nothing has been seen */
-    uint32_t crossed;       /* frames since exposure was exchanged for gain, downwards */
+    uint32_t nudged;        /* frames since the filter moved the setting, downwards: it may still be on its way */
+    uint32_t jumped;        /* frames since the light seemed to jump just when that came into force, downwards */
+    double mean_log2, taken_log2; /* of the last frame: what was metered, and what it was taken with */
+    double noise_ev;              /* of the light, from frame to frame */
     uint32_t coarse;        /* frames since the highlights had a say, downwards */
     uint32_t calm;          /* frames of rest since the last large step */
     int32_t last_direction; /* of the last large step, guessed or not; 0 after some rest */

@@ -22,14 +22,20 @@
  * and as approached. */
 #define MOST_TURNS 5
 #define CALM       20
-#define LONG_CALM  300
+#define LONG_CALM  1000
 #define PATIENCE_S 1.0
 /* More than what is rounded down: a third of a stop, and hold_ev. */
 #define UNSEEN_EV 0.4
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
 #define PROBE_EV      0.4
-#define EXCHANGE_EV   0.2
+#define LEAST_NOISE_EV 0.003 /* of the mean of a frame that stands still */
+/* Of a setting that moves more than itself; more at once is rather the scene's. */
+#define JUMP_LEAST 0.01
+#define JUMP_MOST  0.8
+/* Light that is less off than this many times its noise is near, up to this. */
+#define NOISES      3.0
+#define MOST_FAR_EV 0.2
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -125,6 +131,24 @@ static int is_flash(pupil_sensor_object *o, double *off)
     return 0;
 }
 
+/* Whether the light seems to jump in the very frame in which what the filter asked for comes into force. Then it was the
+ * camera, which has no step so small, or does more than it is asked to. */
+static void watch(pupil_sensor_object *o, double mean_log2, double taken_log2)
+{
+    const int first = !o->setting.frames;
+    const double own = first ? 0.0 : o->answer.slope * (taken_log2 - o->taken_log2);
+    const double left = first ? 0.0 : mean_log2 - o->mean_log2 - own;
+    const double size = 1.25 * (left < 0.0 ? -left : left), most = 4.0 * o->noise_ev; /* of a normal deviate: 1.25 |x| */
+    o->jumped -= o->jumped > 0;
+    if (own < 0.02 && own > -0.02)
+        o->noise_ev += 0.1 * (clamp(size, LEAST_NOISE_EV, most) - o->noise_ev);
+    else if (o->nudged && !o->odd_frames && size > most + JUMP_LEAST && size < JUMP_MOST)
+        o->jumped = o->config.flash_frames + 3;
+    o->nudged -= o->nudged > 0;
+    o->mean_log2 = mean_log2;
+    o->taken_log2 = taken_log2;
+}
+
 /* Until the light is further off than this, or for a time that grows with every vain search. */
 static void stand_still(pupil_sensor_object *o, double band_ev)
 {
@@ -144,12 +168,10 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     const int32_t direction = off > 0.0 ? 1 : -1;
     const double size = off < 0.0 ? -off : off;
     uint32_t reason = PUPIL_SENSOR_NO_REASON;
-    if (o->crossed) /* exchanging exposure and gain has moved the picture */
-        o->answer.surprised = 8;
     if (o->direction == -direction || (o->last_direction == -direction && o->turns > 0))
         o->stride *= o->stride > LEAST_STRIDE ? 0.5 : 1.0;
     if (o->last_direction == -direction) {
-        o->turns += o->answer.surprised ? 2 : 1;
+        o->turns++;
         if (o->turns >= MOST_TURNS) {
             o->total_log2 = size > o->last_size ? o->last_total_log2 : o->total_log2;
             stand_still(o, 1.5 * (size > o->last_size ? size : o->last_size));
@@ -175,9 +197,14 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
         reason = PUPIL_SENSOR_STRANGE;
     }
+    if (o->jumped) { /* back, and no more of it for a while */
+        stand_still(o, 1.5 * size);
+        reason = PUPIL_SENSOR_UNSTEADY;
+    }
     o->total_log2 += off;
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
+    o->nudged = o->jumped = 0;
     o->calm = 0;
     o->odd_frames = 0;
     return reason;
@@ -212,7 +239,7 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     weight = weight < most_weight ? weight : most_weight;
     o->direction = 0;
     o->calm += o->calm < LONG_CALM;
-    if (o->calm >= (o->answer.surprised ? 4 * CALM : CALM))
+    if (o->calm >= CALM)
         o->turns = 0, o->last_direction = 0;
     if (o->calm >= LONG_CALM)
         o->patience_s = 0.0;
@@ -296,17 +323,16 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
         const double high = reachable(o, wanted + a->high - frame_log2);
         o->coarse = reason == PUPIL_SENSOR_HIGHLIGHTS ? CALM : o->coarse - (o->coarse > 0);
         const int coarse = reason == PUPIL_SENSOR_HIGHLIGHTS || (o->coarse && o->calm >= CALM);
-        const double far_ev = coarse && c->far_ev < HIGHLIGHT_FAR_EV ? HIGHLIGHT_FAR_EV : c->far_ev;
+        double far_ev = clamp(NOISES * o->noise_ev / a->slope, c->far_ev, 2.0);
+        far_ev = clamp(coarse ? HIGHLIGHT_FAR_EV : far_ev < MOST_FAR_EV ? far_ev : MOST_FAR_EV, c->far_ev, 2.0);
         s->error_ev = target - o->total_log2;
+        watch(o, light->mean, frame_log2);
         s->frames++;
         if (!c->lock)
             slow = move(o, low, high, far_ev, wanted != target, guessed);
-        const double gain = a->standing[1];
         pupil_sensor_choose(o, 0);
-        const double exchanged = gain - a->standing[1];
-        o->crossed -= o->crossed > 0;
-        if (o->waited && (exchanged > EXCHANGE_EV || exchanged < -EXCHANGE_EV))
-            o->crossed = CALM / 2;
+        if (s->changed && o->waited)
+            o->nudged = pupil_sensor_longest_wait(o) + 1;
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
     }
     s->slope = a->slope;
