@@ -30,6 +30,9 @@
 #define JUMP_LEAST   0.1 /* of a control that moves more than itself; more at once is rather the scene's */
 #define JUMP_MOST    0.8
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
+#define ALIKE        0.1 /* slopes that agree */
+#define LEAST_GAIN   0.45
+#define REAL_EV      4.5 /* this far below white 8 bits have 11 codes, and half a code is 0.06 EV */
 #define FAR_AWAY     1e3
 
 static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
@@ -64,7 +67,10 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     a->slopes = 0;
     a->slope = 1.0;
     for (int i = 0; i < 3; i++)
-        a->seen[i] = 1.0;
+        a->seen[i] = 1.0, a->gains[i] = 0.0;
+    a->gain_does = 1.0;
+    a->less = 0.0;
+    a->lesses = 0;
     a->strange = 0;
     a->delay[0] = a->delay[1] = 0;
 }
@@ -77,22 +83,25 @@ static double in_force(const pupil_sensor_answer *a, int c, uint32_t h, uint32_t
     return h == NEVER ? a->anchor[c] : a->asked[(a->frame - h - before) % PUPIL_SENSOR_RING][c];
 }
 
-/* By how much the picture's level has moved: from least to most. */
-static void moved(const pupil_sensor_answer *a, const pupil_sensor_light *light, double *least, double *most)
+/* By how much the picture's level has moved: from least to most. Returns whether both are well above black. */
+static int moved(const pupil_sensor_object *o, const pupil_sensor_light *light, double *least, double *most)
 {
+    const pupil_sensor_answer *a = &o->answer;
+    const double dark = pupil_log2(o->config.clip) - REAL_EV;
     *least = -FAR_AWAY, *most = FAR_AWAY;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
         const double low = light->low[i] - a->high_of[i], high = light->high[i] - a->low_of[i];
         if (light->low[i] == light->high[i] &&
             a->low_of[i] == a->high_of[i]) { /* the most central one that is a number */
             *least = *most = low;
-            return;
+            return light->low[i] > dark && a->low_of[i] > dark;
         }
         *least = low > *least ? low : *least;
         *most = high < *most ? high : *most;
     }
     if (*least > *most)
         *least = *most = 0.5 * (*least + *most);
+    return 0;
 }
 
 /* Stops that the scene must have moved by itself, if the controls moved by step. How strongly the picture answers is
@@ -211,10 +220,44 @@ static double middle_of(const double x[3])
     return x[2] < least ? least : x[2] > most ? most : x[2];
 }
 
-/* A step that nothing in doubt is about, and what the picture made of it. */
-static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double answer)
+/* What steps of gain do of what they should, where the last three say the same. */
+static void agree(pupil_sensor_answer *a)
+{
+    a->gain_does = middle_of(a->gains);
+    for (int i = 0; i < 3; i++)
+        if (!(a->gain_does < 1.0 - STRAIGHT && a->gain_does > LEAST_GAIN) ||
+            a->gains[i] > a->gain_does * (1.0 + ALIKE) || a->gains[i] < a->gain_does * (1.0 - ALIKE))
+            a->gain_does = 1.0;
+}
+
+/* What a step of exposure leaves, if it is as it was asked for, and if a line is missing. Returns whether that explains
+ * it better. */
+static int learn_line(pupil_sensor_object *o, double left)
 {
     pupil_sensor_answer *a = &o->answer;
+    if (!(o->config.linear && a->slope == 1.0 && a->gain_does == 1.0 && o->config.exposure_step_s > 0.0))
+        return 0;
+    const double now = in_force(a, 0, a->best[0], 0), then = in_force(a, 0, a->best[0], 1),
+                 scale = 1.0 / (3.0 * a->noise * a->noise);
+    const double other =
+        left + now - then - pupil_sensor_shorter(&o->config, now) + pupil_sensor_shorter(&o->config, then);
+    const double bits = 2.0 * pupil_log2((1.0 + left * left * scale) / (1.0 + other * other * scale));
+    const double least = left * left < other * other ? left : other;
+    if (least > a->noise || least < -a->noise) /* neither does */
+        return 0;
+    if (bits < -0.5)
+        a->less = 0.0, a->lesses = 0;
+    a->less = clamp(a->less + bits, 0.0, PRIOR);
+    a->lesses += bits > 0.5 && a->lesses < 3;
+    return bits > 0.5;
+}
+
+/* A step that nothing in doubt is about, and what the picture made of it. Of a picture that is said to be linear, what
+ * gain alone does less than it should is not the picture's: if that is wrong, a step of exposure is too short. */
+static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double answer, int is_real)
+{
+    pupil_sensor_answer *a = &o->answer;
+    const double exposure = step[0][a->best[0]];
     double low = FAR_AWAY, high = -FAR_AWAY;
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
@@ -222,24 +265,36 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
                 const double all = step[0][e] + step[1][g];
                 low = all < low ? all : low;
                 high = all > high ? all : high;
+                is_real &= is_near(step[0][e], exposure);
             }
     const double size = low > 0.0 ? low : -high;
     if (!(size > STEP_EV && size > 4.0 * a->noise && high - low < 0.1 * size))
         return;
-    const double slope = 2.0 * answer / (low + high);
+    const double slope = 2.0 * answer / (low + high), does = a->gain_does * slope / a->slope;
     if (!(slope > 0.3 && slope < 3.3)) {
         a->strange += a->strange < STRANGE_MOST;
         return;
     }
     a->strange -= a->strange > 0;
-    for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
-        a->seen[i] = !o->config.linear && !a->slopes ? slope : i < 2 ? a->seen[i + 1] : slope;
     a->slopes += a->slopes < 3;
+    if (o->config.linear && is_near(exposure, 0.0) && does < 1.0 + STRAIGHT) {
+        for (int i = 0; i < 3 && is_real; i++)
+            a->gains[i] = i < 2 ? a->gains[i + 1] : does;
+        agree(a);
+        if (does < 1.0 - STRAIGHT)
+            return;
+    } else if (is_real && learn_line(o, answer - exposure - step[1][a->best[1]])) {
+        return;
+    }
+    for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
+        a->seen[i] = !o->config.linear && a->slopes == 1 ? slope : i < 2 ? a->seen[i + 1] : slope;
     double middle = middle_of(a->seen);
     if (middle > 1.0 - STRAIGHT && middle < 1.0 + STRAIGHT)
         middle = 1.0;
-    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT))
+    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT)) {
         o->stride = 1.0; /* it was this that steps turned back for */
+        a->gains[0] = 0.0, a->gain_does = 1.0;
+    }
     a->slope = middle;
 }
 
@@ -251,12 +306,12 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
     for (int c = 0; c < 2; c++) {
         low[c] = FAR_AWAY, high[c] = -FAR_AWAY;
         for (uint32_t h = 0; h < PUPIL_SENSOR_GUESSES; h++) {
-            const double x = step[c][h] = in_force(a, c, h, 0) - in_force(a, c, h, gap);
+            const double x = step[c][h] = (c ? a->gain_does : 1.0) * (in_force(a, c, h, 0) - in_force(a, c, h, gap));
             low[c] = x < low[c] ? x : low[c];
             high[c] = x > high[c] ? x : high[c];
         }
     }
-    moved(a, light, &least, &most);
+    const int is_real = moved(o, light, &least, &most) && gap == 1;
     if (high[0] - low[0] > 0.01 || high[1] - low[1] > 0.01) {
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
         weigh(o, step, least, most);
@@ -265,7 +320,7 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
             a->is_told = 1;
         survey(a, 0);
         if (least == most)
-            learn_slope(o, step, least);
+            learn_slope(o, step, least, is_real);
     }
     const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
     a->brighter += most - own;

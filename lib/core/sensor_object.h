@@ -26,6 +26,10 @@ typedef struct pupil_sensor_answer {
     double noise;     /* of the scene, stops from frame to frame */
     double slope;     /* of the picture's log2 over the light's */
     double seen[3];   /* slopes */
+    double gains[3];  /* what steps of gain alone have done of what they should */
+    double gain_does; /* ... where these agree; 1 */
+    double less;      /* bits for exposures a line shorter than asked for */
+    uint32_t lesses;  /* steps in a row that spoke for it; at most 3 */
     double brighter;  /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
     double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
     uint32_t slopes;                                                  /* seen; at most 3 */
@@ -90,6 +94,10 @@ typedef struct pupil_sensor_light {
 void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, double *exposure_s, double *gain);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
+/* log2 of what an exposure, in log2, does if it is a line shorter than asked for. */
+double pupil_sensor_shorter(const pupil_sensor_config *config, double exposure_log2);
+/* The total to be asked for so that this one is done, by a camera that has been seen to do otherwise. */
+double pupil_sensor_total_for(const pupil_sensor_object *object, double total_log2);
 /* The limits that the setting stands at, and the one that keeps it from going on. */
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);

@@ -4,7 +4,8 @@
 #include "numeric.h"
 
 /* A total that came from its logarithm is off by a few 2^-52 of these. */
-#define UP (1.0 + 1e-9)
+#define UP        (1.0 + 1e-9)
+#define LESS_BITS 4.0
 
 /* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
 static double multiple(double x, double step)
@@ -107,6 +108,32 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     e = held_s || dead_s ? e0 : pupil_sensor_exposure_of(c, e);
     *exposure_s = e;
     *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / e);
+}
+
+double pupil_sensor_shorter(const pupil_sensor_config *c, double exposure_log2)
+{
+    const double e = pupil_exp2(exposure_log2) - c->exposure_step_s;
+    return pupil_log2(e > c->exposure_step_s ? e : c->exposure_step_s);
+}
+
+/* log2 of what the controls do beyond exposure x gain, by what has been seen. A line that is missing is believed before
+ * it is certain: that only makes steps shorter. */
+static double beyond(const pupil_sensor_object *o, double exposure, double gain)
+{
+    const pupil_sensor_answer *a = &o->answer;
+    const int is_less = a->lesses > 1 && a->less > LESS_BITS;
+    return (a->gain_does - 1.0) * gain + (is_less ? pupil_sensor_shorter(&o->config, exposure) - exposure : 0.0);
+}
+
+double pupil_sensor_total_for(const pupil_sensor_object *o, double total_log2)
+{
+    const double now = beyond(o, o->answer.taken[0], o->answer.taken[1]);
+    double total = total_log2, e, g;
+    for (int i = 0; i < 5; i++) { /* half of what is left, at worst, is left by each */
+        pupil_sensor_split(o, total, &e, &g);
+        total = total_log2 + now - beyond(o, pupil_log2(e), pupil_log2(g));
+    }
+    return clamp(total, o->least_log2, o->most_log2);
 }
 
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
