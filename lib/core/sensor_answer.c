@@ -69,9 +69,7 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     for (int i = 0; i < 3; i++)
         a->seen[i] = 1.0, a->gains[i] = 0.0;
     a->gain_does = 1.0;
-    a->less = 0.0;
-    a->lesses = 0;
-    a->strange = 0;
+    a->short_steps = a->strange = 0;
     a->delay[0] = a->delay[1] = 0;
 }
 
@@ -83,25 +81,22 @@ static double in_force(const pupil_sensor_answer *a, int c, uint32_t h, uint32_t
     return h == NEVER ? a->anchor[c] : a->asked[(a->frame - h - before) % PUPIL_SENSOR_RING][c];
 }
 
-/* By how much the picture's level has moved: from least to most. Returns whether both are well above black. */
-static int moved(const pupil_sensor_object *o, const pupil_sensor_light *light, double *least, double *most)
+/* By how much the picture's level has moved: from least to most. */
+static void moved(const pupil_sensor_answer *a, const pupil_sensor_light *light, double *least, double *most)
 {
-    const pupil_sensor_answer *a = &o->answer;
-    const double dark = pupil_log2(o->config.clip) - REAL_EV;
     *least = -FAR_AWAY, *most = FAR_AWAY;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
         const double low = light->low[i] - a->high_of[i], high = light->high[i] - a->low_of[i];
         if (light->low[i] == light->high[i] &&
             a->low_of[i] == a->high_of[i]) { /* the most central one that is a number */
             *least = *most = low;
-            return light->low[i] > dark && a->low_of[i] > dark;
+            return;
         }
         *least = low > *least ? low : *least;
         *most = high < *most ? high : *most;
     }
     if (*least > *most)
         *least = *most = 0.5 * (*least + *most);
-    return 0;
 }
 
 /* Stops that the scene must have moved by itself, if the controls moved by step. How strongly the picture answers is
@@ -220,36 +215,26 @@ static double middle_of(const double x[3])
     return x[2] < least ? least : x[2] > most ? most : x[2];
 }
 
-/* What steps of gain do of what they should, where the last three say the same. */
-static void agree(pupil_sensor_answer *a)
+/* A step of gain alone. What it does less than it should is believed where the last three say the same. */
+static void learn_gain(pupil_sensor_answer *a, double does)
 {
-    a->gain_does = middle_of(a->gains);
+    a->gains[0] = a->gains[1], a->gains[1] = a->gains[2], a->gains[2] = does;
+    const double middle = middle_of(a->gains), least = middle * (1.0 - ALIKE), most = middle * (1.0 + ALIKE);
+    a->gain_does = middle > LEAST_GAIN && middle < 1.0 - STRAIGHT ? middle : 1.0;
     for (int i = 0; i < 3; i++)
-        if (!(a->gain_does < 1.0 - STRAIGHT && a->gain_does > LEAST_GAIN) ||
-            a->gains[i] > a->gain_does * (1.0 + ALIKE) || a->gains[i] < a->gain_does * (1.0 - ALIKE))
-            a->gain_does = 1.0;
+        a->gain_does = a->gains[i] < least || a->gains[i] > most ? 1.0 : a->gain_does;
 }
 
-/* What a step of exposure leaves, if it is as it was asked for, and if a line is missing. Returns whether that explains
- * it better. */
+/* A step with exposure in it, which leaves so much. Returns whether a line is missing. */
 static int learn_line(pupil_sensor_object *o, double left)
 {
     pupil_sensor_answer *a = &o->answer;
-    if (!(o->config.linear && a->slope == 1.0 && a->gain_does == 1.0 && o->config.exposure_step_s > 0.0))
+    const double now = in_force(a, 0, a->best[0], 0), then = in_force(a, 0, a->best[0], 1);
+    const double line = pupil_sensor_shorter(&o->config, now) - pupil_sensor_shorter(&o->config, then);
+    if (a->slope * a->gain_does != 1.0 || (line < a->noise && line > -a->noise))
         return 0;
-    const double now = in_force(a, 0, a->best[0], 0), then = in_force(a, 0, a->best[0], 1),
-                 scale = 1.0 / (3.0 * a->noise * a->noise);
-    const double other =
-        left + now - then - pupil_sensor_shorter(&o->config, now) + pupil_sensor_shorter(&o->config, then);
-    const double bits = 2.0 * pupil_log2((1.0 + left * left * scale) / (1.0 + other * other * scale));
-    const double least = left * left < other * other ? left : other;
-    if (least > a->noise || least < -a->noise) /* neither does */
-        return 0;
-    if (bits < -0.5)
-        a->less = 0.0, a->lesses = 0;
-    a->less = clamp(a->less + bits, 0.0, PRIOR);
-    a->lesses += bits > 0.5 && a->lesses < 3;
-    return bits > 0.5;
+    a->short_steps = left / line < 0.5 ? 0 : a->short_steps + (left / line < 1.5 && a->short_steps < 2);
+    return left / line > 0.5 && left / line < 1.5;
 }
 
 /* A step that nothing in doubt is about, and what the picture made of it. Of a picture that is said to be linear, what
@@ -278,12 +263,11 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
     a->strange -= a->strange > 0;
     a->slopes += a->slopes < 3;
     if (o->config.linear && is_near(exposure, 0.0) && does < 1.0 + STRAIGHT) {
-        for (int i = 0; i < 3 && is_real; i++)
-            a->gains[i] = i < 2 ? a->gains[i + 1] : does;
-        agree(a);
+        if (is_real)
+            learn_gain(a, does);
         if (does < 1.0 - STRAIGHT)
             return;
-    } else if (is_real && learn_line(o, answer - exposure - step[1][a->best[1]])) {
+    } else if (o->config.linear && is_real && learn_line(o, answer - exposure - step[1][a->best[1]])) {
         return;
     }
     for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
@@ -311,7 +295,7 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
             high[c] = x > high[c] ? x : high[c];
         }
     }
-    const int is_real = moved(o, light, &least, &most) && gap == 1;
+    moved(a, light, &least, &most);
     if (high[0] - low[0] > 0.01 || high[1] - low[1] > 0.01) {
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
         weigh(o, step, least, most);
@@ -319,8 +303,9 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         if (o->answer.info_tells && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
             a->is_told = 1;
         survey(a, 0);
+        const double dark = pupil_log2(o->config.clip) - REAL_EV;
         if (least == most)
-            learn_slope(o, step, least, is_real);
+            learn_slope(o, step, least, gap == 1 && light->low[0] > dark && a->low_of[0] > dark);
     }
     const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
     a->brighter += most - own;

@@ -28,16 +28,15 @@ typedef struct pupil_sensor_answer {
     double seen[3];   /* slopes */
     double gains[3];  /* what steps of gain alone have done of what they should */
     double gain_does; /* ... where these agree; 1 */
-    double less;      /* bits for exposures a line shorter than asked for */
-    uint32_t lesses;  /* steps in a row that spoke for it; at most 3 */
     double brighter;  /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
     double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
     uint32_t slopes;                                                  /* seen; at most 3 */
-    uint32_t strange;   /* steps that the picture did not follow; at most 4 */
-    uint32_t alive[2];  /* masks of guesses */
-    uint32_t best[2];   /* guesses */
-    uint32_t delay[2];  /* found; 0: not yet */
-    uint32_t in_flight; /* the last setting may not be in force yet */
+    uint32_t short_steps; /* in a row, that were as if a line were missing of each exposure; at most 2 */
+    uint32_t strange;     /* steps that the picture did not follow; at most 4 */
+    uint32_t alive[2];    /* masks of guesses */
+    uint32_t best[2];     /* guesses */
+    uint32_t delay[2];    /* found; 0: not yet */
+    uint32_t in_flight;   /* the last setting may not be in force yet */
     uint32_t has_level;
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing */
@@ -94,7 +93,7 @@ typedef struct pupil_sensor_light {
 void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, double *exposure_s, double *gain);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
-/* log2 of what an exposure, in log2, does if it is a line shorter than asked for. */
+/* log2 of what is left of an exposure, in log2, of which a line is missing. */
 double pupil_sensor_shorter(const pupil_sensor_config *config, double exposure_log2);
 /* The total to be asked for so that this one is done, by a camera that has been seen to do otherwise. */
 double pupil_sensor_total_for(const pupil_sensor_object *object, double total_log2);

@@ -4,8 +4,7 @@
 #include "numeric.h"
 
 /* A total that came from its logarithm is off by a few 2^-52 of these. */
-#define UP        (1.0 + 1e-9)
-#define LESS_BITS 4.0
+#define UP (1.0 + 1e-9)
 
 /* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
 static double multiple(double x, double step)
@@ -66,7 +65,7 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
 }
 
 /* By the profile; steps only at the ends of its stages, so that these can be reached. */
-static void stage_of(const pupil_sensor_config *c, double total, double *exposure_s, double *gain)
+static double exposure_at(const pupil_sensor_config *c, double total)
 {
     double e = c->exposure_min_s, g = c->gain_min;
     const double most_s = longest(c);
@@ -74,20 +73,14 @@ static void stage_of(const pupil_sensor_config *c, double total, double *exposur
         const pupil_sensor_stage end = {i == c->stages ? c->frame_s : c->exposure_max_s, c->gain_max};
         const pupil_sensor_stage *stage = i < c->stages ? &c->stage[i] : &end;
         const double next_s = pupil_sensor_exposure_of(c, clamp(stage->exposure_s, e, most_s > e ? most_s : e));
-        const double next = pupil_sensor_gain_of(c, clamp(stage->gain, g, c->gain_max));
-        if (total <= next_s * g) {
-            e = clamp(total / g, e, next_s);
-            break;
-        }
+        if (total <= next_s * g)
+            return clamp(total / g, e, next_s);
         e = next_s;
-        if (total <= e * next) {
-            g = total / e;
-            break;
-        }
-        g = next;
+        g = pupil_sensor_gain_of(c, clamp(stage->gain, g, c->gain_max));
+        if (total <= e * g)
+            return e;
     }
-    *exposure_s = e;
-    *gain = g;
+    return e;
 }
 
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
@@ -100,11 +93,8 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     const double e0 = held_s ? o->held_exposure : pupil_sensor_exposure_of(c, taken_s < most_s ? taken_s : most_s),
                  g0 = held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(o->answer.taken[1]));
     const int dead_s = o->answer.dead[0] && total >= e0 * c->gain_min && total <= e0 * c->gain_max;
-    const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * longest(c);
-    double e, g;
-    stage_of(c, total, &e, &g);
-    if (held || dead)
-        e = clamp(total / g0, c->exposure_min_s, longest(c));
+    const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * most_s;
+    double e = held || dead ? clamp(total / g0, c->exposure_min_s, most_s) : exposure_at(c, total);
     e = held_s || dead_s ? e0 : pupil_sensor_exposure_of(c, e);
     *exposure_s = e;
     *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / e);
@@ -112,8 +102,8 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
 
 double pupil_sensor_shorter(const pupil_sensor_config *c, double exposure_log2)
 {
-    const double e = pupil_exp2(exposure_log2) - c->exposure_step_s;
-    return pupil_log2(e > c->exposure_step_s ? e : c->exposure_step_s);
+    const double e = pupil_exp2(exposure_log2), less = e - c->exposure_step_s;
+    return pupil_log2((less > c->exposure_step_s ? less : c->exposure_step_s) / e);
 }
 
 /* log2 of what the controls do beyond exposure x gain, by what has been seen. A line that is missing is believed before
@@ -121,8 +111,7 @@ double pupil_sensor_shorter(const pupil_sensor_config *c, double exposure_log2)
 static double beyond(const pupil_sensor_object *o, double exposure, double gain)
 {
     const pupil_sensor_answer *a = &o->answer;
-    const int is_less = a->lesses > 1 && a->less > LESS_BITS;
-    return (a->gain_does - 1.0) * gain + (is_less ? pupil_sensor_shorter(&o->config, exposure) - exposure : 0.0);
+    return (a->gain_does - 1.0) * gain + (a->short_steps > 1 ? pupil_sensor_shorter(&o->config, exposure) : 0.0);
 }
 
 double pupil_sensor_total_for(const pupil_sensor_object *o, double total_log2)
