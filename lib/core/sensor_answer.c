@@ -31,7 +31,7 @@
 #define JUMP_MOST    0.8
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
 #define ALIKE        0.1 /* slopes that agree */
-#define LEAST_GAIN   0.45
+#define LEAST_GAIN   0.5
 #define REAL_EV      4.5 /* this far below white 8 bits have 11 codes, and half a code is 0.06 EV */
 #define FAR_AWAY     1e3
 

@@ -95,8 +95,8 @@ double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposu
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 /* log2 of what is left of an exposure, in log2, of which a line is missing. */
 double pupil_sensor_shorter(const pupil_sensor_config *config, double exposure_log2);
-/* The total to be asked for so that this one is done, by a camera that has been seen to do otherwise. */
-double pupil_sensor_total_for(const pupil_sensor_object *object, double total_log2);
+/* How far the wanted total has to go so that the camera goes so far, by what it has been seen to do; half to double. */
+double pupil_sensor_way(const pupil_sensor_object *object, double off);
 /* The limits that the setting stands at, and the one that keeps it from going on. */
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);

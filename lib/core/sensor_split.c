@@ -114,15 +114,15 @@ static double beyond(const pupil_sensor_object *o, double exposure, double gain)
     return (a->gain_does - 1.0) * gain + (a->short_steps > 1 ? pupil_sensor_shorter(&o->config, exposure) : 0.0);
 }
 
-double pupil_sensor_total_for(const pupil_sensor_object *o, double total_log2)
+double pupil_sensor_way(const pupil_sensor_object *o, double off)
 {
     const double now = beyond(o, o->answer.taken[0], o->answer.taken[1]);
-    double total = total_log2, e, g;
+    double way = off, e, g;
     for (int i = 0; i < 5; i++) { /* half of what is left, at worst, is left by each */
-        pupil_sensor_split(o, total, &e, &g);
-        total = total_log2 + now - beyond(o, pupil_log2(e), pupil_log2(g));
+        pupil_sensor_split(o, o->total_log2 + way, &e, &g);
+        way = off * clamp(1.0 + (now - beyond(o, pupil_log2(e), pupil_log2(g))) / off, 0.5, 2.0);
     }
-    return clamp(total, o->least_log2, o->most_log2);
+    return way;
 }
 
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)

@@ -175,7 +175,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
         reason = PUPIL_SENSOR_STRANGE;
     }
-    o->total_log2 = pupil_sensor_total_for(o, o->total_log2 + off);
+    o->total_log2 = clamp(o->total_log2 + pupil_sensor_way(o, off), o->least_log2, o->most_log2);
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
     o->calm = 0;
