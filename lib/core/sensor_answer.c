@@ -30,8 +30,8 @@
 #define JUMP_LEAST   0.1 /* of a control that moves more than itself; more at once is rather the scene's */
 #define JUMP_MOST    0.8
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
-#define ALIKE        0.1 /* slopes that agree */
-#define LEAST_GAIN   0.5
+#define ALIKE        0.1 /* gains that agree */
+#define LEAST_GAIN   0.5 /* of what it should; less is rather the scene's */
 #define REAL_EV      4.5 /* this far below white 8 bits have 11 codes, and half a code is 0.06 EV */
 #define FAR_AWAY     1e3
 
@@ -87,8 +87,7 @@ static void moved(const pupil_sensor_answer *a, const pupil_sensor_light *light,
     *least = -FAR_AWAY, *most = FAR_AWAY;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
         const double low = light->low[i] - a->high_of[i], high = light->high[i] - a->low_of[i];
-        if (light->low[i] == light->high[i] &&
-            a->low_of[i] == a->high_of[i]) { /* the most central one that is a number */
+        if (light->low[i] == light->high[i] && a->low_of[i] == a->high_of[i]) { /* numbers */
             *least = *most = low;
             return;
         }
@@ -219,10 +218,11 @@ static double middle_of(const double x[3])
 static void learn_gain(pupil_sensor_answer *a, double does)
 {
     a->gains[0] = a->gains[1], a->gains[1] = a->gains[2], a->gains[2] = does;
-    const double middle = middle_of(a->gains), least = middle * (1.0 - ALIKE), most = middle * (1.0 + ALIKE);
+    const double middle = middle_of(a->gains);
     a->gain_does = middle > LEAST_GAIN && middle < 1.0 - STRAIGHT ? middle : 1.0;
     for (int i = 0; i < 3; i++)
-        a->gain_does = a->gains[i] < least || a->gains[i] > most ? 1.0 : a->gain_does;
+        if (a->gains[i] < middle * (1.0 - ALIKE) || a->gains[i] > middle * (1.0 + ALIKE))
+            a->gain_does = 1.0;
 }
 
 /* A step with exposure in it, which leaves so much. Returns whether a line is missing. */
@@ -231,7 +231,7 @@ static int learn_line(pupil_sensor_object *o, double left)
     pupil_sensor_answer *a = &o->answer;
     const double now = in_force(a, 0, a->best[0], 0), then = in_force(a, 0, a->best[0], 1);
     const double line = pupil_sensor_shorter(&o->config, now) - pupil_sensor_shorter(&o->config, then);
-    if (a->slope * a->gain_does != 1.0 || (line < a->noise && line > -a->noise))
+    if (!o->config.linear || a->slope * a->gain_does != 1.0 || (line < a->noise && line > -a->noise))
         return 0;
     a->short_steps = left / line < 0.5 ? 0 : a->short_steps + (left / line < 1.5 && a->short_steps < 2);
     return left / line > 0.5 && left / line < 1.5;
@@ -262,14 +262,11 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
     }
     a->strange -= a->strange > 0;
     a->slopes += a->slopes < 3;
-    if (o->config.linear && is_near(exposure, 0.0) && does < 1.0 + STRAIGHT) {
-        if (is_real)
-            learn_gain(a, does);
-        if (does < 1.0 - STRAIGHT)
-            return;
-    } else if (o->config.linear && is_real && learn_line(o, answer - exposure - step[1][a->best[1]])) {
+    const int is_alone = o->config.linear && is_near(exposure, 0.0);
+    if (is_real && is_alone)
+        learn_gain(a, does);
+    if (is_alone ? does < 1.0 - STRAIGHT : is_real && learn_line(o, answer - exposure - step[1][a->best[1]]))
         return;
-    }
     for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
         a->seen[i] = !o->config.linear && a->slopes == 1 ? slope : i < 2 ? a->seen[i + 1] : slope;
     double middle = middle_of(a->seen);
@@ -286,17 +283,15 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
 static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uint32_t gap)
 {
     pupil_sensor_answer *a = &o->answer;
-    double step[2][PUPIL_SENSOR_GUESSES], least, most, low[2], high[2];
-    for (int c = 0; c < 2; c++) {
-        low[c] = FAR_AWAY, high[c] = -FAR_AWAY;
+    double step[2][PUPIL_SENSOR_GUESSES], least, most;
+    int tells = 0;
+    for (int c = 0; c < 2; c++)
         for (uint32_t h = 0; h < PUPIL_SENSOR_GUESSES; h++) {
-            const double x = step[c][h] = (c ? a->gain_does : 1.0) * (in_force(a, c, h, 0) - in_force(a, c, h, gap));
-            low[c] = x < low[c] ? x : low[c];
-            high[c] = x > high[c] ? x : high[c];
+            step[c][h] = (c ? a->gain_does : 1.0) * (in_force(a, c, h, 0) - in_force(a, c, h, gap));
+            tells |= step[c][h] - step[c][0] > 0.01 || step[c][h] - step[c][0] < -0.01;
         }
-    }
     moved(a, light, &least, &most);
-    if (high[0] - low[0] > 0.01 || high[1] - low[1] > 0.01) {
+    if (tells) {
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
         weigh(o, step, least, most);
         /* what info says has moved, and the picture with it: from now on it is believed */
@@ -309,10 +304,9 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
     }
     const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
     a->brighter += most - own;
-    if (least == most) { /* what the best guess leaves is the scene's */
+    if (least == most) { /* what the best guess leaves is the scene's; of a normal deviate: 1.25 |x| */
         const double left = least - own;
-        const double size = 1.25 * (left < 0.0 ? -left : left),
-                     cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
+        const double size = 1.25 * (left < 0.0 ? -left : left), cut = 4.0 * a->noise;
         const double step_ev = own < 0.0 ? -own : own;
         const int more = size > cut && size > 2.0 * step_ev; /* less may be a delay that is off */
         if (step_ev > 0.02)
@@ -389,11 +383,10 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
 /* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
 {
-    uint32_t longest = 0;
-    for (uint32_t h = 1; h < NEVER; h++)
+    for (uint32_t h = NEVER - 1; h > 0; h--)
         if ((o->answer.alive[0] | o->answer.alive[1]) >> h & 1)
-            longest = h;
-    return longest ? longest : o->config.delay_frames;
+            return h;
+    return o->config.delay_frames;
 }
 
 /* Frames after which a setting is in force, or never will be: what is told tells it by itself. */
