@@ -64,13 +64,10 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
     a->noise = 2.0 * NOISE_EV;
     a->brighter = FAR_AWAY;
-    a->slopes = 0;
-    a->slope = 1.0;
+    a->slope = a->gain_does = 1.0;
     for (int i = 0; i < 3; i++)
         a->seen[i] = 1.0, a->gains[i] = 0.0;
-    a->gain_does = 1.0;
-    a->short_steps = a->strange = 0;
-    a->delay[0] = a->delay[1] = 0;
+    a->slopes = a->short_steps = a->strange = a->delay[0] = a->delay[1] = 0;
 }
 
 /* log2 of what guess h of control c says was in force so many frames before this one. */
@@ -104,11 +101,9 @@ static double left_over(const pupil_sensor_object *o, double step, double least,
 {
     const pupil_sensor_answer *a = &o->answer;
     const int known = a->slopes > 1 || o->config.linear;
-    double low = step * (known ? 0.8 * a->slope : STEEP_LEAST), high = step * (known ? 1.25 * a->slope : STEEP_MOST);
-    if (low > high) {
-        const double swap = low;
-        low = high, high = swap;
-    }
+    const double few = step * (known ? 0.8 * a->slope : STEEP_LEAST),
+                 many = step * (known ? 1.25 * a->slope : STEEP_MOST);
+    const double low = few < many ? few : many, high = few < many ? many : few;
     return high < least ? least - high : low > most ? low - most : 0.0;
 }
 

@@ -58,8 +58,6 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
             found = c->gain_table[i] <= g * (1.0 + 1e-9) ? c->gain_table[i] : found;
         g = found;
         break;
-    default:
-        break;
     }
     return g < c->gain_min ? c->gain_min : g;
 }
@@ -133,9 +131,8 @@ uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
     pupil_sensor_split(o, 500.0, &most_s, &most);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
         limits |= o->setting.exposure_s <= c->exposure_min_s * UP ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
-        if (o->setting.exposure_s * UP >= most_s)
-            limits |=
-                1u << (longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX);
+        const int end = longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX;
+        limits |= o->setting.exposure_s * UP >= most_s ? 1u << end : 0;
     }
     if (c->gain_mode == PUPIL_SENSOR_AUTO) {
         limits |= o->setting.gain <= c->gain_min * UP ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
