@@ -28,6 +28,9 @@
 #define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
 #define STRANGE_MOST 4
 #define UNHEARD_EV   0.4 /* more than any law of gains rounds */
+#define ALIKE        0.1 /* gains that agree */
+#define LEAST_GAIN   0.5 /* of what it should; less is rather the scene's */
+#define REAL_EV      4.5 /* this far below white 8 bits have 11 codes, and half a code is 0.06 EV */
 #define FAR_AWAY     1e3
 
 static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
@@ -59,12 +62,10 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
     a->noise = 2.0 * NOISE_EV;
     a->brighter = FAR_AWAY;
-    a->slopes = 0;
-    a->slope = 1.0;
+    a->slope = a->gain_does = 1.0;
     for (int i = 0; i < 3; i++)
-        a->seen[i] = 1.0;
-    a->strange = 0;
-    a->delay[0] = a->delay[1] = 0;
+        a->seen[i] = 1.0, a->gains[i] = 0.0;
+    a->slopes = a->short_steps = a->strange = a->delay[0] = a->delay[1] = 0;
 }
 
 /* log2 of what guess h of control c says was in force so many frames before this one. */
@@ -81,8 +82,7 @@ static void moved(const pupil_sensor_answer *a, const pupil_sensor_light *light,
     *least = -FAR_AWAY, *most = FAR_AWAY;
     for (int i = 0; i < PUPIL_SENSOR_ORDERS; i++) {
         const double low = light->low[i] - a->high_of[i], high = light->high[i] - a->low_of[i];
-        if (light->low[i] == light->high[i] &&
-            a->low_of[i] == a->high_of[i]) { /* the most central one that is a number */
+        if (light->low[i] == light->high[i] && a->low_of[i] == a->high_of[i]) { /* numbers */
             *least = *most = low;
             return;
         }
@@ -99,11 +99,9 @@ static double left_over(const pupil_sensor_object *o, double step, double least,
 {
     const pupil_sensor_answer *a = &o->answer;
     const int known = a->slopes > 1 || o->config.linear;
-    double low = step * (known ? 0.8 * a->slope : STEEP_LEAST), high = step * (known ? 1.25 * a->slope : STEEP_MOST);
-    if (low > high) {
-        const double swap = low;
-        low = high, high = swap;
-    }
+    const double few = step * (known ? 0.8 * a->slope : STEEP_LEAST),
+                 many = step * (known ? 1.25 * a->slope : STEEP_MOST);
+    const double low = few < many ? few : many, high = few < many ? many : few;
     return high < least ? least - high : low > most ? low - most : 0.0;
 }
 
@@ -209,10 +207,35 @@ static double middle_of(const double x[3])
     return x[2] < least ? least : x[2] > most ? most : x[2];
 }
 
-/* A step that nothing in doubt is about, and what the picture made of it. */
-static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double answer)
+/* A step of gain alone. What it does less than it should is believed where the last three say the same. */
+static void learn_gain(pupil_sensor_answer *a, double does)
+{
+    a->gains[0] = a->gains[1], a->gains[1] = a->gains[2], a->gains[2] = does;
+    const double middle = middle_of(a->gains);
+    a->gain_does = middle > LEAST_GAIN && middle < 1.0 - STRAIGHT ? middle : 1.0;
+    for (int i = 0; i < 3; i++)
+        if (a->gains[i] < middle * (1.0 - ALIKE) || a->gains[i] > middle * (1.0 + ALIKE))
+            a->gain_does = 1.0;
+}
+
+/* A step with exposure in it, which leaves so much. Returns whether a line is missing. */
+static int learn_line(pupil_sensor_object *o, double left)
 {
     pupil_sensor_answer *a = &o->answer;
+    const double now = in_force(a, 0, a->best[0], 0), then = in_force(a, 0, a->best[0], 1);
+    const double line = pupil_sensor_shorter(&o->config, now) - pupil_sensor_shorter(&o->config, then);
+    if (!o->config.linear || a->slope * a->gain_does != 1.0 || (line < a->noise && line > -a->noise))
+        return 0;
+    a->short_steps = left / line < 0.5 ? 0 : a->short_steps + (left / line < 1.5 && a->short_steps < 2);
+    return left / line > 0.5 && left / line < 1.5;
+}
+
+/* A step that nothing in doubt is about, and what the picture made of it. Of a picture that is said to be linear, what
+ * gain alone does less than it should is not the picture's: if that is wrong, a step of exposure is too short. */
+static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double answer, int is_real)
+{
+    pupil_sensor_answer *a = &o->answer;
+    const double exposure = step[0][a->best[0]];
     double low = FAR_AWAY, high = -FAR_AWAY;
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
         for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
@@ -220,24 +243,32 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
                 const double all = step[0][e] + step[1][g];
                 low = all < low ? all : low;
                 high = all > high ? all : high;
+                is_real &= is_near(step[0][e], exposure);
             }
     const double size = low > 0.0 ? low : -high;
     if (!(size > STEP_EV && size > 4.0 * a->noise && high - low < 0.1 * size))
         return;
-    const double slope = 2.0 * answer / (low + high);
+    const double slope = 2.0 * answer / (low + high), does = a->gain_does * slope / a->slope;
     if (!(slope > 0.3 && slope < 3.3)) {
         a->strange += a->strange < STRANGE_MOST;
         return;
     }
     a->strange -= a->strange > 0;
-    for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
-        a->seen[i] = !o->config.linear && !a->slopes ? slope : i < 2 ? a->seen[i + 1] : slope;
     a->slopes += a->slopes < 3;
+    const int is_alone = o->config.linear && is_near(exposure, 0.0);
+    if (is_real && is_alone)
+        learn_gain(a, does);
+    if (is_alone ? does < 1.0 - STRAIGHT : is_real && learn_line(o, answer - exposure - step[1][a->best[1]]))
+        return;
+    for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
+        a->seen[i] = !o->config.linear && a->slopes == 1 ? slope : i < 2 ? a->seen[i + 1] : slope;
     double middle = middle_of(a->seen);
     if (middle > 1.0 - STRAIGHT && middle < 1.0 + STRAIGHT)
         middle = 1.0;
-    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT))
+    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT)) {
         o->stride = 1.0; /* it was this that steps turned back for */
+        a->gains[0] = 0.0, a->gain_does = 1.0;
+    }
     a->slope = middle;
 }
 
@@ -245,32 +276,30 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
 static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uint32_t gap)
 {
     pupil_sensor_answer *a = &o->answer;
-    double step[2][PUPIL_SENSOR_GUESSES], least, most, low[2], high[2];
-    for (int c = 0; c < 2; c++) {
-        low[c] = FAR_AWAY, high[c] = -FAR_AWAY;
+    double step[2][PUPIL_SENSOR_GUESSES], least, most;
+    int tells = 0;
+    for (int c = 0; c < 2; c++)
         for (uint32_t h = 0; h < PUPIL_SENSOR_GUESSES; h++) {
-            const double x = step[c][h] = in_force(a, c, h, 0) - in_force(a, c, h, gap);
-            low[c] = x < low[c] ? x : low[c];
-            high[c] = x > high[c] ? x : high[c];
+            step[c][h] = (c ? a->gain_does : 1.0) * (in_force(a, c, h, 0) - in_force(a, c, h, gap));
+            tells |= step[c][h] - step[c][0] > 0.01 || step[c][h] - step[c][0] < -0.01;
         }
-    }
     moved(a, light, &least, &most);
-    if (high[0] - low[0] > 0.01 || high[1] - low[1] > 0.01) {
+    if (tells) {
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
         weigh(o, step, least, most);
         /* what info says has moved, and the picture with it: from now on it is believed */
         if (o->answer.info_tells && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
             a->is_told = 1;
         survey(a, 0);
+        const double dark = pupil_log2(o->config.clip) - REAL_EV;
         if (least == most)
-            learn_slope(o, step, least);
+            learn_slope(o, step, least, gap == 1 && light->low[0] > dark && a->low_of[0] > dark);
     }
     const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
     a->brighter += most - own;
-    if (least == most) { /* what the best guess leaves is the scene's */
+    if (least == most) { /* what the best guess leaves is the scene's; of a normal deviate: 1.25 |x| */
         const double left = least - own;
-        const double size = 1.25 * (left < 0.0 ? -left : left),
-                     cut = 4.0 * a->noise; /* of a normal deviate: 1.25 |x| */
+        const double size = 1.25 * (left < 0.0 ? -left : left), cut = 4.0 * a->noise;
         a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
         a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
     }
@@ -343,11 +372,10 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
 /* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
 {
-    uint32_t longest = 0;
-    for (uint32_t h = 1; h < NEVER; h++)
+    for (uint32_t h = NEVER - 1; h > 0; h--)
         if ((o->answer.alive[0] | o->answer.alive[1]) >> h & 1)
-            longest = h;
-    return longest ? longest : o->config.delay_frames;
+            return h;
+    return o->config.delay_frames;
 }
 
 /* Frames after which a setting is in force, or never will be: what is told tells it by itself. */

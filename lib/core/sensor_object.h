@@ -26,14 +26,17 @@ typedef struct pupil_sensor_answer {
     double noise;     /* of the scene, stops from frame to frame */
     double slope;     /* of the picture's log2 over the light's */
     double seen[3];   /* slopes */
+    double gains[3];  /* what steps of gain alone have done of what they should */
+    double gain_does; /* ... where these agree; 1 */
     double brighter;  /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
     double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
     uint32_t slopes;                                                  /* seen; at most 3 */
-    uint32_t strange;   /* steps that the picture did not follow; at most 4 */
-    uint32_t alive[2];  /* masks of guesses */
-    uint32_t best[2];   /* guesses */
-    uint32_t delay[2];  /* found; 0: not yet */
-    uint32_t in_flight; /* the last setting may not be in force yet */
+    uint32_t short_steps; /* in a row, that were as if a line were missing of each exposure; at most 2 */
+    uint32_t strange;     /* steps that the picture did not follow; at most 4 */
+    uint32_t alive[2];    /* masks of guesses */
+    uint32_t best[2];     /* guesses */
+    uint32_t delay[2];    /* found; 0: not yet */
+    uint32_t in_flight;   /* the last setting may not be in force yet */
     uint32_t has_level;
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing */
@@ -92,6 +95,10 @@ typedef struct pupil_sensor_light {
 void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, double *exposure_s, double *gain);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
+/* log2 of what is left of an exposure, in log2, of which a line is missing. */
+double pupil_sensor_shorter(const pupil_sensor_config *config, double exposure_log2);
+/* How far the wanted total has to go so that the camera goes so far, by what it has been seen to do; half to double. */
+double pupil_sensor_way(const pupil_sensor_object *object, double off);
 /* The limits that the setting stands at, and the one that keeps it from going on. */
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);

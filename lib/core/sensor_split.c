@@ -58,14 +58,12 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
             found = c->gain_table[i] <= g * (1.0 + 1e-9) ? c->gain_table[i] : found;
         g = found;
         break;
-    default:
-        break;
     }
     return g < c->gain_min ? c->gain_min : g;
 }
 
 /* By the profile; steps only at the ends of its stages, so that these can be reached. */
-static void stage_of(const pupil_sensor_config *c, double total, double *exposure_s, double *gain)
+static double exposure_at(const pupil_sensor_config *c, double total)
 {
     double e = c->exposure_min_s, g = c->gain_min;
     const double most_s = longest(c);
@@ -73,20 +71,14 @@ static void stage_of(const pupil_sensor_config *c, double total, double *exposur
         const pupil_sensor_stage end = {i == c->stages ? c->frame_s : c->exposure_max_s, c->gain_max};
         const pupil_sensor_stage *stage = i < c->stages ? &c->stage[i] : &end;
         const double next_s = pupil_sensor_exposure_of(c, clamp(stage->exposure_s, e, most_s > e ? most_s : e));
-        const double next = pupil_sensor_gain_of(c, clamp(stage->gain, g, c->gain_max));
-        if (total <= next_s * g) {
-            e = clamp(total / g, e, next_s);
-            break;
-        }
+        if (total <= next_s * g)
+            return clamp(total / g, e, next_s);
         e = next_s;
-        if (total <= e * next) {
-            g = total / e;
-            break;
-        }
-        g = next;
+        g = pupil_sensor_gain_of(c, clamp(stage->gain, g, c->gain_max));
+        if (total <= e * g)
+            return e;
     }
-    *exposure_s = e;
-    *gain = g;
+    return e;
 }
 
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
@@ -99,14 +91,36 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     const double e0 = held_s ? o->held_exposure : pupil_sensor_exposure_of(c, taken_s < most_s ? taken_s : most_s),
                  g0 = held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(o->answer.taken[1]));
     const int dead_s = o->answer.dead[0] && total >= e0 * c->gain_min && total <= e0 * c->gain_max;
-    const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * longest(c);
-    double e, g;
-    stage_of(c, total, &e, &g);
-    if (held || dead)
-        e = clamp(total / g0, c->exposure_min_s, longest(c));
+    const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * most_s;
+    double e = held || dead ? clamp(total / g0, c->exposure_min_s, most_s) : exposure_at(c, total);
     e = held_s || dead_s ? e0 : pupil_sensor_exposure_of(c, e);
     *exposure_s = e;
     *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / e);
+}
+
+double pupil_sensor_shorter(const pupil_sensor_config *c, double exposure_log2)
+{
+    const double e = pupil_exp2(exposure_log2), less = e - c->exposure_step_s;
+    return pupil_log2((less > c->exposure_step_s ? less : c->exposure_step_s) / e);
+}
+
+/* log2 of what the controls do beyond exposure x gain, by what has been seen. A line that is missing is believed before
+ * it is certain: that only makes steps shorter. */
+static double beyond(const pupil_sensor_object *o, double exposure, double gain)
+{
+    const pupil_sensor_answer *a = &o->answer;
+    return (a->gain_does - 1.0) * gain + (a->short_steps > 1 ? pupil_sensor_shorter(&o->config, exposure) : 0.0);
+}
+
+double pupil_sensor_way(const pupil_sensor_object *o, double off)
+{
+    const double now = beyond(o, o->answer.taken[0], o->answer.taken[1]);
+    double way = off, e, g;
+    for (int i = 0; i < 5; i++) { /* half of what is left, at worst, is left by each */
+        pupil_sensor_split(o, o->total_log2 + way, &e, &g);
+        way = off * clamp(1.0 + (now - beyond(o, pupil_log2(e), pupil_log2(g))) / off, 0.5, 2.0);
+    }
+    return way;
 }
 
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
@@ -117,9 +131,8 @@ uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
     pupil_sensor_split(o, 500.0, &most_s, &most);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
         limits |= o->setting.exposure_s <= c->exposure_min_s * UP ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
-        if (o->setting.exposure_s * UP >= most_s)
-            limits |=
-                1u << (longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX);
+        const int end = longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX;
+        limits |= o->setting.exposure_s * UP >= most_s ? 1u << end : 0;
     }
     if (c->gain_mode == PUPIL_SENSOR_AUTO) {
         limits |= o->setting.gain <= c->gain_min * UP ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;

@@ -201,7 +201,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         stand_still(o, 1.5 * size);
         reason = PUPIL_SENSOR_UNSTEADY;
     }
-    o->total_log2 += off;
+    o->total_log2 = clamp(o->total_log2 + pupil_sensor_way(o, off), o->least_log2, o->most_log2);
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
     o->nudged = o->jumped = 0;
@@ -339,6 +339,6 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
     s->exposure_delay = a->delay[0];
     s->gain_delay = a->delay[1];
     /* what multiplies values makes more of a bent picture than of light */
-    s->frame_digital =
-        pupil_exp2(clamp(a->slope * (o->total_log2 - frame_log2), -c->digital_ev, c->digital_ev) - s->beat_ev);
+    const double missing = o->total_log2 - frame_log2 + (a->gain_does - 1.0) * (a->standing[1] - a->taken[1]);
+    s->frame_digital = pupil_exp2(clamp(a->slope * missing, -c->digital_ev, c->digital_ev) - s->beat_ev);
 }

@@ -24,7 +24,8 @@ typedef struct plant {
     double slope;      /* of the picture's log2 against the light's; 1: linear */
     int shoulder;      /* the picture is bent, too, into white */
     int ignored[2];    /* what is asked of the control is not done */
-    int off_by_one;    /* exposures are a line longer than asked for */
+    int off_by_one;    /* exposures are so many lines longer than asked for, at least one line */
+    double shortens;   /* exposures are shorter by so much of the gain's stops */
     double moving;     /* exposures are so many times as long where the gain is 2 or more; 0: not */
     double wrap;       /* gains from here on begin at 1 again; 0: not */
     double jitter;     /* share of what is asked for that comes a frame later */
@@ -98,7 +99,8 @@ static inline double plant_in_force(const plant *p, int control)
     double gain = p->ignored[1] ? p->at_first[1] : plant_register(p, 1);
     double exposure = p->ignored[0] ? p->at_first[0] : plant_register(p, 0);
     gain = p->wrap > 0.0 && gain >= p->wrap ? gain / p->wrap : gain;
-    exposure += p->off_by_one ? PLANT_LINE_S : 0.0;
+    exposure = p->off_by_one ? fmax(exposure + p->off_by_one * PLANT_LINE_S, PLANT_LINE_S) : exposure;
+    exposure *= p->shortens > 0.0 ? exp2(-p->shortens * log2(gain)) : 1.0;
     exposure *= p->moving > 0.0 && gain >= 2.0 ? p->moving : 1.0;
     return control ? gain : exposure;
 }

@@ -101,6 +101,31 @@ static void off_by_one(void)
     p.off_by_one = 1;
 }
 
+/* From 5 lines to 96. */
+static void few_lines(void)
+{
+    p.light_ev += 6.5;
+}
+
+static void line_more(void)
+{
+    p.light_ev += 6.5;
+    p.off_by_one = 1;
+}
+
+static void line_less(void)
+{
+    p.light_ev += 6.5;
+    p.off_by_one = -1;
+}
+
+/* Gains up to 14. */
+static void shortening(void)
+{
+    p.light_ev -= 1.5;
+    p.shortens = 0.3;
+}
+
 static void moving_up(void)
 {
     p.moving = 1.3;
@@ -156,11 +181,18 @@ int main(int argc, char **argv)
     CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
     a = worst_of("delay jitters", 1, 1.0, jittering);
     CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
+    static void (*const off[])(void) = {few_lines, line_more, line_less, shortening, moving_down};
+    static const char *const off_name[] = {"few lines", "few lines, one more", "few lines, one less",
+                                           "gain's power 0.7", "gain from 2: exposure x 0.7"};
+    for (int i = 0; i < 5; i++) {
+        a = worst_of(off_name[i], 1, 1.0, off[i]);
+        CHECK_MSG(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02,
+                  "%s: %d frames, %g EV over, %g EV at rest", off_name[i], a.later, a.later_over, a.wandered);
+    }
     /* what no slope describes is approached in several steps, and then stands */
-    static void (*const bent[])(void) = {shoulder, moving_up, moving_down, wrapping};
-    static const char *const bent_name[] = {"shoulder", "gain from 2: exposure x 1.3", "gain from 2: exposure x 0.7",
-                                            "gain wraps at 3"};
-    for (int i = 0; i < 4; i++) {
+    static void (*const bent[])(void) = {shoulder, moving_up, wrapping};
+    static const char *const bent_name[] = {"shoulder", "gain from 2: exposure x 1.3", "gain wraps at 3"};
+    for (int i = 0; i < 3; i++) {
         a = worst_of(bent_name[i], i > 0, 1.0, bent[i]);
         CHECK_MSG(a.wandered <= 0.02 || a.reason == PUPIL_SENSOR_UNSTEADY, "%s: %g EV at rest", bent_name[i],
                   a.wandered);
