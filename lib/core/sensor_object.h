@@ -61,7 +61,7 @@ typedef struct pupil_sensor_object {
     uint32_t looking;       /* what is known is a guess: the next frame counts at once */
     uint32_t odd_frames;    /* in a row that are far off on one side, before anything is done about it */
     uint32_t turns;         /* large steps that turned back, with little rest between */
-    uint32_t creeping;      /* steps in a row to one side of which nothing has been seen */
+    uint32_t same;          /* large steps in a row to one side, after the first */
     uint32_t nudged;        /* frames since the filter moved the setting, downwards: it may still be on its way */
     uint32_t jumped;        /* frames since the light seemed to jump just when that came into force, downwards */
     double mean_log2, taken_log2; /* of the last frame: what was metered, and what it was taken with */

@@ -180,8 +180,9 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
             return PUPIL_SENSOR_UNSTEADY;
         }
     }
-    const int seen = o->answer.slopes || o->answer.dead[0] || o->answer.dead[1];
-    o->creeping = o->last_direction == direction && !seen ? o->creeping + 1 : 0;
+    o->same = o->last_direction == direction ? o->same + 1 : 0;
+    if (o->same > 3 && o->stride < 1.0) /* it was too careful */
+        o->stride *= 2.0;
     o->last_direction = direction;
     o->last_size = size;
     o->last_total_log2 = o->total_log2;
@@ -191,7 +192,8 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off *= 0.5; /* a slope of 2 is the steepest that is ordinary */
         o->looking = 1;
     }
-    if (o->creeping > 2 && size < PROBE_EV) /* nothing of it has been seen: a step that has to be seen */
+    /* nothing of it has been seen: a step that has to be seen */
+    if (o->same > 2 && !(o->answer.slopes || o->answer.dead[0] || o->answer.dead[1]) && size < PROBE_EV)
         off = PROBE_EV * direction;
     if (o->answer.strange > 1) {
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
@@ -239,7 +241,7 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     weight = weight < most_weight ? weight : most_weight;
     o->direction = 0;
     o->calm += o->calm < LONG_CALM;
-    if (o->calm >= CALM)
+    if (o->calm >= (o->answer.disobeys ? 4 * CALM : CALM))
         o->turns = 0, o->last_direction = 0;
     if (o->calm >= LONG_CALM)
         o->patience_s = 0.0;
