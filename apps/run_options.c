@@ -25,6 +25,7 @@ enum {
     DELAY,
     CURVE,
     KEY_AT,
+    RESUME,
     RECORD
 };
 
@@ -49,6 +50,7 @@ static const struct option long_options[] = {
     {"control-delay", required_argument, NULL, DELAY},
     {"curve", required_argument, NULL, CURVE},
     {"key-at", required_argument, NULL, KEY_AT},
+    {"resume", required_argument, NULL, RESUME},
     {"record", required_argument, NULL, RECORD},
     {"timeout", required_argument, NULL, 't'},
     SHARED_OPTIONS,
@@ -96,6 +98,10 @@ static int take_camera(int option, const value_text *c, run_options *r)
         return run_value_curve(c, &r->curve);
     case KEY_AT:
         return run_value_key_at(c, &r->key_at);
+    case RESUME:
+        if (strcmp(c->text, "-") == 0)
+            return value_refuse(c, "a file");
+        return option_path(c, &r->resume);
     case REOPEN:
         return run_value_time(c, 1.0, 0.0, 1e6, "seconds, from 0 to 1e6", &r->live.capture.reopen_s);
     case SHUTTER:
@@ -144,6 +150,10 @@ static int check(const run_options *r, int weight_given, int key_given, char *wh
         return conflict(
             why, why_bytes,
             "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes adapt it");
+    if (r->resume && (r->mode == RUN_DIGITAL || (r->exposure_s > 0.0 && r->gain > 0.0)))
+        return conflict(why, why_bytes,
+                        "--resume: is of what is steered, which nothing is with --mode digital, or with both --shutter "
+                        "and --gain");
     if (r->key_at && key_given)
         return conflict(why, why_bytes, "--key and --key-at: one of them; --key is the same in any light");
     const int by_hand = r->exposure_s > 0.0 || r->gain > 0.0;

@@ -27,6 +27,7 @@ typedef struct run_options {
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode, curve;
     double exposure_s, gain; /* by hand; 0: not */
+    const char *resume;      /* a file with the total to begin with; NULL: with what the camera has */
     const char *key_at;      /* what the key is by the light of the scene; NULL: one key */
     double seconds;          /* to run; 0: until it is stopped */
     int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */

@@ -136,7 +136,10 @@ static int steer(run_sensor *s, char *why, size_t why_bytes)
     } else {
         pupil_sensor_init(&s->sensor, &s->config);
         pupil_camera_get_status(s->camera, &status);
-        pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
+        if (s->first_total_s > 0.0)
+            pupil_sensor_start(&s->sensor, s->first_total_s, 1.0);
+        else
+            pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
     }
     s->steers = 1;
     s->asked = (pupil_camera_setting){0}; /* of the camera before */
