@@ -198,7 +198,7 @@ static void check_bent(void)
 {
     static const double slopes[] = {0.5, 2};
     for (int k = 0; k < 2; k++)
-        for (int which = NONE; which < TABLES; which++)
+        for (int which = NIGHT; which < TABLES; which++)
             for (uint32_t delay = 1; delay <= 4; delay++) {
                 const table *t = &tables[which];
                 pupil_sensor_config c = config_of(t);
