@@ -16,6 +16,7 @@
 #include "replay_work.h"
 #include "run_choose.h"
 #include "run_colour.h"
+#include "run_resume.h"
 #include "run_sensor.h"
 #include "run_status.h"
 #include "sentence.h"
@@ -34,6 +35,7 @@ typedef struct run {
     pupil_source *source;
     replay_work work;
     run_sensor sensor;
+    run_resume resume;
     run_colour colour;
     pupil_t pupil;
     pupil_stats stats;
@@ -232,12 +234,24 @@ static int show(pupil_frame *frame)
     record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
     if (write_frame(frame, &display, &record))
         return -1;
+    run_resume_frame(&r.resume, &r.sensor.setting, mapped_ns);
     pupil_colour_frame(&r.colour.colour, &frame->image, &frame->info);
     r.frames++;
     run_status_frame(&r.status, &record);
     r.ended |= r.view && view_frame(r.view, frame, &r.curve, &display, &record) == VIEW_QUIT;
     warn();
     return 0;
+}
+
+/* What --resume waits for is not shown, not even to the controller. */
+static int is_left_out(const pupil_frame *frame)
+{
+    char why[PUPIL_WHY_BYTES];
+    if (!r.resume.waits)
+        return 0;
+    if (run_sensor_take(&r.sensor, why, sizeof why))
+        return fail(why);
+    return run_resume_leaves_out(&r.resume, r.source, &frame->info);
 }
 
 /* Until it ends, or fails: then why has a sentence. */
@@ -252,6 +266,10 @@ static void go_on(void)
         if (got != PUPIL_SOURCE_FRAME) {
             fail(why);
             break;
+        }
+        if (is_left_out(&frame)) {
+            pupil_source_done(r.source, &frame);
+            continue;
         }
         if (!r.frames && r.options.seconds > 0.0)
             r.end_ns = pupil_live_frame(r.source)->taken_ns + (int64_t)(r.options.seconds * 1e9);
@@ -283,7 +301,8 @@ static int begin(void)
     }
     if (o->shown.plot && pupil_plot_check(o->shown.plot, r.why, sizeof r.why))
         return -1;
-    if (run_choose_camera(r.system, o->device, r.device, sizeof r.device, r.why, sizeof r.why))
+    if (run_resume_check(o->resume, r.why, sizeof r.why) ||
+        run_choose_camera(r.system, o->device, r.device, sizeof r.device, r.why, sizeof r.why))
         return -1;
     o->shown.inputs = &r.input;
     o->shown.input_count = 1;
@@ -300,6 +319,10 @@ static int begin(void)
     if (*remark && !o->shown.quiet)
         say(remark, "");
     run_sensor_begin(&r.sensor, o, r.source);
+    run_resume_begin(&r.resume, o->resume, r.source, remark, sizeof remark);
+    if (*remark)
+        say(remark, "");
+    r.sensor.first_total_s = r.resume.total_s;
     r.colour.own_picture = o->mode == RUN_SENSOR;
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
@@ -325,6 +348,8 @@ static void finish(void)
     if (r.recorder)
         pupil_recorder_get_counts(r.recorder, &recorded);
     r.not_recorded = recorded.lost;
+    if (run_resume_end(&r.resume, why, sizeof why))
+        fail(why);
     if (r.recorder && pupil_recorder_close(r.recorder, why, sizeof why))
         fail(why);
     r.recorder = NULL;

@@ -68,6 +68,7 @@ int run_choose_mode(run_options *o, const pupil_source *source, char *remark, si
                        : o->any_frame_rate     ? "--no-frame-rate-priority"
                        : o->live.delay         ? "--control-delay"
                        : o->curve              ? "--curve"
+                       : o->resume             ? "--resume"
                                                : NULL;
     if (!camera && asks) {
         snprintf(why, why_bytes, "%s: %.900s", asks, pupil_live_no_controls(source));
@@ -93,6 +94,10 @@ int run_choose_outputs(const run_options *o, char *why, size_t why_bytes)
             return REPLAY_USAGE;
         }
     }
+    replay_options all = *s;
+    all.report = o->resume; /* a run has no report: all that is written needs a place of its own */
+    if (o->resume && replay_options_check_paths(&all, why, why_bytes))
+        return REPLAY_USAGE;
     if (streams > 1) {
         snprintf(why, why_bytes, "-: named for two outputs; standard output is one");
         return REPLAY_USAGE;

@@ -24,6 +24,8 @@ enum {
     BLACK_LEVEL,
     DELAY,
     CURVE,
+    KEY_AT,
+    RESUME,
     RECORD
 };
 
@@ -47,6 +49,8 @@ static const struct option long_options[] = {
     {"black-level", required_argument, NULL, BLACK_LEVEL},
     {"control-delay", required_argument, NULL, DELAY},
     {"curve", required_argument, NULL, CURVE},
+    {"key-at", required_argument, NULL, KEY_AT},
+    {"resume", required_argument, NULL, RESUME},
     {"record", required_argument, NULL, RECORD},
     {"timeout", required_argument, NULL, 't'},
     SHARED_OPTIONS,
@@ -92,6 +96,12 @@ static int take_camera(int option, const value_text *c, run_options *r)
         return REPLAY_RUN;
     case CURVE:
         return run_value_curve(c, &r->curve);
+    case KEY_AT:
+        return run_value_key_at(c, &r->key_at);
+    case RESUME:
+        if (strcmp(c->text, "-") == 0)
+            return value_refuse(c, "a file");
+        return option_path(c, &r->resume);
     case REOPEN:
         return run_value_time(c, 1.0, 0.0, 1e6, "seconds, from 0 to 1e6", &r->live.capture.reopen_s);
     case SHUTTER:
@@ -124,7 +134,7 @@ static int conflict(char *why, size_t why_bytes, const char *sentence)
 }
 
 /* What options ask of one another. */
-static int check(const run_options *r, int weight_given, char *why, size_t why_bytes)
+static int check(const run_options *r, int weight_given, int key_given, char *why, size_t why_bytes)
 {
     const replay_options *o = &r->shown;
     if (shared_options_check(o, weight_given, why, why_bytes))
@@ -136,6 +146,16 @@ static int check(const run_options *r, int weight_given, char *why, size_t why_b
         return conflict(why, why_bytes,
                         "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
                         "digital leaves the camera as it is");
+    if (r->key_at && r->mode != RUN_SENSOR)
+        return conflict(
+            why, why_bytes,
+            "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes adapt it");
+    if (r->resume && (r->mode == RUN_DIGITAL || (r->exposure_s > 0.0 && r->gain > 0.0)))
+        return conflict(why, why_bytes,
+                        "--resume: is of what is steered, which nothing is with --mode digital, or with both --shutter "
+                        "and --gain");
+    if (r->key_at && key_given)
+        return conflict(why, why_bytes, "--key and --key-at: one of them; --key is the same in any light");
     const int by_hand = r->exposure_s > 0.0 || r->gain > 0.0;
     if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !by_hand)))
         return conflict(why, why_bytes,
@@ -146,7 +166,7 @@ static int check(const run_options *r, int weight_given, char *why, size_t why_b
 
 int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t why_bytes)
 {
-    int option, weight_given = 0;
+    int option, weight_given = 0, key_given = 0;
     *r = (run_options){.shown = {.hold = 1, .metering = "uniform", .white = "follow"}, .mode = RUN_BEST};
     pupil_config_default(&r->shown.config);
     r->shown.config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
@@ -165,6 +185,7 @@ int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t w
             continue;
         const value_text c = {&r->shown, option_name(long_options, option), optarg, why, why_bytes};
         weight_given |= option == OPTION_WEIGHT;
+        key_given |= option == OPTION_KEY;
         const int camera = take_camera(option, &c, r);
         if (camera > 0 || (camera < 0 && shared_option_take(option, &c)))
             return REPLAY_USAGE;
@@ -173,5 +194,5 @@ int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t w
         snprintf(why, why_bytes, "%s: no option; a camera goes behind -d: -d %s", argv[optind], argv[optind]);
         return REPLAY_USAGE;
     }
-    return check(r, weight_given, why, why_bytes);
+    return check(r, weight_given, key_given, why, why_bytes);
 }

@@ -27,6 +27,8 @@ typedef struct run_options {
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode, curve;
     double exposure_s, gain; /* by hand; 0: not */
+    const char *resume;      /* a file with the total to begin with; NULL: with what the camera has */
+    const char *key_at;      /* what the key is by the light of the scene; NULL: one key */
     double seconds;          /* to run; 0: until it is stopped */
     int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */
     int any_frame_rate;      /* in the dark the exposure may be longer than a frame */
@@ -42,6 +44,7 @@ int run_options_parse(run_options *options, int argc, char **argv, char *why, si
 int run_value_time(const value_text *c, double plain_s, double low_s, double high_s, const char *right,
                    double *seconds);
 int run_value_mode(const value_text *c, uint32_t *mode);
+int run_value_key_at(const value_text *c, const char **key_at);
 int run_value_curve(const value_text *c, uint32_t *curve);
 int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off);
 int run_value_period(const value_text *c, uint32_t *mains_hz);

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "key_at.h"
+
 static const char *state_word(const run_sensor *s)
 {
     if (s->steers && s->refused)
@@ -52,6 +54,8 @@ static void configure(run_sensor *s)
     c->linear = o->curve == RUN_CURVE_AUTO ? (uint32_t)pupil_live_is_linear(s->source) : o->curve == RUN_CURVE_LINEAR;
     c->trim_low = (double)o->shown.config.trim_low;
     c->trim_high = (double)o->shown.config.trim_high;
+    if (o->key_at)
+        key_at_parse(o->key_at, c); /* it was right when it was read */
     if (o->exposure_s > 0.0) {
         c->exposure_mode = PUPIL_SENSOR_MANUAL;
         c->manual_exposure_s = o->exposure_s;
@@ -132,7 +136,10 @@ static int steer(run_sensor *s, char *why, size_t why_bytes)
     } else {
         pupil_sensor_init(&s->sensor, &s->config);
         pupil_camera_get_status(s->camera, &status);
-        pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
+        if (s->first_total_s > 0.0)
+            pupil_sensor_start(&s->sensor, s->first_total_s, 1.0);
+        else
+            pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
     }
     s->steers = 1;
     s->asked = (pupil_camera_setting){0}; /* of the camera before */

@@ -10,6 +10,7 @@ typedef struct run_sensor {
     const run_options *options;
     pupil_source *source;
     pupil_camera *camera; /* NULL: none (now) */
+    double first_total_s; /* to begin with; 0: with what the camera has */
     int steers;           /* sensor and setting are valid */
     pupil_sensor_config config;
     pupil_sensor sensor;
@@ -26,7 +27,7 @@ typedef struct run_sensor {
 void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source);
 
 /* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
- * have. -1 and a sentence: they cannot be steered. */
+ * have, or first_total_s. -1 and a sentence: they cannot be steered. */
 int run_sensor_take(run_sensor *s, char *why, size_t why_bytes);
 
 /* A frame's statistics: the setting follows, and is asked for where it has changed. Of RUN_SENSOR the curve becomes the

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "key_at.h"
 #include "run_options.h"
 #include "v4l2/v4l2_format.h"
 
@@ -56,6 +57,14 @@ int run_value_curve(const value_text *c, uint32_t *curve)
 {
     static const char *const words[] = {"auto", "linear", "unknown"};
     return one_of(c, words, "auto, linear or unknown", curve);
+}
+
+int run_value_key_at(const value_text *c, const char **key_at)
+{
+    pupil_sensor_config tried;
+    pupil_sensor_config_default(&tried);
+    *key_at = c->text;
+    return key_at_parse(c->text, &tried) ? value_refuse(c, key_at_right) : REPLAY_RUN;
 }
 
 int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off)

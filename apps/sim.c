@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "key_at.h"
 #include "plot.h"
 #include "refuse.h"
 #include "source.h"
@@ -25,6 +26,7 @@ static const char help[] =
     "                        integrator0.25 integrator1 (pupil)\n"
     "      --delay N         the delay that the controller believes in (the camera's own)\n"
     "      --mains HZ        the mains that pupil is told of: 0, 50, 60; auto: it finds them (auto)\n"
+    "      --key-at EV:KEY,...   pupil's key by the light of the scene: -1:0.06,5.5:0.18 (0.18)\n"
     "      --duration S      seconds (10 after the script's end)\n"
     "      --stats FILE      each frame as a line of JSON (.jsonl, - for standard output)\n"
     "      --plot FILE       light, exposure, gain and error over time, .svg or .png, by gnuplot\n"
@@ -144,6 +146,11 @@ static int read_option(int option, sim_options *o)
         return failed != 0;
     case 'm':
         return read_mains(optarg, o) != 0;
+    case 'k':
+        o->key_at = optarg;
+        if (key_at_parse(optarg, &o->loop.sensor))
+            return fprintf(stderr, "pupil sim: --key-at %s: must be %s\n", optarg, key_at_right), 1;
+        return 0;
     case 't':
         return number("duration", optarg, 0.01, 1e6, 0, &o->duration_s) != 0;
     case 's':
@@ -176,10 +183,11 @@ static int read_option(int option, sim_options *o)
 static int read_options(int argc, char **argv, sim_options *o)
 {
     static const struct option known[] = {
-        {"camera", 1, NULL, 'c'},  {"light", 1, NULL, 'l'}, {"scene", 1, NULL, 'e'},    {"controller", 1, NULL, 'o'},
-        {"delay", 1, NULL, 'd'},   {"mains", 1, NULL, 'm'}, {"duration", 1, NULL, 't'}, {"stats", 1, NULL, 's'},
-        {"plot", 1, NULL, 'p'},    {"json", 0, NULL, 'j'},  {"random", 1, NULL, 'r'},   {"seed", 1, NULL, 'S'},
-        {"threads", 1, NULL, 'T'}, {"quiet", 0, NULL, 'q'}, {"help", 0, NULL, 'h'},     {NULL, 0, NULL, 0}};
+        {"camera", 1, NULL, 'c'},  {"light", 1, NULL, 'l'},  {"scene", 1, NULL, 'e'},    {"controller", 1, NULL, 'o'},
+        {"delay", 1, NULL, 'd'},   {"mains", 1, NULL, 'm'},  {"duration", 1, NULL, 't'}, {"stats", 1, NULL, 's'},
+        {"plot", 1, NULL, 'p'},    {"json", 0, NULL, 'j'},   {"random", 1, NULL, 'r'},   {"seed", 1, NULL, 'S'},
+        {"threads", 1, NULL, 'T'}, {"key-at", 1, NULL, 'k'}, {"quiet", 0, NULL, 'q'},    {"help", 0, NULL, 'h'},
+        {NULL, 0, NULL, 0}};
     int c, wrong = 0;
     optind = 1;
     while (!wrong && (c = getopt_long(argc, argv, "c:l:qh", known, NULL)) != -1)
@@ -188,6 +196,16 @@ static int read_options(int argc, char **argv, sim_options *o)
         return wrong;
     fprintf(stderr, "pupil sim: %s: it takes no argument; the light is --light's\n", argv[optind]);
     return 1;
+}
+
+void sim_tell(sim_options *o)
+{
+    pupil_sensor_config *c = &o->loop.sensor;
+    if (o->believed)
+        c->delay_frames = o->believed;
+    c->mains_hz = o->mains_hz;
+    if (o->key_at)
+        key_at_parse(o->key_at, c); /* it was right when it was read */
 }
 
 /* What goes together, and the loop that the options stand for; an exit status, and a sentence. */
@@ -199,6 +217,9 @@ static int prepare(sim_options *o, char *why, size_t why_bytes)
     if (o->plants > 1 && (o->stats || o->plot))
         return pupil_refuse(why, why_bytes, "--random %llu: --stats and --plot are of one run, --random 1",
                             (unsigned long long)o->plants),
+               EXIT_USAGE;
+    if (o->key_at && o->loop.law->total)
+        return pupil_refuse(why, why_bytes, "--key-at: is of --controller pupil; the published laws have one key"),
                EXIT_USAGE;
     if (o->plot && pupil_plot_check(o->plot, why, why_bytes))
         return EXIT_FAILED;
@@ -215,9 +236,7 @@ static int prepare(sim_options *o, char *why, size_t why_bytes)
         return EXIT_FAILED;
     o->loop.plant.luminance = o->luminance;
     fixture_loop_fit(&o->loop);
-    if (o->believed)
-        o->loop.sensor.delay_frames = o->believed;
-    o->loop.sensor.mains_hz = o->mains_hz;
+    sim_tell(o);
     return EXIT_DONE;
 }
 

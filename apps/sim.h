@@ -15,7 +15,8 @@ typedef struct sim_options {
     uint32_t mains_hz; /* that pupil is told, or PUPIL_SENSOR_MAINS_AUTO */
     uint32_t threads;  /* for --random; 0: one a processor */
     const char *camera, *scene, *stats, *plot;
-    float *luminance; /* of the scene */
+    const char *key_at; /* NULL: one key */
+    float *luminance;   /* of the scene */
     int json, quiet;
     uint64_t plants, seed; /* plants: 0 unless --random */
 } sim_options;
@@ -32,6 +33,9 @@ typedef struct sim_run {
 int sim_stats(const sim_run *run, char *why, size_t why_bytes);
 int sim_plot(const sim_run *run, char *why, size_t why_bytes);
 void sim_summary(const sim_run *run, FILE *out);
+
+/* The controller's config, once its camera is there: what the options say of it. */
+void sim_tell(sim_options *o);
 
 /* The plant and script of a seed, with the controller of `o`. 0, or -1 and a sentence. */
 int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes);

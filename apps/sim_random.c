@@ -26,8 +26,8 @@ int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes)
     fixture_loop_fit(loop);
     /* what an owner believes who knows no better than that 4 is the longest that is usual, or has seen it jitter */
     const uint32_t late = loop->plant.jitter[0] > loop->plant.jitter[1] ? loop->plant.jitter[0] : loop->plant.jitter[1];
-    loop->sensor.delay_frames = o->believed ? o->believed : 4 + late;
-    loop->sensor.mains_hz = o->mains_hz;
+    loop->sensor.delay_frames = 4 + late;
+    sim_tell(o);
     o->duration_s = fixture_light_last_s(&loop->script) + TAIL_FRAMES * loop->plant.frame_s;
     return 0;
 }
@@ -125,6 +125,8 @@ static void name_failed(random_run *r)
             printf(" --delay %u", o->believed);
         if (o->mains_hz != PUPIL_SENSOR_MAINS_AUTO)
             printf(" --mains %u", o->mains_hz);
+        if (o->key_at)
+            printf(" --key-at %s", o->key_at);
         puts(" --plot again.svg");
         fflush(stdout);
     }

@@ -1,3 +1,4 @@
+#include "numeric.h"
 #include "pupil/sensor.h"
 
 void pupil_sensor_config_default(pupil_sensor_config *config)
@@ -67,6 +68,12 @@ static const char *fault_of(const pupil_sensor_config *c)
     WITHIN(delay_frames, 1, 16);
     WITHIN(key, 0.0009765625, 1);
     WITHIN(ev_compensation, -16, 16);
+    WITHIN(key_points, 0, 8);
+    for (const pupil_sensor_key_point *p = c->key_at; p < c->key_at + c->key_points; p++)
+        if (!(p->scene_ev >= -256.0 && p->scene_ev <= 256.0 && p->key >= 0x1p-10 && p->key <= 1.0) ||
+            (p > c->key_at && !(p->scene_ev > p[-1].scene_ev && p->key >= p[-1].key && /* a stop for two, or rounded */
+                                pupil_log2(p->key / p[-1].key) <= 0.5 * (p->scene_ev - p[-1].scene_ev) + 1e-9)))
+            return "key_at must rise: scene_ev in -256..256, key in 2^-10..1 by at most a stop for two of light";
     WITHIN(clip, 0.0000152587890625, 65536);
     WITHIN(trim_low, 0, 1);
     if (!(c->trim_high > c->trim_low && c->trim_high <= 1.0))

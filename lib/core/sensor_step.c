@@ -72,6 +72,18 @@ static double highlight_limit(const pupil_sensor_config *c, const pupil_sensor_l
     return frame_log2 + (room - HIGHLIGHT_AIM_EV) / slope;
 }
 
+/* log2 of what a frame's mean, now `mean`, is to be: of the key, or of that at the light of the scene. */
+static double wanted_of(const pupil_sensor_object *o, double mean, double frame_log2)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double clip = pupil_log2(c->clip), grey = pupil_log2(c->key) + clip;
+    const double ev = (mean - grey) / o->answer.slope + grey - frame_log2;
+    double key = c->key_points ? pupil_log2(c->key_at[0].key) + clip : grey;
+    for (const pupil_sensor_key_point *p = c->key_at + 1; p < c->key_at + c->key_points; p++)
+        key += clamp((ev - p[-1].scene_ev) / (p->scene_ev - p[-1].scene_ev), 0.0, 1.0) * pupil_log2(p->key / p[-1].key);
+    return key + c->ev_compensation;
+}
+
 /* log2 of the total that this frame asks for; the reason where it is not the key alone; whether it is a guess.
  *
  * A clipped frame's mean is too low, so its target lies between the frame's own total and the right one: whatever the
@@ -82,7 +94,7 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
                         int *guessed)
 {
     const pupil_sensor_config *c = &o->config;
-    const double wanted = pupil_log2(c->key) + pupil_log2(c->clip) + c->ev_compensation;
+    double wanted = wanted_of(o, light->mean, frame_log2);
     const double slope = o->answer.slope;
     const double plain = frame_log2 + (wanted - light->mean) / slope;
     double target = plain, mean, highlight, lost;
@@ -92,9 +104,10 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
         /* what is not clipped shows how much brighter it has become since the mean was one */
         const double most = o->known_ev + o->answer.brighter + KNOWN_EV + slope * (frame_log2 - o->known_log2);
         *guessed = mean > light->mean;
+        wanted = wanted_of(o, mean, frame_log2);
         target = light->clipped_share >= BLIND_CLIPPED ? frame_log2 - BLIND_STEP_EV
                                                        : frame_log2 + (wanted + lost - mean) / slope;
-        target = clamp(frame_log2 + (wanted - most) / slope, target, plain);
+        target = clamp(frame_log2 + (wanted_of(o, most, frame_log2) - most) / slope, target, plain);
         highlight = highlight < most + o->known_over ? highlight : most + o->known_over;
         o->setting.scene_ev = mean - frame_log2;
     } else {

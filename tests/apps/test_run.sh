@@ -74,7 +74,9 @@ for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutte
     "--metering moon" "--roi 0.5,0.5,0.6,0.1" "--trim 95,5" "--meter-rows 3" "--transfer pq" "--threads 1000" \
     "--gles-version 3.0" "--weight 0.1" "--fused --mode sensor" "--mains 50 --mode digital" \
     "--no-frame-rate-priority --mode digital" "--control-delay 2 --mode digital" "--curve linear --mode digital" \
-    "--curve srgb"; do
+    "--curve srgb" "--key-at 4 --mode sensor" "--key-at 4:0.1,x --mode sensor" "--key-at 0:0.1,1:0.2 --mode sensor" \
+    "--key-at 0:0.1,0:0.1 --mode sensor" "--key-at 0:1,1:1,2:1,3:1,4:1,5:1,6:1,7:1,8:1 --mode sensor" \
+    "--key-at 0:0.1" "--key-at 0:0.1 --mode both" "--key 0.1 --key-at 0:0.1 --mode sensor"; do
     # shellcheck disable=SC2086 # words
     refused 2 "${bad%% *}" $bad -o out.y4m
 done
@@ -126,6 +128,11 @@ for mode in sensor both; do
         fail "$mode: metered $(last metered_ev $mode.csv) EV lies outside of the frame's quantiles"
     within "$(last scene_ev $mode.csv)" 4.8 5.0 || fail "$mode: the light is $(last scene_ev $mode.csv), not log2(0.2930 / 0.01)"
 done
+# a key by the light: 3.87 EV, log2(600 / 4095 / 0.01), then two stops less; half of the way between two points each
+run 0 "" fake:delay=3 fake:flat=600 fake:light=0.25@150 --mode sensor --key-at 0.87:0.04,2.87:0.08,4.87:0.12 -n 300 --stats night.csv
+within "$(column output_level night.csv | sed -n 149p)" 0.091 0.105 || fail "--key-at: shown at $(column output_level night.csv | sed -n 149p), not at 0.098"
+within "$(last output_level night.csv)" 0.052 0.061 || fail "--key-at: shown at $(last output_level night.csv), not at 0.0566"
+[ "$(last sensor night.csv)" = converged ] || fail "--key-at: the sensor is $(last sensor night.csv)"
 run 0 "mode both" -n 3 # the default, where there are controls
 run 0 "" --shutter 1/100 --gain 2 -n 20 --stats hand.csv --mode digital
 within "$(last exposure_s hand.csv)" 0.00999 0.01001 || fail "--shutter 1/100: $(last exposure_s hand.csv) s"

@@ -52,6 +52,10 @@ grep -q '"swings":0}' said.out || fail "the room: $(cat said.out)"
 "$program" sim --mains 50 -l '0s -3ev; lamp 50Hz 30%' --stats - >lamp.jsonl
 tail -1 lamp.jsonl | grep -q '"band_ev":0.0[01]' || fail "bands with the mains told: $(tail -1 lamp.jsonl)"
 
+# a key by the light: as soon settled as with one, at its own level
+"$program" sim --key-at -1:0.05,5.5:0.18 --light '2s step -4ev' --json >said.out
+grep -q '"settle_frames":5,"overshoot_ev":0.0000[0-9]*,"aim_ev":-\?0.00' said.out || fail "--key-at: $(cat said.out)"
+
 if command -v gnuplot >/dev/null; then
     "$program" sim --plot run.svg >/dev/null
     grep -q '<svg' run.svg || fail "no plot"
@@ -103,6 +107,8 @@ expect 2 "camera: its delay of exposure is 9; 1..8 is right" sim -c delay=9
 expect 2 "--controller wizard: must be one of pupil rpi" sim --controller wizard
 expect 2 "--delay 0: must be a whole number from 1 to 16" sim --delay 0
 expect 2 "--mains 55: must be 0, 50, 60 or auto" sim --mains 55
+expect 2 "--key-at 0:0.1,1:0.2: must be EV:KEY" sim --key-at 0:0.1,1:0.2
+expect 2 "--key-at: is of --controller pupil" sim --key-at 0:0.1 --controller rpi
 expect 2 "--threads 300: must be a whole number from 0 to 256" sim --random 2 --threads 300
 expect 2 "--duration soon: must be a number" sim --duration soon
 expect 2 "--random: camera, light, scene and duration" sim --random 3 -c delay=2

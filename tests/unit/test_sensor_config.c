@@ -55,6 +55,7 @@ static const struct {
     {FIELD(gain_law), {0, 1, 3}, {5, ~0u}},
     {FIELD(lock), {0, 1, 1}, {2, ~0u}},
     {FIELD(stages), {0, 0, 0}, {9, ~0u}},
+    {FIELD(key_points), {0, 0, 0}, {9, ~0u}},
     {FIELD(size_bytes),
      {sizeof(pupil_sensor_config), sizeof(pupil_sensor_config), sizeof(pupil_sensor_config)},
      {0, 8}},
@@ -127,6 +128,28 @@ static void check_laws(void)
     c = plant_config(LAW_FINE);
     c.frame_s = 1e-5;
     refused(&c, "exposure_min_s");
+}
+
+static void check_key(void)
+{
+    static const pupil_sensor_key_point bad[][2] = {
+        {{0, 0.05}, {0, 0.05}}, {{1, 0.05}, {0, 0.05}},  {{0, 0.1}, {1, 0.09}},       {{0, 0.1}, {1, 0.15}},
+        {{0, 0}, {1, 0}},       {{0, 0.5}, {9, 1.1}},    {{-257, 0.1}, {0, 0.1}},     {{0, 0.1}, {257, 0.1}},
+        {{NAN, 0.1}, {0, 0.1}}, {{0, 0.1}, {NAN, 0.18}}, {{0, NAN}, {4, 0.1}},        {{0, 0.1}, {4, NAN}},
+        {{0, 0.1}, {8, 1.61}},  {{0, -0.1}, {8, 0.1}},   {{-INFINITY, 0.1}, {0, 0.1}}};
+    static const pupil_sensor_key_point good[][2] = {
+        {{0, 0.1}, {2, 0.2}}, {{-256, 0x1p-10}, {256, 1}}, {{0, 0.18}, {1e-300, 0.18}}, {{-3.3, 0.09}, {-1.3, 0.18}}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad + sizeof good / sizeof *good; i++) {
+        const size_t k = i - sizeof bad / sizeof *bad;
+        pupil_sensor_config c;
+        pupil_sensor_config_default(&c);
+        c.key_points = 2;
+        memcpy(c.key_at, i < sizeof bad / sizeof *bad ? bad[i] : good[k], sizeof *bad);
+        if (i < sizeof bad / sizeof *bad)
+            refused(&c, "key_at");
+        else
+            CHECK_MSG(pupil_sensor_config_check(&c, NULL) == PUPIL_OK, "good table %zu", k);
+    }
 }
 
 /* The setting for a total; what always holds of it. */
@@ -227,6 +250,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     check_fields();
     check_laws();
+    check_key();
     check_split();
     check_fine_lines();
     check_profile();

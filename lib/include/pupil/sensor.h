@@ -83,10 +83,17 @@ typedef enum pupil_sensor_mode {
 
 #define PUPIL_SENSOR_STAGES     8
 #define PUPIL_SENSOR_GAIN_TABLE 64
+#define PUPIL_SENSOR_KEY_POINTS 8
 
 typedef struct pupil_sensor_stage {
     double exposure_s, gain;
 } pupil_sensor_stage;
+
+/* What the key is to be where the scene has this light. */
+typedef struct pupil_sensor_key_point {
+    double scene_ev; /* log2 of value / (exposure_s * gain), as scene_ev of pupil_sensor_setting; -256..256, rising */
+    double key;      /* 2^-10..1; never falls */
+} pupil_sensor_key_point;
 
 typedef struct pupil_sensor_config {
     uint32_t size_bytes;   /* sizeof(pupil_sensor_config) as the caller was compiled; config_default fills it in */
@@ -95,8 +102,16 @@ typedef struct pupil_sensor_config {
                             * 1..16 */
 
     /* what is wanted */
-    double key;             /* what the log-average is to be, of the sensor's range: of `clip`; 0.18; 2^-10..1 */
-    double ev_compensation; /* stops, positive is brighter; 0; -16..16 */
+    double key; /* what the log-average is to be, of the sensor's range: of `clip`; 0.18; 2^-10..1 */
+    /* night that looks like night: key_at in place of key. Between two points log2 of the key is linear in scene_ev,
+     * beyond the ends it stays. From one point to the next the key may rise by at most a stop for two of light: light
+     * that is taken for too little or too much, as clipped light is, then moves the total by no more than it would with
+     * a fixed key, and by half as much at least, so that the loop settles as soon and cannot swing with it. Where the
+     * picture has a tone curve, scene_ev is the light as it is told where the mean is at `key`: the mean's distance
+     * from there is divided by the slope, so that it does not move with the settings, either. */
+    uint32_t key_points; /* in use; 0 (key)..PUPIL_SENSOR_KEY_POINTS */
+    pupil_sensor_key_point key_at[PUPIL_SENSOR_KEY_POINTS];
+    double ev_compensation; /* stops, positive is brighter; with key_at, too; 0; -16..16 */
     double clip;            /* the value of a frame at which a channel is full; 1 for integer formats; 2^-16..2^16 */
     double trim_low;        /* share of the weight left out of the mean at the dark end; 0; 0..1 */
     double trim_high;       /* where the kept share ends, above trim_low; 1. Read only where there is a histogram */
