@@ -253,6 +253,7 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
         a->strange += a->strange < STRANGE_MOST;
         return;
     }
+    is_real &= a->left < ALIKE * size; /* light that goes on as it did before the step looks like a part of it */
     a->strange -= a->strange > 0;
     a->slopes += a->slopes < 3;
     const int is_alone = o->config.linear && is_near(exposure, 0.0);
@@ -295,11 +296,11 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         if (least == most)
             learn_slope(o, step, least, gap == 1 && light->low[0] > dark && a->low_of[0] > dark);
     }
-    const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]);
+    const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]), left = least - own;
     a->brighter += most - own;
+    a->left = least < most ? FAR_AWAY : left < 0.0 ? -left : left;
     if (least == most) { /* what the best guess leaves is the scene's; of a normal deviate: 1.25 |x| */
-        const double left = least - own;
-        const double size = 1.25 * (left < 0.0 ? -left : left), cut = 4.0 * a->noise;
+        const double size = 1.25 * a->left, cut = 4.0 * a->noise;
         a->noise += 0.1 * ((size < cut ? size : cut) - a->noise);
         a->noise = a->noise > NOISE_EV ? a->noise : NOISE_EV;
     }

@@ -24,6 +24,7 @@ typedef struct pupil_sensor_answer {
     double anchor[2]; /* what stays in force if the camera does not obey */
     double low, high; /* total in force, by all that is not ruled out */
     double noise;     /* of the scene, stops from frame to frame */
+    double left;      /* stops that the scene moved by itself in the frame before */
     double slope;     /* of the picture's log2 over the light's */
     double seen[3];   /* slopes */
     double gains[3];  /* what steps of gain alone have done of what they should */
