@@ -14,7 +14,7 @@ static const char *const words[REASONS] = {
     [PUPIL_ROW_GAIN_LONG] = "the exposure is a period of the lamps' light or more",
     [PUPIL_ROW_GAIN_STANDING] = "the lamps' wave stands still at this frame rate",
     [PUPIL_ROW_GAIN_NO_LAMPS] = "no lamps are seen",
-    [PUPIL_ROW_GAIN_MIXED] = "parts of the picture lack the lamps' wave: daylight, or clipped",
+    [PUPIL_ROW_GAIN_MIXED] = "parts of the picture lack the lamps' wave: daylight, clipped, or another readout",
     [PUPIL_ROW_GAIN_DISTURBED] = "too much moves",
     [NO_READOUT] = "the camera's readout is not known: --readout",
     [NO_MAINS] = "no lamps' bands were seen: --mains 50 or 60 tells what to look for",
@@ -101,6 +101,7 @@ const float *run_lamps_take(run_lamps *l, const run_sensor *sensor, const pupil_
     l->reason = result.reason;
     if (!(result.strength > 0.0) || pupil_row_gain_of_rows(&l->lamps, &info, frame->image.height, l->gain))
         return NULL;
+    l->reason = PUPIL_ROW_GAIN_ON;
     l->with++;
     return l->gain;
 }
