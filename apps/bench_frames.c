@@ -33,6 +33,20 @@ static double random_of(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
+/* The light of lamps on a row, at half of daylight, so that no format clips it; turn: their phase on the first row, of
+ * two and a half turns over the frame (a readout of 25 ms under 100 Hz); negative: no lamps. */
+static double lamp_on(uint32_t y, uint32_t height, double turn)
+{
+    const double two_pi = 6.28318530717958648;
+    return turn < 0.0 ? 1.0 : 0.5 + 0.15 * cos(two_pi * (turn + 2.5 * (y + 0.5) / height));
+}
+
+static void shine(float rgba[4], double light)
+{
+    for (int k = 0; k < 3; k++)
+        rgba[k] *= (float)light;
+}
+
 /* Over six stops, with a grain of half a stop, and colour that is strong in a thirtieth of the pixels. */
 static void easy_pixel(uint32_t x, uint32_t y, uint64_t *state, float rgba[4])
 {
@@ -126,7 +140,7 @@ pupil_image bench_room(uint32_t pixel, uint32_t width, uint32_t height)
     return image;
 }
 
-static void fill(pupil_image image, int hard, uint64_t *state)
+static void fill(pupil_image image, int hard, double turn, uint64_t *state)
 {
     for (uint32_t y = 0; y < image.height; y++)
         for (uint32_t x = 0; x < image.width; x++) {
@@ -135,23 +149,26 @@ static void fill(pupil_image image, int hard, uint64_t *state)
                 hard_pixel(state, rgba);
             else
                 easy_pixel(x, y, state, rgba);
+            shine(rgba, lamp_on(y, image.height, turn));
             store(image.pixel, rgba,
                   (unsigned char *)image.data + (ptrdiff_t)y * image.stride_bytes + x * pupil_pixel_bytes(image.pixel));
         }
 }
 
-static void fill_camera(pupil_image_const image, uint64_t *state)
+static void fill_camera(pupil_image_const image, double turn, uint64_t *state)
 {
     for (uint32_t y = 0; y < image.height; y += 2)
         for (uint32_t x = 0; x < image.width; x += 2) {
             float rgba[4][4];
-            for (uint32_t i = 0; i < 4; i++)
+            for (uint32_t i = 0; i < 4; i++) {
                 easy_pixel(x + i % 2, y + i / 2, state, rgba[i]);
+                shine(rgba[i], lamp_on(y + i / 2, image.height, turn));
+            }
             bench_store_quad(&image, x, y, (const float(*)[4])rgba);
         }
 }
 
-pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard)
+static pupil_image_const make(uint32_t pixel, uint32_t width, uint32_t height, int hard, double turn)
 {
     const pupil_image image = bench_room(pixel, width, height);
     const pupil_image_const frame = pupil_image_as_const(image);
@@ -159,10 +176,20 @@ pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, i
     if (!image.data)
         return frame;
     if (!camera_is_camera(pixel))
-        fill(image, hard, &state);
+        fill(image, hard, turn, &state);
     else if (hard)
         bench_store_any(&frame, random_of, &state);
     else
-        fill_camera(frame, &state);
+        fill_camera(frame, turn, &state);
     return frame;
+}
+
+pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard)
+{
+    return make(pixel, width, height, hard, -1.0);
+}
+
+pupil_image_const bench_lamp_frame(uint32_t pixel, uint32_t width, uint32_t height, double turn)
+{
+    return make(pixel, width, height, 0, turn);
 }

@@ -11,6 +11,10 @@
  * memory. The format can have the size. */
 pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard);
 
+/* The easy one under lamps of modulation 0.3, two and a half periods of which pass from the first row to the last;
+ * turn: their phase on the first row, 0..1. */
+pupil_image_const bench_lamp_frame(uint32_t pixel, uint32_t width, uint32_t height, double turn);
+
 /* Bytes of all planes of a frame without gaps. */
 size_t bench_frame_bytes(uint32_t pixel, uint32_t width, uint32_t height);
 

@@ -19,6 +19,7 @@ static const char help[] =
     "      --peers        beside OpenCV, ffmpeg, libplacebo and plain C, as ratios (one thread)\n"
     "      --worst        how long the slowest frame in a thousand takes: ordinary, denormal and odd\n"
     "                     frames, and memory never touched before\n"
+    "      --row-gains    what taking lamps' bands out costs beside metering and mapping, as ratios\n"
     "      --plot FILE    speed against error of each choice, as .svg or .png, by gnuplot (one thread)\n"
     "      --format NAME  one input format (all; the three above: rgba32f)\n"
     "      --out NAME     what is mapped to: rgba8 rgb8 bgrx8 nv12, or half: RGBA8 of half a mosaic's\n"
@@ -68,6 +69,9 @@ static int read_option(int option, bench_options *o)
     case 'o':
         o->worst = 1;
         return 0;
+    case 'l':
+        o->row_gains = 1;
+        return 0;
     case 'g':
         o->plot = optarg;
         return 0;
@@ -101,11 +105,11 @@ static int read_option(int option, bench_options *o)
 
 static int read_options(int argc, char **argv, bench_options *o)
 {
-    static const struct option known[] = {{"peers", 0, NULL, 'p'},  {"worst", 0, NULL, 'o'}, {"plot", 1, NULL, 'g'},
-                                          {"format", 1, NULL, 'f'}, {"size", 1, NULL, 's'},  {"threads", 1, NULL, 't'},
-                                          {"rounds", 1, NULL, 'r'}, {"warm", 0, NULL, 'w'},  {"json", 0, NULL, 'j'},
-                                          {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},  {"out", 1, NULL, 'u'},
-                                          {NULL, 0, NULL, 0}};
+    static const struct option known[] = {
+        {"peers", 0, NULL, 'p'},     {"worst", 0, NULL, 'o'},   {"plot", 1, NULL, 'g'},   {"format", 1, NULL, 'f'},
+        {"size", 1, NULL, 's'},      {"threads", 1, NULL, 't'}, {"rounds", 1, NULL, 'r'}, {"warm", 0, NULL, 'w'},
+        {"json", 0, NULL, 'j'},      {"quiet", 0, NULL, 'q'},   {"help", 0, NULL, 'h'},   {"out", 1, NULL, 'u'},
+        {"row-gains", 0, NULL, 'l'}, {NULL, 0, NULL, 0}};
     int c, wrong = 0;
     optind = 1;
     while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1)
@@ -150,8 +154,12 @@ static int check_formats(const bench_options *o)
 static int check(const bench_options *o)
 {
     const int modes = o->peers + o->worst + (o->plot != NULL);
-    if (modes > 1)
-        return fputs("pupil bench: --peers, --worst and --plot are measured one at a time\n", stderr), -1;
+    if (modes + o->row_gains > 1)
+        return fputs("pupil bench: --peers, --worst, --row-gains and --plot are measured one at a time\n", stderr), -1;
+    if (o->row_gains && (o->width < BENCH_LEAST_LAMPS_PX || o->height < BENCH_LEAST_LAMPS_PX))
+        return fprintf(stderr, "pupil bench: --size %lux%lu: --row-gains takes at least 64x64\n",
+                       (unsigned long)o->width, (unsigned long)o->height),
+               -1;
     if (modes && o->format && strcmp(o->format, "rgba32f") != 0)
         return fprintf(stderr, "pupil bench: --format %s: --peers, --worst and --plot take rgba32f\n", o->format), -1;
     if (modes && o->out != bench_outs)
@@ -189,10 +197,11 @@ int bench_kernels_main(int argc, char **argv)
     }
     const bench_flush *flush = o.warm ? NULL : &room;
     interrupt_watch();
-    status = o.peers   ? bench_peers(&o, crew, flush)
-             : o.worst ? bench_worst(&o, crew)
-             : o.plot  ? bench_plot(&o, crew, flush)
-                       : bench_levels(&o, crew, flush);
+    status = o.peers       ? bench_peers(&o, crew, flush)
+             : o.worst     ? bench_worst(&o, crew)
+             : o.plot      ? bench_plot(&o, crew, flush)
+             : o.row_gains ? bench_lamps(&o, crew, flush)
+                           : bench_levels(&o, crew, flush);
     bench_flush_close(&room);
     workers_close(crew);
     return status;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bench_frames.h"
+#include "pupil/row_gain.h"
 
 const char *const bench_kernel_names[BENCH_KERNELS] = {"meter", "map", "fused", "exact", "default"};
 const char *const bench_level_names[PUPIL_LEVEL_COUNT] = {"scalar", "neon", "avx2", "avx512"};
@@ -48,7 +49,9 @@ static void work(void *context, unsigned worker, unsigned count)
     pupil_stats_clear(stats);
     if (k->which == BENCH_METER || k->which == BENCH_EXACT)
         pupil_meter_rows(&k->pupil, &in, first, s->in.height, stats);
-    if (k->which == BENCH_MAP || k->which == BENCH_EXACT)
+    if (k->which == BENCH_MAP && k->gain)
+        pupil_map_rows_with_gains(&k->pupil, &s->curve, &in, k->gain + first, &out);
+    else if (k->which == BENCH_MAP || k->which == BENCH_EXACT)
         pupil_map_rows(&k->pupil, &s->curve, &in, &out);
     if (k->which == BENCH_FUSED || k->which == BENCH_DEFAULT)
         pupil_fused_rows(&k->pupil, &s->curve, &in, first, s->in.height, &out, stats);
@@ -127,6 +130,7 @@ int bench_kernel_open(bench_kernel *k, bench_subject *s, bench_which which, uint
     k->s = s;
     k->which = which;
     k->level = level;
+    k->gain = NULL;
     return 0;
 }
 

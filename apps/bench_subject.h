@@ -9,7 +9,7 @@
 #include "verify.h"
 #include "workers.h"
 
-enum { BENCH_MOST_THREADS = 64 };
+enum { BENCH_MOST_THREADS = 64, BENCH_LEAST_LAMPS_PX = 64 /* as row_gain.h has it */ };
 
 typedef struct bench_out { /* what frames are mapped to */
     const char *name;
@@ -26,7 +26,7 @@ typedef struct bench_options {
     uint32_t width, height;
     unsigned threads;
     unsigned rounds; /* 0: as many as what is measured needs */
-    int peers, worst, warm, json, quiet;
+    int peers, worst, row_gains, warm, json, quiet;
 } bench_options;
 
 typedef enum bench_which {
@@ -55,6 +55,7 @@ typedef struct bench_kernel {
     bench_subject *s;
     bench_which which;
     uint32_t level;
+    const float *gain; /* of the frame's rows, for BENCH_MAP; NULL: none */
     pupil_t pupil;
     pupil_stats stats[BENCH_MOST_THREADS]; /* one a worker */
 } bench_kernel;
@@ -87,6 +88,7 @@ int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush
 int bench_peers(const bench_options *o, workers *crew, const bench_flush *flush);
 int bench_worst(const bench_options *o, workers *crew);
 int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush);
+int bench_lamps(const bench_options *o, workers *crew, const bench_flush *flush);
 
 enum { BENCH_DONE = 0, BENCH_FAILED = 1, BENCH_USAGE = 2, BENCH_INTERRUPTED = 130 };
 

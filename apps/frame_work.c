@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "pupil/row_gain.h"
+
 struct frame_work {
     workers *w;
     pupil_stats *own; /* one a worker */
@@ -11,6 +13,7 @@ struct frame_work {
     const pupil_image_const *in;
     const pupil_image *out; /* NULL: meter only */
     const pupil_curve *curve;
+    const float *gain; /* of its rows, where it is mapped; NULL: none */
     int meter;
 };
 
@@ -38,12 +41,18 @@ void frame_work_close(frame_work *f)
     }
 }
 
+/* The first row of a worker's share: pairs stay together, for they may have one gain. */
+static uint32_t begins(uint32_t height, unsigned worker, unsigned count)
+{
+    const uint32_t row = (uint32_t)((uint64_t)height * worker / count);
+    return worker < count ? row & ~UINT32_C(1) : row;
+}
+
 static void work_share(void *context, unsigned worker, unsigned count)
 {
     frame_work *f = context;
-    uint32_t height = f->in->height;
-    uint32_t first = (uint32_t)((uint64_t)height * worker / count);
-    uint32_t rows = (uint32_t)((uint64_t)height * (worker + 1) / count) - first;
+    const uint32_t height = f->in->height, first = begins(height, worker, count);
+    const uint32_t rows = begins(height, worker + 1, count) - first;
 
     f->error[worker] = PUPIL_OK;
     if (f->meter)
@@ -61,6 +70,8 @@ static void work_share(void *context, unsigned worker, unsigned count)
         f->error[worker] = pupil_fused_rows(f->pupil, f->curve, &in, first, height, &out, &f->own[worker]);
     else if (f->meter)
         f->error[worker] = pupil_meter_rows(f->pupil, &in, first, height, &f->own[worker]);
+    else if (f->gain)
+        f->error[worker] = pupil_map_rows_with_gains(f->pupil, f->curve, &in, f->gain + first, &out);
     else
         f->error[worker] = pupil_map_rows(f->pupil, f->curve, &in, &out);
 }
@@ -85,6 +96,11 @@ static int adapt(frame_work *f, pupil_t *pupil, const pupil_frame_info *info, pu
     for (unsigned i = 0; !error && i < workers_count(f->w); i++)
         error = pupil_stats_add(stats, &f->own[i]);
     return error ? error : pupil_adapt(pupil, stats, info);
+}
+
+void frame_work_gain(frame_work *f, const float *gain)
+{
+    f->gain = gain;
 }
 
 int frame_work_meter(frame_work *f, pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,

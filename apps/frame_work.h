@@ -11,6 +11,10 @@ typedef struct frame_work frame_work;
 frame_work *frame_work_open(workers *w);
 void frame_work_close(frame_work *f);
 
+/* From now on rows are mapped with these gains, one of each row of the frame (pupil/row_gain.h), unless in the pass
+ * that meters them, too; NULL: with none. */
+void frame_work_gain(frame_work *f, const float *gain);
+
 /* What pupil_process does, in the order `fused` says; leaves the frame's statistics and the curve that mapped it. */
 int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_image_const *in,
                        const pupil_frame_info *info, const pupil_image *out, pupil_stats *stats, pupil_curve *curve);

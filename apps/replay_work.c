@@ -24,6 +24,8 @@ void replay_work_close(replay_work *w)
 void replay_work_gles(replay_work *w, pupil_gles_get_proc get_proc)
 {
     char why[PUPIL_WHY_BYTES];
+    if (w->cpu_only)
+        return;
     if (gles_work_open(&w->gpu, &w->options->config, w->options->gles_version, get_proc, why, sizeof why))
         snprintf(w->warning, sizeof w->warning, "--gles: %.900s", why);
 }

@@ -18,6 +18,7 @@ typedef struct replay_work {
     workers *workers;
     frame_work *cpu;
     gles_work *gpu; /* NULL: the CPU does it */
+    int cpu_only;   /* it stays so */
     uint64_t frames, gpu_frames;
     char gpu_name[512];
     char warning[PUPIL_WHY_BYTES]; /* why the CPU has taken over; for the user, and then to be emptied */
@@ -29,8 +30,8 @@ typedef struct replay_work {
 int replay_work_open(replay_work *w, const replay_options *options);
 void replay_work_close(replay_work *w);
 
-/* From now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in one without a window; or a
- * warning. */
+/* Unless it is cpu_only, from now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in one
+ * without a window; or a warning. */
 void replay_work_gles(replay_work *w, pupil_gles_get_proc get_proc);
 
 /* The GPU cannot go on: a warning, and the CPU takes over. */

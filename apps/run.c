@@ -16,6 +16,7 @@
 #include "replay_work.h"
 #include "run_choose.h"
 #include "run_colour.h"
+#include "run_lamps.h"
 #include "run_resume.h"
 #include "run_sensor.h"
 #include "run_status.h"
@@ -37,6 +38,7 @@ typedef struct run {
     run_sensor sensor;
     run_resume resume;
     run_colour colour;
+    run_lamps lamps;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
@@ -220,6 +222,7 @@ static int show(pupil_frame *frame)
     if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, why, sizeof why))
         return fail(why);
     const int64_t began_ns = now_ns();
+    frame_work_gain(r.work.cpu, run_lamps_take(&r.lamps, &r.sensor, frame));
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
         return fail(why);
     const int64_t mapped_ns = now_ns();
@@ -323,6 +326,9 @@ static int begin(void)
     if (*remark)
         say(remark, "");
     r.sensor.first_total_s = r.resume.total_s;
+    run_lamps_begin(&r.lamps, o, r.source, remark, sizeof remark);
+    if (*remark && !o->shown.quiet)
+        say(remark, "");
     r.colour.own_picture = o->mode == RUN_SENSOR;
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
@@ -332,6 +338,7 @@ static int begin(void)
     }
     r.work.judge = run_sensor_judge;
     r.work.context = &r.sensor;
+    r.work.cpu_only = o->row_gains;
     r.outputs.system = r.system;
     if (o->shown.gles && !o->shown.view)
         replay_work_gles(&r.work, NULL);
@@ -422,6 +429,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
         snprintf(more + strlen(more), sizeof more - strlen(more), "; %llu not recorded, for the disk was too slow",
                  (unsigned long long)r.not_recorded);
     run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
+    run_lamps_tell(&r.lamps, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
         say(r.why, "");
     if (given_up)

@@ -60,16 +60,16 @@ int run_choose_mode(run_options *o, const pupil_source *source, char *remark, si
                     size_t why_bytes)
 {
     pupil_camera *camera = pupil_live_camera(source);
-    const char *asks = o->exposure_s > 0.0     ? "--shutter"
-                       : o->gain > 0.0         ? "--gain"
-                       : o->mode == RUN_SENSOR ? "--mode sensor"
-                       : o->mode == RUN_BOTH   ? "--mode both"
-                       : o->live.mains_hz      ? "--mains"
-                       : o->any_frame_rate     ? "--no-frame-rate-priority"
-                       : o->live.delay         ? "--control-delay"
-                       : o->curve              ? "--curve"
-                       : o->resume             ? "--resume"
-                                               : NULL;
+    const char *asks = o->exposure_s > 0.0                 ? "--shutter"
+                       : o->gain > 0.0                     ? "--gain"
+                       : o->mode == RUN_SENSOR             ? "--mode sensor"
+                       : o->mode == RUN_BOTH               ? "--mode both"
+                       : o->live.mains_hz && !o->row_gains ? "--mains"
+                       : o->any_frame_rate                 ? "--no-frame-rate-priority"
+                       : o->live.delay                     ? "--control-delay"
+                       : o->curve                          ? "--curve"
+                       : o->resume                         ? "--resume"
+                                                           : NULL;
     if (!camera && asks) {
         snprintf(why, why_bytes, "%s: %.900s", asks, pupil_live_no_controls(source));
         return -1;

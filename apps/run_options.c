@@ -26,7 +26,9 @@ enum {
     CURVE,
     KEY_AT,
     RESUME,
-    RECORD
+    RECORD,
+    ROW_GAINS,
+    READOUT
 };
 
 static const struct option long_options[] = {
@@ -52,6 +54,8 @@ static const struct option long_options[] = {
     {"key-at", required_argument, NULL, KEY_AT},
     {"resume", required_argument, NULL, RESUME},
     {"record", required_argument, NULL, RECORD},
+    {"row-gains", no_argument, NULL, ROW_GAINS},
+    {"readout", required_argument, NULL, READOUT},
     {"timeout", required_argument, NULL, 't'},
     SHARED_OPTIONS,
 };
@@ -63,6 +67,8 @@ static int take_flag(int option, run_options *r)
         return r->live.capture.newest = 1;
     case NO_PRIORITY:
         return r->any_frame_rate = 1;
+    case ROW_GAINS:
+        return r->row_gains = 1;
     default:
         return shared_option_flag(option, &r->shown);
     }
@@ -118,6 +124,9 @@ static int take_camera(int option, const value_text *c, run_options *r)
         return colour_option_matrix(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
     case BLACK_LEVEL:
         return colour_option_black(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
+    case READOUT:
+        return run_value_time(c, 1e-3, 1e-4, 1.0, "25ms, or a plain number of milliseconds, from 0.1 to 1000",
+                              &r->readout_s);
     case RECORD:
         return option_path(c, &c->o->record);
     case 't':
@@ -133,6 +142,25 @@ static int conflict(char *why, size_t why_bytes, const char *sentence)
     return REPLAY_USAGE;
 }
 
+/* Of --row-gains, and of --mains where it is about them. */
+static int check_lamps(const run_options *r, char *why, size_t why_bytes)
+{
+    const replay_options *o = &r->shown;
+    if (r->mode == RUN_DIGITAL && ((r->live.mains_hz && !r->row_gains) || r->any_frame_rate))
+        return conflict(why, why_bytes,
+                        "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
+                        "digital leaves the camera as it is");
+    if (r->readout_s > 0.0 && !r->row_gains)
+        return conflict(why, why_bytes, "--readout: is of --row-gains");
+    if (r->row_gains && (o->gles || o->gles_version))
+        return conflict(why, why_bytes, "--row-gains: is the CPU's work, and goes without --gles and --gles-version");
+    if (r->row_gains && o->config.order == PUPIL_ORDER_FUSED)
+        return conflict(why, why_bytes, "--row-gains: looks at a frame before it is mapped, and goes without --fused");
+    if (r->row_gains && r->mains_off)
+        return conflict(why, why_bytes, "--row-gains: is about lamps on the mains, and goes without --mains off");
+    return REPLAY_RUN;
+}
+
 /* What options ask of one another. */
 static int check(const run_options *r, int weight_given, int key_given, char *why, size_t why_bytes)
 {
@@ -142,10 +170,8 @@ static int check(const run_options *r, int weight_given, int key_given, char *wh
     if (r->mode == RUN_SENSOR && o->config.order == PUPIL_ORDER_FUSED)
         return conflict(why, why_bytes,
                         "--fused: is of --mode digital and both; the picture of sensor is the camera's");
-    if (r->mode == RUN_DIGITAL && (r->live.mains_hz || r->any_frame_rate))
-        return conflict(why, why_bytes,
-                        "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
-                        "digital leaves the camera as it is");
+    if (check_lamps(r, why, why_bytes))
+        return REPLAY_USAGE;
     if (r->key_at && r->mode != RUN_SENSOR)
         return conflict(
             why, why_bytes,

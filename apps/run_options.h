@@ -32,6 +32,8 @@ typedef struct run_options {
     double seconds;          /* to run; 0: until it is stopped */
     int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */
     int any_frame_rate;      /* in the dark the exposure may be longer than a frame */
+    int row_gains;           /* lamps' bands in exposures below a period are taken out row by row */
+    double readout_s;        /* from the first row to the last; 0: as the driver tells */
 } run_options;
 
 /* As replay_options_parse; argv stays as it is. */

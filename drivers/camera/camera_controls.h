@@ -116,7 +116,7 @@ typedef struct pupil_camera_options {
     const char *sensor_name;         /* its name in the media graph, for its law; NULL: unknown */
     const pupil_camera_sensor *sensor; /* what is known of it, in place of the table; NULL */
     uint32_t width, height; /* of the sensor's own format (VIDIOC_SUBDEV_G_FMT); wanted where EXPOSURE is in lines */
-    double line_s;          /* a line's time; 0: from PIXEL_RATE, HBLANK and width */
+    double line_s;          /* a line's time; 0: from PIXEL_RATE, HBLANK and width, where they are told */
     uint32_t delay;    /* frames that a control takes to act, measured ('pupil probe'), and then nothing is learned;
                         * 0: as is known of the sensor */
     uint32_t mains_hz; /* POWER_LINE_FREQUENCY: 50, 60; 0: as it is */
@@ -150,6 +150,7 @@ typedef struct pupil_camera_limits {
                           * control's default where the least is 0 */
     uint32_t exposure_delay, gain_delay; /* frames, as above; 3 where unknown; as they were learned */
     pupil_camera_gain gain;
+    double readout_s; /* of the sensor's lines, one after another: height times a line's time; 0: unknown */
 } pupil_camera_limits;
 
 void pupil_camera_get_limits(pupil_camera *camera, pupil_camera_limits *limits);

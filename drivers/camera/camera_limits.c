@@ -15,6 +15,7 @@ void pupil_camera_get_limits(pupil_camera *camera, pupil_camera_limits *l)
     l->exposure_step_s = camera->unit_s * (double)(e->step > 0 ? e->step : 1);
     l->exposure_min_s = camera->unit_s * (double)(e->least > 0 ? e->least : 1);
     l->exposure_max_s = camera->unit_s * (double)e->most;
+    l->readout_s = camera->line_s * camera->height;
     l->exposure_delay = exposure_delay;
     l->gain_delay = gain_delay;
     l->has_gain = camera->gain.fd >= 0;

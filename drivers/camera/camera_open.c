@@ -35,13 +35,15 @@ static int find(const pupil_camera *camera, uint32_t id, camera_control *control
     return 0;
 }
 
-static int get_line(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
+/* line_s: 1; 0: nobody tells it; -1 and a sentence. */
+static int find_line(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
 {
     camera_control rate, blank;
     int64_t pixels_a_second = 0, pixels = 0;
-    camera->line_s = options->line_s;
-    if (camera->line_s > 0.0 && isfinite(camera->line_s))
-        return 0;
+    if (options->line_s > 0.0 && isfinite(options->line_s)) {
+        camera->line_s = options->line_s;
+        return 1;
+    }
     const int has_rate = find(camera, V4L2_CID_PIXEL_RATE, &rate, why, why_bytes);
     const int has_blank = has_rate < 0 ? -1 : find(camera, V4L2_CID_HBLANK, &blank, why, why_bytes);
     if (has_blank < 0)
@@ -49,12 +51,9 @@ static int get_line(pupil_camera *camera, const pupil_camera_options *options, c
     if (!has_rate || !has_blank || pupil_camera_get_control(camera, rate.fd, rate.id, &pixels_a_second) ||
         pupil_camera_get_control(camera, blank.fd, blank.id, &pixels) || pixels_a_second <= 0 || pixels < 0 ||
         !options->width)
-        return pupil_camera_refuse(
-            why, why_bytes,
-            "EXPOSURE counts lines, and a line's time is not known: the driver must tell PIXEL_RATE and "
-            "HBLANK, and the caller the width; or the caller the line's time itself");
+        return 0;
     camera->line_s = (double)(pixels + options->width) / (double)pixels_a_second;
-    return 0;
+    return 1;
 }
 
 static int find_exposure(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
@@ -63,16 +62,22 @@ static int find_exposure(pupil_camera *camera, const pupil_camera_options *optio
     camera->vblank.fd = camera->gain.fd = -1;
     int has = find(camera, V4L2_CID_EXPOSURE_ABSOLUTE, &camera->exposure, why, why_bytes);
     camera->unit_s = 1e-4; /* V4L2: "in 100 us units" */
-    if (has)
-        return has < 0 ? -1 : 0;
+    if (has)               /* the line's time is then of the readout alone */
+        return has < 0 || find_line(camera, options, why, why_bytes) < 0 ? -1 : 0;
     has = find(camera, V4L2_CID_EXPOSURE, &camera->exposure, why, why_bytes);
     if (has == 0)
         return pupil_camera_refuse(
             why, why_bytes,
             "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
             "sensor's subdevice: its exposure time cannot be set");
-    if (has < 0 || get_line(camera, options, why, why_bytes))
+    const int has_line = has < 0 ? -1 : find_line(camera, options, why, why_bytes);
+    if (has_line < 0)
         return -1;
+    if (!has_line)
+        return pupil_camera_refuse(
+            why, why_bytes,
+            "EXPOSURE counts lines, and a line's time is not known: the driver must tell PIXEL_RATE and "
+            "HBLANK, and the caller the width; or the caller the line's time itself");
     camera->unit_s = camera->line_s;
     has = options->height ? find(camera, V4L2_CID_VBLANK, &camera->vblank, why, why_bytes) : 0;
     if (has > 0 && !pupil_camera_get_control(camera, camera->vblank.fd, camera->vblank.id, &blank))

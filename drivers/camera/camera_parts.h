@@ -38,7 +38,7 @@ struct pupil_camera {
     uint32_t height, at_frame_start;
     camera_control exposure, gain, vblank;
     double unit_s; /* of exposure codes */
-    double line_s; /* where exposures are in lines */
+    double line_s; /* 0: unknown, and exposures are not in lines */
     pupil_camera_gain law;
     uint32_t gain_known, delay_given; /* delay_given: nothing is learned */
     struct {

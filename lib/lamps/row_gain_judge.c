@@ -90,6 +90,14 @@ static void hear(pupil_row_gain_object *o, double dt_s)
     o->heard = now < o->heard ? now : o->heard + w * (now - o->heard);
 }
 
+/* Whether the last frame has the wave in all groups and segments. A pan of 1 % of the width a frame hides up to 0.15 of
+ * a wave of modulation 0.3 in one of them; where a pan brings a window into view, it is in the third frame that more
+ * than that is missing from the outermost group. */
+static double has_wave(const pupil_row_gain_object *o)
+{
+    return ramp(o->heard, 0.7, 0.85);
+}
+
 /* How much of a gain there may be, and why not more. */
 static double judge(pupil_row_gain_object *o)
 {
@@ -103,8 +111,7 @@ static double judge(pupil_row_gain_object *o)
         [PUPIL_ROW_GAIN_LONG] = ramp(o->exposure_s * r->light_hz, 0.95, 0.9),
         [PUPIL_ROW_GAIN_STANDING] = ramp(o->moving, 0.1, 0.2),
         [PUPIL_ROW_GAIN_NO_LAMPS] = ramp(power, 1e-4, 4e-4), /* 0.01 and 0.02 EV */
-        [PUPIL_ROW_GAIN_DISTURBED] =
-            ramp(o->heard, 0.4, 0.7) * ramp(drift, PUPIL_ROW_GAIN_DRIFT, 0.8 * PUPIL_ROW_GAIN_DRIFT),
+        [PUPIL_ROW_GAIN_DISTURBED] = has_wave(o) * ramp(drift, PUPIL_ROW_GAIN_DRIFT, 0.8 * PUPIL_ROW_GAIN_DRIFT),
         /* 8 and 4 % of the wave; sooner, where it is lost in a whole group or segment */
         [PUPIL_ROW_GAIN_MIXED] = ramp(worst, 0.0064, 0.0016) * ramp(o->heard_lately, 0.7, 0.85),
     };
@@ -123,9 +130,8 @@ static double judge(pupil_row_gain_object *o)
 /* Gains come in half a second and go in a seventh; in a frame that does not have the wave there are none at once. */
 static void fade(pupil_row_gain_object *o, double aim, double dt_s)
 {
-    const double now = ramp(o->heard, 0.4, 0.7);
     o->faded = aim > o->faded ? clamp(o->faded + dt_s / 0.5, 0.0, aim) : clamp(o->faded - dt_s / 0.15, aim, 1.0);
-    o->result.strength = o->faded * now;
+    o->result.strength = o->faded * has_wave(o);
 }
 
 void pupil_row_gain_judge(pupil_row_gain_object *o, int heard, double dt_s)

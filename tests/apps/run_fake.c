@@ -10,6 +10,7 @@
  * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls),
  * write=SECONDS (each takes so long), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these controls),
  * no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
+ * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver tells of it),
  * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
  * absent, media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left: "fake:
  * auto 3, exposure 77, gain 40". */
@@ -150,6 +151,10 @@ static int take(const char *text, fake_v4l2_config *c)
         return 0;
     else if (sscanf(text, "flat=%u", &c->flat) == 1)
         return 0;
+    else if (sscanf(text, "lamps=%lf,%lf,%lf", &c->lamp_hz, &c->modulation, &c->readout_s) == 3)
+        return 0;
+    else if (sscanf(text, "lines=%lf,%lf", &x, &y) == 2)
+        c->pixel_rate = (int64_t)x, c->hblank = (int64_t)y;
     else if (sscanf(text, "colour=%lf,%lf,%lf", &c->colour[0], &c->colour[1], &c->colour[2]) == 3)
         return 0;
     else if (sscanf(text, "drop=%lf", &c->dropped) == 1 || sscanf(text, "flag=%lf", &c->flagged) == 1)

@@ -116,6 +116,16 @@ done
 sed 's/.*"median_us":\([^,]*\),"p99_us":\([^,]*\),"p999_us":\([^,]*\),"max_us":\([^,]*\),.*/\1 \2 \3 \4/' worst.txt |
     awk '!($1 > 0 && $1 <= $2 && $2 <= $3 && $3 <= $4) { exit 1 }' || fail "not in order: $(cat worst.txt)"
 
+# row gains: every format has its line, whose frames have a wave that is found and taken out
+"$program" bench kernels --row-gains --size 64x64 --rounds 1 --warm --json >lamps.txt 2>noise.txt
+[ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
+fields lamps.txt level format out width height threads cold strength meter_ns_per_px map_ns_per_px frame_ns_per_px \
+    of_rows_us map_gains_ns_per_px ratio_meter ratio_map ratio_all
+[ "$(wc -l <lamps.txt)" = 20 ] || fail "not the 20 formats: $(cat lamps.txt)"
+sed 's/.*"strength":\([^,]*\),.*/\1/' lamps.txt | awk '!($1 > 0.9) { exit 1 }' || fail "no gains: $(cat lamps.txt)"
+"$program" bench kernels --row-gains --size 128x64 --rounds 2 --threads 3 --format bayer10p --out half >lamps.txt
+grep -q "^bayer10p " lamps.txt || fail "no row: $(cat lamps.txt)"
+
 if command -v gnuplot >/dev/null; then
     for kind in svg png; do
         "$program" bench kernels --plot plot.$kind --size 256x256 --rounds 2 --warm >choices.txt 2>noise.txt
@@ -152,6 +162,8 @@ expect 2 "no mosaic" --out half --format rgb8
 expect 2 "rgba8" --out nv12 --worst
 expect 2 "multiple of 4" --size 66x34 --format bayer10p
 expect 2 "even height" --size 68x33
+expect 2 "at least 64x64" --row-gains --size 64x62
+expect 2 "one at a time" --row-gains --worst
 expect 2 "--size" --size 0x5
 expect 2 "--size" --size 99999x5
 expect 2 "--rounds" --rounds 0

@@ -76,7 +76,9 @@ for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutte
     "--no-frame-rate-priority --mode digital" "--control-delay 2 --mode digital" "--curve linear --mode digital" \
     "--curve srgb" "--key-at 4 --mode sensor" "--key-at 4:0.1,x --mode sensor" "--key-at 0:0.1,1:0.2 --mode sensor" \
     "--key-at 0:0.1,0:0.1 --mode sensor" "--key-at 0:1,1:1,2:1,3:1,4:1,5:1,6:1,7:1,8:1 --mode sensor" \
-    "--key-at 0:0.1" "--key-at 0:0.1 --mode both" "--key 0.1 --key-at 0:0.1 --mode sensor"; do
+    "--key-at 0:0.1" "--key-at 0:0.1 --mode both" "--key 0.1 --key-at 0:0.1 --mode sensor" \
+    "--readout 0 --row-gains" "--readout 2s --row-gains" "--readout 25" "--row-gains --gles" \
+    "--row-gains --view --gles-version 3.1" "--row-gains --fused" "--row-gains --mains off"; do
     # shellcheck disable=SC2086 # words
     refused 2 "${bad%% *}" $bad -o out.y4m
 done
@@ -109,6 +111,22 @@ for asked in "--mode sensor" "--mode both" "--shutter 10ms" "--gain 2" "--mains 
     [ $? = 1 ] || fail "no controls, $asked: exit"
     grep -qF -- "${asked}" said.err || grep -qF -- "${asked%% *}" said.err || fail "no controls, $asked: $(cat said.err)"
 done
+
+# lamps over a rolling shutter: the readout is the driver's, or told, or there are no gains, and why
+lamps="fake:size=64x96 fake:format=Y12 fake:flat=600 fake:light=4@1 fake:lamps=100,0.3,0.025"
+# shellcheck disable=SC2086 # words
+{
+    run 0 "; row gains in " $lamps fake:lines=998400,196 --shutter 1ms --row-gains -n 90
+    grep -Eq "row gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains: $(cat said.err)"
+    put_back "row gains"
+    run 0 "; row gains in " $lamps --shutter 1ms --row-gains --readout 25ms --mode digital --mains 50 -n 90
+    grep -Eq "row gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains, --readout: $(cat said.err)"
+    run 0 "does not tell its readout (PIXEL_RATE and HBLANK); --readout MS tells it" $lamps --row-gains -n 9
+    run 0 "without the camera's controls its readout is not known" $lamps --row-gains -n 9 --mode digital
+    run 0 "--mains 50 or 60" fake:no-controls $lamps --row-gains --readout 25 -n 9
+    run 0 "" $lamps --shutter 1ms -n 9
+    grep -q "row" said.err && fail "row gains that were not asked for: $(cat said.err)"
+}
 
 # modes: what is written is what is asked for, and the controls are put back
 for mode in digital sensor both; do

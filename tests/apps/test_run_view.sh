@@ -84,5 +84,10 @@ for mode in sensor both; do
     grep -qx "fake: auto 3, exposure 77, gain 40" said.err || fail "$mode: the camera is not given back: $(cat said.err)"
 done
 
+# row gains are the CPU's work; the window shows what it made
+"$program" fake:size=320x240 fake:format=Y12 fake:flat=600 fake:light=4@1 fake:lamps=100,0.3,0.025 --shutter 1ms --row-gains \
+    --readout 25 --view -n 90 2>said.err || fail "row gains: exit $?: $(cat said.err)"
+grep -Eq "; by the CPU; row gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains: $(cat said.err)"
+
 [ $failures = 0 ] && echo "run --view: all as expected"
 exit $((failures > 0))

@@ -64,6 +64,7 @@ static void check_uvc(void)
     pupil_camera_get_limits(camera, &l);
     CHECK(fabs(l.exposure_min_s - 3e-4) < 1e-12 && fabs(l.exposure_max_s - 0.2047) < 1e-12 &&
           l.exposure_step_s == 1e-4);
+    CHECK(l.readout_s == 0); /* of a webcam nobody tells */
     CHECK(l.has_gain && !l.gain_known && l.gain_min == 1 / 16.0 && l.gain_max == 255 / 16.0 && l.exposure_delay == 3);
     pupil_sensor_config_default(&config);
     pupil_camera_configure(camera, &config);
@@ -115,6 +116,7 @@ static void check_sensor(void)
         return;
     pupil_camera_get_limits(camera, &l);
     CHECK(fabs(l.exposure_step_s / line_s - 1) < 1e-12 && fabs(l.exposure_max_s / (1759 * line_s) - 1) < 1e-12);
+    CHECK(fabs(l.readout_s / (1080 * line_s) - 1) < 1e-12);
     CHECK(l.gain_known && l.gain_min == 1 && fabs(l.gain_max - 256 / 24.0) < 1e-12);
     CHECK(l.exposure_delay == 2 && l.gain_delay == 1 && fabs(l.frame_s - 1 / 30.0) < 1e-5);
     pupil_sensor_config_default(&config);

@@ -154,6 +154,8 @@ static void check_cameras(void)
     r = rig_default();
     r.pan_px = 5;
     (void)show("100 Hz, pan of 1.17 widths a second", &r);
+    r.pan_px = 1, r.modulation = 0.1; /* as much moves as the wave does */
+    (void)show("modulation 0.1, pan of 0.23 widths a second", &r);
 }
 
 static void check_nothing(void)

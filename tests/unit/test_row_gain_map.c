@@ -1,5 +1,5 @@
 /* pupil_map_rows_with_gains: each row, or what belongs together, as pupil_map_rows maps it with its own scale; of every
- * format in and out. And what gains cost beside ordinary work, printed.
+ * format in and out.
  */
 #include "check.h"
 #include "frames.h"
@@ -153,55 +153,6 @@ static void check_largest(void)
     frame_free(&b);
 }
 
-static double now_s(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* What one frame of 1920 x 1080 costs, least of a few, over what metering and mapping cost. */
-static void show_cost(const char *name, uint32_t pixel)
-{
-    static float gain[1080];
-    static pupil_row_gain lamps;
-    static pupil_stats stats;
-    pupil_row_gain_config row_config;
-    pupil_config config;
-    pupil_t pupil;
-    frame in = frame_make(1920, 1080, pixel, 0, 0), out = frame_make(1920, 1080, PUPIL_PIXEL_BGRX8, 0, 0);
-    const pupil_image to = frame_writable(&out);
-    double least[5] = {1e9, 1e9, 1e9, 1e9, 1e9};
-    frame_gradient(&in, 0.01, 1);
-    pupil_config_default(&config);
-    pupil_row_gain_config_default(&row_config);
-    CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_row_gain_init(&lamps, &row_config) == PUPIL_OK);
-    for (int i = 0; i < 12; i++) {
-        const pupil_frame_info info = {.timestamp_ns = 1 + i * INT64_C(33333333), .exposure_s = 1e-3, .gain = 1};
-        double t[6];
-        t[0] = now_s();
-        pupil_stats_clear(&stats);
-        CHECK(pupil_meter_rows(&pupil, &in.image, 0, 1080, &stats) == PUPIL_OK);
-        t[1] = now_s();
-        CHECK(pupil_map_rows(&pupil, &curve, &in.image, &to) == PUPIL_OK);
-        t[2] = now_s();
-        CHECK(pupil_row_gain_frame(&lamps, &in.image, &info) == PUPIL_OK);
-        t[3] = now_s();
-        CHECK(pupil_row_gain_of_rows(&lamps, &info, 1080, gain) == PUPIL_OK);
-        t[4] = now_s();
-        CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_OK);
-        t[5] = now_s();
-        for (int k = 0; k < 5; k++)
-            least[k] = fmin(least[k], t[k + 1] - t[k]);
-    }
-    printf("%s, 1920 x 1080: pupil_row_gain_frame %.2f of metering, pupil_map_rows_with_gains %.2f of mapping; "
-           "(metering %.0f us, mapping %.0f us, row_gain_frame %.0f us, of_rows %.0f us)\n",
-           name, least[2] / least[0], least[4] / least[1], 1e6 * least[0], 1e6 * least[1], 1e6 * least[2],
-           1e6 * least[3]);
-    frame_free(&in);
-    frame_free(&out);
-}
-
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -218,9 +169,5 @@ int main(int argc, char **argv)
     }
     check_refusals();
     check_largest();
-    show_cost("RGBA32F", PUPIL_PIXEL_RGBA32F);
-    show_cost("YUYV", PUPIL_PIXEL_YUYV);
-    show_cost("NV12", PUPIL_PIXEL_NV12);
-    show_cost("BAYER10P", PUPIL_PIXEL_BAYER10P);
     return check_end();
 }

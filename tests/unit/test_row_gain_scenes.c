@@ -89,9 +89,35 @@ static void check_flashes(void)
     CHECK(result().strength > 0.9);
 }
 
+/* A band over the first part of the window cannot be told from the scene's own change at once: in a tenth of a second,
+ * on a thirtieth of the picture. */
+static void check_pan_into_window(const char *name, int frames_before)
+{
+    const rig r = rig_default();
+    double most = 0;
+    int last = 0;
+    settle(&r);
+    c.r.pan_px = 1;
+    for (int i = 0; i < frames_before; i++)
+        (void)rig_next(&c);
+    CHECK(result().strength > 0.9);
+    c.r.day_inside = 1, c.r.x0 = 1, c.r.x1 = 1, c.r.y1 = 1;
+    for (int i = 0; i < 60; i++) {
+        c.r.x0 -= 1.0 / RIG_W;
+        const rig_seen seen = rig_next(&c);
+        most = fmax(most, worse(&seen));
+        if (worse(&seen) > 0.01)
+            last = i + 1;
+    }
+    printf("%-44s gains add at most %.3f EV, for %d frames, on %.3f of the picture\n", name, most, last,
+           (double)last / RIG_W);
+    CHECK(last <= 4);
+    CHECK(result().strength == 0);
+}
+
 static void check_windows(void)
 {
-    rig r = rig_default();
+    const rig r = rig_default();
     int until;
     settle(&r);
     c.r.day_inside = 1, c.r.x0 = 0.6, c.r.x1 = 0.93, c.r.y1 = 1;
@@ -101,24 +127,8 @@ static void check_windows(void)
     (void)follow("... and gone", 45, &until);
     CHECK(result().strength > 0.9);
 
-    /* A band over the first part of the window cannot be told from the scene's own change at once: at most a fifth of a
-     * second and a twentieth of the picture. */
-    settle(&r);
-    c.r.pan_px = 1;
-    c.r.day_inside = 1, c.r.x0 = 1, c.r.x1 = 1, c.r.y1 = 1;
-    double most = 0;
-    int last = 0;
-    for (int i = 0; i < 60; i++) {
-        c.r.x0 -= 1.0 / RIG_W;
-        const rig_seen seen = rig_next(&c);
-        most = fmax(most, worse(&seen));
-        if (worse(&seen) > 0.01)
-            last = i + 1;
-    }
-    printf("%-44s gains add at most %.3f EV, for %d frames, on %.3f of the picture\n", "a pan into a window", most,
-           last, (double)last / RIG_W);
-    CHECK(last <= 9);
-    CHECK(result().strength == 0);
+    check_pan_into_window("a pan into a window", 0);
+    check_pan_into_window("... that had begun before", 40);
 }
 
 static int all_one(void)

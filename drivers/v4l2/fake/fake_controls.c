@@ -123,8 +123,29 @@ static int several(fake_v4l2 *f, struct v4l2_ext_controls *all, int set, int try
     return 0;
 }
 
+/* What a sensor's driver says of its lines, which is only read, one at a time: 1: not asked for. */
+static int line_ioctl(const fake_v4l2 *f, unsigned long request, void *argument)
+{
+    struct v4l2_query_ext_ctrl *q = argument;
+    struct v4l2_ext_controls *all = argument;
+    const int queries = request == VIDIOC_QUERY_EXT_CTRL, gets = request == VIDIOC_G_EXT_CTRLS && all->count == 1;
+    const uint32_t id = queries ? q->id : gets ? all->controls[0].id : 0;
+    if (f->config.pixel_rate <= 0 || (id != V4L2_CID_PIXEL_RATE && id != V4L2_CID_HBLANK))
+        return 1;
+    const int64_t value = id == V4L2_CID_PIXEL_RATE ? f->config.pixel_rate : f->config.hblank;
+    if (queries)
+        *q = (struct v4l2_query_ext_ctrl){.id = id, .minimum = value, .maximum = value, .step = 1};
+    else if (id == V4L2_CID_PIXEL_RATE)
+        all->controls[0].value64 = value;
+    else
+        all->controls[0].value = (int32_t)value;
+    return 0;
+}
+
 int fake_controls_ioctl(fake_v4l2 *f, unsigned long request, void *argument)
 {
+    if (line_ioctl(f, request, argument) == 0)
+        return 0;
     switch (request) {
     case VIDIOC_QUERYCTRL:
         return query(argument);

@@ -16,8 +16,18 @@ uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t 
     return 64 + ramp + (uint32_t)(z >> 58);
 }
 
+double fake_v4l2_lamp(const fake_v4l2_picture *p, uint32_t y)
+{
+    const double pi = 3.14159265358979324, half = pi * p->lamp_hz * p->exposure_s;
+    const double middle_s = p->end_s - p->readout_s * (1.0 - (y + 0.5) / p->height) - 0.5 * p->exposure_s;
+    const double left = half > 0.0 ? sin(half) / half : 1.0; /* of a wave that the exposure averages */
+    return 1.0 + p->modulation * left * cos(2.0 * pi * p->lamp_hz * middle_s);
+}
+
 typedef struct drawing {
     const fake_v4l2_picture *p;
+    uint32_t first, end; /* rows */
+    double lamp;         /* the light on them */
     unsigned char *data, *chroma;
     uint32_t code[3][1024];  /* of a channel's value of the scene */
     double encoded[3][1024]; /* the same before it is rounded, 0..1 */
@@ -33,10 +43,12 @@ static double encode(uint32_t xfer_func, double light)
     return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055; /* IEC 61966-2-1 */
 }
 
-static double light_of(const fake_v4l2_picture *p, uint32_t channel, uint32_t scene)
+static double light_of(const drawing *d, uint32_t channel, uint32_t scene)
 {
+    const fake_v4l2_picture *p = d->p;
     const int white = !(p->colour[0] > 0.0 || p->colour[1] > 0.0 || p->colour[2] > 0.0);
-    const double light = p->black + scene * (p->scale * (white ? 1.0 : p->colour[channel])) / FAKE_SCENE_WHITE;
+    const double light =
+        p->black + scene * (d->lamp * p->scale * (white ? 1.0 : p->colour[channel])) / FAKE_SCENE_WHITE;
     return light < 1.0 ? light : 1.0;
 }
 
@@ -60,7 +72,7 @@ static unsigned char *row_of(const drawing *d, uint32_t y)
 /* Samples of one channel a pixel, packed or in bytes or in words; `colours`: a mosaic. */
 static void draw_samples(const drawing *d, int colours, int packed)
 {
-    for (uint32_t y = 0; y < d->p->height; y++) {
+    for (uint32_t y = d->first; y < d->end; y++) {
         unsigned char *row = row_of(d, y);
         const uint32_t group = d->bits == 10 ? 4 : 2;
         for (uint32_t x = 0; x < d->p->width; x++) {
@@ -102,7 +114,7 @@ static void to_yuv(const drawing *d, uint32_t x, uint32_t y, unsigned char yuv[3
 
 static void draw_yuv(const drawing *d, int is_yuyv)
 {
-    for (uint32_t y = 0; y < d->p->height; y++) {
+    for (uint32_t y = d->first; y < d->end; y++) {
         unsigned char *row = row_of(d, y);
         unsigned char *chroma = is_yuyv ? NULL : d->chroma + (size_t)(y / 2) * d->p->stride_bytes[1];
         for (uint32_t x = 0; x < d->p->width; x++) {
@@ -125,7 +137,7 @@ static void draw_yuv(const drawing *d, int is_yuyv)
 
 static void draw_rgb(const drawing *d, uint32_t bytes)
 {
-    for (uint32_t y = 0; y < d->p->height; y++)
+    for (uint32_t y = d->first; y < d->end; y++)
         for (uint32_t x = 0; x < d->p->width; x++) {
             unsigned char *pixel = row_of(d, y) + bytes * x;
             for (uint32_t c = 0; c < 3; c++)
@@ -141,7 +153,7 @@ static void make_codes(drawing *d, uint32_t bits, uint32_t xfer_func)
     const uint32_t flat = d->p->flat, first = flat ? flat : 0, end = flat ? flat + 1 : 1024;
     for (uint32_t c = 0; c < 3; c++)
         for (uint32_t v = first; v < end; v++) {
-            d->encoded[c][v] = encode(xfer_func, light_of(d->p, c, v));
+            d->encoded[c][v] = encode(xfer_func, light_of(d, c, v));
             d->code[c][v] = (uint32_t)(d->encoded[c][v] * ((1u << bits) - 1) + 0.5);
         }
 }
@@ -173,34 +185,47 @@ static void draw_mosaic(drawing *d, uint32_t fourcc)
             }
 }
 
-void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma)
+static void draw_rows(drawing *d)
 {
-    drawing d = {.p = picture, .data = data, .chroma = chroma};
+    const fake_v4l2_picture *picture = d->p;
     switch (picture->fourcc) {
     case V4L2_PIX_FMT_YUYV:
     case V4L2_PIX_FMT_NV12:
     case V4L2_PIX_FMT_NV12M:
-        make_codes(&d, 8, picture->xfer_func);
-        draw_yuv(&d, picture->fourcc == V4L2_PIX_FMT_YUYV);
+        make_codes(d, 8, picture->xfer_func);
+        draw_yuv(d, picture->fourcc == V4L2_PIX_FMT_YUYV);
         break;
     case V4L2_PIX_FMT_RGB24:
     case v4l2_fourcc('A', 'B', '2', '4'):
-        make_codes(&d, 8, V4L2_XFER_FUNC_SRGB);
-        draw_rgb(&d, picture->fourcc == V4L2_PIX_FMT_RGB24 ? 3 : 4);
+        make_codes(d, 8, V4L2_XFER_FUNC_SRGB);
+        draw_rgb(d, picture->fourcc == V4L2_PIX_FMT_RGB24 ? 3 : 4);
         break;
     case V4L2_PIX_FMT_GREY:
     case V4L2_PIX_FMT_Y10:
     case V4L2_PIX_FMT_Y12:
     case V4L2_PIX_FMT_Y16:
-        make_codes(&d,
+        make_codes(d,
                    picture->fourcc == V4L2_PIX_FMT_GREY  ? 8
                    : picture->fourcc == V4L2_PIX_FMT_Y10 ? 10
                    : picture->fourcc == V4L2_PIX_FMT_Y12 ? 12
                                                          : 16,
                    picture->xfer_func);
-        draw_samples(&d, 0, 0);
+        draw_samples(d, 0, 0);
         break;
     default:
-        draw_mosaic(&d, picture->fourcc);
+        draw_mosaic(d, picture->fourcc);
+    }
+}
+
+void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma)
+{
+    drawing d = {.p = picture, .end = picture->height, .lamp = 1.0, .data = data, .chroma = chroma};
+    if (!(picture->lamp_hz > 0.0))
+        draw_rows(&d);
+    for (uint32_t y = 0; y < picture->height && picture->lamp_hz > 0.0; y++) {
+        d.first = y;
+        d.end = y + 1;
+        d.lamp = fake_v4l2_lamp(picture, y);
+        draw_rows(&d);
     }
 }

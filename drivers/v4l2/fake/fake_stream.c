@@ -27,7 +27,7 @@ static void post(fake_v4l2 *f, uint32_t event)
         f->events[f->event_count++] = event;
 }
 
-static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
+static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence, int64_t end_ns)
 {
     const fake_settings *s = &f->of_frame[(f->made + FAKE_SETTINGS - f->config.control_delay) % FAKE_SETTINGS];
     const fake_settings *g =
@@ -51,6 +51,11 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence)
                            .scale = f->light * exposure * gain,
                            .black = f->config.black,
                            .flat = f->config.flat,
+                           .lamp_hz = f->config.lamp_hz,
+                           .modulation = f->config.modulation,
+                           .readout_s = f->config.readout_s,
+                           .end_s = (double)(end_ns - f->start_ns) * 1e-9,
+                           .exposure_s = exposure * 0.01,
                            .colour = {f->config.colour[0], f->config.colour[1], f->config.colour[2]}};
     if (jpeg && !p.quantization)
         p.quantization = V4L2_QUANTIZATION_FULL_RANGE;
@@ -85,7 +90,7 @@ static void hand_out(fake_v4l2 *f, uint32_t sequence, int64_t stamp_ns)
     const uint32_t index = f->order[0];
     fake_buffer *b = &f->buffer[index];
     memmove(f->order, f->order + 1, --f->waiting * sizeof f->order[0]);
-    fill(f, b, sequence);
+    fill(f, b, sequence, stamp_ns);
     b->queued = 0;
     b->done = 1;
     b->sequence = f->config.no_sequence ? 0 : sequence;

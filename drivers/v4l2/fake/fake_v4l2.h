@@ -63,6 +63,9 @@ typedef struct fake_v4l2_config {
     int deaf_exposure, deaf_gain; /* 1: the control is read back as it was written, and does nothing */
     int coarse_gain;              /* 1: gain acts in whole octaves, and is read back as it was written */
     double black;                 /* of full scale, in samples without light */
+    double lamp_hz, modulation;   /* the scene's light is 1 + modulation cos 2 pi lamp_hz t; 0: it is steady */
+    double readout_s;             /* from the first row's end of exposure to the last one's, the frame's stamp */
+    int64_t pixel_rate, hblank;   /* what the driver says of it: PIXEL_RATE, HBLANK; 0: nothing */
     uint32_t drawn_xfer;          /* the transfer function that the picture has, whatever is said of it; 0: that */
     uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
                         * the machine's time; 0: none */
@@ -119,7 +122,12 @@ typedef struct fake_v4l2_picture {
     double black;                                /* the configuration's; the next ones, too */
     uint32_t flat;
     double colour[3];
+    double lamp_hz, modulation, readout_s; /* the configuration's; the wave is not in JPEGs */
+    double end_s, exposure_s;              /* when the last row's exposure ended, by what the wave begins with */
 } fake_v4l2_picture;
+
+/* The lamps' light on a row, 1 on average. */
+double fake_v4l2_lamp(const fake_v4l2_picture *picture, uint32_t y);
 
 uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel);
 /* chroma: NV12's second plane, wherever it lies. */

@@ -21,7 +21,7 @@
  * When it does nothing: wherever one of 64 tiles of the picture shows another wave than the others, because daylight or
  * a monitor lights it, or because it is clipped: gains would put bands there. Gains fade to 1 then, for the whole
  * frame. An area is seen that takes a tenth of a tile, 1/8 x 1/8 of the picture, in any of those that it touches; a
- * smaller one is not. A window that a pan brings into view is seen after a fifth of a second. Nor is there a gain while
+ * smaller one is not. A window that a pan brings into view is seen after a few frames. Nor is there a gain while
  * lamps and scene cannot be told apart: where the frame rate divides the light's (120 Hz at 30 frames a second; 29.97
  * will do), while too much else moves, for a second after something began, for frames without timestamps or more than
  * half a second apart, for a picture of less than 64 x 64 pixels, and from nine tenths of a period up. What is darker
