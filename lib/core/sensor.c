@@ -47,7 +47,10 @@ static void begin_from(pupil_sensor_object *o, double total_log2)
     if (is_held && o->setting.frames && digital_log2 > -1.0 && digital_log2 < 1.0)
         o->least_log2 = o->most_log2 = total_log2;
     o->total_log2 = clamp(total_log2, o->least_log2, o->most_log2);
+    o->band_ev = 0.0;
     pupil_sensor_choose(o, 1);
+    if (o->setting.changed && o->stamped) /* until both controls are there the frames show a mixture */
+        o->waited = 0;
 }
 
 static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
@@ -70,10 +73,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
                       config->exposure_min_s, config->exposure_max_s));
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
-    o->band_ev = 0.0;
     begin_from(o, o->total_log2);
-    if (o->setting.changed && o->stamped) /* until both controls are there the frames show a mixture */
-        o->waited = 0;
 }
 
 int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
@@ -116,9 +116,6 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
         return PUPIL_ERR_VALUE;
     begin_from(o, pupil_log2(exposure_s) + pupil_log2(gain));
     o->looking = 1;
-    o->band_ev = 0.0;
-    if (o->stamped) /* the stream runs: this step, too, takes its time */
-        o->waited = 0;
     return PUPIL_OK;
 }
 
@@ -189,8 +186,6 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
         o->config.mains_hz = o->mains.hz;
         o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
         begin_from(o, o->total_log2); /* the same in other exposures */
-        if (o->setting.changed)       /* as in configure */
-            o->waited = 0;
         o->setting.changed |= changed;
     }
     return PUPIL_OK;

@@ -18,7 +18,7 @@
 #define NEVER (PUPIL_SENSOR_DELAYS + 1)
 
 #define ALIVE 6.0  /* bits: 1 in 64 */
-#define PRIOR 8.0  /* of delays longer than believed, and of a camera that does not obey: not alive at first */
+#define PRIOR 7.0  /* of delays longer than believed, and of a camera that does not obey: not alive at first */
 #define MOST  16.0 /* one surprise of two stops at the least noise: 2 log2(1 + 4 / 0.0027) = 21 is more */
 
 #define NOISE_EV     0.03 /* least: half of what a quantile from bins of 0.09 to 0.17 stops is off by */
@@ -316,17 +316,19 @@ static double least_price(const pupil_sensor_answer *a, int control, uint32_t h)
     return least;
 }
 
-/* The delay of a control, once it has been seen to obey and one delay alone explains that, whatever info says; until it
- * is contradicted. Else 0. */
-static uint32_t delay_of(const pupil_sensor_answer *a, int control)
+/* The delay of a control, once it has been seen to obey and the frames have told this delay from each other one,
+ * whatever info says; until it is contradicted. Else 0. */
+static uint32_t delay_of(const pupil_sensor_object *o, int control)
 {
+    const pupil_sensor_answer *a = &o->answer;
     double best = FAR_AWAY, second = FAR_AWAY;
     uint32_t delay = 0;
+    for (uint32_t h = 1; h < NEVER; h++)
+        if (least_price(a, control, h) < best)
+            best = least_price(a, control, h), delay = h;
     for (uint32_t h = 1; h < NEVER; h++) {
-        const double price = least_price(a, control, h);
-        second = price < best ? best : price < second ? price : second;
-        delay = price < best ? h : delay;
-        best = price < best ? price : best;
+        const double price = least_price(a, control, h) - (h > o->config.delay_frames ? PRIOR : 0.0);
+        second = h != delay && price < second ? price : second;
     }
     if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR + 1.0)
         return delay;
@@ -343,7 +345,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         for (int c = 0; c < 2; c++) /* what the first frame was taken with stood for some time */
             a->asked[(a->frame + i) % PUPIL_SENSOR_RING][c] = first ? a->told[c] : a->standing[c];
     a->frame += first ? PUPIL_SENSOR_RING : gap;
-    a->sequence = sequence;
+    a->gap = gap, a->sequence = sequence;
     for (int c = 0; c < 2; c++) { /* what is told for want of info is in its own unit */
         const double unit = a->unit[c];
         a->told[c] -= a->told[c] == a->standing[c] ? 0.0 : unit;
@@ -361,7 +363,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         a->dead[c] = (uint32_t)is_dead(a, c);
         a->disobeys |= !a->dead[c] && (a->alive[c] >> NEVER & 1 || (a->unheard[c] && a->alive[c] & 1u << TOLD));
         a->told_before[c] = a->told[c];
-        a->delay[c] = delay_of(a, c);
+        a->delay[c] = delay_of(o, c);
         if (!(a->alive[c] >> NEVER & 1))
             a->anchor[c] = a->taken[c];
     }

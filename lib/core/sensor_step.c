@@ -29,13 +29,12 @@
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
 #define SMALL_STEP_EV 0.25
 #define PROBE_EV      0.4
-#define LEAST_NOISE_EV 0.003 /* of the mean of a frame that stands still */
 /* Of a setting that moves more than itself; more at once is rather the scene's. */
-#define JUMP_LEAST 0.01
-#define JUMP_MOST  0.8
-/* Light that is less off than this many times its noise is near, up to this. */
-#define NOISES      3.0
-#define MOST_FAR_EV 0.2
+#define JUMP_LEAST     0.01
+#define JUMP_MOST      0.8
+#define LEAST_NOISE_EV 0.003 /* of the mean of a frame that stands still */
+#define NOISES         3.0   /* light that is no further off than so many times its noise is near, up to */
+#define MOST_FAR_EV    0.2
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -144,14 +143,15 @@ static int is_flash(pupil_sensor_object *o, double *off)
     return 0;
 }
 
-/* Whether the light seems to jump in the very frame in which what the filter asked for comes into force. Then it was the
- * camera, which has no step so small, or does more than it is asked to. */
+/* Whether the light seems to jump in the very frame in which what the filter asked for comes into force. Then it was
+ * the camera, which has no step so small, or does more than it is asked to. */
 static void watch(pupil_sensor_object *o, double mean_log2, double taken_log2)
 {
     const int first = !o->setting.frames;
     const double own = first ? 0.0 : o->answer.slope * (taken_log2 - o->taken_log2);
     const double left = first ? 0.0 : mean_log2 - o->mean_log2 - own;
-    const double size = 1.25 * (left < 0.0 ? -left : left), most = 4.0 * o->noise_ev; /* of a normal deviate: 1.25 |x| */
+    const double size = 1.25 * (left < 0.0 ? -left : left),
+                 most = 4.0 * o->noise_ev; /* of a normal deviate: 1.25 |x| */
     o->jumped -= o->jumped > 0;
     if (own < 0.02 && own > -0.02)
         o->noise_ev += 0.1 * (clamp(size, LEAST_NOISE_EV, most) - o->noise_ev);
@@ -172,15 +172,14 @@ static void stand_still(pupil_sensor_object *o, double band_ev)
 
 /* A large step that goes back on the one before, without any rest between them, goes half the way, the next one of that
  * kind half of that: so a camera that answers otherwise than its numbers say (a tone curve, dark areas that come and go
- * with a code) is approached and not swung around. One that cannot be approached either, because its level jumps over
- * the key, is left where it was nearer; only light that is further off than that starts the search again, or patience,
- * of which every vain search doubles the need. */
+ * with a code) is approached and not swung around. One whose level jumps over the key is left where it was nearer,
+ * until the light is further off than that, or for a time that every vain search makes longer. */
 static uint32_t step(pupil_sensor_object *o, double off, int guessed)
 {
     const pupil_sensor_config *c = &o->config;
     const int32_t direction = off > 0.0 ? 1 : -1;
     const double size = off < 0.0 ? -off : off;
-    uint32_t reason = PUPIL_SENSOR_NO_REASON;
+    const int strange = o->answer.strange > 1, seen = o->answer.slopes || o->answer.dead[0] || o->answer.dead[1];
     if (o->direction == -direction || (o->last_direction == -direction && o->turns > 0))
         o->stride *= o->stride > LEAST_STRIDE ? 0.5 : 1.0;
     if (o->last_direction == -direction) {
@@ -206,22 +205,17 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         o->looking = 1;
     }
     /* nothing of it has been seen: a step that has to be seen */
-    if (o->same > 2 && !(o->answer.slopes || o->answer.dead[0] || o->answer.dead[1]) && size < PROBE_EV)
+    if (o->same > 2 && !seen && size < PROBE_EV)
         off = PROBE_EV * direction;
-    if (o->answer.strange > 1) {
+    if (strange)
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
-        reason = PUPIL_SENSOR_STRANGE;
-    }
-    if (o->jumped) { /* back, and no more of it for a while */
+    if (o->jumped) /* back, and no more of it for a while */
         stand_still(o, 1.5 * size);
-        reason = PUPIL_SENSOR_UNSTEADY;
-    }
+    const uint32_t reason = o->jumped ? PUPIL_SENSOR_UNSTEADY : strange ? PUPIL_SENSOR_STRANGE : PUPIL_SENSOR_NO_REASON;
     o->total_log2 = clamp(o->total_log2 + pupil_sensor_way(o, off), o->least_log2, o->most_log2);
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
-    o->nudged = o->jumped = 0;
-    o->calm = 0;
-    o->odd_frames = 0;
+    o->nudged = o->jumped = o->calm = o->odd_frames = 0;
     return reason;
 }
 
@@ -249,7 +243,8 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     o->odd_frames = 0;
     if (pending)
         return PUPIL_SENSOR_WAITING;
-    const double most_weight = 0.39 / pupil_sensor_longest_delay(o); /* sensor.h: tau_s */
+    const uint32_t delay = pupil_sensor_longest_delay(o), gap = o->answer.gap < delay ? o->answer.gap : delay;
+    const double most_weight = 0.39 * gap / delay; /* sensor.h: tau_s */
     double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
     weight = weight < most_weight ? weight : most_weight;
     o->direction = 0;

@@ -1,6 +1,6 @@
 /* The sensor's slow filter: dL/dt = (target - L) / tau_s in seconds, whatever the frame rate and whatever frames are
- * lost, as long as a frame's weight is below 0.39 / delay_frames; above that each frame goes that share of the way, and
- * no faster. Prints a table of docs/sensor.md. */
+ * lost, as long as a frame's weight is below 0.39 / delay_frames; above that each frame, those that were lost before it
+ * with it, goes that share of the way, and no faster. Prints a table of docs/sensor.md. */
 #include <math.h>
 
 #include "check.h"
@@ -53,9 +53,10 @@ static walk follow(double fps, double tau_s, uint32_t frames_delay, double drops
     c.frame_s = 1 / fps;
     c.exposure_min_s = 1e-6, c.exposure_max_s = 1 / fps;
     CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_start(&sensor, 1e-4, 1) == PUPIL_OK);
-    const double at_rest = log2(0.18) - log2(1e-4), bound = 0.39 / frames_delay;
+    const double at_rest = log2(0.18) - log2(1e-4);
     double expected = 0, reached = 0, then = 0;
     int64_t last_ns = 0;
+    int last = 0;
     for (int i = 0; reached < 0.96; i++) {
         const int64_t now_ns = 1000000000 + (int64_t)((double)i / fps * 1e9);
         if (i > 2 && check_uniform() < drops)
@@ -64,7 +65,8 @@ static walk follow(double fps, double tau_s, uint32_t frames_delay, double drops
         const double scene_ev = at_rest + (i < 2 ? 0 : darker ? -STEP_EV : STEP_EV);
         CHECK(pupil_sensor_scene(&sensor, scene_ev, 0, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
         const double dt_s = (now_ns - last_ns) * 1e-9, before = reached;
-        last_ns = now_ns;
+        const double bound = fmin(0.39, 0.39 * (i - last) / frames_delay);
+        last_ns = now_ns, last = i;
         reached = log2(s.total_s / 1e-4) / STEP_EV * (darker ? 1 : -1);
         if (i < 2) {
             CHECK(fabs(reached) < 1e-9);
