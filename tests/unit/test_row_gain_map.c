@@ -176,7 +176,7 @@ static void show_cost(const char *name, uint32_t pixel)
     pupil_config_default(&config);
     pupil_row_gain_config_default(&row_config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_row_gain_init(&lamps, &row_config) == PUPIL_OK);
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < check_some(12); i++) {
         const pupil_frame_info info = {.timestamp_ns = 1 + i * INT64_C(33333333), .exposure_s = 1e-3, .gain = 1};
         double t[6];
         t[0] = now_s();

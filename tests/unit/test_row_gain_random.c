@@ -67,7 +67,7 @@ static void happen(rig_camera *c, event what)
 int main(int argc, char **argv)
 {
     static rig_camera c;
-    const int cases = argc > 2 ? atoi(argv[2]) : USUAL_CASES;
+    const int cases = argc > 2 ? atoi(argv[2]) : check_some(USUAL_CASES);
     long with_gains = 0;
     double most = 0;
     check_begin(argc, argv);
