@@ -1,5 +1,6 @@
 #!/bin/sh
-# size.sh: prints how large the library is, in lines and in state (stack.sh: in code); fails where the core outgrows 3,000 lines.
+# size.sh: prints how large the library is, in lines and in state (in code: stack.sh); fails where the core outgrows
+# 3,000 lines.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
