@@ -16,7 +16,7 @@ function(pupil_add_nested name label seconds target ctest_arguments)
   string(REPLACE . - folder ${name})
   pupil_add_tree_test(${name} ${label} ${seconds} ${CMAKE_CURRENT_SOURCE_DIR}/nested.sh
     ${nested}/${folder} ${target} ${ctest_arguments} -- ${ARGN})
-  set_tests_properties(${name} PROPERTIES PROCESSORS 2)
+  set_tests_properties(${name} PROPERTIES PROCESSORS 2 COST ${threaded_cost})
 endfunction()
 
 set(here ${CMAKE_CURRENT_SOURCE_DIR})
@@ -62,7 +62,7 @@ set(asan_sweeps "${sweeps}|gles.law.softpipe|fixtures.(radiosity|row_gain_room)|
 pupil_add_nested(preset.minimal full 600 - - --preset minimal)
 pupil_add_nested(preset.release full 600 - - --preset release -DPUPIL_WERROR=ON)
 pupil_add_tree_test(preset.absent full 600 ${here}/absent.sh ${nested}/preset-absent)
-set_tests_properties(preset.absent PROPERTIES PROCESSORS 2)
+set_tests_properties(preset.absent PROPERTIES PROCESSORS 2 COST ${threaded_cost})
 pupil_add_nested(preset.cortex-m full 900 - "-LE full" --preset cortex-m)
 # The unit tests and stream.laws compare with long double, which 64-bit ARM does in software: minutes each in the
 # emulator. That the laws have the same bits there is stream.digest's to say.
@@ -78,7 +78,7 @@ set_tests_properties(preset.asan PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2 
 # The GPU's side is mostly in the long ones.
 pupil_add_tree_test(preset.asan.gles full 1800 ${here}/nested.sh
   ${nested}/preset-asan-build - "-R ^gles.(formats|adaptation|faults|fallback|calls)$")
-set_tests_properties(preset.asan.gles PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2)
+set_tests_properties(preset.asan.gles PROPERTIES FIXTURES_REQUIRED asan PROCESSORS 2 COST ${threaded_cost})
 file(GLOB fuzzers CONFIGURE_DEPENDS fuzz/fuzz_*.c)
 foreach(source IN LISTS fuzzers)
   cmake_path(GET source STEM name)
