@@ -1,6 +1,7 @@
 #!/bin/sh
 # nested.sh BUILD TARGET CTEST_ARGUMENTS [-- CMAKE_ARGUMENTS...]: configures and builds this tree once more, otherwise,
 # and runs the tests there. TARGET "-" builds all; CTEST_ARGUMENTS "-" runs none; without "--" the build is there.
+# One test more at a time than there are jobs: some wait, for cameras and for time.
 set -eu
 build=$1 target=$2 ctest_arguments=$3
 shift 3
@@ -24,4 +25,4 @@ if [ $# -gt 0 ]; then
 fi
 [ "$ctest_arguments" = - ] && exit
 # Words, on purpose.
-ctest --test-dir "$build" -j "${PUPIL_JOBS:-2}" --no-tests=error --output-on-failure $ctest_arguments
+ctest --test-dir "$build" -j "$((${PUPIL_JOBS:-2} + 1))" --no-tests=error --output-on-failure $ctest_arguments

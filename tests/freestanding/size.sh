@@ -1,5 +1,6 @@
 #!/bin/sh
-# size.sh: prints how large the library is, in lines, code and state; fails where the core outgrows 3,000 lines.
+# size.sh: prints how large the library is, in lines and in state (in code: stack.sh); fails where the core outgrows
+# 3,000 lines.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
@@ -30,27 +31,6 @@ int main(void)
 C
 ${CC:-cc} -std=c11 -Ilib/include "$work/sizes.c" -o "$work/sizes"
 "$work/sizes"
-
-# code_size NAME SIZE_TOOL COMPILER...
-code_size() {
-    name=$1 tool=$2
-    shift 2
-    command -v "$1" >/dev/null || return 0
-    for source in lib/core/*.c lib/lamps/*.c lib/kernels/*.c; do
-        "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -fno-trapping-math \
-            -Ilib/include -Ilib/core -Ilib/lamps -Ilib/kernels -c "$source" -o "$work/$(basename "$source" .c).o"
-    done
-    "$tool" "$work"/*.o | awk -v name="$name" 'NR > 1 { text += $1; data += $2; bss += $3 }
-        END {
-            printf "%-18s code and constants %6d bytes, data %d, bss %d\n", name, text, data, bss
-            exit data + bss != 0
-        }'
-}
-code_size "x86 or host, -Os" size "${CC:-cc}" -Os
-code_size "x86 or host, -O3" size "${CC:-cc}" -O3
-m7="-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -ffreestanding"
-code_size "Cortex-M7, -Os" arm-none-eabi-size arm-none-eabi-gcc $m7 -Os
-code_size "Cortex-M7, -O3" arm-none-eabi-size arm-none-eabi-gcc $m7 -O3
 
 if [ "$lines" -ge 3000 ]; then
     echo "size.sh: the core has $lines lines, and 3,000 is the limit"

@@ -67,6 +67,11 @@ static void listen(gl_test *test)
     gl_test_forget(test);
 }
 
+int gl_test_interprets(void)
+{
+    return strstr((const char *)glGetString(GL_RENDERER), "softpipe") != NULL;
+}
+
 int gl_test_open(gl_test *test, uint32_t version)
 {
     char why[512];

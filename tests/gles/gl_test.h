@@ -31,6 +31,10 @@ int gl_test_open(gl_test *test, uint32_t version);
 /* Lets go of everything; the messages, and glGetError's last, are still told. */
 GLenum gl_test_end(gl_test *test);
 
+/* The driver interprets shaders, pixel by pixel: it takes thirty times as long as one that compiles them, so what is
+ * compared in large numbers is less there. */
+int gl_test_interprets(void);
+
 /* For a test that provokes errors: those up to now are as they should be. */
 void gl_test_forget(gl_test *test);
 

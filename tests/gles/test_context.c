@@ -51,7 +51,7 @@ static void check_growth(void)
         CHECK_MSG(pupil_egl_open(&egl, NULL, why, sizeof why) == 0, "%s", why);
         if (!egl)
             return;
-        if (strstr((const char *)glGetString(GL_RENDERER), "softpipe"))
+        if (gl_test_interprets())
             opened = OPENED_SOFTPIPE;
         gl_test test = {.egl = egl};
         uint8_t rgba[8 * 8 * 4];
@@ -64,10 +64,7 @@ static void check_growth(void)
     }
     after = resident_kib();
     printf("resident after %d contexts %ld KiB, after %d %ld KiB\n", WARM_UP, before, opened, after);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__has_feature)
-#define __has_feature(x) 0
-#endif
-#if !defined(__SANITIZE_ADDRESS__) && !__has_feature(address_sanitizer) /* it keeps what was freed for a while */
+#if !CHECK_SANITIZED /* it keeps what was freed for a while */
     CHECK_MSG(before > 0 && after - before <= GROWTH_KIB, "grew by %ld KiB", after - before);
 #endif
 }

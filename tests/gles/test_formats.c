@@ -102,6 +102,17 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
         coding->shift = 6;
 }
 
+/* The largest size is for two formats. Where shaders are interpreted, and under the sanitizers, a third of the rest is
+ * compared: of each format every scene and every size, and two of the largest frames. */
+static int is_left_out(uint32_t pixel, size_t scene_number, size_t size_number)
+{
+    const int is_large = size_number == 4;
+    if (gl_test_interprets() || CHECK_SANITIZED)
+        return is_large ? pixel != PUPIL_PIXEL_RGBA16F || scene_number % 4 != 0
+                        : (scene_number + size_number + pixel) % 3 != 0;
+    return is_large && pixel != PUPIL_PIXEL_RGBA32F && pixel != PUPIL_PIXEL_RGBA16F;
+}
+
 /* Rows so far apart that GL has no number for it. */
 static void test_far_rows(gl_test *test)
 {
@@ -137,7 +148,7 @@ int main(int argc, char **argv)
         for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
             for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++, turn++) {
                 uint32_t width = sizes[k][0], height = sizes[k][1];
-                if (width > 600 && pixel != PUPIL_PIXEL_RGBA32F && pixel != PUPIL_PIXEL_RGBA16F)
+                if (is_left_out(pixel, s, k))
                     continue;
                 pupil_config config;
                 pupil_coding coding;

@@ -41,15 +41,6 @@ static int open_files(void)
     return count;
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__has_feature)
-#define __has_feature(x) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || __has_feature(address_sanitizer)
-#define KEEPS_FREED 1 /* for a while */
-#else
-#define KEEPS_FREED 0
-#endif
-
 typedef struct footprint {
     long resident_kib, in_use_kib;
     int files;
@@ -67,7 +58,7 @@ static void check_growth(footprint before, long most_kib, const char *what)
            now.resident_kib, before.in_use_kib, now.in_use_kib);
     CHECK_MSG(now.files == before.files, "%s: %d files, then %d", what, before.files, now.files);
     CHECK(before.resident_kib > 0);
-#if !KEEPS_FREED
+#if !CHECK_SANITIZED /* it keeps what was freed for a while */
     CHECK_MSG(now.in_use_kib - before.in_use_kib <= most_kib, "%s", what);
     CHECK_MSG(now.resident_kib - before.resident_kib <= RESIDENT_KIB, "%s", what);
 #else

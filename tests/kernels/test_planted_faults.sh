@@ -7,9 +7,26 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
 
+# compile FOLDER OBJECTS SOURCES...: with the library that is in FOLDER
+compile() {
+    lib=$1 objects=$2
+    shift 2
+    mkdir -p "$objects"
+    for source; do
+        ${CC:-cc} -std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-trapping-math -I"$lib/include" \
+            -I"$lib/core" -I"$lib/lamps" -I"$lib/kernels" -Itests -c "$source" -o "$objects/$(basename "$source" .c).o"
+    done
+}
+
+# Only the levels with vectors see the headers that faults are planted in; all else, and a level that this CPU cannot
+# run, is compiled once.
+with=avx2
+! grep -qw avx512f /proc/cpuinfo || with="avx2 avx512"
+compile lib "$work/same" lib/core/*.c lib/lamps/*.c lib/kernels/*.c tests/kernels/test_levels.c tests/frames.c
+
 # try NAME EXPECTED FILE SED_SCRIPT
 try() {
-    rm -rf "$work/lib"
+    rm -rf "$work/lib" "$work/planted"
     cp -r lib "$work/lib"
     sed -e "$4" "lib/kernels/$3" >"$work/lib/kernels/$3"
     if [ "$2" = caught ] && cmp -s "lib/kernels/$3" "$work/lib/kernels/$3"; then
@@ -17,10 +34,11 @@ try() {
         status=1
         return
     fi
-    ${CC:-cc} -std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-trapping-math \
-        -I"$work/lib/include" -I"$work/lib/core" -I"$work/lib/lamps" -I"$work/lib/kernels" -Itests \
-        "$work"/lib/core/*.c "$work"/lib/lamps/*.c "$work"/lib/kernels/*.c tests/kernels/test_levels.c tests/frames.c \
-        -o "$work/levels" -lm -lpthread
+    cp -r "$work/same" "$work/planted"
+    for level in $with; do
+        compile "$work/lib" "$work/planted" "$work/lib/kernels/$level.c"
+    done
+    ${CC:-cc} "$work"/planted/*.o -o "$work/levels" -lm -lpthread
     if "$work/levels" >"$work/said" 2>&1; then found=missed; else found=caught; fi
     echo "$1: $found ($(tail -n 1 "$work/said" | sed 's/.*: //'))"
     [ "$found" = "$2" ] || status=1

@@ -110,9 +110,10 @@ static double from_whole(double x)
 
 /* A lamp is to be found where 2 % are left of it, it moves by a twentieth of a turn from frame to frame at least, and
  * the other frequency would move otherwise by as much. Never the wrong one, wherever. */
-static void check_lamps(const char *what, int trials, double drops, double pan, double noise_ev, double jitter_s)
+static void check_lamps(const char *what, int cases, double drops, double pan, double noise_ev, double jitter_s)
 {
     static camera c;
+    const int trials = check_some(cases);
     int seen = 0, right = 0, late = 0, wrong = 0, unseen = 0;
     double off = 0.0;
     for (int i = 0; i < trials; i++) {

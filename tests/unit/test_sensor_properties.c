@@ -461,7 +461,7 @@ static void limits(void)
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
-    const long episodes = argc > 2 ? atol(argv[2]) : 300;
+    const long episodes = argc > 2 ? atol(argv[2]) : check_some(300);
     const uint64_t first = check_state.seed;
     for (long i = 0; i < episodes; i++) {
         check_state.random = first + (uint64_t)i; /* a stream of its own: neighbours of SplitMix64 share nothing */
