@@ -65,6 +65,7 @@ typedef struct pupil_sensor_object {
     uint32_t turns;               /* large steps that turned back, with little rest between */
     uint32_t same;                /* large steps in a row to one side, after the first */
     uint32_t nudged;              /* frames since the filter moved the setting, downwards: it may still be on its way */
+    int32_t nudge;                /* ... 1: up, -1: down */
     uint32_t jumped;              /* frames since the light seemed to jump just when that came into force, downwards */
     double mean_log2, taken_log2; /* of the last frame: what was metered, and what it was taken with */
     double noise_ev;              /* of the light, from frame to frame */

@@ -34,7 +34,7 @@
 #define JUMP_MOST      0.8
 #define LEAST_NOISE_EV 0.003 /* of the mean of a frame that stands still */
 #define NOISES         3.0   /* light that is no further off than so many times its noise is near, up to */
-#define MOST_FAR_EV    0.2
+#define MOST_FAR_EV    0.15
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -162,6 +162,12 @@ static void watch(pupil_sensor_object *o, double mean_log2, double taken_log2)
     o->taken_log2 = taken_log2;
 }
 
+/* What is off is what the filter itself has done. */
+static int is_recoil(const pupil_sensor_object *o, double off)
+{
+    return o->jumped && (off > 0.0) == (o->nudge < 0);
+}
+
 /* Until the light is further off than this, or for a time that grows with every vain search. */
 static void stand_still(pupil_sensor_object *o, double band_ev)
 {
@@ -209,14 +215,13 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off = PROBE_EV * direction;
     if (strange)
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
-    if (o->jumped) /* back, and no more of it for a while */
+    if (is_recoil(o, off)) /* back, and no more of it for a while */
         stand_still(o, 1.5 * size);
-    const uint32_t reason = o->jumped ? PUPIL_SENSOR_UNSTEADY : strange ? PUPIL_SENSOR_STRANGE : PUPIL_SENSOR_NO_REASON;
     o->total_log2 = clamp(o->total_log2 + pupil_sensor_way(o, off), o->least_log2, o->most_log2);
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
     o->nudged = o->jumped = o->calm = o->odd_frames = 0;
-    return reason;
+    return strange ? PUPIL_SENSOR_STRANGE : PUPIL_SENSOR_NO_REASON;
 }
 
 /* The wanted total, on its way to the target, which lies between low and high. Returns the reason for going slowly. */
@@ -241,8 +246,10 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
         return pending ? PUPIL_SENSOR_WAITING : step(o, off, guessed);
     }
     o->odd_frames = 0;
-    if (pending)
-        return PUPIL_SENSOR_WAITING;
+    if (is_recoil(o, off) && size > JUMP_LEAST)
+        stand_still(o, 1.5 * size);
+    if (pending || o->band_ev > 0.0)
+        return pending ? PUPIL_SENSOR_WAITING : PUPIL_SENSOR_UNSTEADY;
     const uint32_t delay = pupil_sensor_longest_delay(o), gap = o->answer.gap < delay ? o->answer.gap : delay;
     const double most_weight = 0.39 * gap / delay; /* sensor.h: tau_s */
     double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
@@ -340,9 +347,12 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
         s->frames++;
         if (!c->lock)
             slow = move(o, low, high, far_ev, wanted != target, guessed);
+        const double set_log2 = o->set_log2;
         pupil_sensor_choose(o, 0);
-        if (s->changed && o->waited)
+        if (s->changed && o->waited) {
             o->nudged = pupil_sensor_longest_wait(o) + 1;
+            o->nudge = o->set_log2 > set_log2 ? 1 : -1;
+        }
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
     }
     s->slope = a->slope;
