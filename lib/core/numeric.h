@@ -6,45 +6,32 @@
 
 #include <stdint.h>
 
-/* Bit casts by union: a freestanding build has no memcpy to inline. */
+/* Bit casts: a freestanding build has no memcpy to inline. */
+typedef union pupil_bits {
+    double d;
+    uint64_t of_d;
+    float f;
+    uint32_t of_f;
+} pupil_bits;
+
 static inline uint64_t pupil_bits_of_double(double x)
 {
-    union {
-        double d;
-        uint64_t u;
-    } cast;
-    cast.d = x;
-    return cast.u;
+    return (pupil_bits){.d = x}.of_d;
 }
 
 static inline double pupil_double_of_bits(uint64_t u)
 {
-    union {
-        double d;
-        uint64_t u;
-    } cast;
-    cast.u = u;
-    return cast.d;
+    return (pupil_bits){.of_d = u}.d;
 }
 
 static inline uint32_t pupil_bits_of_float(float x)
 {
-    union {
-        float f;
-        uint32_t u;
-    } cast;
-    cast.f = x;
-    return cast.u;
+    return (pupil_bits){.f = x}.of_f;
 }
 
 static inline float pupil_float_of_bits(uint32_t u)
 {
-    union {
-        float f;
-        uint32_t u;
-    } cast;
-    cast.u = u;
-    return cast.f;
+    return (pupil_bits){.of_f = u}.f;
 }
 
 /* NaN and both infinities have all exponent bits set. */
