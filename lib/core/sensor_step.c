@@ -33,8 +33,8 @@
 #define JUMP_LEAST     0.01
 #define JUMP_MOST      0.8
 #define LEAST_NOISE_EV 0.003 /* of the mean of a frame that stands still */
-#define NOISES         3.0   /* light that is no further off than so many times its noise is near, up to */
-#define MOST_FAR_EV    0.15
+#define NOISES         3.0   /* a picture that is no further off than so many times its noise is near, up to */
+#define NOISY_EV       0.15
 
 /* A large step may not be in force yet. */
 static int is_pending(const pupil_sensor_object *o)
@@ -340,8 +340,8 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
         const double high = reachable(o, wanted + a->high - frame_log2);
         o->coarse = reason == PUPIL_SENSOR_HIGHLIGHTS ? CALM : o->coarse - (o->coarse > 0);
         const int coarse = reason == PUPIL_SENSOR_HIGHLIGHTS || (o->coarse && o->calm >= CALM);
-        double far_ev = clamp(NOISES * o->noise_ev / a->slope, c->far_ev, 2.0);
-        far_ev = clamp(coarse ? HIGHLIGHT_FAR_EV : far_ev < MOST_FAR_EV ? far_ev : MOST_FAR_EV, c->far_ev, 2.0);
+        const double noisy_ev = clamp(NOISES * o->noise_ev, 0.0, NOISY_EV) / a->slope;
+        const double far_ev = clamp(coarse ? HIGHLIGHT_FAR_EV : noisy_ev, c->far_ev, 2.0);
         s->error_ev = target - o->total_log2;
         watch(o, light->mean, frame_log2);
         s->frames++;
