@@ -35,7 +35,8 @@
  * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
  * frame (beat_ev). Beats of more than 16 frames are left to the filter.
  *
- * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope). A camera that
+ * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope); so are gains
+ * that do less than they should, and exposures that lack a line: how far a step goes follows from it. A camera that
  * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
  *
@@ -208,8 +209,8 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_FLASH,       /* far off, but for no more than flash_frames so far: nothing moved */
     PUPIL_SENSOR_IGNORED,     /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
     PUPIL_SENSOR_STRANGE,     /* the picture does not follow what is asked: small steps only */
-    PUPIL_SENSOR_UNSTEADY     /* every step so far went too far, back and forth: the setting stands still until the
-                               * light is further off than it was then */
+    PUPIL_SENSOR_UNSTEADY     /* every step so far went too far, back and forth, or a little one did: the setting stands
+                               * still until the light is further off than it was then, or for 1, 4, 16, ... seconds */
 } pupil_sensor_reason;
 
 /* Where a setting's mains_hz is from. */
