@@ -237,7 +237,7 @@ static int show(pupil_frame *frame)
     record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
     if (write_frame(frame, &display, &record))
         return -1;
-    run_resume_frame(&r.resume, &r.sensor.setting, mapped_ns);
+    run_resume_frame(&r.resume, r.source, &r.sensor.setting, mapped_ns);
     pupil_colour_frame(&r.colour.colour, &frame->image, &frame->info);
     r.frames++;
     run_status_frame(&r.status, &record);
@@ -355,8 +355,6 @@ static void finish(void)
     if (r.recorder)
         pupil_recorder_get_counts(r.recorder, &recorded);
     r.not_recorded = recorded.lost;
-    if (run_resume_end(&r.resume, why, sizeof why))
-        fail(why);
     if (r.recorder && pupil_recorder_close(r.recorder, why, sizeof why))
         fail(why);
     r.recorder = NULL;
@@ -375,6 +373,8 @@ static void finish(void)
         fail(why);
         o->plot = NULL; /* the last line names what is there */
     }
+    if (!interrupt_again() && run_resume_end(&r.resume, why, sizeof why))
+        fail(why);
 }
 
 /* The camera comes first: nothing that follows can keep it. */

@@ -2,17 +2,22 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "file/pending.h"
 #include "refuse.h"
 
 #define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"
 
-enum { MOST_CAMERAS = 64, MOST_LEFT_OUT = 30 };
+enum { MOST_CAMERAS = 64, MOST_LEFT_OUT = 30, LOCK_TRIES = 20, LOCK_PAUSE_US = 100000 };
 #define EVERY_NS   INT64_C(60000000000)
 #define CHANGED_EV 0.05 /* what a person would not see at the start is not worth a write */
 
@@ -39,8 +44,8 @@ static int read_kept(const char *path, const char *camera, double *total_s, FILE
     *damaged = 0;
     if (!in)
         return errno == ENOENT ? 0 : pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
-    const int is_empty = !fgets(line, sizeof line, in), failed = ferror(in);
-    if (failed || (!is_empty && strcmp(line, HEADER) != 0)) {
+    const int is_empty = !fgets(line, sizeof line, in);
+    if (!is_empty && strcmp(line, HEADER) != 0) {
         fclose(in);
         return pupil_refuse(why, why_bytes, "%s: was not written by --resume, and is left as it is; name another file",
                             path);
@@ -58,18 +63,32 @@ static int read_kept(const char *path, const char *camera, double *total_s, FILE
                 fputs(line, others);
         }
     }
+    const int failed = ferror(in);
     fclose(in);
-    return 0;
+    return failed ? pupil_refuse(why, why_bytes, "%s: cannot be read to its end", path) : 0;
+}
+
+/* The file's folder, locked against other runs that end together with this one; the file itself is replaced. One that
+ * keeps it for long is not waited for. -1: not locked. */
+static int lock_folder(const char *path)
+{
+    char copy[PATH_MAX];
+    snprintf(copy, sizeof copy, "%s", path);
+    const int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (int i = 0; folder >= 0 && flock(folder, LOCK_EX | LOCK_NB) != 0 && i < LOCK_TRIES; i++)
+        usleep(LOCK_PAUSE_US);
+    return folder;
 }
 
 /* Complete, or as it was. */
-static int write_kept(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
+static int replace(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
 {
     pupil_pending pending;
     double unused;
     unsigned damaged;
     if (pupil_pending_file(&pending, path, why, why_bytes))
         return -1;
+    errno = 0;
     FILE *out = fopen(pending.temporary, "we");
     int failed = 0;
     if (out) {
@@ -78,10 +97,18 @@ static int write_kept(const char *path, const char *camera, double total_s, char
     }
     const int unwritten = !out || ferror(out);
     if ((out && fclose(out) != 0) || unwritten)
-        failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
+        failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno ? errno : EIO));
     if (!failed)
         failed = pupil_pending_commit(&pending, why, why_bytes);
     pupil_pending_discard(&pending);
+    return failed;
+}
+
+static int write_kept(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
+{
+    const int folder = lock_folder(path), failed = replace(path, camera, total_s, why, why_bytes);
+    if (folder >= 0)
+        close(folder);
     return failed;
 }
 
@@ -98,15 +125,10 @@ int run_resume_check(const char *path, char *why, size_t why_bytes)
     return read_kept(path, NULL, &unused, NULL, &damaged, why, why_bytes);
 }
 
-void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, char *warning, size_t warning_bytes)
+static void name_camera(run_resume *r, const pupil_source *source)
 {
-    unsigned damaged = 0;
-    *warning = 0;
-    *r = (run_resume){.path = path};
-    if (!path)
-        return;
-    const pupil_v4l2_device *d = &pupil_live_capture(source)->device;
-    const char *const names[] = {d->driver, d->bus, d->name};
+    const pupil_v4l2_capture *capture = pupil_live_capture(source);
+    const char *const names[] = {capture->device.driver, capture->device.bus, capture->device.name};
     char *to = r->camera;
     for (int i = 0; i < 3; i++) {
         if (i)
@@ -115,6 +137,17 @@ void run_resume_begin(run_resume *r, const char *path, const pupil_source *sourc
             *to++ = iscntrl((unsigned char)*c) ? '?' : *c;
     }
     *to = 0;
+    r->reopened = capture->counts.reopened;
+}
+
+void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, char *warning, size_t warning_bytes)
+{
+    unsigned damaged = 0;
+    *warning = 0;
+    *r = (run_resume){.path = path};
+    if (!path)
+        return;
+    name_camera(r, source);
     if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning, warning_bytes) == 0 && damaged)
         snprintf(warning, warning_bytes, "%s: is damaged; %s", path,
                  r->total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
@@ -152,12 +185,18 @@ static void join(run_resume *r)
     r->has_thread = 0;
 }
 
-void run_resume_frame(run_resume *r, const pupil_sensor_setting *setting, int64_t now_ns)
+void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns)
 {
     const uint32_t state = setting->state;
     if (!r->path)
         return;
-    if (state == PUPIL_SENSOR_CONVERGED || state == PUPIL_SENSOR_LIMITED || state == PUPIL_SENSOR_FLICKER)
+    if (r->reopened != pupil_live_capture(source)->counts.reopened) { /* it may be another camera */
+        join(r);
+        name_camera(r, source);
+        r->rest_s = r->kept_s = 0.0;
+    }
+    if (state == PUPIL_SENSOR_CONVERGED || state == PUPIL_SENSOR_FLICKER ||
+        (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED))
         r->rest_s = setting->total_s;
     if (!r->kept_ns)
         r->kept_ns = now_ns;

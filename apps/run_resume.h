@@ -12,6 +12,7 @@
 typedef struct run_resume {
     const char *path;   /* NULL: nothing is read or written, and all calls do nothing */
     char camera[112];   /* driver, bus and card, as they stand in the file */
+    uint64_t reopened;  /* times, when it was that */
     double total_s;     /* of the last run; 0: none */
     uint32_t left_out;  /* frames, while that was not in force yet */
     int waits;          /* ... and it is not */
@@ -34,7 +35,7 @@ void run_resume_begin(run_resume *r, const char *path, const pupil_source *sourc
 int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil_frame_info *info);
 
 /* After each frame: keeps the total where the sensor is at rest; every minute it is written where it has changed. */
-void run_resume_frame(run_resume *r, const pupil_sensor_setting *setting, int64_t now_ns);
+void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns);
 
 /* Writes it. 0, or -1 and a sentence. */
 int run_resume_end(run_resume *r, char *why, size_t why_bytes);

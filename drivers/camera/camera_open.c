@@ -62,8 +62,12 @@ static int find_exposure(pupil_camera *camera, const pupil_camera_options *optio
     camera->vblank.fd = camera->gain.fd = -1;
     int has = find(camera, V4L2_CID_EXPOSURE_ABSOLUTE, &camera->exposure, why, why_bytes);
     camera->unit_s = 1e-4; /* V4L2: "in 100 us units" */
-    if (has)               /* the line's time is then of the readout alone */
-        return has < 0 || find_line(camera, options, why, why_bytes) < 0 ? -1 : 0;
+    if (has > 0) {         /* the line's time is then of the readout alone, which may stay unknown */
+        char unused[200];
+        (void)find_line(camera, options, unused, sizeof unused);
+    }
+    if (has)
+        return has < 0 ? -1 : 0;
     has = find(camera, V4L2_CID_EXPOSURE, &camera->exposure, why, why_bytes);
     if (has == 0)
         return pupil_camera_refuse(

@@ -55,7 +55,7 @@ static void begin_from(pupil_sensor_object *o, double total_log2)
 
 static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
 {
-    const uint32_t believed = o->config.delay_frames;
+    const uint32_t believed = o->config.delay_frames, linear = o->config.linear;
     o->config = *config;
     o->setting.mains = config->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? PUPIL_SENSOR_MAINS_TOLD
                        : o->mains.hz                               ? PUPIL_SENSOR_MAINS_FOUND
@@ -64,6 +64,8 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
         o->config.mains_hz = o->mains.hz;
     if (believed != config->delay_frames)
         pupil_sensor_answer_reset(o);
+    if (linear != config->linear) /* what was learned of gains went with it */
+        o->answer.gain_does = 1.0;
     if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
         o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
         o->setting.reason = PUPIL_SENSOR_NO_REASON;

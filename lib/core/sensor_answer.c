@@ -268,7 +268,7 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
         middle = 1.0;
     if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT)) {
         o->stride = 1.0; /* it was this that steps turned back for */
-        a->gains[0] = 0.0, a->gain_does = 1.0;
+        a->gain_does = 1.0;
     }
     a->slope = middle;
 }

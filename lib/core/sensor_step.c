@@ -20,10 +20,11 @@
 
 /* Turns with less than so many frames of rest between, from which on a camera counts as one that cannot be approached;
  * and as approached. */
-#define MOST_TURNS 5
-#define CALM       20
-#define LONG_CALM  1000
-#define PATIENCE_S 1.0
+#define MOST_TURNS      5
+#define CALM            20
+#define LONG_CALM       1000
+#define PATIENCE_S      1.0
+#define MOST_PATIENCE_S 64.0
 /* More than what is rounded down: a third of a stop, and hold_ev. */
 #define UNSEEN_EV 0.4
 /* Where a picture does not follow: little enough to be looked at, far enough from the noise to be seen. */
@@ -71,7 +72,7 @@ static double highlight_limit(const pupil_sensor_config *c, const pupil_sensor_l
     return frame_log2 + (room - HIGHLIGHT_AIM_EV) / slope;
 }
 
-/* log2 of what a frame's mean, now `mean`, is to be: of the key, or of that at the light of the scene. */
+/* log2 of what a frame's mean, now `mean`, is to be: the key, or that at the scene's light, bent as the picture is. */
 static double wanted_of(const pupil_sensor_object *o, double mean, double frame_log2)
 {
     const pupil_sensor_config *c = &o->config;
@@ -80,7 +81,7 @@ static double wanted_of(const pupil_sensor_object *o, double mean, double frame_
     double key = c->key_points ? pupil_log2(c->key_at[0].key) + clip : grey;
     for (const pupil_sensor_key_point *p = c->key_at + 1; p < c->key_at + c->key_points; p++)
         key += clamp((ev - p[-1].scene_ev) / (p->scene_ev - p[-1].scene_ev), 0.0, 1.0) * pupil_log2(p->key / p[-1].key);
-    return key + c->ev_compensation;
+    return grey + o->answer.slope * (key - grey) + c->ev_compensation;
 }
 
 /* log2 of the total that this frame asks for; the reason where it is not the key alone; whether it is a guess.
@@ -158,8 +159,7 @@ static void watch(pupil_sensor_object *o, double mean_log2, double taken_log2)
     else if (o->nudged && !o->odd_frames && size > most + JUMP_LEAST && size < JUMP_MOST)
         o->jumped = o->config.flash_frames + 3;
     o->nudged -= o->nudged > 0;
-    o->mean_log2 = mean_log2;
-    o->taken_log2 = taken_log2;
+    o->mean_log2 = mean_log2, o->taken_log2 = taken_log2;
 }
 
 /* What is off is what the filter itself has done. */
@@ -172,7 +172,7 @@ static int is_recoil(const pupil_sensor_object *o, double off)
 static void stand_still(pupil_sensor_object *o, double band_ev)
 {
     o->band_ev = band_ev;
-    o->patience_s = o->patience_s > 0.0 ? 4.0 * o->patience_s : PATIENCE_S;
+    o->patience_s = clamp(4.0 * o->patience_s, PATIENCE_S, MOST_PATIENCE_S);
     o->stood_s = 0.0;
 }
 

@@ -133,7 +133,7 @@ for signal in INT TERM; do
     wait $reader
     [ "$(wc -l <kept)" = 2 ] || fail "SIG$signal does not keep it: $(cat said.err)"
 done
-run 1 "unplugged" fake:unplug=40 --resume unplugged
+run 1 "unplugged" fake:unplug=150 --resume unplugged
 [ "$(wc -l <unplugged)" = 2 ] || fail "unplugging does not keep it"
 
 # every minute of the camera's, which is as fast as its frames are looked at here

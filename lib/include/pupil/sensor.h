@@ -109,7 +109,8 @@ typedef struct pupil_sensor_config {
      * that is taken for too little or too much, as clipped light is, then moves the total by no more than it would with
      * a fixed key, and by half as much at least, so that the loop settles as soon and cannot swing with it. Where the
      * picture has a tone curve, scene_ev is the light as it is told where the mean is at `key`: the mean's distance
-     * from there is divided by the slope, so that it does not move with the settings, either. */
+     * from there is divided by the slope, so that it does not move with the settings, either; and what key_at is beside
+     * `key` counts as stops of light, too: of a picture of slope 0.5 the square root of that. */
     uint32_t key_points; /* in use; 0 (key)..PUPIL_SENSOR_KEY_POINTS */
     pupil_sensor_key_point key_at[PUPIL_SENSOR_KEY_POINTS];
     double ev_compensation; /* stops, positive is brighter; with key_at, too; 0; -16..16 */
@@ -120,11 +121,13 @@ typedef struct pupil_sensor_config {
     double highlight_ev;    /* ... at the price of at most so many stops; 1; 0 (never)..8 */
 
     /* how fast */
-    double far_ev;     /* further off than this: one step; nearer: the filter; stops; 0.10; 0.02..2 */
+    double far_ev;     /* further off than this: one step; nearer: the filter; stops; 0.10; 0.02..2. Where the picture's
+                        * level is noisy from frame to frame, three times that, at most 0.15 stops of the picture, is
+                        * near as well */
     double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
-                        * weight of a frame is never above 0.39 / delay_frames, which no delay up to that can make
-                        * overshoot, even where info does not tell the truth (largest k without overshoot of
-                        * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
+                        * weight of a frame is never above 0.39 / delay_frames (with n - 1 frames lost before it, n times
+                        * that), which no delay up to that can make overshoot, even where info does not tell the truth
+                        * (largest k without overshoot of      x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
                         * the digital factor follows alone; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
@@ -210,7 +213,7 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_IGNORED,     /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
     PUPIL_SENSOR_STRANGE,     /* the picture does not follow what is asked: small steps only */
     PUPIL_SENSOR_UNSTEADY     /* every step so far went too far, back and forth, or a little one did: the setting stands
-                               * still until the light is further off than it was then, or for 1, 4, 16, ... seconds */
+                               * still until the light is further off than it was then, or for 1, 4, 16, 64 seconds */
 } pupil_sensor_reason;
 
 /* Where a setting's mains_hz is from. */
