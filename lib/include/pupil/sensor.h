@@ -125,8 +125,8 @@ typedef struct pupil_sensor_config {
                         * level is noisy from frame to frame, three times that, at most 0.15 stops of the picture, is
                         * near as well */
     double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
-                        * weight of a frame is never above 0.39 / delay_frames (n times that where n - 1 were lost before
-                        * it), which no delay up to that can make overshoot, even where info does not tell the truth
+                        * weight of a frame is never above 0.39 / delay_frames (n times that after n - 1 lost
+                        * ones), which no delay up to that can make overshoot, even where info does not tell the truth
                         * (largest k without overshoot of x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
                         * the digital factor follows alone; 0.05; 0..0.5 */
