@@ -49,10 +49,10 @@ first_sequence() {
 header="pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera"
 line=$(printf 'fake\tfake:1\tFake Camera')
 
-# without, and the first time, when there is no file
+# without, and the first time, when there is no file; a busy machine loses frames before it is at rest
 run 0 "" --mode sensor -n 40 --stats without.csv
 [ "$(off_key without.csv)" -ge 5 ] || fail "without --resume only $(off_key without.csv) of the first frames are off"
-run 0 "" --mode sensor -n 40 --stats first.csv --resume kept
+run 0 "" --mode sensor -n 90 --stats first.csv --resume kept
 said 0
 [ "$(off_key first.csv)" -ge 5 ] || fail "the first time only $(off_key first.csv) of the first frames are off"
 [ "$(head -n 1 kept)" = "$header" ] && [ "$(sed -n 2p kept | cut -f2-)" = "$line" ] && [ "$(wc -l <kept)" = 2 ] ||
@@ -65,13 +65,13 @@ for mode in sensor both; do
     run 0 "" --mode $mode -n 20 --stats second.csv --resume kept
     said 0
     [ "$(off_key second.csv)" = 0 ] || fail "$mode: $(off_key second.csv) of the first frames are not at the key"
-    [ "$(first_sequence second.csv)" -le 8 ] || fail "$mode: begins with frame $(first_sequence second.csv)"
+    [ "$(first_sequence second.csv)" -le 30 ] || fail "$mode: begins with frame $(first_sequence second.csv)"
     [ "$(wc -l <second.csv)" = 21 ] || fail "$mode: $(wc -l <second.csv) lines"
 done
 
 # another camera's is not used, and stays
 printf '%s\n0.5\tfake\tfake:2\tFake Camera\n0.25\tuvcvideo\tusb-1\tOther\n' "$header" >other
-run 0 "" --mode sensor -n 40 --stats other.csv --resume other
+run 0 "" --mode sensor -n 90 --stats other.csv --resume other
 said 0
 [ "$(off_key other.csv)" -ge 5 ] || fail "another camera's total is used"
 [ "$(sed -n 2p other | cut -f2-)" = "$line" ] && [ "$(sed -n 3p other)" = "$(printf '0.5\tfake\tfake:2\tFake Camera')" ] &&
@@ -90,7 +90,7 @@ for bad in nan 1e300 -1 0 x ''; do
     said 1
 done
 : >empty
-run 0 "" --mode sensor -n 40 --resume empty
+run 0 "" --mode sensor -n 90 --resume empty
 said 0
 [ "$(wc -l <empty)" = 2 ] || fail "empty: $(cat empty)"
 printf 'a picture of a holiday\0' >holiday.jpg
