@@ -57,21 +57,20 @@ typedef struct pupil_sensor_object {
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
     uint32_t stamped;
-    uint32_t waited;              /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
-    double stride;                /* share of the way that a large step goes: halved where it turns back */
-    int32_t direction;            /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
-    uint32_t looking;             /* what is known is a guess: the next frame counts at once */
-    uint32_t odd_frames;          /* in a row that are far off on one side, before anything is done about it */
-    uint32_t turns;               /* large steps that turned back, with little rest between */
-    uint32_t same;                /* large steps in a row to one side, after the first */
-    uint32_t nudged;              /* frames since the filter moved the setting, downwards: it may still be on its way */
-    int32_t nudge;                /* ... 1: up, -1: down */
-    uint32_t jumped;              /* frames since the light seemed to jump just when that came into force, downwards */
-    double mean_log2, taken_log2; /* of the last frame: what was metered, and what it was taken with */
-    double noise_ev;              /* of the light, from frame to frame */
-    uint32_t coarse;              /* frames since the highlights had a say, downwards */
-    uint32_t calm;                /* frames of rest since the last large step */
-    int32_t last_direction;       /* of the last large step, guessed or not; 0 after some rest */
+    uint32_t waited;     /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
+    double stride;       /* share of the way that a large step goes: halved where it turns back */
+    int32_t direction;   /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
+    uint32_t looking;    /* what is known is a guess: the next frame counts at once */
+    uint32_t odd_frames; /* in a row that are far off on one side, before anything is done about it */
+    uint32_t turns;      /* large steps that turned back, with little rest between */
+    uint32_t same;       /* large steps in a row to one side, after the first */
+    int32_t nudged;      /* frames since the filter moved the setting, downwards, with its sign: it may be on its way */
+    int32_t jumped;      /* the same since the light seemed to jump just when that came into force */
+    double mean_log2, taken_log2;            /* of the last frame: what was metered, and what it was taken with */
+    double noise_ev;                         /* of the light, from frame to frame */
+    uint32_t coarse;                         /* frames since the highlights had a say, downwards */
+    uint32_t calm;                           /* frames of rest since the last large step */
+    int32_t last_direction;                  /* of the last large step, guessed or not; 0 after some rest */
     double known_ev, known_log2, known_over; /* of the last frame not far too bright: mean, total, highlights over it */
     double odd_ev;                           /* the least that these were off by */
     double last_size, last_total_log2;       /* of the last large step: stops it was for, and where it began */

@@ -148,24 +148,22 @@ static int is_flash(pupil_sensor_object *o, double *off)
  * the camera, which has no step so small, or does more than it is asked to. */
 static void watch(pupil_sensor_object *o, double mean_log2, double taken_log2)
 {
-    const int first = !o->setting.frames;
-    const double own = first ? 0.0 : o->answer.slope * (taken_log2 - o->taken_log2);
-    const double left = first ? 0.0 : mean_log2 - o->mean_log2 - own;
+    const double own = o->answer.slope * (taken_log2 - o->taken_log2), left = mean_log2 - o->mean_log2 - own;
     const double size = 1.25 * (left < 0.0 ? -left : left),
                  most = 4.0 * o->noise_ev; /* of a normal deviate: 1.25 |x| */
-    o->jumped -= o->jumped > 0;
+    o->jumped += (o->jumped < 0) - (o->jumped > 0);
     if (own < 0.02 && own > -0.02)
         o->noise_ev += 0.1 * (clamp(size, LEAST_NOISE_EV, most) - o->noise_ev);
     else if (o->nudged && !o->odd_frames && size > most + JUMP_LEAST && size < JUMP_MOST)
-        o->jumped = o->config.flash_frames + 3;
-    o->nudged -= o->nudged > 0;
+        o->jumped = (o->nudged > 0 ? 1 : -1) * (int32_t)(o->config.flash_frames + 3);
+    o->nudged += (o->nudged < 0) - (o->nudged > 0);
     o->mean_log2 = mean_log2, o->taken_log2 = taken_log2;
 }
 
 /* What is off is what the filter itself has done. */
 static int is_recoil(const pupil_sensor_object *o, double off)
 {
-    return o->jumped && (off > 0.0) == (o->nudge < 0);
+    return o->jumped && (off > 0.0) == (o->jumped < 0);
 }
 
 /* Until the light is further off than this, or for a time that grows with every vain search. */
@@ -220,7 +218,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     o->total_log2 = clamp(o->total_log2 + pupil_sensor_way(o, off), o->least_log2, o->most_log2);
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
-    o->nudged = o->jumped = o->calm = o->odd_frames = 0;
+    o->nudged = o->jumped = 0, o->calm = o->odd_frames = 0;
     return strange ? PUPIL_SENSOR_STRANGE : PUPIL_SENSOR_NO_REASON;
 }
 
@@ -235,7 +233,8 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     const double size = off < 0.0 ? -off : off; /* the least that is not in doubt */
     if (o->band_ev > 0.0) {
         o->stood_s += clamp(o->setting.dt_s, 0.0, PATIENCE_S / 30.0); /* of a slow camera, as many frames */
-        if ((size <= o->band_ev || pending) && o->stood_s < o->patience_s)
+        o->odd_frames = size > o->band_ev && !pending ? o->odd_frames + 1 : 0, o->odd_ev = off;
+        if (o->odd_frames <= c->flash_frames && o->stood_s < o->patience_s)
             return PUPIL_SENSOR_UNSTEADY;
         o->turns = o->stood_s < o->patience_s ? 0 : MOST_TURNS - 2;
         o->band_ev = 0.0;
@@ -329,7 +328,10 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
     if (!light->dead && reason != PUPIL_SENSOR_SAME_FRAME)
         pupil_beat_frame(&o->beat, light->middle - a->slope * frame_log2, pupil_exp2(a->taken[0]),
                          o->last_timestamp_ns);
+    const int was_beat = s->beat_ev != 0.0;
     s->beat_ev = pupil_beat_at(&o->beat, o->last_timestamp_ns);
+    if (s->beat_ev != 0.0 && !was_beat) /* it was this that nothing settled in */
+        o->band_ev = o->patience_s = 0.0;
     light->mean -= s->beat_ev, light->highlight -= s->beat_ev;
     if (light->dead || reason == PUPIL_SENSOR_SAME_FRAME) {
         s->reason = light->dead ? PUPIL_SENSOR_DEAD_FRAME : reason;
@@ -349,10 +351,8 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
             slow = move(o, low, high, far_ev, wanted != target, guessed);
         const double set_log2 = o->set_log2;
         pupil_sensor_choose(o, 0);
-        if (s->changed && o->waited) {
-            o->nudged = pupil_sensor_longest_wait(o) + 1;
-            o->nudge = o->set_log2 > set_log2 ? 1 : -1;
-        }
+        if (s->changed && o->waited)
+            o->nudged = (o->set_log2 > set_log2 ? 1 : -1) * (int32_t)(pupil_sensor_longest_wait(o) + 1);
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
     }
     s->slope = a->slope;
