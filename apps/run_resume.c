@@ -69,7 +69,7 @@ static int read_kept(const char *path, const char *camera, double *total_s, FILE
 }
 
 /* The file's folder, locked against other runs that end together with this one; the file itself is replaced. One that
- * keeps it for long is not waited for. -1: not locked. */
+ * keeps it for long is not waited for. To be closed; -1: there is none. */
 static int lock_folder(const char *path)
 {
     char copy[PATH_MAX];

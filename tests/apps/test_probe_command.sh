@@ -2,22 +2,7 @@
 # pupil probe as its user meets it, on a camera in the process: what is printed, what is refused, and the camera's
 # controls put back, on Ctrl-C too. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
-program=${PUPIL_RUN_FAKE:-}
-[ -n "$program" ] || { echo "skipped: built without cameras"; exit 77; }
-room=$(mktemp -d) || exit 1
-running=
-cleanup() {
-    [ -z "$running" ] || kill -9 "$running" 2>/dev/null
-    rm -rf "$room"
-}
-trap cleanup EXIT
-cd "$room" || exit 1
-failures=0
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
+. "$(dirname "$0")/run_room.sh"
 
 # probe STATUS WORDS ARGUMENTS...: the exit status, words in what is printed or said, and the controls as they were
 probe() {

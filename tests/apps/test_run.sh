@@ -2,22 +2,7 @@
 # pupil run as its user meets it, on a camera in the process: modes, outputs, every way to end, what is refused; and the
 # camera's controls put back whatever happens. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
-program=${PUPIL_RUN_FAKE:-}
-[ -n "$program" ] || { echo "skipped: built without cameras"; exit 77; }
-room=$(mktemp -d) || exit 1
-running=
-cleanup() {
-    [ -z "$running" ] || kill -9 "$running" 2>/dev/null
-    rm -rf "$room"
-}
-trap cleanup EXIT
-cd "$room" || exit 1
-failures=0
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
+. "$(dirname "$0")/run_room.sh"
 
 # As their user had the controls, and as run_fake tells them at its end.
 restored="fake: auto 3, exposure 77, gain 40"

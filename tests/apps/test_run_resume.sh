@@ -3,22 +3,7 @@
 # process; what is kept is of that camera, written however the run ends, and no other file is touched. Needs
 # $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
-program=${PUPIL_RUN_FAKE:-}
-[ -n "$program" ] || { echo "skipped: built without cameras"; exit 77; }
-room=$(mktemp -d) || exit 1
-running=
-cleanup() {
-    [ -z "$running" ] || kill -9 "$running" 2>/dev/null
-    rm -rf "$room"
-}
-trap cleanup EXIT
-cd "$room" || exit 1
-failures=0
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
+. "$(dirname "$0")/run_room.sh"
 
 # run STATUS WORDS ARGUMENTS...: the exit status, and words that standard error must hold; a camera that is far too
 # bright as its user left it
