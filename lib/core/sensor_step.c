@@ -12,10 +12,11 @@
 
 /* The quantile that is to stay below clip comes from bins of up to 0.32 stops and moves by as much where many pixels
  * change from one to the next. So it is aimed at below the last bin's middle, and what it asks for is far only beyond a
- * bin; the filter makes a hundredth of it. */
+ * bin; the filter makes a hundredth of it, in frames that are few, too. */
 #define HIGHLIGHT_AIM_EV  0.20
 #define HIGHLIGHT_FAR_EV  0.35
 #define HIGHLIGHT_STEP_EV 0.40
+#define HIGHLIGHT_SLOW_EV 0.01
 #define LEAST_STRIDE      0.125
 
 /* Turns with less than so many frames of rest between, from which on a camera counts as one that cannot be approached;
@@ -257,12 +258,11 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     o->calm += o->calm < LONG_CALM;
     if (o->calm >= (o->answer.disobeys ? 4 * CALM : CALM))
         o->turns = 0, o->last_direction = 0;
-    if (o->calm >= LONG_CALM)
-        o->patience_s = 0.0;
-    o->looking = 0;
-    o->stride = 1.0;
+    o->patience_s *= o->calm < LONG_CALM;
+    o->looking = 0, o->stride = 1.0;
     /* the last 5 thousandths to a limit are not seen, and then all of it is used */
-    o->total_log2 += at_end && off < 0.005 && off > -0.005 ? off : weight * off;
+    off *= at_end && off < 0.005 && off > -0.005 ? 1.0 : weight;
+    o->total_log2 += o->coarse ? clamp(off, -HIGHLIGHT_SLOW_EV, HIGHLIGHT_SLOW_EV) : off;
     return PUPIL_SENSOR_NO_REASON;
 }
 
