@@ -14,8 +14,7 @@ static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)
     double exact = w * (double)distance;
     uint64_t step = (uint64_t)exact;
     step += (double)step < exact;
-    if (step > distance)
-        step = distance;
+    step = step < distance ? step : distance;
     return (pupil_level_q52)(t > s ? (uint64_t)s + step : (uint64_t)s - step);
 }
 
@@ -139,10 +138,8 @@ static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s
     }
     double goal = linear_of_level(c->law, target);
     a->linear = a->seen ? approach_linear(a->linear, goal, c->frame_weight) : goal;
-    if (a->linear == goal)
-        a->result.adapted_ev = stops_of(target);
-    else
-        a->result.adapted_ev = pupil_log2(a->linear) * (c->law == PUPIL_LAW_ARITHMETIC_SCALE ? -1.0 : 1.0);
+    const double sign = c->law == PUPIL_LAW_ARITHMETIC_SCALE ? -1.0 : 1.0;
+    a->result.adapted_ev = a->linear == goal ? stops_of(target) : pupil_log2(a->linear) * sign;
 }
 
 static void move_white(pupil_object *object, pupil_level_q52 target, double dt_s)
@@ -158,14 +155,12 @@ static void judge(pupil_object *object, double target_ev, uint32_t reason)
 {
     pupil_exposure *r = &object->adaptation.result;
     double off = target_ev - r->adapted_ev;
+    const int is_at_end = reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX;
     r->reason = reason;
-    if (reason == PUPIL_REASON_LOCK)
-        r->state = PUPIL_STATE_LOCKED;
-    else if (off > 0.05 || off < -0.05)
-        r->state = PUPIL_STATE_ADAPTING;
-    else
-        r->state =
-            reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX ? PUPIL_STATE_LIMITED : PUPIL_STATE_SETTLED;
+    r->state = reason == PUPIL_REASON_LOCK ? PUPIL_STATE_LOCKED
+               : off > 0.05 || off < -0.05 ? PUPIL_STATE_ADAPTING
+               : is_at_end                 ? PUPIL_STATE_LIMITED
+                                           : PUPIL_STATE_SETTLED;
 }
 
 /* Everything that can be refused, before anything is touched. */
@@ -242,11 +237,8 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
 
 int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
 {
-    int error = pupil_object_check(pupil);
-    if (error)
-        return error;
-    if (!exposure)
-        return PUPIL_ERR_NULL;
-    *exposure = pupil_object_of_const(pupil)->adaptation.result;
-    return PUPIL_OK;
+    const int error = exposure ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    if (!error)
+        *exposure = pupil_object_of_const(pupil)->adaptation.result;
+    return error;
 }

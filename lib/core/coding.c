@@ -1,12 +1,8 @@
 /* A pupil_coding: whether it is right, and as factors for the kernels. */
 #include "object.h"
 
+#include "fault.h"
 #include "numeric.h"
-
-static int within(float x, float low, float high)
-{
-    return x >= low && x <= high; /* false for NaN */
-}
 
 static int all_zero(const float *x, int count)
 {
@@ -19,39 +15,26 @@ static int all_zero(const float *x, int count)
 /* What is wrong for any format. */
 static const char *fault_of(const pupil_coding *c)
 {
-    if (c->matrix >= PUPIL_MATRIX_COUNT)
-        return "matrix must be a pupil_matrix";
-    if (c->range >= PUPIL_RANGE_COUNT)
-        return "range must be a pupil_range";
-    if (c->light >= PUPIL_LIGHT_COUNT)
-        return "light must be a pupil_light";
-    if (c->bayer >= PUPIL_BAYER_COUNT)
-        return "bayer must be a pupil_bayer";
-    if (c->shift > 6)
-        return "shift must be from 0 to the bits of the word that the format leaves over (at most 6)";
-    if (!within(c->black, 0.0f, 65534.0f))
-        return "black must be from 0 to 65534";
+    MUST(c->matrix < PUPIL_MATRIX_COUNT, "matrix must be a pupil_matrix");
+    MUST(c->range < PUPIL_RANGE_COUNT, "range must be a pupil_range");
+    MUST(c->light < PUPIL_LIGHT_COUNT, "light must be a pupil_light");
+    MUST(c->bayer < PUPIL_BAYER_COUNT, "bayer must be a pupil_bayer");
+    MUST(c->shift <= 6, "shift must be from 0 to the bits of the word that the format leaves over (at most 6)");
+    MUST(within((double)c->black, 0.0, 65534.0), "black must be from 0 to 65534");
     if (c->white != 0.0f && !(c->white <= 65535.0f && c->white - c->black >= 1.0f))
         return "white must be 0 (the format's largest code) or from black + 1 to 65535";
     for (int i = 0; i < 3 && !all_zero(c->balance, 3); i++)
-        if (!within(c->balance[i], 0x1p-10f, 0x1p10f))
-            return "balance must be all 0, or each factor from 2^-10 to 2^10";
+        MUST(within((double)c->balance[i], 0x1p-10, 0x1p10),
+             "balance must be all 0, or each factor from 2^-10 to 2^10");
     for (int i = 0; i < 9; i++)
-        if (!within(c->rgb_from_camera[i], -16.0f, 16.0f))
-            return "rgb_from_camera must be numbers from -16 to 16";
+        MUST(within((double)c->rgb_from_camera[i], -16.0, 16.0), "rgb_from_camera must be numbers from -16 to 16");
     return 0;
-}
-
-static int is_in_words(uint32_t pixel)
-{
-    return pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_GREY12 || pixel == PUPIL_PIXEL_BAYER10 ||
-           pixel == PUPIL_PIXEL_BAYER12 || pixel == PUPIL_PIXEL_BAYER14;
 }
 
 /* What is wrong for grey and mosaics. */
 static const char *fault_for(const pupil_coding *c, uint32_t pixel, uint32_t bits)
 {
-    if (c->shift > (is_in_words(pixel) ? 16 - bits : 0))
+    if (c->shift > (pupil_pixel_bytes(pixel) == 2 ? 16 - bits : 0))
         return "shift must be 0, or in formats of 10, 12 or 14 bits in 16-bit words up to 16 - bits";
     if (c->white == 0.0f && c->black > (float)((1u << bits) - 2))
         return "black must be at least 1 below the format's largest code, where white is 0";
@@ -66,8 +49,7 @@ int pupil_coding_check(const pupil_coding *coding, uint32_t pixel, const char **
         return PUPIL_ERR_NULL;
     const uint32_t bits = pupil_pixel_bits(pixel);
     const char *fault = fault_of(coding);
-    if (!fault && bits)
-        fault = fault_for(coding, pixel, bits);
+    fault = fault || !bits ? fault : fault_for(coding, pixel, bits);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CODING : PUPIL_OK;

@@ -9,20 +9,13 @@ static pupil_curve curve_of(double scale_log2, int has_white, double white_log2)
 {
     const double knee = (double)PUPIL_GAMUT_KNEE;
     pupil_curve curve = {0.0f, 0.0f, (float)(1.0 / (1.0 - knee))};
-    scale_log2 = scale_log2 < -60.0 ? -60.0 : scale_log2 > 60.0 ? 60.0 : scale_log2;
-    curve.scale = (float)pupil_exp2(scale_log2);
+    curve.scale = (float)pupil_exp2(clamp(scale_log2, -60.0, 60.0));
     if (has_white) {
         double white = pupil_exp2(white_log2);
         curve.inverse_white_squared = (float)pupil_exp2(-2.0 * white_log2);
         curve.gamut = white > 1.0 ? (float)(1.0 / (1.0 - knee) - 1.0 / (white - knee)) : 0.0f;
     }
     return curve;
-}
-
-/* A white point that follows is never below 1: a frame of little contrast is not stretched. */
-static double followed(double white_log2)
-{
-    return white_log2 < 0.0 ? 0.0 : white_log2 > 30.0 ? 30.0 : white_log2;
 }
 
 pupil_curve pupil_curve_before_light(const pupil_object *object)
@@ -34,11 +27,9 @@ pupil_curve pupil_curve_before_light(const pupil_object *object)
 
 int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
 {
-    int error = pupil_object_check(pupil);
+    const int error = curve ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
     if (error)
         return error;
-    if (!curve)
-        return PUPIL_ERR_NULL;
     const pupil_object *object = pupil_object_of_const(pupil);
     const pupil_adaptation *a = &object->adaptation;
     const pupil_config *c = &object->config;
@@ -49,8 +40,8 @@ int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_cu
     double scale_log2 = pupil_scale_log2(object), frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - beat;
     if (c->white_mode == PUPIL_WHITE_FIXED)
         *curve = curve_of(frame_log2, 1, pupil_log2(c->white));
-    else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen)
-        *curve = curve_of(frame_log2, 1, followed(scale_log2 + a->result.white_ev));
+    else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen) /* never below 1: little contrast is not stretched */
+        *curve = curve_of(frame_log2, 1, clamp(scale_log2 + a->result.white_ev, 0.0, 30.0));
     else
         *curve = curve_of(frame_log2, 0, 0.0);
     return PUPIL_OK;

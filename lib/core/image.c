@@ -1,7 +1,6 @@
 #include "object.h"
 
-/* What is known of a format: `unit` pixels have `bytes` bytes in `data`; `sample` is what an address is a multiple of.
- */
+/* `unit` pixels have `bytes` bytes in `data`; `sample` is what an address is a multiple of. */
 typedef struct format {
     uint8_t bytes, unit, sample, bits, mosaic;
 } format;

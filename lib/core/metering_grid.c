@@ -23,8 +23,7 @@ int pupil_metering_centre(pupil_config *config)
 {
     if (!config)
         return PUPIL_ERR_NULL;
-    /* (1 - r^2)^2 between the innermost cells (r = 0) and the corners (r = 1): a smooth bell without a transcendental
-     */
+    /* (1 - r^2)^2 between the innermost cells (r = 0) and the corners (r = 1): a bell without a transcendental */
     const double nearest = distance_squared(SIDE / 2, SIDE / 2), farthest = distance_squared(0, 0);
     for (int i = 0; i < SIDE * SIDE; i++) {
         double r2 = (distance_squared(i / SIDE, i % SIDE) - nearest) / (farthest - nearest);
@@ -62,9 +61,8 @@ int pupil_metering_roi(pupil_config *config, double x, double y, double width, d
     if (!config)
         return PUPIL_ERR_NULL;
     /* a hair of tolerance, so that 0.7 + 0.3 is not outside */
-    if (!(x >= 0.0 && y >= 0.0 && width > 0.0 && height > 0.0 && x + width <= 1.0 + 1e-9 && y + height <= 1.0 + 1e-9))
-        return PUPIL_ERR_VALUE;
-    if (x >= 1.0 || y >= 1.0)
+    if (!(x >= 0.0 && y >= 0.0 && x < 1.0 && y < 1.0 && width > 0.0 && height > 0.0 && x + width <= 1.0 + 1e-9 &&
+          y + height <= 1.0 + 1e-9))
         return PUPIL_ERR_VALUE;
     for (int i = 0; i < SIDE * SIDE; i++) {
         double share =

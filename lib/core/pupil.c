@@ -1,8 +1,7 @@
 /* The object's life, and the calls that take a frame: each checks everything before it touches anything. */
 #include "object.h"
 
-/* ---- life
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 static void derive_luma(pupil_object *object)
 {
@@ -69,13 +68,10 @@ int pupil_retune(pupil_t *pupil, const pupil_config *config)
 
 int pupil_get_level(const pupil_t *pupil, uint32_t *level)
 {
-    int error = pupil_object_check(pupil);
-    if (error)
-        return error;
-    if (!level)
-        return PUPIL_ERR_NULL;
-    *level = pupil_object_of_const(pupil)->level;
-    return PUPIL_OK;
+    const int error = level ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    if (!error)
+        *level = pupil_object_of_const(pupil)->level;
+    return error;
 }
 
 int pupil_reset(pupil_t *pupil)
@@ -86,8 +82,7 @@ int pupil_reset(pupil_t *pupil)
     return error;
 }
 
-/* ---- rows, on any thread
- * --------------------------------------------------------------------------------------------- */
+/* ---- rows, on any thread ----------------------------------------------------------------------------------------- */
 
 static int check_in(const pupil_t *pupil, const pupil_image_const *in)
 {
@@ -139,13 +134,9 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
         return PUPIL_ERR_SIZE;
     if (pupil_stats_check_sums(stats))
         return PUPIL_ERR_STATS;
-    if (stats->rows) {
-        if (stats->frame_height != frame_height || stats->has_histogram != object->histogram)
-            return PUPIL_ERR_STATS;
-        if (stats->rows > frame_height - rows->height)
-            return PUPIL_ERR_ROWS;
-    }
-    return PUPIL_OK;
+    if (stats->rows && (stats->frame_height != frame_height || stats->has_histogram != object->histogram))
+        return PUPIL_ERR_STATS;
+    return stats->rows > frame_height - rows->height ? PUPIL_ERR_ROWS : PUPIL_OK;
 }
 
 int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row, uint32_t frame_height,
@@ -187,8 +178,7 @@ int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil
     return error;
 }
 
-/* ---- a frame as its rows arrive
- * -------------------------------------------------------------------------------------- */
+/* ---- a frame as its rows arrive ---------------------------------------------------------------------------------- */
 
 int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info)
 {
@@ -260,17 +250,13 @@ int pupil_frame_cancel(pupil_t *pupil)
 
 int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
 {
-    int error = pupil_object_check(pupil);
-    if (error)
-        return error;
-    if (!stats)
-        return PUPIL_ERR_NULL;
-    *stats = pupil_object_of_const(pupil)->stats;
-    return PUPIL_OK;
+    const int error = stats ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    if (!error)
+        *stats = pupil_object_of_const(pupil)->stats;
+    return error;
 }
 
-/* ---- a frame at once
- * ------------------------------------------------------------------------------------------------- */
+/* ---- a frame at once --------------------------------------------------------------------------------------------- */
 
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {

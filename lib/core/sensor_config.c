@@ -1,3 +1,4 @@
+#include "fault.h"
 #include "numeric.h"
 #include "pupil/sensor.h"
 
@@ -31,8 +32,7 @@ void pupil_sensor_config_default(pupil_sensor_config *config)
 }
 
 #define WITHIN(field, least, most)                                                                                     \
-    if (!((double)c->field >= (least) && (double)c->field <= (most))) /* true for NaN */                               \
-    return #field " must be from " #least " to " #most
+    MUST((double)c->field >= (least) && (double)c->field <= (most), #field " must be from " #least " to " #most)
 
 static const char *fault_of_laws(const pupil_sensor_config *c)
 {
@@ -76,8 +76,7 @@ static const char *fault_of(const pupil_sensor_config *c)
             return "key_at must rise: scene_ev in -256..256, key in 2^-10..1 by at most a stop for two of light";
     WITHIN(clip, 0.0000152587890625, 65536);
     WITHIN(trim_low, 0, 1);
-    if (!(c->trim_high > c->trim_low && c->trim_high <= 1.0))
-        return "trim_high must be above trim_low, up to 1";
+    MUST(c->trim_high > c->trim_low && c->trim_high <= 1.0, "trim_high must be above trim_low, up to 1");
     WITHIN(highlight_share, 0.001, 1);
     WITHIN(highlight_ev, 0, 8);
     WITHIN(far_ev, 0.02, 2);
@@ -95,8 +94,7 @@ static const char *fault_of(const pupil_sensor_config *c)
     if (c->mains_hz > PUPIL_SENSOR_MAINS_AUTO && c->mains_hz != 50 && c->mains_hz != 60)
         return "mains_hz must be 50, 60, 0 or PUPIL_SENSOR_MAINS_AUTO";
     WITHIN(gain_max, 0.0009765625, 65536);
-    if (!(c->gain_min >= 0x1p-10 && c->gain_min <= c->gain_max))
-        return "gain_min must be from 2^-10 to gain_max";
+    MUST(c->gain_min >= 0x1p-10 && c->gain_min <= c->gain_max, "gain_min must be from 2^-10 to gain_max");
     WITHIN(lock, 0, 1);
     WITHIN(flash_frames, 0, 8);
     WITHIN(linear, 0, 1);

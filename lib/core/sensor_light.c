@@ -16,9 +16,8 @@ static double normal_quantile(double p)
 
 static double density(double z)
 {
-    if (z > 37.0) /* below 2^-980; room grows without bound where sigma is small */
-        return 0.0;
-    return 0.3989422804014327 * pupil_exp2(-0.5 * 1.4426950408889634 * z * z);
+    /* beyond 37 below 2^-980; room grows without bound where sigma is small */
+    return z > 37.0 ? 0.0 : 0.3989422804014327 * pupil_exp2(-0.5 * 1.4426950408889634 * z * z);
 }
 
 /* The share of it above z >= 0 (the same, 26.2.17; error below 7.5e-8). */

@@ -14,11 +14,10 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
         return PUPIL_ERR_NULL;
     if (pupil_stats_check(sum) || pupil_stats_check(more))
         return PUPIL_ERR_STATS;
-    if (sum->rows && more->rows) {
-        if (sum->frame_height != more->frame_height || sum->has_histogram != more->has_histogram ||
-            sum->rows > sum->frame_height - more->rows)
-            return PUPIL_ERR_STATS;
-    }
+    if (sum->rows && more->rows &&
+        (sum->frame_height != more->frame_height || sum->has_histogram != more->has_histogram ||
+         sum->rows > sum->frame_height - more->rows))
+        return PUPIL_ERR_STATS;
     if (!more->rows)
         return PUPIL_OK;
 
