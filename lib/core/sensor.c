@@ -65,7 +65,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
     if (believed != config->delay_frames)
         pupil_sensor_answer_reset(o);
     if (linear != config->linear) /* what was learned of gains went with it */
-        o->answer.gain_does = 1.0;
+        o->answer.gain_does = 1.0, o->answer.jumps = 0;
     if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
         o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
         o->setting.reason = PUPIL_SENSOR_NO_REASON;
@@ -124,10 +124,8 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
 int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting)
 {
     const pupil_sensor_object *o = (const pupil_sensor_object *)(const void *)sensor;
-    if (!o || !setting)
-        return PUPIL_ERR_NULL;
-    if (o->magic != SENSOR_MAGIC)
-        return PUPIL_ERR_OBJECT;
+    if (!o || !setting || o->magic != SENSOR_MAGIC)
+        return o && setting ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     *setting = o->setting;
     setting->mains_hz = o->config.mains_hz;
     setting->mains_modulation = o->mains.modulation;

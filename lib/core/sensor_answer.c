@@ -21,17 +21,14 @@
 #define PRIOR 7.0  /* of delays longer than believed, and of a camera that does not obey: not alive at first */
 #define MOST  16.0 /* one surprise of two stops at the least noise: 2 log2(1 + 4 / 0.0027) = 21 is more */
 
-#define NOISE_EV     0.03 /* least: half of what a quantile from bins of 0.09 to 0.17 stops is off by */
-#define STEEP_LEAST  0.45 /* a gamma of 2.2, and below */
-#define STEEP_MOST   2.2
-#define STEP_EV      0.3  /* a control's step from here on shows how strongly the camera answers */
-#define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
-#define STRANGE_MOST 4
-#define UNHEARD_EV   0.4 /* more than any law of gains rounds */
-#define ALIKE        0.1 /* gains that agree */
-#define LEAST_GAIN   0.5 /* of what it should; less is rather the scene's */
-#define REAL_EV      4.5 /* this far below white 8 bits have 11 codes, and half a code is 0.06 EV */
-#define FAR_AWAY     1e3
+#define NOISE_EV    0.03 /* least: half of what a quantile from bins of 0.09 to 0.17 stops is off by */
+#define STEEP_LEAST 0.45 /* a gamma of 2.2, and below */
+#define STEEP_MOST  2.2
+#define STEP_EV     0.3 /* a control's step from here on shows how strongly the camera answers */
+#define UNHEARD_EV  0.4 /* more than any law of gains rounds */
+#define ALIKE       0.1 /* light that goes on as it did before a step looks like a part of it; of the step */
+#define REAL_EV     4.5 /* this far below white 8 bits have 11 codes, and half a code is 0.06 EV */
+#define FAR_AWAY    1e3
 
 static const double order_share[PUPIL_SENSOR_ORDERS] = {0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02};
 
@@ -62,10 +59,10 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
             a->price[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)PRIOR : 0.0f;
     a->noise = 2.0 * NOISE_EV;
     a->brighter = FAR_AWAY;
-    a->slope = a->gain_does = 1.0;
-    for (int i = 0; i < 3; i++)
-        a->seen[i] = 1.0, a->gains[i] = 0.0;
-    a->slopes = a->short_steps = a->strange = a->delay[0] = a->delay[1] = 0;
+    a->slope = a->steepest = a->gain_does = 1.0;
+    for (int i = 0; i < PUPIL_SENSOR_SLOPES; i++)
+        a->seen[i] = 1.0, a->gains[i % 3] = 0.0;
+    a->slopes = a->jumps = a->short_steps = a->strange = a->delay[0] = a->delay[1] = 0;
 }
 
 /* log2 of what guess h of control c says was in force so many frames before this one. */
@@ -201,40 +198,10 @@ static int is_dead(const pupil_sensor_answer *a, int c)
            (a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) && (a->dead[c] || is_off));
 }
 
-static double middle_of(const double x[3])
+/* A step that nothing in doubt is about, and what the picture made of it. */
+static void learn(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], uint32_t gap, double answer, int real)
 {
-    const double least = x[0] < x[1] ? x[0] : x[1], most = x[0] < x[1] ? x[1] : x[0];
-    return x[2] < least ? least : x[2] > most ? most : x[2];
-}
-
-/* A step of gain alone. What it does less than it should is believed where the last three say the same. */
-static void learn_gain(pupil_sensor_answer *a, double does)
-{
-    a->gains[0] = a->gains[1], a->gains[1] = a->gains[2], a->gains[2] = does;
-    const double middle = middle_of(a->gains);
-    a->gain_does = middle > LEAST_GAIN && middle < 1.0 - STRAIGHT ? middle : 1.0;
-    for (int i = 0; i < 3; i++)
-        if (a->gains[i] < middle * (1.0 - ALIKE) || a->gains[i] > middle * (1.0 + ALIKE))
-            a->gain_does = 1.0;
-}
-
-/* A step with exposure in it, which leaves so much. Returns whether a line is missing. */
-static int learn_line(pupil_sensor_object *o, double left)
-{
-    pupil_sensor_answer *a = &o->answer;
-    const double now = in_force(a, 0, a->best[0], 0), then = in_force(a, 0, a->best[0], 1);
-    const double line = pupil_sensor_shorter(&o->config, now) - pupil_sensor_shorter(&o->config, then);
-    if (!o->config.linear || a->slope * a->gain_does != 1.0 || (line < a->noise && line > -a->noise))
-        return 0;
-    a->short_steps = left / line < 0.5 ? 0 : a->short_steps + (left / line < 1.5 && a->short_steps < 2);
-    return left / line > 0.5 && left / line < 1.5;
-}
-
-/* A step that nothing in doubt is about, and what the picture made of it. Of a picture that is said to be linear, what
- * gain alone does less than it should is not the picture's: if that is wrong, a step of exposure is too short. */
-static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], double answer, int is_real)
-{
-    pupil_sensor_answer *a = &o->answer;
+    const pupil_sensor_answer *a = &o->answer;
     const double exposure = step[0][a->best[0]];
     double low = FAR_AWAY, high = -FAR_AWAY;
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
@@ -243,34 +210,17 @@ static void learn_slope(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUES
                 const double all = step[0][e] + step[1][g];
                 low = all < low ? all : low;
                 high = all > high ? all : high;
-                is_real &= is_near(step[0][e], exposure);
+                real &= is_near(step[0][e], exposure);
             }
     const double size = low > 0.0 ? low : -high;
-    if (!(size > STEP_EV && size > 4.0 * a->noise && high - low < 0.1 * size))
-        return;
-    const double slope = 2.0 * answer / (low + high), does = a->gain_does * slope / a->slope;
-    if (!(slope > 0.3 && slope < 3.3)) {
-        a->strange += a->strange < STRANGE_MOST;
-        return;
+    pupil_sensor_step seen = {
+        .all = 0.5 * (low + high), .answer = answer, .left = answer, .is_real = real && a->left < ALIKE * size};
+    for (int c = 0; c < 2; c++) {
+        seen.then[c] = in_force(a, c, a->best[c], gap), seen.now[c] = in_force(a, c, a->best[c], 0);
+        seen.left -= step[c][a->best[c]];
     }
-    is_real &= a->left < ALIKE * size; /* light that goes on as it did before the step looks like a part of it */
-    a->strange -= a->strange > 0;
-    a->slopes += a->slopes < 3;
-    const int is_alone = o->config.linear && is_near(exposure, 0.0);
-    if (is_real && is_alone)
-        learn_gain(a, does);
-    if (is_alone ? does < 1.0 - STRAIGHT : is_real && learn_line(o, answer - exposure - step[1][a->best[1]]))
-        return;
-    for (int i = 0; i < 3; i++) /* the first one that is seen of a camera of which nothing is known stands alone */
-        a->seen[i] = !o->config.linear && a->slopes == 1 ? slope : i < 2 ? a->seen[i + 1] : slope;
-    double middle = middle_of(a->seen);
-    if (middle > 1.0 - STRAIGHT && middle < 1.0 + STRAIGHT)
-        middle = 1.0;
-    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT)) {
-        o->stride = 1.0; /* it was this that steps turned back for */
-        a->gain_does = 1.0;
-    }
-    a->slope = middle;
+    if (size > STEP_EV && size > 4.0 * a->noise && high - low < 0.1 * size)
+        pupil_sensor_learn(o, &seen);
 }
 
 /* This frame and the one before it. */
@@ -294,7 +244,7 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         survey(a, 0);
         const double dark = pupil_log2(o->config.clip) - REAL_EV;
         if (least == most)
-            learn_slope(o, step, least, gap == 1 && light->low[0] > dark && a->low_of[0] > dark);
+            learn(o, step, gap, least, gap == 1 && light->low[0] > dark && a->low_of[0] > dark);
     }
     const double own = a->slope * (step[0][a->best[0]] + step[1][a->best[1]]), left = least - own;
     a->brighter += most - own;

@@ -11,6 +11,7 @@
 #define PUPIL_SENSOR_GUESSES (PUPIL_SENSOR_DELAYS + 2)
 #define PUPIL_SENSOR_RING    32 /* twice the delays, so that frames may be missing */
 #define PUPIL_SENSOR_ORDERS  10
+#define PUPIL_SENSOR_SLOPES  5
 
 /* How the camera answers (sensor_answer.c). All log2; [2]: exposure, gain. */
 typedef struct pupil_sensor_answer {
@@ -20,19 +21,22 @@ typedef struct pupil_sensor_answer {
     double asked[PUPIL_SENSOR_RING][2];
     double standing[2]; /* asked for now */
     double told[2], told_before[2];
-    double unit[2];   /* what info says is so much more than what was asked for */
-    double taken[2];  /* what the frame was taken with, by the best guess */
-    double anchor[2]; /* what stays in force if the camera does not obey */
-    double low, high; /* total in force, by all that is not ruled out */
-    double noise;     /* of the scene, stops from frame to frame */
-    double left;      /* stops that the scene moved by itself in the frame before */
-    double slope;     /* of the picture's log2 over the light's */
-    double seen[3];   /* slopes */
-    double gains[3];  /* what steps of gain alone have done of what they should */
-    double gain_does; /* ... where these agree; 1 */
-    double brighter;  /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
+    double unit[2];                   /* what info says is so much more than what was asked for */
+    double taken[2];                  /* what the frame was taken with, by the best guess */
+    double anchor[2];                 /* what stays in force if the camera does not obey */
+    double low, high;                 /* total in force, by all that is not ruled out */
+    double noise;                     /* of the scene, stops from frame to frame */
+    double left;                      /* stops that the scene moved by itself in the frame before */
+    double slope;                     /* of the picture's log2 over the light's */
+    double steepest;                  /* of late: what may lie on the way, where the picture is bent unevenly */
+    double seen[PUPIL_SENSOR_SLOPES]; /* slopes, the latest first */
+    double gains[3];                  /* what steps of gain alone have done of what they should */
+    double gain_does;                 /* ... where these agree; 1 */
+    double jump, place[2];            /* what the camera does more from a gain on, which lies from there to there */
+    double brighter; /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
     double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
     uint32_t slopes;                                                  /* seen; at most 3 */
+    uint32_t jumps;                                                   /* at that place, that were alike; at most 2 */
     uint32_t short_steps; /* in a row, that were as if a line were missing of each exposure; at most 2 */
     uint32_t strange;     /* steps that the picture did not follow; at most 4 */
     uint32_t alive[2];    /* masks of guesses */
@@ -98,7 +102,7 @@ void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, do
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 /* log2 of what is left of an exposure, in log2, of which a line is missing. */
-double pupil_sensor_shorter(const pupil_sensor_config *config, double exposure_log2);
+double pupil_sensor_shorter(const pupil_sensor_object *object, double exposure_log2);
 /* How far the wanted total has to go so that the camera goes so far, by what it has been seen to do; half to double. */
 double pupil_sensor_way(const pupil_sensor_object *object, double off);
 /* The limits that the setting stands at, and the one that keeps it from going on. */
@@ -112,6 +116,16 @@ void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_li
 
 void pupil_sensor_choose(pupil_sensor_object *object, int anew);
 void pupil_sensor_advance(pupil_sensor_object *object, pupil_sensor_light *light, const pupil_frame_info *info);
+
+/* A step of the controls that was clear; [2]: log2 of exposure and gain, in force before it and after. */
+typedef struct pupil_sensor_step {
+    double then[2], now[2];
+    double all, answer; /* stops: of both controls, in what they are known to do; of the picture */
+    double left;        /* of the answer, without either */
+    int is_real;        /* two frames in a row of still light, neither dark */
+} pupil_sensor_step;
+
+void pupil_sensor_learn(pupil_sensor_object *object, const pupil_sensor_step *step);
 
 /* How the camera answers, which frames tell. */
 void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *stats, pupil_sensor_light *light);

@@ -98,10 +98,10 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / e);
 }
 
-double pupil_sensor_shorter(const pupil_sensor_config *c, double exposure_log2)
+double pupil_sensor_shorter(const pupil_sensor_object *o, double exposure_log2)
 {
-    const double e = pupil_exp2(exposure_log2), less = e - c->exposure_step_s;
-    return pupil_log2((less > c->exposure_step_s ? less : c->exposure_step_s) / e);
+    const double e = pupil_exp2(exposure_log2), line_s = o->config.exposure_step_s, less = e - line_s;
+    return pupil_log2((less > line_s ? less : line_s) / e);
 }
 
 /* log2 of what the controls do beyond exposure x gain, by what has been seen. A line that is missing is believed before
@@ -109,7 +109,17 @@ double pupil_sensor_shorter(const pupil_sensor_config *c, double exposure_log2)
 static double beyond(const pupil_sensor_object *o, double exposure, double gain)
 {
     const pupil_sensor_answer *a = &o->answer;
-    return (a->gain_does - 1.0) * gain + (a->short_steps > 1 ? pupil_sensor_shorter(&o->config, exposure) : 0.0);
+    return (a->gain_does - 1.0) * gain + (a->short_steps > 1 ? pupil_sensor_shorter(o, exposure) : 0.0);
+}
+
+/* The same of a gain on its way past the place where it jumps: as far as that is certain, or where it makes the step
+ * longer, possible. */
+static double jump(const pupil_sensor_answer *a, double to)
+{
+    const double from = a->taken[1], low = from < to ? from : to, high = from < to ? to : from, *place = a->place;
+    const int passes = a->jump > 0.0 ? high > place[0] + 1e-9 && low < place[1] - 1e-9
+                                     : high > place[1] - 1e-9 && low < place[0] + 1e-9;
+    return a->jumps > 1 && passes ? (from < to ? a->jump : -a->jump) : 0.0;
 }
 
 double pupil_sensor_way(const pupil_sensor_object *o, double off)
@@ -118,7 +128,8 @@ double pupil_sensor_way(const pupil_sensor_object *o, double off)
     double way = off, e, g;
     for (int i = 0; i < 5; i++) { /* half of what is left, at worst, is left by each */
         pupil_sensor_split(o, o->total_log2 + way, &e, &g);
-        way = off * clamp(1.0 + (now - beyond(o, pupil_log2(e), pupil_log2(g))) / off, 0.5, 2.0);
+        const double more = beyond(o, pupil_log2(e), pupil_log2(g)) + jump(&o->answer, pupil_log2(g));
+        way = off * clamp(1.0 + (now - more) / off, 0.5, 2.0);
     }
     return way;
 }

@@ -204,6 +204,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     o->last_size = size;
     o->last_total_log2 = o->total_log2;
     off *= o->stride;
+    off *= o->answer.slope / o->answer.steepest;
     o->looking = guessed || o->looking;
     if (!c->linear && !o->answer.slopes) {
         off *= 0.5; /* a slope of 2 is the steepest that is ordinary */
