@@ -36,8 +36,9 @@
  * frame (beat_ev). Beats of more than 16 frames are left to the filter.
  *
  * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope); so are gains
- * that do less than they should, and exposures that lack a line: how far a step goes follows from it. A camera that
- * does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and followed in small steps.
+ * that do less than they should or do more from one of them on, and exposures that lack a line: how far a step goes
+ * follows from it. A camera that does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and
+ * followed in small steps.
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
  *
  * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
