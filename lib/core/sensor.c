@@ -65,7 +65,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
     if (believed != config->delay_frames)
         pupil_sensor_answer_reset(o);
     if (linear != config->linear) /* what was learned of gains went with it */
-        o->answer.gain_does = 1.0, o->answer.jumps = 0;
+        o->answer.gain_does = 1.0, o->answer.jumps = o->answer.short_steps = 0;
     if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
         o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
         o->setting.reason = PUPIL_SENSOR_NO_REASON;

@@ -215,10 +215,9 @@ static void learn(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
     const double size = low > 0.0 ? low : -high;
     pupil_sensor_step seen = {
         .all = 0.5 * (low + high), .answer = answer, .left = answer, .is_real = real && a->left < ALIKE * size};
-    for (int c = 0; c < 2; c++) {
+    for (int c = 0; c < 2; c++)
         seen.then[c] = in_force(a, c, a->best[c], gap), seen.now[c] = in_force(a, c, a->best[c], 0);
-        seen.left -= step[c][a->best[c]];
-    }
+    seen.left -= step[0][a->best[0]] + step[1][a->best[1]] - pupil_sensor_jump(a, seen.then[1], seen.now[1], 0.0);
     if (size > STEP_EV && size > 4.0 * a->noise && high - low < 0.1 * size)
         pupil_sensor_learn(o, &seen);
 }
@@ -231,7 +230,8 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
     int tells = 0;
     for (int c = 0; c < 2; c++)
         for (uint32_t h = 0; h < PUPIL_SENSOR_GUESSES; h++) {
-            step[c][h] = (c ? a->gain_does : 1.0) * (in_force(a, c, h, 0) - in_force(a, c, h, gap));
+            const double then = in_force(a, c, h, gap), now = in_force(a, c, h, 0);
+            step[c][h] = c ? a->gain_does * (now - then) + pupil_sensor_jump(a, then, now, 0.0) : now - then;
             tells |= step[c][h] - step[c][0] > 0.01 || step[c][h] - step[c][0] < -0.01;
         }
     moved(a, light, &least, &most);

@@ -46,16 +46,16 @@ static int learn_jump(pupil_sensor_answer *a, const pupil_sensor_step *step, dou
     }
     a->place[0] = again && a->place[0] > low ? a->place[0] : low;
     a->place[1] = again && a->place[1] < high ? a->place[1] : high;
-    a->jump = jump, a->jumps = again ? 2 : 1;
+    a->jump = jump, a->jumps = again ? 2 : 1, a->steepest = a->slope;
     return again;
 }
 
 /* A step with exposure in it. Returns whether a line is missing. */
 static int learn_line(pupil_sensor_answer *a, const pupil_sensor_step *step, double line)
 {
-    const double share = step->left / line;
     if (a->slope * a->gain_does != 1.0 || line == 0.0 || !step->is_real)
         return 0;
+    const double share = step->left / line;
     a->short_steps = share < 0.5 ? 0 : a->short_steps + (share < 1.5 && a->short_steps < 2);
     return share > 0.5 && share < 1.5;
 }
@@ -93,7 +93,7 @@ void pupil_sensor_learn(pupil_sensor_object *o, const pupil_sensor_step *step)
             return;
         if (step->is_real && is_alone)
             learn_gain(a, does);
-        if (is_alone ? does < 1.0 - STRAIGHT : learn_line(a, step, line))
+        if (is_alone ? does < 1.0 - STRAIGHT && does * a->slope < 1.0 - STRAIGHT : learn_line(a, step, line))
             return;
     }
     for (int i = PUPIL_SENSOR_SLOPES - 1; i > 0; i--) /* the first of a camera of which nothing is known stands alone */
@@ -102,10 +102,8 @@ void pupil_sensor_learn(pupil_sensor_object *o, const pupil_sensor_step *step)
     double middle = middle_of(a->seen);
     if (middle > 1.0 - STRAIGHT && middle < 1.0 + STRAIGHT)
         middle = 1.0;
-    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT)) {
-        o->stride = 1.0; /* it was this that steps turned back for */
-        a->gain_does = 1.0, a->jumps = 0;
-    }
+    if (middle > a->slope * (1.0 + STRAIGHT) || middle < a->slope * (1.0 - STRAIGHT)) /* what steps turned back for */
+        o->stride = a->gain_does = 1.0, a->jumps = 0;
     a->slope = middle;
     a->steepest = steepest_of(a->seen, middle);
 }

@@ -103,6 +103,8 @@ double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposu
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 /* log2 of what is left of an exposure, in log2, of which a line is missing. */
 double pupil_sensor_shorter(const pupil_sensor_object *object, double exposure_log2);
+/* log2 of what the camera does more for a gain's step, by what has been seen; off: stops that it is a part of, or 0. */
+double pupil_sensor_jump(const pupil_sensor_answer *answer, double from, double to, double off);
 /* How far the wanted total has to go so that the camera goes so far, by what it has been seen to do; half to double. */
 double pupil_sensor_way(const pupil_sensor_object *object, double off);
 /* The limits that the setting stands at, and the one that keeps it from going on. */

@@ -112,14 +112,13 @@ static double beyond(const pupil_sensor_object *o, double exposure, double gain)
     return (a->gain_does - 1.0) * gain + (a->short_steps > 1 ? pupil_sensor_shorter(o, exposure) : 0.0);
 }
 
-/* The same of a gain on its way past the place where it jumps: as far as that is certain, or where it makes the step
- * longer, possible. */
-static double jump(const pupil_sensor_answer *a, double to)
+/* As far as it passes the place for certain; where that makes the step too long, as far as it may. */
+double pupil_sensor_jump(const pupil_sensor_answer *a, double from, double to, double off)
 {
-    const double from = a->taken[1], low = from < to ? from : to, high = from < to ? to : from, *place = a->place;
-    const int passes = a->jump > 0.0 ? high > place[0] + 1e-9 && low < place[1] - 1e-9
-                                     : high > place[1] - 1e-9 && low < place[0] + 1e-9;
-    return a->jumps > 1 && passes ? (from < to ? a->jump : -a->jump) : 0.0;
+    const double low = from < to ? from : to, high = from < to ? to : from, more = from < to ? a->jump : -a->jump;
+    const int passes = more * off > 0.0 ? high > a->place[0] + 1e-9 && low < a->place[1] - 1e-9
+                                        : high > a->place[1] - 1e-9 && low < a->place[0] + 1e-9;
+    return a->jumps > 1 && a->gain_does == 1.0 && passes && low < high ? more : 0.0;
 }
 
 double pupil_sensor_way(const pupil_sensor_object *o, double off)
@@ -128,7 +127,8 @@ double pupil_sensor_way(const pupil_sensor_object *o, double off)
     double way = off, e, g;
     for (int i = 0; i < 5; i++) { /* half of what is left, at worst, is left by each */
         pupil_sensor_split(o, o->total_log2 + way, &e, &g);
-        const double more = beyond(o, pupil_log2(e), pupil_log2(g)) + jump(&o->answer, pupil_log2(g));
+        const double more = beyond(o, pupil_log2(e), pupil_log2(g)) +
+                            pupil_sensor_jump(&o->answer, o->answer.taken[1], pupil_log2(g), off);
         way = off * clamp(1.0 + (now - more) / off, 0.5, 2.0);
     }
     return way;
