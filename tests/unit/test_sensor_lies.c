@@ -161,6 +161,29 @@ static void jittering(void)
     p.jitter = 0.3;
 }
 
+/* The gain by hand, between two of which it is known that the camera does more from some gain there on: no step passes
+ * it. */
+static void held_at_a_jump(uint32_t delay)
+{
+    pupil_sensor_setting s;
+    int frames = 0;
+    double over = 0;
+    open_camera(delay, 1);
+    moving_up();
+    watch();
+    pupil_sensor_config c = plant_config(LAW_FINE);
+    c.highlight_ev = 0;
+    c.gain_mode = PUPIL_SENSOR_MANUAL;
+    c.manual_gain = 1.9;
+    CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK);
+    p.light_ev += 1;
+    for (int i = 0; i < 60; i++)
+        plant_turn(&p, &sensor, &s, NULL);
+    for (int i = 0; i < 6; i++)
+        follow(i % 2 ? 0.6 : -0.6, &frames, &over);
+    CHECK_MSG(frames <= (int)delay + 3 && over <= 0.05, "D %u, gain held: %d frames, %g EV over", delay, frames, over);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -199,6 +222,8 @@ int main(int argc, char **argv)
                       (a.wandered <= 0.02 || a.reason == PUPIL_SENSOR_UNSTEADY),
                   "%s: %g EV over, %g EV at rest", bent_name[i], a.later_over, a.wandered);
     }
+    for (uint32_t delay = 1; delay <= 4; delay++)
+        held_at_a_jump(delay);
     a = worst_of("exposure ignored", 1, 1.0, no_exposure);
     CHECK(a.state == PUPIL_SENSOR_LIMITED && a.reason == PUPIL_SENSOR_IGNORED);
     a = worst_of("gain ignored", 1, 1.0, no_gain); /* the exposure makes up for it, as far as it goes */

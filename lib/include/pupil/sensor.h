@@ -129,7 +129,8 @@ typedef struct pupil_sensor_config {
                         * weight of a frame is never above 0.39 / delay_frames (n times that after n - 1 lost
                         * ones), which no delay up to that can make overshoot, even where info does not tell the truth
                         * (largest k without overshoot of x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D).
-                        * Where the highlights decide, a frame moves the total by a hundredth of a stop at most */
+                        * While the highlights decide, and for 20 frames after, it moves the total by a hundredth
+                        * of a stop a frame at most */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
                         * the digital factor follows alone; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
