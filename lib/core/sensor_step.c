@@ -145,11 +145,11 @@ static int is_flash(pupil_sensor_object *o, double *off)
     return 0;
 }
 
-/* Whether the light seems to jump in the very frame in which what the filter asked for comes into force. Then it was
- * the camera, which has no step so small, or does more than it is asked to. */
+/* Whether the light seems to jump in the frame in which what the filter asked for comes into force, by the slope of the
+ * frame before. Then it was the camera, which has no step so small, or does more than it is asked to. */
 static void watch(pupil_sensor_object *o, double mean_log2, double taken_log2)
 {
-    const double own = o->answer.slope * (taken_log2 - o->taken_log2), left = mean_log2 - o->mean_log2 - own;
+    const double own = o->setting.slope * (taken_log2 - o->taken_log2), left = mean_log2 - o->mean_log2 - own;
     const double size = 1.25 * (left < 0.0 ? -left : left),
                  most = 4.0 * o->noise_ev; /* of a normal deviate: 1.25 |x| */
     o->jumped += (o->jumped < 0) - (o->jumped > 0);
