@@ -61,7 +61,8 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     a->brighter = FAR_AWAY;
     a->slope = a->steepest = a->gain_does = 1.0;
     for (int i = 0; i < PUPIL_SENSOR_SLOPES; i++)
-        a->seen[i] = 1.0, a->gains[i % 3] = 0.0;
+        a->seen[i] = 1.0;
+    a->gains[0] = a->gains[1] = a->gains[2] = 0.0;
     a->slopes = a->jumps = a->short_steps = a->strange = a->delay[0] = a->delay[1] = 0;
 }
 
@@ -165,11 +166,6 @@ static void survey(pupil_sensor_answer *a, int never)
         survey(a, 1);
     if (never) /* whatever is done next shows which of the two it is */
         a->low = a->high = a->taken[0] + a->taken[1];
-}
-
-static int is_near(double x, double y)
-{
-    return x - y < 0.05 && x - y > -0.05;
 }
 
 /* 0, or that info says of a control what was not asked for in the last frames: 1 where it stands still, 2 where it has

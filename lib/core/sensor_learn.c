@@ -6,7 +6,6 @@
 #define STRAIGHT     0.06 /* no slope at all: what is seen of one is that uncertain */
 #define STRANGE_MOST 4
 #define ALIKE        0.1 /* gains that agree; the least jump */
-#define NEAR_EV      0.05
 #define SHAKY        1.1 /* slopes that are further apart are not one */
 #define LEAST_GAIN   0.5 /* of what it should; less is rather the scene's */
 
@@ -33,10 +32,10 @@ static int learn_jump(pupil_sensor_answer *a, const pupil_sensor_step *step, dou
 {
     const int up = step->then[1] < step->now[1];
     const double low = up ? step->then[1] : step->now[1], high = up ? step->now[1] : step->then[1];
-    const double jump = up ? step->left : -step->left, other = jump - a->jump;
+    const double jump = up ? step->left : -step->left;
     const int starts = low <= a->place[0] && high > a->place[0], ends = high >= a->place[1] && low < a->place[1];
-    const int again = a->jumps && high > a->place[0] && low < a->place[1] && other < NEAR_EV && other > -NEAR_EV;
-    if (a->slope * a->gain_does != 1.0 || high - low < NEAR_EV || line != 0.0 || !step->is_real)
+    const int again = a->jumps && high > a->place[0] && low < a->place[1] && is_near(jump, a->jump);
+    if (a->slope * a->gain_does != 1.0 || is_near(high, low) || line != 0.0 || !step->is_real)
         return again;
     if (jump < ALIKE && jump > -ALIKE) { /* not between these two */
         a->jumps = starts && ends ? 0 : a->jumps;
@@ -78,7 +77,6 @@ void pupil_sensor_learn(pupil_sensor_object *o, const pupil_sensor_step *step)
 {
     pupil_sensor_answer *a = &o->answer;
     const double slope = step->answer / step->all, does = a->gain_does * slope / a->slope;
-    const double exposure = step->now[0] - step->then[0];
     if (!(slope > 0.3 && slope < 3.3)) {
         a->strange += a->strange < STRANGE_MOST;
         return;
@@ -88,7 +86,7 @@ void pupil_sensor_learn(pupil_sensor_object *o, const pupil_sensor_step *step)
     if (o->config.linear) {
         const double less = pupil_sensor_shorter(o, step->now[0]) - pupil_sensor_shorter(o, step->then[0]);
         const double line = less < a->noise && less > -a->noise ? 0.0 : less; /* that would be seen */
-        const int is_alone = exposure < NEAR_EV && exposure > -NEAR_EV;
+        const int is_alone = is_near(step->now[0], step->then[0]);
         if (learn_jump(a, step, line))
             return;
         if (step->is_real && is_alone)

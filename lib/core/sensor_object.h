@@ -88,6 +88,11 @@ typedef struct pupil_sensor_object {
 
 _Static_assert(sizeof(pupil_sensor_object) <= sizeof(pupil_sensor), "PUPIL_SENSOR_OBJECT_BYTES is too small");
 
+static inline int is_near(double x, double y)
+{
+    return x - y < 0.05 && x - y > -0.05;
+}
+
 /* What is known of a frame's light, log2 of frame values. */
 typedef struct pupil_sensor_light {
     double mean, clipped_share, black_share;

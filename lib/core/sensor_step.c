@@ -259,7 +259,8 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     o->calm += o->calm < LONG_CALM;
     if (o->calm >= (o->answer.disobeys ? 4 * CALM : CALM))
         o->turns = 0, o->last_direction = 0;
-    o->patience_s *= o->calm < LONG_CALM;
+    if (o->calm >= LONG_CALM)
+        o->patience_s = 0.0;
     o->looking = 0, o->stride = 1.0;
     /* the last 5 thousandths to a limit are not seen, and then all of it is used */
     off *= at_end && off < 0.005 && off > -0.005 ? 1.0 : weight;

@@ -42,8 +42,10 @@ static void follow(double ev, int *frames, double *over)
         ev = 0;
     }
     const double rest = off[PAUSE - 1], sign = off[0] > rest ? 1 : -1, key = log2(0.18);
-    for (int i = 0; i < PAUSE; i++) /* beyond both */
-        *over = fmax(*over, fmin(sign * (rest - off[i]), sign * (key - off[i])) - 0.05);
+    /* where a gain does more, the key may lie where no setting reaches: beyond it and where the picture rests */
+    const double end = p.moving > 1 ? sign * fmin(sign * rest, sign * key) : rest;
+    for (int i = 0; i < PAUSE; i++)
+        *over = fmax(*over, sign * (end - off[i]) - 0.05);
     int settled = PAUSE;
     while (settled > 0 && fabs(off[settled - 1] - rest) <= 0.15) /* 0.1, and what is rounded down */
         settled--;
