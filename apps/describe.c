@@ -25,8 +25,8 @@ static double light_of(const pupil_t *pupil, const pupil_frame_info *info, doubl
     return log2((double)curve.scale / scale);
 }
 
-pupil_record describe_frame(const pupil_t *pupil, const pupil_stats *stats, const pupil_curve *curve,
-                            const pupil_frame *frame, const pupil_image_const *display)
+pupil_record describe_frame(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
+                            const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display)
 {
     pupil_exposure e;
     const display_figures d = display ? display_measure(display) : (display_figures){0};
@@ -37,6 +37,7 @@ pupil_record describe_frame(const pupil_t *pupil, const pupil_stats *stats, cons
         .scale = (double)curve->scale,
         .white = white_of(curve),
         .output_level = d.level,
+        .key = config->key * exp2(config->ev_compensation),
         .black_share = (double)stats->black / pixels,
         .clipped_share = (double)stats->clipped / pixels,
         .bad_share = (double)stats->bad / pixels,

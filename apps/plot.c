@@ -20,14 +20,13 @@ extern char **environ;
 typedef struct run {
     const pupil_record *records;
     size_t count;
-    double key;
     const char *title;
 } run;
 
 static void script_of_run(FILE *out, int is_png, const void *context)
 {
     const run *r = context;
-    plot_script(out, is_png, r->records, r->count, r->key, r->title);
+    plot_script(out, is_png, r->records, r->count, r->title);
 }
 
 /* ---- the program --------------------------------------------------------------------------------------------------
@@ -160,10 +159,10 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
     return failed;
 }
 
-int pupil_plot_write(const char *path, const pupil_record *records, size_t count, double key, const char *title,
-                     char *why, size_t why_bytes)
+int pupil_plot_write(const char *path, const pupil_record *records, size_t count, const char *title, char *why,
+                     size_t why_bytes)
 {
-    const run r = {records, count, key, title};
+    const run r = {records, count, title};
     if (kind_of(path, why, why_bytes) < 0)
         return -1;
     if (!count)

@@ -82,15 +82,20 @@ static double get_asked_gain(const pupil_record *r)
     return r->asked_gain;
 }
 
-/* The log-averages of what the camera gave, and of what is shown of it. */
-static double get_camera_ev(const pupil_record *r)
+static double get_key(const pupil_record *r)
 {
-    return r->scene_ev + log2(r->exposure_s * r->gain);
+    return r->key;
 }
 
-static double get_shown_ev(const pupil_record *r)
+/* How far off the key the log-averages are of what the camera gave, and of what is shown of it. */
+static double get_camera_error(const pupil_record *r)
 {
-    return log2(r->output_level);
+    return r->scene_ev + log2(r->exposure_s * r->gain / r->key);
+}
+
+static double get_shown_error(const pupil_record *r)
+{
+    return log2(r->output_level / r->key);
 }
 
 /* ---- the script ---------------------------------------------------------------------------------------------------
@@ -113,12 +118,19 @@ static void data(FILE *out, const pupil_record *records, size_t count)
     static const struct {
         const char *name;
         plot_value *value;
-    } series[] = {{"metered", get_metered},   {"adapted", get_adapted},
-                  {"level", get_level},       {"clipped", get_clipped},
-                  {"black", get_black},       {"white", get_white},
-                  {"exposure", get_exposure}, {"asked_exposure", get_asked_exposure},
-                  {"gain", get_gain},         {"asked_gain", get_asked_gain},
-                  {"camera", get_camera_ev},  {"shown", get_shown_ev}};
+    } series[] = {{"metered", get_metered},
+                  {"adapted", get_adapted},
+                  {"level", get_level},
+                  {"clipped", get_clipped},
+                  {"black", get_black},
+                  {"white", get_white},
+                  {"exposure", get_exposure},
+                  {"asked_exposure", get_asked_exposure},
+                  {"gain", get_gain},
+                  {"asked_gain", get_asked_gain},
+                  {"key", get_key},
+                  {"camera_error", get_camera_error},
+                  {"shown_error", get_shown_error}};
     fputs("$range << END\n", out);
     plot_band(out, records, count, get_p01, get_p99);
     fputs("END\n", out);
@@ -170,19 +182,29 @@ static void camera_panel(FILE *out, int index, const char *label, const char *na
             name, name);
 }
 
-static void error_panel(FILE *out, const char *style, const pupil_record *records, size_t count, double key)
+/* Of error: 0; with its number, where it was the same all the time. */
+static void key_line(FILE *out, const pupil_record *records, size_t count, int of_error)
 {
-    const double key_ev = log2(key);
-    double low = key_ev, high = key_ev;
-    plot_range(records, count, get_camera_ev, &low, &high);
-    plot_range(records, count, get_shown_ev, &low, &high);
+    double low = INFINITY, high = -INFINITY;
+    plot_range(records, count, get_key, &low, &high);
+    if (low == high)
+        fprintf(out, "plot %.9g w lines dt 2 lw 1.4 lc '#555555' t 'key %g'", of_error ? 0.0 : low, low);
+    else
+        fprintf(out, "plot %s w lines dt 2 lw 1.4 lc '#555555' t 'key'", of_error ? "0" : "$key");
+}
+
+static void error_panel(FILE *out, const char *style, const pupil_record *records, size_t count)
+{
+    double low = 0.0, high = 0.0;
+    plot_range(records, count, get_camera_error, &low, &high);
+    plot_range(records, count, get_shown_error, &low, &high);
     panel(out, camera_edges, 3, "error, EV");
-    axis(out, 'y', low - key_ev, high - key_ev, 0.06, 0.5);
+    axis(out, 'y', low, high, 0.06, 0.5);
+    key_line(out, records, count, 1);
     fprintf(out,
-            "plot 0 w lines dt 2 lw 1.4 lc '#555555' t 'key %g', "
-            "$camera u 1:($2-(%.9g)) w %s lw 2.2 lc '" VERMILION "' t 'camera', "
-            "$shown u 1:($2-(%.9g)) w %s lw 1.2 lc '#000000' t 'as shown'\n",
-            key, key_ev, style, key_ev, style);
+            ", $camera_error w %s lw 2.2 lc '" VERMILION "' t 'camera', "
+            "$shown_error w %s lw 1.2 lc '#000000' t 'as shown'\n",
+            style, style);
 }
 
 static void light_panel(FILE *out, const double *edges, const char *style, const pupil_record *records, size_t count)
@@ -201,16 +223,16 @@ static void light_panel(FILE *out, const double *edges, const char *style, const
             style, style);
 }
 
-static void level_panel(FILE *out, const char *style, const pupil_record *records, size_t count, double key)
+static void level_panel(FILE *out, const char *style, const pupil_record *records, size_t count)
 {
-    double level = 2.0 * key, nothing = 0.0;
+    double level = 0x1p-10, nothing = 0.0;
+    plot_range(records, count, get_key, &nothing, &level);
+    level *= 2.0;
     plot_range(records, count, get_level, &nothing, &level);
     panel(out, plain_edges, 1, "display, linear");
     axis(out, 'y', 0.0, 1.05 * level, 0.0, 0.0);
-    fprintf(out,
-            "plot %.9g w lines dt 2 lw 1.4 lc '#555555' t 'key %g', $level w %s lw 1.8 lc '" GREEN
-            "' t 'log-average'\n",
-            key, key, style);
+    key_line(out, records, count, 0);
+    fprintf(out, ", $level w %s lw 1.8 lc '" GREEN "' t 'log-average'\n", style);
 }
 
 static void share_panel(FILE *out, const double *edges, int index, const char *style, const pupil_record *records,
@@ -230,7 +252,7 @@ static void share_panel(FILE *out, const double *edges, int index, const char *s
 }
 
 /* Of a camera whose exposure is known, what was asked of it and what it did, too. */
-void plot_script(FILE *out, int is_png, const pupil_record *records, size_t count, double key, const char *title)
+void plot_script(FILE *out, int is_png, const pupil_record *records, size_t count, const char *title)
 {
     const char *style = count <= 60 ? "linespoints pt 7 ps 0.5" : "lines";
     double from = INFINITY, to = -INFINITY, least = INFINITY, most = -INFINITY;
@@ -256,9 +278,9 @@ void plot_script(FILE *out, int is_png, const pupil_record *records, size_t coun
     if (has_camera) {
         camera_panel(out, 1, "exposure, ms", "exposure", get_exposure, get_asked_exposure, records, count);
         camera_panel(out, 2, "gain", "gain", get_gain, get_asked_gain, records, count);
-        error_panel(out, style, records, count, key);
+        error_panel(out, style, records, count);
     } else {
-        level_panel(out, style, records, count, key);
+        level_panel(out, style, records, count);
     }
     share_panel(out, edges, has_camera ? 4 : 2, style, records, count);
 }

@@ -7,6 +7,6 @@
 
 #include "record.h"
 
-void plot_script(FILE *out, int is_png, const pupil_record *records, size_t count, double key, const char *title);
+void plot_script(FILE *out, int is_png, const pupil_record *records, size_t count, const char *title);
 
 #endif

@@ -16,6 +16,7 @@ typedef struct pupil_record {
     double white;                  /* W of that curve; 0: none */
     double p01_ev, p50_ev, p99_ev; /* quantiles of log2 luminance */
     double output_level;           /* log-average of the display frame's luminance, linear 0..1 */
+    double key;                    /* what that was to be, with the compensation */
     double black_share;            /* of the metered pixels, 0..1 */
     double clipped_share;
     double bad_share;

@@ -156,7 +156,7 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
     if (!r->shown && open_outputs(r, &frame->image))
         return -1;
     pupil_image_const display = pupil_image_as_const(out);
-    pupil_record record = describe_frame(&r->pupil, &r->stats, &r->curve, frame, &display);
+    pupil_record record = describe_frame(&r->pupil, &r->options.config, &r->stats, &r->curve, frame, &display);
     record.frame = r->shown;
     record.read_us = read_us;
     record.process_us = process_us;
@@ -273,7 +273,7 @@ static int finish(replay *r)
         return -1;
     }
     if (o->plot) {
-        if (pupil_plot_write(o->plot, r->records, r->record_count, o->config.key, o->inputs[0], r->why, sizeof r->why))
+        if (pupil_plot_write(o->plot, r->records, r->record_count, o->inputs[0], r->why, sizeof r->why))
             return -1;
         r->finished++;
     }

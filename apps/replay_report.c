@@ -228,8 +228,7 @@ int replay_report_finish(replay_report *r, const pupil_record *records, size_t c
         r->video = NULL;
     /* pictures that are adapted to one by one have no time */
     if (count > 1 && !r->options->reset_each &&
-        pupil_plot_write(pupil_report_plot(r->page), records, count, r->options->config.key, "", plot_note,
-                         sizeof plot_note))
+        pupil_plot_write(pupil_report_plot(r->page), records, count, "", plot_note, sizeof plot_note))
         snprintf(r->note, sizeof r->note, "No plot: %s", plot_note);
     if (interrupt_came()) { /* gnuplot, too, hears Ctrl-C */
         replay_report_discard(r);

@@ -231,7 +231,8 @@ static int show(pupil_frame *frame)
         return fail(why);
     const pupil_image_const display = pupil_image_as_const(out);
     const int measured = r.options.shown.stats || r.options.shown.plot || r.view;
-    pupil_record record = describe_frame(&r.pupil, &r.stats, &r.curve, frame, measured ? &display : NULL);
+    pupil_record record =
+        describe_frame(&r.pupil, &r.options.shown.config, &r.stats, &r.curve, frame, measured ? &display : NULL);
     describe_camera(frame, &record);
     record.process_us = (double)(mapped_ns - began_ns) * 1e-3;
     record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
@@ -369,7 +370,7 @@ static void finish(void)
         r.stats_file = NULL;
     }
     if (r.records.count && !interrupt_again() &&
-        pupil_plot_write(o->plot, r.records.records, r.records.count, o->config.key, r.device, why, sizeof why)) {
+        pupil_plot_write(o->plot, r.records.records, r.records.count, r.device, why, sizeof why)) {
         fail(why);
         o->plot = NULL; /* the last line names what is there */
     }

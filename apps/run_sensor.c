@@ -226,6 +226,8 @@ void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupi
         status.exposure_s.from_frame > status.gain.from_frame ? status.exposure_s.from_frame : status.gain.from_frame;
     record->digital = s->steers ? s->setting.frame_digital : 1.0;
     record->scene_ev = s->steers ? s->setting.scene_ev : (double)NAN;
+    if (s->steers && s->setting.frames && s->options->mode == RUN_SENSOR)
+        record->key = exp2(s->setting.wanted_ev);
     record->sensor = state_word(s);
     record->sensor_reason = reason_word(s);
 }

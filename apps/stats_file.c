@@ -32,6 +32,7 @@ const pupil_stats_field pupil_stats_fields[] = {
     NUMBER(p50_ev),
     NUMBER(p99_ev),
     NUMBER(output_level),
+    NUMBER(key),
     NUMBER(black_share),
     NUMBER(clipped_share),
     NUMBER(bad_share),

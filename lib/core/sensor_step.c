@@ -96,8 +96,7 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
 {
     const pupil_sensor_config *c = &o->config;
     double wanted = wanted_of(o, light->mean, frame_log2);
-    const double slope = o->answer.slope;
-    const double plain = frame_log2 + (wanted - light->mean) / slope;
+    const double slope = o->answer.slope, plain = frame_log2 + (wanted - light->mean) / slope;
     double target = plain, mean, highlight, lost;
     pupil_sensor_guess(c, light, wanted, &mean, &highlight, &lost);
     o->setting.scene_ev = light->mean - frame_log2;
@@ -117,6 +116,7 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
         o->known_over = (light->clipped_share > c->highlight_share ? highlight : light->highlight) - light->mean;
         o->answer.brighter = 0.0;
     }
+    o->setting.wanted_ev = wanted;
     if (light->has_highlight) {
         const double most = highlight_limit(c, light, frame_log2, highlight, slope);
         if (most < target) {

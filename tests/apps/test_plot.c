@@ -17,7 +17,7 @@ static pupil_record record(size_t i)
     r.metered_ev = sin((double)i * 0.01);
     r.p01_ev = r.metered_ev - 3.0;
     r.p99_ev = r.metered_ev + 3.0;
-    r.output_level = 0.18;
+    r.output_level = r.key = 0.18;
     return r;
 }
 
@@ -91,7 +91,7 @@ static int holds(const char *path, const char *text)
 
 static void drawn(const char *name, const pupil_record *records, size_t count, const char *title)
 {
-    CHECK_MSG(pupil_plot_write(scratch(name), records, count, 0.18, title, why, sizeof why) == 0, "%s: %s", name, why);
+    CHECK_MSG(pupil_plot_write(scratch(name), records, count, title, why, sizeof why) == 0, "%s: %s", name, why);
     CHECK(scratch_exists(scratch(name)));
 }
 
@@ -128,8 +128,12 @@ static void check_drawing(void)
     drawn("a.PNG", records, 300, "");
     CHECK(holds(scratch("a.PNG"), "\x89PNG") && holds(scratch("a.PNG"), "IEND"));
     CHECK(!holds(scratch("a.svg"), "exposure, ms"));
+    CHECK(holds(scratch("a.svg"), ">key 0.18<"));
     drawn("one.svg", records, 1, "one frame");
     check_camera(records);
+    records[200].key = 0.09;
+    drawn("keys.svg", records, 300, "two keys");
+    CHECK(holds(scratch("keys.svg"), ">key<") && !holds(scratch("keys.svg"), ">key 0"));
     for (size_t i = 0; i < 300; i++)
         records[i].metered_ev = records[i].adapted_ev = records[i].p01_ev = records[i].p99_ev = -3.0;
     drawn("flat.svg", records, 300, "nothing happens");
@@ -146,21 +150,21 @@ static void check_refusals(void)
 {
     pupil_record one = record(0);
     int before = scratch_entries(scratch_folder);
-    CHECK(pupil_plot_write(scratch("x.pdf"), &one, 1, 0.18, "", why, sizeof why) != 0 && strstr(why, ".svg"));
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 0, 0.18, "", why, sizeof why) != 0 && strstr(why, "no frame"));
-    CHECK(pupil_plot_write(scratch("none/x.svg"), &one, 1, 0.18, "", why, sizeof why) != 0 && strstr(why, "none"));
+    CHECK(pupil_plot_write(scratch("x.pdf"), &one, 1, "", why, sizeof why) != 0 && strstr(why, ".svg"));
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 0, "", why, sizeof why) != 0 && strstr(why, "no frame"));
+    CHECK(pupil_plot_write(scratch("none/x.svg"), &one, 1, "", why, sizeof why) != 0 && strstr(why, "none"));
     setenv("PATH", scratch_folder, 1);
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, 0.18, "", why, sizeof why) != 0);
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", why, sizeof why) != 0);
     CHECK_MSG(strcmp(why, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox") == 0, "%s", why);
     CHECK(scratch_entries(scratch_folder) == before);
 
     /* A gnuplot that fails, and one that writes nothing. */
     scratch_put(scratch("gnuplot"), "#!/bin/sh\necho >&2\necho 'line 7: no such terminal' >&2\necho half\nexit 1\n");
     chmod(scratch("gnuplot"), 0755);
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, 0.18, "", why, sizeof why) != 0);
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", why, sizeof why) != 0);
     CHECK_MSG(strstr(why, "x.svg") && strstr(why, "line 7: no such terminal"), "%s", why);
     scratch_put(scratch("gnuplot"), "#!/bin/sh\nexit 0\n");
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, 0.18, "", why, sizeof why) != 0 && strstr(why, "said nothing"));
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", why, sizeof why) != 0 && strstr(why, "said nothing"));
     CHECK(scratch_entries(scratch_folder) == before + 1);
 }
 

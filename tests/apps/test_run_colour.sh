@@ -51,7 +51,7 @@ for mode in digital sensor both; do
     [ -n "${PUPIL_PROGRAM:-}" ] || continue
     "$PUPIL_PROGRAM" replay "$mode" --stats replay.csv -q 2>said.err || fail "$mode: $(cat said.err)"
     for file in "$mode" replay; do # what was metered and adapted to; what is shown of mode sensor is the camera's own
-        cut -d, -f1,3-6,9-11,13-15 "$file.csv" | tr -d '\r' >"$file.cut"
+        cut -d, -f1,3-6,9-11,14-16 "$file.csv" | tr -d '\r' >"$file.cut"
     done
     cmp -s "$mode.cut" replay.cut || fail "$mode: a recording replays to other statistics"
     rm -f replay.csv

@@ -233,9 +233,11 @@ typedef struct pupil_sensor_setting {
     double digital;       /* total_s / (exposure_s * gain) */
     double total_s;       /* what is wanted: exposure time x gain */
     double frame_digital; /* for the frame given last, which was taken with what its info says */
-    double beat_ev;  /* how much brighter lamps were in that frame than on average; frame_digital makes up for it */
-    double scene_ev; /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
-    double error_ev; /* how far total_s was off before this frame, positive: too dark; limits allowed for */
+    double beat_ev;   /* how much brighter lamps were in that frame than on average; frame_digital makes up for it */
+    double scene_ev;  /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
+    double wanted_ev; /* log2 of what that frame's mean was to be: key, or key_at's at its light, of clip, with
+                       * ev_compensation */
+    double error_ev;  /* how far total_s was off before this frame, positive: too dark; limits allowed for */
     double dt_s;
     uint64_t frames;  /* frames with light since init */
     uint32_t state;   /* a pupil_sensor_state */
