@@ -8,20 +8,17 @@
 
 #include "commands.h"
 #include "describe.h"
-#include "file/recording.h"
 #include "interrupt.h"
-#include "outputs.h"
 #include "plot.h"
-#include "record_list.h"
 #include "replay_work.h"
 #include "run_choose.h"
 #include "run_colour.h"
 #include "run_lamps.h"
+#include "run_outputs.h"
 #include "run_resume.h"
 #include "run_sensor.h"
 #include "run_status.h"
 #include "sentence.h"
-#include "stats_file.h"
 #include "view.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3, EXIT_GIVEN_UP = 130 };
@@ -44,18 +41,12 @@ typedef struct run {
     pupil_curve curve;
 
     view *view;
-    outputs outputs;
-    pupil_stats_file *stats_file;
-    pupil_recorder *recorder;
-    uint64_t not_recorded; /* the disk was too slow */
-    record_list records;
-
+    run_outputs outputs;
     run_status status;
     pupil_v4l2_counts counts; /* at the last frame */
     uint64_t frames;
-    uint32_t width, height; /* of the outputs */
-    int64_t end_ns;         /* of -t; 0: none */
-    int ended, failed;      /* ended: as it was asked for; failed: why has a sentence */
+    int64_t end_ns;    /* of -t; 0: none */
+    int ended, failed; /* ended: as it was asked for; failed: why has a sentence */
     char why[PUPIL_WHY_BYTES];
 } run;
 
@@ -85,78 +76,6 @@ static int64_t now_ns(void)
 static int is_over(void)
 {
     return interrupt_came() || (r.end_ns && r.source && now_ns() >= r.end_ns);
-}
-
-/* ---- outputs ------------------------------------------------------------------------------------------------------
- */
-
-static int open_outputs(const pupil_frame *first, char *why, size_t why_bytes)
-{
-    const replay_options *o = &r.options.shown;
-    const pupil_sink_options options = {.width = first->image.width,
-                                        .height = first->image.height,
-                                        .fps = r.source->fps,
-                                        .overwrite = o->overwrite,
-                                        .keep_time = 1};
-    r.width = first->image.width;
-    r.height = first->image.height;
-    for (size_t i = 0; i < o->out_count; i++)
-        if (outputs_open(&r.outputs, o->out[i], &options, why, why_bytes))
-            return -1;
-    if (o->stats && pupil_stats_file_open(&r.stats_file, o->stats, why, why_bytes))
-        return -1;
-    if (o->plot && record_list_open(&r.records)) {
-        snprintf(why, why_bytes, "not enough memory");
-        return -1;
-    }
-    return 0;
-}
-
-/* As it came. */
-static int record_frame(const pupil_frame *frame, char *why, size_t why_bytes)
-{
-    const pupil_recorder_options options = {.camera = pupil_live_capture(r.source)->device.name,
-                                            .fps = r.source->fps,
-                                            .overwrite = r.options.shown.overwrite,
-                                            .give_up = interrupt_again};
-    if (!r.options.shown.record)
-        return 0;
-    if (!r.recorder && pupil_recorder_open(&r.recorder, r.options.shown.record, frame, &options, why, why_bytes))
-        return -1;
-    return pupil_recorder_write(r.recorder, frame, why, why_bytes);
-}
-
-/* A camera that was opened again may have another size; what was written until then is kept. */
-static int is_other_size(const pupil_image_const *display, char *why, size_t why_bytes)
-{
-    if (!r.outputs.count || (display->width == r.width && display->height == r.height))
-        return 0;
-    snprintf(why, why_bytes, "%s: its frames have %u x %u pixels now; the outputs are of %u x %u, and end here",
-             r.device, display->width, display->height, r.width, r.height);
-    return 1;
-}
-
-/* An output that fails ends the run; the others are kept. A reader who has seen enough is no failure. */
-static int write_frame(const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
-{
-    char why[PUPIL_WHY_BYTES];
-    if (is_other_size(display, why, sizeof why))
-        return fail(why);
-    const int64_t began_ns = now_ns();
-    if (outputs_write(&r.outputs, display, &frame->info, why, sizeof why)) {
-        r.ended = interrupt_came() || outputs_reader_gone(&r.outputs);
-        outputs_drop(&r.outputs);
-        return r.ended ? 0 : fail(why);
-    }
-    record->write_us = (double)(now_ns() - began_ns) * 1e-3;
-    if (r.stats_file && pupil_stats_file_write(r.stats_file, record, why, sizeof why)) {
-        r.ended = interrupt_came() || pupil_stats_reader_gone(r.stats_file);
-        pupil_stats_file_discard(r.stats_file);
-        r.stats_file = NULL;
-        return r.ended ? 0 : fail(why);
-    }
-    record_list_add(&r.records, record);
-    return 0;
 }
 
 /* ---- a frame ------------------------------------------------------------------------------------------------------
@@ -217,8 +136,6 @@ static int show(pupil_frame *frame)
     if (!r.frames && open_view(frame, why, sizeof why))
         return fail(why);
     warn();
-    if (run_sensor_take(&r.sensor, why, sizeof why))
-        return fail(why);
     if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, why, sizeof why))
         return fail(why);
     const int64_t began_ns = now_ns();
@@ -227,7 +144,7 @@ static int show(pupil_frame *frame)
         return fail(why);
     const int64_t mapped_ns = now_ns();
     warn();
-    if (record_frame(frame, why, sizeof why) || (!r.frames && open_outputs(frame, why, sizeof why)))
+    if (run_outputs_take(&r.outputs, frame, why, sizeof why))
         return fail(why);
     const pupil_image_const display = pupil_image_as_const(out);
     const int measured = r.options.shown.stats || r.options.shown.plot || r.view;
@@ -236,8 +153,10 @@ static int show(pupil_frame *frame)
     describe_camera(frame, &record);
     record.process_us = (double)(mapped_ns - began_ns) * 1e-3;
     record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
-    if (write_frame(frame, &display, &record))
-        return -1;
+    const int written = run_outputs_write(&r.outputs, frame, &display, &record, why, sizeof why);
+    if (written < 0)
+        return fail(why);
+    r.ended = written;
     run_resume_frame(&r.resume, r.source, &r.sensor.setting, mapped_ns);
     pupil_colour_frame(&r.colour.colour, &frame->image, &frame->info);
     r.frames++;
@@ -245,17 +164,6 @@ static int show(pupil_frame *frame)
     r.ended |= r.view && view_frame(r.view, frame, &r.curve, &display, &record) == VIEW_QUIT;
     warn();
     return 0;
-}
-
-/* What --resume waits for is not shown, not even to the controller. */
-static int is_left_out(const pupil_frame *frame)
-{
-    char why[PUPIL_WHY_BYTES];
-    if (!r.resume.waits)
-        return 0;
-    if (run_sensor_take(&r.sensor, why, sizeof why))
-        return fail(why);
-    return run_resume_leaves_out(&r.resume, r.source, &frame->info);
 }
 
 /* Until it ends, or fails: then why has a sentence. */
@@ -271,13 +179,13 @@ static void go_on(void)
             fail(why);
             break;
         }
-        if (is_left_out(&frame)) {
-            pupil_source_done(r.source, &frame);
-            continue;
+        if (run_sensor_take(&r.sensor, why, sizeof why)) {
+            fail(why);
+        } else if (!run_resume_leaves_out(&r.resume, r.source, &frame.info)) {
+            if (!r.frames && r.options.seconds > 0.0)
+                r.end_ns = pupil_live_frame(r.source)->taken_ns + (int64_t)(r.options.seconds * 1e9);
+            show(&frame);
         }
-        if (!r.frames && r.options.seconds > 0.0)
-            r.end_ns = pupil_live_frame(r.source)->taken_ns + (int64_t)(r.options.seconds * 1e9);
-        show(&frame);
         pupil_source_done(r.source, &frame);
     }
     if (!r.frames && !r.failed && !interrupt_came()) {
@@ -317,6 +225,7 @@ static int begin(void)
     interrupt_fatal(restore);
     if (pupil_live_open(r.device, &o->shown.source, &o->live, &r.source, r.why, sizeof r.why))
         return -1;
+    run_outputs_begin(&r.outputs, &o->shown, r.source, r.device);
     char remark[PUPIL_WHY_BYTES] = "";
     if (run_choose_mode(o, r.source, remark, sizeof remark, r.why, sizeof r.why))
         return -1;
@@ -340,40 +249,17 @@ static int begin(void)
     r.work.judge = run_sensor_judge;
     r.work.context = &r.sensor;
     r.work.cpu_only = o->row_gains;
-    r.outputs.system = r.system;
     if (o->shown.gles && !o->shown.view)
         replay_work_gles(&r.work, NULL);
     run_status_begin(&r.status, o->shown.quiet, r.source, o);
     return 0;
 }
 
-/* What has been taken is kept, whatever ended the run; a second Ctrl-C leaves out what is to come. */
 static void finish(void)
 {
-    replay_options *o = &r.options.shown;
     char why[PUPIL_WHY_BYTES];
-    pupil_recorder_counts recorded = {0};
-    if (r.recorder)
-        pupil_recorder_get_counts(r.recorder, &recorded);
-    r.not_recorded = recorded.lost;
-    if (r.recorder && pupil_recorder_close(r.recorder, why, sizeof why))
+    if (run_outputs_finish(&r.outputs, why, sizeof why))
         fail(why);
-    r.recorder = NULL;
-    while (r.outputs.count && !interrupt_again())
-        if (outputs_finish(&r.outputs, why, sizeof why)) {
-            fail(why);
-            outputs_drop(&r.outputs);
-        }
-    if (r.stats_file && !interrupt_again()) {
-        if (pupil_stats_file_finish(r.stats_file, why, sizeof why))
-            fail(why);
-        r.stats_file = NULL;
-    }
-    if (r.records.count && !interrupt_again() &&
-        pupil_plot_write(o->plot, r.records.records, r.records.count, r.device, why, sizeof why)) {
-        fail(why);
-        o->plot = NULL; /* the last line names what is there */
-    }
     if (!interrupt_again() && run_resume_end(&r.resume, why, sizeof why))
         fail(why);
 }
@@ -388,9 +274,7 @@ static void give_back(void)
 
 static void end(char *more, size_t more_bytes)
 {
-    outputs_discard(&r.outputs);
-    pupil_stats_file_discard(r.stats_file);
-    record_list_close(&r.records);
+    run_outputs_discard(&r.outputs);
     replay_work_tell(&r.work, more, more_bytes);
     replay_work_close(&r.work); /* before its window, whose context it may use */
     view_close(r.view);
@@ -426,9 +310,9 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     const int given_up = interrupt_again();
     const uint64_t reopened = r.source ? pupil_live_capture(r.source)->counts.reopened : 0;
     end(more, sizeof more);
-    if (r.not_recorded)
+    if (r.outputs.not_recorded)
         snprintf(more + strlen(more), sizeof more - strlen(more), "; %llu not recorded, for the disk was too slow",
-                 (unsigned long long)r.not_recorded);
+                 (unsigned long long)r.outputs.not_recorded);
     run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
     run_lamps_tell(&r.lamps, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
@@ -437,7 +321,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
         fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
     else
         run_status_end(&r.status, &r.options, reopened, more);
-    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : r.not_recorded ? EXIT_LOST : EXIT_DONE;
+    return given_up ? EXIT_GIVEN_UP : r.failed ? EXIT_FAILED : r.outputs.not_recorded ? EXIT_LOST : EXIT_DONE;
 }
 
 int run_main(int argc, char **argv)
