@@ -70,9 +70,8 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
         o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
         o->setting.reason = PUPIL_SENSOR_NO_REASON;
     }
-    o->held_exposure = pupil_sensor_exposure_of(
-        config, clamp(config->exposure_mode == PUPIL_SENSOR_MANUAL ? config->manual_exposure_s : o->setting.exposure_s,
-                      config->exposure_min_s, config->exposure_max_s));
+    const double e = config->exposure_mode == PUPIL_SENSOR_MANUAL ? config->manual_exposure_s : o->setting.exposure_s;
+    o->held_exposure = pupil_sensor_exposure_of(&o->config, clamp(e, config->exposure_min_s, config->exposure_max_s));
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
     begin_from(o, o->total_log2);
@@ -83,7 +82,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     const int error = pupil_sensor_config_check(config, 0);
     if (!sensor || error)
         return sensor ? error : PUPIL_ERR_NULL;
-    *sensor = (pupil_sensor){{0}};
+    __builtin_memset(sensor, 0, sizeof *sensor);
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
     o->magic = SENSOR_MAGIC;
     o->waited = PUPIL_SENSOR_DELAYS; /* nothing is on its way */

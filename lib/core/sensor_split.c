@@ -86,16 +86,16 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     const pupil_sensor_config *c = &o->config;
     const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0));
     const int held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, held = c->gain_mode != PUPIL_SENSOR_AUTO;
-    /* a control that does nothing is as good as held, but for what the other one cannot do alone */
-    const double most_s = longest(c), taken_s = pupil_exp2(o->answer.taken[0]);
+    const double most_s = longest(c), taken_s = pupil_exp2(o->answer.taken[0]), taken = pupil_exp2(o->answer.taken[1]);
     const double e0 = held_s ? o->held_exposure : pupil_sensor_exposure_of(c, taken_s < most_s ? taken_s : most_s),
-                 g0 = held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(o->answer.taken[1]));
-    const int dead_s = o->answer.dead[0] && total >= e0 * c->gain_min && total <= e0 * c->gain_max;
-    const int dead = o->answer.dead[1] && total >= g0 * c->exposure_min_s && total <= g0 * most_s;
-    double e = held || dead ? clamp(total / g0, c->exposure_min_s, most_s) : exposure_at(c, total);
+                 g0 = held ? o->held_gain : pupil_sensor_gain_of(c, taken);
+    /* a control that does nothing is as good as held where it is, but for what the other one cannot do alone */
+    const int dead_s = o->answer.dead[0] && total >= taken_s * c->gain_min && total <= taken_s * c->gain_max;
+    const int dead = o->answer.dead[1] && total >= taken * c->exposure_min_s && total <= taken * most_s;
+    double e = held || dead ? clamp(total / (dead ? taken : g0), c->exposure_min_s, most_s) : exposure_at(c, total);
     e = held_s || dead_s ? e0 : pupil_sensor_exposure_of(c, e);
     *exposure_s = e;
-    *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / e);
+    *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / (dead_s ? taken_s : e));
 }
 
 double pupil_sensor_shorter(const pupil_sensor_object *o, double exposure_log2)

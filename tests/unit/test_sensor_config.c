@@ -245,6 +245,27 @@ static void check_profile(void)
         }
 }
 
+/* An exposure by hand becomes a multiple of half a period only where the mains are known. */
+static void check_by_hand(void)
+{
+    static const uint32_t mains[] = {0, PUPIL_SENSOR_MAINS_AUTO, 50, 60};
+    static const double wanted_s[] = {0.713, 0.713, 0.71, 85.0 / 120};
+    pupil_sensor_config c;
+    for (int i = 0; i < 4; i++) {
+        pupil_sensor_config_default(&c);
+        c.frame_rate_priority = 0;
+        c.exposure_max_s = 2;
+        c.mains_hz = mains[i];
+        c.exposure_mode = PUPIL_SENSOR_MANUAL;
+        c.manual_exposure_s = 0.713;
+        CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+        CHECK_MSG(fabs(s.exposure_s - wanted_s[i]) < 1e-9, "mains %u: %g s", mains[i], s.exposure_s);
+        c.exposure_mode = PUPIL_SENSOR_HELD;
+        CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+        CHECK_MSG(fabs(s.exposure_s - wanted_s[i]) < 1e-9, "mains %u, held: %g s", mains[i], s.exposure_s);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -254,5 +275,6 @@ int main(int argc, char **argv)
     check_split();
     check_fine_lines();
     check_profile();
+    check_by_hand();
     return check_end();
 }

@@ -6,6 +6,7 @@
  *     pupil_sensor_config_default(&config);
  *     config.exposure_step_s = line_s, config.gain_max = 16;
  *     pupil_sensor_init(&sensor, &config);
+ *     pupil_sensor_get(&sensor, &setting), write setting.exposure_s and setting.gain to the camera;
  *     for each frame:
  *         pupil_sensor_frame(&sensor, &stats, &info);
  *         pupil_sensor_get(&sensor, &setting);
@@ -21,15 +22,16 @@
  * tells a new setting too early cannot make it hunt.
  *
  * The total is split by a profile into an exposure time and a gain that the camera really has, both rounded down; what
- * is left is a digital factor of at least 1 (a little less for the few frames in which the setting is on its way), so
- * that total = exposure_s * gain * digital always. frame_digital is that factor for the frame that was just given,
+ * is left is a digital factor (of at least 1 where they were just chosen; down to 2^-hold_ev while they stand), so that
+ * total = exposure_s * gain * digital always. frame_digital is that factor for the frame that was just given,
  * which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
  *
  * Clipped light has no number: a frame with some of it looks darker than the scene is. Where even so it is far too
  * bright, the step is that for a log-normal scene of the same clipped share and mean, but no further than the quantiles
- * that are not clipped have moved; with nearly all of it clipped (97 %) the total goes down by six stops to look again,
- * and up by six at most where more than half is black. Near the key the mean is taken as it is, so that no guess can
- * make the loop swing. A large step that goes back on the one before, with no rest between, goes half the way only.
+ * that are not clipped have moved; with nearly all of it clipped (97 %) the total goes down by six stops to look again
+ * (by highlight_ev more for the highlights), and up by six at most where more than half is black. Near the key the mean
+ * is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one before, with no
+ * rest between, goes half the way only.
  *
  * Lamps at 50 or 60 Hz make all light go up and down with the frame rate. Where frames bring timestamps and such a beat
  * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
@@ -42,14 +44,15 @@
  * Frames are counted by info's sequence where it rises, so that frames may be lost.
  *
  * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
- * is found from how the bands go on from frame to frame, in 8 to 15 frames with timestamps, and exposures from half a
+ * is found from how the bands go on from frame to frame, in 8 to 15 frames (those without timestamps are taken to be
+ * frame_s apart, which must then be right), and exposures from half a
  * period on become multiples of it; the level does not move. It stays until frames show the other one: where nothing is
  * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at
  * 30 frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
- * pointers, the same frames give the same bits. A call takes bounded time: no loop but over histogram bins, stages and
- * the gain table.
+ * pointers, the same frames give the same bits. A call takes bounded time: all loops are over histogram bins and over
+ * tables of fixed or configured length.
  */
 #ifndef PUPIL_SENSOR_H
 #define PUPIL_SENSOR_H
@@ -124,13 +127,14 @@ typedef struct pupil_sensor_config {
     /* how fast */
     double far_ev;     /* further off than this: one step; nearer: the filter; stops; 0.10; 0.02..2. Where the picture's
                         * level is noisy from frame to frame, three times that, at most 0.15 stops of the picture, is
-                        * near as well */
+                        * near as well; while the highlights decide, 0.35 stops are */
     double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
-                        * weight of a frame is never above 0.39 / delay_frames (n times that after n - 1 lost
-                        * ones), which no delay up to that can make overshoot, even where info does not tell the truth
-                        * (largest k without overshoot of x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D).
-                        * While the highlights decide, and for 20 frames after, it moves the total by a hundredth
-                        * of a stop a frame at most */
+                        * weight of a frame is never above 0.39 / D (n times that after n - 1 lost ones), where D is
+                        * delay_frames or, once frames have told, the longest delay that they have not ruled out. No
+                        * delay up to D makes that overshoot, even where info does not tell the truth (largest k without
+                        * overshoot of x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D; beyond a D of 8 that
+                        * is less than 0.39 / D, and the overshoot below 2e-6 of the step). While the highlights decide,
+                        * and for 19 frames after, it moves the total by a hundredth of a stop a frame at most */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
                         * the digital factor follows alone; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
@@ -139,7 +143,8 @@ typedef struct pupil_sensor_config {
     double frame_s;               /* a frame's period; dt of unstamped frames; 1/30; 1e-6..1e6 */
     double exposure_min_s;        /* 1e-4; 1e-9..exposure_max_s; with frame_rate_priority at most frame_s */
     double exposure_max_s;        /* 1/30; 1e-9..1e4 */
-    double exposure_step_s;       /* exposures are multiples of it: a line; 0: any; 0..1 */
+    double exposure_step_s;       /* exposures are multiples of it: a line; but for exposure_min_s, which is taken as it
+                                   * is and had better be one, too; 0: any; 0..1 */
     uint32_t frame_rate_priority; /* 1: exposures stay within frame_s, but for those by hand or held; 0: in the dark,
                                    * after the gain, they may go on up to exposure_max_s; 1 */
     uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO, which is 0 until lamps are found; that. From half a
@@ -190,8 +195,9 @@ typedef union pupil_sensor {
 typedef enum pupil_sensor_state {
     PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet, but for what may be a flash */
     PUPIL_SENSOR_SEARCHING, /* a step is due or on its way */
-    PUPIL_SENSOR_CONVERGED, /* within far_ev, and the last step has had its time */
-    PUPIL_SENSOR_LIMITED,   /* the same at the end of what the camera can: reason has the limit */
+    PUPIL_SENSOR_CONVERGED, /* within far_ev (or what else is near), and the last step has had its time */
+    PUPIL_SENSOR_LIMITED,   /* the same at the end of what the camera can: reason has the limit; or, however far off, by
+                             * a camera that does not obey: IGNORED, UNSTEADY */
     PUPIL_SENSOR_CLIPPED,   /* more than half of the frame is clipped: the light is a guess, searching goes on */
     PUPIL_SENSOR_FLICKER,   /* converged, but on an exposure below half a mains period: lamps may show bands */
     PUPIL_SENSOR_LOCKED     /* config.lock, or both controls manual or held */
@@ -216,7 +222,8 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_IGNORED,     /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
     PUPIL_SENSOR_STRANGE,     /* the picture does not follow what is asked: small steps only */
     PUPIL_SENSOR_UNSTEADY     /* every step so far went too far, back and forth, or a little one did: the setting stands
-                               * still until the light is further off than it was then, or for 1, 4, 16, 64 seconds */
+                               * still until the light is half as far off again as it was then, for more than
+                               * flash_frames frames, or for 1, 4, 16, 64 seconds, of at least 30 frames each */
 } pupil_sensor_reason;
 
 /* Where a setting's mains_hz is from. */
@@ -226,7 +233,7 @@ typedef enum pupil_sensor_mains {
     PUPIL_SENSOR_MAINS_TOLD              /* config.mains_hz */
 } pupil_sensor_mains;
 
-/* All EV are log2. */
+/* All EV are log2. scene_ev, wanted_ev, error_ev: of the last frame with light; 0 where `frames` is 0. */
 typedef struct pupil_sensor_setting {
     double exposure_s;    /* to be written to the camera, as it has it */
     double gain;          /* to be written to the camera, as it has it */
@@ -243,7 +250,8 @@ typedef struct pupil_sensor_setting {
     uint32_t state;   /* a pupil_sensor_state */
     uint32_t reason;  /* a pupil_sensor_reason */
     uint32_t limits;  /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that a control which is auto stands at */
-    uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get */
+    uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get: to be looked at
+                       * after each of these. After init both are to be written, whatever the camera had */
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
     uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
                                           * was taken with it, as the frames show it; 0: not known yet */
@@ -259,7 +267,9 @@ typedef struct pupil_sensor_setting {
 PUPIL_API int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config);
 
 /* New settings, at any time. The wanted total stays what it is wherever the new limits allow it, so that turning a
- * control from auto to manual or back, a lock, another profile or another gain law does not move the level. */
+ * control from auto to manual or back, a lock, another profile or another gain law does not move the level. Another
+ * delay_frames forgets what was learned of the camera (slope, delays, gains, lines), another `linear` what was learned
+ * of its gains and lines; any call ends PUPIL_SENSOR_UNSTEADY. */
 PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_config *config);
 
 /* Warm start, or after a pause: begins with the total of a setting saved before (total_s of pupil_sensor_setting, with
@@ -269,13 +279,14 @@ PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double
 /* ---- a frame ---------------------------------------------------------------------------------------------------- */
 
 /* The statistics of a frame, with the exposure time and gain that it was taken with. Where info lacks one of these (0,
- * or info NULL) the camera is taken at the setting's word. Refused and nothing moved: PUPIL_ERR_STATS for what no
- * metering can have produced. */
+ * or info NULL) the camera is taken at the setting's word; when it has both again, for another camera, of which nothing
+ * is known. Refused and nothing moved: PUPIL_ERR_STATS for what no metering can have produced of a frame with weight.
+ */
 PUPIL_API int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pupil_frame_info *info);
 
 /* The same where somebody else has metered: log2 of the light of the scene (pupil_exposure.metered_ev of frames that
  * bring exposure and gain, with a calibration of 1) and the share of it that was clipped, 0..1. No highlight_share
- * here. NaN, infinities and shares outside 0..1 make a dead frame. */
+ * here. An EV that is NaN or outside -256..256, or a share outside 0..1, makes a dead frame. */
 PUPIL_API int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double clipped_share,
                                  const pupil_frame_info *info);
 
