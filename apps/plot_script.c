@@ -87,10 +87,10 @@ static double get_key(const pupil_record *r)
     return r->key;
 }
 
-/* How far off the key the log-averages are of what the camera gave, and of what is shown of it. */
+/* How far off their keys the log-averages are of what the camera gave, and of what is shown of it. */
 static double get_camera_error(const pupil_record *r)
 {
-    return r->scene_ev + log2(r->exposure_s * r->gain / r->key);
+    return r->scene_ev + log2(r->exposure_s * r->gain / r->camera_key);
 }
 
 static double get_shown_error(const pupil_record *r)

@@ -37,6 +37,7 @@ typedef struct pupil_record {
     uint64_t in_force_from; /* the frame from which on the camera has what it took last */
     double digital;         /* what the sensor's setting leaves to be done in this frame's values */
     double scene_ev;        /* log2 of the light of the scene, as the sensor's controller sees it */
+    double camera_key;      /* what the log-average of the camera's own frame was to be */
     double latency_us;      /* from the driver's timestamp to the mapped frame */
     const char *sensor;     /* "searching", "converged", ...; "" where nobody steers */
     const char *sensor_reason;

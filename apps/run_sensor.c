@@ -78,7 +78,7 @@ static void ask(run_sensor *s)
     s->asked = wanted;
 }
 
-/* While nothing can be concluded from frames the setting stands still. */
+/* While the setting is to stand still it is locked, too. */
 static void retune(run_sensor *s)
 {
     pupil_sensor_config config = s->config;
@@ -103,8 +103,8 @@ static void ask_again(run_sensor *s)
     pupil_camera_ask(s->camera, &s->asked);
 }
 
-/* While a write takes longer than a frame nobody knows which frame is the first with its setting, so nothing is
- * concluded from them, and from the first one after it, for its delay may be wrong by one. */
+/* While a write takes longer than a frame nobody knows which frame is the first with its setting, so the setting stands
+ * still for them, and for the first one after it, for its delay may be wrong by one. */
 static void wait_for_slow(run_sensor *s, const pupil_frame_info *info)
 {
     const int before = s->slow;
@@ -158,6 +158,11 @@ int run_sensor_take(run_sensor *s, char *why, size_t why_bytes)
     const run_options *o = s->options;
     pupil_camera *camera = pupil_live_camera(s->source);
     const int is_new = camera && !s->camera;
+    if (!camera && s->steers) { /* what was found is of a camera that is gone, and perhaps of another one */
+        s->setting.state = PUPIL_SENSOR_SEARCHING;
+        s->setting.reason = PUPIL_SENSOR_WAITING;
+        s->setting.frame_digital = 1.0;
+    }
     s->camera = camera;
     if (camera && !is_new)
         ask_again(s);
@@ -225,9 +230,11 @@ void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupi
     record->in_force_from =
         status.exposure_s.from_frame > status.gain.from_frame ? status.exposure_s.from_frame : status.gain.from_frame;
     record->digital = s->steers ? s->setting.frame_digital : 1.0;
-    record->scene_ev = s->steers ? s->setting.scene_ev : (double)NAN;
-    if (s->steers && s->setting.frames && s->options->mode == RUN_SENSOR)
-        record->key = exp2(s->setting.wanted_ev);
+    const int sees = s->steers && s->camera && s->setting.frames;
+    record->scene_ev = sees ? s->setting.scene_ev : (double)NAN;
+    record->camera_key = sees ? exp2(s->setting.wanted_ev) : (double)NAN;
+    if (sees && s->options->mode == RUN_SENSOR)
+        record->key = record->camera_key;
     record->sensor = state_word(s);
     record->sensor_reason = reason_word(s);
 }

@@ -53,6 +53,7 @@ const pupil_stats_field pupil_stats_fields[] = {
     {"in_force_from", STATS_COUNT, offsetof(pupil_record, in_force_from)},
     NUMBER(digital),
     NUMBER(scene_ev),
+    NUMBER(camera_key),
     NUMBER(latency_us),
     {"sensor", STATS_TEXT, offsetof(pupil_record, sensor)},
     {"sensor_reason", STATS_TEXT, offsetof(pupil_record, sensor_reason)},
@@ -187,12 +188,13 @@ int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, 
 int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, char *why, size_t why_bytes)
 {
     if (f->is_csv) {
-        if (!f->lines++)
+        if (!f->lines)
             csv_line(f->file, record, 1);
         csv_line(f->file, record, 0);
     } else if (pupil_stats_json_line(f->file, record)) {
         return pupil_refuse(why, why_bytes, "%s: not enough memory", f->path);
     }
+    f->lines++;
     /* A stream is read while it is written: each line goes out at once. */
     if (ferror(f->file) || (f->is_stream && fflush(f->file) != 0))
         return cannot_write(f, why, why_bytes);
@@ -207,7 +209,9 @@ int pupil_stats_reader_gone(const pupil_stats_file *f)
 int pupil_stats_file_finish(pupil_stats_file *f, char *why, size_t why_bytes)
 {
     int failed;
-    if (f->is_stream) {
+    if (!f->lines && !f->is_stream) {
+        failed = pupil_refuse(why, why_bytes, "%s: nothing was written, for there is no frame", f->path);
+    } else if (f->is_stream) {
         failed = fflush(f->file) != 0 ? cannot_write(f, why, why_bytes) : 0;
     } else {
         failed = ferror(f->file) ? cannot_write(f, why, why_bytes) : 0;

@@ -105,6 +105,7 @@ static void check_camera(const pupil_record *records)
         live[i].exposure_s = live[i].asked_exposure_s = i < 100 ? 0.01 : 0.001;
         live[i].gain = live[i].asked_gain = i < 200 ? 1.0 : 4.0;
         live[i].scene_ev = live[i].metered_ev;
+        live[i].camera_key = 0.18;
     }
     drawn("camera.svg", live, 300, "a camera");
     CHECK(holds(scratch("camera.svg"), "exposure, ms") && holds(scratch("camera.svg"), "error, EV"));

@@ -131,6 +131,10 @@ for mode in sensor both; do
         fail "$mode: metered $(last metered_ev $mode.csv) EV lies outside of the frame's quantiles"
     within "$(last scene_ev $mode.csv)" 4.8 5.0 || fail "$mode: the light is $(last scene_ev $mode.csv), not log2(0.2930 / 0.01)"
 done
+# the display's key and the camera's own
+run 0 "" fake:delay=3 --mode both --ev 1 -n 90 --stats brighter.csv
+within "$(last camera_key brighter.csv)" 0.1799 0.1801 && within "$(last key brighter.csv)" 0.3599 0.3601 ||
+    fail "--ev: keys $(last camera_key brighter.csv) $(last key brighter.csv), not 0.18 and 0.36"
 # a key by the light: 3.87 EV, log2(600 / 4095 / 0.01), then two stops less; half of the way between two points each
 run 0 "" fake:delay=3 fake:flat=600 fake:light=0.25@150 --mode sensor --key-at 0.87:0.04,2.87:0.08,4.87:0.12 -n 300 --stats night.csv
 for what in output_level key; do

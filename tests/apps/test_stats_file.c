@@ -55,6 +55,18 @@ static void write_three(const char *path, pupil_record records[3])
     CHECK(scratch_exists(path));
 }
 
+/* Without a frame nothing is there, and what was there before stays. */
+static void check_empty(void)
+{
+    pupil_stats_file *file = NULL;
+    scratch_put(scratch("empty.csv"), "before");
+    CHECK(pupil_stats_file_open(&file, scratch("empty.csv"), why, sizeof why) == 0);
+    CHECK(pupil_stats_file_finish(file, why, sizeof why) != 0 && strstr(why, "empty.csv: nothing was written"));
+    char *text = slurp(scratch("empty.csv"));
+    CHECK(strcmp(text, "before") == 0);
+    free(text);
+}
+
 /* The text behind "name": in a line, up to the next comma or brace. */
 static double json_number(const char *line, const char *name, int *is_null)
 {
@@ -192,6 +204,7 @@ int main(int argc, char **argv)
     if (pupil_stats_json_check("s.jsonl", why, sizeof why) == 0)
         check_json();
     check_csv();
+    check_empty();
     check_live("live.csv");
     if (pupil_stats_json_check("s.jsonl", why, sizeof why) == 0)
         check_live("live.jsonl");
