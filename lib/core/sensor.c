@@ -89,8 +89,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->looking = 1;
     o->stride = 1.0;
     o->noise_ev = 0.02;
-    o->setting.exposure_s = 0.01;
-    o->setting.gain = 1.0;
+    o->setting.exposure_s = 0.01, o->setting.gain = 1.0;
     o->setting.frame_digital = o->setting.slope = 1.0;
     o->total_log2 = pupil_log2(0.01);
     configure(o, config);

@@ -62,8 +62,8 @@ void pupil_sensor_answer_reset(pupil_sensor_object *o)
     a->slope = a->steepest = a->gain_does = 1.0;
     for (int i = 0; i < PUPIL_SENSOR_SLOPES; i++)
         a->seen[i] = 1.0;
-    a->gains[0] = a->gains[1] = a->gains[2] = 0.0;
-    a->slopes = a->jumps = a->short_steps = a->strange = a->delay[0] = a->delay[1] = 0;
+    a->gains[0] = a->gains[1] = a->gains[2] = a->unit[0] = a->unit[1] = 0.0;
+    a->slopes = a->jumps = a->short_steps = a->strange = a->delay[0] = a->delay[1] = a->is_told = 0;
 }
 
 /* log2 of what guess h of control c says was in force so many frames before this one. */

@@ -102,8 +102,9 @@ typedef struct pupil_sensor_light {
     double low[PUPIL_SENSOR_ORDERS], high[PUPIL_SENSOR_ORDERS]; /* the values of some ranks are from, to */
 } pupil_sensor_light;
 
-/* The exposure and gain that the camera has for a total of at most so much, where it can. */
+/* The exposure and gain that the camera has for a total of at most so much; the nearest total that it can. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, double *exposure_s, double *gain);
+double pupil_sensor_reachable(const pupil_sensor_object *object, double wanted);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 /* log2 of what is left of an exposure, in log2, of which a line is missing. */

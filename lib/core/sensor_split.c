@@ -28,7 +28,7 @@ static double in_lines(const pupil_sensor_config *c, double exposure_s)
 
 double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
 {
-    const double half_s = c->mains_hz ? 0.5 / c->mains_hz : 0.0;
+    const double half_s = c->mains_hz > PUPIL_SENSOR_MAINS_AUTO ? 0.5 / c->mains_hz : 0.0;
     double e = in_lines(c, exposure_s);
     if (half_s > 0.0 && e >= half_s - c->exposure_step_s) {
         /* a multiple that was rounded down to lines stays itself */
@@ -84,18 +84,35 @@ static double exposure_at(const pupil_sensor_config *c, double total)
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
 {
     const pupil_sensor_config *c = &o->config;
-    const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0));
+    const double total = pupil_exp2(clamp(total_log2, -500.0, 500.0)), most_s = longest(c);
     const int held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, held = c->gain_mode != PUPIL_SENSOR_AUTO;
-    const double most_s = longest(c), taken_s = pupil_exp2(o->answer.taken[0]), taken = pupil_exp2(o->answer.taken[1]);
-    const double e0 = held_s ? o->held_exposure : pupil_sensor_exposure_of(c, taken_s < most_s ? taken_s : most_s),
-                 g0 = held ? o->held_gain : pupil_sensor_gain_of(c, taken);
-    /* a control that does nothing is as good as held where it is, but for what the other one cannot do alone */
-    const int dead_s = o->answer.dead[0] && total >= taken_s * c->gain_min && total <= taken_s * c->gain_max;
-    const int dead = o->answer.dead[1] && total >= taken * c->exposure_min_s && total <= taken * most_s;
-    double e = held || dead ? clamp(total / (dead ? taken : g0), c->exposure_min_s, most_s) : exposure_at(c, total);
-    e = held_s || dead_s ? e0 : pupil_sensor_exposure_of(c, e);
+    const double taken_s = pupil_exp2(o->answer.taken[0]), taken = pupil_exp2(o->answer.taken[1]);
+    const double e0 = held_s ? o->held_exposure : pupil_sensor_exposure_of(c, taken_s < most_s ? taken_s : most_s);
+    const double g0 = held ? o->held_gain : pupil_sensor_gain_of(c, taken);
+    double e = held ? total / g0 : exposure_at(c, total), g = 0.0;
+    /* a control that does nothing is as good as held where it is; it is asked for more only where the other one ends */
+    if (o->answer.dead[1])
+        e = total / taken, g = e >= c->exposure_min_s && e <= most_s ? g0 : 0.0;
+    if (o->answer.dead[0] && !held) {
+        g = g > 0.0 ? g : pupil_sensor_gain_of(c, total / taken_s);
+        e = total >= taken_s * c->gain_min && total <= taken_s * c->gain_max ? e0 : total / g;
+    }
+    e = held_s ? e0 : pupil_sensor_exposure_of(c, clamp(e, c->exposure_min_s, most_s));
     *exposure_s = e;
-    *gain = held || dead ? g0 : pupil_sensor_gain_of(c, total / (dead_s ? taken_s : e));
+    *gain = held ? g0 : g > 0.0 ? g : pupil_sensor_gain_of(c, total / e);
+}
+
+/* A control that does nothing stays where it is; and a stop beyond: should it do something after all, that shows it. */
+double pupil_sensor_reachable(const pupil_sensor_object *o, double wanted)
+{
+    const pupil_sensor_config *c = &o->config;
+    const pupil_sensor_answer *a = &o->answer;
+    double least = o->least_log2, most = o->most_log2;
+    if (a->dead[0] && !a->dead[1] && c->gain_mode == PUPIL_SENSOR_AUTO)
+        least = a->taken[0] + pupil_log2(0.5 * c->gain_min), most = a->taken[0] + pupil_log2(2.0 * c->gain_max);
+    if (a->dead[1] && !a->dead[0] && c->exposure_mode == PUPIL_SENSOR_AUTO)
+        least = a->taken[1] + pupil_log2(0.5 * c->exposure_min_s), most = a->taken[1] + pupil_log2(2.0 * longest(c));
+    return clamp(wanted, least, most);
 }
 
 double pupil_sensor_shorter(const pupil_sensor_object *o, double exposure_log2)

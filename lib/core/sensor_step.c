@@ -111,8 +111,7 @@ static double target_of(pupil_sensor_object *o, const pupil_sensor_light *light,
         highlight = highlight < most + o->known_over ? highlight : most + o->known_over;
         o->setting.scene_ev = mean - frame_log2;
     } else {
-        o->known_ev = light->mean;
-        o->known_log2 = frame_log2;
+        o->known_ev = light->mean, o->known_log2 = frame_log2;
         o->known_over = (light->clipped_share > c->highlight_share ? highlight : light->highlight) - light->mean;
         o->answer.brighter = 0.0;
     }
@@ -170,9 +169,8 @@ static int is_recoil(const pupil_sensor_object *o, double off)
 /* Until the light is further off than this, or for a time that grows with every vain search. */
 static void stand_still(pupil_sensor_object *o, double band_ev)
 {
-    o->band_ev = band_ev;
+    o->band_ev = band_ev, o->stood_s = 0.0;
     o->patience_s = clamp(4.0 * o->patience_s, PATIENCE_S, MOST_PATIENCE_S);
-    o->stood_s = 0.0;
 }
 
 /* A large step that goes back on the one before, without any rest between them, goes half the way, the next one of that
@@ -200,9 +198,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     o->same = o->last_direction == direction ? o->same + 1 : 0;
     if (o->same > 3 && o->stride < 1.0) /* it was too careful */
         o->stride *= 2.0;
-    o->last_direction = direction;
-    o->last_size = size;
-    o->last_total_log2 = o->total_log2;
+    o->last_direction = direction, o->last_size = size, o->last_total_log2 = o->total_log2;
     off *= o->stride;
     off *= o->answer.slope / o->answer.steepest;
     o->looking = guessed || o->looking;
@@ -217,7 +213,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
         off = clamp(off, -SMALL_STEP_EV, SMALL_STEP_EV);
     if (is_recoil(o, off)) /* back, and no more of it for a while */
         stand_still(o, 1.5 * size);
-    o->total_log2 = clamp(o->total_log2 + pupil_sensor_way(o, off), o->least_log2, o->most_log2);
+    o->total_log2 = pupil_sensor_reachable(o, o->total_log2 + pupil_sensor_way(o, off));
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
     o->nudged = o->jumped = 0, o->calm = o->odd_frames = 0;
@@ -305,24 +301,12 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     s->reason = reason;
 }
 
-/* A stop beyond what is left where a control does nothing: should it do something after all, that shows it. */
-static double reachable(const pupil_sensor_object *o, double wanted)
-{
-    const pupil_sensor_config *c = &o->config;
-    const double other[2][2] = {{c->gain_min, c->gain_max}, {c->exposure_min_s, c->exposure_max_s}};
-    for (int i = 0; i < 2; i++)
-        if (o->answer.dead[i])
-            wanted = clamp(wanted, o->answer.taken[i] + pupil_log2(other[i][0]) - 1.0,
-                           o->answer.taken[i] + pupil_log2(other[i][1]) + 1.0);
-    return clamp(wanted, o->least_log2, o->most_log2);
-}
-
 void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, const pupil_frame_info *info)
 {
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const pupil_sensor_answer *a = &o->answer;
-    uint32_t reason = tick(o, info), slow = PUPIL_SENSOR_NO_REASON;
+    uint32_t reason = tick(o, info), slow = PUPIL_SENSOR_NO_REASON, dead = a->dead[0] + 2 * a->dead[1];
     s->changed = 0;
     if (reason != PUPIL_SENSOR_SAME_FRAME)
         pupil_sensor_answer_frame(o, light, info ? info->sequence : 0);
@@ -340,8 +324,9 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
     } else {
         int guessed = 0;
         const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
-        const double target = reachable(o, wanted), low = reachable(o, wanted + a->low - frame_log2);
-        const double high = reachable(o, wanted + a->high - frame_log2);
+        const double target = pupil_sensor_reachable(o, wanted),
+                     low = pupil_sensor_reachable(o, wanted + a->low - frame_log2);
+        const double high = pupil_sensor_reachable(o, wanted + a->high - frame_log2);
         o->coarse = reason == PUPIL_SENSOR_HIGHLIGHTS ? CALM : o->coarse - (o->coarse > 0);
         const int coarse = reason == PUPIL_SENSOR_HIGHLIGHTS || (o->coarse && o->calm >= CALM);
         const double noisy_ev = clamp(NOISES * o->noise_ev, 0.0, NOISY_EV) / a->slope;
@@ -352,14 +337,13 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
         if (!c->lock)
             slow = move(o, low, high, far_ev, wanted != target, guessed);
         const double set_log2 = o->set_log2;
-        pupil_sensor_choose(o, 0);
+        pupil_sensor_choose(o, !c->lock && dead != a->dead[0] + 2 * a->dead[1]);
         if (s->changed && o->waited)
             o->nudged = (o->set_log2 > set_log2 ? 1 : -1) * (int32_t)(pupil_sensor_longest_wait(o) + 1);
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
     }
     s->slope = a->slope;
-    s->exposure_delay = a->delay[0];
-    s->gain_delay = a->delay[1];
+    s->exposure_delay = a->delay[0], s->gain_delay = a->delay[1];
     /* what multiplies values makes more of a bent picture than of light */
     const double missing = o->total_log2 - frame_log2 + (a->gain_does - 1.0) * (a->standing[1] - a->taken[1]);
     s->frame_digital = pupil_exp2(clamp(a->slope * missing, -c->digital_ev, c->digital_ev) - s->beat_ev);

@@ -22,9 +22,9 @@
  * tells a new setting too early cannot make it hunt.
  *
  * The total is split by a profile into an exposure time and a gain that the camera really has, both rounded down; what
- * is left is a digital factor (of at least 1 where they were just chosen; down to 2^-hold_ev while they stand), so that
- * total = exposure_s * gain * digital always. frame_digital is that factor for the frame that was just given,
- * which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
+ * is left is a digital factor, so that total = exposure_s * gain * digital always. Where both controls obey it is at
+ * least 1 when they are chosen, and 2^-hold_ev while they stand. frame_digital is that factor for the frame that was
+ * just given, which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
  *
  * Clipped light has no number: a frame with some of it looks darker than the scene is. Where even so it is far too
  * bright, the step is that for a log-normal scene of the same clipped share and mean, but no further than the quantiles
@@ -149,7 +149,7 @@ typedef struct pupil_sensor_config {
                                    * after the gain, they may go on up to exposure_max_s; 1 */
     uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO, which is 0 until lamps are found; that. From half a
                         * mains period on, exposures are multiples of it (rounded down to a multiple of
-                        * exposure_step_s) */
+                        * exposure_step_s); those by hand or held where it is told only */
     uint32_t exposure_mode;   /* a pupil_sensor_mode */
     uint32_t gain_mode;       /* a pupil_sensor_mode */
     double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
