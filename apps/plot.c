@@ -130,6 +130,21 @@ static FILE *in_memory(void)
     return file;
 }
 
+/* gnuplot does not say that a disk is full, so its picture is written by whoever notices. */
+static int save(FILE *picture, const char *temporary, const char *path, char *why, size_t why_bytes)
+{
+    char block[65536];
+    size_t bytes;
+    FILE *file = fopen(temporary, "we");
+    int failed = !file || fseek(picture, 0, SEEK_SET) != 0;
+    while (!failed && (bytes = fread(block, 1, sizeof block, picture)) > 0)
+        failed = fwrite(block, 1, bytes, file) != bytes;
+    failed |= ferror(picture) != 0;
+    if (file && fclose(file) != 0)
+        failed = 1;
+    return failed ? pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno)) : 0;
+}
+
 int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, char *why, size_t why_bytes)
 {
     pupil_pending pending;
@@ -137,22 +152,21 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
     if (is_png < 0 || pupil_pending_file(&pending, path, why, why_bytes))
         return -1;
 
-    int failed = -1, output = open(pending.temporary, O_WRONLY | O_TRUNC | O_CREAT | O_CLOEXEC, 0666);
-    FILE *input = in_memory(), *errors = in_memory();
-    if (output < 0 || !input || !errors) {
-        pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno));
+    int failed = -1;
+    FILE *input = in_memory(), *errors = in_memory(), *picture = in_memory();
+    if (!input || !errors || !picture) {
+        pupil_refuse(why, why_bytes, "%s: the plot cannot be drawn: %s", path, strerror(errno));
     } else {
         write_script(input, is_png, context);
         failed = fflush(input) != 0 || fseek(input, 0, SEEK_SET) != 0
-                     ? pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno))
-                     : draw(path, input, errors, output, why, why_bytes);
+                     ? pupil_refuse(why, why_bytes, "%s: the plot cannot be drawn: %s", path, strerror(errno))
+                     : draw(path, input, errors, fileno(picture), why, why_bytes);
+        failed = failed ? failed : save(picture, pending.temporary, path, why, why_bytes);
     }
-    if (input)
-        fclose(input);
-    if (errors)
-        fclose(errors);
-    if (output >= 0)
-        close(output);
+    FILE *const files[] = {input, errors, picture};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+        if (files[i])
+            fclose(files[i]);
     if (!failed)
         failed = pupil_pending_commit(&pending, why, why_bytes);
     pupil_pending_discard(&pending);

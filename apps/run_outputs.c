@@ -70,6 +70,26 @@ static int is_other_size(const run_outputs *o, const pupil_image_const *display,
     return 1;
 }
 
+/* The one that failed. */
+static void drop_picture(run_outputs *o)
+{
+    replay_options *options = o->options;
+    const char *path = o->pictures.path[o->pictures.failed];
+    size_t kept = 0;
+    for (size_t i = 0; i < options->out_count; i++)
+        if (options->out[i] != path)
+            options->out[kept++] = options->out[i];
+    options->out_count = kept;
+    outputs_drop(&o->pictures);
+}
+
+static void drop_stats(run_outputs *o)
+{
+    pupil_stats_file_discard(o->stats_file);
+    o->stats_file = NULL;
+    o->options->stats = NULL;
+}
+
 int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record,
                       char *why, size_t why_bytes)
 {
@@ -78,17 +98,17 @@ int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_imag
     const int64_t began_ns = now_ns(o);
     if (outputs_write(&o->pictures, display, &frame->info, why, why_bytes)) {
         const int ended = interrupt_came() || outputs_reader_gone(&o->pictures);
-        outputs_drop(&o->pictures);
+        drop_picture(o);
         return ended ? 1 : -1;
     }
     record->write_us = (double)(now_ns(o) - began_ns) * 1e-3;
     if (o->stats_file && pupil_stats_file_write(o->stats_file, record, why, why_bytes)) {
         const int ended = interrupt_came() || pupil_stats_reader_gone(o->stats_file);
-        pupil_stats_file_discard(o->stats_file);
-        o->stats_file = NULL;
+        drop_stats(o);
         return ended ? 1 : -1;
     }
     record_list_add(&o->records, record);
+    o->frames++;
     return 0;
 }
 
@@ -111,14 +131,22 @@ int run_outputs_finish(run_outputs *o, char *why, size_t why_bytes)
     if (o->recorder && pupil_recorder_close(o->recorder, next, sizeof next))
         failed = keep_first(failed, next, why, why_bytes);
     o->recorder = NULL;
+    if (!o->frames && o->is_open) {
+        outputs_discard(&o->pictures);
+        drop_stats(o);
+        o->options->out_count = 0;
+        o->options->plot = NULL;
+    }
     while (o->pictures.count && !interrupt_again())
         if (outputs_finish(&o->pictures, next, sizeof next)) {
             failed = keep_first(failed, next, why, why_bytes);
-            outputs_drop(&o->pictures);
+            drop_picture(o);
         }
     if (o->stats_file && !interrupt_again()) {
-        if (pupil_stats_file_finish(o->stats_file, next, sizeof next))
+        if (pupil_stats_file_finish(o->stats_file, next, sizeof next)) {
             failed = keep_first(failed, next, why, why_bytes);
+            o->options->stats = NULL;
+        }
         o->stats_file = NULL;
     }
     if (o->records.count && !interrupt_again() &&

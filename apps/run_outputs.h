@@ -13,6 +13,7 @@ typedef struct run_outputs {
     pupil_source *source;
     const char *device;
     int is_open;
+    uint64_t frames;        /* written to all */
     uint32_t width, height; /* of the pictures */
     outputs pictures;
     pupil_stats_file *stats_file;
@@ -33,7 +34,8 @@ int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_imag
                       char *why, size_t why_bytes);
 
 /* All that has been written becomes complete, whatever ended the run; a second Ctrl-C leaves out what is to come. 0, or
- * -1 and the first sentence of those that cannot; a plot that cannot is no longer in the options. */
+ * -1 and the first sentence of those that cannot. Afterwards the options name what is there: not what failed, nor, of a
+ * run that ended in its first frame, anything but the recording. */
 int run_outputs_finish(run_outputs *o, char *why, size_t why_bytes);
 
 /* What is not finished is not there. */

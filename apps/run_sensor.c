@@ -130,17 +130,14 @@ static int steer(run_sensor *s, char *why, size_t why_bytes)
         snprintf(why, why_bytes, "the camera's exposure cannot be steered: %s", fault);
         return -1;
     }
+    const double total_s = s->steers ? s->setting.total_s : s->first_total_s;
     s->slow = 0;
-    if (s->steers) {
-        pupil_sensor_retune(&s->sensor, &s->config);
-    } else {
-        pupil_sensor_init(&s->sensor, &s->config);
-        pupil_camera_get_status(s->camera, &status);
-        if (s->first_total_s > 0.0)
-            pupil_sensor_start(&s->sensor, s->first_total_s, 1.0);
-        else
-            pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
-    }
+    pupil_sensor_init(&s->sensor, &s->config); /* one that came back may be another one */
+    pupil_camera_get_status(s->camera, &status);
+    if (total_s > 0.0)
+        pupil_sensor_start(&s->sensor, total_s, 1.0);
+    else
+        pupil_sensor_start(&s->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
     s->steers = 1;
     s->asked = (pupil_camera_setting){0}; /* of the camera before */
     pupil_sensor_get(&s->sensor, &s->setting);
@@ -158,7 +155,9 @@ int run_sensor_take(run_sensor *s, char *why, size_t why_bytes)
     const run_options *o = s->options;
     pupil_camera *camera = pupil_live_camera(s->source);
     const int is_new = camera && !s->camera;
-    if (!camera && s->steers) { /* what was found is of a camera that is gone, and perhaps of another one */
+    if (!camera)
+        s->refused = 0;
+    if (!camera && s->steers) { /* what was found is of a camera that is gone */
         s->setting.state = PUPIL_SENSOR_SEARCHING;
         s->setting.reason = PUPIL_SENSOR_WAITING;
         s->setting.frame_digital = 1.0;
@@ -233,7 +232,7 @@ void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupi
     const int sees = s->steers && s->camera && s->setting.frames;
     record->scene_ev = sees ? s->setting.scene_ev : (double)NAN;
     record->camera_key = sees ? exp2(s->setting.wanted_ev) : (double)NAN;
-    if (sees && s->options->mode == RUN_SENSOR)
+    if (s->options->mode == RUN_SENSOR)
         record->key = record->camera_key;
     record->sensor = state_word(s);
     record->sensor_reason = reason_word(s);

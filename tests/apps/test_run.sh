@@ -214,6 +214,15 @@ for stream in "-o -" "--stats -"; do
     put_back "$stream"
     rm -f piped.y4m
 done
+# ... in the first frame: nothing else is there, nor named, and that is no failure, either
+{
+    until [ -e closed ]; do sleep 0.1; done
+    "$program" -o - -o first.y4m --stats first.csv --plot first.svg -n 20
+    echo $? >status
+} 2>said.err | { exec <&- && : >closed; }
+[ "$(cat status)" = 0 ] || fail "a closed pipe at first: exit $(cat status): $(cat said.err)"
+grep -q 'first\.' said.err && fail "a closed pipe at first: $(cat said.err)"
+for path in first.y4m first.csv first.svg; do absent $path; done
 
 # begin ARGUMENTS...: in the background, until its first record is there
 begin() {
@@ -250,6 +259,10 @@ run 1 "unplugged" fake:unplug=30 -o unplug.y4m --stats unplug.csv --record unplu
 [ "$(rows unplug.csv)" = 30 ] && [ -s unplug.y4m ] && [ -s unplug/frames.mkv ] || fail "unplugging loses what was there"
 run 0 "opened again 1" fake:unplug=30 fake:back=1 --reopen 5 -n 90 --stats back.csv
 [ "$(rows back.csv)" = 90 ] || fail "--reopen: $(rows back.csv) frames"
+# while its controls are opened again nothing is known of its light
+for name in asked_exposure_s sensor sensor_reason camera_key scene_ev; do column $name back.csv >$name.column; done
+away=$(paste -d , ./*.column | grep '^,' | sort -u) # in the order of their names
+[ "$away" = ",,,searching,waiting" ] || fail "--reopen: while there are no controls: $away"
 run 1 "32 x 24 pixels now" fake:unplug=30 fake:back=1 fake:again=32x24@25 --reopen 5 -o size.y4m -o size.mp4 --stats size.csv
 [ "$(rows size.csv)" = 30 ] && [ -s size.mp4 ] && [ -s size.y4m ] || fail "another size loses what was there"
 run 1 "did not come back within 2 seconds" fake:unplug=30 --reopen 2 --stats gone.csv
@@ -266,6 +279,10 @@ if mount -t tmpfs -o size=64k tmpfs full 2>/dev/null; then
     put_back "a full disk"
     [ -s large.y4m ] || fail "a full disk for one output loses the other"
     absent full/small.y4m
+    grep -q ', lost .*full/small.y4m' said.err && fail "a full disk: the last line names what is not there: $(cat said.err)"
+    head -c 54k /dev/zero >full/most
+    run 1 "full/small.svg: the plot cannot be written" --plot full/small.svg -n 40
+    absent full/small.svg
     umount full
 fi
 

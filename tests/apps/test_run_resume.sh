@@ -86,6 +86,10 @@ run 1 "holiday.jpg: was not written by --resume" --resume holiday.jpg -o out.y4m
 said 1
 cmp -s holiday.jpg before.jpg || fail "another file is overwritten"
 
+# one that came back in another light, just before the end: what was right before it went is not kept for it
+run 0 "" fake:delay=3 fake:unplug=60 fake:back=1 fake:light=16@61 --reopen 5 --mode both -n 63 --resume returned
+[ ! -e returned ] || fail "kept of a camera that came back: $(cat returned)"
+
 # refused before the camera is touched
 run 1 "none/kept" --resume none/kept -o out.y4m
 said 1
