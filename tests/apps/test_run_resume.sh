@@ -87,7 +87,8 @@ said 1
 cmp -s holiday.jpg before.jpg || fail "another file is overwritten"
 
 # one that came back in another light, just before the end: what was right before it went is not kept for it
-run 0 "" fake:delay=3 fake:unplug=60 fake:back=1 fake:light=16@61 --reopen 5 --mode both -n 63 --resume returned
+"$program" fake:delay=3 fake:flat=600 fake:unplug=60 fake:back=1 fake:light=16@61 --reopen 5 --mode both -n 63 -q \
+    --resume returned 2>said.err || fail "a camera that came back: $(cat said.err)"
 [ ! -e returned ] || fail "kept of a camera that came back: $(cat returned)"
 
 # refused before the camera is touched
