@@ -185,13 +185,13 @@ static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
     return unit != 0.0 ? 0 : is_near(step, 0.0) && a->unheard[c] < 2 ? 1 : 2;
 }
 
-/* A control does nothing, and has to be planned around: by the picture, or by info, until that says that it moves. */
+/* A control does nothing and is planned around: 1, by the picture; 2, by info, until that says that it moves. */
 static int is_dead(const pupil_sensor_answer *a, int c)
 {
     const double off = a->told[c] - a->standing[c];
     const int is_off = a->unheard[c] == 1 && (off > UNHEARD_EV || off < -UNHEARD_EV);
-    return a->alive[c] == 1u << NEVER ||
-           (a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) && (a->dead[c] || is_off));
+    const int stands = a->alive[c] == 1u << TOLD && is_near(a->told[c], a->told_before[c]) && (a->dead[c] || is_off);
+    return a->alive[c] == 1u << NEVER ? 1 : 2 * stands;
 }
 
 /* A step that nothing in doubt is about, and what the picture made of it. */

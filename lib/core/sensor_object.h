@@ -45,7 +45,7 @@ typedef struct pupil_sensor_answer {
     uint32_t in_flight;   /* the last setting may not be in force yet */
     uint32_t has_level;
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
-    uint32_t dead[2];    /* the control does nothing */
+    uint32_t dead[2];    /* the control does nothing: is_dead */
     uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
     uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */

@@ -306,7 +306,7 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const pupil_sensor_answer *a = &o->answer;
-    uint32_t reason = tick(o, info), slow = PUPIL_SENSOR_NO_REASON, dead = a->dead[0] + 2 * a->dead[1];
+    uint32_t reason = tick(o, info), slow = PUPIL_SENSOR_NO_REASON, dead = a->dead[0] | a->dead[1];
     s->changed = 0;
     if (reason != PUPIL_SENSOR_SAME_FRAME)
         pupil_sensor_answer_frame(o, light, info ? info->sequence : 0);
@@ -337,7 +337,7 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
         if (!c->lock)
             slow = move(o, low, high, far_ev, wanted != target, guessed);
         const double set_log2 = o->set_log2;
-        pupil_sensor_choose(o, !c->lock && dead != a->dead[0] + 2 * a->dead[1]);
+        pupil_sensor_choose(o, !c->lock && (a->dead[0] | a->dead[1]) & ~dead & 2); /* the light is as it was told */
         if (s->changed && o->waited)
             o->nudged = (o->set_log2 > set_log2 ? 1 : -1) * (int32_t)(pupil_sensor_longest_wait(o) + 1);
         judge(o, wanted - target, far_ev, light->clipped_share, reason, slow);
