@@ -94,9 +94,9 @@ done
 still="--width 640 --height 480 --framerate 25 --mode digital --lock -q"
 run 0 "" run -d "$webcam" $still -n 1 -o one.png
 run 0 "" replay one.png -q --stats file.csv
-"$pupil" run -d "$webcam" $still -o "$monitor" >out.said 2>&1 &
+"$pupil" run -d "$webcam" $still -o "$monitor" --stats - >wrote.jsonl 2>out.said &
 writer=$!
-sleep 1
+until_lines 3 wrote.jsonl
 run 0 "" run -d "$hdmi" --mode digital --format RGB3 -n 4 -q --stats screen.csv
 [ "$(column metered_ev screen.csv | sort -u)" = "$(column metered_ev file.csv)" ] ||
     fail "the monitor shows $(column metered_ev screen.csv | sort -u), the file has $(column metered_ev file.csv)"
