@@ -67,15 +67,9 @@ static int fail(const char *why)
     return -1;
 }
 
-static int64_t now_ns(void)
-{
-    const pupil_v4l2_system *system = pupil_live_capture(r.source)->device.system;
-    return system->now_ns(system->context);
-}
-
 static int is_over(void)
 {
-    return interrupt_came() || (r.end_ns && r.source && now_ns() >= r.end_ns);
+    return interrupt_came() || (r.end_ns && r.source && pupil_live_now_ns(r.source) >= r.end_ns);
 }
 
 /* ---- a frame ------------------------------------------------------------------------------------------------------
@@ -138,11 +132,11 @@ static int show(pupil_frame *frame)
     warn();
     if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, why, sizeof why))
         return fail(why);
-    const int64_t began_ns = now_ns();
+    const int64_t began_ns = pupil_live_now_ns(r.source);
     frame_work_gain(r.work.cpu, run_lamps_take(&r.lamps, &r.sensor, frame));
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
         return fail(why);
-    const int64_t mapped_ns = now_ns();
+    const int64_t mapped_ns = pupil_live_now_ns(r.source);
     warn();
     if (run_outputs_take(&r.outputs, frame, why, sizeof why))
         return fail(why);

@@ -5,12 +5,6 @@
 #include "interrupt.h"
 #include "plot.h"
 
-static int64_t now_ns(const run_outputs *o)
-{
-    const pupil_v4l2_system *system = pupil_live_capture(o->source)->device.system;
-    return system->now_ns(system->context);
-}
-
 void run_outputs_begin(run_outputs *o, replay_options *options, pupil_source *source, const char *device)
 {
     *o = (run_outputs){.options = options, .source = source, .device = device};
@@ -95,13 +89,13 @@ int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_imag
 {
     if (is_other_size(o, display, why, why_bytes))
         return -1;
-    const int64_t began_ns = now_ns(o);
+    const int64_t began_ns = pupil_live_now_ns(o->source);
     if (outputs_write(&o->pictures, display, &frame->info, why, why_bytes)) {
         const int ended = interrupt_came() || outputs_reader_gone(&o->pictures);
         drop_picture(o);
         return ended ? 1 : -1;
     }
-    record->write_us = (double)(now_ns(o) - began_ns) * 1e-3;
+    record->write_us = (double)(pupil_live_now_ns(o->source) - began_ns) * 1e-3;
     if (o->stats_file && pupil_stats_file_write(o->stats_file, record, why, why_bytes)) {
         const int ended = interrupt_came() || pupil_stats_reader_gone(o->stats_file);
         drop_stats(o);

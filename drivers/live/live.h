@@ -37,6 +37,8 @@ pupil_camera *pupil_live_camera(const pupil_source *source);
 const char *pupil_live_no_controls(const pupil_source *source);
 /* The capture; another one after the camera was opened again (capture->counts.reopened). */
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source);
+/* Of its clock, which the frames' taken_ns is of, too. */
+int64_t pupil_live_now_ns(const pupil_source *source);
 /* For pupil_sensor_config.linear: 1: the frames' values are proportional to light, as of raw sensors, and where the
  * driver says so. 0: there may be a tone curve: Y'CbCr and RGB, even where they are decoded by the transfer function
  * that the driver names, for what a camera's picture processing does is seldom that alone; and grey of a UVC camera

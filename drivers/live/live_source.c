@@ -176,6 +176,12 @@ const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
     return pupil_v4l2_source_capture(of(source)->frames);
 }
 
+int64_t pupil_live_now_ns(const pupil_source *source)
+{
+    const pupil_v4l2_system *system = pupil_live_capture(source)->device.system;
+    return system->now_ns(system->context);
+}
+
 int pupil_live_is_linear(const pupil_source *source)
 {
     const pupil_v4l2_capture *capture = pupil_live_capture(source);

@@ -245,7 +245,7 @@ static void check_profile(void)
         }
 }
 
-/* An exposure by hand becomes a multiple of half a period only where the mains are known. */
+/* An exposure by hand becomes a multiple of half a period only where the mains are told. */
 static void check_by_hand(void)
 {
     static const uint32_t mains[] = {0, PUPIL_SENSOR_MAINS_AUTO, 50, 60};
