@@ -30,6 +30,12 @@ const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
     return NULL;
 }
 
+int64_t pupil_live_now_ns(const pupil_source *source)
+{
+    (void)source;
+    return 0;
+}
+
 int pupil_live_is_linear(const pupil_source *source)
 {
     (void)source;
