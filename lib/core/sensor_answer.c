@@ -272,11 +272,13 @@ static uint32_t delay_of(const pupil_sensor_object *o, int control)
     for (uint32_t h = 1; h < NEVER; h++)
         if (least_price(a, control, h) < best)
             best = least_price(a, control, h), delay = h;
+    /* where what is told is right, nothing can be MOST ahead of a delay that began behind it, with all those as long */
+    const int behind = a->is_told && delay > o->config.delay_frames;
     for (uint32_t h = 1; h < NEVER; h++) {
-        const double price = least_price(a, control, h) - (h > o->config.delay_frames ? PRIOR : 0.0);
+        const double price = least_price(a, control, h) - (h > o->config.delay_frames && !behind ? PRIOR : 0.0);
         second = h != delay && price < second ? price : second;
     }
-    if (second - best >= ALIVE && least_price(a, control, NEVER) - best > PRIOR + 1.0)
+    if (second - best >= (behind ? MOST - PRIOR - 1.0 : ALIVE) && least_price(a, control, NEVER) - best > PRIOR + 1.0)
         return delay;
     return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
 }
@@ -296,11 +298,9 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         const double unit = a->unit[c];
         a->told[c] -= a->told[c] == a->standing[c] ? 0.0 : unit;
         a->unheard[c] = is_unheard(a, c, gap);
-        a->told[c] -= a->unit[c] - unit;
-        a->told_before[c] -= a->unit[c] - unit;
+        a->told[c] -= a->unit[c] - unit, a->told_before[c] -= a->unit[c] - unit;
+        a->anchor[c] = first ? a->told[c] : a->anchor[c];
     }
-    for (int c = 0; c < 2 && first; c++)
-        a->anchor[c] = a->told[c];
     if (!first && a->has_level && gap < PUPIL_SENSOR_RING - PUPIL_SENSOR_DELAYS && !light->dead)
         compare(o, light, gap);
     survey(a, 0);
