@@ -235,7 +235,7 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
         weigh(o, step, least, most);
         /* what info says has moved, and the picture with it: from now on it is believed */
-        if (o->answer.info_tells && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
+        if (a->info_tells == PUPIL_SENSOR_RING && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
             a->is_told = 1;
         survey(a, 0);
         const double dark = pupil_log2(o->config.clip) - REAL_EV;
@@ -280,7 +280,8 @@ static uint32_t delay_of(const pupil_sensor_object *o, int control)
     }
     if (second - best >= (behind ? MOST - PRIOR - 1.0 : ALIVE) && least_price(a, control, NEVER) - best > PRIOR + 1.0)
         return delay;
-    return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
+    const int lasts = a->delay[control] && best < MOST && least_price(a, control, a->delay[control]) - best < ALIVE;
+    return lasts ? a->delay[control] : 0;
 }
 
 void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light *light, uint64_t sequence)

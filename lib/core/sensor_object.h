@@ -47,7 +47,7 @@ typedef struct pupil_sensor_answer {
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing: is_dead */
     uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
-    uint32_t info_tells; /* this frame's info has both */
+    uint32_t info_tells; /* PUPIL_SENSOR_RING: this frame's info has both; less by one for each since; 0 */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
 } pupil_sensor_answer;
