@@ -272,7 +272,7 @@ static uint32_t delay_of(const pupil_sensor_object *o, int control)
     for (uint32_t h = 1; h < NEVER; h++)
         if (least_price(a, control, h) < best)
             best = least_price(a, control, h), delay = h;
-    /* where what is told is right, nothing can be MOST ahead of a delay that began behind it, with all those as long */
+    /* it began PRIOR behind what is told: where that stays right, no other is more than MOST - PRIOR behind this one */
     const int behind = a->is_told && delay > o->config.delay_frames;
     for (uint32_t h = 1; h < NEVER; h++) {
         const double price = least_price(a, control, h) - (h > o->config.delay_frames && !behind ? PRIOR : 0.0);
