@@ -122,10 +122,8 @@ static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
         }
     }
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
-        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
-            const double more = (double)a->price[e][g] - best;
-            a->price[e][g] = (float)(more < MOST ? more : MOST);
-        }
+        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
+            a->price[e][g] = (float)clamp((double)a->price[e][g] - best, 0.0, MOST);
     a->is_told &= told - least_paid < ALIVE;
 }
 
@@ -280,8 +278,7 @@ static uint32_t delay_of(const pupil_sensor_object *o, int control)
     }
     if (second - best >= (behind ? MOST - PRIOR - 1.0 : ALIVE) && least_price(a, control, NEVER) - best > PRIOR + 1.0)
         return delay;
-    const int lasts = a->delay[control] && best < MOST && least_price(a, control, a->delay[control]) - best < ALIVE;
-    return lasts ? a->delay[control] : 0;
+    return a->delay[control] && least_price(a, control, a->delay[control]) - best < ALIVE ? a->delay[control] : 0;
 }
 
 void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light *light, uint64_t sequence)
