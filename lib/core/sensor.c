@@ -142,8 +142,8 @@ static double told(pupil_sensor_object *o, const pupil_frame_info *info)
     for (int c = 0; c < 2; c++) {
         const uint32_t found = a->delay[c] ? a->delay[c] : a->delay[!c], h = found ? found : o->config.delay_frames;
         a->asked[a->frame % PUPIL_SENSOR_RING][c] = a->standing[c]; /* for this frame, as for those that were lost */
-        const double off = a->told_before[c] - a->standing[c];      /* info rounds by less than a hundredth */
-        const int stands = a->unheard[c] || (off < 0.01 && off > -0.01);
+        const double off = a->told_before[c] - a->standing[c];      /* what info rounds */
+        const int stands = a->unheard[c] || (off < 0.001 && off > -0.001);
         const double last = stands ? a->told_before[c] : a->asked[(a->frame + 1 - h) % PUPIL_SENSOR_RING][c];
         a->told[c] = is_said[c] ? pupil_log2(said[c]) : a->info_tells ? last + a->unit[c] : a->standing[c];
     }

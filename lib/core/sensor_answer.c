@@ -176,7 +176,8 @@ static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
         const double asked = in_force(a, c, h, 0);
         if (is_near(a->told[c], asked))
             return 0;
-        if (!is_near(step, 0.0) && is_near(step, asked - in_force(a, c, h, gap)))
+        const double then = a->frame < 2 * PUPIL_SENSOR_RING ? a->begun[c] : in_force(a, c, h, gap);
+        if (!is_near(step, 0.0) && (is_near(step, asked - then) || is_near(step, asked - in_force(a, c, h, gap))))
             unit = a->told[c] - asked;
     }
     a->unit[c] += unit;
@@ -297,7 +298,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         a->told[c] -= a->told[c] == a->standing[c] ? 0.0 : unit;
         a->unheard[c] = is_unheard(a, c, gap);
         a->told[c] -= a->unit[c] - unit, a->told_before[c] -= a->unit[c] - unit;
-        a->anchor[c] = first ? a->told[c] : a->anchor[c];
+        a->anchor[c] = first ? a->told[c] : a->anchor[c], a->begun[c] = first ? a->standing[c] : a->begun[c];
     }
     if (!first && a->has_level && gap < PUPIL_SENSOR_RING - PUPIL_SENSOR_DELAYS && !light->dead)
         compare(o, light, gap);

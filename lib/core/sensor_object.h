@@ -19,7 +19,7 @@ typedef struct pupil_sensor_answer {
     uint64_t sequence; /* of the frame before */
     uint32_t gap;      /* frames since then */
     double asked[PUPIL_SENSOR_RING][2];
-    double standing[2]; /* asked for now */
+    double standing[2], begun[2]; /* asked for now, and when the first frame came */
     double told[2], told_before[2];
     double unit[2];                   /* what info says is so much more than what was asked for */
     double taken[2];                  /* what the frame was taken with, by the best guess */
