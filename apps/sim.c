@@ -27,7 +27,7 @@ static const char help[] =
     "      --delay N         the delay that the controller believes in (the camera's own)\n"
     "      --mains HZ        the mains that pupil is told of: 0, 50, 60; auto: it finds them (auto)\n"
     "      --key-at EV:KEY,...   pupil's key by the light of the scene: -1:0.06,5.5:0.18 (0.18)\n"
-    "      --duration S      seconds (10 after the script's end)\n"
+    "      --duration S      seconds, 61 to 1,000,000 frames (10 after the script's end)\n"
     "      --stats FILE      each frame as a line of JSON (.jsonl, - for standard output)\n"
     "      --plot FILE       light, exposure, gain and error over time, .svg or .png, by gnuplot\n"
     "      --json            the summary as an object\n"
@@ -35,7 +35,7 @@ static const char help[] =
     "      --seed S          the first seed (1); '--random 1' shows one as the others are shown\n"
     "      --threads N       for --random; the results are the same (0: one a processor)\n"
     "  -q, --quiet           no progress       -h, --help\n"
-    "exit: 0 done, 1 failed, or a loop that swings for ever, 2 usage\n";
+    "exit: 0 done, 1 failed, or with --random a loop that swings for ever, 2 usage\n";
 
 static const char light_help[] =
     "what the light does; statements stand apart by ';', times are from the beginning:\n"

@@ -118,10 +118,13 @@ typedef struct pupil_sensor_config {
     uint32_t key_points; /* in use; 0 (key)..PUPIL_SENSOR_KEY_POINTS */
     pupil_sensor_key_point key_at[PUPIL_SENSOR_KEY_POINTS];
     double ev_compensation; /* stops, positive is brighter; with key_at, too; 0; -16..16 */
-    double clip;            /* the value of a frame at which a channel is full; 1 for integer formats; 2^-16..2^16 */
+    double clip;            /* the value of a frame at which a channel is full; 2^-16..2^16; 1, as integer formats have
+                             * it, of which pupil_coding.white says at which code they are full */
     double trim_low;        /* share of the weight left out of the mean at the dark end; 0; 0..1 */
     double trim_high;       /* where the kept share ends, above trim_low; 1. Read only where there is a histogram */
-    double highlight_share; /* at most this share may lie above clip, where there is a histogram; 0.05; 0.001..1 */
+    double highlight_share; /* at most this share may lie above clip, where there is a histogram; 0.05; 0.001..1. Where
+                             * it starts is aimed at a fifth of a stop below clip, for a bin of the histogram may be as
+                             * wide, so less of a smooth scene is clipped, and the total up to as much lower */
     double highlight_ev;    /* ... at the price of at most so many stops; 1; 0 (never)..8 */
 
     /* how fast */
