@@ -94,7 +94,6 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
         int beyond; /* of what a loop can be asked for there: only that it does not swing */
     } of[] = {{"info tells what was asked", "told=asked", 0, 0},
               {"no info", "told=nothing", 0, 0},
-              {"no info in a tenth of the frames", "mute=10%", 0, 0},
               {"read-back stands still", "told=first", 0, 0},
               {"a line more", "off=1", 3, 0},
               {"a line less", "off=-1", 3, 0},

@@ -86,8 +86,11 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
     o->magic = SENSOR_MAGIC;
     o->waited = PUPIL_SENSOR_DELAYS; /* nothing is on its way */
-    o->looking = 1, o->stride = 1.0, o->noise_ev = 0.02;
-    o->setting.exposure_s = 0.01, o->setting.gain = o->setting.frame_digital = o->setting.slope = 1.0;
+    o->looking = 1;
+    o->stride = 1.0;
+    o->noise_ev = 0.02;
+    o->setting.exposure_s = 0.01, o->setting.gain = 1.0;
+    o->setting.frame_digital = o->setting.slope = 1.0;
     o->total_log2 = pupil_log2(0.01);
     configure(o, config);
     return PUPIL_OK;
@@ -122,32 +125,28 @@ int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting)
     if (!o || !setting || o->magic != SENSOR_MAGIC)
         return o && setting ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     *setting = o->setting;
-    setting->mains_hz = o->config.mains_hz, setting->mains_modulation = o->mains.modulation;
+    setting->mains_hz = o->config.mains_hz;
+    setting->mains_modulation = o->mains.modulation;
     return PUPIL_OK;
 }
 
-/* log2 of the exposure and gain that the frame was taken with, as info says. Of a frame now and then that lacks one:
- * what was asked for by the delay that was found, or is believed; what was told last if that was not asked for. */
+/* log2 of the exposure and gain that the frame was taken with, as info says. */
 static double told(pupil_sensor_object *o, const pupil_frame_info *info)
 {
-    pupil_sensor_answer *a = &o->answer;
-    const double said[2] = {info ? info->exposure_s : 0.0, info ? info->gain : 0.0};
-    const int is_said[2] = {said[0] >= 0x1p-64 && said[0] <= 0x1p64, said[1] >= 0x1p-64 && said[1] <= 0x1p64};
-    if (is_said[0] && is_said[1] && !a->info_tells && a->frame) { /* the camera is back: as at first */
+    double e = o->setting.exposure_s, g = o->setting.gain;
+    uint32_t known = 0;
+    if (info && info->exposure_s >= 0x1p-64 && info->exposure_s <= 0x1p64)
+        e = info->exposure_s, known++;
+    if (info && info->gain >= 0x1p-64 && info->gain <= 0x1p64)
+        g = info->gain, known++;
+    if (known == 2 && !o->answer.info_tells && o->answer.frame) { /* the camera is back: as at first */
         pupil_sensor_answer_reset(o);
-        /* what was asked for meanwhile was not heard; but it was where only the first frames said nothing */
-        a->has_level = 0, a->frame = a->frame > 2 * PUPIL_SENSOR_RING ? 0 : a->frame;
+        o->answer.frame = 0; /* and what was asked for meanwhile was not heard */
     }
-    a->info_tells = is_said[0] && is_said[1] ? PUPIL_SENSOR_RING : a->info_tells - (a->info_tells > 0);
-    for (int c = 0; c < 2; c++) {
-        const uint32_t found = a->delay[c] ? a->delay[c] : a->delay[!c], h = found ? found : o->config.delay_frames;
-        a->asked[a->frame % PUPIL_SENSOR_RING][c] = a->standing[c]; /* for this frame, as for those that were lost */
-        const double off = a->told_before[c] - a->standing[c];      /* what info rounds */
-        const int stands = a->unheard[c] || (off < 0.001 && off > -0.001);
-        const double last = stands ? a->told_before[c] : a->asked[(a->frame + 1 - h) % PUPIL_SENSOR_RING][c];
-        a->told[c] = is_said[c] ? pupil_log2(said[c]) : a->info_tells ? last + a->unit[c] : a->standing[c];
-    }
-    return a->told[0] + a->told[1];
+    o->answer.info_tells = known == 2;
+    o->answer.told[0] = pupil_log2(e);
+    o->answer.told[1] = pupil_log2(g);
+    return o->answer.told[0] + o->answer.told[1];
 }
 
 int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pupil_frame_info *info)

@@ -122,8 +122,10 @@ static void weigh(pupil_sensor_object *o, double step[2][PUPIL_SENSOR_GUESSES], 
         }
     }
     for (uint32_t e = 0; e < PUPIL_SENSOR_GUESSES; e++)
-        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++)
-            a->price[e][g] = (float)clamp((double)a->price[e][g] - best, 0.0, MOST);
+        for (uint32_t g = 0; g < PUPIL_SENSOR_GUESSES; g++) {
+            const double more = (double)a->price[e][g] - best;
+            a->price[e][g] = (float)(more < MOST ? more : MOST);
+        }
     a->is_told &= told - least_paid < ALIVE;
 }
 
@@ -176,8 +178,7 @@ static uint32_t is_unheard(pupil_sensor_answer *a, int c, uint32_t gap)
         const double asked = in_force(a, c, h, 0);
         if (is_near(a->told[c], asked))
             return 0;
-        const double then = a->frame < 2 * PUPIL_SENSOR_RING ? a->begun[c] : in_force(a, c, h, gap);
-        if (!is_near(step, 0.0) && (is_near(step, asked - then) || is_near(step, asked - in_force(a, c, h, gap))))
+        if (!is_near(step, 0.0) && is_near(step, asked - in_force(a, c, h, gap)))
             unit = a->told[c] - asked;
     }
     a->unit[c] += unit;
@@ -234,7 +235,7 @@ static void compare(pupil_sensor_object *o, const pupil_sensor_light *light, uin
         const double told = step[0][TOLD] + step[1][TOLD], clear = least > 0.0 ? least : -most;
         weigh(o, step, least, most);
         /* what info says has moved, and the picture with it: from now on it is believed */
-        if (a->info_tells == PUPIL_SENSOR_RING && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
+        if (o->answer.info_tells && clear > STEP_EV && left_over(o, told, least, most) < a->noise)
             a->is_told = 1;
         survey(a, 0);
         const double dark = pupil_log2(o->config.clip) - REAL_EV;
@@ -298,7 +299,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const pupil_sensor_light 
         a->told[c] -= a->told[c] == a->standing[c] ? 0.0 : unit;
         a->unheard[c] = is_unheard(a, c, gap);
         a->told[c] -= a->unit[c] - unit, a->told_before[c] -= a->unit[c] - unit;
-        a->anchor[c] = first ? a->told[c] : a->anchor[c], a->begun[c] = first ? a->standing[c] : a->begun[c];
+        a->anchor[c] = first ? a->told[c] : a->anchor[c];
     }
     if (!first && a->has_level && gap < PUPIL_SENSOR_RING - PUPIL_SENSOR_DELAYS && !light->dead)
         compare(o, light, gap);

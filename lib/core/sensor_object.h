@@ -19,7 +19,7 @@ typedef struct pupil_sensor_answer {
     uint64_t sequence; /* of the frame before */
     uint32_t gap;      /* frames since then */
     double asked[PUPIL_SENSOR_RING][2];
-    double standing[2], begun[2]; /* asked for now, and when the first frame came */
+    double standing[2]; /* asked for now */
     double told[2], told_before[2];
     double unit[2];                   /* what info says is so much more than what was asked for */
     double taken[2];                  /* what the frame was taken with, by the best guess */
@@ -47,7 +47,7 @@ typedef struct pupil_sensor_answer {
     uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
     uint32_t dead[2];    /* the control does nothing: is_dead */
     uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
-    uint32_t info_tells; /* PUPIL_SENSOR_RING: this frame's info has both; less by one for each since; 0 */
+    uint32_t info_tells; /* this frame's info has both */
     uint32_t is_told;    /* and the picture has borne it out */
     float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
 } pupil_sensor_answer;

@@ -32,8 +32,6 @@ typedef struct plant {
     uint8_t late[PLANT_RING]; /* that of frame i % PLANT_RING does */
     int pixels;               /* of the scene, whole rows */
     double drops;             /* share of the frames that are lost on their way */
-    double unit;              /* info's exposures are so many times what they are; 0: once */
-    double mute;              /* share of the frames whose info has neither exposure nor gain */
     double frame_s;
     uint64_t frame;
     double asked[PLANT_RING][2]; /* after frame i % PLANT_RING: exposure, gain */
@@ -143,9 +141,6 @@ static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
                              .sequence = p->frame,
                              .exposure_s = plant_tells(p, 0),
                              .gain = plant_tells(p, 1)};
-    info.exposure_s *= p->unit > 0.0 ? p->unit : 1.0;
-    if (p->mute > 0.0 && check_uniform() < p->mute)
-        info.exposure_s = info.gain = 0.0;
     for (int i = 0; i < PLANT_PIXELS && p->light_slope != p->slope; i++)
         p->light[i] = (float)exp2(p->slope * p->scene[i]);
     p->light_slope = p->slope;

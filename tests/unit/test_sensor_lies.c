@@ -232,29 +232,6 @@ static void stands_outside(void)
     stands("gain between two steps", 1, 2.5, &c);
 }
 
-/* Info's exposures in another unit, from any start: found from the first of them that moves. */
-static void other_units(void)
-{
-    static const double units[] = {0.1, 0.5, 2, 10};
-    for (int i = 0; i < 4; i++)
-        for (int law = 0; law < LAWS; law++)
-            for (uint32_t delay = 1; delay <= 4; delay++)
-                for (double light_ev = -1; light_ev <= 8; light_ev += 0.5) {
-                    const pupil_sensor_config c = plant_config(law);
-                    pupil_sensor_setting s;
-                    double shown = 0;
-                    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
-                    plant_open(&p, &sensor, light_ev, delay);
-                    p.unit = units[i];
-                    for (int n = 0; n < 120; n++) {
-                        p.light_ev += n == 60 ? 1.5 : 0;
-                        plant_turn(&p, &sensor, &s, &shown);
-                    }
-                    CHECK_MSG(fabs(shown) <= 0.15, "unit %g, %s, D %u, light %g EV: %g EV off, state %u, reason %u",
-                              units[i], law_name[law], delay, light_ev, shown, s.state, s.reason);
-                }
-}
-
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -296,7 +273,6 @@ int main(int argc, char **argv)
     for (uint32_t delay = 1; delay <= 4; delay++)
         held_at_a_jump(delay);
     stands_outside();
-    other_units();
     a = worst_of("exposure ignored", 1, 1.0, no_exposure);
     CHECK(a.state == PUPIL_SENSOR_LIMITED && a.reason == PUPIL_SENSOR_IGNORED);
     a = worst_of("gain ignored", 1, 1.0, no_gain); /* the exposure makes up for it, as far as it goes */

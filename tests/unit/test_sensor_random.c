@@ -26,9 +26,9 @@ static void describe(uint64_t seed, const pupil_sensor_config *c)
 {
     printf(
         "    seed %llu: believed %u, true %u and %u, info %d, slope %.2f%s, linear %u, ignored %d %d, off by one %d, "
-        "moving %.2f, wrap %.1f, jitter %.2f, drops %.2f, mute %.2f, noise %.3f, mains %u, light %.2f\n",
+        "moving %.2f, wrap %.1f, jitter %.2f, drops %.2f, noise %.3f, mains %u, light %.2f\n",
         (unsigned long long)seed, c->delay_frames, p.delay[0], p.delay[1], p.lies, p.slope, p.shoulder ? " bent" : "",
-        c->linear, p.ignored[0], p.ignored[1], p.off_by_one, p.moving, p.wrap, p.jitter, p.drops, p.mute, p.noise_ev,
+        c->linear, p.ignored[0], p.ignored[1], p.off_by_one, p.moving, p.wrap, p.jitter, p.drops, p.noise_ev,
         c->mains_hz, p.light_ev);
 }
 
@@ -49,7 +49,6 @@ static pupil_sensor_config random_camera(void)
     p.noise_ev = one_in(2) ? 0.0 : 0.02;
     p.drops = one_in(8) ? 0.2 : 0.0;
     p.jitter = one_in(8) ? 0.2 : 0.0;
-    p.mute = one_in(8) ? between(0.0, 0.5) : 0.0;
     switch (kind) {
     case 0:
         p.ignored[0] = 1;

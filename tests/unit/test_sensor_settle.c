@@ -170,68 +170,6 @@ static void check_seams(void)
     CHECK(worst <= 0.005);
 }
 
-/* Frames whose info has neither exposure nor gain, now and then: as soon right, and as calm, as with all of it. */
-static void check_mute(void)
-{
-    static const double shares[] = {0, 0.02, 0.1, 0.3};
-    printf("share of frames without info: frames to +-0.1 EV after steps of 2 EV, D 1 to 4; seams\n");
-    for (int m = 0; m < 4; m++) {
-        double seam = 0;
-        printf("%4.0f %%", 100 * shares[m]);
-        for (uint32_t delay = 1; delay <= 4; delay++) {
-            int latest = 0;
-            for (int law = 0; law < LAWS; law++) {
-                double last = 0, shown;
-                step(law, delay, 1.0, PLANT_TRUTH, 2); /* in still light nothing is known yet */
-                p.mute = shares[m];
-                for (int i = 0; i < 12; i++) {
-                    const double ev = i % 2 ? -2 : 2;
-                    p.light_ev += ev;
-                    const answer a = watch(law, ev);
-                    latest = a.frames > latest ? a.frames : latest;
-                    CHECK_MSG(a.overshoot <= 0.05, "%s, D %u, %g without info: overshoot %g EV", law_name[law], delay,
-                              shares[m], a.overshoot);
-                }
-                for (int i = 0; i < 700; i++) {
-                    p.light_ev += i < 350 ? -0.002 : 0.002;
-                    plant_turn(&p, &sensor, &s, &shown);
-                    seam = i > 100 ? fmax(seam, fabs(shown - last)) : seam;
-                    last = shown;
-                }
-            }
-            CHECK_MSG(latest <= (int)delay + 3, "D %u, %g without info: %d frames", delay, shares[m], latest);
-            printf("%5d", latest);
-        }
-        CHECK_MSG(seam <= 0.005, "%g without info: %g EV from frame to frame", shares[m], seam);
-        printf("  %.5f EV\n", seam);
-    }
-}
-
-/* The same where a write once came a frame late, so that no delay explains all frames: one frame without info at each
- * place around a step, in light that stands still. */
-static void check_mute_after_late(void)
-{
-    for (uint32_t delay = 1; delay <= 4; delay++)
-        for (int mute = 165; mute < 185; mute++) {
-            const pupil_sensor_config c = plant_config(LAW_FINE);
-            double shown = 0;
-            CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
-            plant_open(&p, &sensor, 3, delay);
-            for (int i = 0; i < 260; i++) {
-                p.light_ev += i == 20 ? 1.0 : i == 70 || i == 170 ? -1.75 : i == 120 ? 1.75 : 0;
-                p.mute = i == mute;
-                plant_turn(&p, &sensor, &s, &shown);
-                p.late[(p.frame - 1) % PLANT_RING] = i == 72;
-                CHECK_MSG(i < 190 || fabs(shown) < 0.1, "D %u, frame %d without info: %g EV off in frame %d", delay,
-                          mute, shown, i);
-                const double digital = log2(s.total_s / (plant_in_force(&p, 0) * plant_in_force(&p, 1)));
-                CHECK_MSG(i < 185 || fabs(digital - log2(s.frame_digital)) < 0.05,
-                          "D %u, frame %d without info: frame %d is shown %g EV off", delay, mute, i,
-                          log2(s.frame_digital) - digital);
-            }
-        }
-}
-
 /* Seconds, not frames: the filter's way at other frame rates. */
 static void check_seconds(void)
 {
@@ -268,8 +206,6 @@ int main(int argc, char **argv)
     check_settling(0);
     check_rest();
     check_seams();
-    check_mute();
-    check_mute_after_late();
     check_seconds();
     return check_end();
 }

@@ -282,10 +282,9 @@ PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double
 /* ---- a frame ---------------------------------------------------------------------------------------------------- */
 
 /* The statistics of a frame, with the exposure time and gain that it was taken with. Where info lacks one of these (0,
- * or info NULL) but had both within the last 32 frames, the frame is taken to have what was asked for, by the delay
- * that was found or is believed. Later, and before any had both, the camera is taken at the setting's word; when info
- * has both again, for another camera, of which nothing is known. Refused and nothing moved: PUPIL_ERR_STATS for what no
- * metering can have produced of a frame with weight. */
+ * or info NULL) the camera is taken at the setting's word; when it has both again, for another camera, of which nothing
+ * is known: where single frames lack them, give these what was asked for instead. Refused and nothing moved:
+ * PUPIL_ERR_STATS for what no metering can have produced of a frame with weight. */
 PUPIL_API int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pupil_frame_info *info);
 
 /* The same where somebody else has metered: log2 of the light of the scene (pupil_exposure.metered_ev of frames that
