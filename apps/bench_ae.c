@@ -187,8 +187,10 @@ static int named(const char *text, bench_ae *b, int test)
     if (!test && (b->law = fixture_controller_named(text)))
         return 0;
     for (size_t i = 0; test && i < BENCH_AE_TESTS; i++)
-        if (strcmp(text, bench_ae_tests[i]) == 0)
-            return b->test = bench_ae_tests[i], 0;
+        if (strcmp(text, bench_ae_tests[i]) == 0) {
+            b->test = bench_ae_tests[i];
+            return 0;
+        }
     fprintf(stderr, "pupil bench ae: --%s %s: must be one of", test ? "test" : "controller", text);
     for (size_t i = 0; i < (test ? (size_t)BENCH_AE_TESTS : (size_t)FIXTURE_CONTROLLERS); i++)
         fprintf(stderr, " %s", test ? bench_ae_tests[i] : fixture_controllers[i].name);

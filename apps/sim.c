@@ -115,9 +115,12 @@ static int read_mains(const char *text, sim_options *o)
     static const char *const words[] = {"0", "50", "60", "auto"};
     static const uint32_t hz[] = {0, 50, 60, PUPIL_SENSOR_MAINS_AUTO};
     for (size_t i = 0; i < 4; i++)
-        if (strcmp(text, words[i]) == 0)
-            return o->mains_hz = hz[i], 0;
-    return fprintf(stderr, "pupil sim: --mains %s: must be 0, 50, 60 or auto\n", text), -1;
+        if (strcmp(text, words[i]) == 0) {
+            o->mains_hz = hz[i];
+            return 0;
+        }
+    fprintf(stderr, "pupil sim: --mains %s: must be 0, 50, 60 or auto\n", text);
+    return -1;
 }
 
 /* 0; 1: wrong; -1: nothing more is to be done. */

@@ -140,7 +140,8 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     out.height = 0.3f * room;
     out.low = 0.0;
     out.high = 2.0 * key;
-    ev.low = INFINITY, ev.high = -INFINITY;
+    ev.low = INFINITY;
+    ev.high = -INFINITY;
     if (ev.width <= 0.0f || room <= 0.0f)
         return; /* a window that is too small for a plot */
     widen(plot, &ev, metered);
