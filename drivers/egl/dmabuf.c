@@ -75,10 +75,13 @@ static int planes_of(const pupil_dmabuf *b, plane planes[2])
         p->texel_bytes = 4;
         return 1;
     case PUPIL_PIXEL_RGBA16F:
-        p->format = FORMAT_ABGR16F, p->texel_bytes = 8;
+        p->format = FORMAT_ABGR16F;
+        p->texel_bytes = 8;
         return 1;
     case PUPIL_PIXEL_YUYV:
-        p->format = FORMAT_GR88, p->texel_bytes = 2, p->width += b->width % 2;
+        p->format = FORMAT_GR88;
+        p->texel_bytes = 2;
+        p->width += b->width % 2;
         return 1;
     case PUPIL_PIXEL_NV12:
         p[1] = (plane){FORMAT_GR88,        b->width / 2 + b->width % 2, b->height / 2 + b->height % 2, 2, b->fd[1],
@@ -98,7 +101,8 @@ static int planes_of(const pupil_dmabuf *b, plane planes[2])
     case PUPIL_PIXEL_BAYER12:
     case PUPIL_PIXEL_BAYER14:
     case PUPIL_PIXEL_BAYER16:
-        p->format = FORMAT_R16, p->texel_bytes = 2;
+        p->format = FORMAT_R16;
+        p->texel_bytes = 2;
         return 1;
     default:
         return 0;

@@ -41,7 +41,8 @@ static int open_video(char *why, size_t why_bytes)
 static void fit(uint32_t width, uint32_t height, int *w, int *h)
 {
     SDL_Rect room;
-    *w = (int)width, *h = (int)height;
+    *w = (int)width;
+    *h = (int)height;
     if (SDL_GetDisplayUsableBounds(0, &room) != 0 || (*w <= room.w && *h <= room.h))
         return;
     if ((int64_t)*w * room.h > (int64_t)*h * room.w) {
@@ -51,7 +52,8 @@ static void fit(uint32_t width, uint32_t height, int *w, int *h)
         *w = (int)((int64_t)*w * room.h / *h);
         *h = room.h;
     }
-    *w = SDL_max(*w, 1), *h = SDL_max(*h, 1);
+    *w = SDL_max(*w, 1);
+    *h = SDL_max(*h, 1);
 }
 
 static int make_window(pupil_window *window, const pupil_window_options *options, char *why, size_t why_bytes)
@@ -169,7 +171,8 @@ void pupil_window_size(const pupil_window *window, uint32_t *width, uint32_t *he
 {
     int w, h;
     SDL_GL_GetDrawableSize(window->window, &w, &h);
-    *width = (uint32_t)w, *height = (uint32_t)h;
+    *width = (uint32_t)w;
+    *height = (uint32_t)h;
 }
 
 static int key(SDL_Keycode sym)

@@ -109,10 +109,12 @@ int pupil_paths_folder(pupil_paths *paths, const char *folder, int (*keep)(const
         char *path = NULL;
         if (entry->d_name[0] == '.')
             continue;
-        if (asprintf(&path, "%s%s%s", folder, length && folder[length - 1] == '/' ? "" : "/", entry->d_name) < 0)
-            path = NULL, result = -1;
-        else if (wanted(path, keep))
+        if (asprintf(&path, "%s%s%s", folder, length && folder[length - 1] == '/' ? "" : "/", entry->d_name) < 0) {
+            path = NULL;
+            result = -1;
+        } else if (wanted(path, keep)) {
             result = pupil_paths_add(paths, path);
+        }
         free(path);
     }
     closedir(directory);

@@ -157,20 +157,25 @@ int pupil_light_luma(double *red, double *blue, enum AVColorSpace space)
 {
     switch ((int)space) {
     case AVCOL_SPC_BT709:
-        *red = 0.2126, *blue = 0.0722;
+        *red = 0.2126;
+        *blue = 0.0722;
         return 0;
     case AVCOL_SPC_FCC:
-        *red = 0.30, *blue = 0.11;
+        *red = 0.30;
+        *blue = 0.11;
         return 0;
     case AVCOL_SPC_BT470BG:
     case AVCOL_SPC_SMPTE170M:
-        *red = 0.299, *blue = 0.114;
+        *red = 0.299;
+        *blue = 0.114;
         return 0;
     case AVCOL_SPC_SMPTE240M:
-        *red = 0.212, *blue = 0.087;
+        *red = 0.212;
+        *blue = 0.087;
         return 0;
     case AVCOL_SPC_BT2020_NCL:
-        *red = 0.2627, *blue = 0.0593;
+        *red = 0.2627;
+        *blue = 0.0593;
         return 0;
     default:
         return -1;
