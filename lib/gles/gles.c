@@ -68,8 +68,10 @@ static int cause_of(const gles_object *o, int error, char *why, size_t why_bytes
 
 static int equal(const char *a, const char *b)
 {
-    while (*a && *a == *b)
-        a++, b++;
+    while (*a && *a == *b) {
+        a++;
+        b++;
+    }
     return *a == *b;
 }
 

@@ -187,13 +187,19 @@ INLINE mask v_equal_ints(ints a, ints b)
 INLINE void load4_rgba32f(const void *source, floats *r, floats *g, floats *b, floats *a)
 {
     const float32x4x4_t p = vld4q_f32(source);
-    *r = p.val[0], *g = p.val[1], *b = p.val[2], *a = p.val[3];
+    *r = p.val[0];
+    *g = p.val[1];
+    *b = p.val[2];
+    *a = p.val[3];
 }
 
 INLINE void load4_rgb32f(const void *source, floats *r, floats *g, floats *b, floats *a)
 {
     const float32x4x3_t p = vld3q_f32(source);
-    *r = p.val[0], *g = p.val[1], *b = p.val[2], *a = v_all(1.0f);
+    *r = p.val[0];
+    *g = p.val[1];
+    *b = p.val[2];
+    *a = v_all(1.0f);
 }
 
 /* Eight 16-bit samples to two vectors. */

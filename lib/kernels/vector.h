@@ -196,7 +196,9 @@ static void histogram(const pupil_row_job *job, const pupil_planes *planes, uint
                 rest[1][j] = g_at[j < m ? j : 0];
                 rest[2][j] = b_at[j < m ? j : 0];
             }
-            r_at = rest[0], g_at = rest[1], b_at = rest[2];
+            r_at = rest[0];
+            g_at = rest[1];
+            b_at = rest[2];
         }
         const floats r = v_load(r_at), g = v_load(g_at), b = v_load(b_at);
         const floats l = v_add(v_add(v_mul(c.weight[0], r), v_mul(c.weight[1], g)), v_mul(c.weight[2], b));
