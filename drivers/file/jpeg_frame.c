@@ -175,20 +175,32 @@ static void to_rgb(const AVFrame *f, const AVPixFmtDescriptor *d, const pupil_co
     }
 }
 
+/* As which format of the library a decoded frame is handed on; PUPIL_PIXEL_NONE if it is not read. */
+static uint32_t pixel_of(const AVPixFmtDescriptor *d)
+{
+    if (!d || d->comp[0].depth != 8 || d->comp[0].step != 1 ||
+        d->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_ALPHA))
+        return PUPIL_PIXEL_NONE;
+    if (d->nb_components == 1)
+        return PUPIL_PIXEL_GREY8;
+    if (d->nb_components != 3 || !(d->flags & AV_PIX_FMT_FLAG_PLANAR))
+        return PUPIL_PIXEL_NONE;
+    if (d->log2_chroma_w == 1 && d->log2_chroma_h == 0)
+        return PUPIL_PIXEL_YUYV;
+    if (d->log2_chroma_w == 1 && d->log2_chroma_h == 1)
+        return PUPIL_PIXEL_NV12;
+    return PUPIL_PIXEL_RGB8;
+}
+
 static int present(pupil_jpeg *j, pupil_image_const *image, char *why, size_t why_bytes)
 {
     const AVFrame *f = j->frame;
     const AVPixFmtDescriptor *d = av_pix_fmt_desc_get((enum AVPixelFormat)f->format);
-    const int plain = d && d->comp[0].depth == 8 && d->comp[0].step == 1 &&
-                      !(d->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_ALPHA));
-    const int grey = plain && d->nb_components == 1;
-    if (!grey && !(plain && d->nb_components == 3 && d->flags & AV_PIX_FMT_FLAG_PLANAR))
+    const uint32_t pixel = pixel_of(d);
+    const int grey = pixel == PUPIL_PIXEL_GREY8;
+    if (pixel == PUPIL_PIXEL_NONE)
         return pupil_refuse(why, why_bytes, "a JPEG of %s; grey and Y'CbCr of 8 bits can be read",
                             d ? d->name : "an unknown kind");
-    const uint32_t pixel = grey                                             ? PUPIL_PIXEL_GREY8
-                           : d->log2_chroma_w == 1 && d->log2_chroma_h == 0 ? PUPIL_PIXEL_YUYV
-                           : d->log2_chroma_w == 1 && d->log2_chroma_h == 1 ? PUPIL_PIXEL_NV12
-                                                                            : PUPIL_PIXEL_RGB8;
     if (pixel == PUPIL_PIXEL_RGB8 && j->coding.light != PUPIL_LIGHT_SRGB)
         return pupil_refuse(why, why_bytes, "a JPEG of %s whose light is not sRGB's; of 4:2:2 and 4:2:0 it may be any",
                             d->name);

@@ -153,30 +153,29 @@ static int load(pan_source *s, char *why, size_t why_bytes)
     return rc;
 }
 
-/* Fills in what the spec left open. */
-static int plan(pan_source *s, const char *path, const pupil_source_options *options, char *why, size_t why_bytes)
+/* The frames' size, where the spec left it open. */
+static int plan_size(pan_source *s, const pupil_source_options *options, char *why, size_t why_bytes)
 {
-    char words[256];
-    double fps = options && options->fps > 0 ? options->fps : 30, frames;
-    uint64_t asked = options ? options->frames : 0, seed = options && options->seed ? options->seed : DEFAULT_SEED;
-    s->fov = s->fov > 0 ? s->fov : 75;
     if (!s->width) {
         s->width = options && options->width ? options->width : 640;
         s->height = options && options->height ? options->height : 360;
     }
-    if (s->width > PUPIL_MAX_SIDE_PX || s->height > PUPIL_MAX_SIDE_PX) {
-        snprintf(why, why_bytes, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width,
-                 s->height, PUPIL_MAX_SIDE_PX);
-        return -1;
-    }
-    if (path && pupil_pan_path_read(&s->path, path, s->fov, words, sizeof words)) {
-        snprintf(why, why_bytes, "%s: path: %s", s->file, words);
-        return -1;
-    }
-    int has_times = path && s->path.has_times && s->path.times[s->path.count - 1] > 0;
+    if (s->width <= PUPIL_MAX_SIDE_PX && s->height <= PUPIL_MAX_SIDE_PX)
+        return 0;
+    snprintf(why, why_bytes, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width, s->height,
+             PUPIL_MAX_SIDE_PX);
+    return -1;
+}
+
+/* How long it lasts, and with that how many frames there are. A path with times decides where nobody asked. */
+static int plan_frames(pan_source *s, const pupil_source_options *options, char *why, size_t why_bytes)
+{
+    const double fps = options && options->fps > 0 ? options->fps : 30;
+    const uint64_t asked = options ? options->frames : 0;
+    const int has_times = s->path.has_times && s->path.times[s->path.count - 1] > 0;
     if (!(s->duration_s > 0))
         s->duration_s = asked ? (double)asked / fps : has_times ? s->path.times[s->path.count - 1] : 10;
-    frames = floor(s->duration_s * fps + 0.5);
+    double frames = floor(s->duration_s * fps + 0.5);
     frames = asked && frames > (double)asked ? (double)asked : frames;
     if (!(frames <= 1e9)) {
         snprintf(why, why_bytes, "%s: %g s at %g frames a second; at most 1000000000 frames can be made", s->file,
@@ -185,7 +184,24 @@ static int plan(pan_source *s, const char *path, const pupil_source_options *opt
     }
     s->base.fps = fps;
     s->base.frames = frames > 1 ? (uint64_t)frames : 1;
+    return 0;
+}
+
+/* Fills in what the spec left open. */
+static int plan(pan_source *s, const char *path, const pupil_source_options *options, char *why, size_t why_bytes)
+{
+    char words[256];
+    s->fov = s->fov > 0 ? s->fov : 75;
+    if (plan_size(s, options, why, why_bytes))
+        return -1;
+    if (path && pupil_pan_path_read(&s->path, path, s->fov, words, sizeof words)) {
+        snprintf(why, why_bytes, "%s: path: %s", s->file, words);
+        return -1;
+    }
+    if (plan_frames(s, options, why, why_bytes))
+        return -1;
     if (!path) {
+        const uint64_t seed = options && options->seed ? options->seed : DEFAULT_SEED;
         pupil_view brightest = {0, 0, 0}, darkest = {0, 0, 0};
         pupil_panorama_extremes(&s->panorama, &brightest, &darkest);
         pupil_pan_path_draw(&s->path, seed, brightest, darkest, s->fov);
