@@ -180,11 +180,10 @@ static void limit_grey(uint32_t pixel, pupil_coding *coding)
     coding->white = (float)(235 * unit);
 }
 
-static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
+/* Where the driver leaves a field at "default", the value that videodev2.h gives it; JFIF's where frames are JPEG. */
+static void resolve_colour(pupil_v4l2_format *f)
 {
-    const int named_xfer = f->xfer_func != V4L2_XFER_FUNC_DEFAULT;
-    const int named_range = f->quantization != V4L2_QUANTIZATION_DEFAULT;
-    if (f->compressed && !named_range)
+    if (f->compressed && f->quantization == V4L2_QUANTIZATION_DEFAULT)
         f->quantization = V4L2_QUANTIZATION_FULL_RANGE;
     if (f->compressed && f->ycbcr_enc == V4L2_YCBCR_ENC_DEFAULT)
         f->ycbcr_enc = V4L2_YCBCR_ENC_601;
@@ -196,15 +195,21 @@ static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
         f->ycbcr_enc = V4L2_MAP_YCBCR_ENC_DEFAULT(f->colorspace);
     if (f->quantization == V4L2_QUANTIZATION_DEFAULT)
         f->quantization = V4L2_MAP_QUANTIZATION_DEFAULT(!is_yuv(f->pixel), f->colorspace, f->ycbcr_enc);
+}
+
+static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
+{
+    const int named_xfer = f->xfer_func != V4L2_XFER_FUNC_DEFAULT;
+    const int named_range = f->quantization != V4L2_QUANTIZATION_DEFAULT;
+    resolve_colour(f);
     f->primaries = f->colorspace == V4L2_COLORSPACE_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
     const int limited = f->quantization == V4L2_QUANTIZATION_LIM_RANGE;
 
     if (is_yuv(f->pixel) || f->compressed) {
         f->coding.range = limited ? PUPIL_RANGE_LIMITED : PUPIL_RANGE_FULL;
-        return read_matrix(f->ycbcr_enc, &f->coding, why, why_bytes) ||
-                       read_light(f->xfer_func, &f->coding, why, why_bytes)
-                   ? -1
-                   : 0;
+        if (read_matrix(f->ycbcr_enc, &f->coding, why, why_bytes))
+            return -1;
+        return read_light(f->xfer_func, &f->coding, why, why_bytes);
     }
     if (is_grey(f->pixel)) {
         if (named_range && limited)

@@ -331,27 +331,9 @@ static int subscribe(fake_v4l2 *f, const struct v4l2_event_subscription *s)
     return 0;
 }
 
-int fake_stream_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argument)
+/* What only the owner of the stream may ask for. */
+static int owner_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argument)
 {
-    switch (request) {
-    case VIDIOC_ENUM_FMT:
-        return fake_enum_formats(f, argument);
-    case VIDIOC_ENUM_FRAMESIZES:
-        return fake_enum_sizes(f, argument);
-    case VIDIOC_ENUM_FRAMEINTERVALS:
-        return fake_enum_intervals(f, argument);
-    case VIDIOC_G_FMT:
-        return fake_format(f, argument, 0);
-    case VIDIOC_G_PARM:
-        return fake_parm(f, argument, 0);
-    default:
-        break;
-    }
-    const int control = fake_controls_ioctl(f, request, argument);
-    if (control != 1)
-        return control;
-    if (fd < 0 || (f->owner >= 0 && fd != f->owner && request != VIDIOC_SUBSCRIBE_EVENT))
-        return fake_fail(EBUSY); /* the twin, or another program */
     switch (request) {
     case VIDIOC_S_FMT:
         return fake_format(f, argument, 1);
@@ -377,4 +359,28 @@ int fake_stream_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argumen
     default:
         return fake_fail(ENOTTY);
     }
+}
+
+int fake_stream_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argument)
+{
+    switch (request) {
+    case VIDIOC_ENUM_FMT:
+        return fake_enum_formats(f, argument);
+    case VIDIOC_ENUM_FRAMESIZES:
+        return fake_enum_sizes(f, argument);
+    case VIDIOC_ENUM_FRAMEINTERVALS:
+        return fake_enum_intervals(f, argument);
+    case VIDIOC_G_FMT:
+        return fake_format(f, argument, 0);
+    case VIDIOC_G_PARM:
+        return fake_parm(f, argument, 0);
+    default:
+        break;
+    }
+    const int control = fake_controls_ioctl(f, request, argument);
+    if (control != 1)
+        return control;
+    if (fd < 0 || (f->owner >= 0 && fd != f->owner && request != VIDIOC_SUBSCRIBE_EVENT))
+        return fake_fail(EBUSY); /* the twin, or another program */
+    return owner_ioctl(f, fd, request, argument);
 }
