@@ -67,42 +67,58 @@ static unsigned usual(const unsigned *delay, unsigned count)
     return best;
 }
 
-static void measure(probe_stream *s, const stepping *steps, probe_delay *d)
+/* Steps up and down until enough were seen: the delay of each, and by how much their shares are apart. Returns what
+ * the last step came to. */
+static int take_steps(probe_stream *s, const stepping *steps, probe_delay *d, unsigned *delay, double *apart)
 {
     const unsigned wanted = s->options->quick ? 2 : 4;
-    unsigned delay[MOST_STEPS];
     double share = 0.0, least = 0.0, most = 0.0;
     int last = NO_STEP;
-    if (probe_settle(s, steps->high.exposure_s, steps->high.gain) == 0)
-        for (unsigned i = 0; i < MOST_STEPS && d->steps < wanted && !s->state; i++) {
-            const int got = one_step(s, steps, i % 2, &share);
-            last = got;
-            if (got >= 0) {
-                least = d->steps ? fmin(least, share) : share;
-                most = d->steps ? fmax(most, share) : share;
-                delay[d->steps++] = (unsigned)got;
-            } else if (got == NO_MOVE && !d->steps)
-                break; /* it need not be asked more often */
-            const pupil_camera_setting now = probe_taken(s);
-            probe_settle(s, now.exposure_s, now.gain);
+    if (probe_settle(s, steps->high.exposure_s, steps->high.gain))
+        return NO_STEP;
+    for (unsigned i = 0; i < MOST_STEPS && d->steps < wanted && !s->state; i++) {
+        last = one_step(s, steps, i % 2, &share);
+        if (last >= 0) {
+            least = d->steps ? fmin(least, share) : share;
+            most = d->steps ? fmax(most, share) : share;
+            *apart = most - least;
+            delay[d->steps++] = (unsigned)last;
+        } else if (last == NO_MOVE && !d->steps) {
+            break; /* it need not be asked more often */
         }
-    if (most - least > MOST_APART || (last == MOVES && d->steps < 2)) { /* the scene's share, then */
+        const pupil_camera_setting now = probe_taken(s);
+        probe_settle(s, now.exposure_s, now.gain);
+    }
+    return last;
+}
+
+/* Why too few steps were seen to say anything. */
+static void say_unknown(const probe_stream *s, const stepping *steps, int last, probe_known *is)
+{
+    if (probe_gave_up(s, is))
+        return;
+    if (last == NO_MOVE)
+        probe_unknown(is, "the picture does not follow within %d frames, though the driver says that it has the value",
+                      LATEST);
+    else if (last == NO_STEP)
+        probe_unknown(is, "the driver does not take a step of %s", steps->control);
+    else
+        probe_unknown(is, "the picture clips or is black at a step of %s", steps->control);
+}
+
+static void measure(probe_stream *s, const stepping *steps, probe_delay *d)
+{
+    unsigned delay[MOST_STEPS];
+    double apart = 0.0;
+    const int last = take_steps(s, steps, d, delay, &apart);
+    if (apart > MOST_APART || (last == MOVES && d->steps < 2)) { /* the scene's share, then */
         const double step_ev =
             log2(steps->high.exposure_s * steps->high.gain / (steps->low.exposure_s * steps->low.gain));
-        probe_moves(&d->is, fmax((most - least) * step_ev, MOST_MOVED));
+        probe_moves(&d->is, fmax(apart * step_ev, MOST_MOVED));
         return;
     }
     if (d->steps < 2) {
-        if (!probe_gave_up(s, &d->is) && last == NO_MOVE)
-            probe_unknown(&d->is,
-                          "the picture does not follow within %d frames, though the driver says that it has the "
-                          "value",
-                          LATEST);
-        else if (!s->state)
-            probe_unknown(&d->is,
-                          last == NO_STEP ? "the driver does not take a step of %s"
-                                          : "the picture clips or is black at a step of %s",
-                          steps->control);
+        say_unknown(s, steps, last, &d->is);
         return;
     }
     d->is.known = 1;

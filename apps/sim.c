@@ -212,18 +212,23 @@ void sim_tell(sim_options *o)
 }
 
 /* What goes together, and the loop that the options stand for; an exit status, and a sentence. */
-static int prepare(sim_options *o, char *why, size_t why_bytes)
+/* 0, or -1 for options that exclude each other. */
+static int check_together(const sim_options *o, char *why, size_t why_bytes)
 {
     if (o->plants && (o->camera || *o->light || o->scene || o->duration_s > 0.0))
-        return pupil_refuse(why, why_bytes, "--random: camera, light, scene and duration are what the seed makes them"),
-               EXIT_USAGE;
+        return pupil_refuse(why, why_bytes, "--random: camera, light, scene and duration are what the seed makes them");
     if (o->plants > 1 && (o->stats || o->plot))
         return pupil_refuse(why, why_bytes, "--random %llu: --stats and --plot are of one run, --random 1",
-                            (unsigned long long)o->plants),
-               EXIT_USAGE;
+                            (unsigned long long)o->plants);
     if (o->key_at && o->loop.law->total)
-        return pupil_refuse(why, why_bytes, "--key-at: is of --controller pupil; the published laws have one key"),
-               EXIT_USAGE;
+        return pupil_refuse(why, why_bytes, "--key-at: is of --controller pupil; the published laws have one key");
+    return 0;
+}
+
+static int prepare(sim_options *o, char *why, size_t why_bytes)
+{
+    if (check_together(o, why, why_bytes))
+        return EXIT_USAGE;
     if (o->plot && pupil_plot_check(o->plot, why, why_bytes))
         return EXIT_FAILED;
     if (o->plants)
