@@ -9,7 +9,7 @@ install_missing "$packages_of_the_program"
 
 echo "== building into build/release"
 mkdir -p build
-{ cmake --preset release -DPUPIL_SCENES=ON && cmake --build --preset release; } >build/demo.log 2>&1 </dev/null || {
+{ cmake --preset release -DPUPIL_LAB=ON && cmake --build --preset release; } >build/demo.log 2>&1 </dev/null || {
     tail -n 40 build/demo.log >&2
     echo "$0: the build failed; all of its output is in build/demo.log" >&2
     exit 1

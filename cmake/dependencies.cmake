@@ -1,31 +1,26 @@
-# What the drivers and the program link, each behind its option. The library itself needs nothing.
-# pupil_needs(OPTION PACKAGE MODULES...) makes the target pupil_dep_OPTION, which is empty where the option is OFF.
-function(pupil_needs option package)
-  add_library(pupil_dep_${option} INTERFACE)
-  if(NOT PUPIL_${option})
-    return()
-  endif()
+# What the drivers and the program link. The library itself needs nothing. pupil_dep_MEDIA and pupil_dep_GPU are empty
+# where their option is OFF.
+# pupil_needs(OPTION NAME PACKAGE MODULES...): the option's target links the modules.
+function(pupil_needs option name package)
   find_package(PkgConfig REQUIRED)
-  pkg_check_modules(PUPIL_${option}_FOUND IMPORTED_TARGET QUIET ${ARGN})
-  if(NOT PUPIL_${option}_FOUND_FOUND)
+  pkg_check_modules(PUPIL_PC_${name} IMPORTED_TARGET QUIET ${ARGN})
+  if(NOT PUPIL_PC_${name}_FOUND)
     list(JOIN ARGN ", " modules)
     message(FATAL_ERROR "PUPIL_${option}=ON, but pkg-config does not find ${modules}. "
       "On Debian: apt-get install ${package}. To do without: -DPUPIL_${option}=OFF")
   endif()
-  target_link_libraries(pupil_dep_${option} INTERFACE PkgConfig::PUPIL_${option}_FOUND)
+  target_link_libraries(pupil_dep_${option} INTERFACE PkgConfig::PUPIL_PC_${name})
 endfunction()
 
-# Both take the headers of OpenGL ES and link nothing of it: functions are looked up at run time.
+# The headers of OpenGL ES; nothing of it is linked: functions are looked up at run time.
 include(CheckIncludeFile)
-foreach(option IN ITEMS GLES EGL)
-  if(PUPIL_${option} AND (PUPIL_PROGRAM OR option STREQUAL GLES))
-    check_include_file(GLES3/gl31.h PUPIL_HAS_GL31_H)
-    if(NOT PUPIL_HAS_GL31_H)
-      message(FATAL_ERROR "PUPIL_${option}=ON, but the compiler does not find GLES3/gl31.h. "
-        "On Debian: apt-get install libgles-dev. To do without: -DPUPIL_${option}=OFF")
-    endif()
+if(PUPIL_GPU)
+  check_include_file(GLES3/gl31.h PUPIL_HAS_GL31_H)
+  if(NOT PUPIL_HAS_GL31_H)
+    message(FATAL_ERROR "PUPIL_GPU=ON, but the compiler does not find GLES3/gl31.h. "
+      "On Debian: apt-get install libgles-dev. To do without: -DPUPIL_GPU=OFF")
   endif()
-endforeach()
+endif()
 
 if(PUPIL_V4L2 AND PUPIL_PROGRAM)
   check_include_file(linux/videodev2.h PUPIL_HAS_VIDEODEV2_H)
@@ -36,22 +31,25 @@ if(PUPIL_V4L2 AND PUPIL_PROGRAM)
 endif()
 
 if(PUPIL_PROGRAM)
-  # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has the C core alone.
-  add_library(pupil_dep_EXR INTERFACE)
-  if(PUPIL_EXR)
+  add_library(pupil_dep_MEDIA INTERFACE)
+  if(PUPIL_MEDIA)
+    # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has the C core alone.
     find_package(OpenEXR 3.1 CONFIG QUIET)
     if(NOT TARGET OpenEXR::OpenEXRCore)
-      message(FATAL_ERROR "PUPIL_EXR=ON, but CMake does not find OpenEXR 3.1 with its C core. "
-        "On Debian: apt-get install libopenexr-dev. To do without: -DPUPIL_EXR=OFF")
+      message(FATAL_ERROR "PUPIL_MEDIA=ON, but CMake does not find OpenEXR 3.1 with its C core. "
+        "On Debian: apt-get install libopenexr-dev. To do without: -DPUPIL_MEDIA=OFF")
     endif()
-    target_link_libraries(pupil_dep_EXR INTERFACE OpenEXR::OpenEXRCore)
+    target_link_libraries(pupil_dep_MEDIA INTERFACE OpenEXR::OpenEXRCore)
+    pupil_needs(MEDIA PNG libpng-dev libpng)
+    pupil_needs(MEDIA LIBAV "libavformat-dev libavcodec-dev libavutil-dev"
+      libavformat>=59 libavcodec>=59 libavutil>=57)
+    pupil_needs(MEDIA CJSON libcjson-dev libcjson)
   endif()
-  pupil_needs(PNG libpng-dev libpng)
-  pupil_needs(VIDEO "libavformat-dev libavcodec-dev libavutil-dev"
-    libavformat>=59 libavcodec>=59 libavutil>=57)
-  pupil_needs(JSON libcjson-dev libcjson)
-  pupil_needs(EGL libegl-dev egl)
-  pupil_needs(WINDOW libsdl2-dev sdl2)
+  add_library(pupil_dep_GPU INTERFACE)
+  if(PUPIL_GPU)
+    pupil_needs(GPU EGL libegl-dev egl)
+    pupil_needs(GPU SDL libsdl2-dev sdl2)
+  endif()
   set(THREADS_PREFER_PTHREAD_FLAG ON)
   find_package(Threads REQUIRED)
   # Not everything in the C library's mathematics is in the C library's own file.
@@ -60,7 +58,7 @@ if(PUPIL_PROGRAM)
 endif()
 
 # What the benchmark stands beside: pupil_peer_NAME exists where it is found.
-if(PUPIL_PROGRAM AND PUPIL_BENCH AND PUPIL_BENCH_PEERS)
+if(PUPIL_PROGRAM AND PUPIL_LAB AND PUPIL_BENCH_PEERS)
   find_package(PkgConfig REQUIRED)
   pkg_check_modules(PUPIL_PEER_FFMPEG IMPORTED_TARGET QUIET libavfilter>=8 libavutil>=57)
   if(PUPIL_PEER_FFMPEG_FOUND)

@@ -3,7 +3,7 @@
 # missing.
 set -eu
 sh "$(dirname "$0")/nested.sh" "$1" pupil - -- --preset release -DPUPIL_WERROR=ON \
-    -DPUPIL_EXR=OFF -DPUPIL_PNG=OFF -DPUPIL_VIDEO=OFF -DPUPIL_JSON=OFF -DPUPIL_V4L2=OFF
+    -DPUPIL_MEDIA=OFF -DPUPIL_V4L2=OFF
 program=$1/apps/pupil
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -36,25 +36,25 @@ echo '{}' >"$work/shots/recording.json"
 printf '\166\057\061\001 EXR by its first bytes' >"$work/a.exr"
 printf '\211PNG\r\n\032\n PNG by its first bytes' >"$work/a.png"
 cp "$work/a.png" "$work/a.mkv"
-refuses PUPIL_EXR replay "$work/a.exr" -q -o "$work/out.y4m"
-refuses PUPIL_PNG replay "$work/a.png" -q -o "$work/out.y4m"
-refuses PUPIL_VIDEO replay "$work/a.mkv" -q -o "$work/out.y4m"
-refuses PUPIL_PNG replay synth:walk --frames 1 -q -o "$work/out.png"
-refuses PUPIL_VIDEO replay synth:walk --frames 1 -q -o "$work/out.mp4"
-refuses PUPIL_JSON replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
+refuses PUPIL_MEDIA replay "$work/a.exr" -q -o "$work/out.y4m"
+refuses PUPIL_MEDIA replay "$work/a.png" -q -o "$work/out.y4m"
+refuses PUPIL_MEDIA replay "$work/a.mkv" -q -o "$work/out.y4m"
+refuses PUPIL_MEDIA replay synth:walk --frames 1 -q -o "$work/out.png"
+refuses PUPIL_MEDIA replay synth:walk --frames 1 -q -o "$work/out.mp4"
+refuses PUPIL_MEDIA replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
 refuses PUPIL_V4L2 replay v4l2:0 -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 replay /dev/video0 -q -o "$work/out.y4m"
-refuses PUPIL_VIDEO record synth:walk -n 1 "$work/out"
-refuses PUPIL_JSON replay "$work/shots" -q -o "$work/out.y4m"
+refuses PUPIL_MEDIA record synth:walk -n 1 "$work/out"
+refuses PUPIL_MEDIA replay "$work/shots" -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 list
 refuses PUPIL_V4L2 probe
 refuses PUPIL_V4L2 probe -d 0
-refuses PUPIL_JSON probe --json
+refuses PUPIL_MEDIA probe --json
 refuses PUPIL_V4L2 record "$work/out"
 refuses PUPIL_V4L2 record -d 0 --format YUYV "$work/out"
-refuses PUPIL_JSON list --json
-refuses PUPIL_SCENES render room -q -o "$work/out.y4m"
-refuses PUPIL_SCENES study -q
-refuses PUPIL_SCENES sim -q
-refuses PUPIL_BENCH bench scene
+refuses PUPIL_MEDIA list --json
+refuses PUPIL_LAB render room -q -o "$work/out.y4m"
+refuses PUPIL_LAB study -q
+refuses PUPIL_LAB sim -q
+refuses PUPIL_LAB bench scene
 exit $status

@@ -47,7 +47,7 @@ pupil_add_nested(digest.x86-64-v3 full 600 digests "-R digest$"
 set(no_vectors "unit.(sensor|row_gain)|drivers.(camera|live|malformed|pending|recording|v4l2|video)")
 string(APPEND no_vectors "|apps.(bench|list|probe|record|replay_gles|run|sim)")
 pupil_add_nested(level.scalar full 1800 - "-L quick -R ^(unit|stream|kernels|drivers|apps) -E ^(${no_vectors})"
-  -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_GLES=OFF -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
+  -DPUPIL_TESTS=ON -DPUPIL_LEVELS=scalar -DPUPIL_GPU=OFF -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo)
 
 # Sweeps of the sensor's controller and of row gains: unit.sensor_machine, sensor_lies, fixtures.loop, row_gain_scenes
 # and row_gain_random walk all of their code elsewhere.

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "egl/egl_common.h"
+#include "egl_private.h"
 
 /* Names of formats and the linear modifier, as in the kernel's drm_fourcc.h. */
 #define FOURCC(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)

@@ -8,7 +8,7 @@
 static int refuse(const char *what, char *why, size_t why_bytes)
 {
     if (why && why_bytes)
-        snprintf(why, why_bytes, "this build of pupil has no %s (it was configured with PUPIL_EGL=OFF)", what);
+        snprintf(why, why_bytes, "this build of pupil has no %s (it was configured with PUPIL_GPU=OFF)", what);
     return -1;
 }
 

@@ -1,4 +1,4 @@
-#include "egl/egl_common.h"
+#include "egl_private.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "egl/egl_common.h"
+#include "egl_private.h"
 
 struct pupil_egl {
     EGLDisplay display;

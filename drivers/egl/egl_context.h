@@ -1,6 +1,6 @@
 /* drivers/egl/egl_context.h: an OpenGL ES context without a window, for pupil_gles (pupil/gles.h).
  *
- * Where EGL is left out of the build (PUPIL_EGL=OFF) open fails with a sentence that says so.
+ * Where EGL is left out of the build (PUPIL_GPU=OFF) open fails with a sentence that says so.
  *
  * Threads: a context is current in one thread at a time; it is made current in the thread that opens it.
  */
@@ -35,7 +35,7 @@ int pupil_egl_release_current(pupil_egl *egl);
 /* For pupil_gles_init. */
 pupil_gles_function pupil_egl_get_proc(const char *name);
 
-/* The EGLDisplay; of a window's context (drivers/egl/window.h) eglGetCurrentDisplay says it. */
+/* The EGLDisplay; of a window's context (drivers/window/window.h) eglGetCurrentDisplay says it. */
 void *pupil_egl_display(const pupil_egl *egl);
 
 /* GL_RENDERER and GL_VERSION of the current context, as text for messages: "llvmpipe (...), OpenGL ES 3.2 ..." */

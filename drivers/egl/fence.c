@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "egl/dmabuf.h"
-#include "egl/egl_common.h"
+#include "egl_private.h"
 
 static struct {
     PFNEGLCREATESYNCKHRPROC create;

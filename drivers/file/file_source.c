@@ -7,7 +7,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "natural_order.h"
+#include "file/still/natural_order.h"
 
 #define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm or .png"
 

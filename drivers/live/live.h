@@ -15,9 +15,9 @@
 #ifndef PUPIL_DRIVERS_LIVE_H
 #define PUPIL_DRIVERS_LIVE_H
 
-#include "camera/camera_controls.h"
 #include "source.h"
-#include "v4l2/v4l2_capture.h"
+#include "v4l2/capture/capture.h"
+#include "v4l2/controls/camera_controls.h"
 
 typedef struct pupil_live_options {
     pupil_v4l2_options capture;

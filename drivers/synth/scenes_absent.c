@@ -8,7 +8,7 @@ int pupil_scene_source_open(const char *recipe, const pupil_source_options *opti
 {
     (void)options;
     (void)source;
-    snprintf(why, why_bytes,
-             "synth:%s: this build has walk alone: no scene renderer (configured with PUPIL_SCENES=OFF)", recipe);
+    snprintf(why, why_bytes, "synth:%s: this build has walk alone: no scene renderer (configured with PUPIL_LAB=OFF)",
+             recipe);
     return PUPIL_SOURCE_FAILED;
 }

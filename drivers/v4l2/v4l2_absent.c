@@ -2,12 +2,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "v4l2/v4l2_device.h"
-#include "v4l2/v4l2_format.h"
-#include "v4l2/v4l2_media.h"
-#include "v4l2/v4l2_modes.h"
-#include "v4l2/v4l2_sink.h"
-#include "v4l2/v4l2_source.h"
+#include "device.h"
+#include "format.h"
+#include "modes.h"
+#include "v4l2/capture/v4l2_source.h"
+#include "v4l2/media/media.h"
+#include "v4l2/output/v4l2_sink.h"
 
 static int absent(const char *which, char *why, size_t why_bytes)
 {

@@ -3,7 +3,7 @@
  * step is rounded away from the old value) and never past it. */
 #include "object.h"
 
-#include "numeric.h"
+#include "base/numeric.h"
 
 /* A step of w of the way from s to t, at least one unit where w > 0. */
 static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)

@@ -1,8 +1,8 @@
 /* A pupil_coding: whether it is right, and as factors for the kernels. */
 #include "object.h"
 
-#include "fault.h"
-#include "numeric.h"
+#include "base/fault.h"
+#include "base/numeric.h"
 
 static int all_zero(const float *x, int count)
 {

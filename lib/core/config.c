@@ -1,7 +1,7 @@
 #include "object.h"
 
-#include "fault.h"
-#include "numeric.h"
+#include "base/fault.h"
+#include "base/numeric.h"
 
 void pupil_config_default(pupil_config *config)
 {

@@ -1,7 +1,7 @@
 /* The adapted level as what a mapper needs. */
 #include "object.h"
 
-#include "numeric.h"
+#include "base/numeric.h"
 
 /* W from its log2; has_white 0: there is none. The scale's bound of 2^60 keeps every product of the tone kernel inside
  * a float: scale * 2^30 of luminance * 2^16 for the smallest white. */

@@ -2,8 +2,8 @@
 #ifndef PUPIL_CORE_OBJECT_H
 #define PUPIL_CORE_OBJECT_H
 
-#include "../kernels/kernels.h"
-#include "beat.h"
+#include "flicker/beat.h"
+#include "kernels/kernels.h"
 
 /* Our own mistakes stop here; a board may define its own way of stopping. */
 #ifndef PUPIL_TRAP

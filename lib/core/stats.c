@@ -1,6 +1,6 @@
 #include "object.h"
 
-#include "numeric.h"
+#include "base/numeric.h"
 
 void pupil_stats_clear(pupil_stats *stats)
 {

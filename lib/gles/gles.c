@@ -1,5 +1,5 @@
 /* The object's life, and a frame at once. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 void pupil_gles_config_default(pupil_gles_config *config)
 {

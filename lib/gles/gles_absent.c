@@ -1,9 +1,9 @@
-/* In the place of lib/gles where the library is built without OpenGL ES (PUPIL_GLES=OFF): says so. */
+/* In the place of lib/gles where the library is built without OpenGL ES (PUPIL_GPU=OFF): says so. */
 #include "pupil/gles.h"
 
 static int absent(char *why, size_t why_bytes)
 {
-    static const char sentence[] = "this library was built without OpenGL ES (CMake: -DPUPIL_GLES=ON)";
+    static const char sentence[] = "this library was built without OpenGL ES (CMake: -DPUPIL_GPU=ON)";
     for (size_t i = 0; why && i < why_bytes; i++) {
         why[i] = i + 1 < why_bytes && i < sizeof sentence ? sentence[i] : '\0';
         if (!why[i])

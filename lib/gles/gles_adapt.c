@@ -1,7 +1,7 @@
 /* ADAPT_GPU: what the shaders' integer law (shaders/adapt.glsl) is given for each frame. */
-#include "gles_object.h"
+#include "gles_private.h"
 
-#include "../core/numeric.h"
+#include "base/numeric.h"
 
 /* 64 bits of 2^-56 stops end at 128. A divisor beyond 96 has the target at ev_min or ev_max, 64 at most, whatever the
  * frame holds, which is 2^-30 to 2^30: it may as well be 96. */

@@ -1,5 +1,5 @@
 /* A white balance that follows the frames. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 int pupil_gles_balance(pupil_gles *gles, const float balance[3])
 {

@@ -1,5 +1,5 @@
 /* Mapping: where the picture lies in its target, and the draw. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 typedef struct rectangle {
     int32_t x, y, width, height; /* y from the framebuffer's first row */

@@ -1,5 +1,5 @@
 /* Metering of a frame, and the ring in which its statistics come back. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 static const gles_statistics no_statistics;
 

@@ -1,5 +1,5 @@
 /* From texts to programs, and their uniforms. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_t shader, char *why, size_t why_bytes)
 {

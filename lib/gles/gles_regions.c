@@ -1,5 +1,5 @@
 /* How a frame is cut for metering, and statistics from what the pieces left. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS])
 {

@@ -1,5 +1,5 @@
 /* Textures: a frame's, where it comes from memory, the tables', and the targets of ES 3.0's chain. */
-#include "gles_object.h"
+#include "gles_private.h"
 
 /* OES_EGL_image_external's, which gl31.h does not have. */
 #define TEXTURE_EXTERNAL 0x8D65

@@ -1,7 +1,7 @@
 /* A run of pixels of one row through the kernels, block by block, and what it adds to the statistics. */
 #include "kernels.h"
 
-#include "../core/numeric.h"
+#include "base/numeric.h"
 
 static void run_clear(pupil_run *run)
 {

@@ -3,7 +3,7 @@
 #include "kernels.h"
 #include "loads.h"
 
-#include "../core/numeric.h"
+#include "base/numeric.h"
 
 /* ---- load: to planar linear floats ---------------------------------------------------------------------------------
  */

@@ -12,7 +12,7 @@
 
 #include "kernels.h"
 
-#include "../core/numeric.h"
+#include "base/numeric.h"
 
 #define WAYS (PUPIL_LANES / WIDTH)
 /* gcc -O2 wants to be told, so that what a loop carries stays in registers; clang does so by itself. */

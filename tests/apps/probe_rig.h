@@ -6,8 +6,8 @@
 
 #include <linux/videodev2.h>
 
-#include "probe.h"
-#include "v4l2/fake/fake_v4l2.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "probe/probe.h"
 
 static inline fake_v4l2_config usual(void)
 {

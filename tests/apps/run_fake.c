@@ -22,10 +22,10 @@
 #include <string.h>
 #include <time.h>
 
-#include "probe.h"
-#include "run.h"
-#include "v4l2/fake/fake_v4l2.h"
-#include "v4l2/v4l2_format.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "probe/probe.h"
+#include "run/run.h"
+#include "v4l2/format.h"
 
 enum { MOST_LIGHTS = 16 };
 

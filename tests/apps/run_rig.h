@@ -7,11 +7,11 @@
 #include <math.h>
 
 #include "check.h"
-#include "replay_work.h"
-#include "run_colour.h"
-#include "run_lamps.h"
-#include "run_sensor.h"
-#include "v4l2/fake/fake_v4l2.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "frame/replay_work.h"
+#include "run/colour.h"
+#include "run/lamps.h"
+#include "run/sensor.h"
 
 typedef struct live_run {
     fake_v4l2 *fake;

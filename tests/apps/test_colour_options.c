@@ -1,6 +1,6 @@
 /* What --white-balance, --matrix and --black-level take, and what they say to the rest. */
 #include "check.h"
-#include "colour_options.h"
+#include "options/colour_options.h"
 
 typedef int option(pupil_colour_options *, const char *, char *, size_t);
 

@@ -5,8 +5,8 @@
 #include <errno.h>
 #include <linux/videodev2.h>
 
-#include "list.h"
-#include "v4l2/fake/fake_v4l2.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "list/list.h"
 
 typedef struct listing {
     int status;

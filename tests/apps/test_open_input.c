@@ -1,7 +1,7 @@
 /* What a user names as an input: which of the drivers is asked, by what it says. */
 #include "check.h"
 
-#include "open_input.h"
+#include "common/open_input.h"
 
 static void check_refused(const char *input, const char *other, const char *sentence)
 {

@@ -1,12 +1,12 @@
 /* --plot: every run can be drawn, whatever is in it; long runs are thinned without losing a spike; failures are
  * sentences. */
-#include "plot.h"
+#include "output/plot.h"
 
 #include <math.h>
 
 #include "../drivers/scratch.h"
 #include "check.h"
-#include "plot_series.h"
+#include "output/plot_series.h"
 
 static char why[1024];
 

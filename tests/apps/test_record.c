@@ -7,12 +7,12 @@
 #include <stdarg.h>
 #include <time.h>
 
-#include "file/recording.h"
+#include "common/open_input.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "file/recording/recording.h"
 #include "live/live.h"
-#include "open_input.h"
 #include "pupil/pupil.h"
-#include "record_command.h"
-#include "v4l2/fake/fake_v4l2.h"
+#include "record/record.h"
 
 #define FRAMES 12
 

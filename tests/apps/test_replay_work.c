@@ -1,6 +1,6 @@
 /* The CPU takes over from the GPU in the middle of a run: the adapted level is unbroken, and the picture is the CPU's
  * within what numerics.md allows; a context that is gone is noticed by itself. */
-#include "replay_work.h"
+#include "frame/replay_work.h"
 
 #include <math.h>
 

@@ -1,13 +1,13 @@
 /* --report: base64 and thumbnails as they should be; a page that loads nothing, runs nothing, shows what it was given
  * and nothing that it was not; complete or absent. */
-#include "report.h"
+#include "report/report.h"
 
 #include <math.h>
 
 #include "../drivers/scratch.h"
-#include "base64.h"
 #include "check.h"
-#include "thumbnail.h"
+#include "report/base64.h"
+#include "report/thumbnail.h"
 
 static char why[1024];
 

@@ -1,5 +1,5 @@
 /* --stats: what is read back is what was written, bit for bit; odd names and numbers; complete or absent. */
-#include "stats_file.h"
+#include "output/stats_file.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* The study on two lamps over spheres: every acceptance test holds; with the seeds' binary32 recursions A3 and A5 do
  * not; the tables are those that mapping every frame would give. */
-#include "study.h"
+#include "lab/study/study.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The seeds' own tables from numbers alone, where the shared folder has them. */
-#include "study.h"
+#include "lab/study/study.h"
 
 #include <math.h>
 

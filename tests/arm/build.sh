@@ -13,7 +13,7 @@ arm_build() {
             -DCMAKE_TOOLCHAIN_FILE="$tree/cmake/aarch64-linux-gnu.cmake" &&
             cmake --build "$into/library" --target pupil_static -j 2 &&
             aarch64-linux-gnu-gcc -O2 -std=gnu11 -D_GNU_SOURCE -Wall -Wextra -Werror -static \
-                -I"$tree/lib/include" -I"$tree/lib/core" -I"$tree/lib/lamps" -I"$tree/lib/kernels" \
+                -I"$tree/lib/include" -I"$tree/lib" \
                 "$tree/tests/arm/count.c" "$into/library/lib/libpupil.a" -o "$into/count_arm" &&
             ${CC:-cc} -O2 -shared -fPIC "$tree/tests/arm/count_plugin.c" -o "$into/count_plugin.so"
     } >"$into/build.log" 2>&1 || {

@@ -7,7 +7,7 @@
  *
  * A line for each; the plugin adds the number of instructions.
  */
-#include "object.h"
+#include "core/object.h"
 
 #include <stdio.h>
 #include <stdlib.h>

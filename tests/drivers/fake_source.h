@@ -4,8 +4,8 @@
 
 #include "check.h"
 
-#include "v4l2/fake/fake_v4l2.h"
-#include "v4l2/v4l2_source.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "v4l2/capture/v4l2_source.h"
 
 typedef struct fake_source {
     fake_v4l2 *fake;

@@ -4,7 +4,7 @@
 
 #include "check.h"
 
-#include "file/recording.h"
+#include "file/recording/recording.h"
 #include "sink.h"
 
 #define FRAMES_MOST 256

@@ -5,7 +5,7 @@
 
 #include "scratch.h"
 
-#include "file/still.h"
+#include "file/still/still.h"
 
 static inline void write_file(const char *path, const void *bytes, size_t size)
 {

@@ -1,8 +1,8 @@
 /* Codes to factors and seconds and back, for every law and every sensor of the table; and the table's parser. */
 #include <math.h>
 
-#include "camera/camera_controls.h"
 #include "check.h"
+#include "v4l2/controls/camera_controls.h"
 
 static void round_trip(const char *name, const pupil_camera_gain *law, pupil_camera_range range)
 {

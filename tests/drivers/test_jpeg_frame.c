@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "file/jpeg_frame.h"
+#include "file/video/jpeg_frame.h"
 
 static uint8_t written[1 << 20], broken[1 << 20];
 static char why[512];

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "v4l2/fake/fake_v4l2.h"
+#include "fake_v4l2/fake_v4l2.h"
 
 static char why[PUPIL_WHY_BYTES];
 

@@ -4,10 +4,10 @@
 #include <math.h>
 
 #include "check.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "live/colour.h"
 #include "live/live.h"
-#include "live/live_colour.h"
 #include "pupil/pupil.h"
-#include "v4l2/fake/fake_v4l2.h"
 
 #define FPS 30
 

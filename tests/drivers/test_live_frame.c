@@ -9,12 +9,12 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "file/recording.h"
+#include "fake_v4l2/fake_v4l2.h"
+#include "file/recording/recording.h"
+#include "live/colour.h"
 #include "live/live.h"
-#include "live/live_colour.h"
 #include "pupil/pupil.h"
 #include "scratch.h"
-#include "v4l2/fake/fake_v4l2.h"
 
 #define FRAMES 600
 #define FIRST  10 /* frames before what is counted: those of the first large steps */

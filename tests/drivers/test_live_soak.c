@@ -8,10 +8,10 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "fake_v4l2/fake_v4l2.h"
 #include "live/live.h"
 #include "pupil/pupil.h"
 #include "resident.h"
-#include "v4l2/fake/fake_v4l2.h"
 
 #define FPS         30
 #define EVENT_EVERY 1500 /* frames, in the mean */

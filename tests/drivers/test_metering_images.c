@@ -2,7 +2,7 @@
  * the pixels and 1e-9 from the same floats for a megapixel and more, 2.5e-7 and 5e-8 for any.
  */
 #include "check.h"
-#include "file/still.h"
+#include "file/still/still.h"
 #include "reference.h"
 
 #include <dirent.h>

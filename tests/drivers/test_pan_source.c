@@ -1,8 +1,8 @@
 /* A camera in a panorama: light is kept by the resampling, edges and poles do not show, the path goes where it says. */
 #include "scratch.h"
 
-#include "file/pan_path.h"
-#include "file/pan_source.h"
+#include "file/pan/pan_path.h"
+#include "file/pan/pan_source.h"
 
 static const double pi = 3.14159265358979323846;
 static char why[PUPIL_WHY_BYTES];

@@ -2,7 +2,7 @@
 #include "check.h"
 #include "scratch.h"
 
-#include "file/recording.h"
+#include "file/recording/recording.h"
 #include "recording_frames.h"
 
 static char why[PUPIL_WHY_BYTES];

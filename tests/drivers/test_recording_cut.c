@@ -5,7 +5,7 @@
 #include <fcntl.h>
 #include <sys/wait.h>
 
-#include "file/recording.h"
+#include "file/recording/recording.h"
 #include "recording_frames.h"
 
 #define KILLS 30

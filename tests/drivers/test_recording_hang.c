@@ -5,7 +5,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
-#include "file/recording.h"
+#include "file/recording/recording.h"
 #include "recording_frames.h"
 
 static char why[PUPIL_WHY_BYTES];

@@ -6,8 +6,8 @@
 #include <libavformat/avformat.h>
 #include <libavutil/log.h>
 
-#include "file/jpeg_frame.h"
-#include "file/recording.h"
+#include "file/recording/recording.h"
+#include "file/video/jpeg_frame.h"
 #include "recording_frames.h"
 #include "write_jpeg.h"
 

@@ -9,7 +9,7 @@
 #include <libavutil/log.h>
 #include <libavutil/pixdesc.h>
 
-#include "file/recording.h"
+#include "file/recording/recording.h"
 #include "recording_frames.h"
 
 #define COUNT 40

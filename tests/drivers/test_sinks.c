@@ -1,9 +1,9 @@
 /* The sinks for pictures and YUV4MPEG2, what all sinks share, and what they leave behind. */
 #include "scratch.h"
 
-#include "file/file_sink.h"
-#include "file/sink_common.h"
-#include "file/yuv709.h"
+#include "file/sink/file_sink.h"
+#include "file/sink/sink_common.h"
+#include "file/video/yuv709.h"
 
 #include <fcntl.h>
 #include <png.h>

@@ -2,7 +2,7 @@
 #include "still_check.h"
 
 #include "file/file_source.h"
-#include "file/natural_order.h"
+#include "file/still/natural_order.h"
 
 static char why[PUPIL_WHY_BYTES];
 

@@ -4,8 +4,8 @@
 #include <errno.h>
 #include <linux/videodev2.h>
 
-#include "v4l2/v4l2_media.h"
-#include "v4l2/v4l2_modes.h"
+#include "v4l2/media/media.h"
+#include "v4l2/modes.h"
 
 static char why[PUPIL_WHY_BYTES];
 

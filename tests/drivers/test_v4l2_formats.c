@@ -4,10 +4,10 @@
 #include <linux/videodev2.h>
 #include <math.h>
 
+#include "fake_v4l2/fake_v4l2.h"
 #include "pupil/pupil.h"
-#include "v4l2/fake/fake_v4l2.h"
-#include "v4l2/v4l2_modes.h"
-#include "v4l2/v4l2_source.h"
+#include "v4l2/capture/v4l2_source.h"
+#include "v4l2/modes.h"
 
 static char why[PUPIL_WHY_BYTES];
 

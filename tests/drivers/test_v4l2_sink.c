@@ -5,9 +5,9 @@
 #include <linux/videodev2.h>
 #include <math.h>
 
+#include "fake_v4l2/fake_v4l2.h"
 #include "source.h"
-#include "v4l2/fake/fake_v4l2.h"
-#include "v4l2/v4l2_sink.h"
+#include "v4l2/output/v4l2_sink.h"
 
 static char why[PUPIL_WHY_BYTES];
 

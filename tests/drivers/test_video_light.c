@@ -2,8 +2,8 @@
 #include "clip.h"
 #include "scratch.h"
 
-#include "file/video_light.h"
-#include "file/video_source.h"
+#include "file/video/video_light.h"
+#include "file/video/video_source.h"
 
 static char why[PUPIL_WHY_BYTES];
 

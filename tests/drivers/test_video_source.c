@@ -2,7 +2,7 @@
 #include "clip.h"
 #include "scratch.h"
 
-#include "file/video_source.h"
+#include "file/video/video_source.h"
 
 #include <sys/wait.h>
 

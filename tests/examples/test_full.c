@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "fake_v4l2/fake_v4l2.h"
 #include "pupil/camera_controls.h"
 #include "pupil/pupil.h"
-#include "v4l2/fake/fake_v4l2.h"
 
 #define FRAMES 80
 #define STEP   40 /* the frame from which on there is eight times the light */

@@ -14,7 +14,7 @@ count() {
 levels=$(ls lib/kernels/vector*.h lib/kernels/neon*.[ch] lib/kernels/avx*.[ch])
 reference=$(ls lib/kernels/*.[ch] lib/kernels/*.py | grep -v -e '/tables\.c$' $(printf ' -e %s' $levels))
 lines=$(count lib/core/*.[ch])
-echo "lib/core: $lines lines that are not blank; beside it lib/lamps, $(count lib/lamps/*.[ch]), the kernels of the" \
+echo "lib/core: $lines lines that are not blank; beside it the other rooms, $(count lib/base/*.[ch] lib/flicker/*.[ch] lib/row_gain/*.[ch] lib/sensor/*.[ch]), the kernels of the" \
     "reference, $(count $reference), the levels with vectors, $(count $levels), and lib/kernels/tables.c, which is" \
     "generated, $(count lib/kernels/tables.c)"
 echo "public headers: $(count lib/include/pupil/*.h) lines"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib/core and lib/lamps,
+# stack.sh: the stack of every function of the library, by -fstack-usage: at most 1024 bytes in lib,
 # and 4608 in lib/kernels, where the mapping kernels keep a buffer that stays in the first-level cache. Never without a
 # bound. And how large its code is; it has no data.
 set -eu
@@ -15,7 +15,7 @@ check() {
     mkdir "$work/$folder"
     for source in lib/"$folder"/*.c; do
         "$@" -std=c11 -fno-pie -ffp-contract=off -fno-math-errno -fno-trapping-math -fstack-usage \
-            -Ilib/include -Ilib/core -Ilib/lamps -Ilib/kernels -c "$source" \
+            -Ilib/include -Ilib -c "$source" \
             -o "$work/$folder/$(basename "$source" .c).o"
     done
     # FILE:LINE:COLUMN:FUNCTION <tab> BYTES <tab> static | dynamic | dynamic,bounded
@@ -46,7 +46,9 @@ for level in -Os -O2 -O3; do
             set -- "$@" -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -ffreestanding
         rm -rf "$work"/*
         check core 1024 "$compiler $level" "$@"
-        check lamps 1024 "$compiler $level" "$@"
+        for folder in base flicker row_gain sensor; do
+            check "$folder" 1024 "$compiler $level" "$@"
+        done
         check kernels 4608 "$compiler $level" "$@"
         case $compiler in
         *-gcc) check_size "$compiler $level" "${compiler%gcc}size" ;;

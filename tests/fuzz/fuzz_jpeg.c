@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-#include "file/jpeg_frame.h"
-#include "file/jpeg_parse.h"
+#include "file/video/jpeg_frame.h"
+#include "file/video/jpeg_parse.h"
 
 #define MOST_SIDE_PX 512
 

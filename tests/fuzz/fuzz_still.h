@@ -1,7 +1,7 @@
 /* tests/fuzz/fuzz_still.h: a libFuzzer target for one still reader; the file that includes this defines READER.
  *
  * The still is kept from input to input, as a sequence of stills does. */
-#include "file/still.h"
+#include "file/still/still.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Any bytes as a video: frames, damage or a sentence, but never a crash, a hang or a pixel out of bounds. */
 #include "drivers/clip.h"
 
-#include "file/video_source.h"
+#include "file/video/video_source.h"
 
 #include <unistd.h>
 

@@ -2,8 +2,8 @@
 #ifndef PUPIL_TESTS_GL_SHIM_INSIDE_H
 #define PUPIL_TESTS_GL_SHIM_INSIDE_H
 
-#include "gl_functions.h"
 #include "gl_shim.h"
+#include "gles/gl_functions.h"
 
 enum {
 #define CALL_NUMBER(NAME, TYPE) CALL_##NAME,

@@ -4,7 +4,7 @@
 #include <dirent.h>
 #include <unistd.h>
 
-#include "file/still.h"
+#include "file/still/still.h"
 #include "same.h"
 #include "synth/synth_source.h"
 

@@ -2,7 +2,7 @@
  * what another's does not. */
 #include "check.h"
 #include "drivers/scratch.h"
-#include "gles_variant.h"
+#include "gles/gles_variant.h"
 
 #include <ctype.h>
 

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "egl/window.h"
+#include "window/window.h"
 
 static char why[512];
 
@@ -149,7 +149,7 @@ int main(int argc, char **argv)
     pupil_window *window;
     unsetenv("DISPLAY");
     pupil_window_open(&window, &(pupil_window_options){.width = 1, .height = 1}, why, sizeof why);
-    if (strstr(why, "PUPIL_WINDOW=OFF"))
+    if (strstr(why, "PUPIL_GPU=OFF"))
         return check_skip("built without a window");
     if (system("command -v Xvfb >/dev/null && command -v xdotool >/dev/null") != 0)
         return check_skip("no Xvfb or no xdotool");

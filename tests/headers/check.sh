@@ -5,9 +5,9 @@ cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 checked=0
-for header in lib/include/pupil/*.h drivers/camera/camera_controls.h; do
+for header in lib/include/pupil/*.h drivers/v4l2/controls/camera_controls.h; do
     name=pupil/$(basename "$header")
-    [ "$header" != drivers/camera/camera_controls.h ] || name=camera/camera_controls.h # installed beside the others
+    [ "$header" != drivers/v4l2/controls/camera_controls.h ] || name=v4l2/controls/camera_controls.h # installed beside the others
     printf '#include "%s"\n#include "%s"\n' "$name" "$name" | tee "$work/alone.c" >"$work/alone.cpp"
     for compiler in gcc clang; do
         command -v "$compiler" >/dev/null || continue
@@ -23,4 +23,4 @@ for header in lib/include/pupil/*.h drivers/camera/camera_controls.h; do
     done
 done
 [ $checked -gt 0 ] || { echo "check.sh: no compiler found"; exit 1; }
-echo "$checked compilations of $(ls lib/include/pupil/*.h drivers/camera/camera_controls.h | wc -l) headers"
+echo "$checked compilations of $(ls lib/include/pupil/*.h drivers/v4l2/controls/camera_controls.h | wc -l) headers"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "check.h"
-#include "kernels.h"
+#include "kernels/kernels.h"
 
 static const char *const level_name[PUPIL_LEVEL_COUNT] = {"scalar", "NEON", "AVX2", "AVX-512"};
 

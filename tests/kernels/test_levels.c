@@ -9,7 +9,7 @@
 
 #include "check.h"
 #include "frames.h"
-#include "kernels.h"
+#include "kernels/kernels.h"
 
 static const char *const level_name[PUPIL_LEVEL_COUNT] = {"scalar", "NEON", "AVX2", "AVX-512"};
 static const char *const pixel_name[PUPIL_PIXEL_COUNT] = {

@@ -14,7 +14,7 @@ compile() {
     mkdir -p "$objects"
     for source; do
         ${CC:-cc} -std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-trapping-math -I"$lib/include" \
-            -I"$lib/core" -I"$lib/lamps" -I"$lib/kernels" -Itests -c "$source" -o "$objects/$(basename "$source" .c).o"
+            -I"$lib" -Itests -c "$source" -o "$objects/$(basename "$source" .c).o"
     done
 }
 
@@ -22,7 +22,7 @@ compile() {
 # run, is compiled once.
 with=avx2
 ! grep -qw avx512f /proc/cpuinfo || with="avx2 avx512"
-compile lib "$work/same" lib/core/*.c lib/lamps/*.c lib/kernels/*.c tests/kernels/test_levels.c tests/frames.c
+compile lib "$work/same" lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c tests/kernels/test_levels.c tests/frames.c
 
 # try NAME EXPECTED FILE SED_SCRIPT
 try() {

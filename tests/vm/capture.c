@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "v4l2/v4l2_modes.h"
-#include "v4l2/v4l2_source.h"
+#include "v4l2/capture/v4l2_source.h"
+#include "v4l2/modes.h"
 #include "vm/loop.h"
 #include "vm/node.h"
 #include "vm/pattern.h"

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "file/recording.h"
-#include "v4l2/v4l2_source.h"
+#include "file/recording/recording.h"
+#include "v4l2/capture/v4l2_source.h"
 #include "vm/node.h"
 
 #define BEFORE    5   /* frames before the error */

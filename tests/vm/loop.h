@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "v4l2/v4l2_sink.h"
-#include "v4l2/v4l2_source.h"
+#include "v4l2/capture/v4l2_source.h"
+#include "v4l2/output/v4l2_sink.h"
 #include "vm/node.h"
 
 #define LOOP_WIDTH  1920u

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 #include "source.h"
-#include "v4l2/v4l2_format.h"
+#include "v4l2/format.h"
 
 /* The items of the menu "Test Pattern" (enum tpg_pattern). */
 enum { PATTERN_RED = 7, PATTERN_BLUE = 9, PATTERN_CHECKERS = 10 };

@@ -21,9 +21,9 @@ off=$(for part in INSTALL EXR PNG VIDEO JSON GLES EGL WINDOW SHARED; do echo "-D
         -DCMAKE_EXE_LINKER_FLAGS=-static -DCMAKE_TOOLCHAIN_FILE="$tree/cmake/aarch64-linux-gnu.cmake" &&
         cmake --build "$build" --target pupil -j 2 &&
         aarch64-linux-gnu-gcc -O2 -std=gnu11 -D_GNU_SOURCE -Wall -Wextra -Werror -static -pthread \
-            -I"$tree/tests" -I"$tree/lib/include" -I"$tree/drivers" -I"$tree/drivers/camera" \
+            -I"$tree/tests" -I"$tree/lib/include" -I"$tree/drivers" \
             "$here/capture.c" "$here/node.c" "$here/vgem.c" "$build/drivers/libpupil_drivers.a" \
-            "$build/drivers/camera/libpupil-camera.a" "$build/lib/libpupil.a" -lm -o "$guest/capture"
+            "$build/drivers/v4l2/controls/libpupil-camera.a" "$build/lib/libpupil.a" -lm -o "$guest/capture"
 } >"$guest/build.log" 2>&1 || {
     tail -n 40 "$guest/build.log"
     echo "FAILED: the drivers, the program or capture.c does not build for 64-bit ARM"

@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "v4l2/v4l2_media.h"
-#include "v4l2/v4l2_source.h"
+#include "v4l2/capture/v4l2_source.h"
+#include "v4l2/media/media.h"
 #include "vm/node.h"
 #include "vm/pattern.h"
 

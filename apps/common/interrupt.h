@@ -1,0 +1,15 @@
+/* apps/common/interrupt.h: Ctrl-C as a flag, so that a run can remove what is not complete. */
+#ifndef PUPIL_APPS_COMMON_INTERRUPT_H
+#define PUPIL_APPS_COMMON_INTERRUPT_H
+
+/* From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored: nohup) set the flag and interrupt what blocks, and
+ * SIGPIPE is ignored: a closed pipe is an error of the write. */
+void interrupt_watch(void);
+int interrupt_came(void);
+int interrupt_again(void); /* twice: whoever waits for an end has no more patience */
+
+/* Where the program dies of a fault of its own (SIGSEGV, SIGABRT ...) or of SIGQUIT, `act` is called first, with what a
+ * signal handler may do. NULL: no longer. */
+void interrupt_fatal(void (*act)(void));
+
+#endif

@@ -1,0 +1,38 @@
+/* apps/json_absent.c: in the place of stats_json.c, list_json.c and probe_json.c where the program is built without
+ * cJSON. */
+#include <stdlib.h>
+
+#include "file/sink/sink_common.h"
+#include "list/list.h"
+#include "output/stats_file.h"
+#include "probe/probe.h"
+
+int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
+{
+    return pupil_refuse(why, why_bytes,
+                        "%s: this program was built without cJSON (PUPIL_MEDIA=OFF); statistics can be a .csv file",
+                        path);
+}
+
+int pupil_stats_json_line(FILE *file, const pupil_record *record)
+{
+    (void)file, (void)record;
+    abort(); /* nobody comes here past the check */
+}
+
+const char *list_json_refusal(void)
+{
+    return "this program was built without cJSON (PUPIL_MEDIA=OFF); without --json it is text";
+}
+
+char *list_json(const list_camera *cameras, size_t count)
+{
+    (void)cameras, (void)count;
+    abort(); /* nor here */
+}
+
+char *probe_json(const probe_report *report)
+{
+    (void)report;
+    abort();
+}

@@ -1,0 +1,50 @@
+#include "open_input.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "file/file_source.h"
+#include "file/recording/recording.h"
+#include "synth/synth_source.h"
+#include "v4l2/capture/v4l2_source.h"
+
+#define SYNTH "synth:"
+
+static int starts_with(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+int input_is_camera(const char *input)
+{
+    return starts_with(input, PUPIL_V4L2_PREFIX) || starts_with(input, "/dev/video") || starts_with(input, "/dev/v4l/");
+}
+
+/* What one input is that must be alone; NULL: a file, of which there can be several. */
+static const char *kind_of(const char *input)
+{
+    return input_is_camera(input)      ? "camera"
+           : starts_with(input, SYNTH) ? "synthetic scene"
+           : pupil_is_recording(input) ? "recording"
+                                       : NULL;
+}
+
+int open_input(const char *const *inputs, size_t count, const pupil_source_options *options, pupil_source **source,
+               char *why, size_t why_bytes)
+{
+    for (size_t i = 0; i < count; i++) {
+        const char *kind = kind_of(inputs[i]);
+        if (!kind)
+            continue;
+        if (count > 1) {
+            snprintf(why, why_bytes, "%s: a %s must be the only input", inputs[i], kind);
+            return PUPIL_SOURCE_FAILED;
+        }
+        if (*kind == 'c')
+            return pupil_v4l2_source_open(inputs[i], options, NULL, source, why, why_bytes);
+        if (*kind == 's')
+            return pupil_synth_source_open(inputs[i] + sizeof SYNTH - 1, options, source, why, why_bytes);
+        return pupil_recording_open(inputs[i], source, why, why_bytes);
+    }
+    return pupil_file_source_open(inputs, count, options, source, why, why_bytes);
+}

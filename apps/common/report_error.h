@@ -1,0 +1,8 @@
+/* apps/common/report_error.h: a sentence for the user, on standard error. */
+#ifndef PUPIL_APPS_COMMON_REPORT_ERROR_H
+#define PUPIL_APPS_COMMON_REPORT_ERROR_H
+
+/* "COMMAND: WHY" and `end`. A sentence may quote a file's name: what would steer a terminal becomes '?'. */
+void sentence_say(const char *command, char *why, const char *end);
+
+#endif

@@ -1,0 +1,259 @@
+/* pupil bench ae: exposure loops on a simulated camera: pupil's beside published laws, each test with its limit. */
+#include "ae.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bench.h"
+#include "common/interrupt.h"
+
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
+enum { MOST_ROWS = 8000, LABEL = 22 };
+
+static const char help[] =
+    "usage: pupil bench ae [options]      (also: pupil bench --ae)\n"
+    "Exposure loops on a simulated camera, side by side: how many frames they take, how far they go\n"
+    "too far, what they do at rest, and around cameras that lie. Each number stands beside its limit.\n"
+    "      --controller NAME  one of: pupil rpi libipa softisp openpilot integrator0.25 integrator1 (all)\n"
+    "      --test NAME        one of: settle overshoot hunt identify calm seam background bands strobe\n"
+    "                         curve lies (all)\n"
+    "      --plot FILE        draws a step of +3 EV and one of -3 EV instead, all loops in one picture (.svg, .png)\n"
+    "      --json             one object a line: controller, test, of, gain_law, delay, believed,\n"
+    "                         step_ev, value, limit, unit, pass (null: it never got there)\n"
+    "  -q, --quiet            no progress       -h, --help\n"
+    "exit: 0 done, whatever passed, 1 failed, 2 usage, 130 interrupted\n";
+
+/* ---- running ------------------------------------------------------------------------------------------------------
+ */
+
+int bench_ae_run(bench_ae *b)
+{
+    static const struct {
+        int (*run)(bench_ae *b, const fixture_controller *law);
+        const char *makes[2];
+    } tests[] = {{bench_ae_settle, {"settle", "overshoot"}},
+                 {bench_ae_hunt, {"hunt", ""}},
+                 {bench_ae_identify, {"identify", ""}},
+                 {bench_ae_calm, {"calm", ""}},
+                 {bench_ae_seam, {"seam", ""}},
+                 {bench_ae_flicker, {"background", ""}},
+                 {bench_ae_mains, {"bands", ""}},
+                 {bench_ae_strobe, {"strobe", ""}},
+                 {bench_ae_curve, {"curve", ""}},
+                 {bench_ae_lies, {"lies", ""}}};
+    for (size_t t = 0; t < sizeof tests / sizeof tests[0]; t++) {
+        if (b->test && strcmp(b->test, tests[t].makes[0]) != 0 && strcmp(b->test, tests[t].makes[1]) != 0)
+            continue;
+        for (size_t i = 0; i < FIXTURE_CONTROLLERS; i++) {
+            const fixture_controller *law = &fixture_controllers[i];
+            if ((!b->law || b->law == law) && tests[t].run(b, law))
+                return -1;
+        }
+    }
+    return 0;
+}
+
+/* ---- as lines -----------------------------------------------------------------------------------------------------
+ */
+
+/* JSON has no number for what never was. */
+static void put_number(const char *name, double value)
+{
+    if (isfinite(value))
+        printf("\"%s\":%.6g,", name, value);
+    else
+        printf("\"%s\":null,", name);
+}
+
+static void see_json(void *context, const bench_ae_row *row)
+{
+    (void)context;
+    printf("{\"controller\":\"%s\",\"test\":\"%s\",\"of\":\"%s\",\"gain_law\":\"%s\",\"delay\":%u,\"believed\":%u,",
+           row->law->name, row->test, row->of, row->gain_law, row->delay, row->believed);
+    put_number("step_ev", row->step_ev);
+    put_number("value", row->value);
+    put_number("limit", row->limit);
+    printf("\"unit\":\"%s\",\"pass\":%s}\n", row->unit, row->pass ? "true" : "false");
+}
+
+/* ---- as tables ----------------------------------------------------------------------------------------------------
+ */
+
+typedef struct kept {
+    bench_ae_row row;
+    char of[64];
+} kept;
+
+typedef struct table {
+    kept *row;
+    size_t rows;
+    int shown; /* progress */
+} table;
+
+static void see_table(void *context, const bench_ae_row *row)
+{
+    table *t = context;
+    if (t->rows == MOST_ROWS)
+        return;
+    kept *k = &t->row[t->rows++];
+    k->row = *row;
+    snprintf(k->of, sizeof k->of, "%s", row->of);
+    if (t->shown)
+        fprintf(stderr, "\r\033[K%s: %s", row->law->name, row->test);
+}
+
+static void put_value(double value, int frames)
+{
+    if (isnan(value))
+        printf("%8s", "never");
+    else
+        printf(frames ? "%8.0f" : "%8.4f", value);
+}
+
+/* Settling as the published comparisons have it: one camera, delay 3, a column a step. */
+static void put_settling(const table *t, const char *test, int frames)
+{
+    int first = 1;
+    for (size_t i = 0; i < 2 * (size_t)FIXTURE_CONTROLLERS; i++) {
+        const fixture_controller *law = &fixture_controllers[i / 2];
+        const int no_flash = i % 2;
+        size_t found = 0;
+        for (size_t k = 0; k < t->rows; k++) {
+            const bench_ae_row *r = &t->row[k].row;
+            if (strcmp(r->test, test) != 0 || r->delay != 3 || r->law != law ||
+                (strstr(t->row[k].of, BENCH_AE_NO_FLASH) != NULL) != no_flash ||
+                strcmp(r->gain_law, fixture_gain_law_name[FIXTURE_GAIN_RECIPROCAL]) != 0)
+                continue;
+            if (first)
+                printf("%s, %s; delay 3, gain 256/(256-n)\n%-*s%8s%8s%8s%8s%8s%8s%8s%8s\n", test,
+                       frames ? "frames to +-0.1 EV" : "EV", LABEL, "", "-6", "-3", "-1", "+1", "+3", "+6", "black",
+                       "white");
+            if (!found++)
+                printf("%-*s", LABEL, no_flash ? "pupil, " BENCH_AE_NO_FLASH : law->name);
+            first = 0;
+            put_value(r->value, frames);
+        }
+        if (found)
+            putchar('\n');
+    }
+    if (!first)
+        putchar('\n');
+}
+
+/* One line for each test, what of it, and controller: how many passed, and the worst of them beside its limit. */
+static void put_group(const table *t, size_t first, unsigned char *done)
+{
+    const bench_ae_row *of = &t->row[first].row, *worst = of;
+    const int frames = strcmp(of->unit, "frames") == 0;
+    size_t count = 0, passed = 0;
+    for (size_t k = first; k < t->rows; k++) {
+        const bench_ae_row *r = &t->row[k].row;
+        if (done[k] || strcmp(r->test, of->test) != 0 || r->law != of->law ||
+            strcmp(t->row[k].of, t->row[first].of) != 0)
+            continue;
+        done[k] = 1;
+        count++;
+        passed += r->pass != 0;
+        if (isnan(r->value) || (!isnan(worst->value) && r->value - r->limit > worst->value - worst->limit))
+            worst = r;
+    }
+    printf("%-11s %-44s %-15s", of->test, t->row[first].of, of->law->name);
+    put_value(worst->value, frames);
+    printf(frames ? "%8.0f" : "%8.4f", worst->limit);
+    printf("%6zu of %zu%s\n", passed, count, passed == count ? "" : "  *");
+}
+
+static void put_tables(const table *t)
+{
+    unsigned char *done = calloc(t->rows + 1, 1);
+    put_settling(t, "settle", 1);
+    put_settling(t, "overshoot", 0);
+    printf("%-11s %-44s %-15s%8s%8s  %s\n", "test", "of", "controller", "worst", "limit", "passed");
+    for (size_t k = 0; done && k < t->rows; k++)
+        if (!done[k])
+            put_group(t, k, done);
+    free(done);
+}
+
+/* ---- options ------------------------------------------------------------------------------------------------------
+ */
+
+static int named(const char *text, bench_ae *b, int test)
+{
+    if (!test && (b->law = fixture_controller_named(text)))
+        return 0;
+    for (size_t i = 0; test && i < BENCH_AE_TESTS; i++)
+        if (strcmp(text, bench_ae_tests[i]) == 0) {
+            b->test = bench_ae_tests[i];
+            return 0;
+        }
+    fprintf(stderr, "pupil bench ae: --%s %s: must be one of", test ? "test" : "controller", text);
+    for (size_t i = 0; i < (test ? (size_t)BENCH_AE_TESTS : (size_t)FIXTURE_CONTROLLERS); i++)
+        fprintf(stderr, " %s", test ? bench_ae_tests[i] : fixture_controllers[i].name);
+    fputc('\n', stderr);
+    return 1;
+}
+
+/* 0; 1: wrong; -1: nothing more is to be done. */
+static int read_options(int argc, char **argv, bench_ae *b, int *json, int *quiet)
+{
+    static const struct option known[] = {
+        {"controller", 1, NULL, 'c'}, {"test", 1, NULL, 't'}, {"json", 0, NULL, 'j'}, {"plot", 1, NULL, 'p'},
+        {"quiet", 0, NULL, 'q'},      {"help", 0, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    int c, wrong = 0;
+    optind = 1;
+    while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1) {
+        if (c == 'h')
+            return fputs(help, stdout), -1;
+        *json |= c == 'j';
+        *quiet |= c == 'q';
+        if (c == 'p')
+            b->plot = optarg;
+        if (c == 'c' || c == 't')
+            wrong = named(optarg, b, c == 't');
+        wrong |= c == '?';
+    }
+    if (!wrong && b->plot && (b->law || b->test || *json))
+        return fputs("pupil bench ae: --plot draws all loops and no test; it goes with no other option\n", stderr), 1;
+    if (!wrong && optind < argc)
+        return fprintf(stderr, "pupil bench ae: %s: it takes no argument; see --help\n", argv[optind]), 1;
+    return wrong;
+}
+
+int bench_ae_main(int argc, char **argv)
+{
+    bench_ae b = {.see = see_json};
+    table t = {0};
+    int json = 0, quiet = 0;
+    const int wrong = read_options(argc, argv, &b, &json, &quiet);
+    if (wrong)
+        return wrong > 0 ? EXIT_USAGE : EXIT_DONE;
+    b.frame = malloc(BENCH_AE_FRAMES * sizeof *b.frame);
+    t.row = json ? NULL : calloc(MOST_ROWS, sizeof *t.row);
+    t.shown = !quiet && isatty(STDERR_FILENO);
+    if (!json) {
+        b.see = see_table;
+        b.context = &t;
+    }
+    interrupt_watch();
+    int failed = !b.frame || (!json && !t.row);
+    if (failed)
+        snprintf(b.why, sizeof b.why, "not enough memory");
+    failed = failed || (b.plot ? bench_ae_plot(&b) : bench_ae_run(&b));
+    if (t.shown)
+        fputs("\r\033[K", stderr);
+    if (!failed && !json && !b.plot)
+        put_tables(&t);
+    free(b.frame);
+    free(t.row);
+    if (interrupt_came())
+        return fputs("pupil bench ae: interrupted\n", stderr), EXIT_INTERRUPTED;
+    if (failed || fflush(stdout) != 0)
+        return fprintf(stderr, "pupil bench ae: %s\n", failed ? b.why : "standard output cannot be written"),
+               EXIT_FAILED;
+    return EXIT_DONE;
+}

@@ -1,0 +1,33 @@
+/* apps/lab/bench/frames.h: frames for the kernels' benchmark: an easy one, like what a camera sees, and a hard one,
+ * with what none should deliver. The same bytes in every run. */
+#ifndef PUPIL_APPS_LAB_BENCH_FRAMES_H
+#define PUPIL_APPS_LAB_BENCH_FRAMES_H
+
+#include <stddef.h>
+
+#include "pupil/pupil.h"
+
+/* An aligned frame of a format, all its planes in one piece of memory, to be given to free() by its data; data NULL: no
+ * memory. The format can have the size. */
+pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard);
+
+/* The easy one under lamps of modulation 0.3, two and a half periods of which pass from the first row to the last;
+ * turn: their phase on the first row, 0..1. */
+pupil_image_const bench_lamp_frame(uint32_t pixel, uint32_t width, uint32_t height, double turn);
+
+/* Bytes of all planes of a frame without gaps. */
+size_t bench_frame_bytes(uint32_t pixel, uint32_t width, uint32_t height);
+
+/* Memory for such a frame, aligned and zero, to write to; data NULL: no memory. */
+pupil_image bench_room(uint32_t pixel, uint32_t width, uint32_t height);
+
+/* Input formats, ended by a NULL name. */
+typedef struct bench_format {
+    const char *name;
+    uint32_t pixel;
+} bench_format;
+extern const bench_format bench_formats[];
+
+const char *bench_format_name(uint32_t pixel);
+
+#endif

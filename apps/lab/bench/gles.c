@@ -1,0 +1,295 @@
+/* pupil bench gles: metering and mapping on the GPU, in turns with one thread of the CPU and with plain copies of the
+ * same bytes; beside each speed its error. */
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bench.h"
+#include "common/interrupt.h"
+#include "egl/egl_context.h"
+#include "frames.h"
+#include "gles_subject.h"
+#include "source.h"
+#include "subject.h"
+
+static const char help[] = "usage: pupil bench gles [options]\n"
+                           "Frames on the GPU, in turns with one thread of the CPU and with plain copies.\n"
+                           "      --format NAME  one input format (rgba32f, rgba16f, nv12, bayer10, one by one)\n"
+                           "      --size WxH     (1920x1080, then 3840x2160)\n"
+                           "      --frames N     so many back to back on the GPU, then one wait (8; software: 1)\n"
+                           "      --rounds N     each is run N times; the median counts (7; software: 3)\n"
+                           "      --gles-version 3.0|3.1   (the best that there is)\n"
+                           "      --json         one object a line for each part\n"
+                           "  -q, --quiet        no progress       -h, --help\n"
+                           "parts: copy (texture to texture; memcpy), upload (into textures), meter, histogram (meter\n"
+                           "with it; ES 3.1), map, frame (all but the histogram)\n"
+                           "exit: 0 done, 1 failed, 2 usage, 130 interrupted\n";
+
+enum { MOST_RUNNERS = 2 * BENCH_GLES_PARTS };
+
+typedef struct options {
+    uint32_t pixel;         /* 0: the usual four */
+    uint32_t width, height; /* 0: the usual two */
+    uint32_t version;
+    unsigned frames, rounds;
+    int json, quiet;
+} options;
+
+typedef struct machine {
+    pupil_egl *egl;
+    gl_calls gl;
+    char name[300];       /* for people */
+    const char *software; /* no GPU, but this */
+} machine;
+
+/* ---- what is told -------------------------------------------------------------------------------------------------
+ */
+
+static void put_text(const char *text)
+{
+    putchar('"');
+    for (; *text; text++)
+        if (*text != '"' && *text != '\\' && (unsigned char)*text >= ' ')
+            putchar(*text);
+    putchar('"');
+}
+
+/* The error that belongs to a part: of the mean, of the picture, or of both. */
+static int has_mean(bench_part part)
+{
+    return part == BENCH_GLES_METER || part == BENCH_GLES_FRAME;
+}
+
+static int has_picture(bench_part part)
+{
+    return part == BENCH_GLES_MAP || part == BENCH_GLES_FRAME;
+}
+
+static void tell_json(const machine *m, const bench_gles_subject *s, bench_part part, double gpu_s, double cpu_s,
+                      const double copy_s[2], const bench_gles_error *e)
+{
+    pupil_gles_status status = {0};
+    pupil_gles_get_status(&s->gles, &status);
+    printf("{\"bench\":\"gles\",\"renderer\":");
+    put_text(m->name);
+    printf(",\"software\":%s,\"gles_version\":%.1f,\"part\":\"%s\",\"format\":\"%s\",\"width\":%lu,\"height\":%lu,"
+           "\"bytes\":%zu,\"gpu_ms\":%.4f,\"gpu_ratio_copy\":%.4f",
+           m->software ? "true" : "false", (double)status.version / 10.0, bench_part_names[part],
+           bench_format_name(s->in.pixel), (unsigned long)s->in.width, (unsigned long)s->in.height, s->bytes,
+           gpu_s * 1e3, gpu_s / copy_s[0]);
+    if (cpu_s > 0.0)
+        printf(",\"cpu_ms\":%.4f,\"cpu_ratio_memcpy\":%.4f,\"ratio_cpu\":%.4f", cpu_s * 1e3, cpu_s / copy_s[1],
+               gpu_s / cpu_s);
+    if (has_mean(part))
+        printf(",\"log_average_error\":%.3g", e->log_average);
+    if (has_picture(part))
+        printf(",\"code_max\":%d,\"off_by_one\":%.3g", e->code, e->off);
+    puts("}");
+}
+
+static void tell(const bench_gles_subject *s, bench_part part, double gpu_s, double cpu_s, const double copy_s[2],
+                 const bench_gles_error *e)
+{
+    char size[24];
+    snprintf(size, sizeof size, "%lux%lu", (unsigned long)s->in.width, (unsigned long)s->in.height);
+    printf("%-8s %-10s %-9s %9.3f %7.2f", bench_format_name(s->in.pixel), size, bench_part_names[part], gpu_s * 1e3,
+           gpu_s / copy_s[0]);
+    if (cpu_s > 0.0)
+        printf(" %9.3f %8.2f %8.2f", cpu_s * 1e3, cpu_s / copy_s[1], gpu_s / cpu_s);
+    else
+        printf(" %9s %8s %8s", "-", "-", "-");
+    if (has_mean(part))
+        printf("  %7.1e", e->log_average);
+    else if (has_picture(part))
+        printf("  %7s", "");
+    if (has_picture(part))
+        printf("  %d %.5f%%", e->code, 100.0 * e->off);
+    putchar('\n');
+}
+
+/* ---- measuring ----------------------------------------------------------------------------------------------------
+ */
+
+static int measure(const options *o, const machine *m, bench_gles_subject *s)
+{
+    bench_runner runner[MOST_RUNNERS];
+    bench_gles_error error;
+    char why[PUPIL_WHY_BYTES];
+    size_t n = 0, gpu_at[BENCH_GLES_PARTS], cpu_at[BENCH_GLES_PARTS];
+    s->frames = o->frames;
+    for (int part = 0; part < BENCH_GLES_PARTS; part++) {
+        bench_gles_run *const gpu = bench_gles_gpu(s, (bench_part)part), *const cpu = bench_gles_cpu((bench_part)part);
+        gpu_at[part] = cpu_at[part] = MOST_RUNNERS;
+        if (!gpu)
+            continue;
+        runner[gpu_at[part] = n++] = (bench_runner){.run = gpu, .context = s};
+        if (cpu)
+            runner[cpu_at[part] = n++] = (bench_runner){.run = cpu, .context = s};
+    }
+    if (bench_gles_compare(s, &error, why, sizeof why)) { /* warms everything up, too */
+        fprintf(stderr, "pupil bench: %s\n", why);
+        return BENCH_FAILED;
+    }
+    if (bench_race(runner, n, o->rounds, NULL, interrupt_came))
+        return interrupt_came() ? BENCH_INTERRUPTED : BENCH_FAILED;
+    if (s->error) {
+        fprintf(stderr, "pupil bench: %s\n", pupil_error_string(s->error));
+        return BENCH_FAILED;
+    }
+    const double copy_s[2] = {runner[gpu_at[BENCH_GLES_COPY]].median_s / o->frames,
+                              runner[cpu_at[BENCH_GLES_COPY]].median_s};
+    for (int part = 0; part < BENCH_GLES_PARTS; part++) {
+        if (gpu_at[part] == MOST_RUNNERS)
+            continue;
+        const double gpu_s = runner[gpu_at[part]].median_s / o->frames;
+        const double cpu_s = cpu_at[part] == MOST_RUNNERS ? 0.0 : runner[cpu_at[part]].median_s;
+        if (o->json)
+            tell_json(m, s, (bench_part)part, gpu_s, cpu_s, copy_s, &error);
+        else
+            tell(s, (bench_part)part, gpu_s, cpu_s, copy_s, &error);
+    }
+    fflush(stdout);
+    return BENCH_DONE;
+}
+
+static int measure_format(const options *o, const machine *m, uint32_t pixel, uint32_t width, uint32_t height)
+{
+    static bench_gles_subject s; /* large for a stack */
+    char why[PUPIL_WHY_BYTES];
+    int status = BENCH_FAILED;
+    if (!o->quiet && isatty(STDERR_FILENO))
+        fprintf(stderr, "measuring %s ...\r", bench_format_name(pixel));
+    if (bench_gles_open(&s, &m->gl, pupil_egl_get_proc, o->version, pixel, width, height, why, sizeof why))
+        fprintf(stderr, "pupil bench: %s: %s\n", bench_format_name(pixel), why);
+    else
+        status = measure(o, m, &s);
+    bench_gles_close(&s);
+    return status;
+}
+
+static int measure_all(const options *o, const machine *m)
+{
+    static const uint32_t usual[] = {PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_NV12, PUPIL_PIXEL_BAYER10};
+    static const uint32_t size[2][2] = {{1920, 1080}, {3840, 2160}};
+    int status = BENCH_DONE;
+    if (!o->json)
+        printf("%s\n%s%s%s%u frame%s before each wait, medians of %u rounds in turns with one thread of the CPU;\n"
+               "errors against the CPU: of the log-average (relative), of display samples (codes, share that is off)\n"
+               "format   size       part         GPU ms   /copy    CPU ms  /memcpy  GPU/CPU  error\n",
+               m->name, m->software ? "no GPU: this is " : "", m->software ? m->software : "",
+               m->software ? ", a software renderer\n" : "", o->frames, o->frames > 1 ? "s" : "", o->rounds);
+    for (unsigned i = 0; i < (o->width ? 1 : 2) && !status; i++)
+        for (unsigned f = 0; f < (o->pixel ? 1 : sizeof usual / sizeof usual[0]) && !status; f++)
+            status = measure_format(o, m, o->pixel ? o->pixel : usual[f], o->width ? o->width : size[i][0],
+                                    o->height ? o->height : size[i][1]);
+    return status;
+}
+
+/* ---- the command line ---------------------------------------------------------------------------------------------
+ */
+
+static int read_size(const char *text, options *o)
+{
+    if (bench_size(text, &o->width, &o->height))
+        return -1;
+    if (o->width % 4 == 0 && o->height % 2 == 0)
+        return 0;
+    fprintf(stderr, "pupil bench: --size %s: must be a multiple of 4 by an even number\n", text);
+    return -1;
+}
+
+static int read_format(const char *text, options *o)
+{
+    for (const bench_format *f = bench_formats; f->name; f++)
+        if (strcmp(f->name, text) == 0) {
+            o->pixel = f->pixel;
+            return 0;
+        }
+    fprintf(stderr, "pupil bench: --format %s: must be one of", text);
+    for (const bench_format *f = bench_formats; f->name; f++)
+        fprintf(stderr, " %s", f->name);
+    fputc('\n', stderr);
+    return -1;
+}
+
+static int read_version(const char *text, options *o)
+{
+    o->version = strcmp(text, "3.0") == 0   ? PUPIL_GLES_ES30
+                 : strcmp(text, "3.1") == 0 ? PUPIL_GLES_ES31
+                                            : PUPIL_GLES_BEST;
+    if (o->version)
+        return 0;
+    fprintf(stderr, "pupil bench: --gles-version %s: must be 3.0 or 3.1\n", text);
+    return -1;
+}
+
+/* 0; 1: wrong; -1: nothing more is to be done. */
+static int read_option(int option, options *o)
+{
+    switch (option) {
+    case 'f':
+        return read_format(optarg, o) != 0;
+    case 's':
+        return read_size(optarg, o) != 0;
+    case 'n':
+        return bench_number("frames", optarg, 1, 1000, &o->frames) != 0;
+    case 'r':
+        return bench_number("rounds", optarg, 1, 10000, &o->rounds) != 0;
+    case 'v':
+        return read_version(optarg, o) != 0;
+    case 'j':
+        o->json = 1;
+        return 0;
+    case 'q':
+        o->quiet = 1;
+        return 0;
+    case 'h':
+        fputs(help, stdout);
+        return -1;
+    default:
+        return 1;
+    }
+}
+
+static int read_options(int argc, char **argv, options *o)
+{
+    static const struct option known[] = {
+        {"format", 1, NULL, 'f'}, {"size", 1, NULL, 's'},         {"frames", 1, NULL, 'n'},
+        {"rounds", 1, NULL, 'r'}, {"gles-version", 1, NULL, 'v'}, {"json", 0, NULL, 'j'},
+        {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},         {NULL, 0, NULL, 0}};
+    int c, wrong = 0;
+    optind = 1;
+    while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1)
+        wrong = read_option(c, o);
+    if (wrong || optind == argc)
+        return wrong;
+    fprintf(stderr, "pupil bench: %s: formats are chosen by --format; see --help\n", argv[optind]);
+    return 1;
+}
+
+int bench_gles_main(int argc, char **argv)
+{
+    options o = {0};
+    static machine m;
+    char why[PUPIL_WHY_BYTES];
+    int status = read_options(argc, argv, &o);
+    if (status)
+        return status < 0 ? BENCH_DONE : BENCH_USAGE;
+    interrupt_watch();
+    const pupil_egl_options context = {.version = o.version};
+    if (pupil_egl_open(&m.egl, &context, why, sizeof why) ||
+        gl_calls_load(&m.gl, pupil_egl_get_proc, why, sizeof why)) {
+        fprintf(stderr, "pupil bench: %s\n", why);
+        pupil_egl_close(m.egl);
+        return BENCH_FAILED;
+    }
+    pupil_egl_describe(m.name, sizeof m.name);
+    m.software = gl_calls_software(&m.gl);
+    o.frames = o.frames ? o.frames : m.software ? 1 : 8; /* software takes as long for one as for many: a minute */
+    o.rounds = o.rounds ? o.rounds : m.software ? 3 : 7;
+    status = measure_all(&o, &m);
+    pupil_egl_close(m.egl);
+    return status;
+}

@@ -1,0 +1,11 @@
+/* apps/lab/bench/gles_absent.c: in the place of bench_gles*.c where the build has no OpenGL ES. */
+#include <stdio.h>
+
+#include "bench.h"
+
+int bench_gles_main(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    fputs("pupil bench gles: this program was built without OpenGL ES (PUPIL_GPU=OFF)\n", stderr);
+    return 1;
+}

@@ -1,0 +1,60 @@
+/* apps/lab/bench/gles_subject.h: a frame with what is run on it by the GPU and, beside it, by one thread of the CPU. */
+#ifndef PUPIL_APPS_LAB_BENCH_GLES_SUBJECT_H
+#define PUPIL_APPS_LAB_BENCH_GLES_SUBJECT_H
+
+#include "clock.h"
+#include "frame/gl_calls.h"
+#include "pupil/gles.h"
+
+typedef enum bench_part {
+    BENCH_GLES_COPY = 0,  /* a plain copy of as many bytes: texture to texture, memory to memory */
+    BENCH_GLES_UPLOAD,    /* into the GPU's textures; the CPU has nothing of the kind */
+    BENCH_GLES_METER,     /* without a histogram */
+    BENCH_GLES_HISTOGRAM, /* with it; where the context can */
+    BENCH_GLES_MAP,
+    BENCH_GLES_FRAME, /* upload, meter, map; on the CPU meter, then map */
+    BENCH_GLES_PARTS
+} bench_part;
+
+extern const char *const bench_part_names[BENCH_GLES_PARTS];
+
+typedef struct bench_gles_error {
+    double log_average; /* relative, against the CPU's */
+    int code;           /* largest distance of a display sample to the CPU's, codes */
+    double off;         /* share of samples that are not the CPU's */
+} bench_gles_error;
+
+typedef struct bench_gles_subject {
+    const gl_calls *gl;
+    unsigned frames; /* back to back, before the one wait */
+    pupil_image_const in;
+    pupil_image cpu_out, gpu_out; /* RGBA8 */
+    unsigned char *copy;
+    size_t bytes;
+    pupil_t plain, counting; /* without and with a histogram */
+    pupil_gles gles, gles_counting;
+    int open, open_counting;
+    pupil_stats stats;
+    pupil_curve curve;
+    GLuint framebuffer, renderbuffer;      /* what the GPU maps to */
+    GLuint texture[2], copied_framebuffer; /* the plain copy's */
+    GLsizei copy_width, copy_height;
+    int error; /* the first of a library's call */
+} bench_gles_subject;
+
+/* The easy frame of a format (bench_frames.h) in the current context. 0, or -1 and a sentence. Closing takes what a
+ * failed opening left. */
+int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_proc get_proc, uint32_t version,
+                    uint32_t pixel, uint32_t width, uint32_t height, char *why, size_t why_bytes);
+void bench_gles_close(bench_gles_subject *s);
+
+/* What runs a part; NULL: there is no such thing. The context is the subject. On the GPU it is as many frames as the
+ * subject says, on the CPU one. */
+typedef void bench_gles_run(void *subject);
+bench_gles_run *bench_gles_gpu(const bench_gles_subject *s, bench_part part);
+bench_gles_run *bench_gles_cpu(bench_part part);
+
+/* GPU against CPU on the frame that is timed. 0, or -1 and a sentence. */
+int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, char *why, size_t why_bytes);
+
+#endif

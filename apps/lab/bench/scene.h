@@ -1,0 +1,37 @@
+/* apps/lab/bench/scene.h: what `pupil bench scene` finds out of one scene. */
+#ifndef PUPIL_APPS_LAB_BENCH_SCENE_H
+#define PUPIL_APPS_LAB_BENCH_SCENE_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "recipe.h"
+
+#define BENCH_MOST_LIGHTS (FIXTURE_MOST_LAMPS + 1)
+
+typedef struct bench_sums { /* medians of one race */
+    double sum_s, copy_s, read_s;
+} bench_sums;
+
+/* A plain value: a child process fills it in memory that it shares. */
+typedef struct bench_scene {
+    char name[256];
+    uint32_t width, height;
+    unsigned threads;
+    uint64_t frames, lights;
+    double load_s, prepare_s;          /* the recipe to a tree; the picture of every light, in one pass */
+    double light_s[BENCH_MOST_LIGHTS]; /* the picture of each alone */
+    double frames_s, sums_s;           /* all frames as they are made; their sums alone, once more */
+    bench_sums warm, cold;             /* of all lights, beside a memcpy of one picture and a read of all */
+    uint64_t image_bytes, geometry_bytes;
+    uint64_t peak_bytes; /* of the process, once all frames were made, above what it began with */
+    int done;
+    char why[1024];
+} bench_scene;
+
+double bench_scene_total_s(const bench_scene *s);
+
+void bench_scene_json(FILE *out, const bench_scene *s);
+void bench_scene_table(FILE *out, const bench_scene *s, size_t scenes);
+
+#endif

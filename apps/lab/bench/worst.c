@@ -1,0 +1,158 @@
+/* pupil bench kernels --worst: how much longer than the median the slowest frame in a thousand takes, for frames that
+ * ought to be as quick as any. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "clock.h"
+#include "common/interrupt.h"
+#include "frames.h"
+#include "subject.h"
+
+enum { ROUNDS = 2000, CASES = 7, FRESH = CASES - 2, READ = CASES - 1 };
+
+static const char *const case_name[CASES] = {"ordinary", "hard", "dark", "denormal", "nan-inf", "fresh", "read"};
+static const char *const case_says[CASES] = {
+    "the easy frame, memory in use",
+    "of 16 samples one odd, one denormal, one black; 40 stops",
+    "every second pixel is black: 1e-20 or so",
+    "the same, 1e-41 or so: denormal",
+    "every second pixel has a NaN, +Inf or -Inf",
+    "the easy frame, output never touched before: page faults",
+    "no kernel: a plain read of the easy frame, for what the machine itself does"};
+
+typedef struct worst_case {
+    bench_subject s;
+    bench_kernel *kernel;
+    void *own_out; /* what s.out had before it was mapped afresh */
+    size_t bytes;
+    int failed;
+} worst_case;
+
+/* Untouched memory for the output; what was touched goes back. */
+static void map_afresh(void *context)
+{
+    worst_case *w = context;
+    if (w->s.out.data && w->s.out.data != w->own_out)
+        munmap(w->s.out.data, w->bytes);
+    w->s.out.data = mmap(NULL, w->bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (w->s.out.data == MAP_FAILED) {
+        w->s.out.data = w->own_out;
+        w->failed = 1;
+    }
+}
+
+static void run_read(void *context)
+{
+    bench_read_run(&((worst_case *)context)->s);
+}
+
+static void run(void *context)
+{
+    bench_kernel_run(((worst_case *)context)->kernel);
+}
+
+/* Every second pixel of an easy frame, so that ordinary and odd ones are never apart. */
+static void plant(pupil_image_const in, const float *odd, unsigned count)
+{
+    float *rgba = (float *)(uintptr_t)in.data;
+    const size_t pixels = (size_t)in.width * in.height;
+    for (size_t i = 0; i < pixels; i += 2)
+        for (size_t k = 0; k < 3; k++)
+            rgba[4 * i + k] = odd[(i / 2 + k) % count];
+}
+
+static int open_case(worst_case *w, int which, const bench_options *o, workers *crew, uint32_t level)
+{
+    static const float denormal[] = {1e-41f, 1e-39f, 1e-45f}, dark[] = {1e-20f, 1e-18f, 1e-24f},
+                       odd[] = {NAN, INFINITY, -INFINITY, 1.0f};
+    if (bench_subject_open(&w->s, o, PUPIL_PIXEL_RGBA32F, crew))
+        return -1;
+    free(w->s.copy); /* nothing is copied here */
+    w->s.copy = NULL;
+    if (which == 1) {
+        free((void *)(uintptr_t)w->s.in.data);
+        w->s.in = bench_frame(PUPIL_PIXEL_RGBA32F, o->width, o->height, 1);
+    }
+    w->kernel = calloc(1, sizeof *w->kernel);
+    w->own_out = w->s.out.data;
+    w->bytes = (size_t)o->width * o->height * 4;
+    if (!w->s.in.data || !w->kernel || bench_kernel_open(w->kernel, &w->s, BENCH_FUSED, level))
+        return fputs("pupil bench: not enough memory\n", stderr), -1;
+    if (which == 2)
+        plant(w->s.in, dark, 3);
+    if (which == 3)
+        plant(w->s.in, denormal, 3);
+    if (which == 4)
+        plant(w->s.in, odd, 4);
+    bench_kernel_run(w->kernel); /* the memory that is in use */
+    return 0;
+}
+
+static void close_case(worst_case *w)
+{
+    if (w->own_out && w->s.out.data != w->own_out) {
+        munmap(w->s.out.data, w->bytes);
+        w->s.out.data = w->own_out;
+    }
+    free(w->kernel);
+    bench_subject_close(&w->s);
+}
+
+static void tell(const bench_options *o, uint32_t level, unsigned threads, int i, const bench_runner *r,
+                 const bench_runner *ordinary)
+{
+    const double us = 1e6;
+    if (o->json)
+        printf("{\"bench\":\"worst\",\"frame\":\"%s\",\"kernel\":\"%s\",\"level\":\"%s\",\"format\":\"rgba32f\","
+               "\"out\":\"rgba8\",\"width\":%lu,\"height\":%lu,\"threads\":%u,\"frames\":%u,\"median_us\":%.2f,"
+               "\"p99_us\":%.2f,\"p999_us\":%.2f,\"max_us\":%.2f,\"ratio_p999_median\":%.4f,\"ratio_ordinary\":%.4f}\n",
+               case_name[i], i == READ ? "read" : "fused", i == READ ? "C" : bench_level_names[level],
+               (unsigned long)o->width, (unsigned long)o->height, threads, o->rounds ? o->rounds : ROUNDS,
+               us * r->median_s, us * r->p99_s, us * r->p999_s, us * r->most_s, r->p999_s / r->median_s,
+               r->median_s / ordinary->median_s);
+    else
+        printf("%-9s %9.1f %9.1f %9.1f %9.1f %9.2f %9.3f  %s\n", case_name[i], us * r->median_s, us * r->p99_s,
+               us * r->p999_s, us * r->most_s, r->p999_s / r->median_s, r->median_s / ordinary->median_s, case_says[i]);
+}
+
+static int race(const bench_options *o, worst_case *w, workers *crew, uint32_t level)
+{
+    bench_runner runner[CASES];
+    for (int i = 0; i < CASES; i++) {
+        runner[i] = (bench_runner){
+            .run = i == READ ? run_read : run, .context = &w[i], .prepare = i == FRESH ? map_afresh : NULL};
+        if (open_case(&w[i], i, o, crew, level))
+            return BENCH_FAILED;
+    }
+    if (bench_race(runner, CASES, o->rounds ? o->rounds : ROUNDS, NULL, interrupt_came))
+        return interrupt_came() ? BENCH_INTERRUPTED : BENCH_FAILED;
+    if (w[FRESH].failed)
+        return fputs("pupil bench: not enough memory to map the output afresh\n", stderr), BENCH_FAILED;
+    if (!o->json)
+        printf("fused, %s, RGBA float, %lux%lu, %u thread%s, %u frames of each in turns; us\n"
+               "%-9s %9s %9s %9s %9s %9s %9s\n",
+               bench_level_names[level], (unsigned long)o->width, (unsigned long)o->height, workers_count(crew),
+               workers_count(crew) > 1 ? "s" : "", o->rounds ? o->rounds : ROUNDS, "frame", "median", "p99", "p99.9",
+               "max", "p99.9/med", "/ordinary");
+    for (int i = 0; i < CASES; i++)
+        tell(o, level, workers_count(crew), i, &runner[i], &runner[0]);
+    fflush(stdout);
+    return BENCH_DONE;
+}
+
+int bench_worst(const bench_options *o, workers *crew)
+{
+    worst_case *w = calloc(CASES, sizeof *w);
+    if (!w) {
+        fputs("pupil bench: not enough memory\n", stderr);
+        return BENCH_FAILED;
+    }
+    const int status = race(o, w, crew, bench_best_level());
+    for (int i = 0; i < CASES; i++)
+        close_case(&w[i]);
+    free(w);
+    return status;
+}

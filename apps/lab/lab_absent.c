@@ -1,0 +1,34 @@
+/* In place of the lab's commands in a build without them. */
+#include <stdio.h>
+
+#include "commands.h"
+
+static int absent(const char *command)
+{
+    fprintf(stderr, "pupil %s: this build has no such command (it was configured with PUPIL_LAB=OFF)\n", command);
+    return 1;
+}
+
+int render_main(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    return absent("render");
+}
+
+int study_main(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    return absent("study");
+}
+
+int sim_main(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    return absent("sim");
+}
+
+int bench_main(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    return absent("bench");
+}

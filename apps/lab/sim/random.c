@@ -1,0 +1,174 @@
+/* pupil sim --random: many cameras and scripts from seeds, and whether any loop around them swings for ever. */
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "common/interrupt.h"
+#include "common/progress.h"
+#include "refuse.h"
+#include "sim.h"
+#include "synth/spread.h"
+
+enum { TAIL_FRAMES = 240, MOST_RANDOM_FRAMES = 2000, MOST_NAMED = 20 };
+/* Cameras that a thread takes at once, and that are waited for before those that failed are named, in their order. */
+enum { BLOCK = 16, ROUND = 64 * BLOCK };
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_INTERRUPTED = 130 };
+
+int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes)
+{
+    fixture_loop *loop = &o->loop;
+    fixture_plant_random(&loop->plant, seed);
+    fixture_plant_random_script(seed, &loop->plant, o->light, sizeof o->light);
+    if (fixture_plant_check(&loop->plant, why, why_bytes) ||
+        fixture_light_parse(&loop->script, o->light, why, why_bytes))
+        return -1;
+    fixture_loop_fit(loop);
+    /* what an owner believes who knows no better than that 4 is the longest that is usual, or has seen it jitter */
+    const uint32_t late = loop->plant.jitter[0] > loop->plant.jitter[1] ? loop->plant.jitter[0] : loop->plant.jitter[1];
+    loop->sensor.delay_frames = 4 + late;
+    sim_tell(o);
+    o->duration_s = fixture_light_last_s(&loop->script) + TAIL_FRAMES * loop->plant.frame_s;
+    return 0;
+}
+
+typedef struct outcome {
+    int is_done;
+    char why[256]; /* empty: all is well */
+} outcome;
+
+typedef struct random_run {
+    const sim_options *options;
+    uint64_t first, named; /* of this round, from the first seed on */
+    size_t count;
+    pthread_mutex_t lock; /* of these four */
+    progress progress;
+    uint64_t done, frames, failed;
+    outcome outcome[ROUND];
+} random_run;
+
+static double cpu_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* One plant; -1 and a sentence where it could not be run to its end or swings for ever. */
+static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, size_t *frames, char *why,
+                   size_t why_bytes)
+{
+    size_t event;
+    if (sim_random_loop(o, seed, why, why_bytes))
+        return -1;
+    const size_t all = sim_frames(o, &event);
+    *frames = all < MOST_RANDOM_FRAMES ? all : MOST_RANDOM_FRAMES;
+    if (fixture_loop_run(&o->loop, *frames, frame, why, why_bytes))
+        return -1;
+    const fixture_loop_sum sum = fixture_loop_sum_of(frame, *frames, 0, SIM_RANDOM_REST);
+    if (!sim_cycles(&sum))
+        return 0;
+    return pupil_refuse(why, why_bytes, "a limit cycle: %u swings, %.2f EV from end to end, in %d frames", sum.swings,
+                        sum.asked_pp_ev, (int)SIM_RANDOM_REST);
+}
+
+static void say(random_run *r)
+{
+    progress *p = &r->progress;
+    const double now = progress_now_s();
+    if (!p->shown || now - p->last_s < 0.2)
+        return;
+    p->last_s = now;
+    p->line_open = 1;
+    const double left_s = (now - p->began_s) * (double)(p->total - r->done) / (double)r->done;
+    fprintf(stderr, "\r\033[K%llu of %llu cameras, %llu failed, %.0f %s left", (unsigned long long)r->done,
+            (unsigned long long)p->total, (unsigned long long)r->failed, left_s < 100.0 ? left_s : left_s / 60.0,
+            left_s < 100.0 ? "s" : "min");
+}
+
+static void try_block(void *context, size_t block)
+{
+    random_run *r = context;
+    const size_t from = block * BLOCK, to = from + BLOCK < r->count ? from + BLOCK : r->count;
+    fixture_loop_frame *frame = malloc(MOST_RANDOM_FRAMES * sizeof *frame);
+    sim_options o = *r->options;
+    for (size_t i = from; i < to && !interrupt_came(); i++) {
+        outcome *out = &r->outcome[i];
+        size_t frames = 0;
+        const int failed = frame ? try_one(&o, o.seed + r->first + i, frame, &frames, out->why, sizeof out->why)
+                                 : pupil_refuse(out->why, sizeof out->why, "not enough memory");
+        out->is_done = 1;
+        pthread_mutex_lock(&r->lock);
+        r->done++;
+        r->frames += frames;
+        r->failed += failed != 0;
+        say(r);
+        pthread_mutex_unlock(&r->lock);
+    }
+    free(frame);
+}
+
+/* The cameras of a round that failed, and the command that shows each. */
+static void name_failed(random_run *r)
+{
+    const sim_options *o = r->options;
+    for (size_t i = 0; i < r->count && r->named < MOST_NAMED; i++) {
+        const unsigned long long seed = o->seed + r->first + i;
+        if (!r->outcome[i].is_done || !*r->outcome[i].why)
+            continue;
+        r->named++;
+        progress_clear(&r->progress);
+        printf("seed %llu: %s; again with: pupil sim --random 1 --seed %llu", seed, r->outcome[i].why, seed);
+        if (o->loop.law->total)
+            printf(" --controller %s", o->loop.law->name);
+        if (o->believed)
+            printf(" --delay %u", o->believed);
+        if (o->mains_hz != PUPIL_SENSOR_MAINS_AUTO)
+            printf(" --mains %u", o->mains_hz);
+        if (o->key_at)
+            printf(" --key-at %s", o->key_at);
+        puts(" --plot again.svg");
+        fflush(stdout);
+    }
+}
+
+static void print_sum(const random_run *r, double took_s)
+{
+    const sim_options *o = r->options;
+    const unsigned long long seed = o->seed, done = r->done, frames = r->frames, failed = r->failed;
+    if (o->json)
+        printf("{\"controller\":\"%s\",\"seed\":%llu,\"plants\":%llu,\"frames\":%llu,\"failed\":%llu,\"cpu_s\":%.3f}\n",
+               o->loop.law->name, seed, done, frames, failed, took_s);
+    else
+        printf("%s: %llu cameras from seed %llu, %llu frames: %llu failed; %.0f cameras a second of CPU time\n",
+               o->loop.law->name, done, seed, frames, failed, (double)done / fmax(took_s, 1e-6));
+}
+
+int sim_random(const sim_options *o)
+{
+    const double began_s = cpu_s();
+    pupil_spread spread = {.threads = o->threads, .stop = interrupt_came};
+    random_run *r = calloc(1, sizeof *r);
+    if (!r)
+        return fputs("pupil sim: not enough memory\n", stderr), EXIT_FAILED;
+    r->options = o;
+    pthread_mutex_init(&r->lock, NULL);
+    progress_begin(&r->progress, o->quiet, o->plants);
+    interrupt_watch();
+    for (; r->first < o->plants && !interrupt_came(); r->first += ROUND) {
+        const uint64_t left = o->plants - r->first;
+        r->count = left < ROUND ? (size_t)left : ROUND;
+        for (size_t i = 0; i < r->count; i++)
+            r->outcome[i] = (outcome){0};
+        pupil_spread_run(&spread, try_block, r, (r->count + BLOCK - 1) / BLOCK);
+        name_failed(r);
+    }
+    progress_clear(&r->progress);
+    print_sum(r, cpu_s() - began_s);
+    const int failed = r->failed != 0;
+    pthread_mutex_destroy(&r->lock);
+    free(r);
+    if (interrupt_came())
+        return fputs("pupil sim: interrupted\n", stderr), EXIT_INTERRUPTED;
+    return failed ? EXIT_FAILED : EXIT_DONE;
+}

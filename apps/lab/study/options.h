@@ -1,0 +1,29 @@
+/* apps/lab/study/options.h: the command line of `pupil study`. */
+#ifndef PUPIL_APPS_LAB_STUDY_OPTIONS_H
+#define PUPIL_APPS_LAB_STUDY_OPTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define STUDY_MOST_VIDEOS 16
+
+typedef struct study_options {
+    const char *scene;      /* "room" */
+    const char *out;        /* a folder; NULL: only what is told */
+    const char *regression; /* the seeds' table; NULL: the study */
+    uint32_t width, height; /* 0: 600x600 */
+    unsigned threads;       /* 0: one a processor */
+    int check, float32, quiet;
+    struct {
+        unsigned which_case, formula; /* from 0 */
+    } video[STUDY_MOST_VIDEOS];
+    unsigned videos;
+} study_options;
+
+extern const char study_help[];
+
+enum { STUDY_RUN = 0, STUDY_USAGE = -1, STUDY_HELP = 1 };
+
+int study_options_parse(study_options *options, int argc, char **argv, char *why, size_t why_bytes);
+
+#endif

@@ -1,0 +1,124 @@
+/* pupil list: the cameras that are there, and what they offer. */
+#include "list.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "source.h"
+#include "v4l2/format.h"
+
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+
+static const char help[] = "usage: pupil list [--json]\n"
+                           "The cameras that are there: a line each with its path, name, driver and bus, and\n"
+                           "its formats with their sizes and frames a second (in brackets those that pupil\n"
+                           "does not read). Any of path, number and name goes behind v4l2: as an input.\n"
+                           "      --json   the same as JSON\n"
+                           "  -h, --help\n"
+                           "exit: 0 done, with or without a camera, 1 failed, 2 usage\n";
+
+typedef struct list {
+    list_camera *camera;
+    size_t count;
+    int failed, refused;
+    FILE *err;
+} list;
+
+static int add(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
+{
+    list *l = closure;
+    char words[PUPIL_WHY_BYTES];
+    (void)path;
+    if (!device) {
+        l->refused |= *why != 0;
+        if (*why)
+            fprintf(l->err, "pupil list: %s\n", why);
+        return 0;
+    }
+    list_camera *more = realloc(l->camera, (l->count + 1) * sizeof *more);
+    if (!more) {
+        l->failed = 1;
+        return 1;
+    }
+    l->camera = more;
+    more[l->count].device = *device;
+    if (pupil_v4l2_modes_read(device, &more[l->count].modes, words, sizeof words))
+        fprintf(l->err, "pupil list: %s\n", words); /* what was read before is listed */
+    l->count++;
+    return 0;
+}
+
+static void print_line(const list_camera *camera, FILE *out)
+{
+    const pupil_v4l2_device *d = &camera->device;
+    fprintf(out, "%s  %s  %s  %s", d->path, d->name, d->driver, d->bus);
+    for (uint32_t i = 0; i < camera->modes.count; i++) {
+        const pupil_v4l2_mode *mode = &camera->modes.mode[i];
+        char sizes[4096];
+        const int read = mode->read;
+        pupil_v4l2_mode_text(mode, sizes, sizeof sizes);
+        fprintf(out, "%s%s%s%s%s%s", i ? "; " : "  ", read ? "" : "[", pupil_v4l2_fourcc_name(mode->fourcc).text,
+                *sizes ? " " : "", sizes, read ? "" : "]");
+    }
+    fputc('\n', out);
+}
+
+int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err)
+{
+    list l = {.err = err};
+    char why[PUPIL_WHY_BYTES] = "not enough memory";
+    char *text = NULL;
+    int failed = pupil_v4l2_devices(system, add, &l, why, sizeof why) < 0 || l.failed;
+    if (!failed && json) {
+        text = list_json(l.camera, l.count);
+        failed = !text;
+        if (text)
+            fprintf(out, "%s\n", text);
+        free(text);
+    } else if (!failed) {
+        for (size_t i = 0; i < l.count; i++)
+            print_line(&l.camera[i], out);
+        if (!l.count)
+            fputs(l.refused ? "no camera that can be asked\n" : "no camera\n", out);
+    }
+    if (failed)
+        fprintf(err, "pupil list: %s\n", why);
+    for (size_t i = 0; i < l.count; i++)
+        pupil_v4l2_modes_free(&l.camera[i].modes);
+    free(l.camera);
+    return failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+int list_main(int argc, char **argv)
+{
+    static const struct option options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {0}};
+    int json = 0, option;
+    opterr = 0;
+    while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
+        if (option == 'h') {
+            fputs(help, stdout);
+            return EXIT_DONE;
+        }
+        if (option != 'j') {
+            fprintf(stderr, "pupil list: %s: no such option; 'pupil list --help' lists them\n", argv[optind - 1]);
+            return EXIT_USAGE;
+        }
+        json = 1;
+    }
+    if (optind < argc) {
+        fprintf(stderr, "pupil list: %s: it takes no argument; 'pupil list --help' tells more\n", argv[optind]);
+        return EXIT_USAGE;
+    }
+    if (json && list_json_refusal()) {
+        fprintf(stderr, "pupil list: --json: %s\n", list_json_refusal());
+        return EXIT_FAILED;
+    }
+    const int status = list_cameras(NULL, json, stdout, stderr);
+    if (status == EXIT_DONE && fflush(stdout) != 0) {
+        fputs("pupil list: standard output cannot be written\n", stderr);
+        return EXIT_FAILED;
+    }
+    return status;
+}

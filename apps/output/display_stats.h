@@ -1,0 +1,16 @@
+/* apps/output/display_stats.h: what a display frame shows, in figures. */
+#ifndef PUPIL_APPS_OUTPUT_DISPLAY_STATS_H
+#define PUPIL_APPS_OUTPUT_DISPLAY_STATS_H
+
+#include "pupil/image.h"
+
+typedef struct display_figures {
+    double level;       /* log-average luminance, linear 0..1; a black pixel counts as half of the lowest code */
+    double black_share; /* of the 8-bit samples, 0..1: at code 0 */
+    double white_share; /* at code 255 */
+} display_figures;
+
+/* Of an RGB8 sRGB image. */
+display_figures display_measure(const pupil_image_const *rgb8);
+
+#endif

@@ -1,0 +1,46 @@
+/* apps/output/frame_log.h: what replay notes of each frame; the one struct behind --stats, --plot and --report. */
+#ifndef PUPIL_APPS_OUTPUT_FRAME_LOG_H
+#define PUPIL_APPS_OUTPUT_FRAME_LOG_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct pupil_record {
+    uint64_t frame;                /* 0, 1, 2 ... of the frames that were replayed */
+    const char *name;              /* the source's name of the frame */
+    double time_s;                 /* the frame's timestamp */
+    double dt_s;                   /* the step that adaptation took */
+    double metered_ev;             /* log2 of the frame's (trimmed) log-average luminance */
+    double adapted_ev;             /* log2 of the adapted level */
+    double scale;                  /* X of the curve that mapped this frame */
+    double white;                  /* W of that curve; 0: none */
+    double p01_ev, p50_ev, p99_ev; /* quantiles of log2 luminance */
+    double output_level;           /* log-average of the display frame's luminance, linear 0..1 */
+    double key;                    /* what that was to be, with the compensation */
+    double black_share;            /* of the metered pixels, 0..1 */
+    double clipped_share;
+    double bad_share;
+    double output_black_share; /* share of 8-bit samples at 0 */
+    double output_white_share; /* share of 8-bit samples at 255 */
+    double read_us;            /* microseconds spent on reading, on meter + adapt + map, on writing */
+    double process_us;
+    double write_us;
+    const char *state; /* "adapting", "settled", "limited", "locked", "empty" */
+
+    /* of a live camera; NaN: unknown */
+    int live;
+    uint64_t sequence;            /* the driver's number */
+    uint64_t lost, flagged, late; /* since the frame before: missing; damaged; left out for a newer one */
+    double exposure_s, gain;      /* that the frame was taken with */
+    double asked_exposure_s;      /* of the camera, latest */
+    double asked_gain;
+    uint64_t in_force_from; /* the frame from which on the camera has what it took last */
+    double digital;         /* what the sensor's setting leaves to be done in this frame's values */
+    double scene_ev;        /* log2 of the light of the scene, as the sensor's controller sees it */
+    double camera_key;      /* what the log-average of the camera's own frame was to be */
+    double latency_us;      /* from the driver's timestamp to the mapped frame */
+    const char *sensor;     /* "searching", "converged", ...; "" where nobody steers */
+    const char *sensor_reason;
+} pupil_record;
+
+#endif

@@ -1,0 +1,64 @@
+#include "outputs.h"
+
+#include <string.h>
+
+#include "common/reader.h"
+#include "file/sink/file_sink.h"
+#include "v4l2/output/v4l2_sink.h"
+
+int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, char *why, size_t why_bytes)
+{
+    pupil_sink **sink = &o->sink[o->count];
+    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, o->system, why, why_bytes)
+                                                 : pupil_file_sink_open(path, options, sink, why, why_bytes);
+    if (!error)
+        o->path[o->count++] = path;
+    return error;
+}
+
+int outputs_write(outputs *o, const pupil_image_const *rgb8, const pupil_frame_info *info, char *why, size_t why_bytes)
+{
+    int error = PUPIL_SINK_OK;
+    for (size_t i = 0; !error && i < o->count; i++) {
+        error = pupil_sink_write(o->sink[i], rgb8, info, why, why_bytes);
+        o->failed = i;
+    }
+    return error;
+}
+
+static void remove_at(outputs *o, size_t at)
+{
+    o->count--;
+    for (size_t i = at; i < o->count; i++) {
+        o->sink[i] = o->sink[i + 1];
+        o->path[i] = o->path[i + 1];
+    }
+}
+
+void outputs_drop(outputs *o)
+{
+    pupil_sink_discard(o->sink[o->failed]);
+    remove_at(o, o->failed);
+}
+
+int outputs_reader_gone(const outputs *o)
+{
+    return strcmp(o->path[o->failed], "-") == 0 && reader_gone();
+}
+
+int outputs_finish(outputs *o, char *why, size_t why_bytes)
+{
+    while (o->count) {
+        o->failed = 0;
+        if (pupil_sink_finish(o->sink[0], why, why_bytes))
+            return PUPIL_SINK_FAILED;
+        remove_at(o, 0);
+    }
+    return PUPIL_SINK_OK;
+}
+
+void outputs_discard(outputs *o)
+{
+    while (o->count)
+        pupil_sink_discard(o->sink[--o->count]);
+}

@@ -1,0 +1,24 @@
+/* apps/output/plot_series.h: a run of any length as a few thousand points that look the same. */
+#ifndef PUPIL_APPS_OUTPUT_PLOT_SERIES_H
+#define PUPIL_APPS_OUTPUT_PLOT_SERIES_H
+
+#include <stdio.h>
+
+#include "frame_log.h"
+
+#define PLOT_MOST_POINTS 4000 /* over twice the pixels across */
+
+/* Which number of a record. */
+typedef double plot_value(const pupil_record *record);
+
+/* Writes lines "time value" of the finite values, at most PLOT_MOST_POINTS: of each stretch the smallest and the
+ * largest, in their order, so that no spike is lost. */
+void plot_series(FILE *out, const pupil_record *records, size_t count, plot_value *value);
+
+/* Writes lines "time low high": of each stretch the lowest low and the highest high. */
+void plot_band(FILE *out, const pupil_record *records, size_t count, plot_value *low, plot_value *high);
+
+/* The range of the finite values; left as it is where there is none. */
+void plot_range(const pupil_record *records, size_t count, plot_value *value, double *low, double *high);
+
+#endif

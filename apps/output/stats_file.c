@@ -1,0 +1,237 @@
+#include "stats_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "common/reader.h"
+#include "file/pending.h"
+#include "file/sink/sink_common.h"
+
+#define NUMBER(name)                                                                                                   \
+    {                                                                                                                  \
+#name, STATS_NUMBER, offsetof(pupil_record, name)                                                              \
+    }
+
+/* Those from here on are a live camera's. Every field but `live` has eight bytes. */
+#define LIVE_FIELDS ((sizeof(pupil_record) - offsetof(pupil_record, sequence)) / 8)
+
+const pupil_stats_field pupil_stats_fields[] = {
+    {"frame", STATS_COUNT, offsetof(pupil_record, frame)},
+    {"name", STATS_TEXT, offsetof(pupil_record, name)},
+    NUMBER(time_s),
+    NUMBER(dt_s),
+    NUMBER(metered_ev),
+    NUMBER(adapted_ev),
+    NUMBER(scale),
+    NUMBER(white),
+    NUMBER(p01_ev),
+    NUMBER(p50_ev),
+    NUMBER(p99_ev),
+    NUMBER(output_level),
+    NUMBER(key),
+    NUMBER(black_share),
+    NUMBER(clipped_share),
+    NUMBER(bad_share),
+    NUMBER(output_black_share),
+    NUMBER(output_white_share),
+    NUMBER(read_us),
+    NUMBER(process_us),
+    NUMBER(write_us),
+    {"state", STATS_TEXT, offsetof(pupil_record, state)},
+    {"sequence", STATS_COUNT, offsetof(pupil_record, sequence)},
+    {"lost", STATS_COUNT, offsetof(pupil_record, lost)},
+    {"flagged", STATS_COUNT, offsetof(pupil_record, flagged)},
+    {"late", STATS_COUNT, offsetof(pupil_record, late)},
+    NUMBER(exposure_s),
+    NUMBER(gain),
+    NUMBER(asked_exposure_s),
+    NUMBER(asked_gain),
+    {"in_force_from", STATS_COUNT, offsetof(pupil_record, in_force_from)},
+    NUMBER(digital),
+    NUMBER(scene_ev),
+    NUMBER(camera_key),
+    NUMBER(latency_us),
+    {"sensor", STATS_TEXT, offsetof(pupil_record, sensor)},
+    {"sensor_reason", STATS_TEXT, offsetof(pupil_record, sensor_reason)},
+};
+const size_t pupil_stats_live_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
+const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] - LIVE_FIELDS;
+_Static_assert(sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(pupil_record),
+               "a field that is added to the record is written");
+
+size_t pupil_stats_fields_of(const pupil_record *record)
+{
+    return record->live ? pupil_stats_live_field_count : pupil_stats_field_count;
+}
+
+struct pupil_stats_file {
+    FILE *file;
+    char *path; /* as the user said it */
+    pupil_pending pending;
+    int is_stream, is_csv;
+    uint64_t lines;
+};
+
+static const void *at(const pupil_record *record, const pupil_stats_field *field)
+{
+    return (const char *)record + field->offset;
+}
+
+uint64_t pupil_stats_count(const pupil_record *record, const pupil_stats_field *field)
+{
+    return *(const uint64_t *)at(record, field);
+}
+
+const char *pupil_stats_text(const pupil_record *record, const pupil_stats_field *field)
+{
+    const char *text = *(const char *const *)at(record, field);
+    return text ? text : "";
+}
+
+double pupil_stats_number(const pupil_record *record, const pupil_stats_field *field)
+{
+    return *(const double *)at(record, field);
+}
+
+/* RFC 4180, 2.6 and 2.7: quoted where it holds a comma, a quote or a line end; quotes are doubled. */
+static void csv_text(FILE *file, const char *text)
+{
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, file);
+        return;
+    }
+    fputc('"', file);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', file);
+        fputc(*text, file);
+    }
+    fputc('"', file);
+}
+
+static void csv_field(FILE *file, const pupil_record *record, const pupil_stats_field *field)
+{
+    if (field->kind == STATS_COUNT)
+        fprintf(file, "%llu", (unsigned long long)pupil_stats_count(record, field));
+    else if (field->kind == STATS_TEXT)
+        csv_text(file, pupil_stats_text(record, field));
+    else if (isfinite(pupil_stats_number(record, field))) /* else the field is empty */
+        fprintf(file, "%.17g", pupil_stats_number(record, field));
+}
+
+/* The header or a record. Lines end with \r\n, as RFC 4180, 2.1 has them. */
+static void csv_line(FILE *file, const pupil_record *record, int header)
+{
+    for (size_t i = 0; i < pupil_stats_fields_of(record); i++) {
+        if (i)
+            fputc(',', file);
+        if (!header)
+            csv_field(file, record, &pupil_stats_fields[i]);
+        else
+            fputs(pupil_stats_fields[i].name, file);
+    }
+    fputs("\r\n", file);
+}
+
+static int has_ending(const char *path, const char *ending)
+{
+    size_t length = strlen(path), part = strlen(ending);
+    return length > part && strcasecmp(path + length - part, ending) == 0;
+}
+
+static int cannot_write(const pupil_stats_file *f, char *why, size_t why_bytes)
+{
+    return pupil_refuse(why, why_bytes, "%s: the statistics cannot be written: %s",
+                        f->is_stream ? "standard output" : f->path, strerror(errno));
+}
+
+static int begin(pupil_stats_file *f, const char *path, char *why, size_t why_bytes)
+{
+    f->is_stream = strcmp(path, "-") == 0;
+    f->is_csv = has_ending(path, ".csv");
+    if (!f->is_stream && !f->is_csv && !has_ending(path, ".jsonl") && !has_ending(path, ".json"))
+        return pupil_refuse(why, why_bytes, "%s: statistics are written as .jsonl (or .json) or .csv", path);
+    if (!f->is_csv && pupil_stats_json_check(path, why, why_bytes))
+        return -1;
+    f->path = strdup(path);
+    if (!f->path)
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
+    if (f->is_stream) {
+        f->file = stdout;
+        return 0;
+    }
+    if (pupil_pending_file(&f->pending, path, why, why_bytes))
+        return -1;
+    f->file = fopen(f->pending.temporary, "wbe");
+    if (!f->file)
+        return cannot_write(f, why, why_bytes);
+    return 0;
+}
+
+int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, size_t why_bytes)
+{
+    pupil_stats_file *f = calloc(1, sizeof *f);
+    if (!f)
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
+    if (begin(f, path, why, why_bytes)) {
+        pupil_stats_file_discard(f);
+        return -1;
+    }
+    *file = f;
+    return 0;
+}
+
+int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, char *why, size_t why_bytes)
+{
+    if (f->is_csv) {
+        if (!f->lines)
+            csv_line(f->file, record, 1);
+        csv_line(f->file, record, 0);
+    } else if (pupil_stats_json_line(f->file, record)) {
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", f->path);
+    }
+    f->lines++;
+    /* A stream is read while it is written: each line goes out at once. */
+    if (ferror(f->file) || (f->is_stream && fflush(f->file) != 0))
+        return cannot_write(f, why, why_bytes);
+    return 0;
+}
+
+int pupil_stats_reader_gone(const pupil_stats_file *f)
+{
+    return f->is_stream && reader_gone();
+}
+
+int pupil_stats_file_finish(pupil_stats_file *f, char *why, size_t why_bytes)
+{
+    int failed;
+    if (!f->lines && !f->is_stream) {
+        failed = pupil_refuse(why, why_bytes, "%s: nothing was written, for there is no frame", f->path);
+    } else if (f->is_stream) {
+        failed = fflush(f->file) != 0 ? cannot_write(f, why, why_bytes) : 0;
+    } else {
+        failed = ferror(f->file) ? cannot_write(f, why, why_bytes) : 0;
+        if (fclose(f->file) != 0 && !failed)
+            failed = cannot_write(f, why, why_bytes);
+        f->file = NULL;
+        if (!failed)
+            failed = pupil_pending_commit(&f->pending, why, why_bytes);
+    }
+    pupil_stats_file_discard(f);
+    return failed;
+}
+
+void pupil_stats_file_discard(pupil_stats_file *f)
+{
+    if (!f)
+        return;
+    if (f->file && !f->is_stream)
+        fclose(f->file);
+    pupil_pending_discard(&f->pending);
+    free(f->path);
+    free(f);
+}

@@ -1,0 +1,135 @@
+/* apps/probe/probe.h: pupil probe: what a camera is, and what it really does. */
+#ifndef PUPIL_APPS_PROBE_PROBE_H
+#define PUPIL_APPS_PROBE_PROBE_H
+
+#include <stdio.h>
+
+#include "live/live.h"
+#include "v4l2/media/media.h"
+#include "v4l2/modes.h"
+
+#define PROBE_CONTROLS 96
+#define PROBE_POINTS   8
+#define PROBE_WORDS    192
+
+/* A control as the driver has it, before anything is touched. */
+typedef struct probe_control {
+    uint32_t id;
+    char name[32];
+    int64_t value, least, most, step, usual;
+    char item[32];    /* of a menu: what the value is called; "" */
+    int on_subdevice; /* the sensor's */
+    int automatic;    /* it steers by itself now, and is turned off while it is measured */
+} probe_control;
+
+/* A measured quantity: known, or why it is not. */
+typedef struct probe_known {
+    int known;
+    char why[PROBE_WORDS];
+} probe_known;
+
+/* From the frame that is exposed while a control is written to the first that shows it. */
+typedef struct probe_delay {
+    probe_known is;
+    unsigned frames, least, most; /* the usual one of all steps, and the ends of their range */
+    unsigned steps;
+} probe_delay;
+
+typedef struct probe_point {
+    double exposure_s, gain; /* as the driver took them */
+    int64_t code;            /* of gain */
+    double level_ev;         /* of the picture */
+    double off_ev;           /* of what it should be by the first point */
+} probe_point;
+
+/* Whether the picture's level follows a control. */
+typedef struct probe_law {
+    probe_known is;
+    int obeyed;      /* 0: the driver says it has the value, and the picture does not change */
+    double slope;    /* stops of the picture for a stop of the control */
+    double off_ev;   /* the largest of the points', in magnitude */
+    double drift_ev; /* the most that the picture changed by where nothing was asked of it: within a point, and at one
+                      * that was gone back to: the scene's, not the control's */
+    int as_told;     /* off_ev is small, but for the drift */
+    probe_point point[PROBE_POINTS];
+    unsigned points;
+} probe_law;
+
+typedef struct probe_black {
+    probe_known is;
+    double share;      /* of full scale, as it comes: without what the driver or a table says of black */
+    double exposure_s; /* the shortest, that it was measured at */
+    int at_most;       /* the scene is too bright for more than a bound */
+} probe_black;
+
+typedef struct probe_interval {
+    probe_known is;
+    double mean_s, jitter_s, least_s, most_s; /* jitter: standard deviation */
+    uint64_t frames, lost, damaged;
+} probe_interval;
+
+typedef struct probe_latency {
+    probe_known is;
+    double median_s, most_s;
+    uint32_t stamp; /* a pupil_v4l2_stamp */
+} probe_latency;
+
+typedef struct probe_report {
+    pupil_v4l2_device device; /* closed again */
+    pupil_v4l2_modes modes;
+    probe_control control[PROBE_CONTROLS];
+    unsigned controls;
+    int has_entity, has_sensor; /* something feeds the node; and the table knows it */
+    pupil_v4l2_sensor entity;
+    pupil_camera_sensor sensor;
+
+    pupil_v4l2_format format; /* that it was measured with */
+    double fps;
+    uint32_t reading, buffers;
+    pupil_v4l2_speed speed;
+    char heap[64];
+
+    probe_known has_controls; /* why: the sentence of pupil_live_no_controls */
+    pupil_camera_limits limits;
+
+    double seconds; /* of the stream */
+    probe_interval interval;
+    probe_latency latency;
+    probe_delay exposure_delay, gain_delay;
+    probe_law exposure, gain;
+    probe_black black;
+} probe_report;
+
+/* What is asked, and not measured. 0, or -1 and a sentence. Free what it filled in, after a failure too. */
+int probe_offers(probe_report *report, const pupil_v4l2_system *system, const char *which, char *why, size_t why_bytes);
+void probe_free(probe_report *report);
+
+typedef struct probe_options {
+    int quick;                          /* half the steps and points */
+    double seconds;                     /* at most, of the stream */
+    void (*say)(const char *now);       /* what is being measured */
+    void (*source)(pupil_source *live); /* told of the source while it is open; NULL: closed again */
+    int (*stop)(void);
+} probe_options;
+
+/* What only the stream tells: opens the camera, takes its controls, and gives them back. 0; 1: stopped; -1 and a
+ * sentence: no stream, or a control that could not be put back. What cannot be measured is said in the report. */
+int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, char *why,
+                  size_t why_bytes);
+
+void probe_text(const probe_report *report, FILE *out);
+/* To be freed; NULL: out of memory. */
+char *probe_json(const probe_report *report);
+
+/* Names, of V4L2's numbers and of the table's laws. */
+const char *probe_colorspace(uint32_t value);
+const char *probe_transfer(uint32_t value);
+const char *probe_encoding(uint32_t value);
+const char *probe_range(uint32_t value);
+const char *probe_stamp(uint32_t stamp);
+void probe_law_text(const pupil_camera_gain *law, char *text, size_t text_bytes);
+
+/* The command on a system of calls; NULL: the kernel's. The program's exit status. */
+int probe_on(const pupil_v4l2_system *system, int argc, char **argv);
+
+#endif

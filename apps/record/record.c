@@ -1,0 +1,258 @@
+/* pupil record: raw frames as they come, into a folder. */
+#include "record.h"
+
+#include <ctype.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "common/interrupt.h"
+#include "common/open_input.h"
+#include "common/progress.h"
+#include "file/recording/recording.h"
+#include "live/live.h"
+#include "options.h"
+#include "pupil/pupil.h"
+#include "run/choose.h"
+#include "run/sensor.h"
+
+enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3 };
+
+#define LAST_WRITE_S 10.0 /* for a control's write that hangs; uvcvideo gives one up after 5 */
+
+typedef struct record {
+    record_options options;
+    pupil_source *source;
+    char device[PATH_MAX];            /* of the camera */
+    const char *name;                 /* of the input */
+    const pupil_v4l2_capture *camera; /* NULL: the source is no camera */
+    pupil_recorder *recorder;
+    int64_t first_ns;
+    uint64_t taken, bytes; /* frames from the source; bytes of them */
+    pupil_recorder_counts counts;
+    progress progress;
+
+    run_options steering; /* as the camera's side of a run has it */
+    run_sensor sensor;
+    pupil_t pupil;
+    pupil_stats stats;
+    char why[PUPIL_WHY_BYTES];
+} record;
+
+/* A sentence may quote a file's name: what would steer a terminal becomes '?'. */
+static void say(record *r)
+{
+    for (char *c = r->why; *c; c++)
+        if (iscntrl((unsigned char)*c))
+            *c = '?';
+    fprintf(stderr, "pupil record: %s\n", r->why);
+}
+
+/* ---- the camera's exposure ---- */
+
+static const pupil_source *restored; /* whose controls are put back, whatever happens */
+
+static void restore(void)
+{
+    pupil_live_restore(restored);
+}
+
+static int is_steered(const record_options *o)
+{
+    return o->automatic || o->exposure_s > 0 || o->gain > 0;
+}
+
+static int begin_exposure(record *r)
+{
+    const record_options *o = &r->options;
+    pupil_camera *camera = pupil_live_camera(r->source);
+    if (!is_steered(o))
+        return 0;
+    if (!camera) {
+        snprintf(r->why, sizeof r->why, "--%s: %.900s",
+                 o->automatic        ? "auto"
+                 : o->exposure_s > 0 ? "shutter"
+                                     : "gain",
+                 pupil_live_no_controls(r->source));
+        return -1;
+    }
+    restored = r->source;
+    interrupt_fatal(restore);
+    r->steering =
+        (run_options){.mode = o->automatic ? RUN_SENSOR : RUN_DIGITAL, .exposure_s = o->exposure_s, .gain = o->gain};
+    pupil_config_default(&r->steering.shown.config);
+    r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
+    pupil_init(&r->pupil, &r->steering.shown.config);
+    run_sensor_begin(&r->sensor, &r->steering, r->source);
+    return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why);
+}
+
+/* From the first frame on, which tells the time; one that was unplugged and came back is taken again. */
+static int follow_light(record *r, const pupil_frame *frame)
+{
+    pupil_curve unused;
+    if (!is_steered(&r->options))
+        return 0;
+    if (run_sensor_take(&r->sensor, r->why, sizeof r->why))
+        return -1;
+    if (!r->options.automatic)
+        return 0;
+    pupil_stats_clear(&r->stats);
+    const int error = pupil_meter_rows(&r->pupil, &frame->image, 0, frame->image.height, &r->stats);
+    if (error) {
+        snprintf(r->why, sizeof r->why, "%s: %s", frame->name, pupil_error_string(error));
+        return -1;
+    }
+    run_sensor_judge(&r->sensor, &r->stats, &frame->info, &unused);
+    return 0;
+}
+
+/* ---- frames ---- */
+
+static size_t bytes_of(const pupil_frame *frame)
+{
+    const pupil_image_const *image = &frame->image;
+    if (frame->coded)
+        return frame->coded_bytes;
+    return pupil_row_bytes(image->pixel, image->width) * image->height * (image->pixel == PUPIL_PIXEL_NV12 ? 3 : 2) / 2;
+}
+
+static int open_recorder(record *r, const pupil_frame *first)
+{
+    const pupil_recorder_options options = {.camera = r->camera ? r->camera->device.name : r->name,
+                                            .fps = r->source->fps,
+                                            .overwrite = r->options.overwrite,
+                                            .wait = !r->camera,
+                                            .give_up = interrupt_again};
+    r->first_ns = first->info.timestamp_ns;
+    return pupil_recorder_open(&r->recorder, r->options.folder, first, &options, r->why, sizeof r->why);
+}
+
+static void show(record *r)
+{
+    const double now_s = progress_now_s(), took_s = now_s - r->progress.began_s;
+    if (!r->progress.shown || now_s - r->progress.last_s < 0.2)
+        return;
+    r->progress.last_s = now_s;
+    r->progress.line_open = 1;
+    pupil_recorder_get_counts(r->recorder, &r->counts);
+    fprintf(stderr, "\r\033[Kframe %llu   %.1f frames/s   %.1f MB/s   lost %llu", (unsigned long long)r->taken,
+            (double)r->taken / took_s, (double)r->bytes * 1e-6 / took_s, (unsigned long long)r->counts.lost);
+    if (r->camera && r->camera->counts.lost)
+        fprintf(stderr, ", by the camera %llu", (unsigned long long)r->camera->counts.lost);
+    fflush(stderr);
+}
+
+static int goes_on(const record *r, const pupil_frame *last)
+{
+    const double passed_s = (double)(last->info.timestamp_ns - r->first_ns) * 1e-9 + 1.0 / r->source->fps;
+    return (!r->options.most || r->taken < r->options.most) &&
+           (!(r->options.seconds > 0) || passed_s < r->options.seconds - 1e-9);
+}
+
+static int run(record *r)
+{
+    for (int more = 1; more && !interrupt_came();) {
+        pupil_frame frame;
+        const int got = pupil_source_next(r->source, &frame, r->why, sizeof r->why);
+        if (got == PUPIL_SOURCE_END || (got != PUPIL_SOURCE_FRAME && interrupt_came()))
+            break;
+        if (got != PUPIL_SOURCE_FRAME)
+            return -1;
+        int failed = !r->recorder && open_recorder(r, &frame);
+        failed = failed || pupil_recorder_write(r->recorder, &frame, r->why, sizeof r->why) || follow_light(r, &frame);
+        if (!failed) {
+            r->taken++;
+            r->bytes += bytes_of(&frame);
+            more = goes_on(r, &frame);
+            show(r);
+        }
+        pupil_source_done(r->source, &frame);
+        if (failed)
+            return -1;
+    }
+    if (r->taken)
+        return 0;
+    snprintf(r->why, sizeof r->why, "%s: no frame came, so nothing was recorded", r->name);
+    return -1;
+}
+
+/* ---- begin and end ---- */
+
+static int open_source(record *r, const pupil_v4l2_system *system)
+{
+    const record_options *o = &r->options;
+    r->options.source.stop = interrupt_came;
+    r->name = o->input_count ? o->inputs[0] : r->device;
+    if (o->input_count && (o->input_count > 1 || !input_is_camera(r->name)))
+        return open_input(o->inputs, o->input_count, &o->source, &r->source, r->why, sizeof r->why);
+    if (run_choose_camera(system, o->input_count ? o->inputs[0] : o->camera, r->device, sizeof r->device, r->why,
+                          sizeof r->why))
+        return -1;
+    const pupil_live_options live = {.capture = {.system = system, .fourcc = o->fourcc}, .hands_off = !is_steered(o)};
+    if (pupil_live_open(r->device, &o->source, &live, &r->source, r->why, sizeof r->why))
+        return -1;
+    r->camera = pupil_live_capture(r->source);
+    return begin_exposure(r);
+}
+
+static void tell(const record *r)
+{
+    fprintf(stderr, "recorded %llu frames, %.1f MB, in %.1f s; %s", (unsigned long long)r->counts.written,
+            (double)r->bytes * 1e-6 * (double)r->counts.written / (double)r->taken,
+            progress_now_s() - r->progress.began_s, r->options.folder);
+    if (r->counts.lost)
+        fprintf(stderr, "; %llu were lost, for the disk was too slow", (unsigned long long)r->counts.lost);
+    if (r->camera && r->camera->counts.lost)
+        fprintf(stderr, "; %llu never came from the camera", (unsigned long long)r->camera->counts.lost);
+    fputc('\n', stderr);
+}
+
+/* Ctrl-C is the usual end. Whatever failed, frames that were written stay. */
+static int end(record *r, int failed)
+{
+    char unused[PUPIL_WHY_BYTES];
+    if (r->camera && pupil_live_give_back(r->source, failed ? unused : r->why, PUPIL_WHY_BYTES))
+        failed = -1;
+    interrupt_fatal(NULL);
+    if (!r->recorder)
+        return failed;
+    pupil_recorder_get_counts(r->recorder, &r->counts);
+    if (pupil_recorder_close(r->recorder, failed ? unused : r->why, PUPIL_WHY_BYTES))
+        return -1;
+    r->counts.written = r->taken - r->counts.lost; /* those that waited, too */
+    return failed;
+}
+
+int record_on(const pupil_v4l2_system *system, int argc, char **argv)
+{
+    static record r; /* one run at a time; pupil_t and pupil_stats are large for a stack */
+    memset(&r, 0, sizeof r);
+    const int parsed = record_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
+    if (parsed == RECORD_HELP) {
+        fputs(record_help, stdout);
+        return EXIT_DONE;
+    }
+    if (parsed == RECORD_USAGE) {
+        say(&r);
+        return EXIT_USAGE;
+    }
+    interrupt_watch();
+    progress_begin(&r.progress, r.options.quiet, 0);
+    int failed = open_source(&r, system) || run(&r);
+    progress_clear(&r.progress);
+    failed = end(&r, failed);
+    if (failed)
+        say(&r);
+    if (r.counts.written && !r.options.quiet)
+        tell(&r);
+    pupil_source_close(r.source);
+    pupil_live_await(LAST_WRITE_S, interrupt_again);
+    return failed ? EXIT_FAILED : r.counts.lost ? EXIT_LOST : EXIT_DONE;
+}
+
+int record_main(int argc, char **argv)
+{
+    return record_on(NULL, argc, argv);
+}

@@ -1,0 +1,120 @@
+/* Outputs that would destroy an input or each other, found before anything is opened. */
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "options.h"
+
+enum { MOST_PATHS = REPLAY_MOST_OUTPUTS + 4 };
+
+static size_t gather(const replay_options *o, const char *paths[MOST_PATHS])
+{
+    const char *others[] = {o->stats, o->plot, o->report, o->record};
+    size_t count = 0;
+    for (size_t i = 0; i < o->out_count; i++)
+        paths[count++] = o->out[i];
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (others[i])
+            paths[count++] = others[i];
+    return count;
+}
+
+static int is_same_node(const struct stat *x, const struct stat *y)
+{
+    return x->st_dev == y->st_dev && x->st_ino == y->st_ino && (S_ISREG(x->st_mode) || S_ISDIR(x->st_mode));
+}
+
+/* The folder that a path lies in. */
+static int stat_parent(const char *path, struct stat *parent)
+{
+    char *copy = strdup(path);
+    int failed = !copy || stat(dirname(copy), parent) != 0;
+    free(copy);
+    return failed;
+}
+
+/* The last part of a path, without slashes behind it; *length is its length. */
+static const char *last_name(const char *path, size_t *length)
+{
+    size_t end = strlen(path), start;
+    while (end > 1 && path[end - 1] == '/')
+        end--;
+    for (start = end; start && path[start - 1] != '/';)
+        start--;
+    *length = end - start;
+    return path + start;
+}
+
+/* One place, however it is written: one file or folder, or, where nothing is yet, one name in one folder. */
+static int is_same_place(const char *a, const char *b)
+{
+    struct stat x, y;
+    int a_there = stat(a, &x) == 0, b_there = stat(b, &y) == 0;
+    size_t a_length, b_length;
+    if (strcmp(a, b) == 0)
+        return 1;
+    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0 || a_there != b_there)
+        return 0;
+    if (a_there)
+        return is_same_node(&x, &y);
+    const char *a_name = last_name(a, &a_length), *b_name = last_name(b, &b_length);
+    return a_length == b_length && memcmp(a_name, b_name, a_length) == 0 && !stat_parent(a, &x) &&
+           !stat_parent(b, &y) && is_same_node(&x, &y);
+}
+
+/* Whether an output would replace an input: the file, or (of an output folder) the folder that it lies in. */
+static int replaces(const char *output, int may_be_folder, const char *input)
+{
+    struct stat x, y;
+    if (strcmp(output, "-") == 0 || stat(output, &x) != 0 || (S_ISDIR(x.st_mode) && !may_be_folder))
+        return 0;
+    return (stat(input, &y) == 0 && is_same_node(&x, &y)) ||
+           (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
+}
+
+/* A folder is made beside its place and put there, new or in the place of an empty one, when all is in it; what else
+ * lies in it would stop that at the very end. */
+static int is_inside(const char *path, const char *folder)
+{
+    char *copy = strdup(path), *above = copy;
+    int inside = 0, end = !copy || strcmp(path, "-") == 0;
+    while (!end && !inside) {
+        above = dirname(above);
+        inside = is_same_place(above, folder);
+        end = strcmp(above, ".") == 0 || strcmp(above, "/") == 0;
+    }
+    free(copy);
+    return inside;
+}
+
+int replay_options_check_paths(const replay_options *o, char *why, size_t why_bytes)
+{
+    const char *paths[MOST_PATHS];
+    size_t count = gather(o, paths);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < i; k++)
+            if (is_same_place(paths[i], paths[k])) {
+                snprintf(why, why_bytes, "%s: named for two outputs; each needs a place of its own", paths[i]);
+                return REPLAY_USAGE;
+            }
+        for (size_t k = 0; k < count; k++)
+            if (k != i && is_inside(paths[i], paths[k])) {
+                snprintf(why, why_bytes, "%s: lies in %s, which is an output, too; each needs a place of its own",
+                         paths[i], paths[k]);
+                return REPLAY_USAGE;
+            }
+        for (size_t k = 0; k < o->input_count; k++) {
+            const char *input = o->inputs[k];
+            size_t prefix = strncmp(input, "pan:", 4) == 0 ? 4 : 0;
+            if (strcmp(input, "-") == 0 || strncmp(input, "synth:", 6) == 0)
+                continue; /* no file */
+            if (replaces(paths[i], i < o->out_count, input + prefix)) {
+                snprintf(why, why_bytes, "%s: is also an input, and would be replaced", paths[i]);
+                return REPLAY_USAGE;
+            }
+        }
+    }
+    return REPLAY_RUN;
+}

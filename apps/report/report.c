@@ -1,0 +1,310 @@
+#include "report.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base64.h"
+#include "file/pending.h"
+#include "file/sink/png_write.h"
+#include "file/sink/sink_common.h"
+#include "page.h"
+
+/* Kept while frames come, so that those shown in the end lie evenly enough; even, for it is halved. 120 thumbnails of
+ * 320x180 are 21 MB. */
+#define KEPT 120
+
+struct pupil_report {
+    pupil_pending page;
+    char *folder, *video, *plot, *picture;
+    int made_folder, stills;
+    report_picture kept[KEPT];
+    size_t count;
+    uint64_t seen, stride; /* every stride-th frame is kept */
+    report_sums sums;
+};
+
+/* ---- begin and end ------------------------------------------------------------------------------------------------
+ */
+
+/* An index.html that is there: may it go? */
+static int may_replace(const char *path, int overwrite, char *why, size_t why_bytes)
+{
+    char start[sizeof REPORT_MARK] = "";
+    FILE *f = fopen(path, "rbe");
+    if (!f)
+        return errno == ENOENT ? 0 : pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+    size_t got = fread(start, 1, sizeof start - 1, f);
+    fclose(f);
+    if (got != sizeof start - 1 || memcmp(start, REPORT_MARK, got) != 0)
+        return pupil_refuse(why, why_bytes, "%s: is there already and no report of pupil; name another folder", path);
+    if (!overwrite)
+        return pupil_refuse(why, why_bytes, "%s: is there already; name another folder, or add --overwrite", path);
+    return 0;
+}
+
+static int make_folder(pupil_report *r, char *why, size_t why_bytes)
+{
+    struct stat s;
+    r->made_folder = mkdir(r->folder, 0777) == 0;
+    int error = errno; /* of mkdir; stat has one of its own */
+    if (r->made_folder || (stat(r->folder, &s) == 0 && S_ISDIR(s.st_mode)))
+        return 0;
+    if (error == ENOENT)
+        return pupil_refuse(why, why_bytes, "%s: the folder it would lie in is not there; make it first", r->folder);
+    return pupil_refuse(why, why_bytes, "%s: is no folder that a report can be put in: %s", r->folder,
+                        strerror(error == EEXIST ? ENOTDIR : error));
+}
+
+/* "folder/name", a hidden name with the number of the process in it; NULL: out of memory. */
+static char *beside(const char *folder, const char *format) __attribute__((format(printf, 2, 0)));
+
+static char *beside(const char *folder, const char *format)
+{
+    char name[64], *path;
+    snprintf(name, sizeof name, format, (long)getpid());
+    return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
+}
+
+static int begin(pupil_report *r, const char *folder, int overwrite, char *why, size_t why_bytes)
+{
+    char *index = beside(folder, "index.html");
+    int failed = -1;
+    r->folder = strdup(folder);
+    r->video = beside(folder, ".video.%ld.mp4");
+    r->plot = beside(folder, ".plot.%ld.svg");
+    r->picture = beside(folder, ".picture.%ld.png");
+    if (!index || !r->folder || !r->video || !r->plot || !r->picture)
+        pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+    else if (!*folder)
+        pupil_refuse(why, why_bytes, "\"\": a report needs the name of a folder");
+    else if (!make_folder(r, why, why_bytes) && !may_replace(index, overwrite, why, why_bytes))
+        failed = pupil_pending_file(&r->page, index, why, why_bytes);
+    free(index);
+    return failed;
+}
+
+int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, char *why,
+                       size_t why_bytes)
+{
+    pupil_report *r = calloc(1, sizeof *r);
+    if (!r)
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+    r->stride = 1;
+    r->stills = stills;
+    if (begin(r, folder, overwrite, why, why_bytes)) {
+        pupil_report_discard(r);
+        return -1;
+    }
+    *report = r;
+    return 0;
+}
+
+const char *pupil_report_video(const pupil_report *r)
+{
+    return r->video;
+}
+
+const char *pupil_report_plot(const pupil_report *r)
+{
+    return r->plot;
+}
+
+static void forget(report_picture *p)
+{
+    thumbnail_free(&p->shown);
+    thumbnail_free(&p->fixed);
+    free(p->name);
+    memset(p, 0, sizeof *p);
+}
+
+void pupil_report_discard(pupil_report *r)
+{
+    if (!r)
+        return;
+    for (size_t i = 0; i < r->count; i++)
+        forget(&r->kept[i]);
+    pupil_pending_discard(&r->page);
+    if (r->video)
+        unlink(r->video);
+    if (r->plot)
+        unlink(r->plot);
+    if (r->picture)
+        unlink(r->picture);
+    if (r->made_folder)
+        rmdir(r->folder); /* stays where it holds something */
+    free(r->folder);
+    free(r->video);
+    free(r->plot);
+    free(r->picture);
+    free(r);
+}
+
+/* ---- frames -------------------------------------------------------------------------------------------------------
+ */
+
+int pupil_report_wants(const pupil_report *r)
+{
+    return r->seen % r->stride == 0;
+}
+
+static int keep(pupil_report *r, const pupil_image_const *rgb8, const pupil_image_const *fixed,
+                const pupil_record *record)
+{
+    report_picture *p = &r->kept[r->count++];
+    p->frame = record->frame;
+    p->time_s = record->time_s;
+    p->metered_ev = record->metered_ev;
+    p->adapted_ev = record->adapted_ev;
+    p->name = strdup(record->name ? record->name : "");
+    if (!p->name || thumbnail_make(&p->shown, rgb8) || (fixed && thumbnail_make(&p->fixed, fixed)))
+        return -1;
+    if (r->count < KEPT)
+        return 0;
+    for (size_t i = 0; i < KEPT; i++)
+        if (i % 2)
+            forget(&r->kept[i]);
+        else if (i) {
+            r->kept[i / 2] = r->kept[i];
+            memset(&r->kept[i], 0, sizeof r->kept[i]);
+        }
+    r->count = KEPT / 2;
+    r->stride *= 2;
+    return 0;
+}
+
+int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pupil_image_const *fixed,
+                       const pupil_record *record, char *why, size_t why_bytes)
+{
+    if (pupil_report_wants(r) && keep(r, rgb8, fixed, record))
+        return pupil_refuse(why, why_bytes, "%s: not enough memory for a thumbnail", r->folder);
+    if (!r->seen++) {
+        r->sums.width = rgb8->width;
+        r->sums.height = rgb8->height;
+    }
+    r->sums.sizes_differ |= r->sums.width != rgb8->width || r->sums.height != rgb8->height;
+    r->sums.pixels += (uint64_t)rgb8->width * rgb8->height;
+    return 0;
+}
+
+/* ---- the page -----------------------------------------------------------------------------------------------------
+ */
+
+/* A file's bytes as a data URI; 0, 1: longer than `most`, -1 and a sentence. */
+static int embed(FILE *out, const char *type, const char *path, uint64_t most, char *why, size_t why_bytes)
+{
+    FILE *in = fopen(path, "rbe");
+    fprintf(out, "data:%s;base64,", type);
+    int failed = in ? base64_write(out, in, most) : -1;
+    if (failed < 0)
+        pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+    if (in)
+        fclose(in);
+    return failed;
+}
+
+static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, const char *what, char *why,
+                       size_t why_bytes)
+{
+    pupil_image_const image = thumbnail_image(t);
+    if (pupil_png_write(r->picture, r->folder, &image, why, why_bytes))
+        return -1;
+    fprintf(out, "<img alt=\"%s\" width=\"%lu\" height=\"%lu\" src=\"", what, (unsigned long)t->width,
+            (unsigned long)t->height);
+    if (embed(out, "image/png", r->picture, UINT64_MAX, why, why_bytes))
+        return -1;
+    fputs("\">", out);
+    return 0;
+}
+
+static int put_strip(const pupil_report *r, FILE *out, char *why, size_t why_bytes)
+{
+    size_t most = r->stills ? REPORT_MOST_STILLS : REPORT_MOST_FRAMES, n = r->count < most ? r->count : most;
+    if (!n)
+        return 0;
+    fprintf(out, "<h2>%s</h2>\n", r->stills ? "Stills" : "Frames");
+    if (n < r->seen)
+        fprintf(out, "<p class=\"hint\">%zu of %llu, evenly spaced%s", n, (unsigned long long)r->seen,
+                r->kept[0].fixed.rgb ? "; " : ".</p>\n");
+    if (r->kept[0].fixed.rgb)
+        fprintf(out, "%sabove: adapted; below: the exposure of the first frame.</p>\n",
+                n < r->seen ? "" : "<p class=\"hint\">");
+    fputs("<div class=\"strip\">\n", out);
+    for (size_t i = 0; i < n; i++) {
+        const report_picture *p = &r->kept[n > 1 ? (i * (r->count - 1) + (n - 1) / 2) / (n - 1) : 0];
+        fputs("<figure>", out);
+        if (put_picture(r, out, &p->shown, "adapted", why, why_bytes) ||
+            (p->fixed.rgb && put_picture(r, out, &p->fixed, "fixed exposure", why, why_bytes)))
+            return -1;
+        report_caption(out, p, r->stills);
+        fputs("</figure>\n", out);
+    }
+    fputs("</div>\n", out);
+    return 0;
+}
+
+static int put_video(const pupil_report *r, FILE *out, char *why, size_t why_bytes)
+{
+    const uint64_t most = (uint64_t)REPORT_MOST_VIDEO_MIB << 20;
+    struct stat s;
+    if (stat(r->video, &s) != 0)
+        return 0;
+    if ((uint64_t)s.st_size > most) {
+        fprintf(out,
+                "<p class=\"note\">The video is left out: it has %lld MiB, and a page holds at most %d. "
+                "Ask for it as a file: -o video.mp4</p>\n",
+                (long long)(s.st_size >> 20), REPORT_MOST_VIDEO_MIB);
+        return 0;
+    }
+    fputs("<h2>Video</h2>\n<video controls loop muted playsinline src=\"", out);
+    int failed = embed(out, "video/mp4", r->video, most, why, why_bytes);
+    fputs("\"></video>\n", out);
+    return failed;
+}
+
+/* As an image, so that nothing inside it can reach the page. */
+static int put_plot(const pupil_report *r, FILE *out, char *why, size_t why_bytes)
+{
+    if (access(r->plot, F_OK) != 0)
+        return 0;
+    fputs(
+        "<h2>Exposure over time</h2>\n<div class=\"scroll\"><img class=\"plot\" alt=\"metered and adapted EV, display "
+        "level and shares over time\" src=\"",
+        out);
+    int failed = embed(out, "image/svg+xml", r->plot, UINT64_MAX, why, why_bytes);
+    fputs("\"></div>\n", out);
+    return failed;
+}
+
+static int put_page(const pupil_report *r, const pupil_report_page *page, FILE *out, char *why, size_t why_bytes)
+{
+    report_head(out, page, &r->sums);
+    if (put_video(r, out, why, why_bytes) || put_strip(r, out, why, why_bytes) || put_plot(r, out, why, why_bytes))
+        return -1;
+    report_tables(out, page, &r->sums);
+    fputs("</main>\n<footer>Made by pupil ", out);
+    report_text(out, page->version);
+    fputs(". EV is log2 luminance in stops.</footer>\n</html>\n", out);
+    return 0;
+}
+
+int pupil_report_finish(pupil_report *r, const pupil_report_page *page, char *why, size_t why_bytes)
+{
+    FILE *out = fopen(r->page.temporary, "wbe");
+    int failed = -1;
+    if (!out) {
+        pupil_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
+    } else {
+        failed = put_page(r, page, out, why, why_bytes);
+        int bad = ferror(out);
+        if ((fclose(out) != 0 || bad) && !failed)
+            failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
+    }
+    if (!failed)
+        failed = pupil_pending_commit(&r->page, why, why_bytes);
+    pupil_report_discard(r);
+    return failed;
+}

@@ -1,0 +1,63 @@
+/* apps/report/report.h: --report: a folder with one page, index.html, that holds everything: pictures, video, plot,
+ * settings and figures. The page loads nothing from anywhere and runs no script.
+ *
+ *     begin -> frame ... frame -> finish      or      discard
+ *
+ * The page is complete or absent. Nothing else in the folder is touched; an index.html that is there is replaced only
+ * if pupil made it and the user asked for that.
+ */
+#ifndef PUPIL_APPS_REPORT_REPORT_H
+#define PUPIL_APPS_REPORT_REPORT_H
+
+#include "output/frame_log.h"
+#include "pupil/image.h"
+
+#define REPORT_MOST_FRAMES    12 /* pictures of a clip, evenly spaced */
+#define REPORT_MOST_STILLS    60 /* of a sequence of stills: all up to so many */
+#define REPORT_MOST_VIDEO_MIB 64 /* browsers grow slow on larger pages */
+
+typedef struct pupil_report pupil_report;
+
+/* Texts are the caller's and may be NULL where there is nothing to say. */
+typedef struct pupil_report_row {
+    const char *label, *value, *unit;
+    const char *command; /* that prints the value */
+} pupil_report_row;
+
+typedef struct pupil_report_page {
+    const char *title;
+    const char *command; /* the command line that made the page */
+    const char *version;
+    const char *note; /* a sentence at the top: frames skipped, a plot that could not be drawn */
+    const pupil_record *records;
+    size_t record_count;
+    const pupil_report_row *settings;
+    size_t setting_count;
+    const pupil_report_row *figures; /* beside those that the records give */
+    size_t figure_count;
+} pupil_report_page;
+
+/* `stills`: the frames are pictures of their own, shown with their names. 0, or -1 and a sentence that names the path.
+ */
+int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, char *why,
+                       size_t why_bytes);
+
+/* Where to put a video (.mp4) and a plot (.svg) for the page before finish; what is there then becomes part of the page
+ * and is removed. */
+const char *pupil_report_video(const pupil_report *report);
+const char *pupil_report_plot(const pupil_report *report);
+
+/* Whether the next frame may be shown: only then is a fixed image worth making. */
+int pupil_report_wants(const pupil_report *report);
+
+/* Takes every display frame. `fixed`: the same frame at the exposure of the first, to compare with; may be NULL. */
+int pupil_report_frame(pupil_report *report, const pupil_image_const *rgb8, const pupil_image_const *fixed,
+                       const pupil_record *record, char *why, size_t why_bytes);
+
+/* Writes the page and puts it in its place. The report is gone afterwards, whether that succeeded or not. */
+int pupil_report_finish(pupil_report *report, const pupil_report_page *page, char *why, size_t why_bytes);
+
+/* Leaves nothing. Takes NULL. */
+void pupil_report_discard(pupil_report *report);
+
+#endif

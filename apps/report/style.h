@@ -1,0 +1,45 @@
+/* apps/report/style.h: how a report looks: light or dark as the reader's system, one column on a phone. */
+#ifndef PUPIL_APPS_REPORT_STYLE_H
+#define PUPIL_APPS_REPORT_STYLE_H
+
+static const char report_style[] =
+    ":root{color-scheme:light dark;--page:#f6f6f4;--card:#fff;--text:#1c1e21;--soft:#62676d;--line:#e2e2de;"
+    "--accent:#b34700}\n"
+    "@media(prefers-color-scheme:dark){:root{--page:#131517;--card:#1c1f22;--text:#e6e7e8;--soft:#9aa0a6;"
+    "--line:#30353a;--accent:#ff9d5c}img.plot{filter:invert(.89) hue-rotate(180deg)}}\n"
+    "*{box-sizing:border-box}\n"
+    "body{margin:0;background:var(--page);color:var(--text);font:16px/1.5 system-ui,-apple-system,'Segoe UI',Roboto,"
+    "'Helvetica Neue',Arial,sans-serif}\n"
+    "main{max-width:1080px;margin:0 auto;padding:28px 20px 12px}\n"
+    "h1{font-size:1.7rem;line-height:1.25;margin:0 0 10px;overflow-wrap:anywhere}\n"
+    "h2{font-size:1.05rem;margin:34px 0 10px}\n"
+    "pre{margin:0;padding:10px 14px;background:var(--card);border:1px solid var(--line);border-radius:8px;"
+    "white-space:pre-wrap;overflow-wrap:anywhere;font-size:.86rem}\n"
+    "code,pre{font-family:ui-monospace,'DejaVu Sans Mono',Menlo,Consolas,monospace}\n"
+    "p.note{border-left:4px solid var(--accent);padding:2px 0 2px 12px;margin:16px 0}\n"
+    "ul.facts{display:flex;flex-wrap:wrap;gap:10px;list-style:none;margin:16px 0 0;padding:0}\n"
+    "ul.facts li{flex:1 1 150px;background:var(--card);border:1px solid var(--line);border-radius:8px;"
+    "padding:10px 14px}\n"
+    "ul.facts b{display:block;font-size:1.15rem;font-weight:600;font-variant-numeric:tabular-nums}\n"
+    "ul.facts span,figcaption,.hint,footer{color:var(--soft);font-size:.82rem}\n"
+    "video{display:block;width:100%;max-width:860px;max-height:75vh;background:#000;border-radius:8px}\n"
+    "img.plot{display:block;width:100%;height:auto;background:#fff;border-radius:8px}\n"
+    ".scroll{overflow-x:auto;border:1px solid var(--line);border-radius:8px}.scroll img.plot{min-width:640px}\n"
+    ".strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(210px,1fr));gap:14px 12px}\n"
+    "figure{margin:0}figure img{display:block;width:100%;height:auto;border-radius:5px}\n"
+    "figure img+img{margin-top:3px}figcaption{margin-top:4px;overflow-wrap:anywhere;line-height:1.35}\n"
+    "figcaption b{color:var(--text);font-weight:600}\n"
+    ".hint{margin:0 0 10px}\n"
+    ".tables{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));gap:0 28px;"
+    "align-items:start}\n"
+    "table{width:100%;border-collapse:collapse;font-size:.9rem;background:var(--card);border:1px solid var(--line);"
+    "border-radius:8px;border-spacing:0}\n"
+    "td{padding:6px 12px;border-top:1px solid var(--line);vertical-align:top}tr:first-child td{border-top:0}\n"
+    "td.v{text-align:right;min-width:7.5em;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}\n"
+    "td.u{color:var(--soft);padding-left:0;white-space:nowrap}\n"
+    "td code{display:block;color:var(--soft);font-size:.76rem;overflow-wrap:anywhere}\n"
+    "footer{max-width:1080px;margin:0 auto;padding:14px 20px 34px}\n"
+    "@media(max-width:520px){main{padding:18px 14px 8px}.strip{grid-template-columns:1fr 1fr;gap:10px 8px}"
+    "h1{font-size:1.35rem}ul.facts li{flex-basis:120px}}\n";
+
+#endif

@@ -1,0 +1,21 @@
+/* apps/run/colour.h: the colour of a live run's raw frames, from the camera that is open now. */
+#ifndef PUPIL_APPS_RUN_COLOUR_H
+#define PUPIL_APPS_RUN_COLOUR_H
+
+#include "live/colour.h"
+#include "source.h"
+
+typedef struct run_colour {
+    pupil_colour colour;
+    int began;
+    uint64_t reopened; /* when it began */
+    int own_picture;   /* the picture is to be the camera's own, so codes of Rec. 709's curve are read by the display's:
+                        * as players show them, and not by some codes lighter or darker */
+} run_colour;
+
+/* Gives a frame of a live source its coding; begins anew with the first frame of a camera, which may be another one. -1
+ * and a sentence: what was asked for is none that its format can have. */
+int run_colour_take(run_colour *c, const pupil_colour_options *options, const pupil_source *source, pupil_frame *frame,
+                    char *why, size_t why_bytes);
+
+#endif

@@ -1,0 +1,32 @@
+/* apps/run/lamps.h: the gains of a frame's rows under lamps on the mains (pupil/row_gain.h), for --row-gains. */
+#ifndef PUPIL_APPS_RUN_LAMPS_H
+#define PUPIL_APPS_RUN_LAMPS_H
+
+#include "options.h"
+#include "pupil/row_gain.h"
+#include "sensor.h"
+
+typedef struct run_lamps {
+    const run_options *options; /* NULL: as without --row-gains */
+    const pupil_source *source;
+    const pupil_camera *camera; /* whose readout was asked for last; NULL: none */
+    double readout_s;           /* 0: unknown */
+    pupil_row_gain_config of;   /* lamps; its mains_hz 0: there are none (now) */
+    pupil_row_gain lamps;
+    uint64_t frames, with; /* all; with gains */
+    uint32_t reason;       /* of the last frame */
+    float gain[PUPIL_MAX_SIDE_PX];
+} run_lamps;
+
+/* Of a live source, whose mode is no longer RUN_BEST. `remark`: a sentence where there will be no gains, and what would
+ * bring them; else nothing. */
+void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, char *remark,
+                     size_t remark_bytes);
+
+/* A frame, before it is mapped: the gains of its rows, good until the next frame; NULL: none. */
+const float *run_lamps_take(run_lamps *l, const run_sensor *sensor, const pupil_frame *frame);
+
+/* "; row gains in 280 of 300 frames", and in the end why there are none; or nothing. */
+void run_lamps_tell(const run_lamps *l, char *text, size_t text_bytes);
+
+#endif

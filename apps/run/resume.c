@@ -1,0 +1,221 @@
+#include "resume.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "file/pending.h"
+#include "refuse.h"
+
+#define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"
+
+enum { MOST_CAMERAS = 64, MOST_LEFT_OUT = 30, LOCK_TRIES = 20, LOCK_PAUSE_US = 100000 };
+#define EVERY_NS   INT64_C(60000000000)
+#define CHANGED_EV 0.05 /* what a person would not see at the start is not worth a write */
+
+/* "TOTAL\tDRIVER\tBUS\tCARD\n": the total, and what follows it. 0: it is no such line. */
+static int split_line(char *line, double *total_s, const char **camera)
+{
+    char *end;
+    *total_s = strtod(line, &end);
+    if (end == line || *end != '\t' || !(*total_s >= 0x1p-64 && *total_s <= 0x1p64)) /* pupil_sensor_start */
+        return 0;
+    *camera = end + 1;
+    const char *bus = strchr(*camera, '\t'), *card = bus ? strchr(bus + 1, '\t') : NULL;
+    return card && !strchr(card + 1, '\t') && strchr(card, '\n');
+}
+
+/* The total of a camera (NULL: of none), and the lines of the others into `others` (NULL: nowhere). A file that is not
+ * there, or empty, has none. 0, or -1 and a sentence: it is something else. */
+static int read_kept(const char *path, const char *camera, double *total_s, FILE *others, unsigned *damaged, char *why,
+                     size_t why_bytes)
+{
+    char line[256];
+    FILE *in = fopen(path, "re");
+    *total_s = 0.0;
+    *damaged = 0;
+    if (!in)
+        return errno == ENOENT ? 0 : pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+    const int is_empty = !fgets(line, sizeof line, in);
+    if (!is_empty && strcmp(line, HEADER) != 0) {
+        fclose(in);
+        return pupil_refuse(why, why_bytes, "%s: was not written by --resume, and is left as it is; name another file",
+                            path);
+    }
+    for (int cameras = 1; cameras < MOST_CAMERAS && fgets(line, sizeof line, in);) {
+        double total = 0.0;
+        const char *of = NULL;
+        if (!split_line(line, &total, &of)) {
+            ++*damaged;
+        } else if (camera && strncmp(of, camera, strlen(camera)) == 0 && strcmp(of + strlen(camera), "\n") == 0) {
+            *total_s = total;
+        } else {
+            cameras++;
+            if (others)
+                fputs(line, others);
+        }
+    }
+    const int failed = ferror(in);
+    fclose(in);
+    return failed ? pupil_refuse(why, why_bytes, "%s: cannot be read to its end", path) : 0;
+}
+
+/* The file's folder, locked against other runs that end together with this one; the file itself is replaced. One that
+ * keeps it for long is not waited for. To be closed; -1: there is none. */
+static int lock_folder(const char *path)
+{
+    char copy[PATH_MAX];
+    snprintf(copy, sizeof copy, "%s", path);
+    const int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (int i = 0; folder >= 0 && flock(folder, LOCK_EX | LOCK_NB) != 0 && i < LOCK_TRIES; i++)
+        usleep(LOCK_PAUSE_US);
+    return folder;
+}
+
+/* Complete, or as it was. */
+static int replace(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
+{
+    pupil_pending pending;
+    double unused;
+    unsigned damaged;
+    if (pupil_pending_file(&pending, path, why, why_bytes))
+        return -1;
+    errno = 0;
+    FILE *out = fopen(pending.temporary, "we");
+    int failed = 0;
+    if (out) {
+        fprintf(out, HEADER "%.9g\t%s\n", total_s, camera);
+        failed = read_kept(path, camera, &unused, out, &damaged, why, why_bytes);
+    }
+    const int unwritten = !out || ferror(out);
+    if ((out && fclose(out) != 0) || unwritten)
+        failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno ? errno : EIO));
+    if (!failed)
+        failed = pupil_pending_commit(&pending, why, why_bytes);
+    pupil_pending_discard(&pending);
+    return failed;
+}
+
+static int write_kept(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
+{
+    const int folder = lock_folder(path), failed = replace(path, camera, total_s, why, why_bytes);
+    if (folder >= 0)
+        close(folder);
+    return failed;
+}
+
+int run_resume_check(const char *path, char *why, size_t why_bytes)
+{
+    pupil_pending pending;
+    double unused;
+    unsigned damaged;
+    if (!path)
+        return 0;
+    if (pupil_pending_file(&pending, path, why, why_bytes))
+        return -1;
+    pupil_pending_discard(&pending);
+    return read_kept(path, NULL, &unused, NULL, &damaged, why, why_bytes);
+}
+
+static void name_camera(run_resume *r, const pupil_source *source)
+{
+    const pupil_v4l2_capture *capture = pupil_live_capture(source);
+    const char *const names[] = {capture->device.driver, capture->device.bus, capture->device.name};
+    char *to = r->camera;
+    for (int i = 0; i < 3; i++) {
+        if (i)
+            *to++ = '\t';
+        for (const char *c = names[i]; *c; c++)
+            *to++ = iscntrl((unsigned char)*c) ? '?' : *c;
+    }
+    *to = 0;
+    r->reopened = capture->counts.reopened;
+}
+
+void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, char *warning, size_t warning_bytes)
+{
+    unsigned damaged = 0;
+    *warning = 0;
+    *r = (run_resume){.path = path};
+    if (!path)
+        return;
+    name_camera(r, source);
+    if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning, warning_bytes) == 0 && damaged)
+        snprintf(warning, warning_bytes, "%s: is damaged; %s", path,
+                 r->total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
+    r->waits = r->total_s > 0.0;
+}
+
+int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil_frame_info *info)
+{
+    pupil_camera_status status;
+    pupil_camera *camera = pupil_live_camera(source);
+    if (!r->waits)
+        return 0;
+    r->waits = camera && r->left_out < MOST_LEFT_OUT;
+    if (r->waits) {
+        pupil_camera_get_status(camera, &status);
+        r->waits = status.written != status.asks || info->sequence < status.exposure_s.from_frame ||
+                   info->sequence < status.gain.from_frame;
+    }
+    r->left_out += r->waits != 0;
+    return r->waits;
+}
+
+static void *write_beside(void *run_resume_)
+{
+    run_resume *r = run_resume_;
+    write_kept(r->path, r->camera, r->write_s, NULL, 0); /* what fails here fails at the end, too, and is told there */
+    atomic_store(&r->is_busy, 0);
+    return NULL;
+}
+
+static void join(run_resume *r)
+{
+    if (r->has_thread)
+        pthread_join(r->thread, NULL);
+    r->has_thread = 0;
+}
+
+void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns)
+{
+    const uint32_t state = setting->state;
+    if (!r->path)
+        return;
+    if (r->reopened != pupil_live_capture(source)->counts.reopened) { /* it may be another camera */
+        join(r);
+        name_camera(r, source);
+        r->rest_s = r->kept_s = 0.0;
+    }
+    if (state == PUPIL_SENSOR_CONVERGED || state == PUPIL_SENSOR_FLICKER ||
+        (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED))
+        r->rest_s = setting->total_s;
+    if (!r->kept_ns)
+        r->kept_ns = now_ns;
+    if (now_ns - r->kept_ns < EVERY_NS || !(r->rest_s > 0.0) || atomic_load(&r->is_busy) ||
+        (r->kept_s > 0.0 && fabs(log2(r->rest_s / r->kept_s)) < CHANGED_EV))
+        return;
+    join(r);
+    r->kept_ns = now_ns;
+    r->kept_s = r->write_s = r->rest_s;
+    atomic_store(&r->is_busy, 1);
+    r->has_thread = pthread_create(&r->thread, NULL, write_beside, r) == 0;
+    if (!r->has_thread)
+        atomic_store(&r->is_busy, 0);
+}
+
+int run_resume_end(run_resume *r, char *why, size_t why_bytes)
+{
+    if (!r->path)
+        return 0;
+    join(r);
+    return r->rest_s > 0.0 ? write_kept(r->path, r->camera, r->rest_s, why, why_bytes) : 0;
+}

@@ -1,0 +1,43 @@
+/* apps/run/resume.h: --resume: the total (exposure time x gain) at which the last run was at rest, of each camera, in a
+ * file, so that the first frames of the next one are right already.
+ */
+#ifndef PUPIL_APPS_RUN_RESUME_H
+#define PUPIL_APPS_RUN_RESUME_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "live/live.h"
+
+typedef struct run_resume {
+    const char *path;   /* NULL: nothing is read or written, and all calls do nothing */
+    char camera[112];   /* driver, bus and card, as they stand in the file */
+    uint64_t reopened;  /* times, when it was that */
+    double total_s;     /* of the last run; 0: none */
+    uint32_t left_out;  /* frames, while that was not in force yet */
+    int waits;          /* ... and it is not */
+    double rest_s;      /* of this run, at rest; 0: not yet */
+    double kept_s;      /* that was written last; 0: none */
+    int64_t kept_ns;    /* when; at first when the run began */
+    pthread_t thread;   /* that writes, for a disk may take long */
+    atomic_int is_busy; /* it does */
+    int has_thread;     /* to be joined */
+    double write_s;     /* its own */
+} run_resume;
+
+/* Before a camera is touched: whether such a file is there or can be. 0, or -1 and a sentence. */
+int run_resume_check(const char *path, char *why, size_t why_bytes);
+
+/* Reads what is kept of this camera. `warning`: a sentence where a part of the file is damaged, else empty. */
+void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, char *warning, size_t warning_bytes);
+
+/* Whether the frame is to be left out, for it was taken before what was kept came into force: 30 at most. */
+int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil_frame_info *info);
+
+/* After each frame: keeps the total where the sensor is at rest; every minute it is written where it has changed. */
+void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns);
+
+/* Writes it. 0, or -1 and a sentence. */
+int run_resume_end(run_resume *r, char *why, size_t why_bytes);
+
+#endif

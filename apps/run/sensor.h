@@ -1,0 +1,46 @@
+/* apps/run/sensor.h: the camera's side of a run: what a frame's statistics ask of its exposure and gain. */
+#ifndef PUPIL_APPS_RUN_SENSOR_H
+#define PUPIL_APPS_RUN_SENSOR_H
+
+#include "options.h"
+#include "output/frame_log.h"
+#include "v4l2/controls/camera_controls.h"
+
+typedef struct run_sensor {
+    const run_options *options;
+    pupil_source *source;
+    pupil_camera *camera; /* NULL: none (now) */
+    double first_total_s; /* to begin with; 0: with what the camera has */
+    int steers;           /* sensor and setting are valid */
+    pupil_sensor_config config;
+    pupil_sensor sensor;
+    pupil_sensor_setting setting;
+    pupil_camera_setting asked;
+    int slow;               /* the camera's setting is not known for sure: a write takes long, or did just now */
+    uint64_t seen_refusals; /* of this camera */
+    int refused;            /* it refused the latest setting, and is asked again */
+    uint64_t refusals;      /* all in all, and the errno of the last one */
+    int refusal;
+} run_sensor;
+
+/* Of a live source. Its mode is options->mode, which is no longer RUN_BEST. */
+void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source);
+
+/* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
+ * have, or first_total_s. -1 and a sentence: they cannot be steered. */
+int run_sensor_take(run_sensor *s, char *why, size_t why_bytes);
+
+/* A frame's statistics: the setting follows, and is asked for where it has changed. Of RUN_SENSOR the curve becomes the
+ * one that shows the camera's own picture. A replay_judge. */
+void run_sensor_judge(void *run_sensor, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
+
+/* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
+int run_sensor_curve(const run_sensor *s, pupil_curve *curve);
+
+/* "; settings refused by the camera: 3 (Device or resource busy)", or nothing. */
+void run_sensor_tell(const run_sensor *s, char *text, size_t text_bytes);
+
+/* Into the record of the last frame. */
+void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record);
+
+#endif

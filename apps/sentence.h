@@ -1,8 +1,0 @@
-/* apps/sentence.h: a sentence for the user, on standard error. */
-#ifndef PUPIL_APPS_SENTENCE_H
-#define PUPIL_APPS_SENTENCE_H
-
-/* "COMMAND: WHY" and `end`. A sentence may quote a file's name: what would steer a terminal becomes '?'. */
-void sentence_say(const char *command, char *why, const char *end);
-
-#endif

@@ -1,0 +1,345 @@
+/* The window of replay and of a live run: pace, keys, and what is drawn. */
+#include "view.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "common/interrupt.h"
+#include "common/progress.h"
+#include "font.h"
+#include "frame/gl_calls.h"
+#include "keys.h"
+#include "paint.h"
+#include "picture.h"
+#include "plot.h"
+#include "window/window.h"
+
+#define SAID_S     2.0  /* how long what a key did can be read */
+#define TITLE_S    0.5  /* between two titles */
+#define LOST_S     0.5  /* later than this, the clock waits for the frames: they are not to be caught up with */
+#define LEAST_S    0.1  /* a late frame is shown nevertheless where none was for so long */
+#define SPLIT_STEP 0.05 /* of the width */
+#define WHITE      0xF0F0F0ffu
+#define SHADE      0x000000b8u
+
+struct view {
+    view_of of;
+    pupil_window *window;
+    gl_calls gl;
+    view_paint *paint;
+    view_picture picture; /* where the CPU maps */
+    view_plot plot;
+
+    const pupil_frame *frame;        /* the one that is shown; NULL: the source has it back */
+    const pupil_image_const *mapped; /* by the CPU, with `curve`; NULL: it is to be mapped anew */
+    pupil_frame_info info;
+    pupil_curve curve;
+    pupil_t first; /* the eye that has seen the first frame alone: what is before the split */
+    int first_known;
+
+    double anchor_s, drawn_s, said_s, titled_s; /* moments: of the timestamp 0, the last drawing, words, title */
+    unsigned drawn;                             /* frames since the last title */
+    int anchored, paused, stale, quit;
+    int fullscreen, split_on, plot_on, help_on;
+    float split;
+    char said[128];
+};
+
+/* 1: the picture is the camera's own, with its curve. */
+static int is_own(const view *v, pupil_curve *curve)
+{
+    return v->of.curve && v->of.curve(v->of.context, curve);
+}
+
+/* ---- drawing ------------------------------------------------------------------------------------------------------
+ */
+
+/* A part of the picture as `curve` maps it, by whoever does the frames. */
+static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_t height, float from, float to)
+{
+    const pupil_gles_target target = {.width = width, .height = height, .from = from, .to = to};
+    replay_work *work = v->of.work;
+    char why[PUPIL_WHY_BYTES];
+    pupil_image display;
+    if (from >= to) /* the divide is at an edge; pupil_gles_target takes 0 and 0 for all */
+        return;
+    if (work->gpu && gles_work_draw(work->gpu, curve, &target, why, sizeof why) == 0)
+        return;
+    if (work->gpu)
+        replay_work_give_up(work, v->of.pupil, why);
+    if (v->mapped && curve == &v->curve)
+        view_picture_take(&v->picture, v->mapped);
+    else if (v->frame && replay_work_map(work, v->of.pupil, curve, &v->frame->image, &display) == 0) {
+        const pupil_image_const shown = pupil_image_as_const(display);
+        view_picture_take(&v->picture, &shown);
+        v->mapped = NULL; /* it was there */
+    }
+    view_picture_draw(&v->picture, width, height, from, to);
+}
+
+static void paint_words(view *v, float x, float y, float scale, const char *words)
+{
+    const float margin = 4.0f * scale, width = view_paint_text_width(scale, words);
+    float lines = 1.0f;
+    for (const char *c = words; *c; c++)
+        lines += *c == '\n';
+    view_paint_box(v->paint, x, y, width + 2.0f * margin, (VIEW_FONT_LINE * lines - 3.0f) * scale + 2.0f * margin,
+                   SHADE);
+    view_paint_text(v->paint, x + margin, y + margin, scale, WHITE, words);
+}
+
+static void paint_split(view *v, float width, float height, float scale)
+{
+    const float at = floorf(width * v->split), y = height - 24.0f * scale;
+    view_paint_box(v->paint, at - 0.5f * scale, 0.0f, scale, height, WHITE);
+    if (!v->plot_on) {
+        paint_words(v, at - 16.0f * scale - view_paint_text_width(scale, "first exposure"), y, scale, "first exposure");
+        paint_words(v, at + 8.0f * scale, y, scale, "adapted");
+    }
+}
+
+static void paint(view *v, float width, float height)
+{
+    const float scale = fmaxf(1.0f, floorf(fminf(width / 480.0f, height / 300.0f))); /* 2 at 1280 x 720 */
+    view_paint_begin(v->paint, width, height);
+    if (v->split_on)
+        paint_split(v, width, height, scale);
+    if (v->plot_on)
+        view_plot_paint(&v->plot, v->paint, width, height, scale, v->of.options->config.key);
+    if (v->help_on)
+        paint_words(v, 8.0f * scale, 32.0f * scale, scale, view_keys_help);
+    if (*v->said)
+        paint_words(v, 8.0f * scale, 8.0f * scale, scale, v->said);
+    view_paint_end(v->paint);
+}
+
+static void draw(view *v)
+{
+    uint32_t width, height;
+    pupil_curve first;
+    const float split = v->split_on && v->first_known && !is_own(v, &first) ? v->split : 0.0f;
+    pupil_window_size(v->window, &width, &height);
+    if (!width || !height)
+        return;
+    gl_calls_begin(&v->gl, 0, (GLsizei)width, (GLsizei)height);
+    v->gl.ClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+    v->gl.Clear(GL_COLOR_BUFFER_BIT);
+    if (split > 0.0f && pupil_get_curve(&v->first, &v->info, &first) == PUPIL_OK)
+        draw_part(v, &first, width, height, 0.0f, split);
+    draw_part(v, &v->curve, width, height, split, 1.0f);
+    gl_calls_begin(&v->gl, 0, (GLsizei)width, (GLsizei)height);
+    paint(v, (float)width, (float)height);
+    pupil_window_swap(v->window);
+    v->drawn_s = progress_now_s();
+    v->drawn++;
+    v->stale = 0;
+}
+
+static void title(view *v)
+{
+    char law[64], text[512];
+    const double now_s = progress_now_s(), since_s = now_s - v->titled_s;
+    if (since_s < TITLE_S)
+        return;
+    view_keys_law(&v->of.options->config, law, sizeof law);
+    snprintf(text, sizeof text, "%.200s - %.0f frames/s, EV %+.2f, %s%s%s - pupil", v->of.options->inputs[0],
+             v->drawn / since_s, v->of.options->config.ev_compensation, law,
+             v->of.options->config.lock ? ", locked" : "", v->of.work->gpu ? "" : ", CPU");
+    pupil_window_set_title(v->window, text);
+    v->titled_s = now_s;
+    v->drawn = 0;
+}
+
+/* ---- keys ---------------------------------------------------------------------------------------------------------
+ */
+
+static void say(view *v, const char *words)
+{
+    snprintf(v->said, sizeof v->said, "%s", words);
+    v->said_s = progress_now_s();
+}
+
+static void move_split(view *v, double by)
+{
+    const double split = (double)v->split + by;
+    v->split_on = 1;
+    v->split = (float)(split < 0.0 ? 0.0 : split > 1.0 ? 1.0 : split);
+}
+
+/* Keys that change what is shown, and no setting. */
+static void take_view_key(view *v, int key)
+{
+    switch (key) {
+    case 'q':
+    case 'Q':
+    case PUPIL_WINDOW_ESCAPE:
+    case PUPIL_WINDOW_QUIT:
+        v->quit = 1;
+        break;
+    case ' ':
+        v->paused = !v->paused;
+        v->anchored = 0;
+        say(v, v->paused ? "paused" : "on");
+        break;
+    case 's':
+        v->split_on = !v->split_on;
+        break;
+    case PUPIL_WINDOW_LEFT:
+        move_split(v, -SPLIT_STEP);
+        break;
+    case PUPIL_WINDOW_RIGHT:
+        move_split(v, SPLIT_STEP);
+        break;
+    case 'p':
+        v->plot_on = !v->plot_on;
+        break;
+    case 'h':
+    case '?':
+        v->help_on = !v->help_on;
+        break;
+    case 'f':
+    case PUPIL_WINDOW_F11:
+        v->fullscreen = !v->fullscreen;
+        pupil_window_set_fullscreen(v->window, v->fullscreen);
+        break;
+    default:
+        break;
+    }
+}
+
+/* What has come from the window; what is shown may be stale then. */
+static void listen(view *v)
+{
+    int key;
+    while (!v->quit && (key = pupil_window_poll(v->window)) != PUPIL_WINDOW_NOTHING) {
+        v->stale = 1;
+        if (!view_keys_take(key, &v->of.options->config, v->said, sizeof v->said)) {
+            take_view_key(v, key);
+            continue;
+        }
+        v->said_s = progress_now_s();
+        v->mapped = NULL;
+        replay_work_retune(v->of.work, v->of.pupil);
+        if (is_own(v, &v->curve))
+            continue;
+        if (v->frame || v->of.work->gpu)
+            pupil_get_curve(v->of.pupil, &v->info, &v->curve); /* refused without light so far: as it was */
+    }
+    if (*v->said && progress_now_s() - v->said_s > SAID_S) {
+        *v->said = 0;
+        v->stale = 1;
+    }
+    v->quit |= interrupt_came();
+}
+
+/* ---- pace ---------------------------------------------------------------------------------------------------------
+ */
+
+static void doze(double seconds)
+{
+    const struct timespec t = {.tv_nsec = (long)(fmin(fmax(seconds, 0.0), 0.005) * 1e9)}; /* keys are heard soon */
+    nanosleep(&t, NULL);
+}
+
+/* Until the frame is due; 0: it is too late to be shown. */
+static int await(view *v, double time_s)
+{
+    double late_s = v->anchored ? progress_now_s() - v->anchor_s - time_s : 0.0;
+    if (!v->anchored || late_s > LOST_S || late_s < -10.0) { /* a jump of the timestamps is no reason to wait */
+        v->anchor_s = progress_now_s() - time_s;
+        v->anchored = 1;
+        return 1;
+    }
+    if (late_s > 1.0 / v->of.fps)
+        return progress_now_s() - v->drawn_s > LEAST_S;
+    while (!v->quit && v->anchored && (late_s = progress_now_s() - v->anchor_s - time_s) < 0.0) {
+        listen(v);
+        doze(-late_s);
+    }
+    return 1;
+}
+
+static void stay(view *v, const int *as_long_as)
+{
+    while (*as_long_as && !v->quit) {
+        if (v->stale)
+            draw(v);
+        title(v);
+        doze(1.0);
+        listen(v);
+    }
+}
+
+int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
+               const pupil_record *record)
+{
+    v->frame = frame;
+    v->info = frame->info;
+    v->curve = *curve;
+    v->mapped = display->width == frame->image.width && display->height == frame->image.height ? display : NULL;
+    if (!v->first_known && pupil_get_curve(v->of.pupil, &frame->info, &(pupil_curve){0}) == PUPIL_OK) {
+        v->first = *v->of.pupil;
+        v->first_known = 1;
+    }
+    view_plot_add(&v->plot, record);
+    listen(v);
+    if (!v->quit && (v->of.live ? !v->paused : await(v, record->time_s)))
+        draw(v);
+    title(v);
+    if (!v->of.live)
+        stay(v, &v->paused);
+    v->frame = NULL;
+    v->mapped = NULL;
+    return v->quit ? VIEW_QUIT : VIEW_ON;
+}
+
+void view_stay(view *v)
+{
+    const int always = 1;
+    say(v, "end");
+    v->stale = 1;
+    stay(v, &always);
+}
+
+/* ---- life ---------------------------------------------------------------------------------------------------------
+ */
+
+int view_open(view **opened, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes)
+{
+    const pupil_window_options options = {
+        .title = "pupil", .width = first->width, .height = first->height, .version = of->options->gles_version};
+    view *v = calloc(1, sizeof *v);
+    if (!v) {
+        snprintf(why, why_bytes, "not enough memory");
+        return -1;
+    }
+    v->of = *of;
+    v->split = 0.5f;
+    char reason[PUPIL_WHY_BYTES] = "";
+    if (pupil_window_open(&v->window, &options, reason, sizeof reason) ||
+        gl_calls_load(&v->gl, pupil_window_get_proc, reason, sizeof reason) ||
+        !(v->paint = view_paint_open(&v->gl, reason, sizeof reason)) ||
+        view_picture_open(&v->picture, &v->gl, reason, sizeof reason)) {
+        snprintf(why, why_bytes, "--view: %s", reason);
+        view_close(v);
+        return -1;
+    }
+    /* What only plays the GPU is slower than the CPU itself; who names it has it. */
+    if (of->options->gles || of->options->gles_version || !gl_calls_software(&v->gl))
+        replay_work_gles(of->work, pupil_window_get_proc);
+    *opened = v;
+    return 0;
+}
+
+void view_close(view *v)
+{
+    if (!v)
+        return;
+    view_picture_close(&v->picture);
+    view_paint_close(v->paint);
+    pupil_window_close(v->window);
+    free(v);
+}

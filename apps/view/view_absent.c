@@ -1,0 +1,29 @@
+/* In place of the window's files where the build has no OpenGL ES. */
+#include <stdio.h>
+
+#include "view.h"
+
+int view_open(view **v, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes)
+{
+    (void)of, (void)first;
+    *v = NULL;
+    snprintf(why, why_bytes, "--view: this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
+    return -1;
+}
+
+void view_close(view *v)
+{
+    (void)v;
+}
+
+int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
+               const pupil_record *record)
+{
+    (void)v, (void)frame, (void)curve, (void)display, (void)record;
+    return VIEW_QUIT;
+}
+
+void view_stay(view *v)
+{
+    (void)v;
+}

@@ -1,0 +1,51 @@
+/* drivers/file/recording/recording.h: raw frames on disk as they came, and back again as the same frames.
+ *
+ * A recording is a folder:
+ *     frames.mkv      every frame, lossless: raw video in Matroska, or the camera's own JPEGs; ffmpeg and mpv open it
+ *     frames.jsonl    a line for each: sequence, timestamp_ns, exposure_s, gain, ...; written after its frame
+ *     recording.json  what a frame looks like: pixel format, size, coding of light, and where it came from
+ * It can be used at any moment: whoever writes it may be killed, and every frame that has its line is there, whole.
+ *
+ * Writing has a thread and room for a few frames of its own, taken at open: write copies the frame and never waits for
+ * the disk. Where the disk is slower than the camera, frames are lost, and counted.
+ */
+#ifndef PUPIL_DRIVERS_FILE_RECORDING_RECORDING_H
+#define PUPIL_DRIVERS_FILE_RECORDING_RECORDING_H
+
+#include "source.h"
+
+typedef struct pupil_recorder pupil_recorder;
+
+typedef struct pupil_recorder_options {
+    const char *camera;   /* whose frames these are, for people; NULL */
+    double fps;           /* nominal, above 0 */
+    int overwrite;        /* 1: a recording (or empty folder) that is there is replaced; 0: it is refused */
+    unsigned room;        /* frames that wait for the disk at most; 0: 16 */
+    int wait;             /* 1: write waits for room instead: of sources that can wait (files, scenes) */
+    int (*give_up)(void); /* asked while the disk is waited for, by write and close: 1: it is waited for no more, and
+                           * what it has not taken yet is left out; NULL: for as long as it takes */
+} pupil_recorder_options;
+
+typedef struct pupil_recorder_counts {
+    uint64_t written, lost; /* lost: there was no room */
+} pupil_recorder_counts;
+
+/* `first` is the first frame: all that follow have its size, pixel format and coding, but for coding.balance, which may
+ * be each frame's own. It is not written yet. 0, or
+ * PUPIL_SINK_FAILED and a sentence (folder, no room on the disk, a pixel format that cannot be kept). */
+int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
+                        const pupil_recorder_options *options, char *why, size_t why_bytes);
+/* 0: taken or lost (counted); PUPIL_SINK_FAILED and a sentence: another shape, or the disk failed; what was written
+ * stays usable. */
+int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, char *why, size_t why_bytes);
+void pupil_recorder_get_counts(pupil_recorder *recorder, pupil_recorder_counts *counts);
+/* Writes what waits and completes the files; the recorder is gone either way, or (give_up) as soon as the call that
+ * hangs comes back. NULL is allowed. */
+int pupil_recorder_close(pupil_recorder *recorder, char *why, size_t why_bytes);
+
+/* 1: the folder is a recording (it has a recording.json). */
+int pupil_is_recording(const char *folder);
+/* Its frames, with their infos, bit for bit; a recording that was cut off ends with its last whole frame. */
+int pupil_recording_open(const char *folder, pupil_source **source, char *why, size_t why_bytes);
+
+#endif

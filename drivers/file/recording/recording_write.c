@@ -1,0 +1,403 @@
+/* drivers/file/recording/recording_write.c: the recorder: a queue of frames, and a thread that brings them to the disk.
+ */
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "recording.h"
+#include "recording_format.h"
+#include "recording_mkv.h"
+#include "refuse.h"
+#include "sink.h"
+
+#define ROOM_USUAL 16
+#define ROOM_WAIT  2 /* of sources that wait there are never many */
+#define ROOM_MOST  4096
+
+#define ASK_AGAIN_NS 100000000 /* whether it is to be given up: soon enough for whoever pressed Ctrl-C twice */
+
+typedef struct slot {
+    unsigned char *bytes;
+    size_t size, capacity;
+    pupil_frame_info info;
+    float balance[3]; /* the only thing in their coding that frames may have of their own */
+} slot;
+
+struct pupil_recorder {
+    pupil_recording_about about;
+    char folder[PATH_MAX];
+    int wait;
+    int (*give_up)(void);
+    size_t frame_bytes; /* of raw frames */
+    pupil_mkv_writer *mkv;
+    int frames_fd, lines_fd;
+    off_t lines_end;
+    uint64_t lines;
+
+    slot *slots;
+    unsigned room;
+    unsigned *free_slots,
+        *full_slots; /* numbers of slots: a stack, so that memory that was used is used again; a ring */
+    pthread_t thread;
+    int has_thread;
+    pthread_mutex_t lock; /* of all that follows, free_slots and full_slots */
+    pthread_cond_t came, left;
+    unsigned free_count, full_count, full_first;
+    int ending, failed, done, abandoned; /* abandoned: its thread frees it */
+    pupil_recorder_counts counts;
+    char why[PUPIL_WHY_BYTES]; /* of failed */
+};
+
+static void free_recorder(pupil_recorder *r)
+{
+    pupil_mkv_free(r->mkv);
+    if (r->frames_fd >= 0)
+        close(r->frames_fd);
+    if (r->lines_fd >= 0)
+        close(r->lines_fd);
+    for (unsigned i = 0; r->slots && i < r->room; i++)
+        free(r->slots[i].bytes);
+    free(r->slots);
+    free(r->free_slots);
+    free(r->full_slots);
+    pthread_mutex_destroy(&r->lock);
+    pthread_cond_destroy(&r->came);
+    pthread_cond_destroy(&r->left);
+    free(r);
+}
+
+/* Waits for the thread to have done something, under the lock. 1: it is waited for no more. */
+static int wait_for_disk(pupil_recorder *r)
+{
+    struct timespec until;
+    if (!r->give_up) {
+        pthread_cond_wait(&r->left, &r->lock);
+        return 0;
+    }
+    if (r->give_up())
+        return 1;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_nsec += ASK_AGAIN_NS;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_cond_timedwait(&r->left, &r->lock, &until);
+    return 0;
+}
+
+static int given_up(const pupil_recorder *r, char *why, size_t why_bytes)
+{
+    return pupil_refuse(why, why_bytes,
+                        "%s: the disk hangs, and is waited for no more; the %llu frames before are whole", r->folder,
+                        (unsigned long long)r->counts.written);
+}
+
+/* ---- the thread ---- */
+
+static int fail(pupil_recorder *r, const char *name)
+{
+    return pupil_refuse(r->why, sizeof r->why, "%s/%s: cannot be written: %s; the %llu frames before are whole",
+                        r->folder, name, strerror(errno), (unsigned long long)r->lines);
+}
+
+/* The frame first, then its line: each line has its frame. */
+static int write_slot(pupil_recorder *r, const slot *s)
+{
+    char line[PUPIL_RECORDING_LINE_BYTES];
+    if (pupil_mkv_write(r->mkv, s->info.timestamp_ns, s->bytes, s->size))
+        return fail(r, PUPIL_RECORDING_FRAMES);
+    const size_t length =
+        pupil_recording_line(line, r->lines, &s->info,
+                             memcmp(s->balance, r->about.coding.balance, sizeof s->balance) == 0 ? NULL : s->balance);
+    ssize_t wrote;
+    do
+        wrote = write(r->lines_fd, line, length);
+    while (wrote < 0 && errno == EINTR);
+    if (wrote != (ssize_t)length) {
+        const int error = wrote < 0 ? errno : ENOSPC;
+        (void)!ftruncate(r->lines_fd, r->lines_end);
+        errno = error;
+        return fail(r, PUPIL_RECORDING_LINES);
+    }
+    r->lines_end += wrote;
+    r->lines++;
+    return 0;
+}
+
+/* EINVAL, EROFS: a file system that cannot sync. */
+static int to_disk(int fd)
+{
+    return fsync(fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : -1;
+}
+
+static int complete(pupil_recorder *r)
+{
+    if (pupil_mkv_finish(r->mkv) || to_disk(r->frames_fd))
+        return fail(r, PUPIL_RECORDING_FRAMES);
+    return to_disk(r->lines_fd) ? fail(r, PUPIL_RECORDING_LINES) : 0;
+}
+
+/* All of it, the end too: no signal comes here. */
+static void *write_frames(void *argument)
+{
+    pupil_recorder *r = argument;
+    pthread_mutex_lock(&r->lock);
+    for (;;) {
+        while (!r->full_count && !r->ending)
+            pthread_cond_wait(&r->came, &r->lock);
+        if (!r->full_count || r->failed)
+            break;
+        const unsigned number = r->full_slots[r->full_first];
+        r->full_first = (r->full_first + 1) % r->room;
+        r->full_count--;
+        pthread_mutex_unlock(&r->lock);
+        const int failed = write_slot(r, &r->slots[number]);
+        pthread_mutex_lock(&r->lock);
+        r->free_slots[r->free_count++] = number;
+        r->counts.written += !failed;
+        r->failed = failed;
+        pthread_cond_signal(&r->left);
+    }
+    pthread_mutex_unlock(&r->lock);
+    const int failed = r->failed || complete(r);
+    pthread_mutex_lock(&r->lock);
+    r->failed = failed;
+    r->done = 1;
+    const int abandoned = r->abandoned;
+    pthread_cond_signal(&r->left);
+    pthread_mutex_unlock(&r->lock);
+    if (abandoned)
+        free_recorder(r);
+    return NULL;
+}
+
+/* ---- a frame ---- */
+
+static pupil_coding coding_of(const pupil_frame *frame)
+{
+    static const pupil_coding usual;
+    return frame->image.coding ? *frame->image.coding : usual;
+}
+
+static int same_shape(const pupil_recording_about *about, const pupil_frame *frame)
+{
+    pupil_coding coding = coding_of(frame);
+    memcpy(coding.balance, about->coding.balance, sizeof coding.balance);
+    return frame->image.pixel == about->pixel && frame->image.width == about->width &&
+           frame->image.height == about->height && !frame->coded == !about->jpeg &&
+           memcmp(&coding, &about->coding, sizeof coding) == 0;
+}
+
+/* Into memory of the slot's own; JPEGs may be larger than those before. */
+static int fill(pupil_recorder *r, slot *s, const pupil_frame *frame)
+{
+    s->size = r->about.jpeg ? frame->coded_bytes : r->frame_bytes;
+    s->info = frame->info;
+    const pupil_coding coding = coding_of(frame);
+    memcpy(s->balance, coding.balance, sizeof s->balance);
+    if (s->size > s->capacity) {
+        unsigned char *more = realloc(s->bytes, s->size);
+        if (!more)
+            return -1;
+        s->bytes = more;
+        s->capacity = s->size;
+    }
+    if (r->about.jpeg)
+        memcpy(s->bytes, frame->coded, s->size);
+    else
+        pupil_recording_pack(&frame->image, s->bytes);
+    return 0;
+}
+
+/* A free slot's number; -1: there is none; -2: the recorder has failed, or is given up. */
+static int take_slot(pupil_recorder *r, char *why, size_t why_bytes)
+{
+    int number = -1, over = 0;
+    pthread_mutex_lock(&r->lock);
+    while (r->wait && !r->failed && !r->free_count && !over)
+        over = wait_for_disk(r);
+    if (over) {
+        given_up(r, why, why_bytes);
+        number = -2;
+    } else if (r->failed) {
+        snprintf(why, why_bytes, "%s", r->why);
+        number = -2;
+    } else if (r->free_count) {
+        number = (int)r->free_slots[--r->free_count];
+    } else {
+        r->counts.lost++;
+    }
+    pthread_mutex_unlock(&r->lock);
+    return number;
+}
+
+int pupil_recorder_write(pupil_recorder *r, const pupil_frame *frame, char *why, size_t why_bytes)
+{
+    if (!same_shape(&r->about, frame))
+        return pupil_refuse(why, why_bytes,
+                            "%s: a frame of %u x %u pixels came after frames of %u x %u, or of another format or "
+                            "coding; a recording has one, so begin another",
+                            r->folder, frame->image.width, frame->image.height, r->about.width, r->about.height);
+    const int number = take_slot(r, why, why_bytes);
+    if (number < 0)
+        return number == -1 ? PUPIL_SINK_OK : PUPIL_SINK_FAILED;
+    const int failed = fill(r, &r->slots[number], frame);
+    pthread_mutex_lock(&r->lock);
+    if (failed) {
+        r->free_slots[r->free_count++] = (unsigned)number;
+    } else {
+        r->full_slots[(r->full_first + r->full_count++) % r->room] = (unsigned)number;
+        pthread_cond_signal(&r->came);
+    }
+    pthread_mutex_unlock(&r->lock);
+    return failed
+               ? pupil_refuse(why, why_bytes, "%s: no memory for a frame of %zu bytes", r->folder, frame->coded_bytes)
+               : PUPIL_SINK_OK;
+}
+
+void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
+{
+    pthread_mutex_lock(&r->lock);
+    *counts = r->counts;
+    pthread_mutex_unlock(&r->lock);
+}
+
+/* ---- open ---- */
+
+static int make_files(pupil_recorder *r, const char *camera, char *why, size_t why_bytes)
+{
+    r->frames_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_FRAMES, why, why_bytes);
+    if (r->frames_fd < 0)
+        return -1;
+    r->lines_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_LINES, why, why_bytes);
+    if (r->lines_fd < 0)
+        return -1;
+    if (pupil_mkv_create(&r->mkv, r->frames_fd, &r->about))
+        return pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_FRAMES ": cannot be written: %s", r->folder,
+                            strerror(errno));
+    return pupil_recording_about_write(r->folder, &r->about, camera, why, why_bytes);
+}
+
+static int make_slots(pupil_recorder *r, unsigned room)
+{
+    r->room = room > ROOM_MOST ? ROOM_MOST : room ? room : r->wait ? ROOM_WAIT : ROOM_USUAL;
+    r->slots = calloc(r->room, sizeof *r->slots);
+    r->free_slots = calloc(r->room, sizeof *r->free_slots);
+    r->full_slots = calloc(r->room, sizeof *r->full_slots);
+    if (!r->slots || !r->free_slots || !r->full_slots)
+        return -1;
+    for (unsigned i = 0; i < r->room; i++) {
+        r->slots[i].capacity = r->frame_bytes;
+        r->slots[i].bytes = malloc(r->frame_bytes);
+        if (!r->slots[i].bytes)
+            return -1;
+        r->free_slots[r->free_count++] = i;
+    }
+    return 0;
+}
+
+/* Signals are for the threads that wait for them. */
+static int start(pupil_recorder *r)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    r->has_thread = pthread_create(&r->thread, NULL, write_frames, r) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return r->has_thread ? 0 : -1;
+}
+
+static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_recorder_options *options)
+{
+    pupil_recording_about *a = &r->about;
+    a->pixel = first->image.pixel;
+    a->width = first->image.width;
+    a->height = first->image.height;
+    a->jpeg = first->coded != NULL;
+    a->fps = options->fps;
+    if (first->image.coding)
+        a->coding = *first->image.coding;
+}
+
+static int begin(pupil_recorder *r, const pupil_recorder_options *options, char *why, size_t why_bytes)
+{
+    char words[512];
+    if (pupil_recording_check(&r->about, words, sizeof words))
+        return pupil_refuse(why, why_bytes, "%s: %s", r->folder, words);
+    r->frame_bytes = pupil_recording_bytes(&r->about);
+    if (make_slots(r, options->room))
+        return pupil_refuse(why, why_bytes, "%s: no memory for %u frames of %zu bytes that wait for the disk",
+                            r->folder, r->room, r->frame_bytes);
+    const int made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why, why_bytes);
+    if (made_folder < 0)
+        return -1;
+    int failed = make_files(r, options->camera, why, why_bytes);
+    if (!failed && start(r))
+        failed = pupil_refuse(why, why_bytes, "%s: no thread can be started", r->folder);
+    if (!failed)
+        return 0;
+    pupil_recording_remove_files(r->folder);
+    if (made_folder)
+        rmdir(r->folder);
+    return -1;
+}
+
+int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
+                        const pupil_recorder_options *options, char *why, size_t why_bytes)
+{
+    pthread_condattr_t monotonic;
+    pupil_recorder *r = calloc(1, sizeof *r);
+    *recorder = NULL;
+    if (!r)
+        return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+    r->frames_fd = r->lines_fd = -1;
+    r->wait = options->wait;
+    r->give_up = options->give_up;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_mutex_init(&r->lock, NULL);
+    pthread_cond_init(&r->came, NULL);
+    pthread_cond_init(&r->left, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+    describe(r, first, options);
+    const int too_long = snprintf(r->folder, sizeof r->folder, "%s", folder) >= (int)sizeof r->folder;
+    if (too_long || begin(r, options, why, why_bytes)) {
+        if (too_long)
+            pupil_refuse(why, why_bytes, "the folder's name is too long");
+        free_recorder(r);
+        return PUPIL_SINK_FAILED;
+    }
+    *recorder = r;
+    return PUPIL_SINK_OK;
+}
+
+/* ---- close ---- */
+
+int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
+{
+    if (!r)
+        return PUPIL_SINK_OK;
+    pthread_mutex_lock(&r->lock);
+    r->ending = 1;
+    pthread_cond_signal(&r->came);
+    while (!r->done && !r->abandoned)
+        r->abandoned = wait_for_disk(r);
+    const pthread_t thread = r->thread;
+    const int abandoned = r->abandoned;
+    if (abandoned) { /* under the lock: from its end on all of it is the thread's */
+        given_up(r, why, why_bytes);
+        pthread_detach(thread);
+    }
+    pthread_mutex_unlock(&r->lock);
+    if (abandoned)
+        return PUPIL_SINK_FAILED;
+    pthread_join(thread, NULL);
+    const int failed = r->failed;
+    if (failed)
+        snprintf(why, why_bytes, "%s", r->why);
+    free_recorder(r);
+    return failed ? PUPIL_SINK_FAILED : PUPIL_SINK_OK;
+}

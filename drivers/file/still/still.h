@@ -1,0 +1,68 @@
+/* drivers/file/still/still.h: one HDR still in memory, and the readers that make it: one file a format, one function
+ * each.
+ *
+ * A reader takes the whole file as bytes (so that a fuzzer can call it as it is) and leaves linear Rec.709/D65 pixels.
+ * Limits: at most PUPIL_STILL_MAX_PIXELS pixels and PUPIL_MAX_SIDE_PX a side; a header that promises more than the file
+ * can hold is refused before memory is taken. Files have at most 2 GiB.
+ *
+ * What each format's values are taken for:
+ *
+ * - OpenEXR: linear, as stored; expTime and the like are never divided out. Half, float and uint channels; scanlines or
+ *   tiles (the full-size level); all compressions of the installed OpenEXR C library (3.1 lacks DWAA and DWAB). R, G
+ *   and B; else Y with RY and BY (chroma of half the size is interpolated linearly); else Y as grey; else the first
+ *   layer with one of these sets ("left.R"). Alpha and other channels are left out. Of several parts the first flat one
+ *   with such channels; deep data is refused. The picture is the display window, as compositors and players show it:
+ *   what the data window does not cover is black, what it holds beyond is cut off, and a data window wholly outside is
+ *   refused. `chromaticities` are converted from, where they are sane.
+ * - Radiance: mantissa * 2^(exponent - 136), the lower edge of Ward's step, as nearly every reader has it: the figures
+ *   published with images agree with it and not with Ward's mantissa + 1/2. EXPOSURE and COLORCORR are divided out,
+ *   PRIMARIES converted from where they are sane, XYZE through its equal-energy white.
+ * - PFM: as stored. Of the scale only the sign (the byte order) counts: files in circulation carry magnitudes (1/255,
+ *   a maximum) that their samples are not to be multiplied with. PF, Pf and PF4 (alpha left out).
+ * - PNG: by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else sRGB, else gAMA (a power
+ *   law; 1.0 is linear), else as sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core decodes;
+ *   everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
+ *
+ * White other than D65 is adapted (Bradford). Chromaticities that are zero, not finite or no usable triangle count as
+ * unspecified, that is as Rec.709/D65.
+ */
+#ifndef PUPIL_DRIVERS_FILE_STILL_STILL_H
+#define PUPIL_DRIVERS_FILE_STILL_STILL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pupil/image.h"
+
+#define PUPIL_STILL_MAX_PIXELS (UINT64_C(1) << 26) /* 8192 x 8192; 805 MB as RGB float */
+#define PUPIL_STILL_WHY_BYTES  512                 /* room that suffices for a reader's sentence */
+
+typedef struct pupil_still {
+    void *pixels; /* malloc'ed; kept and reused by the next read where it is large enough */
+    size_t capacity_bytes;
+    uint32_t width, height;
+    uint32_t pixel;    /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
+    double exposure_s; /* 0: in all four formats the pixel values are scene light already */
+    uint8_t *file;     /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
+    size_t file_capacity_bytes;
+} pupil_still;
+
+void pupil_still_free(pupil_still *still);
+
+/* Makes room; a sentence without a file name on failure (the caller puts the name in front). */
+int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, char *why,
+                        size_t why_bytes);
+
+/* 0, or -1 and a sentence without a file name ("the header promises 40000 x 40000 pixels, at most ..."). On failure the
+ * still holds nothing of use but can be read into again. */
+typedef int pupil_still_reader(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes);
+
+pupil_still_reader pupil_read_exr;
+pupil_still_reader pupil_read_radiance;
+pupil_still_reader pupil_read_pfm;
+pupil_still_reader pupil_read_png;
+
+/* Reads a file into memory and by its first bytes (not by its name) into pixels; the sentence begins with the path. */
+int pupil_still_load(pupil_still *still, const char *path, char *why, size_t why_bytes);
+
+#endif

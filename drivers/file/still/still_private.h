@@ -1,0 +1,37 @@
+/* drivers/file/still/still_private.h: what the still readers share. */
+#ifndef PUPIL_DRIVERS_FILE_STILL_STILL_PRIVATE_H
+#define PUPIL_DRIVERS_FILE_STILL_STILL_PRIVATE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "still.h"
+
+/* Writes a sentence and returns -1. Whatever is not printable ASCII becomes '?': names inside a file are not to be
+ * trusted with a terminal. */
+int pupil_still_fail(char *why, size_t why_bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* 0 where a picture of this size may be read, else -1 and the sentence. */
+int pupil_still_size_ok(uint64_t width, uint64_t height, char *why, size_t why_bytes);
+
+/* strtod as in the C locale, whatever locale the program runs in. */
+double pupil_parse_double(const char *text, char **end);
+
+/* CIE xy of red, green, blue and white: the order of all four formats. */
+typedef struct pupil_chromaticities {
+    double xy[8];
+} pupil_chromaticities;
+
+typedef struct pupil_still_colour {
+    double luminance[3]; /* Y of red, green and blue; sum 1 */
+    float to_709[9];     /* row by row */
+    int convert;         /* 0: the pixels are Rec.709/D65 as they are */
+} pupil_still_colour;
+
+/* The colour of pixels with these chromaticities; NULL, or chromaticities that are not sane, count as Rec.709/D65. */
+void pupil_still_colour_from(const pupil_chromaticities *given, pupil_still_colour *colour);
+
+/* Converts RGB float pixels in place; nothing where there is nothing to do. */
+void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels);
+
+#endif

@@ -1,0 +1,103 @@
+/* A sequence of stills as a source: the next file is read when the next frame is asked for. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "file/file_source.h"
+#include "natural_order.h"
+#include "still.h"
+
+#define DEFAULT_FPS 30.0
+
+typedef struct stills_source {
+    pupil_source source;
+    pupil_paths paths;
+    size_t next;
+    pupil_still still;
+} stills_source;
+
+/* A lost frame keeps its place in time: the ones after it do not move. */
+static int stills_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+{
+    stills_source *s = (stills_source *)source;
+    size_t index = s->next;
+    if (index >= s->paths.count)
+        return PUPIL_SOURCE_END;
+    s->next++;
+    if (pupil_still_load(&s->still, s->paths.path[index], why, why_bytes))
+        return PUPIL_SOURCE_DAMAGED;
+    memset(frame, 0, sizeof *frame);
+    frame->image.data = s->still.pixels;
+    frame->image.width = s->still.width;
+    frame->image.height = s->still.height;
+    frame->image.pixel = s->still.pixel;
+    frame->image.stride_bytes = (ptrdiff_t)(s->still.width * pupil_pixel_bytes(s->still.pixel));
+    frame->info.timestamp_ns = llround((double)index * 1e9 / source->fps);
+    frame->info.sequence = index;
+    frame->name = s->paths.path[index];
+    return PUPIL_SOURCE_FRAME;
+}
+
+static void stills_done(pupil_source *source, pupil_frame *frame)
+{
+    (void)source;
+    (void)frame;
+}
+
+static void stills_close(pupil_source *source)
+{
+    stills_source *s = (stills_source *)source;
+    pupil_paths_free(&s->paths);
+    pupil_still_free(&s->still);
+    free(s);
+}
+
+static const pupil_source_ops stills_ops = {stills_next, stills_done, stills_close};
+
+static int fill(stills_source *s, const char *const *paths, size_t count, char *why, size_t why_bytes)
+{
+    if (count == 0) {
+        snprintf(why, why_bytes, "no still was named; at least one file is needed");
+        return -1;
+    }
+    for (size_t i = 0; i < count; i++) {
+        struct stat status;
+        if (stat(paths[i], &status) != 0) {
+            snprintf(why, why_bytes, "%s: cannot be opened: %s", paths[i], strerror(errno));
+            return -1;
+        }
+        if (pupil_paths_add(&s->paths, paths[i])) {
+            snprintf(why, why_bytes, "no memory for the names of %zu stills", count);
+            return -1;
+        }
+    }
+    return 0;
+}
+
+int pupil_stills_source_open(const char *const *paths, size_t count, const pupil_source_options *options,
+                             pupil_source **source, char *why, size_t why_bytes)
+{
+    stills_source *s;
+    double fps = options && options->fps != 0 ? options->fps : DEFAULT_FPS;
+    if (!(fps > 0 && isfinite(fps))) {
+        snprintf(why, why_bytes, "fps is %g; a number above 0 is needed", fps);
+        return PUPIL_SOURCE_FAILED;
+    }
+    s = calloc(1, sizeof *s);
+    if (!s) {
+        snprintf(why, why_bytes, "no memory for a sequence of stills");
+        return PUPIL_SOURCE_FAILED;
+    }
+    s->source.ops = &stills_ops;
+    s->source.fps = fps;
+    s->source.frames = count;
+    if (fill(s, paths, count, why, why_bytes)) {
+        stills_close(&s->source);
+        return PUPIL_SOURCE_FAILED;
+    }
+    *source = &s->source;
+    return 0;
+}

@@ -1,0 +1,138 @@
+/* drivers/file/video/video_io.c: bytes for libav's demuxers, and what libav says when it is unhappy. */
+#include "video_io.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <libavutil/error.h>
+#include <libavutil/log.h>
+#include <libavutil/mem.h>
+
+#define BUFFER_BYTES 65536
+
+static _Thread_local char kept[256];
+
+static void keep(void *context, int level, const char *format, va_list arguments)
+{
+    (void)context;
+    if (level > AV_LOG_ERROR || kept[0])
+        return;
+    vsnprintf(kept, sizeof kept, format, arguments);
+    size_t length = strlen(kept);
+    while (length && (kept[length - 1] == '\n' || kept[length - 1] == '.'))
+        kept[--length] = 0;
+    for (char *c = kept; *c; c++)
+        if ((unsigned char)*c < ' ' || (unsigned char)*c > '~')
+            *c = '?'; /* a file's own bytes, quoted by libav: never into a terminal */
+}
+
+void pupil_video_log_clear(void)
+{
+    av_log_set_callback(keep);
+    kept[0] = 0;
+}
+
+const char *pupil_video_log_text(void)
+{
+    return kept;
+}
+
+static int read_some(void *opaque, uint8_t *buffer, int wanted)
+{
+    pupil_video_io *io = opaque;
+    if (io->fd < 0) {
+        size_t left = io->size - io->position, take = left < (size_t)wanted ? left : (size_t)wanted;
+        memcpy(buffer, io->bytes + io->position, take);
+        io->position += take;
+        return take ? (int)take : AVERROR_EOF;
+    }
+    ssize_t got = read(io->fd, buffer, (size_t)wanted);
+    if (got < 0) { /* EINTR too: a writer that has stopped must not keep the program from ending */
+        io->error = errno;
+        return AVERROR(errno);
+    }
+    return got ? (int)got : AVERROR_EOF;
+}
+
+static int64_t seek_to(void *opaque, int64_t offset, int whence)
+{
+    pupil_video_io *io = opaque;
+    whence &= ~AVSEEK_FORCE;
+    if (whence == AVSEEK_SIZE)
+        return io->total;
+    if (io->fd >= 0) {
+        off_t at = lseek(io->fd, offset, whence);
+        return at < 0 ? AVERROR(errno) : at;
+    }
+    if (whence == SEEK_CUR && __builtin_add_overflow(offset, (int64_t)io->position, &offset))
+        return AVERROR(EINVAL);
+    if (whence == SEEK_END && __builtin_add_overflow(offset, (int64_t)io->size, &offset))
+        return AVERROR(EINVAL);
+    if (offset < 0 || offset > (int64_t)io->size)
+        return AVERROR(EINVAL);
+    io->position = (size_t)offset;
+    return offset;
+}
+
+static int make_context(pupil_video_io *io, char *why, size_t why_bytes)
+{
+    unsigned char *buffer = av_malloc(BUFFER_BYTES);
+    if (buffer)
+        io->context = avio_alloc_context(buffer, BUFFER_BYTES, 0, io, read_some, NULL, io->total >= 0 ? seek_to : NULL);
+    if (io->context)
+        return 0;
+    av_free(buffer);
+    pupil_video_io_close(io);
+    snprintf(why, why_bytes, "not enough memory");
+    return -1;
+}
+
+int pupil_video_io_open(pupil_video_io *io, const char *path, char *why, size_t why_bytes)
+{
+    struct stat status;
+    memset(io, 0, sizeof *io);
+    io->close_fd = strcmp(path, "-") != 0;
+    io->fd = io->close_fd ? open(path, O_RDONLY | O_CLOEXEC) : STDIN_FILENO;
+    if (io->fd < 0 || fstat(io->fd, &status)) {
+        snprintf(why, why_bytes, "%s", strerror(errno));
+        pupil_video_io_close(io);
+        return -1;
+    }
+    if (S_ISDIR(status.st_mode)) {
+        snprintf(why, why_bytes, "a folder, not a video");
+        pupil_video_io_close(io);
+        return -1;
+    }
+    /* Standard input that is a file, but was read from already, is taken as a pipe: its offsets are not the video's. */
+    io->total = S_ISREG(status.st_mode) && lseek(io->fd, 0, SEEK_CUR) == 0 ? status.st_size : -1;
+    if (io->total == 0) {
+        snprintf(why, why_bytes, "an empty file; an image or a video was expected");
+        pupil_video_io_close(io);
+        return -1;
+    }
+    return make_context(io, why, why_bytes);
+}
+
+int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+{
+    memset(io, 0, sizeof *io);
+    io->fd = -1;
+    io->bytes = bytes;
+    io->size = size;
+    io->total = (int64_t)size;
+    return make_context(io, why, why_bytes);
+}
+
+void pupil_video_io_close(pupil_video_io *io)
+{
+    if (io->context)
+        av_freep(&io->context->buffer);
+    avio_context_free(&io->context);
+    if (io->fd >= 0 && io->close_fd)
+        close(io->fd);
+    io->fd = -1;
+}

@@ -1,0 +1,38 @@
+/* drivers/file/video/video_io.h: bytes for libav's demuxers, and what libav says when it is unhappy.
+ *
+ * Demuxers get one AVIOContext and nothing else: a playlist or a container that names other files or addresses finds
+ * every protocol closed (pupil_video_source_open sets the whitelist).
+ */
+#ifndef PUPIL_DRIVERS_FILE_VIDEO_VIDEO_IO_H
+#define PUPIL_DRIVERS_FILE_VIDEO_VIDEO_IO_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <libavformat/avio.h>
+
+typedef struct pupil_video_io {
+    AVIOContext *context;
+    int fd, close_fd; /* -1: the bytes below */
+    int error;        /* errno of a read that failed */
+    const uint8_t *bytes;
+    size_t size, position;
+    int64_t total; /* bytes of the whole file; -1 where that cannot be known (a pipe) */
+} pupil_video_io;
+
+/* Opens a file, or standard input for "-". 0, or -1 and a sentence without the path. */
+int pupil_video_io_open(pupil_video_io *io, const char *path, char *why, size_t why_bytes);
+
+/* The same over bytes, which the caller keeps until close. */
+int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, char *why, size_t why_bytes);
+
+void pupil_video_io_close(pupil_video_io *io);
+
+/* libav prints nothing any more (for the whole process: its log has one hook); the first error that it reports on this
+ * thread is kept instead, until the next clear. */
+void pupil_video_log_clear(void);
+
+/* What was kept, without its newline; "" for none. Valid until the next clear on this thread. */
+const char *pupil_video_log_text(void);
+
+#endif

@@ -1,0 +1,32 @@
+/* drivers/file/video/video_light.h: what a video's tags say about light: transfer curves and primaries, to linear
+ * Rec.709.
+ *
+ * Tags are libav's, whose numbers are those of Rec. ITU-T H.273. What a table's 1.0 means:
+ *   PQ   display light, 1.0 is 100 cd/m2, so that its peak (10000 cd/m2) is 100.0;
+ *   HLG  scene light as Rec. ITU-R BT.2100 normalises it: 1.0 is the peak (HDR reference white, 75 %, is 0.265);
+ *   SDR  display light, 1.0 is peak white. BT.709, BT.601, BT.2020 SDR, sRGB and untagged video all go through the
+ *        inverse of the sRGB curve. Not BT.1886: pupil's outputs are coded with the sRGB curve, and a well exposed clip
+ *        that is passed through keeps its codes only if both sides use one curve. Gamma 2.2, gamma 2.8 and linear
+ *        video is decoded as tagged.
+ *
+ * Threads: pure functions.
+ */
+#ifndef PUPIL_DRIVERS_FILE_VIDEO_VIDEO_LIGHT_H
+#define PUPIL_DRIVERS_FILE_VIDEO_VIDEO_LIGHT_H
+
+#include <libavutil/pixfmt.h>
+
+#define PUPIL_LIGHT_CODES 65536 /* a table's entries: entry i is the light of the signal i / 65535 */
+
+/* Fills the table. -1 for a transfer that is not known here (the table is untouched). */
+int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharacteristic transfer);
+
+/* Row by row, linear RGB of these primaries to linear Rec.709. White goes to white: grey stays grey, also for the
+ * cinema primaries whose white is not D65. Unspecified primaries count as Rec.709. -1 for unknown primaries. */
+int pupil_light_to_rec709(double matrix[9], enum AVColorPrimaries primaries);
+
+/* The weights of red and blue in luma, of which every matrix of H.273 (table 4) of this kind is made. -1 for a matrix
+ * that is not of this kind (constant luminance, ICtCp, YCgCo) or unspecified. */
+int pupil_light_luma(double *red, double *blue, enum AVColorSpace space);
+
+#endif

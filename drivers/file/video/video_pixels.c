@@ -1,0 +1,271 @@
+/* drivers/file/video/video_pixels.c: one decoded video frame to linear Rec.709 float, exactly. */
+#include "video_pixels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <libavcodec/avcodec.h>
+
+/* Largest entry of the light table: the unit in which signals are worked on here. */
+#define FULL (PUPIL_LIGHT_CODES - 1)
+
+void pupil_video_pixels_free(pupil_video_pixels *p)
+{
+    free(p->pixels);
+    free(p->codes);
+    for (int i = 0; i < 3; i++)
+        free(p->rows[i]);
+    for (int i = 0; i < 2; i++)
+        free(p->chroma_rows[i]);
+    free(p->chroma_left);
+    free(p->chroma_share);
+    memset(p, 0, sizeof *p);
+}
+
+static int reserve(pupil_video_pixels *p, size_t width, size_t height)
+{
+    int missing = 0;
+    p->pixels = malloc(width * height * 3 * sizeof *p->pixels);
+    p->codes = malloc(width * sizeof *p->codes);
+    for (int i = 0; i < 3; i++)
+        missing |= !(p->rows[i] = malloc(width * sizeof **p->rows));
+    for (int i = 0; i < 2; i++)
+        missing |= !(p->chroma_rows[i] = malloc((width + 1) * sizeof **p->chroma_rows));
+    p->chroma_left = malloc(width * sizeof *p->chroma_left);
+    p->chroma_share = malloc(width * sizeof *p->chroma_share);
+    return missing || !p->pixels || !p->codes || !p->chroma_left || !p->chroma_share ? -1 : 0;
+}
+
+/* Rec. ITU-R BT.709-6 item 4.6, BT.2100-2 table 9: limited range is 219 (luma) and 224 (chroma) steps of 8 bits above
+ * 16 and around 128; full range is all codes, chroma around the middle one. */
+static void set_range(pupil_video_pixels *p, int is_full)
+{
+    for (int i = 0; i < 3; i++) {
+        int depth = p->format->comp[p->is_grey ? 0 : i].depth, is_chroma = i > 0 && !p->is_rgb;
+        double step = ldexp(1, depth - 8), steps = ldexp(1, depth) - 1;
+        double span = is_full ? steps : (is_chroma ? 224 : 219) * step;
+        double zero = is_chroma ? 128 * step : is_full ? 0 : 16 * step;
+        p->offset[i] = (float)zero;
+        p->gain[i] = (float)(FULL / span);
+    }
+}
+
+static int set_matrix(pupil_video_pixels *p, int space, char *why, size_t why_bytes)
+{
+    double red, blue;
+    if (p->is_rgb || p->is_grey)
+        return 0;
+    if (pupil_light_luma(&red, &blue, (enum AVColorSpace)space)) {
+        const char *name = av_color_space_name((enum AVColorSpace)space);
+        snprintf(why, why_bytes,
+                 "its colour matrix %s cannot be read; bt709, bt2020nc, smpte170m, bt470bg, smpte240m and fcc can",
+                 name ? name : "(unknown)");
+        return -1;
+    }
+    double green = 1 - red - blue;
+    p->red_v = (float)(2 * (1 - red));
+    p->blue_u = (float)(2 * (1 - blue));
+    p->green_v = (float)(-2 * (1 - red) * red / green);
+    p->green_u = (float)(-2 * (1 - blue) * blue / green);
+    return 0;
+}
+
+static int set_light(pupil_video_pixels *p, int transfer, int primaries, char *why, size_t why_bytes)
+{
+    double matrix[9];
+    if (pupil_light_table(p->light, (enum AVColorTransferCharacteristic)transfer)) {
+        const char *name = av_color_transfer_name((enum AVColorTransferCharacteristic)transfer);
+        snprintf(why, why_bytes,
+                 "its transfer curve %s cannot be read; PQ (smpte2084), HLG (arib-std-b67), bt709 and its kin, "
+                 "iec61966-2-1, gamma22, gamma28 and linear can",
+                 name ? name : "(unknown)");
+        return -1;
+    }
+    if (pupil_light_to_rec709(matrix, (enum AVColorPrimaries)primaries)) {
+        const char *name = av_color_primaries_name((enum AVColorPrimaries)primaries);
+        snprintf(why, why_bytes, "its primaries %s cannot be read; bt709, bt2020, smpte432 and the like can",
+                 name ? name : "(unknown)");
+        return -1;
+    }
+    p->has_709_primaries = matrix[0] == 1;
+    for (int i = 0; i < 9; i++)
+        p->to_709[i / 3][i % 3] = (float)matrix[i];
+    return 0;
+}
+
+/* Offset of the first chroma sample from the first luma sample, in luma samples: half of what lies between two chroma
+ * samples where it sits in the centre (position 128 in libav's terms). */
+static double chroma_offset(int position, int shift)
+{
+    return position / 128.0 * (ldexp(1, shift) - 1) / 2;
+}
+
+static void set_chroma(pupil_video_pixels *p, int location)
+{
+    int x_position = 0, y_position = 0;
+    if (avcodec_enum_to_chroma_pos(&x_position, &y_position, (enum AVChromaLocation)location))
+        x_position = 0;
+    int shift = p->format->log2_chroma_w;
+    double offset = chroma_offset(x_position, shift);
+    for (int x = 0; x < p->kind.width; x++) {
+        double at = ldexp(x - offset, -shift);
+        at = at > 0 ? at : 0;
+        p->chroma_left[x] = (uint32_t)at;
+        p->chroma_share[x] = (float)(at - floor(at));
+    }
+}
+
+static int is_readable(const AVPixFmtDescriptor *d, int format)
+{
+    const uint64_t odd = AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_HWACCEL |
+                         AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_FLOAT;
+    if (!d || d->flags & odd || format == AV_PIX_FMT_XYZ12LE || format == AV_PIX_FMT_XYZ12BE)
+        return 0;
+    for (int i = 0; i < d->nb_components; i++)
+        if (d->comp[i].depth > 16)
+            return 0;
+    return 1;
+}
+
+static int is_yuvj(int format)
+{
+    return format == AV_PIX_FMT_YUVJ411P || format == AV_PIX_FMT_YUVJ420P || format == AV_PIX_FMT_YUVJ422P ||
+           format == AV_PIX_FMT_YUVJ440P || format == AV_PIX_FMT_YUVJ444P;
+}
+
+/* What is not tagged is filled in as the header says. */
+static void resolve(const pupil_video_pixels *p, const AVFrame *f, int *space, int *primaries, int *is_full)
+{
+    int is_hdr = f->color_trc == AVCOL_TRC_SMPTE2084 || f->color_trc == AVCOL_TRC_ARIB_STD_B67;
+    *space = f->colorspace;
+    *primaries = f->color_primaries;
+    if (*space == AVCOL_SPC_UNSPECIFIED || *space == AVCOL_SPC_RESERVED || *space == AVCOL_SPC_RGB) {
+        if (is_hdr || *primaries == AVCOL_PRI_BT2020)
+            *space = AVCOL_SPC_BT2020_NCL;
+        else
+            *space = f->height >= 720 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+    }
+    if (*primaries == AVCOL_PRI_UNSPECIFIED || *primaries == AVCOL_PRI_RESERVED0 || *primaries == AVCOL_PRI_RESERVED)
+        *primaries = is_hdr || f->colorspace == AVCOL_SPC_BT2020_NCL ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709;
+    *is_full = p->is_rgb || is_yuvj(f->format) || f->color_range == AVCOL_RANGE_JPEG ||
+               (p->is_grey && f->color_range != AVCOL_RANGE_MPEG);
+}
+
+static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const AVFrame *f, char *why, size_t why_bytes)
+{
+    int space, primaries, is_full;
+    pupil_video_pixels_free(p);
+    p->format = av_pix_fmt_desc_get((enum AVPixelFormat)f->format);
+    if (!is_readable(p->format, f->format)) {
+        snprintf(why, why_bytes, "its pixel format %s cannot be read; RGB, grey and YUV of up to 16 bits can",
+                 p->format ? p->format->name : "(unknown)");
+        return -1;
+    }
+    if (reserve(p, (size_t)f->width, (size_t)f->height)) {
+        pupil_video_pixels_free(p);
+        snprintf(why, why_bytes, "not enough memory for a frame of %d x %d", f->width, f->height);
+        return -1;
+    }
+    p->is_rgb = (p->format->flags & AV_PIX_FMT_FLAG_RGB) != 0;
+    p->is_grey = p->format->nb_components < 3;
+    p->kind = *kind;
+    resolve(p, f, &space, &primaries, &is_full);
+    set_range(p, is_full);
+    set_chroma(p, f->chroma_location);
+    if (set_matrix(p, space, why, why_bytes) || set_light(p, f->color_trc, primaries, why, why_bytes)) {
+        pupil_video_pixels_free(p);
+        return -1;
+    }
+    return 0;
+}
+
+/* One row of one component, in table units. */
+static void read_row(pupil_video_pixels *p, const AVFrame *f, int component, int y, int width, float *out)
+{
+    float offset = p->offset[component], gain = p->gain[component];
+    av_read_image_line2(p->codes, (const uint8_t **)(uintptr_t)f->data, f->linesize, p->format, 0, y, component, width,
+                        0, sizeof *p->codes);
+    for (int x = 0; x < width; x++)
+        out[x] = ((float)p->codes[x] - offset) * gain;
+}
+
+/* Chroma for the luma row y: linear between the two rows of chroma around it, then between the two samples. */
+static void read_chroma(pupil_video_pixels *p, const AVFrame *f, int component, int y)
+{
+    int x_shift = p->format->log2_chroma_w, y_shift = p->format->log2_chroma_h, x_position = 0, y_position = 128;
+    int width = AV_CEIL_RSHIFT(f->width, x_shift), height = AV_CEIL_RSHIFT(f->height, y_shift);
+    float *top = p->chroma_rows[0], *bottom = p->chroma_rows[1], *out = p->rows[component];
+    if (f->chroma_location != AVCHROMA_LOC_UNSPECIFIED)
+        avcodec_enum_to_chroma_pos(&x_position, &y_position, f->chroma_location);
+    double at = ldexp(y - chroma_offset(y_position, y_shift), -y_shift);
+    int first = (int)floor(at);
+    float share = (float)(at - first);
+    int above = first < 0 ? 0 : first, below = first + 1 < height ? first + 1 : height - 1;
+    read_row(p, f, component, above, width, top);
+    if (share > 0 && below != above) {
+        read_row(p, f, component, below, width, bottom);
+        for (int x = 0; x < width; x++)
+            top[x] += share * (bottom[x] - top[x]);
+    }
+    top[width] = top[width - 1];
+    for (int x = 0; x < f->width; x++) {
+        const float *c = top + p->chroma_left[x];
+        out[x] = c[0] + p->chroma_share[x] * (c[1] - c[0]);
+    }
+}
+
+static float light(const pupil_video_pixels *p, float signal)
+{
+    signal = signal > 0 ? signal : 0;
+    signal = signal < FULL ? signal : FULL;
+    return p->light[(uint32_t)(signal + 0.5f)];
+}
+
+static void convert_row(pupil_video_pixels *p, const AVFrame *f, int y, float *out)
+{
+    const float *a = p->rows[0], *b = p->rows[p->is_grey ? 0 : 1], *c = p->rows[p->is_grey ? 0 : 2];
+    for (int i = 0; i < (p->is_grey ? 1 : 3); i++)
+        if (i == 0 || p->is_rgb)
+            read_row(p, f, i, y, f->width, p->rows[i]);
+        else
+            read_chroma(p, f, i, y);
+    for (int x = 0; x < f->width; x++, out += 3) {
+        float r = a[x], g = b[x], blue = c[x];
+        if (!p->is_rgb && !p->is_grey) {
+            r = a[x] + p->red_v * c[x];
+            g = a[x] + p->green_u * b[x] + p->green_v * c[x];
+            blue = a[x] + p->blue_u * b[x];
+        }
+        out[0] = light(p, r);
+        out[1] = light(p, g);
+        out[2] = light(p, blue);
+    }
+}
+
+/* Each row of the matrix sums to 1; written with differences, grey stays grey to the last bit. */
+static void to_rec709(const pupil_video_pixels *p, float *pixel, int count)
+{
+    for (int x = 0; x < count; x++, pixel += 3) {
+        float r = pixel[0], g = pixel[1], b = pixel[2];
+        pixel[0] = r + p->to_709[0][1] * (g - r) + p->to_709[0][2] * (b - r);
+        pixel[1] = g + p->to_709[1][0] * (r - g) + p->to_709[1][2] * (b - g);
+        pixel[2] = b + p->to_709[2][0] * (r - b) + p->to_709[2][1] * (g - b);
+    }
+}
+
+int pupil_video_pixels_convert(pupil_video_pixels *p, const AVFrame *f, char *why, size_t why_bytes)
+{
+    const pupil_video_kind kind = {f->width,       f->height,    f->format,          f->colorspace,
+                                   f->color_range, f->color_trc, f->color_primaries, f->chroma_location};
+    if (memcmp(&kind, &p->kind, sizeof kind) && set_kind(p, &kind, f, why, why_bytes))
+        return -1;
+    for (int y = 0; y < f->height; y++) {
+        float *row = p->pixels + (size_t)y * (size_t)f->width * 3;
+        convert_row(p, f, y, row);
+        if (!p->has_709_primaries)
+            to_rec709(p, row, f->width);
+    }
+    return 0;
+}

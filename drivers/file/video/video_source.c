@@ -1,0 +1,410 @@
+/* drivers/file/video/video_source.c: a video as a source: demux, decode, stamp, and say what is wrong. */
+#include "video_source.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+
+#include "file/still/still.h"
+#include "video_io.h"
+#include "video_pixels.h"
+
+#define DEFAULT_FPS 30.0
+
+/* Damaged frames in a row, without one that is whole, after which a video is given up: 100 s at 10 fps. */
+#define MAX_DAMAGED 1000
+
+/* How often in a row a demuxer may ask to be called again; reads here block, so that it has no reason to. */
+#define MAX_AGAIN 1000
+
+/* Latest timestamp believed (about 146 years in ns); a later one is damage. */
+#define MAX_TIME_NS (INT64_C(1) << 62)
+
+typedef struct video_source {
+    pupil_source base;
+    char *name;
+    pupil_video_io io;
+    AVFormatContext *format;
+    AVCodecContext *codec;
+    AVStream *stream;
+    AVPacket *packet;
+    AVFrame *frame;
+    pupil_video_pixels pixels;
+    int has_packet;             /* read, and not yet taken by the decoder */
+    int is_draining;            /* the demuxer has ended */
+    int state;                  /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
+    char suspect[256];          /* what the decoder said of the frame that it will hand out next; "" for nothing */
+    char early[384];            /* why the demuxer ended before the video did; "" if it did not */
+    char last[PUPIL_WHY_BYTES]; /* the sentence of FAILED */
+    uint64_t handed, sequence;
+    int damaged_in_a_row;
+    int64_t packets_end;  /* where the demuxer stood after the last packet */
+    int64_t packets_time; /* when the last packet ended, in units of the stream that are frames in an AVI */
+    int64_t first_pts, last_ns, period_ns;
+    uint32_t width, height;
+} video_source;
+
+/* A code of libav's in words: what its log said, else its name. */
+static const char *libav_words(int code, char buffer[AV_ERROR_MAX_STRING_SIZE])
+{
+    if (pupil_video_log_text()[0])
+        return pupil_video_log_text();
+    av_strerror(code, buffer, AV_ERROR_MAX_STRING_SIZE);
+    return buffer;
+}
+
+__attribute__((format(printf, 4, 5))) static int failed(video_source *v, char *why, size_t why_bytes,
+                                                        const char *format, ...)
+{
+    int used = snprintf(v->last, sizeof v->last, "%s: ", v->name);
+    va_list arguments;
+    va_start(arguments, format);
+    if (used >= 0 && (size_t)used < sizeof v->last)
+        vsnprintf(v->last + used, sizeof v->last - (size_t)used, format, arguments);
+    va_end(arguments);
+    v->state = PUPIL_SOURCE_FAILED;
+    snprintf(why, why_bytes, "%s", v->last);
+    return PUPIL_SOURCE_FAILED;
+}
+
+static int damaged(video_source *v, char *why, size_t why_bytes, const char *words)
+{
+    if (++v->damaged_in_a_row > MAX_DAMAGED)
+        return failed(v, why, why_bytes, "given up after %d damaged frames in a row: %s", MAX_DAMAGED, words);
+    snprintf(why, why_bytes, "%s: frame %llu is damaged: %s", v->name, (unsigned long long)v->sequence, words);
+    v->sequence++;
+    return PUPIL_SOURCE_DAMAGED;
+}
+
+/* ---- time ---- */
+
+static int64_t time_ns(video_source *v, int64_t pts)
+{
+    int64_t after, ns = -1;
+    if (!v->handed) {
+        v->first_pts = pts;
+        return 0;
+    }
+    if (pts != AV_NOPTS_VALUE && v->first_pts != AV_NOPTS_VALUE && !__builtin_sub_overflow(pts, v->first_pts, &after))
+        ns = av_rescale_q(after, v->stream->time_base, (AVRational){1, 1000000000});
+    return ns > v->last_ns && ns < MAX_TIME_NS ? ns : v->last_ns + v->period_ns;
+}
+
+static double nominal_fps(const video_source *v, const pupil_source_options *options)
+{
+    AVRational rate = av_guess_frame_rate(v->format, v->stream, NULL);
+    double fps = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0;
+    if (fps >= 1e-3 && fps <= 1e5) /* anything else is no frame rate but a clock, or damage */
+        return fps;
+    return options && options->fps > 0 ? options->fps : DEFAULT_FPS;
+}
+
+/* ---- decode ---- */
+
+/* The demuxer has come to its end: was it the video's? Two formats that end without a word get a look of their own. */
+static void note_end(video_source *v, int code)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    const char *name = v->format->iformat->name;
+    if (v->io.error)
+        snprintf(v->early, sizeof v->early, "cannot be read on: %s", strerror(v->io.error));
+    else if (code != AVERROR_EOF || pupil_video_log_text()[0])
+        snprintf(v->early, sizeof v->early, "damaged or cut short: %s", libav_words(code, words));
+    else if (!strcmp(name, "yuv4mpegpipe") && avio_tell(v->format->pb) > v->packets_end)
+        snprintf(v->early, sizeof v->early, "cut short: its last frame is not whole");
+    else if (!strcmp(name, "avi") && v->stream->nb_frames > v->packets_time)
+        snprintf(v->early, sizeof v->early, "cut short: its header promises %lld frames",
+                 (long long)v->stream->nb_frames);
+}
+
+/* The next packet of the stream into v->packet. 1, 0 at the end, -1 for a packet that is not whole. */
+static int read_packet(video_source *v)
+{
+    for (int again = 0;;) {
+        pupil_video_log_clear();
+        int code = av_read_frame(v->format, v->packet);
+        if (code == AVERROR(EAGAIN) && ++again < MAX_AGAIN)
+            continue;
+        if (code < 0) {
+            note_end(v, code);
+            return 0;
+        }
+        if (v->packet->stream_index == v->stream->index)
+            break;
+        av_packet_unref(v->packet);
+    }
+    v->packets_end = avio_tell(v->format->pb);
+    v->packets_time = v->packet->dts != AV_NOPTS_VALUE ? v->packet->dts + 1 : INT64_MAX;
+    if (!(v->packet->flags & AV_PKT_FLAG_CORRUPT))
+        return 1;
+    av_packet_unref(v->packet);
+    return -1;
+}
+
+/* One step toward a frame: gives the decoder a packet, or the news that there are no more. 0, or a code of next. */
+static int feed(video_source *v, char *why, size_t why_bytes)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    if (!v->has_packet && !v->is_draining) {
+        int got = read_packet(v);
+        if (got < 0)
+            return damaged(v, why, why_bytes, "its data is not whole");
+        v->has_packet = got;
+        v->is_draining = !got;
+    }
+    pupil_video_log_clear();
+    int code = avcodec_send_packet(v->codec, v->has_packet ? v->packet : NULL);
+    if (code == AVERROR(EAGAIN))
+        return 0; /* frames are to be taken out first; they are, next */
+    if (v->has_packet)
+        av_packet_unref(v->packet);
+    v->has_packet = 0;
+    if (code == AVERROR(ENOMEM))
+        return failed(v, why, why_bytes, "not enough memory to decode frame %llu", (unsigned long long)v->sequence);
+    if (code < 0 && code != AVERROR_EOF)
+        return damaged(v, why, why_bytes, libav_words(code, words));
+    /* FFV1 covers up a slice whose checksum is wrong and marks nothing: its log is the only sign. Other decoders also
+     * log what does no harm, and mark their frames. */
+    if (v->codec->codec_id == AV_CODEC_ID_FFV1)
+        snprintf(v->suspect, sizeof v->suspect, "%s", pupil_video_log_text());
+    return 0;
+}
+
+static int hand_out(video_source *v, pupil_frame *out, char *why, size_t why_bytes)
+{
+    AVFrame *f = v->frame;
+    char words[256];
+    if (v->suspect[0] || f->decode_error_flags || f->flags & AV_FRAME_FLAG_CORRUPT)
+        return damaged(v, why, why_bytes, v->suspect[0] ? v->suspect : "its decoder marks it so");
+    if (f->width <= 0 || f->height <= 0 || f->width > (int)PUPIL_MAX_SIDE_PX || f->height > (int)PUPIL_MAX_SIDE_PX)
+        return failed(v, why, why_bytes, "frames of %d x %d pixels; 1 to %u a side can be read", f->width, f->height,
+                      PUPIL_MAX_SIDE_PX);
+    if (v->width && (v->width != (uint32_t)f->width || v->height != (uint32_t)f->height))
+        return failed(v, why, why_bytes,
+                      "frame %llu is %d x %d, the frames before it were %u x %u; they must not change",
+                      (unsigned long long)v->sequence, f->width, f->height, v->width, v->height);
+    if (pupil_video_pixels_convert(&v->pixels, f, words, sizeof words))
+        return failed(v, why, why_bytes, "%s", words);
+    v->width = (uint32_t)f->width;
+    v->height = (uint32_t)f->height;
+    v->last_ns = time_ns(v, f->best_effort_timestamp);
+    v->damaged_in_a_row = 0;
+    memset(out, 0, sizeof *out);
+    out->image.data = v->pixels.pixels;
+    out->image.stride_bytes = (ptrdiff_t)v->width * 3 * (ptrdiff_t)sizeof(float);
+    out->image.width = v->width;
+    out->image.height = v->height;
+    out->image.pixel = PUPIL_PIXEL_RGB32F;
+    out->info.timestamp_ns = v->last_ns;
+    out->info.sequence = v->sequence++;
+    out->name = v->name;
+    v->handed++;
+    return PUPIL_SOURCE_FRAME;
+}
+
+static int finish(video_source *v, char *why, size_t why_bytes)
+{
+    if (v->early[0])
+        return failed(v, why, why_bytes, "ends after %llu frames: %s", (unsigned long long)v->sequence, v->early);
+    if (!v->handed)
+        return failed(v, why, why_bytes, "its video stream holds no frame that can be decoded");
+    return v->state = PUPIL_SOURCE_END;
+}
+
+static int video_next(pupil_source *source, pupil_frame *out, char *why, size_t why_bytes)
+{
+    video_source *v = (video_source *)source;
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    while (v->state == PUPIL_SOURCE_FRAME) {
+        pupil_video_log_clear();
+        int code = avcodec_receive_frame(v->codec, v->frame);
+        if (code == 0)
+            return hand_out(v, out, why, why_bytes);
+        if (code == AVERROR_EOF)
+            return finish(v, why, why_bytes);
+        if (code != AVERROR(EAGAIN))
+            return damaged(v, why, why_bytes, libav_words(code, words));
+        code = feed(v, why, why_bytes);
+        if (code)
+            return code;
+    }
+    if (v->state == PUPIL_SOURCE_FAILED)
+        snprintf(why, why_bytes, "%s", v->last);
+    return v->state;
+}
+
+/* Buffers are the source's own: the next frame overwrites them. */
+static void video_done(pupil_source *source, pupil_frame *frame)
+{
+    (void)source;
+    (void)frame;
+}
+
+static void video_close(pupil_source *source)
+{
+    video_source *v = (video_source *)source;
+    pupil_video_log_clear();
+    avcodec_free_context(&v->codec);
+    avformat_close_input(&v->format);
+    pupil_video_io_close(&v->io);
+    av_packet_free(&v->packet);
+    av_frame_free(&v->frame);
+    pupil_video_pixels_free(&v->pixels);
+    free(v->name);
+    free(v);
+}
+
+/* ---- open ---- */
+
+static int open_format(video_source *v, char *why, size_t why_bytes)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    v->format = avformat_alloc_context();
+    if (!v->format)
+        return failed(v, why, why_bytes, "not enough memory");
+    v->format->pb = v->io.context;
+    v->format->flags |= AVFMT_FLAG_CUSTOM_IO;
+    /* No protocol of this name exists: a playlist opens nothing. */
+    v->format->protocol_whitelist = av_strdup("none");
+    /* Probed by content, not by name: by its name any text is a film to libav (its "tty" format). */
+    pupil_video_log_clear();
+    int code = avformat_open_input(&v->format, "", NULL, NULL);
+    if (code < 0)
+        return failed(v, why, why_bytes, "not an image or a video that can be read: %s",
+                      v->io.error ? strerror(v->io.error) : libav_words(code, words));
+    return 0;
+}
+
+/* Looks into the streams with decoders that refuse what is too large, as the source's own will. */
+static int find_stream(video_source *v, int64_t max_pixels, const AVCodec **decoder, char *why, size_t why_bytes)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    unsigned count = v->format->nb_streams; /* more may come while libav looks */
+    AVDictionary **limits = av_calloc(count ? count : 1, sizeof *limits);
+    for (unsigned i = 0; limits && i < count; i++)
+        av_dict_set_int(&limits[i], "max_pixels", max_pixels, 0);
+    pupil_video_log_clear();
+    int code = limits ? avformat_find_stream_info(v->format, limits) : AVERROR(ENOMEM);
+    for (unsigned i = 0; limits && i < count; i++)
+        av_dict_free(&limits[i]);
+    av_free(limits);
+    if (code < 0)
+        return failed(v, why, why_bytes, "not a video that can be read: %s", libav_words(code, words));
+    code = av_find_best_stream(v->format, AVMEDIA_TYPE_VIDEO, -1, -1, decoder, 0);
+    if (code == AVERROR_DECODER_NOT_FOUND)
+        return failed(v, why, why_bytes, "libav has no decoder for its video stream");
+    if (code < 0 || v->format->streams[code]->disposition & AV_DISPOSITION_ATTACHED_PIC)
+        return failed(v, why, why_bytes, "no video stream in it (libav takes it for \"%s\")",
+                      v->format->iformat->long_name ? v->format->iformat->long_name : v->format->iformat->name);
+    v->stream = v->format->streams[code];
+    for (unsigned i = 0; i < v->format->nb_streams; i++)
+        if (v->format->streams[i] != v->stream)
+            v->format->streams[i]->discard = AVDISCARD_ALL;
+    return 0;
+}
+
+static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pixels, int threads, char *why,
+                        size_t why_bytes)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    const AVCodecParameters *parameters = v->stream->codecpar;
+    if ((int64_t)parameters->width * parameters->height > max_pixels)
+        return failed(v, why, why_bytes, "frames of %d x %d pixels; at most %lld pixels can be read", parameters->width,
+                      parameters->height, (long long)max_pixels);
+    v->codec = avcodec_alloc_context3(decoder);
+    v->packet = av_packet_alloc();
+    v->frame = av_frame_alloc();
+    if (!v->codec || !v->packet || !v->frame || avcodec_parameters_to_context(v->codec, parameters) < 0)
+        return failed(v, why, why_bytes, "not enough memory");
+    v->codec->pkt_timebase = v->stream->time_base;
+    v->codec->max_pixels = max_pixels;
+    v->codec->thread_count = threads; /* 0: as many as there are processors */
+    /* Slices only: a frame comes out of the call that its packet goes into, so that what libav says is about it. */
+    v->codec->thread_type = FF_THREAD_SLICE;
+    /* Not AV_EF_EXPLODE: with it libavcodec 59 runs into an assertion of its own on damaged MPEG-4 and aborts. */
+    v->codec->err_recognition = AV_EF_CRCCHECK;
+    pupil_video_log_clear();
+    int code = avcodec_open2(v->codec, decoder, NULL);
+    if (code < 0)
+        return failed(v, why, why_bytes, "its %s decoder does not start: %s", decoder->name, libav_words(code, words));
+    return 0;
+}
+
+/* How many frames to expect: what the container says, else its duration in frames. For a progress line, no promise. */
+static uint64_t expected_frames(const video_source *v)
+{
+    if (v->stream->nb_frames > 0)
+        return (uint64_t)v->stream->nb_frames;
+    double seconds = v->stream->duration > 0 ? (double)v->stream->duration * av_q2d(v->stream->time_base)
+                                             : (double)v->format->duration / AV_TIME_BASE;
+    double frames = seconds * v->base.fps;
+    return frames >= 1 && frames < 1e9 ? (uint64_t)(frames + 0.5) : 0;
+}
+
+static const pupil_source_ops video_ops = {video_next, video_done, video_close};
+
+static int open_video(video_source *v, int64_t max_pixels, int threads, const pupil_source_options *options,
+                      pupil_source **source, char *why, size_t why_bytes)
+{
+    const AVCodec *decoder = NULL;
+    v->base.ops = &video_ops;
+    v->state = PUPIL_SOURCE_FRAME;
+    v->packets_end = INT64_MAX;
+    if (open_format(v, why, why_bytes) || find_stream(v, max_pixels, &decoder, why, why_bytes) ||
+        open_decoder(v, decoder, max_pixels, threads, why, why_bytes)) {
+        video_close(&v->base);
+        return PUPIL_SOURCE_FAILED;
+    }
+    v->base.fps = nominal_fps(v, options);
+    v->base.frames = expected_frames(v);
+    v->period_ns = (int64_t)(1e9 / v->base.fps + 0.5);
+    *source = &v->base;
+    return 0;
+}
+
+static video_source *allocate(const char *name, char *why, size_t why_bytes)
+{
+    video_source *v = calloc(1, sizeof *v);
+    if (v && (v->name = strdup(name)))
+        return v;
+    free(v);
+    snprintf(why, why_bytes, "%s: not enough memory", name);
+    return NULL;
+}
+
+int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source, char *why,
+                            size_t why_bytes)
+{
+    char words[256];
+    video_source *v = allocate(strcmp(path, "-") ? path : "standard input", why, why_bytes);
+    if (!v)
+        return PUPIL_SOURCE_FAILED;
+    if (pupil_video_io_open(&v->io, path, words, sizeof words)) {
+        failed(v, why, why_bytes, "%s", words);
+        video_close(&v->base);
+        return PUPIL_SOURCE_FAILED;
+    }
+    return open_video(v, (int64_t)PUPIL_STILL_MAX_PIXELS, 0, options, source, why, why_bytes);
+}
+
+int pupil_video_source_open_bytes(const uint8_t *bytes, size_t size, const char *name, int64_t max_pixels,
+                                  const pupil_source_options *options, pupil_source **source, char *why,
+                                  size_t why_bytes)
+{
+    char words[256];
+    video_source *v = allocate(name, why, why_bytes);
+    if (!v)
+        return PUPIL_SOURCE_FAILED;
+    if (pupil_video_io_bytes(&v->io, bytes, size, words, sizeof words)) {
+        failed(v, why, why_bytes, "%s", words);
+        video_close(&v->base);
+        return PUPIL_SOURCE_FAILED;
+    }
+    return open_video(v, max_pixels, 1, options, source, why, why_bytes);
+}

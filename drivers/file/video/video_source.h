@@ -1,0 +1,22 @@
+/* drivers/file/video/video_source.h: what pupil_video_source_open (file_source.h) is made of, for tests and the fuzzer.
+ *
+ * Time: a frame's timestamp is its presentation time less that of the first frame; one that is missing, or not after
+ * the frame before, counts as one nominal frame later. The nominal rate is the stream's, else options.fps, else 30.
+ *
+ * Damage: a packet that is cut short or that its decoder refuses, and a frame that the decoder marks as damaged, come
+ * out as PUPIL_SOURCE_DAMAGED, and the frames after them follow. A file that ends in the middle of a packet (where the
+ * container lets that be seen) hands out every frame that is whole and then fails, rather than end as if complete.
+ * Size, once the first frame is out, never changes: another size fails. Rotation tags are not obeyed.
+ */
+#ifndef PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
+#define PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
+
+#include "file/file_source.h"
+
+/* As pupil_video_source_open, over bytes that the caller keeps until close; frames of at most max_pixels pixels, one
+ * decoder thread. */
+int pupil_video_source_open_bytes(const uint8_t *bytes, size_t size, const char *name, int64_t max_pixels,
+                                  const pupil_source_options *options, pupil_source **source, char *why,
+                                  size_t why_bytes);
+
+#endif

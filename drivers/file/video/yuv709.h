@@ -1,0 +1,24 @@
+/* drivers/file/video/yuv709.h: 8-bit RGB into 8-bit YCbCr, BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.4
+ * and 4.6):
+ *     Y  =  16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
+ *     Cb = 128 + 224/255 (B - L) / 1.8556     Cr = 128 + 224/255 (R - L) / 1.5748     (L: the bracket of Y)
+ * in integers, the same on every machine. Never more than one code from the formula rounded, and that only where the
+ * formula falls within 0.003 of the middle between two codes (0.02 % of the samples of all 2^24 colours); grey is
+ * exactly Cb = Cr = 128.
+ */
+#ifndef PUPIL_DRIVERS_FILE_VIDEO_YUV709_H
+#define PUPIL_DRIVERS_FILE_VIDEO_YUV709_H
+
+#include <stdint.h>
+
+typedef enum pupil_yuv_plane { PUPIL_YUV_Y = 0, PUPIL_YUV_CB, PUPIL_YUV_CR } pupil_yuv_plane;
+
+/* One row of one plane at full size (4:4:4). */
+void pupil_yuv709_row(pupil_yuv_plane plane, const uint8_t *rgb, uint32_t width, uint8_t *out);
+
+/* One row of one chroma plane at half size (4:2:0) from two rows of RGB: (width + 1) / 2 samples. Sited as H.264 and
+ * MPEG-2 have it, between the rows and on the even columns: columns weigh 1 2 1, rows 1 1, and the edges repeat. */
+void pupil_yuv709_chroma420_row(pupil_yuv_plane plane, const uint8_t *top, const uint8_t *bottom, uint32_t width,
+                                uint8_t *out);
+
+#endif

@@ -1,0 +1,64 @@
+/* drivers/live/colour.h: the colour of raw frames: black level, white balance and a sensor's matrix, as the
+ * pupil_coding that frames carry (pupil/coding.h; what is full in the sensor stays white there).
+ *
+ *     pupil_colour_begin(&colour, &options, &coding, pixel, sensor, why, sizeof why)   // of the stream's first frame
+ *     for each frame:
+ *         frame.image.coding = &colour.coding; meter; map;
+ *         pupil_colour_frame(&colour, &frame.image, &frame.info)
+ *
+ * Automatic balance: factors that make the average of a frame grey (pupil_stats_grey_world), at most
+ * PUPIL_COLOUR_MOST each. The first frame with light sets them for the second one; from then on they follow with a time
+ * constant of PUPIL_COLOUR_TAU_S, whatever the frame rate. A frame without light, or clipped all over, moves nothing.
+ * The same frames give the same factors, bit for bit, so a recording of raw frames is balanced again as it was. Of
+ * large frames one row of quads in eight is looked at, another one each time, so that it costs little beside a GPU that
+ * does the rest.
+ *
+ * Formats that are no mosaics keep the coding that they came with, but for the black level of grey.
+ */
+#ifndef PUPIL_DRIVERS_LIVE_COLOUR_H
+#define PUPIL_DRIVERS_LIVE_COLOUR_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pupil/pupil.h"
+#include "v4l2/controls/camera_controls.h"
+
+#define PUPIL_COLOUR_TAU_S                                                                                             \
+    1.5                       /* chosen: a person does not see the factors move, and a lamp switched on is grey soon   \
+                               */
+#define PUPIL_COLOUR_MOST 4.0 /* chosen: a wall of one colour must not be made grey altogether */
+
+typedef enum pupil_colour_choice {
+    PUPIL_COLOUR_AUTO = 0, /* balance: follows the frames; matrix and black level: the sensor's, where they are known */
+    PUPIL_COLOUR_OFF,      /* as the frames came */
+    PUPIL_COLOUR_GIVEN
+} pupil_colour_choice;
+
+typedef struct pupil_colour_options {
+    uint32_t balance, matrix, black; /* a pupil_colour_choice each */
+    float given_balance[3];          /* of R, G, B, as coding.balance; not all 0 */
+    float given_matrix[9];           /* as coding.rgb_from_camera; not all 0 */
+    float given_black;               /* code of the frames' format */
+} pupil_colour_options;
+
+typedef struct pupil_colour {
+    pupil_coding coding; /* of the next frame */
+    pupil_coding first;  /* of the first one: what is to be recorded */
+    uint32_t follows;    /* 1: balance is automatic; 0: pupil_colour_frame has nothing to do */
+    uint32_t looked, began;
+    int64_t last_ns;
+    double balance[3];
+    pupil_t meter;
+} pupil_colour;
+
+/* `coding` is what the driver says of the frames, NULL: nothing. `sensor` is what is known of it, NULL: nothing. A
+ * matrix is of balanced colours: the sensor's own is left out where balance is off. 0, or -1 and a sentence: something
+ * given is out of its range, or of no use with this format. */
+int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
+                       uint32_t pixel, const pupil_camera_sensor *sensor, char *why, size_t why_bytes);
+
+/* After a frame: colour->coding is that of the next one. `info` brings the time. */
+void pupil_colour_frame(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info);
+
+#endif

@@ -1,0 +1,99 @@
+/* drivers/v4l2/controls/controls_private.h: what the files of this folder share. */
+#ifndef PUPIL_DRIVERS_V4L2_CONTROLS_CONTROLS_PRIVATE_H
+#define PUPIL_DRIVERS_V4L2_CONTROLS_CONTROLS_PRIVATE_H
+
+#include <linux/videodev2.h>
+#include <pthread.h>
+
+#include "camera_controls.h"
+
+enum { CAMERA_SAVED = 16, CAMERA_HISTORY = 16, CAMERA_USUAL_DELAY = 3 };
+
+/* A control and where it is. fd -1: there is none. */
+typedef struct camera_control {
+    int fd;
+    uint32_t id;
+    pupil_camera_range range;
+} camera_control;
+
+/* What the driver took. */
+typedef struct camera_entry {
+    uint64_t under_way; /* the frame that was then */
+    uint32_t in_stream; /* 0: before the first frame, so it was in force with that one */
+    double value;
+} camera_entry;
+
+typedef struct camera_history {
+    camera_entry entry[CAMERA_HISTORY];
+    uint32_t count;             /* of all that were ever written */
+    uint32_t delay;             /* frames from the one under way to the first that was taken with it */
+    uint32_t learned;           /* what frames showed when `delay` was made from it; 0: it is believed */
+    uint64_t late, late_before; /* frames from the one that was measured to the one under way, when the last value was
+                                 * written, and the one before; 0: not known */
+} camera_history;
+
+struct pupil_camera {
+    pupil_camera_calls calls;
+    int fd, subdevice_fd, owns; /* owns: the files are duplicates */
+    uint32_t height, at_frame_start;
+    camera_control exposure, gain, vblank;
+    double unit_s; /* of exposure codes */
+    double line_s; /* 0: unknown, and exposures are not in lines */
+    pupil_camera_gain law;
+    uint32_t gain_known, delay_given; /* delay_given: nothing is learned */
+    struct {
+        int fd;
+        uint32_t id;
+        int64_t value;
+    } saved[CAMERA_SAVED]; /* in the order in which they are put back */
+    uint32_t saved_count;
+    struct {
+        int fd;
+        uint32_t id;
+        int64_t value;
+    } off[CAMERA_SAVED]; /* what was turned off, in the order in which it was */
+    uint32_t off_count;
+
+    pthread_t thread;
+    pthread_mutex_t lock; /* of all that follows, and of exposure.range; never held while the driver is called */
+    double now_frame_s;   /* by VBLANK, as last written */
+    pthread_cond_t wake, idle;
+    uint32_t closing, abandoned, running, frame_started, any_frame, again;
+    uint64_t under_way; /* sequence of the frame that is exposed now */
+    uint64_t measured,
+        measured_mask;      /* the last frame that was asked about; bit k: the one so many before it was, too */
+    uint64_t pending_after; /* `measured` when `pending` was asked for ... */
+    uint32_t pending_is;    /* ... if there was one */
+    pupil_camera_setting pending;
+    pupil_camera_status status;
+    camera_history exposures, gains;
+};
+
+/* Writes the sentence; returns -1. why NULL: nowhere. */
+__attribute__((format(printf, 3, 4))) int pupil_camera_refuse(char *why, size_t why_bytes, const char *format, ...);
+
+/* 0, or a negative errno. */
+int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control);
+int pupil_camera_get_control(const pupil_camera *camera, int fd, uint32_t id, int64_t *value);
+int pupil_camera_set_control(const pupil_camera *camera, int fd, uint32_t id, int64_t value);
+/* "exposure time, absolute": what the driver's documentation calls the control. */
+const char *pupil_camera_control_name(uint32_t id);
+
+/* Turns off what steers by itself, after noting it; -1 and a sentence. Turns it off once more: 0, or the first error.
+ * Puts everything back; the number that could not be, and the id of the first. */
+int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes);
+int pupil_camera_turn_off_again(const pupil_camera *camera);
+int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first);
+
+/* Writes a setting in the right order and reads back what was taken (0: as before): 0, or a negative errno. */
+int pupil_camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain);
+
+/* The writer. stop: 0, or 1 where it hangs and will free the camera by itself. */
+int pupil_camera_writer_start(pupil_camera *camera);
+int pupil_camera_writer_stop(pupil_camera *camera);
+
+/* From which frame on the latest entry is in force. The lock is held. */
+uint64_t pupil_camera_acts_from(const camera_history *h);
+void pupil_camera_free(pupil_camera *camera);
+
+#endif

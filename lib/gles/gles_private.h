@@ -1,0 +1,188 @@
+/* lib/gles/gles_private.h: what is inside a pupil_gles, and what its files are to each other. */
+#ifndef PUPIL_GLES_GLES_PRIVATE_H
+#define PUPIL_GLES_GLES_PRIVATE_H
+
+#include "core/object.h"
+#include "gl_functions.h"
+#include "gles_variant.h"
+
+/* As in shaders/regions.glsl. 64 bands and 16 rows of the grid have 79 boundaries at most, the frame's first row among
+ * them. */
+#define GLES_REGION_COLUMNS PUPIL_GRID_SIDE
+#define GLES_REGION_ROWS    80
+#define GLES_PARTS_X        8 /* meter.frag */
+#define GLES_PARTS_Y        4
+#define GLES_RING           3
+
+/* A row of regions, as the shaders take it. */
+typedef struct gles_region_row {
+    int32_t first, end; /* rows of pixels, or of quads */
+    int32_t grid_row, band;
+} gles_region_row;
+
+/* What comes back of a frame; as in shaders/statistics.glsl. Words of a region: shaders/regions.glsl, pack_sums. */
+typedef struct gles_statistics {
+    uint32_t region[GLES_REGION_ROWS][GLES_REGION_COLUMNS][4];
+    uint32_t level[4]; /* ADAPT_GPU: lower and upper word of 2^-56 stops, whether a frame has set it, 0 */
+    uint32_t peak[4];  /* bits of the brightest channel, 0, 0, 0 */
+    uint32_t bin[PUPIL_HISTOGRAM_BINS + PUPIL_PEAK_BINS][2]; /* lower and upper word */
+} gles_statistics;
+
+/* A frame whose statistics are on their way. */
+typedef struct gles_slot {
+    GLuint buffer;
+    GLsync fence;
+    pupil_frame_info info;
+} gles_slot;
+
+typedef enum gles_program_name {
+    GLES_METER = 0,
+    GLES_REDUCE, /* ES 3.0 */
+    GLES_WEIGH,  /* ES 3.0, ADAPT_GPU */
+    GLES_ADAPT,  /* ADAPT_GPU */
+    GLES_MAP,
+    GLES_MAP_SCALED,
+    GLES_PROGRAM_COUNT
+} gles_program_name;
+
+/* 0 where a use needs none. The rest: where the uniforms are that change from frame to frame. */
+typedef struct gles_programs {
+    GLuint name[GLES_PROGRAM_COUNT];
+    struct {
+        GLint step_weight, minus_divisor, given;
+    } adapt;
+    struct {
+        GLint scale, inverse_white_squared, gamut, turn, shift;
+    } map[2]; /* GLES_MAP, GLES_MAP_SCALED */
+} gles_programs;
+
+/* Texture units. */
+enum { GLES_UNIT_FRAME = 0, GLES_UNIT_CHROMA, GLES_UNIT_LIGHT, GLES_UNIT_ENCODER, GLES_UNIT_STATE, GLES_UNIT_COUNT };
+
+/* Cells of an encoder's table: 32 octaves, more than any transfer needs. */
+enum { GLES_ENCODER_WIDTH = 256, GLES_ENCODER_HEIGHT = 16 };
+
+/* Targets of ES 3.0's chain. */
+enum { GLES_PARTS = 0, GLES_REGIONS, GLES_COLUMNS, GLES_STATE_0, GLES_STATE_1, GLES_TARGET_COUNT };
+
+typedef struct gles_object {
+    uint64_t magic;
+    gl_functions gl;
+    pupil_gles_config config;
+    gles_variant variant;
+    void *context; /* eglGetCurrentContext's, or NULL */
+    GLint largest_side;
+
+    /* settings, from the pupil_t */
+    pupil_config settings;
+    float luma[3], metered_luma[3];
+    pupil_coder coder;
+    uint32_t histogram;
+    pupil_curve curve;       /* ADAPT_GPU: its white and gamut; the scale is 1 */
+    uint32_t unit;           /* rows of a mosaic's quad, or 1 */
+    uint32_t cells_together; /* columns of the metering grid in one of regions */
+    uint32_t region_rows;
+    gles_region_row region_row[GLES_REGION_ROWS];
+
+    /* objects of GL */
+    gles_programs programs;
+    GLuint vertex_array, sampler, light, encoder;
+    GLuint frame[2][2]; /* MEMORY: two frames in turn, so that an upload need not wait for the one before */
+    GLuint target[GLES_TARGET_COUNT], framebuffer[GLES_TARGET_COUNT]; /* ES 3.0 */
+    GLuint state;                                                     /* ES 3.1, ADAPT_GPU: a buffer */
+    gles_slot slot[GLES_RING];
+
+    /* as frames come */
+    GLuint source[2]; /* textures at hand; 0: none yet */
+    uint32_t turn;    /* of frame[] */
+    uint32_t oldest, under_way;
+    uint64_t metered, unmetered;
+    int64_t level_q24;
+    uint32_t level_known;
+
+    /* ADAPT_GPU: the clock and the exposure, as pupil_adapt keeps them */
+    pupil_adaptation adaptation;
+    uint32_t given;        /* adaptation.level, or that there is none, is to be taken over by the next frame */
+    double exposure_log2;  /* of the frame at hand, metered or not */
+    double weight_rest[2]; /* toward more light, toward less: what the frames before have left, 2^-32 */
+    uint32_t newest_state;
+
+    pupil_stats stats; /* room, for pupil_gles_process */
+} gles_object;
+
+_Static_assert(sizeof(gles_object) <= sizeof(pupil_gles), "PUPIL_GLES_OBJECT_BYTES is too small");
+_Static_assert(sizeof(gles_statistics) == 16 * GLES_REGION_ROWS * GLES_REGION_COLUMNS + 32 + 8 * 768, "no padding");
+
+#define GLES_MAGIC (UINT64_C(0x676c657300000000) + sizeof(gles_object))
+
+static inline gles_object *gles_object_of(pupil_gles *gles)
+{
+    return (gles_object *)(void *)gles;
+}
+
+/* ---- gles.c */
+
+/* PUPIL_OK where the object is open and its context is current and not lost. */
+int pupil_gles_check(const pupil_gles *gles);
+/* What GL has to say of the calls since: PUPIL_OK or an error. */
+int pupil_gles_error(const gles_object *o);
+/* Puts sentences together, cut where the buffer ends; up to a NULL. */
+void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[]);
+
+/* ---- gles_programs.c */
+
+/* Compiles and links what the variant needs; after an error nothing is left. */
+int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
+                             size_t why_bytes);
+void pupil_gles_programs_delete(const gles_object *o, gles_programs *programs);
+/* Uniforms that stay as they are from frame to frame, by the settings. */
+void pupil_gles_programs_set(gles_object *o);
+/* Of these, those that a mosaic's white balance is in. */
+void pupil_gles_programs_balance(gles_object *o);
+/* Makes a program current, with the state of GL that all of pupil_gles draws with. */
+void pupil_gles_begin(const gles_object *o, uint32_t program);
+
+/* ---- gles_textures.c */
+
+int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes);
+void pupil_gles_textures_delete(gles_object *o);
+/* The table of the transfer that the settings name. */
+void pupil_gles_textures_set(const gles_object *o);
+/* Texture and nearest sampler at a unit. */
+void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture);
+/* The frame and its tables, for a program that loads it; and none at all. */
+void pupil_gles_bind_frame(const gles_object *o);
+void pupil_gles_unbind(const gles_object *o);
+
+/* ---- gles_regions.c */
+
+uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS]);
+/* Columns that may be metered as one: 4 where that is no difference, or 1. */
+uint32_t pupil_gles_regions_together(const gles_object *o);
+/* Statistics of the whole frame from what came back. */
+void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats);
+
+/* ---- gles_meter.c */
+
+void pupil_gles_meter_make(gles_object *o);
+void pupil_gles_meter_delete(gles_object *o);
+/* Forgets frames that are under way. */
+void pupil_gles_meter_drop(gles_object *o);
+
+/* ---- gles_map.c */
+
+int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *target);
+
+/* ---- gles_adapt.c */
+
+/* PUPIL_OK, or PUPIL_ERR_CONFIG and a sentence: the GPU cannot adapt by these settings. */
+int pupil_gles_adapt_check(const pupil_config *settings, char *why, size_t why_bytes);
+/* The level of a pupil_t is that of the GPU from the next frame on. */
+void pupil_gles_adapt_take(gles_object *o, const pupil_object *pupil);
+/* Uniforms of GLES_ADAPT, which is current: those that stay, and those of a frame's step. */
+void pupil_gles_adapt_set(const gles_object *o, GLint sum_shift, GLint level_limits, GLint is_locked);
+void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info);
+/* For map.vert: key, compensation and exposure in 2^-24. */
+int32_t pupil_gles_adapt_scale_base(const gles_object *o);
+
+#endif

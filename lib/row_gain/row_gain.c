@@ -1,0 +1,205 @@
+/* Row gains: life, metering by groups of columns, and the gains of rows. */
+#include "row_gain_private.h"
+
+#include "base/numeric.h"
+#include "core/object.h"
+
+/* "rowgan" and the object's size: another version's object is refused. */
+#define ROW_GAIN_MAGIC (UINT64_C(0x726f7767616e0000) + sizeof(pupil_row_gain_object))
+
+enum { GROUPS = PUPIL_ROW_GAIN_GROUPS, HARMONICS = PUPIL_ROW_GAIN_HARMONICS, TERMS = PUPIL_ROW_GAIN_TERMS };
+enum { SMALLEST_PX = 64 }; /* eight columns a group, a row a band */
+
+static const pupil_row_gain_object *object_of(const pupil_row_gain *lamps)
+{
+    const pupil_row_gain_object *o = (const pupil_row_gain_object *)(const void *)lamps;
+    return o && o->magic == ROW_GAIN_MAGIC ? o : 0;
+}
+
+void pupil_row_gain_config_default(pupil_row_gain_config *config)
+{
+    if (config)
+        *config = (pupil_row_gain_config){sizeof *config, 50, 1.0 / 60.0};
+}
+
+int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char **why)
+{
+    if (!config)
+        return PUPIL_ERR_NULL;
+    const char *fault = 0;
+    if (config->size_bytes != sizeof *config)
+        fault = "size_bytes must be sizeof(pupil_row_gain_config) of this version: begin with "
+                "pupil_row_gain_config_default";
+    else if (config->mains_hz != 50 && config->mains_hz != 60)
+        fault = "mains_hz must be 50 or 60";
+    else if (!(config->readout_s >= 1e-4 && config->readout_s <= 1.0)) /* true for NaN */
+        fault = "readout_s must be from 1e-4 to 1";
+    if (fault && why)
+        *why = fault;
+    return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
+}
+
+int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *config)
+{
+    pupil_config metering;
+    if (!lamps)
+        return PUPIL_ERR_NULL;
+    const int error = pupil_row_gain_config_check(config, 0);
+    if (error)
+        return error;
+    pupil_row_gain_object *o = (pupil_row_gain_object *)(void *)lamps;
+    const pupil_row_gain_config copy = *config; /* which may lie where the object will */
+    __builtin_memset(lamps, 0, sizeof *lamps);
+    o->config = copy;
+    pupil_config_default(&metering);
+    metering.white_mode = PUPIL_WHITE_NONE; /* no histogram: only bands are looked at */
+    pupil_row_gain_forget(o);
+    o->magic = ROW_GAIN_MAGIC;
+    return pupil_init(&o->meter, &metering);
+}
+
+/* The columns from x on, which is a multiple of 4 as every format wants it. */
+static pupil_image_const columns_of(pupil_image_const image, uint32_t x, uint32_t width)
+{
+    image.data = (const unsigned char *)image.data + pupil_row_bytes(image.pixel, x);
+    if (image.chroma)
+        image.chroma = (const unsigned char *)image.chroma + x;
+    image.width = width;
+    return image;
+}
+
+/* Which pairs of rows are metered: two of a band, the same in each frame, so that what stands still cancels. */
+static int is_metered(uint32_t pair, uint32_t pairs)
+{
+    const uint32_t band = pair * PUPIL_BANDS / pairs;
+    const uint32_t first = (band * pairs + PUPIL_BANDS - 1) / PUPIL_BANDS;
+    const uint32_t end = ((band + 1) * pairs + PUPIL_BANDS - 1) / PUPIL_BANDS;
+    const uint32_t count = end - first, place = pair - first;
+    return count <= 2 || place == count / 4 || place == count * 3 / 4;
+}
+
+/* Where the metered rows of each band lie. */
+static void find_places(pupil_row_gain_object *o, uint32_t pixel, uint32_t height)
+{
+    const uint32_t pairs = (height + 1) / 2;
+    const int together = pupil_pixel_is_mosaic(pixel); /* a band holds whole quads */
+    int rows[PUPIL_BANDS] = {0};
+    for (int b = 0; b < PUPIL_BANDS; b++)
+        o->place[b] = 0.0;
+    for (uint32_t y = 0; y < height; y++) {
+        const uint32_t band = together ? y / 2 * PUPIL_BANDS / pairs : y * PUPIL_BANDS / height;
+        if (is_metered(y / 2, pairs)) {
+            o->place[band] += (y + 0.5) / height;
+            rows[band]++;
+        }
+    }
+    for (int b = 0; b < PUPIL_BANDS; b++)
+        o->place[b] /= rows[b] ? rows[b] : 1; /* a band without rows is without light, too */
+}
+
+static void meter_group(pupil_row_gain_object *o, const pupil_image_const *image, uint32_t group)
+{
+    const uint32_t step = image->width / GROUPS & ~3u, x = group * step;
+    const pupil_image_const part = columns_of(*image, x, group + 1 < GROUPS ? step : image->width - x);
+    const uint32_t height = image->height, pairs = (height + 1) / 2;
+    pupil_stats_clear(&o->stats);
+    for (uint32_t pair = 0; pair < pairs; pair++)
+        if (is_metered(pair, pairs)) {
+            const uint32_t y = 2 * pair;
+            const pupil_image_const rows = pupil_image_rows(part, y, height - y < 2 ? 1 : 2);
+            const int error = pupil_meter_rows(&o->meter, &rows, y, height, &o->stats);
+            PUPIL_ASSERT(!error); /* the whole picture was looked at before */
+            (void)error;
+        }
+    for (int b = 0; b < PUPIL_BANDS; b++) {
+        const double pixels = o->stats.band_pixels[b];
+        o->light[group][b] =
+            pixels > 0.0 ? (double)o->stats.band_log2_sum[b] * 0x1p-24 / pixels : 2.0 * PUPIL_ROW_GAIN_DARK;
+    }
+}
+
+int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, const pupil_frame_info *info)
+{
+    if (!lamps || !image || !info)
+        return PUPIL_ERR_NULL;
+    if (!object_of(lamps))
+        return PUPIL_ERR_OBJECT;
+    pupil_row_gain_object *o = (pupil_row_gain_object *)(void *)lamps;
+    const int error = pupil_image_check(image, 0);
+    if (error)
+        return error;
+    if (info->timestamp_ns == o->timestamp_ns && o->stamped)
+        return PUPIL_OK;
+    if (!info->timestamp_ns || image->width < SMALLEST_PX || image->height < SMALLEST_PX) {
+        pupil_row_gain_forget(o);
+        return PUPIL_OK;
+    }
+    if (image->width != o->width || image->height != o->height)
+        pupil_row_gain_forget(o);
+    o->width = image->width;
+    o->height = image->height;
+    find_places(o, image->pixel, image->height);
+    for (uint32_t g = 0; g < GROUPS; g++)
+        meter_group(o, image, g);
+    pupil_row_gain_learn(o, info);
+    return PUPIL_OK;
+}
+
+int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain_result *result)
+{
+    if (!lamps || !result)
+        return PUPIL_ERR_NULL;
+    const pupil_row_gain_object *o = object_of(lamps);
+    if (!o)
+        return PUPIL_ERR_OBJECT;
+    *result = o->result;
+    return PUPIL_OK;
+}
+
+/* The wave's amplitudes in a frame of this exposure, times how much of it is taken out. */
+static void amplitudes(const pupil_row_gain_object *o, double exposure_s, double wave[TERMS])
+{
+    for (int h = 0; h < HARMONICS; h++) {
+        const double left = o->result.strength * pupil_row_gain_averaged(o->result.light_hz, h + 1, exposure_s);
+        wave[2 * h] = o->coefficient[2 * h] * left;
+        wave[2 * h + 1] = o->coefficient[2 * h + 1] * left;
+    }
+}
+
+int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *info, uint32_t height, float *gain)
+{
+    if (!lamps || !info || !gain)
+        return PUPIL_ERR_NULL;
+    const pupil_row_gain_object *o = object_of(lamps);
+    if (!o)
+        return PUPIL_ERR_OBJECT;
+    if (!height || height > PUPIL_MAX_SIDE_PX)
+        return PUPIL_ERR_SIZE;
+    /* the difference as if it could not overflow; a frame that is further away than learning reaches has no gains */
+    const double ahead_s = ((double)info->timestamp_ns - (double)o->timestamp_ns) * 1e-9;
+    if (!(o->result.strength > 0.0) || !(ahead_s >= 0.0 && ahead_s <= 0.5)) {
+        for (uint32_t y = 0; y < height; y++)
+            gain[y] = 1.0f;
+        return PUPIL_OK;
+    }
+    double wave[TERMS], cosine, sine, step_cosine, step_sine;
+    const double exact_s = (double)(int64_t)((uint64_t)info->timestamp_ns - (uint64_t)o->timestamp_ns) * 1e-9;
+    const double per_row = o->result.light_hz * o->result.readout_s / height;
+    amplitudes(o, info->exposure_s > 0.0 && info->exposure_s <= 1e4 ? info->exposure_s : 0.0, wave);
+    pupil_row_gain_circle(o->turn + o->result.light_hz * exact_s + 0.5 * per_row, &cosine, &sine);
+    pupil_row_gain_circle(per_row, &step_cosine, &step_sine);
+    for (uint32_t y = 0; y < height; y++) {
+        double c = cosine, s = sine, sum = 0.0;
+        for (int h = 0; h < HARMONICS; h++) {
+            sum += wave[2 * h] * c + wave[2 * h + 1] * s;
+            const double next = c * cosine - s * sine; /* the angle of the next harmonic */
+            s = s * cosine + c * sine;
+            c = next;
+        }
+        gain[y] = (float)pupil_exp2(sum > 4.0 ? -4.0 : sum < -4.0 ? 4.0 : -sum);
+        const double turned = cosine * step_cosine - sine * step_sine;
+        sine = sine * step_cosine + cosine * step_sine;
+        cosine = turned;
+    }
+    return PUPIL_OK;
+}

@@ -1,0 +1,243 @@
+/* tests/fake_v4l2/fake_modes.c: what the fake camera is, and which formats, sizes and rates it has. */
+#include "fake_private.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "pupil/image.h"
+#include "v4l2/format.h"
+
+#define FOUR(a, b, c, d) v4l2_fourcc(a, b, c, d)
+
+static const uint32_t formats[] = {
+    V4L2_PIX_FMT_MJPEG,       V4L2_PIX_FMT_YUYV,        V4L2_PIX_FMT_NV12,        V4L2_PIX_FMT_GREY,
+    V4L2_PIX_FMT_Y10,         V4L2_PIX_FMT_Y12,         V4L2_PIX_FMT_Y16,         V4L2_PIX_FMT_RGB24,
+    FOUR('A', 'B', '2', '4'), V4L2_PIX_FMT_SRGGB8,      V4L2_PIX_FMT_SGRBG8,      V4L2_PIX_FMT_SGBRG8,
+    V4L2_PIX_FMT_SBGGR8,      V4L2_PIX_FMT_SRGGB10,     V4L2_PIX_FMT_SGRBG10,     V4L2_PIX_FMT_SGBRG10,
+    V4L2_PIX_FMT_SBGGR10,     V4L2_PIX_FMT_SRGGB12,     V4L2_PIX_FMT_SGRBG12,     V4L2_PIX_FMT_SGBRG12,
+    V4L2_PIX_FMT_SBGGR12,     FOUR('R', 'G', '1', '4'), FOUR('G', 'R', '1', '4'), FOUR('G', 'B', '1', '4'),
+    FOUR('B', 'G', '1', '4'), V4L2_PIX_FMT_SRGGB16,     V4L2_PIX_FMT_SGRBG16,     V4L2_PIX_FMT_SGBRG16,
+    V4L2_PIX_FMT_SBGGR16,     V4L2_PIX_FMT_SRGGB10P,    V4L2_PIX_FMT_SGRBG10P,    V4L2_PIX_FMT_SGBRG10P,
+    V4L2_PIX_FMT_SBGGR10P,    FOUR('p', 'R', 'C', 'C'), FOUR('p', 'g', 'C', 'C'), FOUR('p', 'G', 'C', 'C'),
+    FOUR('p', 'B', 'C', 'C'), V4L2_PIX_FMT_NV12M, /* the last one: multi-planar only */
+};
+
+static const struct {
+    uint32_t width, height;
+} sizes[] = {{64, 48}, {32, 24}, {320, 240}};
+
+static const double slower[] = {1.0, 0.5, 1.0 / 6.0}; /* of config.fps */
+
+static uint32_t format_count(const fake_v4l2 *f)
+{
+    return f->config.only_format ? 1 : sizeof formats / sizeof formats[0] - !f->config.multiplanar;
+}
+
+static uint32_t format_at(const fake_v4l2 *f, uint32_t index)
+{
+    return f->config.only_format ? f->config.only_format : formats[index];
+}
+
+static int has_format(const fake_v4l2 *f, uint32_t fourcc)
+{
+    for (uint32_t i = 0; i < format_count(f); i++)
+        if (format_at(f, i) == fourcc)
+            return 1;
+    return 0;
+}
+
+static void name_it(unsigned char *to, size_t bytes, const char *text)
+{
+    snprintf((char *)to, bytes, "%s", text);
+}
+
+int fake_querycap(const fake_v4l2 *f, int kind, struct v4l2_capability *c)
+{
+    memset(c, 0, sizeof *c);
+    name_it(c->driver, sizeof c->driver, "fake");
+    name_it(c->card, sizeof c->card,
+            kind == FAKE_TWIN     ? FAKE_V4L2_TWIN
+            : kind == FAKE_OUTPUT ? "Fake Monitor"
+                                  : FAKE_V4L2_NAME);
+    name_it(c->bus_info, sizeof c->bus_info, kind == FAKE_TWIN ? "fake:2" : kind == FAKE_OUTPUT ? "fake:3" : "fake:1");
+    c->device_caps = kind == FAKE_METADATA   ? V4L2_CAP_META_CAPTURE
+                     : kind == FAKE_OUTPUT   ? V4L2_CAP_VIDEO_OUTPUT
+                     : f->config.multiplanar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE
+                                             : V4L2_CAP_VIDEO_CAPTURE;
+    c->device_caps |= V4L2_CAP_STREAMING;
+    if (kind == FAKE_OUTPUT)
+        c->device_caps =
+            V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_READWRITE | (f->config.out_write_only ? 0 : V4L2_CAP_STREAMING);
+    c->capabilities = c->device_caps | V4L2_CAP_DEVICE_CAPS | V4L2_CAP_META_CAPTURE;
+    return 0;
+}
+
+int fake_enum_formats(const fake_v4l2 *f, struct v4l2_fmtdesc *d)
+{
+    if (d->type != f->type || d->index >= format_count(f))
+        return fake_fail(EINVAL);
+    d->pixelformat = format_at(f, d->index);
+    d->flags = d->pixelformat == V4L2_PIX_FMT_MJPEG ? V4L2_FMT_FLAG_COMPRESSED : 0;
+    snprintf((char *)d->description, sizeof d->description, "fake %s", pupil_v4l2_fourcc_name(d->pixelformat).text);
+    return 0;
+}
+
+int fake_enum_sizes(const fake_v4l2 *f, struct v4l2_frmsizeenum *s)
+{
+    if (f->config.no_sizes)
+        return fake_fail(ENOTTY);
+    const uint32_t only = f->config.width;
+    if (!has_format(f, s->pixel_format) || s->index >= (only ? 1 : sizeof sizes / sizeof sizes[0]))
+        return fake_fail(EINVAL);
+    s->type = V4L2_FRMSIZE_TYPE_DISCRETE;
+    s->discrete.width = only ? f->width : sizes[s->index].width;
+    s->discrete.height = only ? f->height : sizes[s->index].height;
+    if (!only && s->pixel_format == V4L2_PIX_FMT_Y16) { /* one that is made to any size */
+        if (s->index)
+            return fake_fail(EINVAL);
+        s->type = V4L2_FRMSIZE_TYPE_STEPWISE;
+        s->stepwise = (struct v4l2_frmsize_stepwise){32, 320, 2, 24, 240, 2};
+    }
+    return 0;
+}
+
+int fake_enum_intervals(const fake_v4l2 *f, struct v4l2_frmivalenum *i)
+{
+    if (f->config.no_rate)
+        return fake_fail(ENOTTY);
+    if (!has_format(f, i->pixel_format) || i->index >= sizeof slower / sizeof slower[0])
+        return fake_fail(EINVAL);
+    i->type = V4L2_FRMIVAL_TYPE_DISCRETE;
+    i->discrete = (struct v4l2_fract){1000, (uint32_t)(f->config.fps * slower[i->index] * 1000 + 0.5)};
+    return 0;
+}
+
+double fake_rate(const fake_v4l2 *f)
+{
+    return f->config.fps * slower[f->interval];
+}
+
+uint32_t fake_areas(const fake_v4l2 *f)
+{
+    return f->fourcc == V4L2_PIX_FMT_NV12M ? 2 : 1;
+}
+
+void fake_layout(const fake_v4l2 *f, uint32_t stride[2], uint32_t size[2])
+{
+    const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), extra = (uint32_t)f->config.extra_bytes;
+    const uint32_t chroma_rows = (f->height + 1) / 2;
+    const int nv12 = pixel == PUPIL_PIXEL_NV12;
+    stride[0] = (uint32_t)pupil_row_bytes(pixel, f->width) + extra;
+    stride[1] = nv12 ? fake_areas(f) == 2 ? f->width + f->width % 2 + extra : stride[0] : 0;
+    size[0] = stride[0] * f->height + (nv12 && fake_areas(f) == 1 ? stride[1] * chroma_rows : 0);
+    size[1] = fake_areas(f) == 2 ? stride[1] * chroma_rows : 0;
+    if (f->fourcc == V4L2_PIX_FMT_MJPEG) { /* noise can be larger than it was */
+        stride[0] = 0;
+        size[0] = 4096 + f->width * f->height * 4;
+    }
+    for (int i = 0; i < 2; i++)
+        size[i] += size[i] ? (uint32_t)f->config.data_offset : 0;
+}
+
+static void describe_multi(const fake_v4l2 *f, struct v4l2_pix_format_mplane *p)
+{
+    uint32_t stride[2], size[2];
+    fake_layout(f, stride, size);
+    memset(p, 0, sizeof *p);
+    p->width = f->width;
+    p->height = f->height;
+    p->pixelformat = f->fourcc;
+    p->field = V4L2_FIELD_NONE;
+    p->num_planes = (uint8_t)fake_areas(f);
+    for (uint32_t i = 0; i < fake_areas(f); i++) {
+        p->plane_fmt[i].bytesperline = stride[i];
+        p->plane_fmt[i].sizeimage = size[i];
+    }
+    p->colorspace = f->config.colorspace;
+    p->ycbcr_enc = (uint8_t)f->config.ycbcr_enc;
+    p->quantization = (uint8_t)f->config.quantization;
+    p->xfer_func = (uint8_t)f->config.xfer_func;
+}
+
+static void describe_single(const fake_v4l2 *f, struct v4l2_pix_format *p)
+{
+    uint32_t stride[2], size[2];
+    fake_layout(f, stride, size);
+    *p = (struct v4l2_pix_format){.width = f->width,
+                                  .height = f->height,
+                                  .pixelformat = f->fourcc,
+                                  .field = V4L2_FIELD_NONE,
+                                  .bytesperline = stride[0],
+                                  .sizeimage = size[0],
+                                  .colorspace = f->config.colorspace,
+                                  .priv = V4L2_PIX_FMT_PRIV_MAGIC,
+                                  .quantization = f->config.quantization,
+                                  .xfer_func = f->config.xfer_func};
+    p->ycbcr_enc = f->config.ycbcr_enc;
+}
+
+/* A size that it has: the one whose width is nearest. */
+static void take_size(fake_v4l2 *f, uint32_t width, uint32_t height)
+{
+    uint32_t best = 0, best_off = UINT32_MAX;
+    if (f->config.width)
+        return; /* as it is */
+    if (f->fourcc == V4L2_PIX_FMT_Y16 && width >= 32 && width <= 320 && height >= 24 && height <= 240) {
+        f->width = width;
+        f->height = height;
+        return;
+    }
+    for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        const uint32_t off = width > sizes[i].width ? width - sizes[i].width : sizes[i].width - width;
+        if (off < best_off) {
+            best = i;
+            best_off = off;
+        }
+    }
+    f->width = sizes[best].width;
+    f->height = sizes[best].height;
+}
+
+int fake_format(fake_v4l2 *f, struct v4l2_format *format, int set)
+{
+    const int multi = f->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+    if (format->type != f->type)
+        return fake_fail(EINVAL);
+    if (set && f->config.format_error)
+        return fake_fail(f->config.format_error);
+    if (set && f->buffers)
+        return fake_fail(EBUSY);
+    if (set) {
+        const uint32_t fourcc = multi ? format->fmt.pix_mp.pixelformat : format->fmt.pix.pixelformat;
+        f->fourcc = has_format(f, fourcc) ? fourcc : format_at(f, 0);
+        take_size(f, multi ? format->fmt.pix_mp.width : format->fmt.pix.width,
+                  multi ? format->fmt.pix_mp.height : format->fmt.pix.height);
+        f->interval = 0; /* as vivid: setting a format sets the rate anew */
+    }
+    if (multi)
+        describe_multi(f, &format->fmt.pix_mp);
+    else
+        describe_single(f, &format->fmt.pix);
+    return 0;
+}
+
+int fake_parm(fake_v4l2 *f, struct v4l2_streamparm *p, int set)
+{
+    if (f->config.no_rate)
+        return fake_fail(ENOTTY);
+    if (p->type != f->type)
+        return fake_fail(EINVAL);
+    struct v4l2_captureparm *c = &p->parm.capture;
+    if (set && f->buffers)
+        return fake_fail(EBUSY);
+    if (set && c->timeperframe.numerator) {
+        const double fps = (double)c->timeperframe.denominator / c->timeperframe.numerator;
+        for (uint32_t i = 0; i < sizeof slower / sizeof slower[0]; i++)
+            if (f->config.fps * slower[i] > fps * 0.99 || i == 0)
+                f->interval = i; /* the slowest that is not slower than asked */
+    }
+    *c = (struct v4l2_captureparm){.capability = V4L2_CAP_TIMEPERFRAME, .readbuffers = 2};
+    c->timeperframe = (struct v4l2_fract){1000, (uint32_t)(fake_rate(f) * 1000 + 0.5)};
+    return 0;
+}
