@@ -18,11 +18,15 @@ static pupil_curve curve_of(double scale_log2, int has_white, double white_log2)
     return curve;
 }
 
-pupil_curve pupil_curve_before_light(const pupil_object *object)
+int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *curve)
 {
-    const pupil_config *c = &object->config;
-    double white_log2 = c->white_mode == PUPIL_WHITE_FIXED ? pupil_log2(c->white) : 0.0;
-    return curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
+    const int error = curve ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    if (error)
+        return error;
+    const pupil_config *c = &pupil_object_of_const(pupil)->config;
+    const double white_log2 = c->white_mode == PUPIL_WHITE_FIXED ? pupil_log2(c->white) : 0.0;
+    *curve = curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
+    return PUPIL_OK;
 }
 
 int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)

@@ -122,8 +122,6 @@ pupil_level_q52 pupil_level_of(double stops);
 /* log2 of X, from scene luminance. */
 double pupil_scale_log2(const pupil_object *object);
 
-/* For frames before there was any light: the scale is 1. */
-pupil_curve pupil_curve_before_light(const pupil_object *object);
 /* PUPIL_OK, PUPIL_ERR_NULL or PUPIL_ERR_VALUE. */
 int pupil_curve_check(const pupil_curve *curve);
 

@@ -269,14 +269,15 @@ int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame
     if (object->progress.active)
         return PUPIL_ERR_ORDER;
 
-    pupil_curve curve = pupil_curve_before_light(object);
-    int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
+    pupil_curve curve;
+    const int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
     pupil_stats_clear(&object->stats);
     pupil_work_rows(object, in, 0, in->height, &object->stats, fused ? &curve : 0, fused ? out : 0);
     error = pupil_adapt(pupil, &object->stats, info);
     PUPIL_ASSERT(!error); /* our own metering is never refused */
     if (!fused) {
-        (void)pupil_get_curve(pupil, info, &curve); /* refused only where there never was any light */
+        if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
+            (void)pupil_curve_before_light(pupil, &curve);
         pupil_work_rows(object, in, 0, in->height, 0, &curve, out);
     }
     return PUPIL_OK;

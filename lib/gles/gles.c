@@ -204,14 +204,15 @@ static int check_settings(const gles_object *o, const pupil_object *pupil, uint3
     return PUPIL_OK;
 }
 
-static void take_settings(gles_object *o, const pupil_object *pupil)
+static void take_settings(gles_object *o, const pupil_t *from)
 {
+    const pupil_object *pupil = pupil_object_of_const(from);
     o->settings = pupil->config;
     o->histogram = pupil->histogram;
     for (int i = 0; i < 3; i++)
         o->luma[i] = pupil->luma[i];
     pupil_metered_luma(o->luma, &o->coder, o->metered_luma);
-    o->curve = pupil_curve_before_light(pupil);
+    (void)pupil_curve_before_light(from, &o->curve);
 }
 
 static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, uint32_t version)
@@ -296,7 +297,7 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
     gles_object *o = gles_object_of(gles);
     *o = (gles_object){.config = *config, .unit = pupil_pixel_is_mosaic(config->pixel) ? 2 : 1};
     pupil_coder_make(&o->config.coding, config->pixel, &o->coder);
-    take_settings(o, settings);
+    take_settings(o, pupil);
     o->region_rows = pupil_gles_regions_make(config->height / o->unit, o->region_row);
     uint32_t have = 0;
     error = meet_context(o, get_proc, &have, why, why_bytes);
@@ -332,7 +333,7 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t 
         o->variant = variant;
     }
     pupil_gles_meter_drop(o);
-    take_settings(o, settings);
+    take_settings(o, pupil);
     pupil_gles_adapt_take(o, settings);
     pupil_gles_textures_set(o);
     pupil_gles_programs_set(o);
@@ -397,6 +398,6 @@ int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info 
         return pupil_gles_map(gles, 0, target);
     pupil_curve curve;
     if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
-        curve = pupil_curve_before_light(pupil_object_of_const(pupil));
+        (void)pupil_curve_before_light(pupil, &curve);
     return pupil_gles_map(gles, &curve, target);
 }

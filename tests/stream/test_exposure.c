@@ -202,6 +202,32 @@ static void check_lock(void)
 }
 
 /* Frames without weight hold the level; before the first valid one they are mapped at the key itself. */
+/* Whoever meters and maps on threads of their own gets the picture of pupil_process before the first light, too. */
+static void check_curve_before_light(void)
+{
+    pupil_config config;
+    pupil_t pupil;
+    pupil_curve curve;
+    const float colour[3] = {0.05f, 0.4f, 1.7f};
+    const pupil_image_const in = {
+        .data = colour, .stride_bytes = sizeof colour, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
+    pupil_config_default(&config);
+    CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK); /* a frame of one pixel lies in cell 8, 8 */
+    config.white = 3.0;
+    for (config.white_mode = 0; config.white_mode <= PUPIL_WHITE_NONE; config.white_mode++) {
+        unsigned char whole[3] = {0}, parts[3] = {1, 1, 1};
+        pupil_image out = {.data = whole, .stride_bytes = 3, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        CHECK(pupil_process(&pupil, &in, NULL, &out) == PUPIL_OK);
+        CHECK(pupil_get_curve(&pupil, NULL, &curve) == PUPIL_ERR_NO_EXPOSURE);
+        CHECK(pupil_curve_before_light(&pupil, &curve) == PUPIL_OK && curve.scale == 1.0f);
+        out.data = parts;
+        CHECK(pupil_map_rows(&pupil, &curve, &in, &out) == PUPIL_OK);
+        CHECK_MSG(memcmp(whole, parts, sizeof whole) == 0, "white mode %u: %u %u %u, of pupil_process %u %u %u",
+                  config.white_mode, parts[0], parts[1], parts[2], whole[0], whole[1], whole[2]);
+    }
+}
+
 static void check_no_light(void)
 {
     pupil_config config;
@@ -274,6 +300,7 @@ int main(int argc, char **argv)
     check_settled();
     check_lock();
     check_no_light();
+    check_curve_before_light();
     check_white_follows();
     return check_end();
 }

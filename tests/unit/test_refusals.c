@@ -316,6 +316,7 @@ static void check_objects(void)
         expect(pupil_fused_rows(p, &curve, &in, 0, 3, &out, &stats), wanted, "fused_rows");
         expect(pupil_get_exposure(p, &e), wanted, "get_exposure");
         expect(pupil_get_curve(p, NULL, &c), wanted, "get_curve");
+        expect(pupil_curve_before_light(p, &c), wanted, "curve_before_light");
         expect(pupil_get_stats(p, &stats), wanted, "get_stats");
     }
     CHECK(pupil_init(NULL, &config) == PUPIL_ERR_NULL && pupil_init(&pupil, NULL) == PUPIL_ERR_NULL);
@@ -325,6 +326,7 @@ static void check_objects(void)
     expect(pupil_adapt(&pupil, NULL, NULL), PUPIL_ERR_NULL, "adapt to nothing");
     expect(pupil_get_exposure(&pupil, NULL), PUPIL_ERR_NULL, "exposure into nothing");
     expect(pupil_get_curve(&pupil, NULL, NULL), PUPIL_ERR_NULL, "curve into nothing");
+    expect(pupil_curve_before_light(&pupil, NULL), PUPIL_ERR_NULL, "curve before light into nothing");
     expect(pupil_get_stats(&pupil, NULL), PUPIL_ERR_NULL, "statistics into nothing");
 }
 

@@ -163,6 +163,10 @@ PUPIL_API int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
  * valid frame. */
 PUPIL_API int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve);
 
+/* The curve for frames before the first valid one, with which pupil_process maps them: the scale is 1, and the white
+ * point is config.white, or 1 where it follows the light. */
+PUPIL_API int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *curve);
+
 /* The statistics of the last frame that pupil_process or pupil_frame_end metered; none where it was dropped. Between
  * pupil_frame_begin and pupil_frame_end: of the rows so far. */
 PUPIL_API int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats);
