@@ -38,8 +38,7 @@ int interrupt_again(void)
     return came > 1;
 }
 
-/* ---- fatal signals ------------------------------------------------------------------------------------------------
- */
+/* --- fatal signals --- */
 
 static void (*last_act)(void);
 

@@ -38,8 +38,7 @@ static int say(char *why, size_t why_bytes, int error, const char *what)
     return -1;
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------
- */
+/* --- life --- */
 
 int gles_work_open(gles_work **work, const pupil_config *config, uint32_t version, pupil_gles_get_proc get_proc,
                    char *why, size_t why_bytes)
@@ -171,8 +170,7 @@ void gles_work_describe(const gles_work *g, char *text, size_t text_bytes)
         snprintf(text, text_bytes, "%s", renderer);
 }
 
-/* ---- a frame ------------------------------------------------------------------------------------------------------
- */
+/* --- a frame --- */
 
 static int process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in, const pupil_frame_info *info,
                    pupil_stats *stats, pupil_curve *curve, char *why, size_t why_bytes)
@@ -211,8 +209,7 @@ int gles_work_process(gles_work *g, pupil_t *pupil, int fused, const pupil_image
     return -1;
 }
 
-/* ---- mapping ------------------------------------------------------------------------------------------------------
- */
+/* --- mapping --- */
 
 static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height, char *why, size_t why_bytes)
 {

@@ -47,8 +47,7 @@ void replay_work_retune(replay_work *w, pupil_t *pupil)
         replay_work_give_up(w, pupil, why);
 }
 
-/* ---- a frame ------------------------------------------------------------------------------------------------------
- */
+/* --- a frame --- */
 
 static int make_room(replay_work *w, const pupil_image_const *in, int whole, pupil_image *out)
 {

@@ -28,8 +28,7 @@ static void script_of_run(FILE *out, int is_png, const void *context)
     plot_script(out, is_png, r->records, r->count, r->title);
 }
 
-/* ---- the program --------------------------------------------------------------------------------------------------
- */
+/* --- the program --- */
 
 /* The line of gnuplot's complaint that says what is wrong: the last that is not empty (before it, it repeats the script
  * line with a mark under it). */

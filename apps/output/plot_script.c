@@ -14,8 +14,7 @@
 #define PURPLE    "#CC79A7"
 #define ORANGE    "#E69F00"
 
-/* ---- what is drawn ------------------------------------------------------------------------------------------------
- */
+/* --- what is drawn --- */
 
 static double get_time(const pupil_record *r)
 {
@@ -98,8 +97,7 @@ static double get_shown_error(const pupil_record *r)
     return log2(r->output_level / r->key);
 }
 
-/* ---- the script ---------------------------------------------------------------------------------------------------
- */
+/* --- the script --- */
 
 /* In single quotes gnuplot takes every character as it is, but a quote, which is doubled, and a line end. */
 static void quoted(FILE *out, const char *text)

@@ -25,8 +25,7 @@ int pupil_stats_file_finish(pupil_stats_file *file, char *why, size_t why_bytes)
 /* Leaves nothing. Takes NULL. */
 void pupil_stats_file_discard(pupil_stats_file *file);
 
-/* ---- for the writers of lines -------------------------------------------------------------------------------------
- */
+/* --- for the writers of lines --- */
 
 /* The fields of a record in the order of the file, each with its name and place. */
 typedef struct pupil_stats_field {

@@ -10,8 +10,7 @@
 
 #define NOT_FOLLOWED "the picture does not follow the exposure"
 
-/* ---- points -------------------------------------------------------------------------------------------------------
- */
+/* --- points --- */
 
 static int64_t code_of(const probe_report *r, double gain)
 {
@@ -106,8 +105,7 @@ static void judge(probe_stream *s, probe_law *law, int of_gain)
         probe_moves(&law->is, law->drift_ev);
 }
 
-/* ---- laws ---------------------------------------------------------------------------------------------------------
- */
+/* --- laws --- */
 
 static void exposure_law(probe_stream *s, double exposure_s, double gain)
 {
@@ -171,8 +169,8 @@ void probe_laws(probe_stream *s, double exposure_s, double gain, double moved_ev
         probe_unknown(&s->report->black.is, NOT_FOLLOWED);
 }
 
-/* ---- black --------------------------------------------------------------------------------------------------------
- * What the darker tenth of the picture has at the shortest exposure, less the light in it: by how much it rises with
+/* --- black --- */
+/* What the darker tenth of the picture has at the shortest exposure, less the light in it: by how much it rises with
  * four times the exposure. */
 
 #define MOST_LIGHT 0.02 /* of full scale: with more of it the difference says nothing of black */

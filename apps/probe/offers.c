@@ -5,8 +5,7 @@
 
 #include "probe.h"
 
-/* ---- names --------------------------------------------------------------------------------------------------------
- */
+/* --- names --- */
 
 static const char *name_of(const char *const *names, size_t count, uint32_t value)
 {
@@ -68,8 +67,7 @@ void probe_law_text(const pupil_camera_gain *law, char *text, size_t text_bytes)
         snprintf(text, text_bytes, "(%g code + %g) / (%g code + %g)", p[0], p[1], p[2], p[3]);
 }
 
-/* ---- controls -----------------------------------------------------------------------------------------------------
- */
+/* --- controls --- */
 
 /* What drivers/v4l2/controls turns off, where it is on. */
 static int is_automatic(const probe_control *c)
@@ -129,8 +127,7 @@ static void read_controls(probe_report *r, const pupil_v4l2_system *system, int 
     }
 }
 
-/* ---- all ----------------------------------------------------------------------------------------------------------
- */
+/* --- all --- */
 
 static void read_sensor(probe_report *r, const pupil_v4l2_system *system)
 {

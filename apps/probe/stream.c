@@ -39,8 +39,7 @@ int probe_gave_up(const probe_stream *s, probe_known *is)
     return s->state != 0;
 }
 
-/* ---- a frame ------------------------------------------------------------------------------------------------------
- */
+/* --- a frame --- */
 
 static double share(uint64_t part, uint64_t whole)
 {
@@ -168,8 +167,7 @@ int probe_is_good(const probe_level *level)
     return level->clipped < PROBE_MOST_BAD && level->black < PROBE_MOST_BAD;
 }
 
-/* ---- a setting ----------------------------------------------------------------------------------------------------
- */
+/* --- a setting --- */
 
 pupil_camera_setting probe_taken(const probe_stream *s)
 {
@@ -215,8 +213,7 @@ int probe_settle(probe_stream *s, double exposure_s, double gain)
     return 0;
 }
 
-/* ---- the working level --------------------------------------------------------------------------------------------
- */
+/* --- the working level --- */
 
 /* The level that all is measured around: log2 0.12, and the brightest a stop and a half below full, so that twice the
  * light still fits. */
@@ -266,8 +263,7 @@ void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, d
                       level.clipped >= PROBE_MOST_BAD || level.high_ev >= -1.0 ? "bright" : "dark");
 }
 
-/* ---- a picture that moves -----------------------------------------------------------------------------------------
- */
+/* --- a picture that moves --- */
 
 #define WATCHED_S    0.8
 #define LEAST_FRAMES 6
@@ -289,8 +285,7 @@ void probe_moves(probe_known *is, double moved_ev)
     probe_unknown(is, "the picture moves by itself, by %.2f stops: point it at something that stands still", moved_ev);
 }
 
-/* ---- what all frames told -----------------------------------------------------------------------------------------
- */
+/* --- what all frames told --- */
 
 void probe_stream_tell(probe_stream *s)
 {

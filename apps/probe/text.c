@@ -119,8 +119,7 @@ static void print_limits(const probe_report *r, FILE *out)
             l->gain_known ? "" : "its law is not known, taken for ", law);
 }
 
-/* ---- measured -----------------------------------------------------------------------------------------------------
- */
+/* --- measured --- */
 
 static int print_unknown(const char *what, const probe_known *is, FILE *out)
 {

@@ -49,7 +49,7 @@ static void say(record *r)
     fprintf(stderr, "pupil record: %s\n", r->why);
 }
 
-/* ---- the camera's exposure ---- */
+/* --- the camera's exposure --- */
 
 static const pupil_source *restored; /* whose controls are put back, whatever happens */
 
@@ -108,7 +108,7 @@ static int follow_light(record *r, const pupil_frame *frame)
     return 0;
 }
 
-/* ---- frames ---- */
+/* --- frames --- */
 
 static size_t bytes_of(const pupil_frame *frame)
 {
@@ -178,7 +178,7 @@ static int run(record *r)
     return -1;
 }
 
-/* ---- begin and end ---- */
+/* --- begin and end --- */
 
 static int open_source(record *r, const pupil_v4l2_system *system)
 {

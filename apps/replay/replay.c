@@ -57,8 +57,7 @@ static int no_memory(replay *r)
     return -1;
 }
 
-/* ---- records
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- records --- */
 
 static int keep(replay *r, const pupil_record *record)
 {
@@ -80,8 +79,7 @@ static int keep(replay *r, const pupil_record *record)
     return 0;
 }
 
-/* ---- a frame
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- a frame --- */
 
 static int open_outputs(replay *r, const pupil_image_const *first)
 {
@@ -237,8 +235,7 @@ static int run(replay *r)
     return 0;
 }
 
-/* ---- begin and end
- * ---------------------------------------------------------------------------------------------------- */
+/* --- begin and end --- */
 
 static int begin(replay *r)
 {

@@ -25,8 +25,7 @@ void report_text(FILE *out, const char *text)
     }
 }
 
-/* ---- figures that the records give --------------------------------------------------------------------------------
- */
+/* --- figures that the records give --- */
 
 typedef struct figures {
     double ev_low, ev_high, level; /* metered light; mean log2 of the display's level */
@@ -67,8 +66,7 @@ static figures measure(const pupil_report_page *page)
     return f;
 }
 
-/* ---- the head -----------------------------------------------------------------------------------------------------
- */
+/* --- the head --- */
 
 static void fact(FILE *out, const char *what, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
@@ -135,8 +133,7 @@ void report_caption(FILE *out, const report_picture *picture, int stills)
     fprintf(out, "<br>metered %+.2f EV, adapted %+.2f</figcaption>", picture->metered_ev, picture->adapted_ev);
 }
 
-/* ---- the tables ---------------------------------------------------------------------------------------------------
- */
+/* --- the tables --- */
 
 static void row(FILE *out, const pupil_report_row *r)
 {

@@ -138,7 +138,7 @@ int replay_report_frame(replay_report *r, const pupil_frame *frame, const pupil_
     return pupil_report_frame(r->page, rgb8, fixed, record, why, why_bytes);
 }
 
-/* ---- the page's tables ------------------------------------------------------------------------------------------- */
+/* --- the page's tables --- */
 
 typedef struct table {
     pupil_report_row row[MOST_ROWS];

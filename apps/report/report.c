@@ -27,8 +27,7 @@ struct pupil_report {
     report_sums sums;
 };
 
-/* ---- begin and end ------------------------------------------------------------------------------------------------
- */
+/* --- begin and end --- */
 
 /* An index.html that is there: may it go? */
 static int may_replace(const char *path, int overwrite, char *why, size_t why_bytes)
@@ -143,8 +142,7 @@ void pupil_report_discard(pupil_report *r)
     free(r);
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------
- */
+/* --- frames --- */
 
 int pupil_report_wants(const pupil_report *r)
 {
@@ -190,8 +188,7 @@ int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pup
     return 0;
 }
 
-/* ---- the page -----------------------------------------------------------------------------------------------------
- */
+/* --- the page --- */
 
 /* A file's bytes as a data URI; 0, 1: longer than `most`, -1 and a sentence. */
 static int embed(FILE *out, const char *type, const char *path, uint64_t most, char *why, size_t why_bytes)

@@ -39,8 +39,7 @@ typedef struct run_options {
 /* As replay_options_parse; argv stays as it is. */
 int run_options_parse(run_options *options, int argc, char **argv, char *why, size_t why_bytes);
 
-/* ---- what options are given ---------------------------------------------------------------------------------------
- */
+/* --- what options are given --- */
 
 /* "10ms", "250us", "1/100", "2s", "1min"; a plain number is in units of `plain_s`. */
 int run_value_time(const value_text *c, double plain_s, double low_s, double high_s, const char *right,

@@ -72,8 +72,7 @@ static int is_over(void)
     return interrupt_came() || (r.end_ns && r.source && pupil_live_now_ns(r.source) >= r.end_ns);
 }
 
-/* ---- a frame ------------------------------------------------------------------------------------------------------
- */
+/* --- a frame --- */
 
 static void warn(void)
 {
@@ -188,8 +187,7 @@ static void go_on(void)
     }
 }
 
-/* ---- begin and end ------------------------------------------------------------------------------------------------
- */
+/* --- begin and end --- */
 
 static void restore(void)
 {

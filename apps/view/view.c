@@ -54,8 +54,7 @@ static int is_own(const view *v, pupil_curve *curve)
     return v->of.curve && v->of.curve(v->of.context, curve);
 }
 
-/* ---- drawing ------------------------------------------------------------------------------------------------------
- */
+/* --- drawing --- */
 
 /* A part of the picture as `curve` maps it, by whoever does the frames. */
 static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_t height, float from, float to)
@@ -153,8 +152,7 @@ static void title(view *v)
     v->drawn = 0;
 }
 
-/* ---- keys ---------------------------------------------------------------------------------------------------------
- */
+/* --- keys --- */
 
 static void say(view *v, const char *words)
 {
@@ -235,8 +233,7 @@ static void listen(view *v)
     v->quit |= interrupt_came();
 }
 
-/* ---- pace ---------------------------------------------------------------------------------------------------------
- */
+/* --- pace --- */
 
 static void doze(double seconds)
 {
@@ -304,8 +301,7 @@ void view_stay(view *v)
     stay(v, &always);
 }
 
-/* ---- life ---------------------------------------------------------------------------------------------------------
- */
+/* --- life --- */
 
 int view_open(view **opened, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes)
 {

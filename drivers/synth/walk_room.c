@@ -74,7 +74,7 @@ static float corner(float distance)
     return (distance + 0.05f) / (distance + 0.13f);
 }
 
-/* ---- what is on the surfaces ------------------------------------------------------------------------------------ */
+/* --- what is on the surfaces --- */
 
 static v3 rug(float x, float z)
 {
@@ -187,7 +187,7 @@ static v3 front_albedo(v3 p, v3 *emitted)
     return painted(p.x, p.y);
 }
 
-/* ---- where a ray ends ------------------------------------------------------------------------------------------- */
+/* --- where a ray ends --- */
 
 /* The globe lamp on the chest. */
 static int hit_lamp(v3 o, v3 d, surface *s)

@@ -106,8 +106,7 @@ void pupil_v4l2_device_close(pupil_v4l2_device *device)
     device->fd = -1;
 }
 
-/* ---- all of them --------------------------------------------------------------------------------------------------
- */
+/* --- all of them --- */
 
 static void note_node(void *closure, const char *name)
 {
@@ -148,8 +147,7 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
     return count;
 }
 
-/* ---- by name ------------------------------------------------------------------------------------------------------
- */
+/* --- by name --- */
 
 typedef struct search {
     const char *name;

@@ -110,8 +110,7 @@ uint32_t pupil_v4l2_fourcc(const char *name)
     return fourcc;
 }
 
-/* ---- colour -------------------------------------------------------------------------------------------------------
- */
+/* --- colour --- */
 
 static int is_yuv(uint32_t pixel)
 {
@@ -224,8 +223,7 @@ static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
     return 0; /* a mosaic is linear, whatever is said of the picture that is made of it */
 }
 
-/* ---- layout -------------------------------------------------------------------------------------------------------
- */
+/* --- layout --- */
 
 static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
 {

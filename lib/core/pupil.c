@@ -1,7 +1,7 @@
 /* The object's life, and the calls that take a frame: each checks everything before it touches anything. */
 #include "object.h"
 
-/* ---- life -------------------------------------------------------------------------------------------------------- */
+/* --- life --- */
 
 static void derive_luma(pupil_object *object)
 {
@@ -82,7 +82,7 @@ int pupil_reset(pupil_t *pupil)
     return error;
 }
 
-/* ---- rows, on any thread ----------------------------------------------------------------------------------------- */
+/* --- rows, on any thread --- */
 
 static int check_in(const pupil_t *pupil, const pupil_image_const *in)
 {
@@ -178,7 +178,7 @@ int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil
     return error;
 }
 
-/* ---- a frame as its rows arrive ---------------------------------------------------------------------------------- */
+/* --- a frame as its rows arrive --- */
 
 int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info)
 {
@@ -256,7 +256,7 @@ int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
     return error;
 }
 
-/* ---- a frame at once --------------------------------------------------------------------------------------------- */
+/* --- a frame at once --- */
 
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {

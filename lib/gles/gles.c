@@ -7,8 +7,7 @@ void pupil_gles_config_default(pupil_gles_config *config)
         *config = (pupil_gles_config){.size_bytes = sizeof *config};
 }
 
-/* ---- errors --------------------------------------------------------------------------------------------------------
- */
+/* --- errors --- */
 
 void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[])
 {
@@ -63,8 +62,7 @@ static int cause_of(const gles_object *o, int error, char *why, size_t why_bytes
     return by_gl;
 }
 
-/* ---- the context ---------------------------------------------------------------------------------------------------
- */
+/* --- the context --- */
 
 static int equal(const char *a, const char *b)
 {
@@ -140,8 +138,7 @@ static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *
     return PUPIL_OK;
 }
 
-/* ---- settings ------------------------------------------------------------------------------------------------------
- */
+/* --- settings --- */
 
 static int refuse_config(char *why, size_t why_bytes, const char *sentence)
 {
@@ -231,8 +228,7 @@ static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, 
                           .level_here = o->config.adapt == PUPIL_GLES_ADAPT_GPU};
 }
 
-/* ---- life ----------------------------------------------------------------------------------------------------------
- */
+/* --- life --- */
 
 static void delete_all(gles_object *o)
 {
@@ -365,8 +361,7 @@ int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status)
     return PUPIL_OK;
 }
 
-/* ---- a frame at once -----------------------------------------------------------------------------------------------
- */
+/* --- a frame at once --- */
 
 static int take_statistics(pupil_gles *gles, pupil_t *pupil)
 {

@@ -40,8 +40,7 @@ void pupil_gles_meter_delete(gles_object *o)
     o->gl.DeleteBuffers(1, &o->state);
 }
 
-/* ---- ES 3.1: compute shaders into the slot's buffer ----------------------------------------------------------------
- */
+/* --- ES 3.1: compute shaders into the slot's buffer --- */
 
 static void meter_31(gles_object *o, const gles_slot *slot)
 {
@@ -67,8 +66,7 @@ static void meter_31(gles_object *o, const gles_slot *slot)
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-/* ---- ES 3.0: fragment shaders into integer targets, read into the slot's buffer -----------------------------------
- */
+/* --- ES 3.0: fragment shaders into integer targets, read into the slot's buffer --- */
 
 static void draw_into(const gles_object *o, int target, GLsizei width, GLsizei height)
 {
@@ -151,8 +149,7 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
     return by_gl || slot->fence ? by_gl : PUPIL_ERR_GLES;
 }
 
-/* ---- what has come back --------------------------------------------------------------------------------------------
- */
+/* --- what has come back --- */
 
 int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)
 {

@@ -120,7 +120,7 @@ static inline gles_object *gles_object_of(pupil_gles *gles)
     return (gles_object *)(void *)gles;
 }
 
-/* ---- gles.c */
+/* --- gles.c --- */
 
 /* PUPIL_OK where the object is open and its context is current and not lost. */
 int pupil_gles_check(const pupil_gles *gles);
@@ -129,7 +129,7 @@ int pupil_gles_error(const gles_object *o);
 /* Puts sentences together, cut where the buffer ends; up to a NULL. */
 void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[]);
 
-/* ---- gles_programs.c */
+/* --- gles_programs.c --- */
 
 /* Compiles and links what the variant needs; after an error nothing is left. */
 int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
@@ -142,7 +142,7 @@ void pupil_gles_programs_balance(gles_object *o);
 /* Makes a program current, with the state of GL that all of pupil_gles draws with. */
 void pupil_gles_begin(const gles_object *o, uint32_t program);
 
-/* ---- gles_textures.c */
+/* --- gles_textures.c --- */
 
 int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes);
 void pupil_gles_textures_delete(gles_object *o);
@@ -154,7 +154,7 @@ void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint 
 void pupil_gles_bind_frame(const gles_object *o);
 void pupil_gles_unbind(const gles_object *o);
 
-/* ---- gles_regions.c */
+/* --- gles_regions.c --- */
 
 uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS]);
 /* Columns that may be metered as one: 4 where that is no difference, or 1. */
@@ -162,18 +162,18 @@ uint32_t pupil_gles_regions_together(const gles_object *o);
 /* Statistics of the whole frame from what came back. */
 void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats);
 
-/* ---- gles_meter.c */
+/* --- gles_meter.c --- */
 
 void pupil_gles_meter_make(gles_object *o);
 void pupil_gles_meter_delete(gles_object *o);
 /* Forgets frames that are under way. */
 void pupil_gles_meter_drop(gles_object *o);
 
-/* ---- gles_map.c */
+/* --- gles_map.c --- */
 
 int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *target);
 
-/* ---- gles_adapt.c */
+/* --- gles_adapt.c --- */
 
 /* PUPIL_OK, or PUPIL_ERR_CONFIG and a sentence: the GPU cannot adapt by these settings. */
 int pupil_gles_adapt_check(const pupil_config *settings, char *why, size_t why_bytes);

@@ -123,8 +123,7 @@ static GLint uniform(const gles_object *o, uint32_t program, const char *name)
     return at(o, o->programs.name[program], name);
 }
 
-/* ---- uniforms that stay; GL ignores those that a program does not have ---------------------------------------------
- */
+/* --- uniforms that stay; GL ignores those that a program does not have --- */
 
 static void set_frame(const gles_object *o, uint32_t p)
 {

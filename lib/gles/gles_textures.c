@@ -165,8 +165,7 @@ void pupil_gles_textures_set(const gles_object *o)
                         GL_UNSIGNED_INT, e->cell + rows * GLES_ENCODER_WIDTH);
 }
 
-/* ---- at work --------------------------------------------------------------------------------------------------------
- */
+/* --- at work --- */
 
 void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture)
 {

@@ -232,7 +232,7 @@ INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
     return v_add(_mm256_shuffle_ps(even, odd, 0x88), v_mul(rest, _mm256_shuffle_ps(even, odd, 0xdd)));
 }
 
-/* ---- load WIDTH pixels; *a is alpha ------------------------------------------------------------------------------ */
+/* --- load WIDTH pixels; *a is alpha --- */
 
 INLINE __m256 two_of_ps(const float *low, const float *high)
 {
@@ -356,8 +356,7 @@ INLINE void load8_rgb16(const void *source, floats *r, floats *g, floats *b, flo
     *a = v_all(1.0f);
 }
 
-/* ---- store WIDTH pixels of 8-bit codes -----------------------------------------------------------------------------
- */
+/* --- store WIDTH pixels of 8-bit codes --- */
 
 INLINE void v_store_four(ints pixel, uint8_t *target)
 {

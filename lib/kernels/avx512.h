@@ -221,8 +221,7 @@ INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
     return v_add(v_of_bits(v_gather(table, at)), v_mul(rest, v_of_bits(v_gather(table + 1, at))));
 }
 
-/* ---- load 16 pixels; *a is alpha, or whether it is opaque ----------------------------------------------------------
- */
+/* --- load 16 pixels; *a is alpha, or whether it is opaque --- */
 
 /* Every fourth float of 32, from the first and from the second (or the third and the fourth). */
 static const int32_t fourths[2][16] = {{0, 4, 8, 12, 16, 20, 24, 28, 1, 5, 9, 13, 17, 21, 25, 29},
@@ -330,8 +329,7 @@ INLINE void load16_rgb16(const void *source, floats *r, floats *g, floats *b, fl
     *a = v_all(1.0f);
 }
 
-/* ---- store 16 pixels of 8-bit codes --------------------------------------------------------------------------------
- */
+/* --- store 16 pixels of 8-bit codes --- */
 
 INLINE void v_store_four(ints pixel, uint8_t *target)
 {

@@ -6,8 +6,7 @@
 
 #include "kernels.h"
 
-/* ---- codes to light ------------------------------------------------------------------------------------------------
- */
+/* --- codes to light --- */
 
 /* Coded values, clamped to 0..255 (NaN is impossible), to light: between two codes it is interpolated, on one it is the
  * code's. By vectors what lies behind n is worked too. */
@@ -53,8 +52,7 @@ static void codes_to_light(float *v, uint32_t n, const float (*light)[2])
 #define ONE_BY_ONE __asm__ volatile("")
 #endif
 
-/* ---- 8-bit RGB, through its table ----------------------------------------------------------------------------------
- */
+/* --- 8-bit RGB, through its table --- */
 
 static int load_rgba8(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)
 {
@@ -82,8 +80,7 @@ static int load_rgb8(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
-/* ---- Y'CbCr --------------------------------------------------------------------------------------------------------
- */
+/* --- Y'CbCr --- */
 
 static inline void pixel_of_yuv(const pupil_coder *c, uint8_t luma, const uint8_t uv[2], float *r, float *g, float *b)
 {
@@ -146,8 +143,7 @@ static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
-/* ---- grey ----------------------------------------------------------------------------------------------------------
- */
+/* --- grey --- */
 
 static inline void grey_to_planes(const pupil_coder *c, uint32_t n, pupil_planes *restrict p)
 {
@@ -179,8 +175,7 @@ static int load_grey16(const pupil_coder *c, const pupil_row *row, uint32_t x, u
     return 1;
 }
 
-/* ---- mosaics -------------------------------------------------------------------------------------------------------
- */
+/* --- mosaics --- */
 
 static void unpack_bayer8(const uint8_t *row, uint32_t shift, uint32_t x, uint32_t n, uint16_t *restrict to)
 {
@@ -305,8 +300,7 @@ static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
     }
 }
 
-/* ---- display codes to Y' Cb Cr 4:2:0 --------------------------------------------------------------------------------
- */
+/* --- display codes to Y' Cb Cr 4:2:0 --- */
 
 static inline uint32_t word_at(const uint8_t *p)
 {
@@ -363,8 +357,7 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
     }
 }
 
-/* ---- as entries of a level's table ---------------------------------------------------------------------------------
- */
+/* --- as entries of a level's table --- */
 
 #define LOADS_BY_FORMAT                                                                                                \
     [PUPIL_PIXEL_RGBA8] = load_rgba8, [PUPIL_PIXEL_RGB8] = load_rgb8, [PUPIL_PIXEL_YUYV] = load_yuyv,                  \

@@ -98,8 +98,7 @@ FORMAT_KERNELS(rgb16, 6)
 
 #include "neon_raw10.h"
 
-/* ---- store ----------------------------------------------------------------------------------------------------------
- */
+/* --- store --- */
 
 /* A word of the encoder's at each number's upper half. */
 INLINE ints words_at(const uint32_t *cell, ints at)

@@ -181,8 +181,7 @@ INLINE mask v_equal_ints(ints a, ints b)
     return vceqq_u32(a, b);
 }
 
-/* ---- load WIDTH pixels; *a is alpha, or whether it is opaque ------------------------------------------------------
- */
+/* --- load WIDTH pixels; *a is alpha, or whether it is opaque --- */
 
 INLINE void load4_rgba32f(const void *source, floats *r, floats *g, floats *b, floats *a)
 {

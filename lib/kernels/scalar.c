@@ -5,8 +5,7 @@
 
 #include "base/numeric.h"
 
-/* ---- load: to planar linear floats ---------------------------------------------------------------------------------
- */
+/* --- load: to planar linear floats --- */
 
 #define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
     static int NAME(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)  \
@@ -42,8 +41,7 @@ LOAD(load_rgba16f, uint16_t, 4, half_to_float)
 LOAD(load_rgba16, uint16_t, 4, FROM_16)
 LOAD(load_rgb16, uint16_t, 3, FROM_16)
 
-/* ---- meter ----------------------------------------------------------------------------------------------------------
- */
+/* --- meter --- */
 
 static void luminance(const float weight[3], const pupil_planes *restrict p, uint32_t n, float *restrict l)
 {
@@ -148,8 +146,7 @@ static void histogram(const pupil_row_job *job, const pupil_planes *planes, uint
     stats->peak = pupil_float_of_bits(peak_bits);
 }
 
-/* ---- tone: Reinhard by luminance
- * -------------------------------------------------------------------------------------- */
+/* --- tone: Reinhard by luminance --- */
 
 static inline float clamp_channel(float v)
 {
@@ -226,8 +223,7 @@ static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil
     return 0;
 }
 
-/* ---- store: to 8-bit codes
- * -------------------------------------------------------------------------------------------- */
+/* --- store: to 8-bit codes --- */
 
 static inline uint8_t encode(const pupil_encoder *e, float x)
 {

@@ -47,8 +47,7 @@ INLINE floats max_of_3(floats a, floats b, floats c)
     return v_max(v_max(a, b), c);
 }
 
-/* ---- meter ---------------------------------------------------------------------------------------------------------
- */
+/* --- meter --- */
 
 INLINE meter_constants meter_constants_of(const pupil_row_job *job)
 {
@@ -163,8 +162,7 @@ INLINE void move_exponents(lanes *s, pupil_run *run)
     }
 }
 
-/* ---- histogram, as scalar.c's
- * ---------------------------------------------------------------------------------------- */
+/* --- histogram, as scalar.c's --- */
 
 #define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
 

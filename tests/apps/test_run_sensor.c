@@ -19,8 +19,7 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
     rig_delay = 0;
 }
 
-/* ---- the camera's own picture -------------------------------------------------------------------------------------
- */
+/* --- the camera's own picture --- */
 
 /* The largest distance of the shown picture from the camera's, in codes. */
 static int distance(const live_run *r)
@@ -150,8 +149,7 @@ static void test_linear(void)
     }
 }
 
-/* ---- both: hidden steps -------------------------------------------------------------------------------------------
- */
+/* --- both: hidden steps --- */
 
 /* The light stands still, the sensor starts far from its key: every frame shows the same code, for 12 bits of the
  * camera leave less than one code of 8. slow_ms: what is done with a frame takes so long, and frames wait. */
@@ -233,8 +231,7 @@ static void test_learned(uint32_t true_delay, int slow_ms)
     end(&r);
 }
 
-/* ---- the loop -----------------------------------------------------------------------------------------------------
- */
+/* --- the loop --- */
 
 /* Within 0.1 EV of the key, by pupil's digital factor exactly at it: after a change of light that does not clip, as
  * many frames as the camera's delay, one more for the frame that is measured, and what rounding asks for once more. */
@@ -261,8 +258,7 @@ static void test_settles(double change)
     end(&r);
 }
 
-/* ---- by hand ------------------------------------------------------------------------------------------------------
- */
+/* --- by hand --- */
 
 static void test_by_hand(uint32_t mode)
 {

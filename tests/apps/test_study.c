@@ -45,8 +45,7 @@ static void make(setup *s, workers *team)
     study_accept_cells(s->tests, &s->cells, ln_r(s));
 }
 
-/* ---- acceptance ----------------------------------------------------------------------------------------------------
- */
+/* --- acceptance --- */
 
 static void check_acceptance(setup *s, workers *team)
 {
@@ -77,8 +76,7 @@ static void check_acceptance(setup *s, workers *team)
     }
 }
 
-/* ---- the tables against every frame --------------------------------------------------------------------------------
- */
+/* --- the tables against every frame --- */
 
 static void check_every_frame(setup *s)
 {
@@ -102,8 +100,7 @@ static void check_every_frame(setup *s)
     }
 }
 
-/* ---- the check can fail --------------------------------------------------------------------------------------------
- */
+/* --- the check can fail --- */
 
 static void check_float32(setup *s, workers *team)
 {
@@ -132,8 +129,7 @@ static void check_one_cell(setup *s)
     s->cells.frame[0][0][STUDY_WEIGHTS - 1][3]--;
 }
 
-/* ---- parts ---------------------------------------------------------------------------------------------------------
- */
+/* --- parts --- */
 
 static void check_rounding(void)
 {

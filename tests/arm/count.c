@@ -173,8 +173,7 @@ static void between_marks(const pupil_t *pupil, const pupil_image_const *in, con
         fail(pupil_error_string(error), name);
 }
 
-/* ---- kernels
- * --------------------------------------------------------------------------------------------------------- */
+/* --- kernels --- */
 
 static uint32_t level_counted;
 static const char *level_name;
@@ -280,8 +279,7 @@ static void check_formats(void)
     }
 }
 
-/* ---- plain
- * ----------------------------------------------------------------------------------------------------------- */
+/* --- plain --- */
 
 /* The kernels alone, block by block. */
 static void bare(const struct format *f, int maps, uint32_t n)

@@ -19,8 +19,7 @@
 #define FRAMES 600
 #define FIRST  10 /* frames before what is counted: those of the first large steps */
 
-/* ---- memory -------------------------------------------------------------------------------------------------------
- */
+/* --- memory --- */
 
 static atomic_ulong taken, given;
 
@@ -73,8 +72,7 @@ void __wrap_free(void *memory)
     __real_free(memory);
 }
 
-/* ---- system calls -------------------------------------------------------------------------------------------------
- */
+/* --- system calls --- */
 
 static int locked; /* what is in memory stays there */
 static fake_v4l2 *fake;
@@ -135,8 +133,7 @@ static int count_munmap(void *context, void *memory, size_t bytes)
     return fake_v4l2_system(fake)->munmap(context, memory, bytes);
 }
 
-/* ---- the loop -----------------------------------------------------------------------------------------------------
- */
+/* --- the loop --- */
 
 typedef struct loop {
     pupil_source *source;

@@ -66,8 +66,7 @@ static void ask(const pupil_sensor_setting *s)
     } while (status.written < number);
 }
 
-/* ---- what happens -------------------------------------------------------------------------------------------------
- */
+/* --- what happens --- */
 
 static double between(double low, double high)
 {
@@ -126,8 +125,7 @@ static void happen(void)
     fake_v4l2_reconfigure(day.fake, &day.config);
 }
 
-/* ---- what must be -------------------------------------------------------------------------------------------------
- */
+/* --- what must be --- */
 
 /* Every frame is handed out or counted. A stream that begins anew counts anew. */
 static void check_counts(const pupil_frame *frame)

@@ -232,7 +232,7 @@ static void test_odd_texels(void)
     pupil_panorama_free(&p);
 }
 
-/* ---- paths ---- */
+/* --- paths --- */
 
 static int near_view(pupil_view v, double yaw, double pitch, double fov)
 {
@@ -302,7 +302,7 @@ static void test_default_path(void)
     pupil_panorama_free(&p);
 }
 
-/* ---- the source ---- */
+/* --- the source --- */
 
 /* A PFM panorama of 2n x n, one colour. */
 static const char *file(const char *name, int width, int height)

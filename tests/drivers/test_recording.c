@@ -84,7 +84,7 @@ static void test_large(void)
     frames_free(&frames);
 }
 
-/* ---- the queue ---- */
+/* --- the queue --- */
 
 /* More frames at once than one slot and any disk can take: what is not written is counted, and the rest is in order. */
 static void test_lost(void)
@@ -123,7 +123,7 @@ static void test_lost(void)
     frames_free(&frames);
 }
 
-/* ---- what is refused ---- */
+/* --- what is refused --- */
 
 static void check_refused(const test_frames *frames, const char *folder, const char *sentence)
 {
@@ -180,7 +180,7 @@ static void test_refused(void)
     frames_free(&frames);
 }
 
-/* ---- the disk is full ---- */
+/* --- the disk is full --- */
 
 #define FULL 100
 
@@ -228,7 +228,7 @@ static void test_full(void)
     frames_free(&frames);
 }
 
-/* ---- recording.json and frames.jsonl ---- */
+/* --- recording.json and frames.jsonl --- */
 
 static char text[65536];
 

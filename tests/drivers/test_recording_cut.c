@@ -53,7 +53,7 @@ static int whole_lines(const file *f, size_t size)
     return lines;
 }
 
-/* ---- kill -9 ---- */
+/* --- kill -9 --- */
 
 static void record_until_killed(const test_frames *frames, const char *folder)
 {
@@ -128,7 +128,7 @@ static void test_killed(void)
     frames_free(&frames);
 }
 
-/* ---- cut and damaged ---- */
+/* --- cut and damaged --- */
 
 static void test_cut(void)
 {

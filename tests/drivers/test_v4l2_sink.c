@@ -20,8 +20,7 @@ static const struct {
                {V4L2_PIX_FMT_YUYV, "YUYV"},
                {V4L2_PIX_FMT_NV12, "NV12"}};
 
-/* ---- a frame, and what must come of it ----------------------------------------------------------------------------
- */
+/* --- a frame, and what must come of it --- */
 
 typedef struct frame {
     uint32_t width, height;
@@ -107,8 +106,7 @@ static void check_screen(const fake_v4l2_screen *s, const rule *r, const frame *
     CHECK_MSG(most <= 0.51L, "%s: a sample is %Lg codes off", what, most); /* rounding, and the factors' own */
 }
 
-/* ---- formats ------------------------------------------------------------------------------------------------------
- */
+/* --- formats --- */
 
 static pupil_sink *open_sink(fake_v4l2 *fake, const char *path, uint32_t width, uint32_t height)
 {
@@ -223,8 +221,7 @@ static void test_order(void)
     close_fake(fake);
 }
 
-/* ---- what is refused ----------------------------------------------------------------------------------------------
- */
+/* --- what is refused --- */
 
 static void refused(const fake_v4l2_config *config, const char *path, uint32_t width, const char *sentence)
 {
@@ -319,8 +316,7 @@ static void test_ends(void)
     free(f.rgb);
 }
 
-/* ---- every call fails ---------------------------------------------------------------------------------------------
- */
+/* --- every call fails --- */
 
 /* Whether the fault was met. */
 static int play(const fake_v4l2_config *config, unsigned long at, unsigned long many, int error)

@@ -8,7 +8,7 @@
 
 static char why[PUPIL_WHY_BYTES];
 
-/* ---- reading from elsewhere, times ---- */
+/* --- reading from elsewhere, times --- */
 
 static int noise(const clip *c, int frame, int component, int x, int y)
 {
@@ -100,7 +100,7 @@ static void test_times(void)
     pupil_source_close(source);
 }
 
-/* ---- what is not whole ---- */
+/* --- what is not whole --- */
 
 static void test_refusals(void)
 {

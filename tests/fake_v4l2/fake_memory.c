@@ -34,8 +34,7 @@ int fake_keep(fake_v4l2 *f, int fd, int kind)
     return fake_fail(EMFILE);
 }
 
-/* ---- dma-bufs -----------------------------------------------------------------------------------------------------
- */
+/* --- dma-bufs --- */
 
 int fake_heap_ioctl(fake_v4l2 *f, int kind, unsigned long request, void *argument)
 {
@@ -94,8 +93,7 @@ int fake_import(fake_v4l2 *f, fake_buffer *own, uint32_t area, int fd, uint32_t 
     return own->memory[area] ? 0 : fake_fail(ENOMEM);
 }
 
-/* ---- slow memory --------------------------------------------------------------------------------------------------
- */
+/* --- slow memory --- */
 
 void fake_note_map(fake_v4l2 *f, void *memory)
 {

@@ -81,8 +81,7 @@ static int enum_sizes(const fake_v4l2 *f, struct v4l2_frmsizeenum *s)
     return 0;
 }
 
-/* ---- buffers ------------------------------------------------------------------------------------------------------
- */
+/* --- buffers --- */
 
 void fake_output_free(fake_v4l2 *f)
 {

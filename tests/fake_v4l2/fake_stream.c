@@ -10,8 +10,7 @@
 
 #include "v4l2/format.h"
 
-/* ---- frames -------------------------------------------------------------------------------------------------------
- */
+/* --- frames --- */
 
 static double draw_share(const fake_v4l2 *f, uint64_t frame, uint64_t what) /* in [0, 1) */
 {
@@ -148,8 +147,7 @@ void fake_produce(fake_v4l2 *f)
     }
 }
 
-/* ---- buffers ------------------------------------------------------------------------------------------------------
- */
+/* --- buffers --- */
 
 static void stop(fake_v4l2 *f)
 {
@@ -293,8 +291,7 @@ static int dequeue_buffer(fake_v4l2 *f, struct v4l2_buffer *b)
     return 0;
 }
 
-/* ---- the rest -----------------------------------------------------------------------------------------------------
- */
+/* --- the rest --- */
 
 static int start_stream(fake_v4l2 *f)
 {

@@ -50,8 +50,7 @@ static void pass(fake_v4l2 *f, int64_t ns)
     fake_produce(f);
 }
 
-/* ---- files --------------------------------------------------------------------------------------------------------
- */
+/* --- files --- */
 
 static int kind_of_path(const fake_v4l2 *f, const char *path)
 {
@@ -170,8 +169,7 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
     return result;
 }
 
-/* ---- maps: the offset is the buffer's index and area --------------------------------------------------------------
- */
+/* --- maps: the offset is the buffer's index and area --- */
 
 static void *fake_mmap(void *context, size_t bytes, int fd, off_t offset)
 {
@@ -224,8 +222,7 @@ static ssize_t fake_write(void *context, int fd, const void *data, size_t bytes)
     return result;
 }
 
-/* ---- the clock ----------------------------------------------------------------------------------------------------
- */
+/* --- the clock --- */
 
 static short ready_for(fake_v4l2 *f, const struct pollfd *p)
 {
@@ -286,8 +283,7 @@ static int64_t fake_now_ns(void *context)
     return now_ns;
 }
 
-/* ---- folders ------------------------------------------------------------------------------------------------------
- */
+/* --- folders --- */
 
 static int fake_list(void *context, const char *folder, void (*found)(void *closure, const char *name), void *closure)
 {
@@ -331,8 +327,7 @@ static int fake_device_name(void *context, uint32_t major, uint32_t minor, char 
     return fake_media_name(context, major, minor, name, name_bytes);
 }
 
-/* ---- its life -----------------------------------------------------------------------------------------------------
- */
+/* --- its life --- */
 
 void fake_unplug(fake_v4l2 *f)
 {

@@ -107,8 +107,8 @@ typedef struct fake_v4l2_screen {
 } fake_v4l2_screen;
 uint64_t fake_v4l2_shown(fake_v4l2 *fake, fake_v4l2_screen *screen);
 
-/* ---- the picture --------------------------------------------------------------------------------------------------
- * Red, green and blue of the scene are whole numbers from 0 to 1023, the same for the 2 x 2 pixels of a quad; scaled by
+/* --- the picture --- */
+/* Red, green and blue of the scene are whole numbers from 0 to 1023, the same for the 2 x 2 pixels of a quad; scaled by
  * exposure and gain, 4095 is white. */
 #define FAKE_SCENE_WHITE 4095
 
@@ -133,8 +133,8 @@ uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t 
 /* chroma: NV12's second plane, wherever it lies. */
 void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma);
 
-/* ---- faults -------------------------------------------------------------------------------------------------------
- * A system whose n-th call fails, on top of another one. Closing and unmapping are done all the same. */
+/* --- faults --- */
+/* A system whose n-th call fails, on top of another one. Closing and unmapping are done all the same. */
 typedef struct fake_faults {
     const pupil_v4l2_system *inner;
     unsigned long calls;    /* so far */

@@ -34,8 +34,7 @@ const char *gl_shim_function(int i, int has_31)
     return i < (has_31 ? CALLS : CALLS_30) ? call_names[i] : NULL;
 }
 
-/* ---- what is alive -------------------------------------------------------------------------------------------------
- */
+/* --- what is alive --- */
 
 thing shim_things[THINGS];
 
@@ -108,8 +107,7 @@ static void delete_rest(void)
     }
 }
 
-/* ---- faults --------------------------------------------------------------------------------------------------------
- */
+/* --- faults --- */
 
 int shim_enter(int call)
 {
@@ -135,8 +133,7 @@ int shim_fails(gl_fault fault)
     return 1;
 }
 
-/* ---- the way in ----------------------------------------------------------------------------------------------------
- */
+/* --- the way in --- */
 
 static int tells_of_loss;
 

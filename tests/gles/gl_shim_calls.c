@@ -6,8 +6,7 @@
 
 #define CONTEXT_LOST 0x0507 /* OpenGL ES 3.2 */
 
-/* ---- passed on -----------------------------------------------------------------------------------------------------
- */
+/* --- passed on --- */
 
 #define PASS(NAME, PARAMETERS, ARGUMENTS)                                                                              \
     void GL_APIENTRY shim_##NAME PARAMETERS                                                                            \
@@ -55,8 +54,7 @@ PASS(UniformMatrix3fv, (GLint a, GLsizei b, GLboolean c, const GLfloat *d), (a, 
 PASS(UseProgram, (GLuint a), (a))
 PASS(Viewport, (GLint a, GLint b, GLsizei c, GLsizei d), (a, b, c, d))
 
-/* ---- calls that make and delete ------------------------------------------------------------------------------------
- */
+/* --- calls that make and delete --- */
 
 #define GEN(NAME, KIND)                                                                                                \
     void GL_APIENTRY shim_Gen##NAME(GLsizei count, GLuint *names)                                                      \
@@ -132,8 +130,7 @@ void GL_APIENTRY shim_BufferData(GLenum target, GLsizeiptr size, const void *dat
         shim_driver.BufferData(target, size, data, usage);
 }
 
-/* ---- shaders -------------------------------------------------------------------------------------------------------
- */
+/* --- shaders --- */
 
 static const char made_up[] = "0:7: made up";
 
@@ -200,8 +197,7 @@ GLenum GL_APIENTRY shim_CheckFramebufferStatus(GLenum target)
     return shim_turn_of(GL_FAULT_INCOMPLETE) ? GL_FRAMEBUFFER_UNSUPPORTED : shim_driver.CheckFramebufferStatus(target);
 }
 
-/* ---- what the context says of itself -------------------------------------------------------------------------------
- */
+/* --- what the context says of itself --- */
 
 GLenum GL_APIENTRY shim_GetError(void)
 {

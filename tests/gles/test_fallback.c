@@ -31,8 +31,7 @@ static void close_kind(void)
     gl_test_forget(&s.test);
 }
 
-/* ---- the level -----------------------------------------------------------------------------------------------------
- */
+/* --- the level --- */
 
 /* Light changes long before the GPU is lost and taken again, so that a frame whose statistics were lost with it leaves
  * nothing behind: the law makes two steps of one time constant toward one light out of any two. */
@@ -143,8 +142,7 @@ static void check_trajectory(int kind, ending how)
     close_kind();
 }
 
-/* ---- one call fails ------------------------------------------------------------------------------------------------
- */
+/* --- one call fails --- */
 
 /* The nth of some call: one frame gets the error; what came before and after is well. */
 static void check_once(int kind, gl_fault fault, int expected, const char *what)
@@ -166,8 +164,7 @@ static void check_once(int kind, gl_fault fault, int expected, const char *what)
     close_kind();
 }
 
-/* ---- what the caller has wrong -------------------------------------------------------------------------------------
- */
+/* --- what the caller has wrong --- */
 
 static void check_uploads(void)
 {

@@ -49,8 +49,7 @@ static void refused(int expected, const char *words, const char *what)
     judge(init(), expected, words, what);
 }
 
-/* ---- what the caller has wrong -------------------------------------------------------------------------------------
- */
+/* --- what the caller has wrong --- */
 
 static void check_null(void)
 {
@@ -136,8 +135,7 @@ static void check_settings(void)
     }
 }
 
-/* ---- what the context lacks ----------------------------------------------------------------------------------------
- */
+/* --- what the context lacks --- */
 
 static void check_context(void)
 {
@@ -177,8 +175,7 @@ static void check_functions(void)
     CHECK(i > 50);
 }
 
-/* ---- what the driver refuses ---------------------------------------------------------------------------------------
- */
+/* --- what the driver refuses --- */
 
 /* In the order in which they are compiled, by set_kind. */
 static const char *const shaders[4][13] = {

@@ -25,8 +25,7 @@ static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_
 #define INS  (sizeof in_pixel / sizeof *in_pixel)
 #define OUTS (sizeof out_pixel / sizeof *out_pixel)
 
-/* ---- one frame at two levels ---------------------------------------------------------------------------------------
- */
+/* --- one frame at two levels --- */
 
 typedef struct outcome {
     pupil_stats metered, fused;
@@ -88,8 +87,7 @@ static void compare(const frame *in, const pupil_config *config, const pupil_cur
     frame_free(&expected.fused_to);
 }
 
-/* ---- what to compare on --------------------------------------------------------------------------------------------
- */
+/* --- what to compare on --- */
 
 static pupil_config any_config(void)
 {
@@ -218,8 +216,7 @@ static void every_half(void)
     }
 }
 
-/* ---- no byte beyond a row is touched -------------------------------------------------------------------------------
- */
+/* --- no byte beyond a row is touched --- */
 
 /* `bytes` that are the last before a page that cannot be read. */
 typedef struct last_bytes {
@@ -283,8 +280,7 @@ static void at_the_end_of_memory(void)
     munmap(out_chroma.memory, out_chroma.size);
 }
 
-/* ---- threads -------------------------------------------------------------------------------------------------------
- */
+/* --- threads --- */
 
 typedef struct part {
     const pupil_t *pupil;

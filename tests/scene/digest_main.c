@@ -8,8 +8,7 @@
 #include "scene.h"
 #include "synth/spread.h"
 
-/* ---- digests -------------------------------------------------------------------------------------------------------
- */
+/* --- digests --- */
 
 /* FNV-1a, 64 bits (Fowler, Noll, Vo; draft-eastlake-fnv), of a value's bytes from the lowest up. */
 static uint64_t add(uint64_t digest, uint64_t value, int bytes)
@@ -44,8 +43,7 @@ static void fail(const char *why)
     exit(1);
 }
 
-/* ---- what is digested ----------------------------------------------------------------------------------------------
- */
+/* --- what is digested --- */
 
 static void mesh(const char *name, fixture_mesh *m)
 {

@@ -18,8 +18,7 @@ static union {
 static unsigned char output[OUTPUT_BYTES];
 static unsigned char input_chroma[MAX_PIXELS], output_chroma[MAX_PIXELS];
 
-/* ---- digests and numbers ------------------------------------------------------------------------------------------
- */
+/* --- digests and numbers --- */
 
 /* FNV-1a, 64 bits (Fowler, Noll, Vo; draft-eastlake-fnv). */
 static uint64_t fnv(uint64_t digest, const void *bytes, size_t count)
@@ -52,8 +51,7 @@ static uint32_t random_bits(unsigned count)
     return (uint32_t)(random_state >> (64 - count));
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------
- */
+/* --- frames --- */
 
 /* NaN of both kinds, infinities, zeros, denormals, negatives, and the ends of the range. */
 static const uint32_t odd_float[16] = {0x7fc00000, 0x7f800001, 0xffc12345, 0x7f800000, 0xff800000, 0x00000000,
@@ -159,8 +157,7 @@ static pupil_frame_info make_info(const digest_case *c, unsigned number)
     return info;
 }
 
-/* ---- one frame, four ways -----------------------------------------------------------------------------------------
- */
+/* --- one frame, four ways --- */
 
 /* How many rows there are in a group of about `about`: whole pairs, where rows come in pairs. */
 static uint32_t group_of(const pupil_image_const *in, const pupil_image *out, uint32_t about)
@@ -216,8 +213,7 @@ static int one_frame(pupil_t *pupil, const digest_case *c, const pupil_image_con
     return pupil_process(pupil, in, info, out);
 }
 
-/* ---- what came out ------------------------------------------------------------------------------------------------
- */
+/* --- what came out --- */
 
 static uint64_t digest_stats(uint64_t digest, const pupil_stats *s)
 {

@@ -9,8 +9,7 @@
 #define print(text) (void)fputs(text, stdout)
 #endif
 
-/* ---- lines without a C library ------------------------------------------------------------------------------------
- */
+/* --- lines without a C library --- */
 
 static char line[128];
 static size_t used;
@@ -64,8 +63,7 @@ static digest_case usual(void)
     return c;
 }
 
-/* ---- the battery --------------------------------------------------------------------------------------------------
- */
+/* --- the battery --- */
 
 static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {
     "none",    "rgba32f", "rgb32f",  "rgba16f", "rgba16",   "rgb16",   "rgba8",  "rgb8",

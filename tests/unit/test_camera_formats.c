@@ -6,8 +6,7 @@
 #include "frames.h"
 #include "reference.h"
 
-/* ---- what coding.h says, the slow way ------------------------------------------------------------------------------
- */
+/* --- what coding.h says, the slow way --- */
 
 static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,    PUPIL_PIXEL_GREY8,   PUPIL_PIXEL_GREY10,
                                   PUPIL_PIXEL_GREY12,  PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,  PUPIL_PIXEL_BAYER10,
@@ -168,8 +167,7 @@ static void picture_light(const pupil_image_const *image, uint32_t x, uint32_t y
                      : v[k];
 }
 
-/* ---- compared ------------------------------------------------------------------------------------------------------
- */
+/* --- compared --- */
 
 static struct {
     long double ev, code;
@@ -283,8 +281,7 @@ static void against_the_formulas(void)
            100 * worst.off / worst.samples, worst.samples);
 }
 
-/* ---- what is exact -------------------------------------------------------------------------------------------------
- */
+/* --- what is exact --- */
 
 /* Full range without colour is sRGB grey: the codes of RGB8, bit for bit. */
 static void grey_is_grey(void)

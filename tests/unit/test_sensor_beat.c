@@ -174,8 +174,7 @@ static void check_steps(void)
         after, rest, off);
 }
 
-/* ---- light without lamps ------------------------------------------------------------------------------------------
- */
+/* --- light without lamps --- */
 
 enum { STILL, NOISE, WALK, PANS, STEPS, BLINKS, STROBES, WAVES, KINDS };
 static const char *const kind_name[KINDS] = {"still", "noise",    "random walk", "pans",
@@ -255,8 +254,7 @@ static void check_ordinary(void)
     }
 }
 
-/* ---- the digital loop ---------------------------------------------------------------------------------------------
- */
+/* --- the digital loop --- */
 
 /* Of the frame itself, as pupil_process maps it, and of the next one, as frames that are mapped by older statistics. */
 static void check_digital(void)

@@ -154,8 +154,7 @@ static void check_lamps(const char *what, int cases, double drops, double pan, d
     CHECK(seen > trials / 3 && right >= 0.99 * seen && wrong == 0 && off < 2.0);
 }
 
-/* ---- without lamps ------------------------------------------------------------------------------------------------
- */
+/* --- without lamps --- */
 
 enum scene { STEADY, DRIFT, STEPS, PAN, SHAKE, STROBE, BLINK, ALL_BLINKS, PASSING, SCENES };
 static const char *const scene_name[SCENES] = {
@@ -228,8 +227,7 @@ static void check_undetermined(void)
     }
 }
 
-/* ---- in a loop ----------------------------------------------------------------------------------------------------
- */
+/* --- in a loop --- */
 
 enum { DELAY = 2 };
 

@@ -38,8 +38,7 @@ static double between(double low, double high)
     return low * pow(high / low, check_uniform());
 }
 
-/* ---- cameras ------------------------------------------------------------------------------------------------------
- */
+/* --- cameras --- */
 
 static pupil_sensor_config random_config(void)
 {
@@ -123,8 +122,7 @@ static int camera_has_gain(double gain)
     }
 }
 
-/* ---- after every call ---------------------------------------------------------------------------------------------
- */
+/* --- after every call --- */
 
 static int is_locked(void)
 {
@@ -247,8 +245,7 @@ static void check_setting(const pupil_sensor_setting *before, int frame)
     }
 }
 
-/* ---- any calls ----------------------------------------------------------------------------------------------------
- */
+/* --- any calls --- */
 
 static void begin(double light_ev)
 {
@@ -354,8 +351,7 @@ static void any_calls(void)
     }
 }
 
-/* ---- a change of hands ---------------------------------------------------------------------------------------------
- */
+/* --- a change of hands --- */
 
 /* One thing about the config is another; returns what. What was by hand before is auto again, or is not. */
 static const char *change_hands(const pupil_sensor_config *usual)
@@ -429,8 +425,7 @@ static void hands(void)
     }
 }
 
-/* ---- limits -------------------------------------------------------------------------------------------------------
- */
+/* --- limits --- */
 
 /* Light far beyond what the camera can: the state is LIMITED, for a limit of that side, of a control that is auto. */
 static void limits(void)

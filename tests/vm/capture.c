@@ -18,8 +18,7 @@
 static char why[PUPIL_WHY_BYTES];
 static unsigned formats_seen;
 
-/* ---- kinds of memory ----------------------------------------------------------------------------------------------
- */
+/* --- kinds of memory --- */
 
 typedef enum memory_mode { MEMORY_MMAP, MEMORY_SHARED, MEMORY_USERPTR, MEMORY_IMPORTED, MEMORY_MODES } memory_mode;
 static const char *const memory_names[] = {"MMAP", "MMAP and EXPBUF", "USERPTR", "DMABUF"};
@@ -58,8 +57,7 @@ static void check_shared_buffer(const pupil_v4l2_capture *c, const pupil_v4l2_fr
     }
 }
 
-/* ---- a stream and its pattern -------------------------------------------------------------------------------------
- */
+/* --- a stream and its pattern --- */
 
 /* Frames until one has the pattern, which frames that were filled before it was set have not; and one more. */
 static void check_pattern(pupil_source *source, int fd, int pattern, memory_mode mode, const char *what)

@@ -37,8 +37,7 @@ static uint64_t digest(const pupil_image_const *image)
     return h;
 }
 
-/* ---- a stream that is recorded ------------------------------------------------------------------------------------
- */
+/* --- a stream that is recorded --- */
 
 typedef struct play {
     const char *name;
@@ -135,8 +134,7 @@ static void run(play *p)
     close(control_fd);
 }
 
-/* ---- the errors ---------------------------------------------------------------------------------------------------
- */
+/* --- the errors --- */
 
 static void test_refusals(void)
 {
@@ -195,8 +193,7 @@ static void test_streams(void)
     CHECK(again.got == 20 && again.counts.reopened == 1);
 }
 
-/* ---- unplugged ----------------------------------------------------------------------------------------------------
- */
+/* --- unplugged --- */
 
 static void driver_says(const char *what)
 {

@@ -22,8 +22,7 @@ static char why[PUPIL_WHY_BYTES], path[32];
 static const char *program;
 static pid_t process;
 
-/* ---- the camera ---------------------------------------------------------------------------------------------------
- */
+/* --- the camera --- */
 
 static void camera_plug(const char *answers)
 {
@@ -61,8 +60,7 @@ static double level_of(const uvc_truth *t)
     return log2(UVC_LIGHT * t->exposure_100us / 100.0 * t->gain_16ths / 16.0) + 3.0 * ((int)t->light - 8);
 }
 
-/* ---- the loop -----------------------------------------------------------------------------------------------------
- */
+/* --- the loop --- */
 
 typedef struct loop {
     pupil_source *source;
@@ -235,8 +233,7 @@ static void rest(loop *l, const char *what)
     CHECK_MSG(most - least < 0.112, "%s: %g EV from end to end at rest", what, most - least);
 }
 
-/* ---- the tests ----------------------------------------------------------------------------------------------------
- */
+/* --- the tests --- */
 
 static const char *const names[] = {"Auto Exposure", "Exposure Time, Absolute", "Exposure, Dynamic Framerate", "Gain"};
 #define NAMES (sizeof names / sizeof names[0])

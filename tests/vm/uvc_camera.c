@@ -40,8 +40,7 @@ enum {
 static int link_fd, display;
 static volatile sig_atomic_t light = 8, ended;
 
-/* ---- controls -----------------------------------------------------------------------------------------------------
- */
+/* --- controls --- */
 
 typedef struct control {
     uint8_t entity, selector, bytes;
@@ -82,8 +81,7 @@ static uint32_t get(const uint8_t *from, uint32_t bytes)
     return value;
 }
 
-/* ---- the connection -----------------------------------------------------------------------------------------------
- */
+/* --- the connection --- */
 
 static void leave(const char *why)
 {
@@ -120,8 +118,7 @@ static void answer(uint32_t command, uint32_t number, int status, const void *da
         give(data, bytes);
 }
 
-/* ---- pictures -----------------------------------------------------------------------------------------------------
- */
+/* --- pictures --- */
 
 static struct {
     uint8_t *data;
@@ -190,8 +187,7 @@ static void pump(void)
     }
 }
 
-/* ---- requests -----------------------------------------------------------------------------------------------------
- */
+/* --- requests --- */
 
 /* 0, or -1: stalled. */
 static int answer_standard(uint8_t request, uint32_t value, uvc_text *out)
@@ -313,8 +309,7 @@ static void serve(void)
     }
 }
 
-/* ---- its life -----------------------------------------------------------------------------------------------------
- */
+/* --- its life --- */
 
 static void on_signal(int signal_number, siginfo_t *info, void *context)
 {

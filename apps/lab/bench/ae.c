@@ -27,8 +27,7 @@ static const char help[] =
     "  -q, --quiet            no progress       -h, --help\n"
     "exit: 0 done, whatever passed, 1 failed, 2 usage, 130 interrupted\n";
 
-/* ---- running ------------------------------------------------------------------------------------------------------
- */
+/* --- running --- */
 
 int bench_ae_run(bench_ae *b)
 {
@@ -57,8 +56,7 @@ int bench_ae_run(bench_ae *b)
     return 0;
 }
 
-/* ---- as lines -----------------------------------------------------------------------------------------------------
- */
+/* --- as lines --- */
 
 /* JSON has no number for what never was. */
 static void put_number(const char *name, double value)
@@ -80,8 +78,7 @@ static void see_json(void *context, const bench_ae_row *row)
     printf("\"unit\":\"%s\",\"pass\":%s}\n", row->unit, row->pass ? "true" : "false");
 }
 
-/* ---- as tables ----------------------------------------------------------------------------------------------------
- */
+/* --- as tables --- */
 
 typedef struct kept {
     bench_ae_row row;
@@ -179,8 +176,7 @@ static void put_tables(const table *t)
     free(done);
 }
 
-/* ---- options ------------------------------------------------------------------------------------------------------
- */
+/* --- options --- */
 
 static int named(const char *text, bench_ae *b, int test)
 {

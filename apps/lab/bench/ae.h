@@ -40,8 +40,7 @@ int bench_ae_run(bench_ae *b);
 /* Draws the answers of all loops to a step either way into b->plot. The same. */
 int bench_ae_plot(bench_ae *b);
 
-/* ---- between the files of the tests --------------------------------------------------------------------------------
- */
+/* --- between the files of the tests --- */
 
 /* What an owner who knows nothing but the camera's data sheet has: pupil's own default for the delay; the published
  * laws are told the right one. */

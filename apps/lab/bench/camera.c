@@ -59,8 +59,7 @@ static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint
     return (unsigned char *)(uintptr_t)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2;
 }
 
-/* ---- a frame like a camera's ---------------------------------------------------------------------------------------
- */
+/* --- a frame like a camera's --- */
 
 /* BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.5): a pair's or a quad's chroma is that of its mean. */
 static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, const float rgba[4][4])
@@ -132,8 +131,7 @@ void bench_store_quad(const pupil_image_const *image, uint32_t x, uint32_t y, co
     }
 }
 
-/* ---- any frame -----------------------------------------------------------------------------------------------------
- */
+/* --- any frame --- */
 
 static unsigned any_sample(uint32_t pixel, double (*random)(uint64_t *state), uint64_t *state)
 {

@@ -38,8 +38,7 @@ typedef struct choosing {
     bench_runner runner[MOST_RUNNERS];
 } choosing;
 
-/* ---- metering some of the rows -------------------------------------------------------------------------------------
- */
+/* --- metering some of the rows --- */
 
 static void run_meter(void *context)
 {
@@ -87,8 +86,7 @@ static void stripe(pupil_image_const in)
     }
 }
 
-/* ---- encoding ------------------------------------------------------------------------------------------------------
- */
+/* --- encoding --- */
 
 static void run_encoder(void *context)
 {
@@ -126,8 +124,7 @@ static void encoder_errors(choosing *c, bench_choice choice[BENCH_ENCODERS])
         choice[i].error = (double)off[i] / ERROR_SAMPLES;
 }
 
-/* ---- all -----------------------------------------------------------------------------------------------------------
- */
+/* --- all --- */
 
 static int line_up(choosing *c, uint32_t level)
 {

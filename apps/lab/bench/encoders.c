@@ -19,8 +19,7 @@ INLINE float of_bits(uint32_t bits)
     return value;
 }
 
-/* ---- the tables ----------------------------------------------------------------------------------------------------
- */
+/* --- the tables --- */
 
 static double curve(double light)
 {
@@ -100,8 +99,7 @@ static void make(bench_tables *t)
     fit(t->quartic, 5);
 }
 
-/* ---- the ways ------------------------------------------------------------------------------------------------------
- */
+/* --- the ways --- */
 
 INLINE uint32_t bounded(float x, uint32_t base)
 {

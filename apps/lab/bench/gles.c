@@ -44,8 +44,7 @@ typedef struct machine {
     const char *software; /* no GPU, but this */
 } machine;
 
-/* ---- what is told -------------------------------------------------------------------------------------------------
- */
+/* --- what is told --- */
 
 static void put_text(const char *text)
 {
@@ -109,8 +108,7 @@ static void tell(const bench_gles_subject *s, bench_part part, double gpu_s, dou
     putchar('\n');
 }
 
-/* ---- measuring ----------------------------------------------------------------------------------------------------
- */
+/* --- measuring --- */
 
 static int measure(const options *o, const machine *m, bench_gles_subject *s)
 {
@@ -187,8 +185,7 @@ static int measure_all(const options *o, const machine *m)
     return status;
 }
 
-/* ---- the command line ---------------------------------------------------------------------------------------------
- */
+/* --- the command line --- */
 
 static int read_size(const char *text, options *o)
 {

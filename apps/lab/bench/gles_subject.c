@@ -18,8 +18,7 @@ static void note(bench_gles_subject *s, int error)
         s->error = error;
 }
 
-/* ---- on the GPU ---------------------------------------------------------------------------------------------------
- */
+/* --- on the GPU --- */
 
 static void wait_for_all(bench_gles_subject *s)
 {
@@ -112,8 +111,7 @@ bench_gles_run *bench_gles_gpu(const bench_gles_subject *s, bench_part part)
     return part == BENCH_GLES_HISTOGRAM && !s->open_counting ? NULL : run[part];
 }
 
-/* ---- on the CPU ---------------------------------------------------------------------------------------------------
- */
+/* --- on the CPU --- */
 
 static void copy_on_cpu(void *context)
 {
@@ -158,8 +156,7 @@ bench_gles_run *bench_gles_cpu(bench_part part)
     return run[part];
 }
 
-/* ---- opening ------------------------------------------------------------------------------------------------------
- */
+/* --- opening --- */
 
 /* As many bytes as a frame in texels of four, in rows that every driver can have. */
 static void make_copy(bench_gles_subject *s)
@@ -266,8 +263,7 @@ void bench_gles_close(bench_gles_subject *s)
     free((void *)(uintptr_t)s->in.data);
 }
 
-/* ---- errors -------------------------------------------------------------------------------------------------------
- */
+/* --- errors --- */
 
 int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, char *why, size_t why_bytes)
 {

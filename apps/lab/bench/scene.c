@@ -42,8 +42,7 @@ typedef struct bench {
     progress progress;
 } bench;
 
-/* ---- what is measured ----------------------------------------------------------------------------------------------
- */
+/* --- what is measured --- */
 
 typedef struct measuring {
     bench *b;
@@ -222,8 +221,7 @@ static void measure(bench *b, bench_scene *out)
     free(m.copy);
 }
 
-/* ---- a process a scene ---------------------------------------------------------------------------------------------
- */
+/* --- a process a scene --- */
 
 static int measure_apart(bench *b, bench_scene *out)
 {
@@ -275,8 +273,7 @@ static int run(bench *b, bench_scene *results)
     return EXIT_DONE;
 }
 
-/* ---- the command line ----------------------------------------------------------------------------------------------
- */
+/* --- the command line --- */
 
 static int wrong(const char *option, const char *text, const char *right)
 {

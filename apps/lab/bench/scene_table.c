@@ -26,8 +26,7 @@ static double per_byte(const bench_scene *s, const bench_sums *t)
     return t->sum_s / t->copy_s * 2.0 * picture_bytes(s) / sum_bytes(s);
 }
 
-/* ---- JSON ----------------------------------------------------------------------------------------------------------
- */
+/* --- JSON --- */
 
 /* A string as RFC 8259 (JSON) has it. */
 static void quoted(FILE *out, const char *text)
@@ -69,8 +68,7 @@ void bench_scene_json(FILE *out, const bench_scene *s)
             (unsigned long long)s->peak_bytes);
 }
 
-/* ---- tables --------------------------------------------------------------------------------------------------------
- */
+/* --- tables --- */
 
 static int widest(const bench_scene *s, size_t scenes)
 {

@@ -20,8 +20,7 @@ static void configure(pupil_config *c, bench_which which)
     c->white = 4.0;
 }
 
-/* ---- what is run ---------------------------------------------------------------------------------------------------
- */
+/* --- what is run --- */
 
 /* Parts begin at even rows, as those of NV12 and of mosaics must. */
 static void part_of(const bench_subject *s, unsigned worker, unsigned count, pupil_image_const *in, pupil_image *out,
@@ -89,8 +88,7 @@ void bench_copy_run(void *context)
     workers_run(((bench_subject *)context)->crew, copy_part, context);
 }
 
-/* ---- opening -------------------------------------------------------------------------------------------------------
- */
+/* --- opening --- */
 
 int bench_subject_open(bench_subject *s, const bench_options *o, uint32_t pixel, workers *crew)
 {

@@ -46,8 +46,7 @@ typedef struct render {
     char why[PUPIL_WHY_BYTES];
 } render;
 
-/* ---- the command line ----------------------------------------------------------------------------------------------
- */
+/* --- the command line --- */
 
 static int refuse(render *r, const char *option, const char *text, const char *right)
 {
@@ -178,8 +177,7 @@ static int parse(render *r, int argc, char **argv)
     return 0;
 }
 
-/* ---- frames --------------------------------------------------------------------------------------------------------
- */
+/* --- frames --- */
 
 static int no_memory(render *r)
 {

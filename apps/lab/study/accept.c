@@ -81,8 +81,7 @@ static void accept_flash(study_test *test, const study_cells *cells)
                 }
 }
 
-/* ---- one number a final light and threshold ------------------------------------------------------------------------
- */
+/* --- one number a final light and threshold --- */
 
 typedef struct span {
     double from, to; /* the u* that explain a cell: from <= u* < to */
@@ -122,8 +121,7 @@ void study_accept_one_number(study_test *test, const study_cells *cells, double 
         }
 }
 
-/* ---- against the u* of the renderer --------------------------------------------------------------------------------
- */
+/* --- against the u* of the renderer --- */
 
 static void accept_asymmetry(study_test *test, const study_cells *cells, double ln_r)
 {

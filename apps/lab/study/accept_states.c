@@ -11,8 +11,7 @@ static void count(study_test *test, int holds)
     test->violations += !holds;
 }
 
-/* ---- A8 ------------------------------------------------------------------------------------------------------------
- */
+/* --- A8 --- */
 
 static void accept_mirror(study_test *test, const study_states *states)
 {
@@ -29,8 +28,7 @@ static void accept_mirror(study_test *test, const study_states *states)
         }
 }
 
-/* ---- A9 ------------------------------------------------------------------------------------------------------------
- */
+/* --- A9 --- */
 
 /* Frames that suffice: 55 bits of way at ln 2 / lambda frames a bit, and a few hundred of the smallest step. Twice
  * that.
@@ -49,8 +47,7 @@ static int accept_arrival(study_test *test, const study_lights *lights, study_ru
     return error;
 }
 
-/* ---- A11 -----------------------------------------------------------------------------------------------------------
- */
+/* --- A11 --- */
 
 static const unsigned rates[] = {24, 30, 60, 120, 240};
 #define RATES       (sizeof rates / sizeof rates[0])
@@ -112,8 +109,7 @@ static int accept_rates(study_test *test, const study_cells *cells, const study_
     return PUPIL_OK;
 }
 
-/* ---- both, on all workers ------------------------------------------------------------------------------------------
- */
+/* --- both, on all workers --- */
 
 typedef struct job {
     const study_cells *cells;

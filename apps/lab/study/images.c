@@ -7,8 +7,7 @@
 
 #include "file/sink/sink_common.h"
 
-/* ---- spheres by formula --------------------------------------------------------------------------------------------
- */
+/* --- spheres by formula --- */
 
 typedef struct vec {
     double x, y, z;
@@ -97,8 +96,7 @@ void study_images_free(study_images *images)
     *images = (study_images){0};
 }
 
-/* ---- half precision ------------------------------------------------------------------------------------------------
- */
+/* --- half precision --- */
 
 void study_images_round(float *samples, size_t count)
 {
@@ -112,8 +110,7 @@ void study_images_round(float *samples, size_t count)
     }
 }
 
-/* ---- metering ------------------------------------------------------------------------------------------------------
- */
+/* --- metering --- */
 
 void study_images_scale(study_images *images, int shift)
 {

@@ -22,8 +22,7 @@ uint32_t study_start(unsigned which_case, unsigned fps)
     return which_case < 2 ? fps : 2 * fps;
 }
 
-/* ---- by the library ------------------------------------------------------------------------------------------------
- */
+/* --- by the library --- */
 
 int study_run_library(const study_lights *lights, const study_run *run, double *u)
 {
@@ -50,8 +49,7 @@ int study_run_library(const study_lights *lights, const study_run *run, double *
     return error;
 }
 
-/* ---- as in the seeds -----------------------------------------------------------------------------------------------
- */
+/* --- as in the seeds --- */
 
 static const float key = 0.18f;
 
@@ -92,8 +90,7 @@ void study_run_float32(const float luminance[3], const study_run *run, double *u
         u[i] = log(u[i] / end);
 }
 
-/* ---- all runs ------------------------------------------------------------------------------------------------------
- */
+/* --- all runs --- */
 
 int study_run_any(const study_lights *lights, const study_run *run, int float32, double *u)
 {
@@ -121,8 +118,7 @@ int study_states_make(study_states *states, const study_lights *lights, int floa
     return error;
 }
 
-/* ---- the closed form -----------------------------------------------------------------------------------------------
- */
+/* --- the closed form --- */
 
 /* ln of the share of the way that is left when the last change comes: all of it, or what 30 frames went the other way.
  */

@@ -37,8 +37,7 @@ typedef struct study {
     char command[4096], why[1024];
 } study;
 
-/* ---- progress ------------------------------------------------------------------------------------------------------
- */
+/* --- progress --- */
 
 static int show(void *context, unsigned done, unsigned total)
 {
@@ -63,8 +62,7 @@ static int failed_code(study *s, int code)
     return code ? pupil_refuse(s->why, sizeof s->why, "%s: %s", s->options.scene, pupil_error_string(code)) : 0;
 }
 
-/* ---- the tables ----------------------------------------------------------------------------------------------------
- */
+/* --- the tables --- */
 
 static double ln_r(const study *s)
 {
@@ -149,8 +147,7 @@ static int make(study *s)
                        study_accept_states(s->tests, &s->cells, &s->lights, &s->states, s->options.float32, s->team));
 }
 
-/* ---- what is written -----------------------------------------------------------------------------------------------
- */
+/* --- what is written --- */
 
 static void write_csv(FILE *out, const study_result *r)
 {
@@ -219,8 +216,7 @@ static unsigned long tell(const study *s)
     return violations;
 }
 
-/* ---- the command ---------------------------------------------------------------------------------------------------
- */
+/* --- the command --- */
 
 static int regression(study *s)
 {

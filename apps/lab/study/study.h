@@ -28,7 +28,7 @@
 
 extern const double study_weights[STUDY_WEIGHTS];
 
-/* ---- study_images.c: the scene in its two states of light -------------------------------------------------------- */
+/* --- study_images.c: the scene in its two states of light --- */
 
 typedef struct study_images {
     uint32_t width, height;
@@ -59,7 +59,7 @@ typedef struct study_lights {
 
 int study_lights_meter(study_lights *lights, const study_images *images, int shift);
 
-/* ---- study_recursion.c: the state over time ---------------------------------------------------------------------- */
+/* --- study_recursion.c: the state over time --- */
 
 /* Cases 0..3 (1..4 in tables): on at 1 s; off at 1 s; on at 1 s and off at 2 s; off at 1 s and on at 2 s. */
 int study_light_of(unsigned which_case, unsigned fps, uint32_t frame); /* 0 off, 1 on */
@@ -96,7 +96,7 @@ int study_states_make(study_states *states, const study_lights *lights, int floa
 double study_closed_u(unsigned formula, unsigned which_case, double weight, double ln_r, double n);
 double study_closed_n(unsigned formula, unsigned which_case, double weight, double ln_r, double u_star);
 
-/* ---- study_distance.c: how far a picture is from its target ------------------------------------------------------ */
+/* --- study_distance.c: how far a picture is from its target --- */
 
 typedef struct study_target {
     size_t pixels;
@@ -118,7 +118,7 @@ uint64_t study_distance(study_target *target, double u, uint64_t limit);
 int study_distance_library(const study_target *target, const study_images *images, const study_lights *lights,
                            int light, uint64_t *differ, unsigned *largest);
 
-/* ---- study_cells.c: the tables ----------------------------------------------------------------------------------- */
+/* --- study_cells.c: the tables --- */
 
 typedef struct study_cells {
     uint32_t width, height;
@@ -134,7 +134,7 @@ typedef int study_progress(void *context, unsigned done, unsigned total);
 int study_cells_make(study_cells *cells, const study_images *images, study_target targets[2],
                      const study_states *states, workers *team, study_progress *progress, void *context);
 
-/* ---- study_accept.c, study_accept_states.c: A1 to A11 ------------------------------------------------------------ */
+/* --- study_accept.c, study_accept_states.c: A1 to A11 --- */
 
 typedef struct study_test {
     const char *name, *text;
@@ -158,7 +158,7 @@ int study_accept_states(study_test tests[STUDY_TESTS], const study_cells *cells,
 /* A10: the tables again from light times 2^shift. */
 void study_accept_scaled(study_test *test, const study_cells *cells, const study_cells *scaled);
 
-/* ---- study_regression.c: the seeds' own tables from numbers alone ------------------------------------------------ */
+/* --- study_regression.c: the seeds' own tables from numbers alone --- */
 
 typedef struct study_regression {
     unsigned cells, exact, within_1, within_2; /* of `cells`, misprints left out */
@@ -171,7 +171,7 @@ typedef struct study_regression {
 /* Against a table of the layout of study_csv. 0, or -1 and a sentence. */
 int study_regression_make(study_regression *regression, const char *csv, char *why, size_t why_bytes);
 
-/* ---- study_tables.c, study_plot.c, study_video.c: what is written ------------------------------------------------ */
+/* --- study_tables.c, study_plot.c, study_video.c: what is written --- */
 
 typedef struct study_result {
     const char *scene, *command;

@@ -37,8 +37,7 @@ static const char *state_text(const study_result *r)
     return r->float32 ? "binary32, as in the seeds" : "the library's";
 }
 
-/* ---- Markdown ------------------------------------------------------------------------------------------------------
- */
+/* --- Markdown --- */
 
 static void markdown_facts(FILE *out, const study_result *r)
 {
@@ -92,8 +91,7 @@ void study_markdown(FILE *out, const study_result *r)
         }
 }
 
-/* ---- the page ------------------------------------------------------------------------------------------------------
- */
+/* --- the page --- */
 
 static void page_facts(FILE *out, const study_result *r)
 {
@@ -165,8 +163,7 @@ void study_html(FILE *out, const study_result *r)
     fputs("</main>\n<footer>study.csv and study.md hold the same tables.</footer>\n", out);
 }
 
-/* ---- files ---------------------------------------------------------------------------------------------------------
- */
+/* --- files --- */
 
 int study_write(const char *path, study_writer *writer, const study_result *result, char *why, size_t why_bytes)
 {

@@ -200,7 +200,7 @@ void pupil_panorama_render(const pupil_panorama *p, pupil_view view, float *pixe
         }
 }
 
-/* ---- where the light is ---- */
+/* --- where the light is --- */
 
 #define CELLS_WIDE  48
 #define CELLS_HIGH  (CELLS_WIDE / 2)

@@ -19,7 +19,7 @@
 /* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
 #define GAP_MAX_NS (UINT64_C(3600) * 1000000000)
 
-/* ---- times ---- */
+/* --- times --- */
 
 typedef struct mkv_clock {
     uint64_t period_ns, time_ns, frames; /* time: of the last frame */
@@ -41,7 +41,7 @@ static int64_t next_ms(mkv_clock *c, int64_t timestamp_ns)
     return c->ms = ms > c->ms ? ms : c->ms + 1;
 }
 
-/* ---- writing ---- */
+/* --- writing --- */
 
 struct pupil_mkv_writer {
     int fd, error; /* errno of what failed first */
@@ -197,7 +197,7 @@ void pupil_mkv_free(pupil_mkv_writer *w)
     free(w);
 }
 
-/* ---- reading ---- */
+/* --- reading --- */
 
 struct pupil_mkv_reader {
     pupil_video_io io;

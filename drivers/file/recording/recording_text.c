@@ -15,7 +15,7 @@
 #define ABOUT_MOST_BYTES 65536  /* of a recording.json; ours have about 600 */
 #define EXACT_MOST       0x1p53 /* whole numbers up to here are doubles, which cJSON and most readers make of numbers */
 
-/* ---- recording.json ---- */
+/* --- recording.json --- */
 
 typedef enum kind {
     WORD,  /* uint32_t: the number of the word; `words` NULL: of a pixel format */
@@ -237,7 +237,7 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
     return failed;
 }
 
-/* ---- a line of frames.jsonl ---- */
+/* --- a line of frames.jsonl --- */
 
 static void print_whole(char text[32], int negative, uint64_t size)
 {

@@ -95,7 +95,7 @@ static int given_up(const pupil_recorder *r, char *why, size_t why_bytes)
                         (unsigned long long)r->counts.written);
 }
 
-/* ---- the thread ---- */
+/* --- the thread --- */
 
 static int fail(pupil_recorder *r, const char *name)
 {
@@ -174,7 +174,7 @@ static void *write_frames(void *argument)
     return NULL;
 }
 
-/* ---- a frame ---- */
+/* --- a frame --- */
 
 static pupil_coding coding_of(const pupil_frame *frame)
 {
@@ -265,7 +265,7 @@ void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
     pthread_mutex_unlock(&r->lock);
 }
 
-/* ---- open ---- */
+/* --- open --- */
 
 static int make_files(pupil_recorder *r, const char *camera, char *why, size_t why_bytes)
 {
@@ -374,7 +374,7 @@ int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pup
     return PUPIL_SINK_OK;
 }
 
-/* ---- close ---- */
+/* --- close --- */
 
 int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
 {

@@ -29,8 +29,7 @@ static const float *row_of(const pupil_image_const *image, uint32_t y)
     return (const float *)(const void *)((const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes);
 }
 
-/* ---- OpenEXR ------------------------------------------------------------------------------------------------------
- */
+/* --- OpenEXR --- */
 
 static void put_attribute(FILE *file, const char *name, const char *type, uint32_t bytes)
 {
@@ -101,8 +100,7 @@ int pupil_write_exr(FILE *file, const pupil_image_const *image)
     return ferror(file) ? -1 : 0;
 }
 
-/* ---- PFM ----------------------------------------------------------------------------------------------------------
- */
+/* --- PFM --- */
 
 int pupil_write_pfm(FILE *file, const pupil_image_const *image)
 {
@@ -115,8 +113,7 @@ int pupil_write_pfm(FILE *file, const pupil_image_const *image)
     return ferror(file) ? -1 : 0;
 }
 
-/* ---- Radiance -----------------------------------------------------------------------------------------------------
- */
+/* --- Radiance --- */
 
 /* Truncated, as readers take the middle of a step. */
 static void to_rgbe(const float *rgb, unsigned char rgbe[4])

@@ -26,8 +26,7 @@ struct pupil_jpeg {
     int has_own_tables; /* the decoder has Huffman tables of a frame's, no longer the standard's */
 };
 
-/* ---- the decoder --------------------------------------------------------------------------------------------------
- */
+/* --- the decoder --- */
 
 /* A new one has the standard's tables. */
 static int start(pupil_jpeg *j)
@@ -98,8 +97,7 @@ void pupil_jpeg_close(pupil_jpeg *j)
     free(j);
 }
 
-/* ---- to the library's formats -------------------------------------------------------------------------------------
- */
+/* --- to the library's formats --- */
 
 static int reserve(pupil_jpeg *j, size_t bytes)
 {
@@ -230,8 +228,7 @@ static int present(pupil_jpeg *j, pupil_image_const *image, char *why, size_t wh
     return 0;
 }
 
-/* ---- a frame ------------------------------------------------------------------------------------------------------
- */
+/* --- a frame --- */
 
 /* Room for a JPEG, and for one that is somewhat larger: they never have the same size twice. */
 static int reserve_coded(pupil_jpeg *j, size_t bytes)

@@ -82,7 +82,7 @@ static int damaged(video_source *v, char *why, size_t why_bytes, const char *wor
     return PUPIL_SOURCE_DAMAGED;
 }
 
-/* ---- time ---- */
+/* --- time --- */
 
 static int64_t time_ns(video_source *v, int64_t pts)
 {
@@ -105,7 +105,7 @@ static double nominal_fps(const video_source *v, const pupil_source_options *opt
     return options && options->fps > 0 ? options->fps : DEFAULT_FPS;
 }
 
-/* ---- decode ---- */
+/* --- decode --- */
 
 /* The demuxer has come to its end: was it the video's? Two formats that end without a word get a look of their own. */
 static void note_end(video_source *v, int code)
@@ -260,7 +260,7 @@ static void video_close(pupil_source *source)
     free(v);
 }
 
-/* ---- open ---- */
+/* --- open --- */
 
 static int open_format(video_source *v, char *why, size_t why_bytes)
 {

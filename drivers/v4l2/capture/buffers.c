@@ -26,8 +26,8 @@ static uint32_t asked_buffers(const pupil_v4l2_capture *c)
     return c->options.buffers ? c->options.buffers : DEFAULT_BUFFERS;
 }
 
-/* ---- one kind of memory -------------------------------------------------------------------------------------------
- * Each: 0, or -1 and errno; what was taken so far is freed by pupil_v4l2_buffers_free. */
+/* --- one kind of memory --- */
+/* Each: 0, or -1 and errno; what was taken so far is freed by pupil_v4l2_buffers_free. */
 
 static int request(pupil_v4l2_capture *c, uint32_t memory, uint32_t count, uint32_t flags)
 {
@@ -204,8 +204,7 @@ static int make_copied(pupil_v4l2_capture *c)
     return 0;
 }
 
-/* ---- which kind ---------------------------------------------------------------------------------------------------
- */
+/* --- which kind --- */
 
 /* The driver's own where the CPU reads it fast; else what is the next best, of all that there is. */
 static int make_fast(pupil_v4l2_capture *c)
@@ -280,8 +279,7 @@ int pupil_v4l2_buffers_make(pupil_v4l2_capture *c, char *why, size_t why_bytes)
     return 0;
 }
 
-/* ---- a buffer -----------------------------------------------------------------------------------------------------
- */
+/* --- a buffer --- */
 
 int pupil_v4l2_buffer_queue(pupil_v4l2_capture *c, uint32_t index)
 {

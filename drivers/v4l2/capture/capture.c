@@ -37,8 +37,7 @@ const char *pupil_v4l2_reading_name(uint32_t reading)
     return reading < PUPIL_V4L2_READS_COUNT ? names[reading] : "-";
 }
 
-/* ---- begin and end ------------------------------------------------------------------------------------------------
- */
+/* --- begin and end --- */
 
 static int subscribe(const pupil_v4l2_capture *c, uint32_t type, int id)
 {
@@ -97,8 +96,7 @@ void pupil_v4l2_capture_close(pupil_v4l2_capture *c)
     pupil_v4l2_device_close(&c->device);
 }
 
-/* ---- a buffer -----------------------------------------------------------------------------------------------------
- */
+/* --- a buffer --- */
 
 typedef struct done_buffer {
     struct v4l2_buffer b;
@@ -210,8 +208,7 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
     }
 }
 
-/* ---- a frame ------------------------------------------------------------------------------------------------------
- */
+/* --- a frame --- */
 
 /* PUPIL_V4L2_FRAME where there was nothing that ends the stream. */
 static int take_events(pupil_v4l2_capture *c, char *why, size_t why_bytes)

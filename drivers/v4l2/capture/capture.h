@@ -143,8 +143,7 @@ int pupil_v4l2_capture_done(pupil_v4l2_capture *capture, const pupil_v4l2_frame 
 double pupil_v4l2_capture_timeout_s(const pupil_v4l2_capture *capture); /* options.timeout_s, or its default */
 void pupil_v4l2_capture_close(pupil_v4l2_capture *capture);             /* twice is allowed */
 
-/* ---- the parts, each in its own file ------------------------------------------------------------------------------
- */
+/* --- the parts, each in its own file --- */
 
 /* Format, size, rate: into capture->format and fps. */
 int pupil_v4l2_negotiate(pupil_v4l2_capture *capture, char *why, size_t why_bytes);

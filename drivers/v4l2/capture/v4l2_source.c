@@ -38,8 +38,7 @@ static int64_t now_ns(const v4l2_source *s)
     return s->capture.device.system->now_ns(s->capture.device.system->context);
 }
 
-/* ---- again --------------------------------------------------------------------------------------------------------
- */
+/* --- again --- */
 
 static int is_same(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
 {
@@ -89,8 +88,7 @@ static int reopen(v4l2_source *s, int64_t end_ns, int tries, char *why, size_t w
     return PUPIL_SOURCE_FAILED;
 }
 
-/* ---- the source ---------------------------------------------------------------------------------------------------
- */
+/* --- the source --- */
 
 static void describe(v4l2_source *s, pupil_frame *frame)
 {

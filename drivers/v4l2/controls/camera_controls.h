@@ -43,7 +43,7 @@
 extern "C" {
 #endif
 
-/* ---- laws ------------------------------------------------------------------------------------------------------- */
+/* --- laws --- */
 
 /* The factor that a gain code x stands for. All rise with x. */
 typedef enum pupil_camera_law {
@@ -77,7 +77,7 @@ int64_t pupil_camera_code_of_gain(const pupil_camera_gain *law, double gain, con
 /* The same of an exposure time in units: lines, 100 us. */
 int64_t pupil_camera_code_of_exposure(double exposure_s, double unit_s, const pupil_camera_range *range);
 
-/* ---- sensors ---------------------------------------------------------------------------------------------------- */
+/* --- sensors --- */
 
 typedef struct pupil_camera_sensor {
     char name[24];
@@ -97,7 +97,7 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
 /* The built-in table. */
 const char *pupil_camera_sensors(void);
 
-/* ---- life ------------------------------------------------------------------------------------------------------- */
+/* --- life --- */
 
 /* The one system call, so that a fake can take its place: 0, or a negative errno. */
 typedef struct pupil_camera_calls {
@@ -138,7 +138,7 @@ int pupil_camera_close(pupil_camera *camera, char *why, size_t why_bytes);
  * stays; nothing may be asked after it. */
 void pupil_camera_restore(pupil_camera *camera);
 
-/* ---- what it can ------------------------------------------------------------------------------------------------ */
+/* --- what it can --- */
 
 typedef struct pupil_camera_limits {
     double exposure_min_s, exposure_max_s, exposure_step_s;
@@ -161,7 +161,7 @@ void pupil_camera_get_limits(pupil_camera *camera, pupil_camera_limits *limits);
  * curve (Y'CbCr, RGB). */
 void pupil_camera_configure(pupil_camera *camera, pupil_sensor_config *config);
 
-/* ---- a frame ---------------------------------------------------------------------------------------------------- */
+/* --- a frame --- */
 
 typedef struct pupil_camera_setting {
     double exposure_s, gain; /* 0: as it is */

@@ -130,8 +130,7 @@ static const struct media_v2_link *feed_of(const graph *g, uint32_t entity, cons
     return found;
 }
 
-/* ---- the graph of a node ------------------------------------------------------------------------------------------
- */
+/* --- the graph of a node --- */
 
 static void note_media(void *closure, const char *name)
 {
@@ -199,8 +198,7 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
     return error;
 }
 
-/* ---- why it does not start ----------------------------------------------------------------------------------------
- */
+/* --- why it does not start --- */
 
 /* Gets or (try) proposes the format of a pad, which changes nothing; -1: its entity has no node, or does not tell. */
 static int pad_format(const graph *g, const struct media_v2_pad *pad, int try, struct v4l2_mbus_framefmt *format)

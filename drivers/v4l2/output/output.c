@@ -16,8 +16,7 @@ int pupil_v4l2_is_written(uint32_t fourcc)
            fourcc == V4L2_PIX_FMT_YUYV || fourcc == V4L2_PIX_FMT_NV12;
 }
 
-/* ---- what a driver says -------------------------------------------------------------------------------------------
- */
+/* --- what a driver says --- */
 
 typedef struct colour {
     uint32_t colorspace, ycbcr_enc, quantization;
@@ -130,8 +129,7 @@ int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *
     return 0;
 }
 
-/* ---- pixels -------------------------------------------------------------------------------------------------------
- */
+/* --- pixels --- */
 
 static void fill_rgb(const pupil_v4l2_output *o, const uint8_t *rgb, unsigned char *to)
 {

@@ -49,8 +49,7 @@ static int is_multi(const v4l2_sink *s)
     return s->device.type == V4L2_BUF_TYPE_VIDEO_OUTPUT_MPLANE;
 }
 
-/* ---- open ---------------------------------------------------------------------------------------------------------
- */
+/* --- open --- */
 
 static int open_node(v4l2_sink *s, const char *path, char *why, size_t why_bytes)
 {
@@ -150,8 +149,7 @@ static int make_buffers(v4l2_sink *s, char *why, size_t why_bytes)
     return s->frame ? 0 : failed(s, "cannot be written", ENOMEM, why, why_bytes);
 }
 
-/* ---- write --------------------------------------------------------------------------------------------------------
- */
+/* --- write --- */
 
 static int64_t now_ms(const v4l2_sink *s)
 {
@@ -265,8 +263,7 @@ static int sink_write(pupil_sink *sink, const pupil_image_const *image, const pu
     return PUPIL_SINK_OK;
 }
 
-/* ---- the end ------------------------------------------------------------------------------------------------------
- */
+/* --- the end --- */
 
 static void sink_discard(pupil_sink *sink)
 {

@@ -148,7 +148,7 @@ typedef union pupil_gles {
     uint64_t private_words[PUPIL_GLES_OBJECT_BYTES / 8];
 } pupil_gles;
 
-/* ---- life ------------------------------------------------------------------------------------------------------- */
+/* --- life --- */
 
 /* Compiles the shaders and makes every GL object for frames of one size and format, with the settings of `pupil`
  * (config.h); an adapted level that it has is taken over. `gles` may be any bytes, but not an object that is open.
@@ -172,7 +172,7 @@ PUPIL_API int pupil_gles_balance(pupil_gles *gles, const float balance[3]);
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */
 PUPIL_API void pupil_gles_close(pupil_gles *gles);
 
-/* ---- a frame's texels ------------------------------------------------------------------------------------------- */
+/* --- a frame's texels --- */
 
 /* PUPIL_GLES_MEMORY: an image of the config's size and format, any stride; its coding is not read. PUPIL_ERR_SIZE,
  * _PIXEL, _STRIDE, _ALIGNMENT. */
@@ -182,7 +182,7 @@ PUPIL_API int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image
  * with NV12; else 0). They stay the caller's. */
 PUPIL_API int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture);
 
-/* ---- a frame at once -------------------------------------------------------------------------------------------- */
+/* --- a frame at once --- */
 
 /* Takes what statistics have come back into `pupil` (pupil_adapt, in the frames' order), meters the frame and maps it.
  * `info` may be NULL. Before the first statistics are back a frame is mapped at the key itself (scale 1) unless
@@ -191,7 +191,7 @@ PUPIL_API int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma
 PUPIL_API int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info *info,
                                  const pupil_gles_target *target);
 
-/* ---- the seam --------------------------------------------------------------------------------------------------- */
+/* --- the seam --- */
 
 /* Metering of the frame is handed to the GPU, and on the GPU the adaptation too. PUPIL_GLES_BUSY: not metered, because
  * three frames are still under way. */
@@ -207,7 +207,7 @@ PUPIL_API int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_st
 /* Maps the frame. `curve` NULL: by the level on the GPU (PUPIL_GLES_ADAPT_GPU). */
 PUPIL_API int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target);
 
-/* ---- results ----------------------------------------------------------------------------------------------------- */
+/* --- results --- */
 
 typedef struct pupil_gles_status {
     uint32_t version;     /* PUPIL_GLES_ES30 or _ES31 */

@@ -48,7 +48,7 @@ typedef union pupil {
     uint64_t private_words[PUPIL_OBJECT_BYTES / 8];
 } pupil_t;
 
-/* ---- life ------------------------------------------------------------------------------------------------------- */
+/* --- life --- */
 
 /* Makes an object out of any bytes, and chooses the kernels for this CPU: an object that is saved and taken to another
  * machine wants a pupil_retune there. PUPIL_ERR_CONFIG: see pupil_config_check. */
@@ -64,7 +64,7 @@ PUPIL_API int pupil_get_level(const pupil_t *pupil, uint32_t *level);
 /* Forgets every frame; the configuration is kept. The next valid frame sets the state at once. */
 PUPIL_API int pupil_reset(pupil_t *pupil);
 
-/* ---- a frame at once -------------------------------------------------------------------------------------------- */
+/* --- a frame at once --- */
 
 /* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap (of
  * a mosaic, `out` may have half the width and height). `info` may be NULL (nothing known). A frame that has no light to
@@ -73,7 +73,7 @@ PUPIL_API int pupil_reset(pupil_t *pupil);
 PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
                             const pupil_image *out);
 
-/* ---- a frame as its rows arrive --------------------------------------------------------------------------------- */
+/* --- a frame as its rows arrive --- */
 
 /* begin; then each row exactly once, in groups of any size and order (of NV12 and mosaics in pairs: image.h); then end,
  * which adapts. Where `out` is given the
@@ -87,8 +87,7 @@ PUPIL_API int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, ui
 PUPIL_API int pupil_frame_end(pupil_t *pupil);
 PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
 
-/* ---- the seam: any worker meters, one place adapts, any worker maps -----------------------------------------------
- */
+/* --- the seam: any worker meters, one place adapts, any worker maps --- */
 
 /* What a mapper needs. With v the frame's value and Lv its luminance:
  *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
@@ -122,7 +121,7 @@ PUPIL_API int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, con
 PUPIL_API int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                                uint32_t first_row, uint32_t frame_height, const pupil_image *out, pupil_stats *stats);
 
-/* ---- results ----------------------------------------------------------------------------------------------------- */
+/* --- results --- */
 
 typedef enum pupil_state {
     PUPIL_STATE_EMPTY = 0, /* no valid frame yet */

@@ -264,7 +264,7 @@ typedef struct pupil_sensor_setting {
                                           * in a frame; 0: never */
 } pupil_sensor_setting;
 
-/* ---- life ------------------------------------------------------------------------------------------------------- */
+/* --- life --- */
 
 /* Makes an object out of any bytes. The first setting is the total of 1/100 s at gain 1, within the limits. */
 PUPIL_API int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config);
@@ -279,7 +279,7 @@ PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_confi
  * gain 1, is best). Brought into the limits. PUPIL_ERR_VALUE: not positive numbers from 2^-64 to 2^64. */
 PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain);
 
-/* ---- a frame ---------------------------------------------------------------------------------------------------- */
+/* --- a frame --- */
 
 /* The statistics of a frame, with the exposure time and gain that it was taken with. Where info lacks one of these (0,
  * or info NULL) the camera is taken at the setting's word; when it has both again, for another camera, of which nothing
@@ -293,7 +293,7 @@ PUPIL_API int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats,
 PUPIL_API int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double clipped_share,
                                  const pupil_frame_info *info);
 
-/* ---- results ---------------------------------------------------------------------------------------------------- */
+/* --- results --- */
 
 PUPIL_API int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting);
 
