@@ -5,15 +5,15 @@
 
 int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
 {
+    const char *missing = NULL; /* the first one */
 #define GL_LOAD(type, name)                                                                                            \
     gl->name = (type)get_proc("gl" #name);                                                                             \
-    if (!gl->name) {                                                                                                   \
-        snprintf(why, why_bytes, "the driver has no gl" #name ", which OpenGL ES 3.0 has");                            \
-        return -1;                                                                                                     \
-    }
+    missing = missing || gl->name ? missing : "gl" #name;
     GL_CALLS(GL_LOAD)
 #undef GL_LOAD
-    return 0;
+    if (missing)
+        snprintf(why, why_bytes, "the driver has no %s, which OpenGL ES 3.0 has", missing);
+    return missing ? -1 : 0;
 }
 
 static GLuint shader(const gl_calls *gl, GLenum kind, GLuint program, const char *text)

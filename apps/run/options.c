@@ -74,10 +74,9 @@ static int take_flag(int option, run_options *r)
     }
 }
 
-/* What a camera is asked for. */
-static int take_camera(int option, const value_text *c, run_options *r)
+/* Options of the capture; -1: it is none of them. */
+static int take_capture(int option, const value_text *c, run_options *r)
 {
-    static const char moment[] = "10ms, 1/100, 0.01s, or a plain number of microseconds, from 1us to 1000s";
     uint64_t whole = 0;
     switch (option) {
     case 'd':
@@ -100,16 +99,26 @@ static int take_camera(int option, const value_text *c, run_options *r)
             return REPLAY_USAGE;
         r->live.delay = (uint32_t)whole;
         return REPLAY_RUN;
-    case CURVE:
-        return run_value_curve(c, &r->curve);
-    case KEY_AT:
-        return run_value_key_at(c, &r->key_at);
     case RESUME:
         if (strcmp(c->text, "-") == 0)
             return value_refuse(c, "a file");
         return option_path(c, &r->resume);
     case REOPEN:
         return run_value_time(c, 1.0, 0.0, 1e6, "seconds, from 0 to 1e6", &r->live.capture.reopen_s);
+    default:
+        return -1;
+    }
+}
+
+/* What a camera is asked for. */
+static int take_camera(int option, const value_text *c, run_options *r)
+{
+    static const char moment[] = "10ms, 1/100, 0.01s, or a plain number of microseconds, from 1us to 1000s";
+    switch (option) {
+    case CURVE:
+        return run_value_curve(c, &r->curve);
+    case KEY_AT:
+        return run_value_key_at(c, &r->key_at);
     case SHUTTER:
         return run_value_time(c, 1e-6, 1e-6, 1000.0, moment, &r->exposure_s);
     case GAIN:
@@ -132,7 +141,7 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case 't':
         return run_value_time(c, 1.0, 1e-3, 1e9, "seconds above 0, or 500ms, 10min", &r->seconds);
     default:
-        return -1;
+        return take_capture(option, c, r);
     }
 }
 
