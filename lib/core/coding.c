@@ -12,23 +12,31 @@ static int all_zero(const float *x, int count)
     return 1;
 }
 
+static int all_within(const float *x, int count, double low, double high)
+{
+    for (int i = 0; i < count; i++)
+        if (!within((double)x[i], low, high))
+            return 0;
+    return 1;
+}
+
 /* What is wrong for any format. */
 static const char *fault_of(const pupil_coding *c)
 {
-    MUST(c->matrix < PUPIL_MATRIX_COUNT, "matrix must be a pupil_matrix");
-    MUST(c->range < PUPIL_RANGE_COUNT, "range must be a pupil_range");
-    MUST(c->light < PUPIL_LIGHT_COUNT, "light must be a pupil_light");
-    MUST(c->bayer < PUPIL_BAYER_COUNT, "bayer must be a pupil_bayer");
-    MUST(c->shift <= 6, "shift must be from 0 to the bits of the word that the format leaves over (at most 6)");
-    MUST(within((double)c->black, 0.0, 65534.0), "black must be from 0 to 65534");
-    if (c->white != 0.0f && !(c->white <= 65535.0f && c->white - c->black >= 1.0f))
-        return "white must be 0 (the format's largest code) or from black + 1 to 65535";
-    for (int i = 0; i < 3 && !all_zero(c->balance, 3); i++)
-        MUST(within((double)c->balance[i], 0x1p-10, 0x1p10),
-             "balance must be all 0, or each factor from 2^-10 to 2^10");
-    for (int i = 0; i < 9; i++)
-        MUST(within((double)c->rgb_from_camera[i], -16.0, 16.0), "rgb_from_camera must be numbers from -16 to 16");
-    return 0;
+    const int white_is_right = c->white == 0.0f || (c->white <= 65535.0f && c->white - c->black >= 1.0f);
+    const pupil_rule rules[] = {
+        {c->matrix < PUPIL_MATRIX_COUNT, "matrix must be a pupil_matrix"},
+        {c->range < PUPIL_RANGE_COUNT, "range must be a pupil_range"},
+        {c->light < PUPIL_LIGHT_COUNT, "light must be a pupil_light"},
+        {c->bayer < PUPIL_BAYER_COUNT, "bayer must be a pupil_bayer"},
+        {c->shift <= 6, "shift must be from 0 to the bits of the word that the format leaves over (at most 6)"},
+        {within((double)c->black, 0.0, 65534.0), "black must be from 0 to 65534"},
+        {white_is_right, "white must be 0 (the format's largest code) or from black + 1 to 65535"},
+        {all_zero(c->balance, 3) || all_within(c->balance, 3, 0x1p-10, 0x1p10),
+         "balance must be all 0, or each factor from 2^-10 to 2^10"},
+        {all_within(c->rgb_from_camera, 9, -16.0, 16.0), "rgb_from_camera must be numbers from -16 to 16"},
+    };
+    return first_fault(rules, sizeof rules / sizeof rules[0]);
 }
 
 /* What is wrong for grey and mosaics. */
@@ -49,7 +57,8 @@ int pupil_coding_check(const pupil_coding *coding, uint32_t pixel, const char **
         return PUPIL_ERR_NULL;
     const uint32_t bits = pupil_pixel_bits(pixel);
     const char *fault = fault_of(coding);
-    fault = fault || !bits ? fault : fault_for(coding, pixel, bits);
+    if (!fault && bits)
+        fault = fault_for(coding, pixel, bits);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CODING : PUPIL_OK;

@@ -29,68 +29,94 @@ void pupil_config_default(pupil_config *config)
     }
 }
 
-static const char *metering_fault(const pupil_config *c)
+static const char *primaries_fault(const pupil_config *c)
 {
-    MUST(c->size_bytes == sizeof *c,
-         "size_bytes must be sizeof(pupil_config) of this version: begin with pupil_config_default");
-    MUST(c->primaries <= PUPIL_PRIMARIES_MATRIX, "primaries must be a pupil_primaries");
-    if (c->primaries == PUPIL_PRIMARIES_MATRIX) {
-        float sum = 0.0f;
-        for (int i = 3; i < 6; i++) {
-            MUST(within((double)c->rgb_to_xyz[i], 0.0, 1e6), "rgb_to_xyz[3..5], luminance, must be from 0 to 1e6");
-            sum += c->rgb_to_xyz[i];
-        }
-        MUST(sum > 1e-6f, "rgb_to_xyz[3..5], the luminance row, must have a sum above 1e-6");
+    float sum = 0.0f;
+    if (c->primaries > PUPIL_PRIMARIES_MATRIX)
+        return "primaries must be a pupil_primaries";
+    if (c->primaries != PUPIL_PRIMARIES_MATRIX)
+        return 0;
+    for (int i = 3; i < 6; i++) {
+        if (!within((double)c->rgb_to_xyz[i], 0.0, 1e6))
+            return "rgb_to_xyz[3..5], luminance, must be from 0 to 1e6";
+        sum += c->rgb_to_xyz[i];
     }
-    MUST(within((double)c->floor, 0x1p-30, 1.0), "floor must be from 2^-30 to 1");
-    MUST(c->clip >= 0.0f, "clip must be 0 (the format's largest value) or a positive number");
-    MUST(within((double)c->trim_low, 0.0, 1.0), "trim_low must be from 0 to 1");
-    MUST(within((double)c->trim_high, 0.0, 1.0) && c->trim_high > c->trim_low,
-         "trim_high must be above trim_low, up to 1");
-    MUST(c->histogram <= 1, "histogram must be 0 or 1");
-    MUST(c->meter_rows <= 8 && !(c->meter_rows & (c->meter_rows - 1)), "meter_rows must be 0, 1, 2, 4 or 8");
-    MUST(c->grey_world <= 1, "grey_world must be 0 or 1");
+    return sum > 1e-6f ? 0 : "rgb_to_xyz[3..5], the luminance row, must have a sum above 1e-6";
+}
+
+static const char *weight_fault(const pupil_config *c)
+{
     for (int i = 0; i < PUPIL_GRID_SIDE * PUPIL_GRID_SIDE; i++)
         if (c->weight[i / PUPIL_GRID_SIDE][i % PUPIL_GRID_SIDE])
             return 0;
     return "weight must be above 0 in at least one cell";
 }
 
+static const char *metering_fault(const pupil_config *c)
+{
+    const pupil_rule rules[] = {
+        {within((double)c->floor, 0x1p-30, 1.0), "floor must be from 2^-30 to 1"},
+        {c->clip >= 0.0f, "clip must be 0 (the format's largest value) or a positive number"},
+        {within((double)c->trim_low, 0.0, 1.0), "trim_low must be from 0 to 1"},
+        {within((double)c->trim_high, 0.0, 1.0) && c->trim_high > c->trim_low,
+         "trim_high must be above trim_low, up to 1"},
+        {c->histogram <= 1, "histogram must be 0 or 1"},
+        {c->meter_rows <= 8 && !(c->meter_rows & (c->meter_rows - 1)), "meter_rows must be 0, 1, 2, 4 or 8"},
+        {c->grey_world <= 1, "grey_world must be 0 or 1"},
+    };
+    const char *fault = primaries_fault(c);
+    if (!fault)
+        fault = first_fault(rules, sizeof rules / sizeof rules[0]);
+    if (!fault)
+        fault = weight_fault(c);
+    return fault;
+}
+
 static const char *adaptation_fault(const pupil_config *c)
 {
-    MUST(c->law < PUPIL_LAW_COUNT, "law must be a pupil_law");
-    MUST(c->lock <= 1, "lock must be 0 or 1");
-    MUST(c->beat <= 1, "beat must be 0 or 1");
-    MUST(c->frame_weight > 0.0 && c->frame_weight <= 1.0, "frame_weight must be above 0, up to 1");
-    MUST(within(c->tau_light_s, 0.0, 1e6), "tau_light_s must be from 0 to 1e6 seconds");
-    MUST(within(c->tau_dark_s, 0.0, 1e6), "tau_dark_s must be from 0 to 1e6 seconds");
-    MUST(c->nominal_frame_s > 0.0 && c->nominal_frame_s <= 1e6, "nominal_frame_s must be above 0, up to 1e6 seconds");
-    MUST(within(c->ev_min, -64.0, 64.0), "ev_min must be from -64 to 64");
-    MUST(within(c->ev_max, -64.0, 64.0) && c->ev_max >= c->ev_min, "ev_max must be from ev_min to 64");
-    MUST(within(c->calibration, 0x1p-64, 0x1p64), "calibration must be above 0 (from 2^-64 to 2^64)");
-    MUST(within(c->key, 0x1p-10, 1.0), "key must be from 2^-10 to 1");
-    MUST(within(c->ev_compensation, -16.0, 16.0), "ev_compensation must be from -16 to 16 stops");
-    return 0;
+    const pupil_rule rules[] = {
+        {c->law < PUPIL_LAW_COUNT, "law must be a pupil_law"},
+        {c->lock <= 1, "lock must be 0 or 1"},
+        {c->beat <= 1, "beat must be 0 or 1"},
+        {c->frame_weight > 0.0 && c->frame_weight <= 1.0, "frame_weight must be above 0, up to 1"},
+        {within(c->tau_light_s, 0.0, 1e6), "tau_light_s must be from 0 to 1e6 seconds"},
+        {within(c->tau_dark_s, 0.0, 1e6), "tau_dark_s must be from 0 to 1e6 seconds"},
+        {c->nominal_frame_s > 0.0 && c->nominal_frame_s <= 1e6, "nominal_frame_s must be above 0, up to 1e6 seconds"},
+        {within(c->ev_min, -64.0, 64.0), "ev_min must be from -64 to 64"},
+        {within(c->ev_max, -64.0, 64.0) && c->ev_max >= c->ev_min, "ev_max must be from ev_min to 64"},
+        {within(c->calibration, 0x1p-64, 0x1p64), "calibration must be above 0 (from 2^-64 to 2^64)"},
+        {within(c->key, 0x1p-10, 1.0), "key must be from 2^-10 to 1"},
+        {within(c->ev_compensation, -16.0, 16.0), "ev_compensation must be from -16 to 16 stops"},
+    };
+    return first_fault(rules, sizeof rules / sizeof rules[0]);
 }
 
 static const char *mapping_fault(const pupil_config *c)
 {
-    MUST(c->order < PUPIL_ORDER_COUNT, "order must be a pupil_order");
-    MUST(c->white_mode < PUPIL_WHITE_COUNT, "white_mode must be a pupil_white");
-    MUST(within(c->white, 0x1p-8, 0x1p30), "white must be from 2^-8 to 2^30");
-    MUST(within(c->white_quantile, 0.5, 1.0), "white_quantile must be from 0.5 to 1");
-    MUST(c->transfer < PUPIL_TRANSFER_COUNT, "transfer must be a pupil_transfer");
-    MUST(!(c->levels >> PUPIL_LEVEL_COUNT), "levels must be 0 or a mask of 1 << pupil_level");
-    return 0;
+    const pupil_rule rules[] = {
+        {c->order < PUPIL_ORDER_COUNT, "order must be a pupil_order"},
+        {c->white_mode < PUPIL_WHITE_COUNT, "white_mode must be a pupil_white"},
+        {within(c->white, 0x1p-8, 0x1p30), "white must be from 2^-8 to 2^30"},
+        {within(c->white_quantile, 0.5, 1.0), "white_quantile must be from 0.5 to 1"},
+        {c->transfer < PUPIL_TRANSFER_COUNT, "transfer must be a pupil_transfer"},
+        {!(c->levels >> PUPIL_LEVEL_COUNT), "levels must be 0 or a mask of 1 << pupil_level"},
+    };
+    return first_fault(rules, sizeof rules / sizeof rules[0]);
 }
 
 int pupil_config_check(const pupil_config *config, const char **why)
 {
     if (!config)
         return PUPIL_ERR_NULL;
-    const char *fault = metering_fault(config);
-    fault = fault ? fault : adaptation_fault(config);
-    fault = fault ? fault : mapping_fault(config);
+    const char *fault = 0;
+    if (config->size_bytes != sizeof *config)
+        fault = "size_bytes must be sizeof(pupil_config) of this version: begin with pupil_config_default";
+    if (!fault)
+        fault = metering_fault(config);
+    if (!fault)
+        fault = adaptation_fault(config);
+    if (!fault)
+        fault = mapping_fault(config);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;

@@ -73,25 +73,43 @@ static int bins_and_bands_fit(const pupil_stats *s)
            bins_add_up(s->peak_bin, PUPIL_PEAK_BINS, wanted);
 }
 
-int pupil_stats_check_sums(const pupil_stats *s)
+/* Counts that are no larger than what they are counted from. */
+static int counts_fit(const pupil_stats *s)
 {
     const uint64_t limit = UINT64_C(1) << 56; /* far above any frame (2^36), far below overflow */
-    if (s->log2_frac >= (uint64_t)PUPIL_Q40_ONE || s->weight > limit || s->pixels > s->weight || s->black > s->pixels ||
-        s->clipped > s->pixels || s->bad > s->pixels || s->rows > s->frame_height ||
-        s->frame_height > PUPIL_MAX_SIDE_PX)
-        return PUPIL_ERR_STATS;
-    if (s->log2_sum > (int64_t)s->weight * 32 || s->log2_sum < (int64_t)s->weight * -32 ||
-        (!s->weight && s->log2_frac) || s->has_histogram > 1 || (s->pixels && !s->rows) || s->channel_quads > s->pixels)
-        return PUPIL_ERR_STATS;
-    for (int i = 0; i < 3; i++) {
-        const int64_t most = (int64_t)s->channel_quads << 18; /* four samples of 16 bits */
-        if (s->channel_quads >> 44 || s->channel_sum[i] > most || s->channel_sum[i] < -most)
-            return PUPIL_ERR_STATS;
-    }
-    /* a brightest channel wherever there are bins; false for NaN */
-    if (s->has_histogram && s->weight ? !(s->peak >= 0x1p-32f && s->peak <= PUPIL_CEILING) : s->peak != 0.0f)
-        return PUPIL_ERR_STATS;
-    return PUPIL_OK;
+    return s->weight <= limit && s->pixels <= s->weight && s->black <= s->pixels && s->clipped <= s->pixels &&
+           s->bad <= s->pixels && s->channel_quads <= s->pixels && s->rows <= s->frame_height &&
+           s->frame_height <= PUPIL_MAX_SIDE_PX && (s->rows || !s->pixels) && s->has_histogram <= 1;
+}
+
+/* A sum of log2 that pixels between 2^-32 and 2^32 can have; 0 where nothing was weighed. */
+static int log2_fits(const pupil_stats *s)
+{
+    const int64_t most = (int64_t)s->weight * 32; /* no overflow: counts_fit */
+    return s->log2_frac < (uint64_t)PUPIL_Q40_ONE && s->log2_sum <= most && s->log2_sum >= -most &&
+           (s->weight || !s->log2_frac);
+}
+
+static int channels_fit(const pupil_stats *s)
+{
+    const int64_t most = (int64_t)(s->channel_quads << 18); /* four samples of 16 bits */
+    if (s->channel_quads >> 44)                             /* 2^62 and more: its negative, too, has room */
+        return 0;
+    for (int i = 0; i < 3; i++)
+        if (s->channel_sum[i] > most || s->channel_sum[i] < -most)
+            return 0;
+    return 1;
+}
+
+/* There is a brightest channel wherever there are bins. False for NaN. */
+static int peak_fits(const pupil_stats *s)
+{
+    return s->has_histogram && s->weight ? s->peak >= 0x1p-32f && s->peak <= PUPIL_CEILING : s->peak == 0.0f;
+}
+
+int pupil_stats_check_sums(const pupil_stats *s)
+{
+    return counts_fit(s) && log2_fits(s) && channels_fit(s) && peak_fits(s) ? PUPIL_OK : PUPIL_ERR_STATS;
 }
 
 int pupil_stats_check(const pupil_stats *s)

@@ -1,4 +1,3 @@
-#include "base/fault.h"
 #include "base/numeric.h"
 #include "pupil/sensor.h"
 
@@ -30,6 +29,10 @@ void pupil_sensor_config_default(pupil_sensor_config *config)
     if (config)
         *config = defaults;
 }
+
+#define MUST(be_so, sentence)                                                                                          \
+    if (!(be_so)) /* NaN is not */                                                                                     \
+    return sentence
 
 #define WITHIN(field, least, most)                                                                                     \
     MUST((double)c->field >= (least) && (double)c->field <= (most), #field " must be from " #least " to " #most)
