@@ -39,7 +39,7 @@ xvfb is the screen that windows open on
 xdotool types their keys
 imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
-python3 prints the tables anew, to compare them"
+python3 prints the tables again, to compare them, and checks the shape of functions"
 
 echo "== building into build/dev"
 mkdir -p build

@@ -23,7 +23,6 @@ set(here ${CMAKE_CURRENT_SOURCE_DIR})
 pupil_add_tree_test(tree.symbols quick 300 ${here}/freestanding/symbols.sh
   $<TARGET_FILE:pupil_static> $<TARGET_FILE:pupil_shared>)
 pupil_add_tree_test(tree.stack full 900 ${here}/freestanding/stack.sh)
-pupil_add_tree_test(tree.size quick 300 ${here}/freestanding/size.sh)
 pupil_add_tree_test(tree.headers quick 300 ${here}/headers/check.sh)
 pupil_add_tree_test(tree.install quick 300 ${here}/install/check.sh ${PROJECT_BINARY_DIR})
 pupil_add_tree_test(tree.readme quick 300 ${here}/readme/check.sh ${PROJECT_BINARY_DIR})
@@ -31,6 +30,7 @@ pupil_add_tree_test(tree.camera quick 300 ${here}/readme/camera.sh ${PROJECT_BIN
 pupil_add_tree_test(tree.tables quick 300 ${here}/kernels/check_tables.sh)
 pupil_add_tree_test(arm.instructions quick 300 ${here}/arm/test_instructions.sh)
 pupil_add_tree_test(tree.style quick 300 ${here}/style.sh)
+pupil_add_tree_test(tree.shape quick 60 ${here}/shape.sh)
 
 # The same bits from other compilers and levels: tests/stream/digests.txt, tests/scene/digests.txt.
 set(digest_only -DPUPIL_PROGRAM=OFF -DPUPIL_TESTS=ON -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=None)
