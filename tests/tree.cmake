@@ -31,6 +31,7 @@ pupil_add_tree_test(tree.tables quick 300 ${here}/kernels/check_tables.sh)
 pupil_add_tree_test(arm.instructions quick 300 ${here}/arm/test_instructions.sh)
 pupil_add_tree_test(tree.style quick 300 ${here}/style.sh)
 pupil_add_tree_test(tree.shape quick 60 ${here}/shape.sh)
+pupil_add_tree_test(tree.words quick 60 ${here}/tree/words.sh)
 
 # The same bits from other compilers and levels: tests/stream/digests.txt, tests/scene/digests.txt.
 set(digest_only -DPUPIL_PROGRAM=OFF -DPUPIL_TESTS=ON -DPUPIL_WERROR=ON -DCMAKE_BUILD_TYPE=None)
