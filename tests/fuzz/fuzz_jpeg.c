@@ -1,6 +1,6 @@
 /* Frames of MJPG under libFuzzer: as they are, or (every other one) edits of a whole one, so that what is behind the
  * headers is reached. The decoder is kept from input to input of one size, as a camera's is. */
-#include "drivers/write_jpeg.h"
+#include "drivers/file/write_jpeg.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* Any bytes as a video: frames, damage or a sentence, but never a crash, a hang or a pixel out of bounds. */
-#include "drivers/clip.h"
+#include "drivers/file/clip.h"
 
 #include "file/video/video_source.h"
 

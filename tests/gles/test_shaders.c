@@ -1,8 +1,8 @@
 /* Every text that lib/gles can put together for a shader, checked by glslangValidator: one driver's compiler forgives
  * what another's does not. */
 #include "check.h"
-#include "drivers/scratch.h"
 #include "gles/gles_variant.h"
+#include "scratch.h"
 
 #include <ctype.h>
 

@@ -1,0 +1,37 @@
+#!/bin/sh
+# pupil sim --random: some thousand cameras of any kind, none of which swings for ever; the same with any number of
+# threads; what an interrupt leaves.
+set -eu
+program=${PUPIL_PROGRAM:?}
+seed=${1:-1} count=${2:-2000}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+fail() { echo "FAILED: $*"; exit 1; }
+
+echo "cameras from seed $seed; others: tests/apps/lab/sim/test_random.sh SEED COUNT, with PUPIL_PROGRAM=.../pupil"
+status=0
+"$program" sim --random "$count" --seed "$seed" >many.txt 2>noise.txt || status=$?
+cat many.txt # names those that fail, and the command that shows each
+[ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
+[ "$status" = 0 ] || fail "exit $status"
+grep -q "^pupil: $count cameras from seed $seed, [0-9]* frames: 0 failed; " many.txt || fail "another sum"
+
+# some of which fail: named in the order of their seeds
+for threads in 1 3; do
+    status=0
+    "$program" sim --random 150 --seed 3 --controller integrator1 --threads $threads >some.txt || status=$?
+    [ "$status" = 1 ] || fail "naive integrators: exit $status"
+    sed 's/;[^;]*of CPU time$//' some.txt >sum.$threads
+done
+cmp sum.1 sum.3 || fail "another result with more threads"
+[ "$(grep -c '^seed ' sum.1)" = 20 ] || fail "not 20 are named: $(cat sum.1)"
+sed -n 's/^seed \([0-9]*\): .*/\1/p' sum.1 | sort -nc || fail "not in the order of their seeds"
+
+status=0
+timeout --preserve-status -s INT 1 "$program" sim --random 100000000 >cut.txt 2>said.err || status=$?
+[ "$status" = 130 ] || fail "an interrupt: exit $status"
+grep -q "pupil sim: interrupted" said.err || fail "an interrupt: said $(cat said.err)"
+grep -q "^pupil: [0-9]* cameras from seed 1, [0-9]* frames: 0 failed" cut.txt || fail "an interrupt: $(cat cut.txt)"
+echo "passed"

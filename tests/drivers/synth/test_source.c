@@ -1,0 +1,185 @@
+/* synth:walk: the same bits on every machine, the light that it promises, any size, and sentences for wrong options. */
+#include "synth/synth_source.h"
+
+#include <math.h>
+
+#include "check.h"
+#include "synth/walk.h"
+
+/* FNV-1a, 64 bit, over the bytes of each float from the lowest up, whatever the machine's order. */
+static uint64_t digest(const float *values, size_t count)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        for (int k = 0; k < 32; k += 8)
+            hash = (hash ^ (bits >> k & 0xff)) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
+
+typedef struct facts {
+    double log_average_ev;
+    float largest;
+    size_t odd; /* values that are not finite or not above 0 */
+} facts;
+
+static facts look(const pupil_image_const *image)
+{
+    facts f = {0};
+    const float *rgb = image->data;
+    size_t pixels = (size_t)image->width * image->height;
+    for (size_t i = 0; i < pixels * 3; i++) {
+        f.odd += !(rgb[i] > 0.0f && rgb[i] < 1e30f);
+        f.largest = rgb[i] > f.largest ? rgb[i] : f.largest;
+    }
+    for (size_t i = 0; i < pixels; i++)
+        f.log_average_ev += log2(0.2126 * rgb[3 * i] + 0.7152 * rgb[3 * i + 1] + 0.0722 * rgb[3 * i + 2]);
+    f.log_average_ev /= (double)pixels;
+    return f;
+}
+
+static pupil_source *opened(pupil_source_options options)
+{
+    char why[PUPIL_WHY_BYTES] = "";
+    pupil_source *source = NULL;
+    CHECK_MSG(pupil_synth_source_open("walk", &options, &source, why, sizeof why) == 0, "%s", why);
+    return source;
+}
+
+/* Pinned from x86-64 (gcc -O0 and -O3, clang -O2) and aarch64, which agree. A change of the scene changes them: look at
+ * the frames before pinning anew. */
+static const struct {
+    uint64_t frame, digest;
+} pinned[] = {{0, UINT64_C(0xcdd0ffe9bb46d190)},
+              {60, UINT64_C(0x74c7f8d4405fd1ac)},
+              {150, UINT64_C(0x8e5aba2da5650b7e)},
+              {200, UINT64_C(0xa9aeefd34a914c99)},
+              {299, UINT64_C(0x51443f1d6738f91b)}};
+
+static void check_digests(void)
+{
+    static float rgb[320 * 180 * 3];
+    char why[PUPIL_WHY_BYTES];
+    pupil_frame frame;
+    for (size_t i = 0; i < sizeof pinned / sizeof *pinned; i++) {
+        pupil_walk_view view;
+        pupil_walk_view_at(pinned[i].frame, 300, &view);
+        pupil_walk_render(&view, 320, 180, rgb);
+        uint64_t found = digest(rgb, sizeof rgb / sizeof *rgb);
+        CHECK_MSG(found == pinned[i].digest, "frame %u has digest 0x%016llx", (unsigned)pinned[i].frame,
+                  (unsigned long long)found);
+    }
+    /* What is rendered is what the source hands out, and the default is what is pinned. */
+    pupil_source *source = opened((pupil_source_options){0});
+    if (!source)
+        return;
+    CHECK(source->frames == 300 && source->fps == 30.0);
+    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(frame.image.width == 320 && frame.image.height == 180 && frame.image.pixel == PUPIL_PIXEL_RGB32F);
+    CHECK(digest(frame.image.data, sizeof rgb / sizeof *rgb) == pinned[0].digest);
+    pupil_source_done(source, &frame);
+    pupil_source_close(source);
+}
+
+/* The whole clip, small: names, times, and how the light moves. */
+static void check_clip(void)
+{
+    static facts seen[300];
+    char why[PUPIL_WHY_BYTES];
+    pupil_frame frame;
+    uint64_t n = 0;
+    pupil_source *source = opened((pupil_source_options){.width = 80, .height = 45});
+    if (!source)
+        return;
+    while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME && n < 300) {
+        char name[64];
+        snprintf(name, sizeof name, "synth:walk frame %u", (unsigned)n);
+        CHECK(strcmp(frame.name, name) == 0 && frame.info.sequence == n);
+        CHECK(frame.info.timestamp_ns == (int64_t)((n * UINT64_C(1000000000) * 2 + 30) / 60));
+        seen[n++] = look(&frame.image);
+        pupil_source_done(source, &frame);
+    }
+    CHECK(n == 300);
+    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    pupil_source_close(source);
+    if (n != 300)
+        return;
+
+    double window = seen[150].log_average_ev;
+    CHECK_MSG(window - seen[0].log_average_ev > 5.0, "from %g to %g EV", seen[0].log_average_ev, window);
+    CHECK_MSG(window - seen[299].log_average_ev > 5.0, "from %g to %g EV", window, seen[299].log_average_ev);
+    CHECK_MSG(seen[150].largest == PUPIL_WALK_SUN, "the sun is %g", seen[150].largest);
+    for (int i = 0; i < 300; i++) {
+        CHECK(seen[i].odd == 0);
+        double step = i ? seen[i].log_average_ev - seen[i - 1].log_average_ev : 0.0;
+        if (i == 60)
+            CHECK_MSG(step > 3.0, "the flash is %g stops", step);
+        else if (i == 62)
+            CHECK_MSG(step < -3.0, "the flash ends with %g stops", step);
+        else
+            CHECK_MSG(fabs(step) < 1.0, "frame %d jumps by %g stops", i, step);
+    }
+}
+
+static void check_sizes(void)
+{
+    static const uint32_t size[][3] = {{1, 1, 5}, {3, 5, 5}, {641, 479, 1}};
+    char why[PUPIL_WHY_BYTES];
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        pupil_frame frame;
+        uint64_t n = 0;
+        pupil_source *source = opened((pupil_source_options){
+            .width = size[i][0], .height = size[i][1], .frames = size[i][2], .fps = 24000.0 / 1001.0});
+        if (!source)
+            continue;
+        while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME && n++ < size[i][2]) {
+            CHECK(frame.image.width == size[i][0] && frame.image.height == size[i][1]);
+            CHECK(look(&frame.image).odd == 0);
+            pupil_source_done(source, &frame);
+        }
+        CHECK(n == size[i][2]);
+        CHECK(frame.info.timestamp_ns == (n == 5 ? INT64_C(166833333) : 0)); /* 4 x 1001 / 24000 s */
+        pupil_source_close(source);
+    }
+}
+
+/* The way does not depend on how finely it is cut: every other frame of 599 is a frame of 300. */
+static void check_pace(void)
+{
+    for (uint64_t i = 0; i < 300; i += 23) {
+        pupil_walk_view a, b;
+        pupil_walk_view_at(i, 300, &a);
+        pupil_walk_view_at(2 * i, 599, &b);
+        CHECK(memcmp(&a.eye, &b.eye, sizeof a.eye) == 0 && memcmp(&a.forward, &b.forward, sizeof a.forward) == 0);
+        CHECK(fabsf(dot(a.forward, a.right)) < 1e-6f && fabsf(dot(a.forward, a.up)) < 1e-6f);
+        CHECK(fabsf(dot(a.forward, a.forward) - 1.0f) < 1e-6f && fabsf(dot(a.up, a.up) - 1.0f) < 1e-6f);
+    }
+}
+
+static void refused(const char *name, pupil_source_options options, const char *word)
+{
+    char why[PUPIL_WHY_BYTES] = "";
+    pupil_source *source = NULL;
+    CHECK(pupil_synth_source_open(name, &options, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
+    CHECK(source == NULL);
+    CHECK_MSG(strstr(why, word) != NULL, "said: %s", why);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    check_digests();
+    check_clip();
+    check_sizes();
+    check_pace();
+    refused("run", (pupil_source_options){0}, "synth:walk");
+    refused("walk", (pupil_source_options){.fps = NAN}, "frames a second");
+    refused("walk", (pupil_source_options){.fps = -1.0}, "frames a second");
+    refused("walk", (pupil_source_options){.fps = INFINITY}, "frames a second");
+    refused("walk", (pupil_source_options){.width = 16385}, "16384x16384");
+    refused("walk", (pupil_source_options){.height = UINT32_MAX}, "16384x16384");
+    refused("walk", (pupil_source_options){.frames = UINT64_MAX}, "hundred years");
+    return check_end();
+}

@@ -1,0 +1,52 @@
+/* tests/drivers/v4l2/fake_source.h: the fake camera opened as a source, and what it left behind. */
+#ifndef PUPIL_TESTS_DRIVERS_FAKE_SOURCE_H
+#define PUPIL_TESTS_DRIVERS_FAKE_SOURCE_H
+
+#include "check.h"
+
+#include "fake_v4l2/fake_v4l2.h"
+#include "v4l2/capture/v4l2_source.h"
+
+typedef struct fake_source {
+    fake_v4l2 *fake;
+    pupil_source *source; /* NULL: refused */
+    int result;
+    char why[PUPIL_WHY_BYTES];
+} fake_source;
+
+/* `more` without its system; NULL: nothing asked. */
+static inline fake_source fake_source_open(const char *which, const fake_v4l2_config *config,
+                                           const pupil_v4l2_options *more)
+{
+    fake_source s = {.fake = fake_v4l2_new(config)};
+    pupil_v4l2_options options = more ? *more : (pupil_v4l2_options){0};
+    if (!s.fake)
+        abort();
+    if (!options.system)
+        options.system = fake_v4l2_system(s.fake);
+    s.result = pupil_v4l2_source_open(which, NULL, &options, &s.source, s.why, sizeof s.why);
+    return s;
+}
+
+static inline int fake_source_next(fake_source *s, pupil_frame *frame)
+{
+    s->why[0] = 0;
+    return pupil_source_next(s->source, frame, s->why, sizeof s->why);
+}
+
+static inline const pupil_v4l2_counts *fake_source_counts(const fake_source *s)
+{
+    return &pupil_v4l2_source_capture(s->source)->counts;
+}
+
+static inline void fake_source_close(fake_source *s)
+{
+    pupil_source_close(s->source);
+    s->source = NULL;
+    const fake_v4l2_held held = fake_v4l2_holds(s->fake);
+    CHECK_MSG(held.files == 0 && held.maps == 0 && held.unsynced == 0, "%d files, %d maps are left, %d syncs missing",
+              held.files, held.maps, held.unsynced);
+    fake_v4l2_free(s->fake);
+}
+
+#endif
