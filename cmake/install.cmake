@@ -23,7 +23,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pupil)
 install(EXPORT pupil NAMESPACE pupil:: FILE pupil-targets.cmake DESTINATION ${package_dir})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/pupil-config.cmake.in
   ${PROJECT_BINARY_DIR}/pupil-config.cmake INSTALL_DESTINATION ${package_dir})
-# Before 1.0 a new minor version may change the interface.
+# Before 1.0 a new minor version may change the interface. The soname says the same: libpupil.so.0.MINOR.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/pupil-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/pupil-config.cmake ${PROJECT_BINARY_DIR}/pupil-config-version.cmake
   DESTINATION ${package_dir})

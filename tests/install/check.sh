@@ -12,9 +12,12 @@ mv "$work/first" "$work/moved" # the files find each other wherever the tree lie
 prefix=$work/moved
 
 libdir=$(dirname "$(find "$prefix" -name libpupil.a)")
-[ -e "$libdir/libpupil.so.0" ] || { echo "check.sh: no libpupil.so.0 is installed"; exit 1; }
+# A new minor version has another soname, and find_package refuses it as well.
+version=$(sed -n 's/^Version: //p' "$libdir/pkgconfig/pupil.pc")
+expected=libpupil.so.${version%.*}
+[ -e "$libdir/$expected" ] || { echo "check.sh: no $expected is installed"; exit 1; }
 soname=$(readelf -d "$libdir/libpupil.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
-[ "$soname" = libpupil.so.0 ] || { echo "check.sh: the soname is '$soname', not libpupil.so.0"; exit 1; }
+[ "$soname" = "$expected" ] || { echo "check.sh: the soname is '$soname', not $expected"; exit 1; }
 needed=$(readelf -d "$libdir/libpupil.so" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -v '^libc\.' || :)
 [ -z "$needed" ] || { echo "check.sh: libpupil.so needs $needed"; exit 1; }
 
