@@ -123,7 +123,7 @@ int frame_work_process(frame_work *f, pupil_t *pupil, int fused, const pupil_ima
         error = adapt(f, pupil, info, stats);
     if (!error && !fused) {
         if (pupil_get_curve(pupil, info, curve) != PUPIL_OK) { /* no light so far: rare, and may take its time */
-            *curve = (pupil_curve){1.0f, 1.0f, 0.0f};
+            *curve = (pupil_curve){.scale = 1.0f, .inverse_white_squared = 1.0f};
             pupil_t copy = *pupil; /* this frame has been adapted to */
             return pupil_process(&copy, in, info, out);
         }

@@ -25,7 +25,8 @@ struct gles_work {
     pupil_config settings;
     int no_histogram; /* the context can have none, and nothing needs it but the record's quantiles */
     pupil_gles_config config;
-    pupil_gles gles; /* for frames as in config */
+    pupil_coding coding; /* config.coding is this one */
+    pupil_gles gles;     /* for frames as in config */
     int open;
     gles_room room[ROOMS];
     unsigned char *rgba; /* as it is read back */
@@ -53,6 +54,7 @@ int gles_work_open(gles_work **work, const pupil_config *config, uint32_t versio
     g->settings = *config;
     pupil_gles_config_default(&g->config);
     g->config.version = version;
+    g->config.coding = &g->coding;
     g->config.scaled = get_proc != NULL; /* a window has any size */
     if ((!get_proc && pupil_egl_open(&g->egl, &options, why, why_bytes)) ||
         gl_calls_load(&g->gl, g->get_proc, why, why_bytes)) {
@@ -124,11 +126,11 @@ static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *
     const pupil_coding *coding = in->coding ? in->coding : &usual;
     pupil_gles_config *c = &g->config;
     if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
-        memcmp(&c->coding, coding, sizeof *coding) == 0)
+        memcmp(&g->coding, coding, sizeof *coding) == 0)
         return 0;
     if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
-        is_balanced(&c->coding, coding)) {
-        c->coding = *coding;
+        is_balanced(&g->coding, coding)) {
+        g->coding = *coding;
         return pupil_gles_balance(&g->gles, coding->balance)
                    ? (snprintf(why, why_bytes, "the GPU takes no other white balance"), -1)
                    : 0;
@@ -139,7 +141,7 @@ static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *
     c->pixel = in->pixel;
     c->width = in->width;
     c->height = in->height;
-    memcpy(&c->coding, coding, sizeof *coding);
+    g->coding = *coding;
     return start(g, pupil, why, why_bytes);
 }
 
@@ -195,7 +197,7 @@ static int process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_co
     if (error)
         return say(why, why_bytes, error, "the GPU's statistics");
     if (!fused && pupil_get_curve(pupil, info, curve) != PUPIL_OK)
-        *curve = (pupil_curve){1.0f, 1.0f, 0.0f}; /* no light so far: as pupil_process */
+        *curve = (pupil_curve){.scale = 1.0f, .inverse_white_squared = 1.0f}; /* no light so far: as pupil_process */
     return 0;
 }
 

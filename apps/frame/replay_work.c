@@ -115,7 +115,7 @@ static int on_cpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *
     if (error)
         return error;
     if (pupil_get_curve(pupil, &frame->info, curve) != PUPIL_OK)
-        *curve = (pupil_curve){1.0f, 1.0f, 0.0f}; /* no light so far */
+        *curve = (pupil_curve){.scale = 1.0f, .inverse_white_squared = 1.0f}; /* no light so far */
     judge(w, 0, frame, stats, curve);
     return frame_work_map(w->cpu, pupil, curve, &frame->image, display);
 }

@@ -37,6 +37,9 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_GLES_LOST] =
             "the OpenGL ES context is lost: a new one, and a new object in it, can go on from the adapted level",
         [-PUPIL_ERR_GLES] = "an error of OpenGL ES that should not be",
+        [-PUPIL_ERR_SIZE_BYTES] =
+            "size_bytes of a struct is not one that any version has had, or it covers a field that is set and that "
+            "this version of the library does not know",
     };
     if (code > 0 || code <= -(int)(sizeof sentence / sizeof sentence[0]))
         return "not an error code of this version of the library";

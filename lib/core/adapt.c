@@ -4,6 +4,8 @@
 #include "object.h"
 
 #include "base/numeric.h"
+#include "base/versioned.h"
+#include "core/read.h"
 
 /* A step of w of the way from s to t, at least one unit where w > 0. */
 static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)
@@ -167,11 +169,10 @@ static void judge(pupil_object *object, double target_ev, uint32_t reason)
 static int targets_of(const pupil_object *object, const pupil_stats *stats, double *mean_log2, double *white_log2)
 {
     const pupil_config *c = &object->config;
-    if (pupil_stats_check(stats))
-        return PUPIL_ERR_STATS;
-    if (!stats->weight)
-        return PUPIL_OK;
-    int error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
+    int error = pupil_stats_check(stats);
+    if (error || !stats->weight)
+        return error;
+    error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
         error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);
     return error;
@@ -184,7 +185,7 @@ double pupil_scale_log2(const pupil_object *object)
 
 int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info *info)
 {
-    static const pupil_frame_info nothing_known = {0};
+    pupil_frame_info own;
     double mean = 0.0, white = 0.0;
     int error = pupil_object_check(pupil);
     if (error)
@@ -192,12 +193,15 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     if (!stats)
         return PUPIL_ERR_NULL;
     pupil_object *object = pupil_object_of(pupil);
-    if ((error = targets_of(object, stats, &mean, &white)))
+    error = targets_of(object, stats, &mean, &white);
+    if (!error)
+        error = pupil_info_read(&own, info);
+    if (error)
         return error;
 
     pupil_adaptation *a = &object->adaptation;
     const pupil_config *c = &object->config;
-    info = info ? info : &nothing_known;
+    info = &own;
     double dt_s = pupil_adaptation_tick(c, a, info);
     uint32_t reason = dt_s < 0.0 ? PUPIL_REASON_CLOCK_BACK : PUPIL_REASON_NONE;
     dt_s = dt_s > 0.0 ? dt_s : 0.0;
@@ -235,10 +239,11 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     return PUPIL_OK;
 }
 
-int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
+int pupil_get_exposure_sized(const pupil_t *pupil, pupil_exposure *exposure, size_t exposure_bytes)
 {
     const int error = exposure ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
-    if (!error)
-        *exposure = pupil_object_of_const(pupil)->adaptation.result;
-    return error;
+    if (error)
+        return error;
+    const pupil_exposure *result = &pupil_object_of_const(pupil)->adaptation.result;
+    return pupil_versioned_write(exposure, exposure_bytes, result, sizeof *result);
 }

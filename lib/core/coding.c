@@ -3,6 +3,7 @@
 
 #include "base/fault.h"
 #include "base/numeric.h"
+#include "core/read.h"
 
 static int all_zero(const float *x, int count)
 {
@@ -53,12 +54,15 @@ static const char *fault_for(const pupil_coding *c, uint32_t pixel, uint32_t bit
 
 int pupil_coding_check(const pupil_coding *coding, uint32_t pixel, const char **why)
 {
+    pupil_coding own;
     if (!coding)
         return PUPIL_ERR_NULL;
     const uint32_t bits = pupil_pixel_bits(pixel);
-    const char *fault = fault_of(coding);
+    const char *fault = pupil_coding_read(&own, coding);
+    if (!fault)
+        fault = fault_of(&own);
     if (!fault && bits)
-        fault = fault_for(coding, pixel, bits);
+        fault = fault_for(&own, pixel, bits);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CODING : PUPIL_OK;

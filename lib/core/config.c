@@ -2,11 +2,13 @@
 
 #include "base/fault.h"
 #include "base/numeric.h"
+#include "base/versioned.h"
 
-void pupil_config_default(pupil_config *config)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, levels)
+
+static void fill_in_defaults(pupil_config *config)
 {
     static const pupil_config defaults = {
-        .size_bytes = sizeof(pupil_config),
         .primaries = PUPIL_PRIMARIES_BT709,
         .floor = 0x1p-14f, /* the smallest normal half; a fifth of the first 8-bit sRGB code */
         .trim_high = 1.0f,
@@ -23,10 +25,22 @@ void pupil_config_default(pupil_config *config)
         .white = 1.0,
         .white_quantile = 0.995,
     };
-    if (config) {
-        *config = defaults;
-        pupil_metering_uniform(config);
-    }
+    *config = defaults;
+    (void)pupil_metering_uniform(config);
+}
+
+void pupil_config_default_sized(pupil_config *config, size_t config_bytes)
+{
+    pupil_config defaults;
+    fill_in_defaults(&defaults);
+    if (config)
+        (void)pupil_versioned_write(config, config_bytes, &defaults, sizeof defaults);
+}
+
+const char *pupil_config_read(pupil_config *ours, const pupil_config *theirs)
+{
+    fill_in_defaults(ours);
+    return pupil_versioned_read(ours, sizeof *ours, FIRST_BYTES, theirs, theirs->size_bytes);
 }
 
 static const char *primaries_fault(const pupil_config *c)
@@ -78,6 +92,7 @@ static const char *adaptation_fault(const pupil_config *c)
         {c->law < PUPIL_LAW_COUNT, "law must be a pupil_law"},
         {c->lock <= 1, "lock must be 0 or 1"},
         {c->beat <= 1, "beat must be 0 or 1"},
+        {c->reserved == 0, "reserved must be 0"},
         {c->frame_weight > 0.0 && c->frame_weight <= 1.0, "frame_weight must be above 0, up to 1"},
         {within(c->tau_light_s, 0.0, 1e6), "tau_light_s must be from 0 to 1e6 seconds"},
         {within(c->tau_dark_s, 0.0, 1e6), "tau_dark_s must be from 0 to 1e6 seconds"},
@@ -106,17 +121,16 @@ static const char *mapping_fault(const pupil_config *c)
 
 int pupil_config_check(const pupil_config *config, const char **why)
 {
+    pupil_config own;
     if (!config)
         return PUPIL_ERR_NULL;
-    const char *fault = 0;
-    if (config->size_bytes != sizeof *config)
-        fault = "size_bytes must be sizeof(pupil_config) of this version: begin with pupil_config_default";
+    const char *fault = pupil_config_read(&own, config);
     if (!fault)
-        fault = metering_fault(config);
+        fault = metering_fault(&own);
     if (!fault)
-        fault = adaptation_fault(config);
+        fault = adaptation_fault(&own);
     if (!fault)
-        fault = mapping_fault(config);
+        fault = mapping_fault(&own);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;

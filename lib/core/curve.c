@@ -2,13 +2,15 @@
 #include "object.h"
 
 #include "base/numeric.h"
+#include "base/versioned.h"
+#include "core/read.h"
 
 /* W from its log2; has_white 0: there is none. The scale's bound of 2^60 keeps every product of the tone kernel inside
  * a float: scale * 2^30 of luminance * 2^16 for the smallest white. */
 static pupil_curve curve_of(double scale_log2, int has_white, double white_log2)
 {
     const double knee = (double)PUPIL_GAMUT_KNEE;
-    pupil_curve curve = {0.0f, 0.0f, (float)(1.0 / (1.0 - knee))};
+    pupil_curve curve = {.size_bytes = sizeof curve, .gamut = (float)(1.0 / (1.0 - knee))};
     curve.scale = (float)pupil_exp2(clamp(scale_log2, -60.0, 60.0));
     if (has_white) {
         double white = pupil_exp2(white_log2);
@@ -18,22 +20,27 @@ static pupil_curve curve_of(double scale_log2, int has_white, double white_log2)
     return curve;
 }
 
-int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *curve)
+int pupil_curve_before_light_sized(const pupil_t *pupil, pupil_curve *curve, size_t curve_bytes)
 {
     const int error = curve ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
     if (error)
         return error;
     const pupil_config *c = &pupil_object_of_const(pupil)->config;
     const double white_log2 = c->white_mode == PUPIL_WHITE_FIXED ? pupil_log2(c->white) : 0.0;
-    *curve = curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
-    return PUPIL_OK;
+    const pupil_curve found = curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
+    return pupil_versioned_write(curve, curve_bytes, &found, sizeof found);
 }
 
-int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
+int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve, size_t curve_bytes)
 {
-    const int error = curve ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    pupil_frame_info own;
+    pupil_curve found;
+    int error = curve ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
+    if (!error)
+        error = pupil_info_read(&own, info);
     if (error)
         return error;
+    info = info ? &own : 0;
     const pupil_object *object = pupil_object_of_const(pupil);
     const pupil_adaptation *a = &object->adaptation;
     const pupil_config *c = &object->config;
@@ -43,10 +50,10 @@ int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_cu
     const double beat = c->beat ? pupil_beat_at(&a->beat, info ? info->timestamp_ns : a->last_timestamp_ns) : 0.0;
     double scale_log2 = pupil_scale_log2(object), frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - beat;
     if (c->white_mode == PUPIL_WHITE_FIXED)
-        *curve = curve_of(frame_log2, 1, pupil_log2(c->white));
+        found = curve_of(frame_log2, 1, pupil_log2(c->white));
     else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen) /* never below 1: little contrast is not stretched */
-        *curve = curve_of(frame_log2, 1, clamp(scale_log2 + a->result.white_ev, 0.0, 30.0));
+        found = curve_of(frame_log2, 1, clamp(scale_log2 + a->result.white_ev, 0.0, 30.0));
     else
-        *curve = curve_of(frame_log2, 0, 0.0);
-    return PUPIL_OK;
+        found = curve_of(frame_log2, 0, 0.0);
+    return pupil_versioned_write(curve, curve_bytes, &found, sizeof found);
 }

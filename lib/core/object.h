@@ -74,6 +74,9 @@ static inline int pupil_object_check(const pupil_t *pupil)
     return pupil_object_of_const(pupil)->magic == PUPIL_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
 }
 
+/* The caller's configuration as one of this version: NULL, or a sentence. */
+const char *pupil_config_read(pupil_config *ours, const pupil_config *theirs);
+
 /* Whether an image can be read (or, out, written): size, pixel, planes, strides, alignment, coding. */
 int pupil_image_check(const pupil_image_const *image, int out);
 

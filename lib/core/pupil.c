@@ -1,6 +1,9 @@
 /* The object's life, and the calls that take a frame: each checks everything before it touches anything. */
 #include "object.h"
 
+#include "base/versioned.h"
+#include "core/read.h"
+
 /* --- life --- */
 
 static void derive_luma(pupil_object *object)
@@ -15,9 +18,11 @@ static void derive_luma(pupil_object *object)
         object->luma[i] = (float)((double)row[i] / sum);
 }
 
-static void configure(pupil_object *object, const pupil_config *config)
+/* From a configuration that has been checked. */
+static void configure(pupil_object *object, const pupil_config *theirs)
 {
-    object->config = *config;
+    const pupil_config *config = &object->config;
+    (void)pupil_config_read(&object->config, theirs);
     object->histogram = config->histogram || config->white_mode == PUPIL_WHITE_FOLLOW || config->trim_low > 0.0f ||
                         config->trim_high < 1.0f;
     object->level = pupil_level_choose(config->levels);
@@ -61,7 +66,7 @@ int pupil_retune(pupil_t *pupil, const pupil_config *config)
     uint32_t old_law = object->config.law;
     configure(object, config);
     pupil_adaptation_change_law(object, old_law);
-    if (config->white_mode != PUPIL_WHITE_FOLLOW)
+    if (object->config.white_mode != PUPIL_WHITE_FOLLOW)
         object->adaptation.white_seen = 0; /* a white from before would be stale when it follows again */
     return PUPIL_OK;
 }
@@ -84,20 +89,16 @@ int pupil_reset(pupil_t *pupil)
 
 /* --- rows, on any thread --- */
 
-static int check_in(const pupil_t *pupil, const pupil_image_const *in)
+static int read_in(const pupil_t *pupil, pupil_input *ours, const pupil_image_const *theirs)
 {
-    int error = pupil_object_check(pupil);
-    if (error)
-        return error;
-    return in ? pupil_image_check(in, 0) : PUPIL_ERR_NULL;
+    const int error = pupil_object_check(pupil);
+    return error ? error : pupil_input_read(ours, theirs);
 }
 
-static int check_out(const pupil_image_const *in, const pupil_image *out)
+static int read_out(const pupil_image_const *in, pupil_output *ours, const pupil_image *theirs)
 {
-    if (!out)
-        return PUPIL_ERR_NULL;
-    pupil_image_const as_const = pupil_image_as_const(*out);
-    int error = pupil_image_check(&as_const, 1);
+    const pupil_image *out = &ours->image;
+    const int error = pupil_output_read(ours, theirs);
     if (error)
         return error;
     if (in->width == out->width && in->height == out->height)
@@ -132,8 +133,9 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
         return PUPIL_ERR_ROWS;
     if (pupil_pixel_is_mosaic(rows->pixel) && frame_height % 2)
         return PUPIL_ERR_SIZE;
-    if (pupil_stats_check_sums(stats))
-        return PUPIL_ERR_STATS;
+    const int error = pupil_stats_check_sums(stats);
+    if (error)
+        return error;
     if (stats->rows && (stats->frame_height != frame_height || stats->has_histogram != object->histogram))
         return PUPIL_ERR_STATS;
     return stats->rows > frame_height - rows->height ? PUPIL_ERR_ROWS : PUPIL_OK;
@@ -142,39 +144,46 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
 int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats)
 {
-    int error = check_in(pupil, rows);
+    pupil_input in;
+    int error = read_in(pupil, &in, rows);
     if (!error)
-        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, 0);
+        error = check_place(pupil_object_of_const(pupil), &in.image, first_row, frame_height, stats, 0);
     if (!error)
-        pupil_work_rows(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, 0, 0);
+        pupil_work_rows(pupil_object_of_const(pupil), &in.image, first_row, frame_height, stats, 0, 0);
     return error;
 }
 
 int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                    const pupil_image *out)
 {
-    int error = check_in(pupil, rows);
+    pupil_input in;
+    pupil_output to;
+    pupil_curve by;
+    int error = read_in(pupil, &in, rows);
     if (!error)
-        error = check_out(rows, out);
+        error = read_out(&in.image, &to, out);
     if (!error)
-        error = pupil_curve_check(curve);
+        error = pupil_curve_read(&by, curve);
     if (!error)
-        pupil_work_rows(pupil_object_of_const(pupil), rows, 0, rows->height, 0, curve, out);
+        pupil_work_rows(pupil_object_of_const(pupil), &in.image, 0, in.image.height, 0, &by, &to.image);
     return error;
 }
 
 int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows, uint32_t first_row,
                      uint32_t frame_height, const pupil_image *out, pupil_stats *stats)
 {
-    int error = check_in(pupil, rows);
+    pupil_input in;
+    pupil_output to;
+    pupil_curve by;
+    int error = read_in(pupil, &in, rows);
     if (!error)
-        error = check_out(rows, out);
+        error = read_out(&in.image, &to, out);
     if (!error)
-        error = pupil_curve_check(curve);
+        error = pupil_curve_read(&by, curve);
     if (!error)
-        error = check_place(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, out);
+        error = check_place(pupil_object_of_const(pupil), &in.image, first_row, frame_height, stats, &to.image);
     if (!error)
-        pupil_work_rows(pupil_object_of_const(pupil), rows, first_row, frame_height, stats, curve, out);
+        pupil_work_rows(pupil_object_of_const(pupil), &in.image, first_row, frame_height, stats, &by, &to.image);
     return error;
 }
 
@@ -182,7 +191,7 @@ int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil
 
 int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info)
 {
-    static const pupil_frame_info nothing_known = {0};
+    pupil_frame_info own;
     int error = pupil_object_check(pupil);
     if (error)
         return error;
@@ -191,21 +200,25 @@ int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pup
         return PUPIL_ERR_ORDER;
     if (!width || !height || width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
         return PUPIL_ERR_SIZE;
-    object->progress = (pupil_in_progress){1, width, height, info ? *info : nothing_known};
+    error = pupil_info_read(&own, info);
+    if (error)
+        return error;
+    object->progress = (pupil_in_progress){.active = 1, .width = width, .height = height, .info = own};
     pupil_stats_clear(&object->stats);
     return PUPIL_OK;
 }
 
 int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row, const pupil_image *out)
 {
+    pupil_input in;
     pupil_curve curve;
-    int error = check_in(pupil, rows);
+    int error = read_in(pupil, &in, rows);
     if (error)
         return error;
     pupil_object *object = pupil_object_of(pupil);
     if (!object->progress.active)
         return PUPIL_ERR_ORDER;
-    if (rows->width != object->progress.width)
+    if (in.image.width != object->progress.width)
         return PUPIL_ERR_SIZE;
     if (!out)
         return pupil_meter_rows(pupil, rows, first_row, object->progress.height, &object->stats);
@@ -248,37 +261,45 @@ int pupil_frame_cancel(pupil_t *pupil)
     return PUPIL_OK;
 }
 
-int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
+int pupil_get_stats_sized(const pupil_t *pupil, pupil_stats *stats, size_t stats_bytes)
 {
     const int error = stats ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
-    if (!error)
-        *stats = pupil_object_of_const(pupil)->stats;
-    return error;
+    if (error)
+        return error;
+    const pupil_stats *last = &pupil_object_of_const(pupil)->stats;
+    return pupil_versioned_write(stats, stats_bytes, last, sizeof *last);
 }
 
 /* --- a frame at once --- */
 
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
-    int error = check_in(pupil, in);
+    pupil_input from;
+    pupil_output to;
+    pupil_frame_info own;
+    int error = read_in(pupil, &from, in);
     if (!error)
-        error = check_out(in, out);
+        error = read_out(&from.image, &to, out);
+    if (!error)
+        error = pupil_info_read(&own, info);
     if (error)
         return error;
     pupil_object *object = pupil_object_of(pupil);
     if (object->progress.active)
         return PUPIL_ERR_ORDER;
+    info = info ? &own : 0;
 
     pupil_curve curve;
     const int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
     pupil_stats_clear(&object->stats);
-    pupil_work_rows(object, in, 0, in->height, &object->stats, fused ? &curve : 0, fused ? out : 0);
+    pupil_work_rows(object, &from.image, 0, from.image.height, &object->stats, fused ? &curve : 0,
+                    fused ? &to.image : 0);
     error = pupil_adapt(pupil, &object->stats, info);
     PUPIL_ASSERT(!error); /* our own metering is never refused */
     if (!fused) {
         if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
             (void)pupil_curve_before_light(pupil, &curve);
-        pupil_work_rows(object, in, 0, in->height, 0, &curve, out);
+        pupil_work_rows(object, &from.image, 0, from.image.height, 0, &curve, &to.image);
     }
     return PUPIL_OK;
 }

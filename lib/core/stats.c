@@ -1,19 +1,42 @@
 #include "object.h"
 
 #include "base/numeric.h"
+#include "base/versioned.h"
+#include "core/read.h"
 
-void pupil_stats_clear(pupil_stats *stats)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_stats, band_pixels)
+
+static size_t bytes_of(const pupil_stats *stats)
 {
-    if (stats)
-        *stats = (pupil_stats){0};
+    return stats->size_bytes ? stats->size_bytes : FIRST_BYTES;
+}
+
+int pupil_stats_check_bytes(const pupil_stats *stats)
+{
+    const char *fault = pupil_versioned_fault(stats, bytes_of(stats), sizeof *stats, FIRST_BYTES);
+    return fault || stats->reserved ? PUPIL_ERR_SIZE_BYTES : PUPIL_OK;
+}
+
+void pupil_stats_clear_sized(pupil_stats *stats, size_t stats_bytes)
+{
+    const uint32_t size_bytes = (uint32_t)(stats_bytes < sizeof *stats ? stats_bytes : sizeof *stats);
+    if (!stats || stats_bytes < sizeof size_bytes)
+        return;
+    __builtin_memset(stats, 0, stats_bytes);
+    stats->size_bytes = size_bytes;
 }
 
 int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
 {
     if (!sum || !more)
         return PUPIL_ERR_NULL;
-    if (pupil_stats_check(sum) || pupil_stats_check(more))
-        return PUPIL_ERR_STATS;
+    int error = pupil_stats_check(sum);
+    if (!error)
+        error = pupil_stats_check(more);
+    if (error)
+        return error;
+    if (bytes_of(more) > bytes_of(sum) && pupil_versioned_fault(more, bytes_of(more), bytes_of(sum), FIRST_BYTES))
+        return PUPIL_ERR_SIZE_BYTES; /* more has a field set that sum has no room for */
     if (sum->rows && more->rows &&
         (sum->frame_height != more->frame_height || sum->has_histogram != more->has_histogram ||
          sum->rows > sum->frame_height - more->rows))
@@ -76,6 +99,8 @@ static int bins_and_bands_fit(const pupil_stats *s)
 /* Counts that are no larger than what they are counted from. */
 static int counts_fit(const pupil_stats *s)
 {
+    if (pupil_stats_check_bytes(s))
+        return PUPIL_ERR_SIZE_BYTES;
     const uint64_t limit = UINT64_C(1) << 56; /* far above any frame (2^36), far below overflow */
     return s->weight <= limit && s->pixels <= s->weight && s->black <= s->pixels && s->clipped <= s->pixels &&
            s->bad <= s->pixels && s->channel_quads <= s->pixels && s->rows <= s->frame_height &&
@@ -114,7 +139,8 @@ int pupil_stats_check_sums(const pupil_stats *s)
 
 int pupil_stats_check(const pupil_stats *s)
 {
-    return pupil_stats_check_sums(s) || !bins_and_bands_fit(s) ? PUPIL_ERR_STATS : PUPIL_OK;
+    const int error = pupil_stats_check_sums(s);
+    return error || bins_and_bands_fit(s) ? error : PUPIL_ERR_STATS;
 }
 
 /* The light at the share t (0..1) of bin i: bins are equally wide in light within their stop. */
@@ -155,7 +181,8 @@ static int check_quantile(const pupil_stats *stats, double q, const double *resu
         return PUPIL_ERR_VALUE;
     if (!stats->has_histogram)
         return PUPIL_ERR_NO_HISTOGRAM;
-    return !stats->weight || pupil_stats_check(stats) ? PUPIL_ERR_STATS : PUPIL_OK;
+    const int error = pupil_stats_check(stats);
+    return error || stats->weight ? error : PUPIL_ERR_STATS;
 }
 
 int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance)
@@ -197,8 +224,9 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
         return PUPIL_ERR_NULL;
     if (!(low >= 0.0 && high > low && high <= 1.0))
         return PUPIL_ERR_VALUE;
-    if (!stats->weight || pupil_stats_check(stats))
-        return PUPIL_ERR_STATS;
+    const int error = pupil_stats_check(stats);
+    if (error || !stats->weight)
+        return error ? error : PUPIL_ERR_STATS;
 
     double mean = ((double)stats->log2_sum + (double)stats->log2_frac * 0x1p-40) / (double)stats->weight;
     if (low > 0.0 || high < 1.0) {
@@ -216,8 +244,9 @@ int pupil_stats_grey_world(const pupil_stats *stats, float balance[3])
 {
     if (!stats || !balance)
         return PUPIL_ERR_NULL;
-    if (pupil_stats_check(stats) || !stats->channel_quads)
-        return PUPIL_ERR_STATS;
+    const int error = pupil_stats_check(stats);
+    if (error || !stats->channel_quads)
+        return error ? error : PUPIL_ERR_STATS;
     int64_t most = 0;
     for (int i = 0; i < 3; i++) {
         if (stats->channel_sum[i] <= 0)

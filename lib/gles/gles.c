@@ -1,10 +1,12 @@
 /* The object's life, and a frame at once. */
 #include "gles_private.h"
 
-void pupil_gles_config_default(pupil_gles_config *config)
+static const pupil_gles_config defaults; /* all zero */
+
+void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_bytes)
 {
     if (config)
-        *config = (pupil_gles_config){.size_bytes = sizeof *config};
+        (void)pupil_versioned_write(config, config_bytes, &defaults, sizeof defaults);
 }
 
 /* --- errors --- */
@@ -146,10 +148,25 @@ static int refuse_config(char *why, size_t why_bytes, const char *sentence)
     return PUPIL_ERR_CONFIG;
 }
 
+/* The caller's configuration and its coding as ones of this version; config->coding is NULL then. */
+static int read_config(pupil_gles_config *config, pupil_coding *coding, const pupil_gles_config *theirs, char *why,
+                       size_t why_bytes)
+{
+    const size_t first_bytes = PUPIL_FIRST_BYTES(pupil_gles_config, coding);
+    *config = defaults;
+    *coding = (pupil_coding){0};
+    const char *fault = pupil_versioned_read(config, sizeof *config, first_bytes, theirs, theirs->size_bytes);
+    if (fault)
+        return refuse_config(why, why_bytes, fault);
+    fault = config->coding ? pupil_coding_read(coding, config->coding) : 0;
+    config->coding = 0;
+    if (fault)
+        pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
+    return fault ? PUPIL_ERR_CODING : PUPIL_OK;
+}
+
 static int check_config(const pupil_gles_config *c, char *why, size_t why_bytes)
 {
-    if (c->size_bytes != sizeof *c)
-        return refuse_config(why, why_bytes, "size_bytes must be sizeof(pupil_gles_config) of this version");
     if (c->version != PUPIL_GLES_BEST && c->version != PUPIL_GLES_ES30 && c->version != PUPIL_GLES_ES31)
         return refuse_config(why, why_bytes, "version must be a pupil_gles_version");
     if (c->source >= PUPIL_GLES_SOURCE_COUNT)
@@ -166,7 +183,7 @@ static int check_config(const pupil_gles_config *c, char *why, size_t why_bytes)
 }
 
 /* Whether frames of the config can be read, and what the coding does not allow. */
-static int check_frames(const pupil_gles_config *c, char *why, size_t why_bytes)
+static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, char *why, size_t why_bytes)
 {
     static const uint64_t somewhere; /* an address, never read */
     const pupil_image_const frame = {.data = &somewhere,
@@ -181,7 +198,7 @@ static int check_frames(const pupil_gles_config *c, char *why, size_t why_bytes)
     if (error)
         fault = pupil_error_string(error);
     else
-        error = pupil_coding_check(&c->coding, c->pixel, &fault);
+        error = pupil_coding_check(coding, c->pixel, &fault);
     if (error)
         pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
     return error;
@@ -215,7 +232,7 @@ static void take_settings(gles_object *o, const pupil_t *from)
 static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, uint32_t version)
 {
     const int yuv = o->config.pixel == PUPIL_PIXEL_YUYV || o->config.pixel == PUPIL_PIXEL_NV12;
-    const int external_linear = o->config.source == PUPIL_GLES_EXTERNAL && o->config.coding.light == PUPIL_LIGHT_LINEAR;
+    const int external_linear = o->config.source == PUPIL_GLES_EXTERNAL && o->coding.light == PUPIL_LIGHT_LINEAR;
     const int grey = pupil_pixel_bits(o->config.pixel) && !pupil_pixel_is_mosaic(o->config.pixel);
     return (gles_variant){.version = version,
                           .pixel = o->config.pixel,
@@ -286,18 +303,26 @@ static int check_arguments(const void *gles, const pupil_t *pupil, const void *a
 int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
                     pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
 {
+    pupil_gles_config own;
+    pupil_coding coding;
     int error = check_arguments(gles, pupil, get_proc ? (const void *)config : 0, why, why_bytes);
-    if (error || (error = check_config(config, why, why_bytes)) || (error = check_frames(config, why, why_bytes)))
+    if (!error)
+        error = read_config(&own, &coding, config, why, why_bytes);
+    if (!error)
+        error = check_config(&own, why, why_bytes);
+    if (!error)
+        error = check_frames(&own, &coding, why, why_bytes);
+    if (error)
         return error;
     const pupil_object *settings = pupil_object_of_const(pupil);
     gles_object *o = gles_object_of(gles);
-    *o = (gles_object){.config = *config, .unit = pupil_pixel_is_mosaic(config->pixel) ? 2 : 1};
-    pupil_coder_make(&o->config.coding, config->pixel, &o->coder);
+    *o = (gles_object){.config = own, .coding = coding, .unit = pupil_pixel_is_mosaic(own.pixel) ? 2 : 1};
+    pupil_coder_make(&o->coding, own.pixel, &o->coder);
     take_settings(o, pupil);
-    o->region_rows = pupil_gles_regions_make(config->height / o->unit, o->region_row);
+    o->region_rows = pupil_gles_regions_make(own.height / o->unit, o->region_row);
     uint32_t have = 0;
     error = meet_context(o, get_proc, &have, why, why_bytes);
-    if (!error && config->source == PUPIL_GLES_EXTERNAL && !has_extension(&o->gl, "GL_OES_EGL_image_external_essl3"))
+    if (!error && own.source == PUPIL_GLES_EXTERNAL && !has_extension(&o->gl, "GL_OES_EGL_image_external_essl3"))
         error = refuse_version(why, why_bytes, "the context lacks GL_OES_EGL_image_external_essl3", "", "");
     if (!error)
         error = make_best(o, settings, have, why, why_bytes);
@@ -345,31 +370,31 @@ void pupil_gles_close(pupil_gles *gles)
     gles_object_of(gles)->magic = 0;
 }
 
-int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status)
+int pupil_gles_get_status_sized(const pupil_gles *gles, pupil_gles_status *status, size_t status_bytes)
 {
     const gles_object *o = (const gles_object *)(const void *)gles;
     if (!gles || !status)
         return PUPIL_ERR_NULL;
     if (o->magic != GLES_MAGIC)
         return PUPIL_ERR_OBJECT;
-    *status = (pupil_gles_status){.version = o->variant.version,
-                                  .under_way = o->under_way,
-                                  .metered = o->metered,
-                                  .unmetered = o->unmetered,
-                                  .level_q24 = o->level_q24,
-                                  .level_known = o->level_known};
-    return PUPIL_OK;
+    const pupil_gles_status now = {.version = o->variant.version,
+                                   .under_way = o->under_way,
+                                   .metered = o->metered,
+                                   .unmetered = o->unmetered,
+                                   .level_q24 = o->level_q24,
+                                   .level_known = o->level_known};
+    return pupil_versioned_write(status, status_bytes, &now, sizeof now);
 }
 
 /* --- a frame at once --- */
 
 static int take_statistics(pupil_gles *gles, pupil_t *pupil)
 {
-    pupil_stats *stats = &gles_object_of(gles)->stats;
+    gles_object *o = gles_object_of(gles);
     pupil_frame_info info;
     int got;
-    while ((got = pupil_gles_collect(gles, 0, stats, &info)) == PUPIL_OK) {
-        const int error = pupil_adapt(pupil, stats, &info);
+    while ((got = pupil_gles_fetch(o, 0, &info)) == PUPIL_OK) {
+        const int error = pupil_adapt(pupil, &o->stats, &info);
         if (error)
             return error;
     }
@@ -378,21 +403,26 @@ static int take_statistics(pupil_gles *gles, pupil_t *pupil)
 
 int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_frame_info *info, const pupil_gles_target *target)
 {
+    pupil_gles_target to;
+    pupil_frame_info own;
     int error = pupil_gles_check(gles);
     if (!error)
         error = pupil_object_check(pupil);
     if (!error)
-        error = pupil_gles_check_target(gles_object_of(gles), target);
+        error = pupil_gles_target_read(gles_object_of(gles), &to, target);
+    if (!error)
+        error = pupil_info_read(&own, info);
     if (!error)
         error = take_statistics(gles, pupil);
+    info = info ? &own : 0;
     if (!error)
         error = pupil_gles_meter(gles, info);
     if (error && error != PUPIL_GLES_BUSY)
         return error;
     if (gles_object_of(gles)->config.adapt == PUPIL_GLES_ADAPT_GPU)
-        return pupil_gles_map(gles, 0, target);
+        return pupil_gles_map(gles, 0, &to);
     pupil_curve curve;
     if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
         (void)pupil_curve_before_light(pupil, &curve);
-    return pupil_gles_map(gles, &curve, target);
+    return pupil_gles_map(gles, &curve, &to);
 }

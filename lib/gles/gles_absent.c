@@ -1,6 +1,8 @@
 /* In the place of lib/gles where the library is built without OpenGL ES (PUPIL_GPU=OFF): says so. */
 #include "pupil/gles.h"
 
+#include "base/versioned.h"
+
 static int absent(char *why, size_t why_bytes)
 {
     static const char sentence[] = "this library was built without OpenGL ES (CMake: -DPUPIL_GPU=ON)";
@@ -12,10 +14,11 @@ static int absent(char *why, size_t why_bytes)
     return PUPIL_ERR_GLES_ABSENT;
 }
 
-void pupil_gles_config_default(pupil_gles_config *config)
+void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_bytes)
 {
+    static const pupil_gles_config defaults; /* all zero */
     if (config)
-        *config = (pupil_gles_config){.size_bytes = sizeof *config};
+        (void)pupil_versioned_write(config, config_bytes, &defaults, sizeof defaults);
 }
 
 int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
@@ -66,9 +69,10 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
     return PUPIL_ERR_GLES_ABSENT;
 }
 
-int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)
+int pupil_gles_collect_sized(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, size_t stats_bytes,
+                             pupil_frame_info *info, size_t info_bytes)
 {
-    (void)gles, (void)timeout_ns, (void)stats, (void)info;
+    (void)gles, (void)timeout_ns, (void)stats, (void)stats_bytes, (void)info, (void)info_bytes;
     return PUPIL_ERR_GLES_ABSENT;
 }
 
@@ -78,8 +82,8 @@ int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_
     return PUPIL_ERR_GLES_ABSENT;
 }
 
-int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status)
+int pupil_gles_get_status_sized(const pupil_gles *gles, pupil_gles_status *status, size_t status_bytes)
 {
-    (void)gles, (void)status;
+    (void)gles, (void)status, (void)status_bytes;
     return PUPIL_ERR_GLES_ABSENT;
 }

@@ -7,12 +7,12 @@ int pupil_gles_balance(pupil_gles *gles, const float balance[3])
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
-    pupil_coding coding = o->config.coding;
+    pupil_coding coding = o->coding;
     for (int i = 0; i < 3; i++)
         coding.balance[i] = balance[i];
     if ((error = pupil_coding_check(&coding, o->config.pixel, 0)))
         return error;
-    o->config.coding = coding;
+    o->coding = coding;
     pupil_coder_make(&coding, o->config.pixel, &o->coder);
     if (pupil_pixel_is_mosaic(o->config.pixel))
         pupil_gles_programs_balance(o);

@@ -74,10 +74,8 @@ static rectangle part_of(const pupil_gles_target *t)
     return (rectangle){t->x + first, t->y, end - first, (int32_t)t->height};
 }
 
-int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *t)
+static int check_target(const gles_object *o, const pupil_gles_target *t)
 {
-    if (!t)
-        return PUPIL_ERR_NULL;
     if (!t->width || !t->height || t->width > PUPIL_MAX_SIDE_PX || t->height > PUPIL_MAX_SIDE_PX)
         return PUPIL_ERR_SIZE;
     const int32_t far_off = 1 << 24;
@@ -88,6 +86,18 @@ int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *t)
         return PUPIL_ERR_VALUE;
     const picture p = picture_of(o, t->orientation);
     return o->config.scaled || (t->width == p.shown_width && t->height == p.shown_height) ? PUPIL_OK : PUPIL_ERR_SIZE;
+}
+
+int pupil_gles_target_read(const gles_object *o, pupil_gles_target *ours, const pupil_gles_target *theirs)
+{
+    const size_t first_bytes = PUPIL_FIRST_BYTES(pupil_gles_target, to);
+    *ours = (pupil_gles_target){0};
+    if (!theirs)
+        return PUPIL_ERR_NULL;
+    const size_t size_bytes = theirs->size_bytes ? theirs->size_bytes : first_bytes;
+    if (pupil_versioned_read(ours, sizeof *ours, first_bytes, theirs, size_bytes))
+        return PUPIL_ERR_SIZE_BYTES;
+    return check_target(o, ours);
 }
 
 /* From pixels of the framebuffer to pixels of the picture, without scaling. */
@@ -166,18 +176,22 @@ static void draw(gles_object *o, const pupil_curve *curve, const pupil_gles_targ
 
 int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target)
 {
+    pupil_curve by;
+    pupil_gles_target to;
     int error = pupil_gles_check(gles);
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
     if ((curve == 0) != (o->config.adapt == PUPIL_GLES_ADAPT_GPU))
         return curve ? PUPIL_ERR_VALUE : PUPIL_ERR_NULL;
-    if (curve && (error = pupil_curve_check(curve)))
-        return error;
-    if ((error = pupil_gles_check_target(o, target)))
+    if (curve)
+        error = pupil_curve_read(&by, curve);
+    if (!error)
+        error = pupil_gles_target_read(o, &to, target);
+    if (error)
         return error;
     if (!o->source[0])
         return PUPIL_ERR_ORDER;
-    draw(o, curve ? curve : &o->curve, target);
+    draw(o, curve ? &by : &o->curve, &to);
     return pupil_gles_error(o);
 }

@@ -121,19 +121,22 @@ static void meter_30(gles_object *o, const gles_slot *slot)
 
 int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
 {
-    const int error = pupil_gles_check(gles);
+    pupil_frame_info own;
+    int error = pupil_gles_check(gles);
+    if (!error)
+        error = pupil_info_read(&own, info);
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
     if (!o->source[0])
         return PUPIL_ERR_ORDER;
-    o->exposure_log2 = pupil_exposure_log2(&o->settings, &o->adaptation, info);
+    o->exposure_log2 = pupil_exposure_log2(&o->settings, &o->adaptation, &own);
     if (o->under_way == GLES_RING) {
         o->unmetered++;
         return PUPIL_GLES_BUSY;
     }
     gles_slot *slot = &o->slot[(o->oldest + o->under_way) % GLES_RING];
-    slot->info = info ? *info : (pupil_frame_info){0};
+    slot->info = own;
     if (o->variant.version == PUPIL_GLES_ES31)
         meter_31(o, slot);
     else
@@ -151,14 +154,9 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
 
 /* --- what has come back --- */
 
-int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)
+int pupil_gles_fetch(gles_object *o, uint64_t timeout_ns, pupil_frame_info *info)
 {
-    int error = pupil_gles_check(gles);
-    if (error)
-        return error;
-    if (!stats)
-        return PUPIL_ERR_NULL;
-    gles_object *o = gles_object_of(gles);
+    int error = PUPIL_OK;
     gles_slot *slot = &o->slot[o->oldest];
     if (!o->under_way)
         return PUPIL_GLES_NOTHING;
@@ -172,7 +170,7 @@ int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats
     const gles_statistics *from =
         o->gl.MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, sizeof(gles_statistics), GL_MAP_READ_BIT);
     if (from) {
-        pupil_gles_regions_add_up(o, from, stats);
+        pupil_gles_regions_add_up(o, from, &o->stats);
         o->level_known = o->variant.level_here && from->level[2];
         o->level_q24 = (int32_t)from->level[1];
         error = o->gl.UnmapBuffer(GL_PIXEL_PACK_BUFFER) ? PUPIL_OK : PUPIL_ERR_GLES;
@@ -185,4 +183,25 @@ int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats
     o->under_way--;
     const int by_gl = pupil_gles_error(o);
     return by_gl ? by_gl : from ? error : PUPIL_ERR_GLES_MEMORY;
+}
+
+int pupil_gles_collect_sized(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, size_t stats_bytes,
+                             pupil_frame_info *info, size_t info_bytes)
+{
+    pupil_frame_info of_frame;
+    int error = pupil_gles_check(gles);
+    if (error)
+        return error;
+    if (!stats)
+        return PUPIL_ERR_NULL;
+    if (stats_bytes < sizeof stats->size_bytes || (info && info_bytes < sizeof info->size_bytes))
+        return PUPIL_ERR_SIZE_BYTES;
+    gles_object *o = gles_object_of(gles);
+    error = pupil_gles_fetch(o, timeout_ns, &of_frame);
+    if (error)
+        return error;
+    (void)pupil_versioned_write(stats, stats_bytes, &o->stats, sizeof o->stats);
+    if (info)
+        (void)pupil_versioned_write(info, info_bytes, &of_frame, sizeof of_frame);
+    return PUPIL_OK;
 }

@@ -2,7 +2,9 @@
 #ifndef PUPIL_GLES_GLES_PRIVATE_H
 #define PUPIL_GLES_GLES_PRIVATE_H
 
+#include "base/versioned.h"
 #include "core/object.h"
+#include "core/read.h"
 #include "gl_functions.h"
 #include "gles_variant.h"
 
@@ -68,7 +70,8 @@ enum { GLES_PARTS = 0, GLES_REGIONS, GLES_COLUMNS, GLES_STATE_0, GLES_STATE_1, G
 typedef struct gles_object {
     uint64_t magic;
     gl_functions gl;
-    pupil_gles_config config;
+    pupil_gles_config config; /* its coding is NULL */
+    pupil_coding coding;
     gles_variant variant;
     void *context; /* eglGetCurrentContext's, or NULL */
     GLint largest_side;
@@ -107,7 +110,7 @@ typedef struct gles_object {
     double weight_rest[2]; /* toward more light, toward less: what the frames before have left, 2^-32 */
     uint32_t newest_state;
 
-    pupil_stats stats; /* room, for pupil_gles_process */
+    pupil_stats stats; /* that were fetched last */
 } gles_object;
 
 _Static_assert(sizeof(gles_object) <= sizeof(pupil_gles), "PUPIL_GLES_OBJECT_BYTES is too small");
@@ -168,10 +171,13 @@ void pupil_gles_meter_make(gles_object *o);
 void pupil_gles_meter_delete(gles_object *o);
 /* Forgets frames that are under way. */
 void pupil_gles_meter_drop(gles_object *o);
+/* pupil_gles_collect into o->stats. `info` may be NULL. */
+int pupil_gles_fetch(gles_object *o, uint64_t timeout_ns, pupil_frame_info *info);
 
 /* --- gles_map.c --- */
 
-int pupil_gles_check_target(const gles_object *o, const pupil_gles_target *target);
+/* The caller's target as one of this version, if it can be drawn to. */
+int pupil_gles_target_read(const gles_object *o, pupil_gles_target *ours, const pupil_gles_target *theirs);
 
 /* --- gles_adapt.c --- */
 

@@ -205,11 +205,13 @@ static void send_plane(const gles_object *o, GLuint texture, const layout *l, ex
         o->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, e.width, 1, l->format, l->type, (const uint8_t *)data + y * stride);
 }
 
-static int check_image(const gles_object *o, const pupil_image_const *image)
+/* The caller's image as one of this version, if it is a frame of the config. */
+static int read_image(const gles_object *o, pupil_image_const *image, const pupil_image_const *theirs)
 {
-    pupil_image_const uncoded = *image; /* the coding is the config's */
-    uncoded.coding = 0;
-    const int error = pupil_image_check(&uncoded, 0);
+    int error = pupil_image_read(image, theirs);
+    image->coding = 0; /* the coding is the config's */
+    if (!error)
+        error = pupil_image_check(image, 0);
     if (error)
         return error;
     if (o->config.source != PUPIL_GLES_MEMORY)
@@ -222,11 +224,13 @@ static int check_image(const gles_object *o, const pupil_image_const *image)
 int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
 {
     gles_object *o = gles_object_of(gles);
+    pupil_image_const own;
     int error = pupil_gles_check(gles);
     if (!error)
-        error = image ? check_image(o, image) : PUPIL_ERR_NULL;
+        error = read_image(o, &own, image);
     if (error)
         return error;
+    image = &own;
     const GLuint *texture = o->frame[o->turn ^= 1];
     o->gl.ActiveTexture(GL_TEXTURE0);
     send_plane(o, texture[0], &luma_layout[image->pixel], extent_of(o, 0), image->data, image->stride_bytes);

@@ -2,7 +2,9 @@
 #include "row_gain_private.h"
 
 #include "base/numeric.h"
+#include "base/versioned.h"
 #include "core/object.h"
+#include "core/read.h"
 
 /* "rowgan" and the object's size: another version's object is refused. */
 #define ROW_GAIN_MAGIC (UINT64_C(0x726f7767616e0000) + sizeof(pupil_row_gain_object))
@@ -16,24 +18,35 @@ static const pupil_row_gain_object *object_of(const pupil_row_gain *lamps)
     return o && o->magic == ROW_GAIN_MAGIC ? o : 0;
 }
 
-void pupil_row_gain_config_default(pupil_row_gain_config *config)
+static const pupil_row_gain_config defaults = {.mains_hz = 50, .readout_s = 1.0 / 60.0};
+
+void pupil_row_gain_config_default_sized(pupil_row_gain_config *config, size_t config_bytes)
 {
     if (config)
-        *config = (pupil_row_gain_config){sizeof *config, 50, 1.0 / 60.0};
+        (void)pupil_versioned_write(config, config_bytes, &defaults, sizeof defaults);
+}
+
+/* The caller's configuration as one of this version: NULL, or what is wrong with it. */
+static const char *read_config(pupil_row_gain_config *ours, const pupil_row_gain_config *theirs)
+{
+    const size_t first_bytes = PUPIL_FIRST_BYTES(pupil_row_gain_config, readout_s);
+    *ours = defaults;
+    const char *fault = pupil_versioned_read(ours, sizeof *ours, first_bytes, theirs, theirs->size_bytes);
+    if (fault)
+        return fault;
+    if (ours->mains_hz != 50 && ours->mains_hz != 60)
+        return "mains_hz must be 50 or 60";
+    if (!(ours->readout_s >= 1e-4 && ours->readout_s <= 1.0)) /* true for NaN */
+        return "readout_s must be from 1e-4 to 1";
+    return 0;
 }
 
 int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char **why)
 {
+    pupil_row_gain_config own;
     if (!config)
         return PUPIL_ERR_NULL;
-    const char *fault = 0;
-    if (config->size_bytes != sizeof *config)
-        fault = "size_bytes must be sizeof(pupil_row_gain_config) of this version: begin with "
-                "pupil_row_gain_config_default";
-    else if (config->mains_hz != 50 && config->mains_hz != 60)
-        fault = "mains_hz must be 50 or 60";
-    else if (!(config->readout_s >= 1e-4 && config->readout_s <= 1.0)) /* true for NaN */
-        fault = "readout_s must be from 1e-4 to 1";
+    const char *fault = read_config(&own, config);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
@@ -42,13 +55,12 @@ int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char 
 int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *config)
 {
     pupil_config metering;
-    if (!lamps)
+    pupil_row_gain_config copy; /* the caller's may lie where the object will */
+    if (!lamps || !config)
         return PUPIL_ERR_NULL;
-    const int error = pupil_row_gain_config_check(config, 0);
-    if (error)
-        return error;
+    if (read_config(&copy, config))
+        return PUPIL_ERR_CONFIG;
     pupil_row_gain_object *o = (pupil_row_gain_object *)(void *)lamps;
-    const pupil_row_gain_config copy = *config; /* which may lie where the object will */
     __builtin_memset(lamps, 0, sizeof *lamps);
     o->config = copy;
     pupil_config_default(&metering);
@@ -125,9 +137,15 @@ int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, 
     if (!object_of(lamps))
         return PUPIL_ERR_OBJECT;
     pupil_row_gain_object *o = (pupil_row_gain_object *)(void *)lamps;
-    const int error = pupil_image_check(image, 0);
+    pupil_input in;
+    pupil_frame_info own;
+    int error = pupil_input_read(&in, image);
+    if (!error)
+        error = pupil_info_read(&own, info);
     if (error)
         return error;
+    image = &in.image;
+    info = &own;
     if (info->timestamp_ns == o->timestamp_ns && o->stamped)
         return PUPIL_OK;
     if (!info->timestamp_ns || image->width < SMALLEST_PX || image->height < SMALLEST_PX) {
@@ -145,15 +163,14 @@ int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, 
     return PUPIL_OK;
 }
 
-int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain_result *result)
+int pupil_row_gain_get_sized(const pupil_row_gain *lamps, pupil_row_gain_result *result, size_t result_bytes)
 {
     if (!lamps || !result)
         return PUPIL_ERR_NULL;
     const pupil_row_gain_object *o = object_of(lamps);
     if (!o)
         return PUPIL_ERR_OBJECT;
-    *result = o->result;
-    return PUPIL_OK;
+    return pupil_versioned_write(result, result_bytes, &o->result, sizeof o->result);
 }
 
 /* The wave's amplitudes in a frame of this exposure, times how much of it is taken out. */
@@ -171,8 +188,12 @@ int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *
     if (!lamps || !info || !gain)
         return PUPIL_ERR_NULL;
     const pupil_row_gain_object *o = object_of(lamps);
+    pupil_frame_info own;
     if (!o)
         return PUPIL_ERR_OBJECT;
+    if (pupil_info_read(&own, info))
+        return PUPIL_ERR_SIZE_BYTES;
+    info = &own;
     if (!height || height > PUPIL_MAX_SIDE_PX)
         return PUPIL_ERR_SIZE;
     /* the difference as if it could not overflow; a frame that is further away than learning reaches has no gains */

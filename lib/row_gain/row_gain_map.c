@@ -3,6 +3,7 @@
 
 #include "base/numeric.h"
 #include "core/object.h"
+#include "core/read.h"
 
 /* Rows of `rows` that get one gain. */
 static uint32_t rows_together(const pupil_image_const *rows, const pupil_image *out)
@@ -22,46 +23,47 @@ static float mean_of(const float *gain, uint32_t count)
     return mean;
 }
 
-/* All that pupil_map_rows would refuse of the whole: nothing is mapped before all of it is known to be right. */
-static int check(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows, const float *gain,
-                 const pupil_image *out)
+/* Reads all that pupil_map_rows would refuse of the whole: nothing is mapped before all of it is known to be right. */
+static int read_all(pupil_curve *by, pupil_input *in, pupil_output *to, const pupil_curve *curve,
+                    const pupil_image_const *rows, const pupil_image *out)
 {
-    int error = pupil_object_check(pupil);
+    int error = pupil_input_read(in, rows);
     if (!error)
-        error = rows && out && gain ? pupil_image_check(rows, 0) : PUPIL_ERR_NULL;
+        error = pupil_output_read(to, out);
+    if (!error)
+        error = pupil_curve_read(by, curve);
     if (error)
         return error;
-    const pupil_image_const to = pupil_image_as_const(*out);
-    error = pupil_image_check(&to, 1);
-    if (!error)
-        error = pupil_curve_check(curve);
-    if (error)
-        return error;
-    const int same = rows->width == to.width && rows->height == to.height;
-    const int halved = rows->width == 2 * to.width && rows->height == 2 * to.height;
-    if (!same && !(halved && pupil_pixel_is_mosaic(rows->pixel)))
-        return PUPIL_ERR_SIZE;
-    for (uint32_t y = 0; y < rows->height; y++)
-        if (!pupil_is_finite(gain[y]) || !(gain[y] > 0.0f))
-            return PUPIL_ERR_VALUE;
-    return PUPIL_OK;
+    const pupil_image *image = &to->image;
+    const int same = in->image.width == image->width && in->image.height == image->height;
+    const int halved = in->image.width == 2 * image->width && in->image.height == 2 * image->height;
+    return same || (halved && pupil_pixel_is_mosaic(in->image.pixel)) ? PUPIL_OK : PUPIL_ERR_SIZE;
 }
 
 int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                               const float *gain, const pupil_image *out)
 {
-    int error = check(pupil, curve, rows, gain, out);
+    pupil_curve by;
+    pupil_input in;
+    pupil_output to;
+    int error = pupil_object_check(pupil);
+    if (!error)
+        error = rows && out && gain ? read_all(&by, &in, &to, curve, rows, out) : PUPIL_ERR_NULL;
     if (error)
         return error;
-    const uint32_t together = rows_together(rows, out), halved = out->width != rows->width ? 2 : 1;
-    for (uint32_t y = 0; !error && y < rows->height; y += together) {
-        const uint32_t left = rows->height - y, count = left < together ? left : together;
-        const pupil_image_const part = pupil_image_rows(*rows, y, count);
-        const pupil_image to = pupil_image_out_rows(*out, y / halved, count / halved);
-        pupil_curve scaled = *curve;
-        const double scale = (double)curve->scale * mean_of(gain + y, count);
+    const uint32_t height = in.image.height;
+    for (uint32_t y = 0; y < height; y++)
+        if (!pupil_is_finite(gain[y]) || !(gain[y] > 0.0f))
+            return PUPIL_ERR_VALUE;
+    const uint32_t together = rows_together(&in.image, &to.image), halved = to.image.width != in.image.width ? 2 : 1;
+    for (uint32_t y = 0; !error && y < height; y += together) {
+        const uint32_t left = height - y, count = left < together ? left : together;
+        const pupil_image_const part = pupil_image_rows(in.image, y, count);
+        const pupil_image part_out = pupil_image_out_rows(to.image, y / halved, count / halved);
+        pupil_curve scaled = by;
+        const double scale = (double)by.scale * mean_of(gain + y, count);
         scaled.scale = scale < 0x1p60 ? (float)scale : 0x1p60f;
-        error = pupil_map_rows(pupil, &scaled, &part, &to);
+        error = pupil_map_rows(pupil, &scaled, &part, &part_out);
     }
     return error;
 }

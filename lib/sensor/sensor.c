@@ -2,6 +2,8 @@
 #include "sensor_private.h"
 
 #include "base/numeric.h"
+#include "base/versioned.h"
+#include "core/read.h"
 
 /* "sensor" and the object's size: another version's object is refused. */
 #define SENSOR_MAGIC (UINT64_C(0x73656e736f720000) + sizeof(pupil_sensor_object))
@@ -53,10 +55,12 @@ static void begin_from(pupil_sensor_object *o, double total_log2)
         o->waited = 0;
 }
 
-static void configure(pupil_sensor_object *o, const pupil_sensor_config *config)
+/* From a configuration that has been checked. */
+static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
 {
     const uint32_t believed = o->config.delay_frames, linear = o->config.linear;
-    o->config = *config;
+    const pupil_sensor_config *config = &o->config;
+    (void)pupil_sensor_config_read(&o->config, theirs);
     o->setting.mains = config->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? PUPIL_SENSOR_MAINS_TOLD
                        : o->mains.hz                               ? PUPIL_SENSOR_MAINS_FOUND
                                                                    : PUPIL_SENSOR_MAINS_UNDETERMINED;
@@ -119,15 +123,15 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
     return PUPIL_OK;
 }
 
-int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting)
+int pupil_sensor_get_sized(const pupil_sensor *sensor, pupil_sensor_setting *setting, size_t setting_bytes)
 {
     const pupil_sensor_object *o = (const pupil_sensor_object *)(const void *)sensor;
     if (!o || !setting || o->magic != SENSOR_MAGIC)
         return o && setting ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
-    *setting = o->setting;
-    setting->mains_hz = o->config.mains_hz;
-    setting->mains_modulation = o->mains.modulation;
-    return PUPIL_OK;
+    pupil_sensor_setting now = o->setting;
+    now.mains_hz = o->config.mains_hz;
+    now.mains_modulation = o->mains.modulation;
+    return pupil_versioned_write(setting, setting_bytes, &now, sizeof now);
 }
 
 /* log2 of the exposure and gain that the frame was taken with, as info says. */
@@ -153,10 +157,16 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
 {
     pupil_sensor_object *o = object_of(sensor);
     pupil_sensor_light light = {0};
+    pupil_frame_info own;
     if (!o || !stats)
         return sensor && stats ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     const pupil_sensor_config *c = &o->config;
-    int error = PUPIL_OK;
+    int error = pupil_stats_check_bytes(stats);
+    if (!error)
+        error = pupil_info_read(&own, info);
+    if (error)
+        return error;
+    info = info ? &own : 0;
     light.dead = !stats->weight;
     light.has_highlight = stats->has_histogram && c->highlight_ev > 0.0;
     if (!light.dead) {
@@ -193,8 +203,12 @@ int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double clipped_sha
 {
     pupil_sensor_object *o = object_of(sensor);
     pupil_sensor_light light = {0};
+    pupil_frame_info own;
     if (!o)
         return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
+    if (pupil_info_read(&own, info))
+        return PUPIL_ERR_SIZE_BYTES;
+    info = info ? &own : 0;
     const double frame_log2 = told(o, info);
     light.dead = !(scene_ev >= -256.0 && scene_ev <= 256.0 && clipped_share >= 0.0 && clipped_share <= 1.0);
     if (!light.dead) {

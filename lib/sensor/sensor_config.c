@@ -1,33 +1,43 @@
-#include "base/numeric.h"
-#include "pupil/sensor.h"
+#include "sensor_private.h"
 
-void pupil_sensor_config_default(pupil_sensor_config *config)
+#include "base/numeric.h"
+#include "base/versioned.h"
+
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_sensor_config, linear)
+
+static const pupil_sensor_config defaults = {
+    .delay_frames = 4,
+    .key = 0.18, /* as pupil_config's, so that sensor and display agree on what is grey */
+    .clip = 1.0,
+    .trim_high = 1.0,
+    .highlight_share = 0.05,
+    .highlight_ev = 1.0,
+    .far_ev = 0.10,
+    .tau_s = 0.8,
+    .hold_ev = 0.05,
+    .digital_ev = 1.5, /* from one half mains period to two, one control ahead of the other, and what is rounded */
+    .frame_s = 1.0 / 30.0,
+    .exposure_min_s = 1e-4,
+    .exposure_max_s = 1.0 / 30.0,
+    .frame_rate_priority = 1,
+    .mains_hz = PUPIL_SENSOR_MAINS_AUTO,
+    .gain_min = 1.0,
+    .gain_max = 16.0,
+    .gain_step = 1.0 / 16.0,
+    .flash_frames = 2, /* what a strobe or a lightning lights: one frame, or parts of two */
+    .linear = 1,
+};
+
+void pupil_sensor_config_default_sized(pupil_sensor_config *config, size_t config_bytes)
 {
-    static const pupil_sensor_config defaults = {
-        .size_bytes = sizeof(pupil_sensor_config),
-        .delay_frames = 4,
-        .key = 0.18, /* as pupil_config's, so that sensor and display agree on what is grey */
-        .clip = 1.0,
-        .trim_high = 1.0,
-        .highlight_share = 0.05,
-        .highlight_ev = 1.0,
-        .far_ev = 0.10,
-        .tau_s = 0.8,
-        .hold_ev = 0.05,
-        .digital_ev = 1.5, /* from one half mains period to two, one control ahead of the other, and what is rounded */
-        .frame_s = 1.0 / 30.0,
-        .exposure_min_s = 1e-4,
-        .exposure_max_s = 1.0 / 30.0,
-        .frame_rate_priority = 1,
-        .mains_hz = PUPIL_SENSOR_MAINS_AUTO,
-        .gain_min = 1.0,
-        .gain_max = 16.0,
-        .gain_step = 1.0 / 16.0,
-        .flash_frames = 2, /* what a strobe or a lightning lights: one frame, or parts of two */
-        .linear = 1,
-    };
     if (config)
-        *config = defaults;
+        (void)pupil_versioned_write(config, config_bytes, &defaults, sizeof defaults);
+}
+
+const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sensor_config *theirs)
+{
+    *ours = defaults;
+    return pupil_versioned_read(ours, sizeof *ours, FIRST_BYTES, theirs, theirs->size_bytes);
 }
 
 #define MUST(be_so, sentence)                                                                                          \
@@ -64,14 +74,15 @@ static const char *fault_of_laws(const pupil_sensor_config *c)
     return 0;
 }
 
+/* Of the caller's own struct, because a copy of it is too large for the stack of one function (1 KiB). It has all
+ * fields of the first release. A field that was added later may be looked at only where c->size_bytes covers it. */
 static const char *fault_of(const pupil_sensor_config *c)
 {
-    if (c->size_bytes != sizeof *c)
-        return "size_bytes must be sizeof(pupil_sensor_config) of this version: begin with pupil_sensor_config_default";
     WITHIN(delay_frames, 1, 16);
     WITHIN(key, 0.0009765625, 1);
     WITHIN(ev_compensation, -16, 16);
     WITHIN(key_points, 0, 8);
+    WITHIN(reserved, 0, 0);
     for (const pupil_sensor_key_point *p = c->key_at; p < c->key_at + c->key_points; p++)
         if (!(p->scene_ev >= -256.0 && p->scene_ev <= 256.0 && p->key >= 0x1p-10 && p->key <= 1.0) ||
             (p > c->key_at && !(p->scene_ev > p[-1].scene_ev && p->key >= p[-1].key && /* a stop for two, or rounded */
@@ -108,7 +119,9 @@ int pupil_sensor_config_check(const pupil_sensor_config *config, const char **wh
 {
     if (!config)
         return PUPIL_ERR_NULL;
-    const char *fault = fault_of(config);
+    const char *fault = pupil_versioned_fault(config, config->size_bytes, sizeof *config, FIRST_BYTES);
+    if (!fault)
+        fault = fault_of(config);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;

@@ -102,6 +102,9 @@ typedef struct pupil_sensor_light {
     double low[PUPIL_SENSOR_ORDERS], high[PUPIL_SENSOR_ORDERS]; /* the values of some ranks are from, to */
 } pupil_sensor_light;
 
+/* The caller's configuration as one of this version: NULL, or a sentence. */
+const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sensor_config *theirs);
+
 /* The exposure and gain that the camera has for a total of at most so much; the nearest total that it can. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, double *exposure_s, double *gain);
 double pupil_sensor_reachable(const pupil_sensor_object *object, double wanted);

@@ -260,7 +260,9 @@ static void against_the_formulas(void)
             pupil_config config;
             pupil_t pupil;
             const pupil_coding coding = a_coding(camera[i], n);
-            const pupil_curve curve = {0.2f * (float)(1 << n % 6), n % 3 ? 0.05f : 0, n % 3 ? 3.7f : 0};
+            const pupil_curve curve = {.scale = 0.2f * (float)(1 << n % 6),
+                                       .inverse_white_squared = n % 3 ? 0.05f : 0,
+                                       .gamut = n % 3 ? 3.7f : 0};
             frame_fit(camera[i], &width, &height);
             frame f = frame_make(width, height, camera[i], camera[i] == PUPIL_PIXEL_GREY12 ? 2 : 4, n % 7 == 0);
             if (n % 4 == 0)
@@ -316,7 +318,7 @@ static void full_is_white(void)
         frame f = frame_make(16, 4, PUPIL_PIXEL_BAYER12, 0, 0), out = frame_make(16, 4, PUPIL_PIXEL_RGB8, 0, 0);
         const pupil_image to = frame_writable(&out);
         pupil_coding coding = {.bayer = n % 4, .black = (float)(check_uniform() * 300)};
-        const pupil_curve curve = {1, 1, 0}; /* what is 1 stays 1 */
+        const pupil_curve curve = {.scale = 1, .inverse_white_squared = 1}; /* what is 1 stays 1 */
         pupil_config config;
         pupil_t pupil;
         pupil_stats stats;
@@ -371,7 +373,7 @@ static void nv12_out(void)
         const pupil_coding coding = {.matrix = n % 3, .range = n % 2};
         const long double kr = kr_kb[n % 3][0], kb = kr_kb[n % 3][1], luma = n % 2 ? 255 : 219,
                           chroma = n % 2 ? 255 : 224;
-        const pupil_curve curve = {0.5f, 0.05f, 3.7f};
+        const pupil_curve curve = {.scale = 0.5f, .inverse_white_squared = 0.05f, .gamut = 3.7f};
         frame f = frame_make(w, h, PUPIL_PIXEL_RGB32F, 0, 0), rgb = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0);
         frame yuv = frame_make(w, h, PUPIL_PIXEL_NV12, 3, n % 5 == 0);
         yuv.image.coding = &coding;

@@ -17,7 +17,11 @@ static void map(const pupil_config *config, const pupil_curve *curve, const fram
 /* Grey in, equal codes out, and brighter is never darker. */
 static void check_grey(void)
 {
-    static const pupil_curve curve[] = {{1, 1, 0}, {0.3f, 0, 4}, {7, 0.01f, 3.9f}, {100, 0.0001f, 1}, {2, 4, 0}};
+    static const pupil_curve curve[] = {{.scale = 1, .inverse_white_squared = 1},
+                                        {.scale = 0.3f, .gamut = 4},
+                                        {.scale = 7, .inverse_white_squared = 0.01f, .gamut = 3.9f},
+                                        {.scale = 100, .inverse_white_squared = 0.0001f, .gamut = 1},
+                                        {.scale = 2, .inverse_white_squared = 4}};
     for (uint32_t pixel = PUPIL_PIXEL_RGBA32F; pixel <= PUPIL_PIXEL_RGB8; pixel++)
         for (unsigned i = 0; i < 5; i++)
             for (uint32_t primaries = 0; primaries < 2; primaries++) {
@@ -48,7 +52,7 @@ static void check_gamut(void)
 {
     double worst_luminance = 0, worst_hue = 0;
     unsigned out_of_gamut = 0;
-    const pupil_curve curve = {1, 0.02f, 0};
+    const pupil_curve curve = {.scale = 1, .inverse_white_squared = 0.02f};
     pupil_config config;
     pupil_config_default(&config);
     config.transfer = PUPIL_TRANSFER_LINEAR;

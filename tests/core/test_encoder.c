@@ -17,7 +17,7 @@ static void flush(const pupil_t *pupil, uint32_t transfer)
 {
     static float rgb[3 * AT_ONCE];
     static unsigned char code[3 * AT_ONCE];
-    const pupil_curve one = {1, 1, 0};
+    const pupil_curve one = {.scale = 1, .inverse_white_squared = 1};
     const pupil_image_const in = {
         .data = rgb, .stride_bytes = (ptrdiff_t)sizeof rgb, .width = count, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
     const pupil_image out = {

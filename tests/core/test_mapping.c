@@ -58,9 +58,13 @@ static void compare(const char *name, const pupil_config *config, const pupil_cu
 
 static void check_all_formats(void)
 {
-    static const pupil_curve curve[] = {{1, 1, 0},          {0.18f, 0, 4},         {2.5f, 0.0625f, 3.7f},
-                                        {40, 1e-3f, 3.97f}, {0.004f, 0.3f, 0.01f}, {1e-6f, 0, 16},
-                                        {3e5f, 1e-12f, 0}};
+    static const pupil_curve curve[] = {{.scale = 1, .inverse_white_squared = 1},
+                                        {.scale = 0.18f, .gamut = 4},
+                                        {.scale = 2.5f, .inverse_white_squared = 0.0625f, .gamut = 3.7f},
+                                        {.scale = 40, .inverse_white_squared = 1e-3f, .gamut = 3.97f},
+                                        {.scale = 0.004f, .inverse_white_squared = 0.3f, .gamut = 0.01f},
+                                        {.scale = 1e-6f, .gamut = 16},
+                                        {.scale = 3e5f, .inverse_white_squared = 1e-12f}};
     for (uint32_t from = PUPIL_PIXEL_RGBA32F; from <= PUPIL_PIXEL_RGB8; from++)
         for (uint32_t to = PUPIL_PIXEL_RGBA8; to <= PUPIL_PIXEL_BGRX8; to++)
             for (unsigned i = 0; i < sizeof curve / sizeof *curve; i++) {
@@ -87,7 +91,7 @@ static void check_all_formats(void)
 /* Widths around every power of two up to the length of any buffer that a mapper may use. */
 static void check_widths(void)
 {
-    const pupil_curve curve = {0.8f, 0.04f, 3.8f};
+    const pupil_curve curve = {.scale = 0.8f, .inverse_white_squared = 0.04f, .gamut = 3.8f};
     pupil_config config;
     pupil_config_default(&config);
     for (uint32_t width = 1; width <= 1100; width += width < 70 ? 1 : 79) {
@@ -116,7 +120,8 @@ static void check_extreme_curves(void)
     for (unsigned i = 0; i < sizeof scale / sizeof *scale; i++)
         for (unsigned j = 0; j < sizeof white / sizeof *white; j++)
             for (unsigned k = 0; k < sizeof light / sizeof *light; k++) {
-                const pupil_curve curve = {scale[i], white[j], k % 3 ? 0 : 16};
+                const pupil_curve curve = {
+                    .scale = scale[i], .inverse_white_squared = white[j], .gamut = k % 3 ? 0 : 16};
                 frame in = frame_make(5, 1, PUPIL_PIXEL_RGB32F, 0, 0), out = frame_make(5, 1, PUPIL_PIXEL_RGB8, 0, 0);
                 frame_fill(&in, light[k], light[k], light[k]);
                 frame_set(&in, 1, 0, light[k], 0, 0, 1);
@@ -143,7 +148,7 @@ static void check_examples(void)
     for (uint32_t pixel = PUPIL_PIXEL_RGBA32F; pixel <= PUPIL_PIXEL_RGB32F; pixel++)
         for (int mode = 0; mode < 2; mode++) {
             frame in = frame_make(10, 1, pixel, 0, 0), out = frame_make(10, 1, PUPIL_PIXEL_RGB8, 0, 0);
-            const pupil_curve curve = {0.7f, mode ? 0.25f : 0, mode ? 3 : 0};
+            const pupil_curve curve = {.scale = 0.7f, .inverse_white_squared = mode ? 0.25f : 0, .gamut = mode ? 3 : 0};
             const pupil_image to = frame_writable(&out);
             const unsigned char *code = to.data;
             pupil_config config;
@@ -165,7 +170,7 @@ static void check_alpha(void)
 {
     static const double alpha[] = {0,        1,         0.5,          -1,           2,     NAN,
                                    INFINITY, -INFINITY, 0.0019607842, 0.0019607844, 0.998, 1e-40};
-    const pupil_curve curve = {1, 1, 0};
+    const pupil_curve curve = {.scale = 1, .inverse_white_squared = 1};
     pupil_config config;
     pupil_config_default(&config);
     for (uint32_t from = PUPIL_PIXEL_RGBA32F; from <= PUPIL_PIXEL_RGB8; from++) {

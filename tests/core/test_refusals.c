@@ -14,7 +14,7 @@ static float in_memory[12 * 4 + 8];
 static unsigned char out_memory[12 * 4 + 64], out_before[sizeof out_memory];
 static pupil_image_const in;
 static pupil_image out;
-static const pupil_curve curve = {1, 0, 0};
+static const pupil_curve curve = {.scale = 1};
 
 /* 4 x 3 pixels of RGB32F into RGB8, a stream that is two frames old. */
 static void fresh(void)
@@ -164,8 +164,15 @@ static void check_rows(void)
     expect(pupil_fused_rows(&pupil, &curve, &one, 1, 3, &to, NULL), PUPIL_ERR_NULL, "no statistics");
     expect(pupil_fused_rows(&pupil, NULL, &one, 1, 3, &to, &stats), PUPIL_ERR_NULL, "no curve");
     expect(pupil_map_rows(&pupil, NULL, &one, &to), PUPIL_ERR_NULL, "no curve");
-    static const pupil_curve bad[] = {{NAN, 0, 0},      {-1, 0, 0},  {INFINITY, 0, 0}, {1, NAN, 0},     {1, -1, 0},
-                                      {1, INFINITY, 0}, {1, 0, NAN}, {1, 0, -1},       {1, 0, INFINITY}};
+    static const pupil_curve bad[] = {{.scale = NAN},
+                                      {.scale = -1},
+                                      {.scale = INFINITY},
+                                      {.scale = 1, .inverse_white_squared = NAN},
+                                      {.scale = 1, .inverse_white_squared = -1},
+                                      {.scale = 1, .inverse_white_squared = INFINITY},
+                                      {.scale = 1, .gamut = NAN},
+                                      {.scale = 1, .gamut = -1},
+                                      {.scale = 1, .gamut = INFINITY}};
     for (unsigned k = 0; k < 9; k++) {
         expect(pupil_map_rows(&pupil, &bad[k], &one, &to), PUPIL_ERR_VALUE, "curve");
         expect(pupil_fused_rows(&pupil, &bad[k], &one, 1, 3, &to, &stats), PUPIL_ERR_VALUE, "curve");

@@ -270,7 +270,7 @@ static void check_digital(void)
         for (int i = 0; i < 900; i++) {
             const double ev = log2(1.0 + 0.1 * sin(2.0 * PI * 100.03 * i / 30.0));
             const pupil_frame_info info = {.timestamp_ns = 1000000000 + (int64_t)(i * 1e9 / 30.0)};
-            pupil_curve curve = {1.0f, 0.0f, 0.0f};
+            pupil_curve curve = {.scale = 1.0f};
             double shown[2];
             CHECK(pupil_get_curve(&pupil, &info, &curve) == (i ? PUPIL_OK : PUPIL_ERR_NO_EXPOSURE));
             shown[1] = ev + log2((double)curve.scale);
@@ -305,7 +305,8 @@ static void check_wrong_exposures(void)
         for (int i = 0; i < 600; i++) {
             pupil_stats stats;
             pupil_exposure e;
-            const pupil_frame_info info = {1000000000 + (int64_t)(i * 1e9 / 30.0), 0, i == 300 ? wrong[k] : 0.005, 0};
+            const pupil_frame_info info = {.timestamp_ns = 1000000000 + (int64_t)(i * 1e9 / 30.0),
+                                           .exposure_s = i == 300 ? wrong[k] : 0.005};
             ref_stats_at(log2(1.0 + 0.1 * sin(2.0 * PI * 100.03 * i / 30.0)), 1, &stats);
             CHECK(pupil_adapt(&pupil, &stats, &info) == PUPIL_OK && pupil_get_exposure(&pupil, &e) == PUPIL_OK);
             CHECK_MSG(fabs(e.beat_ev) < 0.2 && fabs(e.adapted_ev) < 0.2, "exposure of %g, frame %d: %g and %g EV",

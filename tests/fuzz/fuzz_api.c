@@ -136,7 +136,7 @@ static void check_pieces(run *before, const run *after, const picture *in, const
     const pupil_image_const good = pupil_image_as_const(in->image);
     const int was_fused = before->config.order == PUPIL_ORDER_FUSED;
     picture mapped = picture_like(out), both = picture_like(out);
-    pupil_curve curve = {1, 1, 0};
+    pupil_curve curve = {.scale = 1, .inverse_white_squared = 1};
     pupil_exposure a, b;
     const int early = was_fused && pupil_get_curve(&before->pupil, info, &curve) == PUPIL_OK;
     pupil_stats_clear(&parts);
@@ -279,7 +279,9 @@ static void do_map(run *r)
 {
     picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
     const pupil_image_const rows = pupil_image_as_const(in.image);
-    const pupil_curve curve = {(float)take_double(0, 100), (float)take_double(0, 2), (float)take_double(0, 16)};
+    const pupil_curve curve = {.scale = (float)take_double(0, 100),
+                               .inverse_white_squared = (float)take_double(0, 2),
+                               .gamut = (float)take_double(0, 16)};
     static run before;
     before = *r;
     const int error = pupil_map_rows(&r->pupil, &curve, &rows, &out.image);

@@ -94,7 +94,7 @@ static void compare_pictures(gl_test *test, pupil_gles *gles, const pupil_t *pup
                                       .width = image->width,
                                       .height = image->height,
                                       .top_first = 1};
-    pupil_curve curve = {1.0f, 0.25f, 2.0f};
+    pupil_curve curve = {.scale = 1.0f, .inverse_white_squared = 0.25f, .gamut = 2.0f};
     pupil_get_curve(pupil, NULL, &curve);
     CHECK(pupil_map_rows(pupil, &curve, image, &out) == PUPIL_OK);
     CHECK(pupil_gles_map(gles, &curve, &target) == PUPIL_OK);
@@ -122,7 +122,7 @@ static int same_frame(gl_test *test, const pupil_image_const *image, const pupil
     gles_config.pixel = image->pixel;
     gles_config.width = image->width;
     gles_config.height = image->height;
-    gles_config.coding = image->coding ? *image->coding : gles_config.coding;
+    gles_config.coding = image->coding;
     int error = pupil_gles_init(&gles, &gles_config, &pupil, pupil_egl_get_proc, why, sizeof why);
     if (error == PUPIL_ERR_CONFIG && strstr(why, "no histogram"))
         return 0;

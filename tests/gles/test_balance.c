@@ -26,7 +26,7 @@ static void test_pixel(gl_test *test, uint32_t pixel, same_figures *figures)
     with.pixel = pixel;
     with.width = 64;
     with.height = 32;
-    with.coding = coding;
+    with.coding = &coding;
     const int error = pupil_gles_init(&gles, &with, &pupil, pupil_egl_get_proc, why, sizeof why);
     CHECK_MSG(error == PUPIL_OK, "%s", why);
     CHECK(error == PUPIL_OK && pupil_gles_upload(&gles, &f.image) == PUPIL_OK);

@@ -42,7 +42,7 @@ static GLuint external_of(EGLImageKHR image)
 static void compare(gl_test *test, pupil_gles *gles, const pupil_t *pupil, const pupil_image_const *picture)
 {
     static uint8_t gpu[WIDTH * HEIGHT * 4], cpu[WIDTH * HEIGHT * 4];
-    const pupil_curve curve = {1.5f, 0.2f, 1.0f};
+    const pupil_curve curve = {.scale = 1.5f, .inverse_white_squared = 0.2f, .gamut = 1.0f};
     const pupil_image out = {
         .data = cpu, .stride_bytes = WIDTH * 4, .width = WIDTH, .height = HEIGHT, .pixel = PUPIL_PIXEL_RGBA8};
     const pupil_gles_target target = {

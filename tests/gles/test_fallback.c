@@ -195,7 +195,7 @@ static void check_uploads(void)
 
 static void refused_target(pupil_gles_target target, int expected, int line)
 {
-    const pupil_curve curve = {1.0f, 0.0f, 0.0f};
+    const pupil_curve curve = {.scale = 1.0f};
     const int on_gpu_too = s.config.adapt == PUPIL_GLES_ADAPT_GPU;
     const pupil_t kept = s.pupil;
     const unsigned long calls = shim.total;
@@ -232,7 +232,8 @@ static void check_targets(void)
 
 static void check_curves(void)
 {
-    const pupil_curve good = {1.0f, 0.0f, 0.0f}, not_a_number = {NAN, 0.0f, 0.0f}, huge = {1.0f, 0x1p20f, 0.0f};
+    const pupil_curve good = {.scale = 1.0f}, not_a_number = {.scale = NAN},
+                      huge = {.scale = 1.0f, .inverse_white_squared = 0x1p20f};
     if (s.config.adapt == PUPIL_GLES_ADAPT_GPU) {
         CHECK(pupil_gles_map(&s.gles, &good, &s.target) == PUPIL_ERR_VALUE);
         return;
@@ -280,7 +281,7 @@ static void check_callers(int kind)
 {
     pupil_stats stats;
     pupil_gles_status status;
-    const pupil_curve curve = {1.0f, 0.0f, 0.0f};
+    const pupil_curve curve = {.scale = 1.0f};
     if (!open_kind(kind))
         return;
     /* before the first frame */

@@ -95,13 +95,19 @@ static void check_config(void)
         {offsetof(pupil_gles_config, height), PUPIL_MAX_SIDE_PX + 1, PUPIL_ERR_SIZE, "width and height"},
         {offsetof(pupil_gles_config, normalized_16), 1, PUPIL_ERR_CONFIG, "normalized_16"},
         {offsetof(pupil_gles_config, half_size), 1, PUPIL_ERR_CONFIG, "half_size"},
-        {offsetof(pupil_gles_config, coding.light), 99, PUPIL_ERR_CODING, "light"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         set_kind(0);
         memcpy((char *)&s.config + wrong[i].offset, &wrong[i].value, sizeof wrong[i].value);
         refused(wrong[i].error, wrong[i].words, wrong[i].words);
         CHECK(shim.total == 0); /* GL was not even asked */
+    }
+    const pupil_coding wrong_coding[] = {{.light = 99}, {.size_bytes = 8}};
+    for (size_t i = 0; i < sizeof wrong_coding / sizeof wrong_coding[0]; i++) {
+        set_kind(0);
+        s.config.coding = &wrong_coding[i];
+        refused(PUPIL_ERR_CODING, i ? "size_bytes" : "light", "coding");
+        CHECK(shim.total == 0);
     }
     set_kind(0);
     shim.largest_side = 15; /* the frames are 16 wide */

@@ -27,7 +27,7 @@ static int near(const uint8_t *a, const uint8_t *b, int most)
     return 1;
 }
 
-static const pupil_curve curve = {1.3f, 0.1f, 1.0f};
+static const pupil_curve curve = {.scale = 1.3f, .inverse_white_squared = 0.1f, .gamut = 1.0f};
 static pupil_t pupil;
 
 static view mapped_by_cpu(const pupil_image_const *image, uint32_t half)

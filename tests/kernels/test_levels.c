@@ -133,7 +133,7 @@ static pupil_coding any_coding(uint32_t pixel)
 
 static pupil_curve any_curve(void)
 {
-    pupil_curve c = {(float)exp2(24.0 * check_uniform() - 12.0), 0.0f, 4.0f};
+    pupil_curve c = {.scale = (float)exp2(24.0 * check_uniform() - 12.0), .gamut = 4.0f};
     if (check_uniform() < 0.1)
         c.scale = check_uniform() < 0.5 ? 0.0f : (float)exp2(120.0 * check_uniform() - 60.0);
     if (check_uniform() < 0.7) {

@@ -9,7 +9,7 @@
 
 enum { MOST_ROWS = 64 };
 
-static const pupil_curve curve = {2.0f, 0.0625f, 3.7f};
+static const pupil_curve curve = {.scale = 2.0f, .inverse_white_squared = 0.0625f, .gamut = 3.7f};
 
 /* The same by hand: `together` rows of `in` at a time, with the mean of their gains. */
 static void map_by_hand(const pupil_t *pupil, const pupil_image_const *in, const float *gain, const pupil_image *out,
@@ -90,7 +90,7 @@ static void check_refusals(void)
     CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_ERR_STRIDE);
     CHECK(frame_equal(&out, &before));
     to = frame_writable(&out);
-    pupil_curve brightest = {0x1p60f, 0, 0};
+    pupil_curve brightest = {.scale = 0x1p60f};
     for (int i = 0; i < 8; i++)
         gain[i] = 0x1p100f;
     CHECK(pupil_map_rows_with_gains(&pupil, &brightest, &in.image, gain, &to) == PUPIL_OK);
@@ -134,7 +134,7 @@ static void check_metering(uint32_t pixel)
 /* The largest gains there are, of pairs of rows: nothing times them is nothing. */
 static void check_largest(void)
 {
-    static const pupil_curve black = {0, 0, 0};
+    static const pupil_curve black = {0};
     pupil_config config;
     pupil_t pupil;
     frame in = frame_make(8, 8, PUPIL_PIXEL_BAYER8, 0, 0), a = frame_make(8, 8, PUPIL_PIXEL_RGBA8, 0, 0);

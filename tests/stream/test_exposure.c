@@ -29,7 +29,7 @@ static pupil_exposure adapt(pupil_t *pupil, double ev, double exposure_s, double
 static pupil_curve curve_of(const pupil_t *pupil, double exposure_s, double gain)
 {
     const pupil_frame_info info = {.timestamp_ns = now, .exposure_s = exposure_s, .gain = gain};
-    pupil_curve curve = {0, 0, 0};
+    pupil_curve curve = {0};
     CHECK(pupil_get_curve(pupil, exposure_s > 0 ? &info : NULL, &curve) == PUPIL_OK);
     return curve;
 }
@@ -39,7 +39,7 @@ static void check_first(void)
     pupil_config config;
     pupil_t pupil;
     pupil_exposure e = {.frames = 9};
-    pupil_curve curve = {7, 8, 9};
+    pupil_curve curve = {.scale = 7, .inverse_white_squared = 8, .gamut = 9};
     pupil_stats stats, none;
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);

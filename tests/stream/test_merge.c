@@ -193,7 +193,7 @@ static void check_threads(const pupil_config *config, const frame *f)
     static worker w[8];
     pupil_t pupil;
     pupil_stats whole, sum;
-    const pupil_curve curve = {0.7f, 0.01f, 2};
+    const pupil_curve curve = {.scale = 0.7f, .inverse_white_squared = 0.01f, .gamut = 2};
     frame out[2] = {frame_make(f->image.width, f->image.height, PUPIL_PIXEL_RGB8, 0, 0),
                     frame_make(f->image.width, f->image.height, PUPIL_PIXEL_RGB8, 0, 0)};
     const pupil_image to = frame_writable(&out[0]);

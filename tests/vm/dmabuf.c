@@ -259,7 +259,7 @@ static void test_formats(void)
 /* What the camera sees, mapped into every buffer of the monitor. */
 static int fill_monitor(void)
 {
-    const pupil_curve curve = {2.0f, 0.1f, 1.0f};
+    const pupil_curve curve = {.scale = 2.0f, .inverse_white_squared = 0.1f, .gamut = 1.0f};
     static unsigned char picture[VGA_WIDTH * VGA_HEIGHT * 4];
     const pupil_image cpu = {.data = picture,
                              .stride_bytes = VGA_WIDTH * 4,

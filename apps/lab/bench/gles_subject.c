@@ -225,7 +225,7 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
     config.width = width;
     config.height = height;
     if (s->in.coding)
-        config.coding = *s->in.coding;
+        config.coding = s->in.coding;
     int error = pupil_gles_init(&s->gles, &config, &s->plain, get_proc, reason, sizeof reason);
     if (error) {
         snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));

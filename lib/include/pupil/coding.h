@@ -58,12 +58,13 @@ typedef enum pupil_bayer {
  * What a field is for: matrix and range for Y'CbCr, also that of an output; light for that of an input and for
  * grey; bayer, balance and rgb_from_camera for mosaics; shift, black and white for grey and mosaics. */
 typedef struct pupil_coding {
-    uint32_t matrix;  /* a pupil_matrix */
-    uint32_t range;   /* a pupil_range */
-    uint32_t light;   /* a pupil_light; mosaics: usual or linear */
-    uint32_t bayer;   /* a pupil_bayer */
-    uint32_t shift;   /* formats of 10, 12 or 14 bits in 16-bit words: bits below the sample, 0..16 - bits. 0: the
-                       * sample is in the lower bits; what lies above it counts too */
+    uint32_t size_bytes; /* abi.h; or 0 */
+    uint32_t matrix;     /* a pupil_matrix */
+    uint32_t range;      /* a pupil_range */
+    uint32_t light;      /* a pupil_light; mosaics: usual or linear */
+    uint32_t bayer;      /* a pupil_bayer */
+    uint32_t shift;      /* formats of 10, 12 or 14 bits in 16-bit words: bits below the sample, 0..16 - bits. 0: the
+                          * sample is in the lower bits; what lies above it counts too */
     float black;      /* code of no light, after the shift; white or 2^bits - 1 is at least 1 above it; 0. Few sensors
                        * have 0: the driver or the data sheet has the level, at which all that is dark would be grey */
     float white;      /* code of the largest light, after the shift, up to 65535; 0: 2^bits - 1 */

@@ -9,6 +9,7 @@
 
 #include "pupil/error.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -73,7 +74,7 @@ typedef enum pupil_level {
 #define PUPIL_GRID_SIDE 16
 
 typedef struct pupil_config {
-    uint32_t size_bytes; /* sizeof(pupil_config) as the caller was compiled; pupil_config_default fills it in */
+    uint32_t size_bytes; /* abi.h; filled in by pupil_config_default */
 
     /* metering */
     uint32_t primaries;  /* a pupil_primaries; BT.709 */
@@ -95,12 +96,13 @@ typedef struct pupil_config {
                                                        * (2x+1)*16 / (2*width). */
 
     /* adaptation */
-    uint32_t law;  /* a pupil_law; seconds */
-    uint32_t lock; /* 1: the adapted level and white stand still while metering goes on (the first valid frame still
-                      sets them); 0 */
-    uint32_t beat; /* 1: where lamps at 50 or 60 Hz make all light go up and down with the frame rate (frames
-                    * bring timestamps, the beat is steady and nearly all that happens), that is taken out of
-                    * the level and of each frame's curve; 1 */
+    uint32_t law;      /* a pupil_law; seconds */
+    uint32_t lock;     /* 1: the adapted level and white stand still while metering goes on (the first valid frame still
+                          sets them); 0 */
+    uint32_t beat;     /* 1: where lamps at 50 or 60 Hz make all light go up and down with the frame rate (frames
+                        * bring timestamps, the beat is steady and nearly all that happens), that is taken out of
+                        * the level and of each frame's curve; 1 */
+    uint32_t reserved; /* 0 */
     double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
     double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
     double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
@@ -124,7 +126,11 @@ typedef struct pupil_config {
 } pupil_config;
 
 /* Fills in every field with its default. */
-PUPIL_API void pupil_config_default(pupil_config *config);
+PUPIL_API void pupil_config_default_sized(pupil_config *config, size_t config_bytes);
+static inline void pupil_config_default(pupil_config *config)
+{
+    pupil_config_default_sized(config, sizeof *config);
+}
 
 /* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
  * wrong field and what would be right. */

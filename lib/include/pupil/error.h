@@ -9,15 +9,10 @@
 #ifndef PUPIL_ERROR_H
 #define PUPIL_ERROR_H
 
+#include "pupil/abi.h"
+
 #ifdef __cplusplus
 extern "C" {
-#endif
-
-/* Exported from the shared library; everything else is hidden. */
-#if defined(__GNUC__)
-#define PUPIL_API __attribute__((visibility("default")))
-#else
-#define PUPIL_API
 #endif
 
 enum {
@@ -44,7 +39,9 @@ enum {
     PUPIL_ERR_GLES_MEMORY = -18,  /* ... the driver is out of memory */
     PUPIL_ERR_GLES_CONTEXT = -19, /* ... no context is current, or another one than at init */
     PUPIL_ERR_GLES_LOST = -20,    /* ... the context is lost */
-    PUPIL_ERR_GLES = -21          /* ... any other error of GL */
+    PUPIL_ERR_GLES = -21,         /* ... any other error of GL */
+    PUPIL_ERR_SIZE_BYTES = -22    /* abi.h: size_bytes of a struct is not one that a version has had, or covers a field
+                                   * that is set and that this version does not know */
 };
 
 /* One sentence, in English, for any code above (and for any other number). Never NULL; points to constant text. */

@@ -92,7 +92,7 @@ typedef enum pupil_gles_adapt {
  *     BAYER10P, BAYER12P         R8, pupil_row_bytes texels wide
  */
 typedef struct pupil_gles_config {
-    uint32_t size_bytes;    /* sizeof(pupil_gles_config) as the caller was compiled; filled in by config_default */
+    uint32_t size_bytes;    /* abi.h; filled in by pupil_gles_config_default */
     uint32_t version;       /* a pupil_gles_version; best */
     uint32_t source;        /* a pupil_gles_source; memory */
     uint32_t adapt;         /* a pupil_gles_adapt; CPU */
@@ -101,10 +101,15 @@ typedef struct pupil_gles_config {
     uint32_t normalized_16; /* 1: textures of 16-bit grey and mosaics are R16 (GL_EXT_texture_norm16, dma-bufs); 0 */
     uint32_t half_size;     /* 1: a mosaic is mapped quad by quad, to a picture of half its size; 0 */
     uint32_t scaled;        /* 1: targets may have another size than the picture; 0 */
-    pupil_coding coding;    /* of every frame; all 0 */
+    const pupil_coding *coding; /* of every frame, copied by pupil_gles_init; NULL: all zero */
 } pupil_gles_config;
 
-PUPIL_API void pupil_gles_config_default(pupil_gles_config *config);
+/* Fills in every field with its default. */
+PUPIL_API void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_bytes);
+static inline void pupil_gles_config_default(pupil_gles_config *config)
+{
+    pupil_gles_config_default_sized(config, sizeof *config);
+}
 
 /* How the picture lies in the target: EXIF's orientations 1 to 8, less one. */
 typedef enum pupil_gles_orientation {
@@ -130,6 +135,7 @@ typedef enum pupil_gles_fit {
  * other than the picture's (turned as it is) are drawn with four samples a pixel, mixed as display codes; to a half and
  * less, details may flicker. */
 typedef struct pupil_gles_target {
+    uint32_t size_bytes;    /* abi.h; or 0 */
     uint32_t framebuffer;   /* 0: the window's */
     int32_t x, y;           /* the rectangle that it may use; y counts from the framebuffer's first row */
     uint32_t width, height; /* 1..PUPIL_MAX_SIDE_PX */
@@ -202,7 +208,12 @@ enum { PUPIL_GLES_NOTHING = 1, PUPIL_GLES_BUSY = 2 };
 
 /* The oldest statistics that have come back, with the info of their frame: PUPIL_OK, or PUPIL_GLES_NOTHING. timeout_ns
  * 0 never waits; else waits so long at most. `info` may be NULL. */
-PUPIL_API int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info);
+PUPIL_API int pupil_gles_collect_sized(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, size_t stats_bytes,
+                                       pupil_frame_info *info, size_t info_bytes);
+static inline int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)
+{
+    return pupil_gles_collect_sized(gles, timeout_ns, stats, sizeof *stats, info, sizeof *info);
+}
 
 /* Maps the frame. `curve` NULL: by the level on the GPU (PUPIL_GLES_ADAPT_GPU). */
 PUPIL_API int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target);
@@ -210,15 +221,20 @@ PUPIL_API int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const p
 /* --- results --- */
 
 typedef struct pupil_gles_status {
+    uint32_t size_bytes;  /* abi.h */
     uint32_t version;     /* PUPIL_GLES_ES30 or _ES31 */
     uint32_t under_way;   /* frames metered whose statistics were not collected yet */
+    uint32_t level_known; /* 1: level_q24 is that of the GPU, and it has had a valid frame */
     uint64_t metered;     /* frames handed to the GPU since init */
     uint64_t unmetered;   /* frames that pupil_gles_meter found the ring full for */
     int64_t level_q24;    /* ADAPT_GPU: the level (2^-24 stops) on the GPU after the last frame that was collected */
-    uint32_t level_known; /* ADAPT_GPU: such a frame has come, and the GPU has had a valid one */
 } pupil_gles_status;
 
-PUPIL_API int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status);
+PUPIL_API int pupil_gles_get_status_sized(const pupil_gles *gles, pupil_gles_status *status, size_t status_bytes);
+static inline int pupil_gles_get_status(const pupil_gles *gles, pupil_gles_status *status)
+{
+    return pupil_gles_get_status_sized(gles, status, sizeof *status);
+}
 
 #ifdef __cplusplus
 }

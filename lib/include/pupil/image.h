@@ -68,22 +68,24 @@ typedef enum pupil_pixel {
  * interpolate a mosaic, the rows just outside the group are read too where rows_above and rows_below say that there are
  * any; at the frame's edges (0) the picture is mirrored. pupil_image_rows sees to all of it. */
 typedef struct pupil_image {
+    uint32_t size_bytes;           /* abi.h; or 0 */
+    uint32_t pixel;                /* a pupil_pixel */
     void *data;                    /* the top row */
     ptrdiff_t stride_bytes;        /* from one row to the next; may be negative */
     uint32_t width;                /* pixels, 1..PUPIL_MAX_SIDE_PX */
     uint32_t height;               /* rows, 1..PUPIL_MAX_SIDE_PX */
-    uint32_t pixel;                /* a pupil_pixel */
     void *chroma;                  /* NV12: the top row of Cb and Cr */
     ptrdiff_t chroma_stride_bytes; /* may be negative; a row has width + width % 2 bytes */
     const pupil_coding *coding;    /* NULL: all zero. NV12: its matrix and range */
 } pupil_image;
 
 typedef struct pupil_image_const {
+    uint32_t size_bytes;
+    uint32_t pixel;
     const void *data;
     ptrdiff_t stride_bytes;
     uint32_t width;
     uint32_t height;
-    uint32_t pixel;
     const void *chroma;
     ptrdiff_t chroma_stride_bytes;
     const pupil_coding *coding;
@@ -93,6 +95,8 @@ typedef struct pupil_image_const {
 
 /* What is known of a frame beside its pixels. All zero means: nothing is known. */
 typedef struct pupil_frame_info {
+    uint32_t size_bytes;  /* abi.h; or 0 */
+    uint32_t reserved;    /* 0 */
     int64_t timestamp_ns; /* the middle of the exposure, in ns of a monotonic clock. The library takes dt as the
                            * difference of two frames' timestamps; back in time counts as dt = 0. Two frames in a row
                            * stamped 0 are taken as unstamped and config.nominal_frame_s apart. */
@@ -133,6 +137,7 @@ static inline pupil_image pupil_image_out_rows(pupil_image image, uint32_t first
 static inline pupil_image_const pupil_image_as_const(pupil_image image)
 {
     pupil_image_const c;
+    c.size_bytes = sizeof c;
     c.data = image.data;
     c.stride_bytes = image.stride_bytes;
     c.width = image.width;

@@ -34,14 +34,7 @@
 extern "C" {
 #endif
 
-#define PUPIL_VERSION_MAJOR 0
-#define PUPIL_VERSION_MINOR 1
-#define PUPIL_VERSION_PATCH 0
-
-/* "0.1.0": the version of the library that is linked, which need not be that of this header. */
-PUPIL_API const char *pupil_version(void);
-
-#define PUPIL_OBJECT_BYTES 8192
+#define PUPIL_OBJECT_BYTES 12288
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil {
@@ -99,10 +92,11 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
  * and where gamut is 0, min(1, x): nothing inside the gamut moves. From D = 1 on the pixel is white. */
 #define PUPIL_GAMUT_KNEE 0.75f
 typedef struct pupil_curve {
+    uint32_t size_bytes;         /* abi.h; or 0 */
     float scale;                 /* X: from frame values to scaled luminance; 0..2^60 */
     float inverse_white_squared; /* 1 / W^2; 0: no white point; 0..2^16 */
-    float gamut; /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 comes to lie at 1; 0 where W <= 1;
-                  * 0..16 */
+    float gamut;                 /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 becomes 1; 0 where W <= 1;
+                                  * 0..16 */
 } pupil_curve;
 
 /* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to
@@ -143,6 +137,8 @@ typedef enum pupil_reason {
 /* The state after the last pupil_adapt. All EV are log2 of scene luminance (relative unless frames bring exposure, gain
  * and the config a calibration). */
 typedef struct pupil_exposure {
+    uint32_t size_bytes; /* abi.h */
+    uint32_t reserved;
     double metered_ev; /* the last frame's (trimmed) log-average */
     double beat_ev;    /* how much of it is the beat of lamps (config.beat); 0: none known */
     double adapted_ev; /* what the eye is adapted to */
@@ -154,21 +150,38 @@ typedef struct pupil_exposure {
     uint32_t reason;   /* a pupil_reason */
 } pupil_exposure;
 
-PUPIL_API int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure);
+PUPIL_API int pupil_get_exposure_sized(const pupil_t *pupil, pupil_exposure *exposure, size_t exposure_bytes);
+static inline int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *exposure)
+{
+    return pupil_get_exposure_sized(pupil, exposure, sizeof *exposure);
+}
 
 /* The curve for a frame: where `info` brings exposure and gain (or an earlier frame did), what was divided out of the
  * light before adapting is put back. The beat of lamps (config.beat) is that of the frame with info's timestamp, which
  * may be the last one or one to come. `info` may be NULL: the last frame's. PUPIL_ERR_NO_EXPOSURE before the first
  * valid frame. */
-PUPIL_API int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve);
+PUPIL_API int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve,
+                                    size_t curve_bytes);
+static inline int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
+{
+    return pupil_get_curve_sized(pupil, info, curve, sizeof *curve);
+}
 
 /* The curve for frames before the first valid one, with which pupil_process maps them: the scale is 1, and the white
  * point is config.white, or 1 where it follows the light. */
-PUPIL_API int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *curve);
+PUPIL_API int pupil_curve_before_light_sized(const pupil_t *pupil, pupil_curve *curve, size_t curve_bytes);
+static inline int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *curve)
+{
+    return pupil_curve_before_light_sized(pupil, curve, sizeof *curve);
+}
 
 /* The statistics of the last frame that pupil_process or pupil_frame_end metered; none where it was dropped. Between
  * pupil_frame_begin and pupil_frame_end: of the rows so far. */
-PUPIL_API int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats);
+PUPIL_API int pupil_get_stats_sized(const pupil_t *pupil, pupil_stats *stats, size_t stats_bytes);
+static inline int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
+{
+    return pupil_get_stats_sized(pupil, stats, sizeof *stats);
+}
 
 #ifdef __cplusplus
 }

@@ -47,20 +47,24 @@ extern "C" {
 #endif
 
 typedef struct pupil_row_gain_config {
-    uint32_t size_bytes; /* sizeof(pupil_row_gain_config) as the caller was compiled; config_default fills it in */
+    uint32_t size_bytes; /* abi.h; filled in by pupil_row_gain_config_default */
     uint32_t mains_hz;   /* 50 or 60: the light has twice that; 50 */
     double readout_s; /* from the middle of the first row's exposure to the last row's, within a tenth: what is off by
                        * less is found; 1/60; 1e-4..1 */
 } pupil_row_gain_config;
 
 /* Fills in every field with its default. */
-PUPIL_API void pupil_row_gain_config_default(pupil_row_gain_config *config);
+PUPIL_API void pupil_row_gain_config_default_sized(pupil_row_gain_config *config, size_t config_bytes);
+static inline void pupil_row_gain_config_default(pupil_row_gain_config *config)
+{
+    pupil_row_gain_config_default_sized(config, sizeof *config);
+}
 
 /* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
  * wrong field and what would be right. */
 PUPIL_API int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char **why);
 
-#define PUPIL_ROW_GAIN_OBJECT_BYTES 45056
+#define PUPIL_ROW_GAIN_OBJECT_BYTES 65536
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil_row_gain {
@@ -83,14 +87,14 @@ typedef enum pupil_row_gain_reason { /* why there are no gains, or not all of th
 } pupil_row_gain_reason;
 
 typedef struct pupil_row_gain_result {
-    double strength; /* 0: all gains are 1; 1: the whole wave is taken out */
-    double wave_ev;  /* amplitude of the wave's fundamental in the last frame, in stops: half of what is seen from the
-                      * brightest row to the darkest */
+    uint32_t size_bytes; /* abi.h */
+    uint32_t reason;     /* a pupil_row_gain_reason */
+    double strength;     /* 0: all gains are 1; 1: the whole wave is taken out */
+    double wave_ev; /* amplitude of the wave's fundamental in the last frame, in stops: half of what is seen from the
+                     * brightest row to the darkest */
     double disagreement; /* of the worst tile: what would be left of the wave there, over the wave; 1 at most */
     double light_hz;     /* as found; near twice mains_hz */
     double readout_s;    /* as found; near config.readout_s */
-    uint32_t reason;     /* a pupil_row_gain_reason */
-    uint32_t reserved;   /* 0 */
 } pupil_row_gain_result;
 
 /* Makes an object out of any bytes. PUPIL_ERR_CONFIG: see pupil_row_gain_config_check. */
@@ -102,7 +106,11 @@ PUPIL_API int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_co
  * where the clock goes back or on by more than half a second. */
 PUPIL_API int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, const pupil_frame_info *info);
 
-PUPIL_API int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain_result *result);
+PUPIL_API int pupil_row_gain_get_sized(const pupil_row_gain *lamps, pupil_row_gain_result *result, size_t result_bytes);
+static inline int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain_result *result)
+{
+    return pupil_row_gain_get_sized(lamps, result, sizeof *result);
+}
 
 /* The gains of the rows of a frame, gain[0] the top one's: of the frame that was taken last, or, to map a frame in the
  * pass that meters it, of the next one, by its timestamp. From 1/16 to 16; all 1 where there are none, and for a time

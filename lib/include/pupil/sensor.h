@@ -90,18 +90,19 @@ typedef enum pupil_sensor_mode {
 #define PUPIL_SENSOR_GAIN_TABLE 64
 #define PUPIL_SENSOR_KEY_POINTS 8
 
+/* Frozen: elements of an array in pupil_sensor_config. */
 typedef struct pupil_sensor_stage {
     double exposure_s, gain;
 } pupil_sensor_stage;
 
-/* What the key is to be where the scene has this light. */
+/* What the key is to be where the scene has this light. Frozen: elements of an array in pupil_sensor_config. */
 typedef struct pupil_sensor_key_point {
     double scene_ev; /* log2 of value / (exposure_s * gain), as scene_ev of pupil_sensor_setting; -256..256, rising */
     double key;      /* 2^-10..1; never falls */
 } pupil_sensor_key_point;
 
 typedef struct pupil_sensor_config {
-    uint32_t size_bytes;   /* sizeof(pupil_sensor_config) as the caller was compiled; config_default fills it in */
+    uint32_t size_bytes;   /* abi.h; filled in by pupil_sensor_config_default */
     uint32_t delay_frames; /* frames from the one that was measured to the first that shows the reaction, the longer of
                             * both controls. Too long only costs time, too short can hunt; 4, the longest that is usual;
                             * 1..16 */
@@ -116,6 +117,7 @@ typedef struct pupil_sensor_config {
      * from there is divided by the slope, so that it does not move with the settings, either; and what key_at is beside
      * `key` counts as stops of light, too: of a picture of slope 0.5 the square root of that. */
     uint32_t key_points; /* in use; 0 (key)..PUPIL_SENSOR_KEY_POINTS */
+    uint32_t reserved;   /* 0 */
     pupil_sensor_key_point key_at[PUPIL_SENSOR_KEY_POINTS];
     double ev_compensation; /* stops, positive is brighter; with key_at, too; 0; -16..16 */
     double clip;            /* the value of a frame at which a channel is full; 2^-16..2^16; 1, as integer formats have
@@ -182,7 +184,11 @@ typedef struct pupil_sensor_config {
 } pupil_sensor_config;
 
 /* Fills in every field with its default. */
-PUPIL_API void pupil_sensor_config_default(pupil_sensor_config *config);
+PUPIL_API void pupil_sensor_config_default_sized(pupil_sensor_config *config, size_t config_bytes);
+static inline void pupil_sensor_config_default(pupil_sensor_config *config)
+{
+    pupil_sensor_config_default_sized(config, sizeof *config);
+}
 
 /* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
  * wrong field and what would be right. */
@@ -238,6 +244,8 @@ typedef enum pupil_sensor_mains {
 
 /* All EV are log2. scene_ev, wanted_ev, error_ev: of the last frame with light; 0 where `frames` is 0. */
 typedef struct pupil_sensor_setting {
+    uint32_t size_bytes; /* abi.h */
+    uint32_t reserved;
     double exposure_s;    /* to be written to the camera, as it has it */
     double gain;          /* to be written to the camera, as it has it */
     double digital;       /* total_s / (exposure_s * gain) */
@@ -295,7 +303,11 @@ PUPIL_API int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double c
 
 /* --- results --- */
 
-PUPIL_API int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting);
+PUPIL_API int pupil_sensor_get_sized(const pupil_sensor *sensor, pupil_sensor_setting *setting, size_t setting_bytes);
+static inline int pupil_sensor_get(const pupil_sensor *sensor, pupil_sensor_setting *setting)
+{
+    return pupil_sensor_get_sized(sensor, setting, sizeof *setting);
+}
 
 #ifdef __cplusplus
 }

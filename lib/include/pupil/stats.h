@@ -21,6 +21,7 @@
 #ifndef PUPIL_STATS_H
 #define PUPIL_STATS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "pupil/error.h"
@@ -48,6 +49,8 @@ extern "C" {
 /* Widths: 2^28 pixels (16384 x 16384) x weight 255 x 32 stops < 2^41, so log2_sum and each bin hold any frame, and
  * eight million such frames on top. A band holds at most 2^22 pixels x 32 stops x 2^24 = 2^51. */
 typedef struct pupil_stats {
+    uint32_t size_bytes;                /* abi.h; filled in by pupil_stats_clear; or 0 */
+    uint32_t reserved;                  /* 0 */
     uint64_t pixels;                    /* metered pixels (weight above 0) */
     uint64_t weight;                    /* sum of their weights */
     uint64_t black;                     /* pixels, unweighted; see above */
@@ -70,7 +73,11 @@ typedef struct pupil_stats {
 } pupil_stats;
 
 /* Makes the statistics of no pixels at all. */
-PUPIL_API void pupil_stats_clear(pupil_stats *stats);
+PUPIL_API void pupil_stats_clear_sized(pupil_stats *stats, size_t stats_bytes);
+static inline void pupil_stats_clear(pupil_stats *stats)
+{
+    pupil_stats_clear_sized(stats, sizeof *stats);
+}
 
 /* Adds `more` to `sum`. Refused (PUPIL_ERR_STATS) if both hold rows of frames of different height, if only one of them
  * has a histogram, or if the rows would be more than the frame has. */

@@ -1,0 +1,38 @@
+/* lib/core/read.h: what a call is given, as structs of this version. A caller's struct is copied once, where the call
+ * enters the library. Statistics are too large for that: their fields are used where they are, after
+ * pupil_stats_check_bytes. */
+#ifndef PUPIL_CORE_READ_H
+#define PUPIL_CORE_READ_H
+
+#include "pupil/pupil.h"
+
+/* These return PUPIL_OK or an error. */
+
+/* `theirs` may be NULL: nothing is known. */
+int pupil_info_read(pupil_frame_info *ours, const pupil_frame_info *theirs);
+/* And its values are right. */
+int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs);
+/* NULL, or a sentence; the values are not looked at. */
+const char *pupil_coding_read(pupil_coding *ours, const pupil_coding *theirs);
+
+/* Its values, and the coding that it points at, are not looked at. */
+int pupil_image_read(pupil_image_const *ours, const pupil_image_const *theirs);
+
+typedef struct pupil_input {
+    pupil_image_const image; /* its coding: NULL, or the one below */
+    pupil_coding coding;
+} pupil_input;
+
+typedef struct pupil_output {
+    pupil_image image;
+    pupil_coding coding;
+} pupil_output;
+
+/* And it can be read, or written: size, pixel, planes, strides, alignment, coding. */
+int pupil_input_read(pupil_input *ours, const pupil_image_const *theirs);
+int pupil_output_read(pupil_output *ours, const pupil_image *theirs);
+
+/* PUPIL_OK, or PUPIL_ERR_SIZE_BYTES. */
+int pupil_stats_check_bytes(const pupil_stats *stats);
+
+#endif

@@ -1,0 +1,47 @@
+/* pupil/abi.h: how a program works with a library that is older or newer than the headers it was compiled with.
+ *
+ * A struct that may grow begins with `size_bytes`: its sizeof when the caller was compiled. New fields are added at the
+ * end only, and 0 (or the default) in a new field means what the library did before it had the field. No field is moved
+ * or removed, and no struct has padding, while the soname stays the same: libpupil.so.0.MINOR, from 1.0 on
+ * libpupil.so.MAJOR. Structs without size_bytes are frozen. The objects (pupil_t and the like) keep their size.
+ *
+ * Configurations: begin with pupil_..._config_default, which fills in size_bytes and every field that the caller has.
+ *
+ * Other inputs (images, their coding, frame info, curves, targets, statistics): size_bytes is 0 or sizeof the struct. 0
+ * means the fields of the first release, so initializers such as {.data = pixels, .width = 640} need not name it. A
+ * field that was added later is read only where size_bytes covers it.
+ *
+ * The library reads at most size_bytes. Fields that an older caller lacks have their defaults. A newer caller's fields
+ * that the library does not know must be 0. Anything else is refused before anything is touched: by the sentence of the
+ * check (configurations, coding), else with PUPIL_ERR_SIZE_BYTES.
+ *
+ * Outputs: the library writes at most the caller's sizeof, which an inline function passes to it (the functions that
+ * end in _sized; call these from other languages). size_bytes says afterwards how much the library has filled in.
+ * Fields of a newer caller beyond that are 0.
+ */
+#ifndef PUPIL_ABI_H
+#define PUPIL_ABI_H
+
+/* Exported from the shared library; everything else is hidden. */
+#if defined(__GNUC__)
+#define PUPIL_API __attribute__((visibility("default")))
+#else
+#define PUPIL_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PUPIL_VERSION_MAJOR 0
+#define PUPIL_VERSION_MINOR 1
+#define PUPIL_VERSION_PATCH 0
+
+/* "0.1.0": the version of the library that is linked, which need not be that of this header. */
+PUPIL_API const char *pupil_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
