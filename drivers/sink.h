@@ -17,6 +17,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 
 enum { PUPIL_SINK_OK = 0, PUPIL_SINK_FAILED = -1 };
@@ -33,10 +34,9 @@ typedef struct pupil_sink_options {
 typedef struct pupil_sink pupil_sink;
 
 typedef struct pupil_sink_ops {
-    int (*write)(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                 size_t why_bytes);
-    int (*finish)(pupil_sink *sink, char *why, size_t why_bytes); /* on success the sink is gone */
-    void (*discard)(pupil_sink *sink);                            /* the sink is gone */
+    int (*write)(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why);
+    int (*finish)(pupil_sink *sink, pupil_why *why); /* on success the sink is gone */
+    void (*discard)(pupil_sink *sink);               /* the sink is gone */
 } pupil_sink_ops;
 
 struct pupil_sink {
@@ -44,14 +44,14 @@ struct pupil_sink {
 };
 
 static inline int pupil_sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info,
-                                   char *why, size_t why_bytes)
+                                   pupil_why *why)
 {
-    return sink->ops->write(sink, image, info, why, why_bytes);
+    return sink->ops->write(sink, image, info, why);
 }
 
-static inline int pupil_sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
+static inline int pupil_sink_finish(pupil_sink *sink, pupil_why *why)
 {
-    return sink->ops->finish(sink, why, why_bytes);
+    return sink->ops->finish(sink, why);
 }
 
 static inline void pupil_sink_discard(pupil_sink *sink)

@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 
 enum {
@@ -28,9 +29,6 @@ enum {
         -1, /* next: this frame is lost (missing, damaged); calling next again goes on with the following one */
     PUPIL_SOURCE_FAILED = -2 /* open, next: nothing more will come */
 };
-
-/* Room that always suffices for a sentence of a source or a sink. */
-#define PUPIL_WHY_BYTES 1024
 
 typedef struct pupil_frame {
     pupil_image_const image;
@@ -55,7 +53,7 @@ typedef struct pupil_source_options {
 typedef struct pupil_source pupil_source;
 
 typedef struct pupil_source_ops {
-    int (*next)(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes);
+    int (*next)(pupil_source *source, pupil_frame *frame, pupil_why *why);
     void (*done)(pupil_source *source, pupil_frame *frame);
     void (*close)(pupil_source *source); /* frees everything, the source itself too */
 } pupil_source_ops;
@@ -67,9 +65,9 @@ struct pupil_source {
     uint64_t frames; /* how many frames it expects to hand out; 0: unknown */
 };
 
-static inline int pupil_source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static inline int pupil_source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
-    return source->ops->next(source, frame, why, why_bytes);
+    return source->ops->next(source, frame, why);
 }
 
 static inline void pupil_source_done(pupil_source *source, pupil_frame *frame)

@@ -6,12 +6,12 @@
 #include "list/list.h"
 #include "output/stats_file.h"
 #include "probe/probe.h"
+#include "refuse.h"
 
-int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
+int pupil_stats_json_check(const char *path, pupil_why *why)
 {
-    return pupil_refuse(why, why_bytes,
-                        "%s: this program was built without cJSON (PUPIL_MEDIA=OFF); statistics can be a .csv file",
-                        path);
+    return pupil_refuse(
+        why, "%s: this program was built without cJSON (PUPIL_MEDIA=OFF); statistics can be a .csv file", path);
 }
 
 int pupil_stats_json_line(FILE *file, const pupil_record *record)

@@ -5,6 +5,7 @@
 
 #include "file/file_source.h"
 #include "file/recording/recording.h"
+#include "refuse.h"
 #include "synth/synth_source.h"
 #include "v4l2/capture/v4l2_source.h"
 
@@ -30,21 +31,21 @@ static const char *kind_of(const char *input)
 }
 
 int open_input(const char *const *inputs, size_t count, const pupil_source_options *options, pupil_source **source,
-               char *why, size_t why_bytes)
+               pupil_why *why)
 {
     for (size_t i = 0; i < count; i++) {
         const char *kind = kind_of(inputs[i]);
         if (!kind)
             continue;
         if (count > 1) {
-            snprintf(why, why_bytes, "%s: a %s must be the only input", inputs[i], kind);
+            pupil_refuse(why, "%s: a %s must be the only input", inputs[i], kind);
             return PUPIL_SOURCE_FAILED;
         }
         if (*kind == 'c')
-            return pupil_v4l2_source_open(inputs[i], options, NULL, source, why, why_bytes);
+            return pupil_v4l2_source_open(inputs[i], options, NULL, source, why);
         if (*kind == 's')
-            return pupil_synth_source_open(inputs[i] + sizeof SYNTH - 1, options, source, why, why_bytes);
-        return pupil_recording_open(inputs[i], source, why, why_bytes);
+            return pupil_synth_source_open(inputs[i] + sizeof SYNTH - 1, options, source, why);
+        return pupil_recording_open(inputs[i], source, why);
     }
-    return pupil_file_source_open(inputs, count, options, source, why, why_bytes);
+    return pupil_file_source_open(inputs, count, options, source, why);
 }

@@ -2,13 +2,14 @@
 #ifndef PUPIL_APPS_COMMON_OPEN_INPUT_H
 #define PUPIL_APPS_COMMON_OPEN_INPUT_H
 
+#include "pupil/error.h"
 #include "source.h"
 
 /* "synth:NAME" is a synthetic scene, "v4l2:NODE" (a path, a number or a name), /dev/video... and /dev/v4l/... are a
  * camera, a folder with a recording.json is a recording; these must be the only input. Everything else is a file
  * (file/file_source.h). */
 int open_input(const char *const *inputs, size_t count, const pupil_source_options *options, pupil_source **source,
-               char *why, size_t why_bytes);
+               pupil_why *why);
 
 /* Of one of them. */
 int input_is_camera(const char *input);

@@ -1,9 +1,10 @@
 #include "gl_calls.h"
 
+#include "refuse.h"
 #include <stdio.h>
 #include <string.h>
 
-int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
+int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, pupil_why *why)
 {
     const char *missing = NULL; /* the first one */
 #define GL_LOAD(type, name)                                                                                            \
@@ -12,7 +13,7 @@ int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, char *why, size_t 
     GL_CALLS(GL_LOAD)
 #undef GL_LOAD
     if (missing)
-        snprintf(why, why_bytes, "the driver has no %s, which OpenGL ES 3.0 has", missing);
+        pupil_refuse(why, "the driver has no %s, which OpenGL ES 3.0 has", missing);
     return missing ? -1 : 0;
 }
 

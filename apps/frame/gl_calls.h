@@ -6,6 +6,7 @@
 #include <GLES3/gl31.h>
 #include <stddef.h>
 
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 #define GL_CALLS(X)                                                                                                    \
@@ -74,7 +75,7 @@ typedef struct gl_calls {
 } gl_calls;
 
 /* 0, or -1 and a sentence that names the function which the context lacks. */
-int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, char *why, size_t why_bytes);
+int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, pupil_why *why);
 
 /* A program of two shaders; attributes have their places in the text. 0: the driver refuses it. */
 GLuint gl_calls_program(const gl_calls *gl, const char *vertex, const char *fragment);

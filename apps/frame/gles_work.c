@@ -6,6 +6,7 @@
 
 #include "egl/egl_context.h"
 #include "gl_calls.h"
+#include "refuse.h"
 #include "source.h"
 
 /* Ten seconds: a software renderer may take one for a frame of 16384 x 16384; a GPU that needs longer hangs. */
@@ -33,21 +34,21 @@ struct gles_work {
     size_t rgba_bytes;
 };
 
-static int say(char *why, size_t why_bytes, int error, const char *what)
+static int say(pupil_why *why, int error, const char *what)
 {
-    snprintf(why, why_bytes, "%s: %s", what, pupil_error_string(error));
+    pupil_refuse(why, "%s: %s", what, pupil_error_string(error));
     return -1;
 }
 
 /* --- life --- */
 
 int gles_work_open(gles_work **work, const pupil_config *config, uint32_t version, pupil_gles_get_proc get_proc,
-                   char *why, size_t why_bytes)
+                   pupil_why *why)
 {
     const pupil_egl_options options = {.version = version, .robust = 1};
     gles_work *g = calloc(1, sizeof *g);
     if (!g) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return -1;
     }
     g->get_proc = get_proc ? get_proc : pupil_egl_get_proc;
@@ -56,8 +57,7 @@ int gles_work_open(gles_work **work, const pupil_config *config, uint32_t versio
     g->config.version = version;
     g->config.coding = &g->coding;
     g->config.scaled = get_proc != NULL; /* a window has any size */
-    if ((!get_proc && pupil_egl_open(&g->egl, &options, why, why_bytes)) ||
-        gl_calls_load(&g->gl, g->get_proc, why, why_bytes)) {
+    if ((!get_proc && pupil_egl_open(&g->egl, &options, why)) || gl_calls_load(&g->gl, g->get_proc, why)) {
         pupil_egl_close(g->egl);
         free(g);
         return -1;
@@ -86,25 +86,25 @@ static int wants_histogram(const pupil_config *c)
     return c->trim_low > 0.0f || c->trim_high < 1.0f || c->white_mode == PUPIL_WHITE_FOLLOW;
 }
 
-static int start(gles_work *g, pupil_t *pupil, char *why, size_t why_bytes)
+static int start(gles_work *g, pupil_t *pupil, pupil_why *why)
 {
-    char reason[PUPIL_WHY_BYTES] = "";
-    int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, reason, sizeof reason);
+    pupil_why reason = {""};
+    int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
     if (error == PUPIL_ERR_CONFIG && wants_histogram(&g->settings)) { /* in the words of replay's options */
-        snprintf(why, why_bytes, "OpenGL ES 3.0 has no histogram, which %s",
-                 g->settings.white_mode == PUPIL_WHITE_FOLLOW
-                     ? "a white point that follows needs; --white none, or a number, does without"
-                     : "--trim needs");
+        pupil_refuse(why, "OpenGL ES 3.0 has no histogram, which %s",
+                     g->settings.white_mode == PUPIL_WHITE_FOLLOW
+                         ? "a white point that follows needs; --white none, or a number, does without"
+                         : "--trim needs");
         return -1;
     }
     if (error == PUPIL_ERR_CONFIG && g->settings.histogram) {
         g->no_histogram = 1;
         g->settings.histogram = 0;
         pupil_retune(pupil, &g->settings);
-        error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, reason, sizeof reason);
+        error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
     }
     if (error) {
-        snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));
+        pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
         return -1;
     }
     g->open = 1;
@@ -120,7 +120,7 @@ static int is_balanced(const pupil_coding *a, const pupil_coding *b)
 }
 
 /* The object for frames like this one. */
-static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *why, size_t why_bytes)
+static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, pupil_why *why)
 {
     static const pupil_coding usual;
     const pupil_coding *coding = in->coding ? in->coding : &usual;
@@ -132,7 +132,7 @@ static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *
         is_balanced(&g->coding, coding)) {
         g->coding = *coding;
         return pupil_gles_balance(&g->gles, coding->balance)
-                   ? (snprintf(why, why_bytes, "the GPU takes no other white balance"), -1)
+                   ? (pupil_refuse(why, "the GPU takes no other white balance"), -1)
                    : 0;
     }
     if (g->open)
@@ -142,21 +142,21 @@ static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, char *
     c->width = in->width;
     c->height = in->height;
     g->coding = *coding;
-    return start(g, pupil, why, why_bytes);
+    return start(g, pupil, why);
 }
 
-int gles_work_retune(gles_work *g, pupil_t *pupil, const pupil_config *config, char *why, size_t why_bytes)
+int gles_work_retune(gles_work *g, pupil_t *pupil, const pupil_config *config, pupil_why *why)
 {
-    char reason[PUPIL_WHY_BYTES] = "";
+    pupil_why reason = {""};
     g->settings = *config;
     if (g->no_histogram)
         g->settings.histogram = 0;
     int error = pupil_retune(pupil, &g->settings);
     if (error)
-        return say(why, why_bytes, error, "new settings");
-    error = g->open ? pupil_gles_retune(&g->gles, pupil, reason, sizeof reason) : PUPIL_OK;
+        return say(why, error, "new settings");
+    error = g->open ? pupil_gles_retune(&g->gles, pupil, &reason) : PUPIL_OK;
     if (error)
-        snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));
+        pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
     return error ? -1 : 0;
 }
 
@@ -175,37 +175,37 @@ void gles_work_describe(const gles_work *g, char *text, size_t text_bytes)
 /* --- a frame --- */
 
 static int process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in, const pupil_frame_info *info,
-                   pupil_stats *stats, pupil_curve *curve, char *why, size_t why_bytes)
+                   pupil_stats *stats, pupil_curve *curve, pupil_why *why)
 {
-    if (fit(g, pupil, in, why, why_bytes))
+    if (fit(g, pupil, in, why))
         return -1;
     fused = fused && pupil_get_curve(pupil, info, curve) == PUPIL_OK; /* the first frame is done exactly */
     int error = pupil_gles_upload(&g->gles, in);
     if (error)
-        return say(why, why_bytes, error, "uploading the frame");
+        return say(why, error, "uploading the frame");
     error = pupil_gles_meter(&g->gles, info);
     if (error < 0)
-        return say(why, why_bytes, error, "metering");
+        return say(why, error, "metering");
     error = pupil_gles_collect(&g->gles, COLLECT_NS, stats, NULL);
     if (error < 0)
-        return say(why, why_bytes, error, "reading statistics back");
+        return say(why, error, "reading statistics back");
     if (error) {
-        snprintf(why, why_bytes, "the GPU has not metered a frame within ten seconds");
+        pupil_refuse(why, "the GPU has not metered a frame within ten seconds");
         return -1;
     }
     error = pupil_adapt(pupil, stats, info);
     if (error)
-        return say(why, why_bytes, error, "the GPU's statistics");
+        return say(why, error, "the GPU's statistics");
     if (!fused && pupil_get_curve(pupil, info, curve) != PUPIL_OK)
         *curve = (pupil_curve){.scale = 1.0f, .inverse_white_squared = 1.0f}; /* no light so far: as pupil_process */
     return 0;
 }
 
 int gles_work_process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in,
-                      const pupil_frame_info *info, pupil_stats *stats, pupil_curve *curve, char *why, size_t why_bytes)
+                      const pupil_frame_info *info, pupil_stats *stats, pupil_curve *curve, pupil_why *why)
 {
     const pupil_t before = *pupil;
-    if (process(g, pupil, fused, in, info, stats, curve, why, why_bytes) == 0)
+    if (process(g, pupil, fused, in, info, stats, curve, why) == 0)
         return 0;
     *pupil = before;
     return -1;
@@ -213,7 +213,7 @@ int gles_work_process(gles_work *g, pupil_t *pupil, int fused, const pupil_image
 
 /* --- mapping --- */
 
-static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height, pupil_why *why)
 {
     const size_t bytes = (size_t)width * height * 4;
     if (bytes > g->rgba_bytes) {
@@ -221,7 +221,7 @@ static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height
         g->rgba = malloc(bytes);
         g->rgba_bytes = g->rgba ? bytes : 0;
         if (!g->rgba) {
-            snprintf(why, why_bytes, "not enough memory");
+            pupil_refuse(why, "not enough memory");
             return -1;
         }
     }
@@ -240,15 +240,14 @@ static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height
     if (g->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return 0;
     r->width = 0; /* to be made anew */
-    snprintf(why, why_bytes, "the driver has no framebuffer of %lux%lu pixels", (unsigned long)width,
-             (unsigned long)height);
+    pupil_refuse(why, "the driver has no framebuffer of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
     return -1;
 }
 
-int gles_work_draw(gles_work *g, const pupil_curve *curve, const pupil_gles_target *target, char *why, size_t why_bytes)
+int gles_work_draw(gles_work *g, const pupil_curve *curve, const pupil_gles_target *target, pupil_why *why)
 {
     const int error = pupil_gles_map(&g->gles, curve, target);
-    return error ? say(why, why_bytes, error, "mapping") : 0;
+    return error ? say(why, error, "mapping") : 0;
 }
 
 static void pack(const unsigned char *rgba, const pupil_image *rgb8)
@@ -260,18 +259,18 @@ static void pack(const unsigned char *rgba, const pupil_image *rgb8)
     }
 }
 
-int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rgb8, char *why, size_t why_bytes)
+int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rgb8, pupil_why *why)
 {
     const int whole = rgb8->width == g->config.width && rgb8->height == g->config.height;
     gles_room *room = &g->room[whole ? PICTURE : SMALL];
-    if (make_room(g, room, rgb8->width, rgb8->height, why, why_bytes))
+    if (make_room(g, room, rgb8->width, rgb8->height, why))
         return -1;
     const pupil_gles_target target = {.framebuffer = room->framebuffer,
                                       .width = rgb8->width,
                                       .height = rgb8->height,
                                       .top_first = 1,
                                       .fit = PUPIL_GLES_STRETCH};
-    if (gles_work_draw(g, curve, &target, why, why_bytes))
+    if (gles_work_draw(g, curve, &target, why))
         return -1;
     g->gl.BindFramebuffer(GL_FRAMEBUFFER, room->framebuffer);
     g->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
@@ -279,7 +278,7 @@ int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rg
     g->gl.ReadPixels(0, 0, (GLsizei)rgb8->width, (GLsizei)rgb8->height, GL_RGBA, GL_UNSIGNED_BYTE, g->rgba);
     const GLenum error = g->gl.GetError();
     if (error) {
-        snprintf(why, why_bytes, "reading the picture back: OpenGL ES error 0x%x", (unsigned)error);
+        pupil_refuse(why, "reading the picture back: OpenGL ES error 0x%x", (unsigned)error);
         return -1;
     }
     pack(g->rgba, rgb8);

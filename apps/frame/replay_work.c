@@ -1,5 +1,6 @@
 #include "replay_work.h"
 
+#include "refuse.h"
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -23,16 +24,16 @@ void replay_work_close(replay_work *w)
 
 void replay_work_gles(replay_work *w, pupil_gles_get_proc get_proc)
 {
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     if (w->cpu_only)
         return;
-    if (gles_work_open(&w->gpu, &w->options->config, w->options->gles_version, get_proc, why, sizeof why))
-        snprintf(w->warning, sizeof w->warning, "--gles: %.900s", why);
+    if (gles_work_open(&w->gpu, &w->options->config, w->options->gles_version, get_proc, &why))
+        pupil_refuse(&w->warning, "--gles: %.900s", why.text);
 }
 
 void replay_work_give_up(replay_work *w, pupil_t *pupil, const char *why)
 {
-    snprintf(w->warning, sizeof w->warning, "--gles: %.900s", why);
+    pupil_refuse(&w->warning, "--gles: %.900s", why);
     gles_work_close(w->gpu);
     w->gpu = NULL;
     pupil_retune(pupil, &w->options->config); /* the GPU may have gone without a histogram */
@@ -40,11 +41,11 @@ void replay_work_give_up(replay_work *w, pupil_t *pupil, const char *why)
 
 void replay_work_retune(replay_work *w, pupil_t *pupil)
 {
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     if (!w->gpu)
         pupil_retune(pupil, &w->options->config);
-    else if (gles_work_retune(w->gpu, pupil, &w->options->config, why, sizeof why))
-        replay_work_give_up(w, pupil, why);
+    else if (gles_work_retune(w->gpu, pupil, &w->options->config, &why))
+        replay_work_give_up(w, pupil, why.text);
 }
 
 /* --- a frame --- */
@@ -83,12 +84,12 @@ static void judge(const replay_work *w, int fused, const pupil_frame *frame, con
 static int on_gpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *frame, pupil_stats *stats,
                   pupil_curve *curve, const pupil_image *display)
 {
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     const pupil_t before = *pupil;
-    int error = gles_work_process(w->gpu, pupil, fused, &frame->image, &frame->info, stats, curve, why, sizeof why);
+    int error = gles_work_process(w->gpu, pupil, fused, &frame->image, &frame->info, stats, curve, &why);
     if (!error) {
         judge(w, fused, frame, stats, curve);
-        error = gles_work_read(w->gpu, curve, display, why, sizeof why);
+        error = gles_work_read(w->gpu, curve, display, &why);
     }
     if (!error) {
         w->gpu_frames++;
@@ -97,7 +98,7 @@ static int on_gpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *
         return 0;
     }
     *pupil = before;
-    replay_work_give_up(w, pupil, why);
+    replay_work_give_up(w, pupil, why.text);
     return -1;
 }
 
@@ -121,7 +122,7 @@ static int on_cpu(replay_work *w, pupil_t *pupil, int fused, const pupil_frame *
 }
 
 int replay_work_frame(replay_work *w, pupil_t *pupil, const pupil_frame *frame, int whole, pupil_stats *stats,
-                      pupil_curve *curve, pupil_image *display, char *why, size_t why_bytes)
+                      pupil_curve *curve, pupil_image *display, pupil_why *why)
 {
     const int fused = w->options->config.order == PUPIL_ORDER_FUSED;
     w->frames++;
@@ -129,12 +130,12 @@ int replay_work_frame(replay_work *w, pupil_t *pupil, const pupil_frame *frame, 
         on_gpu(w, pupil, fused, frame, stats, curve, display) == 0)
         return 0;
     if (make_room(w, &frame->image, 1, display)) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return -1;
     }
     const int error = on_cpu(w, pupil, fused, frame, stats, curve, display);
     if (error)
-        snprintf(why, why_bytes, "%s: %s", frame->name, pupil_error_string(error));
+        pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error));
     return error ? -1 : 0;
 }
 

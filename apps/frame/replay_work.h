@@ -5,6 +5,7 @@
 
 #include "frame_work.h"
 #include "gles_work.h"
+#include "pupil/error.h"
 #include "replay/options.h"
 
 /* Told of each frame's statistics as soon as they are there; may change the curve that the frame is mapped by (unless
@@ -21,8 +22,8 @@ typedef struct replay_work {
     int cpu_only;   /* it stays so */
     uint64_t frames, gpu_frames;
     char gpu_name[512];
-    char warning[PUPIL_WHY_BYTES]; /* why the CPU has taken over; for the user, and then to be emptied */
-    unsigned char *display;        /* RGB8, tightly packed */
+    pupil_why warning;      /* why the CPU has taken over; for the user, and then to be emptied */
+    unsigned char *display; /* RGB8, tightly packed */
     size_t display_bytes;
 } replay_work;
 
@@ -43,7 +44,7 @@ void replay_work_retune(replay_work *w, pupil_t *pupil);
 /* One frame: its statistics, the curve that mapped it, and the display picture, which is of the frame's size where it
  * is `whole` (or the CPU made it), or else small: enough for its figures. -1 and a sentence. */
 int replay_work_frame(replay_work *w, pupil_t *pupil, const pupil_frame *frame, int whole, pupil_stats *stats,
-                      pupil_curve *curve, pupil_image *display, char *why, size_t why_bytes);
+                      pupil_curve *curve, pupil_image *display, pupil_why *why);
 
 /* The CPU maps the frame anew, to `display`, which is the one of replay_work_frame; -1: not enough memory. */
 int replay_work_map(replay_work *w, const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *in,

@@ -29,7 +29,7 @@ typedef struct list {
 static int add(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
 {
     list *l = closure;
-    char words[PUPIL_WHY_BYTES];
+    pupil_why words;
     (void)path;
     if (!device) {
         l->refused |= *why != 0;
@@ -44,8 +44,8 @@ static int add(void *closure, const pupil_v4l2_device *device, const char *path,
     }
     l->camera = more;
     more[l->count].device = *device;
-    if (pupil_v4l2_modes_read(device, &more[l->count].modes, words, sizeof words))
-        fprintf(l->err, "pupil list: %s\n", words); /* what was read before is listed */
+    if (pupil_v4l2_modes_read(device, &more[l->count].modes, &words))
+        fprintf(l->err, "pupil list: %s\n", words.text); /* what was read before is listed */
     l->count++;
     return 0;
 }
@@ -68,9 +68,9 @@ static void print_line(const list_camera *camera, FILE *out)
 int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err)
 {
     list l = {.err = err};
-    char why[PUPIL_WHY_BYTES] = "not enough memory";
+    pupil_why why = {"not enough memory"};
     char *text = NULL;
-    int failed = pupil_v4l2_devices(system, add, &l, why, sizeof why) < 0 || l.failed;
+    int failed = pupil_v4l2_devices(system, add, &l, &why) < 0 || l.failed;
     if (!failed && json) {
         text = list_json(l.camera, l.count);
         failed = !text;
@@ -84,7 +84,7 @@ int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err
             fputs(l.refused ? "no camera that can be asked\n" : "no camera\n", out);
     }
     if (failed)
-        fprintf(err, "pupil list: %s\n", why);
+        fprintf(err, "pupil list: %s\n", why.text);
     for (size_t i = 0; i < l.count; i++)
         pupil_v4l2_modes_free(&l.camera[i].modes);
     free(l.camera);

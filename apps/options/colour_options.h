@@ -6,10 +6,11 @@
 #include <stddef.h>
 
 #include "live/colour.h"
+#include "pupil/error.h"
 
 /* Each takes the option's value. 0, or -1 and a sentence that names the option and what would be right. */
-int colour_option_balance(pupil_colour_options *options, const char *text, char *why, size_t why_bytes);
-int colour_option_matrix(pupil_colour_options *options, const char *text, char *why, size_t why_bytes);
-int colour_option_black(pupil_colour_options *options, const char *text, char *why, size_t why_bytes);
+int colour_option_balance(pupil_colour_options *options, const char *text, pupil_why *why);
+int colour_option_matrix(pupil_colour_options *options, const char *text, pupil_why *why);
+int colour_option_black(pupil_colour_options *options, const char *text, pupil_why *why);
 
 #endif

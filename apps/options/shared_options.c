@@ -1,5 +1,6 @@
 #include "shared_options.h"
 
+#include "refuse.h"
 #include <stdio.h>
 
 const char *option_name(const struct option *options, int option)
@@ -91,7 +92,7 @@ int shared_option_take(int option, const value_text *c)
     }
 }
 
-int shared_options_check(const replay_options *o, int weight_given, char *why, size_t why_bytes)
+int shared_options_check(const replay_options *o, int weight_given, pupil_why *why)
 {
     const char *sentence = NULL;
     if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
@@ -100,6 +101,6 @@ int shared_options_check(const replay_options *o, int weight_given, char *why, s
         sentence = "--gles-version: is of --gles and --view";
     if (!sentence)
         return REPLAY_RUN;
-    snprintf(why, why_bytes, "%s", sentence);
+    pupil_refuse(why, "%s", sentence);
     return REPLAY_USAGE;
 }

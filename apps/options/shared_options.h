@@ -4,6 +4,7 @@
 
 #include <getopt.h>
 
+#include "pupil/error.h"
 #include "values.h"
 
 enum {
@@ -65,6 +66,6 @@ int shared_option_flag(int option, replay_options *o);
 int shared_option_take(int option, const value_text *c);
 
 /* What they ask of one another. weight_given: OPTION_WEIGHT was there. */
-int shared_options_check(const replay_options *o, int weight_given, char *why, size_t why_bytes);
+int shared_options_check(const replay_options *o, int weight_given, pupil_why *why);
 
 #endif

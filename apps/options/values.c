@@ -1,5 +1,6 @@
 #include "values.h"
 
+#include "refuse.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +9,7 @@
 
 int value_refuse(const value_text *c, const char *right)
 {
-    snprintf(c->why, c->why_bytes, "--%s %s: must be %s", c->name, c->text, right);
+    pupil_refuse(c->why, "--%s %s: must be %s", c->name, c->text, right);
     return REPLAY_USAGE;
 }
 

@@ -3,13 +3,13 @@
 #ifndef PUPIL_APPS_OPTIONS_VALUES_H
 #define PUPIL_APPS_OPTIONS_VALUES_H
 
+#include "pupil/error.h"
 #include "replay/options.h"
 
 typedef struct value_text { /* of one option */
     replay_options *o;
     const char *name, *text;
-    char *why;
-    size_t why_bytes;
+    pupil_why *why;
 } value_text;
 
 /* `right` says in words what would do. */

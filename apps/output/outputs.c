@@ -6,21 +6,21 @@
 #include "file/sink/file_sink.h"
 #include "v4l2/output/v4l2_sink.h"
 
-int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, char *why, size_t why_bytes)
+int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, pupil_why *why)
 {
     pupil_sink **sink = &o->sink[o->count];
-    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, o->system, why, why_bytes)
-                                                 : pupil_file_sink_open(path, options, sink, why, why_bytes);
+    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, o->system, why)
+                                                 : pupil_file_sink_open(path, options, sink, why);
     if (!error)
         o->path[o->count++] = path;
     return error;
 }
 
-int outputs_write(outputs *o, const pupil_image_const *rgb8, const pupil_frame_info *info, char *why, size_t why_bytes)
+int outputs_write(outputs *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why)
 {
     int error = PUPIL_SINK_OK;
     for (size_t i = 0; !error && i < o->count; i++) {
-        error = pupil_sink_write(o->sink[i], rgb8, info, why, why_bytes);
+        error = pupil_sink_write(o->sink[i], rgb8, info, why);
         o->failed = i;
     }
     return error;
@@ -46,11 +46,11 @@ int outputs_reader_gone(const outputs *o)
     return strcmp(o->path[o->failed], "-") == 0 && reader_gone();
 }
 
-int outputs_finish(outputs *o, char *why, size_t why_bytes)
+int outputs_finish(outputs *o, pupil_why *why)
 {
     while (o->count) {
         o->failed = 0;
-        if (pupil_sink_finish(o->sink[0], why, why_bytes))
+        if (pupil_sink_finish(o->sink[0], why))
             return PUPIL_SINK_FAILED;
         remove_at(o, 0);
     }

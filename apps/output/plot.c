@@ -13,6 +13,7 @@
 #include "file/pending.h"
 #include "file/sink/sink_common.h"
 #include "plot_script.h"
+#include "refuse.h"
 
 extern char **environ;
 
@@ -73,40 +74,40 @@ static int gnuplot(FILE *input, int output, FILE *errors)
 }
 
 /* What gnuplot() gave back, where it is an errno, as a sentence. */
-static int not_started(const char *path, int error, char *why, size_t why_bytes)
+static int not_started(const char *path, int error, pupil_why *why)
 {
     if (error == ENOENT)
-        return pupil_refuse(why, why_bytes, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox");
-    return pupil_refuse(why, why_bytes, "%s: gnuplot cannot be started: %s", path, strerror(error));
+        return pupil_refuse(why, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox");
+    return pupil_refuse(why, "%s: gnuplot cannot be started: %s", path, strerror(error));
 }
 
-static int draw(const char *path, FILE *input, FILE *errors, int output, char *why, size_t why_bytes)
+static int draw(const char *path, FILE *input, FILE *errors, int output, pupil_why *why)
 {
     char line[256];
     int failed = gnuplot(input, output, errors);
     if (failed > 0)
-        return not_started(path, failed, why, why_bytes);
+        return not_started(path, failed, why);
     if (!failed && lseek(output, 0, SEEK_END) > 0)
         return 0;
     complaint(errors, line, sizeof line);
-    return pupil_refuse(why, why_bytes, "%s: gnuplot cannot draw it: %s", path, line);
+    return pupil_refuse(why, "%s: gnuplot cannot draw it: %s", path, line);
 }
 
 /* Whether a plot has a name that says what it is, 1 for .png, 0 for .svg; -1 and a sentence. */
-static int kind_of(const char *path, char *why, size_t why_bytes)
+static int kind_of(const char *path, pupil_why *why)
 {
     const char *ending = strrchr(path, '.');
     if (ending && strcasecmp(ending, ".png") == 0)
         return 1;
     if (ending && strcasecmp(ending, ".svg") == 0)
         return 0;
-    return pupil_refuse(why, why_bytes, "%s: a plot is an .svg or a .png file", path);
+    return pupil_refuse(why, "%s: a plot is an .svg or a .png file", path);
 }
 
-int pupil_plot_check(const char *path, char *why, size_t why_bytes)
+int pupil_plot_check(const char *path, pupil_why *why)
 {
     pupil_pending pending;
-    if (kind_of(path, why, why_bytes) < 0 || pupil_pending_file(&pending, path, why, why_bytes))
+    if (kind_of(path, why) < 0 || pupil_pending_file(&pending, path, why))
         return -1;
     pupil_pending_discard(&pending);
     FILE *nothing = fopen("/dev/null", "r+e");
@@ -114,8 +115,8 @@ int pupil_plot_check(const char *path, char *why, size_t why_bytes)
     if (nothing)
         fclose(nothing);
     if (failed < 0)
-        return pupil_refuse(why, why_bytes, "%s: the gnuplot that is installed fails even with nothing to draw", path);
-    return failed ? not_started(path, failed, why, why_bytes) : 0;
+        return pupil_refuse(why, "%s: the gnuplot that is installed fails even with nothing to draw", path);
+    return failed ? not_started(path, failed, why) : 0;
 }
 
 /* A file without a name or a place: boards may have nowhere to write but where the plot goes. */
@@ -129,7 +130,7 @@ static FILE *in_memory(void)
 }
 
 /* gnuplot does not say that a disk is full, so its picture is written by whoever notices. */
-static int save(FILE *picture, const char *temporary, const char *path, char *why, size_t why_bytes)
+static int save(FILE *picture, const char *temporary, const char *path, pupil_why *why)
 {
     char block[65536];
     size_t bytes;
@@ -140,44 +141,43 @@ static int save(FILE *picture, const char *temporary, const char *path, char *wh
     failed |= ferror(picture) != 0;
     if (file && fclose(file) != 0)
         failed = 1;
-    return failed ? pupil_refuse(why, why_bytes, "%s: the plot cannot be written: %s", path, strerror(errno)) : 0;
+    return failed ? pupil_refuse(why, "%s: the plot cannot be written: %s", path, strerror(errno)) : 0;
 }
 
-int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, char *why, size_t why_bytes)
+int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, pupil_why *why)
 {
     pupil_pending pending;
-    int is_png = kind_of(path, why, why_bytes);
-    if (is_png < 0 || pupil_pending_file(&pending, path, why, why_bytes))
+    int is_png = kind_of(path, why);
+    if (is_png < 0 || pupil_pending_file(&pending, path, why))
         return -1;
 
     int failed = -1;
     FILE *input = in_memory(), *errors = in_memory(), *picture = in_memory();
     if (!input || !errors || !picture) {
-        pupil_refuse(why, why_bytes, "%s: the plot cannot be drawn: %s", path, strerror(errno));
+        pupil_refuse(why, "%s: the plot cannot be drawn: %s", path, strerror(errno));
     } else {
         write_script(input, is_png, context);
         failed = fflush(input) != 0 || fseek(input, 0, SEEK_SET) != 0
-                     ? pupil_refuse(why, why_bytes, "%s: the plot cannot be drawn: %s", path, strerror(errno))
-                     : draw(path, input, errors, fileno(picture), why, why_bytes);
-        failed = failed ? failed : save(picture, pending.temporary, path, why, why_bytes);
+                     ? pupil_refuse(why, "%s: the plot cannot be drawn: %s", path, strerror(errno))
+                     : draw(path, input, errors, fileno(picture), why);
+        failed = failed ? failed : save(picture, pending.temporary, path, why);
     }
     FILE *const files[] = {input, errors, picture};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         if (files[i])
             fclose(files[i]);
     if (!failed)
-        failed = pupil_pending_commit(&pending, why, why_bytes);
+        failed = pupil_pending_commit(&pending, why);
     pupil_pending_discard(&pending);
     return failed;
 }
 
-int pupil_plot_write(const char *path, const pupil_record *records, size_t count, const char *title, char *why,
-                     size_t why_bytes)
+int pupil_plot_write(const char *path, const pupil_record *records, size_t count, const char *title, pupil_why *why)
 {
     const run r = {records, count, title};
-    if (kind_of(path, why, why_bytes) < 0)
+    if (kind_of(path, why) < 0)
         return -1;
     if (!count)
-        return pupil_refuse(why, why_bytes, "%s: there is no frame to plot", path);
-    return pupil_plot_draw(path, script_of_run, &r, why, why_bytes);
+        return pupil_refuse(why, "%s: there is no frame to plot", path);
+    return pupil_plot_draw(path, script_of_run, &r, why);
 }

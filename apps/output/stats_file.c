@@ -10,6 +10,7 @@
 #include "common/reader.h"
 #include "file/pending.h"
 #include "file/sink/sink_common.h"
+#include "refuse.h"
 
 #define NUMBER(name)                                                                                                   \
     {                                                                                                                  \
@@ -143,41 +144,41 @@ static int has_ending(const char *path, const char *ending)
     return length > part && strcasecmp(path + length - part, ending) == 0;
 }
 
-static int cannot_write(const pupil_stats_file *f, char *why, size_t why_bytes)
+static int cannot_write(const pupil_stats_file *f, pupil_why *why)
 {
-    return pupil_refuse(why, why_bytes, "%s: the statistics cannot be written: %s",
-                        f->is_stream ? "standard output" : f->path, strerror(errno));
+    return pupil_refuse(why, "%s: the statistics cannot be written: %s", f->is_stream ? "standard output" : f->path,
+                        strerror(errno));
 }
 
-static int begin(pupil_stats_file *f, const char *path, char *why, size_t why_bytes)
+static int begin(pupil_stats_file *f, const char *path, pupil_why *why)
 {
     f->is_stream = strcmp(path, "-") == 0;
     f->is_csv = has_ending(path, ".csv");
     if (!f->is_stream && !f->is_csv && !has_ending(path, ".jsonl") && !has_ending(path, ".json"))
-        return pupil_refuse(why, why_bytes, "%s: statistics are written as .jsonl (or .json) or .csv", path);
-    if (!f->is_csv && pupil_stats_json_check(path, why, why_bytes))
+        return pupil_refuse(why, "%s: statistics are written as .jsonl (or .json) or .csv", path);
+    if (!f->is_csv && pupil_stats_json_check(path, why))
         return -1;
     f->path = strdup(path);
     if (!f->path)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, "%s: not enough memory", path);
     if (f->is_stream) {
         f->file = stdout;
         return 0;
     }
-    if (pupil_pending_file(&f->pending, path, why, why_bytes))
+    if (pupil_pending_file(&f->pending, path, why))
         return -1;
     f->file = fopen(f->pending.temporary, "wbe");
     if (!f->file)
-        return cannot_write(f, why, why_bytes);
+        return cannot_write(f, why);
     return 0;
 }
 
-int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, size_t why_bytes)
+int pupil_stats_file_open(pupil_stats_file **file, const char *path, pupil_why *why)
 {
     pupil_stats_file *f = calloc(1, sizeof *f);
     if (!f)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
-    if (begin(f, path, why, why_bytes)) {
+        return pupil_refuse(why, "%s: not enough memory", path);
+    if (begin(f, path, why)) {
         pupil_stats_file_discard(f);
         return -1;
     }
@@ -185,19 +186,19 @@ int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, 
     return 0;
 }
 
-int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, char *why, size_t why_bytes)
+int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, pupil_why *why)
 {
     if (f->is_csv) {
         if (!f->lines)
             csv_line(f->file, record, 1);
         csv_line(f->file, record, 0);
     } else if (pupil_stats_json_line(f->file, record)) {
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", f->path);
+        return pupil_refuse(why, "%s: not enough memory", f->path);
     }
     f->lines++;
     /* A stream is read while it is written: each line goes out at once. */
     if (ferror(f->file) || (f->is_stream && fflush(f->file) != 0))
-        return cannot_write(f, why, why_bytes);
+        return cannot_write(f, why);
     return 0;
 }
 
@@ -206,20 +207,20 @@ int pupil_stats_reader_gone(const pupil_stats_file *f)
     return f->is_stream && reader_gone();
 }
 
-int pupil_stats_file_finish(pupil_stats_file *f, char *why, size_t why_bytes)
+int pupil_stats_file_finish(pupil_stats_file *f, pupil_why *why)
 {
     int failed;
     if (!f->lines && !f->is_stream) {
-        failed = pupil_refuse(why, why_bytes, "%s: nothing was written, for there is no frame", f->path);
+        failed = pupil_refuse(why, "%s: nothing was written, for there is no frame", f->path);
     } else if (f->is_stream) {
-        failed = fflush(f->file) != 0 ? cannot_write(f, why, why_bytes) : 0;
+        failed = fflush(f->file) != 0 ? cannot_write(f, why) : 0;
     } else {
-        failed = ferror(f->file) ? cannot_write(f, why, why_bytes) : 0;
+        failed = ferror(f->file) ? cannot_write(f, why) : 0;
         if (fclose(f->file) != 0 && !failed)
-            failed = cannot_write(f, why, why_bytes);
+            failed = cannot_write(f, why);
         f->file = NULL;
         if (!failed)
-            failed = pupil_pending_commit(&f->pending, why, why_bytes);
+            failed = pupil_pending_commit(&f->pending, why);
     }
     pupil_stats_file_discard(f);
     return failed;

@@ -9,18 +9,19 @@
 #include <stdio.h>
 
 #include "frame_log.h"
+#include "pupil/error.h"
 
 typedef struct pupil_stats_file pupil_stats_file;
 
 /* 0, or -1 and a sentence that names the path. */
-int pupil_stats_file_open(pupil_stats_file **file, const char *path, char *why, size_t why_bytes);
-int pupil_stats_file_write(pupil_stats_file *file, const pupil_record *record, char *why, size_t why_bytes);
+int pupil_stats_file_open(pupil_stats_file **file, const char *path, pupil_why *why);
+int pupil_stats_file_write(pupil_stats_file *file, const pupil_record *record, pupil_why *why);
 
 /* 1: it goes to standard output, and whoever read that is gone. */
 int pupil_stats_reader_gone(const pupil_stats_file *file);
 
 /* Puts the file in its place. It is gone afterwards, whether that succeeded or not. */
-int pupil_stats_file_finish(pupil_stats_file *file, char *why, size_t why_bytes);
+int pupil_stats_file_finish(pupil_stats_file *file, pupil_why *why);
 
 /* Leaves nothing. Takes NULL. */
 void pupil_stats_file_discard(pupil_stats_file *file);
@@ -47,6 +48,6 @@ double pupil_stats_number(const pupil_record *record, const pupil_stats_field *f
 int pupil_stats_json_line(FILE *file, const pupil_record *record);
 
 /* 0, or -1 and a sentence where this program was built without JSON. */
-int pupil_stats_json_check(const char *path, char *why, size_t why_bytes);
+int pupil_stats_json_check(const char *path, pupil_why *why);
 
 #endif

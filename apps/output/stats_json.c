@@ -9,11 +9,10 @@
 #include "file/utf8.h"
 #include "stats_file.h"
 
-int pupil_stats_json_check(const char *path, char *why, size_t why_bytes)
+int pupil_stats_json_check(const char *path, pupil_why *why)
 {
     (void)path;
     (void)why;
-    (void)why_bytes;
     return 0;
 }
 

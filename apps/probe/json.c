@@ -20,7 +20,7 @@ static int add_bool(cJSON *object, const char *name, int value)
 /* "known": true; or false and "why". */
 static int add_known(cJSON *object, const probe_known *is)
 {
-    return add_bool(object, "known", is->known) && (is->known || list_json_text(object, "why", is->why));
+    return add_bool(object, "known", is->known) && (is->known || list_json_text(object, "why", is->why.text));
 }
 
 static int add_stream(cJSON *root, const probe_report *r)

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "refuse.h"
 #include "stream.h"
 
 #define FIRST_SETTLE 10 /* frames: the longest delay that is usual, twice */
@@ -32,7 +33,7 @@ static void unknown_all(probe_report *r, const char *why)
 {
     probe_known *const all[] = {&r->exposure_delay.is, &r->gain_delay.is, &r->exposure.is, &r->gain.is, &r->black.is};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
-        if (!all[i]->known && !*all[i]->why)
+        if (!all[i]->known && !*all[i]->why.text)
             probe_unknown(all[i], "%s", why);
 }
 
@@ -68,7 +69,7 @@ static void measure_controls(probe_stream *s)
         shorten_settling(s);
         probe_laws(s, exposure_s, gain, moved_ev);
     }
-    unknown_all(r, found.known ? "there was no time left for it" : found.why);
+    unknown_all(r, found.known ? "there was no time left for it" : found.why.text);
 }
 
 static void measure(probe_stream *s)
@@ -82,8 +83,7 @@ static void measure(probe_stream *s)
     s->camera = pupil_live_camera(s->source);
     r->has_controls.known = s->camera != NULL;
     if (!s->camera)
-        snprintf(r->has_controls.why, sizeof r->has_controls.why, "%.*s", PROBE_WORDS - 1,
-                 pupil_live_no_controls(s->source));
+        pupil_refuse(&r->has_controls.why, "%.*s", PROBE_WORDS - 1, pupil_live_no_controls(s->source));
     const double seconds = s->camera ? s->options->seconds : fmin(ALONE_S, s->options->seconds);
     s->end_ns = began_ns + (int64_t)(seconds * 1e9);
     if (s->camera) {
@@ -101,7 +101,7 @@ static int open_stream(probe_stream *s, const pupil_v4l2_system *system)
 {
     pupil_live_options live = {.capture = {.system = system, .stop = s->options->stop}};
     pupil_config config;
-    if (pupil_live_open(s->report->device.path, NULL, &live, &s->source, s->why, s->why_bytes))
+    if (pupil_live_open(s->report->device.path, NULL, &live, &s->source, s->why))
         return -1;
     pupil_config_default(&config);
     config.histogram = 1;
@@ -112,16 +112,15 @@ static int open_stream(probe_stream *s, const pupil_v4l2_system *system)
     return 0;
 }
 
-int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, char *why,
-                  size_t why_bytes)
+int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, pupil_why *why)
 {
-    char back[PUPIL_WHY_BYTES];
+    pupil_why back;
     probe_stream *s = calloc(1, sizeof *s);
     if (!s) {
-        snprintf(why, why_bytes, "%s: not enough memory", report->device.path);
+        pupil_refuse(why, "%s: not enough memory", report->device.path);
         return -1;
     }
-    *s = (probe_stream){.report = report, .options = options, .why = why, .why_bytes = why_bytes};
+    *s = (probe_stream){.report = report, .options = options, .why = why};
     if (open_stream(s, system)) {
         free(s);
         return -1;
@@ -131,8 +130,8 @@ int probe_measure(probe_report *report, const pupil_v4l2_system *system, const p
     measure(s);
     probe_stream_tell(s);
     int result = s->state == PROBE_STOPPED ? 1 : s->state < 0 ? -1 : 0;
-    if (pupil_live_give_back(s->source, back, sizeof back) && result == 0) {
-        snprintf(why, why_bytes, "%s", back);
+    if (pupil_live_give_back(s->source, &back) && result == 0) {
+        pupil_refuse(why, "%s", back.text);
         result = -1;
     }
     if (options->source)

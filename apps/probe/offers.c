@@ -131,11 +131,11 @@ static void read_controls(probe_report *r, const pupil_v4l2_system *system, int 
 
 static void read_sensor(probe_report *r, const pupil_v4l2_system *system)
 {
-    char unused[PUPIL_WHY_BYTES];
-    r->has_entity = pupil_v4l2_media_sensor(&r->device, &r->entity, unused, sizeof unused) == 0;
+    pupil_why unused;
+    r->has_entity = pupil_v4l2_media_sensor(&r->device, &r->entity, &unused) == 0;
     if (!r->has_entity)
         return;
-    r->has_sensor = pupil_camera_find_sensor(NULL, r->entity.entity, &r->sensor, unused, sizeof unused) == 1;
+    r->has_sensor = pupil_camera_find_sensor(NULL, r->entity.entity, &r->sensor, &unused) == 1;
     const int fd = system->open(system->context, r->entity.path);
     if (fd < 0)
         return;
@@ -143,11 +143,11 @@ static void read_sensor(probe_report *r, const pupil_v4l2_system *system)
     system->close(system->context, fd);
 }
 
-int probe_offers(probe_report *r, const pupil_v4l2_system *system, const char *which, char *why, size_t why_bytes)
+int probe_offers(probe_report *r, const pupil_v4l2_system *system, const char *which, pupil_why *why)
 {
-    if (pupil_v4l2_device_open(&r->device, system, which, why, why_bytes))
+    if (pupil_v4l2_device_open(&r->device, system, which, why))
         return -1;
-    const int failed = pupil_v4l2_modes_read(&r->device, &r->modes, why, why_bytes);
+    const int failed = pupil_v4l2_modes_read(&r->device, &r->modes, why);
     if (!failed) {
         read_sensor(r, r->device.system);
         read_controls(r, r->device.system, r->device.fd, 0);

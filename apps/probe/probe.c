@@ -10,6 +10,7 @@
 #include "common/interrupt.h"
 #include "common/report_error.h"
 #include "list/list.h"
+#include "refuse.h"
 #include "run/choose.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_STOPPED = 130 };
@@ -108,12 +109,12 @@ static int parse(int argc, char **argv)
     return 0;
 }
 
-static int print(const probe_report *report, char *why, size_t why_bytes)
+static int print(const probe_report *report, pupil_why *why)
 {
     char *json = run.json ? probe_json(report) : NULL;
     clear_line();
     if (run.json && !json) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return -1;
     }
     if (run.json)
@@ -123,18 +124,19 @@ static int print(const probe_report *report, char *why, size_t why_bytes)
     free(json);
     if (fflush(stdout) == 0 && !ferror(stdout))
         return 0;
-    snprintf(why, why_bytes, "standard output cannot be written");
+    pupil_refuse(why, "standard output cannot be written");
     return -1;
 }
 
 static int probe(probe_report *report, const pupil_v4l2_system *system)
 {
-    char device[256], why[PUPIL_WHY_BYTES];
+    char device[256];
+    pupil_why why;
     int result = -1;
-    if (run_choose_camera(system, run.device, device, sizeof device, why, sizeof why) == 0 &&
-        probe_offers(report, system, device, why, sizeof why) == 0) {
+    if (run_choose_camera(system, run.device, device, sizeof device, &why) == 0 &&
+        probe_offers(report, system, device, &why) == 0) {
         interrupt_fatal(restore);
-        result = probe_measure(report, system, &run.options, why, sizeof why);
+        result = probe_measure(report, system, &run.options, &why);
         interrupt_fatal(NULL);
     }
     if (result == 1) {
@@ -143,9 +145,9 @@ static int probe(probe_report *report, const pupil_v4l2_system *system)
         return EXIT_STOPPED;
     }
     if (result == 0)
-        result = print(report, why, sizeof why);
+        result = print(report, &why);
     if (result)
-        complain(why);
+        complain(why.text);
     return result ? EXIT_FAILED : EXIT_DONE;
 }
 

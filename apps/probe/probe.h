@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "live/live.h"
+#include "pupil/error.h"
 #include "v4l2/media/media.h"
 #include "v4l2/modes.h"
 
@@ -25,7 +26,7 @@ typedef struct probe_control {
 /* A measured quantity: known, or why it is not. */
 typedef struct probe_known {
     int known;
-    char why[PROBE_WORDS];
+    pupil_why why;
 } probe_known;
 
 /* From the frame that is exposed while a control is written to the first that shows it. */
@@ -101,7 +102,7 @@ typedef struct probe_report {
 } probe_report;
 
 /* What is asked, and not measured. 0, or -1 and a sentence. Free what it filled in, after a failure too. */
-int probe_offers(probe_report *report, const pupil_v4l2_system *system, const char *which, char *why, size_t why_bytes);
+int probe_offers(probe_report *report, const pupil_v4l2_system *system, const char *which, pupil_why *why);
 void probe_free(probe_report *report);
 
 typedef struct probe_options {
@@ -114,8 +115,7 @@ typedef struct probe_options {
 
 /* What only the stream tells: opens the camera, takes its controls, and gives them back. 0; 1: stopped; -1 and a
  * sentence: no stream, or a control that could not be put back. What cannot be measured is said in the report. */
-int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, char *why,
-                  size_t why_bytes);
+int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, pupil_why *why);
 
 void probe_text(const probe_report *report, FILE *out);
 /* To be freed; NULL: out of memory. */

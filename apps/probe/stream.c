@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "refuse.h"
 #include "report/camera_light.h"
 
 #define LOW_SIDE     64
@@ -25,7 +26,7 @@ void probe_unknown(probe_known *is, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(is->why, sizeof is->why, format, arguments);
+    vsnprintf(is->why.text, sizeof is->why.text, format, arguments);
     va_end(arguments);
     is->known = 0;
 }
@@ -91,7 +92,7 @@ static int meter(probe_stream *s, const pupil_frame *frame)
         pupil_stats_mean(&stats, PROBE_TRIM, 1.0 - PROBE_TRIM, &s->level.mean_ev) != PUPIL_OK ||
         pupil_stats_peak_quantile(&stats, 1.0 - PROBE_MOST_BAD, &s->level.high_ev) != PUPIL_OK ||
         pupil_stats_quantile(&stats, 0.1, &low_ev) != PUPIL_OK) {
-        snprintf(s->why, s->why_bytes, "%s cannot be metered", frame->name);
+        pupil_refuse(s->why, "%s cannot be metered", frame->name);
         return -1;
     }
     s->level.clipped = share(stats.clipped, stats.pixels);
@@ -130,11 +131,11 @@ int probe_frame(probe_stream *s)
         return s->state;
     if (s->end_ns && now_ns(s) >= s->end_ns)
         return s->state = PROBE_OVER_TIME;
-    const int got = pupil_source_next(s->source, &frame, s->why, s->why_bytes);
+    const int got = pupil_source_next(s->source, &frame, s->why);
     if (s->options->stop && s->options->stop())
         return s->state = PROBE_STOPPED;
     if (got == PUPIL_SOURCE_END)
-        snprintf(s->why, s->why_bytes, "%s: its stream ended", s->report->device.path);
+        pupil_refuse(s->why, "%s: its stream ended", s->report->device.path);
     if (got != PUPIL_SOURCE_FRAME)
         return s->state = -1;
     time_it(s, &frame);
@@ -190,8 +191,8 @@ int probe_set(probe_stream *s, double exposure_s, double gain, uint64_t *under_w
         pupil_camera_get_status(s->camera, &status);
     }
     if (status.written < number) {
-        snprintf(s->why, s->why_bytes, "%s: a write of its controls takes longer than %d seconds",
-                 s->report->device.path, MOST_WAIT_MS / 1000);
+        pupil_refuse(s->why, "%s: a write of its controls takes longer than %d seconds", s->report->device.path,
+                     MOST_WAIT_MS / 1000);
         return s->state = -1;
     }
     /* Frames that ended meanwhile, by the clock, though they were not taken yet. */

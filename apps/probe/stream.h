@@ -3,6 +3,7 @@
 #define PUPIL_APPS_PROBE_STREAM_H
 
 #include "probe.h"
+#include "pupil/error.h"
 #include "pupil/pupil.h"
 
 #define PROBE_TRIM     0.1 /* left out of a level at either end: what clips or is black there does not move it */
@@ -37,8 +38,7 @@ typedef struct probe_stream {
     unsigned settle;  /* frames after which a setting is surely in force */
     int64_t end_ns;
     int state; /* 0: goes on; PROBE_OVER_TIME, ... */
-    char *why;
-    size_t why_bytes;
+    pupil_why *why;
 
     probe_level level; /* of the last frame */
     uint64_t sequence;

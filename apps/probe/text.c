@@ -101,7 +101,7 @@ static void print_limits(const probe_report *r, FILE *out)
     const pupil_camera_limits *l = &r->limits;
     char law[96];
     if (!r->has_controls.known) {
-        fprintf(out, "exposure   cannot be set: %s\n", r->has_controls.why);
+        fprintf(out, "exposure   cannot be set: %s\n", r->has_controls.why.text);
         return;
     }
     print_seconds("exposure   from ", l->exposure_min_s, out);
@@ -124,7 +124,7 @@ static void print_limits(const probe_report *r, FILE *out)
 static int print_unknown(const char *what, const probe_known *is, FILE *out)
 {
     if (!is->known)
-        fprintf(out, "%s undetermined: %s\n", what, is->why);
+        fprintf(out, "%s undetermined: %s\n", what, is->why.text);
     return !is->known;
 }
 

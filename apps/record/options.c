@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "options/shared_options.h"
+#include "refuse.h"
 #include "run/options.h"
 
 enum { WIDTH = 256, HEIGHT, FRAMERATE, FORMAT, SHUTTER, GAIN, AUTO };
@@ -78,17 +79,17 @@ static int take(int option, const value_text *c, record_options *o)
 }
 
 /* The last word is the folder; those before it are inputs. */
-static int check(record_options *o, char **words, int count, char *why, size_t why_bytes)
+static int check(record_options *o, char **words, int count, pupil_why *why)
 {
     if (!count)
-        snprintf(why, why_bytes, "no folder to record into; 'pupil record --help' tells more");
+        pupil_refuse(why, "no folder to record into; 'pupil record --help' tells more");
     else if (o->camera && count > 1)
-        snprintf(why, why_bytes, "%s: -d names a camera already, and one folder is recorded into", words[0]);
+        pupil_refuse(why, "%s: -d names a camera already, and one folder is recorded into", words[0]);
     else if (count > 1 && (o->fourcc || o->automatic || o->exposure_s > 0 || o->gain > 0))
-        snprintf(why, why_bytes,
-                 "--format, --shutter, --gain, --auto: are a camera's; %s is taken as it is (-d names "
-                 "a camera)",
-                 words[0]);
+        pupil_refuse(why,
+                     "--format, --shutter, --gain, --auto: are a camera's; %s is taken as it is (-d names "
+                     "a camera)",
+                     words[0]);
     else {
         o->inputs = (const char *const *)words;
         o->input_count = (size_t)count - 1;
@@ -98,23 +99,23 @@ static int check(record_options *o, char **words, int count, char *why, size_t w
     return RECORD_USAGE;
 }
 
-int record_options_parse(record_options *o, int argc, char **argv, char *why, size_t why_bytes)
+int record_options_parse(record_options *o, int argc, char **argv, pupil_why *why)
 {
     int option;
     *o = (record_options){0};
     optind = 0; /* from the beginning, also where another command line was read before */
     opterr = 0;
     while ((option = getopt_long(argc, argv, "d:n:t:yqh", long_options, NULL)) != -1) {
-        const value_text c = {NULL, option_name(long_options, option), optarg, why, why_bytes};
+        const value_text c = {NULL, option_name(long_options, option), optarg, why};
         if (option == 'h')
             return RECORD_HELP;
         if (option == '?') {
-            snprintf(why, why_bytes, "%s: no such option, or its value is missing; 'pupil record --help' lists them",
-                     argv[optind - 1]);
+            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil record --help' lists them",
+                         argv[optind - 1]);
             return RECORD_USAGE;
         }
         if (take(option, &c, o))
             return RECORD_USAGE;
     }
-    return check(o, argv + optind, argc - optind, why, why_bytes);
+    return check(o, argv + optind, argc - optind, why);
 }

@@ -2,6 +2,7 @@
 #ifndef PUPIL_APPS_RECORD_OPTIONS_H
 #define PUPIL_APPS_RECORD_OPTIONS_H
 
+#include "pupil/error.h"
 #include "source.h"
 
 typedef struct record_options {
@@ -20,7 +21,7 @@ typedef struct record_options {
 enum { RECORD_RUN = 0, RECORD_HELP = 1, RECORD_USAGE = 2 };
 
 /* RECORD_RUN; RECORD_HELP where help was asked for; RECORD_USAGE and a sentence that names the option. */
-int record_options_parse(record_options *options, int argc, char **argv, char *why, size_t why_bytes);
+int record_options_parse(record_options *options, int argc, char **argv, pupil_why *why);
 
 extern const char record_help[];
 

@@ -14,6 +14,7 @@
 #include "live/live.h"
 #include "options.h"
 #include "pupil/pupil.h"
+#include "refuse.h"
 #include "run/choose.h"
 #include "run/sensor.h"
 
@@ -37,16 +38,16 @@ typedef struct record {
     run_sensor sensor;
     pupil_t pupil;
     pupil_stats stats;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } record;
 
 /* A sentence may quote a file's name: what would steer a terminal becomes '?'. */
 static void say(record *r)
 {
-    for (char *c = r->why; *c; c++)
+    for (char *c = r->why.text; *c; c++)
         if (iscntrl((unsigned char)*c))
             *c = '?';
-    fprintf(stderr, "pupil record: %s\n", r->why);
+    fprintf(stderr, "pupil record: %s\n", r->why.text);
 }
 
 /* --- the camera's exposure --- */
@@ -70,11 +71,11 @@ static int begin_exposure(record *r)
     if (!is_steered(o))
         return 0;
     if (!camera) {
-        snprintf(r->why, sizeof r->why, "--%s: %.900s",
-                 o->automatic        ? "auto"
-                 : o->exposure_s > 0 ? "shutter"
-                                     : "gain",
-                 pupil_live_no_controls(r->source));
+        pupil_refuse(&r->why, "--%s: %.900s",
+                     o->automatic        ? "auto"
+                     : o->exposure_s > 0 ? "shutter"
+                                         : "gain",
+                     pupil_live_no_controls(r->source));
         return -1;
     }
     restored = r->source;
@@ -85,7 +86,7 @@ static int begin_exposure(record *r)
     r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
     pupil_init(&r->pupil, &r->steering.shown.config);
     run_sensor_begin(&r->sensor, &r->steering, r->source);
-    return run_choose_mode(&r->steering, r->source, NULL, 0, r->why, sizeof r->why);
+    return run_choose_mode(&r->steering, r->source, NULL, &r->why);
 }
 
 /* From the first frame on, which tells the time; one that was unplugged and came back is taken again. */
@@ -94,14 +95,14 @@ static int follow_light(record *r, const pupil_frame *frame)
     pupil_curve unused;
     if (!is_steered(&r->options))
         return 0;
-    if (run_sensor_take(&r->sensor, r->why, sizeof r->why))
+    if (run_sensor_take(&r->sensor, &r->why))
         return -1;
     if (!r->options.automatic)
         return 0;
     pupil_stats_clear(&r->stats);
     const int error = pupil_meter_rows(&r->pupil, &frame->image, 0, frame->image.height, &r->stats);
     if (error) {
-        snprintf(r->why, sizeof r->why, "%s: %s", frame->name, pupil_error_string(error));
+        pupil_refuse(&r->why, "%s: %s", frame->name, pupil_error_string(error));
         return -1;
     }
     run_sensor_judge(&r->sensor, &r->stats, &frame->info, &unused);
@@ -126,7 +127,7 @@ static int open_recorder(record *r, const pupil_frame *first)
                                             .wait = !r->camera,
                                             .give_up = interrupt_again};
     r->first_ns = first->info.timestamp_ns;
-    return pupil_recorder_open(&r->recorder, r->options.folder, first, &options, r->why, sizeof r->why);
+    return pupil_recorder_open(&r->recorder, r->options.folder, first, &options, &r->why);
 }
 
 static void show(record *r)
@@ -155,13 +156,13 @@ static int run(record *r)
 {
     for (int more = 1; more && !interrupt_came();) {
         pupil_frame frame;
-        const int got = pupil_source_next(r->source, &frame, r->why, sizeof r->why);
+        const int got = pupil_source_next(r->source, &frame, &r->why);
         if (got == PUPIL_SOURCE_END || (got != PUPIL_SOURCE_FRAME && interrupt_came()))
             break;
         if (got != PUPIL_SOURCE_FRAME)
             return -1;
         int failed = !r->recorder && open_recorder(r, &frame);
-        failed = failed || pupil_recorder_write(r->recorder, &frame, r->why, sizeof r->why) || follow_light(r, &frame);
+        failed = failed || pupil_recorder_write(r->recorder, &frame, &r->why) || follow_light(r, &frame);
         if (!failed) {
             r->taken++;
             r->bytes += bytes_of(&frame);
@@ -174,7 +175,7 @@ static int run(record *r)
     }
     if (r->taken)
         return 0;
-    snprintf(r->why, sizeof r->why, "%s: no frame came, so nothing was recorded", r->name);
+    pupil_refuse(&r->why, "%s: no frame came, so nothing was recorded", r->name);
     return -1;
 }
 
@@ -186,12 +187,11 @@ static int open_source(record *r, const pupil_v4l2_system *system)
     r->options.source.stop = interrupt_came;
     r->name = o->input_count ? o->inputs[0] : r->device;
     if (o->input_count && (o->input_count > 1 || !input_is_camera(r->name)))
-        return open_input(o->inputs, o->input_count, &o->source, &r->source, r->why, sizeof r->why);
-    if (run_choose_camera(system, o->input_count ? o->inputs[0] : o->camera, r->device, sizeof r->device, r->why,
-                          sizeof r->why))
+        return open_input(o->inputs, o->input_count, &o->source, &r->source, &r->why);
+    if (run_choose_camera(system, o->input_count ? o->inputs[0] : o->camera, r->device, sizeof r->device, &r->why))
         return -1;
     const pupil_live_options live = {.capture = {.system = system, .fourcc = o->fourcc}, .hands_off = !is_steered(o)};
-    if (pupil_live_open(r->device, &o->source, &live, &r->source, r->why, sizeof r->why))
+    if (pupil_live_open(r->device, &o->source, &live, &r->source, &r->why))
         return -1;
     r->camera = pupil_live_capture(r->source);
     return begin_exposure(r);
@@ -212,14 +212,14 @@ static void tell(const record *r)
 /* Ctrl-C is the usual end. Whatever failed, frames that were written stay. */
 static int end(record *r, int failed)
 {
-    char unused[PUPIL_WHY_BYTES];
-    if (r->camera && pupil_live_give_back(r->source, failed ? unused : r->why, PUPIL_WHY_BYTES))
+    pupil_why unused;
+    if (r->camera && pupil_live_give_back(r->source, failed ? &unused : &r->why))
         failed = -1;
     interrupt_fatal(NULL);
     if (!r->recorder)
         return failed;
     pupil_recorder_get_counts(r->recorder, &r->counts);
-    if (pupil_recorder_close(r->recorder, failed ? unused : r->why, PUPIL_WHY_BYTES))
+    if (pupil_recorder_close(r->recorder, failed ? &unused : &r->why))
         return -1;
     r->counts.written = r->taken - r->counts.lost; /* those that waited, too */
     return failed;
@@ -229,7 +229,7 @@ int record_on(const pupil_v4l2_system *system, int argc, char **argv)
 {
     static record r; /* one run at a time; pupil_t and pupil_stats are large for a stack */
     memset(&r, 0, sizeof r);
-    const int parsed = record_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
+    const int parsed = record_options_parse(&r.options, argc, argv, &r.why);
     if (parsed == RECORD_HELP) {
         fputs(record_help, stdout);
         return EXIT_DONE;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "options/shared_options.h"
+#include "refuse.h"
 
 enum { REPORT = OPTION_OWN, HOLD, RESET_EACH, SEED, KEEP_GOING, LOOP };
 
@@ -50,17 +51,17 @@ static int take(int option, const value_text *c)
 }
 
 /* What --loop asks of the other options. */
-static int check_loop(const replay_options *o, char *why, size_t why_bytes)
+static int check_loop(const replay_options *o, pupil_why *why)
 {
     if (o->loop && !o->view)
-        return snprintf(why, why_bytes, "--loop: is of --view; to write frames several times there is --hold"), -1;
+        return pupil_refuse(why, "--loop: is of --view; to write frames several times there is --hold"), -1;
     for (size_t i = 0; o->loop && i < o->input_count; i++)
         if (strcmp(o->inputs[i], "-") == 0)
-            return snprintf(why, why_bytes, "--loop: standard input comes once; name a file"), -1;
+            return pupil_refuse(why, "--loop: standard input comes once; name a file"), -1;
     return 0;
 }
 
-int replay_options_parse(replay_options *o, int argc, char **argv, char *why, size_t why_bytes)
+int replay_options_parse(replay_options *o, int argc, char **argv, pupil_why *why)
 {
     int option, weight_given = 0;
     *o = (replay_options){.hold = 1, .metering = "uniform", .white = "follow"};
@@ -83,24 +84,23 @@ int replay_options_parse(replay_options *o, int argc, char **argv, char *why, si
             return REPLAY_HELP;
         if (option == '?' || option == ':') {
             const char *said = argv[optind - 1];
-            snprintf(why, why_bytes, "%s: no such option, or its value is missing; 'pupil replay --help' lists them",
-                     said);
+            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil replay --help' lists them", said);
             return REPLAY_USAGE;
         }
         if (take_flag(option, o))
             continue;
-        value_text c = {o, option_name(long_options, option), optarg, why, why_bytes};
+        value_text c = {o, option_name(long_options, option), optarg, why};
         weight_given |= option == OPTION_WEIGHT;
         if (take(option, &c))
             return REPLAY_USAGE;
     }
     o->inputs = (const char *const *)argv + 1;
     if (!o->input_count) {
-        snprintf(why, why_bytes,
-                 "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' tells more");
+        pupil_refuse(why,
+                     "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' tells more");
         return REPLAY_USAGE;
     }
-    if (check_loop(o, why, why_bytes) || shared_options_check(o, weight_given, why, why_bytes))
+    if (check_loop(o, why) || shared_options_check(o, weight_given, why))
         return REPLAY_USAGE;
     return REPLAY_RUN;
 }

@@ -2,6 +2,7 @@
 #ifndef PUPIL_APPS_REPLAY_OPTIONS_H
 #define PUPIL_APPS_REPLAY_OPTIONS_H
 
+#include "pupil/error.h"
 #include "pupil/gles.h"
 #include "source.h"
 
@@ -29,11 +30,11 @@ typedef struct replay_options {
 enum { REPLAY_RUN = 0, REPLAY_HELP = 1, REPLAY_USAGE = 2 };
 
 /* REPLAY_RUN; REPLAY_HELP where help was asked for; REPLAY_USAGE and a sentence that names the option. */
-int replay_options_parse(replay_options *options, int argc, char **argv, char *why, size_t why_bytes);
+int replay_options_parse(replay_options *options, int argc, char **argv, pupil_why *why);
 
 /* Refuses outputs that are named twice, that lie in one another or are also an input, or that would share standard
  * output. */
-int replay_options_check_paths(const replay_options *options, char *why, size_t why_bytes);
+int replay_options_check_paths(const replay_options *options, pupil_why *why);
 
 extern const char replay_help[];
 

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "options.h"
+#include "refuse.h"
 
 enum { MOST_PATHS = REPLAY_MOST_OUTPUTS + 4 };
 
@@ -89,20 +90,20 @@ static int is_inside(const char *path, const char *folder)
     return inside;
 }
 
-int replay_options_check_paths(const replay_options *o, char *why, size_t why_bytes)
+int replay_options_check_paths(const replay_options *o, pupil_why *why)
 {
     const char *paths[MOST_PATHS];
     size_t count = gather(o, paths);
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < i; k++)
             if (is_same_place(paths[i], paths[k])) {
-                snprintf(why, why_bytes, "%s: named for two outputs; each needs a place of its own", paths[i]);
+                pupil_refuse(why, "%s: named for two outputs; each needs a place of its own", paths[i]);
                 return REPLAY_USAGE;
             }
         for (size_t k = 0; k < count; k++)
             if (k != i && is_inside(paths[i], paths[k])) {
-                snprintf(why, why_bytes, "%s: lies in %s, which is an output, too; each needs a place of its own",
-                         paths[i], paths[k]);
+                pupil_refuse(why, "%s: lies in %s, which is an output, too; each needs a place of its own", paths[i],
+                             paths[k]);
                 return REPLAY_USAGE;
             }
         for (size_t k = 0; k < o->input_count; k++) {
@@ -111,7 +112,7 @@ int replay_options_check_paths(const replay_options *o, char *why, size_t why_by
             if (strcmp(input, "-") == 0 || strncmp(input, "synth:", 6) == 0)
                 continue; /* no file */
             if (replaces(paths[i], i < o->out_count, input + prefix)) {
-                snprintf(why, why_bytes, "%s: is also an input, and would be replaced", paths[i]);
+                pupil_refuse(why, "%s: is also an input, and would be replaced", paths[i]);
                 return REPLAY_USAGE;
             }
         }

@@ -14,6 +14,7 @@
 #include "output/outputs.h"
 #include "output/plot.h"
 #include "output/stats_file.h"
+#include "refuse.h"
 #include "report/replay_report.h"
 #include "view/view.h"
 
@@ -43,17 +44,17 @@ typedef struct replay {
     size_t finished;   /* outputs that are in their places */
     char gpu[640];     /* who did the frames */
     char summary[512]; /* the figures that a report found */
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } replay;
 
 static void say(replay *r, const char *end)
 {
-    sentence_say("pupil replay", r->why, end);
+    sentence_say("pupil replay", r->why.text, end);
 }
 
 static int no_memory(replay *r)
 {
-    snprintf(r->why, sizeof r->why, "not enough memory");
+    pupil_refuse(&r->why, "not enough memory");
     return -1;
 }
 
@@ -87,28 +88,26 @@ static int open_outputs(replay *r, const pupil_image_const *first)
     pupil_sink_options options = {
         .width = first->width, .height = first->height, .fps = r->source->fps, .overwrite = o->overwrite};
     for (size_t i = 0; i < o->out_count; i++)
-        if (outputs_open(&r->outputs, o->out[i], &options, r->why, sizeof r->why))
+        if (outputs_open(&r->outputs, o->out[i], &options, &r->why))
             return -1;
-    if (o->stats && pupil_stats_file_open(&r->stats_file, o->stats, r->why, sizeof r->why))
+    if (o->stats && pupil_stats_file_open(&r->stats_file, o->stats, &r->why))
         return -1;
     if (o->report)
-        return replay_report_open(&r->report, o, &options, r->source->frames * o->hold, r->why, sizeof r->why);
+        return replay_report_open(&r->report, o, &options, r->source->frames * o->hold, &r->why);
     return 0;
 }
 
 static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
 {
     double began_s = progress_now_s();
-    if (outputs_write(&r->outputs, display, &frame->info, r->why, sizeof r->why))
+    if (outputs_write(&r->outputs, display, &frame->info, &r->why))
         return -1;
     record->write_us = (progress_now_s() - began_s) * 1e6;
-    if (r->stats_file && pupil_stats_file_write(r->stats_file, record, r->why, sizeof r->why))
+    if (r->stats_file && pupil_stats_file_write(r->stats_file, record, &r->why))
         return -1;
     if (keep(r, record))
         return -1;
-    return r->report
-               ? replay_report_frame(r->report, frame, &r->curve, display, &r->stats, record, r->why, sizeof r->why)
-               : 0;
+    return r->report ? replay_report_frame(r->report, frame, &r->curve, display, &r->stats, record, &r->why) : 0;
 }
 
 /* The window comes with the first frame, and where it is there the GPU is its own. */
@@ -118,18 +117,18 @@ static int open_view(replay *r, const pupil_frame *first)
     const view_of of = {.options = &r->options, .pupil = &r->pupil, .work = &r->work, .fps = r->source->fps};
     if (!o->view || r->shown)
         return 0;
-    return view_open(&r->view, &of, &first->image, r->why, sizeof r->why);
+    return view_open(&r->view, &of, &first->image, &r->why);
 }
 
 /* For the user, without an end of the run. */
 static void warn(replay *r)
 {
-    if (!*r->work.warning)
+    if (!*r->work.warning.text)
         return;
     progress_clear(&r->progress);
-    memcpy(r->why, r->work.warning, sizeof r->why);
+    r->why = r->work.warning;
     say(r, "; the CPU goes on");
-    *r->work.warning = 0;
+    *r->work.warning.text = 0;
 }
 
 /* Frames are written in all their pixels; what is only viewed is measured in a smaller picture. */
@@ -146,7 +145,7 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
     warn(r);
     double began_s = progress_now_s();
     int error = replay_work_frame(&r->work, &r->pupil, frame, !r->view || is_written(&r->options), &r->stats, &r->curve,
-                                  &out, r->why, sizeof r->why);
+                                  &out, &r->why);
     double process_us = (progress_now_s() - began_s) * 1e6;
     if (error)
         return -1;
@@ -198,7 +197,7 @@ static int again(replay *r, uint64_t shown_before)
     r->loop_ns = r->last_ns + (int64_t)(1e9 / r->source->fps);
     pupil_source_close(r->source);
     r->source = NULL;
-    return open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why);
+    return open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, &r->why);
 }
 
 static int run(replay *r)
@@ -208,7 +207,7 @@ static int run(replay *r)
     while (goes_on(r)) {
         pupil_frame frame;
         double began_s = progress_now_s();
-        int got = pupil_source_next(r->source, &frame, r->why, sizeof r->why);
+        int got = pupil_source_next(r->source, &frame, &r->why);
         double read_us = (progress_now_s() - began_s) * 1e6;
         if (interrupt_came())
             return 0;
@@ -241,13 +240,13 @@ static int begin(replay *r)
 {
     const char *fault = "";
     if (pupil_config_check(&r->options.config, &fault)) {
-        snprintf(r->why, sizeof r->why, "settings: %s", fault);
+        pupil_refuse(&r->why, "settings: %s", fault);
         return -1;
     }
-    if (r->options.plot && pupil_plot_check(r->options.plot, r->why, sizeof r->why))
+    if (r->options.plot && pupil_plot_check(r->options.plot, &r->why))
         return -1;
     r->options.source.stop = interrupt_came;
-    if (open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, r->why, sizeof r->why))
+    if (open_input(r->options.inputs, r->options.input_count, &r->options.source, &r->source, &r->why))
         return -1;
     pupil_init(&r->pupil, &r->options.config);
     if (replay_work_open(&r->work, &r->options))
@@ -266,33 +265,32 @@ static int finish(replay *r)
 {
     const replay_options *o = &r->options;
     if (!r->shown) {
-        snprintf(r->why, sizeof r->why, "%s: no frame could be read", o->inputs[0]);
+        pupil_refuse(&r->why, "%s: no frame could be read", o->inputs[0]);
         return -1;
     }
     if (o->plot) {
-        if (pupil_plot_write(o->plot, r->records, r->record_count, o->inputs[0], r->why, sizeof r->why))
+        if (pupil_plot_write(o->plot, r->records, r->record_count, o->inputs[0], &r->why))
             return -1;
         r->finished++;
     }
     replay_report *report = r->report;
     if (report && !interrupt_came()) {
         r->report = NULL;
-        if (replay_report_finish(report, r->records, r->record_count, r->summary, sizeof r->summary, r->why,
-                                 sizeof r->why))
+        if (replay_report_finish(report, r->records, r->record_count, r->summary, sizeof r->summary, &r->why))
             return -1;
         r->finished++;
     }
     pupil_stats_file *stats_file = r->stats_file;
     if (stats_file && !interrupt_came()) {
         r->stats_file = NULL;
-        if (pupil_stats_file_finish(stats_file, r->why, sizeof r->why))
+        if (pupil_stats_file_finish(stats_file, &r->why))
             return -1;
         r->finished++;
     }
     if (interrupt_came())
         return -1;
     size_t count = r->outputs.count;
-    int failed = outputs_finish(&r->outputs, r->why, sizeof r->why);
+    int failed = outputs_finish(&r->outputs, &r->why);
     r->finished += count - r->outputs.count;
     return failed;
 }
@@ -336,13 +334,13 @@ int replay_main(int argc, char **argv)
     static replay r; /* one run a process; pupil_t and pupil_stats are large for a stack */
     char command[4096];
     replay_report_command(command, sizeof command, argc, argv); /* before parsing moves argv about */
-    int parsed = replay_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
+    int parsed = replay_options_parse(&r.options, argc, argv, &r.why);
     r.options.command = command;
     if (parsed == REPLAY_HELP) {
         fputs(replay_help, stdout);
         return EXIT_DONE;
     }
-    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options, r.why, sizeof r.why)) {
+    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options, &r.why)) {
         say(&r, "");
         return EXIT_USAGE;
     }

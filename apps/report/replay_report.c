@@ -10,6 +10,7 @@
 #include "common/progress.h"
 #include "file/sink/file_sink.h"
 #include "output/plot.h"
+#include "refuse.h"
 #include "report.h"
 #include "verify.h"
 
@@ -19,7 +20,7 @@ struct replay_report {
     pupil_report *page;
     const replay_options *options;
     pupil_sink *video; /* NULL: none, or given up */
-    char note[PUPIL_WHY_BYTES];
+    pupil_why note;
     pupil_t mapper; /* maps a frame at the exposure of the first, to compare with */
     pupil_curve first;
     unsigned char *fixed; /* RGB8 */
@@ -47,22 +48,22 @@ void replay_report_command(char *text, size_t bytes, int argc, char **argv)
 }
 
 int replay_report_open(replay_report **report, const replay_options *options, const pupil_sink_options *video,
-                       uint64_t frames, char *why, size_t why_bytes)
+                       uint64_t frames, pupil_why *why)
 {
     replay_report *r = calloc(1, sizeof *r);
     if (!r) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return -1;
     }
     r->options = options;
-    if (pupil_report_begin(&r->page, options->report, options->overwrite, options->reset_each, why, why_bytes)) {
+    if (pupil_report_begin(&r->page, options->report, options->overwrite, options->reset_each, why)) {
         free(r);
         return -1;
     }
     pupil_init(&r->mapper, &options->config);
     if (frames != 1 && !options->reset_each &&
-        pupil_file_sink_open(pupil_report_video(r->page), video, &r->video, r->note, sizeof r->note))
-        r->video = NULL; /* the page says why in its note */
+        pupil_file_sink_open(pupil_report_video(r->page), video, &r->video, &r->note))
+        r->video = NULL; /* the page says why->text in its note */
     *report = r;
     return 0;
 }
@@ -119,8 +120,8 @@ static void verify(replay_report *r, const pupil_image_const *in, const pupil_cu
 }
 
 int replay_report_frame(replay_report *r, const pupil_frame *frame, const pupil_curve *curve,
-                        const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record, char *why,
-                        size_t why_bytes)
+                        const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record,
+                        pupil_why *why)
 {
     pupil_image_const fixed_image;
     const pupil_image_const *fixed = NULL;
@@ -131,11 +132,11 @@ int replay_report_frame(replay_report *r, const pupil_frame *frame, const pupil_
         fixed = map_fixed(r, &frame->image, &fixed_image);
     if (r->options->reset_each || (n & (n + 1)) == 0) /* unrelated pictures, or 0, 1, 3, 7 ...: a few of any run */
         verify(r, &frame->image, curve, rgb8, stats, record);
-    if (r->video && pupil_sink_write(r->video, rgb8, &frame->info, r->note, sizeof r->note)) {
+    if (r->video && pupil_sink_write(r->video, rgb8, &frame->info, &r->note)) {
         pupil_sink_discard(r->video);
         r->video = NULL;
     }
-    return pupil_report_frame(r->page, rgb8, fixed, record, why, why_bytes);
+    return pupil_report_frame(r->page, rgb8, fixed, record, why);
 }
 
 /* --- the page's tables --- */
@@ -220,21 +221,21 @@ static void close_report(replay_report *r)
 }
 
 int replay_report_finish(replay_report *r, const pupil_record *records, size_t count, char *summary,
-                         size_t summary_bytes, char *why, size_t why_bytes)
+                         size_t summary_bytes, pupil_why *why)
 {
     table settings = {.count = 0}, figures = {.count = 0};
-    char plot_note[PUPIL_WHY_BYTES] = "";
-    if (r->video && pupil_sink_finish(r->video, r->note, sizeof r->note) == PUPIL_SINK_OK)
+    pupil_why plot_note = {""};
+    if (r->video && pupil_sink_finish(r->video, &r->note) == PUPIL_SINK_OK)
         r->video = NULL;
     /* pictures that are adapted to one by one have no time */
     if (count > 1 && !r->options->reset_each &&
-        pupil_plot_write(pupil_report_plot(r->page), records, count, "", plot_note, sizeof plot_note))
-        snprintf(r->note, sizeof r->note, "No plot: %s", plot_note);
+        pupil_plot_write(pupil_report_plot(r->page), records, count, "", &plot_note))
+        pupil_refuse(&r->note, "No plot: %s", plot_note.text);
     if (interrupt_came()) { /* gnuplot, too, hears Ctrl-C */
         replay_report_discard(r);
         return -1;
     }
-    char title[PUPIL_WHY_BYTES];
+    char title[1024];
     size_t more = r->options->input_count - 1;
     snprintf(title, sizeof title, "%s", r->options->inputs[0]);
     if (more)
@@ -246,7 +247,7 @@ int replay_report_finish(replay_report *r, const pupil_record *records, size_t c
         .title = title,
         .command = r->options->command,
         .version = pupil_version(),
-        .note = *r->note ? r->note : NULL,
+        .note = *r->note.text ? r->note.text : NULL,
         .records = records,
         .record_count = count,
         .settings = settings.row,
@@ -254,7 +255,7 @@ int replay_report_finish(replay_report *r, const pupil_record *records, size_t c
         .figures = figures.row,
         .figure_count = figures.count,
     };
-    int error = pupil_report_finish(r->page, &page, why, why_bytes);
+    int error = pupil_report_finish(r->page, &page, why);
     close_report(r);
     return error;
 }

@@ -5,6 +5,7 @@
 #define PUPIL_APPS_REPORT_REPLAY_REPORT_H
 
 #include "output/frame_log.h"
+#include "pupil/error.h"
 #include "replay/options.h"
 #include "sink.h"
 
@@ -15,14 +16,14 @@ void replay_report_command(char *text, size_t bytes, int argc, char **argv);
 
 /* `frames`: how many are expected, 0 where unknown. The options stay the caller's. 0, or -1 and a sentence. */
 int replay_report_open(replay_report **report, const replay_options *options, const pupil_sink_options *video,
-                       uint64_t frames, char *why, size_t why_bytes);
+                       uint64_t frames, pupil_why *why);
 int replay_report_frame(replay_report *report, const pupil_frame *frame, const pupil_curve *curve,
-                        const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record, char *why,
-                        size_t why_bytes);
+                        const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record,
+                        pupil_why *why);
 
 /* Writes the page, and says the run's figures in `summary`. The report is gone, whether that succeeded or not. */
 int replay_report_finish(replay_report *report, const pupil_record *records, size_t count, char *summary,
-                         size_t summary_bytes, char *why, size_t why_bytes);
+                         size_t summary_bytes, pupil_why *why);
 void replay_report_discard(replay_report *report); /* takes NULL */
 
 #endif

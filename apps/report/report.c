@@ -12,6 +12,7 @@
 #include "file/sink/png_write.h"
 #include "file/sink/sink_common.h"
 #include "page.h"
+#include "refuse.h"
 
 /* Kept while frames come, so that those shown in the end lie evenly enough; even, for it is halved. 120 thumbnails of
  * 320x180 are 21 MB. */
@@ -30,22 +31,22 @@ struct pupil_report {
 /* --- begin and end --- */
 
 /* An index.html that is there: may it go? */
-static int may_replace(const char *path, int overwrite, char *why, size_t why_bytes)
+static int may_replace(const char *path, int overwrite, pupil_why *why)
 {
     char start[sizeof REPORT_MARK] = "";
     FILE *f = fopen(path, "rbe");
     if (!f)
-        return errno == ENOENT ? 0 : pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        return errno == ENOENT ? 0 : pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     size_t got = fread(start, 1, sizeof start - 1, f);
     fclose(f);
     if (got != sizeof start - 1 || memcmp(start, REPORT_MARK, got) != 0)
-        return pupil_refuse(why, why_bytes, "%s: is there already and no report of pupil; name another folder", path);
+        return pupil_refuse(why, "%s: is there already and no report of pupil; name another folder", path);
     if (!overwrite)
-        return pupil_refuse(why, why_bytes, "%s: is there already; name another folder, or add --overwrite", path);
+        return pupil_refuse(why, "%s: is there already; name another folder, or add --overwrite", path);
     return 0;
 }
 
-static int make_folder(pupil_report *r, char *why, size_t why_bytes)
+static int make_folder(pupil_report *r, pupil_why *why)
 {
     struct stat s;
     r->made_folder = mkdir(r->folder, 0777) == 0;
@@ -53,8 +54,8 @@ static int make_folder(pupil_report *r, char *why, size_t why_bytes)
     if (r->made_folder || (stat(r->folder, &s) == 0 && S_ISDIR(s.st_mode)))
         return 0;
     if (error == ENOENT)
-        return pupil_refuse(why, why_bytes, "%s: the folder it would lie in is not there; make it first", r->folder);
-    return pupil_refuse(why, why_bytes, "%s: is no folder that a report can be put in: %s", r->folder,
+        return pupil_refuse(why, "%s: the folder it would lie in is not there; make it first", r->folder);
+    return pupil_refuse(why, "%s: is no folder that a report can be put in: %s", r->folder,
                         strerror(error == EEXIST ? ENOTDIR : error));
 }
 
@@ -68,7 +69,7 @@ static char *beside(const char *folder, const char *format)
     return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
 }
 
-static int begin(pupil_report *r, const char *folder, int overwrite, char *why, size_t why_bytes)
+static int begin(pupil_report *r, const char *folder, int overwrite, pupil_why *why)
 {
     char *index = beside(folder, "index.html");
     int failed = -1;
@@ -77,24 +78,23 @@ static int begin(pupil_report *r, const char *folder, int overwrite, char *why, 
     r->plot = beside(folder, ".plot.%ld.svg");
     r->picture = beside(folder, ".picture.%ld.png");
     if (!index || !r->folder || !r->video || !r->plot || !r->picture)
-        pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+        pupil_refuse(why, "%s: not enough memory", folder);
     else if (!*folder)
-        pupil_refuse(why, why_bytes, "\"\": a report needs the name of a folder");
-    else if (!make_folder(r, why, why_bytes) && !may_replace(index, overwrite, why, why_bytes))
-        failed = pupil_pending_file(&r->page, index, why, why_bytes);
+        pupil_refuse(why, "\"\": a report needs the name of a folder");
+    else if (!make_folder(r, why) && !may_replace(index, overwrite, why))
+        failed = pupil_pending_file(&r->page, index, why);
     free(index);
     return failed;
 }
 
-int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, char *why,
-                       size_t why_bytes)
+int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, pupil_why *why)
 {
     pupil_report *r = calloc(1, sizeof *r);
     if (!r)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+        return pupil_refuse(why, "%s: not enough memory", folder);
     r->stride = 1;
     r->stills = stills;
-    if (begin(r, folder, overwrite, why, why_bytes)) {
+    if (begin(r, folder, overwrite, why)) {
         pupil_report_discard(r);
         return -1;
     }
@@ -175,10 +175,10 @@ static int keep(pupil_report *r, const pupil_image_const *rgb8, const pupil_imag
 }
 
 int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pupil_image_const *fixed,
-                       const pupil_record *record, char *why, size_t why_bytes)
+                       const pupil_record *record, pupil_why *why)
 {
     if (pupil_report_wants(r) && keep(r, rgb8, fixed, record))
-        return pupil_refuse(why, why_bytes, "%s: not enough memory for a thumbnail", r->folder);
+        return pupil_refuse(why, "%s: not enough memory for a thumbnail", r->folder);
     if (!r->seen++) {
         r->sums.width = rgb8->width;
         r->sums.height = rgb8->height;
@@ -191,33 +191,32 @@ int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pup
 /* --- the page --- */
 
 /* A file's bytes as a data URI; 0, 1: longer than `most`, -1 and a sentence. */
-static int embed(FILE *out, const char *type, const char *path, uint64_t most, char *why, size_t why_bytes)
+static int embed(FILE *out, const char *type, const char *path, uint64_t most, pupil_why *why)
 {
     FILE *in = fopen(path, "rbe");
     fprintf(out, "data:%s;base64,", type);
     int failed = in ? base64_write(out, in, most) : -1;
     if (failed < 0)
-        pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     if (in)
         fclose(in);
     return failed;
 }
 
-static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, const char *what, char *why,
-                       size_t why_bytes)
+static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, const char *what, pupil_why *why)
 {
     pupil_image_const image = thumbnail_image(t);
-    if (pupil_png_write(r->picture, r->folder, &image, why, why_bytes))
+    if (pupil_png_write(r->picture, r->folder, &image, why))
         return -1;
     fprintf(out, "<img alt=\"%s\" width=\"%lu\" height=\"%lu\" src=\"", what, (unsigned long)t->width,
             (unsigned long)t->height);
-    if (embed(out, "image/png", r->picture, UINT64_MAX, why, why_bytes))
+    if (embed(out, "image/png", r->picture, UINT64_MAX, why))
         return -1;
     fputs("\">", out);
     return 0;
 }
 
-static int put_strip(const pupil_report *r, FILE *out, char *why, size_t why_bytes)
+static int put_strip(const pupil_report *r, FILE *out, pupil_why *why)
 {
     size_t most = r->stills ? REPORT_MOST_STILLS : REPORT_MOST_FRAMES, n = r->count < most ? r->count : most;
     if (!n)
@@ -233,8 +232,8 @@ static int put_strip(const pupil_report *r, FILE *out, char *why, size_t why_byt
     for (size_t i = 0; i < n; i++) {
         const report_picture *p = &r->kept[n > 1 ? (i * (r->count - 1) + (n - 1) / 2) / (n - 1) : 0];
         fputs("<figure>", out);
-        if (put_picture(r, out, &p->shown, "adapted", why, why_bytes) ||
-            (p->fixed.rgb && put_picture(r, out, &p->fixed, "fixed exposure", why, why_bytes)))
+        if (put_picture(r, out, &p->shown, "adapted", why) ||
+            (p->fixed.rgb && put_picture(r, out, &p->fixed, "fixed exposure", why)))
             return -1;
         report_caption(out, p, r->stills);
         fputs("</figure>\n", out);
@@ -243,7 +242,7 @@ static int put_strip(const pupil_report *r, FILE *out, char *why, size_t why_byt
     return 0;
 }
 
-static int put_video(const pupil_report *r, FILE *out, char *why, size_t why_bytes)
+static int put_video(const pupil_report *r, FILE *out, pupil_why *why)
 {
     const uint64_t most = (uint64_t)REPORT_MOST_VIDEO_MIB << 20;
     struct stat s;
@@ -257,13 +256,13 @@ static int put_video(const pupil_report *r, FILE *out, char *why, size_t why_byt
         return 0;
     }
     fputs("<h2>Video</h2>\n<video controls loop muted playsinline src=\"", out);
-    int failed = embed(out, "video/mp4", r->video, most, why, why_bytes);
+    int failed = embed(out, "video/mp4", r->video, most, why);
     fputs("\"></video>\n", out);
     return failed;
 }
 
 /* As an image, so that nothing inside it can reach the page. */
-static int put_plot(const pupil_report *r, FILE *out, char *why, size_t why_bytes)
+static int put_plot(const pupil_report *r, FILE *out, pupil_why *why)
 {
     if (access(r->plot, F_OK) != 0)
         return 0;
@@ -271,15 +270,15 @@ static int put_plot(const pupil_report *r, FILE *out, char *why, size_t why_byte
         "<h2>Exposure over time</h2>\n<div class=\"scroll\"><img class=\"plot\" alt=\"metered and adapted EV, display "
         "level and shares over time\" src=\"",
         out);
-    int failed = embed(out, "image/svg+xml", r->plot, UINT64_MAX, why, why_bytes);
+    int failed = embed(out, "image/svg+xml", r->plot, UINT64_MAX, why);
     fputs("\"></div>\n", out);
     return failed;
 }
 
-static int put_page(const pupil_report *r, const pupil_report_page *page, FILE *out, char *why, size_t why_bytes)
+static int put_page(const pupil_report *r, const pupil_report_page *page, FILE *out, pupil_why *why)
 {
     report_head(out, page, &r->sums);
-    if (put_video(r, out, why, why_bytes) || put_strip(r, out, why, why_bytes) || put_plot(r, out, why, why_bytes))
+    if (put_video(r, out, why) || put_strip(r, out, why) || put_plot(r, out, why))
         return -1;
     report_tables(out, page, &r->sums);
     fputs("</main>\n<footer>Made by pupil ", out);
@@ -288,20 +287,20 @@ static int put_page(const pupil_report *r, const pupil_report_page *page, FILE *
     return 0;
 }
 
-int pupil_report_finish(pupil_report *r, const pupil_report_page *page, char *why, size_t why_bytes)
+int pupil_report_finish(pupil_report *r, const pupil_report_page *page, pupil_why *why)
 {
     FILE *out = fopen(r->page.temporary, "wbe");
     int failed = -1;
     if (!out) {
-        pupil_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
+        pupil_refuse(why, "%s: cannot be written: %s", r->page.path, strerror(errno));
     } else {
-        failed = put_page(r, page, out, why, why_bytes);
+        failed = put_page(r, page, out, why);
         int bad = ferror(out);
         if ((fclose(out) != 0 || bad) && !failed)
-            failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", r->page.path, strerror(errno));
+            failed = pupil_refuse(why, "%s: cannot be written: %s", r->page.path, strerror(errno));
     }
     if (!failed)
-        failed = pupil_pending_commit(&r->page, why, why_bytes);
+        failed = pupil_pending_commit(&r->page, why);
     pupil_report_discard(r);
     return failed;
 }

@@ -10,6 +10,7 @@
 #define PUPIL_APPS_REPORT_REPORT_H
 
 #include "output/frame_log.h"
+#include "pupil/error.h"
 #include "pupil/image.h"
 
 #define REPORT_MOST_FRAMES    12 /* pictures of a clip, evenly spaced */
@@ -39,8 +40,7 @@ typedef struct pupil_report_page {
 
 /* `stills`: the frames are pictures of their own, shown with their names. 0, or -1 and a sentence that names the path.
  */
-int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, char *why,
-                       size_t why_bytes);
+int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, pupil_why *why);
 
 /* Where to put a video (.mp4) and a plot (.svg) for the page before finish; what is there then becomes part of the page
  * and is removed. */
@@ -52,10 +52,10 @@ int pupil_report_wants(const pupil_report *report);
 
 /* Takes every display frame. `fixed`: the same frame at the exposure of the first, to compare with; may be NULL. */
 int pupil_report_frame(pupil_report *report, const pupil_image_const *rgb8, const pupil_image_const *fixed,
-                       const pupil_record *record, char *why, size_t why_bytes);
+                       const pupil_record *record, pupil_why *why);
 
 /* Writes the page and puts it in its place. The report is gone afterwards, whether that succeeded or not. */
-int pupil_report_finish(pupil_report *report, const pupil_report_page *page, char *why, size_t why_bytes);
+int pupil_report_finish(pupil_report *report, const pupil_report_page *page, pupil_why *why);
 
 /* Leaves nothing. Takes NULL. */
 void pupil_report_discard(pupil_report *report);

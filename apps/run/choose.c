@@ -1,12 +1,13 @@
 #include "choose.h"
 
+#include "refuse.h"
 #include <stdio.h>
 #include <string.h>
 
 typedef struct first_camera {
     char *path;
     size_t bytes;
-    char why[PUPIL_WHY_BYTES]; /* the first node that could not be asked */
+    pupil_why why; /* the first node that could not be asked */
 } first_camera;
 
 static int seen(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
@@ -14,50 +15,50 @@ static int seen(void *closure, const pupil_v4l2_device *device, const char *path
     first_camera *first = closure;
     if (device)
         snprintf(first->path, first->bytes, "%s", path);
-    else if (!*first->why)
-        snprintf(first->why, sizeof first->why, "%s", why);
+    else if (!*first->why.text)
+        pupil_refuse(&first->why, "%s", why);
     return device != NULL;
 }
 
-int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *device, size_t device_bytes, char *why,
-                      size_t why_bytes)
+int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *device, size_t device_bytes,
+                      pupil_why *why)
 {
     first_camera first = {.path = device, .bytes = device_bytes};
     snprintf(device, device_bytes, "%s", asked ? asked : "");
     if (asked)
         return 0;
-    if (pupil_v4l2_devices(system, seen, &first, why, why_bytes) < 0)
+    if (pupil_v4l2_devices(system, seen, &first, why) < 0)
         return -1;
     if (*device)
         return 0;
-    snprintf(why, why_bytes, "%s",
-             *first.why
-                 ? first.why
-                 : "no camera is there: no /dev/video* gives pictures; dmesg tells what the kernel made of one that "
-                   "is plugged in");
+    pupil_refuse(
+        why, "%s",
+        *first.why.text
+            ? first.why.text
+            : "no camera is there: no /dev/video* gives pictures; dmesg tells what the kernel made of one that "
+              "is plugged in");
     return -1;
 }
 
 /* What is set by hand must be among what the camera has. */
-static int check_hand(const run_options *o, pupil_camera *camera, char *why, size_t why_bytes)
+static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why)
 {
     pupil_camera_limits limits;
     pupil_camera_get_limits(camera, &limits);
     if (o->exposure_s > 0.0 &&
         !(o->exposure_s >= 0.999 * limits.exposure_min_s && o->exposure_s <= 1.001 * limits.exposure_max_s)) {
-        snprintf(why, why_bytes, "--shutter: this camera exposes from %.6g to %.6g ms", limits.exposure_min_s * 1e3,
-                 limits.exposure_max_s * 1e3);
+        pupil_refuse(why, "--shutter: this camera exposes from %.6g to %.6g ms", limits.exposure_min_s * 1e3,
+                     limits.exposure_max_s * 1e3);
         return -1;
     }
     if (o->gain > 0.0 && !(o->gain >= 0.999 * limits.gain_min && o->gain <= 1.001 * limits.gain_max)) {
-        snprintf(why, why_bytes, "--gain: this camera has gains from %.4g to %.4g", limits.gain_min, limits.gain_max);
+        pupil_refuse(why, "--gain: this camera has gains from %.4g to %.4g", limits.gain_min, limits.gain_max);
         return -1;
     }
     return 0;
 }
 
-int run_choose_mode(run_options *o, const pupil_source *source, char *remark, size_t remark_bytes, char *why,
-                    size_t why_bytes)
+int run_choose_mode(run_options *o, const pupil_source *source, pupil_why *remark, pupil_why *why)
 {
     pupil_camera *camera = pupil_live_camera(source);
     const char *asks = o->exposure_s > 0.0                 ? "--shutter"
@@ -71,35 +72,34 @@ int run_choose_mode(run_options *o, const pupil_source *source, char *remark, si
                        : o->resume                         ? "--resume"
                                                            : NULL;
     if (!camera && asks) {
-        snprintf(why, why_bytes, "%s: %.900s", asks, pupil_live_no_controls(source));
+        pupil_refuse(why, "%s: %.900s", asks, pupil_live_no_controls(source));
         return -1;
     }
     if (!camera && o->mode == RUN_BEST)
-        snprintf(remark, remark_bytes,
-                 "%.900s; the picture is adapted to, and the camera stays as it is (--mode digital)",
-                 pupil_live_no_controls(source));
+        pupil_refuse(remark, "%.900s; the picture is adapted to, and the camera stays as it is (--mode digital)",
+                     pupil_live_no_controls(source));
     if (o->mode == RUN_BEST)
         o->mode = camera ? RUN_BOTH : RUN_DIGITAL;
-    return camera ? check_hand(o, camera, why, why_bytes) : 0;
+    return camera ? check_hand(o, camera, why) : 0;
 }
 
-int run_choose_outputs(const run_options *o, char *why, size_t why_bytes)
+int run_choose_outputs(const run_options *o, pupil_why *why)
 {
     const replay_options *s = &o->shown;
     size_t streams = s->stats && strcmp(s->stats, "-") == 0;
     for (size_t i = 0; i < s->out_count; i++) {
         streams += strcmp(s->out[i], "-") == 0;
         if (o->device && strcmp(s->out[i], o->device) == 0) {
-            snprintf(why, why_bytes, "%s: is the camera itself; an output is another node", s->out[i]);
+            pupil_refuse(why, "%s: is the camera itself; an output is another node", s->out[i]);
             return REPLAY_USAGE;
         }
     }
     replay_options all = *s;
     all.report = o->resume; /* a run has no report: all that is written needs a place of its own */
-    if (o->resume && replay_options_check_paths(&all, why, why_bytes))
+    if (o->resume && replay_options_check_paths(&all, why))
         return REPLAY_USAGE;
     if (streams > 1) {
-        snprintf(why, why_bytes, "-: named for two outputs; standard output is one");
+        pupil_refuse(why, "-: named for two outputs; standard output is one");
         return REPLAY_USAGE;
     }
     return REPLAY_RUN;

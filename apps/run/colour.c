@@ -7,20 +7,20 @@
 static int find_sensor(const pupil_v4l2_capture *capture, pupil_camera_sensor *known)
 {
     pupil_v4l2_sensor sensor;
-    char unused[PUPIL_WHY_BYTES];
-    return pupil_v4l2_media_sensor(&capture->device, &sensor, unused, sizeof unused) == 0 &&
-           pupil_camera_find_sensor(NULL, sensor.entity, known, unused, sizeof unused) == 1;
+    pupil_why unused;
+    return pupil_v4l2_media_sensor(&capture->device, &sensor, &unused) == 0 &&
+           pupil_camera_find_sensor(NULL, sensor.entity, known, &unused) == 1;
 }
 
 int run_colour_take(run_colour *c, const pupil_colour_options *options, const pupil_source *source, pupil_frame *frame,
-                    char *why, size_t why_bytes)
+                    pupil_why *why)
 {
     const pupil_v4l2_capture *capture = pupil_live_capture(source);
     if (!c->began || c->reopened != capture->counts.reopened) {
         pupil_camera_sensor known;
         const int is_known = find_sensor(capture, &known);
         if (pupil_colour_begin(&c->colour, options, frame->image.coding, frame->image.pixel, is_known ? &known : NULL,
-                               why, why_bytes))
+                               why))
             return -1;
         if (c->own_picture && c->colour.coding.light == PUPIL_LIGHT_BT709)
             c->colour.coding.light = c->colour.first.light = PUPIL_LIGHT_SRGB;

@@ -3,6 +3,7 @@
 #define PUPIL_APPS_RUN_COLOUR_H
 
 #include "live/colour.h"
+#include "pupil/error.h"
 #include "source.h"
 
 typedef struct run_colour {
@@ -16,6 +17,6 @@ typedef struct run_colour {
 /* Gives a frame of a live source its coding; begins anew with the first frame of a camera, which may be another one. -1
  * and a sentence: what was asked for is none that its format can have. */
 int run_colour_take(run_colour *c, const pupil_colour_options *options, const pupil_source *source, pupil_frame *frame,
-                    char *why, size_t why_bytes);
+                    pupil_why *why);
 
 #endif

@@ -1,5 +1,7 @@
 #include "lamps.h"
 
+#include "refuse.h"
+
 #include <stdio.h>
 
 enum { /* reasons of its own */
@@ -32,8 +34,7 @@ static void find_readout(run_lamps *l)
     l->camera = camera;
 }
 
-void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, char *remark,
-                     size_t remark_bytes)
+void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, pupil_why *remark)
 {
     l->options = options->row_gains ? options : NULL;
     l->source = source;
@@ -41,18 +42,18 @@ void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_sourc
     l->readout_s = options->readout_s;
     l->of.mains_hz = 0;
     l->frames = l->with = 0;
-    *remark = 0;
+    remark->text[0] = 0;
     if (!l->options)
         return;
     find_readout(l);
     if (!(l->readout_s > 0.0))
-        snprintf(remark, remark_bytes, "--row-gains: there are none, for %s; --readout MS tells it",
-                 l->camera ? "this camera's driver does not tell its readout (PIXEL_RATE and HBLANK)"
-                           : "without the camera's controls its readout is not known");
+        pupil_refuse(remark, "--row-gains: there are none, for %s; --readout MS tells it",
+                     l->camera ? "this camera's driver does not tell its readout (PIXEL_RATE and HBLANK)"
+                               : "without the camera's controls its readout is not known");
     else if (options->mode == RUN_DIGITAL && !options->live.mains_hz)
-        snprintf(remark, remark_bytes,
-                 "--row-gains: there are none, for in --mode digital the mains are not looked for; --mains 50 or 60 "
-                 "tells them");
+        pupil_refuse(
+            remark, "--row-gains: there are none, for in --mode digital the mains are not looked for; --mains 50 or 60 "
+                    "tells them");
 }
 
 /* The object for what is known now; what it has learned stays where that is the same. 0; -1: there can be no gains. */

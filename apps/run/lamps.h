@@ -20,8 +20,7 @@ typedef struct run_lamps {
 
 /* Of a live source, whose mode is no longer RUN_BEST. `remark`: a sentence where there will be no gains, and what would
  * bring them; else nothing. */
-void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, char *remark,
-                     size_t remark_bytes);
+void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, pupil_why *remark);
 
 /* A frame, before it is mapped: the gains of its rows, good until the next frame; NULL: none. */
 const float *run_lamps_take(run_lamps *l, const run_sensor *sensor, const pupil_frame *frame);

@@ -5,6 +5,7 @@
 
 #include "options/colour_options.h"
 #include "options/shared_options.h"
+#include "refuse.h"
 
 enum {
     MODE = OPTION_OWN,
@@ -128,11 +129,11 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case FLICKER_PERIOD:
         return run_value_period(c, &r->live.mains_hz);
     case WHITE_BALANCE:
-        return colour_option_balance(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
+        return colour_option_balance(&r->colour, c->text, c->why) ? REPLAY_USAGE : REPLAY_RUN;
     case COLOUR_MATRIX:
-        return colour_option_matrix(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
+        return colour_option_matrix(&r->colour, c->text, c->why) ? REPLAY_USAGE : REPLAY_RUN;
     case BLACK_LEVEL:
-        return colour_option_black(&r->colour, c->text, c->why, c->why_bytes) ? REPLAY_USAGE : REPLAY_RUN;
+        return colour_option_black(&r->colour, c->text, c->why) ? REPLAY_USAGE : REPLAY_RUN;
     case READOUT:
         return run_value_time(c, 1e-3, 1e-4, 1.0, "25ms, or a plain number of milliseconds, from 0.1 to 1000",
                               &r->readout_s);
@@ -145,61 +146,58 @@ static int take_camera(int option, const value_text *c, run_options *r)
     }
 }
 
-static int conflict(char *why, size_t why_bytes, const char *sentence)
+static int conflict(pupil_why *why, const char *sentence)
 {
-    snprintf(why, why_bytes, "%s", sentence);
+    pupil_refuse(why, "%s", sentence);
     return REPLAY_USAGE;
 }
 
 /* Of --row-gains, and of --mains where it is about them. */
-static int check_lamps(const run_options *r, char *why, size_t why_bytes)
+static int check_lamps(const run_options *r, pupil_why *why)
 {
     const replay_options *o = &r->shown;
     if (r->mode == RUN_DIGITAL && ((r->live.mains_hz && !r->row_gains) || r->any_frame_rate))
-        return conflict(why, why_bytes,
-                        "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
-                        "digital leaves the camera as it is");
+        return conflict(why, "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
+                             "digital leaves the camera as it is");
     if (r->readout_s > 0.0 && !r->row_gains)
-        return conflict(why, why_bytes, "--readout: is of --row-gains");
+        return conflict(why, "--readout: is of --row-gains");
     if (r->row_gains && (o->gles || o->gles_version))
-        return conflict(why, why_bytes, "--row-gains: is the CPU's work, and goes without --gles and --gles-version");
+        return conflict(why, "--row-gains: is the CPU's work, and goes without --gles and --gles-version");
     if (r->row_gains && o->config.order == PUPIL_ORDER_FUSED)
-        return conflict(why, why_bytes, "--row-gains: looks at a frame before it is mapped, and goes without --fused");
+        return conflict(why, "--row-gains: looks at a frame before it is mapped, and goes without --fused");
     if (r->row_gains && r->mains_off)
-        return conflict(why, why_bytes, "--row-gains: is about lamps on the mains, and goes without --mains off");
+        return conflict(why, "--row-gains: is about lamps on the mains, and goes without --mains off");
     return REPLAY_RUN;
 }
 
 /* What options ask of one another. */
-static int check(const run_options *r, int weight_given, int key_given, char *why, size_t why_bytes)
+static int check(const run_options *r, int weight_given, int key_given, pupil_why *why)
 {
     const replay_options *o = &r->shown;
-    if (shared_options_check(o, weight_given, why, why_bytes))
+    if (shared_options_check(o, weight_given, why))
         return REPLAY_USAGE;
     if (r->mode == RUN_SENSOR && o->config.order == PUPIL_ORDER_FUSED)
-        return conflict(why, why_bytes,
-                        "--fused: is of --mode digital and both; the picture of sensor is the camera's");
-    if (check_lamps(r, why, why_bytes))
+        return conflict(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
+    if (check_lamps(r, why))
         return REPLAY_USAGE;
     if (r->key_at && r->mode != RUN_SENSOR)
         return conflict(
-            why, why_bytes,
-            "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes adapt it");
+            why, "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes adapt it");
     if (r->resume && (r->mode == RUN_DIGITAL || (r->exposure_s > 0.0 && r->gain > 0.0)))
-        return conflict(why, why_bytes,
+        return conflict(why,
                         "--resume: is of what is steered, which nothing is with --mode digital, or with both --shutter "
                         "and --gain");
     if (r->key_at && key_given)
-        return conflict(why, why_bytes, "--key and --key-at: one of them; --key is the same in any light");
+        return conflict(why, "--key and --key-at: one of them; --key is the same in any light");
     const int by_hand = r->exposure_s > 0.0 || r->gain > 0.0;
     if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !by_hand)))
-        return conflict(why, why_bytes,
+        return conflict(why,
                         "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and both; "
                         "digital steers nothing");
     return REPLAY_RUN;
 }
 
-int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t why_bytes)
+int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
 {
     int option, weight_given = 0, key_given = 0;
     *r = (run_options){.shown = {.hold = 1, .metering = "uniform", .white = "follow"}, .mode = RUN_BEST};
@@ -212,13 +210,13 @@ int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t w
         if (option == 'h')
             return REPLAY_HELP;
         if (option == '?' || option == ':') {
-            snprintf(why, why_bytes, "%s: no such option, or its value is missing; 'pupil run --help' lists them",
-                     argv[optind - 1]);
+            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil run --help' lists them",
+                         argv[optind - 1]);
             return REPLAY_USAGE;
         }
         if (take_flag(option, r))
             continue;
-        const value_text c = {&r->shown, option_name(long_options, option), optarg, why, why_bytes};
+        const value_text c = {&r->shown, option_name(long_options, option), optarg, why};
         weight_given |= option == OPTION_WEIGHT;
         key_given |= option == OPTION_KEY;
         const int camera = take_camera(option, &c, r);
@@ -226,8 +224,8 @@ int run_options_parse(run_options *r, int argc, char **argv, char *why, size_t w
             return REPLAY_USAGE;
     }
     if (optind < argc) {
-        snprintf(why, why_bytes, "%s: no option; a camera goes behind -d: -d %s", argv[optind], argv[optind]);
+        pupil_refuse(why, "%s: no option; a camera goes behind -d: -d %s", argv[optind], argv[optind]);
         return REPLAY_USAGE;
     }
-    return check(r, weight_given, key_given, why, why_bytes);
+    return check(r, weight_given, key_given, why);
 }

@@ -5,6 +5,7 @@
 #include "live/colour.h"
 #include "live/live.h"
 #include "options/values.h"
+#include "pupil/error.h"
 
 typedef enum run_mode {
     RUN_DIGITAL = 0, /* the picture is adapted to; no control is touched, unless by hand */
@@ -37,7 +38,7 @@ typedef struct run_options {
 } run_options;
 
 /* As replay_options_parse; argv stays as it is. */
-int run_options_parse(run_options *options, int argc, char **argv, char *why, size_t why_bytes);
+int run_options_parse(run_options *options, int argc, char **argv, pupil_why *why);
 
 /* --- what options are given --- */
 

@@ -7,6 +7,7 @@
 #include "output/frame_log_list.h"
 #include "output/outputs.h"
 #include "output/stats_file.h"
+#include "pupil/error.h"
 
 typedef struct run_outputs {
     replay_options *options;
@@ -26,17 +27,17 @@ typedef struct run_outputs {
 void run_outputs_begin(run_outputs *o, replay_options *options, pupil_source *source, const char *device);
 
 /* A frame as it came, into the recording; the first one opens everything. 0, or -1 and a sentence. */
-int run_outputs_take(run_outputs *o, const pupil_frame *frame, char *why, size_t why_bytes);
+int run_outputs_take(run_outputs *o, const pupil_frame *frame, pupil_why *why);
 
 /* What is shown of it; into the record goes how long it took. 0, or -1 and a sentence: an output that fails ends the
  * run, the others are kept. 1: so does a reader who has seen enough, or Ctrl-C, which is no failure. */
 int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record,
-                      char *why, size_t why_bytes);
+                      pupil_why *why);
 
 /* All that has been written becomes complete, whatever ended the run; a second Ctrl-C leaves out what is to come. 0, or
  * -1 and the first sentence of those that cannot. Afterwards the options name what is there: not what failed, nor, of a
  * run that ended in its first frame, anything but the recording. */
-int run_outputs_finish(run_outputs *o, char *why, size_t why_bytes);
+int run_outputs_finish(run_outputs *o, pupil_why *why);
 
 /* What is not finished is not there. */
 void run_outputs_discard(run_outputs *o);

@@ -35,20 +35,19 @@ static int split_line(char *line, double *total_s, const char **camera)
 
 /* The total of a camera (NULL: of none), and the lines of the others into `others` (NULL: nowhere). A file that is not
  * there, or empty, has none. 0, or -1 and a sentence: it is something else. */
-static int read_kept(const char *path, const char *camera, double *total_s, FILE *others, unsigned *damaged, char *why,
-                     size_t why_bytes)
+static int read_kept(const char *path, const char *camera, double *total_s, FILE *others, unsigned *damaged,
+                     pupil_why *why)
 {
     char line[256];
     FILE *in = fopen(path, "re");
     *total_s = 0.0;
     *damaged = 0;
     if (!in)
-        return errno == ENOENT ? 0 : pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        return errno == ENOENT ? 0 : pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     const int is_empty = !fgets(line, sizeof line, in);
     if (!is_empty && strcmp(line, HEADER) != 0) {
         fclose(in);
-        return pupil_refuse(why, why_bytes, "%s: was not written by --resume, and is left as it is; name another file",
-                            path);
+        return pupil_refuse(why, "%s: was not written by --resume, and is left as it is; name another file", path);
     }
     for (int cameras = 1; cameras < MOST_CAMERAS && fgets(line, sizeof line, in);) {
         double total = 0.0;
@@ -65,7 +64,7 @@ static int read_kept(const char *path, const char *camera, double *total_s, FILE
     }
     const int failed = ferror(in);
     fclose(in);
-    return failed ? pupil_refuse(why, why_bytes, "%s: cannot be read to its end", path) : 0;
+    return failed ? pupil_refuse(why, "%s: cannot be read to its end", path) : 0;
 }
 
 /* The file's folder, locked against other runs that end together with this one; the file itself is replaced. One that
@@ -81,48 +80,48 @@ static int lock_folder(const char *path)
 }
 
 /* Complete, or as it was. */
-static int replace(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
+static int replace(const char *path, const char *camera, double total_s, pupil_why *why)
 {
     pupil_pending pending;
     double unused;
     unsigned damaged;
-    if (pupil_pending_file(&pending, path, why, why_bytes))
+    if (pupil_pending_file(&pending, path, why))
         return -1;
     errno = 0;
     FILE *out = fopen(pending.temporary, "we");
     int failed = 0;
     if (out) {
         fprintf(out, HEADER "%.9g\t%s\n", total_s, camera);
-        failed = read_kept(path, camera, &unused, out, &damaged, why, why_bytes);
+        failed = read_kept(path, camera, &unused, out, &damaged, why);
     }
     const int unwritten = !out || ferror(out);
     if ((out && fclose(out) != 0) || unwritten)
-        failed = pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno ? errno : EIO));
+        failed = pupil_refuse(why, "%s: cannot be written: %s", path, strerror(errno ? errno : EIO));
     if (!failed)
-        failed = pupil_pending_commit(&pending, why, why_bytes);
+        failed = pupil_pending_commit(&pending, why);
     pupil_pending_discard(&pending);
     return failed;
 }
 
-static int write_kept(const char *path, const char *camera, double total_s, char *why, size_t why_bytes)
+static int write_kept(const char *path, const char *camera, double total_s, pupil_why *why)
 {
-    const int folder = lock_folder(path), failed = replace(path, camera, total_s, why, why_bytes);
+    const int folder = lock_folder(path), failed = replace(path, camera, total_s, why);
     if (folder >= 0)
         close(folder);
     return failed;
 }
 
-int run_resume_check(const char *path, char *why, size_t why_bytes)
+int run_resume_check(const char *path, pupil_why *why)
 {
     pupil_pending pending;
     double unused;
     unsigned damaged;
     if (!path)
         return 0;
-    if (pupil_pending_file(&pending, path, why, why_bytes))
+    if (pupil_pending_file(&pending, path, why))
         return -1;
     pupil_pending_discard(&pending);
-    return read_kept(path, NULL, &unused, NULL, &damaged, why, why_bytes);
+    return read_kept(path, NULL, &unused, NULL, &damaged, why);
 }
 
 static void name_camera(run_resume *r, const pupil_source *source)
@@ -140,17 +139,17 @@ static void name_camera(run_resume *r, const pupil_source *source)
     r->reopened = capture->counts.reopened;
 }
 
-void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, char *warning, size_t warning_bytes)
+void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, pupil_why *warning)
 {
     unsigned damaged = 0;
-    *warning = 0;
+    warning->text[0] = 0;
     *r = (run_resume){.path = path};
     if (!path)
         return;
     name_camera(r, source);
-    if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning, warning_bytes) == 0 && damaged)
-        snprintf(warning, warning_bytes, "%s: is damaged; %s", path,
-                 r->total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
+    if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning) == 0 && damaged)
+        pupil_refuse(warning, "%s: is damaged; %s", path,
+                     r->total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
     r->waits = r->total_s > 0.0;
 }
 
@@ -173,7 +172,7 @@ int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil
 static void *write_beside(void *run_resume_)
 {
     run_resume *r = run_resume_;
-    write_kept(r->path, r->camera, r->write_s, NULL, 0); /* what fails here fails at the end, too, and is told there */
+    write_kept(r->path, r->camera, r->write_s, NULL); /* what fails here fails at the end, too, and is told there */
     atomic_store(&r->is_busy, 0);
     return NULL;
 }
@@ -212,10 +211,10 @@ void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sen
         atomic_store(&r->is_busy, 0);
 }
 
-int run_resume_end(run_resume *r, char *why, size_t why_bytes)
+int run_resume_end(run_resume *r, pupil_why *why)
 {
     if (!r->path)
         return 0;
     join(r);
-    return r->rest_s > 0.0 ? write_kept(r->path, r->camera, r->rest_s, why, why_bytes) : 0;
+    return r->rest_s > 0.0 ? write_kept(r->path, r->camera, r->rest_s, why) : 0;
 }

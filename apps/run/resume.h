@@ -8,6 +8,7 @@
 #include <stdatomic.h>
 
 #include "live/live.h"
+#include "pupil/error.h"
 
 typedef struct run_resume {
     const char *path;   /* NULL: nothing is read or written, and all calls do nothing */
@@ -26,10 +27,10 @@ typedef struct run_resume {
 } run_resume;
 
 /* Before a camera is touched: whether such a file is there or can be. 0, or -1 and a sentence. */
-int run_resume_check(const char *path, char *why, size_t why_bytes);
+int run_resume_check(const char *path, pupil_why *why);
 
 /* Reads what is kept of this camera. `warning`: a sentence where a part of the file is damaged, else empty. */
-void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, char *warning, size_t warning_bytes);
+void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, pupil_why *warning);
 
 /* Whether the frame is to be left out, for it was taken before what was kept came into force: 30 at most. */
 int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil_frame_info *info);
@@ -38,6 +39,6 @@ int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil
 void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns);
 
 /* Writes it. 0, or -1 and a sentence. */
-int run_resume_end(run_resume *r, char *why, size_t why_bytes);
+int run_resume_end(run_resume *r, pupil_why *why);
 
 #endif

@@ -16,6 +16,7 @@
 #include "output/frame_log_fill.h"
 #include "output/plot.h"
 #include "outputs.h"
+#include "refuse.h"
 #include "resume.h"
 #include "sensor.h"
 #include "status.h"
@@ -47,7 +48,7 @@ typedef struct run {
     uint64_t frames;
     int64_t end_ns;    /* of -t; 0: none */
     int ended, failed; /* ended: as it was asked for; failed: why has a sentence */
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } run;
 
 static run r; /* one a process; fatal signals must find its camera */
@@ -61,8 +62,8 @@ static void say(char *why, const char *end)
 /* Of several sentences the first one is the cause. */
 static int fail(const char *why)
 {
-    if (!r.failed && why != r.why)
-        snprintf(r.why, sizeof r.why, "%s", why);
+    if (!r.failed && why != r.why.text)
+        pupil_refuse(&r.why, "%s", why);
     r.failed = 1;
     return -1;
 }
@@ -76,10 +77,10 @@ static int is_over(void)
 
 static void warn(void)
 {
-    if (!*r.work.warning)
+    if (!*r.work.warning.text)
         return;
-    say(r.work.warning, "; the CPU goes on");
-    *r.work.warning = 0;
+    say(r.work.warning.text, "; the CPU goes on");
+    *r.work.warning.text = 0;
 }
 
 static int curve_of_view(void *context, pupil_curve *curve)
@@ -88,7 +89,7 @@ static int curve_of_view(void *context, pupil_curve *curve)
 }
 
 /* The window comes with the first frame, and where it is there the GPU is its own. */
-static int open_view(const pupil_frame *first, char *why, size_t why_bytes)
+static int open_view(const pupil_frame *first, pupil_why *why)
 {
     const view_of of = {.options = &r.options.shown,
                         .pupil = &r.pupil,
@@ -97,7 +98,7 @@ static int open_view(const pupil_frame *first, char *why, size_t why_bytes)
                         .live = 1,
                         .curve = curve_of_view,
                         .context = &r.sensor};
-    return r.options.shown.view ? view_open(&r.view, &of, &first->image, why, why_bytes) : 0;
+    return r.options.shown.view ? view_open(&r.view, &of, &first->image, why) : 0;
 }
 
 /* Frames that are written have all their pixels; what is only viewed is measured in a smaller picture. */
@@ -124,21 +125,21 @@ static void describe_camera(const pupil_frame *frame, pupil_record *record)
 
 static int show(pupil_frame *frame)
 {
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     pupil_image out;
-    if (!r.frames && open_view(frame, why, sizeof why))
-        return fail(why);
+    if (!r.frames && open_view(frame, &why))
+        return fail(why.text);
     warn();
-    if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, why, sizeof why))
-        return fail(why);
+    if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, &why))
+        return fail(why.text);
     const int64_t began_ns = pupil_live_now_ns(r.source);
     frame_work_gain(r.work.cpu, run_lamps_take(&r.lamps, &r.sensor, frame));
-    if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, why, sizeof why))
-        return fail(why);
+    if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, &why))
+        return fail(why.text);
     const int64_t mapped_ns = pupil_live_now_ns(r.source);
     warn();
-    if (run_outputs_take(&r.outputs, frame, why, sizeof why))
-        return fail(why);
+    if (run_outputs_take(&r.outputs, frame, &why))
+        return fail(why.text);
     const pupil_image_const display = pupil_image_as_const(out);
     const int measured = r.options.shown.stats || r.options.shown.plot || r.view;
     pupil_record record =
@@ -146,9 +147,9 @@ static int show(pupil_frame *frame)
     describe_camera(frame, &record);
     record.process_us = (double)(mapped_ns - began_ns) * 1e-3;
     record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
-    const int written = run_outputs_write(&r.outputs, frame, &display, &record, why, sizeof why);
+    const int written = run_outputs_write(&r.outputs, frame, &display, &record, &why);
     if (written < 0)
-        return fail(why);
+        return fail(why.text);
     r.ended = written;
     run_resume_frame(&r.resume, r.source, &r.sensor.setting, mapped_ns);
     pupil_colour_frame(&r.colour.colour, &frame->image, &frame->info);
@@ -164,16 +165,16 @@ static void go_on(void)
 {
     while (!r.failed && !r.ended && !is_over() && (!r.options.shown.most || r.frames < r.options.shown.most)) {
         pupil_frame frame;
-        char why[PUPIL_WHY_BYTES];
-        const int got = pupil_source_next(r.source, &frame, why, sizeof why);
+        pupil_why why;
+        const int got = pupil_source_next(r.source, &frame, &why);
         if (got == PUPIL_SOURCE_END || is_over())
             break;
         if (got != PUPIL_SOURCE_FRAME) {
-            fail(why);
+            fail(why.text);
             break;
         }
-        if (run_sensor_take(&r.sensor, why, sizeof why)) {
-            fail(why);
+        if (run_sensor_take(&r.sensor, &why)) {
+            fail(why.text);
         } else if (!run_resume_leaves_out(&r.resume, r.source, &frame.info)) {
             if (!r.frames && r.options.seconds > 0.0)
                 r.end_ns = pupil_live_frame(r.source)->taken_ns + (int64_t)(r.options.seconds * 1e9);
@@ -182,7 +183,7 @@ static void go_on(void)
         pupil_source_done(r.source, &frame);
     }
     if (!r.frames && !r.failed && !interrupt_came()) {
-        snprintf(r.why, sizeof r.why, "%s: no frame came", r.device);
+        pupil_refuse(&r.why, "%s: no frame came", r.device);
         r.failed = 1;
     }
 }
@@ -200,13 +201,13 @@ static int begin(void)
     run_options *o = &r.options;
     const char *fault = "";
     if (pupil_config_check(&o->shown.config, &fault)) {
-        snprintf(r.why, sizeof r.why, "settings: %s", fault);
+        pupil_refuse(&r.why, "settings: %s", fault);
         return -1;
     }
-    if (o->shown.plot && pupil_plot_check(o->shown.plot, r.why, sizeof r.why))
+    if (o->shown.plot && pupil_plot_check(o->shown.plot, &r.why))
         return -1;
-    if (run_resume_check(o->resume, r.why, sizeof r.why) ||
-        run_choose_camera(r.system, o->device, r.device, sizeof r.device, r.why, sizeof r.why))
+    if (run_resume_check(o->resume, &r.why) ||
+        run_choose_camera(r.system, o->device, r.device, sizeof r.device, &r.why))
         return -1;
     o->shown.inputs = &r.input;
     o->shown.input_count = 1;
@@ -215,27 +216,27 @@ static int begin(void)
     o->live.capture.system = r.system;
     o->live.hands_off = o->mode == RUN_DIGITAL && !(o->exposure_s > 0.0) && !(o->gain > 0.0);
     interrupt_fatal(restore);
-    if (pupil_live_open(r.device, &o->shown.source, &o->live, &r.source, r.why, sizeof r.why))
+    if (pupil_live_open(r.device, &o->shown.source, &o->live, &r.source, &r.why))
         return -1;
     run_outputs_begin(&r.outputs, &o->shown, r.source, r.device);
-    char remark[PUPIL_WHY_BYTES] = "";
-    if (run_choose_mode(o, r.source, remark, sizeof remark, r.why, sizeof r.why))
+    pupil_why remark = {""};
+    if (run_choose_mode(o, r.source, &remark, &r.why))
         return -1;
-    if (*remark && !o->shown.quiet)
-        say(remark, "");
+    if (*remark.text && !o->shown.quiet)
+        say(remark.text, "");
     run_sensor_begin(&r.sensor, o, r.source);
-    run_resume_begin(&r.resume, o->resume, r.source, remark, sizeof remark);
-    if (*remark)
-        say(remark, "");
+    run_resume_begin(&r.resume, o->resume, r.source, &remark);
+    if (*remark.text)
+        say(remark.text, "");
     r.sensor.first_total_s = r.resume.total_s;
-    run_lamps_begin(&r.lamps, o, r.source, remark, sizeof remark);
-    if (*remark && !o->shown.quiet)
-        say(remark, "");
+    run_lamps_begin(&r.lamps, o, r.source, &remark);
+    if (*remark.text && !o->shown.quiet)
+        say(remark.text, "");
     r.colour.own_picture = o->mode == RUN_SENSOR;
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
     if (replay_work_open(&r.work, &o->shown)) {
-        snprintf(r.why, sizeof r.why, "not enough memory");
+        pupil_refuse(&r.why, "not enough memory");
         return -1;
     }
     r.work.judge = run_sensor_judge;
@@ -249,19 +250,19 @@ static int begin(void)
 
 static void finish(void)
 {
-    char why[PUPIL_WHY_BYTES];
-    if (run_outputs_finish(&r.outputs, why, sizeof why))
-        fail(why);
-    if (!interrupt_again() && run_resume_end(&r.resume, why, sizeof why))
-        fail(why);
+    pupil_why why;
+    if (run_outputs_finish(&r.outputs, &why))
+        fail(why.text);
+    if (!interrupt_again() && run_resume_end(&r.resume, &why))
+        fail(why.text);
 }
 
 /* The camera comes first: nothing that follows can keep it. */
 static void give_back(void)
 {
-    char why[PUPIL_WHY_BYTES];
-    if (r.source && pupil_live_give_back(r.source, why, sizeof why) && !r.failed)
-        fail(why);
+    pupil_why why;
+    if (r.source && pupil_live_give_back(r.source, &why) && !r.failed)
+        fail(why.text);
 }
 
 static void end(char *more, size_t more_bytes)
@@ -281,14 +282,14 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
 {
     char more[900] = "";
     r.system = system;
-    const int parsed = run_options_parse(&r.options, argc, argv, r.why, sizeof r.why);
+    const int parsed = run_options_parse(&r.options, argc, argv, &r.why);
     if (parsed == REPLAY_HELP) {
         fputs(run_help, stdout);
         return EXIT_DONE;
     }
-    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options.shown, r.why, sizeof r.why) ||
-        run_choose_outputs(&r.options, r.why, sizeof r.why)) {
-        say(r.why, "");
+    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options.shown, &r.why) ||
+        run_choose_outputs(&r.options, &r.why)) {
+        say(r.why.text, "");
         return EXIT_USAGE;
     }
     interrupt_watch();
@@ -308,7 +309,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
     run_lamps_tell(&r.lamps, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
-        say(r.why, "");
+        say(r.why.text, "");
     if (given_up)
         fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
     else

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "options/key_at.h"
+#include "refuse.h"
 
 static const char *state_word(const run_sensor *s)
 {
@@ -121,13 +122,13 @@ static void wait_for_slow(run_sensor *s, const pupil_frame_info *info)
 }
 
 /* From the level that the camera has, so that its picture does not jump; of one that came back, from the wanted one. */
-static int steer(run_sensor *s, char *why, size_t why_bytes)
+static int steer(run_sensor *s, pupil_why *why)
 {
     const char *fault = "";
     pupil_camera_status status;
     configure(s);
     if (pupil_sensor_config_check(&s->config, &fault)) {
-        snprintf(why, why_bytes, "the camera's exposure cannot be steered: %s", fault);
+        pupil_refuse(why, "the camera's exposure cannot be steered: %s", fault);
         return -1;
     }
     const double total_s = s->steers ? s->setting.total_s : s->first_total_s;
@@ -150,7 +151,7 @@ void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *s
     *s = (run_sensor){.options = options, .source = source, .setting = {.digital = 1.0, .frame_digital = 1.0}};
 }
 
-int run_sensor_take(run_sensor *s, char *why, size_t why_bytes)
+int run_sensor_take(run_sensor *s, pupil_why *why)
 {
     const run_options *o = s->options;
     pupil_camera *camera = pupil_live_camera(s->source);
@@ -170,7 +171,7 @@ int run_sensor_take(run_sensor *s, char *why, size_t why_bytes)
     s->seen_refusals = 0;
     s->refused = 0;
     if (o->mode != RUN_DIGITAL)
-        return steer(s, why, why_bytes);
+        return steer(s, why);
     s->asked = (pupil_camera_setting){.exposure_s = o->exposure_s, .gain = o->gain};
     pupil_camera_ask(camera, &s->asked);
     return 0;

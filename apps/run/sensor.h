@@ -4,6 +4,7 @@
 
 #include "options.h"
 #include "output/frame_log.h"
+#include "pupil/error.h"
 #include "v4l2/controls/camera_controls.h"
 
 typedef struct run_sensor {
@@ -28,7 +29,7 @@ void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *s
 
 /* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
  * have, or first_total_s. -1 and a sentence: they cannot be steered. */
-int run_sensor_take(run_sensor *s, char *why, size_t why_bytes);
+int run_sensor_take(run_sensor *s, pupil_why *why);
 
 /* A frame's statistics: the setting follows, and is asked for where it has changed. Of RUN_SENSOR the curve becomes the
  * one that shows the camera's own picture. A replay_judge. */

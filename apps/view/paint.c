@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "font.h"
+#include "refuse.h"
 
 enum { MOST_VERTICES = 6 * 8192 }; /* of one call of GL; more are drawn in several */
 
@@ -42,17 +43,17 @@ static const char fragment_text[] = "#version 300 es\n"
                                     "    result = painted;\n"
                                     "}\n";
 
-view_paint *view_paint_open(const gl_calls *gl, char *why, size_t why_bytes)
+view_paint *view_paint_open(const gl_calls *gl, pupil_why *why)
 {
     view_paint *p = calloc(1, sizeof *p);
     if (!p) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return NULL;
     }
     p->gl = gl;
     p->program = gl_calls_program(gl, vertex_text, fragment_text);
     if (!p->program) {
-        snprintf(why, why_bytes, "the driver refuses the shader that paints letters and lines");
+        pupil_refuse(why, "the driver refuses the shader that paints letters and lines");
         free(p);
         return NULL;
     }

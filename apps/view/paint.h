@@ -3,13 +3,14 @@
 #define PUPIL_APPS_VIEW_PAINT_H
 
 #include "frame/gl_calls.h"
+#include "pupil/error.h"
 
 typedef struct view_paint view_paint;
 
 typedef uint32_t view_colour; /* 0xRRGGBBAA, display codes */
 
 /* NULL and a sentence: the driver refuses a shader, or no memory. `gl` stays the caller's. */
-view_paint *view_paint_open(const gl_calls *gl, char *why, size_t why_bytes);
+view_paint *view_paint_open(const gl_calls *gl, pupil_why *why);
 void view_paint_close(view_paint *p);
 
 /* All that is painted between begin and end goes over the framebuffer that is bound, in that order. */

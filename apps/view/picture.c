@@ -1,5 +1,6 @@
 #include "picture.h"
 
+#include "refuse.h"
 #include <stdio.h>
 
 static const char vertex_text[] =
@@ -21,11 +22,11 @@ static const char fragment_text[] = "#version 300 es\n"
                                     "    result = vec4(texture(picture, place).rgb, 1.0);\n"
                                     "}\n";
 
-int view_picture_open(view_picture *p, const gl_calls *gl, char *why, size_t why_bytes)
+int view_picture_open(view_picture *p, const gl_calls *gl, pupil_why *why)
 {
     *p = (view_picture){.gl = gl, .program = gl_calls_program(gl, vertex_text, fragment_text)};
     if (!p->program) {
-        snprintf(why, why_bytes, "the driver refuses the shader that shows a picture");
+        pupil_refuse(why, "the driver refuses the shader that shows a picture");
         return -1;
     }
     gl->GenVertexArrays(1, &p->array);

@@ -3,6 +3,7 @@
 #define PUPIL_APPS_VIEW_PICTURE_H
 
 #include "frame/gl_calls.h"
+#include "pupil/error.h"
 
 typedef struct view_picture {
     const gl_calls *gl;
@@ -11,7 +12,7 @@ typedef struct view_picture {
 } view_picture;
 
 /* 0, or -1 and a sentence. `gl` stays the caller's. */
-int view_picture_open(view_picture *p, const gl_calls *gl, char *why, size_t why_bytes);
+int view_picture_open(view_picture *p, const gl_calls *gl, pupil_why *why);
 void view_picture_close(view_picture *p);
 
 /* Takes over the pixels of an RGB8 image without gaps. */

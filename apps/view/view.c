@@ -15,6 +15,7 @@
 #include "paint.h"
 #include "picture.h"
 #include "plot.h"
+#include "refuse.h"
 #include "window/window.h"
 
 #define SAID_S     2.0  /* how long what a key did can be read */
@@ -61,14 +62,14 @@ static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_
 {
     const pupil_gles_target target = {.width = width, .height = height, .from = from, .to = to};
     replay_work *work = v->of.work;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     pupil_image display;
     if (from >= to) /* the divide is at an edge; pupil_gles_target takes 0 and 0 for all */
         return;
-    if (work->gpu && gles_work_draw(work->gpu, curve, &target, why, sizeof why) == 0)
+    if (work->gpu && gles_work_draw(work->gpu, curve, &target, &why) == 0)
         return;
     if (work->gpu)
-        replay_work_give_up(work, v->of.pupil, why);
+        replay_work_give_up(work, v->of.pupil, why.text);
     if (v->mapped && curve == &v->curve)
         view_picture_take(&v->picture, v->mapped);
     else if (v->frame && replay_work_map(work, v->of.pupil, curve, &v->frame->image, &display) == 0) {
@@ -303,23 +304,21 @@ void view_stay(view *v)
 
 /* --- life --- */
 
-int view_open(view **opened, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes)
+int view_open(view **opened, const view_of *of, const pupil_image_const *first, pupil_why *why)
 {
     const pupil_window_options options = {
         .title = "pupil", .width = first->width, .height = first->height, .version = of->options->gles_version};
     view *v = calloc(1, sizeof *v);
     if (!v) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return -1;
     }
     v->of = *of;
     v->split = 0.5f;
-    char reason[PUPIL_WHY_BYTES] = "";
-    if (pupil_window_open(&v->window, &options, reason, sizeof reason) ||
-        gl_calls_load(&v->gl, pupil_window_get_proc, reason, sizeof reason) ||
-        !(v->paint = view_paint_open(&v->gl, reason, sizeof reason)) ||
-        view_picture_open(&v->picture, &v->gl, reason, sizeof reason)) {
-        snprintf(why, why_bytes, "--view: %s", reason);
+    pupil_why reason = {""};
+    if (pupil_window_open(&v->window, &options, &reason) || gl_calls_load(&v->gl, pupil_window_get_proc, &reason) ||
+        !(v->paint = view_paint_open(&v->gl, &reason)) || view_picture_open(&v->picture, &v->gl, &reason)) {
+        pupil_refuse(why, "--view: %s", reason.text);
         view_close(v);
         return -1;
     }

@@ -10,6 +10,7 @@
 
 #include "frame/replay_work.h"
 #include "output/frame_log.h"
+#include "pupil/error.h"
 
 typedef struct view view;
 
@@ -29,7 +30,7 @@ enum { VIEW_ON = 0, VIEW_QUIT = 1 };
 
 /* A window for pictures of the first frame's shape, and in its context the work's GPU, where it is one or --gles asks
  * for it. -1 and a sentence: there is no display, or no OpenGL ES 3. */
-int view_open(view **v, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes);
+int view_open(view **v, const view_of *of, const pupil_image_const *first, pupil_why *why);
 
 /* replay_work_close comes first. NULL is allowed. */
 void view_close(view *v);

@@ -1,13 +1,14 @@
 /* In place of the window's files where the build has no OpenGL ES. */
 #include <stdio.h>
 
+#include "refuse.h"
 #include "view.h"
 
-int view_open(view **v, const view_of *of, const pupil_image_const *first, char *why, size_t why_bytes)
+int view_open(view **v, const view_of *of, const pupil_image_const *first, pupil_why *why)
 {
     (void)of, (void)first;
     *v = NULL;
-    snprintf(why, why_bytes, "--view: this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
+    pupil_refuse(why, "--view: this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
     return -1;
 }
 

@@ -32,7 +32,7 @@ int main(int argc, char **argv)
     static pupil_sensor sensor;
     static pupil_sensor_config sensor_config;
     static pupil_sensor_setting wanted;
-    static char why[512];
+    static pupil_why why;
     const char *device = argc > 1 ? argv[1] : "/dev/video0";
     const int fd = open(device, O_RDWR);
     must(fd >= 0, device);
@@ -46,8 +46,8 @@ int main(int argc, char **argv)
     out.data = malloc((size_t)out.stride_bytes * out.height);
     options.fd = fd;
     options.subdevice_fd = -1;
-    camera = pupil_camera_open(&options, why, sizeof why);
-    must(camera && out.data, why);
+    camera = pupil_camera_open(&options, &why);
+    must(camera && out.data, why.text);
     at_exit_of_capture = give_back;
     signal(SIGINT, quit);
     signal(SIGTERM, quit);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "egl_private.h"
+#include "refuse.h"
 
 /* Names of formats and the linear modifier, as in the kernel's drm_fourcc.h. */
 #define FOURCC(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
@@ -111,47 +112,47 @@ static int planes_of(const pupil_dmabuf *b, plane planes[2])
 
 /* A plane that does not fit its buffer would be read beyond its end. What a modifier other than linear makes of rows
  * only the driver knows. */
-static int check_plane(const pupil_dmabuf *b, const plane *p, int index, char *why, size_t why_bytes)
+static int check_plane(const pupil_dmabuf *b, const plane *p, int index, pupil_why *why)
 {
     uint64_t row = (uint64_t)p->width * p->texel_bytes;
     if (p->fd < 0)
-        return pupil_refuse(why, why_bytes, "dma-buf: plane %d has no file descriptor", index);
+        return pupil_refuse(why, "dma-buf: plane %d has no file descriptor", index);
     if (p->offset_bytes > INT32_MAX || p->stride_bytes > INT32_MAX)
-        return pupil_refuse(why, why_bytes,
+        return pupil_refuse(why,
                             "dma-buf: plane %d: an offset of %u and a stride of %u bytes; EGL "
                             "knows neither from 2^31",
                             index, p->offset_bytes, p->stride_bytes);
     if (b->has_modifier && b->modifier != MODIFIER_LINEAR)
         return 0;
     if (p->stride_bytes < row)
-        return pupil_refuse(why, why_bytes, "dma-buf: plane %d has rows of %llu bytes, more than its stride of %u",
-                            index, (unsigned long long)row, p->stride_bytes);
+        return pupil_refuse(why, "dma-buf: plane %d has rows of %llu bytes, more than its stride of %u", index,
+                            (unsigned long long)row, p->stride_bytes);
     uint64_t end = p->offset_bytes + (uint64_t)p->stride_bytes * (p->height - 1) + row;
     off_t size = lseek(p->fd, 0, SEEK_END);
     if (size >= 0 && end > (uint64_t)size)
-        return pupil_refuse(why, why_bytes, "dma-buf: plane %d ends at byte %llu of a buffer of %llu", index,
+        return pupil_refuse(why, "dma-buf: plane %d ends at byte %llu of a buffer of %llu", index,
                             (unsigned long long)end, (unsigned long long)size);
     return 0;
 }
 
 /* The context can import the buffer, as far as its extensions say; the display it is of. */
-static int check_context(const pupil_dmabuf *b, EGLDisplay *display, char *why, size_t why_bytes)
+static int check_context(const pupil_dmabuf *b, EGLDisplay *display, pupil_why *why)
 {
     static const char *const needed[] = {"EGL_KHR_image_base", "EGL_EXT_image_dma_buf_import"};
     pthread_once(&looked_up, look_up);
     *display = eglGetCurrentDisplay();
     if (*display == EGL_NO_DISPLAY)
-        return pupil_refuse(why, why_bytes, "dma-buf: no EGL context is current in this thread");
+        return pupil_refuse(why, "dma-buf: no EGL context is current in this thread");
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++)
         if (!pupil_egl_has(*display, needed[i]))
-            return pupil_refuse(why, why_bytes, "dma-buf: the driver imports none: EGL lacks %s", needed[i]);
+            return pupil_refuse(why, "dma-buf: the driver imports none: EGL lacks %s", needed[i]);
     if (!pupil_egl_listed((const char *)gl.get_string(GL_EXTENSIONS), "GL_OES_EGL_image"))
-        return pupil_refuse(why, why_bytes, "dma-buf: the driver makes no textures of one: OpenGL ES lacks %s",
+        return pupil_refuse(why, "dma-buf: the driver makes no textures of one: OpenGL ES lacks %s",
                             "GL_OES_EGL_image");
     if (b->has_modifier && b->modifier != MODIFIER_LINEAR &&
         !pupil_egl_has(*display, "EGL_EXT_image_dma_buf_import_modifiers"))
-        return pupil_refuse(why, why_bytes, "dma-buf: its modifier is 0x%llx, and EGL lacks %s",
-                            (unsigned long long)b->modifier, "EGL_EXT_image_dma_buf_import_modifiers");
+        return pupil_refuse(why, "dma-buf: its modifier is 0x%llx, and EGL lacks %s", (unsigned long long)b->modifier,
+                            "EGL_EXT_image_dma_buf_import_modifiers");
     return 0;
 }
 
@@ -169,7 +170,7 @@ static void pair(EGLint *attributes, int *count, EGLint name, EGLint value)
 }
 
 static int import_plane(EGLDisplay display, const pupil_dmabuf *b, const plane *p, void **image, uint32_t *texture,
-                        char *why, size_t why_bytes)
+                        pupil_why *why)
 {
     const char fourcc[] = {(char)p->format, (char)(p->format >> 8), (char)(p->format >> 16), (char)(p->format >> 24),
                            0};
@@ -189,7 +190,7 @@ static int import_plane(EGLDisplay display, const pupil_dmabuf *b, const plane *
     attributes[n] = EGL_NONE;
     *image = gl.create_image(display, EGL_NO_CONTEXT, EGL_LINUX_DMA_BUF_EXT, NULL, attributes);
     if (*image == EGL_NO_IMAGE_KHR)
-        return pupil_refuse(why, why_bytes,
+        return pupil_refuse(why,
                             "dma-buf: the driver does not import %u x %u texels of %s with a stride of %u bytes: %s",
                             p->width, p->height, fourcc, p->stride_bytes, pupil_egl_error());
     drop_errors();
@@ -203,31 +204,29 @@ static int import_plane(EGLDisplay display, const pupil_dmabuf *b, const plane *
     gl.bind_texture(GL_TEXTURE_2D, 0);
     GLenum error = gl.get_error();
     if (error != GL_NO_ERROR)
-        return pupil_refuse(why, why_bytes, "dma-buf: the driver makes no 2D texture of %s (OpenGL's error 0x%x)",
-                            fourcc, error);
+        return pupil_refuse(why, "dma-buf: the driver makes no 2D texture of %s (OpenGL's error 0x%x)", fourcc, error);
     return 0;
 }
 
-int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, char *why, size_t why_bytes)
+int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, pupil_why *why)
 {
     plane planes[2];
     EGLDisplay display;
     memset(textures, 0, sizeof *textures);
     if (buffer->width < 1 || buffer->width > PUPIL_MAX_SIDE_PX || buffer->height < 1 ||
         buffer->height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, why_bytes, "dma-buf: frames of %u x %u pixels; each side is 1 to %u", buffer->width,
+        return pupil_refuse(why, "dma-buf: frames of %u x %u pixels; each side is 1 to %u", buffer->width,
                             buffer->height, PUPIL_MAX_SIDE_PX);
     int count = planes_of(buffer, planes);
     if (count == 0)
-        return pupil_refuse(why, why_bytes, "dma-buf: pixel format %u is none that can be imported", buffer->pixel);
+        return pupil_refuse(why, "dma-buf: pixel format %u is none that can be imported", buffer->pixel);
     for (int i = 0; i < count; i++)
-        if (check_plane(buffer, &planes[i], i, why, why_bytes) != 0)
+        if (check_plane(buffer, &planes[i], i, why) != 0)
             return -1;
-    if (check_context(buffer, &display, why, why_bytes) != 0)
+    if (check_context(buffer, &display, why) != 0)
         return -1;
     for (int i = 0; i < count; i++)
-        if (import_plane(display, buffer, &planes[i], &textures->image[i], &textures->texture[i], why, why_bytes) !=
-            0) {
+        if (import_plane(display, buffer, &planes[i], &textures->image[i], &textures->texture[i], why) != 0) {
             pupil_dmabuf_release(textures);
             return -1;
         }
@@ -249,14 +248,13 @@ void pupil_dmabuf_release(pupil_dmabuf_textures *textures)
 }
 
 int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
-                             char *why, size_t why_bytes)
+                             pupil_why *why)
 {
     memset(textures, 0, sizeof *textures);
     *framebuffer = 0;
     if (buffer->pixel != PUPIL_PIXEL_RGBA8 && buffer->pixel != PUPIL_PIXEL_BGRX8)
-        return pupil_refuse(why, why_bytes, "dma-buf: pixel format %u cannot be drawn to; RGBA8 and BGRX8 can",
-                            buffer->pixel);
-    if (pupil_dmabuf_import(buffer, textures, why, why_bytes) != 0)
+        return pupil_refuse(why, "dma-buf: pixel format %u cannot be drawn to; RGBA8 and BGRX8 can", buffer->pixel);
+    if (pupil_dmabuf_import(buffer, textures, why) != 0)
         return -1;
     gl.gen_framebuffers(1, &textures->framebuffer);
     gl.bind_framebuffer(GL_FRAMEBUFFER, textures->framebuffer);
@@ -265,7 +263,7 @@ int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *
     gl.bind_framebuffer(GL_FRAMEBUFFER, 0);
     if (status != GL_FRAMEBUFFER_COMPLETE) {
         pupil_dmabuf_release(textures);
-        return pupil_refuse(why, why_bytes, "dma-buf: the driver does not draw to this buffer (status 0x%x)", status);
+        return pupil_refuse(why, "dma-buf: the driver does not draw to this buffer (status 0x%x)", status);
     }
     *framebuffer = textures->framebuffer;
     return 0;

@@ -18,6 +18,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 /* A frame in memory that the kernel shares. Both planes may be in one file descriptor. */
@@ -39,14 +40,14 @@ typedef struct pupil_dmabuf_textures {
 
 /* 0, or -1 and a sentence (the extension that is missing, the format and what the driver said). 16-bit formats are
  * imported as R16: pupil_gles_config.normalized_16 is 1 with them. */
-int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, char *why, size_t why_bytes);
+int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, pupil_why *why);
 /* Deletes what import or framebuffer made; twice is allowed. */
 void pupil_dmabuf_release(pupil_dmabuf_textures *textures);
 
 /* The same for an output: a framebuffer that renders into the buffer (RGBA8 or BGRX8), for pupil_gles_target. It is
  * pupil_dmabuf_release's to delete, too. */
 int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
-                             char *why, size_t why_bytes);
+                             pupil_why *why);
 
 /* A fence behind everything that was handed to GL so far. NULL: the driver has none (EGL_KHR_fence_sync), or no memory.
  */

@@ -4,19 +4,20 @@
 
 #include "egl/dmabuf.h"
 #include "egl/egl_context.h"
+#include "refuse.h"
 
-static int refuse(const char *what, char *why, size_t why_bytes)
+static int refuse(const char *what, pupil_why *why)
 {
-    if (why && why_bytes)
-        snprintf(why, why_bytes, "this build of pupil has no %s (it was configured with PUPIL_GPU=OFF)", what);
+    if (why)
+        pupil_refuse(why, "this build of pupil has no %s (it was configured with PUPIL_GPU=OFF)", what);
     return -1;
 }
 
-int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, char *why, size_t why_bytes)
+int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, pupil_why *why)
 {
     (void)options;
     *egl = NULL;
-    return refuse("OpenGL ES without a window", why, why_bytes);
+    return refuse("OpenGL ES without a window", why);
 }
 
 void pupil_egl_close(pupil_egl *egl)
@@ -53,11 +54,11 @@ void pupil_egl_describe(char *text, size_t text_bytes)
     refuse("EGL", text, text_bytes);
 }
 
-int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, char *why, size_t why_bytes)
+int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, pupil_why *why)
 {
     (void)buffer;
     memset(textures, 0, sizeof *textures);
-    return refuse("dma-bufs as textures", why, why_bytes);
+    return refuse("dma-bufs as textures", why);
 }
 
 void pupil_dmabuf_release(pupil_dmabuf_textures *textures)
@@ -66,12 +67,12 @@ void pupil_dmabuf_release(pupil_dmabuf_textures *textures)
 }
 
 int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
-                             char *why, size_t why_bytes)
+                             pupil_why *why)
 {
     (void)buffer;
     memset(textures, 0, sizeof *textures);
     *framebuffer = 0;
-    return refuse("dma-bufs to draw to", why, why_bytes);
+    return refuse("dma-bufs to draw to", why);
 }
 
 pupil_fence *pupil_fence_make(void)

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "egl_private.h"
+#include "refuse.h"
 
 struct pupil_egl {
     EGLDisplay display;
@@ -95,14 +96,14 @@ static uint32_t current_version(void)
     return text && sscanf(text, "OpenGL ES %u.%u", &major, &minor) == 2 ? major * 10 + minor : 0;
 }
 
-static int open_context(pupil_egl *egl, const pupil_egl_options *options, char *why, size_t why_bytes)
+static int open_context(pupil_egl *egl, const pupil_egl_options *options, pupil_why *why)
 {
     uint32_t lowest = options->version ? options->version : PUPIL_GLES_ES30;
     uint32_t version = options->version ? options->version : PUPIL_GLES_ES31;
     if (!eglBindAPI(EGL_OPENGL_ES_API))
-        return pupil_refuse(why, why_bytes, "EGL has no OpenGL ES here: %s", pupil_egl_error());
+        return pupil_refuse(why, "EGL has no OpenGL ES here: %s", pupil_egl_error());
     if (!pupil_egl_has(egl->display, "EGL_KHR_surfaceless_context"))
-        return pupil_refuse(why, why_bytes, "EGL has no contexts without a window here: it lacks %s",
+        return pupil_refuse(why, "EGL has no contexts without a window here: it lacks %s",
                             "EGL_KHR_surfaceless_context");
     for (; version >= lowest && egl->context == EGL_NO_CONTEXT; version--) {
         if (options->robust)
@@ -111,21 +112,20 @@ static int open_context(pupil_egl *egl, const pupil_egl_options *options, char *
             egl->context = create(egl->display, version, options->debug, 0);
     }
     if (egl->context == EGL_NO_CONTEXT)
-        return pupil_refuse(why, why_bytes, "the driver has no OpenGL ES %u.%u: %s", lowest / 10, lowest % 10,
-                            pupil_egl_error());
+        return pupil_refuse(why, "the driver has no OpenGL ES %u.%u: %s", lowest / 10, lowest % 10, pupil_egl_error());
     if (pupil_egl_make_current(egl) != 0)
-        return pupil_refuse(why, why_bytes, "the OpenGL ES context cannot be made current: %s", pupil_egl_error());
+        return pupil_refuse(why, "the OpenGL ES context cannot be made current: %s", pupil_egl_error());
     if (!eglGetProcAddress("glGetString")) /* EGL 1.4 may find extensions' functions alone */
-        return pupil_refuse(why, why_bytes, "EGL does not find OpenGL ES's own functions here: it lacks %s",
+        return pupil_refuse(why, "EGL does not find OpenGL ES's own functions here: it lacks %s",
                             "EGL_KHR_get_all_proc_addresses");
     uint32_t got = current_version();
     if (got < lowest)
-        return pupil_refuse(why, why_bytes, "the driver has OpenGL ES %u.%u; %u.%u is needed", got / 10, got % 10,
-                            lowest / 10, lowest % 10);
+        return pupil_refuse(why, "the driver has OpenGL ES %u.%u; %u.%u is needed", got / 10, got % 10, lowest / 10,
+                            lowest % 10);
     return 0;
 }
 
-int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, char *why, size_t why_bytes)
+int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, pupil_why *why)
 {
     static const pupil_egl_options usual;
     if (!options)
@@ -133,19 +133,18 @@ int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, char *why,
     *egl = NULL;
     if (options->version != PUPIL_GLES_BEST && options->version != PUPIL_GLES_ES30 &&
         options->version != PUPIL_GLES_ES31)
-        return pupil_refuse(why, why_bytes, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
+        return pupil_refuse(why, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
     pupil_egl *opened = calloc(1, sizeof *opened);
     if (!opened)
-        return pupil_refuse(why, why_bytes, "out of memory");
+        return pupil_refuse(why, "out of memory");
     opened->context = EGL_NO_CONTEXT;
     opened->display = find_display();
     if (opened->display == EGL_NO_DISPLAY) {
         free(opened);
-        return pupil_refuse(why, why_bytes,
-                            "no driver for OpenGL ES is found (%s). On Debian: apt-get install libgl1-mesa-dri",
+        return pupil_refuse(why, "no driver for OpenGL ES is found (%s). On Debian: apt-get install libgl1-mesa-dri",
                             pupil_egl_error());
     }
-    if (open_context(opened, options, why, why_bytes) != 0) {
+    if (open_context(opened, options, why) != 0) {
         pupil_egl_close(opened);
         return -1;
     }

@@ -9,6 +9,7 @@
 
 #include <stddef.h>
 
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 typedef struct pupil_egl pupil_egl;
@@ -22,7 +23,7 @@ typedef struct pupil_egl_options {
 /* On the display of the surfaceless platform, or else of a GBM device, of EGL's first device, or the default one; it
  * stays initialised until the process ends. 0, or -1 and a sentence that says what to install or what the driver lacks.
  * options NULL: all zero. */
-int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, char *why, size_t why_bytes);
+int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, pupil_why *why);
 
 /* Destroys the context; in this thread none is current if it was. NULL is allowed. pupil_gles_close comes first. */
 void pupil_egl_close(pupil_egl *egl);

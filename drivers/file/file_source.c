@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "file/still/natural_order.h"
+#include "refuse.h"
 
 #define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm or .png"
 
@@ -34,72 +35,71 @@ static int is_alone(const char *input)
            (stat(input, &status) == 0 && !S_ISDIR(status.st_mode) && !is_still(input));
 }
 
-static int add_folder(pupil_paths *paths, const char *folder, char *why, size_t why_bytes)
+static int add_folder(pupil_paths *paths, const char *folder, pupil_why *why)
 {
     size_t before = paths->count;
     if (pupil_paths_folder(paths, folder, is_still))
-        snprintf(why, why_bytes, "%s: the folder cannot be read: %s", folder, strerror(errno));
+        pupil_refuse(why, "%s: the folder cannot be read: %s", folder, strerror(errno));
     else if (paths->count == before)
-        snprintf(why, why_bytes, "%s: the folder holds no still (" STILL_KINDS ")", folder);
+        pupil_refuse(why, "%s: the folder holds no still (" STILL_KINDS ")", folder);
     else
         return 0;
     return -1;
 }
 
-static int add_pattern(pupil_paths *paths, const char *pattern, char *why, size_t why_bytes)
+static int add_pattern(pupil_paths *paths, const char *pattern, pupil_why *why)
 {
     size_t before = paths->count;
     if (pupil_paths_glob(paths, pattern, is_still))
-        snprintf(why, why_bytes, "%s: the pattern cannot be expanded: %s", pattern, strerror(errno));
+        pupil_refuse(why, "%s: the pattern cannot be expanded: %s", pattern, strerror(errno));
     else if (paths->count == before)
-        snprintf(why, why_bytes, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
+        pupil_refuse(why, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
     else
         return 0;
     return -1;
 }
 
 /* Appends the stills that one input stands for. A file of a literal name goes before a pattern of the same text. */
-static int add_input(pupil_paths *paths, const char *input, char *why, size_t why_bytes)
+static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
 {
     struct stat status;
     if (stat(input, &status) == 0) {
         if (S_ISDIR(status.st_mode))
-            return add_folder(paths, input, why, why_bytes);
+            return add_folder(paths, input, why);
         if (pupil_paths_add(paths, input) == 0)
             return 0;
-        snprintf(why, why_bytes, "no memory for the names of the inputs");
+        pupil_refuse(why, "no memory for the names of the inputs");
         return -1;
     }
     if (errno == ENOENT && strpbrk(input, "*?["))
-        return add_pattern(paths, input, why, why_bytes);
-    snprintf(why, why_bytes, "%s: cannot be opened: %s", input, strerror(errno));
+        return add_pattern(paths, input, why);
+    pupil_refuse(why, "%s: cannot be opened: %s", input, strerror(errno));
     return -1;
 }
 
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
-                           pupil_source **source, char *why, size_t why_bytes)
+                           pupil_source **source, pupil_why *why)
 {
     pupil_paths paths = {0};
     int result = 0;
     if (count == 0) {
-        snprintf(why, why_bytes, "no input was named; a file, a folder, a pattern, pan:FILE or - is needed");
+        pupil_refuse(why, "no input was named; a file, a folder, a pattern, pan:FILE or - is needed");
         return PUPIL_SOURCE_FAILED;
     }
     for (size_t i = 0; i < count; i++)
         if (count > 1 && is_alone(inputs[i])) {
-            snprintf(why, why_bytes, "%s: must be the only input; only stills (" STILL_KINDS ") can follow one another",
-                     inputs[i]);
+            pupil_refuse(why, "%s: must be the only input; only stills (" STILL_KINDS ") can follow one another",
+                         inputs[i]);
             return PUPIL_SOURCE_FAILED;
         }
     if (starts_with(inputs[0], "pan:"))
-        return pupil_pan_source_open(inputs[0], options, source, why, why_bytes);
+        return pupil_pan_source_open(inputs[0], options, source, why);
     if (is_alone(inputs[0]))
-        return pupil_video_source_open(inputs[0], options, source, why, why_bytes);
+        return pupil_video_source_open(inputs[0], options, source, why);
     for (size_t i = 0; i < count && result == 0; i++)
-        result = add_input(&paths, inputs[i], why, why_bytes);
+        result = add_input(&paths, inputs[i], why);
     if (result == 0)
-        result =
-            pupil_stills_source_open((const char *const *)paths.path, paths.count, options, source, why, why_bytes);
+        result = pupil_stills_source_open((const char *const *)paths.path, paths.count, options, source, why);
     else
         result = PUPIL_SOURCE_FAILED;
     pupil_paths_free(&paths);

@@ -2,6 +2,7 @@
 #ifndef PUPIL_DRIVERS_FILE_SOURCE_H
 #define PUPIL_DRIVERS_FILE_SOURCE_H
 
+#include "pupil/error.h"
 #include "source.h"
 
 /* Opens what a user names on a command line, by what it is:
@@ -11,14 +12,13 @@
  *   "pan:FILE[,key=value...]": a camera that moves through an equirectangular panorama (pan_source.h).
  * A video or a pan must be the only input. Returns 0, or PUPIL_SOURCE_FAILED and a sentence. */
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
-                           pupil_source **source, char *why, size_t why_bytes);
+                           pupil_source **source, pupil_why *why);
 
 /* The parts, each in its own file. */
 int pupil_stills_source_open(const char *const *paths, size_t count, const pupil_source_options *options,
-                             pupil_source **source, char *why, size_t why_bytes);
-int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source, char *why,
-                            size_t why_bytes);
-int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, char *why,
-                          size_t why_bytes);
+                             pupil_source **source, pupil_why *why);
+int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source,
+                            pupil_why *why);
+int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, pupil_why *why);
 
 #endif

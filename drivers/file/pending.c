@@ -106,21 +106,19 @@ static int look_through(const char *path, size_t *entries, char first_other[NAME
     return 0;
 }
 
-static int may_replace(const char *path, const char *shown, int overwrite, char *why, size_t why_bytes)
+static int may_replace(const char *path, const char *shown, int overwrite, pupil_why *why)
 {
     char other[NAME_MAX + 1];
     size_t entries;
     if (look_through(path, &entries, other))
-        return pupil_refuse(why, why_bytes, "%s: the folder cannot be read: %s", shown, strerror(errno));
+        return pupil_refuse(why, "%s: the folder cannot be read: %s", shown, strerror(errno));
     if (entries && !overwrite)
         return pupil_refuse(
-            why, why_bytes,
-            "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)", shown);
+            why, "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)", shown);
     if (other[0])
         return pupil_refuse(
-            why, why_bytes,
-            "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png or .exr; name another folder", shown,
-            other);
+            why, "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png or .exr; name another folder",
+            shown, other);
     return 0;
 }
 
@@ -143,85 +141,83 @@ static char *final_path(const char *path)
 }
 
 /* The folder that `path` lies in; its stat. */
-static int check_parent(const char *path, struct stat *parent, char *why, size_t why_bytes)
+static int check_parent(const char *path, struct stat *parent, pupil_why *why)
 {
     const char *slash = strrchr(path, '/');
     char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
     int failed = 0;
     if (!folder)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     if (stat(folder, parent) != 0)
-        failed =
-            errno == ENOENT
-                ? pupil_refuse(why, why_bytes, "%s: there is no folder %s; make it first", path, folder)
-                : pupil_refuse(why, why_bytes, "%s: the folder %s cannot be used: %s", path, folder, strerror(errno));
+        failed = errno == ENOENT
+                     ? pupil_refuse(why, "%s: there is no folder %s; make it first", path, folder)
+                     : pupil_refuse(why, "%s: the folder %s cannot be used: %s", path, folder, strerror(errno));
     else if (!S_ISDIR(parent->st_mode))
-        failed = pupil_refuse(why, why_bytes, "%s: %s is a file, not a folder", path, folder);
+        failed = pupil_refuse(why, "%s: %s is a file, not a folder", path, folder);
     free(folder);
     return failed;
 }
 
-static int check_there(const pupil_pending *p, const struct stat *parent, char *why, size_t why_bytes)
+static int check_there(const pupil_pending *p, const struct stat *parent, pupil_why *why)
 {
     struct stat s;
     if (stat(p->path, &s) != 0) {
         if (errno == ENOENT)
             return 0;
-        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", p->path, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be written: %s", p->path, strerror(errno));
     }
     if (!p->is_folder) {
         if (S_ISDIR(s.st_mode))
-            return pupil_refuse(why, why_bytes, "%s: is a folder; name a file", p->path);
+            return pupil_refuse(why, "%s: is a folder; name a file", p->path);
         if (!S_ISREG(s.st_mode)) /* a rename would put a file in the place of a device or a pipe */
-            return pupil_refuse(why, why_bytes, "%s: is a device or a pipe; name a file", p->path);
+            return pupil_refuse(why, "%s: is a device or a pipe; name a file", p->path);
         return 0;
     }
     if (!S_ISDIR(s.st_mode))
-        return pupil_refuse(why, why_bytes, "%s: is a file; name a folder", p->path);
+        return pupil_refuse(why, "%s: is a file; name a folder", p->path);
     if (s.st_dev != parent->st_dev) /* rename cannot replace it */
-        return pupil_refuse(why, why_bytes, "%s: is a mount point; name a folder inside it", p->path);
-    return may_replace(p->path, p->path, p->overwrite, why, why_bytes);
+        return pupil_refuse(why, "%s: is a mount point; name a folder inside it", p->path);
+    return may_replace(p->path, p->path, p->overwrite, why);
 }
 
-static int begin(pupil_pending *p, const char *path, char *why, size_t why_bytes)
+static int begin(pupil_pending *p, const char *path, pupil_why *why)
 {
     struct stat parent;
     const char *slash, *name;
     if (!*path)
-        return pupil_refuse(why, why_bytes, "\"\": an output needs a name");
+        return pupil_refuse(why, "\"\": an output needs a name");
     if (!p->is_folder && path[strlen(path) - 1] == '/')
-        return pupil_refuse(why, why_bytes, "%s: is a folder; name a file", path);
+        return pupil_refuse(why, "%s: is a folder; name a file", path);
     p->path = final_path(path);
     if (!p->path)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     slash = strrchr(p->path, '/');
     name = slash ? slash + 1 : p->path;
     if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return pupil_refuse(why, why_bytes, "%s: cannot be replaced; name a %s", path,
-                            p->is_folder ? "folder inside it" : "file");
-    if (check_parent(p->path, &parent, why, why_bytes) || check_there(p, &parent, why, why_bytes))
+        return pupil_refuse(why, "%s: cannot be replaced; name a %s", path, p->is_folder ? "folder inside it" : "file");
+    if (check_parent(p->path, &parent, why) || check_there(p, &parent, why))
         return -1;
     p->temporary = make_beside(p->path, p->is_folder, "part");
     if (!p->temporary)
-        return pupil_refuse(why, why_bytes, "%s: cannot be written there: %s", p->path, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be written there: %s", p->path, strerror(errno));
     return 0;
 }
 
-int pupil_pending_file(pupil_pending *pending, const char *path, char *why, size_t why_bytes)
+int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why)
 {
     memset(pending, 0, sizeof *pending);
-    if (begin(pending, path, why, why_bytes) == 0)
+    if (begin(pending, path, why) == 0)
         return 0;
     pupil_pending_discard(pending);
     return -1;
 }
 
-int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, char *why, size_t why_bytes)
+int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
 {
     memset(pending, 0, sizeof *pending);
     pending->is_folder = 1;
     pending->overwrite = overwrite;
-    if (begin(pending, path, why, why_bytes) == 0)
+    if (begin(pending, path, why) == 0)
         return 0;
     pupil_pending_discard(pending);
     return -1;
@@ -229,26 +225,26 @@ int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite
 
 /* The folder that is there steps aside, the new one takes its place, and only then is the old one removed. It is looked
  * through again once it is aside, where nobody puts anything into it any more. */
-static int swap_folders(pupil_pending *p, char *why, size_t why_bytes)
+static int swap_folders(pupil_pending *p, pupil_why *why)
 {
     char *aside = make_beside(p->path, 1, "old");
     int failed = 0;
     if (!aside || rename(p->path, aside) != 0) {
-        failed = pupil_refuse(why, why_bytes, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
+        failed = pupil_refuse(why, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
         if (aside)
             rmdir(aside);
-    } else if (may_replace(aside, p->path, 1, why, why_bytes)) {
+    } else if (may_replace(aside, p->path, 1, why)) {
         failed = -1;
         rename(aside, p->path);
     } else if (rename(p->temporary, p->path) != 0) {
-        failed = pupil_refuse(why, why_bytes, "%s: cannot be put in place: %s", p->path, strerror(errno));
+        failed = pupil_refuse(why, "%s: cannot be put in place: %s", p->path, strerror(errno));
         rename(aside, p->path);
     } else {
         free(p->temporary); /* in place; nothing to take back */
         p->temporary = NULL;
         if (remove_tree(aside) != 0)
-            failed = pupil_refuse(why, why_bytes, "%s: is in place, but the old folder, now %s, cannot be removed",
-                                  p->path, aside);
+            failed =
+                pupil_refuse(why, "%s: is in place, but the old folder, now %s, cannot be removed", p->path, aside);
     }
     free(aside);
     return failed;
@@ -267,20 +263,18 @@ static void flush_parent(const char *path)
     free(folder);
 }
 
-int pupil_pending_commit(pupil_pending *pending, char *why, size_t why_bytes)
+int pupil_pending_commit(pupil_pending *pending, pupil_why *why)
 {
     const int error = nftw(pending->temporary, flush_entry, 16, FTW_PHYS);
     if (error)
-        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", pending->path,
-                            strerror(error > 0 ? error : errno));
+        return pupil_refuse(why, "%s: cannot be written: %s", pending->path, strerror(error > 0 ? error : errno));
     if (rename(pending->temporary, pending->path) != 0) {
         const int there = errno == ENOTEMPTY || errno == EEXIST;
         if (!pending->is_folder || !there)
-            return pupil_refuse(why, why_bytes, "%s: cannot be put in place: %s", pending->path, strerror(errno));
+            return pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
         if (!pending->overwrite)
-            return pupil_refuse(why, why_bytes, "%s: files were put there in the meantime; name another folder",
-                                pending->path);
-        if (swap_folders(pending, why, why_bytes))
+            return pupil_refuse(why, "%s: files were put there in the meantime; name another folder", pending->path);
+        if (swap_folders(pending, why))
             return -1;
     }
     free(pending->temporary);

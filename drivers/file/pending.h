@@ -4,6 +4,7 @@
 #ifndef PUPIL_DRIVERS_FILE_PENDING_H
 #define PUPIL_DRIVERS_FILE_PENDING_H
 
+#include "pupil/error.h"
 #include <stddef.h>
 
 typedef struct pupil_pending {
@@ -15,14 +16,14 @@ typedef struct pupil_pending {
 
 /* Begins a file: checks that the folder is there and can be written (and that path is no folder, device or pipe) by
  * making `temporary`, empty; the caller writes it. A link is followed. 0, or -1 and a sentence that names the path. */
-int pupil_pending_file(pupil_pending *pending, const char *path, char *why, size_t why_bytes);
+int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why);
 
 /* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
  * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png or .exr. */
-int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, char *why, size_t why_bytes);
+int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
 
 /* Flushes to the disk (fsync), renames into place and frees. After a failure the caller discards. */
-int pupil_pending_commit(pupil_pending *pending, char *why, size_t why_bytes);
+int pupil_pending_commit(pupil_pending *pending, pupil_why *why);
 
 /* Removes what was written. Safe after commit and twice. */
 void pupil_pending_discard(pupil_pending *pending);

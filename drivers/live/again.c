@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "live_private.h"
+#include "refuse.h"
 
 enum { END_WAIT_S = 2 };
 
@@ -17,13 +18,13 @@ struct live_again {
     pthread_cond_t idle;
     int done, abandoned;
     pupil_camera *camera;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 };
 
 static void give_up(live_again *a)
 {
-    char unused[PUPIL_WHY_BYTES];
-    pupil_camera_close(a->camera, unused, sizeof unused);
+    pupil_why unused;
+    pupil_camera_close(a->camera, &unused);
     pthread_cond_destroy(&a->idle);
     pthread_mutex_destroy(&a->lock);
     free(a);
@@ -32,10 +33,10 @@ static void give_up(live_again *a)
 static void *change(void *of)
 {
     live_again *a = of;
-    char unused[PUPIL_WHY_BYTES];
+    pupil_why unused;
     /* In this order: it may be the same camera, whose stream had stopped. */
-    pupil_camera_close(a->old, unused, sizeof unused);
-    a->camera = live_controls_open(&a->which, a->why, sizeof a->why);
+    pupil_camera_close(a->old, &unused);
+    a->camera = live_controls_open(&a->which, &a->why);
     pthread_mutex_lock(&a->lock);
     a->done = 1;
     const int abandoned = a->abandoned;
@@ -48,11 +49,11 @@ static void *change(void *of)
 
 live_again *live_again_start(pupil_camera *old, const live_which *which)
 {
-    char unused[PUPIL_WHY_BYTES];
+    pupil_why unused;
     pthread_condattr_t monotonic;
     live_again *a = calloc(1, sizeof *a);
     if (!a) {
-        pupil_camera_close(old, unused, sizeof unused);
+        pupil_camera_close(old, &unused);
         return NULL;
     }
     a->which = *which;
@@ -63,14 +64,14 @@ live_again *live_again_start(pupil_camera *old, const live_which *which)
     pthread_cond_init(&a->idle, &monotonic);
     pthread_condattr_destroy(&monotonic);
     if (pthread_create(&a->thread, NULL, change, a) != 0) {
-        pupil_camera_close(old, unused, sizeof unused);
+        pupil_camera_close(old, &unused);
         give_up(a);
         return NULL;
     }
     return a;
 }
 
-int live_again_ready(live_again **again, pupil_camera **camera, char *why, size_t why_bytes)
+int live_again_ready(live_again **again, pupil_camera **camera, pupil_why *why)
 {
     live_again *a = *again;
     pthread_mutex_lock(&a->lock);
@@ -80,7 +81,7 @@ int live_again_ready(live_again **again, pupil_camera **camera, char *why, size_
         return 0;
     pthread_join(a->thread, NULL);
     *camera = a->camera;
-    snprintf(why, why_bytes, "%s", a->why);
+    pupil_refuse(why, "%s", a->why.text);
     a->camera = NULL;
     give_up(a);
     *again = NULL;

@@ -61,7 +61,7 @@ static void begin_meter(pupil_t *meter, uint32_t meter_rows)
 }
 
 int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
-                       uint32_t pixel, const pupil_camera_sensor *sensor, char *why, size_t why_bytes)
+                       uint32_t pixel, const pupil_camera_sensor *sensor, pupil_why *why)
 {
     const uint32_t bits = bits_of(pixel);
     const int mosaic = pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P;
@@ -69,14 +69,12 @@ int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options
     memset(colour, 0, sizeof *colour);
     if (!mosaic && (options->balance == PUPIL_COLOUR_GIVEN || options->matrix == PUPIL_COLOUR_GIVEN))
         return pupil_refuse(
-            why, why_bytes,
-            "a white balance or a matrix was given, and is of raw formats (Bayer); this camera's frames "
-            "have their colours already (--white-balance and --matrix auto or off)");
+            why, "a white balance or a matrix was given, and is of raw formats (Bayer); this camera's frames "
+                 "have their colours already (--white-balance and --matrix auto or off)");
     if (!bits && options->black == PUPIL_COLOUR_GIVEN)
         return pupil_refuse(
-            why, why_bytes,
-            "a black level was given, and is of raw formats and grey; this camera's frames have colours "
-            "already (--black-level auto or off)");
+            why, "a black level was given, and is of raw formats and grey; this camera's frames have colours "
+                 "already (--black-level auto or off)");
     if (coding)
         colour->coding = *coding;
     if (bits)
@@ -86,7 +84,7 @@ int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options
     colour->follows = mosaic && options->balance == PUPIL_COLOUR_AUTO;
     colour->first = colour->coding;
     if (pupil_coding_check(&colour->coding, pixel, &fault))
-        return pupil_refuse(why, why_bytes, "the colours of the frames: %s", fault);
+        return pupil_refuse(why, "the colours of the frames: %s", fault);
     return 0;
 }
 

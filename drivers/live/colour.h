@@ -1,7 +1,7 @@
 /* drivers/live/colour.h: the colour of raw frames: black level, white balance and a sensor's matrix, as the
  * pupil_coding that frames carry (pupil/coding.h; what is full in the sensor stays white there).
  *
- *     pupil_colour_begin(&colour, &options, &coding, pixel, sensor, why, sizeof why)   // of the stream's first frame
+ *     pupil_colour_begin(&colour, &options, &coding, pixel, sensor, &why)   // of the stream's first frame
  *     for each frame:
  *         frame.image.coding = &colour.coding; meter; map;
  *         pupil_colour_frame(&colour, &frame.image, &frame.info)
@@ -21,6 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/pupil.h"
 #include "v4l2/controls/camera_controls.h"
 
@@ -56,7 +57,7 @@ typedef struct pupil_colour {
  * matrix is of balanced colours: the sensor's own is left out where balance is off. 0, or -1 and a sentence: something
  * given is out of its range, or of no use with this format. */
 int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
-                       uint32_t pixel, const pupil_camera_sensor *sensor, char *why, size_t why_bytes);
+                       uint32_t pixel, const pupil_camera_sensor *sensor, pupil_why *why);
 
 /* After a frame: colour->coding is that of the next one. `info` brings the time. */
 void pupil_colour_frame(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info);

@@ -8,6 +8,7 @@
 
 #include "live.h"
 #include "live_private.h"
+#include "refuse.h"
 #include "v4l2/media/media.h"
 
 /* The capture closes its own file whenever the camera stops, and a write may then still be on its way. */
@@ -49,8 +50,8 @@ static void find_sensor(live_files *files, uint32_t *width, uint32_t *height)
 {
     const pupil_v4l2_system *system = files->device.system;
     struct v4l2_subdev_format format = {.which = V4L2_SUBDEV_FORMAT_ACTIVE};
-    char unused[PUPIL_WHY_BYTES];
-    if (pupil_v4l2_media_sensor(&files->device, &files->sensor, unused, sizeof unused))
+    pupil_why unused;
+    if (pupil_v4l2_media_sensor(&files->device, &files->sensor, &unused))
         return;
     files->subdevice_fd = system->open(system->context, files->sensor.path);
     if (files->subdevice_fd < 0 || pupil_v4l2_ioctl(system, files->subdevice_fd, VIDIOC_SUBDEV_G_FMT, &format) < 0)
@@ -59,15 +60,15 @@ static void find_sensor(live_files *files, uint32_t *width, uint32_t *height)
     *height = format.format.height;
 }
 
-pupil_camera *live_controls_open(const live_which *which, char *why, size_t why_bytes)
+pupil_camera *live_controls_open(const live_which *which, pupil_why *why)
 {
     live_files *files = calloc(1, sizeof *files);
     if (!files) {
-        snprintf(why, why_bytes, "%s: not enough memory", which->path);
+        pupil_refuse(why, "%s: not enough memory", which->path);
         return NULL;
     }
     files->subdevice_fd = -1;
-    if (pupil_v4l2_device_open(&files->device, which->system, which->path, why, why_bytes)) {
+    if (pupil_v4l2_device_open(&files->device, which->system, which->path, why)) {
         free(files);
         return NULL;
     }
@@ -83,9 +84,9 @@ pupil_camera *live_controls_open(const live_which *which, char *why, size_t why_
                                           .height = height,
                                           .delay = which->delay,
                                           .mains_hz = which->mains_hz};
-    char reason[PUPIL_WHY_BYTES];
-    pupil_camera *camera = pupil_camera_open(&options, reason, sizeof reason);
+    pupil_why reason;
+    pupil_camera *camera = pupil_camera_open(&options, &reason);
     if (!camera)
-        snprintf(why, why_bytes, "%s: %.900s", which->path, reason);
+        pupil_refuse(why, "%s: %.900s", which->path, reason.text);
     return camera;
 }

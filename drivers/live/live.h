@@ -15,6 +15,7 @@
 #ifndef PUPIL_DRIVERS_LIVE_H
 #define PUPIL_DRIVERS_LIVE_H
 
+#include "pupil/error.h"
 #include "source.h"
 #include "v4l2/capture/capture.h"
 #include "v4l2/controls/camera_controls.h"
@@ -29,7 +30,7 @@ typedef struct pupil_live_options {
 
 /* As pupil_v4l2_source_open. 0, or PUPIL_SOURCE_FAILED and a sentence. */
 int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
-                    pupil_source **source, char *why, size_t why_bytes);
+                    pupil_source **source, pupil_why *why);
 
 /* Of a source that was opened here; good until the next `next` of it: a camera that was opened again has other ones,
  * some frames later. NULL: there are no controls (now), and why. */
@@ -51,7 +52,7 @@ const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
 void pupil_live_mark(pupil_source *source);
 /* Puts every control back, as close does, and says what could not be: 0, or -1 and a sentence. There are no controls
  * after it. A write that hangs is waited for for a second; then it puts everything back when it ends. */
-int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes);
+int pupil_live_give_back(pupil_source *source, pupil_why *why);
 /* Before a program ends, which ends such a write's thread, too: waits until all controls of all sources that were
  * closed or gave back are back, for so long and until `stop` (NULL: never) says 1. 0, or -1: some are not. */
 int pupil_live_await(double most_s, int (*stop)(void));

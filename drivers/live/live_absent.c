@@ -2,12 +2,13 @@
 #include <stdio.h>
 
 #include "live.h"
+#include "refuse.h"
 
 int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
-                    pupil_source **source, char *why, size_t why_bytes)
+                    pupil_source **source, pupil_why *why)
 {
     (void)options, (void)more, (void)source;
-    snprintf(why, why_bytes, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
+    pupil_refuse(why, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
     return PUPIL_SOURCE_FAILED;
 }
 
@@ -53,9 +54,9 @@ void pupil_live_mark(pupil_source *source)
     (void)source;
 }
 
-int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes)
+int pupil_live_give_back(pupil_source *source, pupil_why *why)
 {
-    (void)source, (void)why, (void)why_bytes;
+    (void)source, (void)why;
     return 0;
 }
 

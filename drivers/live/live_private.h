@@ -2,6 +2,7 @@
 #ifndef PUPIL_DRIVERS_LIVE_LIVE_PRIVATE_H
 #define PUPIL_DRIVERS_LIVE_LIVE_PRIVATE_H
 
+#include "pupil/error.h"
 #include "source.h"
 #include "v4l2/controls/camera_controls.h"
 #include "v4l2/system.h"
@@ -15,7 +16,7 @@ typedef struct live_which {
 } live_which;
 
 /* A camera's controls on files of their own, which pupil_camera_close closes, too. NULL: there are none, and why. */
-pupil_camera *live_controls_open(const live_which *which, char *why, size_t why_bytes);
+pupil_camera *live_controls_open(const live_which *which, pupil_why *why);
 
 /* Changing from the controls of a camera that is gone to those of the one that came back, which may both take seconds:
  * a thread does it, while frames come. */
@@ -24,7 +25,7 @@ typedef struct live_again live_again;
 /* Takes `old`, which may be NULL. NULL: no memory, and `old` is closed. */
 live_again *live_again_start(pupil_camera *old, const live_which *which);
 /* 1: done and freed, with the new controls or (NULL) why there are none; 0: not yet. */
-int live_again_ready(live_again **again, pupil_camera **camera, char *why, size_t why_bytes);
+int live_again_ready(live_again **again, pupil_camera **camera, pupil_why *why);
 /* Waits for two seconds at most and closes what it has opened; or it does so by itself, later. NULL is allowed. */
 void live_again_end(live_again *again);
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "live_private.h"
+#include "refuse.h"
 #include "v4l2/capture/v4l2_source.h"
 
 #define MOST_LATE PUPIL_V4L2_MOST_BUFFERS /* frames in the queue, behind the one that is out */
@@ -16,7 +17,7 @@ typedef struct live_source {
     live_which which;
     int hands_off;
     pupil_camera *camera; /* NULL: none (now), and why */
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     live_again *again; /* NULL: the controls are those of the camera that streams */
     uint64_t reopened; /* as often as the capture says when the controls were opened */
     int told;          /* the camera was told that the stream has started */
@@ -44,7 +45,7 @@ static void name_which(live_source *s)
 static void follow(live_source *s)
 {
     const uint64_t reopened = pupil_v4l2_source_capture(s->frames)->counts.reopened;
-    if (s->again && live_again_ready(&s->again, &s->camera, s->why, sizeof s->why))
+    if (s->again && live_again_ready(&s->again, &s->camera, &s->why))
         s->told = 0;
     if (reopened == s->reopened || s->again || s->hands_off)
         return;
@@ -52,10 +53,10 @@ static void follow(live_source *s)
     s->camera = NULL;
     s->reopened = reopened;
     name_which(s);
-    snprintf(s->why, sizeof s->why, "%s: its controls are being opened again", s->which.path);
+    pupil_refuse(&s->why, "%s: its controls are being opened again", s->which.path);
     s->again = live_again_start(old, &s->which);
     if (!s->again)
-        snprintf(s->why, sizeof s->why, "%s: not enough memory for its controls", s->which.path);
+        pupil_refuse(&s->why, "%s: not enough memory for its controls", s->which.path);
 }
 
 /* From what the driver's numbers and stamps say, for a camera's rate may follow the light. */
@@ -85,10 +86,10 @@ void pupil_live_mark(pupil_source *source)
     pupil_camera_frame(s->camera, s->sequence + since, 0);
 }
 
-static int source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     live_source *s = of(source);
-    const int got = pupil_source_next(s->frames, frame, why, why_bytes);
+    const int got = pupil_source_next(s->frames, frame, why);
     if (got != PUPIL_SOURCE_FRAME)
         return got;
     follow(s);
@@ -108,27 +109,27 @@ static void source_done(pupil_source *source, pupil_frame *frame)
     pupil_source_done(of(source)->frames, frame);
 }
 
-int pupil_live_give_back(pupil_source *source, char *why, size_t why_bytes)
+int pupil_live_give_back(pupil_source *source, pupil_why *why)
 {
     live_source *s = of(source);
-    char reason[PUPIL_WHY_BYTES];
+    pupil_why reason;
     pupil_camera *camera = s->camera;
     s->camera = NULL;
     s->hands_off = 1;
-    snprintf(s->why, sizeof s->why, "%s: its controls were given back", s->which.path);
+    pupil_refuse(&s->why, "%s: its controls were given back", s->which.path);
     live_again_end(s->again);
     s->again = NULL;
-    if (pupil_camera_close(camera, reason, sizeof reason) >= 0)
+    if (pupil_camera_close(camera, &reason) >= 0)
         return 0;
-    snprintf(why, why_bytes, "%s: %.760s", s->which.path, reason);
+    pupil_refuse(why, "%s: %.760s", s->which.path, reason.text);
     return -1;
 }
 
 static void source_close(pupil_source *source)
 {
     live_source *s = of(source);
-    char unused[PUPIL_WHY_BYTES];
-    pupil_live_give_back(source, unused, sizeof unused);
+    pupil_why unused;
+    pupil_live_give_back(source, &unused);
     pupil_source_close(s->frames);
     free(s);
 }
@@ -136,14 +137,14 @@ static void source_close(pupil_source *source)
 static const pupil_source_ops source_ops = {source_next, source_done, source_close};
 
 int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
-                    pupil_source **source, char *why, size_t why_bytes)
+                    pupil_source **source, pupil_why *why)
 {
     live_source *s = calloc(1, sizeof *s);
     if (!s) {
-        snprintf(why, why_bytes, "%s: not enough memory", which);
+        pupil_refuse(why, "%s: not enough memory", which);
         return PUPIL_SOURCE_FAILED;
     }
-    const int error = pupil_v4l2_source_open(which, options, more ? &more->capture : NULL, &s->frames, why, why_bytes);
+    const int error = pupil_v4l2_source_open(which, options, more ? &more->capture : NULL, &s->frames, why);
     if (error) {
         free(s);
         return error;
@@ -154,9 +155,9 @@ int pupil_live_open(const char *which, const pupil_source_options *options, cons
     s->which.mains_hz = more ? more->mains_hz : 0;
     s->which.delay = more ? more->delay : 0;
     name_which(s);
-    snprintf(s->why, sizeof s->why, "%s: its controls are left alone", s->which.path);
+    pupil_refuse(&s->why, "%s: its controls are left alone", s->which.path);
     if (!s->hands_off)
-        s->camera = live_controls_open(&s->which, s->why, sizeof s->why);
+        s->camera = live_controls_open(&s->which, &s->why);
     *source = &s->base;
     return 0;
 }
@@ -168,7 +169,7 @@ pupil_camera *pupil_live_camera(const pupil_source *source)
 
 const char *pupil_live_no_controls(const pupil_source *source)
 {
-    return of(source)->why;
+    return of(source)->why.text;
 }
 
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "recipe.h"
+#include "refuse.h"
 #include "scene.h"
 #include "synth/spread.h"
 
@@ -22,17 +23,17 @@ typedef struct scene_source {
     char *recipe, *name;
 } scene_source;
 
-static int scene_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int scene_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     scene_source *s = (scene_source *)source;
     if (s->next >= s->end)
         return PUPIL_SOURCE_END;
     memset(frame, 0, sizeof *frame);
-    if (fixture_scene_frame(s->scene, s->next, s->rgb, &frame->info, why, why_bytes))
+    if (fixture_scene_frame(s->scene, s->next, s->rgb, &frame->info, why))
         return PUPIL_SOURCE_FAILED;
     if (s->spread.stop && s->spread.stop()) { /* then rows may be missing, of this frame and of those to come */
         s->end = s->next;
-        snprintf(why, why_bytes, "synth:%s: stopped", s->recipe);
+        pupil_refuse(why, "synth:%s: stopped", s->recipe);
         return PUPIL_SOURCE_FAILED;
     }
     snprintf(s->name, s->name_bytes, "synth:%s frame %llu", s->recipe, (unsigned long long)s->next);
@@ -65,20 +66,19 @@ static void scene_close(pupil_source *source)
 static const pupil_source_ops scene_ops = {scene_next, scene_done, scene_close};
 
 /* What is neither a file nor a shipped scene, in the words of this program. */
-static int refuse_name(const char *recipe, char *why, size_t why_bytes)
+static int refuse_name(const char *recipe, pupil_why *why)
 {
-    int length =
-        snprintf(why, why_bytes, "there is no scene \"synth:%s\" and no such file; the scenes are: synth:walk", recipe);
-    for (size_t i = 0; fixture_shipped_names[i] && length >= 0 && (size_t)length < why_bytes; i++)
-        length += snprintf(why + length, why_bytes - (size_t)length, ", synth:%s", fixture_shipped_names[i]);
+    pupil_refuse(why, "there is no scene \"synth:%s\" and no such file; the scenes are: synth:walk", recipe);
+    for (size_t i = 0; fixture_shipped_names[i]; i++)
+        pupil_refuse_add(why, ", synth:%s", fixture_shipped_names[i]);
     return PUPIL_SOURCE_FAILED;
 }
 
-static int begin(scene_source *s, const char *recipe, const pupil_source_options *options, char *why, size_t why_bytes)
+static int begin(scene_source *s, const char *recipe, const pupil_source_options *options, pupil_why *why)
 {
     fixture_scene_options o = {options->width, options->height, options->fps, pupil_spread_run, &s->spread};
     s->spread = (pupil_spread){options->threads, options->stop};
-    if (fixture_scene_load(&s->scene, recipe, &o, why, why_bytes))
+    if (fixture_scene_load(&s->scene, recipe, &o, why))
         return -1;
     s->facts = fixture_scene_facts_of(s->scene);
     s->next = options->first;
@@ -86,8 +86,8 @@ static int begin(scene_source *s, const char *recipe, const pupil_source_options
                       : s->facts.frames > options->first ? s->facts.frames - options->first
                                                          : 0;
     if (!frames || ((double)s->next + (double)frames) / s->facts.fps > LONGEST_S) {
-        snprintf(why, why_bytes, "synth:%s: no frame %llu; it has the frames 0 to %llu, and no scene lasts 100 years",
-                 recipe, (unsigned long long)s->next, (unsigned long long)s->facts.frames - 1);
+        pupil_refuse(why, "synth:%s: no frame %llu; it has the frames 0 to %llu, and no scene lasts 100 years", recipe,
+                     (unsigned long long)s->next, (unsigned long long)s->facts.frames - 1);
         return -1;
     }
     s->end = s->next + frames;
@@ -98,25 +98,25 @@ static int begin(scene_source *s, const char *recipe, const pupil_source_options
     s->name = malloc(s->name_bytes);
     s->rgb = malloc((size_t)s->facts.width * s->facts.height * 3 * sizeof(float));
     if (!s->recipe || !s->name || !s->rgb) {
-        snprintf(why, why_bytes, "synth:%s: not enough memory for frames of %ux%u pixels", recipe, s->facts.width,
-                 s->facts.height);
+        pupil_refuse(why, "synth:%s: not enough memory for frames of %ux%u pixels", recipe, s->facts.width,
+                     s->facts.height);
         return -1;
     }
     return 0;
 }
 
-int pupil_scene_source_open(const char *recipe, const pupil_source_options *options, pupil_source **source, char *why,
-                            size_t why_bytes)
+int pupil_scene_source_open(const char *recipe, const pupil_source_options *options, pupil_source **source,
+                            pupil_why *why)
 {
     if (!fixture_shipped(recipe) && access(recipe, F_OK) != 0)
-        return refuse_name(recipe, why, why_bytes);
+        return refuse_name(recipe, why);
     scene_source *s = calloc(1, sizeof *s);
     if (!s) {
-        snprintf(why, why_bytes, "synth:%s: out of memory", recipe);
+        pupil_refuse(why, "synth:%s: out of memory", recipe);
         return PUPIL_SOURCE_FAILED;
     }
     s->source.ops = &scene_ops;
-    if (begin(s, recipe, options, why, why_bytes)) {
+    if (begin(s, recipe, options, why)) {
         scene_close(&s->source);
         return PUPIL_SOURCE_FAILED;
     }

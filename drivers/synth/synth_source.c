@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "refuse.h"
 #include "synth/scene_source.h"
 #include "synth/walk.h"
 
@@ -22,12 +23,11 @@ typedef struct synth_source {
     char name[48];
 } synth_source;
 
-static int synth_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int synth_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     synth_source *s = (synth_source *)source;
     pupil_walk_view view;
     (void)why;
-    (void)why_bytes;
     if (s->next >= source->frames)
         return PUPIL_SOURCE_END;
 
@@ -64,32 +64,31 @@ static const pupil_source_ops synth_ops = {synth_next, synth_done, synth_close};
 
 /* What is wrong with the options, as a sentence; 0 if nothing is. */
 static int refuse(const char *name, double fps, uint64_t first, uint64_t frames, uint32_t width, uint32_t height,
-                  char *why, size_t why_bytes)
+                  pupil_why *why)
 {
     if (!(fps > 0.0 && fps <= 1e6))
-        return snprintf(why, why_bytes, "synth:%s: %g frames a second; it must be above 0 and at most 1000000", name,
-                        fps);
+        return pupil_refuse(why, "synth:%s: %g frames a second; it must be above 0 and at most 1000000", name, fps);
     if (width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-        return snprintf(why, why_bytes, "synth:%s: a size of %lux%lu; at most %ux%u", name, (unsigned long)width,
-                        (unsigned long)height, PUPIL_MAX_SIDE_PX, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, "synth:%s: a size of %lux%lu; at most %ux%u", name, (unsigned long)width,
+                            (unsigned long)height, PUPIL_MAX_SIDE_PX, PUPIL_MAX_SIDE_PX);
     if (first)
-        return snprintf(why, why_bytes, "synth:%s: begins with frame 0 only", name);
+        return pupil_refuse(why, "synth:%s: begins with frame 0 only", name);
     if ((double)frames / fps > LONGEST_S)
-        return snprintf(why, why_bytes, "synth:%s: %llu frames at %g fps last longer than a hundred years", name,
-                        (unsigned long long)frames, fps);
+        return pupil_refuse(why, "synth:%s: %llu frames at %g fps last longer than a hundred years", name,
+                            (unsigned long long)frames, fps);
     return 0;
 }
 
-int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source, char *why,
-                            size_t why_bytes)
+int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source,
+                            pupil_why *why)
 {
     if (strcmp(name, "walk") != 0)
-        return pupil_scene_source_open(name, options, source, why, why_bytes);
+        return pupil_scene_source_open(name, options, source, why);
     double fps = options->fps != 0.0 ? options->fps : DEFAULT_FPS;
     uint64_t frames = options->frames ? options->frames : DEFAULT_FRAMES;
     uint32_t width = options->width ? options->width : DEFAULT_WIDTH;
     uint32_t height = options->height ? options->height : DEFAULT_HEIGHT;
-    if (refuse(name, fps, options->first, frames, width, height, why, why_bytes))
+    if (refuse(name, fps, options->first, frames, width, height, why))
         return PUPIL_SOURCE_FAILED;
 
     synth_source *s = calloc(1, sizeof *s);
@@ -97,8 +96,8 @@ int pupil_synth_source_open(const char *name, const pupil_source_options *option
     if (!s || !rgb) {
         free(s);
         free(rgb);
-        snprintf(why, why_bytes, "synth:%s: no memory for frames of %lux%lu pixels", name, (unsigned long)width,
-                 (unsigned long)height);
+        pupil_refuse(why, "synth:%s: no memory for frames of %lux%lu pixels", name, (unsigned long)width,
+                     (unsigned long)height);
         return PUPIL_SOURCE_FAILED;
     }
     s->source.ops = &synth_ops;

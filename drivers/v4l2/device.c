@@ -1,5 +1,6 @@
 #include "device.h"
 
+#include "refuse.h"
 #include <ctype.h>
 #include <errno.h>
 #include <linux/videodev2.h>
@@ -15,16 +16,16 @@ int pupil_v4l2_ask(const pupil_v4l2_device *device, unsigned long request, void 
     return pupil_v4l2_ioctl(device->system, device->fd, request, argument);
 }
 
-int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, char *why, size_t why_bytes)
+int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, pupil_why *why)
 {
     const char *words = error == EBUSY    ? "another program is using the camera"
                         : error == ENOSPC ? "the USB bus has no room for this size and rate; ask for less, or move the "
                                             "camera to another port"
                                           : strerror(error);
     if (error == ENODEV)
-        snprintf(why, why_bytes, "%s: the camera was unplugged", device->path);
+        pupil_refuse(why, "%s: the camera was unplugged", device->path);
     else
-        snprintf(why, why_bytes, "%s: %s: %s", device->path, what, words);
+        pupil_refuse(why, "%s: %s: %s", device->path, what, words);
     return -1;
 }
 
@@ -36,13 +37,13 @@ static void copy_text(char *to, size_t to_bytes, const unsigned char *from, size
     to[i] = 0;
 }
 
-static int identify(pupil_v4l2_device *d, char *why, size_t why_bytes)
+static int identify(pupil_v4l2_device *d, pupil_why *why)
 {
     struct v4l2_capability capability = {0};
     if (pupil_v4l2_ask(d, VIDIOC_QUERYCAP, &capability) != 0) {
         if (errno != ENOTTY && errno != EINVAL)
-            return pupil_v4l2_failed(d, "cannot be asked what it is", errno, why, why_bytes);
-        snprintf(why, why_bytes, "%s: is no video device; a camera is /dev/video0 or its like ('pupil list')", d->path);
+            return pupil_v4l2_failed(d, "cannot be asked what it is", errno, why);
+        pupil_refuse(why, "%s: is no video device; a camera is /dev/video0 or its like ('pupil list')", d->path);
         return -1;
     }
     copy_text(d->name, sizeof d->name, capability.card, sizeof capability.card);
@@ -58,13 +59,11 @@ static int identify(pupil_v4l2_device *d, char *why, size_t why_bytes)
                          : d->capabilities & (V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_VIDEO_OUTPUT_MPLANE)
                              ? "a video output"
                              : "no capture device";
-        snprintf(why, why_bytes, "%s: %s is %s; a node that captures video is needed ('pupil list')", d->path, d->name,
-                 is);
+        pupil_refuse(why, "%s: %s is %s; a node that captures video is needed ('pupil list')", d->path, d->name, is);
         return -1;
     }
     if (!(d->capabilities & V4L2_CAP_STREAMING)) {
-        snprintf(why, why_bytes, "%s: %s cannot stream; a camera whose driver shares buffers is needed", d->path,
-                 d->name);
+        pupil_refuse(why, "%s: %s cannot stream; a camera whose driver shares buffers is needed", d->path, d->name);
         return -1;
     }
     d->type =
@@ -72,10 +71,10 @@ static int identify(pupil_v4l2_device *d, char *why, size_t why_bytes)
     return 0;
 }
 
-static int open_path(pupil_v4l2_device *d, const char *path, char *why, size_t why_bytes)
+static int open_path(pupil_v4l2_device *d, const char *path, pupil_why *why)
 {
     if (strlen(path) >= sizeof d->path) {
-        snprintf(why, why_bytes, "%.60s...: the path is longer than %u bytes", path, (unsigned)sizeof d->path - 1);
+        pupil_refuse(why, "%.60s...: the path is longer than %u bytes", path, (unsigned)sizeof d->path - 1);
         return -1;
     }
     strcpy(d->path, path);
@@ -84,15 +83,14 @@ static int open_path(pupil_v4l2_device *d, const char *path, char *why, size_t w
         d->fd = d->system->open(d->system->context, path);
     if (d->fd < 0) {
         if (errno == EACCES)
-            snprintf(why, why_bytes, "%s: permission denied; the user must be in the node's group, most often 'video'",
-                     path);
+            pupil_refuse(why, "%s: permission denied; the user must be in the node's group, most often 'video'", path);
         else if (errno == ENOENT)
-            snprintf(why, why_bytes, "%s: is not there; 'pupil list' shows the cameras that are", path);
+            pupil_refuse(why, "%s: is not there; 'pupil list' shows the cameras that are", path);
         else
-            pupil_v4l2_failed(d, "cannot be opened", errno, why, why_bytes);
+            pupil_v4l2_failed(d, "cannot be opened", errno, why);
         return -1;
     }
-    if (identify(d, why, why_bytes)) {
+    if (identify(d, why)) {
         pupil_v4l2_device_close(d);
         return -1;
     }
@@ -119,27 +117,27 @@ static void note_node(void *closure, const char *name)
         there[number] = 1;
 }
 
-int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, char *why,
-                       size_t why_bytes)
+int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, pupil_why *why)
 {
     unsigned char there[MOST_NODES] = {0};
     int count = 0;
     system = system ? system : &pupil_v4l2_kernel;
     if (system->list(system->context, "/dev", note_node, there) != 0) {
-        snprintf(why, why_bytes, "/dev: cannot be listed: %s", strerror(errno));
+        pupil_refuse(why, "/dev: cannot be listed: %s", strerror(errno));
         return -1;
     }
     for (int i = 0; i < MOST_NODES; i++) {
         pupil_v4l2_device device = {.system = system, .fd = -1};
-        char path[32], refused[512] = "";
+        char path[32];
+        pupil_why refused = {""};
         if (!there[i])
             continue;
         count++;
         snprintf(path, sizeof path, "/dev/video%d", i);
-        const int failed = open_path(&device, path, refused, sizeof refused);
+        const int failed = open_path(&device, path, &refused);
         if (*device.name && !device.type)
-            *refused = 0; /* it could be asked, and is something else */
-        const int ends = seen(closure, failed ? NULL : &device, path, refused);
+            *refused.text = 0; /* it could be asked, and is something else */
+        const int ends = seen(closure, failed ? NULL : &device, path, refused.text);
         pupil_v4l2_device_close(&device);
         if (ends)
             break;
@@ -180,41 +178,41 @@ static int compare(void *closure, const pupil_v4l2_device *device, const char *p
     return 0;
 }
 
-static int open_name(pupil_v4l2_device *d, const char *name, char *why, size_t why_bytes)
+static int open_name(pupil_v4l2_device *d, const char *name, pupil_why *why)
 {
     search s = {.name = name};
-    if (pupil_v4l2_devices(d->system, compare, &s, why, why_bytes) < 0)
+    if (pupil_v4l2_devices(d->system, compare, &s, why) < 0)
         return -1;
     /* A camera may have several nodes of one name: the first of them is the picture's. */
     const int part = s.matches[0] == 0;
     if (s.matches[0] || s.matches[1] == 1)
-        return open_path(d, s.path[part], why, why_bytes);
+        return open_path(d, s.path[part], why);
     if (!*s.names)
-        snprintf(why, why_bytes, "%s: there is no camera", name);
+        pupil_refuse(why, "%s: there is no camera", name);
     else
-        snprintf(why, why_bytes, "%s: %s camera has this name; there are %s", name,
-                 s.matches[1] ? "more than one" : "no", s.names);
+        pupil_refuse(why, "%s: %s camera has this name; there are %s", name, s.matches[1] ? "more than one" : "no",
+                     s.names);
     return -1;
 }
 
-int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which, char *why,
-                           size_t why_bytes)
+int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which,
+                           pupil_why *why)
 {
     *device = (pupil_v4l2_device){.system = system ? system : &pupil_v4l2_kernel, .fd = -1};
     const size_t digits = strspn(which, "0123456789");
     if (strchr(which, '/'))
-        return open_path(device, which, why, why_bytes);
+        return open_path(device, which, why);
     if (*which && !which[digits]) {
         char path[32];
         if (digits > 3) {
-            snprintf(why, why_bytes, "%.20s: the number of a video node is 255 at most", which);
+            pupil_refuse(why, "%.20s: the number of a video node is 255 at most", which);
             return -1;
         }
         snprintf(path, sizeof path, "/dev/video%lu", strtoul(which, NULL, 10));
-        return open_path(device, path, why, why_bytes);
+        return open_path(device, path, why);
     }
     if (*which)
-        return open_name(device, which, why, why_bytes);
-    snprintf(why, why_bytes, "no camera was named; a path (/dev/video0), a number or a name is needed");
+        return open_name(device, which, why);
+    pupil_refuse(why, "no camera was named; a path (/dev/video0), a number or a name is needed");
     return -1;
 }

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "system.h"
 
 typedef struct pupil_v4l2_device {
@@ -18,22 +19,21 @@ typedef struct pupil_v4l2_device {
 
 /* Opens what a user names: a path (/dev/video2, /dev/v4l/by-id/...), a number (2: /dev/video2), or the camera's name,
  * whole or in part, in any case, if only one has it. system NULL: the kernel. 0, or -1 and a sentence. */
-int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which, char *why,
-                           size_t why_bytes);
+int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which,
+                           pupil_why *why);
 void pupil_v4l2_device_close(pupil_v4l2_device *device); /* twice is allowed */
 
 /* ioctl on the node: 0 or more, or -1 and errno. */
 int pupil_v4l2_ask(const pupil_v4l2_device *device, unsigned long request, void *argument);
 
 /* "PATH: WHAT: what errno says, in the words of cameras"; -1. */
-int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, char *why, size_t why_bytes);
+int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, pupil_why *why);
 
 /* Every video node of /dev in the order of their numbers: `seen` is called with each that captures video; with device
  * NULL and a sentence for each that could not be opened or asked; and with device NULL and an empty one for those that
  * are something else (outputs, a camera's metadata). It returns nonzero to end the walk. Returns how many nodes there
  * were, or -1 and a sentence: /dev cannot be listed. */
 typedef int pupil_v4l2_seen(void *closure, const pupil_v4l2_device *device, const char *path, const char *why);
-int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, char *why,
-                       size_t why_bytes);
+int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, pupil_why *why);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "pupil/config.h"
+#include "refuse.h"
 
 typedef struct native {
     uint32_t fourcc;
@@ -130,7 +131,7 @@ static int is_rgb(uint32_t pixel)
 static const char *const xfer_names[] = {"default",    "Rec. 709", "sRGB",   "opRGB",
                                          "SMPTE 240M", "none",     "DCI-P3", "SMPTE 2084 (PQ)"};
 
-static int read_light(uint32_t xfer_func, pupil_coding *coding, char *why, size_t why_bytes)
+static int read_light(uint32_t xfer_func, pupil_coding *coding, pupil_why *why)
 {
     if (xfer_func == V4L2_XFER_FUNC_SRGB)
         coding->light = PUPIL_LIGHT_SRGB;
@@ -139,14 +140,14 @@ static int read_light(uint32_t xfer_func, pupil_coding *coding, char *why, size_
     else if (xfer_func == V4L2_XFER_FUNC_NONE)
         coding->light = PUPIL_LIGHT_LINEAR;
     else {
-        snprintf(why, why_bytes, "its transfer function is %s; sRGB, Rec. 709 or none can be read",
-                 xfer_func < sizeof xfer_names / sizeof xfer_names[0] ? xfer_names[xfer_func] : "unknown");
+        pupil_refuse(why, "its transfer function is %s; sRGB, Rec. 709 or none can be read",
+                     xfer_func < sizeof xfer_names / sizeof xfer_names[0] ? xfer_names[xfer_func] : "unknown");
         return -1;
     }
     return 0;
 }
 
-static int read_matrix(uint32_t ycbcr_enc, pupil_coding *coding, char *why, size_t why_bytes)
+static int read_matrix(uint32_t ycbcr_enc, pupil_coding *coding, pupil_why *why)
 {
     switch (ycbcr_enc) {
     case V4L2_YCBCR_ENC_601:
@@ -162,10 +163,10 @@ static int read_matrix(uint32_t ycbcr_enc, pupil_coding *coding, char *why, size
         coding->matrix = PUPIL_MATRIX_BT2020;
         return 0;
     default:
-        snprintf(why, why_bytes, "its Y'CbCr encoding is %s; 601, Rec. 709 or BT.2020 can be read",
-                 ycbcr_enc == V4L2_YCBCR_ENC_BT2020_CONST_LUM ? "BT.2020 constant luminance"
-                 : ycbcr_enc == V4L2_YCBCR_ENC_SMPTE240M      ? "SMPTE 240M"
-                                                              : "unknown");
+        pupil_refuse(why, "its Y'CbCr encoding is %s; 601, Rec. 709 or BT.2020 can be read",
+                     ycbcr_enc == V4L2_YCBCR_ENC_BT2020_CONST_LUM ? "BT.2020 constant luminance"
+                     : ycbcr_enc == V4L2_YCBCR_ENC_SMPTE240M      ? "SMPTE 240M"
+                                                                  : "unknown");
         return -1;
     }
 }
@@ -196,7 +197,7 @@ static void resolve_colour(pupil_v4l2_format *f)
         f->quantization = V4L2_MAP_QUANTIZATION_DEFAULT(!is_yuv(f->pixel), f->colorspace, f->ycbcr_enc);
 }
 
-static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
+static int read_colour(pupil_v4l2_format *f, pupil_why *why)
 {
     const int named_xfer = f->xfer_func != V4L2_XFER_FUNC_DEFAULT;
     const int named_range = f->quantization != V4L2_QUANTIZATION_DEFAULT;
@@ -206,18 +207,18 @@ static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
 
     if (is_yuv(f->pixel) || f->compressed) {
         f->coding.range = limited ? PUPIL_RANGE_LIMITED : PUPIL_RANGE_FULL;
-        if (read_matrix(f->ycbcr_enc, &f->coding, why, why_bytes))
+        if (read_matrix(f->ycbcr_enc, &f->coding, why))
             return -1;
-        return read_light(f->xfer_func, &f->coding, why, why_bytes);
+        return read_light(f->xfer_func, &f->coding, why);
     }
     if (is_grey(f->pixel)) {
         if (named_range && limited)
             limit_grey(f->pixel, &f->coding);
-        return named_xfer ? read_light(f->xfer_func, &f->coding, why, why_bytes) : 0;
+        return named_xfer ? read_light(f->xfer_func, &f->coding, why) : 0;
     }
     if (is_rgb(f->pixel) && (limited || f->xfer_func != V4L2_XFER_FUNC_SRGB)) {
-        snprintf(why, why_bytes, "its %s is RGB of %s; RGB of full range and sRGB's transfer function can be read",
-                 pupil_v4l2_fourcc_name(f->fourcc).text, limited ? "limited range" : "another transfer function");
+        pupil_refuse(why, "its %s is RGB of %s; RGB of full range and sRGB's transfer function can be read",
+                     pupil_v4l2_fourcc_name(f->fourcc).text, limited ? "limited range" : "another transfer function");
         return -1;
     }
     return 0; /* a mosaic is linear, whatever is said of the picture that is made of it */
@@ -225,7 +226,7 @@ static int read_colour(pupil_v4l2_format *f, char *why, size_t why_bytes)
 
 /* --- layout --- */
 
-static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
+static int read_layout(pupil_v4l2_format *f, pupil_why *why)
 {
     const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width);
     const uint32_t chroma_row = f->width + f->width % 2, chroma_rows = (f->height + 1) / 2;
@@ -234,8 +235,8 @@ static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
         f->stride_bytes[0] = f->stride_bytes[1] = 0;
         f->needs_bytes[0] = LEAST_JPEG_BYTES;
         if (f->size_bytes[0] < LEAST_JPEG_BYTES)
-            snprintf(why, why_bytes, "its driver says that a frame of %s has %u bytes at most",
-                     pupil_v4l2_fourcc_name(f->fourcc).text, f->size_bytes[0]);
+            pupil_refuse(why, "its driver says that a frame of %s has %u bytes at most",
+                         pupil_v4l2_fourcc_name(f->fourcc).text, f->size_bytes[0]);
         return f->size_bytes[0] < LEAST_JPEG_BYTES ? -1 : 0;
     }
     if (!f->stride_bytes[0])
@@ -244,9 +245,8 @@ static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
         f->stride_bytes[1] = nv12 ? f->stride_bytes[0] : 0;
     const int odd = pupil_pixel_bytes(f->pixel) == 2 && f->stride_bytes[0] % 2;
     if (f->stride_bytes[0] < row || (nv12 && f->stride_bytes[1] < chroma_row) || odd) {
-        snprintf(why, why_bytes, "its driver says that a row has %u bytes; %u pixels of %s need %u%s",
-                 f->stride_bytes[0], f->width, pupil_v4l2_fourcc_name(f->fourcc).text, row,
-                 odd ? ", and an even number" : "");
+        pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u%s", f->stride_bytes[0],
+                     f->width, pupil_v4l2_fourcc_name(f->fourcc).text, row, odd ? ", and an even number" : "");
         return -1;
     }
     uint64_t needs[2] = {(uint64_t)f->stride_bytes[0] * (f->height - 1) + row, 0};
@@ -259,9 +259,8 @@ static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
     }
     for (int i = 0; i < 2; i++) {
         if (needs[i] > f->size_bytes[i]) {
-            snprintf(why, why_bytes, "its driver says that a frame has %u bytes; %ux%u of %s need %llu",
-                     f->size_bytes[i], f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text,
-                     (unsigned long long)needs[i]);
+            pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s need %llu", f->size_bytes[i],
+                         f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text, (unsigned long long)needs[i]);
             return -1;
         }
         f->needs_bytes[i] = (uint32_t)needs[i];
@@ -269,16 +268,16 @@ static int read_layout(pupil_v4l2_format *f, char *why, size_t why_bytes)
     return 0;
 }
 
-static int check_size(const pupil_v4l2_format *f, char *why, size_t why_bytes)
+static int check_size(const pupil_v4l2_format *f, pupil_why *why)
 {
     const int mosaic = f->pixel >= PUPIL_PIXEL_BAYER8 && f->pixel <= PUPIL_PIXEL_BAYER12P;
     const uint32_t unit = f->pixel == PUPIL_PIXEL_BAYER10P ? 4 : mosaic ? 2 : 1;
     if (!f->width || !f->height || f->width > PUPIL_MAX_SIDE_PX || f->height > PUPIL_MAX_SIDE_PX)
-        snprintf(why, why_bytes, "its frames are %ux%u; from 1x1 to %ux%u can be read", f->width, f->height,
-                 PUPIL_MAX_SIDE_PX, PUPIL_MAX_SIDE_PX);
+        pupil_refuse(why, "its frames are %ux%u; from 1x1 to %ux%u can be read", f->width, f->height, PUPIL_MAX_SIDE_PX,
+                     PUPIL_MAX_SIDE_PX);
     else if (f->width % unit || (mosaic && f->height % 2))
-        snprintf(why, why_bytes, "its frames are %ux%u; of %s the width must be a multiple of %u and the height even",
-                 f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text, unit);
+        pupil_refuse(why, "its frames are %ux%u; of %s the width must be a multiple of %u and the height even",
+                     f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text, unit);
     else
         return 0;
     return -1;
@@ -317,33 +316,33 @@ static int take_multi(const struct v4l2_pix_format_mplane *pix, pupil_v4l2_forma
     return (int)pix->field;
 }
 
-int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *format, char *why, size_t why_bytes)
+int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *format, pupil_why *why)
 {
     pupil_v4l2_format f = {0};
     const int field = answer->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? take_multi(&answer->fmt.pix_mp, &f)
                                                                          : take_single(&answer->fmt.pix, &f);
     const native *n = find(f.fourcc);
     if (!n) {
-        snprintf(why, why_bytes, "its format %s is not read; what is: %s", pupil_v4l2_fourcc_name(f.fourcc).text,
-                 pupil_v4l2_natives);
+        pupil_refuse(why, "its format %s is not read; what is: %s", pupil_v4l2_fourcc_name(f.fourcc).text,
+                     pupil_v4l2_natives);
         return -1;
     }
     if (f.buffers != n->buffers) {
-        snprintf(why, why_bytes, "its driver keeps %s in %u memory areas; it has %u",
-                 pupil_v4l2_fourcc_name(f.fourcc).text, f.buffers, n->buffers);
+        pupil_refuse(why, "its driver keeps %s in %u memory areas; it has %u", pupil_v4l2_fourcc_name(f.fourcc).text,
+                     f.buffers, n->buffers);
         return -1;
     }
     if (field != V4L2_FIELD_NONE && field != V4L2_FIELD_ANY && field != V4L2_FIELD_INTERLACED) {
-        snprintf(why, why_bytes,
-                 "its driver hands out single fields (field %d); whole frames are needed, as 'v4l2-ctl "
-                 "--set-fmt-video field=none' asks for",
-                 field);
+        pupil_refuse(why,
+                     "its driver hands out single fields (field %d); whole frames are needed, as 'v4l2-ctl "
+                     "--set-fmt-video field=none' asks for",
+                     field);
         return -1;
     }
     f.pixel = n->pixel;
     f.compressed = n->pixel == PUPIL_PIXEL_NONE;
     f.coding.bayer = n->bayer;
-    if (check_size(&f, why, why_bytes) || read_layout(&f, why, why_bytes) || read_colour(&f, why, why_bytes))
+    if (check_size(&f, why) || read_layout(&f, why) || read_colour(&f, why))
         return -1;
     *format = f;
     return 0;

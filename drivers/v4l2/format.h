@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 
 struct v4l2_format; /* <linux/videodev2.h> */
@@ -50,6 +51,6 @@ extern const char pupil_v4l2_natives[];
 
 /* From a driver's answer to VIDIOC_G_FMT or VIDIOC_S_FMT, of either buffer type. 0, or -1 and a sentence without its
  * subject that says what is not handled and what would be. */
-int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *format, char *why, size_t why_bytes);
+int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *format, pupil_why *why);
 
 #endif

@@ -83,7 +83,7 @@ static int read_sizes(const pupil_v4l2_device *device, pupil_v4l2_mode *mode)
     return 0;
 }
 
-int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, char *why, size_t why_bytes)
+int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, pupil_why *why)
 {
     *modes = (pupil_v4l2_modes){0};
     for (uint32_t i = 0; i < MOST_MODES; i++) {
@@ -91,7 +91,7 @@ int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *mod
         if (pupil_v4l2_ask(device, VIDIOC_ENUM_FMT, &d) != 0) {
             if (errno == EINVAL || (errno == ENOTTY && i == 0))
                 return 0;
-            return pupil_v4l2_failed(device, "does not tell its formats", errno, why, why_bytes);
+            return pupil_v4l2_failed(device, "does not tell its formats", errno, why);
         }
         pupil_v4l2_mode *more = realloc(modes->mode, (modes->count + 1) * sizeof *more);
         if (more) {
@@ -103,7 +103,7 @@ int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *mod
             modes->count++;
         }
         if (!more || read_sizes(device, &more[modes->count - 1]))
-            return pupil_v4l2_failed(device, "its list of formats", ENOMEM, why, why_bytes);
+            return pupil_v4l2_failed(device, "its list of formats", ENOMEM, why);
     }
     return 0;
 }

@@ -3,6 +3,7 @@
 #define PUPIL_DRIVERS_V4L2_MODES_H
 
 #include "device.h"
+#include "pupil/error.h"
 
 #define PUPIL_V4L2_MOST_RATES 16
 
@@ -29,7 +30,7 @@ typedef struct pupil_v4l2_modes {
 } pupil_v4l2_modes;
 
 /* 0, or -1 and a sentence. Free what it filled in, after a failure too. */
-int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, char *why, size_t why_bytes);
+int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, pupil_why *why);
 void pupil_v4l2_modes_free(pupil_v4l2_modes *modes);
 
 /* "640x480@30,15 1280x720@30": the sizes of a mode in one line; cut where it does not fit. */

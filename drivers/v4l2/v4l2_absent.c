@@ -5,29 +5,29 @@
 #include "device.h"
 #include "format.h"
 #include "modes.h"
+#include "refuse.h"
 #include "v4l2/capture/v4l2_source.h"
 #include "v4l2/media/media.h"
 #include "v4l2/output/v4l2_sink.h"
 
-static int absent(const char *which, char *why, size_t why_bytes)
+static int absent(const char *which, pupil_why *why)
 {
-    snprintf(why, why_bytes, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
+    pupil_refuse(why, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
     return -1;
 }
 
 int pupil_v4l2_source_open(const char *which, const pupil_source_options *options, const pupil_v4l2_options *more,
-                           pupil_source **source, char *why, size_t why_bytes)
+                           pupil_source **source, pupil_why *why)
 {
     (void)options, (void)more, (void)source;
-    absent(which, why, why_bytes);
+    absent(which, why);
     return PUPIL_SOURCE_FAILED;
 }
 
-int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, char *why,
-                       size_t why_bytes)
+int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, pupil_why *why)
 {
     (void)system, (void)seen, (void)closure;
-    return absent("/dev/video*", why, why_bytes);
+    return absent("/dev/video*", why);
 }
 
 int pupil_is_v4l2_output(const char *path)
@@ -37,27 +37,27 @@ int pupil_is_v4l2_output(const char *path)
 }
 
 int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
-                         const pupil_v4l2_system *system, char *why, size_t why_bytes)
+                         const pupil_v4l2_system *system, pupil_why *why)
 {
     (void)options, (void)system;
     *sink = NULL;
-    absent(path, why, why_bytes);
+    absent(path, why);
     return PUPIL_SINK_FAILED;
 }
 
-int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which, char *why,
-                           size_t why_bytes)
+int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *system, const char *which,
+                           pupil_why *why)
 {
     (void)system;
     device->fd = -1;
-    return absent(which, why, why_bytes);
+    return absent(which, why);
 }
 
 /* Nobody has a device to ask for these. */
-int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, char *why, size_t why_bytes)
+int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, pupil_why *why)
 {
     *modes = (pupil_v4l2_modes){0};
-    return absent(device->path, why, why_bytes);
+    return absent(device->path, why);
 }
 
 void pupil_v4l2_modes_free(pupil_v4l2_modes *modes)
@@ -83,10 +83,10 @@ uint32_t pupil_v4l2_fourcc(const char *name)
     return *name ? 1 : 0;
 }
 
-int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, char *why, size_t why_bytes)
+int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, pupil_why *why)
 {
     (void)sensor;
-    return absent(device->path, why, why_bytes);
+    return absent(device->path, why);
 }
 
 void pupil_v4l2_device_close(pupil_v4l2_device *device)

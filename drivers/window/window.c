@@ -15,10 +15,10 @@ struct pupil_window {
     const char *next;
 };
 
-static int open_video(char *why, size_t why_bytes)
+static int open_video(pupil_why *why)
 {
     if (SDL_WasInit(SDL_INIT_VIDEO))
-        return pupil_refuse(why, why_bytes, "a window is open already; there is one a process");
+        return pupil_refuse(why, "a window is open already; there is one a process");
     SDL_SetHint(SDL_HINT_VIDEO_X11_FORCE_EGL, "1"); /* GLX needs an extension for OpenGL ES; dma-bufs need EGL */
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0"); /* the desktop's other windows stay as they are */
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");                 /* they are the program's */
@@ -30,7 +30,7 @@ static int open_video(char *why, size_t why_bytes)
     }
     if (failed)
         return pupil_refuse(
-            why, why_bytes,
+            why,
             "no display for a window (SDL: %s); set DISPLAY or WAYLAND_DISPLAY, or use the console of a "
             "machine with a screen",
             failed);
@@ -56,7 +56,7 @@ static void fit(uint32_t width, uint32_t height, int *w, int *h)
     *h = SDL_max(*h, 1);
 }
 
-static int make_window(pupil_window *window, const pupil_window_options *options, char *why, size_t why_bytes)
+static int make_window(pupil_window *window, const pupil_window_options *options, pupil_why *why)
 {
     Uint32 flags = SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
     int w, h, drawn_w, drawn_h;
@@ -83,8 +83,7 @@ static int make_window(pupil_window *window, const pupil_window_options *options
                                       SDL_WINDOWPOS_CENTERED, w, h, flags);
     if (!window->window)
         return pupil_refuse(
-            why, why_bytes,
-            "no window with OpenGL ES (SDL: %s). On Debian: apt-get install libegl1 libgles2 libgl1-mesa-dri",
+            why, "no window with OpenGL ES (SDL: %s). On Debian: apt-get install libegl1 libgles2 libgl1-mesa-dri",
             SDL_GetError());
     /* Where the screen counts in units of several pixels, so many fewer of them. */
     SDL_GL_GetDrawableSize(window->window, &drawn_w, &drawn_h);
@@ -96,7 +95,7 @@ static int make_window(pupil_window *window, const pupil_window_options *options
     return 0;
 }
 
-static int make_context(pupil_window *window, const pupil_window_options *options, char *why, size_t why_bytes)
+static int make_context(pupil_window *window, const pupil_window_options *options, pupil_why *why)
 {
     uint32_t lowest = options->version ? options->version : PUPIL_GLES_ES30;
     uint32_t version = options->version ? options->version : PUPIL_GLES_ES31;
@@ -105,38 +104,38 @@ static int make_context(pupil_window *window, const pupil_window_options *option
         window->context = SDL_GL_CreateContext(window->window);
     }
     if (!window->context)
-        return pupil_refuse(why, why_bytes, "the display has no OpenGL ES %u.%u (SDL: %s)", lowest / 10, lowest % 10,
+        return pupil_refuse(why, "the display has no OpenGL ES %u.%u (SDL: %s)", lowest / 10, lowest % 10,
                             SDL_GetError());
     const GLubyte *(GL_APIENTRY * get_string)(GLenum name);
     get_string = (const GLubyte *(GL_APIENTRY *)(GLenum))pupil_window_get_proc("glGetString");
     const char *text = (const char *)get_string(GL_VERSION);
     unsigned major = 0, minor = 0;
     if (!text || sscanf(text, "OpenGL ES %u.%u", &major, &minor) != 2 || major * 10 + minor < lowest)
-        return pupil_refuse(why, why_bytes, "the display has \"%s\"; OpenGL ES %u.%u is needed",
-                            text ? text : "no OpenGL", lowest / 10, lowest % 10);
+        return pupil_refuse(why, "the display has \"%s\"; OpenGL ES %u.%u is needed", text ? text : "no OpenGL",
+                            lowest / 10, lowest % 10);
     SDL_GL_SetSwapInterval(1); /* where it can */
     return 0;
 }
 
-int pupil_window_open(pupil_window **window, const pupil_window_options *options, char *why, size_t why_bytes)
+int pupil_window_open(pupil_window **window, const pupil_window_options *options, pupil_why *why)
 {
     *window = NULL;
     if (options->width < 1 || options->width > PUPIL_MAX_SIDE_PX || options->height < 1 ||
         options->height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, why_bytes, "a window for %u x %u pixels; each side is 1 to %u", options->width,
-                            options->height, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, "a window for %u x %u pixels; each side is 1 to %u", options->width, options->height,
+                            PUPIL_MAX_SIDE_PX);
     if (options->version != PUPIL_GLES_BEST && options->version != PUPIL_GLES_ES30 &&
         options->version != PUPIL_GLES_ES31)
-        return pupil_refuse(why, why_bytes, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
-    if (open_video(why, why_bytes) != 0)
+        return pupil_refuse(why, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
+    if (open_video(why) != 0)
         return -1;
     pupil_window *opened = calloc(1, sizeof *opened);
     if (!opened) {
         SDL_Quit();
-        return pupil_refuse(why, why_bytes, "out of memory");
+        return pupil_refuse(why, "out of memory");
     }
     opened->next = opened->text;
-    if (make_window(opened, options, why, why_bytes) != 0 || make_context(opened, options, why, why_bytes) != 0) {
+    if (make_window(opened, options, why) != 0 || make_context(opened, options, why) != 0) {
         pupil_window_close(opened);
         return -1;
     }

@@ -10,6 +10,7 @@
 
 #include <stddef.h>
 
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 typedef struct pupil_window pupil_window;
@@ -24,7 +25,7 @@ typedef struct pupil_window_options {
 } pupil_window_options;
 
 /* 0, or -1 and a sentence (no display, no OpenGL ES 3). Its context is current in this thread. */
-int pupil_window_open(pupil_window **window, const pupil_window_options *options, char *why, size_t why_bytes);
+int pupil_window_open(pupil_window **window, const pupil_window_options *options, pupil_why *why);
 void pupil_window_close(pupil_window *window);
 
 pupil_gles_function pupil_window_get_proc(const char *name);

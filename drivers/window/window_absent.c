@@ -1,14 +1,15 @@
 /* In place of window.c in a build without SDL. */
 #include <stdio.h>
 
+#include "refuse.h"
 #include "window.h"
 
-int pupil_window_open(pupil_window **window, const pupil_window_options *options, char *why, size_t why_bytes)
+int pupil_window_open(pupil_window **window, const pupil_window_options *options, pupil_why *why)
 {
     (void)options;
     *window = NULL;
-    if (why && why_bytes)
-        snprintf(why, why_bytes, "this build of pupil opens no window (it was configured with PUPIL_GPU=OFF)");
+    if (why)
+        pupil_refuse(why, "this build of pupil opens no window (it was configured with PUPIL_GPU=OFF)");
     return -1;
 }
 

@@ -11,17 +11,17 @@ void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_by
 
 /* --- errors --- */
 
-void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[])
+void pupil_gles_say(pupil_why *why, const char *const parts[])
 {
     size_t n = 0;
-    if (!why || !why_bytes)
+    if (!why)
         return;
     for (; *parts; parts++)
-        for (const char *c = *parts; *c && n + 1 < why_bytes; c++)
-            why[n++] = *c;
-    while (n && why[n - 1] == '\n') /* as drivers end their logs */
+        for (const char *c = *parts; *c && n + 1 < sizeof why->text; c++)
+            why->text[n++] = *c;
+    while (n && why->text[n - 1] == '\n') /* as drivers end their logs */
         n--;
-    why[n] = '\0';
+    why->text[n] = '\0';
 }
 
 static int is_lost(const gles_object *o)
@@ -55,12 +55,12 @@ int pupil_gles_error(const gles_object *o)
 
 /* After a step of init or retune: what GL itself says, out of memory or lost, is the cause of whatever else went wrong.
  */
-static int cause_of(const gles_object *o, int error, char *why, size_t why_bytes)
+static int cause_of(const gles_object *o, int error, pupil_why *why)
 {
     const int by_gl = pupil_gles_error(o);
     if (by_gl == PUPIL_OK || (error && by_gl == PUPIL_ERR_GLES))
         return error;
-    pupil_gles_say(why, why_bytes, (const char *const[]){pupil_error_string(by_gl), 0});
+    pupil_gles_say(why, (const char *const[]){pupil_error_string(by_gl), 0});
     return by_gl;
 }
 
@@ -100,34 +100,34 @@ static uint32_t version_of(const char *text)
     return has_two ? (uint32_t)(text[i] - '0') * 10 + (uint32_t)(text[i + 2] - '0') : 0;
 }
 
-static int refuse_version(char *why, size_t why_bytes, const char *a, const char *b, const char *c)
+static int refuse_version(pupil_why *why, const char *a, const char *b, const char *c)
 {
-    pupil_gles_say(why, why_bytes, (const char *const[]){a, b, c, 0});
+    pupil_gles_say(why, (const char *const[]){a, b, c, 0});
     return PUPIL_ERR_GLES_VERSION;
 }
 
 /* Finds the functions, and which version there is. */
-static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *version, char *why, size_t why_bytes)
+static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *version, pupil_why *why)
 {
     o->gl.GetCurrentContext = (void *(*)(void))get_proc("eglGetCurrentContext");
     o->context = o->gl.GetCurrentContext ? o->gl.GetCurrentContext() : 0;
     o->gl.GetString = (PFNGLGETSTRINGPROC)get_proc("glGetString");
     if (!o->gl.GetString)
-        return refuse_version(why, why_bytes, "get_proc does not find glGetString", "", "");
+        return refuse_version(why, "get_proc does not find glGetString", "", "");
     const char *text = o->gl.GetCurrentContext && !o->context ? 0 : (const char *)o->gl.GetString(GL_VERSION);
     if (!text) {
         o->gl.GetError = (PFNGLGETERRORPROC)get_proc("glGetError");
         if (o->context && o->gl.GetError && pupil_gles_error(o) == PUPIL_ERR_GLES_LOST)
-            return cause_of(o, PUPIL_ERR_GLES_LOST, why, why_bytes);
-        pupil_gles_say(why, why_bytes, (const char *const[]){"no OpenGL ES context is current in this thread", 0});
+            return cause_of(o, PUPIL_ERR_GLES_LOST, why);
+        pupil_gles_say(why, (const char *const[]){"no OpenGL ES context is current in this thread", 0});
         return PUPIL_ERR_GLES_CONTEXT;
     }
     *version = version_of(text);
     if (*version < 30)
-        return refuse_version(why, why_bytes, "OpenGL ES 3.0 or newer is needed; the context is ", text, "");
+        return refuse_version(why, "OpenGL ES 3.0 or newer is needed; the context is ", text, "");
     const char *lacks = pupil_gl_functions_find(&o->gl, *version >= 31, get_proc);
     if (lacks)
-        return refuse_version(why, why_bytes, text, ": the context lacks the function ", lacks);
+        return refuse_version(why, text, ": the context lacks the function ", lacks);
     if (*version >= 32)
         o->gl.GetGraphicsResetStatus = (GLenum(*)(void))get_proc("glGetGraphicsResetStatus");
     else if (has_extension(&o->gl, "GL_KHR_robustness"))
@@ -142,48 +142,47 @@ static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *
 
 /* --- settings --- */
 
-static int refuse_config(char *why, size_t why_bytes, const char *sentence)
+static int refuse_config(pupil_why *why, const char *sentence)
 {
-    pupil_gles_say(why, why_bytes, (const char *const[]){sentence, 0});
+    pupil_gles_say(why, (const char *const[]){sentence, 0});
     return PUPIL_ERR_CONFIG;
 }
 
 /* The caller's configuration and its coding as ones of this version; config->coding is NULL then. */
-static int read_config(pupil_gles_config *config, pupil_coding *coding, const pupil_gles_config *theirs, char *why,
-                       size_t why_bytes)
+static int read_config(pupil_gles_config *config, pupil_coding *coding, const pupil_gles_config *theirs, pupil_why *why)
 {
     const size_t first_bytes = PUPIL_FIRST_BYTES(pupil_gles_config, coding);
     *config = defaults;
     *coding = (pupil_coding){0};
     const char *fault = pupil_versioned_read(config, sizeof *config, first_bytes, theirs, theirs->size_bytes);
     if (fault)
-        return refuse_config(why, why_bytes, fault);
+        return refuse_config(why, fault);
     fault = config->coding ? pupil_coding_read(coding, config->coding) : 0;
     config->coding = 0;
     if (fault)
-        pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
+        pupil_gles_say(why, (const char *const[]){fault, 0});
     return fault ? PUPIL_ERR_CODING : PUPIL_OK;
 }
 
-static int check_config(const pupil_gles_config *c, char *why, size_t why_bytes)
+static int check_config(const pupil_gles_config *c, pupil_why *why)
 {
     if (c->version != PUPIL_GLES_BEST && c->version != PUPIL_GLES_ES30 && c->version != PUPIL_GLES_ES31)
-        return refuse_config(why, why_bytes, "version must be a pupil_gles_version");
+        return refuse_config(why, "version must be a pupil_gles_version");
     if (c->source >= PUPIL_GLES_SOURCE_COUNT)
-        return refuse_config(why, why_bytes, "source must be a pupil_gles_source");
+        return refuse_config(why, "source must be a pupil_gles_source");
     if (c->adapt >= PUPIL_GLES_ADAPT_COUNT)
-        return refuse_config(why, why_bytes, "adapt must be a pupil_gles_adapt");
+        return refuse_config(why, "adapt must be a pupil_gles_adapt");
     if (c->source == PUPIL_GLES_EXTERNAL && c->pixel != PUPIL_PIXEL_RGBA8)
-        return refuse_config(why, why_bytes, "pixel of PUPIL_GLES_EXTERNAL must be PUPIL_PIXEL_RGBA8");
+        return refuse_config(why, "pixel of PUPIL_GLES_EXTERNAL must be PUPIL_PIXEL_RGBA8");
     if (c->normalized_16 && c->source != PUPIL_GLES_TEXTURES)
-        return refuse_config(why, why_bytes, "normalized_16 must be 0 but with PUPIL_GLES_TEXTURES");
+        return refuse_config(why, "normalized_16 must be 0 but with PUPIL_GLES_TEXTURES");
     if (c->half_size && !pupil_pixel_is_mosaic(c->pixel))
-        return refuse_config(why, why_bytes, "half_size must be 0 but for mosaics");
+        return refuse_config(why, "half_size must be 0 but for mosaics");
     return PUPIL_OK;
 }
 
 /* Whether frames of the config can be read, and what the coding does not allow. */
-static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, char *why, size_t why_bytes)
+static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, pupil_why *why)
 {
     static const uint64_t somewhere; /* an address, never read */
     const pupil_image_const frame = {.data = &somewhere,
@@ -200,21 +199,19 @@ static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, 
     else
         error = pupil_coding_check(coding, c->pixel, &fault);
     if (error)
-        pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
+        pupil_gles_say(why, (const char *const[]){fault, 0});
     return error;
 }
 
-static int check_settings(const gles_object *o, const pupil_object *pupil, uint32_t version, char *why,
-                          size_t why_bytes)
+static int check_settings(const gles_object *o, const pupil_object *pupil, uint32_t version, pupil_why *why)
 {
     if (pupil->config.grey_world)
-        return refuse_config(why, why_bytes, "grey_world must be 0: the sums of channels are made by the CPU alone");
-    if (o->config.adapt == PUPIL_GLES_ADAPT_GPU && pupil_gles_adapt_check(&pupil->config, why, why_bytes))
+        return refuse_config(why, "grey_world must be 0: the sums of channels are made by the CPU alone");
+    if (o->config.adapt == PUPIL_GLES_ADAPT_GPU && pupil_gles_adapt_check(&pupil->config, why))
         return PUPIL_ERR_CONFIG;
     if (pupil->histogram && version == PUPIL_GLES_ES30)
-        return refuse_config(why, why_bytes,
-                             "OpenGL ES 3.0 has no histogram, which a white point that follows, trimming and "
-                             "histogram = 1 need: choose PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE, trim 0 and 1");
+        return refuse_config(why, "OpenGL ES 3.0 has no histogram, which a white point that follows, trimming and "
+                                  "histogram = 1 need: choose PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE, trim 0 and 1");
     return PUPIL_OK;
 }
 
@@ -256,62 +253,62 @@ static void delete_all(gles_object *o)
 }
 
 /* Everything of one version; after an error nothing is left. */
-static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version, char *why, size_t why_bytes)
+static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version, pupil_why *why)
 {
-    int error = check_settings(o, pupil, version, why, why_bytes);
+    int error = check_settings(o, pupil, version, why);
     if (error)
         return error;
     o->variant = variant_of(o, pupil, version);
-    error = pupil_gles_programs_make(o, &o->variant, &o->programs, why, why_bytes);
+    error = pupil_gles_programs_make(o, &o->variant, &o->programs, why);
     if (error)
-        return cause_of(o, error, why, why_bytes);
+        return cause_of(o, error, why);
     o->gl.GenVertexArrays(1, &o->vertex_array);
-    error = pupil_gles_textures_make(o, why, why_bytes);
+    error = pupil_gles_textures_make(o, why);
     if (!error) {
         pupil_gles_meter_make(o);
         pupil_gles_textures_set(o);
         pupil_gles_programs_set(o);
     }
-    error = cause_of(o, error, why, why_bytes);
+    error = cause_of(o, error, why);
     if (error)
         delete_all(o);
     return error;
 }
 
-static int make_best(gles_object *o, const pupil_object *pupil, uint32_t have, char *why, size_t why_bytes)
+static int make_best(gles_object *o, const pupil_object *pupil, uint32_t have, pupil_why *why)
 {
     const uint32_t wanted = o->config.version;
     if (wanted > have)
-        return refuse_version(why, why_bytes, "OpenGL ES 3.1 is asked for; the context has 3.0", "", "");
+        return refuse_version(why, "OpenGL ES 3.1 is asked for; the context has 3.0", "", "");
     if (wanted == PUPIL_GLES_ES30 || have < 31)
-        return make_all(o, pupil, PUPIL_GLES_ES30, why, why_bytes);
-    const int error = make_all(o, pupil, PUPIL_GLES_ES31, why, why_bytes);
+        return make_all(o, pupil, PUPIL_GLES_ES30, why);
+    const int error = make_all(o, pupil, PUPIL_GLES_ES31, why);
     if (error != PUPIL_ERR_GLES_SHADER || wanted == PUPIL_GLES_ES31 || pupil->histogram)
         return error;
-    pupil_gles_say(why, why_bytes, (const char *const[]){0}); /* nothing: it is not refused */
-    return make_all(o, pupil, PUPIL_GLES_ES30, why, why_bytes);
+    pupil_gles_say(why, (const char *const[]){0}); /* nothing: it is not refused */
+    return make_all(o, pupil, PUPIL_GLES_ES30, why);
 }
 
-static int check_arguments(const void *gles, const pupil_t *pupil, const void *also, char *why, size_t why_bytes)
+static int check_arguments(const void *gles, const pupil_t *pupil, const void *also, pupil_why *why)
 {
     const int error = gles && also ? pupil_object_check(pupil) : PUPIL_ERR_NULL;
     if (error)
-        pupil_gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+        pupil_gles_say(why, (const char *const[]){pupil_error_string(error), 0});
     return error;
 }
 
 int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
-                    pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
+                    pupil_gles_get_proc get_proc, pupil_why *why)
 {
     pupil_gles_config own;
     pupil_coding coding;
-    int error = check_arguments(gles, pupil, get_proc ? (const void *)config : 0, why, why_bytes);
+    int error = check_arguments(gles, pupil, get_proc ? (const void *)config : 0, why);
     if (!error)
-        error = read_config(&own, &coding, config, why, why_bytes);
+        error = read_config(&own, &coding, config, why);
     if (!error)
-        error = check_config(&own, why, why_bytes);
+        error = check_config(&own, why);
     if (!error)
-        error = check_frames(&own, &coding, why, why_bytes);
+        error = check_frames(&own, &coding, why);
     if (error)
         return error;
     const pupil_object *settings = pupil_object_of_const(pupil);
@@ -321,11 +318,11 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
     take_settings(o, pupil);
     o->region_rows = pupil_gles_regions_make(own.height / o->unit, o->region_row);
     uint32_t have = 0;
-    error = meet_context(o, get_proc, &have, why, why_bytes);
+    error = meet_context(o, get_proc, &have, why);
     if (!error && own.source == PUPIL_GLES_EXTERNAL && !has_extension(&o->gl, "GL_OES_EGL_image_external_essl3"))
-        error = refuse_version(why, why_bytes, "the context lacks GL_OES_EGL_image_external_essl3", "", "");
+        error = refuse_version(why, "the context lacks GL_OES_EGL_image_external_essl3", "", "");
     if (!error)
-        error = make_best(o, settings, have, why, why_bytes);
+        error = make_best(o, settings, have, why);
     if (error)
         return error;
     pupil_gles_adapt_take(o, settings);
@@ -333,22 +330,22 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
     return PUPIL_OK;
 }
 
-int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes)
+int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_why *why)
 {
-    int error = check_arguments(gles, pupil, gles, why, why_bytes);
+    int error = check_arguments(gles, pupil, gles, why);
     if (!error && (error = pupil_gles_check(gles)))
-        pupil_gles_say(why, why_bytes, (const char *const[]){pupil_error_string(error), 0});
+        pupil_gles_say(why, (const char *const[]){pupil_error_string(error), 0});
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
     const pupil_object *settings = pupil_object_of_const(pupil);
-    if ((error = check_settings(o, settings, o->variant.version, why, why_bytes)))
+    if ((error = check_settings(o, settings, o->variant.version, why)))
         return error;
     const gles_variant variant = variant_of(o, settings, o->variant.version);
     if (variant.histogram != o->variant.histogram) {
         gles_programs programs;
-        if ((error = pupil_gles_programs_make(o, &variant, &programs, why, why_bytes)))
-            return cause_of(o, error, why, why_bytes);
+        if ((error = pupil_gles_programs_make(o, &variant, &programs, why)))
+            return cause_of(o, error, why);
         pupil_gles_programs_delete(o, &o->programs);
         o->programs = programs;
         o->variant = variant;
@@ -358,7 +355,7 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t 
     pupil_gles_adapt_take(o, settings);
     pupil_gles_textures_set(o);
     pupil_gles_programs_set(o);
-    return cause_of(o, PUPIL_OK, why, why_bytes);
+    return cause_of(o, PUPIL_OK, why);
 }
 
 void pupil_gles_close(pupil_gles *gles)

@@ -3,14 +3,11 @@
 
 #include "base/versioned.h"
 
-static int absent(char *why, size_t why_bytes)
+static int absent(pupil_why *why)
 {
     static const char sentence[] = "this library was built without OpenGL ES (CMake: -DPUPIL_GPU=ON)";
-    for (size_t i = 0; why && i < why_bytes; i++) {
-        why[i] = i + 1 < why_bytes && i < sizeof sentence ? sentence[i] : '\0';
-        if (!why[i])
-            break;
-    }
+    for (size_t i = 0; why && i < sizeof sentence; i++)
+        why->text[i] = sentence[i];
     return PUPIL_ERR_GLES_ABSENT;
 }
 
@@ -22,16 +19,16 @@ void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_by
 }
 
 int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
-                    pupil_gles_get_proc get_proc, char *why, size_t why_bytes)
+                    pupil_gles_get_proc get_proc, pupil_why *why)
 {
     (void)gles, (void)config, (void)pupil, (void)get_proc;
-    return absent(why, why_bytes);
+    return absent(why);
 }
 
-int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes)
+int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_why *why)
 {
     (void)gles, (void)pupil;
-    return absent(why, why_bytes);
+    return absent(why);
 }
 
 int pupil_gles_balance(pupil_gles *gles, const float balance[3])

@@ -10,7 +10,7 @@
  * every level. */
 #define MOST_BASE_STOPS 124.0
 
-int pupil_gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
+int pupil_gles_adapt_check(const pupil_config *c, pupil_why *why)
 {
     const char *fault = 0;
     if (c->law != PUPIL_LAW_SECONDS)
@@ -20,7 +20,7 @@ int pupil_gles_adapt_check(const pupil_config *c, char *why, size_t why_bytes)
     else if (c->trim_low > 0.0f || c->trim_high < 1.0f)
         fault = "on the GPU trim_low and trim_high must be 0 and 1";
     if (fault)
-        pupil_gles_say(why, why_bytes, (const char *const[]){fault, 0});
+        pupil_gles_say(why, (const char *const[]){fault, 0});
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
 }
 

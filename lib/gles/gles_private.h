@@ -7,6 +7,7 @@
 #include "core/read.h"
 #include "gl_functions.h"
 #include "gles_variant.h"
+#include "pupil/error.h"
 
 /* As in shaders/regions.glsl. 64 bands and 16 rows of the grid have 79 boundaries at most, the frame's first row among
  * them. */
@@ -130,13 +131,13 @@ int pupil_gles_check(const pupil_gles *gles);
 /* What GL has to say of the calls since: PUPIL_OK or an error. */
 int pupil_gles_error(const gles_object *o);
 /* Puts sentences together, cut where the buffer ends; up to a NULL. */
-void pupil_gles_say(char *why, size_t why_bytes, const char *const parts[]);
+void pupil_gles_say(pupil_why *why, const char *const parts[]);
 
 /* --- gles_programs.c --- */
 
 /* Compiles and links what the variant needs; after an error nothing is left. */
-int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
-                             size_t why_bytes);
+int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs,
+                             pupil_why *why);
 void pupil_gles_programs_delete(const gles_object *o, gles_programs *programs);
 /* Uniforms that stay as they are from frame to frame, by the settings. */
 void pupil_gles_programs_set(gles_object *o);
@@ -147,7 +148,7 @@ void pupil_gles_begin(const gles_object *o, uint32_t program);
 
 /* --- gles_textures.c --- */
 
-int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes);
+int pupil_gles_textures_make(gles_object *o, pupil_why *why);
 void pupil_gles_textures_delete(gles_object *o);
 /* The table of the transfer that the settings name. */
 void pupil_gles_textures_set(const gles_object *o);
@@ -182,7 +183,7 @@ int pupil_gles_target_read(const gles_object *o, pupil_gles_target *ours, const 
 /* --- gles_adapt.c --- */
 
 /* PUPIL_OK, or PUPIL_ERR_CONFIG and a sentence: the GPU cannot adapt by these settings. */
-int pupil_gles_adapt_check(const pupil_config *settings, char *why, size_t why_bytes);
+int pupil_gles_adapt_check(const pupil_config *settings, pupil_why *why);
 /* The level of a pupil_t is that of the GPU from the next frame on. */
 void pupil_gles_adapt_take(gles_object *o, const pupil_object *pupil);
 /* Uniforms of GLES_ADAPT, which is current: those that stay, and those of a frame's step. */

@@ -1,7 +1,7 @@
 /* From texts to programs, and their uniforms. */
 #include "gles_private.h"
 
-static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_t shader, char *why, size_t why_bytes)
+static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_t shader, pupil_why *why)
 {
     const gl_functions *gl = &o->gl;
     const char *texts[GLES_MOST_TEXTS];
@@ -17,15 +17,14 @@ static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_
         return name;
     char log[512] = "";
     gl->GetShaderInfoLog(name, sizeof log, 0, log);
-    pupil_gles_say(why, why_bytes,
+    pupil_gles_say(why,
                    (const char *const[]){"the driver does not compile ", pupil_gles_shader_name(shader), ": ", log, 0});
     gl->DeleteShader(name);
     return 0;
 }
 
 /* vertex or other may be GLES_SHADER_COUNT: none. */
-static GLuint link(const gles_object *o, const gles_variant *variant, uint32_t vertex, uint32_t other, char *why,
-                   size_t why_bytes)
+static GLuint link(const gles_object *o, const gles_variant *variant, uint32_t vertex, uint32_t other, pupil_why *why)
 {
     const gl_functions *gl = &o->gl;
     const uint32_t stage[2] = {vertex, other};
@@ -33,7 +32,7 @@ static GLuint link(const gles_object *o, const gles_variant *variant, uint32_t v
     GLint done = 1;
     for (int i = 0; i < 2 && done; i++)
         if (stage[i] != GLES_SHADER_COUNT)
-            done = (shader[i] = compile(o, variant, stage[i], why, why_bytes)) != 0;
+            done = (shader[i] = compile(o, variant, stage[i], why)) != 0;
     if (done) {
         program = gl->CreateProgram();
         for (int i = 0; i < 2; i++)
@@ -45,8 +44,7 @@ static GLuint link(const gles_object *o, const gles_variant *variant, uint32_t v
             char log[512] = "";
             gl->GetProgramInfoLog(program, sizeof log, 0, log);
             pupil_gles_say(
-                why, why_bytes,
-                (const char *const[]){"the driver does not link ", pupil_gles_shader_name(other), ": ", log, 0});
+                why, (const char *const[]){"the driver does not link ", pupil_gles_shader_name(other), ": ", log, 0});
             gl->DeleteProgram(program);
             program = 0;
         }
@@ -77,8 +75,7 @@ static void find_uniforms(const gles_object *o, const gles_variant *variant, gle
     }
 }
 
-int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, char *why,
-                             size_t why_bytes)
+int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, gles_programs *programs, pupil_why *why)
 {
     const int is_31 = variant->version == PUPIL_GLES_ES31;
     const uint32_t none = GLES_SHADER_COUNT;
@@ -98,7 +95,7 @@ int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, 
     for (int i = 0; i < GLES_PROGRAM_COUNT; i++) {
         if (!stages[i].is_wanted)
             continue;
-        made.name[i] = link(o, variant, stages[i].vertex, stages[i].other, why, why_bytes);
+        made.name[i] = link(o, variant, stages[i].vertex, stages[i].other, why);
         if (!made.name[i]) {
             pupil_gles_programs_delete(o, &made);
             return PUPIL_ERR_GLES_SHADER;

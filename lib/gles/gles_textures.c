@@ -87,7 +87,7 @@ static void make_frames(gles_object *o)
 }
 
 /* What ES 3.0's chain draws into. */
-static int make_targets(gles_object *o, char *why, size_t why_bytes)
+static int make_targets(gles_object *o, pupil_why *why)
 {
     const GLsizei columns = GLES_REGION_COLUMNS, rows = (GLsizei)o->region_rows;
     const extent size[GLES_TARGET_COUNT] = {[GLES_PARTS] = {columns * GLES_PARTS_X, rows * GLES_PARTS_Y},
@@ -101,7 +101,7 @@ static int make_targets(gles_object *o, char *why, size_t why_bytes)
         o->gl.BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer[i]);
         o->gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, o->target[i], 0);
         if (o->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-            pupil_gles_say(why, why_bytes, (const char *const[]){"the driver refuses a framebuffer of GL_RGBA32UI", 0});
+            pupil_gles_say(why, (const char *const[]){"the driver refuses a framebuffer of GL_RGBA32UI", 0});
             return PUPIL_ERR_GLES;
         }
     }
@@ -118,13 +118,12 @@ static const float (*light_of(const gles_object *o))[2]
     return by_coding && o->coder.light ? o->coder.light : pupil_srgb_light;
 }
 
-int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes)
+int pupil_gles_textures_make(gles_object *o, pupil_why *why)
 {
     const gl_functions *gl = &o->gl;
     const extent e = extent_of(o, 0);
     if (e.width > o->largest_side || e.height > o->largest_side) {
-        pupil_gles_say(why, why_bytes,
-                       (const char *const[]){"the frame is larger than the context's textures can be", 0});
+        pupil_gles_say(why, (const char *const[]){"the frame is larger than the context's textures can be", 0});
         return PUPIL_ERR_SIZE;
     }
     gl->ActiveTexture(GL_TEXTURE0);
@@ -139,7 +138,7 @@ int pupil_gles_textures_make(gles_object *o, char *why, size_t why_bytes)
     o->light = make_texture(o, GL_RG32F, 256, 1);
     send(o, o->light, 256, 1, GL_RG, GL_FLOAT, light_of(o));
     o->encoder = make_texture(o, GL_R32UI, GLES_ENCODER_WIDTH, GLES_ENCODER_HEIGHT);
-    return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o, why, why_bytes) : PUPIL_OK;
+    return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o, why) : PUPIL_OK;
 }
 
 void pupil_gles_textures_delete(gles_object *o)

@@ -32,12 +32,12 @@ static int fake_call(void *user, int fd, unsigned long request, void *argument)
     return fakes->ioctl(fakes->context, fd, request, argument) == 0 ? 0 : -errno;
 }
 
-static pupil_camera *open_camera(const pupil_camera_options *options, char *why, size_t why_bytes)
+static pupil_camera *open_camera(const pupil_camera_options *options, pupil_why *why)
 {
     static const pupil_camera_calls calls = {.ioctl = fake_call};
     pupil_camera_options with_fake = *options;
     with_fake.calls = &calls;
-    return opened = pupil_camera_open(&with_fake, why, why_bytes);
+    return opened = pupil_camera_open(&with_fake, why);
 }
 
 static int open_device(const char *path, int flags)
@@ -84,13 +84,13 @@ static size_t keep_picture(const void *picture, size_t bytes, size_t count, FILE
     return 1;
 }
 
-#define main                       full_main
-#define exit(code)                 longjmp(ended, (code) + 1)
-#define open(path, flags)          open_device(path, flags)
-#define ioctl                      device_ioctl
-#define mmap                       map
-#define fwrite                     keep_picture
-#define pupil_camera_open(o, w, n) open_camera(o, w, n)
+#define main                    full_main
+#define exit(code)              longjmp(ended, (code) + 1)
+#define open(path, flags)       open_device(path, flags)
+#define ioctl                   device_ioctl
+#define mmap                    map
+#define fwrite                  keep_picture
+#define pupil_camera_open(o, w) open_camera(o, w)
 int full_main(int argc, char **argv);
 #include "../../docs/examples/full.c"
 #undef main
@@ -114,7 +114,7 @@ static int run_it(const fake_v4l2_config *config, const char *device)
 int main(int argc, char **argv)
 {
     fake_v4l2_config config;
-    char why[512];
+    pupil_why why;
     check_begin(argc, argv);
     fake_v4l2_config_default(&config);
     config.flat = 512; /* an eighth of full at 10 ms */
@@ -128,7 +128,7 @@ int main(int argc, char **argv)
     CHECK_MSG(abs(middle[STEP - 1] - middle[FRAMES]) <= 4, "%d, %d", middle[STEP - 1], middle[FRAMES]);
     CHECK(middle[FRAMES] > 90 && middle[FRAMES] < 135); /* 0.18 of the key is sRGB 118 */
     /* The camera that is gone cannot be put back; nor can anybody else's be left behind. */
-    pupil_camera_close(camera, why, sizeof why);
+    pupil_camera_close(camera, &why);
     camera = NULL;
     fake_v4l2_free(fake);
 

@@ -16,13 +16,13 @@ static pupil_jpeg *decoder(uint32_t width, uint32_t height)
 {
     static pupil_jpeg *kept;
     static uint32_t kept_width, kept_height;
-    char why[512] = "";
+    pupil_why why = {""};
     if (kept && kept_width == width && kept_height == height)
         return kept;
     pupil_jpeg_close(kept);
     kept_width = width;
     kept_height = height;
-    if (pupil_jpeg_open(&kept, width, height, NULL, why, sizeof why) && !*why)
+    if (pupil_jpeg_open(&kept, width, height, NULL, &why) && !*why.text)
         abort();
     return kept;
 }
@@ -32,11 +32,11 @@ static void decode(const uint8_t *bytes, size_t size, uint32_t width, uint32_t h
     uint64_t sum = 0;
     pupil_jpeg *jpeg = decoder(width, height);
     pupil_image_const image;
-    char why[512] = "";
+    pupil_why why = {""};
     if (!jpeg)
         return;
-    if (pupil_jpeg_decode(jpeg, bytes, size, &image, why, sizeof why)) {
-        if (!*why)
+    if (pupil_jpeg_decode(jpeg, bytes, size, &image, &why)) {
+        if (!*why.text)
             abort(); /* a refusal without a sentence */
         return;
     }
@@ -52,13 +52,13 @@ static void decode(const uint8_t *bytes, size_t size, uint32_t width, uint32_t h
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static uint8_t whole[65536];
-    char why[512];
+    pupil_why why;
     if (size < 6)
         return 0;
     if (bytes[0] % 2) {
         pupil_jpeg_shape shape;
         uint8_t *to = malloc(size);
-        const int known = to && pupil_jpeg_parse(bytes + 1, size - 1, to, &shape, why, sizeof why) &&
+        const int known = to && pupil_jpeg_parse(bytes + 1, size - 1, to, &shape, &why) &&
                           shape.width <= MOST_SIDE_PX && shape.height <= MOST_SIDE_PX;
         free(to);
         decode(bytes + 1, size - 1, known ? shape.width : 16, known ? shape.height : 16);

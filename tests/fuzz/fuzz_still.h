@@ -3,6 +3,7 @@
  * The still is kept from input to input, as a sequence of stills does. */
 #include "file/still/still.h"
 
+#include "pupil/error.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static pupil_still still;
-    char why[PUPIL_STILL_WHY_BYTES] = "";
+    pupil_why why = {""};
     if (READER(&still, bytes, size, why, sizeof why) != 0) {
         if (!*why)
             abort(); /* a refusal without a sentence */

@@ -63,15 +63,15 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     pupil_source *source;
     pupil_frame f;
     uint32_t width = 0, height = 0;
     int frames = 0, rc = PUPIL_SOURCE_FRAME;
-    if (pupil_video_source_open_bytes(data, size, "fuzz", MAX_PIXELS, NULL, &source, why, sizeof why))
+    if (pupil_video_source_open_bytes(data, size, "fuzz", MAX_PIXELS, NULL, &source, &why))
         return 0;
     for (int step = 0; step < MAX_STEPS && frames < MAX_FRAMES; step++) {
-        rc = pupil_source_next(source, &f, why, sizeof why);
+        rc = pupil_source_next(source, &f, &why);
         if (rc == PUPIL_SOURCE_END || rc == PUPIL_SOURCE_FAILED)
             break;
         if (rc == PUPIL_SOURCE_DAMAGED)

@@ -3,7 +3,7 @@
  *
  *     gl_shim_begin();                       // forgets everything
  *     shim.fault = GL_FAULT_COMPILE, shim.nth = 2;
- *     pupil_gles_init(&gles, &config, &pupil, gl_shim_get_proc, why, sizeof why);
+ *     pupil_gles_init(&gles, &config, &pupil, gl_shim_get_proc, &why);
  *     ... shim.alive, shim.breaches, gl_shim_calls("FenceSync")
  *
  * Breaches are printed as they happen. One context at a time.

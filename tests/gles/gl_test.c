@@ -74,19 +74,19 @@ int gl_test_interprets(void)
 
 int gl_test_open(gl_test *test, uint32_t version)
 {
-    char why[512];
+    pupil_why why;
     pupil_egl_options options = {.version = version, .debug = 1};
     memset(test, 0, sizeof *test);
     setvbuf(stdout, NULL, _IOLBF, 0); /* what was said before a crash is seen */
-    if (pupil_egl_open(&test->egl, NULL, why, sizeof why) != 0) {
-        printf("%s\n", why);
+    if (pupil_egl_open(&test->egl, NULL, &why) != 0) {
+        printf("%s\n", why.text);
         return check_skip("no OpenGL ES driver");
     }
     pupil_egl_close(test->egl);
-    if (pupil_egl_open(&test->egl, &options, why, sizeof why) != 0)
-        return check_skip(why);
-    pupil_egl_describe(why, sizeof why);
-    printf("%s\n", why);
+    if (pupil_egl_open(&test->egl, &options, &why) != 0)
+        return check_skip(why.text);
+    pupil_egl_describe(why.text, sizeof why.text);
+    printf("%s\n", why.text);
     listen(test);
     return 0;
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "gl_test.h"
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 /* Of all frames compared so far. */
@@ -115,7 +116,7 @@ static int same_frame(gl_test *test, const pupil_image_const *image, const pupil
     pupil_gles_config gles_config;
     pupil_stats gpu, cpu;
     pupil_frame_info info = {.sequence = 7};
-    char why[1024] = "";
+    pupil_why why = {""};
 
     CHECK(pupil_init(&pupil, config) == PUPIL_OK);
     pupil_gles_config_default(&gles_config);
@@ -123,10 +124,10 @@ static int same_frame(gl_test *test, const pupil_image_const *image, const pupil
     gles_config.width = image->width;
     gles_config.height = image->height;
     gles_config.coding = image->coding;
-    int error = pupil_gles_init(&gles, &gles_config, &pupil, pupil_egl_get_proc, why, sizeof why);
-    if (error == PUPIL_ERR_CONFIG && strstr(why, "no histogram"))
+    int error = pupil_gles_init(&gles, &gles_config, &pupil, pupil_egl_get_proc, &why);
+    if (error == PUPIL_ERR_CONFIG && strstr(why.text, "no histogram"))
         return 0;
-    CHECK_MSG(error == PUPIL_OK, "%s: %s", what, why);
+    CHECK_MSG(error == PUPIL_OK, "%s: %s", what, why.text);
     if (error)
         return 0;
 

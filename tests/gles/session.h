@@ -6,6 +6,7 @@
 #include "frames.h"
 #include "gl_shim.h"
 #include "gl_test.h"
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 #define SESSION_FRAMES 5 /* of different light, in turn; no multiple of the ring's three */
@@ -17,7 +18,7 @@ typedef struct session {
     pupil_gles_config config;
     frame frame[SESSION_FRAMES];
     pupil_gles_target target;
-    char why[1024];
+    pupil_why why;
 } session;
 
 static inline const char *session_name(const session *s)
@@ -70,8 +71,8 @@ static inline void session_free(session *s)
 
 static inline int session_init(session *s)
 {
-    memset(s->why, 0, sizeof s->why);
-    return pupil_gles_init(&s->gles, &s->config, &s->pupil, gl_shim_get_proc, s->why, sizeof s->why);
+    memset(s->why.text, 0, sizeof s->why);
+    return pupil_gles_init(&s->gles, &s->config, &s->pupil, gl_shim_get_proc, &s->why);
 }
 
 static inline pupil_frame_info session_info(unsigned long i)

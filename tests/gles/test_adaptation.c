@@ -104,14 +104,14 @@ static void step(pair *p, const frame *f, const light *l, unsigned number)
 static void open_pair(pair *p, const pupil_config *config)
 {
     pupil_gles_config gles_config;
-    char why[1024] = "";
+    pupil_why why = {""};
     pupil_gles_config_default(&gles_config);
     gles_config.pixel = PUPIL_PIXEL_RGB32F;
     gles_config.width = gles_config.height = SIDE;
     gles_config.adapt = PUPIL_GLES_ADAPT_GPU;
     CHECK(pupil_init(&p->follows, config) == PUPIL_OK && pupil_init(&p->alone, config) == PUPIL_OK);
-    const int error = pupil_gles_init(&p->gles, &gles_config, &p->follows, pupil_egl_get_proc, why, sizeof why);
-    CHECK_MSG(error == PUPIL_OK, "%s", why);
+    const int error = pupil_gles_init(&p->gles, &gles_config, &p->follows, pupil_egl_get_proc, &why);
+    CHECK_MSG(error == PUPIL_OK, "%s", why.text);
 }
 
 /* New settings half-way, and another object that takes over: the level goes on. */
@@ -132,7 +132,7 @@ static void change(pair *p, pupil_config *config, unsigned number, unsigned fram
         return;
     }
     CHECK(pupil_retune(&p->follows, config) == PUPIL_OK && pupil_retune(&p->alone, config) == PUPIL_OK);
-    CHECK(pupil_gles_retune(&p->gles, &p->follows, NULL, 0) == PUPIL_OK);
+    CHECK(pupil_gles_retune(&p->gles, &p->follows, NULL) == PUPIL_OK);
 }
 
 static void run(gl_test *test, const char *what, double frame_s, double tau_light_s, double tau_dark_s, unsigned frames)

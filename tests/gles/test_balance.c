@@ -14,7 +14,7 @@ static void test_pixel(gl_test *test, uint32_t pixel, same_figures *figures)
     pupil_coding coding = {.bayer = PUPIL_BAYER_GRBG, .black = 16};
     pupil_config config;
     pupil_gles_config with;
-    char why[1024] = "";
+    pupil_why why = {""};
     frame f = frame_make(64, 32, pixel, 0, 0);
     frame_lognormal(&f, 0.2, 1.0, check_uniform);
     f.image.coding = &coding;
@@ -27,8 +27,8 @@ static void test_pixel(gl_test *test, uint32_t pixel, same_figures *figures)
     with.width = 64;
     with.height = 32;
     with.coding = &coding;
-    const int error = pupil_gles_init(&gles, &with, &pupil, pupil_egl_get_proc, why, sizeof why);
-    CHECK_MSG(error == PUPIL_OK, "%s", why);
+    const int error = pupil_gles_init(&gles, &with, &pupil, pupil_egl_get_proc, &why);
+    CHECK_MSG(error == PUPIL_OK, "%s", why.text);
     CHECK(error == PUPIL_OK && pupil_gles_upload(&gles, &f.image) == PUPIL_OK);
     for (size_t i = 0; i < sizeof balances / sizeof balances[0] && !error; i++) {
         pupil_stats gpu, cpu;

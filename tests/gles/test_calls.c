@@ -19,7 +19,7 @@ static void check_promises(const char *what)
 static void begin(unsigned late)
 {
     gl_shim_begin(1);
-    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s: %s", session_name(&s), s.why);
+    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s: %s", session_name(&s), s.why.text);
     CHECK(shim.breaches == 0 && shim.total > 0);
     shim.ready = 1;
     shim.late = late;

@@ -22,7 +22,7 @@
  * resident, would be 720 KiB. What still grows by itself takes some dozens. */
 #define GROWTH_KIB 300
 
-static char why[512];
+static pupil_why why;
 
 /* Asked of EGL alone, so that a fault of pupil_egl_open's cannot pass for a machine without a driver; and in a child,
  * so that the children to come have none of the driver's threads. */
@@ -47,8 +47,8 @@ static void check_growth(void)
     for (int i = 0; i < opened; i++) {
         if (i == WARM_UP)
             before = resident_kib();
-        why[0] = 0;
-        CHECK_MSG(pupil_egl_open(&egl, NULL, why, sizeof why) == 0, "%s", why);
+        why.text[0] = 0;
+        CHECK_MSG(pupil_egl_open(&egl, NULL, &why) == 0, "%s", why.text);
         if (!egl)
             return;
         if (gl_test_interprets())
@@ -81,8 +81,8 @@ static void check_current(void)
     pupil_egl *first = NULL, *second = NULL;
     pthread_t thread;
     void *made = NULL;
-    CHECK(pupil_egl_open(&first, NULL, why, sizeof why) == 0);
-    CHECK(pupil_egl_open(&second, NULL, why, sizeof why) == 0);
+    CHECK(pupil_egl_open(&first, NULL, &why) == 0);
+    CHECK(pupil_egl_open(&second, NULL, &why) == 0);
     EGLContext of_second = eglGetCurrentContext();
     CHECK(of_second != EGL_NO_CONTEXT && pupil_egl_display(first) == eglGetCurrentDisplay());
     CHECK(pupil_egl_make_current(first) == 0 && eglGetCurrentContext() != of_second);
@@ -102,10 +102,10 @@ static void check_options(void)
 {
     pupil_egl *egl;
     pupil_egl_options options = {.version = 20};
-    CHECK(pupil_egl_open(&egl, &options, why, sizeof why) == -1 && !egl && strstr(why, "give 0, 30 or 31"));
-    CHECK(pupil_egl_open(&egl, &options, NULL, 0) == -1);
+    CHECK(pupil_egl_open(&egl, &options, &why) == -1 && !egl && strstr(why.text, "give 0, 30 or 31"));
+    CHECK(pupil_egl_open(&egl, &options, NULL) == -1);
     options = (pupil_egl_options){.debug = 1, .robust = 1};
-    CHECK(pupil_egl_open(&egl, &options, why, sizeof why) == 0);
+    CHECK(pupil_egl_open(&egl, &options, &why) == 0);
     GLint flags = 0;
     glGetIntegerv(GL_CONTEXT_FLAGS, &flags);
     if (strstr((const char *)glGetString(GL_VERSION), "ES 3.2"))
@@ -129,10 +129,11 @@ static void check_version(const char *override, uint32_t version, const char *re
         pupil_egl_options options = {.version = version};
         setenv("MESA_GLES_VERSION_OVERRIDE", override, 1);
         setenv("LIBGL_ALWAYS_SOFTWARE", "true", 1);
-        int status = pupil_egl_open(&egl, &options, why, sizeof why);
-        int expected = refusal ? status == -1 && !egl && strstr(why, refusal) : status == 0;
+        int status = pupil_egl_open(&egl, &options, &why);
+        int expected = refusal ? status == -1 && !egl && strstr(why.text, refusal) : status == 0;
         if (!expected)
-            printf("OpenGL ES %s, %u asked for: status %d, \"%s\"\n", override, version, status, status ? why : "");
+            printf("OpenGL ES %s, %u asked for: status %d, \"%s\"\n", override, version, status,
+                   status ? why.text : "");
         pupil_egl_close(egl);
         fflush(stdout);
         _exit(expected ? 0 : 1);
@@ -185,9 +186,9 @@ static void refused(const pupil_dmabuf *buffer, const char *words)
 {
     pupil_dmabuf_textures textures;
     memset(&textures, 0xff, sizeof textures);
-    why[0] = 0;
-    CHECK(pupil_dmabuf_import(buffer, &textures, why, sizeof why) == -1);
-    CHECK_MSG(strstr(why, words) != NULL, "\"%s\" does not say \"%s\"", why, words);
+    why.text[0] = 0;
+    CHECK(pupil_dmabuf_import(buffer, &textures, &why) == -1);
+    CHECK_MSG(strstr(why.text, words) != NULL, "\"%s\" does not say \"%s\"", why.text, words);
     CHECK(!textures.texture[0] && !textures.texture[1] && !textures.image[0] && !textures.image[1]);
     pupil_dmabuf_release(&textures);
 }
@@ -216,8 +217,8 @@ static void check_dmabuf(int memory)
     refused(&b, "plane 1 ends at byte 4609 of a buffer of 4608");
     b = good, b.offset_bytes[0] = 0x80000000u;
     refused(&b, "plane 0");
-    CHECK(pupil_dmabuf_framebuffer(&good, &textures, &framebuffer, why, sizeof why) == -1 && framebuffer == 0);
-    CHECK(strstr(why, "RGBA8 and BGRX8 can") != NULL);
+    CHECK(pupil_dmabuf_framebuffer(&good, &textures, &framebuffer, &why) == -1 && framebuffer == 0);
+    CHECK(strstr(why.text, "RGBA8 and BGRX8 can") != NULL);
     if (strstr(eglQueryString(eglGetCurrentDisplay(), EGL_EXTENSIONS), "EGL_EXT_image_dma_buf_import "))
         refused(&good, "the driver does not import"); /* this memory is no dma-buf */
     else

@@ -21,12 +21,12 @@ __eglMustCastToProperFunctionPointerType EGLAPIENTRY eglGetProcAddress(const cha
 int main(int argc, char **argv)
 {
     pupil_egl *egl;
-    char why[512] = "";
+    pupil_why why = {""};
     check_begin(argc, argv);
-    CHECK(pupil_egl_open(&egl, NULL, why, sizeof why) == -1 && egl == NULL);
-    if (strstr(why, "no driver for OpenGL ES"))
-        return check_skip(why);
-    CHECK_MSG(strstr(why, "EGL_KHR_get_all_proc_addresses"), "%s", why);
+    CHECK(pupil_egl_open(&egl, NULL, &why) == -1 && egl == NULL);
+    if (strstr(why.text, "no driver for OpenGL ES"))
+        return check_skip(why.text);
+    CHECK_MSG(strstr(why.text, "EGL_KHR_get_all_proc_addresses"), "%s", why.text);
     CHECK(eglGetCurrentContext() == EGL_NO_CONTEXT);
     return check_end();
 }

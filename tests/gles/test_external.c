@@ -77,7 +77,7 @@ int main(int argc, char **argv)
     static pupil_t pupil;
     pupil_config settings;
     pupil_gles_config config;
-    char why[1024] = "";
+    pupil_why why = {""};
     check_begin(argc, argv);
     const int status = gl_test_open(&test, PUPIL_GLES_BEST);
     if (status)
@@ -95,15 +95,15 @@ int main(int argc, char **argv)
     config.pixel = PUPIL_PIXEL_RGBA8;
     config.width = WIDTH;
     config.height = HEIGHT;
-    const int error = pupil_gles_init(&gles, &config, &pupil, pupil_egl_get_proc, why, sizeof why);
+    const int error = pupil_gles_init(&gles, &config, &pupil, pupil_egl_get_proc, &why);
     EGLImageKHR image = error ? EGL_NO_IMAGE_KHR : make_image(&f.image);
     if (error == PUPIL_ERR_GLES_VERSION || (!error && image == EGL_NO_IMAGE_KHR)) {
-        CHECK_MSG(!error || strstr(why, "GL_OES_EGL_image_external_essl3"), "%s", why);
+        CHECK_MSG(!error || strstr(why.text, "GL_OES_EGL_image_external_essl3"), "%s", why.text);
         pupil_gles_close(&gles);
         gl_test_close(&test);
         return check_end() ? 1 : check_skip("the driver has no external textures");
     }
-    CHECK_MSG(error == PUPIL_OK, "%s", why);
+    CHECK_MSG(error == PUPIL_OK, "%s", why.text);
     const GLuint texture = external_of(image);
     CHECK(pupil_gles_use(&gles, texture, 0) == PUPIL_OK);
     compare(&test, &gles, &pupil, &f.image);

@@ -14,7 +14,7 @@ static int open_kind(int kind)
         return 0;
     gl_shim_begin(1);
     session_set(&s, version, kind & 2 ? PUPIL_GLES_ADAPT_GPU : PUPIL_GLES_ADAPT_CPU, PUPIL_PIXEL_RGBA16F, 16, 4);
-    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why);
+    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why.text);
     shim.ready = 1;
     shim.late = 1;
     return 1;
@@ -125,7 +125,7 @@ static void check_trajectory(int kind, ending how)
         }
         if (i == AGAIN) {
             new_context();
-            CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why);
+            CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why.text);
         }
         if (i < LOST || i >= AGAIN) { /* a frame behind */
             CHECK(on_gpu(i) == PUPIL_OK);
@@ -251,27 +251,27 @@ static void check_retune(int kind)
     const int can_count = kind == 1; /* in ES 3.1, and in no integer state on the GPU */
     wrong.grey_world = 1;
     CHECK(pupil_retune(&other, &wrong) == PUPIL_OK);
-    CHECK(pupil_gles_retune(&s.gles, &other, s.why, sizeof s.why) == PUPIL_ERR_CONFIG && strstr(s.why, "grey_world"));
-    CHECK(pupil_gles_retune(&s.gles, NULL, s.why, sizeof s.why) == PUPIL_ERR_NULL);
+    CHECK(pupil_gles_retune(&s.gles, &other, &s.why) == PUPIL_ERR_CONFIG && strstr(s.why.text, "grey_world"));
+    CHECK(pupil_gles_retune(&s.gles, NULL, &s.why) == PUPIL_ERR_NULL);
     histogram.white_mode = PUPIL_WHITE_FOLLOW;
     CHECK(pupil_retune(&other, &histogram) == PUPIL_OK);
     const unsigned long fences = gl_shim_calls("DeleteSync");
     shim.ready = 0; /* retune may compile */
     shim.fault = GL_FAULT_COMPILE, shim.nth = 1;
-    const int alive = shim.alive, error = pupil_gles_retune(&s.gles, &other, s.why, sizeof s.why);
-    CHECK_MSG(error == (can_count ? PUPIL_ERR_GLES_SHADER : PUPIL_ERR_CONFIG), "%d: %s", error, s.why);
-    CHECK(strstr(s.why, can_count ? "meter.comp" : kind & 2 ? "white_mode" : "histogram"));
+    const int alive = shim.alive, error = pupil_gles_retune(&s.gles, &other, &s.why);
+    CHECK_MSG(error == (can_count ? PUPIL_ERR_GLES_SHADER : PUPIL_ERR_CONFIG), "%d: %s", error, s.why.text);
+    CHECK(strstr(s.why.text, can_count ? "meter.comp" : kind & 2 ? "white_mode" : "histogram"));
     CHECK(shim.alive == alive && gl_shim_calls("DeleteSync") == fences);
     if (can_count) {
         shim.fault = GL_FAULT_MEMORY, shim.nth = 2, shim.fired = 0;
-        CHECK(pupil_gles_retune(&s.gles, &other, s.why, sizeof s.why) == PUPIL_ERR_GLES_MEMORY);
-        CHECK(shim.alive == alive && strstr(s.why, "out of memory"));
+        CHECK(pupil_gles_retune(&s.gles, &other, &s.why) == PUPIL_ERR_GLES_MEMORY);
+        CHECK(shim.alive == alive && strstr(s.why.text, "out of memory"));
     }
     shim.fault = GL_FAULT_NONE;
     CHECK(session_process(&s, 7) == PUPIL_OK);
     if (can_count) {
-        CHECK_MSG(pupil_gles_retune(&s.gles, &other, s.why, sizeof s.why) == PUPIL_OK, "%s", s.why);
-        CHECK(pupil_gles_retune(&s.gles, &s.pupil, s.why, sizeof s.why) == PUPIL_OK);
+        CHECK_MSG(pupil_gles_retune(&s.gles, &other, &s.why) == PUPIL_OK, "%s", s.why.text);
+        CHECK(pupil_gles_retune(&s.gles, &s.pupil, &s.why) == PUPIL_OK);
     }
     shim.ready = 1;
     CHECK(session_process(&s, 8) == PUPIL_OK && session_process(&s, 9) == PUPIL_OK);
@@ -303,7 +303,7 @@ static void check_callers(int kind)
     /* of an object that is closed, and of none */
     CHECK(session_process(&s, 10) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_process(&s.gles, &s.pupil, NULL, &s.target) == PUPIL_ERR_OBJECT);
-    CHECK(pupil_gles_retune(&s.gles, &s.pupil, s.why, sizeof s.why) == PUPIL_ERR_OBJECT && strstr(s.why, "object"));
+    CHECK(pupil_gles_retune(&s.gles, &s.pupil, &s.why) == PUPIL_ERR_OBJECT && strstr(s.why.text, "object"));
     CHECK(pupil_gles_meter(&s.gles, NULL) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_collect(&s.gles, 0, &stats, NULL) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_map(&s.gles, NULL, &s.target) == PUPIL_ERR_OBJECT);

@@ -37,8 +37,10 @@ static int init(void)
 /* Init has failed with the error, and why has the words. */
 static void judge(int error, int expected, const char *words, const char *what)
 {
-    CHECK_MSG(error == expected, "%s, %s: error %d (\"%s\"), not %d", session_name(&s), what, error, s.why, expected);
-    CHECK_MSG(strstr(s.why, words), "%s, %s: \"%s\" does not say \"%s\"", session_name(&s), what, s.why, words);
+    CHECK_MSG(error == expected, "%s, %s: error %d (\"%s\"), not %d", session_name(&s), what, error, s.why.text,
+              expected);
+    CHECK_MSG(strstr(s.why.text, words), "%s, %s: \"%s\" does not say \"%s\"", session_name(&s), what, s.why.text,
+              words);
     if (error == PUPIL_OK)
         pupil_gles_close(&s.gles);
     check_nothing_left(what);
@@ -55,20 +57,16 @@ static void check_null(void)
 {
     set_kind(0);
     memset(&s.gles, 0, sizeof s.gles);
-    CHECK(pupil_gles_init(NULL, &s.config, &s.pupil, gl_shim_get_proc, s.why, sizeof s.why) == PUPIL_ERR_NULL);
-    CHECK(strstr(s.why, "NULL"));
-    CHECK(pupil_gles_init(&s.gles, NULL, &s.pupil, gl_shim_get_proc, s.why, sizeof s.why) == PUPIL_ERR_NULL);
-    CHECK(pupil_gles_init(&s.gles, &s.config, NULL, gl_shim_get_proc, s.why, sizeof s.why) == PUPIL_ERR_NULL);
-    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, NULL, s.why, sizeof s.why) == PUPIL_ERR_NULL);
-    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, gl_shim_get_proc, NULL, 0) == PUPIL_OK);
+    CHECK(pupil_gles_init(NULL, &s.config, &s.pupil, gl_shim_get_proc, &s.why) == PUPIL_ERR_NULL);
+    CHECK(strstr(s.why.text, "NULL"));
+    CHECK(pupil_gles_init(&s.gles, NULL, &s.pupil, gl_shim_get_proc, &s.why) == PUPIL_ERR_NULL);
+    CHECK(pupil_gles_init(&s.gles, &s.config, NULL, gl_shim_get_proc, &s.why) == PUPIL_ERR_NULL);
+    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, NULL, &s.why) == PUPIL_ERR_NULL);
+    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, gl_shim_get_proc, NULL) == PUPIL_OK);
     pupil_gles_close(&s.gles);
     check_nothing_left("closed");
     shim.version = "OpenGL ES 2.0";
-    char tiny[8] = "xxxxxxx";
-    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, gl_shim_get_proc, tiny, 4) == PUPIL_ERR_GLES_VERSION);
-    CHECK(memcmp(tiny, "Ope\0xxx", 8) == 0);
-    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, gl_shim_get_proc, tiny, 0) == PUPIL_ERR_GLES_VERSION);
-    CHECK(memcmp(tiny, "Ope\0xxx", 8) == 0);
+    CHECK(pupil_gles_init(&s.gles, &s.config, &s.pupil, gl_shim_get_proc, NULL) == PUPIL_ERR_GLES_VERSION);
     set_kind(0);
     memset(&s.pupil, 0, sizeof s.pupil);
     refused(PUPIL_ERR_OBJECT, "pupil_init", "no pupil_t");
@@ -152,7 +150,7 @@ static void check_context(void)
         set_kind(0);
         shim.version = versions[i];
         refused(PUPIL_ERR_GLES_VERSION, "OpenGL ES 3.0 or newer is needed", versions[i]);
-        CHECK_MSG(strstr(s.why, versions[i]), "%s", s.why);
+        CHECK_MSG(strstr(s.why.text, versions[i]), "%s", s.why.text);
     }
     set_kind(0);
     shim.version = "OpenGL ES 3.0 of old";
@@ -205,7 +203,7 @@ static void check_shaders(int kind)
         set_kind(kind);
         shim.fault = GL_FAULT_SOURCE, shim.nth = n;
         refused(PUPIL_ERR_GLES_SHADER, "broken on purpose", name);
-        CHECK_MSG(strstr(s.why, name), "%s: \"%s\"", name, s.why);
+        CHECK_MSG(strstr(s.why.text, name), "%s: \"%s\"", name, s.why.text);
         if (strstr(name, ".vert"))
             continue;
         set_kind(kind);
@@ -227,7 +225,7 @@ static void check_best(void)
         return;
     s.config.version = PUPIL_GLES_BEST;
     shim.fault = GL_FAULT_COMPILE, shim.nth = 1;
-    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why);
+    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why.text);
     CHECK(shim.fired && pupil_gles_get_status(&s.gles, &status) == PUPIL_OK && status.version == PUPIL_GLES_ES30);
     CHECK(session_process(&s, 0) == PUPIL_OK);
     pupil_gles_close(&s.gles);
@@ -279,8 +277,8 @@ static void check_lost(int kind)
         shim.lose_at = n;
         const int error = init();
         CHECK_MSG(error == PUPIL_ERR_GLES_LOST, "%s, lost at call %lu of %lu: error %d, \"%s\"", session_name(&s), n,
-                  all, error, s.why);
-        CHECK_MSG(strstr(s.why, "lost"), "lost at call %lu: \"%s\"", n, s.why);
+                  all, error, s.why.text);
+        CHECK_MSG(strstr(s.why.text, "lost"), "lost at call %lu: \"%s\"", n, s.why.text);
     }
     gl_shim_begin(1);
     gl_test_forget(&s.test);

@@ -196,7 +196,7 @@ static void run_frame(unsigned i, const pupil_gles_target *target, const rubbish
     CHECK(pupil_get_curve(&s.pupil, &info, &curve) == PUPIL_OK);
     if (i == FRAMES / 2) {
         spoil(r);
-        CHECK(pupil_gles_retune(&s.gles, &s.pupil, NULL, 0) == PUPIL_OK);
+        CHECK(pupil_gles_retune(&s.gles, &s.pupil, NULL) == PUPIL_OK);
     }
     spoil(r);
     CHECK(pupil_gles_map(&s.gles, s.config.adapt == PUPIL_GLES_ADAPT_GPU ? NULL : &curve, target) == PUPIL_OK);
@@ -212,7 +212,7 @@ static void run(int samples, const rubbish *r, result *to)
     if (samples > 1)
         target.framebuffer = many_samples(&renderbuffer);
     spoil(r);
-    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s: %s", session_name(&s), s.why);
+    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s: %s", session_name(&s), s.why.text);
     for (unsigned i = 0; i < FRAMES; i++)
         run_frame(i, &target, r, to);
     CHECK(pupil_gles_get_status(&s.gles, &to->status) == PUPIL_OK);

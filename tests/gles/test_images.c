@@ -29,14 +29,14 @@ static void compare(gl_test *test, const pupil_image_const *image, const char *w
 static void compare_still(gl_test *test, const char *path, same_figures *all)
 {
     pupil_still still = {0};
-    char why[1024] = "";
-    CHECK_MSG(pupil_still_load(&still, path, why, sizeof why) == 0, "%s", why);
+    pupil_why why = {""};
+    CHECK_MSG(pupil_still_load(&still, path, &why) == 0, "%s", why.text);
     const pupil_image_const image = {.data = still.pixels,
                                      .stride_bytes = (ptrdiff_t)(still.width * pupil_pixel_bytes(still.pixel)),
                                      .width = still.width,
                                      .height = still.height > 1024 && gl_test_interprets() ? 256 : still.height,
                                      .pixel = still.pixel};
-    if (!why[0])
+    if (!why.text[0])
         compare(test, &image, strrchr(path, '/') + 1, all);
     pupil_still_free(&still);
 }
@@ -108,17 +108,18 @@ static void compare_room(gl_test *test, same_figures *all)
     const pupil_source_options options = {.width = 320, .height = 180, .frames = 4, .first = 299};
     pupil_source *source = NULL;
     pupil_frame frame;
-    char why[PUPIL_WHY_BYTES] = "", what[64];
+    pupil_why why = {""};
+    char what[64];
     unsigned frames = 0;
-    const int opened = pupil_synth_source_open("room", &options, &source, why, sizeof why);
-    CHECK_MSG(opened == 0, "%s", why);
-    while (!opened && frames < 4 && pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+    const int opened = pupil_synth_source_open("room", &options, &source, &why);
+    CHECK_MSG(opened == 0, "%s", why.text);
+    while (!opened && frames < 4 && pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
         snprintf(what, sizeof what, "room, frame %u", 299 + frames);
         compare(test, &frame.image, what, all);
         pupil_source_done(source, &frame);
         frames++;
     }
-    CHECK_MSG(frames == 4, "%s", why);
+    CHECK_MSG(frames == 4, "%s", why.text);
     pupil_source_close(source);
 }
 

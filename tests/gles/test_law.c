@@ -32,15 +32,15 @@ static pupil_config usual(void)
 static void begin(const pupil_config *config)
 {
     pupil_gles_config gles_config;
-    char why[1024] = "";
+    pupil_why why = {""};
     pupil_gles_config_default(&gles_config);
     gles_config.pixel = PUPIL_PIXEL_RGB32F;
     gles_config.width = gles_config.height = SIDE;
     gles_config.adapt = PUPIL_GLES_ADAPT_GPU;
     CHECK(pupil_init(&b.pupil, config) == PUPIL_OK);
     b.now_ns = 1;
-    const int error = pupil_gles_init(&b.gles, &gles_config, &b.pupil, pupil_egl_get_proc, why, sizeof why);
-    CHECK_MSG(error == PUPIL_OK, "%s", why);
+    const int error = pupil_gles_init(&b.gles, &gles_config, &b.pupil, pupil_egl_get_proc, &why);
+    CHECK_MSG(error == PUPIL_OK, "%s", why.text);
     if (!b.frame.memory)
         b.frame = frame_make(SIDE, SIDE, PUPIL_PIXEL_RGB32F, 0, 0);
 }
@@ -136,7 +136,7 @@ static void test_no_room(void)
     CHECK(step(0x1p10, 0.1, 0.0, 0.0) == 0.0);
     CHECK(step(0x1p-10, 0.1, 0.0, 0.0) == 0.0);
     config = usual();
-    CHECK(pupil_retune(&b.pupil, &config) == PUPIL_OK && pupil_gles_retune(&b.gles, &b.pupil, NULL, 0) == PUPIL_OK);
+    CHECK(pupil_retune(&b.pupil, &config) == PUPIL_OK && pupil_gles_retune(&b.gles, &b.pupil, NULL) == PUPIL_OK);
     CHECK(step(0x1p10, 0.0, 0.0, 0.0) == 0.0); /* no time, no step */
     pupil_gles_close(&b.gles);
 }
@@ -156,14 +156,14 @@ static void test_reset(void)
     const pupil_config config = usual();
     begin(&config);
     CHECK(step(0x1p10, 0.1, 0.0, 0.0) <= 2e-6);
-    CHECK(pupil_reset(&b.pupil) == PUPIL_OK && pupil_gles_retune(&b.gles, &b.pupil, NULL, 0) == PUPIL_OK);
+    CHECK(pupil_reset(&b.pupil) == PUPIL_OK && pupil_gles_retune(&b.gles, &b.pupil, NULL) == PUPIL_OK);
     const double reset = step(0x1p-10, 0.1, 0.0, 0.0); /* nothing was seen before: at once */
     CHECK_MSG(reset <= 2e-6, "after a reset: %g stops", reset);
     pupil_gles_close(&b.gles);
 
     begin(&config); /* a frame that is dropped on the way has never been */
     meter(0x1p10, 0.1, 0.0, 0.0);
-    CHECK(pupil_gles_retune(&b.gles, &b.pupil, NULL, 0) == PUPIL_OK);
+    CHECK(pupil_gles_retune(&b.gles, &b.pupil, NULL) == PUPIL_OK);
     const double dropped = step(0x1p-10, 0.1, 0.0, 0.0);
     CHECK_MSG(dropped <= 2e-6, "after a dropped frame: %g stops", dropped);
     pupil_gles_close(&b.gles);

@@ -72,7 +72,7 @@ static void check_frames(uint32_t version, uint32_t adapt, unsigned long frames)
     int alive = 0;
     gl_shim_begin(1);
     session_set(&s, version, adapt, PUPIL_PIXEL_RGBA8, 16, version == PUPIL_GLES_ES31 ? 1 : 16);
-    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why);
+    CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why.text);
     shim.ready = 1;
     shim.late = 1;
     for (unsigned long i = 0; i < frames; i++) {
@@ -95,13 +95,13 @@ static void check_contexts(int has_31)
         pupil_egl *egl = NULL;
         if (i == WARM_UP_CONTEXTS)
             before = footprint_now();
-        CHECK_MSG(pupil_egl_open(&egl, NULL, s.why, sizeof s.why) == 0, "%s", s.why);
+        CHECK_MSG(pupil_egl_open(&egl, NULL, &s.why) == 0, "%s", s.why.text);
         if (!egl)
             return;
         gl_shim_begin(0);
         s.test = (gl_test){.egl = egl};
         session_set(&s, version, PUPIL_GLES_ADAPT_CPU, PUPIL_PIXEL_RGBA8, 16, 1);
-        CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why);
+        CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why.text);
         CHECK(session_process(&s, 0) == PUPIL_OK && session_process(&s, 1) == PUPIL_OK);
         pupil_gles_close(&s.gles);
         CHECK(shim.alive == 0 && shim.breaches == 0);

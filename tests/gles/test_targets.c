@@ -45,14 +45,14 @@ static view mapped_by_cpu(const pupil_image_const *image, uint32_t half)
 static void open_gles(pupil_gles *gles, const pupil_image_const *image, uint32_t scaled, uint32_t half_size)
 {
     pupil_gles_config config;
-    char why[1024] = "";
+    pupil_why why = {""};
     pupil_gles_config_default(&config);
     config.pixel = image->pixel;
     config.width = image->width;
     config.height = image->height;
     config.scaled = scaled;
     config.half_size = half_size;
-    CHECK_MSG(pupil_gles_init(gles, &config, &pupil, pupil_egl_get_proc, why, sizeof why) == PUPIL_OK, "%s", why);
+    CHECK_MSG(pupil_gles_init(gles, &config, &pupil, pupil_egl_get_proc, &why) == PUPIL_OK, "%s", why.text);
     CHECK(pupil_gles_upload(gles, image) == PUPIL_OK);
 }
 
@@ -271,7 +271,7 @@ static void test_own_textures(gl_test *test)
     config.width = 31;
     config.height = 17;
     config.source = PUPIL_GLES_TEXTURES;
-    CHECK(pupil_gles_init(&gles, &config, &pupil, pupil_egl_get_proc, NULL, 0) == PUPIL_OK);
+    CHECK(pupil_gles_init(&gles, &config, &pupil, pupil_egl_get_proc, NULL) == PUPIL_OK);
     CHECK(pupil_gles_map(&gles, &curve, &t) == PUPIL_ERR_ORDER);
     CHECK(pupil_gles_use(&gles, texture[0], 0) == PUPIL_ERR_VALUE);
     CHECK(pupil_gles_upload(&gles, &f.image) == PUPIL_ERR_ORDER);

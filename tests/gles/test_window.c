@@ -7,7 +7,7 @@
 #include "check.h"
 #include "window/window.h"
 
-static char why[512];
+static pupil_why why;
 
 /* Xvfb's process, once it answers; its display is this process's. -1: there is no Xvfb. */
 static pid_t start_server(void)
@@ -49,14 +49,14 @@ static void check_refusals(void)
     char display[64];
     snprintf(display, sizeof display, "%s", getenv("DISPLAY"));
     unsetenv("DISPLAY");
-    CHECK(pupil_window_open(&window, &options, why, sizeof why) == -1 && !window);
-    CHECK_MSG(strstr(why, "set DISPLAY or WAYLAND_DISPLAY"), "\"%s\"", why);
-    CHECK(pupil_window_open(&window, &options, NULL, 0) == -1);
+    CHECK(pupil_window_open(&window, &options, &why) == -1 && !window);
+    CHECK_MSG(strstr(why.text, "set DISPLAY or WAYLAND_DISPLAY"), "\"%s\"", why.text);
+    CHECK(pupil_window_open(&window, &options, NULL) == -1);
     setenv("DISPLAY", display, 1);
     options.width = 0;
-    CHECK(pupil_window_open(&window, &options, why, sizeof why) == -1 && strstr(why, "0 x 240 pixels"));
+    CHECK(pupil_window_open(&window, &options, &why) == -1 && strstr(why.text, "0 x 240 pixels"));
     options.width = 320, options.version = 20;
-    CHECK(pupil_window_open(&window, &options, why, sizeof why) == -1 && strstr(why, "give 0, 30 or 31"));
+    CHECK(pupil_window_open(&window, &options, &why) == -1 && strstr(why.text, "give 0, 30 or 31"));
     pupil_window_close(NULL);
 }
 
@@ -105,10 +105,10 @@ static void check_window(void)
     pupil_window *window, *second;
     pupil_window_options options = {.title = "first", .width = 320, .height = 240, .debug = 1};
     uint8_t rgba[4] = {0};
-    CHECK_MSG(pupil_window_open(&window, &options, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_window_open(&window, &options, &why) == 0, "%s", why.text);
     if (!window)
         return;
-    CHECK(pupil_window_open(&second, &options, why, sizeof why) == -1 && !second && strstr(why, "open already"));
+    CHECK(pupil_window_open(&second, &options, &why) == -1 && !second && strstr(why.text, "open already"));
     check_size(window, 320, 240);
     CHECK(pupil_window_get_proc("glClear") != NULL);
     glClearColor(1, 0, 1, 1);
@@ -129,13 +129,13 @@ static void check_window(void)
 
     /* Larger than the screen: its shape is kept. */
     options.width = 1920, options.height = 1080, options.version = PUPIL_GLES_ES30;
-    CHECK_MSG(pupil_window_open(&window, &options, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_window_open(&window, &options, &why) == 0, "%s", why.text);
     if (!window)
         return;
     check_size(window, 640, 360);
     pupil_window_close(window);
     options.fullscreen = 1;
-    CHECK_MSG(pupil_window_open(&window, &options, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_window_open(&window, &options, &why) == 0, "%s", why.text);
     if (!window)
         return;
     check_size(window, 640, 480);
@@ -148,8 +148,8 @@ int main(int argc, char **argv)
     setenv("SDL_VIDEODRIVER", "x11", 1);
     pupil_window *window;
     unsetenv("DISPLAY");
-    pupil_window_open(&window, &(pupil_window_options){.width = 1, .height = 1}, why, sizeof why);
-    if (strstr(why, "PUPIL_GPU=OFF"))
+    pupil_window_open(&window, &(pupil_window_options){.width = 1, .height = 1}, &why);
+    if (strstr(why.text, "PUPIL_GPU=OFF"))
         return check_skip("built without a window");
     if (system("command -v Xvfb >/dev/null && command -v xdotool >/dev/null") != 0)
         return check_skip("no Xvfb or no xdotool");

@@ -62,14 +62,14 @@ static void mesh(const char *name, fixture_mesh *m)
 
 static void meshes(void)
 {
-    char why[1024] = "";
+    pupil_why why = {""};
     fixture_mesh m = {0};
-    if (fixture_mesh_teapot(&m, 7, why, sizeof why))
-        fail(why);
+    if (fixture_mesh_teapot(&m, 7, &why))
+        fail(why.text);
     mesh("mesh-teapot", &m);
     m = (fixture_mesh){0};
-    if (fixture_mesh_figure(&m, 96, why, sizeof why))
-        fail(why);
+    if (fixture_mesh_figure(&m, 96, &why))
+        fail(why.text);
     mesh("mesh-figure", &m);
 }
 
@@ -79,16 +79,16 @@ static void scene(const char *name, const char *recipe, uint32_t side, uint64_t 
     pupil_spread spread = {.threads = threads};
     fixture_scene_options options = {side, side, 0.0, threads > 1 ? pupil_spread_run : NULL, &spread};
     fixture_scene *s;
-    char why[1024] = "";
-    if (fixture_scene_load(&s, recipe, &options, why, sizeof why))
-        fail(why);
+    pupil_why why = {""};
+    if (fixture_scene_load(&s, recipe, &options, &why))
+        fail(why.text);
     fixture_scene_facts f = fixture_scene_facts_of(s);
     size_t samples = (size_t)f.width * f.height * 3;
     float *rgb = malloc(samples * sizeof *rgb);
     for (uint64_t frame = 0; rgb && frame <= later; frame += later) {
         pupil_frame_info info;
-        if (fixture_scene_frame(s, frame, rgb, &info, why, sizeof why))
-            fail(why);
+        if (fixture_scene_frame(s, frame, rgb, &info, &why))
+            fail(why.text);
         uint64_t digest = add_floats(nothing, rgb, samples);
         digest = add(digest, (uint64_t)info.timestamp_ns, 8);
         digest = add_double(add_double(digest, (double)info.exposure_s), (double)info.gain);

@@ -15,7 +15,7 @@
 #include "vm/pattern.h"
 #include "vm/vgem.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 static unsigned formats_seen;
 
 /* --- kinds of memory --- */
@@ -69,8 +69,8 @@ static void check_pattern(pupil_source *source, int fd, int pattern, memory_mode
         CHECK_MSG(0, "%s: no pattern %d", what, pattern);
     for (uint32_t i = 0; i <= c->buffers + 3 && right < 2; i++) {
         pupil_frame frame;
-        const int got = pupil_source_next(source, &frame, why, sizeof why);
-        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %d, %s", what, got, why);
+        const int got = pupil_source_next(source, &frame, &why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %d, %s", what, got, why.text);
         if (got != PUPIL_SOURCE_FRAME)
             return;
         /* Half of the first line of a 625-line system is data, and random. */
@@ -96,11 +96,11 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
     o.share = mode == MEMORY_SHARED;
     snprintf(what, sizeof what, "%s, %s, %s, %ux%u", input, pupil_v4l2_fourcc_name(o.fourcc).text, memory_names[mode],
              o.width, o.height);
-    const int failed = pupil_v4l2_source_open(path, NULL, &o, &source, why, sizeof why);
+    const int failed = pupil_v4l2_source_open(path, NULL, &o, &source, &why);
     /* RGB with the transfer function of BT.709 is what vivid says of HDMI, and is refused. */
-    if (failed && strstr(why, "RGB of another transfer function") && strcmp(input, "HDMI") == 0)
+    if (failed && strstr(why.text, "RGB of another transfer function") && strcmp(input, "HDMI") == 0)
         return;
-    CHECK_MSG(!failed, "%s: %s", what, why);
+    CHECK_MSG(!failed, "%s: %s", what, why.text);
     if (failed)
         return;
     const pupil_v4l2_capture *c = pupil_v4l2_source_capture(source);
@@ -124,8 +124,8 @@ static void check_formats(const char *path, int fd, const pupil_v4l2_options *o,
     pupil_v4l2_modes modes;
     unsigned n = 0;
     const unsigned before = formats_seen;
-    CHECK_MSG(pupil_v4l2_device_open(&device, NULL, path, why, sizeof why) == 0, "%s", why);
-    CHECK_MSG(pupil_v4l2_modes_read(&device, &modes, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_v4l2_device_open(&device, NULL, path, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_v4l2_modes_read(&device, &modes, &why) == 0, "%s", why.text);
     pupil_v4l2_device_close(&device);
     for (uint32_t i = 0; i < modes.count; i++) {
         pupil_v4l2_options one = *o;

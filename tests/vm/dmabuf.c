@@ -93,7 +93,7 @@ static pupil_image_const frame_image(const vivid_node *node, int index, uint32_t
 
 static int canvas_open(canvas *c, uint32_t pixel, uint32_t width, uint32_t height)
 {
-    char why[512] = "";
+    pupil_why why = {""};
     *c = (canvas){.pixel = pixel, .stride_bytes = width * 4};
     c->target.width = width, c->target.height = height, c->target.top_first = 1;
     if (vgem_make(vgem, (size_t)c->stride_bytes * height, &c->memory) != 0) {
@@ -102,8 +102,8 @@ static int canvas_open(canvas *c, uint32_t pixel, uint32_t width, uint32_t heigh
     }
     const pupil_dmabuf d = {
         .pixel = pixel, .width = width, .height = height, .fd = {c->memory.fd, -1}, .stride_bytes = {c->stride_bytes}};
-    int failed = pupil_dmabuf_framebuffer(&d, &c->textures, &c->target.framebuffer, why, sizeof why);
-    CHECK_MSG(!failed, "%s", why);
+    int failed = pupil_dmabuf_framebuffer(&d, &c->textures, &c->target.framebuffer, &why);
+    CHECK_MSG(!failed, "%s", why.text);
     return failed;
 }
 
@@ -138,27 +138,27 @@ static int open_gles(uint32_t pixel, uint32_t width, uint32_t height)
 {
     pupil_config config;
     pupil_gles_config gles_config;
-    char why[1024] = "";
+    pupil_why why = {""};
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
     pupil_gles_config_default(&gles_config);
     gles_config.source = PUPIL_GLES_TEXTURES;
     gles_config.pixel = pixel, gles_config.width = width, gles_config.height = height;
     gles_config.normalized_16 = 1;
-    int error = pupil_gles_init(&gles, &gles_config, &pupil, pupil_egl_get_proc, why, sizeof why);
-    CHECK_MSG(error == PUPIL_OK, "%s", why);
+    int error = pupil_gles_init(&gles, &gles_config, &pupil, pupil_egl_get_proc, &why);
+    CHECK_MSG(error == PUPIL_OK, "%s", why.text);
     return error;
 }
 
 static int import_all(uint32_t pixel, pupil_dmabuf_textures textures[VIVID_BUFFERS])
 {
-    char why[512] = "";
+    pupil_why why = {""};
     int failed = 0;
     memset(textures, 0, VIVID_BUFFERS * sizeof *textures);
     for (int i = 0; i < VIVID_BUFFERS && !failed; i++) {
         const pupil_dmabuf d = frame_dmabuf(&camera, i, pixel);
-        failed = pupil_dmabuf_import(&d, &textures[i], why, sizeof why);
-        CHECK_MSG(!failed, "%s", why);
+        failed = pupil_dmabuf_import(&d, &textures[i], &why);
+        CHECK_MSG(!failed, "%s", why.text);
     }
     return failed;
 }
@@ -268,7 +268,7 @@ static int fill_monitor(void)
                              .pixel = PUPIL_PIXEL_BGRX8};
     figures all = {0};
     pupil_dmabuf_textures textures[VIVID_BUFFERS];
-    char why[512] = "";
+    pupil_why why = {""};
     int failed = vivid_start(&camera, vgem, V4L2_PIX_FMT_YUYV, VGA_WIDTH, VGA_HEIGHT, 0);
     failed |= import_all(PUPIL_PIXEL_YUYV, textures);
     failed |= open_gles(PUPIL_PIXEL_YUYV, VGA_WIDTH, VGA_HEIGHT);
@@ -283,7 +283,7 @@ static int fill_monitor(void)
         pupil_dmabuf_textures out;
         pupil_gles_target target = {.width = VGA_WIDTH, .height = VGA_HEIGHT, .top_first = 1};
         const pupil_dmabuf d = frame_dmabuf(&monitor, i, PUPIL_PIXEL_BGRX8);
-        CHECK_MSG(pupil_dmabuf_framebuffer(&d, &out, &target.framebuffer, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_dmabuf_framebuffer(&d, &out, &target.framebuffer, &why) == 0, "%s", why.text);
         CHECK(pupil_gles_use(&gles, textures[index].texture[0], 0) == PUPIL_OK);
         CHECK(pupil_gles_map(&gles, &curve, &target) == PUPIL_OK);
         wait_for_gl("the monitor's picture");
@@ -334,7 +334,7 @@ static void test_cable(void)
 int main(int argc, char **argv)
 {
     pupil_egl *egl;
-    char why[512] = "";
+    pupil_why why = {""};
     setvbuf(stdout, NULL, _IOLBF, 0);
     check_begin(argc, argv);
     vgem = vgem_open();
@@ -342,11 +342,11 @@ int main(int argc, char **argv)
     CHECK(vivid_open(&camera, 0) == 0 && vivid_open(&monitor, 1) == 0);
     CHECK(node_timings(camera.fd, VGA_WIDTH, VGA_HEIGHT, 60) == 0 &&
           node_timings(monitor.fd, VGA_WIDTH, VGA_HEIGHT, 60) == 0);
-    CHECK_MSG(pupil_egl_open(&egl, NULL, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_egl_open(&egl, NULL, &why) == 0, "%s", why.text);
     if (check_state.failures || read_texels_open() != 0)
         return 1;
-    pupil_egl_describe(why, sizeof why);
-    printf("%s\n", why);
+    pupil_egl_describe(why.text, sizeof why.text);
+    printf("%s\n", why.text);
     test_formats();
     test_cable();
     pupil_egl_close(egl);

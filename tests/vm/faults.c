@@ -16,7 +16,8 @@
 #define TIMEOUT_S 5.0
 #define REOPEN_S  10.0
 
-static char why[PUPIL_WHY_BYTES], path[32];
+static pupil_why why;
+static char path[32];
 
 static double now_s(void)
 {
@@ -58,9 +59,9 @@ static void check_recording(const play *p, const char *folder)
 {
     pupil_source *source = NULL;
     uint64_t n = 0;
-    const int failed = pupil_recording_open(folder, &source, why, sizeof why);
-    CHECK_MSG(!failed, "%s: %s", p->name, why);
-    for (pupil_frame frame; !failed && pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME; n++) {
+    const int failed = pupil_recording_open(folder, &source, &why);
+    CHECK_MSG(!failed, "%s: %s", p->name, why.text);
+    for (pupil_frame frame; !failed && pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME; n++) {
         CHECK_MSG(n < p->got && digest(&frame.image) == p->hash[n], "%s: frame %llu of the recording is another one",
                   p->name, (unsigned long long)n);
         pupil_source_done(source, &frame);
@@ -80,12 +81,12 @@ static void stream(play *p, pupil_source *source, int control_fd, const char *fo
         pupil_frame frame;
         if (p->control && p->at && p->got == p->at)
             CHECK(node_set(control_fd, p->control, p->value) == 0);
-        got = pupil_source_next(source, &frame, why, sizeof why);
+        got = pupil_source_next(source, &frame, &why);
         if (got != PUPIL_SOURCE_FRAME)
             break;
         if (!recorder)
-            CHECK_MSG(pupil_recorder_open(&recorder, folder, &frame, &options, why, sizeof why) == 0, "%s", why);
-        CHECK_MSG(!recorder || pupil_recorder_write(recorder, &frame, why, sizeof why) == 0, "%s", why);
+            CHECK_MSG(pupil_recorder_open(&recorder, folder, &frame, &options, &why) == 0, "%s", why.text);
+        CHECK_MSG(!recorder || pupil_recorder_write(recorder, &frame, &why) == 0, "%s", why.text);
         p->first_sequence = p->got ? p->first_sequence : frame.info.sequence;
         CHECK_MSG(!p->got || frame.info.sequence > p->last_sequence, "%s: number %llu after %llu", p->name,
                   (unsigned long long)frame.info.sequence, (unsigned long long)p->last_sequence);
@@ -93,11 +94,11 @@ static void stream(play *p, pupil_source *source, int control_fd, const char *fo
         p->hash[p->got++] = digest(&frame.image);
         pupil_source_done(source, &frame);
     }
-    CHECK_MSG(p->sentence ? got == PUPIL_SOURCE_FAILED && strstr(why, p->sentence) : got == PUPIL_SOURCE_FRAME,
-              "%s: %llu frames, then %d, %s", p->name, (unsigned long long)p->got, got, why);
-    char unused[PUPIL_WHY_BYTES];
+    CHECK_MSG(p->sentence ? got == PUPIL_SOURCE_FAILED && strstr(why.text, p->sentence) : got == PUPIL_SOURCE_FRAME,
+              "%s: %llu frames, then %d, %s", p->name, (unsigned long long)p->got, got, why.text);
+    pupil_why unused;
     if (recorder)
-        CHECK_MSG(pupil_recorder_close(recorder, unused, sizeof unused) == 0, "%s: %s", p->name, unused);
+        CHECK_MSG(pupil_recorder_close(recorder, &unused) == 0, "%s: %s", p->name, unused.text);
 }
 
 static void run(play *p)
@@ -112,8 +113,8 @@ static void run(play *p)
     snprintf(folder, sizeof folder, "%s/recording", getenv("TMPDIR"));
     if (p->control && !p->at)
         CHECK(node_set(control_fd, p->control, p->value) == 0);
-    if (pupil_v4l2_source_open(path, NULL, &o, &source, why, sizeof why)) {
-        CHECK_MSG(p->sentence && strstr(why, p->sentence), "%s: %s", p->name, why);
+    if (pupil_v4l2_source_open(path, NULL, &o, &source, &why)) {
+        CHECK_MSG(p->sentence && strstr(why.text, p->sentence), "%s: %s", p->name, why.text);
     } else {
         p->memory = pupil_v4l2_source_capture(source)->memory;
         stream(p, source, control_fd, folder);
@@ -130,7 +131,7 @@ static void run(play *p)
     CHECK_MSG(took_s < bound_s, "%s: %g s", p->name, took_s);
     printf("%s: %llu frames, %llu lost, %llu flagged, %.1f s%s%s\n", p->name, (unsigned long long)p->got,
            (unsigned long long)p->counts.lost, (unsigned long long)p->counts.flagged, took_s, p->sentence ? ": " : "",
-           p->sentence ? why : "");
+           p->sentence ? why.text : "");
     close(control_fd);
 }
 
@@ -247,17 +248,17 @@ static void test_signal(void)
     const pupil_v4l2_options o = {.timeout_s = TIMEOUT_S};
     int got = PUPIL_SOURCE_FAILED;
     CHECK(node_input(fd, 3) == 0 && node_timings(fd, 640, 480, 60) == 0);
-    CHECK_MSG(pupil_v4l2_source_open(path, NULL, &o, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_v4l2_source_open(path, NULL, &o, &source, &why) == 0, "%s", why.text);
     for (int i = 0; source && i < 20; i++) {
         pupil_frame frame;
         if (i == BEFORE)
             CHECK(node_set(fd, "DV Timings Signal Mode", 1) == 0); /* the menu's "No Signal" */
-        got = pupil_source_next(source, &frame, why, sizeof why);
+        got = pupil_source_next(source, &frame, &why);
         if (got != PUPIL_SOURCE_FRAME)
             break;
         pupil_source_done(source, &frame);
     }
-    CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why, "signal changed in mid-stream"), "%d, %s", got, why);
+    CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why.text, "signal changed in mid-stream"), "%d, %s", got, why.text);
     pupil_source_close(source);
     CHECK(node_set(fd, "DV Timings Signal Mode", 0) == 0 && node_input(fd, 0) == 0);
     close(fd);

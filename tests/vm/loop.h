@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "pupil/error.h"
 #include "v4l2/capture/v4l2_source.h"
 #include "v4l2/output/v4l2_sink.h"
 #include "vm/node.h"
@@ -49,19 +50,19 @@ static void loop_run(const char *camera, uint32_t fourcc, int (*put)(void *closu
     const pupil_v4l2_options o = {
         .fourcc = fourcc, .width = LOOP_WIDTH, .height = LOOP_HEIGHT, .timeout_s = 20, .buffers = 2};
     const size_t bytes = (size_t)LOOP_WIDTH * LOOP_HEIGHT * (fourcc == V4L2_PIX_FMT_RGB24 ? 3 : 2);
-    static char loop_why[PUPIL_WHY_BYTES];
+    static pupil_why loop_why;
     void *room = malloc(bytes);
     pupil_source *source = NULL;
     uint32_t shown = 0, last = 0, whole = 0, foreign = 0;
     while (shown < 3 && put(closure, shown + 1) == 0)
         shown++;
     CHECK_MSG(shown == 3, "%s: %u frames were taken", what, shown);
-    const int failed = shown < 3 || pupil_v4l2_source_open(camera, NULL, &o, &source, loop_why, sizeof loop_why);
-    CHECK_MSG(!failed, "%s: %s", what, loop_why);
+    const int failed = shown < 3 || pupil_v4l2_source_open(camera, NULL, &o, &source, &loop_why);
+    CHECK_MSG(!failed, "%s: %s", what, loop_why.text);
     for (int i = 0; room && !failed && i < 20 && whole < LOOP_FRAMES; i++) {
         pupil_frame frame;
-        const int got = pupil_source_next(source, &frame, loop_why, sizeof loop_why);
-        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", what, loop_why);
+        const int got = pupil_source_next(source, &frame, &loop_why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", what, loop_why.text);
         if (got != PUPIL_SOURCE_FRAME)
             break;
         const uint32_t n = loop_which(frame.image.data, shown, room, bytes);
@@ -137,15 +138,15 @@ typedef struct loop_sink {
 static int loop_put_sink(void *closure, uint32_t n)
 {
     const loop_sink *s = closure;
-    static char sink_why[PUPIL_WHY_BYTES];
+    static pupil_why sink_why;
     const pupil_image_const image = {.data = s->frame,
                                      .stride_bytes = 3 * (ptrdiff_t)LOOP_WIDTH,
                                      .width = LOOP_WIDTH,
                                      .height = LOOP_HEIGHT,
                                      .pixel = PUPIL_PIXEL_RGB8};
     loop_draw(n, s->frame, (size_t)3 * LOOP_WIDTH * LOOP_HEIGHT);
-    const int failed = pupil_sink_write(s->sink, &image, NULL, sink_why, sizeof sink_why);
-    CHECK_MSG(!failed, "%s", sink_why);
+    const int failed = pupil_sink_write(s->sink, &image, NULL, &sink_why);
+    CHECK_MSG(!failed, "%s", sink_why.text);
     return failed;
 }
 
@@ -165,10 +166,10 @@ static void check_loop(const char *camera, const char *monitor)
     CHECK(node_output_format(again, V4L2_PIX_FMT_RGB24, LOOP_WIDTH, LOOP_HEIGHT) == 0);
     close(again);
     const pupil_sink_options options = {.width = LOOP_WIDTH, .height = LOOP_HEIGHT, .fps = 60};
-    static char sink_why[PUPIL_WHY_BYTES];
+    static pupil_why sink_why;
     loop_sink s = {NULL, malloc((size_t)3 * LOOP_WIDTH * LOOP_HEIGHT)};
-    const int failed = pupil_v4l2_sink_open(&s.sink, monitor, &options, NULL, sink_why, sizeof sink_why);
-    CHECK_MSG(!failed, "%s", sink_why);
+    const int failed = pupil_v4l2_sink_open(&s.sink, monitor, &options, NULL, &sink_why);
+    CHECK_MSG(!failed, "%s", sink_why.text);
     if (!failed)
         loop_run(camera, V4L2_PIX_FMT_RGB24, loop_put_sink, &s, "1080p60 RGB24 through the sink over HDMI");
     pupil_sink_discard(s.sink);
@@ -176,8 +177,8 @@ static void check_loop(const char *camera, const char *monitor)
 
     /* What the monitor takes is said. */
     const pupil_sink_options small = {.width = 100, .height = 100, .fps = 60};
-    CHECK(pupil_v4l2_sink_open(&s.sink, monitor, &small, NULL, sink_why, sizeof sink_why) == PUPIL_SINK_FAILED);
-    CHECK_MSG(strstr(sink_why, "takes frames of 1920x1080, not of 100x100"), "%s", sink_why);
+    CHECK(pupil_v4l2_sink_open(&s.sink, monitor, &small, NULL, &sink_why) == PUPIL_SINK_FAILED);
+    CHECK_MSG(strstr(sink_why.text, "takes frames of 1920x1080, not of 100x100"), "%s", sink_why.text);
     close(in);
 }
 

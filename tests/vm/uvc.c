@@ -18,7 +18,8 @@
 #define FPS       15.0 /* slow, so that an emulated machine has time for what a frame brings */
 #define TIMEOUT_S 10.0
 
-static char why[PUPIL_WHY_BYTES], path[32];
+static pupil_why why;
+static char path[32];
 static const char *program;
 static pid_t process;
 
@@ -89,8 +90,8 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     pupil_config config;
     memset(l, 0, sizeof *l);
     l->is_linear = is_linear;
-    const int failed = pupil_live_open(path, NULL, &options, &l->source, why, sizeof why);
-    CHECK_MSG(!failed, "%s", why);
+    const int failed = pupil_live_open(path, NULL, &options, &l->source, &why);
+    CHECK_MSG(!failed, "%s", why.text);
     if (failed)
         return -1;
     CHECK_MSG(pupil_live_camera(l->source) != NULL, "%s", pupil_live_no_controls(l->source));
@@ -130,7 +131,7 @@ static int loop_frame(loop *l)
     static pupil_stats stats;
     pupil_frame frame;
     double mean = 0.0;
-    const int got = pupil_source_next(l->source, &frame, why, sizeof why);
+    const int got = pupil_source_next(l->source, &frame, &why);
     if (got != PUPIL_SOURCE_FRAME)
         return got;
     l->truth = read_truth(&frame.image);
@@ -181,7 +182,7 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
     static char story[150][128]; /* printed if it goes wrong */
     for (int i = 0; i < 150 && right < 8; i++) {
         const int got = loop_frame(l);
-        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", what, why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", what, why.text);
         if (got != PUPIL_SOURCE_FRAME)
             return;
         snprintf(story[lines++], sizeof story[0],
@@ -299,8 +300,8 @@ static void test_unplugged(void)
                 kill(process, SIGTERM);
             got = loop_frame(&l);
         }
-        CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why, "the camera was unplugged"), "%d, %s", got, why);
-        printf("unplugged: %s\n", why);
+        CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why.text, "the camera was unplugged"), "%d, %s", got, why.text);
+        printf("unplugged: %s\n", why.text);
         pupil_source_close(l.source);
     }
     camera_unplug();
@@ -316,7 +317,7 @@ static void test_back(void)
     camera_plug("display");
     if (loop_open(&l, 0, 20.0) == 0) {
         for (int i = 0; i < 10; i++)
-            CHECK_MSG(loop_frame(&l) == PUPIL_SOURCE_FRAME, "%s", why);
+            CHECK_MSG(loop_frame(&l) == PUPIL_SOURCE_FRAME, "%s", why.text);
         kill(process, SIGTERM);
         waitpid(process, NULL, 0);
         process = fork();
@@ -327,7 +328,7 @@ static void test_back(void)
         }
         int manual = 0;
         for (int i = 0; i < 60; i++) {
-            CHECK_MSG(loop_frame(&l) == PUPIL_SOURCE_FRAME, "%s", why);
+            CHECK_MSG(loop_frame(&l) == PUPIL_SOURCE_FRAME, "%s", why.text);
             manual = l.truth.automatic ? 0 : manual + 1;
         }
         CHECK_MSG(manual >= 30, "of sixty frames the last %d were steered", manual);

@@ -16,14 +16,15 @@
 #define WIDTH  640u
 #define HEIGHT 480u
 
-static char why[PUPIL_WHY_BYTES], path[32];
+static pupil_why why;
+static char path[32];
 static pupil_v4l2_sensor sensor;
 
 static void test_sensor(void)
 {
     pupil_v4l2_device device;
-    CHECK_MSG(pupil_v4l2_device_open(&device, NULL, path, why, sizeof why) == 0, "%s", why);
-    CHECK_MSG(pupil_v4l2_media_sensor(&device, &sensor, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_v4l2_device_open(&device, NULL, path, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_v4l2_media_sensor(&device, &sensor, &why) == 0, "%s", why.text);
     CHECK_MSG(strcmp(sensor.entity, "Sensor A") == 0 && strncmp(sensor.path, "/dev/v4l-subdev", 15) == 0, "%s at %s",
               sensor.entity, sensor.path);
     printf("%s: %s, %s\n", path, sensor.entity, sensor.path);
@@ -87,15 +88,15 @@ static void test_raw(const char *name)
     pupil_frame frame;
     int lines = 0;
     const node_held before = node_holds();
-    while (pupil_v4l2_source_open(path, NULL, &o, &source, why, sizeof why)) {
-        CHECK_MSG(strstr(why, "does not start"), "%s: %s", name, why);
-        CHECK_MSG(++lines <= 2 && follow_line(why) == 0, "%s: %s", name, why);
+    while (pupil_v4l2_source_open(path, NULL, &o, &source, &why)) {
+        CHECK_MSG(strstr(why.text, "does not start"), "%s: %s", name, why.text);
+        CHECK_MSG(++lines <= 2 && follow_line(why.text) == 0, "%s: %s", name, why.text);
         if (lines > 2)
             return;
     }
     CHECK_MSG(lines >= 1, "%s was not refused", name);
     for (int n = 0; n < 6; n++) {
-        CHECK_MSG(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
+        CHECK_MSG(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
         const pupil_v4l2_format *f = &pupil_v4l2_source_capture(source)->format;
         const double off = pattern_off(&frame.image, f, PATTERN_CHECKERS, 0);
         CHECK_MSG(off <= pattern_tolerance(f, PATTERN_CHECKERS), "%s: frame %d is off by %g codes", name, n, off);
@@ -105,7 +106,7 @@ static void test_raw(const char *name)
     const node_held after = node_holds();
     CHECK_MSG(after.files == before.files && after.maps == before.maps, "%s: %d files and %d maps are left", name,
               after.files - before.files, after.maps - before.maps);
-    printf("%s: right after %d lines; the last sentence: %s\n", name, lines, why);
+    printf("%s: right after %d lines; the last sentence: %s\n", name, lines, why.text);
 }
 
 int main(int argc, char **argv)

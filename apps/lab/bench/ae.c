@@ -10,6 +10,7 @@
 
 #include "bench.h"
 #include "common/interrupt.h"
+#include "refuse.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 enum { MOST_ROWS = 8000, LABEL = 22 };
@@ -238,7 +239,7 @@ int bench_ae_main(int argc, char **argv)
     interrupt_watch();
     int failed = !b.frame || (!json && !t.row);
     if (failed)
-        snprintf(b.why, sizeof b.why, "not enough memory");
+        pupil_refuse(&b.why, "not enough memory");
     failed = failed || (b.plot ? bench_ae_plot(&b) : bench_ae_run(&b));
     if (t.shown)
         fputs("\r\033[K", stderr);
@@ -249,7 +250,7 @@ int bench_ae_main(int argc, char **argv)
     if (interrupt_came())
         return fputs("pupil bench ae: interrupted\n", stderr), EXIT_INTERRUPTED;
     if (failed || fflush(stdout) != 0)
-        return fprintf(stderr, "pupil bench ae: %s\n", failed ? b.why : "standard output cannot be written"),
+        return fprintf(stderr, "pupil bench ae: %s\n", failed ? b.why.text : "standard output cannot be written"),
                EXIT_FAILED;
     return EXIT_DONE;
 }

@@ -3,6 +3,7 @@
 #define PUPIL_APPS_LAB_BENCH_AE_H
 
 #include "loop.h"
+#include "pupil/error.h"
 
 typedef struct bench_ae_row {
     const fixture_controller *law;
@@ -24,7 +25,7 @@ typedef struct bench_ae {
     void (*see)(void *context, const bench_ae_row *row);
     void *context;
     fixture_loop_frame *frame; /* BENCH_AE_FRAMES */
-    char why[400];             /* what made it fail; "" */
+    pupil_why why;             /* what made it fail; "" */
 } bench_ae;
 
 enum { BENCH_AE_FRAMES = 2000, BENCH_AE_TESTS = 11 };

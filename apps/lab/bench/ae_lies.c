@@ -77,8 +77,7 @@ int bench_ae_curve(bench_ae *b, const fixture_controller *law)
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         for (size_t k = 0; k < 2; k++) {
             bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
-            if (fixture_plant_parse(&loop.plant, of[i].camera, b->why, sizeof b->why) ||
-                learn_and_step(b, &loop, 0.0, steps[k]))
+            if (fixture_plant_parse(&loop.plant, of[i].camera, &b->why) || learn_and_step(b, &loop, 0.0, steps[k]))
                 return -1;
             (void)show(b, &loop, "curve", of[i].of, steps[k], 1);
         }
@@ -112,7 +111,7 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         for (size_t k = 0; k < 2; k++) {
             bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
-            if (fixture_plant_parse(&loop.plant, of[i].camera, b->why, sizeof b->why) ||
+            if (fixture_plant_parse(&loop.plant, of[i].camera, &b->why) ||
                 learn_and_step(b, &loop, of[i].base_ev, steps[k]))
                 return -1;
             const long frames = show(b, &loop, "lies", of[i].of, steps[k], !of[i].beyond);

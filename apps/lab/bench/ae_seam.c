@@ -5,6 +5,7 @@
 #include "ae.h"
 #include "lab/sim/sim.h"
 #include "pupil/pupil.h"
+#include "refuse.h"
 
 #define SEAM_EV 0.005
 
@@ -105,11 +106,11 @@ int bench_ae_seam(bench_ae *b, const fixture_controller *law)
     fixture_plant_default(&usual);
     int failed = !m || begin(m, (size_t)usual.width * usual.height);
     if (failed)
-        snprintf(b->why, sizeof b->why, "not enough memory");
-    failed = failed || sim_luminance("room", usual.width, usual.height, &room, b->why, sizeof b->why) ||
-             pairs(b, law, m, NULL) || pairs(b, law, m, room);
+        pupil_refuse(&b->why, "not enough memory");
+    failed = failed || sim_luminance("room", usual.width, usual.height, &room, &b->why) || pairs(b, law, m, NULL) ||
+             pairs(b, law, m, room);
     if (!failed && m->failed) {
-        snprintf(b->why, sizeof b->why, "a picture of the simulated camera cannot be mapped");
+        pupil_refuse(&b->why, "a picture of the simulated camera cannot be mapped");
         failed = 1;
     }
     free(room);

@@ -45,9 +45,9 @@ int bench_ae_loop(bench_ae *b, fixture_loop *loop, size_t frames, const char *fo
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (interrupt_came() || fixture_light_parse(&loop->script, text, b->why, sizeof b->why))
+    if (interrupt_came() || fixture_light_parse(&loop->script, text, &b->why))
         return -1;
-    return fixture_loop_run(loop, frames, b->frame, b->why, sizeof b->why);
+    return fixture_loop_run(loop, frames, b->frame, &b->why);
 }
 
 void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev,
@@ -253,7 +253,7 @@ int bench_ae_mains(bench_ae *b, const fixture_controller *law)
             continue; /* they are not told, and look for nothing */
         bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
         const uint32_t believed = loop.sensor.delay_frames;
-        if (fixture_plant_parse(&loop.plant, of[i].camera, b->why, sizeof b->why))
+        if (fixture_plant_parse(&loop.plant, of[i].camera, &b->why))
             return -1;
         loop.plant.frame_s = 1.0 / of[i].fps;
         loop.plant.light_ev = 3.7; /* 13 ms are right: more than a period of either */

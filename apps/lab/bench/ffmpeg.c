@@ -11,6 +11,7 @@
 #include <libavutil/mastering_display_metadata.h>
 
 #include "peers.h"
+#include "refuse.h"
 
 typedef struct chain {
     AVFilterGraph *graph;
@@ -102,11 +103,11 @@ static void run_chain(void *state)
 
 /* A chain that has shown, by one frame, that it works; `device` NULL: none. */
 static chain *open_chain(const char *filters, AVBufferRef *device, const float *rgba, uint32_t width, uint32_t height,
-                         char *why, size_t why_bytes)
+                         pupil_why *why)
 {
     chain *c = calloc(1, sizeof *c);
     if (!c) {
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
         return NULL;
     }
     c->device = device;
@@ -114,14 +115,14 @@ static chain *open_chain(const char *filters, AVBufferRef *device, const float *
     c->in = av_frame_alloc();
     c->out = av_frame_alloc();
     if (!c->graph || !c->in || !c->out || fill(c->in, rgba, width, height))
-        snprintf(why, why_bytes, "not enough memory");
+        pupil_refuse(why, "not enough memory");
     else if (configure(c, filters))
-        snprintf(why, why_bytes, "this libavfilter cannot run %s", filters);
+        pupil_refuse(why, "this libavfilter cannot run %s", filters);
     else {
         run_chain(c);
         if (!c->failed)
             return c;
-        snprintf(why, why_bytes, "no frame came out of %s", filters);
+        pupil_refuse(why, "no frame came out of %s", filters);
     }
     close_chain(c);
     return NULL;
@@ -145,30 +146,30 @@ static double mean_of(const void *state)
 /* tonemap knows no mean; the frame's peak it takes from the mastering display that the frame names. */
 #define TO_SRGB "zscale=tin=linear:t=iec61966-2-1:pin=bt709:p=bt709:min=gbr:m=gbr:rin=full:r=full,format=gbrp"
 
-static void *open_usual(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+static void *open_usual(const float *rgba, uint32_t width, uint32_t height, pupil_why *why)
 {
     av_log_set_level(AV_LOG_QUIET);
-    return open_chain("tonemap=reinhard," TO_SRGB ",format=rgba", NULL, rgba, width, height, why, why_bytes);
+    return open_chain("tonemap=reinhard," TO_SRGB ",format=rgba", NULL, rgba, width, height, why);
 }
 
-static void *open_least(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+static void *open_least(const float *rgba, uint32_t width, uint32_t height, pupil_why *why)
 {
     av_log_set_level(AV_LOG_QUIET);
-    return open_chain("tonemap=reinhard:desat=0," TO_SRGB, NULL, rgba, width, height, why, why_bytes);
+    return open_chain("tonemap=reinhard:desat=0," TO_SRGB, NULL, rgba, width, height, why);
 }
 
-static void *open_libplacebo(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+static void *open_libplacebo(const float *rgba, uint32_t width, uint32_t height, pupil_why *why)
 {
     AVBufferRef *device = NULL;
     av_log_set_level(AV_LOG_QUIET);
     setenv("LP_NUM_THREADS", "1", 1); /* read by llvmpipe: threads that rasterise */
     if (av_hwdevice_ctx_create(&device, AV_HWDEVICE_TYPE_VULKAN, "llvmpipe", NULL, 0) < 0) {
-        snprintf(why, why_bytes, "no Vulkan on the CPU here (Mesa's llvmpipe, of mesa-vulkan-drivers)");
+        pupil_refuse(why, "no Vulkan on the CPU here (Mesa's llvmpipe, of mesa-vulkan-drivers)");
         return NULL;
     }
     return open_chain("hwupload,libplacebo=tonemapping=reinhard:color_trc=iec61966-2-1:dithering=none:format=rgba,"
                       "hwdownload,format=rgba",
-                      device, rgba, width, height, why, why_bytes);
+                      device, rgba, width, height, why);
 }
 
 const bench_peer bench_peer_ffmpeg = {

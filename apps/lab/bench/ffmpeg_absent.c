@@ -2,13 +2,14 @@
 #include <stdio.h>
 
 #include "peers.h"
+#include "refuse.h"
 
-static void *refuse(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+static void *refuse(const float *rgba, uint32_t width, uint32_t height, pupil_why *why)
 {
     (void)rgba;
     (void)width;
     (void)height;
-    snprintf(why, why_bytes, "not in this build (-DPUPIL_BENCH_PEERS=ON, with libavfilter-dev, puts it in)");
+    pupil_refuse(why, "not in this build (-DPUPIL_BENCH_PEERS=ON, with libavfilter-dev, puts it in)");
     return NULL;
 }
 

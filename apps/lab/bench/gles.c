@@ -114,7 +114,7 @@ static int measure(const options *o, const machine *m, bench_gles_subject *s)
 {
     bench_runner runner[MOST_RUNNERS];
     bench_gles_error error;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     size_t n = 0, gpu_at[BENCH_GLES_PARTS], cpu_at[BENCH_GLES_PARTS];
     s->frames = o->frames;
     for (int part = 0; part < BENCH_GLES_PARTS; part++) {
@@ -126,8 +126,8 @@ static int measure(const options *o, const machine *m, bench_gles_subject *s)
         if (cpu)
             runner[cpu_at[part] = n++] = (bench_runner){.run = cpu, .context = s};
     }
-    if (bench_gles_compare(s, &error, why, sizeof why)) { /* warms everything up, too */
-        fprintf(stderr, "pupil bench: %s\n", why);
+    if (bench_gles_compare(s, &error, &why)) { /* warms everything up, too */
+        fprintf(stderr, "pupil bench: %s\n", why.text);
         return BENCH_FAILED;
     }
     if (bench_race(runner, n, o->rounds, NULL, interrupt_came))
@@ -155,12 +155,12 @@ static int measure(const options *o, const machine *m, bench_gles_subject *s)
 static int measure_format(const options *o, const machine *m, uint32_t pixel, uint32_t width, uint32_t height)
 {
     static bench_gles_subject s; /* large for a stack */
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     int status = BENCH_FAILED;
     if (!o->quiet && isatty(STDERR_FILENO))
         fprintf(stderr, "measuring %s ...\r", bench_format_name(pixel));
-    if (bench_gles_open(&s, &m->gl, pupil_egl_get_proc, o->version, pixel, width, height, why, sizeof why))
-        fprintf(stderr, "pupil bench: %s: %s\n", bench_format_name(pixel), why);
+    if (bench_gles_open(&s, &m->gl, pupil_egl_get_proc, o->version, pixel, width, height, &why))
+        fprintf(stderr, "pupil bench: %s: %s\n", bench_format_name(pixel), why.text);
     else
         status = measure(o, m, &s);
     bench_gles_close(&s);
@@ -270,15 +270,14 @@ int bench_gles_main(int argc, char **argv)
 {
     options o = {0};
     static machine m;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     int status = read_options(argc, argv, &o);
     if (status)
         return status < 0 ? BENCH_DONE : BENCH_USAGE;
     interrupt_watch();
     const pupil_egl_options context = {.version = o.version};
-    if (pupil_egl_open(&m.egl, &context, why, sizeof why) ||
-        gl_calls_load(&m.gl, pupil_egl_get_proc, why, sizeof why)) {
-        fprintf(stderr, "pupil bench: %s\n", why);
+    if (pupil_egl_open(&m.egl, &context, &why) || gl_calls_load(&m.gl, pupil_egl_get_proc, &why)) {
+        fprintf(stderr, "pupil bench: %s\n", why.text);
         pupil_egl_close(m.egl);
         return BENCH_FAILED;
     }

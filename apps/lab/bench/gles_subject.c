@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "frames.h"
+#include "refuse.h"
 
 /* A minute: a software renderer may take seconds for a round; a GPU that needs longer hangs. */
 #define WAIT_NS UINT64_C(60000000000)
@@ -209,14 +210,14 @@ static int open_frame(bench_gles_subject *s, uint32_t pixel, uint32_t width, uin
 }
 
 int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_proc get_proc, uint32_t version,
-                    uint32_t pixel, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+                    uint32_t pixel, uint32_t width, uint32_t height, pupil_why *why)
 {
     pupil_gles_config config;
-    char reason[400] = "";
+    pupil_why reason = {""};
     memset(s, 0, sizeof *s);
     s->gl = gl;
     if (open_frame(s, pixel, width, height)) {
-        snprintf(why, why_bytes, "no memory for frames of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
+        pupil_refuse(why, "no memory for frames of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
         return -1;
     }
     pupil_gles_config_default(&config);
@@ -226,13 +227,13 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
     config.height = height;
     if (s->in.coding)
         config.coding = s->in.coding;
-    int error = pupil_gles_init(&s->gles, &config, &s->plain, get_proc, reason, sizeof reason);
+    int error = pupil_gles_init(&s->gles, &config, &s->plain, get_proc, &reason);
     if (error) {
-        snprintf(why, why_bytes, "%s", *reason ? reason : pupil_error_string(error));
+        pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
         return -1;
     }
     s->open = 1;
-    s->open_counting = pupil_gles_init(&s->gles_counting, &config, &s->counting, get_proc, NULL, 0) == PUPIL_OK;
+    s->open_counting = pupil_gles_init(&s->gles_counting, &config, &s->counting, get_proc, NULL) == PUPIL_OK;
     if (s->open_counting)
         note(s, pupil_gles_upload(&s->gles_counting, &s->in));
     note(s, pupil_gles_upload(&s->gles, &s->in));
@@ -240,8 +241,8 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
     make_target(s);
     const GLenum refused = gl->GetError();
     if (refused || s->error) {
-        snprintf(why, why_bytes, "the driver refuses textures of %lux%lu pixels (OpenGL ES error 0x%x)",
-                 (unsigned long)width, (unsigned long)height, (unsigned)refused);
+        pupil_refuse(why, "the driver refuses textures of %lux%lu pixels (OpenGL ES error 0x%x)", (unsigned long)width,
+                     (unsigned long)height, (unsigned)refused);
         return -1;
     }
     return 0;
@@ -265,7 +266,7 @@ void bench_gles_close(bench_gles_subject *s)
 
 /* --- errors --- */
 
-int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, char *why, size_t why_bytes)
+int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, pupil_why *why)
 {
     double cpu = 0.0, gpu = 0.0;
     uint64_t off = 0, samples = 0;
@@ -284,7 +285,7 @@ int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, char *why
     s->gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     s->gl->ReadPixels(0, 0, (GLsizei)s->in.width, (GLsizei)s->in.height, GL_RGBA, GL_UNSIGNED_BYTE, s->gpu_out.data);
     if (s->error || s->gl->GetError()) {
-        snprintf(why, why_bytes, "%s", pupil_error_string(s->error ? s->error : PUPIL_ERR_GLES));
+        pupil_refuse(why, "%s", pupil_error_string(s->error ? s->error : PUPIL_ERR_GLES));
         return -1;
     }
     const unsigned char *a = s->cpu_out.data, *b = s->gpu_out.data;

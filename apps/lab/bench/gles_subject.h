@@ -4,6 +4,7 @@
 
 #include "clock.h"
 #include "frame/gl_calls.h"
+#include "pupil/error.h"
 #include "pupil/gles.h"
 
 typedef enum bench_part {
@@ -45,7 +46,7 @@ typedef struct bench_gles_subject {
 /* The easy frame of a format (bench_frames.h) in the current context. 0, or -1 and a sentence. Closing takes what a
  * failed opening left. */
 int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_proc get_proc, uint32_t version,
-                    uint32_t pixel, uint32_t width, uint32_t height, char *why, size_t why_bytes);
+                    uint32_t pixel, uint32_t width, uint32_t height, pupil_why *why);
 void bench_gles_close(bench_gles_subject *s);
 
 /* What runs a part; NULL: there is no such thing. The context is the subject. On the GPU it is as many frames as the
@@ -55,6 +56,6 @@ bench_gles_run *bench_gles_gpu(const bench_gles_subject *s, bench_part part);
 bench_gles_run *bench_gles_cpu(bench_part part);
 
 /* GPU against CPU on the frame that is timed. 0, or -1 and a sentence. */
-int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, char *why, size_t why_bytes);
+int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, pupil_why *why);
 
 #endif

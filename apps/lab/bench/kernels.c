@@ -179,9 +179,9 @@ int bench_kernels_main(int argc, char **argv)
         return status < 0 ? BENCH_DONE : BENCH_USAGE;
     if (check(&o))
         return BENCH_USAGE;
-    char why[400];
-    if (o.plot && pupil_plot_check(o.plot, why, sizeof why)) {
-        fprintf(stderr, "pupil bench: %s\n", why);
+    pupil_why why;
+    if (o.plot && pupil_plot_check(o.plot, &why)) {
+        fprintf(stderr, "pupil bench: %s\n", why.text);
         return BENCH_FAILED;
     }
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);

@@ -2,6 +2,7 @@
  * as the object's users make one. */
 #include "peers.h"
 
+#include "refuse.h"
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -15,7 +16,7 @@ struct opencv {
     bool failed;
 };
 
-void *open_opencv(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+void *open_opencv(const float *rgba, uint32_t width, uint32_t height, pupil_why *why)
 try {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR); // it warns of its own use of itself
     cv::setNumThreads(1);
@@ -26,7 +27,7 @@ try {
             to[3 * i + k] = rgba[4 * i + k];
     return o;
 } catch (const std::exception &e) {
-    std::snprintf(why, why_bytes, "%s", e.what());
+    std::pupil_refuse(why, "%s", e.what());
     return nullptr;
 }
 

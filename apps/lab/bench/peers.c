@@ -42,7 +42,7 @@ static void line_up(peer_race *r)
 {
     static bench_plain *const loops[PLAIN] = {bench_plain_usual, bench_plain_fast};
     bench_runner *next = r->runner;
-    char why[400];
+    pupil_why why;
     *next++ = (bench_runner){.run = bench_read_run, .context = &r->s};
     *next++ = (bench_runner){.run = bench_copy_run, .context = &r->s};
     for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++)
@@ -54,13 +54,13 @@ static void line_up(peer_race *r)
         *next++ = (bench_runner){.run = run_plain, .context = &r->plain[r->plains]};
     }
     for (size_t i = 0; i < PEERS; i++) {
-        void *state = peers[i]->open(r->s.in.data, r->s.in.width, r->s.in.height, why, sizeof why);
+        void *state = peers[i]->open(r->s.in.data, r->s.in.width, r->s.in.height, &why);
         if (state) {
             r->peer[r->opened] = peers[i];
             r->state[r->opened++] = state;
             *next++ = (bench_runner){.run = peers[i]->run, .context = state};
         } else {
-            fprintf(stderr, "pupil bench: %s: %s\n", peers[i]->name, why);
+            fprintf(stderr, "pupil bench: %s: %s\n", peers[i]->name, why.text);
         }
     }
 }

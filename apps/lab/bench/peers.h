@@ -3,6 +3,7 @@
 #ifndef PUPIL_APPS_LAB_BENCH_PEERS_H
 #define PUPIL_APPS_LAB_BENCH_PEERS_H
 
+#include "pupil/error.h"
 #include <stddef.h>
 #include <stdint.h>
 
@@ -14,7 +15,7 @@ typedef struct bench_peer {
     const char *name, *out, *does; /* out: what its samples are, rgba8 or the like */
     /* Takes the frame into the peer's own layout, which is not timed. NULL and a sentence: not in this build, or it
      * does not work here. */
-    void *(*open)(const float *rgba, uint32_t width, uint32_t height, char *why, size_t why_bytes);
+    void *(*open)(const float *rgba, uint32_t width, uint32_t height, pupil_why *why);
     void (*run)(void *state);          /* one frame, to its last 8-bit sample in memory */
     double (*mean)(const void *state); /* of the green codes of the last frame: that there is a picture; -1: none */
     void (*close)(void *state);

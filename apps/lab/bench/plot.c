@@ -227,7 +227,8 @@ int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush)
 {
     bench_choice choice[BENCH_MOST_CHOICES];
     size_t count;
-    char title[96], why[400];
+    char title[96];
+    pupil_why why;
     const uint32_t level = bench_best_level();
     if (bench_choices(o, crew, flush, level, choice, &count))
         return interrupt_came() ? BENCH_INTERRUPTED : BENCH_FAILED;
@@ -238,8 +239,8 @@ int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush)
     snprintf(title, sizeof title, "RGBA float, %lux%lu, one thread, %s, %s", (unsigned long)o->width,
              (unsigned long)o->height, bench_level_names[level], flush ? "cold" : "warm");
     const drawing d = {choice, count, title};
-    if (pupil_plot_draw(o->plot, script, &d, why, sizeof why)) {
-        fprintf(stderr, "pupil bench: %s\n", why);
+    if (pupil_plot_draw(o->plot, script, &d, &why)) {
+        fprintf(stderr, "pupil bench: %s\n", why.text);
         return BENCH_FAILED;
     }
     return BENCH_DONE;

@@ -16,6 +16,7 @@
 #include "clock.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
+#include "refuse.h"
 #include "scene_parts.h" /* to render one light alone, and to see how large its tree is */
 #include "synth/spread.h"
 
@@ -80,7 +81,7 @@ static uint64_t resident_peak(void)
 
 static int refuse(measuring *m, const char *words)
 {
-    snprintf(m->out->why, sizeof m->out->why, "%s: %s", m->out->name, words);
+    pupil_refuse(&m->out->why, "%s: %s", m->out->name, words);
     return -1;
 }
 
@@ -90,7 +91,7 @@ static int load(measuring *m)
     fixture_scene_options options = {m->b->width, m->b->height, 0.0, pupil_spread_run, &m->spread};
     double began_s = progress_now_s();
     show(m, "loading", 0, 0);
-    if (fixture_scene_load(&m->scene, o->name, &options, o->why, sizeof o->why))
+    if (fixture_scene_load(&m->scene, o->name, &options, &o->why))
         return -1;
     o->load_s = progress_now_s() - began_s;
     fixture_scene_facts f = fixture_scene_facts_of(m->scene);
@@ -116,12 +117,12 @@ static int sequence(measuring *m)
     bench_scene *o = m->out;
     double began_s = progress_now_s();
     show(m, "rendering its lights", 0, 0);
-    if (fixture_scene_prepare(m->scene, o->why, sizeof o->why))
+    if (fixture_scene_prepare(m->scene, &o->why))
         return -1;
     o->prepare_s = progress_now_s() - began_s;
     for (uint64_t n = 0; n < o->frames && !interrupt_came(); n++) {
         began_s = progress_now_s();
-        if (fixture_scene_frame(m->scene, n, m->rgb, NULL, o->why, sizeof o->why))
+        if (fixture_scene_frame(m->scene, n, m->rgb, NULL, &o->why))
             return -1;
         o->frames_s += progress_now_s() - began_s;
         show(m, "frame", n + 1, o->frames);
@@ -233,15 +234,15 @@ static int measure_apart(bench *b, bench_scene *out)
         exit(0);
     }
     if (child < 0) {
-        snprintf(out->why, sizeof out->why, "%s: no process to measure it in: %s", out->name, strerror(errno));
+        pupil_refuse(&out->why, "%s: no process to measure it in: %s", out->name, strerror(errno));
         return -1;
     }
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
         if (interrupt_came() && !told++)
             kill(child, SIGTERM); /* from a terminal it has heard already; not from `kill` */
-    if (!out->done && !*out->why && !interrupt_came())
-        snprintf(out->why, sizeof out->why, "%s: the process that measured it ended early%s", out->name,
-                 WIFSIGNALED(status) ? ", by a signal" : "");
+    if (!out->done && !*out->why.text && !interrupt_came())
+        pupil_refuse(&out->why, "%s: the process that measured it ended early%s", out->name,
+                     WIFSIGNALED(status) ? ", by a signal" : "");
     return out->done ? 0 : -1;
 }
 
@@ -256,7 +257,7 @@ static int run(bench *b, bench_scene *results)
         s->frames = b->frames;
         s->threads = b->threads ? b->threads : processors > 0 ? (unsigned)processors : 1;
         if (measure_apart(b, s)) {
-            fprintf(stderr, "pupil bench scene: %s\n", interrupt_came() ? "interrupted" : s->why);
+            fprintf(stderr, "pupil bench scene: %s\n", interrupt_came() ? "interrupted" : s->why.text);
             return interrupt_came() ? EXIT_INTERRUPTED : EXIT_FAILED;
         }
         if (b->json) {

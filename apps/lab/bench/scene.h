@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "pupil/error.h"
 #include "recipe.h"
 
 #define BENCH_MOST_LIGHTS (FIXTURE_MOST_LAMPS + 1)
@@ -26,7 +27,7 @@ typedef struct bench_scene {
     uint64_t image_bytes, geometry_bytes;
     uint64_t peak_bytes; /* of the process, once all frames were made, above what it began with */
     int done;
-    char why[1024];
+    pupil_why why;
 } bench_scene;
 
 double bench_scene_total_s(const bench_scene *s);

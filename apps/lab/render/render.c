@@ -11,6 +11,7 @@
 #include "file/sink/linear_sink.h"
 #include "frame/frame_work.h"
 #include "output/outputs.h"
+#include "refuse.h"
 #include "synth/synth_source.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
@@ -43,14 +44,14 @@ typedef struct render {
     unsigned char *rgb8;
     uint64_t rendered;
     progress progress;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } render;
 
 /* --- the command line --- */
 
 static int refuse(render *r, const char *option, const char *text, const char *right)
 {
-    snprintf(r->why, sizeof r->why, "--%s %s: must be %s", option, text, right);
+    pupil_refuse(&r->why, "--%s %s: must be %s", option, text, right);
     return -1;
 }
 
@@ -157,18 +158,18 @@ static int parse(render *r, int argc, char **argv)
         if (option == 'h')
             return 1;
         if (option == '?') {
-            snprintf(r->why, sizeof r->why,
-                     "%s: no such option, or its value is missing; 'pupil render --help' lists them", argv[optind - 1]);
+            pupil_refuse(&r->why, "%s: no such option, or its value is missing; 'pupil render --help' lists them",
+                         argv[optind - 1]);
             return -1;
         }
         if (take(r, option, optarg))
             return -1;
     }
     if (argc - optind != 1 || !r->out_count) {
-        snprintf(r->why, sizeof r->why, "%s; 'pupil render --help' tells more",
-                 argc - optind < 1   ? "no scene: name one, for example room"
-                 : argc - optind > 1 ? "more than one scene"
-                                     : "no output: -o PATH names one");
+        pupil_refuse(&r->why, "%s; 'pupil render --help' tells more",
+                     argc - optind < 1   ? "no scene: name one, for example room"
+                     : argc - optind > 1 ? "more than one scene"
+                                         : "no output: -o PATH names one");
         return -1;
     }
     r->scene = argv[optind];
@@ -181,7 +182,7 @@ static int parse(render *r, int argc, char **argv)
 
 static int no_memory(render *r)
 {
-    snprintf(r->why, sizeof r->why, "not enough memory");
+    pupil_refuse(&r->why, "not enough memory");
     return -1;
 }
 
@@ -192,10 +193,10 @@ static int open_outputs(render *r, const pupil_image_const *first)
     int single;
     for (size_t i = 0; i < r->out_count; i++) {
         if (!pupil_is_linear_path(r->out[i], &single)) {
-            if (outputs_open(&r->display, r->out[i], &options, r->why, sizeof r->why))
+            if (outputs_open(&r->display, r->out[i], &options, &r->why))
                 return -1;
         } else {
-            if (pupil_linear_sink_open(r->out[i], &options, &r->linear.sink[r->linear.count], r->why, sizeof r->why))
+            if (pupil_linear_sink_open(r->out[i], &options, &r->linear.sink[r->linear.count], &r->why))
                 return -1;
             r->linear.count++;
         }
@@ -215,7 +216,7 @@ static int write_frame(render *r, const pupil_frame *frame)
 {
     if (!r->rendered && open_outputs(r, &frame->image))
         return -1;
-    if (outputs_write(&r->linear, &frame->image, &frame->info, r->why, sizeof r->why))
+    if (outputs_write(&r->linear, &frame->image, &frame->info, &r->why))
         return -1;
     if (!r->display.count)
         return 0;
@@ -228,10 +229,10 @@ static int write_frame(render *r, const pupil_frame *frame)
     pupil_curve curve;
     int error = frame_work_process(r->work, &r->pupil, 0, &frame->image, &frame->info, &out, &r->stats, &curve);
     if (error) {
-        snprintf(r->why, sizeof r->why, "%s: %s", frame->name, pupil_error_string(error));
+        pupil_refuse(&r->why, "%s: %s", frame->name, pupil_error_string(error));
         return -1;
     }
-    return outputs_write(&r->display, &shown, &frame->info, r->why, sizeof r->why);
+    return outputs_write(&r->display, &shown, &frame->info, &r->why);
 }
 
 static void show_progress(render *r)
@@ -255,12 +256,12 @@ static int run(render *r)
             r->source_options.frames = 1;
     }
     r->source_options.stop = interrupt_came;
-    if (pupil_synth_source_open(r->scene, &r->source_options, &r->source, r->why, sizeof r->why))
+    if (pupil_synth_source_open(r->scene, &r->source_options, &r->source, &r->why))
         return -1;
     progress_begin(&r->progress, r->quiet, r->source->frames);
     while (!interrupt_came()) {
         pupil_frame frame;
-        int got = pupil_source_next(r->source, &frame, r->why, sizeof r->why);
+        int got = pupil_source_next(r->source, &frame, &r->why);
         if (got == PUPIL_SOURCE_END)
             break;
         if (got != PUPIL_SOURCE_FRAME || write_frame(r, &frame))
@@ -269,9 +270,9 @@ static int run(render *r)
         show_progress(r);
         pupil_source_done(r->source, &frame);
     }
-    if (interrupt_came() || outputs_finish(&r->linear, r->why, sizeof r->why))
+    if (interrupt_came() || outputs_finish(&r->linear, &r->why))
         return -1;
-    return outputs_finish(&r->display, r->why, sizeof r->why);
+    return outputs_finish(&r->display, &r->why);
 }
 
 static void end(render *r)
@@ -293,7 +294,7 @@ int render_main(int argc, char **argv)
         return EXIT_DONE;
     }
     if (parsed < 0) {
-        fprintf(stderr, "pupil render: %s\n", r.why);
+        fprintf(stderr, "pupil render: %s\n", r.why.text);
         return EXIT_USAGE;
     }
     interrupt_watch();
@@ -304,7 +305,7 @@ int render_main(int argc, char **argv)
     if (interrupted)
         fprintf(stderr, "pupil render: interrupted\n");
     else if (failed)
-        fprintf(stderr, "pupil render: %s\n", r.why);
+        fprintf(stderr, "pupil render: %s\n", r.why.text);
     else if (!r.quiet)
         fprintf(stderr, "rendered %llu frames in %.1f s\n", (unsigned long long)r.rendered, progress_now_s() - began_s);
     return interrupted ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : EXIT_DONE;

@@ -113,7 +113,7 @@ static void script(FILE *out, int is_png, const void *context)
             run->sum.aim_ev - 0.15, run->sum.aim_ev + 0.15, style, style, style);
 }
 
-int sim_plot(const sim_run *run, char *why, size_t why_bytes)
+int sim_plot(const sim_run *run, pupil_why *why)
 {
-    return pupil_plot_draw(run->options->plot, script, run, why, why_bytes);
+    return pupil_plot_draw(run->options->plot, script, run, why);
 }

@@ -15,13 +15,12 @@ enum { TAIL_FRAMES = 240, MOST_RANDOM_FRAMES = 2000, MOST_NAMED = 20 };
 enum { BLOCK = 16, ROUND = 64 * BLOCK };
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_INTERRUPTED = 130 };
 
-int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes)
+int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why)
 {
     fixture_loop *loop = &o->loop;
     fixture_plant_random(&loop->plant, seed);
     fixture_plant_random_script(seed, &loop->plant, o->light, sizeof o->light);
-    if (fixture_plant_check(&loop->plant, why, why_bytes) ||
-        fixture_light_parse(&loop->script, o->light, why, why_bytes))
+    if (fixture_plant_check(&loop->plant, why) || fixture_light_parse(&loop->script, o->light, why))
         return -1;
     fixture_loop_fit(loop);
     /* what an owner believes who knows no better than that 4 is the longest that is usual, or has seen it jitter */
@@ -34,7 +33,7 @@ int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes)
 
 typedef struct outcome {
     int is_done;
-    char why[256]; /* empty: all is well */
+    pupil_why why; /* empty: all is well */
 } outcome;
 
 typedef struct random_run {
@@ -55,20 +54,19 @@ static double cpu_s(void)
 }
 
 /* One plant; -1 and a sentence where it could not be run to its end or swings for ever. */
-static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, size_t *frames, char *why,
-                   size_t why_bytes)
+static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, size_t *frames, pupil_why *why)
 {
     size_t event;
-    if (sim_random_loop(o, seed, why, why_bytes))
+    if (sim_random_loop(o, seed, why))
         return -1;
     const size_t all = sim_frames(o, &event);
     *frames = all < MOST_RANDOM_FRAMES ? all : MOST_RANDOM_FRAMES;
-    if (fixture_loop_run(&o->loop, *frames, frame, why, why_bytes))
+    if (fixture_loop_run(&o->loop, *frames, frame, why))
         return -1;
     const fixture_loop_sum sum = fixture_loop_sum_of(frame, *frames, 0, SIM_RANDOM_REST);
     if (!sim_cycles(&sum))
         return 0;
-    return pupil_refuse(why, why_bytes, "a limit cycle: %u swings, %.2f EV from end to end, in %d frames", sum.swings,
+    return pupil_refuse(why, "a limit cycle: %u swings, %.2f EV from end to end, in %d frames", sum.swings,
                         sum.asked_pp_ev, (int)SIM_RANDOM_REST);
 }
 
@@ -95,8 +93,8 @@ static void try_block(void *context, size_t block)
     for (size_t i = from; i < to && !interrupt_came(); i++) {
         outcome *out = &r->outcome[i];
         size_t frames = 0;
-        const int failed = frame ? try_one(&o, o.seed + r->first + i, frame, &frames, out->why, sizeof out->why)
-                                 : pupil_refuse(out->why, sizeof out->why, "not enough memory");
+        const int failed = frame ? try_one(&o, o.seed + r->first + i, frame, &frames, &out->why)
+                                 : pupil_refuse(&out->why, "not enough memory");
         out->is_done = 1;
         pthread_mutex_lock(&r->lock);
         r->done++;
@@ -114,11 +112,11 @@ static void name_failed(random_run *r)
     const sim_options *o = r->options;
     for (size_t i = 0; i < r->count && r->named < MOST_NAMED; i++) {
         const unsigned long long seed = o->seed + r->first + i;
-        if (!r->outcome[i].is_done || !*r->outcome[i].why)
+        if (!r->outcome[i].is_done || !*r->outcome[i].why.text)
             continue;
         r->named++;
         progress_clear(&r->progress);
-        printf("seed %llu: %s; again with: pupil sim --random 1 --seed %llu", seed, r->outcome[i].why, seed);
+        printf("seed %llu: %s; again with: pupil sim --random 1 --seed %llu", seed, r->outcome[i].why.text, seed);
         if (o->loop.law->total)
             printf(" --controller %s", o->loop.law->name);
         if (o->believed)

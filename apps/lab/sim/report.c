@@ -40,14 +40,14 @@ static void line(FILE *out, const sim_run *run, const fixture_loop_frame *f)
     fputs("}\n", out);
 }
 
-int sim_stats(const sim_run *run, char *why, size_t why_bytes)
+int sim_stats(const sim_run *run, pupil_why *why)
 {
     const char *path = run->options->stats;
     const int standard = strcmp(path, "-") == 0;
     pupil_pending pending = {0};
     FILE *out = stdout;
     if (!standard) {
-        if (pupil_pending_file(&pending, path, why, why_bytes))
+        if (pupil_pending_file(&pending, path, why))
             return -1;
         out = fopen(pending.temporary, "we");
     }
@@ -56,9 +56,9 @@ int sim_stats(const sim_run *run, char *why, size_t why_bytes)
     int failed = !out || ferror(out);
     failed |= out && (standard ? fflush(out) : fclose(out)) != 0;
     if (failed)
-        pupil_refuse(why, why_bytes, "%s: the statistics cannot be written", standard ? "standard output" : path);
+        pupil_refuse(why, "%s: the statistics cannot be written", standard ? "standard output" : path);
     else if (!standard)
-        failed = pupil_pending_commit(&pending, why, why_bytes);
+        failed = pupil_pending_commit(&pending, why);
     pupil_pending_discard(&pending);
     return failed ? -1 : 0;
 }

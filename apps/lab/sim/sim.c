@@ -213,34 +213,34 @@ void sim_tell(sim_options *o)
 
 /* What goes together, and the loop that the options stand for; an exit status, and a sentence. */
 /* 0, or -1 for options that exclude each other. */
-static int check_together(const sim_options *o, char *why, size_t why_bytes)
+static int check_together(const sim_options *o, pupil_why *why)
 {
     if (o->plants && (o->camera || *o->light || o->scene || o->duration_s > 0.0))
-        return pupil_refuse(why, why_bytes, "--random: camera, light, scene and duration are what the seed makes them");
+        return pupil_refuse(why, "--random: camera, light, scene and duration are what the seed makes them");
     if (o->plants > 1 && (o->stats || o->plot))
-        return pupil_refuse(why, why_bytes, "--random %llu: --stats and --plot are of one run, --random 1",
+        return pupil_refuse(why, "--random %llu: --stats and --plot are of one run, --random 1",
                             (unsigned long long)o->plants);
     if (o->key_at && o->loop.law->total)
-        return pupil_refuse(why, why_bytes, "--key-at: is of --controller pupil; the published laws have one key");
+        return pupil_refuse(why, "--key-at: is of --controller pupil; the published laws have one key");
     return 0;
 }
 
-static int prepare(sim_options *o, char *why, size_t why_bytes)
+static int prepare(sim_options *o, pupil_why *why)
 {
-    if (check_together(o, why, why_bytes))
+    if (check_together(o, why))
         return EXIT_USAGE;
-    if (o->plot && pupil_plot_check(o->plot, why, why_bytes))
+    if (o->plot && pupil_plot_check(o->plot, why))
         return EXIT_FAILED;
     if (o->plants)
-        return o->plants == 1 && sim_random_loop(o, o->seed, why, why_bytes) ? EXIT_FAILED : EXIT_DONE;
+        return o->plants == 1 && sim_random_loop(o, o->seed, why) ? EXIT_FAILED : EXIT_DONE;
     if (!*o->light)
         strcpy(o->light, "2s step +3ev; 6s step -3ev");
-    if (o->camera && fixture_plant_parse(&o->loop.plant, o->camera, why, why_bytes))
+    if (o->camera && fixture_plant_parse(&o->loop.plant, o->camera, why))
         return EXIT_USAGE;
-    char words[PUPIL_WHY_BYTES];
-    if (fixture_light_parse(&o->loop.script, o->light, words, sizeof words))
-        return pupil_refuse(why, why_bytes, "--light: %s", words), EXIT_USAGE;
-    if (o->scene && sim_luminance(o->scene, o->loop.plant.width, o->loop.plant.height, &o->luminance, why, why_bytes))
+    pupil_why words;
+    if (fixture_light_parse(&o->loop.script, o->light, &words))
+        return pupil_refuse(why, "--light: %s", words.text), EXIT_USAGE;
+    if (o->scene && sim_luminance(o->scene, o->loop.plant.width, o->loop.plant.height, &o->luminance, why))
         return EXIT_FAILED;
     o->loop.plant.luminance = o->luminance;
     fixture_loop_fit(&o->loop);
@@ -261,13 +261,13 @@ size_t sim_frames(const sim_options *o, size_t *event)
     return count;
 }
 
-static int run_one(sim_options *o, char *why, size_t why_bytes)
+static int run_one(sim_options *o, pupil_why *why)
 {
     sim_run run = {.options = o, .rest = o->plants ? SIM_RANDOM_REST : REST_FRAMES};
     run.frames = sim_frames(o, &run.event);
     run.frame = malloc(run.frames * sizeof *run.frame);
-    int failed = run.frame ? fixture_loop_run(&o->loop, run.frames, run.frame, why, why_bytes)
-                           : pupil_refuse(why, why_bytes, "not enough memory for %zu frames", run.frames);
+    int failed = run.frame ? fixture_loop_run(&o->loop, run.frames, run.frame, why)
+                           : pupil_refuse(why, "not enough memory for %zu frames", run.frames);
     /* frames that never came have a number, too */
     while (!failed && run.event + run.rest < run.frames &&
            run.frame[run.event].truth.time_s < fixture_light_last_s(&o->loop.script) - 1e-6)
@@ -277,7 +277,7 @@ static int run_one(sim_options *o, char *why, size_t why_bytes)
         run.event--;
     if (!failed)
         run.sum = fixture_loop_sum_of(run.frame, run.frames, run.event, run.rest);
-    failed = failed || (o->stats && sim_stats(&run, why, why_bytes)) || (o->plot && sim_plot(&run, why, why_bytes));
+    failed = failed || (o->stats && sim_stats(&run, why)) || (o->plot && sim_plot(&run, why));
     if (!failed && !(o->stats && strcmp(o->stats, "-") == 0))
         sim_summary(&run, stdout);
     free(run.frame);
@@ -289,17 +289,17 @@ static int run_one(sim_options *o, char *why, size_t why_bytes)
 int sim_main(int argc, char **argv)
 {
     sim_options o = {.seed = 1, .mains_hz = PUPIL_SENSOR_MAINS_AUTO};
-    char why[PUPIL_WHY_BYTES] = "";
+    pupil_why why = {""};
     fixture_loop_default(&o.loop);
     const int wrong = read_options(argc, argv, &o);
     if (wrong)
         return wrong > 0 ? EXIT_USAGE : EXIT_DONE;
-    int status = prepare(&o, why, sizeof why);
+    int status = prepare(&o, &why);
     if (status == EXIT_DONE)
-        status = o.plants > 1 ? sim_random(&o) : run_one(&o, why, sizeof why);
+        status = o.plants > 1 ? sim_random(&o) : run_one(&o, &why);
     free(o.luminance);
-    if (*why)
-        fprintf(stderr, "pupil sim: %s\n", why);
+    if (*why.text)
+        fprintf(stderr, "pupil sim: %s\n", why.text);
     if (fflush(stdout) != 0 && status == EXIT_DONE) {
         fputs("pupil sim: standard output cannot be written\n", stderr);
         return EXIT_FAILED;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "loop.h"
+#include "pupil/error.h"
 
 typedef struct sim_options {
     fixture_loop loop;
@@ -30,15 +31,15 @@ typedef struct sim_run {
 } sim_run;
 
 /* Each 0, or -1 and a sentence. */
-int sim_stats(const sim_run *run, char *why, size_t why_bytes);
-int sim_plot(const sim_run *run, char *why, size_t why_bytes);
+int sim_stats(const sim_run *run, pupil_why *why);
+int sim_plot(const sim_run *run, pupil_why *why);
 void sim_summary(const sim_run *run, FILE *out);
 
 /* The controller's config, once its camera is there: what the options say of it. */
 void sim_tell(sim_options *o);
 
 /* The plant and script of a seed, with the controller of `o`. 0, or -1 and a sentence. */
-int sim_random_loop(sim_options *o, uint64_t seed, char *why, size_t why_bytes);
+int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why);
 /* How long it runs, and from which frame on nothing happens any more. */
 size_t sim_frames(const sim_options *o, size_t *event);
 enum { SIM_RANDOM_REST = 120 }; /* frames at the end of such a run in which nothing may swing */
@@ -49,7 +50,7 @@ int sim_random(const sim_options *o);
 int sim_cycles(const fixture_loop_sum *sum);
 
 /* The luminances of a recipe with all its lights on, to be freed. 0, or -1 and a sentence, and NULL. */
-int sim_luminance(const char *recipe, uint32_t width, uint32_t height, float **luminance, char *why, size_t why_bytes);
+int sim_luminance(const char *recipe, uint32_t width, uint32_t height, float **luminance, pupil_why *why);
 
 /* The names of pupil's states and reasons. */
 const char *sim_state_name(uint32_t state);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "file/sink/sink_common.h"
+#include "refuse.h"
 
 #define HEAD "formula,case,weight,threshold,frame"
 
@@ -40,13 +41,13 @@ static int place(const char *line, unsigned at[4], unsigned *frame)
            *frame < STUDY_FRAMES;
 }
 
-int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_bytes)
+int study_csv_read(study_cells *cells, const char *path, pupil_why *why)
 {
     char line[128];
     unsigned number = 0, known = 0, at[4], value;
     FILE *f = fopen(path, "re");
     if (!f)
-        return pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     memset(cells, 0, sizeof *cells);
     while (fgets(line, sizeof line, f)) {
         uint16_t *cell;
@@ -54,7 +55,7 @@ int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_b
             continue;
         if (!place(line, at, &value) || *(cell = &cells->frame[at[0]][at[1]][at[2]][at[3]])) {
             fclose(f);
-            return pupil_refuse(why, why_bytes,
+            return pupil_refuse(why,
                                 "%s: line %u is no cell of the tables, or one that was there already; lines are %s",
                                 path, number, HEAD);
         }
@@ -64,6 +65,6 @@ int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_b
     int failed = ferror(f);
     fclose(f);
     if (failed || known != STUDY_FORMULAS * STUDY_CASES * STUDY_WEIGHTS * STUDY_THRESHOLDS)
-        return pupil_refuse(why, why_bytes, "%s: has %u of the 1280 cells that the tables are", path, known);
+        return pupil_refuse(why, "%s: has %u of the 1280 cells that the tables are", path, known);
     return 0;
 }

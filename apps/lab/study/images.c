@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "file/sink/sink_common.h"
+#include "refuse.h"
 
 /* --- spheres by formula --- */
 
@@ -54,7 +55,7 @@ static void surface(double x, double y, vec *p, vec *n, double albedo[3])
     }
 }
 
-int study_images_reserve(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+int study_images_reserve(study_images *images, uint32_t width, uint32_t height, pupil_why *why)
 {
     size_t samples = (size_t)width * height * 3;
     *images = (study_images){.width = width, .height = height};
@@ -63,14 +64,14 @@ int study_images_reserve(study_images *images, uint32_t width, uint32_t height, 
     if (images->state[0] && images->state[1])
         return 0;
     study_images_free(images);
-    return pupil_refuse(why, why_bytes, "not enough memory for two pictures of %lux%lu", (unsigned long)width,
+    return pupil_refuse(why, "not enough memory for two pictures of %lux%lu", (unsigned long)width,
                         (unsigned long)height);
 }
 
-int study_images_spheres(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes)
+int study_images_spheres(study_images *images, uint32_t width, uint32_t height, pupil_why *why)
 {
     static const vec left = {-1.6, 0.8, 1.5}, right = {1.5, 0.7, 1.4};
-    if (study_images_reserve(images, width, height, why, why_bytes))
+    if (study_images_reserve(images, width, height, why))
         return -1;
     for (uint32_t row = 0; row < height; row++)
         for (uint32_t column = 0; column < width; column++) {

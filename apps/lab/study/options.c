@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pupil/image.h"
+#include "refuse.h"
 
 const char study_help[] = "usage: pupil study [SCENE] [options]\n"
                           "       pupil study --regression CSV [--check]\n"
@@ -108,7 +109,7 @@ static int take(study_options *o, int option, const char *text, const char **rig
     }
 }
 
-int study_options_parse(study_options *o, int argc, char **argv, char *why, size_t why_bytes)
+int study_options_parse(study_options *o, int argc, char **argv, pupil_why *why)
 {
     int option;
     *o = (study_options){0};
@@ -119,24 +120,24 @@ int study_options_parse(study_options *o, int argc, char **argv, char *why, size
         if (option == 'h')
             return STUDY_HELP;
         if (option == '?' || option == ':') {
-            snprintf(why, why_bytes, "%s: no such option, or its value is missing; 'pupil study --help' lists them",
-                     argv[optind - 1]);
+            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil study --help' lists them",
+                         argv[optind - 1]);
             return STUDY_USAGE;
         }
         if (take(o, option, optarg, &right)) {
-            snprintf(why, why_bytes, "%s, not %s", right, optarg);
+            pupil_refuse(why, "%s, not %s", right, optarg);
             return STUDY_USAGE;
         }
     }
     if (argc - optind > 1 || (o->regression && (argc > optind || o->out || o->videos || o->float32 || o->width))) {
-        snprintf(why, why_bytes,
-                 o->regression ? "--regression takes a table and --check, and nothing else of the study"
-                               : "%s: one scene at a time",
-                 argv[argc - 1]);
+        pupil_refuse(why,
+                     o->regression ? "--regression takes a table and --check, and nothing else of the study"
+                                   : "%s: one scene at a time",
+                     argv[argc - 1]);
         return STUDY_USAGE;
     }
     if (o->videos && !o->out) {
-        snprintf(why, why_bytes, "--video: needs --out, the folder that it is put in");
+        pupil_refuse(why, "--video: needs --out, the folder that it is put in");
         return STUDY_USAGE;
     }
     o->scene = optind < argc ? argv[optind] : "room";

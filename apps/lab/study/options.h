@@ -2,6 +2,7 @@
 #ifndef PUPIL_APPS_LAB_STUDY_OPTIONS_H
 #define PUPIL_APPS_LAB_STUDY_OPTIONS_H
 
+#include "pupil/error.h"
 #include <stddef.h>
 #include <stdint.h>
 
@@ -24,6 +25,6 @@ extern const char study_help[];
 
 enum { STUDY_RUN = 0, STUDY_USAGE = -1, STUDY_HELP = 1 };
 
-int study_options_parse(study_options *options, int argc, char **argv, char *why, size_t why_bytes);
+int study_options_parse(study_options *options, int argc, char **argv, pupil_why *why);
 
 #endif

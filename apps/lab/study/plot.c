@@ -58,8 +58,8 @@ static void script(FILE *out, int is_png, const void *context)
     fputs("unset multiplot\n", out);
 }
 
-int study_plot(const char *path, const study_result *result, unsigned which_case, char *why, size_t why_bytes)
+int study_plot(const char *path, const study_result *result, unsigned which_case, pupil_why *why)
 {
     drawing d = {result, which_case};
-    return pupil_plot_draw(path, script, &d, why, why_bytes);
+    return pupil_plot_draw(path, script, &d, why);
 }

@@ -80,10 +80,10 @@ static void compute(study_regression *r)
         }
 }
 
-int study_regression_make(study_regression *r, const char *csv, char *why, size_t why_bytes)
+int study_regression_make(study_regression *r, const char *csv, pupil_why *why)
 {
     memset(r, 0, sizeof *r);
-    if (study_csv_read(&r->seeds, csv, why, why_bytes))
+    if (study_csv_read(&r->seeds, csv, why))
         return -1;
     compute(r);
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "file/sink/sink_common.h"
+#include "refuse.h"
 #include "scene.h"
 #include "synth/spread.h"
 
@@ -36,7 +37,7 @@ static int find_states(const fixture_scene *scene, const fixture_scene_facts *fa
 }
 
 static int sum_state(float *rgb, const fixture_scene *scene, const fixture_scene_facts *facts, uint64_t frame,
-                     char *why, size_t why_bytes)
+                     pupil_why *why)
 {
     const float **image = malloc(facts->lights * sizeof *image);
     float *level = malloc(facts->lights * sizeof *level);
@@ -50,30 +51,28 @@ static int sum_state(float *rgb, const fixture_scene *scene, const fixture_scene
     if (!failed)
         fixture_sum_lights(rgb, image, level, facts->lights, samples);
     else
-        pupil_refuse(why, why_bytes, "not enough memory for the scene's light");
+        pupil_refuse(why, "not enough memory for the scene's light");
     free(image);
     free(level);
     return failed ? -1 : 0;
 }
 
-static int take_states(study_images *images, fixture_scene *scene, const char *name, int (*stop)(void), char *why,
-                       size_t why_bytes)
+static int take_states(study_images *images, fixture_scene *scene, const char *name, int (*stop)(void), pupil_why *why)
 {
     const fixture_scene_facts facts = fixture_scene_facts_of(scene);
     uint64_t state[2];
     if (facts.moves)
-        return pupil_refuse(why, why_bytes, "%s: its camera moves; the study needs one that stands still", name);
+        return pupil_refuse(why, "%s: its camera moves; the study needs one that stands still", name);
     if (!find_states(scene, &facts, state))
-        return pupil_refuse(why, why_bytes, "%s: its light never changes; the study needs a lamp with a level line",
-                            name);
-    if (fixture_scene_prepare(scene, why, why_bytes))
+        return pupil_refuse(why, "%s: its light never changes; the study needs a lamp with a level line", name);
+    if (fixture_scene_prepare(scene, why))
         return -1;
     if (stop && stop())
-        return pupil_refuse(why, why_bytes, "%s: stopped", name);
-    if (study_images_reserve(images, facts.width, facts.height, why, why_bytes))
+        return pupil_refuse(why, "%s: stopped", name);
+    if (study_images_reserve(images, facts.width, facts.height, why))
         return -1;
     for (int s = 0; s < 2; s++) {
-        if (sum_state(images->state[s], scene, &facts, state[s], why, why_bytes)) {
+        if (sum_state(images->state[s], scene, &facts, state[s], why)) {
             study_images_free(images);
             return -1;
         }
@@ -83,18 +82,18 @@ static int take_states(study_images *images, fixture_scene *scene, const char *n
 }
 
 int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
-                      int (*stop)(void), char *why, size_t why_bytes)
+                      int (*stop)(void), pupil_why *why)
 {
     pupil_spread spread = {threads, stop};
     fixture_scene *rendered = NULL;
     width = width ? width : 600;
     height = height ? height : 600;
     if (strcmp(scene, "spheres") == 0)
-        return study_images_spheres(images, width, height, why, why_bytes);
+        return study_images_spheres(images, width, height, why);
     fixture_scene_options options = {width, height, 0.0, pupil_spread_run, &spread};
-    if (fixture_scene_load(&rendered, scene, &options, why, why_bytes))
+    if (fixture_scene_load(&rendered, scene, &options, why))
         return -1;
-    int failed = take_states(images, rendered, scene, stop, why, why_bytes);
+    int failed = take_states(images, rendered, scene, stop, why);
     fixture_scene_free(rendered);
     return failed;
 }

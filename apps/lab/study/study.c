@@ -14,6 +14,7 @@
 #include "file/sink/sink_common.h"
 #include "options.h"
 #include "output/plot.h"
+#include "refuse.h"
 #include "report/replay_report.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
@@ -34,7 +35,8 @@ typedef struct study {
     const char *doing; /* what the progress is of */
     double began_s, shown_s;
     int made_folder;
-    char command[4096], why[1024];
+    char command[4096];
+    pupil_why why;
 } study;
 
 /* --- progress --- */
@@ -59,7 +61,7 @@ static void clear(const study *s)
 
 static int failed_code(study *s, int code)
 {
-    return code ? pupil_refuse(s->why, sizeof s->why, "%s: %s", s->options.scene, pupil_error_string(code)) : 0;
+    return code ? pupil_refuse(&s->why, "%s: %s", s->options.scene, pupil_error_string(code)) : 0;
 }
 
 /* --- the tables --- */
@@ -78,7 +80,7 @@ static int make_cells(study *s, const study_lights *lights, const study_states *
     for (int light = 0; !failed && light < 2; light++) {
         failed = study_target_open(&targets[light], &s->images, lights, light);
         if (failed)
-            pupil_refuse(s->why, sizeof s->why, "%s: not enough memory", s->options.scene);
+            pupil_refuse(&s->why, "%s: not enough memory", s->options.scene);
         if (!failed && result)
             failed = failed_code(s, study_distance_library(&targets[light], &s->images, lights, light,
                                                            &result->library_differ[light], &result->library_largest));
@@ -101,7 +103,7 @@ static int accept_scaled(study *s)
     study_states *states = malloc(sizeof *states);
     int failed = !lights || !states;
     if (failed)
-        pupil_refuse(s->why, sizeof s->why, "%s: not enough memory", s->options.scene);
+        pupil_refuse(&s->why, "%s: not enough memory", s->options.scene);
     for (size_t i = 0; !failed && i < sizeof shifts / sizeof shifts[0]; i++) {
         study_images_scale(&s->images, shifts[i]);
         failed = failed_code(s, study_lights_meter(lights, &s->images, shifts[i]));
@@ -124,7 +126,7 @@ static int make(study *s)
     s->doing = "rendering";
     show(s, 0, 1);
     if (study_images_open(&s->images, s->options.scene, s->options.width, s->options.height, s->options.threads,
-                          interrupt_came, s->why, sizeof s->why))
+                          interrupt_came, &s->why))
         return -1;
     s->doing = "states";
     show(s, 0, 1);
@@ -132,8 +134,7 @@ static int make(study *s)
         failed_code(s, study_states_make(&s->states, &s->lights, s->options.float32)))
         return -1;
     if (!(s->lights.ev[1] > s->lights.ev[0]))
-        return pupil_refuse(s->why, sizeof s->why, "%s: its two states of light have the same log-average",
-                            s->options.scene);
+        return pupil_refuse(&s->why, "%s: its two states of light have the same log-average", s->options.scene);
     s->doing = "tables, runs";
     if (make_cells(s, &s->lights, &s->states, &s->cells, r))
         return -1;
@@ -167,13 +168,13 @@ static int begin_folder(study *s)
     struct stat is;
     const char *out = s->options.out;
     if (strlen(out) > 4000)
-        return pupil_refuse(s->why, sizeof s->why, "--out: a path of over 4000 bytes");
+        return pupil_refuse(&s->why, "--out: a path of over 4000 bytes");
     s->made_folder = mkdir(out, 0777) == 0;
     int error = errno;
     if (!s->made_folder && (error != EEXIST || stat(out, &is) != 0 || !S_ISDIR(is.st_mode)))
-        return pupil_refuse(s->why, sizeof s->why, "%s: is no folder that the study can be put in: %s", out,
+        return pupil_refuse(&s->why, "%s: is no folder that the study can be put in: %s", out,
                             strerror(error == EEXIST ? ENOTDIR : error));
-    return pupil_plot_check(within(s, "level-case1.svg"), s->why, sizeof s->why);
+    return pupil_plot_check(within(s, "level-case1.svg"), &s->why);
 }
 
 static int write_all(study *s)
@@ -183,18 +184,18 @@ static int write_all(study *s)
         unsigned c = s->options.video[i].which_case, f = s->options.video[i].formula;
         snprintf(name, sizeof name, "case%u-formula%u.mp4", c + 1, f + 1);
         s->doing = name;
-        if (study_video(within(s, name), &s->images, &s->lights, c, f, show, s, s->why, sizeof s->why))
+        if (study_video(within(s, name), &s->images, &s->lights, c, f, show, s, &s->why))
             return -1;
     }
     s->doing = "writing";
     for (unsigned c = 0; c < STUDY_CASES; c++) {
         snprintf(name, sizeof name, "level-case%u.svg", c + 1);
-        if (study_plot(within(s, name), &s->result, c, s->why, sizeof s->why))
+        if (study_plot(within(s, name), &s->result, c, &s->why))
             return -1;
     }
-    return study_write(within(s, "study.csv"), write_csv, &s->result, s->why, sizeof s->why) ||
-                   study_write(within(s, "study.md"), study_markdown, &s->result, s->why, sizeof s->why) ||
-                   study_write(within(s, "study.html"), study_html, &s->result, s->why, sizeof s->why)
+    return study_write(within(s, "study.csv"), write_csv, &s->result, &s->why) ||
+                   study_write(within(s, "study.md"), study_markdown, &s->result, &s->why) ||
+                   study_write(within(s, "study.html"), study_html, &s->result, &s->why)
                ? -1
                : 0;
 }
@@ -221,8 +222,8 @@ static unsigned long tell(const study *s)
 static int regression(study *s)
 {
     static study_regression r;
-    if (study_regression_make(&r, s->options.regression, s->why, sizeof s->why)) {
-        fprintf(stderr, "pupil study: %s\n", s->why);
+    if (study_regression_make(&r, s->options.regression, &s->why)) {
+        fprintf(stderr, "pupil study: %s\n", s->why.text);
         return EXIT_FAILED;
     }
     study_test order = {.name = "A2"}, equal = {.name = "A3"}, one_number = {.name = "A5"};
@@ -247,7 +248,7 @@ static int run(study *s)
     s->shows = !s->options.quiet && terminal && strcmp(terminal, "dumb") != 0 && isatty(STDERR_FILENO);
     s->team = workers_open(s->options.threads);
     if (!s->team)
-        return pupil_refuse(s->why, sizeof s->why, "not enough memory");
+        return pupil_refuse(&s->why, "not enough memory");
     s->result = (study_result){.scene = s->options.scene,
                                .command = s->command,
                                .float32 = s->options.float32,
@@ -266,13 +267,13 @@ int study_main(int argc, char **argv)
 {
     static study s; /* the states alone are 5 MB */
     replay_report_command(s.command, sizeof s.command, argc, argv);
-    int parsed = study_options_parse(&s.options, argc, argv, s.why, sizeof s.why);
+    int parsed = study_options_parse(&s.options, argc, argv, &s.why);
     if (parsed == STUDY_HELP) {
         fputs(study_help, stdout);
         return EXIT_DONE;
     }
     if (parsed == STUDY_USAGE) {
-        fprintf(stderr, "pupil study: %s\n", s.why);
+        fprintf(stderr, "pupil study: %s\n", s.why.text);
         return EXIT_USAGE;
     }
     if (s.options.regression)
@@ -289,7 +290,7 @@ int study_main(int argc, char **argv)
         return EXIT_INTERRUPTED;
     }
     if (failed) {
-        fprintf(stderr, "pupil study: %s\n", s.why);
+        fprintf(stderr, "pupil study: %s\n", s.why.text);
         return EXIT_FAILED;
     }
     if (tell(&s) && s.options.check)

@@ -16,6 +16,7 @@
 #include <stdio.h>
 
 #include "frame/workers.h"
+#include "pupil/error.h"
 #include "pupil/pupil.h"
 
 #define STUDY_FORMULAS   4
@@ -39,9 +40,9 @@ typedef struct study_images {
  * renderer, whose darkest and brightest frames are the two states; 600x600 unless told otherwise. 0, or -1 and a
  * sentence. `stop`, where not NULL, is asked now and then whether to give up. */
 int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
-                      int (*stop)(void), char *why, size_t why_bytes);
-int study_images_reserve(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes);
-int study_images_spheres(study_images *images, uint32_t width, uint32_t height, char *why, size_t why_bytes);
+                      int (*stop)(void), pupil_why *why);
+int study_images_reserve(study_images *images, uint32_t width, uint32_t height, pupil_why *why);
+int study_images_spheres(study_images *images, uint32_t width, uint32_t height, pupil_why *why);
 void study_images_free(study_images *images);
 
 /* Rounds to the nearest binary16 (ties to even) within its range: the picture of the seeds was such a buffer. */
@@ -169,7 +170,7 @@ typedef struct study_regression {
 } study_regression;
 
 /* Against a table of the layout of study_csv. 0, or -1 and a sentence. */
-int study_regression_make(study_regression *regression, const char *csv, char *why, size_t why_bytes);
+int study_regression_make(study_regression *regression, const char *csv, pupil_why *why);
 
 /* --- study_tables.c, study_plot.c, study_video.c: what is written --- */
 
@@ -185,20 +186,20 @@ typedef struct study_result {
 } study_result;
 
 /* study_csv.c */
-int study_csv_read(study_cells *cells, const char *path, char *why, size_t why_bytes); /* only the frames */
+int study_csv_read(study_cells *cells, const char *path, pupil_why *why); /* only the frames */
 void study_csv(FILE *out, const study_cells *cells);
 void study_markdown(FILE *out, const study_result *result);
 void study_html(FILE *out, const study_result *result);
 
 /* Writes a complete file, or none. */
 typedef void study_writer(FILE *out, const study_result *result);
-int study_write(const char *path, study_writer *writer, const study_result *result, char *why, size_t why_bytes);
+int study_write(const char *path, study_writer *writer, const study_result *result, pupil_why *why);
 
 /* The level over time of a case, the four formulas at three weights. */
-int study_plot(const char *path, const study_result *result, unsigned which_case, char *why, size_t why_bytes);
+int study_plot(const char *path, const study_result *result, unsigned which_case, pupil_why *why);
 
 /* 1000x800, the twenty weights as 5x4 tiles in the tables' order. -1 and a sentence; 1: stopped. */
 int study_video(const char *path, const study_images *images, const study_lights *lights, unsigned which_case,
-                unsigned formula, study_progress *progress, void *context, char *why, size_t why_bytes);
+                unsigned formula, study_progress *progress, void *context, pupil_why *why);
 
 #endif

@@ -8,6 +8,7 @@
 
 #include "file/pending.h"
 #include "file/sink/sink_common.h"
+#include "refuse.h"
 #include "report/page.h"
 #include "report/style.h"
 
@@ -165,10 +166,10 @@ void study_html(FILE *out, const study_result *r)
 
 /* --- files --- */
 
-int study_write(const char *path, study_writer *writer, const study_result *result, char *why, size_t why_bytes)
+int study_write(const char *path, study_writer *writer, const study_result *result, pupil_why *why)
 {
     pupil_pending pending;
-    if (pupil_pending_file(&pending, path, why, why_bytes))
+    if (pupil_pending_file(&pending, path, why))
         return -1;
     FILE *f = fopen(pending.temporary, "we");
     int failed = !f;
@@ -178,9 +179,9 @@ int study_write(const char *path, study_writer *writer, const study_result *resu
         failed |= fclose(f) != 0;
     }
     if (failed)
-        pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
+        pupil_refuse(why, "%s: cannot be written: %s", path, strerror(errno));
     else
-        failed = pupil_pending_commit(&pending, why, why_bytes);
+        failed = pupil_pending_commit(&pending, why);
     pupil_pending_discard(&pending);
     return failed ? -1 : 0;
 }

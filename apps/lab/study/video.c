@@ -6,6 +6,7 @@
 
 #include "file/sink/sink_common.h"
 #include "output/outputs.h"
+#include "refuse.h"
 
 #define TILE    200u
 #define COLUMNS 5u
@@ -91,7 +92,7 @@ static int draw_tile(video *v, unsigned w, const study_lights *lights, int light
 }
 
 static int write_frames(video *v, outputs *o, const study_lights *lights, unsigned which_case, study_progress *progress,
-                        void *context, char *why, size_t why_bytes)
+                        void *context, pupil_why *why)
 {
     const pupil_image_const image = {.data = v->frame,
                                      .stride_bytes = (ptrdiff_t)sizeof v->frame[0],
@@ -103,9 +104,9 @@ static int write_frames(video *v, outputs *o, const study_lights *lights, unsign
         for (unsigned w = 0; w < STUDY_WEIGHTS; w++) {
             int error = draw_tile(v, w, lights, study_light_of(which_case, STUDY_FPS, i));
             if (error)
-                return pupil_refuse(why, why_bytes, "the video's frame %u: %s", i, pupil_error_string(error));
+                return pupil_refuse(why, "the video's frame %u: %s", i, pupil_error_string(error));
         }
-        if (outputs_write(o, &image, &info, why, why_bytes))
+        if (outputs_write(o, &image, &info, why))
             return -1;
         if (progress && progress(context, i + 1, STUDY_FRAMES))
             return 1;
@@ -114,20 +115,20 @@ static int write_frames(video *v, outputs *o, const study_lights *lights, unsign
 }
 
 int study_video(const char *path, const study_images *images, const study_lights *lights, unsigned which_case,
-                unsigned formula, study_progress *progress, void *context, char *why, size_t why_bytes)
+                unsigned formula, study_progress *progress, void *context, pupil_why *why)
 {
     const pupil_sink_options options = {.width = WIDTH, .height = HEIGHT, .fps = STUDY_FPS};
     outputs o = {.count = 0};
     video *v = calloc(1, sizeof *v);
     if (!v)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, "%s: not enough memory", path);
     shrink(v, images);
-    int failed = begin(v, lights, formula) ? pupil_refuse(why, why_bytes, "%s: cannot begin", path)
-                                           : outputs_open(&o, path, &options, why, why_bytes);
+    int failed =
+        begin(v, lights, formula) ? pupil_refuse(why, "%s: cannot begin", path) : outputs_open(&o, path, &options, why);
     if (!failed)
-        failed = write_frames(v, &o, lights, which_case, progress, context, why, why_bytes);
+        failed = write_frames(v, &o, lights, which_case, progress, context, why);
     if (!failed)
-        failed = outputs_finish(&o, why, why_bytes);
+        failed = outputs_finish(&o, why);
     outputs_discard(&o);
     free(v);
     return failed;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "file/still/still_private.h"
+#include "refuse.h"
 
 enum { YAW, PITCH, FOV };
 
@@ -53,21 +54,21 @@ static const char *refuse_key(const pupil_pan_path *p, int has_time)
     return NULL;
 }
 
-int pupil_pan_path_read(pupil_pan_path *p, const char *text, double fov, char *why, size_t why_bytes)
+int pupil_pan_path_read(pupil_pan_path *p, const char *text, double fov, pupil_why *why)
 {
     memset(p, 0, sizeof *p);
     for (const char *at = text;; at++) {
         int has_time, length = (int)strcspn(at, ":");
         const char *key = at, *wrong;
         if (p->count == PUPIL_PAN_MAX_KEYS) {
-            snprintf(why, why_bytes, "more than %d keyframes", PUPIL_PAN_MAX_KEYS);
+            pupil_refuse(why, "more than %d keyframes", PUPIL_PAN_MAX_KEYS);
             return -1;
         }
         p->values[FOV][p->count] = fov;
         at = read_key(p, at, &has_time);
         wrong = at ? refuse_key(p, has_time) : "yaw/pitch, yaw/pitch/fov, and either with @seconds was expected";
         if (wrong) {
-            snprintf(why, why_bytes, "keyframe \"%.*s\": %s", length > 60 ? 60 : length, key, wrong);
+            pupil_refuse(why, "keyframe \"%.*s\": %s", length > 60 ? 60 : length, key, wrong);
             return -1;
         }
         p->has_times = has_time;

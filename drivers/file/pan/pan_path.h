@@ -8,6 +8,7 @@
 #define PUPIL_DRIVERS_FILE_PAN_PAN_PATH_H
 
 #include "panorama.h"
+#include "pupil/error.h"
 
 #define PUPIL_PAN_MAX_KEYS 64
 #define PUPIL_PAN_MIN_FOV  5.0
@@ -24,7 +25,7 @@ typedef struct pupil_pan_path {
 
 /* Reads "yaw/pitch[/fov][@seconds]:..." (pan_source.h says what it means); keyframes without a field of view have the
  * given one. Call finish next. 0, or -1 and a sentence without the key's name. */
-int pupil_pan_path_read(pupil_pan_path *path, const char *text, double fov, char *why, size_t why_bytes);
+int pupil_pan_path_read(pupil_pan_path *path, const char *text, double fov, pupil_why *why);
 
 /* A walk of seeded turns that passes both views, the second right after the first, at times still without a scale. */
 void pupil_pan_path_draw(pupil_pan_path *path, uint64_t seed, pupil_view brightest, pupil_view darkest, double fov);

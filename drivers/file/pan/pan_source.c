@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "pan_path.h"
+#include "refuse.h"
 
 #define DEFAULT_SEED UINT64_C(1)
 
@@ -22,11 +23,10 @@ typedef struct pan_source {
     uint64_t sequence;
 } pan_source;
 
-static int pan_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int pan_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     pan_source *s = (pan_source *)source;
     (void)why;
-    (void)why_bytes;
     if (s->sequence == source->frames)
         return PUPIL_SOURCE_END;
     double time_s = (double)s->sequence / source->fps;
@@ -94,7 +94,7 @@ static int read_number(double *value, const char *text, double low, double high)
 }
 
 /* One "name=value". Paths are kept for later: they need the field of view. */
-static int read_key(pan_source *s, const char *key, const char **path, char *why, size_t why_bytes)
+static int read_key(pan_source *s, const char *key, const char **path, pupil_why *why)
 {
     const char *wanted = NULL, *value = strchr(key, '=');
     size_t length = value ? (size_t)(value++ - key) : 0;
@@ -112,11 +112,11 @@ static int read_key(pan_source *s, const char *key, const char **path, char *why
         wanted = "the keys of a pan are path, fov, size and duration";
     if (!wanted)
         return 0;
-    snprintf(why, why_bytes, "%s: key \"%.80s\": %s", s->file, key, wanted);
+    pupil_refuse(why, "%s: key \"%.80s\": %s", s->file, key, wanted);
     return -1;
 }
 
-static int read_spec(pan_source *s, const char *spec, char **keys, const char **path, char *why, size_t why_bytes)
+static int read_spec(pan_source *s, const char *spec, char **keys, const char **path, pupil_why *why)
 {
     const char *at;
     if (!strncmp(spec, PUPIL_PAN_PREFIX, strlen(PUPIL_PAN_PREFIX)))
@@ -125,36 +125,36 @@ static int read_spec(pan_source *s, const char *spec, char **keys, const char **
     s->file = strndup(spec, (size_t)(at - spec));
     *keys = strdup(*at ? at + 1 : at);
     if (!s->file || !*keys) {
-        snprintf(why, why_bytes, "%s: not enough memory", spec);
+        pupil_refuse(why, "%s: not enough memory", spec);
         return -1;
     }
     if (!*s->file) {
-        snprintf(why, why_bytes, "pan:: a panorama was expected, like pan:room.hdr or pan:room.exr,fov=60");
+        pupil_refuse(why, "pan:: a panorama was expected, like pan:room.hdr or pan:room.exr,fov=60");
         return -1;
     }
     for (char *key = *keys, *next; key && *key; key = next) {
         next = strchr(key, ',');
         if (next)
             *next++ = 0;
-        if (read_key(s, key, path, why, why_bytes))
+        if (read_key(s, key, path, why))
             return -1;
     }
     return 0;
 }
 
-static int load(pan_source *s, char *why, size_t why_bytes)
+static int load(pan_source *s, pupil_why *why)
 {
-    char words[256];
+    pupil_why words;
     pupil_still still = {0};
-    int rc = pupil_still_load(&still, s->file, why, why_bytes);
-    if (!rc && (rc = pupil_panorama_make(&s->panorama, &still, words, sizeof words)))
-        snprintf(why, why_bytes, "%s: %s", s->file, words);
+    int rc = pupil_still_load(&still, s->file, why);
+    if (!rc && (rc = pupil_panorama_make(&s->panorama, &still, &words)))
+        pupil_refuse(why, "%s: %s", s->file, words.text);
     pupil_still_free(&still);
     return rc;
 }
 
 /* The frames' size, where the spec left it open. */
-static int plan_size(pan_source *s, const pupil_source_options *options, char *why, size_t why_bytes)
+static int plan_size(pan_source *s, const pupil_source_options *options, pupil_why *why)
 {
     if (!s->width) {
         s->width = options && options->width ? options->width : 640;
@@ -162,13 +162,13 @@ static int plan_size(pan_source *s, const pupil_source_options *options, char *w
     }
     if (s->width <= PUPIL_MAX_SIDE_PX && s->height <= PUPIL_MAX_SIDE_PX)
         return 0;
-    snprintf(why, why_bytes, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width, s->height,
-             PUPIL_MAX_SIDE_PX);
+    pupil_refuse(why, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width, s->height,
+                 PUPIL_MAX_SIDE_PX);
     return -1;
 }
 
 /* How long it lasts, and with that how many frames there are. A path with times decides where nobody asked. */
-static int plan_frames(pan_source *s, const pupil_source_options *options, char *why, size_t why_bytes)
+static int plan_frames(pan_source *s, const pupil_source_options *options, pupil_why *why)
 {
     const double fps = options && options->fps > 0 ? options->fps : 30;
     const uint64_t asked = options ? options->frames : 0;
@@ -178,8 +178,8 @@ static int plan_frames(pan_source *s, const pupil_source_options *options, char 
     double frames = floor(s->duration_s * fps + 0.5);
     frames = asked && frames > (double)asked ? (double)asked : frames;
     if (!(frames <= 1e9)) {
-        snprintf(why, why_bytes, "%s: %g s at %g frames a second; at most 1000000000 frames can be made", s->file,
-                 s->duration_s, fps);
+        pupil_refuse(why, "%s: %g s at %g frames a second; at most 1000000000 frames can be made", s->file,
+                     s->duration_s, fps);
         return -1;
     }
     s->base.fps = fps;
@@ -188,17 +188,17 @@ static int plan_frames(pan_source *s, const pupil_source_options *options, char 
 }
 
 /* Fills in what the spec left open. */
-static int plan(pan_source *s, const char *path, const pupil_source_options *options, char *why, size_t why_bytes)
+static int plan(pan_source *s, const char *path, const pupil_source_options *options, pupil_why *why)
 {
-    char words[256];
+    pupil_why words;
     s->fov = s->fov > 0 ? s->fov : 75;
-    if (plan_size(s, options, why, why_bytes))
+    if (plan_size(s, options, why))
         return -1;
-    if (path && pupil_pan_path_read(&s->path, path, s->fov, words, sizeof words)) {
-        snprintf(why, why_bytes, "%s: path: %s", s->file, words);
+    if (path && pupil_pan_path_read(&s->path, path, s->fov, &words)) {
+        pupil_refuse(why, "%s: path: %s", s->file, words.text);
         return -1;
     }
-    if (plan_frames(s, options, why, why_bytes))
+    if (plan_frames(s, options, why))
         return -1;
     if (!path) {
         const uint64_t seed = options && options->seed ? options->seed : DEFAULT_SEED;
@@ -210,22 +210,20 @@ static int plan(pan_source *s, const char *path, const pupil_source_options *opt
     return 0;
 }
 
-int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, char *why,
-                          size_t why_bytes)
+int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, pupil_why *why)
 {
     char *keys = NULL;
     const char *path = NULL;
     pan_source *s = calloc(1, sizeof *s);
     if (!s) {
-        snprintf(why, why_bytes, "%s: not enough memory", spec);
+        pupil_refuse(why, "%s: not enough memory", spec);
         return PUPIL_SOURCE_FAILED;
     }
     s->base.ops = &pan_ops;
-    int rc = read_spec(s, spec, &keys, &path, why, why_bytes) || load(s, why, why_bytes) ||
-             plan(s, path, options, why, why_bytes);
+    int rc = read_spec(s, spec, &keys, &path, why) || load(s, why) || plan(s, path, options, why);
     free(keys);
     if (!rc && !(s->pixels = malloc((size_t)s->width * s->height * 3 * sizeof *s->pixels))) {
-        snprintf(why, why_bytes, "%s: not enough memory for frames of %u x %u", s->file, s->width, s->height);
+        pupil_refuse(why, "%s: not enough memory for frames of %u x %u", s->file, s->width, s->height);
         rc = -1;
     }
     if (rc) {

@@ -1,6 +1,7 @@
 /* drivers/file/pan/panorama.c: an equirectangular panorama and the pictures a pinhole camera takes in it. */
 #include "panorama.h"
 
+#include "refuse.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,19 +60,17 @@ static void fill_border(const pupil_panorama *p)
     }
 }
 
-int pupil_panorama_make(pupil_panorama *p, const pupil_still *still, char *why, size_t why_bytes)
+int pupil_panorama_make(pupil_panorama *p, const pupil_still *still, pupil_why *why)
 {
     memset(p, 0, sizeof *p);
     if (fabs(still->width - 2.0 * still->height) > 0.01 * still->width) {
-        snprintf(why, why_bytes,
-                 "%u x %u pixels; an equirectangular panorama is twice as wide as it is high (here %u x %u)",
-                 still->width, still->height, still->width, still->width / 2);
+        pupil_refuse(why, "%u x %u pixels; an equirectangular panorama is twice as wide as it is high (here %u x %u)",
+                     still->width, still->height, still->width, still->width / 2);
         return -1;
     }
     if (still->pixel != PUPIL_PIXEL_RGB32F) {
-        snprintf(why, why_bytes,
-                 "its pixels are coded for a display; a panorama of linear light (.hdr, .exr, .pfm, "
-                 "16-bit .png) was expected");
+        pupil_refuse(why, "its pixels are coded for a display; a panorama of linear light (.hdr, .exr, .pfm, "
+                          "16-bit .png) was expected");
         return -1;
     }
     p->width = still->width;
@@ -79,7 +78,7 @@ int pupil_panorama_make(pupil_panorama *p, const pupil_still *still, char *why, 
     p->row_floats = ((size_t)p->width + 2) * 3;
     p->texels = malloc(p->row_floats * ((size_t)p->height + 2) * sizeof(float));
     if (!p->texels) {
-        snprintf(why, why_bytes, "not enough memory for a panorama of %u x %u", p->width, p->height);
+        pupil_refuse(why, "not enough memory for a panorama of %u x %u", p->width, p->height);
         return -1;
     }
     for (uint32_t y = 0; y < p->height; y++) {

@@ -14,6 +14,7 @@
 #define PUPIL_DRIVERS_FILE_PAN_PANORAMA_H
 
 #include "file/still/still.h"
+#include "pupil/error.h"
 
 typedef struct pupil_panorama {
     uint32_t width, height;
@@ -29,7 +30,7 @@ typedef struct pupil_view {
 /* Takes a still of 2:1 (within 1 %), RGB32F. 0, or -1 and a sentence without a file name. NaN and negative texels stay
  * what they are and touch only the pixels that they lie in; infinite ones count as +-1e37, so that interpolating
  * between two does not make NaN of them. */
-int pupil_panorama_make(pupil_panorama *panorama, const pupil_still *still, char *why, size_t why_bytes);
+int pupil_panorama_make(pupil_panorama *panorama, const pupil_still *still, pupil_why *why);
 
 void pupil_panorama_free(pupil_panorama *panorama);
 

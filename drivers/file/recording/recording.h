@@ -12,6 +12,7 @@
 #ifndef PUPIL_DRIVERS_FILE_RECORDING_RECORDING_H
 #define PUPIL_DRIVERS_FILE_RECORDING_RECORDING_H
 
+#include "pupil/error.h"
 #include "source.h"
 
 typedef struct pupil_recorder pupil_recorder;
@@ -34,18 +35,18 @@ typedef struct pupil_recorder_counts {
  * be each frame's own. It is not written yet. 0, or
  * PUPIL_SINK_FAILED and a sentence (folder, no room on the disk, a pixel format that cannot be kept). */
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
-                        const pupil_recorder_options *options, char *why, size_t why_bytes);
+                        const pupil_recorder_options *options, pupil_why *why);
 /* 0: taken or lost (counted); PUPIL_SINK_FAILED and a sentence: another shape, or the disk failed; what was written
  * stays usable. */
-int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, char *why, size_t why_bytes);
+int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, pupil_why *why);
 void pupil_recorder_get_counts(pupil_recorder *recorder, pupil_recorder_counts *counts);
 /* Writes what waits and completes the files; the recorder is gone either way, or (give_up) as soon as the call that
  * hangs comes back. NULL is allowed. */
-int pupil_recorder_close(pupil_recorder *recorder, char *why, size_t why_bytes);
+int pupil_recorder_close(pupil_recorder *recorder, pupil_why *why);
 
 /* 1: the folder is a recording (it has a recording.json). */
 int pupil_is_recording(const char *folder);
 /* Its frames, with their infos, bit for bit; a recording that was cut off ends with its last whole frame. */
-int pupil_recording_open(const char *folder, pupil_source **source, char *why, size_t why_bytes);
+int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *why);
 
 #endif

@@ -2,27 +2,27 @@
 #include "recording.h"
 #include "refuse.h"
 
-static int refuse(const char *folder, char *why, size_t why_bytes)
+static int refuse(const char *folder, pupil_why *why)
 {
-    return pupil_refuse(why, why_bytes,
+    return pupil_refuse(why,
                         "%s: this build of pupil has no recordings (it was configured with PUPIL_MEDIA=OFF or "
                         "PUPIL_MEDIA=OFF)",
                         folder);
 }
 
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
-                        const pupil_recorder_options *options, char *why, size_t why_bytes)
+                        const pupil_recorder_options *options, pupil_why *why)
 {
     (void)first, (void)options;
     *recorder = NULL;
-    return refuse(folder, why, why_bytes);
+    return refuse(folder, why);
 }
 
 /* Nobody has an object to give these. */
-int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, char *why, size_t why_bytes)
+int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, pupil_why *why)
 {
     (void)recorder, (void)frame;
-    return refuse("", why, why_bytes);
+    return refuse("", why);
 }
 
 void pupil_recorder_get_counts(pupil_recorder *recorder, pupil_recorder_counts *counts)
@@ -31,15 +31,15 @@ void pupil_recorder_get_counts(pupil_recorder *recorder, pupil_recorder_counts *
     *counts = (pupil_recorder_counts){0};
 }
 
-int pupil_recorder_close(pupil_recorder *recorder, char *why, size_t why_bytes)
+int pupil_recorder_close(pupil_recorder *recorder, pupil_why *why)
 {
-    (void)recorder, (void)why, (void)why_bytes;
+    (void)recorder, (void)why;
     return 0;
 }
 
-int pupil_recording_open(const char *folder, pupil_source **source, char *why, size_t why_bytes)
+int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *why)
 {
     *source = NULL;
-    refuse(folder, why, why_bytes);
+    refuse(folder, why);
     return PUPIL_SOURCE_FAILED;
 }

@@ -31,66 +31,65 @@ static int is_ours(const char *name)
 }
 
 /* A folder that is there may be empty, or, where it is to be overwritten, hold a recording and nothing else. */
-static int look_through(const char *path, int overwrite, char *why, size_t why_bytes)
+static int look_through(const char *path, int overwrite, pupil_why *why)
 {
     DIR *folder = opendir(path);
     struct dirent *entry;
     int failed = 0;
     if (!folder)
-        return pupil_refuse(why, why_bytes, "%s: is no folder that can be used: %s", path, strerror(errno));
+        return pupil_refuse(why, "%s: is no folder that can be used: %s", path, strerror(errno));
     while (!failed && (entry = readdir(folder)) != NULL) {
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
         if (!is_ours(entry->d_name))
-            failed = pupil_refuse(why, why_bytes,
+            failed = pupil_refuse(why,
                                   "%s: is not used, for it holds %s, which is no part of a recording; name another "
                                   "folder",
                                   path, entry->d_name);
         else if (!overwrite)
-            failed = pupil_refuse(why, why_bytes,
-                                  "%s: is a recording already; name another folder, or overwrite it (-y, --overwrite)",
-                                  path);
+            failed = pupil_refuse(
+                why, "%s: is a recording already; name another folder, or overwrite it (-y, --overwrite)", path);
     }
     closedir(folder);
     return failed;
 }
 
-int pupil_recording_make_folder(const char *folder, int overwrite, char *why, size_t why_bytes)
+int pupil_recording_make_folder(const char *folder, int overwrite, pupil_why *why)
 {
     if (!*folder)
-        return pupil_refuse(why, why_bytes, "\"\": a recording needs a name, of a folder");
+        return pupil_refuse(why, "\"\": a recording needs a name, of a folder");
     if (mkdir(folder, 0777) == 0)
         return 1;
     if (errno == ENOENT)
-        return pupil_refuse(why, why_bytes, "%s: the folder that it is to be in is not there; make it first", folder);
+        return pupil_refuse(why, "%s: the folder that it is to be in is not there; make it first", folder);
     if (errno != EEXIST)
-        return pupil_refuse(why, why_bytes, "%s: the folder cannot be made: %s", folder, strerror(errno));
-    if (look_through(folder, overwrite, why, why_bytes))
+        return pupil_refuse(why, "%s: the folder cannot be made: %s", folder, strerror(errno));
+    if (look_through(folder, overwrite, why))
         return -1;
     pupil_recording_remove_files(folder);
     return 0;
 }
 
-int pupil_recording_create(const char *folder, const char *name, char *why, size_t why_bytes)
+int pupil_recording_create(const char *folder, const char *name, pupil_why *why)
 {
     char path[PATH_MAX];
     if (pupil_recording_path(path, folder, name))
-        return pupil_refuse(why, why_bytes, "%s: the name is too long", folder);
+        return pupil_refuse(why, "%s: the name is too long", folder);
     const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0)
-        return pupil_refuse(why, why_bytes, "%s: cannot be made: %s", path, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be made: %s", path, strerror(errno));
     return fd;
 }
 
 /* recording.json takes its place complete. */
-int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera, char *why,
-                                size_t why_bytes)
+int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera,
+                                pupil_why *why)
 {
     char part[PATH_MAX], path[PATH_MAX], *text = pupil_recording_about_text(about, camera);
-    const int fd = text ? pupil_recording_create(folder, PUPIL_RECORDING_PART, why, why_bytes) : -1;
+    const int fd = text ? pupil_recording_create(folder, PUPIL_RECORDING_PART, why) : -1;
     if (fd < 0) {
         free(text);
-        return text ? -1 : pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+        return text ? -1 : pupil_refuse(why, "%s: not enough memory", folder);
     }
     FILE *file = fdopen(fd, "w");
     int failed = !file || fprintf(file, "%s\n", text) < 0;
@@ -99,7 +98,6 @@ int pupil_recording_about_write(const char *folder, const pupil_recording_about 
     if (!failed)
         failed = pupil_recording_path(part, folder, PUPIL_RECORDING_PART) ||
                  pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT) || rename(part, path);
-    return failed ? pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_ABOUT ": cannot be written: %s", folder,
-                                 strerror(errno))
+    return failed ? pupil_refuse(why, "%s/" PUPIL_RECORDING_ABOUT ": cannot be written: %s", folder, strerror(errno))
                   : 0;
 }

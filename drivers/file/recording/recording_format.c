@@ -124,26 +124,25 @@ pupil_image_const pupil_recording_image(const pupil_recording_about *about, cons
     return image;
 }
 
-int pupil_recording_check(const pupil_recording_about *about, char *why, size_t why_bytes)
+int pupil_recording_check(const pupil_recording_about *about, pupil_why *why)
 {
     const char *fault = "";
     if (!pupil_recording_pixel_name(about->pixel))
-        return pupil_refuse(why, why_bytes, "frames of pixel format %u cannot be recorded; inputs of the library can",
+        return pupil_refuse(why, "frames of pixel format %u cannot be recorded; inputs of the library can",
                             about->pixel);
     const kept *f = &formats[about->pixel];
     if (!about->width || !about->height || about->width > PUPIL_MAX_SIDE_PX || about->height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, why_bytes, "frames of %u x %u pixels cannot be recorded; each side is 1 to %u",
-                            about->width, about->height, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, "frames of %u x %u pixels cannot be recorded; each side is 1 to %u", about->width,
+                            about->height, PUPIL_MAX_SIDE_PX);
     if (about->width % f->unit || (f->mosaic && about->height % 2))
-        return pupil_refuse(why, why_bytes,
-                            "frames of %u x %u pixels; of %s the width is a multiple of %u and the height even",
+        return pupil_refuse(why, "frames of %u x %u pixels; of %s the width is a multiple of %u and the height even",
                             about->width, about->height, f->name, f->unit);
     if (pupil_recording_bytes(about) > FRAME_MOST_BYTES)
-        return pupil_refuse(why, why_bytes, "frames of %zu bytes cannot be recorded; at most %u can, for Matroska",
+        return pupil_refuse(why, "frames of %zu bytes cannot be recorded; at most %u can, for Matroska",
                             pupil_recording_bytes(about), FRAME_MOST_BYTES);
     if (pupil_coding_check(&about->coding, about->pixel, &fault))
-        return pupil_refuse(why, why_bytes, "the coding of the frames: %s", fault);
+        return pupil_refuse(why, "the coding of the frames: %s", fault);
     if (!(about->fps > 0.0 && about->fps <= 1e6))
-        return pupil_refuse(why, why_bytes, "fps is %g; it must be above 0 and at most 1000000", about->fps);
+        return pupil_refuse(why, "fps is %g; it must be above 0 and at most 1000000", about->fps);
     return 0;
 }

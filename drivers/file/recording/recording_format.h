@@ -7,6 +7,7 @@
 #include <limits.h>
 #include <stdio.h>
 
+#include "pupil/error.h"
 #include "source.h"
 
 #define PUPIL_RECORDING_FRAMES  "frames.mkv"
@@ -40,15 +41,15 @@ void pupil_recording_pack(const pupil_image_const *image, unsigned char *bytes);
 pupil_image_const pupil_recording_image(const pupil_recording_about *about, const unsigned char *bytes);
 
 /* 0, or -1 and a sentence without its subject: frames that no image of the library can be. */
-int pupil_recording_check(const pupil_recording_about *about, char *why, size_t why_bytes);
+int pupil_recording_check(const pupil_recording_about *about, pupil_why *why);
 
 /* The text of recording.json; to be freed; NULL: out of memory. camera: whose frames these are, for people; NULL. */
 char *pupil_recording_about_text(const pupil_recording_about *about, const char *camera);
 /* The file, which takes its place complete. 0, or -1 and a sentence. */
-int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera, char *why,
-                                size_t why_bytes);
+int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera,
+                                pupil_why *why);
 /* Reads it again. 0, or -1 and a sentence that names the file, and the line or field where there is one. */
-int pupil_recording_about_read(const char *folder, pupil_recording_about *about, char *why, size_t why_bytes);
+int pupil_recording_about_read(const char *folder, pupil_recording_about *about, pupil_why *why);
 
 /* A line of frames.jsonl with its newline; its length. balance: the frame's own white balance; NULL: recording.json's.
  */
@@ -56,14 +57,14 @@ size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t fram
                             const float balance[3]);
 /* Reads it again; balance is left as it is where the line has none. 0, or -1 and a sentence without its subject that
  * names the field. */
-int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
-                              size_t why_bytes);
+int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3],
+                              pupil_why *why);
 
 /* Makes a folder (1), or clears one that is empty or, with overwrite, holds a recording and nothing else (0). -1 and a
  * sentence: nothing was touched. */
-int pupil_recording_make_folder(const char *folder, int overwrite, char *why, size_t why_bytes);
+int pupil_recording_make_folder(const char *folder, int overwrite, pupil_why *why);
 void pupil_recording_remove_files(const char *folder);
 /* A file of it that was not there before, to read and write; -1 and a sentence. */
-int pupil_recording_create(const char *folder, const char *name, char *why, size_t why_bytes);
+int pupil_recording_create(const char *folder, const char *name, pupil_why *why);
 
 #endif

@@ -225,49 +225,48 @@ static int is_matroska(int fd)
     return got < 0 || memcmp(bytes, head, (size_t)got) == 0;
 }
 
-static int open_format(pupil_mkv_reader *r, const char *path, char *why, size_t why_bytes)
+static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
 {
-    char words[256];
+    pupil_why words;
     struct stat status;
     if (stat(path, &status))
-        return pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     if (!S_ISREG(status.st_mode))
-        return pupil_refuse(why, why_bytes, "%s: is no file", path);
+        return pupil_refuse(why, "%s: is no file", path);
     if (!status.st_size)
         return 0;
-    if (pupil_video_io_open(&r->io, path, words, sizeof words))
-        return pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, words);
+    if (pupil_video_io_open(&r->io, path, &words))
+        return pupil_refuse(why, "%s: cannot be read: %s", path, words.text);
     if (!is_matroska(r->io.fd))
-        return pupil_refuse(why, why_bytes, "%s: is no Matroska", path);
+        return pupil_refuse(why, "%s: is no Matroska", path);
     r->packet = av_packet_alloc();
     r->format = avformat_alloc_context();
     if (!r->packet || !r->format)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, "%s: not enough memory", path);
     r->io.context->seekable = 0; /* from the front to the end: the index is for others */
     r->format->pb = r->io.context;
     r->format->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN; /* bytes as they are */
     pupil_video_log_clear();
     const int code = avformat_open_input(&r->format, "", av_find_input_format("matroska"), NULL);
-    const char *fault = code < 0 ? trouble(r, code, words) : NULL;
-    return fault ? pupil_refuse(why, why_bytes, "%s: is no Matroska that can be read: %s", path, fault) : 0;
+    const char *fault = code < 0 ? trouble(r, code, words.text) : NULL;
+    return fault ? pupil_refuse(why, "%s: is no Matroska that can be read: %s", path, fault) : 0;
 }
 
-int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, char *why, size_t why_bytes)
+int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, pupil_why *why)
 {
     pupil_mkv_reader *r = *reader = calloc(1, sizeof *r);
     if (!r)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", path);
+        return pupil_refuse(why, "%s: not enough memory", path);
     r->io.fd = -1;
     r->clock = clock_of(fps);
-    if (open_format(r, path, why, why_bytes) == 0)
+    if (open_format(r, path, why) == 0)
         return 0;
     pupil_mkv_close(r);
     *reader = NULL;
     return -1;
 }
 
-int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned char **bytes, size_t *size, char *why,
-                   size_t why_bytes)
+int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned char **bytes, size_t *size, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     const int64_t ms = next_ms(&r->clock, timestamp_ns);
@@ -278,12 +277,12 @@ int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned cha
     const int code = av_read_frame(r->format, r->packet);
     const char *fault = code < 0 ? trouble(r, code, words) : NULL;
     if (fault)
-        return pupil_refuse(why, why_bytes, "cannot be read: %s", fault);
+        return pupil_refuse(why, "cannot be read: %s", fault);
     if (code < 0)
         return 0;
     /* libavformat passes over what is damaged, and goes on with the next frame that is whole. */
     if (r->packet->pts != ms)
-        return pupil_refuse(why, why_bytes, "is damaged: a frame at %lld ms, where its line has it at %lld ms",
+        return pupil_refuse(why, "is damaged: a frame at %lld ms, where its line has it at %lld ms",
                             (long long)r->packet->pts, (long long)ms);
     *bytes = r->packet->data;
     *size = (size_t)r->packet->size;

@@ -8,6 +8,7 @@
 #ifndef PUPIL_DRIVERS_FILE_RECORDING_RECORDING_MKV_H
 #define PUPIL_DRIVERS_FILE_RECORDING_RECORDING_MKV_H
 
+#include "pupil/error.h"
 #include "recording_format.h"
 
 typedef struct pupil_mkv_writer pupil_mkv_writer;
@@ -23,11 +24,11 @@ void pupil_mkv_free(pupil_mkv_writer *writer); /* NULL is allowed */
 typedef struct pupil_mkv_reader pupil_mkv_reader;
 
 /* 0, or -1 and a sentence that begins with the path. A file that ends before its first frame is no failure. */
-int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, char *why, size_t why_bytes);
+int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, pupil_why *why);
 /* The next frame, which is the one of this timestamp; its bytes are good until the next call. 1; 0: the file ends, here
  * or in the middle of it; -1 and a sentence without the path. */
-int pupil_mkv_read(pupil_mkv_reader *reader, int64_t timestamp_ns, const unsigned char **bytes, size_t *size, char *why,
-                   size_t why_bytes);
+int pupil_mkv_read(pupil_mkv_reader *reader, int64_t timestamp_ns, const unsigned char **bytes, size_t *size,
+                   pupil_why *why);
 void pupil_mkv_close(pupil_mkv_reader *reader); /* NULL is allowed */
 
 #endif

@@ -23,14 +23,14 @@ typedef struct recording {
     pupil_jpeg *jpeg; /* NULL: frames are raw */
     uint64_t frame;   /* how many were handed out */
     int state;        /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } recording;
 
 __attribute__((format(printf, 2, 3))) static int failed(recording *r, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(r->why, sizeof r->why, format, arguments);
+    vsnprintf(r->why.text, sizeof r->why.text, format, arguments);
     va_end(arguments);
     return r->state = PUPIL_SOURCE_FAILED;
 }
@@ -38,7 +38,8 @@ __attribute__((format(printf, 2, 3))) static int failed(recording *r, const char
 /* The next line. PUPIL_SOURCE_FRAME; _END where there is none with its newline: it was being written. */
 static int next_line(recording *r, pupil_frame_info *info)
 {
-    char line[4096], words[256];
+    char line[4096];
+    pupil_why words;
     const unsigned long long number = r->frame + 1;
     uint64_t frame;
     if (!fgets(line, sizeof line, r->lines))
@@ -49,8 +50,8 @@ static int next_line(recording *r, pupil_frame_info *info)
                    ? PUPIL_SOURCE_END
                    : failed(r, "%s:%llu: the line is longer than any that pupil record writes", r->lines_path, number);
     memcpy(r->about.coding.balance, r->usual_balance, sizeof r->usual_balance);
-    if (pupil_recording_line_read(line, &frame, info, r->about.coding.balance, words, sizeof words))
-        return failed(r, "%s:%llu: %s", r->lines_path, number, words);
+    if (pupil_recording_line_read(line, &frame, info, r->about.coding.balance, &words))
+        return failed(r, "%s:%llu: %s", r->lines_path, number, words.text);
     if (frame != r->frame)
         return failed(r, "%s:%llu: \"frame\" is %llu; in this line it must be %llu", r->lines_path, number,
                       (unsigned long long)frame, (unsigned long long)r->frame);
@@ -74,11 +75,11 @@ static int next_bytes(recording *r, int64_t timestamp_ns)
 {
     const unsigned char *bytes;
     size_t size;
-    char words[512];
+    pupil_why words;
     const unsigned long long frame = r->frame;
-    const int got = pupil_mkv_read(r->mkv, timestamp_ns, &bytes, &size, words, sizeof words);
+    const int got = pupil_mkv_read(r->mkv, timestamp_ns, &bytes, &size, &words);
     if (got < 0)
-        return failed(r, "%s: frame %llu: %s", r->frames_path, frame, words);
+        return failed(r, "%s: frame %llu: %s", r->frames_path, frame, words.text);
     if (!got)
         return PUPIL_SOURCE_END;
     const size_t right = pupil_recording_bytes(&r->about);
@@ -93,19 +94,19 @@ static int next_bytes(recording *r, int64_t timestamp_ns)
 }
 
 /* As the camera's own frames were decoded, with the coding that they had. */
-static int decode(recording *r, pupil_image_const *image, char *why, size_t why_bytes)
+static int decode(recording *r, pupil_image_const *image, pupil_why *why)
 {
-    char words[512];
-    if (pupil_jpeg_decode(r->jpeg, r->bytes, r->size, image, words, sizeof words))
-        return pupil_refuse(why, why_bytes, "%s: frame %llu: %s", r->frames_path, (unsigned long long)r->frame, words);
+    pupil_why words;
+    if (pupil_jpeg_decode(r->jpeg, r->bytes, r->size, image, &words))
+        return pupil_refuse(why, "%s: frame %llu: %s", r->frames_path, (unsigned long long)r->frame, words.text);
     if (image->pixel != r->about.pixel)
-        return pupil_refuse(why, why_bytes, "%s: frame %llu is no JPEG of which %s is made, as of the others",
-                            r->frames_path, (unsigned long long)r->frame, pupil_recording_pixel_name(r->about.pixel));
+        return pupil_refuse(why, "%s: frame %llu is no JPEG of which %s is made, as of the others", r->frames_path,
+                            (unsigned long long)r->frame, pupil_recording_pixel_name(r->about.pixel));
     image->coding = &r->about.coding;
     return 0;
 }
 
-static int recording_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int recording_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     recording *r = (recording *)source;
     pupil_frame_info info;
@@ -115,11 +116,11 @@ static int recording_next(pupil_source *source, pupil_frame *frame, char *why, s
         r->state = next_bytes(r, info.timestamp_ns);
     if (r->state != PUPIL_SOURCE_FRAME) {
         if (r->state == PUPIL_SOURCE_FAILED)
-            snprintf(why, why_bytes, "%s", r->why);
+            pupil_refuse(why, "%s", r->why.text);
         return r->state;
     }
     memset(frame, 0, sizeof *frame);
-    if (r->jpeg && decode(r, &frame->image, why, why_bytes)) {
+    if (r->jpeg && decode(r, &frame->image, why)) {
         r->frame++;
         return PUPIL_SOURCE_DAMAGED;
     }
@@ -166,7 +167,7 @@ static uint64_t count_lines(FILE *lines)
 
 static int open_files(recording *r, const char *folder)
 {
-    char words[512];
+    pupil_why words;
     if (pupil_recording_path(r->frames_path, folder, PUPIL_RECORDING_FRAMES) ||
         pupil_recording_path(r->lines_path, folder, PUPIL_RECORDING_LINES))
         return failed(r, "%s: the name is too long", folder);
@@ -174,27 +175,26 @@ static int open_files(recording *r, const char *folder)
     r->lines = fopen(r->lines_path, "re");
     if (!r->lines)
         return failed(r, "%s: cannot be read: %s", r->lines_path, strerror(errno));
-    if (pupil_mkv_open(&r->mkv, r->frames_path, r->about.fps, r->why, sizeof r->why))
+    if (pupil_mkv_open(&r->mkv, r->frames_path, r->about.fps, &r->why))
         return -1;
-    if (r->about.jpeg &&
-        pupil_jpeg_open(&r->jpeg, r->about.width, r->about.height, &r->about.coding, words, sizeof words))
-        return failed(r, "%s: %s", r->frames_path, words);
+    if (r->about.jpeg && pupil_jpeg_open(&r->jpeg, r->about.width, r->about.height, &r->about.coding, &words))
+        return failed(r, "%s: %s", r->frames_path, words.text);
     if (reserve(r, pupil_recording_bytes(&r->about)))
         return failed(r, "%s: no memory for a frame", r->frames_path);
     return 0;
 }
 
-int pupil_recording_open(const char *folder, pupil_source **source, char *why, size_t why_bytes)
+int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *why)
 {
     recording *r = calloc(1, sizeof *r);
     *source = NULL;
     if (!r) {
-        snprintf(why, why_bytes, "%s: not enough memory", folder);
+        pupil_refuse(why, "%s: not enough memory", folder);
         return PUPIL_SOURCE_FAILED;
     }
     r->base.ops = &recording_ops;
     r->state = PUPIL_SOURCE_FRAME;
-    if (pupil_recording_about_read(folder, &r->about, why, why_bytes) == 0) {
+    if (pupil_recording_about_read(folder, &r->about, why) == 0) {
         memcpy(r->usual_balance, r->about.coding.balance, sizeof r->usual_balance);
         if (open_files(r, folder) == 0) {
             r->base.fps = r->about.fps;
@@ -202,7 +202,7 @@ int pupil_recording_open(const char *folder, pupil_source **source, char *why, s
             *source = &r->base;
             return 0;
         }
-        snprintf(why, why_bytes, "%s", r->why);
+        pupil_refuse(why, "%s", r->why.text);
     }
     recording_close(&r->base);
     return PUPIL_SOURCE_FAILED;

@@ -173,18 +173,18 @@ static int take(const field *f, const cJSON *item, whole_text *t)
     }
 }
 
-static int take_all(const char *path, const cJSON *object, whole_text *t, char *why, size_t why_bytes)
+static int take_all(const char *path, const cJSON *object, whole_text *t, pupil_why *why)
 {
     const cJSON *version = cJSON_GetObjectItemCaseSensitive(object, "version");
     for (size_t i = 0; i < FIELDS; i++) {
         const field *f = &fields[i];
         const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, f->name);
         if (!item || take(f, item, t))
-            return pupil_refuse(why, why_bytes, "%s: \"%s\" %s %s", path, f->name,
-                                item ? "must be" : "is missing; it must be", f->right);
+            return pupil_refuse(why, "%s: \"%s\" %s %s", path, f->name, item ? "must be" : "is missing; it must be",
+                                f->right);
         if (i == 0 && cJSON_GetNumberValue(version) != PUPIL_RECORDING_VERSION)
-            return pupil_refuse(why, why_bytes, "%s: \"version\" must be %d, the only one that this program reads",
-                                path, PUPIL_RECORDING_VERSION);
+            return pupil_refuse(why, "%s: \"version\" must be %d, the only one that this program reads", path,
+                                PUPIL_RECORDING_VERSION);
     }
     return 0;
 }
@@ -197,43 +197,43 @@ static unsigned line_of(const char *text, const char *at)
     return line;
 }
 
-static int parse(const char *path, const char *text, pupil_recording_about *about, char *why, size_t why_bytes)
+static int parse(const char *path, const char *text, pupil_recording_about *about, pupil_why *why)
 {
     const char *end = text;
     whole_text t = {0};
     cJSON *object = cJSON_ParseWithOpts(text, &end, 1);
     int failed;
     if (cJSON_IsObject(object))
-        failed = take_all(path, object, &t, why, why_bytes);
+        failed = take_all(path, object, &t, why);
     else
-        failed =
-            pupil_refuse(why, why_bytes, "%s:%u: that is no JSON; an object as pupil record writes it was expected",
-                         path, line_of(text, end));
+        failed = pupil_refuse(why, "%s:%u: that is no JSON; an object as pupil record writes it was expected", path,
+                              line_of(text, end));
     cJSON_Delete(object);
     *about = t.about;
     return failed;
 }
 
-int pupil_recording_about_read(const char *folder, pupil_recording_about *about, char *why, size_t why_bytes)
+int pupil_recording_about_read(const char *folder, pupil_recording_about *about, pupil_why *why)
 {
-    char path[PATH_MAX], words[256];
+    char path[PATH_MAX];
+    pupil_why words;
     if (pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT))
-        return pupil_refuse(why, why_bytes, "%s: the name is too long", folder);
+        return pupil_refuse(why, "%s: the name is too long", folder);
     FILE *file = fopen(path, "re");
     char *text = calloc(1, ABOUT_MOST_BYTES);
     const size_t length = file && text ? fread(text, 1, ABOUT_MOST_BYTES, file) : 0;
     int failed = 0;
     if (!file || !text || ferror(file))
-        failed = pupil_refuse(why, why_bytes, "%s: cannot be read: %s", path, strerror(errno));
+        failed = pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     else if (length == ABOUT_MOST_BYTES || strlen(text) != length)
-        failed = pupil_refuse(why, why_bytes, "%s: that is no recording.json: too long, or no text", path);
+        failed = pupil_refuse(why, "%s: that is no recording.json: too long, or no text", path);
     else
-        failed = parse(path, text, about, why, why_bytes);
+        failed = parse(path, text, about, why);
     if (file)
         fclose(file);
     free(text);
-    if (!failed && pupil_recording_check(about, words, sizeof words))
-        failed = pupil_refuse(why, why_bytes, "%s: %s", path, words);
+    if (!failed && pupil_recording_check(about, &words))
+        failed = pupil_refuse(why, "%s: %s", path, words.text);
     return failed;
 }
 
@@ -316,14 +316,13 @@ static int take_balance(const cJSON *item, float balance[3])
     return 0;
 }
 
-static int take_line(const cJSON *object, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
-                     size_t why_bytes)
+static int take_line(const cJSON *object, uint64_t *frame, pupil_frame_info *info, float balance[3], pupil_why *why)
 {
     static const char *const names[] = {"frame", "sequence", "timestamp_ns", "exposure_s", "gain", "balance"};
     for (int i = 0; i < 6; i++) {
         const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, names[i]);
         if (!item && i < 5)
-            return pupil_refuse(why, why_bytes, "\"%s\" is missing", names[i]);
+            return pupil_refuse(why, "\"%s\" is missing", names[i]);
         const int wrong = !item    ? 0
                           : i == 0 ? take_whole(item, frame)
                           : i == 1 ? take_whole(item, &info->sequence)
@@ -332,7 +331,7 @@ static int take_line(const cJSON *object, uint64_t *frame, pupil_frame_info *inf
                           : i == 4 ? take_known(item, &info->gain)
                                    : take_balance(item, balance);
         if (wrong)
-            return pupil_refuse(why, why_bytes, "\"%s\" must be %s", names[i],
+            return pupil_refuse(why, "\"%s\" must be %s", names[i],
                                 i < 3   ? "a whole number, in quotes where it is above 2^53"
                                 : i < 5 ? "a number"
                                         : "a list of three factors from 2^-10 to 2^10");
@@ -340,15 +339,14 @@ static int take_line(const cJSON *object, uint64_t *frame, pupil_frame_info *inf
     return 0;
 }
 
-int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3], char *why,
-                              size_t why_bytes)
+int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_info *info, float balance[3],
+                              pupil_why *why)
 {
     cJSON *object = cJSON_ParseWithOpts(line, NULL, 1);
     memset(info, 0, sizeof *info);
-    const int failed =
-        cJSON_IsObject(object)
-            ? take_line(object, frame, info, balance, why, why_bytes)
-            : pupil_refuse(why, why_bytes, "that is no JSON; a line as pupil record writes it was expected");
+    const int failed = cJSON_IsObject(object)
+                           ? take_line(object, frame, info, balance, why)
+                           : pupil_refuse(why, "that is no JSON; a line as pupil record writes it was expected");
     cJSON_Delete(object);
     return failed;
 }

@@ -49,7 +49,7 @@ struct pupil_recorder {
     unsigned free_count, full_count, full_first;
     int ending, failed, done, abandoned; /* abandoned: its thread frees it */
     pupil_recorder_counts counts;
-    char why[PUPIL_WHY_BYTES]; /* of failed */
+    pupil_why why; /* of failed */
 };
 
 static void free_recorder(pupil_recorder *r)
@@ -88,19 +88,18 @@ static int wait_for_disk(pupil_recorder *r)
     return 0;
 }
 
-static int given_up(const pupil_recorder *r, char *why, size_t why_bytes)
+static int given_up(const pupil_recorder *r, pupil_why *why)
 {
-    return pupil_refuse(why, why_bytes,
-                        "%s: the disk hangs, and is waited for no more; the %llu frames before are whole", r->folder,
-                        (unsigned long long)r->counts.written);
+    return pupil_refuse(why, "%s: the disk hangs, and is waited for no more; the %llu frames before are whole",
+                        r->folder, (unsigned long long)r->counts.written);
 }
 
 /* --- the thread --- */
 
 static int fail(pupil_recorder *r, const char *name)
 {
-    return pupil_refuse(r->why, sizeof r->why, "%s/%s: cannot be written: %s; the %llu frames before are whole",
-                        r->folder, name, strerror(errno), (unsigned long long)r->lines);
+    return pupil_refuse(&r->why, "%s/%s: cannot be written: %s; the %llu frames before are whole", r->folder, name,
+                        strerror(errno), (unsigned long long)r->lines);
 }
 
 /* The frame first, then its line: each line has its frame. */
@@ -213,17 +212,17 @@ static int fill(pupil_recorder *r, slot *s, const pupil_frame *frame)
 }
 
 /* A free slot's number; -1: there is none; -2: the recorder has failed, or is given up. */
-static int take_slot(pupil_recorder *r, char *why, size_t why_bytes)
+static int take_slot(pupil_recorder *r, pupil_why *why)
 {
     int number = -1, over = 0;
     pthread_mutex_lock(&r->lock);
     while (r->wait && !r->failed && !r->free_count && !over)
         over = wait_for_disk(r);
     if (over) {
-        given_up(r, why, why_bytes);
+        given_up(r, why);
         number = -2;
     } else if (r->failed) {
-        snprintf(why, why_bytes, "%s", r->why);
+        pupil_refuse(why, "%s", r->why.text);
         number = -2;
     } else if (r->free_count) {
         number = (int)r->free_slots[--r->free_count];
@@ -234,14 +233,14 @@ static int take_slot(pupil_recorder *r, char *why, size_t why_bytes)
     return number;
 }
 
-int pupil_recorder_write(pupil_recorder *r, const pupil_frame *frame, char *why, size_t why_bytes)
+int pupil_recorder_write(pupil_recorder *r, const pupil_frame *frame, pupil_why *why)
 {
     if (!same_shape(&r->about, frame))
-        return pupil_refuse(why, why_bytes,
+        return pupil_refuse(why,
                             "%s: a frame of %u x %u pixels came after frames of %u x %u, or of another format or "
                             "coding; a recording has one, so begin another",
                             r->folder, frame->image.width, frame->image.height, r->about.width, r->about.height);
-    const int number = take_slot(r, why, why_bytes);
+    const int number = take_slot(r, why);
     if (number < 0)
         return number == -1 ? PUPIL_SINK_OK : PUPIL_SINK_FAILED;
     const int failed = fill(r, &r->slots[number], frame);
@@ -253,9 +252,8 @@ int pupil_recorder_write(pupil_recorder *r, const pupil_frame *frame, char *why,
         pthread_cond_signal(&r->came);
     }
     pthread_mutex_unlock(&r->lock);
-    return failed
-               ? pupil_refuse(why, why_bytes, "%s: no memory for a frame of %zu bytes", r->folder, frame->coded_bytes)
-               : PUPIL_SINK_OK;
+    return failed ? pupil_refuse(why, "%s: no memory for a frame of %zu bytes", r->folder, frame->coded_bytes)
+                  : PUPIL_SINK_OK;
 }
 
 void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
@@ -267,18 +265,17 @@ void pupil_recorder_get_counts(pupil_recorder *r, pupil_recorder_counts *counts)
 
 /* --- open --- */
 
-static int make_files(pupil_recorder *r, const char *camera, char *why, size_t why_bytes)
+static int make_files(pupil_recorder *r, const char *camera, pupil_why *why)
 {
-    r->frames_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_FRAMES, why, why_bytes);
+    r->frames_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_FRAMES, why);
     if (r->frames_fd < 0)
         return -1;
-    r->lines_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_LINES, why, why_bytes);
+    r->lines_fd = pupil_recording_create(r->folder, PUPIL_RECORDING_LINES, why);
     if (r->lines_fd < 0)
         return -1;
     if (pupil_mkv_create(&r->mkv, r->frames_fd, &r->about))
-        return pupil_refuse(why, why_bytes, "%s/" PUPIL_RECORDING_FRAMES ": cannot be written: %s", r->folder,
-                            strerror(errno));
-    return pupil_recording_about_write(r->folder, &r->about, camera, why, why_bytes);
+        return pupil_refuse(why, "%s/" PUPIL_RECORDING_FRAMES ": cannot be written: %s", r->folder, strerror(errno));
+    return pupil_recording_about_write(r->folder, &r->about, camera, why);
 }
 
 static int make_slots(pupil_recorder *r, unsigned room)
@@ -322,21 +319,21 @@ static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_re
         a->coding = *first->image.coding;
 }
 
-static int begin(pupil_recorder *r, const pupil_recorder_options *options, char *why, size_t why_bytes)
+static int begin(pupil_recorder *r, const pupil_recorder_options *options, pupil_why *why)
 {
-    char words[512];
-    if (pupil_recording_check(&r->about, words, sizeof words))
-        return pupil_refuse(why, why_bytes, "%s: %s", r->folder, words);
+    pupil_why words;
+    if (pupil_recording_check(&r->about, &words))
+        return pupil_refuse(why, "%s: %s", r->folder, words.text);
     r->frame_bytes = pupil_recording_bytes(&r->about);
     if (make_slots(r, options->room))
-        return pupil_refuse(why, why_bytes, "%s: no memory for %u frames of %zu bytes that wait for the disk",
-                            r->folder, r->room, r->frame_bytes);
-    const int made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why, why_bytes);
+        return pupil_refuse(why, "%s: no memory for %u frames of %zu bytes that wait for the disk", r->folder, r->room,
+                            r->frame_bytes);
+    const int made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why);
     if (made_folder < 0)
         return -1;
-    int failed = make_files(r, options->camera, why, why_bytes);
+    int failed = make_files(r, options->camera, why);
     if (!failed && start(r))
-        failed = pupil_refuse(why, why_bytes, "%s: no thread can be started", r->folder);
+        failed = pupil_refuse(why, "%s: no thread can be started", r->folder);
     if (!failed)
         return 0;
     pupil_recording_remove_files(r->folder);
@@ -346,13 +343,13 @@ static int begin(pupil_recorder *r, const pupil_recorder_options *options, char 
 }
 
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
-                        const pupil_recorder_options *options, char *why, size_t why_bytes)
+                        const pupil_recorder_options *options, pupil_why *why)
 {
     pthread_condattr_t monotonic;
     pupil_recorder *r = calloc(1, sizeof *r);
     *recorder = NULL;
     if (!r)
-        return pupil_refuse(why, why_bytes, "%s: not enough memory", folder);
+        return pupil_refuse(why, "%s: not enough memory", folder);
     r->frames_fd = r->lines_fd = -1;
     r->wait = options->wait;
     r->give_up = options->give_up;
@@ -364,9 +361,9 @@ int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pup
     pthread_condattr_destroy(&monotonic);
     describe(r, first, options);
     const int too_long = snprintf(r->folder, sizeof r->folder, "%s", folder) >= (int)sizeof r->folder;
-    if (too_long || begin(r, options, why, why_bytes)) {
+    if (too_long || begin(r, options, why)) {
         if (too_long)
-            pupil_refuse(why, why_bytes, "the folder's name is too long");
+            pupil_refuse(why, "the folder's name is too long");
         free_recorder(r);
         return PUPIL_SINK_FAILED;
     }
@@ -376,7 +373,7 @@ int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pup
 
 /* --- close --- */
 
-int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
+int pupil_recorder_close(pupil_recorder *r, pupil_why *why)
 {
     if (!r)
         return PUPIL_SINK_OK;
@@ -388,7 +385,7 @@ int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
     const pthread_t thread = r->thread;
     const int abandoned = r->abandoned;
     if (abandoned) { /* under the lock: from its end on all of it is the thread's */
-        given_up(r, why, why_bytes);
+        given_up(r, why);
         pthread_detach(thread);
     }
     pthread_mutex_unlock(&r->lock);
@@ -397,7 +394,7 @@ int pupil_recorder_close(pupil_recorder *r, char *why, size_t why_bytes)
     pthread_join(thread, NULL);
     const int failed = r->failed;
     if (failed)
-        snprintf(why, why_bytes, "%s", r->why);
+        pupil_refuse(why, "%s", r->why.text);
     free_recorder(r);
     return failed ? PUPIL_SINK_FAILED : PUPIL_SINK_OK;
 }

@@ -3,11 +3,11 @@
 
 #include "sink_common.h"
 
+#include "refuse.h"
 #include <string.h>
 #include <strings.h>
 
-typedef int open_sink(const char *path, const pupil_sink_options *options, pupil_sink **sink, char *why,
-                      size_t why_bytes);
+typedef int open_sink(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 
 static const struct {
     const char *extension;
@@ -17,22 +17,21 @@ static const struct {
     {".y4m", pupil_y4m_sink_open},   {".png", pupil_png_sink_open},
 };
 
-int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, char *why,
-                         size_t why_bytes)
+int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
     *sink = NULL;
     if (!*path)
-        return pupil_refuse(why, why_bytes, "\"\": an output needs a name");
+        return pupil_refuse(why, "\"\": an output needs a name");
     if (strcmp(path, "-") == 0)
-        return pupil_y4m_sink_open(path, options, sink, why, why_bytes);
+        return pupil_y4m_sink_open(path, options, sink, why);
     /* A dot that begins the name begins no extension: "." and ".hidden" are folders. */
     if (!dot || dot == name || strcmp(name, "..") == 0)
-        return pupil_folder_sink_open(path, options, sink, why, why_bytes);
+        return pupil_folder_sink_open(path, options, sink, why);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcasecmp(dot, kinds[i].extension) == 0)
-            return kinds[i].open(path, options, sink, why, why_bytes);
-    return pupil_refuse(why, why_bytes,
+            return kinds[i].open(path, options, sink, why);
+    return pupil_refuse(why,
                         "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png, a "
                         "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output",
                         path, dot);

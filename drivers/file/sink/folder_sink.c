@@ -5,6 +5,7 @@
 #include "png_write.h"
 #include "sink_common.h"
 
+#include "refuse.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,15 +21,15 @@ typedef struct folder_sink {
     char *name;
 } folder_sink;
 
-static int folder_sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                             size_t why_bytes)
+static int folder_sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info,
+                             pupil_why *why)
 {
     folder_sink *f = (folder_sink *)sink;
     (void)info;
     snprintf(f->file, f->name_bytes, "%s/frame_%06" PRIu64 ".png", f->pending.temporary, f->frames);
     snprintf(f->name, f->name_bytes, "%s/frame_%06" PRIu64 ".png", f->pending.path, f->frames);
-    if (pupil_sink_check_image(f->pending.path, &f->options, image, why, why_bytes) ||
-        pupil_png_write(f->file, f->name, image, why, why_bytes))
+    if (pupil_sink_check_image(f->pending.path, &f->options, image, why) ||
+        pupil_png_write(f->file, f->name, image, why))
         return PUPIL_SINK_FAILED;
     f->frames++;
     return PUPIL_SINK_OK;
@@ -43,12 +44,12 @@ static void folder_sink_discard(pupil_sink *sink)
     free(f);
 }
 
-static int folder_sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
+static int folder_sink_finish(pupil_sink *sink, pupil_why *why)
 {
     folder_sink *f = (folder_sink *)sink;
     if (!f->frames)
-        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", f->pending.path);
-    if (pupil_pending_commit(&f->pending, why, why_bytes))
+        return pupil_refuse(why, "%s: nothing was written, for the input has no frame", f->pending.path);
+    if (pupil_pending_commit(&f->pending, why))
         return PUPIL_SINK_FAILED;
     folder_sink_discard(sink); /* after commit it only frees */
     return PUPIL_SINK_OK;
@@ -56,19 +57,18 @@ static int folder_sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
 
 static const pupil_sink_ops folder_sink_ops = {folder_sink_write, folder_sink_finish, folder_sink_discard};
 
-int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, char *why,
-                           size_t why_bytes)
+int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
 {
     folder_sink *f;
     *sink = NULL;
-    if (pupil_sink_check_options(path, options, why, why_bytes))
+    if (pupil_sink_check_options(path, options, why))
         return PUPIL_SINK_FAILED;
     f = calloc(1, sizeof *f);
     if (!f)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     f->sink.ops = &folder_sink_ops;
     f->options = *options;
-    if (pupil_pending_folder(&f->pending, path, options->overwrite, why, why_bytes)) {
+    if (pupil_pending_folder(&f->pending, path, options->overwrite, why)) {
         free(f);
         return PUPIL_SINK_FAILED;
     }
@@ -77,7 +77,7 @@ int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, 
     f->name = malloc(f->name_bytes);
     if (!f->file || !f->name) {
         folder_sink_discard(&f->sink);
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     }
     *sink = &f->sink;
     return PUPIL_SINK_OK;

@@ -3,6 +3,7 @@
 #include "file/pending.h"
 #include "sink_common.h"
 
+#include "refuse.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -44,17 +45,15 @@ int pupil_is_linear_path(const char *path, int *single)
     return kind_of(path, single) != NULL;
 }
 
-static int linear_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                        size_t why_bytes)
+static int linear_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
 {
     linear_sink *l = (linear_sink *)sink;
     const char *path = l->pending.temporary, *shown = l->pending.path;
     if (!l->pending.is_folder && l->frames)
-        return pupil_refuse(why, why_bytes, "%s: one picture was asked for but there are more frames; name a folder",
-                            shown);
+        return pupil_refuse(why, "%s: one picture was asked for but there are more frames; name a folder", shown);
     if (image->pixel != PUPIL_PIXEL_RGB32F || image->width != l->options.width || image->height != l->options.height)
-        return pupil_refuse(why, why_bytes, "%s: takes linear RGB float frames of %ux%u, all of one size", shown,
-                            l->options.width, l->options.height);
+        return pupil_refuse(why, "%s: takes linear RGB float frames of %ux%u, all of one size", shown, l->options.width,
+                            l->options.height);
     if (l->pending.is_folder) {
         snprintf(l->name, l->name_bytes, "%s/frame_%06" PRIu64 ".exr", l->pending.temporary, info->sequence);
         path = l->name;
@@ -66,7 +65,7 @@ static int linear_write(pupil_sink *sink, const pupil_image_const *image, const 
         error = errno;
     }
     if (failed)
-        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", shown, strerror(error));
+        return pupil_refuse(why, "%s: cannot be written: %s", shown, strerror(error));
     l->frames++;
     return PUPIL_SINK_OK;
 }
@@ -79,12 +78,12 @@ static void linear_discard(pupil_sink *sink)
     free(l);
 }
 
-static int linear_finish(pupil_sink *sink, char *why, size_t why_bytes)
+static int linear_finish(pupil_sink *sink, pupil_why *why)
 {
     linear_sink *l = (linear_sink *)sink;
     if (!l->frames)
-        return pupil_refuse(why, why_bytes, "%s: nothing was written, for there is no frame", l->pending.path);
-    if (pupil_pending_commit(&l->pending, why, why_bytes))
+        return pupil_refuse(why, "%s: nothing was written, for there is no frame", l->pending.path);
+    if (pupil_pending_commit(&l->pending, why))
         return PUPIL_SINK_FAILED;
     linear_discard(sink); /* after commit it only frees */
     return PUPIL_SINK_OK;
@@ -92,22 +91,21 @@ static int linear_finish(pupil_sink *sink, char *why, size_t why_bytes)
 
 static const pupil_sink_ops linear_ops = {linear_write, linear_finish, linear_discard};
 
-int pupil_linear_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, char *why,
-                           size_t why_bytes)
+int pupil_linear_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
 {
     int single;
     write_picture *write = kind_of(path, &single);
     *sink = NULL;
     if (!write)
-        return pupil_refuse(why, why_bytes, "%s: a linear output is a .exr, .hdr or .pfm, or a folder of EXR", path);
+        return pupil_refuse(why, "%s: a linear output is a .exr, .hdr or .pfm, or a folder of EXR", path);
     linear_sink *l = calloc(1, sizeof *l);
     if (!l)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     l->sink.ops = &linear_ops;
     l->options = *options;
     l->write = write;
-    if (single ? pupil_pending_file(&l->pending, path, why, why_bytes)
-               : pupil_pending_folder(&l->pending, path, options->overwrite, why, why_bytes)) {
+    if (single ? pupil_pending_file(&l->pending, path, why)
+               : pupil_pending_folder(&l->pending, path, options->overwrite, why)) {
         free(l);
         return PUPIL_SINK_FAILED;
     }
@@ -115,7 +113,7 @@ int pupil_linear_sink_open(const char *path, const pupil_sink_options *options, 
     l->name = malloc(l->name_bytes);
     if (!l->name) {
         linear_discard(&l->sink);
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     }
     *sink = &l->sink;
     return PUPIL_SINK_OK;

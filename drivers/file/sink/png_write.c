@@ -2,6 +2,7 @@
 
 #include "sink_common.h"
 
+#include "refuse.h"
 #include <errno.h>
 #include <png.h>
 #include <setjmp.h>
@@ -63,13 +64,13 @@ static int encode(png_job *job, const pupil_image_const *image)
     return 0;
 }
 
-int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, char *why, size_t why_bytes)
+int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, pupil_why *why)
 {
     png_job job = {.problem = "out of memory"};
     int failed = -1;
     job.file = fopen(path, "wbe");
     if (!job.file)
-        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", name, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be written: %s", name, strerror(errno));
     job.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning);
     if (job.png && (job.info = png_create_info_struct(job.png)) != NULL)
         failed = encode(&job, image);
@@ -79,6 +80,6 @@ int pupil_png_write(const char *path, const char *name, const pupil_image_const 
         failed = -1;
     }
     if (failed)
-        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", name, job.problem);
+        return pupil_refuse(why, "%s: cannot be written: %s", name, job.problem);
     return 0;
 }

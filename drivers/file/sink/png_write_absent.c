@@ -1,11 +1,12 @@
 /* In place of png_write.c in a build without the media libraries. */
 #include "png_write.h"
 
+#include "refuse.h"
 #include <stdio.h>
 
-int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, char *why, size_t why_bytes)
+int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, pupil_why *why)
 {
     (void)path, (void)image;
-    snprintf(why, why_bytes, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
+    pupil_refuse(why, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
     return -1;
 }

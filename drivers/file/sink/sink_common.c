@@ -1,5 +1,6 @@
 #include "sink_common.h"
 
+#include "refuse.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -7,28 +8,27 @@
 #define FPS_MIN 0.001
 #define FPS_MAX 30000.0
 
-int pupil_sink_check_options(const char *path, const pupil_sink_options *options, char *why, size_t why_bytes)
+int pupil_sink_check_options(const char *path, const pupil_sink_options *options, pupil_why *why)
 {
     if (options->width < 1 || options->width > PUPIL_MAX_SIDE_PX || options->height < 1 ||
         options->height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, why_bytes, "%s: frames of %u x %u pixels cannot be written; each side is 1 to %u",
-                            path, options->width, options->height, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, "%s: frames of %u x %u pixels cannot be written; each side is 1 to %u", path,
+                            options->width, options->height, PUPIL_MAX_SIDE_PX);
     if (!(options->fps >= FPS_MIN && options->fps <= FPS_MAX))
-        return pupil_refuse(why, why_bytes, "%s: %g frames a second cannot be written; give %g to %g", path,
-                            options->fps, FPS_MIN, FPS_MAX);
+        return pupil_refuse(why, "%s: %g frames a second cannot be written; give %g to %g", path, options->fps, FPS_MIN,
+                            FPS_MAX);
     return PUPIL_SINK_OK;
 }
 
 int pupil_sink_check_image(const char *path, const pupil_sink_options *options, const pupil_image_const *image,
-                           char *why, size_t why_bytes)
+                           pupil_why *why)
 {
     if (image->pixel != PUPIL_PIXEL_RGB8)
-        return pupil_refuse(why, why_bytes, "%s: pixel format %u cannot be written; display frames are 8-bit RGB", path,
+        return pupil_refuse(why, "%s: pixel format %u cannot be written; display frames are 8-bit RGB", path,
                             image->pixel);
     if (image->width != options->width || image->height != options->height)
-        return pupil_refuse(why, why_bytes,
-                            "%s: a frame of %u x %u pixels came after frames of %u x %u; all must be of one size", path,
-                            image->width, image->height, options->width, options->height);
+        return pupil_refuse(why, "%s: a frame of %u x %u pixels came after frames of %u x %u; all must be of one size",
+                            path, image->width, image->height, options->width, options->height);
     return PUPIL_SINK_OK;
 }
 

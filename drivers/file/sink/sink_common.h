@@ -2,13 +2,14 @@
 #ifndef PUPIL_DRIVERS_FILE_SINK_SINK_COMMON_H
 #define PUPIL_DRIVERS_FILE_SINK_SINK_COMMON_H
 
+#include "pupil/error.h"
 #include "refuse.h" /* its -1 is PUPIL_SINK_FAILED */
 #include "sink.h"
 
 /* 0, or a sentence that begins with `path` and names the field. */
-int pupil_sink_check_options(const char *path, const pupil_sink_options *options, char *why, size_t why_bytes);
+int pupil_sink_check_options(const char *path, const pupil_sink_options *options, pupil_why *why);
 int pupil_sink_check_image(const char *path, const pupil_sink_options *options, const pupil_image_const *image,
-                           char *why, size_t why_bytes);
+                           pupil_why *why);
 
 /* fps as num / den: the NTSC rates as what they are (29.97 is 30000/1001), others to 1e-9 where a
  * denominator up to 65535 gives that, else the nearest. fps is one that the check above lets through. */

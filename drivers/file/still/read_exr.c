@@ -49,8 +49,7 @@ static void on_error(exr_const_context_t file, exr_result_t code, const char *me
 
 int pupil_exr_fail(exr_plan *plan, const char *what)
 {
-    return pupil_still_fail(plan->why, plan->why_bytes, "%s%s%s", what, *plan->library_says ? ": " : "",
-                            plan->library_says);
+    return pupil_still_fail(plan->why, "%s%s%s", what, *plan->library_says ? ": " : "", plan->library_says);
 }
 
 /* The channel "prefix.name" (or plain "name" where there is no prefix), or -1. */
@@ -91,7 +90,7 @@ static int no_picture(exr_plan *plan)
     for (int c = 0; c < plan->channels->num_channels && used < sizeof names; c++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s", c ? ", " : "",
                                  plan->channels->entries[c].name.str);
-    return pupil_still_fail(plan->why, plan->why_bytes,
+    return pupil_still_fail(plan->why,
                             "has the channels %s%s; R, G and B, or Y (with RY and BY), are needed, in one layer", names,
                             used >= sizeof names ? "..." : "");
 }
@@ -106,15 +105,14 @@ static int check_sampling(exr_plan *plan)
         entry = plan->channels->entries + plan->channel[i];
         if (plan->kind == EXR_KIND_LUMA_CHROMA && i != 1) {
             if (i == 2 && (entry->x_sampling != plan->step_x || entry->y_sampling != plan->step_y))
-                return pupil_still_fail(plan->why, plan->why_bytes, "has RY and BY channels of different sampling");
+                return pupil_still_fail(plan->why, "has RY and BY channels of different sampling");
             plan->step_x = entry->x_sampling;
             plan->step_y = entry->y_sampling;
             if (plan->step_x < 1 || plan->step_x > 2 || plan->step_y < 1 || plan->step_y > 2)
-                return pupil_still_fail(plan->why, plan->why_bytes,
-                                        "has chroma sampled every %d x %d pixels; 1 and 2 are read", plan->step_x,
-                                        plan->step_y);
+                return pupil_still_fail(plan->why, "has chroma sampled every %d x %d pixels; 1 and 2 are read",
+                                        plan->step_x, plan->step_y);
         } else if (entry->x_sampling != 1 || entry->y_sampling != 1) {
-            return pupil_still_fail(plan->why, plan->why_bytes,
+            return pupil_still_fail(plan->why,
                                     "has channel %.60s sampled every %d x %d pixels; it must be there for each",
                                     entry->name.str, entry->x_sampling, entry->y_sampling);
         }
@@ -140,17 +138,17 @@ static int check_windows(exr_plan *plan, size_t size)
     uint64_t height = (uint64_t)((int64_t)data->max.y - data->min.y + 1);
     if (data->max.x < data->min.x || data->max.y < data->min.y || display->max.x < display->min.x ||
         display->max.y < display->min.y)
-        return pupil_still_fail(plan->why, plan->why_bytes, "has an empty data window or display window");
-    if (pupil_still_size_ok(width, height, plan->why, plan->why_bytes))
+        return pupil_still_fail(plan->why, "has an empty data window or display window");
+    if (pupil_still_size_ok(width, height, plan->why))
         return -1;
     if (data->max.x < display->min.x || data->min.x > display->max.x || data->max.y < display->min.y ||
         data->min.y > display->max.y)
-        return pupil_still_fail(plan->why, plan->why_bytes, "has a data window wholly outside its display window");
+        return pupil_still_fail(plan->why, "has a data window wholly outside its display window");
     for (int c = 0; c < plan->channels->num_channels; c++)
         bytes += plan->channels->entries[c].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     /* Channels of lower sampling count in full: a bound need not be tight. */
     if (width * height / MAX_RATIO * (plan->kind == EXR_KIND_LUMA_CHROMA ? 1 : bytes) > size)
-        return pupil_still_fail(plan->why, plan->why_bytes,
+        return pupil_still_fail(plan->why,
                                 "the header promises %" PRIu64 " x %" PRIu64 " pixels, more than %zu bytes can hold",
                                 width, height, size);
     return 0;
@@ -199,8 +197,7 @@ static int plan_part(exr_plan *plan, int part, size_t size)
     if (exr_get_storage(plan->file, part, &storage) != EXR_ERR_SUCCESS)
         return pupil_exr_fail(plan, "has a damaged header");
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
-        return pupil_still_fail(plan->why, plan->why_bytes,
-                                "holds deep data; flatten it first, only flat pictures are read");
+        return pupil_still_fail(plan->why, "holds deep data; flatten it first, only flat pictures are read");
     plan->is_tiled = storage == EXR_STORAGE_TILED;
     if (exr_get_data_window(plan->file, part, &plan->data) != EXR_ERR_SUCCESS ||
         exr_get_display_window(plan->file, part, &plan->display) != EXR_ERR_SUCCESS ||
@@ -219,23 +216,21 @@ static int read_parts(exr_plan *plan, pupil_still *still, size_t size)
     if (exr_get_count(plan->file, &parts) != EXR_ERR_SUCCESS || parts < 1)
         return pupil_exr_fail(plan, "has no part");
     for (int part = 0; part < parts; part++) {
-        char *why = plan->why;
-        size_t why_bytes = plan->why_bytes;
+        pupil_why *why = plan->why;
         int result;
         if (part > 0) /* the first part's sentence is the one to keep */
-            plan->why_bytes = 0;
+            plan->why = NULL;
         result = plan_part(plan, part, size);
         plan->why = why;
-        plan->why_bytes = why_bytes;
         if (result == 0)
             return pupil_exr_read_pixels(plan, still);
     }
     return -1;
 }
 
-int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
-    exr_plan plan = {.why = why, .why_bytes = why_bytes};
+    exr_plan plan = {.why = why};
     memory_file memory = {bytes, size, &plan};
     exr_context_initializer_t initial = EXR_DEFAULT_CONTEXT_INITIALIZER;
     int result;

@@ -5,6 +5,7 @@
 
 #include <openexr.h>
 
+#include "pupil/error.h"
 #include "still_private.h"
 
 typedef enum exr_kind {
@@ -25,8 +26,7 @@ typedef struct exr_plan {
     int channel[3];     /* places in `channels`, in the order of the output; -1: not used */
     int step_x, step_y; /* of the chroma channels, in pixels: 1 or 2 */
     pupil_still_colour colour;
-    char *why; /* the sentence of the first complaint of the library goes here too */
-    size_t why_bytes;
+    pupil_why *why; /* the sentence of the first complaint of the library goes here too */
     char library_says[200];
 } exr_plan;
 

@@ -118,16 +118,14 @@ static int check_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t top
                 rows += row;
     }
     if (rows != chunk->unpacked_size || blocks != chunk->unpacked_size)
-        return pupil_still_fail(p->plan->why, p->plan->why_bytes,
+        return pupil_still_fail(p->plan->why,
                                 "has channels subsampled in a way that the OpenEXR C library cannot unpack");
     if (chunk->unpacked_size > MAX_CHUNK_BYTES)
-        return pupil_still_fail(p->plan->why, p->plan->why_bytes,
-                                "has a chunk of %llu bytes; at most 256 MiB are decompressed at once",
+        return pupil_still_fail(p->plan->why, "has a chunk of %llu bytes; at most 256 MiB are decompressed at once",
                                 (unsigned long long)chunk->unpacked_size);
     if (chunk->unpacked_size / MAX_RATIO > chunk->packed_size ||
         (p->plan->compression == EXR_COMPRESSION_NONE && chunk->packed_size != chunk->unpacked_size))
-        return pupil_still_fail(p->plan->why, p->plan->why_bytes,
-                                "is damaged: a chunk of %llu bytes cannot hold its %llu bytes of pixels",
+        return pupil_still_fail(p->plan->why, "is damaged: a chunk of %llu bytes cannot hold its %llu bytes of pixels",
                                 (unsigned long long)chunk->packed_size, (unsigned long long)chunk->unpacked_size);
     return 0;
 }
@@ -165,7 +163,7 @@ static int read_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t left
     p->decode.decompress_fn = chunk->packed_size == chunk->unpacked_size ? NULL : p->decompress;
     result = exr_decoding_run(plan->file, plan->part, &p->decode);
     if (result == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
-        return pupil_still_fail(plan->why, plan->why_bytes,
+        return pupil_still_fail(plan->why,
                                 "is compressed with %s, which the installed OpenEXR C library (%s) does not read; "
                                 "rewrite it with ZIP or PIZ",
                                 plan->compression == EXR_COMPRESSION_DWAA ? "DWAA" : "DWAB", OPENEXR_VERSION_STRING);
@@ -255,7 +253,7 @@ static int reserve_chroma(exr_pixels *p)
     for (int i = 0; i < 2; i++) {
         p->chroma[i] = calloc((size_t)(p->chroma_width * p->chroma_height), sizeof(float));
         if (!p->chroma[i])
-            return pupil_still_fail(plan->why, plan->why_bytes, "no memory for its chroma channels");
+            return pupil_still_fail(plan->why, "no memory for its chroma channels");
     }
     return 0;
 }
@@ -289,7 +287,7 @@ int pupil_exr_read_pixels(exr_plan *plan, pupil_still *still)
     int result;
     if (pupil_still_reserve(still, (uint64_t)((int64_t)plan->display.max.x - plan->display.min.x + 1),
                             (uint64_t)((int64_t)plan->display.max.y - plan->display.min.y + 1), PUPIL_PIXEL_RGB32F,
-                            plan->why, plan->why_bytes))
+                            plan->why))
         return -1;
     p.rgb = still->pixels;
     p.width = still->width;

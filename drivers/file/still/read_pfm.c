@@ -38,26 +38,26 @@ static int side(const char *text, uint64_t *value)
     return *text == 0;
 }
 
-static int read_header(pfm *p, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+static int read_header(pfm *p, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     char text[32], *end;
     double scale;
     size_t at = 0;
     if (!word(bytes, size, &at, text) || (strcmp(text, "PF") && strcmp(text, "Pf") && strcmp(text, "PF4")))
-        return pupil_still_fail(why, why_bytes, "the PFM header must begin with a line PF, Pf or PF4");
+        return pupil_still_fail(why, "the PFM header must begin with a line PF, Pf or PF4");
     p->channels = text[1] == 'f' ? 1 : text[2] == '4' ? 4 : 3;
     if (!word(bytes, size, &at, text) || !side(text, &p->width))
-        return pupil_still_fail(why, why_bytes, "the PFM header's width \"%s\" is no whole number of pixels", text);
+        return pupil_still_fail(why, "the PFM header's width \"%s\" is no whole number of pixels", text);
     if (!word(bytes, size, &at, text) || !side(text, &p->height))
-        return pupil_still_fail(why, why_bytes, "the PFM header's height \"%s\" is no whole number of pixels", text);
-    if (pupil_still_size_ok(p->width, p->height, why, why_bytes))
+        return pupil_still_fail(why, "the PFM header's height \"%s\" is no whole number of pixels", text);
+    if (pupil_still_size_ok(p->width, p->height, why))
         return -1;
     if (!word(bytes, size, &at, text))
-        return pupil_still_fail(why, why_bytes, "the PFM header ends before its scale");
+        return pupil_still_fail(why, "the PFM header ends before its scale");
     scale = pupil_parse_double(text, &end);
     if (end == text || *end || !isfinite(scale) || scale == 0)
-        return pupil_still_fail(why, why_bytes,
-                                "the PFM header's scale \"%s\" is no number above or below 0 (-1.0 is usual)", text);
+        return pupil_still_fail(why, "the PFM header's scale \"%s\" is no number above or below 0 (-1.0 is usual)",
+                                text);
     p->big_endian = scale > 0;
     p->start = at + 1;
     return 0;
@@ -72,21 +72,21 @@ static float sample(const uint8_t *b, int big_endian)
     return value;
 }
 
-int pupil_read_pfm(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_read_pfm(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     uint64_t need;
     pfm p = {0};
-    if (read_header(&p, bytes, size, why, why_bytes))
+    if (read_header(&p, bytes, size, why))
         return -1;
     need = p.width * p.height * p.channels * 4;
     /* A header with CR LF: the LF belongs to it, unless the file is then one byte short. */
     if (bytes[p.start - 1] == '\r' && p.start < size && bytes[p.start] == '\n' && size - p.start > need)
         p.start++;
     if (size - p.start < need)
-        return pupil_still_fail(why, why_bytes, "%llu x %llu pixels need %llu bytes of samples; the file has %llu",
+        return pupil_still_fail(why, "%llu x %llu pixels need %llu bytes of samples; the file has %llu",
                                 (unsigned long long)p.width, (unsigned long long)p.height, (unsigned long long)need,
                                 (unsigned long long)(size - p.start));
-    if (pupil_still_reserve(still, p.width, p.height, PUPIL_PIXEL_RGB32F, why, why_bytes))
+    if (pupil_still_reserve(still, p.width, p.height, PUPIL_PIXEL_RGB32F, why))
         return -1;
     for (uint64_t y = 0; y < p.height; y++) {
         const uint8_t *in = bytes + p.start + (p.height - 1 - y) * p.width * p.channels * 4;

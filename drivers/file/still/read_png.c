@@ -20,8 +20,7 @@ typedef struct png_reader {
     const uint8_t *bytes;
     size_t size, at;
     jmp_buf failed;
-    char *why;
-    size_t why_bytes;
+    pupil_why *why;
     png_structp png;
     png_infop info;
     float *table; /* linear light by code */
@@ -33,7 +32,7 @@ typedef struct png_reader {
 static void on_error(png_structp png, png_const_charp message)
 {
     png_reader *r = png_get_error_ptr(png);
-    pupil_still_fail(r->why, r->why_bytes, "is damaged as a PNG file: %s", message);
+    pupil_still_fail(r->why, "is damaged as a PNG file: %s", message);
     longjmp(r->failed, 1);
 }
 
@@ -158,7 +157,7 @@ static int make_table(png_reader *r, int bits)
     int count = 1 << bits;
     r->table = malloc((size_t)count * sizeof(float));
     if (!r->table)
-        return pupil_still_fail(r->why, r->why_bytes, "no memory for a table of %d codes", count);
+        return pupil_still_fail(r->why, "no memory for a table of %d codes", count);
     for (int code = 0; code < count; code++)
         r->table[code] = (float)light(r, (double)code / (count - 1));
     return 0;
@@ -170,17 +169,15 @@ static int read_pixels(png_reader *r, pupil_still *still)
     uint64_t stored = (uint64_t)png_get_rowbytes(r->png, r->info) * height;
     int passes = png_set_interlace_handling(r->png), bits, as_is;
     uint8_t *codes;
-    if (pupil_still_size_ok(width, height, r->why, r->why_bytes))
+    if (pupil_still_size_ok(width, height, r->why))
         return -1;
     png_read_update_info(r->png, r->info);
     bits = png_get_bit_depth(r->png, r->info);
     as_is = bits == 8 && r->curve == CURVE_SRGB && !r->colour.convert;
     if (stored / DEFLATE_RATIO > r->size)
-        return pupil_still_fail(r->why, r->why_bytes,
-                                "the header promises %llu x %llu pixels, more than %zu bytes of PNG can hold",
+        return pupil_still_fail(r->why, "the header promises %llu x %llu pixels, more than %zu bytes of PNG can hold",
                                 (unsigned long long)width, (unsigned long long)height, r->size);
-    if (pupil_still_reserve(still, width, height, as_is ? PUPIL_PIXEL_RGB8 : PUPIL_PIXEL_RGB32F, r->why,
-                            r->why_bytes) ||
+    if (pupil_still_reserve(still, width, height, as_is ? PUPIL_PIXEL_RGB8 : PUPIL_PIXEL_RGB32F, r->why) ||
         (!as_is && make_table(r, bits)))
         return -1;
     codes = still->pixels;
@@ -209,7 +206,7 @@ static int check_chunks(png_reader *r)
             return 0;
         at += 12 + (size_t)length;
     }
-    return pupil_still_fail(r->why, r->why_bytes, "is damaged as a PNG file: it ends early");
+    return pupil_still_fail(r->why, "is damaged as a PNG file: it ends early");
 }
 
 /* Nothing here but what longjmp leaves alone: r lives with the caller. */
@@ -221,9 +218,9 @@ static int read_guarded(png_reader *r, pupil_still *still)
     return read_pixels(r, still);
 }
 
-int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
-    png_reader r = {.bytes = bytes, .size = size, .why = why, .why_bytes = why_bytes};
+    png_reader r = {.bytes = bytes, .size = size, .why = why};
     int result = -1;
     if (check_chunks(&r))
         return -1;
@@ -233,7 +230,7 @@ int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, char *
     if (r.info)
         result = read_guarded(&r, still);
     else
-        pupil_still_fail(why, why_bytes, "no memory for reading a PNG file");
+        pupil_still_fail(why, "no memory for reading a PNG file");
     png_destroy_read_struct(&r.png, &r.info, NULL);
     free(r.table);
     return result;

@@ -51,7 +51,7 @@ static int numbers(const char *text, double *values, int count)
     return n;
 }
 
-static int divide_by(radiance *r, const char *line, const char *text, int count, char *why, size_t why_bytes)
+static int divide_by(radiance *r, const char *line, const char *text, int count, pupil_why *why)
 {
     double given[3];
     if (numbers(text, given, count) < count)
@@ -60,14 +60,13 @@ static int divide_by(radiance *r, const char *line, const char *text, int count,
         double v = given[count == 3 ? c : 0];
         r->divide[c] *= v;
         if (!(v > 0 && isfinite(v) && r->divide[c] > 1e-30 && r->divide[c] < 1e30))
-            return pupil_still_fail(why, why_bytes,
-                                    "the header line \"%.100s\" needs %s above 0, within 1e-30 and 1e30 in all", line,
-                                    count == 3 ? "three numbers" : "a number");
+            return pupil_still_fail(why, "the header line \"%.100s\" needs %s above 0, within 1e-30 and 1e30 in all",
+                                    line, count == 3 ? "three numbers" : "a number");
     }
     return 0;
 }
 
-static int read_header(radiance *r, char *why, size_t why_bytes)
+static int read_header(radiance *r, pupil_why *why)
 {
     /* XYZE: the axes of XYZ as primaries, its equal-energy white as white. */
     static const pupil_chromaticities xyz = {{1, 0, 0, 1, 0, 0, 1. / 3, 1. / 3}};
@@ -75,23 +74,23 @@ static int read_header(radiance *r, char *why, size_t why_bytes)
     int is_xyz = 0, has_primaries = 0;
     char line[256];
     if (!next_line(r, line) || strncmp(line, "#?", 2))
-        return pupil_still_fail(why, why_bytes, "a Radiance file must begin with a line \"#?RADIANCE\"");
+        return pupil_still_fail(why, "a Radiance file must begin with a line \"#?RADIANCE\"");
     for (;;) {
         if (!next_line(r, line))
-            return pupil_still_fail(why, why_bytes, "the Radiance header does not end with an empty line");
+            return pupil_still_fail(why, "the Radiance header does not end with an empty line");
         if (!*line)
             break;
         if (strncmp(line, "FORMAT=", 7) == 0) {
             const char *format = line + 7 + strspn(line + 7, " \t");
             is_xyz = strncmp(format, "32-bit_rle_xyze", 15) == 0;
             if (!is_xyz && strncmp(format, "32-bit_rle_rgbe", 15) != 0)
-                return pupil_still_fail(why, why_bytes,
-                                        "FORMAT is \"%.60s\"; 32-bit_rle_rgbe and 32-bit_rle_xyze are read", format);
+                return pupil_still_fail(why, "FORMAT is \"%.60s\"; 32-bit_rle_rgbe and 32-bit_rle_xyze are read",
+                                        format);
         } else if (strncmp(line, "EXPOSURE=", 9) == 0) {
-            if (divide_by(r, line, line + 9, 1, why, why_bytes))
+            if (divide_by(r, line, line + 9, 1, why))
                 return -1;
         } else if (strncmp(line, "COLORCORR=", 10) == 0) {
-            if (divide_by(r, line, line + 10, 3, why, why_bytes))
+            if (divide_by(r, line, line + 10, 3, why))
                 return -1;
         } else if (strncmp(line, "PRIMARIES=", 10) == 0) {
             has_primaries = numbers(line + 10, given.xy, 8) == 8;
@@ -121,20 +120,19 @@ static int axis(const char **text, char *sign, char *letter, uint64_t *value)
     return 1;
 }
 
-static int read_resolution(radiance *r, char *why, size_t why_bytes)
+static int read_resolution(radiance *r, pupil_why *why)
 {
     char line[256], sign[2], letter[2];
     const char *text = line;
     ptrdiff_t step[2];
     if (!next_line(r, line))
-        return pupil_still_fail(why, why_bytes, "the file ends before its resolution line (\"-Y 512 +X 1024\")");
+        return pupil_still_fail(why, "the file ends before its resolution line (\"-Y 512 +X 1024\")");
     if (!axis(&text, &sign[0], &letter[0], &r->lines) || !axis(&text, &sign[1], &letter[1], &r->line_pixels) ||
         letter[0] == letter[1] || text[strspn(text, " \t")])
-        return pupil_still_fail(why, why_bytes, "the resolution line \"%.60s\" is not of the form \"-Y 512 +X 1024\"",
-                                line);
+        return pupil_still_fail(why, "the resolution line \"%.60s\" is not of the form \"-Y 512 +X 1024\"", line);
     r->height = letter[0] == 'Y' ? r->lines : r->line_pixels;
     r->width = letter[0] == 'Y' ? r->line_pixels : r->lines;
-    if (pupil_still_size_ok(r->width, r->height, why, why_bytes))
+    if (pupil_still_size_ok(r->width, r->height, why))
         return -1;
     r->first = 0;
     for (int i = 0; i < 2; i++) {
@@ -215,7 +213,7 @@ static const char *any_line(radiance *r, uint8_t *line)
     return new_line(r, line);
 }
 
-static int read_lines(radiance *r, float *pixels, uint8_t *line, char *why, size_t why_bytes)
+static int read_lines(radiance *r, float *pixels, uint8_t *line, pupil_why *why)
 {
     double scale[256][3];
     for (int e = 0; e < 256; e++) /* exponent 0: black, whatever the mantissas */
@@ -225,7 +223,7 @@ static int read_lines(radiance *r, float *pixels, uint8_t *line, char *why, size
         float *out = pixels + 3 * (r->first + (ptrdiff_t)i * r->line_step);
         const char *fault = any_line(r, line);
         if (fault)
-            return pupil_still_fail(why, why_bytes, "scanline %llu of %llu %s", (unsigned long long)i + 1,
+            return pupil_still_fail(why, "scanline %llu of %llu %s", (unsigned long long)i + 1,
                                     (unsigned long long)r->lines, fault);
         for (uint64_t j = 0; j < r->line_pixels; j++, out += 3 * r->pixel_step)
             for (int c = 0; c < 3; c++)
@@ -234,27 +232,26 @@ static int read_lines(radiance *r, float *pixels, uint8_t *line, char *why, size
     return 0;
 }
 
-int pupil_read_radiance(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_read_radiance(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     radiance r = {.at = bytes, .end = bytes + size, .divide = {1, 1, 1}};
     uint64_t least;
     uint8_t *line;
     int result;
-    if (read_header(&r, why, why_bytes) || read_resolution(&r, why, why_bytes))
+    if (read_header(&r, why) || read_resolution(&r, why))
         return -1;
     /* The shortest line is an old one: a pixel, then repeats that count to base 256. */
     least = r.lines * 4 * (r.line_pixels == 1 ? 1 : r.line_pixels <= 256 ? 2 : 3);
     if ((uint64_t)(r.end - r.at) < least)
-        return pupil_still_fail(why, why_bytes,
-                                "%llu x %llu pixels need at least %llu bytes after the header; the file has %llu",
+        return pupil_still_fail(why, "%llu x %llu pixels need at least %llu bytes after the header; the file has %llu",
                                 (unsigned long long)r.width, (unsigned long long)r.height, (unsigned long long)least,
                                 (unsigned long long)(r.end - r.at));
-    if (pupil_still_reserve(still, r.width, r.height, PUPIL_PIXEL_RGB32F, why, why_bytes))
+    if (pupil_still_reserve(still, r.width, r.height, PUPIL_PIXEL_RGB32F, why))
         return -1;
     line = malloc((size_t)r.line_pixels * 4);
     if (!line)
-        return pupil_still_fail(why, why_bytes, "no memory for a scanline");
-    result = read_lines(&r, still->pixels, line, why, why_bytes);
+        return pupil_still_fail(why, "no memory for a scanline");
+    result = read_lines(&r, still->pixels, line, why);
     free(line);
     if (result == 0)
         pupil_still_colour_apply(&r.colour, still->pixels, r.width * r.height);

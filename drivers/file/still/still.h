@@ -32,10 +32,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 
 #define PUPIL_STILL_MAX_PIXELS (UINT64_C(1) << 26) /* 8192 x 8192; 805 MB as RGB float */
-#define PUPIL_STILL_WHY_BYTES  512                 /* room that suffices for a reader's sentence */
 
 typedef struct pupil_still {
     void *pixels; /* malloc'ed; kept and reused by the next read where it is large enough */
@@ -50,12 +50,11 @@ typedef struct pupil_still {
 void pupil_still_free(pupil_still *still);
 
 /* Makes room; a sentence without a file name on failure (the caller puts the name in front). */
-int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, char *why,
-                        size_t why_bytes);
+int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, pupil_why *why);
 
 /* 0, or -1 and a sentence without a file name ("the header promises 40000 x 40000 pixels, at most ..."). On failure the
  * still holds nothing of use but can be read into again. */
-typedef int pupil_still_reader(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes);
+typedef int pupil_still_reader(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why);
 
 pupil_still_reader pupil_read_exr;
 pupil_still_reader pupil_read_radiance;
@@ -63,6 +62,6 @@ pupil_still_reader pupil_read_pfm;
 pupil_still_reader pupil_read_png;
 
 /* Reads a file into memory and by its first bytes (not by its name) into pixels; the sentence begins with the path. */
-int pupil_still_load(pupil_still *still, const char *path, char *why, size_t why_bytes);
+int pupil_still_load(pupil_still *still, const char *path, pupil_why *why);
 
 #endif

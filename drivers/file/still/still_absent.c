@@ -1,18 +1,19 @@
 /* In place of read_exr.c and read_png.c in a build without the media libraries. */
 #include "still.h"
 
+#include "refuse.h"
 #include <stdio.h>
 
-int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     (void)still, (void)bytes, (void)size;
-    snprintf(why, why_bytes, "this build of pupil reads no EXR (it was configured with PUPIL_MEDIA=OFF)");
+    pupil_refuse(why, "this build of pupil reads no EXR (it was configured with PUPIL_MEDIA=OFF)");
     return -1;
 }
 
-int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     (void)still, (void)bytes, (void)size;
-    snprintf(why, why_bytes, "this build of pupil reads no PNG (it was configured with PUPIL_MEDIA=OFF)");
+    pupil_refuse(why, "this build of pupil reads no PNG (it was configured with PUPIL_MEDIA=OFF)");
     return -1;
 }

@@ -8,6 +8,7 @@
 
 #include "file/file_source.h"
 #include "natural_order.h"
+#include "refuse.h"
 #include "still.h"
 
 #define DEFAULT_FPS 30.0
@@ -20,14 +21,14 @@ typedef struct stills_source {
 } stills_source;
 
 /* A lost frame keeps its place in time: the ones after it do not move. */
-static int stills_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int stills_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     stills_source *s = (stills_source *)source;
     size_t index = s->next;
     if (index >= s->paths.count)
         return PUPIL_SOURCE_END;
     s->next++;
-    if (pupil_still_load(&s->still, s->paths.path[index], why, why_bytes))
+    if (pupil_still_load(&s->still, s->paths.path[index], why))
         return PUPIL_SOURCE_DAMAGED;
     memset(frame, 0, sizeof *frame);
     frame->image.data = s->still.pixels;
@@ -57,20 +58,20 @@ static void stills_close(pupil_source *source)
 
 static const pupil_source_ops stills_ops = {stills_next, stills_done, stills_close};
 
-static int fill(stills_source *s, const char *const *paths, size_t count, char *why, size_t why_bytes)
+static int fill(stills_source *s, const char *const *paths, size_t count, pupil_why *why)
 {
     if (count == 0) {
-        snprintf(why, why_bytes, "no still was named; at least one file is needed");
+        pupil_refuse(why, "no still was named; at least one file is needed");
         return -1;
     }
     for (size_t i = 0; i < count; i++) {
         struct stat status;
         if (stat(paths[i], &status) != 0) {
-            snprintf(why, why_bytes, "%s: cannot be opened: %s", paths[i], strerror(errno));
+            pupil_refuse(why, "%s: cannot be opened: %s", paths[i], strerror(errno));
             return -1;
         }
         if (pupil_paths_add(&s->paths, paths[i])) {
-            snprintf(why, why_bytes, "no memory for the names of %zu stills", count);
+            pupil_refuse(why, "no memory for the names of %zu stills", count);
             return -1;
         }
     }
@@ -78,23 +79,23 @@ static int fill(stills_source *s, const char *const *paths, size_t count, char *
 }
 
 int pupil_stills_source_open(const char *const *paths, size_t count, const pupil_source_options *options,
-                             pupil_source **source, char *why, size_t why_bytes)
+                             pupil_source **source, pupil_why *why)
 {
     stills_source *s;
     double fps = options && options->fps != 0 ? options->fps : DEFAULT_FPS;
     if (!(fps > 0 && isfinite(fps))) {
-        snprintf(why, why_bytes, "fps is %g; a number above 0 is needed", fps);
+        pupil_refuse(why, "fps is %g; a number above 0 is needed", fps);
         return PUPIL_SOURCE_FAILED;
     }
     s = calloc(1, sizeof *s);
     if (!s) {
-        snprintf(why, why_bytes, "no memory for a sequence of stills");
+        pupil_refuse(why, "no memory for a sequence of stills");
         return PUPIL_SOURCE_FAILED;
     }
     s->source.ops = &stills_ops;
     s->source.fps = fps;
     s->source.frames = count;
-    if (fill(s, paths, count, why, why_bytes)) {
+    if (fill(s, paths, count, why)) {
         stills_close(&s->source);
         return PUPIL_SOURCE_FAILED;
     }

@@ -59,19 +59,18 @@ static void set_coding(pupil_jpeg *j, const pupil_coding *coding)
     }
 }
 
-int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pupil_coding *coding, char *why,
-                    size_t why_bytes)
+int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pupil_coding *coding, pupil_why *why)
 {
     const char *wrong = NULL;
     *jpeg = NULL;
     if (!width || !height || width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, why_bytes, "frames of %u x %u pixels; 1 to %u a side can be read", width, height,
+        return pupil_refuse(why, "frames of %u x %u pixels; 1 to %u a side can be read", width, height,
                             PUPIL_MAX_SIDE_PX);
     if (coding && pupil_coding_check(coding, PUPIL_PIXEL_YUYV, &wrong))
-        return pupil_refuse(why, why_bytes, "%s", wrong);
+        return pupil_refuse(why, "%s", wrong);
     pupil_jpeg *j = calloc(1, sizeof *j);
     if (!j)
-        return pupil_refuse(why, why_bytes, "not enough memory");
+        return pupil_refuse(why, "not enough memory");
     j->width = width;
     j->height = height;
     set_coding(j, coding);
@@ -79,7 +78,7 @@ int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pu
     j->frame = av_frame_alloc();
     if (!j->packet || !j->frame || start(j)) {
         pupil_jpeg_close(j);
-        return pupil_refuse(why, why_bytes, "libavcodec's decoder of JPEG does not start");
+        return pupil_refuse(why, "libavcodec's decoder of JPEG does not start");
     }
     *jpeg = j;
     return 0;
@@ -190,23 +189,22 @@ static uint32_t pixel_of(const AVPixFmtDescriptor *d)
     return PUPIL_PIXEL_RGB8;
 }
 
-static int present(pupil_jpeg *j, pupil_image_const *image, char *why, size_t why_bytes)
+static int present(pupil_jpeg *j, pupil_image_const *image, pupil_why *why)
 {
     const AVFrame *f = j->frame;
     const AVPixFmtDescriptor *d = av_pix_fmt_desc_get((enum AVPixelFormat)f->format);
     const uint32_t pixel = pixel_of(d);
     const int grey = pixel == PUPIL_PIXEL_GREY8;
     if (pixel == PUPIL_PIXEL_NONE)
-        return pupil_refuse(why, why_bytes, "a JPEG of %s; grey and Y'CbCr of 8 bits can be read",
+        return pupil_refuse(why, "a JPEG of %s; grey and Y'CbCr of 8 bits can be read",
                             d ? d->name : "an unknown kind");
     if (pixel == PUPIL_PIXEL_RGB8 && j->coding.light != PUPIL_LIGHT_SRGB)
-        return pupil_refuse(why, why_bytes, "a JPEG of %s whose light is not sRGB's; of 4:2:2 and 4:2:0 it may be any",
-                            d->name);
+        return pupil_refuse(why, "a JPEG of %s whose light is not sRGB's; of 4:2:2 and 4:2:0 it may be any", d->name);
     const size_t row_bytes =
         pixel == PUPIL_PIXEL_NV12 ? (size_t)j->width + j->width % 2 : pupil_row_bytes(pixel, j->width);
     const size_t rows = pixel == PUPIL_PIXEL_NV12 ? (j->height + 1) / 2 : j->height;
     if (!grey && reserve(j, row_bytes * rows))
-        return pupil_refuse(why, why_bytes, "not enough memory for a frame of %u x %u", j->width, j->height);
+        return pupil_refuse(why, "not enough memory for a frame of %u x %u", j->width, j->height);
     *image = (pupil_image_const){.data = f->data[0],
                                  .stride_bytes = f->linesize[0],
                                  .width = j->width,
@@ -240,7 +238,7 @@ static int reserve_coded(pupil_jpeg *j, size_t bytes)
     return j->coded ? 0 : -1;
 }
 
-static int decode(pupil_jpeg *j, size_t used, char *why, size_t why_bytes)
+static int decode(pupil_jpeg *j, size_t used, pupil_why *why)
 {
     memset(j->coded->data + used, 0, AV_INPUT_BUFFER_PADDING_SIZE);
     j->packet->buf = av_buffer_ref(j->coded);
@@ -256,32 +254,30 @@ static int decode(pupil_jpeg *j, size_t used, char *why, size_t why_bytes)
         char name[AV_ERROR_MAX_STRING_SIZE] = "its decoder marks it so";
         if (code < 0)
             av_strerror(code, name, sizeof name);
-        pupil_refuse(why, why_bytes, "a damaged JPEG: %s", *words ? words : name);
+        pupil_refuse(why, "a damaged JPEG: %s", *words ? words : name);
         avcodec_flush_buffers(j->codec);
         return -1;
     }
     if ((uint32_t)j->frame->width != j->width || (uint32_t)j->frame->height != j->height)
-        return pupil_refuse(why, why_bytes, "a damaged JPEG: decoded, it has %d x %d pixels", j->frame->width,
-                            j->frame->height);
+        return pupil_refuse(why, "a damaged JPEG: decoded, it has %d x %d pixels", j->frame->width, j->frame->height);
     return 0;
 }
 
-int pupil_jpeg_decode(pupil_jpeg *j, const void *bytes, size_t size, pupil_image_const *image, char *why,
-                      size_t why_bytes)
+int pupil_jpeg_decode(pupil_jpeg *j, const void *bytes, size_t size, pupil_image_const *image, pupil_why *why)
 {
     pupil_jpeg_shape shape;
     if (size > MOST_BYTES)
-        return pupil_refuse(why, why_bytes, "a JPEG of %zu bytes; at most %d can be read", size, MOST_BYTES);
+        return pupil_refuse(why, "a JPEG of %zu bytes; at most %d can be read", size, MOST_BYTES);
     if (reserve_coded(j, size))
-        return pupil_refuse(why, why_bytes, "not enough memory for a JPEG of %zu bytes", size);
-    const size_t used = pupil_jpeg_parse(bytes, size, j->coded->data, &shape, why, why_bytes);
+        return pupil_refuse(why, "not enough memory for a JPEG of %zu bytes", size);
+    const size_t used = pupil_jpeg_parse(bytes, size, j->coded->data, &shape, why);
     if (!used)
         return -1;
     if (shape.width != j->width || shape.height != j->height)
-        return pupil_refuse(why, why_bytes, "a JPEG of %u x %u pixels; %u x %u were expected", shape.width,
-                            shape.height, j->width, j->height);
+        return pupil_refuse(why, "a JPEG of %u x %u pixels; %u x %u were expected", shape.width, shape.height, j->width,
+                            j->height);
     if (!shape.has_huffman_tables && j->has_own_tables && start(j))
-        return pupil_refuse(why, why_bytes, "libavcodec's decoder of JPEG does not start again");
+        return pupil_refuse(why, "libavcodec's decoder of JPEG does not start again");
     j->has_own_tables |= shape.has_huffman_tables;
-    return decode(j, used, why, why_bytes) || present(j, image, why, why_bytes) ? -1 : 0;
+    return decode(j, used, why) || present(j, image, why) ? -1 : 0;
 }

@@ -20,6 +20,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 
 typedef struct pupil_jpeg pupil_jpeg;
@@ -27,13 +28,11 @@ typedef struct pupil_jpeg pupil_jpeg;
 /* For frames of width x height, which each of them must have. coding: matrix, range and light of all frames (light
  * USUAL is sRGB); NULL: JFIF's. 0, or -1 and a sentence without its subject (no memory, a size, a build without
  * libavcodec). */
-int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pupil_coding *coding, char *why,
-                    size_t why_bytes);
+int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pupil_coding *coding, pupil_why *why);
 
 /* The image is good until the next decode, or close. 0, or -1 and a sentence without its subject that says what is
  * wrong with these bytes; the object stays usable. */
-int pupil_jpeg_decode(pupil_jpeg *jpeg, const void *bytes, size_t size, pupil_image_const *image, char *why,
-                      size_t why_bytes);
+int pupil_jpeg_decode(pupil_jpeg *jpeg, const void *bytes, size_t size, pupil_image_const *image, pupil_why *why);
 
 void pupil_jpeg_close(pupil_jpeg *jpeg); /* NULL is allowed */
 

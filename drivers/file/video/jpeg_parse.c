@@ -40,22 +40,21 @@ static void copy(parser *p, size_t from, size_t end)
     p->used += end - from;
 }
 
-static int read_frame(parser *p, const uint8_t *s, size_t length, int marker, char *why, size_t why_bytes)
+static int read_frame(parser *p, const uint8_t *s, size_t length, int marker, pupil_why *why)
 {
     if (marker > SOF2)
-        return pupil_refuse(why, why_bytes, "a JPEG of process %d; baseline and progressive ones can be read",
-                            marker - SOF0);
+        return pupil_refuse(why, "a JPEG of process %d; baseline and progressive ones can be read", marker - SOF0);
     if (p->shape->width)
-        return pupil_refuse(why, why_bytes, "a damaged JPEG: two frame headers in it");
+        return pupil_refuse(why, "a damaged JPEG: two frame headers in it");
     if (length < 6 || length < 6 + 3 * (size_t)s[5])
-        return pupil_refuse(why, why_bytes, "a damaged JPEG: its frame header has %zu bytes", length);
+        return pupil_refuse(why, "a damaged JPEG: its frame header has %zu bytes", length);
     if (s[0] != 8)
-        return pupil_refuse(why, why_bytes, "a JPEG of %u bits; 8 can be read", s[0]);
+        return pupil_refuse(why, "a JPEG of %u bits; 8 can be read", s[0]);
     p->shape->height = (uint32_t)s[1] << 8 | s[2];
     p->shape->width = (uint32_t)s[3] << 8 | s[4];
     p->shape->components = s[5];
     if (!p->shape->width || !p->shape->height)
-        return pupil_refuse(why, why_bytes, "a damaged JPEG: its frame header says %u x %u pixels", p->shape->width,
+        return pupil_refuse(why, "a damaged JPEG: its frame header says %u x %u pixels", p->shape->width,
                             p->shape->height);
     return 0;
 }
@@ -77,7 +76,7 @@ static void skip_scan(parser *p)
 }
 
 /* A segment with its marker at `from`. 0; 1: it was the end; -1 and a sentence. */
-static int take_segment(parser *p, size_t from, int marker, char *why, size_t why_bytes)
+static int take_segment(parser *p, size_t from, int marker, pupil_why *why)
 {
     if (marker == EOI) {
         p->to[p->used++] = 0xff;
@@ -87,21 +86,20 @@ static int take_segment(parser *p, size_t from, int marker, char *why, size_t wh
     const size_t left = p->size - p->at;
     const size_t length = left >= 2 ? (size_t)p->bytes[p->at] << 8 | p->bytes[p->at + 1] : 0;
     if (left < 2 || length > left)
-        return pupil_refuse(why, why_bytes, "a JPEG that is cut short: it ends in its headers, after %zu bytes",
-                            p->size);
+        return pupil_refuse(why, "a JPEG that is cut short: it ends in its headers, after %zu bytes", p->size);
     if (length < 2)
-        return pupil_refuse(why, why_bytes, "a damaged JPEG: a segment of %zu bytes at byte %zu", length, from);
+        return pupil_refuse(why, "a damaged JPEG: a segment of %zu bytes at byte %zu", length, from);
     const uint8_t *content = p->bytes + p->at + 2;
     p->at += length;
     if (marker >= SOF0 && marker <= SOF15 && marker != DHT && marker != JPG && marker != DAC) {
-        if (read_frame(p, content, length - 2, marker, why, why_bytes))
+        if (read_frame(p, content, length - 2, marker, why))
             return -1;
     }
     p->shape->has_huffman_tables |= marker == DHT;
     p->quantised |= marker == DQT;
     if (marker == SOS) {
         if (!p->shape->width || !p->quantised)
-            return pupil_refuse(why, why_bytes, "a damaged JPEG: it has no %s before its picture",
+            return pupil_refuse(why, "a damaged JPEG: it has no %s before its picture",
                                 p->shape->width ? "quantisation table" : "frame header");
         p->scanned = 1;
         skip_scan(p);
@@ -111,13 +109,12 @@ static int take_segment(parser *p, size_t from, int marker, char *why, size_t wh
     return 0;
 }
 
-size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jpeg_shape *shape, char *why,
-                        size_t why_bytes)
+size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jpeg_shape *shape, pupil_why *why)
 {
     parser p = {.bytes = bytes, .size = size, .to = to, .shape = shape};
     *shape = (pupil_jpeg_shape){0};
     if (size < 4 || bytes[0] != 0xff || bytes[1] != SOI) {
-        pupil_refuse(why, why_bytes, "no JPEG: its %zu bytes do not begin with one", size);
+        pupil_refuse(why, "no JPEG: its %zu bytes do not begin with one", size);
         return 0;
     }
     p.at = 2;
@@ -126,11 +123,11 @@ size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jp
         const size_t from = p.at;
         const int marker = bytes[from + 1];
         if (bytes[from] != 0xff || marker == 0 || marker == TEM || (marker >= RST0 && marker <= SOI)) {
-            pupil_refuse(why, why_bytes, "a damaged JPEG: no segment at byte %zu", from);
+            pupil_refuse(why, "a damaged JPEG: no segment at byte %zu", from);
             return 0;
         }
         p.at += marker == 0xff ? 1 : 2; /* fill bytes, B.1.1.2 */
-        const int got = marker == 0xff ? 0 : take_segment(&p, from, marker, why, why_bytes);
+        const int got = marker == 0xff ? 0 : take_segment(&p, from, marker, why);
         if (got < 0)
             return 0;
         if (got > 0 && p.scanned)
@@ -139,8 +136,8 @@ size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jp
             break;
     }
     if (p.at + 1 < size || p.scanned == 0)
-        pupil_refuse(why, why_bytes, "a damaged JPEG: there is no picture in its %zu bytes", size);
+        pupil_refuse(why, "a damaged JPEG: there is no picture in its %zu bytes", size);
     else
-        pupil_refuse(why, why_bytes, "a JPEG that is cut short: its %zu bytes have no end", size);
+        pupil_refuse(why, "a JPEG that is cut short: its %zu bytes have no end", size);
     return 0;
 }

@@ -2,6 +2,7 @@
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_JPEG_PARSE_H
 #define PUPIL_DRIVERS_FILE_VIDEO_JPEG_PARSE_H
 
+#include "pupil/error.h"
 #include <stddef.h>
 #include <stdint.h>
 
@@ -12,7 +13,6 @@ typedef struct pupil_jpeg_shape {
 
 /* Looks at all of it, up to its end, and copies what a decoder has to see to `to`, which has room for `size` bytes.
  * How many those are; 0 and a sentence without its subject where these bytes are no whole JPEG. */
-size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jpeg_shape *shape, char *why,
-                        size_t why_bytes);
+size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jpeg_shape *shape, pupil_why *why);
 
 #endif

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "refuse.h"
 #include <libavutil/error.h>
 #include <libavutil/log.h>
 #include <libavutil/mem.h>
@@ -78,7 +79,7 @@ static int64_t seek_to(void *opaque, int64_t offset, int whence)
     return offset;
 }
 
-static int make_context(pupil_video_io *io, char *why, size_t why_bytes)
+static int make_context(pupil_video_io *io, pupil_why *why)
 {
     unsigned char *buffer = av_malloc(BUFFER_BYTES);
     if (buffer)
@@ -87,44 +88,44 @@ static int make_context(pupil_video_io *io, char *why, size_t why_bytes)
         return 0;
     av_free(buffer);
     pupil_video_io_close(io);
-    snprintf(why, why_bytes, "not enough memory");
+    pupil_refuse(why, "not enough memory");
     return -1;
 }
 
-int pupil_video_io_open(pupil_video_io *io, const char *path, char *why, size_t why_bytes)
+int pupil_video_io_open(pupil_video_io *io, const char *path, pupil_why *why)
 {
     struct stat status;
     memset(io, 0, sizeof *io);
     io->close_fd = strcmp(path, "-") != 0;
     io->fd = io->close_fd ? open(path, O_RDONLY | O_CLOEXEC) : STDIN_FILENO;
     if (io->fd < 0 || fstat(io->fd, &status)) {
-        snprintf(why, why_bytes, "%s", strerror(errno));
+        pupil_refuse(why, "%s", strerror(errno));
         pupil_video_io_close(io);
         return -1;
     }
     if (S_ISDIR(status.st_mode)) {
-        snprintf(why, why_bytes, "a folder, not a video");
+        pupil_refuse(why, "a folder, not a video");
         pupil_video_io_close(io);
         return -1;
     }
     /* Standard input that is a file, but was read from already, is taken as a pipe: its offsets are not the video's. */
     io->total = S_ISREG(status.st_mode) && lseek(io->fd, 0, SEEK_CUR) == 0 ? status.st_size : -1;
     if (io->total == 0) {
-        snprintf(why, why_bytes, "an empty file; an image or a video was expected");
+        pupil_refuse(why, "an empty file; an image or a video was expected");
         pupil_video_io_close(io);
         return -1;
     }
-    return make_context(io, why, why_bytes);
+    return make_context(io, why);
 }
 
-int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, char *why, size_t why_bytes)
+int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     memset(io, 0, sizeof *io);
     io->fd = -1;
     io->bytes = bytes;
     io->size = size;
     io->total = (int64_t)size;
-    return make_context(io, why, why_bytes);
+    return make_context(io, why);
 }
 
 void pupil_video_io_close(pupil_video_io *io)

@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include <libavformat/avio.h>
 
 typedef struct pupil_video_io {
@@ -21,10 +22,10 @@ typedef struct pupil_video_io {
 } pupil_video_io;
 
 /* Opens a file, or standard input for "-". 0, or -1 and a sentence without the path. */
-int pupil_video_io_open(pupil_video_io *io, const char *path, char *why, size_t why_bytes);
+int pupil_video_io_open(pupil_video_io *io, const char *path, pupil_why *why);
 
 /* The same over bytes, which the caller keeps until close. */
-int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, char *why, size_t why_bytes);
+int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, pupil_why *why);
 
 void pupil_video_io_close(pupil_video_io *io);
 

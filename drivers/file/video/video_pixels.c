@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "refuse.h"
 #include <libavcodec/avcodec.h>
 
 /* Largest entry of the light table: the unit in which signals are worked on here. */
@@ -52,16 +53,16 @@ static void set_range(pupil_video_pixels *p, int is_full)
     }
 }
 
-static int set_matrix(pupil_video_pixels *p, int space, char *why, size_t why_bytes)
+static int set_matrix(pupil_video_pixels *p, int space, pupil_why *why)
 {
     double red, blue;
     if (p->is_rgb || p->is_grey)
         return 0;
     if (pupil_light_luma(&red, &blue, (enum AVColorSpace)space)) {
         const char *name = av_color_space_name((enum AVColorSpace)space);
-        snprintf(why, why_bytes,
-                 "its colour matrix %s cannot be read; bt709, bt2020nc, smpte170m, bt470bg, smpte240m and fcc can",
-                 name ? name : "(unknown)");
+        pupil_refuse(why,
+                     "its colour matrix %s cannot be read; bt709, bt2020nc, smpte170m, bt470bg, smpte240m and fcc can",
+                     name ? name : "(unknown)");
         return -1;
     }
     double green = 1 - red - blue;
@@ -72,21 +73,21 @@ static int set_matrix(pupil_video_pixels *p, int space, char *why, size_t why_by
     return 0;
 }
 
-static int set_light(pupil_video_pixels *p, int transfer, int primaries, char *why, size_t why_bytes)
+static int set_light(pupil_video_pixels *p, int transfer, int primaries, pupil_why *why)
 {
     double matrix[9];
     if (pupil_light_table(p->light, (enum AVColorTransferCharacteristic)transfer)) {
         const char *name = av_color_transfer_name((enum AVColorTransferCharacteristic)transfer);
-        snprintf(why, why_bytes,
-                 "its transfer curve %s cannot be read; PQ (smpte2084), HLG (arib-std-b67), bt709 and its kin, "
-                 "iec61966-2-1, gamma22, gamma28 and linear can",
-                 name ? name : "(unknown)");
+        pupil_refuse(why,
+                     "its transfer curve %s cannot be read; PQ (smpte2084), HLG (arib-std-b67), bt709 and its kin, "
+                     "iec61966-2-1, gamma22, gamma28 and linear can",
+                     name ? name : "(unknown)");
         return -1;
     }
     if (pupil_light_to_rec709(matrix, (enum AVColorPrimaries)primaries)) {
         const char *name = av_color_primaries_name((enum AVColorPrimaries)primaries);
-        snprintf(why, why_bytes, "its primaries %s cannot be read; bt709, bt2020, smpte432 and the like can",
-                 name ? name : "(unknown)");
+        pupil_refuse(why, "its primaries %s cannot be read; bt709, bt2020, smpte432 and the like can",
+                     name ? name : "(unknown)");
         return -1;
     }
     p->has_709_primaries = matrix[0] == 1;
@@ -153,19 +154,19 @@ static void resolve(const pupil_video_pixels *p, const AVFrame *f, int *space, i
                (p->is_grey && f->color_range != AVCOL_RANGE_MPEG);
 }
 
-static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const AVFrame *f, char *why, size_t why_bytes)
+static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const AVFrame *f, pupil_why *why)
 {
     int space, primaries, is_full;
     pupil_video_pixels_free(p);
     p->format = av_pix_fmt_desc_get((enum AVPixelFormat)f->format);
     if (!is_readable(p->format, f->format)) {
-        snprintf(why, why_bytes, "its pixel format %s cannot be read; RGB, grey and YUV of up to 16 bits can",
-                 p->format ? p->format->name : "(unknown)");
+        pupil_refuse(why, "its pixel format %s cannot be read; RGB, grey and YUV of up to 16 bits can",
+                     p->format ? p->format->name : "(unknown)");
         return -1;
     }
     if (reserve(p, (size_t)f->width, (size_t)f->height)) {
         pupil_video_pixels_free(p);
-        snprintf(why, why_bytes, "not enough memory for a frame of %d x %d", f->width, f->height);
+        pupil_refuse(why, "not enough memory for a frame of %d x %d", f->width, f->height);
         return -1;
     }
     p->is_rgb = (p->format->flags & AV_PIX_FMT_FLAG_RGB) != 0;
@@ -174,7 +175,7 @@ static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const A
     resolve(p, f, &space, &primaries, &is_full);
     set_range(p, is_full);
     set_chroma(p, f->chroma_location);
-    if (set_matrix(p, space, why, why_bytes) || set_light(p, f->color_trc, primaries, why, why_bytes)) {
+    if (set_matrix(p, space, why) || set_light(p, f->color_trc, primaries, why)) {
         pupil_video_pixels_free(p);
         return -1;
     }
@@ -255,11 +256,11 @@ static void to_rec709(const pupil_video_pixels *p, float *pixel, int count)
     }
 }
 
-int pupil_video_pixels_convert(pupil_video_pixels *p, const AVFrame *f, char *why, size_t why_bytes)
+int pupil_video_pixels_convert(pupil_video_pixels *p, const AVFrame *f, pupil_why *why)
 {
     const pupil_video_kind kind = {f->width,       f->height,    f->format,          f->colorspace,
                                    f->color_range, f->color_trc, f->color_primaries, f->chroma_location};
-    if (memcmp(&kind, &p->kind, sizeof kind) && set_kind(p, &kind, f, why, why_bytes))
+    if (memcmp(&kind, &p->kind, sizeof kind) && set_kind(p, &kind, f, why))
         return -1;
     for (int y = 0; y < f->height; y++) {
         float *row = p->pixels + (size_t)y * (size_t)f->width * 3;

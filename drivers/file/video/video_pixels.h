@@ -21,6 +21,7 @@
 #include <libavutil/frame.h>
 #include <libavutil/pixdesc.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 #include "video_light.h"
 
@@ -47,7 +48,7 @@ typedef struct pupil_video_pixels {
 
 /* Converts the frame into pixels->pixels (packed rows). Memory is taken and tables are made when the kind of frame
  * changes. 0, or -1 and a sentence without a file name; the object stays usable. */
-int pupil_video_pixels_convert(pupil_video_pixels *pixels, const AVFrame *frame, char *why, size_t why_bytes);
+int pupil_video_pixels_convert(pupil_video_pixels *pixels, const AVFrame *frame, pupil_why *why);
 
 void pupil_video_pixels_free(pupil_video_pixels *pixels);
 

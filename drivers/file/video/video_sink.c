@@ -6,6 +6,7 @@
 #include "file/sink/sink_common.h"
 #include "yuv709.h"
 
+#include "refuse.h"
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/opt.h>
@@ -35,11 +36,11 @@ typedef struct video_sink {
     int64_t last_tick;
 } video_sink;
 
-static int fail(const video_sink *v, int error, char *why, size_t why_bytes)
+static int fail(const video_sink *v, int error, pupil_why *why)
 {
     char text[AV_ERROR_MAX_STRING_SIZE] = "";
     av_strerror(error, text, sizeof text);
-    return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", v->pending.path, text);
+    return pupil_refuse(why, "%s: cannot be written: %s", v->pending.path, text);
 }
 
 /* The time of the next frame in ticks: the distance of the frames' timestamps where they rise, else the nominal one. */
@@ -83,11 +84,11 @@ static void fill_frame(AVFrame *frame, const pupil_image_const *image)
 }
 
 /* Hands a frame (NULL: the end) to the encoder, and what comes out of it to the file. */
-static int encode(video_sink *v, const AVFrame *frame, char *why, size_t why_bytes)
+static int encode(video_sink *v, const AVFrame *frame, pupil_why *why)
 {
     int error = avcodec_send_frame(v->encoder, frame);
     if (error < 0)
-        return fail(v, error, why, why_bytes);
+        return fail(v, error, why);
     while ((error = avcodec_receive_packet(v->encoder, v->packet)) >= 0) {
         if (v->packet->duration <= 0)
             v->packet->duration = v->frame_ticks;
@@ -97,25 +98,24 @@ static int encode(video_sink *v, const AVFrame *frame, char *why, size_t why_byt
         if (error >= 0)
             error = v->muxer->pb->error; /* writes are buffered: a full disk shows here first */
         if (error < 0)
-            return fail(v, error, why, why_bytes);
+            return fail(v, error, why);
     }
-    return error == AVERROR(EAGAIN) || error == AVERROR_EOF ? PUPIL_SINK_OK : fail(v, error, why, why_bytes);
+    return error == AVERROR(EAGAIN) || error == AVERROR_EOF ? PUPIL_SINK_OK : fail(v, error, why);
 }
 
-static int video_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                       size_t why_bytes)
+static int video_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
 {
     video_sink *v = (video_sink *)sink;
     int error;
-    if (pupil_sink_check_image(v->pending.path, &v->options, image, why, why_bytes))
+    if (pupil_sink_check_image(v->pending.path, &v->options, image, why))
         return PUPIL_SINK_FAILED;
     error = av_frame_make_writable(v->frame); /* a copy only where the encoder still holds it */
     if (error < 0)
-        return fail(v, error, why, why_bytes);
+        return fail(v, error, why);
     fill_frame(v->frame, image);
     v->frame->pts = next_tick(v, info);
     v->frames++;
-    return encode(v, v->frame, why, why_bytes);
+    return encode(v, v->frame, why);
 }
 
 static void video_discard(pupil_sink *sink)
@@ -131,21 +131,21 @@ static void video_discard(pupil_sink *sink)
     free(v);
 }
 
-static int video_finish(pupil_sink *sink, char *why, size_t why_bytes)
+static int video_finish(pupil_sink *sink, pupil_why *why)
 {
     video_sink *v = (video_sink *)sink;
     int error, close_error;
     if (!v->frames)
-        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", v->pending.path);
-    if (encode(v, NULL, why, why_bytes))
+        return pupil_refuse(why, "%s: nothing was written, for the input has no frame", v->pending.path);
+    if (encode(v, NULL, why))
         return PUPIL_SINK_FAILED;
     error = av_write_trailer(v->muxer);
     if (error >= 0)
         error = v->muxer->pb->error;
     close_error = avio_closep(&v->muxer->pb);
     if (error < 0 || close_error < 0)
-        return fail(v, error < 0 ? error : close_error, why, why_bytes);
-    if (pupil_pending_commit(&v->pending, why, why_bytes))
+        return fail(v, error < 0 ? error : close_error, why);
+    if (pupil_pending_commit(&v->pending, why))
         return PUPIL_SINK_FAILED;
     video_discard(sink); /* after commit it only frees */
     return PUPIL_SINK_OK;
@@ -215,7 +215,7 @@ static int open_encoder(video_sink *v, const char *name)
     return error;
 }
 
-static int open_muxer(video_sink *v, char *why, size_t why_bytes)
+static int open_muxer(video_sink *v, pupil_why *why)
 {
     AVDictionary *more = NULL;
     AVStream *stream = avformat_new_stream(v->muxer, NULL);
@@ -231,10 +231,10 @@ static int open_muxer(video_sink *v, char *why, size_t why_bytes)
         error = avformat_write_header(v->muxer, &more);
         av_dict_free(&more);
     }
-    return error < 0 ? fail(v, error, why, why_bytes) : PUPIL_SINK_OK;
+    return error < 0 ? fail(v, error, why) : PUPIL_SINK_OK;
 }
 
-static int video_begin(video_sink *v, const char *path, char *why, size_t why_bytes)
+static int video_begin(video_sink *v, const char *path, pupil_why *why)
 {
     static const char *const encoders[] = {"libx264", "libopenh264", "mpeg4"};
     const char *dot = strrchr(path, '.');
@@ -243,22 +243,22 @@ static int video_begin(video_sink *v, const char *path, char *why, size_t why_by
                                                                : "mp4";
     char *url;
     int error = AVERROR_ENCODER_NOT_FOUND;
-    if (pupil_pending_file(&v->pending, path, why, why_bytes))
+    if (pupil_pending_file(&v->pending, path, why))
         return PUPIL_SINK_FAILED;
     if (asprintf(&url, "file:%s", v->pending.temporary) < 0) /* "file:", for names with a colon */
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     avformat_alloc_output_context2(&v->muxer, NULL, format, url);
     free(url);
     v->frame = av_frame_alloc();
     v->packet = av_packet_alloc();
     if (!v->muxer || !v->frame || !v->packet)
-        return pupil_refuse(why, why_bytes, "%s: libav has no %s writer", path, format);
+        return pupil_refuse(why, "%s: libav has no %s writer", path, format);
     for (size_t i = 0; i < sizeof encoders / sizeof *encoders && !v->encoder; i++)
         error = open_encoder(v, encoders[i]);
     if (!v->encoder) {
         char text[AV_ERROR_MAX_STRING_SIZE] = "";
         av_strerror(error, text, sizeof text);
-        return pupil_refuse(why, why_bytes,
+        return pupil_refuse(why,
                             "%s: libav has no encoder (libx264, libopenh264, mpeg4) for %u x %u pixels (%s); write "
                             "a folder of PNG or a .y4m",
                             path, v->options.width, v->options.height, text);
@@ -267,28 +267,27 @@ static int video_begin(video_sink *v, const char *path, char *why, size_t why_by
     v->frame->width = v->encoder->width;
     v->frame->height = v->encoder->height;
     error = av_frame_get_buffer(v->frame, 0);
-    return error < 0 ? fail(v, error, why, why_bytes) : open_muxer(v, why, why_bytes);
+    return error < 0 ? fail(v, error, why) : open_muxer(v, why);
 }
 
-int pupil_video_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, char *why,
-                          size_t why_bytes)
+int pupil_video_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
 {
     video_sink *v;
     *sink = NULL;
-    if (pupil_sink_check_options(path, options, why, why_bytes))
+    if (pupil_sink_check_options(path, options, why))
         return PUPIL_SINK_FAILED;
     if (options->width * options->height > PIXELS_MAX)
-        return pupil_refuse(why, why_bytes,
+        return pupil_refuse(why,
                             "%s: %u x %u pixels are more than a video frame can have (%u in H.264); write a "
                             "folder of PNG or a .y4m",
                             path, options->width, options->height, PIXELS_MAX);
     v = calloc(1, sizeof *v);
     if (!v)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     av_log_set_level(AV_LOG_QUIET); /* what goes wrong is said in sentences; x264 would print a report of its own */
     v->sink.ops = &video_ops;
     v->options = *options;
-    if (video_begin(v, path, why, why_bytes)) {
+    if (video_begin(v, path, why)) {
         video_discard(&v->sink);
         return PUPIL_SINK_FAILED;
     }

@@ -12,6 +12,7 @@
 #include <libavutil/opt.h>
 
 #include "file/still/still.h"
+#include "refuse.h"
 #include "video_io.h"
 #include "video_pixels.h"
 
@@ -36,12 +37,12 @@ typedef struct video_source {
     AVPacket *packet;
     AVFrame *frame;
     pupil_video_pixels pixels;
-    int has_packet;             /* read, and not yet taken by the decoder */
-    int is_draining;            /* the demuxer has ended */
-    int state;                  /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
-    char suspect[256];          /* what the decoder said of the frame that it will hand out next; "" for nothing */
-    char early[384];            /* why the demuxer ended before the video did; "" if it did not */
-    char last[PUPIL_WHY_BYTES]; /* the sentence of FAILED */
+    int has_packet;    /* read, and not yet taken by the decoder */
+    int is_draining;   /* the demuxer has ended */
+    int state;         /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
+    char suspect[256]; /* what the decoder said of the frame that it will hand out next; "" for nothing */
+    char early[384];   /* why the demuxer ended before the video did; "" if it did not */
+    pupil_why last;    /* the sentence of FAILED */
     uint64_t handed, sequence;
     int damaged_in_a_row;
     int64_t packets_end;  /* where the demuxer stood after the last packet */
@@ -59,25 +60,24 @@ static const char *libav_words(int code, char buffer[AV_ERROR_MAX_STRING_SIZE])
     return buffer;
 }
 
-__attribute__((format(printf, 4, 5))) static int failed(video_source *v, char *why, size_t why_bytes,
-                                                        const char *format, ...)
+__attribute__((format(printf, 3, 4))) static int failed(video_source *v, pupil_why *why, const char *format, ...)
 {
-    int used = snprintf(v->last, sizeof v->last, "%s: ", v->name);
+    int used = snprintf(v->last.text, sizeof v->last.text, "%s: ", v->name);
     va_list arguments;
     va_start(arguments, format);
-    if (used >= 0 && (size_t)used < sizeof v->last)
-        vsnprintf(v->last + used, sizeof v->last - (size_t)used, format, arguments);
+    if (used >= 0 && (size_t)used < sizeof v->last.text)
+        vsnprintf(v->last.text + used, sizeof v->last.text - (size_t)used, format, arguments);
     va_end(arguments);
     v->state = PUPIL_SOURCE_FAILED;
-    snprintf(why, why_bytes, "%s", v->last);
+    pupil_refuse(why, "%s", v->last.text);
     return PUPIL_SOURCE_FAILED;
 }
 
-static int damaged(video_source *v, char *why, size_t why_bytes, const char *words)
+static int damaged(video_source *v, pupil_why *why, const char *words)
 {
     if (++v->damaged_in_a_row > MAX_DAMAGED)
-        return failed(v, why, why_bytes, "given up after %d damaged frames in a row: %s", MAX_DAMAGED, words);
-    snprintf(why, why_bytes, "%s: frame %llu is damaged: %s", v->name, (unsigned long long)v->sequence, words);
+        return failed(v, why, "given up after %d damaged frames in a row: %s", MAX_DAMAGED, words);
+    pupil_refuse(why, "%s: frame %llu is damaged: %s", v->name, (unsigned long long)v->sequence, words);
     v->sequence++;
     return PUPIL_SOURCE_DAMAGED;
 }
@@ -148,13 +148,13 @@ static int read_packet(video_source *v)
 }
 
 /* One step toward a frame: gives the decoder a packet, or the news that there are no more. 0, or a code of next. */
-static int feed(video_source *v, char *why, size_t why_bytes)
+static int feed(video_source *v, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     if (!v->has_packet && !v->is_draining) {
         int got = read_packet(v);
         if (got < 0)
-            return damaged(v, why, why_bytes, "its data is not whole");
+            return damaged(v, why, "its data is not whole");
         v->has_packet = got;
         v->is_draining = !got;
     }
@@ -166,9 +166,9 @@ static int feed(video_source *v, char *why, size_t why_bytes)
         av_packet_unref(v->packet);
     v->has_packet = 0;
     if (code == AVERROR(ENOMEM))
-        return failed(v, why, why_bytes, "not enough memory to decode frame %llu", (unsigned long long)v->sequence);
+        return failed(v, why, "not enough memory to decode frame %llu", (unsigned long long)v->sequence);
     if (code < 0 && code != AVERROR_EOF)
-        return damaged(v, why, why_bytes, libav_words(code, words));
+        return damaged(v, why, libav_words(code, words));
     /* FFV1 covers up a slice whose checksum is wrong and marks nothing: its log is the only sign. Other decoders also
      * log what does no harm, and mark their frames. */
     if (v->codec->codec_id == AV_CODEC_ID_FFV1)
@@ -176,21 +176,20 @@ static int feed(video_source *v, char *why, size_t why_bytes)
     return 0;
 }
 
-static int hand_out(video_source *v, pupil_frame *out, char *why, size_t why_bytes)
+static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
 {
     AVFrame *f = v->frame;
-    char words[256];
+    pupil_why words;
     if (v->suspect[0] || f->decode_error_flags || f->flags & AV_FRAME_FLAG_CORRUPT)
-        return damaged(v, why, why_bytes, v->suspect[0] ? v->suspect : "its decoder marks it so");
+        return damaged(v, why, v->suspect[0] ? v->suspect : "its decoder marks it so");
     if (f->width <= 0 || f->height <= 0 || f->width > (int)PUPIL_MAX_SIDE_PX || f->height > (int)PUPIL_MAX_SIDE_PX)
-        return failed(v, why, why_bytes, "frames of %d x %d pixels; 1 to %u a side can be read", f->width, f->height,
+        return failed(v, why, "frames of %d x %d pixels; 1 to %u a side can be read", f->width, f->height,
                       PUPIL_MAX_SIDE_PX);
     if (v->width && (v->width != (uint32_t)f->width || v->height != (uint32_t)f->height))
-        return failed(v, why, why_bytes,
-                      "frame %llu is %d x %d, the frames before it were %u x %u; they must not change",
+        return failed(v, why, "frame %llu is %d x %d, the frames before it were %u x %u; they must not change",
                       (unsigned long long)v->sequence, f->width, f->height, v->width, v->height);
-    if (pupil_video_pixels_convert(&v->pixels, f, words, sizeof words))
-        return failed(v, why, why_bytes, "%s", words);
+    if (pupil_video_pixels_convert(&v->pixels, f, &words))
+        return failed(v, why, "%s", words.text);
     v->width = (uint32_t)f->width;
     v->height = (uint32_t)f->height;
     v->last_ns = time_ns(v, f->best_effort_timestamp);
@@ -208,16 +207,16 @@ static int hand_out(video_source *v, pupil_frame *out, char *why, size_t why_byt
     return PUPIL_SOURCE_FRAME;
 }
 
-static int finish(video_source *v, char *why, size_t why_bytes)
+static int finish(video_source *v, pupil_why *why)
 {
     if (v->early[0])
-        return failed(v, why, why_bytes, "ends after %llu frames: %s", (unsigned long long)v->sequence, v->early);
+        return failed(v, why, "ends after %llu frames: %s", (unsigned long long)v->sequence, v->early);
     if (!v->handed)
-        return failed(v, why, why_bytes, "its video stream holds no frame that can be decoded");
+        return failed(v, why, "its video stream holds no frame that can be decoded");
     return v->state = PUPIL_SOURCE_END;
 }
 
-static int video_next(pupil_source *source, pupil_frame *out, char *why, size_t why_bytes)
+static int video_next(pupil_source *source, pupil_frame *out, pupil_why *why)
 {
     video_source *v = (video_source *)source;
     char words[AV_ERROR_MAX_STRING_SIZE];
@@ -225,17 +224,17 @@ static int video_next(pupil_source *source, pupil_frame *out, char *why, size_t 
         pupil_video_log_clear();
         int code = avcodec_receive_frame(v->codec, v->frame);
         if (code == 0)
-            return hand_out(v, out, why, why_bytes);
+            return hand_out(v, out, why);
         if (code == AVERROR_EOF)
-            return finish(v, why, why_bytes);
+            return finish(v, why);
         if (code != AVERROR(EAGAIN))
-            return damaged(v, why, why_bytes, libav_words(code, words));
-        code = feed(v, why, why_bytes);
+            return damaged(v, why, libav_words(code, words));
+        code = feed(v, why);
         if (code)
             return code;
     }
     if (v->state == PUPIL_SOURCE_FAILED)
-        snprintf(why, why_bytes, "%s", v->last);
+        pupil_refuse(why, "%s", v->last.text);
     return v->state;
 }
 
@@ -262,12 +261,12 @@ static void video_close(pupil_source *source)
 
 /* --- open --- */
 
-static int open_format(video_source *v, char *why, size_t why_bytes)
+static int open_format(video_source *v, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     v->format = avformat_alloc_context();
     if (!v->format)
-        return failed(v, why, why_bytes, "not enough memory");
+        return failed(v, why, "not enough memory");
     v->format->pb = v->io.context;
     v->format->flags |= AVFMT_FLAG_CUSTOM_IO;
     /* No protocol of this name exists: a playlist opens nothing. */
@@ -276,13 +275,13 @@ static int open_format(video_source *v, char *why, size_t why_bytes)
     pupil_video_log_clear();
     int code = avformat_open_input(&v->format, "", NULL, NULL);
     if (code < 0)
-        return failed(v, why, why_bytes, "not an image or a video that can be read: %s",
+        return failed(v, why, "not an image or a video that can be read: %s",
                       v->io.error ? strerror(v->io.error) : libav_words(code, words));
     return 0;
 }
 
 /* Looks into the streams with decoders that refuse what is too large, as the source's own will. */
-static int find_stream(video_source *v, int64_t max_pixels, const AVCodec **decoder, char *why, size_t why_bytes)
+static int find_stream(video_source *v, int64_t max_pixels, const AVCodec **decoder, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     unsigned count = v->format->nb_streams; /* more may come while libav looks */
@@ -295,12 +294,12 @@ static int find_stream(video_source *v, int64_t max_pixels, const AVCodec **deco
         av_dict_free(&limits[i]);
     av_free(limits);
     if (code < 0)
-        return failed(v, why, why_bytes, "not a video that can be read: %s", libav_words(code, words));
+        return failed(v, why, "not a video that can be read: %s", libav_words(code, words));
     code = av_find_best_stream(v->format, AVMEDIA_TYPE_VIDEO, -1, -1, decoder, 0);
     if (code == AVERROR_DECODER_NOT_FOUND)
-        return failed(v, why, why_bytes, "libav has no decoder for its video stream");
+        return failed(v, why, "libav has no decoder for its video stream");
     if (code < 0 || v->format->streams[code]->disposition & AV_DISPOSITION_ATTACHED_PIC)
-        return failed(v, why, why_bytes, "no video stream in it (libav takes it for \"%s\")",
+        return failed(v, why, "no video stream in it (libav takes it for \"%s\")",
                       v->format->iformat->long_name ? v->format->iformat->long_name : v->format->iformat->name);
     v->stream = v->format->streams[code];
     for (unsigned i = 0; i < v->format->nb_streams; i++)
@@ -309,19 +308,18 @@ static int find_stream(video_source *v, int64_t max_pixels, const AVCodec **deco
     return 0;
 }
 
-static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pixels, int threads, char *why,
-                        size_t why_bytes)
+static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pixels, int threads, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     const AVCodecParameters *parameters = v->stream->codecpar;
     if ((int64_t)parameters->width * parameters->height > max_pixels)
-        return failed(v, why, why_bytes, "frames of %d x %d pixels; at most %lld pixels can be read", parameters->width,
+        return failed(v, why, "frames of %d x %d pixels; at most %lld pixels can be read", parameters->width,
                       parameters->height, (long long)max_pixels);
     v->codec = avcodec_alloc_context3(decoder);
     v->packet = av_packet_alloc();
     v->frame = av_frame_alloc();
     if (!v->codec || !v->packet || !v->frame || avcodec_parameters_to_context(v->codec, parameters) < 0)
-        return failed(v, why, why_bytes, "not enough memory");
+        return failed(v, why, "not enough memory");
     v->codec->pkt_timebase = v->stream->time_base;
     v->codec->max_pixels = max_pixels;
     v->codec->thread_count = threads; /* 0: as many as there are processors */
@@ -332,7 +330,7 @@ static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pix
     pupil_video_log_clear();
     int code = avcodec_open2(v->codec, decoder, NULL);
     if (code < 0)
-        return failed(v, why, why_bytes, "its %s decoder does not start: %s", decoder->name, libav_words(code, words));
+        return failed(v, why, "its %s decoder does not start: %s", decoder->name, libav_words(code, words));
     return 0;
 }
 
@@ -350,14 +348,14 @@ static uint64_t expected_frames(const video_source *v)
 static const pupil_source_ops video_ops = {video_next, video_done, video_close};
 
 static int open_video(video_source *v, int64_t max_pixels, int threads, const pupil_source_options *options,
-                      pupil_source **source, char *why, size_t why_bytes)
+                      pupil_source **source, pupil_why *why)
 {
     const AVCodec *decoder = NULL;
     v->base.ops = &video_ops;
     v->state = PUPIL_SOURCE_FRAME;
     v->packets_end = INT64_MAX;
-    if (open_format(v, why, why_bytes) || find_stream(v, max_pixels, &decoder, why, why_bytes) ||
-        open_decoder(v, decoder, max_pixels, threads, why, why_bytes)) {
+    if (open_format(v, why) || find_stream(v, max_pixels, &decoder, why) ||
+        open_decoder(v, decoder, max_pixels, threads, why)) {
         video_close(&v->base);
         return PUPIL_SOURCE_FAILED;
     }
@@ -368,43 +366,42 @@ static int open_video(video_source *v, int64_t max_pixels, int threads, const pu
     return 0;
 }
 
-static video_source *allocate(const char *name, char *why, size_t why_bytes)
+static video_source *allocate(const char *name, pupil_why *why)
 {
     video_source *v = calloc(1, sizeof *v);
     if (v && (v->name = strdup(name)))
         return v;
     free(v);
-    snprintf(why, why_bytes, "%s: not enough memory", name);
+    pupil_refuse(why, "%s: not enough memory", name);
     return NULL;
 }
 
-int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source, char *why,
-                            size_t why_bytes)
+int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source,
+                            pupil_why *why)
 {
-    char words[256];
-    video_source *v = allocate(strcmp(path, "-") ? path : "standard input", why, why_bytes);
+    pupil_why words;
+    video_source *v = allocate(strcmp(path, "-") ? path : "standard input", why);
     if (!v)
         return PUPIL_SOURCE_FAILED;
-    if (pupil_video_io_open(&v->io, path, words, sizeof words)) {
-        failed(v, why, why_bytes, "%s", words);
+    if (pupil_video_io_open(&v->io, path, &words)) {
+        failed(v, why, "%s", words.text);
         video_close(&v->base);
         return PUPIL_SOURCE_FAILED;
     }
-    return open_video(v, (int64_t)PUPIL_STILL_MAX_PIXELS, 0, options, source, why, why_bytes);
+    return open_video(v, (int64_t)PUPIL_STILL_MAX_PIXELS, 0, options, source, why);
 }
 
 int pupil_video_source_open_bytes(const uint8_t *bytes, size_t size, const char *name, int64_t max_pixels,
-                                  const pupil_source_options *options, pupil_source **source, char *why,
-                                  size_t why_bytes)
+                                  const pupil_source_options *options, pupil_source **source, pupil_why *why)
 {
-    char words[256];
-    video_source *v = allocate(name, why, why_bytes);
+    pupil_why words;
+    video_source *v = allocate(name, why);
     if (!v)
         return PUPIL_SOURCE_FAILED;
-    if (pupil_video_io_bytes(&v->io, bytes, size, words, sizeof words)) {
-        failed(v, why, why_bytes, "%s", words);
+    if (pupil_video_io_bytes(&v->io, bytes, size, &words)) {
+        failed(v, why, "%s", words.text);
         video_close(&v->base);
         return PUPIL_SOURCE_FAILED;
     }
-    return open_video(v, max_pixels, 1, options, source, why, why_bytes);
+    return open_video(v, max_pixels, 1, options, source, why);
 }

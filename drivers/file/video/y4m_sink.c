@@ -6,6 +6,7 @@
 #include "file/sink/sink_common.h"
 #include "yuv709.h"
 
+#include "refuse.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -35,7 +36,7 @@ static const char *y4m_name(const y4m_sink *s)
     return s->to_stdout ? "standard output" : s->pending.path;
 }
 
-static int y4m_flush(y4m_sink *s, char *why, size_t why_bytes)
+static int y4m_flush(y4m_sink *s, pupil_why *why)
 {
     for (size_t sent = 0; sent < s->filled;) {
         const ssize_t n = write(s->fd, s->buffer + sent, s->filled - sent);
@@ -44,11 +45,11 @@ static int y4m_flush(y4m_sink *s, char *why, size_t why_bytes)
         } else if (errno == EAGAIN) { /* somebody made the pipe non-blocking */
             struct pollfd ready = {.fd = s->fd, .events = POLLOUT};
             if (poll(&ready, 1, -1) < 0)
-                return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
+                return pupil_refuse(why, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         } else if (errno == EPIPE) {
-            return pupil_refuse(why, why_bytes, "%s: the reader is gone", y4m_name(s));
+            return pupil_refuse(why, "%s: the reader is gone", y4m_name(s));
         } else { /* EINTR too: a reader that has stopped must not keep the program from ending */
-            return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
+            return pupil_refuse(why, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
         }
     }
     s->filled = 0;
@@ -56,31 +57,31 @@ static int y4m_flush(y4m_sink *s, char *why, size_t why_bytes)
 }
 
 /* Where the next `bytes` go, after making room; NULL where that failed. */
-static uint8_t *y4m_room(y4m_sink *s, size_t bytes, char *why, size_t why_bytes)
+static uint8_t *y4m_room(y4m_sink *s, size_t bytes, pupil_why *why)
 {
-    if (s->filled + bytes > sizeof s->buffer && y4m_flush(s, why, why_bytes))
+    if (s->filled + bytes > sizeof s->buffer && y4m_flush(s, why))
         return NULL;
     s->filled += bytes;
     return s->buffer + s->filled - bytes;
 }
 
-static int y4m_text(y4m_sink *s, const char *text, char *why, size_t why_bytes)
+static int y4m_text(y4m_sink *s, const char *text, pupil_why *why)
 {
-    uint8_t *room = y4m_room(s, strlen(text), why, why_bytes);
+    uint8_t *room = y4m_room(s, strlen(text), why);
     if (!room)
         return PUPIL_SINK_FAILED;
     memcpy(room, text, strlen(text));
     return PUPIL_SINK_OK;
 }
 
-static int y4m_header(y4m_sink *s, char *why, size_t why_bytes)
+static int y4m_header(y4m_sink *s, pupil_why *why)
 {
     char text[128];
     int num = 0, den = 1;
     pupil_fps_ratio(s->options.fps, &num, &den);
     snprintf(text, sizeof text, "YUV4MPEG2 W%u H%u F%d:%d Ip A1:1 C444 XCOLORRANGE=LIMITED\n", s->options.width,
              s->options.height, num, den);
-    return y4m_text(s, text, why, why_bytes);
+    return y4m_text(s, text, why);
 }
 
 /* How often a frame is to be written: up to the nearest moment of the stream's own rate, and not at all where another
@@ -98,32 +99,31 @@ static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
     return until > s->frames ? until - s->frames : 0;
 }
 
-static int y4m_frame(y4m_sink *s, const pupil_image_const *image, char *why, size_t why_bytes)
+static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why)
 {
-    if (y4m_text(s, "FRAME\n", why, why_bytes))
+    if (y4m_text(s, "FRAME\n", why))
         return PUPIL_SINK_FAILED;
     for (int plane = PUPIL_YUV_Y; plane <= PUPIL_YUV_CR; plane++)
         for (uint32_t y = 0; y < image->height; y++) {
-            uint8_t *room = y4m_room(s, image->width, why, why_bytes);
+            uint8_t *room = y4m_room(s, image->width, why);
             if (!room)
                 return PUPIL_SINK_FAILED;
             pupil_yuv709_row((pupil_yuv_plane)plane, (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes,
                              image->width, room);
         }
     s->frames++;
-    return y4m_flush(s, why, why_bytes); /* whoever reads the pipe gets a frame as soon as there is one */
+    return y4m_flush(s, why); /* whoever reads the pipe gets a frame as soon as there is one */
 }
 
-static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                     size_t why_bytes)
+static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
 {
     y4m_sink *s = (y4m_sink *)sink;
-    if (pupil_sink_check_image(y4m_name(s), &s->options, image, why, why_bytes))
+    if (pupil_sink_check_image(y4m_name(s), &s->options, image, why))
         return PUPIL_SINK_FAILED;
-    if (s->frames == 0 && y4m_header(s, why, why_bytes))
+    if (s->frames == 0 && y4m_header(s, why))
         return PUPIL_SINK_FAILED;
     for (uint64_t times = y4m_times(s, info); times; times--)
-        if (y4m_frame(s, image, why, why_bytes))
+        if (y4m_frame(s, image, why))
             return PUPIL_SINK_FAILED;
     return PUPIL_SINK_OK;
 }
@@ -137,17 +137,17 @@ static void y4m_discard(pupil_sink *sink)
     free(s);
 }
 
-static int y4m_finish(pupil_sink *sink, char *why, size_t why_bytes)
+static int y4m_finish(pupil_sink *sink, pupil_why *why)
 {
     y4m_sink *s = (y4m_sink *)sink;
     if (!s->frames)
-        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", y4m_name(s));
+        return pupil_refuse(why, "%s: nothing was written, for the input has no frame", y4m_name(s));
     if (!s->to_stdout) {
         const int failed = close(s->fd);
         s->fd = -1;
         if (failed)
-            return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
-        if (pupil_pending_commit(&s->pending, why, why_bytes))
+            return pupil_refuse(why, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
+        if (pupil_pending_commit(&s->pending, why))
             return PUPIL_SINK_FAILED;
     }
     y4m_discard(sink); /* after commit it only frees */
@@ -156,39 +156,37 @@ static int y4m_finish(pupil_sink *sink, char *why, size_t why_bytes)
 
 static const pupil_sink_ops y4m_ops = {y4m_write, y4m_finish, y4m_discard};
 
-static int y4m_begin(y4m_sink *s, const char *path, char *why, size_t why_bytes)
+static int y4m_begin(y4m_sink *s, const char *path, pupil_why *why)
 {
     if (s->to_stdout) {
         s->fd = STDOUT_FILENO;
         if (isatty(s->fd))
-            return pupil_refuse(why, why_bytes,
-                                "standard output: is a terminal, which cannot show YUV4MPEG2; pipe it into a "
-                                "player or redirect it to a file");
+            return pupil_refuse(why, "standard output: is a terminal, which cannot show YUV4MPEG2; pipe it into a "
+                                     "player or redirect it to a file");
         return PUPIL_SINK_OK;
     }
-    if (pupil_pending_file(&s->pending, path, why, why_bytes))
+    if (pupil_pending_file(&s->pending, path, why))
         return PUPIL_SINK_FAILED;
     s->fd = open(s->pending.temporary, O_WRONLY | O_TRUNC | O_CLOEXEC);
     if (s->fd < 0)
-        return pupil_refuse(why, why_bytes, "%s: cannot be written: %s", path, strerror(errno));
+        return pupil_refuse(why, "%s: cannot be written: %s", path, strerror(errno));
     return PUPIL_SINK_OK;
 }
 
-int pupil_y4m_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, char *why,
-                        size_t why_bytes)
+int pupil_y4m_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
 {
     y4m_sink *s;
     *sink = NULL;
-    if (pupil_sink_check_options(path, options, why, why_bytes))
+    if (pupil_sink_check_options(path, options, why))
         return PUPIL_SINK_FAILED;
     s = calloc(1, sizeof *s);
     if (!s)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     s->sink.ops = &y4m_ops;
     s->options = *options;
     s->to_stdout = strcmp(path, "-") == 0;
     s->fd = -1;
-    if (y4m_begin(s, path, why, why_bytes)) {
+    if (y4m_begin(s, path, why)) {
         y4m_discard(&s->sink);
         return PUPIL_SINK_FAILED;
     }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "capture.h"
+#include "refuse.h"
 
 #define DEFAULT_BUFFERS 4u /* one with the caller, one being filled, two for a caller that is late */
 #define PAGE_BYTES      4096u
@@ -241,41 +242,40 @@ static int make(pupil_v4l2_capture *c)
     }
 }
 
-static int check_options(const pupil_v4l2_capture *c, char *why, size_t why_bytes)
+static int check_options(const pupil_v4l2_capture *c, pupil_why *why)
 {
     const pupil_v4l2_options *o = &c->options;
     const uint32_t asked = o->memory == PUPIL_V4L2_MEMORY_DMABUF ? o->dmabufs : asked_buffers(c);
     if (o->memory >= PUPIL_V4L2_MEMORY_COUNT)
-        snprintf(why, why_bytes, "%s: memory %u; it is one of the %u of pupil_v4l2_memory", c->device.path, o->memory,
-                 PUPIL_V4L2_MEMORY_COUNT);
+        pupil_refuse(why, "%s: memory %u; it is one of the %u of pupil_v4l2_memory", c->device.path, o->memory,
+                     PUPIL_V4L2_MEMORY_COUNT);
     else if (asked < 2 || asked > PUPIL_V4L2_MOST_BUFFERS)
-        snprintf(why, why_bytes, "%s: %u buffers; it must be from 2 to %u", c->device.path, asked,
-                 PUPIL_V4L2_MOST_BUFFERS);
+        pupil_refuse(why, "%s: %u buffers; it must be from 2 to %u", c->device.path, asked, PUPIL_V4L2_MOST_BUFFERS);
     else if (o->memory == PUPIL_V4L2_MEMORY_DMABUF && !o->dmabuf)
-        snprintf(why, why_bytes, "%s: memory of the caller's dma-bufs, and none was given", c->device.path);
+        pupil_refuse(why, "%s: memory of the caller's dma-bufs, and none was given", c->device.path);
     else
         return 0;
     return PUPIL_V4L2_FAILED;
 }
 
-int pupil_v4l2_buffers_make(pupil_v4l2_capture *c, char *why, size_t why_bytes)
+int pupil_v4l2_buffers_make(pupil_v4l2_capture *c, pupil_why *why)
 {
     static const char *const kinds[] = {"gives no buffers that can be mapped", "gives no buffers that can be mapped",
                                         "takes no memory of this program's", "takes none of the dma-bufs given",
                                         "takes no memory of a dma-heap"};
-    if (check_options(c, why, why_bytes))
+    if (check_options(c, why))
         return PUPIL_V4L2_FAILED;
     if (make(c) != 0) {
         if (errno != ENOBUFS)
-            return pupil_v4l2_failed(&c->device, kinds[c->options.memory], errno, why, why_bytes);
-        snprintf(why, why_bytes, "%s: its driver gives %u buffer; two are the least that a stream needs",
-                 c->device.path, c->buffers);
+            return pupil_v4l2_failed(&c->device, kinds[c->options.memory], errno, why);
+        pupil_refuse(why, "%s: its driver gives %u buffer; two are the least that a stream needs", c->device.path,
+                     c->buffers);
         return PUPIL_V4L2_FAILED;
     }
     for (uint32_t i = 0; c->options.share && c->memory == V4L2_MEMORY_MMAP && i < c->buffers; i++)
         export_areas(c, i);
     if (c->memory != V4L2_MEMORY_DMABUF && queue_all(c) != 0)
-        return pupil_v4l2_failed(&c->device, "takes no buffers", errno, why, why_bytes);
+        return pupil_v4l2_failed(&c->device, "takes no buffers", errno, why);
     return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "refuse.h"
 #include "source.h"
 #include "v4l2/media/media.h"
 
@@ -24,9 +25,9 @@ double pupil_v4l2_capture_timeout_s(const pupil_v4l2_capture *c)
     return c->options.timeout_s > 0.0 ? c->options.timeout_s : DEFAULT_TIMEOUT_S;
 }
 
-static int failed(const pupil_v4l2_capture *c, const char *what, int error, char *why, size_t why_bytes)
+static int failed(const pupil_v4l2_capture *c, const char *what, int error, pupil_why *why)
 {
-    pupil_v4l2_failed(&c->device, what, error, why, why_bytes);
+    pupil_v4l2_failed(&c->device, what, error, why);
     return error == ENODEV ? PUPIL_V4L2_GONE : error == EIO ? PUPIL_V4L2_STOPPED : PUPIL_V4L2_FAILED;
 }
 
@@ -45,7 +46,7 @@ static int subscribe(const pupil_v4l2_capture *c, uint32_t type, int id)
     return pupil_v4l2_ask(&c->device, VIDIOC_SUBSCRIBE_EVENT, &s); /* few drivers have any; not having them is fine */
 }
 
-static int start(pupil_v4l2_capture *c, char *why, size_t why_bytes)
+static int start(pupil_v4l2_capture *c, pupil_why *why)
 {
     int type = (int)c->device.type, input = 0;
     if (pupil_v4l2_ask(&c->device, VIDIOC_G_INPUT, &input) != 0)
@@ -59,26 +60,25 @@ static int start(pupil_v4l2_capture *c, char *why, size_t why_bytes)
     const int error = errno;
     char mend[512];
     if ((error == EPIPE || error == ENOLINK) && pupil_v4l2_media_mend(&c->device, &c->format, mend, sizeof mend) == 0) {
-        snprintf(why, why_bytes, "%s: does not start: %s", c->device.path, mend);
+        pupil_refuse(why, "%s: does not start: %s", c->device.path, mend);
         return PUPIL_V4L2_FAILED;
     }
-    return failed(c, "does not start", error, why, why_bytes);
+    return failed(c, "does not start", error, why);
 }
 
-int pupil_v4l2_capture_open(pupil_v4l2_capture *c, const char *which, const pupil_v4l2_options *options, char *why,
-                            size_t why_bytes)
+int pupil_v4l2_capture_open(pupil_v4l2_capture *c, const char *which, const pupil_v4l2_options *options, pupil_why *why)
 {
     memset(c, 0, sizeof *c);
     c->options = *options;
     for (int i = 0; i < PUPIL_V4L2_MOST_BUFFERS; i++)
         c->buffer[i].dmabuf[0] = c->buffer[i].dmabuf[1] = -1;
-    if (pupil_v4l2_device_open(&c->device, options->system, which, why, why_bytes))
+    if (pupil_v4l2_device_open(&c->device, options->system, which, why))
         return PUPIL_V4L2_FAILED;
-    int error = pupil_v4l2_negotiate(c, why, why_bytes);
+    int error = pupil_v4l2_negotiate(c, why);
     if (!error)
-        error = pupil_v4l2_buffers_make(c, why, why_bytes);
+        error = pupil_v4l2_buffers_make(c, why);
     if (!error)
-        error = start(c, why, why_bytes);
+        error = start(c, why);
     if (error)
         pupil_v4l2_capture_close(c);
     return error;
@@ -104,7 +104,7 @@ typedef struct done_buffer {
 } done_buffer;
 
 /* PUPIL_V4L2_FRAME; -EAGAIN: none is ready; or another result and a sentence. */
-static int dequeue(pupil_v4l2_capture *c, done_buffer *d, char *why, size_t why_bytes)
+static int dequeue(pupil_v4l2_capture *c, done_buffer *d, pupil_why *why)
 {
     memset(d, 0, sizeof *d);
     d->b.type = c->device.type;
@@ -118,22 +118,20 @@ static int dequeue(pupil_v4l2_capture *c, done_buffer *d, char *why, size_t why_
             return -EAGAIN;
         if (errno == EPIPE)
             return PUPIL_V4L2_END; /* the one with V4L2_BUF_FLAG_LAST is out */
-        return failed(c, errno == EIO ? "its driver reports that the stream broke" : "gives no frame", errno, why,
-                      why_bytes);
+        return failed(c, errno == EIO ? "its driver reports that the stream broke" : "gives no frame", errno, why);
     }
     if (d->b.index >= c->buffers || !c->buffer[d->b.index].queued) {
-        snprintf(why, why_bytes, "%s: its driver hands out buffer %u, which it does not have", c->device.path,
-                 d->b.index);
+        pupil_refuse(why, "%s: its driver hands out buffer %u, which it does not have", c->device.path, d->b.index);
         return PUPIL_V4L2_FAILED;
     }
     c->buffer[d->b.index].queued = 0;
     return PUPIL_V4L2_FRAME;
 }
 
-static int give_back(pupil_v4l2_capture *c, uint32_t index, char *why, size_t why_bytes)
+static int give_back(pupil_v4l2_capture *c, uint32_t index, pupil_why *why)
 {
     pupil_v4l2_buffer_unread(c, index);
-    return pupil_v4l2_buffer_queue(c, index) == 0 ? 0 : failed(c, "takes no buffer back", errno, why, why_bytes);
+    return pupil_v4l2_buffer_queue(c, index) == 0 ? 0 : failed(c, "takes no buffer back", errno, why);
 }
 
 /* Where an area's pixels begin, how many bytes it has from there on, and whether all of them are there. */
@@ -211,19 +209,19 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
 /* --- a frame --- */
 
 /* PUPIL_V4L2_FRAME where there was nothing that ends the stream. */
-static int take_events(pupil_v4l2_capture *c, char *why, size_t why_bytes)
+static int take_events(pupil_v4l2_capture *c, pupil_why *why)
 {
     for (int i = 0; i < MOST_EVENTS; i++) {
         struct v4l2_event event = {0};
         if (pupil_v4l2_ask(&c->device, VIDIOC_DQEVENT, &event) != 0)
-            return errno == ENODEV ? failed(c, "its events", errno, why, why_bytes) : PUPIL_V4L2_FRAME;
+            return errno == ENODEV ? failed(c, "its events", errno, why) : PUPIL_V4L2_FRAME;
         if (event.type == V4L2_EVENT_EOS)
             c->last = 1; /* what is ready is still to be taken */
         if (event.type == V4L2_EVENT_SOURCE_CHANGE) {
-            snprintf(why, why_bytes,
-                     "%s: the camera's signal changed in mid-stream (another size, or none); it must "
-                     "be opened again",
-                     c->device.path);
+            pupil_refuse(why,
+                         "%s: the camera's signal changed in mid-stream (another size, or none); it must "
+                         "be opened again",
+                         c->device.path);
             return PUPIL_V4L2_CHANGED;
         }
     }
@@ -231,7 +229,7 @@ static int take_events(pupil_v4l2_capture *c, char *why, size_t why_bytes)
 }
 
 /* PUPIL_V4L2_FRAME: something may be ready; -EAGAIN: not yet. */
-static int wait(pupil_v4l2_capture *c, int64_t left_ns, short *ready, char *why, size_t why_bytes)
+static int wait(pupil_v4l2_capture *c, int64_t left_ns, short *ready, pupil_why *why)
 {
     const pupil_v4l2_system *system = c->device.system;
     struct pollfd p = {c->device.fd, POLLIN | POLLPRI, 0};
@@ -239,17 +237,17 @@ static int wait(pupil_v4l2_capture *c, int64_t left_ns, short *ready, char *why,
     *ready = 0;
     const int got = system->poll(system->context, &p, 1, left_ms < SLICE_MS ? (int)left_ms : SLICE_MS);
     if (got < 0)
-        return errno == EINTR || errno == EAGAIN ? -EAGAIN : failed(c, "cannot be waited for", errno, why, why_bytes);
+        return errno == EINTR || errno == EAGAIN ? -EAGAIN : failed(c, "cannot be waited for", errno, why);
     if (got == 0)
         return c->last ? PUPIL_V4L2_END : -EAGAIN;
     *ready = p.revents;
     if (p.revents & POLLPRI)
-        return take_events(c, why, why_bytes);
+        return take_events(c, why);
     return PUPIL_V4L2_FRAME;
 }
 
 /* A buffer that the driver handed out: a frame, or (-EAGAIN) one to be left out. */
-static int judge(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *frame, char *why, size_t why_bytes)
+static int judge(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *frame, pupil_why *why)
 {
     const int last = (d->b.flags & V4L2_BUF_FLAG_LAST) != 0;
     const int flagged = (d->b.flags & V4L2_BUF_FLAG_ERROR) != 0;
@@ -261,22 +259,22 @@ static int judge(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *
         return PUPIL_V4L2_FRAME;
     c->counts.flagged += flagged;
     c->counts.cut += !flagged && !last; /* the last one may be empty */
-    const int error = give_back(c, d->b.index, why, why_bytes);
+    const int error = give_back(c, d->b.index, why);
     return error ? error : last ? PUPIL_V4L2_END : -EAGAIN;
 }
 
 /* Puts the newest of what is ready in the place of *d. An error is left for the next call to find. */
 static void skip_to_newest(pupil_v4l2_capture *c, done_buffer *d, pupil_v4l2_frame *frame)
 {
-    char unused[PUPIL_WHY_BYTES];
+    pupil_why unused;
     for (uint32_t i = 1; i < c->buffers; i++) {
         done_buffer next;
         pupil_v4l2_frame newer = {.lost = frame->lost};
-        if (dequeue(c, &next, unused, sizeof unused) != PUPIL_V4L2_FRAME)
+        if (dequeue(c, &next, &unused) != PUPIL_V4L2_FRAME)
             return;
-        if (judge(c, &next, &newer, unused, sizeof unused) == PUPIL_V4L2_FRAME) {
+        if (judge(c, &next, &newer, &unused) == PUPIL_V4L2_FRAME) {
             c->counts.late++;
-            give_back(c, d->b.index, unused, sizeof unused);
+            give_back(c, d->b.index, &unused);
             *d = next;
             *frame = newer;
         } else {
@@ -285,14 +283,15 @@ static void skip_to_newest(pupil_v4l2_capture *c, done_buffer *d, pupil_v4l2_fra
     }
 }
 
-static int no_frame(const pupil_v4l2_capture *c, uint64_t left_out, char *why, size_t why_bytes)
+static int no_frame(const pupil_v4l2_capture *c, uint64_t left_out, pupil_why *why)
 {
-    snprintf(why, why_bytes, "%s: no %sframe within %g seconds%s", c->device.path, left_out ? "whole " : "",
-             pupil_v4l2_capture_timeout_s(c), left_out ? "; the driver flags all as damaged, or cuts them short" : "");
+    pupil_refuse(why, "%s: no %sframe within %g seconds%s", c->device.path, left_out ? "whole " : "",
+                 pupil_v4l2_capture_timeout_s(c),
+                 left_out ? "; the driver flags all as damaged, or cuts them short" : "");
     return PUPIL_V4L2_STOPPED;
 }
 
-int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, char *why, size_t why_bytes)
+int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, pupil_why *why)
 {
     const int64_t end_ns = now_ns(c) + (int64_t)(pupil_v4l2_capture_timeout_s(c) * 1e9);
     const uint64_t left_out = c->counts.flagged + c->counts.cut;
@@ -304,21 +303,21 @@ int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, char
         if (c->options.stop && c->options.stop())
             return PUPIL_V4L2_END;
         if (left_ns <= 0)
-            return no_frame(c, c->counts.flagged + c->counts.cut - left_out, why, why_bytes);
-        int got = wait(c, left_ns, &ready, why, why_bytes);
+            return no_frame(c, c->counts.flagged + c->counts.cut - left_out, why);
+        int got = wait(c, left_ns, &ready, why);
         if (got == PUPIL_V4L2_FRAME)
-            got = dequeue(c, &d, why, why_bytes);
+            got = dequeue(c, &d, why);
         if (got == -EAGAIN && ready & (POLLHUP | POLLNVAL))
-            return failed(c, "gives no frame", ENODEV, why, why_bytes);
+            return failed(c, "gives no frame", ENODEV, why);
         if (got == -EAGAIN && ready & POLLERR)
-            return failed(c, "its driver reports that the stream broke", EIO, why, why_bytes);
+            return failed(c, "its driver reports that the stream broke", EIO, why);
         if (got == PUPIL_V4L2_FRAME)
-            got = judge(c, &d, frame, why, why_bytes);
+            got = judge(c, &d, frame, why);
         if (got == PUPIL_V4L2_FRAME) {
             if (c->options.newest)
                 skip_to_newest(c, &d, frame);
             if (pupil_v4l2_buffer_read(c, d.b.index) != 0) {
-                const int error = failed(c, "its buffers cannot be read", errno, why, why_bytes);
+                const int error = failed(c, "its buffers cannot be read", errno, why);
                 pupil_v4l2_buffer_unread(c, d.b.index);
                 pupil_v4l2_buffer_queue(c, d.b.index); /* where this fails, too, it is missing until close */
                 return error;
@@ -333,9 +332,9 @@ int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, char
     }
 }
 
-int pupil_v4l2_capture_done(pupil_v4l2_capture *c, const pupil_v4l2_frame *frame, char *why, size_t why_bytes)
+int pupil_v4l2_capture_done(pupil_v4l2_capture *c, const pupil_v4l2_frame *frame, pupil_why *why)
 {
     if (frame->index >= c->buffers || c->buffer[frame->index].queued || !c->streaming)
         return 0; /* it is back already */
-    return give_back(c, frame->index, why, why_bytes);
+    return give_back(c, frame->index, why);
 }

@@ -11,6 +11,7 @@
 #define PUPIL_DRIVERS_V4L2_CAPTURE_CAPTURE_H
 
 #include "memory.h"
+#include "pupil/error.h"
 #include "v4l2/device.h"
 #include "v4l2/format.h"
 
@@ -134,22 +135,22 @@ const char *pupil_v4l2_reading_name(uint32_t reading);
 
 /* 0, or PUPIL_V4L2_FAILED or _GONE and a sentence; then nothing is left open. */
 int pupil_v4l2_capture_open(pupil_v4l2_capture *capture, const char *which, const pupil_v4l2_options *options,
-                            char *why, size_t why_bytes);
+                            pupil_why *why);
 /* PUPIL_V4L2_FRAME, _END, or what is wrong and a sentence. Buffers that are still out are
  * missing to the driver: with all of them out, none comes. */
-int pupil_v4l2_capture_next(pupil_v4l2_capture *capture, pupil_v4l2_frame *frame, char *why, size_t why_bytes);
+int pupil_v4l2_capture_next(pupil_v4l2_capture *capture, pupil_v4l2_frame *frame, pupil_why *why);
 /* Back to the driver; twice is allowed. 0, or as next. */
-int pupil_v4l2_capture_done(pupil_v4l2_capture *capture, const pupil_v4l2_frame *frame, char *why, size_t why_bytes);
+int pupil_v4l2_capture_done(pupil_v4l2_capture *capture, const pupil_v4l2_frame *frame, pupil_why *why);
 double pupil_v4l2_capture_timeout_s(const pupil_v4l2_capture *capture); /* options.timeout_s, or its default */
 void pupil_v4l2_capture_close(pupil_v4l2_capture *capture);             /* twice is allowed */
 
 /* --- the parts, each in its own file --- */
 
 /* Format, size, rate: into capture->format and fps. */
-int pupil_v4l2_negotiate(pupil_v4l2_capture *capture, char *why, size_t why_bytes);
+int pupil_v4l2_negotiate(pupil_v4l2_capture *capture, pupil_why *why);
 
 /* Memory for frames, mapped and queued; and given back. */
-int pupil_v4l2_buffers_make(pupil_v4l2_capture *capture, char *why, size_t why_bytes);
+int pupil_v4l2_buffers_make(pupil_v4l2_capture *capture, pupil_why *why);
 int pupil_v4l2_buffer_queue(pupil_v4l2_capture *capture, uint32_t index); /* 0, or -1 and errno */
 /* Before a filled buffer is read, and after it. 0, or -1 and errno. */
 int pupil_v4l2_buffer_read(pupil_v4l2_capture *capture, uint32_t index);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "capture.h"
+#include "refuse.h"
 #include "v4l2/modes.h"
 
 #define RATE_TOLERANCE 0.02 /* of the rate asked for: 29.97 is 30, 25 is not */
@@ -36,21 +37,21 @@ static uint32_t look_over(const pupil_v4l2_device *d, int all, char *names, size
     return first ? first : first_jpeg;
 }
 
-static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *set, char *why, size_t why_bytes)
+static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *set, pupil_why *why)
 {
     char names[256];
     const uint32_t asked = c->options.fourcc;
     if (asked && !pupil_v4l2_is_read(asked)) {
-        snprintf(why, why_bytes, "%s: format %s is not read; what is: %s", c->device.path,
-                 pupil_v4l2_fourcc_name(asked).text, pupil_v4l2_natives);
+        pupil_refuse(why, "%s: format %s is not read; what is: %s", c->device.path, pupil_v4l2_fourcc_name(asked).text,
+                     pupil_v4l2_natives);
         return 0;
     }
     if (asked || pupil_v4l2_pixel_of(fourcc_of(set)))
         return asked ? asked : fourcc_of(set);
     const uint32_t first = look_over(&c->device, 1, names, sizeof names);
     if (!first)
-        snprintf(why, why_bytes, "%s: %s offers %s, which is not read; what is: %s", c->device.path, c->device.name,
-                 *names ? names : "no format", pupil_v4l2_natives);
+        pupil_refuse(why, "%s: %s offers %s, which is not read; what is: %s", c->device.path, c->device.name,
+                     *names ? names : "no format", pupil_v4l2_natives);
     return first;
 }
 
@@ -58,33 +59,32 @@ static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *se
 static void offers(const pupil_v4l2_capture *c, uint32_t fourcc, char *text, size_t text_bytes)
 {
     pupil_v4l2_modes modes;
-    char unused[256];
+    pupil_why unused;
     *text = 0;
-    pupil_v4l2_modes_read(&c->device, &modes, unused, sizeof unused);
+    pupil_v4l2_modes_read(&c->device, &modes, &unused);
     for (uint32_t i = 0; i < modes.count && !*text; i++)
         if (modes.mode[i].fourcc == fourcc)
             pupil_v4l2_mode_text(&modes.mode[i], text, text_bytes);
     pupil_v4l2_modes_free(&modes);
 }
 
-static int refuse(const pupil_v4l2_capture *c, const char *wanted, const char *instead, uint32_t fourcc, char *why,
-                  size_t why_bytes)
+static int refuse(const pupil_v4l2_capture *c, const char *wanted, const char *instead, uint32_t fourcc, pupil_why *why)
 {
     char text[600], names[256];
     offers(c, fourcc, text, sizeof text);
     look_over(&c->device, 0, names, sizeof names);
-    snprintf(why, why_bytes, "%s: %s offers no %s (%s instead); it has %s%s%s", c->device.path, c->device.name, wanted,
-             instead, names, *text ? ": " : "", text);
+    pupil_refuse(why, "%s: %s offers no %s (%s instead); it has %s%s%s", c->device.path, c->device.name, wanted,
+                 instead, names, *text ? ": " : "", text);
     return PUPIL_V4L2_FAILED;
 }
 
-static int set_format(pupil_v4l2_capture *c, char *why, size_t why_bytes)
+static int set_format(pupil_v4l2_capture *c, pupil_why *why)
 {
     const pupil_v4l2_options *o = &c->options;
     struct v4l2_format f = {.type = c->device.type};
     if (pupil_v4l2_ask(&c->device, VIDIOC_G_FMT, &f) != 0)
-        return pupil_v4l2_failed(&c->device, "does not tell its format", errno, why, why_bytes);
-    const uint32_t fourcc = choose(c, &f, why, why_bytes);
+        return pupil_v4l2_failed(&c->device, "does not tell its format", errno, why);
+    const uint32_t fourcc = choose(c, &f, why);
     if (!fourcc)
         return PUPIL_V4L2_FAILED;
 
@@ -106,7 +106,7 @@ static int set_format(pupil_v4l2_capture *c, char *why, size_t why_bytes)
         wanted.fmt.pix.bytesperline = wanted.fmt.pix.sizeimage = 0;
     }
     if (pupil_v4l2_ask(&c->device, VIDIOC_S_FMT, &wanted) != 0)
-        return pupil_v4l2_failed(&c->device, "refuses the format", errno, why, why_bytes);
+        return pupil_v4l2_failed(&c->device, "refuses the format", errno, why);
     const uint32_t took_width = multi ? wanted.fmt.pix_mp.width : wanted.fmt.pix.width;
     const uint32_t took_height = multi ? wanted.fmt.pix_mp.height : wanted.fmt.pix.height;
     if (fourcc_of(&wanted) != fourcc || (o->width && took_width != width) || (o->height && took_height != height)) {
@@ -114,31 +114,31 @@ static int set_format(pupil_v4l2_capture *c, char *why, size_t why_bytes)
         snprintf(asked, sizeof asked, "%ux%u of %s", width, height, pupil_v4l2_fourcc_name(fourcc).text);
         snprintf(instead, sizeof instead, "%ux%u of %s", took_width, took_height,
                  pupil_v4l2_fourcc_name(fourcc_of(&wanted)).text);
-        return refuse(c, asked, instead, fourcc, why, why_bytes);
+        return refuse(c, asked, instead, fourcc, why);
     }
-    char words[512];
-    if (pupil_v4l2_format_read(&wanted, &c->format, words, sizeof words)) {
-        snprintf(why, why_bytes, "%s: %s: %s", c->device.path, c->device.name, words);
+    pupil_why words;
+    if (pupil_v4l2_format_read(&wanted, &c->format, &words)) {
+        pupil_refuse(why, "%s: %s: %s", c->device.path, c->device.name, words.text);
         return PUPIL_V4L2_FAILED;
     }
     return 0;
 }
 
 /* After the format: setting that may set the rate anew. */
-static int set_rate(pupil_v4l2_capture *c, char *why, size_t why_bytes)
+static int set_rate(pupil_v4l2_capture *c, pupil_why *why)
 {
     struct v4l2_streamparm p = {.type = c->device.type};
     struct v4l2_captureparm *capture = &p.parm.capture;
     const double fps = c->options.fps;
     c->fps = 0.0;
     if (pupil_v4l2_ask(&c->device, VIDIOC_G_PARM, &p) != 0)
-        return errno == ENODEV ? pupil_v4l2_failed(&c->device, "its rate", errno, why, why_bytes) : 0;
+        return errno == ENODEV ? pupil_v4l2_failed(&c->device, "its rate", errno, why) : 0;
     if (fps > 0.0 && capture->capability & V4L2_CAP_TIMEPERFRAME) {
         p = (struct v4l2_streamparm){.type = c->device.type};
         capture->timeperframe.numerator = 1000; /* thousandths of a frame a second: 29.97 is 1000/29970 */
         capture->timeperframe.denominator = (uint32_t)(fps * 1000.0 + 0.5);
         if (pupil_v4l2_ask(&c->device, VIDIOC_S_PARM, &p) != 0)
-            return pupil_v4l2_failed(&c->device, "refuses the rate", errno, why, why_bytes);
+            return pupil_v4l2_failed(&c->device, "refuses the rate", errno, why);
     }
     if (!capture->timeperframe.numerator || !capture->timeperframe.denominator)
         return 0;
@@ -147,21 +147,21 @@ static int set_rate(pupil_v4l2_capture *c, char *why, size_t why_bytes)
         char asked[64], instead[32];
         snprintf(asked, sizeof asked, "%g frames a second at %ux%u", fps, c->format.width, c->format.height);
         snprintf(instead, sizeof instead, "%.6g", c->fps);
-        return refuse(c, asked, instead, c->format.fourcc, why, why_bytes);
+        return refuse(c, asked, instead, c->format.fourcc, why);
     }
     return 0;
 }
 
-int pupil_v4l2_negotiate(pupil_v4l2_capture *c, char *why, size_t why_bytes)
+int pupil_v4l2_negotiate(pupil_v4l2_capture *c, pupil_why *why)
 {
     const pupil_v4l2_options *o = &c->options;
     const char *path = c->device.path;
     if (o->width > PUPIL_MAX_SIDE_PX || o->height > PUPIL_MAX_SIDE_PX)
-        snprintf(why, why_bytes, "%s: a size of %ux%u; at most %ux%u", path, o->width, o->height, PUPIL_MAX_SIDE_PX,
-                 PUPIL_MAX_SIDE_PX);
+        pupil_refuse(why, "%s: a size of %ux%u; at most %ux%u", path, o->width, o->height, PUPIL_MAX_SIDE_PX,
+                     PUPIL_MAX_SIDE_PX);
     else if (o->fps != 0.0 && !(o->fps >= 0.001 && o->fps <= 1e5))
-        snprintf(why, why_bytes, "%s: %g frames a second; it must be from 0.001 to 100000", path, o->fps);
+        pupil_refuse(why, "%s: %g frames a second; it must be from 0.001 to 100000", path, o->fps);
     else
-        return set_format(c, why, why_bytes) || set_rate(c, why, why_bytes) ? PUPIL_V4L2_FAILED : 0;
+        return set_format(c, why) || set_rate(c, why) ? PUPIL_V4L2_FAILED : 0;
     return PUPIL_V4L2_FAILED;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "file/video/jpeg_frame.h"
+#include "refuse.h"
 
 #define NOMINAL_FPS 30.0 /* of a camera that does not tell its rate */
 #define RETRY_MS    250
@@ -27,9 +28,9 @@ typedef struct v4l2_source {
 
 static void take_back(v4l2_source *s)
 {
-    char unused[PUPIL_WHY_BYTES];
+    pupil_why unused;
     if (s->out)
-        pupil_v4l2_capture_done(&s->capture, &s->frame, unused, sizeof unused); /* next will see it, too */
+        pupil_v4l2_capture_done(&s->capture, &s->frame, &unused); /* next will see it, too */
     s->out = 0;
 }
 
@@ -50,15 +51,14 @@ static int is_same(void *closure, const pupil_v4l2_device *device, const char *p
     return 1;
 }
 
-static int try_again(v4l2_source *s, char *why, size_t why_bytes)
+static int try_again(v4l2_source *s, pupil_why *why)
 {
     const pupil_v4l2_system *system = s->capture.device.system;
     const pupil_v4l2_counts counts = s->capture.counts;
-    char unused[PUPIL_WHY_BYTES];
+    pupil_why unused;
     *s->label = 0; /* where it is found now */
-    pupil_v4l2_devices(system, is_same, s, unused, sizeof unused);
-    const int error =
-        pupil_v4l2_capture_open(&s->capture, *s->label ? s->label : s->which, &s->options, why, why_bytes);
+    pupil_v4l2_devices(system, is_same, s, &unused);
+    const int error = pupil_v4l2_capture_open(&s->capture, *s->label ? s->label : s->which, &s->options, why);
     s->capture.device.system = system;
     s->capture.counts = counts;
     return error;
@@ -66,7 +66,7 @@ static int try_again(v4l2_source *s, char *why, size_t why_bytes)
 
 /* Waits until end_ns for the camera, and starts it; `tries` of it have failed already. PUPIL_SOURCE_FRAME: it runs;
  * PUPIL_SOURCE_END: options.stop; PUPIL_SOURCE_FAILED: it did not come. */
-static int reopen(v4l2_source *s, int64_t end_ns, int tries, char *why, size_t why_bytes)
+static int reopen(v4l2_source *s, int64_t end_ns, int tries, pupil_why *why)
 {
     const pupil_v4l2_system *system = s->capture.device.system;
     pupil_v4l2_capture_close(&s->capture);
@@ -77,14 +77,13 @@ static int reopen(v4l2_source *s, int64_t end_ns, int tries, char *why, size_t w
             break;
         if (tries)
             system->poll(system->context, NULL, 0, RETRY_MS);
-        if (try_again(s, why, why_bytes) == 0) {
+        if (try_again(s, why) == 0) {
             s->capture.counts.reopened++;
             s->reopened = 1;
             return PUPIL_SOURCE_FRAME;
         }
     }
-    const size_t used = strlen(why);
-    snprintf(why + used, why_bytes - used, "; it did not come back within %g seconds", s->options.reopen_s);
+    pupil_refuse_add(why, "; it did not come back within %g seconds", s->options.reopen_s);
     return PUPIL_SOURCE_FAILED;
 }
 
@@ -112,40 +111,40 @@ static void describe(v4l2_source *s, pupil_frame *frame)
 }
 
 /* A decoder where frames are compressed, for the size that they have now. */
-static int ready_decoder(v4l2_source *s, char *why, size_t why_bytes)
+static int ready_decoder(v4l2_source *s, pupil_why *why)
 {
     const pupil_v4l2_format *f = &s->capture.format;
-    char words[512];
+    pupil_why words;
     if (!f->compressed || (s->jpeg && s->jpeg_width == f->width && s->jpeg_height == f->height))
         return 0;
     pupil_jpeg_close(s->jpeg);
     s->jpeg_width = f->width;
     s->jpeg_height = f->height;
-    if (pupil_jpeg_open(&s->jpeg, f->width, f->height, &f->coding, words, sizeof words) == 0)
+    if (pupil_jpeg_open(&s->jpeg, f->width, f->height, &f->coding, &words) == 0)
         return 0;
-    snprintf(why, why_bytes, "%s: %s of %s: %s", s->capture.device.path, pupil_v4l2_fourcc_name(f->fourcc).text,
-             s->capture.device.name, words);
+    pupil_refuse(why, "%s: %s of %s: %s", s->capture.device.path, pupil_v4l2_fourcc_name(f->fourcc).text,
+                 s->capture.device.name, words.text);
     return PUPIL_SOURCE_FAILED;
 }
 
 /* A frame that was described: decoded where it is compressed. -1 and a sentence: it cannot be, and is left out. */
-static int decode(v4l2_source *s, pupil_frame *frame, char *why, size_t why_bytes)
+static int decode(v4l2_source *s, pupil_frame *frame, pupil_why *why)
 {
-    char words[512];
+    pupil_why words;
     if (!s->capture.format.compressed)
         return 0;
     frame->coded = s->frame.coded;
     frame->coded_bytes = s->frame.coded_bytes;
-    if (pupil_jpeg_decode(s->jpeg, frame->coded, frame->coded_bytes, &frame->image, words, sizeof words) == 0)
+    if (pupil_jpeg_decode(s->jpeg, frame->coded, frame->coded_bytes, &frame->image, &words) == 0)
         return 0;
-    snprintf(why, why_bytes, "%s: no whole frame within %g seconds; the last one is %s", s->capture.device.path,
-             pupil_v4l2_capture_timeout_s(&s->capture), words);
+    pupil_refuse(why, "%s: no whole frame within %g seconds; the last one is %s", s->capture.device.path,
+                 pupil_v4l2_capture_timeout_s(&s->capture), words.text);
     s->capture.counts.damaged++;
     take_back(s);
     return -1;
 }
 
-static int source_next(pupil_source *source, pupil_frame *frame, char *why, size_t why_bytes)
+static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     v4l2_source *s = (v4l2_source *)source;
     int64_t end_ns = 0;
@@ -154,16 +153,16 @@ static int source_next(pupil_source *source, pupil_frame *frame, char *why, size
     int64_t whole_ns = now_ns(s) + (int64_t)(pupil_v4l2_capture_timeout_s(&s->capture) * 1e9);
     for (;;) {
         if (s->capture.device.fd < 0) {
-            snprintf(why, why_bytes, "%s: the camera is closed", s->which); /* it could not be opened again */
+            pupil_refuse(why, "%s: the camera is closed", s->which); /* it could not be opened again */
             return PUPIL_SOURCE_FAILED;
         }
-        const int got = pupil_v4l2_capture_next(&s->capture, &s->frame, why, why_bytes);
+        const int got = pupil_v4l2_capture_next(&s->capture, &s->frame, why);
         if (got == PUPIL_V4L2_FRAME) {
             s->out = 1;
-            if (ready_decoder(s, why, why_bytes))
+            if (ready_decoder(s, why))
                 return PUPIL_SOURCE_FAILED;
             describe(s, frame);
-            if (decode(s, frame, why, why_bytes) == 0)
+            if (decode(s, frame, why) == 0)
                 return PUPIL_SOURCE_FRAME;
             if (now_ns(s) >= whole_ns)
                 return PUPIL_SOURCE_FAILED;
@@ -175,7 +174,7 @@ static int source_next(pupil_source *source, pupil_frame *frame, char *why, size
             return PUPIL_SOURCE_FAILED;
         if (!tries)
             end_ns = now_ns(s) + (int64_t)(s->options.reopen_s * 1e9);
-        const int again = reopen(s, end_ns, tries++, why, why_bytes);
+        const int again = reopen(s, end_ns, tries++, why);
         if (again != PUPIL_SOURCE_FRAME)
             return again;
         whole_ns = now_ns(s) + (int64_t)(pupil_v4l2_capture_timeout_s(&s->capture) * 1e9);
@@ -200,13 +199,13 @@ static void source_close(pupil_source *source)
 static const pupil_source_ops source_ops = {source_next, source_done, source_close};
 
 int pupil_v4l2_source_open(const char *which, const pupil_source_options *options, const pupil_v4l2_options *more,
-                           pupil_source **source, char *why, size_t why_bytes)
+                           pupil_source **source, pupil_why *why)
 {
     const size_t prefix = sizeof PUPIL_V4L2_PREFIX - 1;
     which += strncmp(which, PUPIL_V4L2_PREFIX, prefix) == 0 ? prefix : 0;
     v4l2_source *s = calloc(1, sizeof *s);
     if (!s) {
-        snprintf(why, why_bytes, "%s: not enough memory", which);
+        pupil_refuse(why, "%s: not enough memory", which);
         return PUPIL_SOURCE_FAILED;
     }
     if (more)
@@ -218,11 +217,11 @@ int pupil_v4l2_source_open(const char *which, const pupil_source_options *option
         s->options.stop = options->stop ? options->stop : s->options.stop;
     }
     snprintf(s->which, sizeof s->which, "%s", which);
-    if (pupil_v4l2_capture_open(&s->capture, which, &s->options, why, why_bytes)) {
+    if (pupil_v4l2_capture_open(&s->capture, which, &s->options, why)) {
         free(s);
         return PUPIL_SOURCE_FAILED;
     }
-    if (ready_decoder(s, why, why_bytes)) {
+    if (ready_decoder(s, why)) {
         pupil_v4l2_capture_close(&s->capture);
         free(s);
         return PUPIL_SOURCE_FAILED;

@@ -15,6 +15,7 @@
 #define PUPIL_DRIVERS_V4L2_CAPTURE_V4L2_SOURCE_H
 
 #include "capture.h"
+#include "pupil/error.h"
 #include "source.h"
 
 #define PUPIL_V4L2_PREFIX "v4l2:"
@@ -22,7 +23,7 @@
 /* which: as pupil_v4l2_device_open has it, with or without "v4l2:" before it. What `options` says (fps, width, height,
  * stop) goes before what `more` says; both may be NULL. 0, or PUPIL_SOURCE_FAILED and a sentence. */
 int pupil_v4l2_source_open(const char *which, const pupil_source_options *options, const pupil_v4l2_options *more,
-                           pupil_source **source, char *why, size_t why_bytes);
+                           pupil_source **source, pupil_why *why);
 
 /* Of a source that was opened here. The capture moves on with next, and is another one after the camera was opened
  * again (capture->counts.reopened). */

@@ -1,7 +1,7 @@
 /* camera_controls.h: a V4L2 camera's exposure time and gain in seconds and factors, for anybody's capture loop.
  *
  *     pupil_camera_options options = {.fd = video_fd, .subdevice_fd = -1};
- *     pupil_camera *camera = pupil_camera_open(&options, why, sizeof why);
+ *     pupil_camera *camera = pupil_camera_open(&options, &why);
  *     pupil_camera_configure(camera, &sensor_config);          // limits, steps and gain law for pupil/sensor.h
  *     for each frame:
  *         pupil_camera_frame(camera, sequence, 0);
@@ -9,7 +9,7 @@
  *         ... pupil_sensor_frame, pupil_sensor_get ...
  *         pupil_camera_learn(camera, s.exposure_delay, s.gain_delay);
  *         pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = s.exposure_s, .gain = s.gain});
- *     pupil_camera_close(camera, why, sizeof why);
+ *     pupil_camera_close(camera, &why);
  *
  * It captures nothing and knows nothing of buffers: it can stand beside GStreamer or any program that has the device
  * open. Only this header, libpupil-camera and -pthread are needed (pkg-config pupil-camera); of libpupil it uses types.
@@ -36,6 +36,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 #include "pupil/sensor.h"
 
@@ -92,8 +93,7 @@ typedef struct pupil_camera_sensor {
 
 /* Looks a sensor up by its name, or by the name of its subdevice ("imx219 10-0010"), in `text`, or where that is NULL
  * in the built-in table, sensors.txt. 1: found; 0: not there; -1: the text is wrong, and `why` has its line. */
-int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_sensor *sensor, char *why,
-                             size_t why_bytes);
+int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_sensor *sensor, pupil_why *why);
 /* The built-in table. */
 const char *pupil_camera_sensors(void);
 
@@ -127,12 +127,12 @@ typedef struct pupil_camera_options {
 typedef struct pupil_camera pupil_camera;
 
 /* NULL and a sentence: no control of exposure is there; the driver refuses one (named) and everything is put back. */
-pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, size_t why_bytes);
+pupil_camera *pupil_camera_open(const pupil_camera_options *options, pupil_why *why);
 
 /* Puts everything back and frees the object. 0: done; -1 and a sentence: a control could not be put back (named; the
  * others are). A write that hangs is waited for for a second; then 1: the camera's thread puts everything back and
  * frees the object by itself, once its call returns. NULL: 0. */
-int pupil_camera_close(pupil_camera *camera, char *why, size_t why_bytes);
+int pupil_camera_close(pupil_camera *camera, pupil_why *why);
 
 /* Puts everything back, at once, by system calls alone (no lock, no memory): for handlers of fatal signals. The object
  * stays; nothing may be asked after it. */

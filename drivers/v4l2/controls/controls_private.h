@@ -6,6 +6,7 @@
 #include <pthread.h>
 
 #include "camera_controls.h"
+#include "pupil/error.h"
 
 enum { CAMERA_SAVED = 16, CAMERA_HISTORY = 16, CAMERA_USUAL_DELAY = 3 };
 
@@ -70,7 +71,7 @@ struct pupil_camera {
 };
 
 /* Writes the sentence; returns -1. why NULL: nowhere. */
-__attribute__((format(printf, 3, 4))) int pupil_camera_refuse(char *why, size_t why_bytes, const char *format, ...);
+__attribute__((format(printf, 2, 3))) int pupil_camera_refuse(pupil_why *why, const char *format, ...);
 
 /* 0, or a negative errno. */
 int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control);
@@ -81,7 +82,7 @@ const char *pupil_camera_control_name(uint32_t id);
 
 /* Turns off what steers by itself, after noting it; -1 and a sentence. Turns it off once more: 0, or the first error.
  * Puts everything back; the number that could not be, and the id of the first. */
-int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes);
+int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, pupil_why *why);
 int pupil_camera_turn_off_again(const pupil_camera *camera);
 int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first);
 

@@ -20,7 +20,7 @@ static int system_ioctl(void *user, int fd, unsigned long request, void *argumen
 }
 
 /* On the subdevice, or passed on to the video node: 1; 0: there is none; -1: the driver fails, and `why` says so. */
-static int find(const pupil_camera *camera, uint32_t id, camera_control *control, char *why, size_t why_bytes)
+static int find(const pupil_camera *camera, uint32_t id, camera_control *control, pupil_why *why)
 {
     const int fd[2] = {camera->subdevice_fd, camera->fd};
     *control = (camera_control){.fd = -1};
@@ -29,14 +29,14 @@ static int find(const pupil_camera *camera, uint32_t id, camera_control *control
         if (!error)
             return 1;
         if (error != -EINVAL && error != -ENOTTY) /* EINVAL: no such control; ENOTTY: no controls at all */
-            return pupil_camera_refuse(why, why_bytes, "the driver does not answer for %s: %s",
-                                       pupil_camera_control_name(id), strerror(-error));
+            return pupil_camera_refuse(why, "the driver does not answer for %s: %s", pupil_camera_control_name(id),
+                                       strerror(-error));
     }
     return 0;
 }
 
 /* line_s: 1; 0: nobody tells it; -1 and a sentence. */
-static int find_line(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
+static int find_line(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     camera_control rate, blank;
     int64_t pixels_a_second = 0, pixels = 0;
@@ -44,8 +44,8 @@ static int find_line(pupil_camera *camera, const pupil_camera_options *options, 
         camera->line_s = options->line_s;
         return 1;
     }
-    const int has_rate = find(camera, V4L2_CID_PIXEL_RATE, &rate, why, why_bytes);
-    const int has_blank = has_rate < 0 ? -1 : find(camera, V4L2_CID_HBLANK, &blank, why, why_bytes);
+    const int has_rate = find(camera, V4L2_CID_PIXEL_RATE, &rate, why);
+    const int has_blank = has_rate < 0 ? -1 : find(camera, V4L2_CID_HBLANK, &blank, why);
     if (has_blank < 0)
         return -1;
     if (!has_rate || !has_blank || pupil_camera_get_control(camera, rate.fd, rate.id, &pixels_a_second) ||
@@ -56,34 +56,32 @@ static int find_line(pupil_camera *camera, const pupil_camera_options *options, 
     return 1;
 }
 
-static int find_exposure(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
+static int find_exposure(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     int64_t blank = 0;
     camera->vblank.fd = camera->gain.fd = -1;
-    int has = find(camera, V4L2_CID_EXPOSURE_ABSOLUTE, &camera->exposure, why, why_bytes);
+    int has = find(camera, V4L2_CID_EXPOSURE_ABSOLUTE, &camera->exposure, why);
     camera->unit_s = 1e-4; /* V4L2: "in 100 us units" */
     if (has > 0) {         /* the line's time is then of the readout alone, which may stay unknown */
-        char unused[200];
-        (void)find_line(camera, options, unused, sizeof unused);
+        pupil_why unused;
+        (void)find_line(camera, options, &unused);
     }
     if (has)
         return has < 0 ? -1 : 0;
-    has = find(camera, V4L2_CID_EXPOSURE, &camera->exposure, why, why_bytes);
+    has = find(camera, V4L2_CID_EXPOSURE, &camera->exposure, why);
     if (has == 0)
         return pupil_camera_refuse(
-            why, why_bytes,
-            "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
-            "sensor's subdevice: its exposure time cannot be set");
-    const int has_line = has < 0 ? -1 : find_line(camera, options, why, why_bytes);
+            why, "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
+                 "sensor's subdevice: its exposure time cannot be set");
+    const int has_line = has < 0 ? -1 : find_line(camera, options, why);
     if (has_line < 0)
         return -1;
     if (!has_line)
         return pupil_camera_refuse(
-            why, why_bytes,
-            "EXPOSURE counts lines, and a line's time is not known: the driver must tell PIXEL_RATE and "
-            "HBLANK, and the caller the width; or the caller the line's time itself");
+            why, "EXPOSURE counts lines, and a line's time is not known: the driver must tell PIXEL_RATE and "
+                 "HBLANK, and the caller the width; or the caller the line's time itself");
     camera->unit_s = camera->line_s;
-    has = options->height ? find(camera, V4L2_CID_VBLANK, &camera->vblank, why, why_bytes) : 0;
+    has = options->height ? find(camera, V4L2_CID_VBLANK, &camera->vblank, why) : 0;
     if (has > 0 && !pupil_camera_get_control(camera, camera->vblank.fd, camera->vblank.id, &blank))
         camera->now_frame_s = ((double)blank + camera->height) * camera->line_s;
     return has < 0 ? -1 : 0;
@@ -100,23 +98,22 @@ static void settle_law(pupil_camera *camera, const pupil_camera_gain *known)
         r->least += r->step > 0 ? r->step : 1;
 }
 
-static int find_law(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
+static int find_law(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     pupil_camera_sensor sensor = {.black = -1.0};
     int known = options->sensor != NULL;
     if (known)
         sensor = *options->sensor;
-    else if (options->sensor_name &&
-             (known = pupil_camera_find_sensor(NULL, options->sensor_name, &sensor, why, why_bytes)) < 0)
+    else if (options->sensor_name && (known = pupil_camera_find_sensor(NULL, options->sensor_name, &sensor, why)) < 0)
         return -1;
     camera->exposures.delay = sensor.exposure_delay ? sensor.exposure_delay : CAMERA_USUAL_DELAY;
     camera->gains.delay = sensor.gain_delay ? sensor.gain_delay : CAMERA_USUAL_DELAY;
     camera->delay_given = options->delay != 0;
     if (options->delay)
         camera->exposures.delay = camera->gains.delay = options->delay;
-    int has = find(camera, V4L2_CID_ANALOGUE_GAIN, &camera->gain, why, why_bytes);
+    int has = find(camera, V4L2_CID_ANALOGUE_GAIN, &camera->gain, why);
     if (has == 0) { /* the table's laws are those of ANALOGUE_GAIN; the caller's is of whatever there is */
-        has = find(camera, V4L2_CID_GAIN, &camera->gain, why, why_bytes);
+        has = find(camera, V4L2_CID_GAIN, &camera->gain, why);
         known &= options->sensor != NULL;
     }
     if (has > 0)
@@ -141,24 +138,24 @@ void pupil_camera_free(pupil_camera *camera)
         calls.released(calls.user);
 }
 
-static int set_up(pupil_camera *camera, const pupil_camera_options *options, char *why, size_t why_bytes)
+static int set_up(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     if ((options->fd >= 0 && camera->fd < 0) || (options->subdevice_fd >= 0 && camera->subdevice_fd < 0))
-        return pupil_camera_refuse(why, why_bytes, "no file could be opened: %s", strerror(errno));
+        return pupil_camera_refuse(why, "no file could be opened: %s", strerror(errno));
     if (options->mains_hz && options->mains_hz != 50 && options->mains_hz != 60)
-        return pupil_camera_refuse(why, why_bytes, "mains_hz must be 50, 60 or 0, not %u", options->mains_hz);
-    if (find_exposure(camera, options, why, why_bytes) || find_law(camera, options, why, why_bytes) ||
-        pupil_camera_take(camera, options->mains_hz, why, why_bytes))
+        return pupil_camera_refuse(why, "mains_hz must be 50, 60 or 0, not %u", options->mains_hz);
+    if (find_exposure(camera, options, why) || find_law(camera, options, why) ||
+        pupil_camera_take(camera, options->mains_hz, why))
         return -1;
     const int error = pupil_camera_writer_start(camera);
-    return error ? pupil_camera_refuse(why, why_bytes, "no thread for the camera's controls: %s", strerror(-error)) : 0;
+    return error ? pupil_camera_refuse(why, "no thread for the camera's controls: %s", strerror(-error)) : 0;
 }
 
-pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, size_t why_bytes)
+pupil_camera *pupil_camera_open(const pupil_camera_options *options, pupil_why *why)
 {
     pupil_camera *camera = calloc(1, sizeof *camera);
     if (!camera) {
-        pupil_camera_refuse(why, why_bytes, "no memory for the camera's controls");
+        pupil_camera_refuse(why, "no memory for the camera's controls");
         if (options->calls && options->calls->released)
             options->calls->released(options->calls->user);
         return NULL;
@@ -173,7 +170,7 @@ pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, 
         camera->fd = options->fd < 0 ? -1 : fcntl(options->fd, F_DUPFD_CLOEXEC, 0);
         camera->subdevice_fd = options->subdevice_fd < 0 ? -1 : fcntl(options->subdevice_fd, F_DUPFD_CLOEXEC, 0);
     }
-    if (set_up(camera, options, why, why_bytes)) {
+    if (set_up(camera, options, why)) {
         pupil_camera_put_back(camera, NULL);
         pupil_camera_free(camera);
         return NULL;
@@ -181,7 +178,7 @@ pupil_camera *pupil_camera_open(const pupil_camera_options *options, char *why, 
     return camera;
 }
 
-int pupil_camera_close(pupil_camera *camera, char *why, size_t why_bytes)
+int pupil_camera_close(pupil_camera *camera, pupil_why *why)
 {
     uint32_t first = 0;
     if (!camera)
@@ -190,7 +187,7 @@ int pupil_camera_close(pupil_camera *camera, char *why, size_t why_bytes)
         return 1;
     const int failed = pupil_camera_put_back(camera, &first);
     if (failed)
-        pupil_camera_refuse(why, why_bytes, "%s could not be put back to what it was before (and %d other controls)",
+        pupil_camera_refuse(why, "%s could not be put back to what it was before (and %d other controls)",
                             pupil_camera_control_name(first), failed - 1);
     pupil_camera_free(camera);
     return failed ? -1 : 0;

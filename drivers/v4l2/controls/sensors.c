@@ -132,8 +132,7 @@ static int names(const char *subdevice, const char *name)
     return !strncasecmp(subdevice, name, n) && (!subdevice[n] || isspace((unsigned char)subdevice[n]));
 }
 
-int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_sensor *sensor, char *why,
-                             size_t why_bytes)
+int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_sensor *sensor, pupil_why *why)
 {
     int found = 0, line = 0;
     for (const char *at = text ? text : pupil_camera_sensors(); *at;) {
@@ -142,8 +141,7 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
         reader r = {.line = ++line};
         const char *word;
         if (length >= sizeof r.words)
-            return pupil_camera_refuse(why, why_bytes, "sensors, line %d: longer than %zu characters", line,
-                                       sizeof r.words - 1);
+            return pupil_camera_refuse(why, "sensors, line %d: longer than %zu characters", line, sizeof r.words - 1);
         memcpy(r.words, at, length);
         r.at = r.words;
         r.end = r.words + length;
@@ -151,12 +149,12 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
         if (!(word = next_word(&r)) || *word == '#')
             continue;
         if (strlen(word) >= sizeof s.name)
-            return pupil_camera_refuse(why, why_bytes, "sensors, line %d: a name has at most %zu characters", line,
+            return pupil_camera_refuse(why, "sensors, line %d: a name has at most %zu characters", line,
                                        sizeof s.name - 1);
         strcpy(s.name, word);
         read_words(&r, &s);
         if (r.fault)
-            return pupil_camera_refuse(why, why_bytes, "sensors, line %d (%s): %s", line, s.name, r.fault);
+            return pupil_camera_refuse(why, "sensors, line %d (%s): %s", line, s.name, r.fault);
         if (!found && name && names(name, s.name)) {
             *sensor = s;
             found = 1;

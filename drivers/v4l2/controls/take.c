@@ -9,12 +9,12 @@
 
 enum { PUT_BACK_AGAIN = 4, PUT_BACK_PAUSE_NS = 10000000 }; /* a write to a webcam takes some milliseconds */
 
-int pupil_camera_refuse(char *why, size_t why_bytes, const char *format, ...)
+int pupil_camera_refuse(pupil_why *why, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    if (why && why_bytes)
-        vsnprintf(why, why_bytes, format, arguments);
+    if (why)
+        vsnprintf(why->text, sizeof why->text, format, arguments);
     va_end(arguments);
     return -1;
 }
@@ -90,13 +90,13 @@ const char *pupil_camera_control_name(uint32_t id)
     return "a control";
 }
 
-static int note(pupil_camera *camera, int fd, uint32_t id, char *why, size_t why_bytes)
+static int note(pupil_camera *camera, int fd, uint32_t id, pupil_why *why)
 {
     int64_t value = 0;
     const int error = pupil_camera_get_control(camera, fd, id, &value);
     if (error)
-        return pupil_camera_refuse(why, why_bytes, "the driver does not tell the value of %s: %s",
-                                   pupil_camera_control_name(id), strerror(-error));
+        return pupil_camera_refuse(why, "the driver does not tell the value of %s: %s", pupil_camera_control_name(id),
+                                   strerror(-error));
     camera->saved[camera->saved_count].fd = fd;
     camera->saved[camera->saved_count].id = id;
     camera->saved[camera->saved_count++].value = value;
@@ -117,22 +117,21 @@ static int64_t manual_of(const pupil_camera *camera, const camera_control *contr
 }
 
 /* Turns one off on every file that has it. */
-static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, char *why, size_t why_bytes)
+static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, pupil_why *why)
 {
     camera_control control;
     const int absent = fd < 0 ? -EINVAL : pupil_camera_query(camera, fd, id, &control);
     if (absent == -EINVAL || absent == -ENOTTY)
         return 0;
     if (absent)
-        return pupil_camera_refuse(why, why_bytes, "the driver does not answer for %s: %s",
-                                   pupil_camera_control_name(id), strerror(-absent));
+        return pupil_camera_refuse(why, "the driver does not answer for %s: %s", pupil_camera_control_name(id),
+                                   strerror(-absent));
     if (id == V4L2_CID_EXPOSURE_AUTO && (value = manual_of(camera, &control)) < 0)
         return pupil_camera_refuse(
-            why, why_bytes,
-            "the menu of EXPOSURE_AUTO has neither manual nor shutter priority: this camera's exposure "
-            "cannot be set");
+            why, "the menu of EXPOSURE_AUTO has neither manual nor shutter priority: this camera's exposure "
+                 "cannot be set");
     value = value < control.range.least ? control.range.least : value > control.range.most ? control.range.most : value;
-    if (note(camera, fd, id, why, why_bytes))
+    if (note(camera, fd, id, why))
         return -1;
     camera->off[camera->off_count].fd = fd;
     camera->off[camera->off_count].id = id;
@@ -140,12 +139,12 @@ static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, ch
     const int error = pupil_camera_set_control(camera, fd, id, value);
     /* EINVAL of the priority: some cameras allow it in other modes only, and then it does nothing */
     if (error && !(id == V4L2_CID_EXPOSURE_AUTO_PRIORITY && error == -EINVAL))
-        return pupil_camera_refuse(why, why_bytes, "the driver refuses %s = %lld: %s", pupil_camera_control_name(id),
+        return pupil_camera_refuse(why, "the driver refuses %s = %lld: %s", pupil_camera_control_name(id),
                                    (long long)value, strerror(-error));
     return 0;
 }
 
-int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t why_bytes)
+int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, pupil_why *why)
 {
     const camera_control *const steered[] = {&camera->vblank, &camera->exposure, &camera->gain};
     const int64_t mains = mains_hz == 50 ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ : V4L2_CID_POWER_LINE_FREQUENCY_60HZ;
@@ -163,12 +162,12 @@ int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, char *why, size_t
     const int fd[2] = {camera->subdevice_fd, camera->fd};
     /* What is steered is put back first, while it still can be written, in the order in which it is written. */
     for (int i = 0; i < 3; i++)
-        if (steered[i]->fd >= 0 && note(camera, steered[i]->fd, steered[i]->id, why, why_bytes))
+        if (steered[i]->fd >= 0 && note(camera, steered[i]->fd, steered[i]->id, why))
             return -1;
     for (size_t i = 0; i < sizeof off / sizeof *off; i++)
         for (int k = 0; k < 2; k++)
             if ((off[i].id != V4L2_CID_POWER_LINE_FREQUENCY || mains_hz) &&
-                turn_off(camera, fd[k], off[i].id, off[i].value, why, why_bytes))
+                turn_off(camera, fd[k], off[i].id, off[i].value, why))
                 return -1;
     return 0;
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "bus.h"
+#include "refuse.h"
 
 #define MOST_MEDIA 32   /* media devices that are looked at */
 #define MOST_STEPS 32   /* entities between a node and its sensor; a graph could be a ring */
@@ -170,7 +171,7 @@ static const struct media_v2_entity *find_graph(const pupil_v4l2_device *device,
     return NULL;
 }
 
-int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, char *why, size_t why_bytes)
+int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, pupil_why *why)
 {
     graph g;
     const struct media_v2_pad *source, *sink;
@@ -184,11 +185,11 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
             break;
     }
     if (!entity || entity == node)
-        snprintf(why, why_bytes, "%s: %s", device->path,
-                 entity ? "nothing is linked to it in its media graph ('media-ctl -p' shows it)"
-                        : "has no media graph");
+        pupil_refuse(why, "%s: %s", device->path,
+                     entity ? "nothing is linked to it in its media graph ('media-ctl -p' shows it)"
+                            : "has no media graph");
     else if (path_of_entity(&g, entity->id, sensor->path, sizeof sensor->path))
-        snprintf(why, why_bytes, "%s: %.63s has no node of its own (/dev/v4l-subdev*)", g.path, entity->name);
+        pupil_refuse(why, "%s: %.63s has no node of its own (/dev/v4l-subdev*)", g.path, entity->name);
     else {
         snprintf(sensor->media, sizeof sensor->media, "%s", g.path);
         snprintf(sensor->entity, sizeof sensor->entity, "%.63s", entity->name);

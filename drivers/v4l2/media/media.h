@@ -2,6 +2,7 @@
 #ifndef PUPIL_DRIVERS_V4L2_MEDIA_MEDIA_H
 #define PUPIL_DRIVERS_V4L2_MEDIA_MEDIA_H
 
+#include "pupil/error.h"
 #include "v4l2/device.h"
 #include "v4l2/format.h"
 
@@ -13,7 +14,7 @@ typedef struct pupil_v4l2_sensor {
 
 /* The sensor that feeds a video node, along the links that are enabled. 0, or -1 and a sentence: the node has no media
  * graph (as webcams, whose controls are the node's own), or no sensor is linked to it. */
-int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, char *why, size_t why_bytes);
+int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, pupil_why *why);
 
 /* Why a node with this format does not start: the first link on its way to the sensor, or else of its graph, that is
  * off or whose ends differ, and the media-ctl line that mends it, as the end of a sentence. 0, or -1: it has no graph.

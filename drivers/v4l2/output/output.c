@@ -58,7 +58,7 @@ static void set_row(int32_t row[3], double red, double blue, int32_t sum)
     row[1] = sum - row[0] - row[2];
 }
 
-static int read_colour(colour c, pupil_v4l2_output *o, char *why, size_t why_bytes)
+static int read_colour(colour c, pupil_v4l2_output *o, pupil_why *why)
 {
     const int rgb = o->fourcc != V4L2_PIX_FMT_YUYV && o->fourcc != V4L2_PIX_FMT_NV12;
     if (!c.colorspace)
@@ -72,8 +72,8 @@ static int read_colour(colour c, pupil_v4l2_output *o, char *why, size_t why_byt
     const int is_601 =
         c.ycbcr_enc == V4L2_YCBCR_ENC_601 || c.ycbcr_enc == V4L2_YCBCR_ENC_XV601 || c.ycbcr_enc == V4L2_YCBCR_ENC_SYCC;
     if (!rgb && !is_709 && !is_601)
-        return pupil_refuse(why, why_bytes,
-                            "its Y'CbCr encoding is number %u of V4L2's; 601 or Rec. 709 can be written", c.ycbcr_enc);
+        return pupil_refuse(why, "its Y'CbCr encoding is number %u of V4L2's; 601 or Rec. 709 can be written",
+                            c.ycbcr_enc);
 
     const double red = is_709 ? 0.2126 : 0.299, blue = is_709 ? 0.0722 : 0.114;
     const double luma = limited ? 219.0 / 255.0 : 1.0, chroma = limited ? 224.0 / 255.0 : 1.0;
@@ -87,7 +87,7 @@ static int read_colour(colour c, pupil_v4l2_output *o, char *why, size_t why_byt
     return 0;
 }
 
-static int read_layout(pupil_v4l2_output *o, char *why, size_t why_bytes)
+static int read_layout(pupil_v4l2_output *o, pupil_why *why)
 {
     const uint32_t pixel = pupil_v4l2_pixel_of(o->fourcc);
     const uint32_t row =
@@ -98,32 +98,30 @@ static int read_layout(pupil_v4l2_output *o, char *why, size_t why_bytes)
     if (!o->stride_bytes)
         o->stride_bytes = widest;
     if (o->stride_bytes < widest)
-        return pupil_refuse(why, why_bytes, "its driver says that a row has %u bytes; %u pixels of %s need %u",
-                            o->stride_bytes, o->width, pupil_v4l2_fourcc_name(o->fourcc).text, widest);
+        return pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u", o->stride_bytes,
+                            o->width, pupil_v4l2_fourcc_name(o->fourcc).text, widest);
     const uint64_t needs = (uint64_t)o->stride_bytes * (rows - 1) + widest;
     if (needs > o->size_bytes)
-        return pupil_refuse(why, why_bytes, "its driver says that a frame has %u bytes; %ux%u of %s need %llu",
-                            o->size_bytes, o->width, o->height, pupil_v4l2_fourcc_name(o->fourcc).text,
-                            (unsigned long long)needs);
+        return pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s need %llu", o->size_bytes,
+                            o->width, o->height, pupil_v4l2_fourcc_name(o->fourcc).text, (unsigned long long)needs);
     o->needs_bytes = (uint32_t)needs;
     return 0;
 }
 
-int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *output, char *why, size_t why_bytes)
+int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *output, pupil_why *why)
 {
     pupil_v4l2_output o = {0};
     const int multi = answer->type == V4L2_BUF_TYPE_VIDEO_OUTPUT_MPLANE;
     const colour c = multi ? take_multi(&answer->fmt.pix_mp, &o) : take_single(&answer->fmt.pix, &o);
     if (!pupil_v4l2_is_written(o.fourcc) || (multi && answer->fmt.pix_mp.num_planes != 1))
-        return pupil_refuse(why, why_bytes, "it takes %s%s; what can be written: %s",
-                            pupil_v4l2_fourcc_name(o.fourcc).text,
+        return pupil_refuse(why, "it takes %s%s; what can be written: %s", pupil_v4l2_fourcc_name(o.fourcc).text,
                             pupil_v4l2_is_written(o.fourcc) ? " in several memory areas" : "", pupil_v4l2_written);
     if (!o.width || !o.height || o.width > PUPIL_MAX_SIDE_PX || o.height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, why_bytes, "it takes %ux%u; each side that can be written is 1 to %u", o.width,
-                            o.height, PUPIL_MAX_SIDE_PX);
+        return pupil_refuse(why, "it takes %ux%u; each side that can be written is 1 to %u", o.width, o.height,
+                            PUPIL_MAX_SIDE_PX);
     if (o.field != V4L2_FIELD_NONE && o.field != V4L2_FIELD_ANY && o.field != V4L2_FIELD_INTERLACED)
-        return pupil_refuse(why, why_bytes, "it takes single fields (field %u); whole frames can be written", o.field);
-    if (read_layout(&o, why, why_bytes) || read_colour(c, &o, why, why_bytes))
+        return pupil_refuse(why, "it takes single fields (field %u); whole frames can be written", o.field);
+    if (read_layout(&o, why) || read_colour(c, &o, why))
         return -1;
     *output = o;
     return 0;

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/error.h"
 #include "pupil/image.h"
 #include "sink.h"
 #include "v4l2/device.h"
@@ -34,13 +35,13 @@ int pupil_v4l2_is_written(uint32_t fourcc);
 extern const char pupil_v4l2_written[];
 
 /* From a driver's answer to VIDIOC_S_FMT, of either output type. 0, or -1 and a sentence without its subject. */
-int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *output, char *why, size_t why_bytes);
+int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *output, pupil_why *why);
 
 /* Tells the driver size, format, colour and rate of the frames that will come. 0, or -1 and a sentence. */
 int pupil_v4l2_output_set(const pupil_v4l2_device *device, const pupil_sink_options *options, pupil_v4l2_output *output,
-                          char *why, size_t why_bytes);
+                          pupil_why *why);
 /* "PATH: WHAT: what errno says, in the words of displays"; -1. */
-int pupil_v4l2_output_failed(const pupil_v4l2_device *device, const char *what, int error, char *why, size_t why_bytes);
+int pupil_v4l2_output_failed(const pupil_v4l2_device *device, const char *what, int error, pupil_why *why);
 
 /* rgb8 has the output's size; to: size_bytes, of which needs_bytes are written. */
 void pupil_v4l2_output_fill(const pupil_v4l2_output *output, const pupil_image_const *rgb8, unsigned char *to);

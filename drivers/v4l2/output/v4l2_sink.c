@@ -7,6 +7,7 @@
 
 #include "file/sink/sink_common.h"
 #include "output.h"
+#include "refuse.h"
 #include "v4l2/capture/v4l2_source.h"
 #include "v4l2/device.h"
 
@@ -39,9 +40,9 @@ int pupil_is_v4l2_output(const char *path)
     return 0;
 }
 
-static int failed(const v4l2_sink *s, const char *what, int error, char *why, size_t why_bytes)
+static int failed(const v4l2_sink *s, const char *what, int error, pupil_why *why)
 {
-    return pupil_v4l2_output_failed(&s->device, what, error, why, why_bytes);
+    return pupil_v4l2_output_failed(&s->device, what, error, why);
 }
 
 static int is_multi(const v4l2_sink *s)
@@ -51,17 +52,16 @@ static int is_multi(const v4l2_sink *s)
 
 /* --- open --- */
 
-static int open_node(v4l2_sink *s, const char *path, char *why, size_t why_bytes)
+static int open_node(v4l2_sink *s, const char *path, pupil_why *why)
 {
     const pupil_v4l2_system *system = s->device.system;
     const size_t prefix = sizeof PUPIL_V4L2_PREFIX - 1;
     const char *which = path + (strncmp(path, PUPIL_V4L2_PREFIX, prefix) == 0 ? prefix : 0);
     const int is_number = *which && strlen(which) <= 3 && !which[strspn(which, "0123456789")];
     if (!is_number && !strchr(which, '/'))
-        return pupil_refuse(why, why_bytes,
-                            "%s: an output node is named by its path or number, as v4l2:2 or /dev/video2", path);
+        return pupil_refuse(why, "%s: an output node is named by its path or number, as v4l2:2 or /dev/video2", path);
     if (strlen(which) >= sizeof s->device.path - sizeof "/dev/video")
-        return pupil_refuse(why, why_bytes, "%.60s...: the path is longer than %zu bytes", which,
+        return pupil_refuse(why, "%.60s...: the path is longer than %zu bytes", which,
                             sizeof s->device.path - sizeof "/dev/video");
     snprintf(s->device.path, sizeof s->device.path, "%s%s", is_number ? "/dev/video" : "", which);
     for (int i = 0; i < 100; i++) {
@@ -72,21 +72,19 @@ static int open_node(v4l2_sink *s, const char *path, char *why, size_t why_bytes
     if (s->device.fd >= 0)
         return 0;
     if (errno == EACCES)
-        return pupil_refuse(why, why_bytes,
-                            "%s: permission denied; the user must be in the node's group, most often 'video'",
+        return pupil_refuse(why, "%s: permission denied; the user must be in the node's group, most often 'video'",
                             s->device.path);
-    return failed(s, "cannot be opened", errno, why, why_bytes);
+    return failed(s, "cannot be opened", errno, why);
 }
 
-static int identify(v4l2_sink *s, char *why, size_t why_bytes)
+static int identify(v4l2_sink *s, pupil_why *why)
 {
     struct v4l2_capability c = {0};
     const uint32_t output = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_VIDEO_OUTPUT_MPLANE;
     if (pupil_v4l2_ask(&s->device, VIDIOC_QUERYCAP, &c) != 0) {
         if (errno != ENOTTY && errno != EINVAL)
-            return failed(s, "cannot be asked what it is", errno, why, why_bytes);
-        return pupil_refuse(why, why_bytes, "%s: is no video device; an output is /dev/video0 or its like",
-                            s->device.path);
+            return failed(s, "cannot be asked what it is", errno, why);
+        return pupil_refuse(why, "%s: is no video device; an output is /dev/video0 or its like", s->device.path);
     }
     snprintf(s->device.name, sizeof s->device.name, "%.31s", (const char *)c.card);
     for (char *p = s->device.name; *p; p++)
@@ -94,11 +92,10 @@ static int identify(v4l2_sink *s, char *why, size_t why_bytes)
             *p = '?';
     s->device.capabilities = c.capabilities & V4L2_CAP_DEVICE_CAPS ? c.device_caps : c.capabilities;
     if (!(s->device.capabilities & output))
-        return pupil_refuse(why, why_bytes,
-                            "%s: %s is no video output; a display's node is needed, or one of v4l2loopback",
+        return pupil_refuse(why, "%s: %s is no video output; a display's node is needed, or one of v4l2loopback",
                             s->device.path, s->device.name);
     if (!(s->device.capabilities & (V4L2_CAP_STREAMING | V4L2_CAP_READWRITE)))
-        return pupil_refuse(why, why_bytes, "%s: %s takes no frames; a driver is needed that streams or has write()",
+        return pupil_refuse(why, "%s: %s takes no frames; a driver is needed that streams or has write()",
                             s->device.path, s->device.name);
     s->device.type =
         s->device.capabilities & V4L2_CAP_VIDEO_OUTPUT ? V4L2_BUF_TYPE_VIDEO_OUTPUT : V4L2_BUF_TYPE_VIDEO_OUTPUT_MPLANE;
@@ -128,7 +125,7 @@ static int map(v4l2_sink *s, uint32_t index)
 }
 
 /* The driver's buffers, or, where it has none, one of our own for write(). */
-static int make_buffers(v4l2_sink *s, char *why, size_t why_bytes)
+static int make_buffers(v4l2_sink *s, pupil_why *why)
 {
     const int can_write = (s->device.capabilities & V4L2_CAP_READWRITE) != 0;
     if (s->device.capabilities & V4L2_CAP_STREAMING) {
@@ -136,17 +133,17 @@ static int make_buffers(v4l2_sink *s, char *why, size_t why_bytes)
         if (pupil_v4l2_ask(&s->device, VIDIOC_REQBUFS, &r) == 0)
             s->buffers = r.count < MOST_BUFFERS ? r.count : MOST_BUFFERS;
         else if (!can_write || (errno != EINVAL && errno != ENOTTY))
-            return failed(s, "gives no buffers", errno, why, why_bytes);
+            return failed(s, "gives no buffers", errno, why);
     }
     if (!s->buffers && !can_write)
-        return failed(s, "gives no buffers", ENOMEM, why, why_bytes);
+        return failed(s, "gives no buffers", ENOMEM, why);
     for (uint32_t i = 0; i < s->buffers; i++)
         if (map(s, i))
-            return failed(s, "its buffers cannot be mapped", errno, why, why_bytes);
+            return failed(s, "its buffers cannot be mapped", errno, why);
     if (s->buffers)
         return 0;
     s->frame = calloc(1, s->output.size_bytes);
-    return s->frame ? 0 : failed(s, "cannot be written", ENOMEM, why, why_bytes);
+    return s->frame ? 0 : failed(s, "cannot be written", ENOMEM, why);
 }
 
 /* --- write --- */
@@ -157,26 +154,26 @@ static int64_t now_ms(const v4l2_sink *s)
 }
 
 /* Sleeps until the driver may be ready. 0, or -1 and a sentence. */
-static int wait(const v4l2_sink *s, int64_t end_ms, int tries, char *why, size_t why_bytes)
+static int wait(const v4l2_sink *s, int64_t end_ms, int tries, pupil_why *why)
 {
     const pupil_v4l2_system *system = s->device.system;
     struct pollfd p = {s->device.fd, POLLOUT, 0};
     const int64_t left_ms = end_ms - now_ms(s);
     if (left_ms <= 0)
-        return pupil_refuse(why, why_bytes, "%s: it shows no frame for %g seconds", s->device.path, TIMEOUT_MS * 1e-3);
+        return pupil_refuse(why, "%s: it shows no frame for %g seconds", s->device.path, TIMEOUT_MS * 1e-3);
     if (tries) /* it said that it was ready */
         system->poll(system->context, NULL, 0, PAUSE_MS);
     if (system->poll(system->context, &p, 1, (int)left_ms) < 0)
-        return errno == EINTR || errno == EAGAIN ? 0 : failed(s, "cannot be waited for", errno, why, why_bytes);
+        return errno == EINTR || errno == EAGAIN ? 0 : failed(s, "cannot be waited for", errno, why);
     if (p.revents & (POLLHUP | POLLNVAL))
-        return failed(s, "takes no frame", ENODEV, why, why_bytes);
+        return failed(s, "takes no frame", ENODEV, why);
     if (p.revents & POLLERR)
-        return failed(s, "its driver reports that the stream broke", EIO, why, why_bytes);
+        return failed(s, "its driver reports that the stream broke", EIO, why);
     return 0;
 }
 
 /* The index of a buffer that was shown, or -1 and a sentence. */
-static int dequeue(v4l2_sink *s, char *why, size_t why_bytes)
+static int dequeue(v4l2_sink *s, pupil_why *why)
 {
     const int64_t end_ms = now_ms(s) + TIMEOUT_MS;
     for (int tries = 0;; tries++) {
@@ -186,21 +183,21 @@ static int dequeue(v4l2_sink *s, char *why, size_t why_bytes)
             b.m.planes = planes;
             b.length = VIDEO_MAX_PLANES;
         }
-        if (wait(s, end_ms, tries, why, why_bytes))
+        if (wait(s, end_ms, tries, why))
             return -1;
         if (pupil_v4l2_ask(&s->device, VIDIOC_DQBUF, &b) == 0) {
             if (b.index >= s->buffers)
-                return pupil_refuse(why, why_bytes, "%s: its driver gives buffer %u back, which it does not have",
-                                    s->device.path, b.index);
+                return pupil_refuse(why, "%s: its driver gives buffer %u back, which it does not have", s->device.path,
+                                    b.index);
             s->queued--;
             return (int)b.index;
         }
         if (errno != EAGAIN)
-            return failed(s, "takes no frame", errno, why, why_bytes);
+            return failed(s, "takes no frame", errno, why);
     }
 }
 
-static int queue(v4l2_sink *s, uint32_t index, char *why, size_t why_bytes)
+static int queue(v4l2_sink *s, uint32_t index, pupil_why *why)
 {
     int type = (int)s->device.type;
     struct v4l2_plane plane = {.bytesused = s->output.size_bytes, .length = (uint32_t)s->buffer[index].bytes};
@@ -216,15 +213,15 @@ static int queue(v4l2_sink *s, uint32_t index, char *why, size_t why_bytes)
         b.length = 1;
     }
     if (pupil_v4l2_ask(&s->device, VIDIOC_QBUF, &b) != 0)
-        return failed(s, "takes no frame", errno, why, why_bytes);
+        return failed(s, "takes no frame", errno, why);
     s->queued++;
     if (!s->streaming && pupil_v4l2_ask(&s->device, VIDIOC_STREAMON, &type) != 0)
-        return failed(s, "does not start", errno, why, why_bytes);
+        return failed(s, "does not start", errno, why);
     s->streaming = 1;
     return 0;
 }
 
-static int write_whole(v4l2_sink *s, char *why, size_t why_bytes)
+static int write_whole(v4l2_sink *s, pupil_why *why)
 {
     const pupil_v4l2_system *system = s->device.system;
     const int64_t end_ms = now_ms(s) + TIMEOUT_MS;
@@ -233,31 +230,30 @@ static int write_whole(v4l2_sink *s, char *why, size_t why_bytes)
         if (wrote == (ssize_t)s->output.size_bytes)
             return 0;
         if (wrote >= 0)
-            return pupil_refuse(why, why_bytes, "%s: it takes %zd bytes of a frame's %u", s->device.path, wrote,
+            return pupil_refuse(why, "%s: it takes %zd bytes of a frame's %u", s->device.path, wrote,
                                 s->output.size_bytes);
         if (errno != EAGAIN && errno != EINTR)
-            return failed(s, "takes no frame", errno, why, why_bytes);
-        if (wait(s, end_ms, tries, why, why_bytes))
+            return failed(s, "takes no frame", errno, why);
+        if (wait(s, end_ms, tries, why))
             return -1;
     }
 }
 
-static int sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, char *why,
-                      size_t why_bytes)
+static int sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
 {
     v4l2_sink *s = (v4l2_sink *)sink;
     (void)info;
-    if (pupil_sink_check_image(s->device.path, &s->options, image, why, why_bytes))
+    if (pupil_sink_check_image(s->device.path, &s->options, image, why))
         return PUPIL_SINK_FAILED;
     int index = 0;
     if (s->buffers && s->next < s->buffers)
         index = (int)s->next++;
     else if (s->buffers)
-        index = dequeue(s, why, why_bytes);
+        index = dequeue(s, why);
     if (index < 0)
         return PUPIL_SINK_FAILED;
     pupil_v4l2_output_fill(&s->output, image, s->buffers ? s->buffer[index].memory : s->frame);
-    if (s->buffers ? queue(s, (uint32_t)index, why, why_bytes) : write_whole(s, why, why_bytes))
+    if (s->buffers ? queue(s, (uint32_t)index, why) : write_whole(s, why))
         return PUPIL_SINK_FAILED;
     s->frames++;
     return PUPIL_SINK_OK;
@@ -281,13 +277,13 @@ static void sink_discard(pupil_sink *sink)
     free(s);
 }
 
-static int sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
+static int sink_finish(pupil_sink *sink, pupil_why *why)
 {
     v4l2_sink *s = (v4l2_sink *)sink;
     if (!s->frames)
-        return pupil_refuse(why, why_bytes, "%s: nothing was written, for the input has no frame", s->device.path);
+        return pupil_refuse(why, "%s: nothing was written, for the input has no frame", s->device.path);
     while (s->queued > 1) /* the last one stays on the screen, and with the driver, until the end */
-        if (dequeue(s, why, why_bytes) < 0)
+        if (dequeue(s, why) < 0)
             return PUPIL_SINK_FAILED;
     sink_discard(sink);
     return PUPIL_SINK_OK;
@@ -296,20 +292,20 @@ static int sink_finish(pupil_sink *sink, char *why, size_t why_bytes)
 static const pupil_sink_ops sink_ops = {sink_write, sink_finish, sink_discard};
 
 int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
-                         const pupil_v4l2_system *system, char *why, size_t why_bytes)
+                         const pupil_v4l2_system *system, pupil_why *why)
 {
     *sink = NULL;
-    if (pupil_sink_check_options(path, options, why, why_bytes))
+    if (pupil_sink_check_options(path, options, why))
         return PUPIL_SINK_FAILED;
     v4l2_sink *s = calloc(1, sizeof *s);
     if (!s)
-        return pupil_refuse(why, why_bytes, "%s: out of memory", path);
+        return pupil_refuse(why, "%s: out of memory", path);
     s->base.ops = &sink_ops;
     s->options = *options;
     s->device.system = system ? system : &pupil_v4l2_kernel;
     s->device.fd = -1;
-    if (open_node(s, path, why, why_bytes) || identify(s, why, why_bytes) ||
-        pupil_v4l2_output_set(&s->device, options, &s->output, why, why_bytes) || make_buffers(s, why, why_bytes)) {
+    if (open_node(s, path, why) || identify(s, why) || pupil_v4l2_output_set(&s->device, options, &s->output, why) ||
+        make_buffers(s, why)) {
         sink_discard(&s->base);
         return PUPIL_SINK_FAILED;
     }

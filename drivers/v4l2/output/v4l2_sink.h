@@ -11,6 +11,7 @@
 #ifndef PUPIL_DRIVERS_V4L2_OUTPUT_V4L2_SINK_H
 #define PUPIL_DRIVERS_V4L2_OUTPUT_V4L2_SINK_H
 
+#include "pupil/error.h"
 #include "sink.h"
 #include "v4l2/system.h"
 
@@ -18,6 +19,6 @@
 int pupil_is_v4l2_output(const char *path);
 /* system NULL: the kernel. */
 int pupil_v4l2_sink_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
-                         const pupil_v4l2_system *system, char *why, size_t why_bytes);
+                         const pupil_v4l2_system *system, pupil_why *why);
 
 #endif

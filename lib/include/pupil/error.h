@@ -44,6 +44,13 @@ enum {
                                    * that is set and that this version does not know */
 };
 
+/* A sentence that says why a call failed, for calls that give more than a code: English, without a full stop, ended by
+ * a zero byte. It names the file, the option or the field, and what would be right. A call that succeeds leaves it as
+ * it is. Where a call takes a pupil_why, NULL is allowed: no sentence is wanted. */
+typedef struct pupil_why {
+    char text[1024];
+} pupil_why;
+
 /* One sentence, in English, for any code above (and for any other number). Never NULL; points to constant text. */
 PUPIL_API const char *pupil_error_string(int code);
 

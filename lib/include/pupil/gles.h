@@ -8,7 +8,7 @@
  *     pupil_gles gles;
  *     pupil_gles_config_default(&config);
  *     config.pixel = PUPIL_PIXEL_RGBA16F, config.width = 1920, config.height = 1080;
- *     pupil_gles_init(&gles, &config, &pupil, eglGetProcAddress, why, sizeof why);
+ *     pupil_gles_init(&gles, &config, &pupil, eglGetProcAddress, &why);
  *     for each frame:
  *         pupil_gles_upload(&gles, &in);
  *         pupil_gles_process(&gles, &pupil, &info, &target);
@@ -44,6 +44,7 @@
 #ifndef PUPIL_GLES_H
 #define PUPIL_GLES_H
 
+#include "pupil/error.h"
 #include "pupil/pupil.h"
 
 #ifdef __cplusplus
@@ -165,11 +166,11 @@ typedef union pupil_gles {
  * grey_world. PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil is not used:
  * every row is metered. */
 PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
-                              pupil_gles_get_proc get_proc, char *why, size_t why_bytes);
+                              pupil_gles_get_proc get_proc, pupil_why *why);
 
 /* After pupil_retune or pupil_reset: takes over the new settings and the level. Compiles again what they change;
  * statistics under way are dropped. Errors as of init; the old settings then stay. */
-PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, char *why, size_t why_bytes);
+PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_why *why);
 
 /* Another white balance (pupil_coding.balance) for the mosaics that are metered and mapped from now on: for one that
  * follows the frames. Nothing is compiled, and statistics under way stay. PUPIL_ERR_CODING. */

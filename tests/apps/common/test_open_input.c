@@ -7,11 +7,11 @@ static void check_refused(const char *input, const char *other, const char *sent
 {
     const pupil_source_options options = {0};
     const char *inputs[2] = {input, other};
-    char why[PUPIL_WHY_BYTES] = "";
+    pupil_why why = {""};
     pupil_source *source = NULL;
-    CHECK_MSG(open_input(inputs, other ? 2 : 1, &options, &source, why, sizeof why) == PUPIL_SOURCE_FAILED &&
-                  strstr(why, sentence),
-              "%s: %s", input, why);
+    CHECK_MSG(open_input(inputs, other ? 2 : 1, &options, &source, &why) == PUPIL_SOURCE_FAILED &&
+                  strstr(why.text, sentence),
+              "%s: %s", input, why.text);
 }
 
 int main(int argc, char **argv)

@@ -52,9 +52,9 @@ static void start(run *r, uint32_t white)
 
 static void step(run *r, const pupil_frame *frame)
 {
-    char why[PUPIL_WHY_BYTES] = "";
-    CHECK_MSG(replay_work_frame(&r->work, &r->pupil, frame, 1, &r->stats, &r->curve, &r->display, why, sizeof why) == 0,
-              "%s", why);
+    pupil_why why = {""};
+    CHECK_MSG(replay_work_frame(&r->work, &r->pupil, frame, 1, &r->stats, &r->curve, &r->display, &why) == 0, "%s",
+              why.text);
     CHECK(pupil_get_exposure(&r->pupil, &r->exposure) == PUPIL_OK);
     CHECK(r->display.width == WIDTH && r->display.height == HEIGHT);
 }
@@ -102,7 +102,7 @@ static void hand_over(uint32_t white, uint32_t version, int lost)
         step(&gpu, &frame);
         compare(&cpu, &gpu, number);
         CHECK((gpu.work.gpu != NULL) == (number < HANDOVER));
-        CHECK_MSG((*gpu.work.warning != 0) == (number >= HANDOVER), "frame %d: %s", number, gpu.work.warning);
+        CHECK_MSG((*gpu.work.warning.text != 0) == (number >= HANDOVER), "frame %d: %s", number, gpu.work.warning.text);
         CHECK(number < HANDOVER || gpu.stats.has_histogram);
     }
     char told[700];
@@ -123,7 +123,7 @@ int main(int argc, char **argv)
     step(&probe, &frame);
     const int has_gpu = probe.work.gpu != NULL;
     if (!has_gpu)
-        puts(probe.work.warning);
+        puts(probe.work.warning.text);
     replay_work_close(&probe.work);
     if (!has_gpu)
         return check_state.failures ? check_end() : check_skip("no OpenGL ES 3.1");

@@ -2,32 +2,33 @@
 #include "check.h"
 #include "options/colour_options.h"
 
-typedef int option(pupil_colour_options *, const char *, char *, size_t);
+typedef int option(pupil_colour_options *, const char *, pupil_why *);
 
 static void refused(option *take, const char *text, const char *name, const char *right)
 {
     pupil_colour_options o = {0};
-    char why[512] = "";
-    CHECK_MSG(take(&o, text, why, sizeof why) == -1, "'%s' is taken", text);
-    CHECK_MSG(strncmp(why, name, strlen(name)) == 0 && strstr(why, text) && strstr(why, right), "%s", why);
+    pupil_why why = {""};
+    CHECK_MSG(take(&o, text, &why) == -1, "'%s' is taken", text);
+    CHECK_MSG(strncmp(why.text, name, strlen(name)) == 0 && strstr(why.text, text) && strstr(why.text, right), "%s",
+              why.text);
     CHECK(o.balance == PUPIL_COLOUR_AUTO && o.matrix == PUPIL_COLOUR_AUTO && o.black == PUPIL_COLOUR_AUTO);
 }
 
 int main(int argc, char **argv)
 {
     pupil_colour_options o = {0};
-    char why[512];
+    pupil_why why;
     check_begin(argc, argv);
-    CHECK(colour_option_balance(&o, "off", why, sizeof why) == 0 && o.balance == PUPIL_COLOUR_OFF);
-    CHECK(colour_option_balance(&o, "auto", why, sizeof why) == 0 && o.balance == PUPIL_COLOUR_AUTO);
-    CHECK(colour_option_balance(&o, "1.9,1,1.6", why, sizeof why) == 0 && o.balance == PUPIL_COLOUR_GIVEN);
+    CHECK(colour_option_balance(&o, "off", &why) == 0 && o.balance == PUPIL_COLOUR_OFF);
+    CHECK(colour_option_balance(&o, "auto", &why) == 0 && o.balance == PUPIL_COLOUR_AUTO);
+    CHECK(colour_option_balance(&o, "1.9,1,1.6", &why) == 0 && o.balance == PUPIL_COLOUR_GIVEN);
     CHECK(o.given_balance[0] == 1.9f && o.given_balance[1] == 1 && o.given_balance[2] == 1.6f);
-    CHECK(colour_option_matrix(&o, "off", why, sizeof why) == 0 && o.matrix == PUPIL_COLOUR_OFF);
-    CHECK(colour_option_matrix(&o, "1,2,3,4,5,6,-7,8,9.5", why, sizeof why) == 0 && o.matrix == PUPIL_COLOUR_GIVEN);
+    CHECK(colour_option_matrix(&o, "off", &why) == 0 && o.matrix == PUPIL_COLOUR_OFF);
+    CHECK(colour_option_matrix(&o, "1,2,3,4,5,6,-7,8,9.5", &why) == 0 && o.matrix == PUPIL_COLOUR_GIVEN);
     CHECK(o.given_matrix[0] == 1 && o.given_matrix[6] == -7 && o.given_matrix[8] == 9.5f);
-    CHECK(colour_option_matrix(&o, "auto", why, sizeof why) == 0 && o.matrix == PUPIL_COLOUR_AUTO);
-    CHECK(colour_option_black(&o, "64", why, sizeof why) == 0 && o.black == PUPIL_COLOUR_GIVEN && o.given_black == 64);
-    CHECK(colour_option_black(&o, "off", why, sizeof why) == 0 && o.black == PUPIL_COLOUR_OFF);
+    CHECK(colour_option_matrix(&o, "auto", &why) == 0 && o.matrix == PUPIL_COLOUR_AUTO);
+    CHECK(colour_option_black(&o, "64", &why) == 0 && o.black == PUPIL_COLOUR_GIVEN && o.given_black == 64);
+    CHECK(colour_option_black(&o, "off", &why) == 0 && o.black == PUPIL_COLOUR_OFF);
 
     static const char *const balances[] = {"",        "warm",   "1,2",    "1,2,3,4", "1,2,0",
                                            "1,2,nan", "1,2,3x", "-1,1,1", "1;1;1"};

@@ -8,7 +8,7 @@
 #include "output/plot_series.h"
 #include "scratch.h"
 
-static char why[1024];
+static pupil_why why;
 
 static pupil_record record(size_t i)
 {
@@ -91,7 +91,7 @@ static int holds(const char *path, const char *text)
 
 static void drawn(const char *name, const pupil_record *records, size_t count, const char *title)
 {
-    CHECK_MSG(pupil_plot_write(scratch(name), records, count, title, why, sizeof why) == 0, "%s: %s", name, why);
+    CHECK_MSG(pupil_plot_write(scratch(name), records, count, title, &why) == 0, "%s: %s", name, why.text);
     CHECK(scratch_exists(scratch(name)));
 }
 
@@ -151,21 +151,21 @@ static void check_refusals(void)
 {
     pupil_record one = record(0);
     int before = scratch_entries(scratch_folder);
-    CHECK(pupil_plot_write(scratch("x.pdf"), &one, 1, "", why, sizeof why) != 0 && strstr(why, ".svg"));
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 0, "", why, sizeof why) != 0 && strstr(why, "no frame"));
-    CHECK(pupil_plot_write(scratch("none/x.svg"), &one, 1, "", why, sizeof why) != 0 && strstr(why, "none"));
+    CHECK(pupil_plot_write(scratch("x.pdf"), &one, 1, "", &why) != 0 && strstr(why.text, ".svg"));
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 0, "", &why) != 0 && strstr(why.text, "no frame"));
+    CHECK(pupil_plot_write(scratch("none/x.svg"), &one, 1, "", &why) != 0 && strstr(why.text, "none"));
     setenv("PATH", scratch_folder, 1);
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", why, sizeof why) != 0);
-    CHECK_MSG(strcmp(why, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox") == 0, "%s", why);
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", &why) != 0);
+    CHECK_MSG(strcmp(why.text, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox") == 0, "%s", why.text);
     CHECK(scratch_entries(scratch_folder) == before);
 
     /* A gnuplot that fails, and one that writes nothing. */
     scratch_put(scratch("gnuplot"), "#!/bin/sh\necho >&2\necho 'line 7: no such terminal' >&2\necho half\nexit 1\n");
     chmod(scratch("gnuplot"), 0755);
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", why, sizeof why) != 0);
-    CHECK_MSG(strstr(why, "x.svg") && strstr(why, "line 7: no such terminal"), "%s", why);
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", &why) != 0);
+    CHECK_MSG(strstr(why.text, "x.svg") && strstr(why.text, "line 7: no such terminal"), "%s", why.text);
     scratch_put(scratch("gnuplot"), "#!/bin/sh\nexit 0\n");
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", why, sizeof why) != 0 && strstr(why, "said nothing"));
+    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", &why) != 0 && strstr(why.text, "said nothing"));
     CHECK(scratch_entries(scratch_folder) == before + 1);
 }
 

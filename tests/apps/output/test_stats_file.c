@@ -8,7 +8,7 @@
 #include "check.h"
 #include "scratch.h"
 
-static char why[1024];
+static pupil_why why;
 
 static char *slurp(const char *path)
 {
@@ -42,16 +42,16 @@ static pupil_record sample_record(uint64_t frame)
 static void write_three(const char *path, pupil_record records[3])
 {
     pupil_stats_file *file = NULL;
-    int opened = pupil_stats_file_open(&file, path, why, sizeof why) == 0;
-    CHECK_MSG(opened, "%s", why);
+    int opened = pupil_stats_file_open(&file, path, &why) == 0;
+    CHECK_MSG(opened, "%s", why.text);
     if (!opened)
         exit(check_end());
     for (uint64_t i = 0; i < 3; i++) {
         records[i] = sample_record(i);
-        CHECK(pupil_stats_file_write(file, &records[i], why, sizeof why) == 0);
+        CHECK(pupil_stats_file_write(file, &records[i], &why) == 0);
     }
     CHECK(!scratch_exists(path));
-    CHECK(pupil_stats_file_finish(file, why, sizeof why) == 0);
+    CHECK(pupil_stats_file_finish(file, &why) == 0);
     CHECK(scratch_exists(path));
 }
 
@@ -60,8 +60,8 @@ static void check_empty(void)
 {
     pupil_stats_file *file = NULL;
     scratch_put(scratch("empty.csv"), "before");
-    CHECK(pupil_stats_file_open(&file, scratch("empty.csv"), why, sizeof why) == 0);
-    CHECK(pupil_stats_file_finish(file, why, sizeof why) != 0 && strstr(why, "empty.csv: nothing was written"));
+    CHECK(pupil_stats_file_open(&file, scratch("empty.csv"), &why) == 0);
+    CHECK(pupil_stats_file_finish(file, &why) != 0 && strstr(why.text, "empty.csv: nothing was written"));
     char *text = slurp(scratch("empty.csv"));
     CHECK(strcmp(text, "before") == 0);
     free(text);
@@ -137,9 +137,9 @@ static void check_live(const char *path)
     r.lost = 3;
     r.asked_gain = NAN;
     r.sensor = "converged";
-    CHECK(pupil_stats_file_open(&file, scratch(path), why, sizeof why) == 0);
-    CHECK(pupil_stats_file_write(file, &r, why, sizeof why) == 0);
-    CHECK(pupil_stats_file_finish(file, why, sizeof why) == 0);
+    CHECK(pupil_stats_file_open(&file, scratch(path), &why) == 0);
+    CHECK(pupil_stats_file_write(file, &r, &why) == 0);
+    CHECK(pupil_stats_file_finish(file, &why) == 0);
     char *text = slurp(scratch(path));
     const int csv = strstr(path, ".csv") != NULL;
     CHECK_MSG(strstr(text, csv ? ",adapting,18446744073709551615,3,0,0," : "\"state\":\"adapting\",\"sequence\":1844"),
@@ -153,12 +153,12 @@ static void check_live(const char *path)
 static void check_refusals(void)
 {
     pupil_stats_file *file = NULL;
-    CHECK(pupil_stats_file_open(&file, scratch("s.txt"), why, sizeof why) != 0 && strstr(why, ".csv") != NULL);
-    CHECK(pupil_stats_file_open(&file, ".csv", why, sizeof why) != 0); /* a hidden file without an ending */
-    CHECK(pupil_stats_file_open(&file, scratch("none/s.csv"), why, sizeof why) != 0 && strstr(why, "none") != NULL);
+    CHECK(pupil_stats_file_open(&file, scratch("s.txt"), &why) != 0 && strstr(why.text, ".csv") != NULL);
+    CHECK(pupil_stats_file_open(&file, ".csv", &why) != 0); /* a hidden file without an ending */
+    CHECK(pupil_stats_file_open(&file, scratch("none/s.csv"), &why) != 0 && strstr(why.text, "none") != NULL);
     CHECK(file == NULL);
     int before = scratch_entries(scratch_folder);
-    CHECK(pupil_stats_file_open(&file, scratch("gone.csv"), why, sizeof why) == 0);
+    CHECK(pupil_stats_file_open(&file, scratch("gone.csv"), &why) == 0);
     pupil_stats_file_discard(file);
     CHECK(scratch_entries(scratch_folder) == before);
     pupil_stats_file_discard(NULL);
@@ -173,14 +173,14 @@ static void check_full(void)
     int kept = dup(1);
     FILE *full = fopen("/dev/full", "w");
     CHECK(full && dup2(fileno(full), 1) == 1);
-    CHECK(pupil_stats_file_open(&file, "-", why, sizeof why) == 0);
-    int failed = pupil_stats_file_write(file, &r, why, sizeof why);
+    CHECK(pupil_stats_file_open(&file, "-", &why) == 0);
+    int failed = pupil_stats_file_write(file, &r, &why);
     pupil_stats_file_discard(file);
     dup2(kept, 1);
     close(kept);
     fclose(full);
     clearerr(stdout);
-    CHECK_MSG(failed && strstr(why, "standard output") != NULL, "%s", why);
+    CHECK_MSG(failed && strstr(why.text, "standard output") != NULL, "%s", why.text);
 }
 
 /* docs/stats.md names every field. */
@@ -201,15 +201,15 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     scratch_begin();
-    if (pupil_stats_json_check("s.jsonl", why, sizeof why) == 0)
+    if (pupil_stats_json_check("s.jsonl", &why) == 0)
         check_json();
     check_csv();
     check_empty();
     check_live("live.csv");
-    if (pupil_stats_json_check("s.jsonl", why, sizeof why) == 0)
+    if (pupil_stats_json_check("s.jsonl", &why) == 0)
         check_live("live.jsonl");
     check_refusals();
-    if (pupil_stats_json_check("-", why, sizeof why) == 0)
+    if (pupil_stats_json_check("-", &why) == 0)
         check_full();
     check_docs();
     scratch_clear(scratch_folder);

@@ -8,6 +8,7 @@
 
 #include "fake_v4l2/fake_v4l2.h"
 #include "probe/probe.h"
+#include "pupil/error.h"
 
 static inline fake_v4l2_config usual(void)
 {
@@ -57,7 +58,7 @@ static const int32_t left_at[] = {3, 77, 40, 1}; /* as its user had them */
 typedef struct probed {
     probe_report report;
     int result;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } probed;
 
 /* The result of one probe; whatever it was, the camera is as before. */
@@ -77,10 +78,10 @@ static inline void probe(probed *p, const fake_v4l2_config *config, int quick, d
     moving = fake;
     moved_frames = 0;
     moved_light = light;
-    CHECK_MSG(probe_offers(&p->report, system, "/dev/video0", p->why, sizeof p->why) == 0, "%s", p->why);
+    CHECK_MSG(probe_offers(&p->report, system, "/dev/video0", &p->why) == 0, "%s", p->why.text);
     for (int i = 0; i < 4; i++)
         CHECK(control(fake, ids[i], 0, 0) == left_at[i]); /* only asked */
-    p->result = probe_measure(&p->report, system, &options, p->why, sizeof p->why);
+    p->result = probe_measure(&p->report, system, &options, &p->why);
     for (int i = 0; i < 4 && !config->unplug_at; i++)
         CHECK_MSG(control(fake, ids[i], 0, 0) == left_at[i], "control %d is left at %d", i,
                   control(fake, ids[i], 0, 0));

@@ -6,7 +6,7 @@
 static void check_delay(const probe_delay *d, unsigned frames, const char *what)
 {
     CHECK_MSG(d->is.known && d->frames == frames && d->least == frames && d->most == frames,
-              "%s: %u (%u..%u), expected %u: %s", what, d->frames, d->least, d->most, frames, d->is.why);
+              "%s: %u (%u..%u), expected %u: %s", what, d->frames, d->least, d->most, frames, d->is.why.text);
 }
 
 /* 8 bits of limited range, sRGB's curve: half a code of the darkest point, light of 2^-6, is 0.043 stops, and of the
@@ -16,7 +16,7 @@ static void check_delay(const probe_delay *d, unsigned frames, const char *what)
 static void check_law(const probe_law *law)
 {
     CHECK_MSG(law->is.known && law->obeyed && law->as_told, "known %d, obeyed %d, as told %d: %s", law->is.known,
-              law->obeyed, law->as_told, law->is.why);
+              law->obeyed, law->as_told, law->is.why.text);
     CHECK_MSG(fabs(law->slope - 1) < 0.02 && law->off_ev < MOST_OFF_EV && law->drift_ev < 0.01,
               "slope %g, %g off, drift %g", law->slope, law->off_ev, law->drift_ev);
 }
@@ -31,7 +31,7 @@ static void test_delays(void)
             c.gain_earlier = earlier;
             c.stamp = delay % 2 ? FAKE_STAMP_START_OF_EXPOSURE : FAKE_STAMP_END_OF_FRAME;
             probe(&p, &c, delay % 3 != 0, 1.0);
-            CHECK_MSG(p.result == 0, "%s", p.why);
+            CHECK_MSG(p.result == 0, "%s", p.why.text);
             CHECK_MSG(p.report.seconds < 15, "%g s", p.report.seconds);
             if (c.stamp == FAKE_STAMP_END_OF_FRAME) {
                 check_delay(&p.report.exposure_delay, delay, "exposure");
@@ -54,7 +54,7 @@ static void test_laws(void)
         c.only_format = formats[i];
         c.black = i == 2 ? 0.0625 : 0.0; /* 64 of 1023 */
         probe(&p, &c, 0, 1.0);
-        CHECK_MSG(p.result == 0 && r->has_controls.known, "%s%s", p.why, r->has_controls.why);
+        CHECK_MSG(p.result == 0 && r->has_controls.known, "%s%s", p.why.text, r->has_controls.why.text);
         check_law(&r->exposure);
         check_law(&r->gain);
         CHECK(r->exposure.points == 5 && r->gain.points == 6);
@@ -63,7 +63,7 @@ static void test_laws(void)
                       (long long)r->gain.point[k].code, r->gain.point[k].gain);
         CHECK(r->limits.gain_min == 1 && r->limits.gain_max == 64 && !r->limits.gain_known);
         CHECK_MSG(r->black.is.known && !r->black.at_most && fabs(r->black.share - c.black) < 0.002,
-                  "black %g of %g: %s", r->black.share, c.black, r->black.is.why);
+                  "black %g of %g: %s", r->black.share, c.black, r->black.is.why.text);
         CHECK(r->interval.is.known && fabs(r->interval.mean_s * 30 - 1) < 1e-4 && r->interval.jitter_s < 2e-6);
         CHECK(r->interval.frames > 100 && r->interval.lost == 0 && r->interval.damaged == 0);
         CHECK(r->latency.is.known && r->latency.most_s < 1e-3 && r->latency.stamp == PUPIL_V4L2_STAMP_END_OF_FRAME);
@@ -73,7 +73,8 @@ static void test_laws(void)
 
 static void check_unknown(const probe_known *is, const char *sentence)
 {
-    CHECK_MSG(!is->known && strstr(is->why, sentence), "known %d: '%s' for '%s'", is->known, is->why, sentence);
+    CHECK_MSG(!is->known && strstr(is->why.text, sentence), "known %d: '%s' for '%s'", is->known, is->why.text,
+              sentence);
 }
 
 /* What the driver says and the picture does not do. */
@@ -151,11 +152,11 @@ static void test_trouble(void)
     c.dropped = 0.05;
     c.flagged = 0.05;
     probe(&p, &c, 0, 1.0);
-    CHECK_MSG(p.result == 0, "%s", p.why);
+    CHECK_MSG(p.result == 0, "%s", p.why.text);
     CHECK(p.report.interval.lost > 0 && p.report.interval.damaged > 0);
     CHECK_MSG(
         p.report.exposure_delay.is.known && p.report.exposure_delay.least >= 2 && p.report.exposure_delay.most <= 4,
-        "%u..%u: %s", p.report.exposure_delay.least, p.report.exposure_delay.most, p.report.exposure_delay.is.why);
+        "%u..%u: %s", p.report.exposure_delay.least, p.report.exposure_delay.most, p.report.exposure_delay.is.why.text);
     check_law(&p.report.exposure);
     probe_free(&p.report);
 
@@ -172,7 +173,7 @@ static void test_trouble(void)
     c = usual();
     c.unplug_at = 100;
     probe(&p, &c, 0, 1.0);
-    CHECK_MSG(p.result == -1 && strstr(p.why, "the camera was unplugged"), "%s", p.why);
+    CHECK_MSG(p.result == -1 && strstr(p.why.text, "the camera was unplugged"), "%s", p.why.text);
     probe_free(&p.report);
 }
 
@@ -220,7 +221,7 @@ static unsigned check_moving(double (*how)(unsigned long), int quick)
     motion = how;
     probe(&p, &c, quick, 1.0);
     motion = NULL;
-    CHECK_MSG(p.result == 0, "%s", p.why);
+    CHECK_MSG(p.result == 0, "%s", p.why.text);
     const probe_delay *delays[] = {&r->exposure_delay, &r->gain_delay};
     const probe_law *laws[] = {&r->exposure, &r->gain};
     for (int i = 0; i < 2; i++) {
@@ -230,7 +231,7 @@ static unsigned check_moving(double (*how)(unsigned long), int quick)
         CHECK_MSG(!law->is.known || (law->obeyed && law->as_told && fabs(law->slope - 1) < 0.2),
                   "%g %g %g: law %d: slope %g, %g off, drift %g", amount, speed, from, i, law->slope, law->off_ev,
                   law->drift_ev);
-        CHECK_MSG(d->is.known || *d->is.why, "no sentence");
+        CHECK_MSG(d->is.known || *d->is.why.text, "no sentence");
         known += (unsigned)(d->is.known + law->is.known);
     }
     CHECK_MSG(!r->black.is.known || r->black.at_most || r->black.share < 0.01, "black %g", r->black.share);
@@ -281,7 +282,7 @@ static void test_stop(void)
         const fake_v4l2_config c = usual();
         stops_left = at;
         probe(&p, &c, 0, 1.0);
-        CHECK_MSG(p.result == 1 || at > 250 || at == 1, "stopped at %d: %d %s", at, p.result, p.why);
+        CHECK_MSG(p.result == 1 || at > 250 || at == 1, "stopped at %d: %d %s", at, p.result, p.why.text);
         probe_free(&p.report);
     }
     stops_left = -1;

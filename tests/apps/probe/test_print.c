@@ -67,7 +67,7 @@ static void check_json_measured(const cJSON *measured, const probe_report *r)
     CHECK(is_number(latency, "median_s", r->latency.median_s) && is_number(latency, "most_s", r->latency.most_s));
     CHECK(number_at(e, "frames") == 3 && number_at(e, "least_frames") == 3 && number_at(e, "most_frames") == 3);
     CHECK(number_at(e, "steps") == 4 && is_true(e, "known"));
-    CHECK(!is_true(g, "known") && is_text(g, "why", r->gain_delay.is.why) && !cJSON_HasObjectItem(g, "frames"));
+    CHECK(!is_true(g, "known") && is_text(g, "why", r->gain_delay.is.why.text) && !cJSON_HasObjectItem(g, "frames"));
     check_json_law(measured, "exposure", &r->exposure);
     check_json_law(measured, "gain", &r->gain);
     CHECK(is_true(black, "known") && !is_true(black, "at_most") && number_at(black, "exposure_s") == 1e-4);
@@ -159,8 +159,9 @@ static void test_laws_text(void)
                  {"ar0521", "16 codes an octave"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         pupil_camera_sensor sensor;
-        char text[96], why[256];
-        CHECK(pupil_camera_find_sensor(NULL, cases[i].sensor, &sensor, why, sizeof why) == 1);
+        char text[96];
+        pupil_why why;
+        CHECK(pupil_camera_find_sensor(NULL, cases[i].sensor, &sensor, &why) == 1);
         probe_law_text(&sensor.gain, text, sizeof text);
         CHECK_MSG(strcmp(text, cases[i].text) == 0, "%s: %s", cases[i].sensor, text);
     }

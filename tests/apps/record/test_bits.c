@@ -16,7 +16,7 @@
 
 #define FRAMES 12
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 typedef struct metered {
     pupil_stats stats[FRAMES];
@@ -68,13 +68,12 @@ static void meter(pupil_source *source, metered *m, pupil_recorder **recorder)
     config.histogram = 1;
     pupil_init(&pupil, &config);
     memset(m, 0, sizeof *m);
-    while (m->count < FRAMES && pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+    while (m->count < FRAMES && pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
         const pupil_recorder_options options = {.fps = source->fps, .wait = 1};
         if (recorder && !*recorder)
-            CHECK_MSG(pupil_recorder_open(recorder, scratch("live"), &frame, &options, why, sizeof why) == 0, "%s",
-                      why);
+            CHECK_MSG(pupil_recorder_open(recorder, scratch("live"), &frame, &options, &why) == 0, "%s", why.text);
         if (recorder && *recorder)
-            CHECK_MSG(pupil_recorder_write(*recorder, &frame, why, sizeof why) == 0, "%s", why);
+            CHECK_MSG(pupil_recorder_write(*recorder, &frame, &why) == 0, "%s", why.text);
         pupil_stats_clear(&m->stats[m->count]);
         CHECK(pupil_meter_rows(&pupil, &frame.image, 0, frame.image.height, &m->stats[m->count]) == PUPIL_OK);
         CHECK(pupil_adapt(&pupil, &m->stats[m->count], &frame.info) == PUPIL_OK);
@@ -100,15 +99,15 @@ static void test_same_statistics(uint32_t fourcc, int extra_bytes)
     config.extra_bytes = extra_bytes;
     fake_v4l2 *fake = fake_v4l2_new(&config);
     of_fake.capture.system = fake_v4l2_system(fake);
-    CHECK_MSG(pupil_live_open("0", NULL, &of_fake, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_open("0", NULL, &of_fake, &source, &why) == 0, "%s", why.text);
     meter(source, &live, &recorder);
     pupil_source_close(source);
-    CHECK_MSG(pupil_recorder_close(recorder, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_recorder_close(recorder, &why) == 0, "%s", why.text);
     fake_v4l2_free(fake);
 
     const char *inputs[] = {scratch("live")};
     const pupil_source_options none = {0};
-    CHECK_MSG(open_input(inputs, 1, &none, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(open_input(inputs, 1, &none, &source, &why) == 0, "%s", why.text);
     meter(source, &again, NULL);
     pupil_source_close(source);
     CHECK(live.coded == again.coded && live.coded == (fourcc == V4L2_PIX_FMT_MJPEG ? FRAMES : 0));
@@ -122,7 +121,7 @@ static void test_same_statistics(uint32_t fourcc, int extra_bytes)
 static int frames_in(const char *folder, metered *m)
 {
     pupil_source *source;
-    if (pupil_recording_open(folder, &source, why, sizeof why))
+    if (pupil_recording_open(folder, &source, &why))
         return -1;
     meter(source, m, NULL);
     pupil_source_close(source);
@@ -166,8 +165,8 @@ static void ends_of(const char *folder, double ends[2])
 {
     pupil_source *source;
     pupil_frame frame;
-    CHECK_MSG(pupil_recording_open(folder, &source, why, sizeof why) == 0, "%s", why);
-    for (int i = 0; pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME; i++) {
+    CHECK_MSG(pupil_recording_open(folder, &source, &why) == 0, "%s", why.text);
+    for (int i = 0; pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME; i++) {
         ends[1] = frame.info.exposure_s * frame.info.gain;
         ends[0] = i ? ends[0] : ends[1];
         pupil_source_done(source, &frame);

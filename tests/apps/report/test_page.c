@@ -9,7 +9,7 @@
 #include "report/thumbnail.h"
 #include "scratch.h"
 
-static char why[1024];
+static pupil_why why;
 
 static void check_base64(void)
 {
@@ -100,7 +100,7 @@ static void page_of(const char *folder, int overwrite, run how)
         .data = rgb, .stride_bytes = 40 * 3, .width = 40, .height = 30, .pixel = PUPIL_PIXEL_RGB8};
     pupil_record *records = calloc(how.frames, sizeof *records);
     pupil_report *report = NULL;
-    CHECK_MSG(pupil_report_begin(&report, folder, overwrite, how.stills, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_report_begin(&report, folder, overwrite, how.stills, &why) == 0, "%s", why.text);
     for (size_t i = 0; report && i < how.frames; i++) {
         records[i] = (pupil_record){.frame = i,
                                     .name = evil,
@@ -112,7 +112,7 @@ static void page_of(const char *folder, int overwrite, run how)
                                     .output_white_share = i == 1 ? 0.5 : 0.0};
         memset(rgb, (int)(i % 256), sizeof rgb);
         const pupil_image_const *fixed = how.fixed && pupil_report_wants(report) ? &image : NULL;
-        CHECK(pupil_report_frame(report, &image, fixed, &records[i], why, sizeof why) == 0);
+        CHECK(pupil_report_frame(report, &image, fixed, &records[i], &why) == 0);
     }
     if (report && how.video) {
         scratch_put(pupil_report_video(report), "no real video");
@@ -128,7 +128,7 @@ static void page_of(const char *folder, int overwrite, run how)
                               .setting_count = 2,
                               .figures = rows,
                               .figure_count = 1};
-    CHECK_MSG(report && pupil_report_finish(report, &page, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(report && pupil_report_finish(report, &page, &why) == 0, "%s", why.text);
     CHECK_MSG(scratch_entries(folder) == 1, "%d entries", scratch_entries(folder)); /* the page, and nothing else */
     free(records);
 }
@@ -178,21 +178,21 @@ static void check_refusals(void)
 {
     pupil_report *report = NULL;
     page_of(scratch("mine"), 0, (run){.frames = 1});
-    CHECK(pupil_report_begin(&report, scratch("mine"), 0, 0, why, sizeof why) != 0);
-    CHECK_MSG(strstr(why, "index.html") && strstr(why, "--overwrite"), "%s", why);
+    CHECK(pupil_report_begin(&report, scratch("mine"), 0, 0, &why) != 0);
+    CHECK_MSG(strstr(why.text, "index.html") && strstr(why.text, "--overwrite"), "%s", why.text);
     page_of(scratch("mine"), 1, (run){.frames = 2});
 
     mkdir(scratch("theirs"), 0777);
     scratch_put(scratch("theirs/index.html"), "<!DOCTYPE html>\n<title>a home page</title>\n");
-    CHECK(pupil_report_begin(&report, scratch("theirs"), 1, 0, why, sizeof why) != 0 && strstr(why, "no report"));
+    CHECK(pupil_report_begin(&report, scratch("theirs"), 1, 0, &why) != 0 && strstr(why.text, "no report"));
     CHECK(strstr(slurp(scratch("theirs/index.html")), "a home page") != NULL);
-    CHECK(pupil_report_begin(&report, scratch("theirs/index.html"), 1, 0, why, sizeof why) != 0);
-    CHECK_MSG(strstr(why, "no folder"), "%s", why);
-    CHECK(pupil_report_begin(&report, scratch("a/b"), 1, 0, why, sizeof why) != 0 && strstr(why, "make it first"));
-    CHECK(pupil_report_begin(&report, "", 1, 0, why, sizeof why) != 0 && strstr(why, "name of a folder"));
+    CHECK(pupil_report_begin(&report, scratch("theirs/index.html"), 1, 0, &why) != 0);
+    CHECK_MSG(strstr(why.text, "no folder"), "%s", why.text);
+    CHECK(pupil_report_begin(&report, scratch("a/b"), 1, 0, &why) != 0 && strstr(why.text, "make it first"));
+    CHECK(pupil_report_begin(&report, "", 1, 0, &why) != 0 && strstr(why.text, "name of a folder"));
     CHECK(report == NULL);
 
-    CHECK(pupil_report_begin(&report, scratch("gone"), 0, 0, why, sizeof why) == 0);
+    CHECK(pupil_report_begin(&report, scratch("gone"), 0, 0, &why) == 0);
     scratch_put(pupil_report_video(report), "half a video");
     pupil_report_discard(report);
     CHECK(!scratch_exists(scratch("gone")));
@@ -204,10 +204,10 @@ static void check_large_video(void)
 {
     pupil_report *report = NULL;
     pupil_report_page page = {.title = "large", .version = "0.1.0"};
-    CHECK(pupil_report_begin(&report, scratch("report"), 1, 0, why, sizeof why) == 0);
+    CHECK(pupil_report_begin(&report, scratch("report"), 1, 0, &why) == 0);
     scratch_put(pupil_report_video(report), "");
     CHECK(truncate(pupil_report_video(report), (REPORT_MOST_VIDEO_MIB << 20) + 1) == 0);
-    CHECK(pupil_report_finish(report, &page, why, sizeof why) == 0);
+    CHECK(pupil_report_finish(report, &page, &why) == 0);
     const char *text = slurp(scratch("report/index.html"));
     CHECK(strstr(text, "<video") == NULL && strstr(text, "at most 64") != NULL);
 }

@@ -9,6 +9,7 @@
 #include "check.h"
 #include "fake_v4l2/fake_v4l2.h"
 #include "frame/replay_work.h"
+#include "pupil/error.h"
 #include "run/colour.h"
 #include "run/lamps.h"
 #include "run/sensor.h"
@@ -27,7 +28,7 @@ typedef struct live_run {
     pupil_image display;
     pupil_frame frame; /* that is out */
     pupil_record record;
-    char why[PUPIL_WHY_BYTES], remark[PUPIL_WHY_BYTES];
+    pupil_why why, remark;
 } live_run;
 
 static char *rig_arguments[16] = {"run"}; /* the command line, but for the mode */
@@ -50,17 +51,17 @@ static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *confi
     control(r->fake, V4L2_CID_EXPOSURE_ABSOLUTE, exposure);
     control(r->fake, V4L2_CID_GAIN, gain);
     fake_v4l2_light(r->fake, light);
-    CHECK_MSG(run_options_parse(&r->options, rig_argument_count, rig_arguments, r->why, sizeof r->why) == REPLAY_RUN,
-              "%s", r->why);
+    CHECK_MSG(run_options_parse(&r->options, rig_argument_count, rig_arguments, &r->why) == REPLAY_RUN, "%s",
+              r->why.text);
     r->options.mode = mode;
     r->options.shown.threads = 1;
     r->options.live.delay = rig_delay;
     r->options.live.capture.system = fake_v4l2_system(r->fake);
-    CHECK_MSG(pupil_live_open("0", NULL, &r->options.live, &r->source, r->why, sizeof r->why) == 0, "%s", r->why);
+    CHECK_MSG(pupil_live_open("0", NULL, &r->options.live, &r->source, &r->why) == 0, "%s", r->why.text);
     if (!r->source)
         exit(check_end());
     run_sensor_begin(&r->sensor, &r->options, r->source);
-    run_lamps_begin(&r->lamps, &r->options, r->source, r->remark, sizeof r->remark);
+    run_lamps_begin(&r->lamps, &r->options, r->source, &r->remark);
     r->colour.own_picture = mode == RUN_SENSOR;
     CHECK(pupil_init(&r->pupil, &r->options.shown.config) == PUPIL_OK);
     CHECK(replay_work_open(&r->work, &r->options.shown) == 0);
@@ -89,13 +90,12 @@ static void give_frame_back(live_run *r)
 static void step(live_run *r)
 {
     give_frame_back(r);
-    CHECK_MSG(pupil_source_next(r->source, &r->frame, r->why, sizeof r->why) == PUPIL_SOURCE_FRAME, "%s", r->why);
-    CHECK(run_sensor_take(&r->sensor, r->why, sizeof r->why) == 0);
-    CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, r->why, sizeof r->why) == 0);
+    CHECK_MSG(pupil_source_next(r->source, &r->frame, &r->why) == PUPIL_SOURCE_FRAME, "%s", r->why.text);
+    CHECK(run_sensor_take(&r->sensor, &r->why) == 0);
+    CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, &r->why) == 0);
     frame_work_gain(r->work.cpu, run_lamps_take(&r->lamps, &r->sensor, &r->frame));
-    CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, r->why,
-                                sizeof r->why) == 0,
-              "%s", r->why);
+    CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, &r->why) == 0,
+              "%s", r->why.text);
     memset(&r->record, 0, sizeof r->record);
     run_sensor_describe(&r->sensor, &r->frame.info, &r->record);
     await_writes(r);

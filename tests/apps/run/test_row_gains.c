@@ -104,11 +104,11 @@ static void test_bands(uint32_t fourcc, uint32_t mode)
     begin_with(&r, mode, &c, 10, 16, 4.0);
     skip(&r, 60);
     const watched without = watch(&r, WATCHED, 1e-3);
-    CHECK(r.lamps.frames == 0 && !*r.remark);
+    CHECK(r.lamps.frames == 0 && !*r.remark.text);
     end(&r);
     ARGUMENTS("--shutter", "1ms", "--mains", "50", "--row-gains");
     begin_with(&r, mode, &c, 10, 16, 4.0);
-    CHECK_MSG(!*r.remark, "%s", r.remark);
+    CHECK_MSG(!*r.remark.text, "%s", r.remark.text);
     skip(&r, 60);
     const watched with = watch(&r, WATCHED, 1e-3);
     printf("%.4s, mode %u: %.3f EV and %.1f codes without, %.4f EV and %.1f codes with\n", name, mode, without.ev,
@@ -127,7 +127,7 @@ static void test_found(void)
     c.pixel_rate = 0;
     ARGUMENTS("--shutter", "1ms", "--row-gains", "--readout", "26");
     begin_with(&r, RUN_BOTH, &c, 10, 16, 4.0);
-    CHECK_MSG(!*r.remark, "%s", r.remark);
+    CHECK_MSG(!*r.remark.text, "%s", r.remark.text);
     skip(&r, 90);
     const watched w = watch(&r, WATCHED, 1e-3);
     printf("mains found, readout told 4 %% wrong: %.4f EV\n", w.ev);
@@ -184,21 +184,21 @@ static void test_none(void)
     c.pixel_rate = 0;
     ARGUMENTS("--shutter", "1ms", "--mains", "50", "--row-gains");
     begin_with(&r, RUN_BOTH, &c, 10, 16, 4.0);
-    CHECK_MSG(strstr(r.remark, "PIXEL_RATE") && strstr(r.remark, "--readout"), "%s", r.remark);
+    CHECK_MSG(strstr(r.remark.text, "PIXEL_RATE") && strstr(r.remark.text, "--readout"), "%s", r.remark.text);
     skip(&r, 30);
     CHECK(r.lamps.with == 0 && tells(&r, "(the camera's readout is not known"));
     end(&r);
 
     ARGUMENTS("--row-gains", "--readout", "25");
     begin_with(&r, RUN_DIGITAL, &c, 10, 16, 4.0);
-    CHECK_MSG(strstr(r.remark, "--mains"), "%s", r.remark);
+    CHECK_MSG(strstr(r.remark.text, "--mains"), "%s", r.remark.text);
     skip(&r, 30);
     CHECK(r.lamps.with == 0 && tells(&r, "--mains"));
     end(&r);
 
     ARGUMENTS("--row-gains", "--readout", "25", "--mains", "50"); /* the exposure is not known, and short */
     begin_with(&r, RUN_DIGITAL, &c, 10, 16, 4.0);
-    CHECK(!*r.remark);
+    CHECK(!*r.remark.text);
     skip(&r, 60);
     const watched w = watch(&r, WATCHED, 1e-3);
     CHECK_MSG(w.ev <= 0.05, "%g EV", w.ev);

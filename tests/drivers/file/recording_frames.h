@@ -5,6 +5,8 @@
 #include "check.h"
 
 #include "file/recording/recording.h"
+#include "pupil/error.h"
+#include "refuse.h"
 #include "sink.h"
 
 #define FRAMES_MOST 256
@@ -93,16 +95,16 @@ static inline void frames_free(test_frames *f)
 
 /* How many were taken until it failed; `why` has what it says. */
 static inline int frames_record(const test_frames *f, const char *folder, const pupil_recorder_options *options,
-                                char why[PUPIL_WHY_BYTES])
+                                pupil_why *why)
 {
     pupil_recorder *recorder;
     int n = 0;
-    *why = 0;
-    if (pupil_recorder_open(&recorder, folder, &f->frame[0], options, why, PUPIL_WHY_BYTES))
+    *why->text = 0;
+    if (pupil_recorder_open(&recorder, folder, &f->frame[0], options, why))
         return -1;
-    while (n < f->count && pupil_recorder_write(recorder, &f->frame[n], why, PUPIL_WHY_BYTES) == PUPIL_SINK_OK)
+    while (n < f->count && pupil_recorder_write(recorder, &f->frame[n], why) == PUPIL_SINK_OK)
         n++;
-    return pupil_recorder_close(recorder, why, PUPIL_WHY_BYTES) == PUPIL_SINK_OK ? n : n ? -n : -1;
+    return pupil_recorder_close(recorder, why) == PUPIL_SINK_OK ? n : n ? -n : -1;
 }
 
 static inline int frames_same_rows(const void *a, ptrdiff_t a_stride, const void *b, ptrdiff_t b_stride, size_t row,
@@ -145,17 +147,17 @@ static inline void frames_ends(const test_frames *f, unsigned char *bytes, size_
 }
 
 /* How many frames came back, each as it was; -1: one was another, or (with a sentence in `why`) the recording fails. */
-static inline int frames_replay(const test_frames *f, const char *folder, char why[PUPIL_WHY_BYTES])
+static inline int frames_replay(const test_frames *f, const char *folder, pupil_why *why)
 {
     pupil_source *source;
     pupil_frame frame;
     int n = 0, got;
-    *why = 0;
-    if (pupil_recording_open(folder, &source, why, PUPIL_WHY_BYTES))
+    *why->text = 0;
+    if (pupil_recording_open(folder, &source, why))
         return -1;
-    while ((got = pupil_source_next(source, &frame, why, PUPIL_WHY_BYTES)) == PUPIL_SOURCE_FRAME) {
+    while ((got = pupil_source_next(source, &frame, why)) == PUPIL_SOURCE_FRAME) {
         if (n >= f->count || !frames_same(&frame, &f->frame[n])) {
-            snprintf(why, PUPIL_WHY_BYTES, "frame %d is another", n);
+            pupil_refuse(why, "frame %d is another", n);
             n = -1;
             break;
         }

@@ -7,6 +7,7 @@
 #include "scratch.h"
 
 #include "file/still/still.h"
+#include "pupil/error.h"
 
 static inline void write_file(const char *path, const void *bytes, size_t size)
 {
@@ -73,15 +74,16 @@ static inline int rgb_near(const pupil_still *still, uint32_t x, uint32_t y, dou
 }
 
 /* Reads from a buffer of exactly the file's size, so that a sanitizer sees a read beyond it. */
-static inline int read_exact(pupil_still_reader *reader, pupil_still *still, const void *data, size_t size, char *why)
+static inline int read_exact(pupil_still_reader *reader, pupil_still *still, const void *data, size_t size,
+                             pupil_why *why)
 {
     uint8_t *copy = malloc(size ? size : 1);
     int result;
     if (!copy)
         abort();
     memcpy(copy, data, size);
-    why[0] = 0;
-    result = reader(still, copy, size, why, PUPIL_STILL_WHY_BYTES);
+    why->text[0] = 0;
+    result = reader(still, copy, size, why);
     free(copy);
     return result;
 }
@@ -90,9 +92,10 @@ static inline int read_exact(pupil_still_reader *reader, pupil_still *still, con
 #define CHECK_REFUSED(reader, data, size, words)                                                                       \
     do {                                                                                                               \
         pupil_still refused = {0};                                                                                     \
-        char reason[PUPIL_STILL_WHY_BYTES];                                                                            \
-        int refused_result = read_exact(reader, &refused, data, size, reason);                                         \
-        CHECK_MSG(refused_result == -1 && strstr(reason, words), "said \"%s\", should say \"%s\"", reason, words);     \
+        pupil_why reason;                                                                                              \
+        int refused_result = read_exact(reader, &refused, data, size, &reason);                                        \
+        CHECK_MSG(refused_result == -1 && strstr(reason.text, words), "said \"%s\", should say \"%s\"", reason.text,   \
+                  words);                                                                                              \
         pupil_still_free(&refused);                                                                                    \
     } while (0)
 
@@ -101,15 +104,15 @@ static inline void check_damage(pupil_still_reader *reader, const uint8_t *data,
 {
     uint8_t *damaged = malloc(size);
     pupil_still still = {0};
-    char why[PUPIL_STILL_WHY_BYTES];
+    pupil_why why;
     unsigned long bad = 0;
     for (size_t length = 0; length<size; length += size> 4096 ? 37 : 1)
-        bad += read_exact(reader, &still, data, length, why) && !*why;
+        bad += read_exact(reader, &still, data, length, &why) && !*why.text;
     for (int i = 0; i < rounds && damaged; i++) {
         memcpy(damaged, data, size);
         for (uint64_t n = check_random() % 4 + 1; n; n--)
             damaged[check_random() % size] = (uint8_t)check_random();
-        bad += read_exact(reader, &still, damaged, size, why) && !*why;
+        bad += read_exact(reader, &still, damaged, size, &why) && !*why.text;
     }
     CHECK_MSG(bad == 0, "%lu refusals without a sentence", bad);
     free(damaged);

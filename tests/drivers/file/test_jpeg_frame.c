@@ -7,7 +7,7 @@
 #include "file/video/jpeg_frame.h"
 
 static uint8_t written[1 << 20], broken[1 << 20];
-static char why[512];
+static pupil_why why;
 
 /* What a pixel is, of a component as it was written. */
 static uint8_t sample(const flat_jpeg *j, uint32_t c, uint32_t x, uint32_t y)
@@ -68,7 +68,7 @@ static void check_image(const flat_jpeg *j, const pupil_image_const *image)
 static pupil_jpeg *begin(const flat_jpeg *j)
 {
     pupil_jpeg *jpeg = NULL;
-    CHECK_MSG(pupil_jpeg_open(&jpeg, j->width, j->height, NULL, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_jpeg_open(&jpeg, j->width, j->height, NULL, &why) == 0, "%s", why.text);
     if (!jpeg)
         abort();
     return jpeg;
@@ -77,8 +77,8 @@ static pupil_jpeg *begin(const flat_jpeg *j)
 static void check_decoded(pupil_jpeg *jpeg, const flat_jpeg *j, const uint8_t *bytes, size_t size)
 {
     pupil_image_const image;
-    const int result = pupil_jpeg_decode(jpeg, bytes, size, &image, why, sizeof why);
-    CHECK_MSG(result == 0, "%u x %u, %u:%u: %s", j->width, j->height, j->across, j->down, why);
+    const int result = pupil_jpeg_decode(jpeg, bytes, size, &image, &why);
+    CHECK_MSG(result == 0, "%u x %u, %u:%u: %s", j->width, j->height, j->across, j->down, why.text);
     if (result == 0)
         check_image(j, &image);
 }
@@ -132,20 +132,20 @@ static void test_codings(void)
     flat_jpeg j = {.width = 16, .height = 16, .components = 3, .across = 2, .down = 1};
     pupil_image_const image;
     pupil_jpeg *jpeg;
-    CHECK(pupil_jpeg_open(&jpeg, 16, 16, &coding, why, sizeof why) == 0);
-    CHECK(pupil_jpeg_decode(jpeg, written, flat_write(&j, written), &image, why, sizeof why) == 0);
+    CHECK(pupil_jpeg_open(&jpeg, 16, 16, &coding, &why) == 0);
+    CHECK(pupil_jpeg_decode(jpeg, written, flat_write(&j, written), &image, &why) == 0);
     CHECK(image.coding->matrix == coding.matrix && image.coding->range == coding.range);
     CHECK(image.coding->light == coding.light);
     j.components = 1;
-    CHECK(pupil_jpeg_decode(jpeg, written, flat_write(&j, written), &image, why, sizeof why) == 0);
+    CHECK(pupil_jpeg_decode(jpeg, written, flat_write(&j, written), &image, &why) == 0);
     CHECK(image.coding->light == coding.light && image.coding->black == 16 && image.coding->white == 235);
     j.components = 3, j.across = 1; /* RGB8 is sRGB's */
-    CHECK(pupil_jpeg_decode(jpeg, written, flat_write(&j, written), &image, why, sizeof why) == -1);
-    CHECK_MSG(strstr(why, "whose light is not sRGB's"), "%s", why);
+    CHECK(pupil_jpeg_decode(jpeg, written, flat_write(&j, written), &image, &why) == -1);
+    CHECK_MSG(strstr(why.text, "whose light is not sRGB's"), "%s", why.text);
     pupil_jpeg_close(jpeg);
-    CHECK(pupil_jpeg_open(&jpeg, 16, 16, &wrong, why, sizeof why) == -1 && !jpeg && strstr(why, "matrix"));
-    CHECK(pupil_jpeg_open(&jpeg, 0, 16, NULL, why, sizeof why) == -1 && strstr(why, "0 x 16 pixels; 1 to 16384"));
-    CHECK(pupil_jpeg_open(&jpeg, 16, 16385, NULL, why, sizeof why) == -1);
+    CHECK(pupil_jpeg_open(&jpeg, 16, 16, &wrong, &why) == -1 && !jpeg && strstr(why.text, "matrix"));
+    CHECK(pupil_jpeg_open(&jpeg, 0, 16, NULL, &why) == -1 && strstr(why.text, "0 x 16 pixels; 1 to 16384"));
+    CHECK(pupil_jpeg_open(&jpeg, 16, 16385, NULL, &why) == -1);
     pupil_jpeg_close(NULL);
 }
 
@@ -153,9 +153,10 @@ static void test_codings(void)
 static void check_refused(pupil_jpeg *jpeg, const uint8_t *bytes, size_t size, const char *sentence)
 {
     pupil_image_const image;
-    why[0] = 0;
-    CHECK_MSG(pupil_jpeg_decode(jpeg, bytes, size, &image, why, sizeof why) == -1, "%zu bytes are taken", size);
-    CHECK_MSG(strlen(why) > 10 && !strchr(why, '\n') && strstr(why, sentence), "'%s' for '%s'", why, sentence);
+    why.text[0] = 0;
+    CHECK_MSG(pupil_jpeg_decode(jpeg, bytes, size, &image, &why) == -1, "%zu bytes are taken", size);
+    CHECK_MSG(strlen(why.text) > 10 && !strchr(why.text, '\n') && strstr(why.text, sentence), "'%s' for '%s'", why.text,
+              sentence);
 }
 
 static void test_cut(void)
@@ -231,9 +232,9 @@ static void test_damage(void)
         if (i % 8 == 0) /* no JPEG at all, behind its first bytes */
             for (size_t k = 4; k < size; k++)
                 broken[k] = (uint8_t)check_random();
-        why[0] = 0;
-        if (pupil_jpeg_decode(jpeg, broken, size, &image, why, sizeof why)) {
-            CHECK_MSG(strlen(why) > 10 && !strchr(why, '\n'), "'%s'", why);
+        why.text[0] = 0;
+        if (pupil_jpeg_decode(jpeg, broken, size, &image, &why)) {
+            CHECK_MSG(strlen(why.text) > 10 && !strchr(why.text, '\n'), "'%s'", why.text);
             refused++;
             continue;
         }

@@ -34,9 +34,9 @@ static void read_back(const char *path, const pupil_image_const *image, int exac
     pupil_source *source;
     pupil_source_options options = {0};
     pupil_frame frame;
-    char why[PUPIL_WHY_BYTES] = "";
-    CHECK_MSG(pupil_file_source_open(&path, 1, &options, &source, why, sizeof why) == 0, "%s", why);
-    CHECK_MSG(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
+    pupil_why why = {""};
+    CHECK_MSG(pupil_file_source_open(&path, 1, &options, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
     CHECK(frame.image.width == image->width && frame.image.height == image->height);
     for (uint32_t y = 0; y < image->height; y++)
         for (uint32_t x = 0; x < image->width; x++) {
@@ -58,17 +58,17 @@ static void files(void)
 {
     static const char *const names[] = {"a.exr", "a.pfm", "a.hdr"};
     static const uint32_t sizes[][2] = {{1, 1}, {7, 5}, {8, 9}, {130, 3}, {MOST, 9}};
-    char why[PUPIL_WHY_BYTES] = "";
+    pupil_why why = {""};
     for (int n = 0; n < 3; n++)
         for (int i = 0; i < 5; i++) {
             pupil_image_const image = make(sizes[i][0], sizes[i][1], i % 2);
             pupil_sink_options options = {.width = sizes[i][0], .height = sizes[i][1], .fps = 30.0};
             pupil_frame_info info = {0};
             pupil_sink *sink;
-            CHECK_MSG(pupil_linear_sink_open(scratch(names[n]), &options, &sink, why, sizeof why) == 0, "%s", why);
-            CHECK_MSG(pupil_sink_write(sink, &image, &info, why, sizeof why) == 0, "%s", why);
-            CHECK(pupil_sink_write(sink, &image, &info, why, sizeof why) == PUPIL_SINK_FAILED && strstr(why, "folder"));
-            CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+            CHECK_MSG(pupil_linear_sink_open(scratch(names[n]), &options, &sink, &why) == 0, "%s", why.text);
+            CHECK_MSG(pupil_sink_write(sink, &image, &info, &why) == 0, "%s", why.text);
+            CHECK(pupil_sink_write(sink, &image, &info, &why) == PUPIL_SINK_FAILED && strstr(why.text, "folder"));
+            CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
             read_back(scratch(names[n]), &image, n < 2);
         }
     CHECK(scratch_entries(scratch_folder) == 3);
@@ -78,29 +78,29 @@ static void a_folder(void)
 {
     pupil_image_const image = make(6, 4, 0);
     pupil_sink_options options = {.width = 6, .height = 4, .fps = 30.0};
-    char why[PUPIL_WHY_BYTES] = "";
+    pupil_why why = {""};
     pupil_sink *sink;
     for (int pass = 0; pass < 2; pass++) {
         options.overwrite = pass; /* a folder of EXR is one that may be replaced */
-        CHECK_MSG(pupil_linear_sink_open(scratch("frames"), &options, &sink, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_linear_sink_open(scratch("frames"), &options, &sink, &why) == 0, "%s", why.text);
         for (uint64_t n = 8; n < 11; n++) {
             pupil_frame_info info = {.sequence = n};
-            CHECK_MSG(pupil_sink_write(sink, &image, &info, why, sizeof why) == 0, "%s", why);
+            CHECK_MSG(pupil_sink_write(sink, &image, &info, &why) == 0, "%s", why.text);
         }
-        CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
         CHECK(scratch_entries(scratch("frames")) == 3);
         read_back(scratch("frames/frame_000008.exr"), &image, 1);
     }
     options.overwrite = 0;
-    CHECK(pupil_linear_sink_open(scratch("frames"), &options, &sink, why, sizeof why) && strstr(why, "not empty"));
-    CHECK(pupil_linear_sink_open(scratch("a.jpg"), &options, &sink, why, sizeof why) && strstr(why, ".exr"));
-    CHECK(pupil_linear_sink_open(scratch("none/a.exr"), &options, &sink, why, sizeof why) && strstr(why, "none"));
-    CHECK(pupil_linear_sink_open(scratch("b.exr"), &options, &sink, why, sizeof why) == 0);
-    CHECK(pupil_sink_finish(sink, why, sizeof why) && strstr(why, "nothing was written"));
+    CHECK(pupil_linear_sink_open(scratch("frames"), &options, &sink, &why) && strstr(why.text, "not empty"));
+    CHECK(pupil_linear_sink_open(scratch("a.jpg"), &options, &sink, &why) && strstr(why.text, ".exr"));
+    CHECK(pupil_linear_sink_open(scratch("none/a.exr"), &options, &sink, &why) && strstr(why.text, "none"));
+    CHECK(pupil_linear_sink_open(scratch("b.exr"), &options, &sink, &why) == 0);
+    CHECK(pupil_sink_finish(sink, &why) && strstr(why.text, "nothing was written"));
     pupil_sink_discard(sink);
-    CHECK(pupil_linear_sink_open(scratch("b.exr"), &options, &sink, why, sizeof why) == 0);
+    CHECK(pupil_linear_sink_open(scratch("b.exr"), &options, &sink, &why) == 0);
     image.width = 5;
-    CHECK(pupil_sink_write(sink, &image, &(pupil_frame_info){0}, why, sizeof why) && strstr(why, "6x4"));
+    CHECK(pupil_sink_write(sink, &image, &(pupil_frame_info){0}, &why) && strstr(why.text, "6x4"));
     pupil_sink_discard(sink);
     CHECK(scratch_entries(scratch_folder) == 4);
 }

@@ -19,11 +19,12 @@ static char slowest[NAMED_SLOWEST], largest[NAMED_SLOWEST];
 static void load_and_exit(const char *path)
 {
     pupil_still still = {0};
-    char why[1024] = "";
+    pupil_why why = {""};
     int status = EXIT_READ;
     alarm(MAX_SECONDS); /* its signal ends the child */
-    if (pupil_still_load(&still, path, why, sizeof why) != 0) {
-        status = strncmp(why, path, strlen(path)) == 0 && strlen(why) > strlen(path) + 2 ? EXIT_REFUSED : EXIT_SILENT;
+    if (pupil_still_load(&still, path, &why) != 0) {
+        status = strncmp(why.text, path, strlen(path)) == 0 && strlen(why.text) > strlen(path) + 2 ? EXIT_REFUSED
+                                                                                                   : EXIT_SILENT;
     } else {
         const size_t size = (size_t)still.width * still.height * pupil_pixel_bytes(still.pixel);
         unsigned all = 0;

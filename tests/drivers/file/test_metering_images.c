@@ -15,14 +15,14 @@ static int is_still(const char *name)
 
 static void meter(const char *path, pupil_still *still)
 {
-    char why[1024] = "";
+    pupil_why why = {""};
     pupil_config config;
     pupil_t pupil;
     pupil_stats stats;
     ref_meter reference;
     double mean = 0, quantile = 0;
-    CHECK_MSG(pupil_still_load(still, path, why, sizeof why) == 0, "%s", why);
-    if (why[0])
+    CHECK_MSG(pupil_still_load(still, path, &why) == 0, "%s", why.text);
+    if (why.text[0])
         return;
     const pupil_image_const image = {.data = still->pixels,
                                      .stride_bytes = (ptrdiff_t)(still->width * pupil_pixel_bytes(still->pixel)),

@@ -5,7 +5,7 @@
 #include "file/pan/pan_source.h"
 
 static const double pi = 3.14159265358979323846;
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 typedef void paint(double yaw, double pitch, uint32_t x, uint32_t y, float rgb[3]);
 
@@ -21,7 +21,7 @@ static pupil_panorama make(uint32_t n, paint *at)
     for (uint32_t y = 0; y < n; y++)
         for (uint32_t x = 0; x < 2 * n; x++, texel += 3)
             at(((x + 0.5) / n - 1) * pi, (0.5 - (y + 0.5) / n) * pi, x, y, texel);
-    CHECK_MSG(pupil_panorama_make(&p, &still, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_panorama_make(&p, &still, &why) == 0, "%s", why.text);
     free(still.pixels);
     return p;
 }
@@ -242,7 +242,7 @@ static int near_view(pupil_view v, double yaw, double pitch, double fov)
 static void test_path(void)
 {
     pupil_pan_path path;
-    CHECK(pupil_pan_path_read(&path, "170/10@1:-170/-20/40@3:0/0@4", 75, why, sizeof why) == 0);
+    CHECK(pupil_pan_path_read(&path, "170/10@1:-170/-20/40@3:0/0@4", 75, &why) == 0);
     pupil_pan_path_finish(&path, 99);
     CHECK(near_view(pupil_pan_path_at(&path, 0), 170, 10, 75) && near_view(pupil_pan_path_at(&path, 1), 170, 10, 75));
     CHECK(near_view(pupil_pan_path_at(&path, 3), -170, -20, 40));
@@ -251,11 +251,11 @@ static void test_path(void)
         double a = pupil_pan_path_at(&path, t).yaw, b = pupil_pan_path_at(&path, t + 1 / 64.0).yaw;
         CHECK(fabs(a) >= 170 - 1e-9 && remainder(b - a, 360) > 0 && remainder(b - a, 360) < 0.5);
     }
-    CHECK(pupil_pan_path_read(&path, "0/0:360/0", 75, why, sizeof why) == 0);
+    CHECK(pupil_pan_path_read(&path, "0/0:360/0", 75, &why) == 0);
     pupil_pan_path_finish(&path, 8);
     for (int k = 0; k <= 8; k++) /* two keyframes: even speed */
         CHECK(near_view(pupil_pan_path_at(&path, k), 45 * k, 0, 75));
-    CHECK(pupil_pan_path_read(&path, "12/-3", 75, why, sizeof why) == 0);
+    CHECK(pupil_pan_path_read(&path, "12/-3", 75, &why) == 0);
     pupil_pan_path_finish(&path, 8);
     CHECK(near_view(pupil_pan_path_at(&path, 0), 12, -3, 75) && near_view(pupil_pan_path_at(&path, 5), 12, -3, 75));
 }
@@ -323,25 +323,25 @@ static void test_source(void)
     pupil_source *source;
     pupil_frame f;
     snprintf(spec, sizeof spec, "pan:%s", file("a, room.pfm", 64, 32)); /* a comma of the file's own */
-    CHECK_MSG(pupil_pan_source_open(spec, &asked, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_pan_source_open(spec, &asked, &source, &why) == 0, "%s", why.text);
     CHECK(source->frames == 5 && source->fps == 24);
     for (int n = 0; n < 5; n++) {
-        CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_FRAME);
+        CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME);
         CHECK(f.image.width == 32 && f.image.height == 18 && f.image.pixel == PUPIL_PIXEL_RGB32F);
         CHECK(f.info.sequence == (uint64_t)n && f.info.timestamp_ns == (int64_t)(n * 1e9 / 24 + 0.5));
         CHECK(((const float *)f.image.data)[32 * 18 * 3 - 1] == 3 && strstr(f.name, "a, room.pfm"));
         pupil_source_done(source, &f);
     }
-    CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_END);
     pupil_source_close(source);
     strcat(spec, ",size=20x10,duration=0.5,fov=90,path=0/0:10/10");
-    CHECK_MSG(pupil_pan_source_open(spec, NULL, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_pan_source_open(spec, NULL, &source, &why) == 0, "%s", why.text);
     CHECK(source->frames == 15 && source->fps == 30);
-    CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_FRAME && f.image.width == 20);
+    CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME && f.image.width == 20);
     pupil_source_close(source);
     strcpy(strstr(spec, ",size"), ",path=0/0@0:10/10@2");
-    CHECK(pupil_pan_source_open(spec, NULL, &source, why, sizeof why) == 0 && source->frames == 60);
-    CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_FRAME && f.image.width == 640);
+    CHECK(pupil_pan_source_open(spec, NULL, &source, &why) == 0 && source->frames == 60);
+    CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME && f.image.width == 640);
     pupil_source_close(source);
 }
 
@@ -369,15 +369,15 @@ static void test_refusals(void)
     const char *room = file("room.pfm", 8, 4);
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
         snprintf(spec, sizeof spec, "pan:%s,%s", room, keys[k][0]);
-        CHECK(pupil_pan_source_open(spec, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-        CHECK_MSG(strstr(why, "room.pfm: ") && strstr(why, keys[k][1]), "%s: %s", keys[k][0], why);
+        CHECK(pupil_pan_source_open(spec, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+        CHECK_MSG(strstr(why.text, "room.pfm: ") && strstr(why.text, keys[k][1]), "%s: %s", keys[k][0], why.text);
     }
     snprintf(spec, sizeof spec, "pan:%s", file("square.pfm", 8, 8));
-    CHECK(pupil_pan_source_open(spec, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK_MSG(strstr(why, "square.pfm: 8 x 8") && strstr(why, "twice as wide"), "%s", why);
-    CHECK(pupil_pan_source_open("pan:", NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED && strstr(why, "room"));
-    CHECK(pupil_pan_source_open("pan:absent.hdr,fov=60", NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK_MSG(strstr(why, "absent.hdr: "), "%s", why);
+    CHECK(pupil_pan_source_open(spec, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK_MSG(strstr(why.text, "square.pfm: 8 x 8") && strstr(why.text, "twice as wide"), "%s", why.text);
+    CHECK(pupil_pan_source_open("pan:", NULL, &source, &why) == PUPIL_SOURCE_FAILED && strstr(why.text, "room"));
+    CHECK(pupil_pan_source_open("pan:absent.hdr,fov=60", NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK_MSG(strstr(why.text, "absent.hdr: "), "%s", why.text);
 }
 
 int main(int argc, char **argv)

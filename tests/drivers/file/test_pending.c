@@ -5,25 +5,25 @@
 
 #include <sys/wait.h>
 
-static char why[1024];
+static pupil_why why;
 
 #define CHECK_REFUSED(call, path, word)                                                                                \
     do {                                                                                                               \
-        why[0] = 0;                                                                                                    \
+        why.text[0] = 0;                                                                                               \
         CHECK((call) == -1);                                                                                           \
-        CHECK_MSG(strncmp(why, path, strlen(path)) == 0 && strstr(why, word), "%s", why);                              \
+        CHECK_MSG(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, word), "%s", why.text);               \
     } while (0)
 
 static void test_file(void)
 {
     pupil_pending p;
     const char *path = scratch("a.txt");
-    CHECK(pupil_pending_file(&p, path, why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, path, &why) == 0);
     CHECK(strcmp(p.path, path) == 0);
     CHECK(strstr(p.temporary, "/.a.txt.") && strstr(p.temporary, ".part"));
     scratch_put(p.temporary, "one");
     CHECK(!scratch_exists(path));
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(path, "one"));
     CHECK(scratch_entries(scratch_folder) == 1);
     pupil_pending_discard(&p); /* safe after commit, and takes nothing back */
@@ -31,14 +31,14 @@ static void test_file(void)
     CHECK(scratch_holds(path, "one"));
 
     /* Replaced by commit, kept by discard. */
-    CHECK(pupil_pending_file(&p, path, why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, path, &why) == 0);
     scratch_put(p.temporary, "two");
     CHECK(scratch_holds(path, "one"));
     pupil_pending_discard(&p);
     CHECK(scratch_holds(path, "one") && scratch_entries(scratch_folder) == 1);
-    CHECK(pupil_pending_file(&p, path, why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, path, &why) == 0);
     scratch_put(p.temporary, "two");
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(path, "two") && scratch_entries(scratch_folder) == 1);
     remove(path);
 }
@@ -47,13 +47,13 @@ static void test_file(void)
 static void test_twice(void)
 {
     pupil_pending p, q;
-    CHECK(pupil_pending_file(&p, scratch("a"), why, sizeof why) == 0);
-    CHECK(pupil_pending_file(&q, scratch("a"), why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, scratch("a"), &why) == 0);
+    CHECK(pupil_pending_file(&q, scratch("a"), &why) == 0);
     CHECK(strcmp(p.temporary, q.temporary) != 0);
     scratch_put(p.temporary, "p");
     scratch_put(q.temporary, "q");
-    CHECK(pupil_pending_commit(&q, why, sizeof why) == 0 && scratch_holds(scratch("a"), "q"));
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0 && scratch_holds(scratch("a"), "p"));
+    CHECK(pupil_pending_commit(&q, &why) == 0 && scratch_holds(scratch("a"), "q"));
+    CHECK(pupil_pending_commit(&p, &why) == 0 && scratch_holds(scratch("a"), "p"));
     CHECK(scratch_entries(scratch_folder) == 1);
     remove(scratch("a"));
 }
@@ -66,26 +66,26 @@ static void test_names(void)
     longest[255] = 0;
     memset(too_long, 'n', 256);
     too_long[256] = 0;
-    CHECK(pupil_pending_file(&p, scratch(longest), why, sizeof why) == 0);
-    CHECK_MSG(pupil_pending_commit(&p, why, sizeof why) == 0, "%s", why);
+    CHECK(pupil_pending_file(&p, scratch(longest), &why) == 0);
+    CHECK_MSG(pupil_pending_commit(&p, &why) == 0, "%s", why.text);
     CHECK(scratch_exists(scratch(longest)));
     remove(scratch(longest));
     snprintf(path, sizeof path, "%s/%s", scratch_folder, too_long);
-    CHECK_REFUSED(pupil_pending_file(&p, path, why, sizeof why), path, "too long");
+    CHECK_REFUSED(pupil_pending_file(&p, path, &why), path, "too long");
 
     /* Relative, in the working folder. */
     CHECK(chdir(scratch_folder) == 0);
-    CHECK(pupil_pending_file(&p, "here", why, sizeof why) == 0);
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, "here", &why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_exists(scratch("here")));
     remove("here");
 
     /* A link is followed: it stays, and what it leads to is replaced. */
     CHECK(mkdir("there", 0777) == 0 && symlink("there/target", "link") == 0);
     scratch_put("there/target", "old");
-    CHECK(pupil_pending_file(&p, "link", why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, "link", &why) == 0);
     scratch_put(p.temporary, "new");
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds("there/target", "new") && readlink("link", path, sizeof path) > 0);
     CHECK(scratch_entries("there") == 1);
     scratch_clear("there");
@@ -98,23 +98,23 @@ static void test_refused_places(void)
     pupil_pending p;
     scratch_put(scratch("file"), "");
     CHECK(mkdir(scratch("folder"), 0777) == 0 && mkfifo(scratch("pipe"), 0666) == 0);
-    CHECK_REFUSED(pupil_pending_file(&p, "", why, sizeof why), "\"\"", "needs a name");
-    CHECK_REFUSED(pupil_pending_folder(&p, "", 0, why, sizeof why), "\"\"", "needs a name");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("no/a"), why, sizeof why), scratch("no/a"), "there is no folder");
-    CHECK_REFUSED(pupil_pending_folder(&p, scratch("no/a"), 1, why, sizeof why), scratch("no/a"), "there is no folder");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("file/a"), why, sizeof why), scratch("file/a"), "is a file");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("file/a/b"), why, sizeof why), scratch("file/a/b"), "Not a directory");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("folder"), why, sizeof why), scratch("folder"), "is a folder");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("new/"), why, sizeof why), scratch("new/"), "is a folder");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("pipe"), why, sizeof why), scratch("pipe"), "a pipe");
-    CHECK_REFUSED(pupil_pending_file(&p, "/dev/null", why, sizeof why), "/dev/null", "device");
-    CHECK_REFUSED(pupil_pending_folder(&p, scratch("file"), 1, why, sizeof why), scratch("file"), "is a file");
-    CHECK_REFUSED(pupil_pending_folder(&p, ".", 1, why, sizeof why), ".", "folder inside");
-    CHECK_REFUSED(pupil_pending_folder(&p, scratch(".."), 1, why, sizeof why), scratch(".."), "folder inside");
-    CHECK_REFUSED(pupil_pending_folder(&p, "/", 1, why, sizeof why), "/", "folder inside");
+    CHECK_REFUSED(pupil_pending_file(&p, "", &why), "\"\"", "needs a name");
+    CHECK_REFUSED(pupil_pending_folder(&p, "", 0, &why), "\"\"", "needs a name");
+    CHECK_REFUSED(pupil_pending_file(&p, scratch("no/a"), &why), scratch("no/a"), "there is no folder");
+    CHECK_REFUSED(pupil_pending_folder(&p, scratch("no/a"), 1, &why), scratch("no/a"), "there is no folder");
+    CHECK_REFUSED(pupil_pending_file(&p, scratch("file/a"), &why), scratch("file/a"), "is a file");
+    CHECK_REFUSED(pupil_pending_file(&p, scratch("file/a/b"), &why), scratch("file/a/b"), "Not a directory");
+    CHECK_REFUSED(pupil_pending_file(&p, scratch("folder"), &why), scratch("folder"), "is a folder");
+    CHECK_REFUSED(pupil_pending_file(&p, scratch("new/"), &why), scratch("new/"), "is a folder");
+    CHECK_REFUSED(pupil_pending_file(&p, scratch("pipe"), &why), scratch("pipe"), "a pipe");
+    CHECK_REFUSED(pupil_pending_file(&p, "/dev/null", &why), "/dev/null", "device");
+    CHECK_REFUSED(pupil_pending_folder(&p, scratch("file"), 1, &why), scratch("file"), "is a file");
+    CHECK_REFUSED(pupil_pending_folder(&p, ".", 1, &why), ".", "folder inside");
+    CHECK_REFUSED(pupil_pending_folder(&p, scratch(".."), 1, &why), scratch(".."), "folder inside");
+    CHECK_REFUSED(pupil_pending_folder(&p, "/", 1, &why), "/", "folder inside");
     if (scratch_exists("/proc/self")) { /* a bare chroot has none */
-        CHECK_REFUSED(pupil_pending_folder(&p, "/proc", 1, why, sizeof why), "/proc", "mount point");
-        CHECK_REFUSED(pupil_pending_file(&p, "/proc/pupil", why, sizeof why), "/proc/pupil", "cannot be written");
+        CHECK_REFUSED(pupil_pending_folder(&p, "/proc", 1, &why), "/proc", "mount point");
+        CHECK_REFUSED(pupil_pending_file(&p, "/proc/pupil", &why), "/proc/pupil", "cannot be written");
     }
     CHECK(scratch_entries(scratch_folder) == 3 && scratch_entries(scratch("folder")) == 0);
     remove(scratch("file"));
@@ -133,28 +133,28 @@ static void test_folder(void)
 {
     pupil_pending p;
     const char *path = scratch("out");
-    CHECK(pupil_pending_folder(&p, scratch("out/"), 0, why, sizeof why) == 0);
+    CHECK(pupil_pending_folder(&p, scratch("out/"), 0, &why) == 0);
     CHECK(strcmp(p.path, path) == 0 && scratch_entries(p.temporary) == 0);
     put_in(p.temporary, "frame_000000.png", "one");
     CHECK(!scratch_exists(path));
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(scratch("out/frame_000000.png"), "one") && scratch_entries(scratch_folder) == 1);
     pupil_pending_discard(&p);
     CHECK(scratch_exists(path));
 
-    CHECK_REFUSED(pupil_pending_folder(&p, path, 0, why, sizeof why), path, "not empty");
+    CHECK_REFUSED(pupil_pending_folder(&p, path, 0, &why), path, "not empty");
 
     /* Overwritten as a whole: nothing of the old one is left. */
     put_in(path, "frame_1000000.png", "old");
-    CHECK(pupil_pending_folder(&p, path, 1, why, sizeof why) == 0);
+    CHECK(pupil_pending_folder(&p, path, 1, &why) == 0);
     put_in(p.temporary, "frame_000000.png", "two");
     CHECK(scratch_holds(scratch("out/frame_000000.png"), "one"));
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(scratch("out/frame_000000.png"), "two"));
     CHECK(scratch_entries(path) == 1 && scratch_entries(scratch_folder) == 1);
 
     /* Discarded, folders within and all; what was there stays. */
-    CHECK(pupil_pending_folder(&p, path, 1, why, sizeof why) == 0);
+    CHECK(pupil_pending_folder(&p, path, 1, &why) == 0);
     put_in(p.temporary, "frame_000000.png", "three");
     {
         char within[1024];
@@ -167,9 +167,9 @@ static void test_folder(void)
     scratch_clear(path);
 
     /* An empty folder is as good as none. */
-    CHECK(mkdir(path, 0777) == 0 && pupil_pending_folder(&p, path, 0, why, sizeof why) == 0);
+    CHECK(mkdir(path, 0777) == 0 && pupil_pending_folder(&p, path, 0, &why) == 0);
     put_in(p.temporary, "a", "a");
-    CHECK(pupil_pending_commit(&p, why, sizeof why) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(scratch("out/a"), "a") && scratch_entries(scratch_folder) == 1);
     scratch_clear(path);
 }
@@ -185,12 +185,12 @@ static void test_precious_folder(void)
         char file[1024];
         CHECK(mkdir(path, 0777) == 0);
         put_in(path, "frame_000000.png", "");
-        CHECK(pupil_pending_folder(&p, path, 1, why, sizeof why) == 0);
+        CHECK(pupil_pending_folder(&p, path, 1, &why) == 0);
         put_in(p.temporary, "frame_000000.png", "new");
         put_in(path, names[i], "precious"); /* after the check at the beginning */
-        CHECK_REFUSED(pupil_pending_commit(&p, why, sizeof why), path, names[i]);
+        CHECK_REFUSED(pupil_pending_commit(&p, &why), path, names[i]);
         pupil_pending_discard(&p);
-        CHECK_REFUSED(pupil_pending_folder(&p, path, 1, why, sizeof why), path, names[i]);
+        CHECK_REFUSED(pupil_pending_folder(&p, path, 1, &why), path, names[i]);
         snprintf(file, sizeof file, "%s/%s", path, names[i]);
         CHECK(scratch_holds(file, "precious"));
         CHECK(scratch_entries(path) == 2 && scratch_entries(scratch_folder) == 1);
@@ -198,17 +198,17 @@ static void test_precious_folder(void)
     }
     /* Neither is one with a folder or a link of such a name. */
     CHECK(mkdir(path, 0777) == 0 && mkdir(scratch("out/frame_000000.png"), 0777) == 0);
-    CHECK_REFUSED(pupil_pending_folder(&p, path, 1, why, sizeof why), path, "frame_000000.png");
+    CHECK_REFUSED(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
     scratch_clear(path);
     CHECK(mkdir(path, 0777) == 0 && symlink("/etc/passwd", scratch("out/frame_000000.png")) == 0);
-    CHECK_REFUSED(pupil_pending_folder(&p, path, 1, why, sizeof why), path, "frame_000000.png");
+    CHECK_REFUSED(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
     scratch_clear(path);
 
     /* Filled in the meantime, and nobody said overwrite. */
-    CHECK(pupil_pending_folder(&p, path, 0, why, sizeof why) == 0);
+    CHECK(pupil_pending_folder(&p, path, 0, &why) == 0);
     CHECK(mkdir(path, 0777) == 0);
     put_in(path, "frame_000000.png", "precious");
-    CHECK_REFUSED(pupil_pending_commit(&p, why, sizeof why), path, "in the meantime");
+    CHECK_REFUSED(pupil_pending_commit(&p, &why), path, "in the meantime");
     pupil_pending_discard(&p);
     CHECK(scratch_holds(scratch("out/frame_000000.png"), "precious") && scratch_entries(scratch_folder) == 1);
     scratch_clear(path);
@@ -218,14 +218,14 @@ static void test_precious_folder(void)
 static void test_taken_away(void)
 {
     pupil_pending p;
-    CHECK(pupil_pending_file(&p, scratch("a"), why, sizeof why) == 0);
+    CHECK(pupil_pending_file(&p, scratch("a"), &why) == 0);
     remove(p.temporary);
-    CHECK_REFUSED(pupil_pending_commit(&p, why, sizeof why), scratch("a"), "No such file");
+    CHECK_REFUSED(pupil_pending_commit(&p, &why), scratch("a"), "No such file");
     pupil_pending_discard(&p);
     CHECK(mkdir(scratch("in"), 0777) == 0);
-    CHECK(pupil_pending_folder(&p, scratch("in/a"), 0, why, sizeof why) == 0);
+    CHECK(pupil_pending_folder(&p, scratch("in/a"), 0, &why) == 0);
     scratch_clear(scratch("in"));
-    CHECK_REFUSED(pupil_pending_commit(&p, why, sizeof why), scratch("in/a"), "No such file");
+    CHECK_REFUSED(pupil_pending_commit(&p, &why), scratch("in/a"), "No such file");
     pupil_pending_discard(&p);
     CHECK(scratch_entries(scratch_folder) == 0);
 }
@@ -241,9 +241,9 @@ static void test_permission(void)
         pupil_pending p;
         if (geteuid() == 0 && setuid(65534) != 0)
             _exit(2);
-        if (pupil_pending_file(&p, path, why, sizeof why) != -1)
+        if (pupil_pending_file(&p, path, &why) != -1)
             _exit(3);
-        _exit(strncmp(why, path, strlen(path)) == 0 && strstr(why, "Permission denied") ? 0 : 4);
+        _exit(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, "Permission denied") ? 0 : 4);
     }
     int status = -1;
     CHECK(waitpid(child, &status, 0) == child);

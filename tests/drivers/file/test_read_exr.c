@@ -3,7 +3,7 @@
 
 #include <openexr.h>
 
-static char why[PUPIL_STILL_WHY_BYTES];
+static pupil_why why;
 static bytes file;
 
 #define RGB(type)                                                                                                      \
@@ -30,7 +30,7 @@ static bytes file;
 static int read_part(pupil_still *still, exr_part part)
 {
     write_exr(&file, &part, 1);
-    return read_exact(pupil_read_exr, still, file.data, file.size, why);
+    return read_exact(pupil_read_exr, still, file.data, file.size, &why);
 }
 
 /* Every pixel of the data window is what was written to the channels red, green and blue; others are black. */
@@ -50,7 +50,7 @@ static unsigned wrong_pixels(const pupil_still *still, const exr_part *part, int
 static void check_part(exr_part part, int red, int green, int blue)
 {
     pupil_still still = {0};
-    CHECK_MSG(read_part(&still, part) == 0, "%s", why);
+    CHECK_MSG(read_part(&still, part) == 0, "%s", why.text);
     CHECK(still.pixel == PUPIL_PIXEL_RGB32F && still.exposure_s == 0);
     CHECK(still.width == (uint32_t)(part.display[2] - part.display[0] + 1));
     CHECK(still.height == (uint32_t)(part.display[3] - part.display[1] + 1));
@@ -115,7 +115,7 @@ static void test_luminance_chroma(void)
     const int box[4] = {4, 2, 11, 7};
     memcpy(shifted.data, box, sizeof box);
     memcpy(shifted.display, box, sizeof box);
-    CHECK_MSG(read_part(&still, shifted) == 0, "%s", why);
+    CHECK_MSG(read_part(&still, shifted) == 0, "%s", why.text);
     for (uint32_t j = 0; j < 6 && still.height == 6; j++)
         for (uint32_t i = 0; i < 8; i++) {
             const int x = 4 + (int)i, y = 2 + (int)j;
@@ -128,9 +128,9 @@ static void test_luminance_chroma(void)
     check_damage(pupil_read_exr, file.data, file.size, 500);
     CHECK(read_part(&still, part) == 0 && still.width == 8);
     shifted.channel[0].step_x = 1;
-    CHECK(read_part(&still, shifted) == -1 && strstr(why, "different sampling"));
+    CHECK(read_part(&still, shifted) == -1 && strstr(why.text, "different sampling"));
     shifted.channel[0].step_x = shifted.channel[1].step_x = 4;
-    CHECK(read_part(&still, shifted) == -1 && strstr(why, "every 4 x 2 pixels"));
+    CHECK(read_part(&still, shifted) == -1 && strstr(why.text, "every 4 x 2 pixels"));
     pupil_still_free(&still);
 }
 
@@ -167,7 +167,7 @@ static void test_parts(void)
     pupil_still still = {0};
     parts[2].channel[0].name = "Blue"; /* names of parts come from here and must differ */
     write_exr(&file, parts, 3);
-    CHECK_MSG(read_exact(pupil_read_exr, &still, file.data, file.size, why) == 0, "%s", why);
+    CHECK_MSG(read_exact(pupil_read_exr, &still, file.data, file.size, &why) == 0, "%s", why.text);
     CHECK(still.width == 5 && still.height == 3 && wrong_pixels(&still, second, 2, 1, 0) == 0);
     check_damage(pupil_read_exr, file.data, file.size, 500);
     parts[1].channel[2].name = "S"; /* now none has a picture: the first one's sentence */
@@ -185,7 +185,7 @@ static void test_halfs(void)
     pupil_still still = {0};
     write_exr(&file, &part, 1);
     memcpy(file.data + file.size - 18, codes, 18); /* three of B, three of G, three of R */
-    CHECK(read_exact(pupil_read_exr, &still, file.data, file.size, why) == 0);
+    CHECK(read_exact(pupil_read_exr, &still, file.data, file.size, &why) == 0);
     for (uint32_t i = 0; i < 9; i++) {
         const float got = float_at(&still, i % 3, 0)[2 - i / 3];
         CHECK(expected[i] != expected[i] ? got != got : got == expected[i] && signbit(got) == signbit(expected[i]));
@@ -315,7 +315,7 @@ static void test_compressions(void)
         const int compression = i / 4, is_float = i & 1, tiled = i >> 1 & 1;
         const char *path = scratch("library.exr");
         pupil_still still = {0};
-        char said[1024] = "";
+        pupil_why said = {""};
         unsigned wrong = 0;
         size_t size;
         uint8_t *data;
@@ -323,7 +323,7 @@ static void test_compressions(void)
         if ((compression == EXR_COMPRESSION_B44 || compression == EXR_COMPRESSION_B44A) && (is_float || tiled))
             continue;
         CHECK(write_by_library(path, (exr_compression_t)compression, is_float, tiled) == EXR_ERR_SUCCESS);
-        CHECK_MSG(pupil_still_load(&still, path, said, sizeof said) == 0, "compression %d: %s", compression, said);
+        CHECK_MSG(pupil_still_load(&still, path, &said) == 0, "compression %d: %s", compression, said.text);
         CHECK(still.width == WIDE && still.height == HIGH);
         for (uint32_t y = 0; y < still.height; y++)
             for (uint32_t x = 0; x < still.width; x++)

@@ -3,7 +3,7 @@
 
 #include <png.h>
 
-static char why[PUPIL_STILL_WHY_BYTES];
+static pupil_why why;
 
 typedef struct picture {
     int width, height, bits, type, interlaced;
@@ -70,7 +70,7 @@ static bytes file;
 static int read_picture(pupil_still *still, const picture *p)
 {
     write_png(&file, p);
-    return read_exact(pupil_read_png, still, file.data, file.size, why);
+    return read_exact(pupil_read_png, still, file.data, file.size, &why);
 }
 
 static double srgb(double v)
@@ -85,7 +85,7 @@ static void test_curves(void)
     const double a = 0x1234 / 65535., b = 0x8000 / 65535.;
     picture p = {.width = 1, .height = 1, .bits = 16, .type = PNG_COLOR_TYPE_RGB, .rows = pixel};
     pupil_still still = {0};
-    CHECK_MSG(read_picture(&still, &p) == 0, "%s", why);
+    CHECK_MSG(read_picture(&still, &p) == 0, "%s", why.text);
     CHECK(still.pixel == PUPIL_PIXEL_RGB32F && rgb_is(&still, 0, 0, srgb(a), srgb(b), 1));
     p.gamma = 1;
     CHECK(read_picture(&still, &p) == 0 && rgb_is(&still, 0, 0, a, b, 1));
@@ -108,7 +108,7 @@ static void test_curves(void)
     CHECK(read_picture(&still, &p) == 0 && fabsf(float_at(&still, 0, 0)[1] - 0.9225f) < 1e-3f);
     CHECK(fabsf(float_at(&still, 0, 0)[2] - 100) < 1e-3f);
     memcpy(p.cicp_data, "\1\11\0\1", 4);
-    CHECK(read_picture(&still, &p) == -1 && strstr(why, "cICP transfer"));
+    CHECK(read_picture(&still, &p) == -1 && strstr(why.text, "cICP transfer"));
     pupil_still_free(&still);
 }
 
@@ -157,7 +157,7 @@ static void test_layouts(void)
         unsigned wrong = 0;
         for (size_t k = 0; k < sizeof rows; k++)
             rows[k] = (uint8_t)check_random();
-        CHECK_MSG(read_picture(&still, &p) == 0, "%s", why);
+        CHECK_MSG(read_picture(&still, &p) == 0, "%s", why.text);
         CHECK(still.width == 13 && still.height == 11);
         CHECK(still.pixel == (wide ? PUPIL_PIXEL_RGB32F : PUPIL_PIXEL_RGB8));
         for (int k = 0; k < 13 * 11 * 3 && still.width == 13; k++) {

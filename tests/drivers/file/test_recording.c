@@ -5,7 +5,7 @@
 #include "file/recording/recording.h"
 #include "recording_frames.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 static const pupil_recorder_options waiting = {.camera = "a \"camera\" \\ \n \xc3\xa9 \xff", .fps = 29.97, .wait = 1};
 
@@ -20,9 +20,9 @@ static void test_round_trip(void)
             test_frames frames;
             frames_make(&frames, pixel, sizes[i][0], sizes[i][1], 5);
             const char *folder = scratch("trip");
-            CHECK_MSG(frames_record(&frames, folder, &waiting, why) == 5, "pixel %u: %s", pixel, why);
-            CHECK_MSG(frames_replay(&frames, folder, why) == 5, "pixel %u %ux%u: %s", pixel, sizes[i][0], sizes[i][1],
-                      why);
+            CHECK_MSG(frames_record(&frames, folder, &waiting, &why) == 5, "pixel %u: %s", pixel, why.text);
+            CHECK_MSG(frames_replay(&frames, folder, &why) == 5, "pixel %u %ux%u: %s", pixel, sizes[i][0], sizes[i][1],
+                      why.text);
             CHECK(scratch_entries(folder) == 3);
             scratch_clear(folder);
             frames_free(&frames);
@@ -40,14 +40,14 @@ static void test_unknown(void)
     frames.frame[0].image.coding = NULL;
     frames.frame[0].info.exposure_s = NAN;
     frames.frame[0].info.gain = INFINITY;
-    CHECK(frames_record(&frames, scratch("unknown"), &waiting, why) == 1);
-    CHECK(pupil_recording_open(scratch("unknown"), &source, why, sizeof why) == 0);
+    CHECK(frames_record(&frames, scratch("unknown"), &waiting, &why) == 1);
+    CHECK(pupil_recording_open(scratch("unknown"), &source, &why) == 0);
     CHECK(source->fps == 29.97 && source->frames == 1);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(memcmp(frame.image.coding, &usual, sizeof usual) == 0);
     CHECK(frame.info.exposure_s == 0 && frame.info.gain == 0);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
     pupil_source_close(source);
     frames_free(&frames);
 }
@@ -73,8 +73,8 @@ static void test_large(void)
         frames.frame[i].info.sequence = large[i].sequence;
         frames.frame[i].info.timestamp_ns = large[i].ns;
     }
-    CHECK(frames_record(&frames, folder, &waiting, why) == 4);
-    CHECK_MSG(frames_replay(&frames, folder, why) == 4, "%s", why);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 4);
+    CHECK_MSG(frames_replay(&frames, folder, &why) == 4, "%s", why.text);
     FILE *f = fopen(scratch("large/frames.jsonl"), "r");
     lines[f ? fread(lines, 1, sizeof lines - 1, f) : 0] = 0;
     fclose(f);
@@ -95,22 +95,22 @@ static void test_lost(void)
     pupil_recorder_counts counts;
     frames_make(&frames, PUPIL_PIXEL_RGBA32F, 512, 256, 2);
     const char *folder = scratch("lost");
-    CHECK(pupil_recorder_open(&recorder, folder, &frames.frame[0], &one, why, sizeof why) == 0);
+    CHECK(pupil_recorder_open(&recorder, folder, &frames.frame[0], &one, &why) == 0);
     uint64_t given = 0;
     do {
         frames.frame[given % 2].info.sequence = given;
-        CHECK(pupil_recorder_write(recorder, &frames.frame[given % 2], why, sizeof why) == 0);
+        CHECK(pupil_recorder_write(recorder, &frames.frame[given % 2], &why) == 0);
         given++;
         pupil_recorder_get_counts(recorder, &counts);
     } while (given < 10 || (!counts.lost && given < 200));
     CHECK_MSG(counts.lost > 0, "of %d none", (int)given);
-    CHECK(pupil_recorder_close(recorder, why, sizeof why) == 0);
+    CHECK(pupil_recorder_close(recorder, &why) == 0);
 
     pupil_source *source;
     pupil_frame frame;
     uint64_t last = 0, got = 0;
-    CHECK(pupil_recording_open(folder, &source, why, sizeof why) == 0);
-    while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+    CHECK(pupil_recording_open(folder, &source, &why) == 0);
+    while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
         CHECK(!got || frame.info.sequence > last);
         last = frame.info.sequence;
         CHECK(frames_same_image(&frame.image, &frames.frame[last % 2].image));
@@ -128,8 +128,8 @@ static void test_lost(void)
 static void check_refused(const test_frames *frames, const char *folder, const char *sentence)
 {
     pupil_recorder *recorder = (pupil_recorder *)1;
-    CHECK(pupil_recorder_open(&recorder, folder, &frames->frame[0], &waiting, why, sizeof why) == PUPIL_SINK_FAILED);
-    CHECK_MSG(!recorder && strstr(why, sentence), "%s", why);
+    CHECK(pupil_recorder_open(&recorder, folder, &frames->frame[0], &waiting, &why) == PUPIL_SINK_FAILED);
+    CHECK_MSG(!recorder && strstr(why.text, sentence), "%s", why.text);
 }
 
 static void test_refused(void)
@@ -142,17 +142,17 @@ static void test_refused(void)
     check_refused(&frames, scratch("none/inside"), "make it first");
     check_refused(&frames, "/dev/null", "/dev/null: is no folder that can be used");
     mkdir(folder, 0777);
-    CHECK(frames_record(&frames, folder, &waiting, why) == 2); /* an empty one is used */
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 2); /* an empty one is used */
     check_refused(&frames, folder, "is a recording already; name another folder, or overwrite it");
     snprintf(path, sizeof path, "%s/notes", folder);
     scratch_put(path, "mine");
     pupil_recorder_options over = waiting;
     over.overwrite = 1;
-    CHECK(frames_record(&frames, folder, &over, why) == -1);
-    CHECK_MSG(strstr(why, "holds notes, which is no part of a recording"), "%s", why);
-    CHECK(frames_replay(&frames, folder, why) == 2 && scratch_holds(path, "mine"));
+    CHECK(frames_record(&frames, folder, &over, &why) == -1);
+    CHECK_MSG(strstr(why.text, "holds notes, which is no part of a recording"), "%s", why.text);
+    CHECK(frames_replay(&frames, folder, &why) == 2 && scratch_holds(path, "mine"));
     remove(path);
-    CHECK(frames_record(&frames, folder, &over, why) == 2 && frames_replay(&frames, folder, why) == 2);
+    CHECK(frames_record(&frames, folder, &over, &why) == 2 && frames_replay(&frames, folder, &why) == 2);
     scratch_clear(folder);
 
     frames.frame[0].image.pixel = PUPIL_PIXEL_BGRX8;
@@ -170,12 +170,12 @@ static void test_refused(void)
     check_refused(&frames, folder, "refused: the coding of the frames: white must be");
     frames.coding.white = 0;
     over.fps = 0;
-    CHECK(frames_record(&frames, folder, &over, why) == -1 && strstr(why, "fps is 0"));
+    CHECK(frames_record(&frames, folder, &over, &why) == -1 && strstr(why.text, "fps is 0"));
     CHECK(!scratch_exists(folder));
 
     frames.frame[1].image.height = 2;
-    CHECK(frames_record(&frames, folder, &waiting, why) == 1); /* the second has another size */
-    CHECK(frames_replay(&frames, folder, why) == 1);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 1); /* the second has another size */
+    CHECK(frames_replay(&frames, folder, &why) == 1);
     scratch_clear(folder);
     frames_free(&frames);
 }
@@ -202,11 +202,11 @@ static void check_full(const test_frames *frames, const size_t *ends, unsigned l
     while (right < FULL && ends[right] <= limit)
         right++;
     scratch_limit(limit);
-    const int taken = frames_record(frames, folder, &waiting, why);
+    const int taken = frames_record(frames, folder, &waiting, &why);
     scratch_limit(0);
-    CHECK_MSG(taken < 0 && strstr(why, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why);
-    const int there = scratch_exists(folder) ? frames_replay(frames, folder, why) : 0;
-    CHECK_MSG(there == right, "%lu: %d of %d: %s", limit, there, right, why);
+    CHECK_MSG(taken < 0 && strstr(why.text, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why.text);
+    const int there = scratch_exists(folder) ? frames_replay(frames, folder, &why) : 0;
+    CHECK_MSG(there == right, "%lu: %d of %d: %s", limit, there, right, why.text);
     CHECK_MSG(!right || mkv_of_full(bytes, sizeof bytes) == ends[right - 1], "%lu: not the end of a frame", limit);
     scratch_clear(folder);
 }
@@ -218,7 +218,7 @@ static void test_full(void)
     size_t ends[FULL];
     const char *folder = scratch("full");
     frames_make(&frames, PUPIL_PIXEL_GREY16, 16, 16, FULL);
-    CHECK(frames_record(&frames, folder, &waiting, why) == FULL);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == FULL);
     frames_ends(&frames, bytes, mkv_of_full(bytes, sizeof bytes), ends);
     scratch_clear(folder);
     for (unsigned long limit = 1; limit < 8000; limit += 1 + check_random() % 400)
@@ -248,11 +248,11 @@ static void check_text(const char *folder, const char *name, const char *from, c
     f = fopen(path, "w");
     fprintf(f, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
     fclose(f);
-    int got = pupil_recording_open(folder, &source, why, sizeof why);
+    int got = pupil_recording_open(folder, &source, &why);
     while (!got || got == PUPIL_SOURCE_FRAME)
-        got = pupil_source_next(source, &frame, why, sizeof why);
+        got = pupil_source_next(source, &frame, &why);
     pupil_source_close(source);
-    CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why, sentence), "%s: %d %s", to, got, why);
+    CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why.text, sentence), "%s: %d %s", to, got, why.text);
     scratch_put(path, text);
 }
 
@@ -292,14 +292,14 @@ static void test_texts(void)
     frames.coding.black = 16;
     frames.coding.shift = 0;
     const char *folder = scratch("texts");
-    CHECK(frames_record(&frames, folder, &waiting, why) == 4);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 4);
     for (size_t i = 0; i < sizeof about / sizeof *about; i++)
         check_text(folder, "recording.json", about[i][0], about[i][1], about[i][2]);
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         check_text(folder, "frames.jsonl", lines[i][0], lines[i][1], lines[i][2]);
-    CHECK(frames_replay(&frames, folder, why) == 4);
+    CHECK(frames_replay(&frames, folder, &why) == 4);
     scratch_put(scratch("texts/frames.mkv"), "no Matroska at all, but long enough for a head");
-    CHECK(frames_replay(&frames, folder, why) == -1 && strstr(why, "frames.mkv: is no Matroska"));
+    CHECK(frames_replay(&frames, folder, &why) == -1 && strstr(why.text, "frames.mkv: is no Matroska"));
     scratch_clear(folder);
     CHECK(!pupil_is_recording(folder));
     frames_free(&frames);
@@ -319,11 +319,11 @@ static void test_balance(void)
         frames.frame[i].image.coding = &coding[i];
     }
     memset(coding[4].balance, 0, sizeof coding[4].balance);
-    CHECK(frames_record(&frames, folder, &waiting, why) == 6);
-    CHECK_MSG(frames_replay(&frames, folder, why) == 6, "%s", why);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 6);
+    CHECK_MSG(frames_replay(&frames, folder, &why) == 6, "%s", why.text);
     check_text(folder, "frames.jsonl", "\"balance\":[", "\"balance\":[0,", "must be a list of three factors");
     coding[5].black++;
-    CHECK(frames_record(&frames, scratch("other"), &waiting, why) == 5 && strstr(why, "coding"));
+    CHECK(frames_record(&frames, scratch("other"), &waiting, &why) == 5 && strstr(why.text, "coding"));
     scratch_clear(scratch("other"));
     scratch_clear(folder);
     frames_free(&frames);

@@ -10,7 +10,7 @@
 
 #define KILLS 30
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 static const pupil_recorder_options waiting = {.fps = 30, .wait = 1};
 
 typedef struct file {
@@ -60,12 +60,12 @@ static void record_until_killed(const test_frames *frames, const char *folder)
     pupil_recorder *recorder;
     pupil_frame frame = frames->frame[0];
     frame.info = (pupil_frame_info){0};
-    if (pupil_recorder_open(&recorder, folder, &frame, &waiting, why, sizeof why))
+    if (pupil_recorder_open(&recorder, folder, &frame, &waiting, &why))
         _exit(1);
     for (uint64_t i = 0;; i++) {
         frame = frames->frame[i % (uint64_t)frames->count];
         frame.info = (pupil_frame_info){.timestamp_ns = (int64_t)i * 1000, .sequence = 3 * i, .exposure_s = 1.0 / 3};
-        if (pupil_recorder_write(recorder, &frame, why, sizeof why))
+        if (pupil_recorder_write(recorder, &frame, &why))
             _exit(2);
     }
 }
@@ -76,10 +76,10 @@ static int check_killed(const test_frames *frames, const char *folder)
     pupil_source *source;
     pupil_frame frame;
     uint64_t n = 0;
-    int got = pupil_recording_open(folder, &source, why, sizeof why);
+    int got = pupil_recording_open(folder, &source, &why);
     if (got)
         return -1;
-    while ((got = pupil_source_next(source, &frame, why, sizeof why)) == PUPIL_SOURCE_FRAME) {
+    while ((got = pupil_source_next(source, &frame, &why)) == PUPIL_SOURCE_FRAME) {
         const pupil_frame_info info = {.timestamp_ns = (int64_t)n * 1000, .sequence = 3 * n, .exposure_s = 1.0 / 3};
         if (!frames_same_image(&frame.image, &frames->frame[n % (uint64_t)frames->count].image) ||
             memcmp(&frame.info, &info, sizeof info))
@@ -118,7 +118,7 @@ static void test_killed(void)
         }
         file lines = load(folder, "frames.jsonl");
         const int right = whole_lines(&lines, lines.size), there = check_killed(&frames, folder);
-        CHECK_MSG(there == right, "after %u us: %d frames, %d lines: %s", after_us, there, right, why);
+        CHECK_MSG(there == right, "after %u us: %d frames, %d lines: %s", after_us, there, right, why.text);
         most = there > most ? there : most;
         free(lines.bytes);
         scratch_clear(folder);
@@ -136,7 +136,7 @@ static void test_cut(void)
     size_t ends[8];
     frames_make(&frames, PUPIL_PIXEL_BAYER8, 16, 4, 8);
     const char *folder = scratch("cut");
-    CHECK(frames_record(&frames, folder, &waiting, why) == 8);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 8);
     file mkv = load(folder, "frames.mkv"), lines = load(folder, "frames.jsonl"), about = load(folder, "recording.json");
     frames_ends(&frames, mkv.bytes, mkv.size, ends);
     for (size_t size = 0; size <= mkv.size; size++) {
@@ -144,17 +144,17 @@ static void test_cut(void)
         while (right < 8 && size >= ends[right])
             right++;
         store(&mkv, size);
-        const int there = frames_replay(&frames, folder, why);
-        CHECK_MSG(there == right, "frames.mkv cut at %zu: %d of %d: %s", size, there, right, why);
+        const int there = frames_replay(&frames, folder, &why);
+        CHECK_MSG(there == right, "frames.mkv cut at %zu: %d of %d: %s", size, there, right, why.text);
     }
     for (size_t size = 0; size <= lines.size; size++) {
         store(&lines, size);
-        const int there = frames_replay(&frames, folder, why);
-        CHECK_MSG(there == whole_lines(&lines, size), "frames.jsonl cut at %zu: %d: %s", size, there, why);
+        const int there = frames_replay(&frames, folder, &why);
+        CHECK_MSG(there == whole_lines(&lines, size), "frames.jsonl cut at %zu: %d: %s", size, there, why.text);
     }
     for (size_t size = 0; size < about.size - 2; size++) {
         store(&about, size);
-        CHECK(frames_replay(&frames, folder, why) == -1 && strstr(why, "recording.json:"));
+        CHECK(frames_replay(&frames, folder, &why) == -1 && strstr(why.text, "recording.json:"));
     }
     store(&about, about.size);
 
@@ -168,17 +168,17 @@ static void test_cut(void)
         store(f, f->size);
         pupil_source *source;
         pupil_frame frame;
-        int n = 0, got = pupil_recording_open(folder, &source, why, sizeof why);
+        int n = 0, got = pupil_recording_open(folder, &source, &why);
         if (!got) {
-            while ((got = pupil_source_next(source, &frame, why, sizeof why)) == PUPIL_SOURCE_FRAME)
+            while ((got = pupil_source_next(source, &frame, &why)) == PUPIL_SOURCE_FRAME)
                 n++;
-            CHECK(n <= 8 && (got == PUPIL_SOURCE_END || (got == PUPIL_SOURCE_FAILED && *why)));
+            CHECK(n <= 8 && (got == PUPIL_SOURCE_END || (got == PUPIL_SOURCE_FAILED && *why.text)));
             pupil_source_close(source);
         }
         f->bytes[at] = kept;
         store(f, f->size);
     }
-    CHECK(frames_replay(&frames, folder, why) == 8);
+    CHECK(frames_replay(&frames, folder, &why) == 8);
     free(mkv.bytes), free(lines.bytes), free(about.bytes);
     scratch_clear(folder);
     frames_free(&frames);
@@ -190,7 +190,7 @@ static void test_passed_over(void)
     test_frames frames;
     const char *folder = scratch("over");
     frames_make(&frames, PUPIL_PIXEL_BAYER8, 16, 4, 8);
-    CHECK(frames_record(&frames, folder, &waiting, why) == 8);
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 8);
     file mkv = load(folder, "frames.mkv");
     unsigned char *at = mkv.bytes - 1;
     for (int i = 0; i < 8; i++) {
@@ -200,20 +200,20 @@ static void test_passed_over(void)
         store(&mkv, mkv.size);
         pupil_source *source;
         pupil_frame frame;
-        int n = 0, got = pupil_recording_open(folder, &source, why, sizeof why);
-        while (source && (got = pupil_source_next(source, &frame, why, sizeof why)) == PUPIL_SOURCE_FRAME) {
+        int n = 0, got = pupil_recording_open(folder, &source, &why);
+        while (source && (got = pupil_source_next(source, &frame, &why)) == PUPIL_SOURCE_FRAME) {
             CHECK(n < i && frames_same(&frame, &frames.frame[n]));
             n++;
         }
         pupil_source_close(source);
         CHECK_MSG(n == i, "frame %d is not there: %d came", i, n);
-        CHECK_MSG(i == 7 ||
-                      (got == PUPIL_SOURCE_FAILED && strstr(why, "frames.mkv: frame") && strstr(why, "is damaged")),
-                  "frame %d: %d %s", i, got, why);
+        CHECK_MSG(i == 7 || (got == PUPIL_SOURCE_FAILED && strstr(why.text, "frames.mkv: frame") &&
+                             strstr(why.text, "is damaged")),
+                  "frame %d: %d %s", i, got, why.text);
         at[3] ^= 1;
     }
     store(&mkv, mkv.size);
-    CHECK(frames_replay(&frames, folder, why) == 8);
+    CHECK(frames_replay(&frames, folder, &why) == 8);
     free(mkv.bytes);
     scratch_clear(folder);
     frames_free(&frames);

@@ -8,7 +8,7 @@
 #include "file/recording/recording.h"
 #include "recording_frames.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 /* The writes of everything that is linked in, wrapped by the linker (tests/CMakeLists.txt). */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -74,32 +74,35 @@ static void test_hang(int waits)
     asked = 0;
     patience = 2;
     const char *folder = scratch("hang");
-    CHECK_MSG(pupil_recorder_open(&recorder, folder, &frames.frame[0], &options, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_recorder_open(&recorder, folder, &frames.frame[0], &options, &why) == 0, "%s", why.text);
     if (!recorder)
         exit(check_end());
     for (int i = 0; i < 3; i++)
-        CHECK(pupil_recorder_write(recorder, &frames.frame[i], why, sizeof why) == 0);
+        CHECK(pupil_recorder_write(recorder, &frames.frame[i], &why) == 0);
     await_written(recorder, 3);
     set_disk(1);
-    for (; written < 30 && pupil_recorder_write(recorder, &frames.frame[written], why, sizeof why) == 0; written++)
+    for (; written < 30 && pupil_recorder_write(recorder, &frames.frame[written], &why) == 0; written++)
         if (written == 3)
             await_hang();
     /* one that hangs and one that waits for it; of a camera all are taken, and those for which there is no room lost */
     CHECK_MSG(written == (waits ? 5 : 30), "%d frames", written);
     if (waits)
-        CHECK_MSG(strstr(why, "the disk hangs, and is waited for no more; the 3 frames before are whole"), "%s", why);
-    CHECK(pupil_recorder_close(recorder, why, sizeof why) == PUPIL_SINK_FAILED);
-    CHECK_MSG(strstr(why, "hang: the disk hangs") && strstr(why, "the 3 frames before are whole"), "%s", why);
+        CHECK_MSG(strstr(why.text, "the disk hangs, and is waited for no more; the 3 frames before are whole"), "%s",
+                  why.text);
+    CHECK(pupil_recorder_close(recorder, &why) == PUPIL_SINK_FAILED);
+    CHECK_MSG(strstr(why.text, "hang: the disk hangs") && strstr(why.text, "the 3 frames before are whole"), "%s",
+              why.text);
     CHECK_MSG(asked >= 3, "asked %d times", asked);
-    CHECK_MSG(frames_replay(&frames, folder, why) == 3, "%s", why); /* as it is now, and would be were it killed */
-    set_disk(0);                                                    /* its thread ends by itself */
+    CHECK_MSG(frames_replay(&frames, folder, &why) == 3, "%s",
+              why.text); /* as it is now, and would be were it killed */
+    set_disk(0);         /* its thread ends by itself */
     pupil_source *source = NULL;
     for (int whole = 3; whole < 4;) { /* the frame that hung came to its end, too; the test has a time limit */
         usleep(1000);
         pupil_frame frame;
         whole = 0;
-        CHECK(pupil_recording_open(folder, &source, why, sizeof why) == 0);
-        while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+        CHECK(pupil_recording_open(folder, &source, &why) == 0);
+        while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
             pupil_source_done(source, &frame);
             whole++;
         }
@@ -129,14 +132,14 @@ static void test_slow(void)
     asked = 0;
     patience = 1 << 30;
     const char *folder = scratch("slow");
-    CHECK(pupil_recorder_open(&recorder, folder, &frames.frame[0], &options, why, sizeof why) == 0);
+    CHECK(pupil_recorder_open(&recorder, folder, &frames.frame[0], &options, &why) == 0);
     set_disk(1);
     pthread_create(&thread, NULL, mend, NULL);
     for (int i = 0; i < 30; i++)
-        CHECK(pupil_recorder_write(recorder, &frames.frame[i], why, sizeof why) == 0);
-    CHECK_MSG(pupil_recorder_close(recorder, why, sizeof why) == 0, "%s", why);
+        CHECK(pupil_recorder_write(recorder, &frames.frame[i], &why) == 0);
+    CHECK_MSG(pupil_recorder_close(recorder, &why) == 0, "%s", why.text);
     pthread_join(thread, NULL);
-    CHECK_MSG(frames_replay(&frames, folder, why) == 30, "%s", why);
+    CHECK_MSG(frames_replay(&frames, folder, &why) == 30, "%s", why.text);
     scratch_clear(folder);
     frames_free(&frames);
 }

@@ -14,7 +14,7 @@
 #define COUNT 6
 #define MOST  65536
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 static const pupil_recorder_options waiting = {.fps = 30, .wait = 1};
 
 typedef struct jpegs {
@@ -43,7 +43,7 @@ static void make(jpegs *j, uint32_t width, uint32_t height, uint32_t across, uin
 static pupil_frame frame_of(const jpegs *j, int i, pupil_jpeg *decoder)
 {
     pupil_frame frame = {.name = "jpeg", .coded = j->bytes[i], .coded_bytes = j->size[i]};
-    CHECK_MSG(pupil_jpeg_decode(decoder, j->bytes[i], j->size[i], &frame.image, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_jpeg_decode(decoder, j->bytes[i], j->size[i], &frame.image, &why) == 0, "%s", why.text);
     frame.info = (pupil_frame_info){.timestamp_ns = i * 33333333, .sequence = (uint64_t)i, .gain = 1.5};
     return frame;
 }
@@ -56,24 +56,24 @@ static void record(jpegs *j, const char *folder, pupil_jpeg *decoder)
         if (i == j->broken) /* its middle is another's: the camera's source would not hand it out */
             memset(j->bytes[i] + 2, 0x55, j->size[i] - 2);
         if (!recorder)
-            CHECK_MSG(pupil_recorder_open(&recorder, folder, &frame, &waiting, why, sizeof why) == 0, "%s", why);
-        CHECK_MSG(pupil_recorder_write(recorder, &frame, why, sizeof why) == 0, "%s", why);
+            CHECK_MSG(pupil_recorder_open(&recorder, folder, &frame, &waiting, &why) == 0, "%s", why.text);
+        CHECK_MSG(pupil_recorder_write(recorder, &frame, &why) == 0, "%s", why.text);
     }
-    CHECK(pupil_recorder_close(recorder, why, sizeof why) == 0);
+    CHECK(pupil_recorder_close(recorder, &why) == 0);
 }
 
 static void replay(const jpegs *j, const char *folder, pupil_jpeg *decoder)
 {
     pupil_source *source;
     pupil_frame frame;
-    CHECK_MSG(pupil_recording_open(folder, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_recording_open(folder, &source, &why) == 0, "%s", why.text);
     for (int i = 0; i < COUNT; i++) {
-        const int got = pupil_source_next(source, &frame, why, sizeof why);
+        const int got = pupil_source_next(source, &frame, &why);
         if (i == j->broken) {
-            CHECK_MSG(got == PUPIL_SOURCE_DAMAGED && strstr(why, "frames.mkv: frame 2: "), "%d %s", got, why);
+            CHECK_MSG(got == PUPIL_SOURCE_DAMAGED && strstr(why.text, "frames.mkv: frame 2: "), "%d %s", got, why.text);
             continue;
         }
-        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%d %s", got, why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%d %s", got, why.text);
         if (got != PUPIL_SOURCE_FRAME)
             break;
         const pupil_frame live = frame_of(j, i, decoder);
@@ -81,7 +81,7 @@ static void replay(const jpegs *j, const char *folder, pupil_jpeg *decoder)
         CHECK(frame.coded_bytes == j->size[i] && memcmp(frame.coded, j->bytes[i], j->size[i]) == 0);
         pupil_source_done(source, &frame);
     }
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
     pupil_source_close(source);
 }
 
@@ -119,7 +119,7 @@ int main(int argc, char **argv)
         for (int c = 0; c < 2; c++) {
             pupil_jpeg *decoder;
             const char *folder = scratch("jpeg");
-            CHECK(pupil_jpeg_open(&decoder, shapes[i][0], shapes[i][1], &codings[c], why, sizeof why) == 0);
+            CHECK(pupil_jpeg_open(&decoder, shapes[i][0], shapes[i][1], &codings[c], &why) == 0);
             make(&j, shapes[i][0], shapes[i][1], shapes[i][2], shapes[i][3], shapes[i][4]);
             record(&j, folder, decoder);
             replay(&j, folder, decoder);

@@ -14,7 +14,7 @@
 
 #define COUNT 40
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 /* The pixel format that FFmpeg decodes to, for the coding's order of a mosaic. NULL: it has none. */
 static const char *name_of(uint32_t pixel, uint32_t bayer)
@@ -115,7 +115,7 @@ static void test_formats(void)
             for (int i = 0; i < COUNT; i++)
                 frames.frame[i].info.timestamp_ns = i * INT64_C(33333000);
             const char *folder = scratch("opens");
-            CHECK(frames_record(&frames, folder, &options, why) == COUNT);
+            CHECK(frames_record(&frames, folder, &options, &why) == COUNT);
             CHECK_MSG(check_open(&frames, folder, 1) == COUNT, "pixel %u", pixel);
             /* without what close writes, and with half a frame at the end, as after a kill */
             char path[1100];
@@ -137,12 +137,12 @@ static void test_seek(void)
     pupil_recorder *recorder;
     char path[1100];
     frames_make(&frames, PUPIL_PIXEL_GREY8, 2, 2, 1);
-    CHECK(pupil_recorder_open(&recorder, scratch("seek"), &frames.frame[0], &options, why, sizeof why) == 0);
+    CHECK(pupil_recorder_open(&recorder, scratch("seek"), &frames.frame[0], &options, &why) == 0);
     for (int i = 0; i < 5000; i++) {
         frames.frame[0].info.timestamp_ns = i * INT64_C(1000000);
-        CHECK(pupil_recorder_write(recorder, &frames.frame[0], why, sizeof why) == 0);
+        CHECK(pupil_recorder_write(recorder, &frames.frame[0], &why) == 0);
     }
-    CHECK(pupil_recorder_close(recorder, why, sizeof why) == 0);
+    CHECK(pupil_recorder_close(recorder, &why) == 0);
     AVFormatContext *format = NULL;
     AVPacket *packet = av_packet_alloc();
     snprintf(path, sizeof path, "%s/seek/frames.mkv", scratch_folder);

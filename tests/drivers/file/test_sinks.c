@@ -8,13 +8,13 @@
 #include <fcntl.h>
 #include <png.h>
 
-static char why[1024];
+static pupil_why why;
 
 #define CHECK_REFUSED(call, path, word)                                                                                \
     do {                                                                                                               \
-        why[0] = 0;                                                                                                    \
+        why.text[0] = 0;                                                                                               \
         CHECK((call) == -1);                                                                                           \
-        CHECK_MSG(strncmp(why, path, strlen(path)) == 0 && strstr(why, word), "%s", why);                              \
+        CHECK_MSG(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, word), "%s", why.text);               \
     } while (0)
 
 static const struct {
@@ -26,8 +26,8 @@ static pupil_sink *open_ok(const char *path, uint32_t width, uint32_t height, do
 {
     const pupil_sink_options options = {.width = width, .height = height, .fps = fps, .overwrite = overwrite};
     pupil_sink *sink;
-    why[0] = 0;
-    CHECK_MSG(pupil_file_sink_open(path, &options, &sink, why, sizeof why) == 0, "%s", why);
+    why.text[0] = 0;
+    CHECK_MSG(pupil_file_sink_open(path, &options, &sink, &why) == 0, "%s", why.text);
     if (!sink)
         exit(check_end());
     return sink;
@@ -36,8 +36,8 @@ static pupil_sink *open_ok(const char *path, uint32_t width, uint32_t height, do
 static int put(pupil_sink *sink, pupil_image image)
 {
     const pupil_image_const in = pupil_image_as_const(image);
-    why[0] = 0;
-    return pupil_sink_write(sink, &in, NULL, why, sizeof why);
+    why.text[0] = 0;
+    return pupil_sink_write(sink, &in, NULL, &why);
 }
 
 /* The file's pixels, by libpng's simplified reader, against the image. */
@@ -80,7 +80,7 @@ static void test_png(void)
         scratch_noise(&image);
         CHECK(put(sink, image) == 0);
         CHECK_REFUSED(put(sink, image), path, "one picture was asked for but the input has more frames");
-        CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
         CHECK(png_is(path, &image));
         CHECK(scratch_entries(scratch_folder) == 1);
         free(memory);
@@ -105,16 +105,16 @@ static void test_folder(void)
     for (int i = 0; i < 3; i++)
         CHECK(put(sink, image[i]) == 0);
     CHECK(!scratch_exists(path));
-    CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
     CHECK(png_is(scratch("out/frame_000000.png"), &image[0]) && png_is(scratch("out/frame_000001.png"), &image[1]) &&
           png_is(scratch("out/frame_000002.png"), &image[2]));
     CHECK(scratch_entries(path) == 3 && scratch_entries(scratch_folder) == 1);
 
     const pupil_sink_options options = {.width = 7, .height = 5, .fps = 30};
-    CHECK_REFUSED(pupil_file_sink_open(path, &options, &sink, why, sizeof why), path, "not empty");
+    CHECK_REFUSED(pupil_file_sink_open(path, &options, &sink, &why), path, "not empty");
     sink = open_ok(path, 7, 5, 30, 1);
     CHECK(put(sink, image[2]) == 0);
-    CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
     CHECK(png_is(scratch("out/frame_000000.png"), &image[2]));
     CHECK(scratch_entries(path) == 1 && scratch_entries(scratch_folder) == 1);
     scratch_clear(path);
@@ -191,7 +191,7 @@ static void test_y4m_frames(const char *path, const char *header, uint32_t width
     size_t size, at;
     scratch_noise(&image);
     CHECK(put(sink, image) == 0 && put(sink, image) == 0);
-    CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
     uint8_t *bytes = (uint8_t *)slurp(path, &size);
     at = (size_t)snprintf(text, sizeof text, "YUV4MPEG2 W%u H%u %s Ip A1:1 C444 XCOLORRANGE=LIMITED\n", width, height,
                           header);
@@ -237,12 +237,12 @@ static int to_stdout(int fd, int frames)
     scratch_noise(&image);
     fflush(stdout);
     dup2(fd, STDOUT_FILENO);
-    why[0] = 0;
-    failed = pupil_file_sink_open("-", &options, &sink, why, sizeof why);
+    why.text[0] = 0;
+    failed = pupil_file_sink_open("-", &options, &sink, &why);
     for (int i = 0; i < frames && !failed; i++)
         failed = put(sink, image);
     if (!failed)
-        failed = pupil_sink_finish(sink, why, sizeof why);
+        failed = pupil_sink_finish(sink, &why);
     if (failed)
         pupil_sink_discard(sink);
     dup2(saved, STDOUT_FILENO);
@@ -293,11 +293,10 @@ static void test_refused_opens(void)
     const pupil_sink_options good = {.width = 4, .height = 4, .fps = 30};
     pupil_sink *sink;
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {
-        CHECK_REFUSED(pupil_file_sink_open(unknown[i], &good, &sink, why, sizeof why), unknown[i],
-                      ".mp4, .mkv or .mov");
+        CHECK_REFUSED(pupil_file_sink_open(unknown[i], &good, &sink, &why), unknown[i], ".mp4, .mkv or .mov");
         CHECK(!sink);
     }
-    CHECK_REFUSED(pupil_file_sink_open("", &good, &sink, why, sizeof why), "\"\"", "needs a name");
+    CHECK_REFUSED(pupil_file_sink_open("", &good, &sink, &why), "\"\"", "needs a name");
     scratch_put(scratch("file"), "");
     for (size_t i = 0; i < OUTPUTS; i++) {
         const pupil_sink_options wide = {.width = 16385, .height = 4, .fps = 30}, none = {.width = 4, .fps = 30},
@@ -307,15 +306,14 @@ static void test_refused_opens(void)
         char nowhere[64], through[64];
         snprintf(nowhere, sizeof nowhere, "missing/%s", outputs[i]);
         snprintf(through, sizeof through, "file/%s", outputs[i]);
-        CHECK_REFUSED(pupil_file_sink_open(path, &wide, &sink, why, sizeof why), path, "16385 x 4");
-        CHECK_REFUSED(pupil_file_sink_open(path, &none, &sink, why, sizeof why), path, "4 x 0");
-        CHECK_REFUSED(pupil_file_sink_open(path, &nan, &sink, why, sizeof why), path, "nan frames a second");
-        CHECK_REFUSED(pupil_file_sink_open(path, &fast, &sink, why, sizeof why), path, "inf frames a second");
-        CHECK_REFUSED(pupil_file_sink_open(path, &still, &sink, why, sizeof why), path, "0 frames a second");
-        CHECK_REFUSED(pupil_file_sink_open(scratch(nowhere), &good, &sink, why, sizeof why), scratch(nowhere),
+        CHECK_REFUSED(pupil_file_sink_open(path, &wide, &sink, &why), path, "16385 x 4");
+        CHECK_REFUSED(pupil_file_sink_open(path, &none, &sink, &why), path, "4 x 0");
+        CHECK_REFUSED(pupil_file_sink_open(path, &nan, &sink, &why), path, "nan frames a second");
+        CHECK_REFUSED(pupil_file_sink_open(path, &fast, &sink, &why), path, "inf frames a second");
+        CHECK_REFUSED(pupil_file_sink_open(path, &still, &sink, &why), path, "0 frames a second");
+        CHECK_REFUSED(pupil_file_sink_open(scratch(nowhere), &good, &sink, &why), scratch(nowhere),
                       "there is no folder");
-        CHECK_REFUSED(pupil_file_sink_open(scratch(through), &good, &sink, why, sizeof why), scratch(through),
-                      "is a file");
+        CHECK_REFUSED(pupil_file_sink_open(scratch(through), &good, &sink, &why), scratch(through), "is a file");
         CHECK(!sink && scratch_entries(scratch_folder) == 1);
     }
     remove(scratch("file"));
@@ -332,7 +330,7 @@ static void test_nothing_left(void)
     for (size_t i = 0; i < OUTPUTS; i++) {
         const char *path = scratch(outputs[i]);
         pupil_sink *sink = open_ok(path, 160, 120, 30, 0);
-        CHECK_REFUSED(pupil_sink_finish(sink, why, sizeof why), path, "no frame");
+        CHECK_REFUSED(pupil_sink_finish(sink, &why), path, "no frame");
         pupil_sink_discard(sink);
         CHECK(scratch_entries(scratch_folder) == 0);
 
@@ -351,10 +349,11 @@ static void test_nothing_left(void)
             for (int n = 0; n < 3 && !failed; n++)
                 failed = put(sink, image);
             if (!failed)
-                failed = pupil_sink_finish(sink, why, sizeof why);
+                failed = pupil_sink_finish(sink, &why);
             scratch_limit(0);
-            CHECK_MSG(failed == -1 && strncmp(why, path, strlen(path)) == 0 && strstr(why, "cannot be written"),
-                      "%s, %lu bytes: %d %s", path, limit, failed, why);
+            CHECK_MSG(failed == -1 && strncmp(why.text, path, strlen(path)) == 0 &&
+                          strstr(why.text, "cannot be written"),
+                      "%s, %lu bytes: %d %s", path, limit, failed, why.text);
             if (failed)
                 pupil_sink_discard(sink);
             CHECK(scratch_entries(scratch_folder) == 0);

@@ -3,7 +3,7 @@
 #include "still_check.h"
 
 static pupil_still still;
-static char said[1024];
+static pupil_why said;
 
 typedef struct figures {
     double least, geometric_mean, most; /* of the luminance above 0 */
@@ -48,7 +48,7 @@ static void test_figures(const char *shared)
         char path[4200];
         figures f;
         snprintf(path, sizeof path, "%s/hdr/%s", shared, images[i].name);
-        CHECK_MSG(pupil_still_load(&still, path, said, sizeof said) == 0, "%s", said);
+        CHECK_MSG(pupil_still_load(&still, path, &said) == 0, "%s", said.text);
         CHECK(still.width == images[i].width && still.height == images[i].height);
         f = measure();
         printf("%-28s min %.3g, geometric mean %.3g, max %.4g\n", images[i].name, f.least, f.geometric_mean, f.most);
@@ -62,7 +62,7 @@ static int load_unusual(const char *shared, const char *name)
 {
     char path[4200];
     snprintf(path, sizeof path, "%s/malformed/valid_but_unusual/%s", shared, name);
-    return pupil_still_load(&still, path, said, sizeof said);
+    return pupil_still_load(&still, path, &said);
 }
 
 /* The picture of one file read through every compression: the lossless ones the same to the bit. */
@@ -77,7 +77,7 @@ static void test_compressions(const char *shared)
     for (size_t i = 0; i < sizeof exact / sizeof *exact; i++) {
         float *reference = first[exact[i][1] == '3'];
         snprintf(name, sizeof name, "exr/compression_%s.exr", exact[i]);
-        CHECK_MSG(load_unusual(shared, name) == 0 && still.width == 109 && still.height == 65, "%s", said);
+        CHECK_MSG(load_unusual(shared, name) == 0 && still.width == 109 && still.height == 65, "%s", said.text);
         if (strstr(exact[i], "uncompressed"))
             memcpy(reference, still.pixels, sizeof first[0]);
         CHECK_MSG(memcmp(reference, still.pixels, sizeof first[0]) == 0, "%s", name);
@@ -85,7 +85,7 @@ static void test_compressions(const char *shared)
     for (size_t i = 0; i < sizeof lossy / sizeof *lossy; i++) {
         double error = 0;
         snprintf(name, sizeof name, "exr/compression_%s.exr", lossy[i]);
-        CHECK_MSG(load_unusual(shared, name) == 0, "%s", said);
+        CHECK_MSG(load_unusual(shared, name) == 0, "%s", said.text);
         for (int k = 0; k < 109 * 65 * 3; k++)
             error += fabs(log2(((float *)still.pixels)[k] + 1e-3) - log2(first[lossy[i][1] == '3'][k] + 1e-3));
         CHECK_MSG(error / (109 * 65 * 3) < 0.1, "%s: %g stops on average", name, error / (109 * 65 * 3));
@@ -149,12 +149,12 @@ static void test_unusual(const char *shared)
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         const int result = load_unusual(shared, files[i].name);
         if (files[i].refused) {
-            CHECK_MSG(result == -1 && strstr(said, files[i].refused), "%s", said);
+            CHECK_MSG(result == -1 && strstr(said.text, files[i].refused), "%s", said.text);
             refused++;
             continue;
         }
         CHECK_MSG(result == 0 && still.width == files[i].width && still.height == files[i].height, "%s: %s",
-                  files[i].name, said);
+                  files[i].name, said.text);
         read++;
     }
     printf("valid but unusual: %u read, %u refused for stated limits\n", read, refused);
@@ -170,13 +170,13 @@ static void test_twins(const char *shared)
     for (size_t i = 0; i < sizeof twins / sizeof *twins; i++) {
         size_t size;
         void *first;
-        CHECK_MSG(load_unusual(shared, twins[i][0]) == 0, "%s", said);
+        CHECK_MSG(load_unusual(shared, twins[i][0]) == 0, "%s", said.text);
         size = (size_t)still.width * still.height * 12;
         first = malloc(size);
         if (!first)
             abort();
         memcpy(first, still.pixels, size);
-        CHECK_MSG(load_unusual(shared, twins[i][1]) == 0, "%s", said);
+        CHECK_MSG(load_unusual(shared, twins[i][1]) == 0, "%s", said.text);
         CHECK_MSG(memcmp(first, still.pixels, size) == 0, "%s", twins[i][0]);
         free(first);
     }

@@ -1,7 +1,7 @@
 /* PFM and Radiance files made by hand, and what loading says of files that are no image. */
 #include "still_check.h"
 
-static char why[PUPIL_STILL_WHY_BYTES];
+static pupil_why why;
 
 static void add_floats(bytes *b, const float *values, size_t count, int big_endian)
 {
@@ -33,7 +33,7 @@ static void test_pfm_kinds(void)
         b.size = 0;
         add_text(&b, kinds[k].header);
         add_floats(&b, samples, (size_t)n * 4, kinds[k].big_endian);
-        CHECK_MSG(read_exact(pupil_read_pfm, &still, b.data, b.size, why) == 0, "%s", why);
+        CHECK_MSG(read_exact(pupil_read_pfm, &still, b.data, b.size, &why) == 0, "%s", why.text);
         CHECK(still.width == 2 && still.height == 2 && still.pixel == PUPIL_PIXEL_RGB32F && still.exposure_s == 0);
         for (uint32_t y = 0; y < 2 && still.width == 2; y++)
             for (uint32_t x = 0; x < 2; x++) {
@@ -74,7 +74,7 @@ static int read_hdr(pupil_still *still, const char *header, const void *pixels, 
     b.size = 0;
     add_text(&b, header);
     add(&b, pixels, size);
-    return read_exact(pupil_read_radiance, still, b.data, b.size, why);
+    return read_exact(pupil_read_radiance, still, b.data, b.size, &why);
 }
 
 /* A picture of 2 x 3 whose red is the place in the file: where does each land? */
@@ -99,7 +99,7 @@ static void test_radiance_orientations(void)
         pupil_still still = {0};
         char header[100];
         snprintf(header, sizeof header, "#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n%s", cases[k].line);
-        CHECK_MSG(read_hdr(&still, header, pixels, 24) == 0, "%s", why);
+        CHECK_MSG(read_hdr(&still, header, pixels, 24) == 0, "%s", why.text);
         CHECK(still.width == cases[k].width && still.height == cases[k].height);
         for (uint32_t i = 0; i < 6 && still.width == cases[k].width; i++)
             CHECK_MSG(rgb_is(&still, i % still.width, i / still.width, 1 + cases[k].order[i] / 128., 0.5, 0.25),
@@ -154,7 +154,7 @@ static void test_radiance_runs(void)
     CHECK(rgb_is(&still, 3, 0, 1, 0.5, 6 / 128.) && rgb_is(&still, 8, 0, 2, 1, 2 / 128.));
 
     /* 1 + 44 + 256 pixels of red, a green one, a repeat of none, a blue one. */
-    CHECK_MSG(read_hdr(&still, "#?RADIANCE\n\n-Y 1 +X 303\n", old_kind, sizeof old_kind) == 0, "%s", why);
+    CHECK_MSG(read_hdr(&still, "#?RADIANCE\n\n-Y 1 +X 303\n", old_kind, sizeof old_kind) == 0, "%s", why.text);
     CHECK(rgb_is(&still, 0, 0, 1, 0, 0) && rgb_is(&still, 300, 0, 1, 0, 0) && rgb_is(&still, 301, 0, 0, 1, 0) &&
           rgb_is(&still, 302, 0, 0, 0, 1));
     pupil_still_free(&still);
@@ -217,27 +217,27 @@ static void test_radiance_damage(void)
 static void test_load(void)
 {
     pupil_still still = {0};
-    char said[1024];
+    pupil_why said;
     const char *path = scratch("picture.hdr"); /* by its first bytes, whatever its name */
     write_file(path, "Pf 1 1 -1\n\0\0\200\77", 14);
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == 0 && rgb_is(&still, 0, 0, 1, 1, 1));
+    CHECK(pupil_still_load(&still, path, &said) == 0 && rgb_is(&still, 0, 0, 1, 1, 1));
     write_file(path, "", 0);
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == -1 && strstr(said, "picture.hdr: the file is empty"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "picture.hdr: the file is empty"));
     write_file(path, "GIF89a", 6);
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == -1 && strstr(said, "is no OpenEXR, Radiance, PFM"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "is no OpenEXR, Radiance, PFM"));
     write_file(path, "P", 1);
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == -1 && strstr(said, "is no OpenEXR, Radiance, PFM"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "is no OpenEXR, Radiance, PFM"));
     write_file(path, "PF\n40000 40000\n-1\n", 18);
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == -1 && strncmp(said, path, strlen(path)) == 0 &&
-          strstr(said, ".hdr: the header promises 40000 x 40000 pixels; at most 16384 a side are read"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strncmp(said.text, path, strlen(path)) == 0 &&
+          strstr(said.text, ".hdr: the header promises 40000 x 40000 pixels; at most 16384 a side are read"));
     write_file(path, "Pf 1\033[31m 1 -1\n", 15); /* what a file says does not reach a terminal as it is */
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == -1 && strstr(said, "\"1?[31m\""));
-    CHECK(pupil_still_load(&still, scratch_folder, said, sizeof said) == -1 && strstr(said, "is a folder"));
-    CHECK(pupil_still_load(&still, "/dev/null", said, sizeof said) == -1 && strstr(said, "no regular file"));
-    CHECK(pupil_still_load(&still, scratch("none.exr"), said, sizeof said) == -1 &&
-          strstr(said, "none.exr: cannot be opened: No such file"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "\"1?[31m\""));
+    CHECK(pupil_still_load(&still, scratch_folder, &said) == -1 && strstr(said.text, "is a folder"));
+    CHECK(pupil_still_load(&still, "/dev/null", &said) == -1 && strstr(said.text, "no regular file"));
+    CHECK(pupil_still_load(&still, scratch("none.exr"), &said) == -1 &&
+          strstr(said.text, "none.exr: cannot be opened: No such file"));
     write_file(path, "Pf 1 1 -1\n\0\0\0\100", 14); /* and a refusal does not spoil the still */
-    CHECK(pupil_still_load(&still, path, said, sizeof said) == 0 && rgb_is(&still, 0, 0, 2, 2, 2));
+    CHECK(pupil_still_load(&still, path, &said) == 0 && rgb_is(&still, 0, 0, 2, 2, 2));
     pupil_still_free(&still);
     CHECK(!still.pixels && !still.file);
 }

@@ -4,7 +4,7 @@
 #include "file/file_source.h"
 #include "file/still/natural_order.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 /* A grey picture of one value. */
 static void put_still(const char *name, float value)
@@ -56,8 +56,8 @@ static pupil_source *open_one(const char *input, double fps)
 {
     const pupil_source_options options = {.fps = fps};
     pupil_source *source = NULL;
-    why[0] = 0;
-    if (pupil_file_source_open(&input, 1, &options, &source, why, sizeof why) != 0)
+    why.text[0] = 0;
+    if (pupil_file_source_open(&input, 1, &options, &source, &why) != 0)
         return NULL;
     return source;
 }
@@ -70,8 +70,8 @@ static const char *values(pupil_source *source)
     int got;
     text[0] = 0;
     if (!source)
-        return why;
-    while ((got = pupil_source_next(source, &frame, why, sizeof why)) != PUPIL_SOURCE_END) {
+        return why.text;
+    while ((got = pupil_source_next(source, &frame, &why)) != PUPIL_SOURCE_END) {
         const size_t used = strlen(text);
         if (got == PUPIL_SOURCE_FRAME) {
             snprintf(text + used, sizeof text - used, "%g ", *(const float *)frame.image.data);
@@ -107,24 +107,24 @@ static void test_inputs(void)
     CHECK(strcmp(values(open_one(scratch("one/f*"), 0)), "2 9 10 ") == 0);
     CHECK(strcmp(values(open_one(scratch("*/?[0-9]*.pfm"), 0)), "10 101 ") == 0);
     CHECK(strcmp(values(open_one(scratch("two/[x]1.pfm"), 0)), "100 ") == 0); /* a file's name before a pattern */
-    CHECK(pupil_file_source_open(two, 2, NULL, &source, why, sizeof why) == 0 && source->frames == 3);
+    CHECK(pupil_file_source_open(two, 2, NULL, &source, &why) == 0 && source->frames == 3);
     CHECK(strcmp(values(source), "10 100 101 ") == 0);
 
-    CHECK(!open_one(scratch("none"), 0) && strstr(why, "none: the folder holds no still (.exr,"));
-    CHECK(!open_one(scratch("none/*.exr"), 0) && strstr(why, "none/*.exr: no still"));
-    CHECK(!open_one(scratch("one/f11.pfm"), 0) && strstr(why, "one/f11.pfm: cannot be opened: No such file"));
-    CHECK(pupil_file_source_open(with_video, 2, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "clip.mp4: must be the only input"));
+    CHECK(!open_one(scratch("none"), 0) && strstr(why.text, "none: the folder holds no still (.exr,"));
+    CHECK(!open_one(scratch("none/*.exr"), 0) && strstr(why.text, "none/*.exr: no still"));
+    CHECK(!open_one(scratch("one/f11.pfm"), 0) && strstr(why.text, "one/f11.pfm: cannot be opened: No such file"));
+    CHECK(pupil_file_source_open(with_video, 2, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "clip.mp4: must be the only input"));
     with_video[1] = "-";
-    CHECK(pupil_file_source_open(with_video, 2, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "-: must be the only input"));
+    CHECK(pupil_file_source_open(with_video, 2, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "-: must be the only input"));
     with_video[1] = "pan:room.hdr";
-    CHECK(pupil_file_source_open(with_video, 2, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "pan:room.hdr: must be the only input"));
-    CHECK(pupil_file_source_open(two, 0, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED && *why);
-    CHECK(!open_one("", 0) && strstr(why, "cannot be opened"));
-    CHECK(!open_one(scratch("clip.mp4"), 0) && strstr(why, "clip.mp4"));  /* goes to the video source */
-    CHECK(!open_one("pan:nothing.hdr", 0) && strstr(why, "nothing.hdr")); /* and this to the panorama's */
+    CHECK(pupil_file_source_open(with_video, 2, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "pan:room.hdr: must be the only input"));
+    CHECK(pupil_file_source_open(two, 0, NULL, &source, &why) == PUPIL_SOURCE_FAILED && *why.text);
+    CHECK(!open_one("", 0) && strstr(why.text, "cannot be opened"));
+    CHECK(!open_one(scratch("clip.mp4"), 0) && strstr(why.text, "clip.mp4"));  /* goes to the video source */
+    CHECK(!open_one("pan:nothing.hdr", 0) && strstr(why.text, "nothing.hdr")); /* and this to the panorama's */
 }
 
 static void test_frames(void)
@@ -135,33 +135,33 @@ static void test_frames(void)
     pupil_frame frame;
     const void *pixels;
     put_still("lost.pfm", 5);
-    CHECK(pupil_stills_source_open(paths, 3, &options, &source, why, sizeof why) == 0);
+    CHECK(pupil_stills_source_open(paths, 3, &options, &source, &why) == 0);
     CHECK(source->fps == 25 && source->frames == 3);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(frame.image.width == 2 && frame.image.height == 1 && frame.image.pixel == PUPIL_PIXEL_RGB32F);
     CHECK(frame.image.stride_bytes == 24 && strcmp(frame.name, paths[0]) == 0);
     CHECK(frame.info.timestamp_ns == 0 && frame.info.exposure_s == 0 && frame.info.gain == 0);
     pixels = frame.image.data;
     pupil_source_done(source, &frame);
     write_file(scratch("lost.pfm"), "Pf 2 1 -1\n1234", 14); /* damaged, after the opening */
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_DAMAGED);
-    CHECK(strncmp(why, paths[1], strlen(paths[1])) == 0 && strstr(why, "need 8 bytes"));
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_DAMAGED);
+    CHECK(strncmp(why.text, paths[1], strlen(paths[1])) == 0 && strstr(why.text, "need 8 bytes"));
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(frame.image.data == pixels);                                      /* the same memory again */
     CHECK(frame.info.sequence == 2 && frame.info.timestamp_ns == 80000000); /* a lost frame keeps its time */
     pupil_source_done(source, &frame);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
     pupil_source_close(source);
 
-    CHECK(pupil_stills_source_open(paths, 3, NULL, &source, why, sizeof why) == 0 && source->fps == 30);
+    CHECK(pupil_stills_source_open(paths, 3, NULL, &source, &why) == 0 && source->fps == 30);
     remove(paths[0]);
     CHECK(strcmp(values(source), "! ! 10 ") == 0); /* missing, damaged, there */
-    CHECK(pupil_stills_source_open(paths, 3, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "f2.hdr: cannot be opened"));
-    CHECK(pupil_stills_source_open(paths + 2, 1, &bad, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "fps is -1"));
-    CHECK(pupil_stills_source_open(paths, 0, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED && *why);
+    CHECK(pupil_stills_source_open(paths, 3, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "f2.hdr: cannot be opened"));
+    CHECK(pupil_stills_source_open(paths + 2, 1, &bad, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "fps is -1"));
+    CHECK(pupil_stills_source_open(paths, 0, NULL, &source, &why) == PUPIL_SOURCE_FAILED && *why.text);
 }
 
 int main(int argc, char **argv)

@@ -5,7 +5,7 @@
 #include "file/video/video_light.h"
 #include "file/video/video_source.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 typedef long double real;
 
@@ -142,12 +142,12 @@ static void test_light(void)
         pupil_source *source;
         pupil_frame f;
         CHECK(clip_write(c, scratch("light.mkv")) == 0);
-        CHECK_MSG(pupil_video_source_open(scratch("light.mkv"), NULL, &source, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_video_source_open(scratch("light.mkv"), NULL, &source, &why) == 0, "%s", why.text);
         for (int n = 0; n < c->frames; n++) {
             const int *code = ((const int(*)[3])c->user)[n];
             real want[3], slack[3], worst = -INFINITY;
-            int rc = pupil_source_next(source, &f, why, sizeof why), worst_i = 0;
-            CHECK_MSG(rc == PUPIL_SOURCE_FRAME, "clip %zu: %s", k, why);
+            int rc = pupil_source_next(source, &f, &why), worst_i = 0;
+            CHECK_MSG(rc == PUPIL_SOURCE_FRAME, "clip %zu: %s", k, why.text);
             expected(c, code, clips[k].light, want, slack);
             const float *p = f.image.data;
             for (int i = 0; i < 40 * 24 * 3; i++)
@@ -162,8 +162,8 @@ static void test_light(void)
             CHECK(f.info.timestamp_ns == n * INT64_C(40000000) && f.info.sequence == (uint64_t)n);
             pupil_source_done(source, &f);
         }
-        CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_END);
-        CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_END);
+        CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_END);
+        CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_END);
         CHECK(source->fps == 25);
         pupil_source_close(source);
     }
@@ -193,8 +193,8 @@ static void test_chroma(void)
         pupil_source *source;
         pupil_frame f;
         CHECK(clip_write(&c, scratch("chroma.mkv")) == 0);
-        CHECK_MSG(pupil_video_source_open(scratch("chroma.mkv"), NULL, &source, why, sizeof why) == 0, "%s", why);
-        CHECK_MSG(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
+        CHECK_MSG(pupil_video_source_open(scratch("chroma.mkv"), NULL, &source, &why) == 0, "%s", why.text);
+        CHECK_MSG(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
         for (int y = 1; y < 15; y++)
             for (int x = 1; x < 31; x++) { /* off the edges, where there is nothing to interpolate to */
                 real u = (440 + 3 * (x - sites[k].x) + (y - sites[k].y) - 512) / 896;

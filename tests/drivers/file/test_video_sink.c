@@ -8,7 +8,7 @@
 
 #define FRAMES_MAX 64
 
-static char why[1024];
+static pupil_why why;
 
 /* A decoded video: tags of the stream, every frame's time, and for each frame its difference from scratch_waves. */
 typedef struct decoded {
@@ -124,17 +124,17 @@ static void record(const char *path, const pupil_image *image, double fps, int f
     const pupil_sink_options options = {.width = image->width, .height = image->height, .fps = fps};
     const pupil_image_const in = pupil_image_as_const(*image);
     pupil_sink *sink;
-    why[0] = 0;
-    CHECK_MSG(pupil_file_sink_open(path, &options, &sink, why, sizeof why) == 0, "%s", why);
+    why.text[0] = 0;
+    CHECK_MSG(pupil_file_sink_open(path, &options, &sink, &why) == 0, "%s", why.text);
     if (!sink)
         exit(check_end());
     for (int n = 0; n < frames; n++) {
         const pupil_frame_info info = {.timestamp_ns = times_ns ? times_ns[n] : 0, .sequence = (uint64_t)n};
         scratch_waves(image, n);
-        CHECK_MSG(pupil_sink_write(sink, &in, times_ns ? &info : NULL, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_sink_write(sink, &in, times_ns ? &info : NULL, &why) == 0, "%s", why.text);
     }
     CHECK(!scratch_exists(path));
-    CHECK_MSG(pupil_sink_finish(sink, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
     CHECK(scratch_exists(path) && scratch_entries(scratch_folder) == 1);
 }
 
@@ -293,8 +293,8 @@ static void test_large(void)
         remove(path);
     }
     free(memory);
-    CHECK(pupil_file_sink_open(path, &options, &sink, why, sizeof why) == -1 && !sink);
-    CHECK_MSG(strncmp(why, path, strlen(path)) == 0 && strstr(why, "16384 x 16384"), "%s", why);
+    CHECK(pupil_file_sink_open(path, &options, &sink, &why) == -1 && !sink);
+    CHECK_MSG(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, "16384 x 16384"), "%s", why.text);
     CHECK(scratch_entries(scratch_folder) == 0);
 }
 

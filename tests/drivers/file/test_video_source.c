@@ -6,7 +6,7 @@
 
 #include <sys/wait.h>
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 /* --- reading from elsewhere, times --- */
 
@@ -38,7 +38,7 @@ static int drain(pupil_source *source, int *frames, int *damaged)
     int rc;
     int64_t last = -1;
     *frames = *damaged = 0;
-    while ((rc = pupil_source_next(source, &f, why, sizeof why)) == PUPIL_SOURCE_FRAME || rc == PUPIL_SOURCE_DAMAGED) {
+    while ((rc = pupil_source_next(source, &f, &why)) == PUPIL_SOURCE_FRAME || rc == PUPIL_SOURCE_DAMAGED) {
         if (rc == PUPIL_SOURCE_DAMAGED) {
             ++*damaged;
             continue;
@@ -70,10 +70,10 @@ static void test_pipe(void)
     close(ends[1]);
     dup2(ends[0], STDIN_FILENO);
     close(ends[0]);
-    CHECK_MSG(pupil_video_source_open("-", NULL, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_video_source_open("-", NULL, &source, &why) == 0, "%s", why.text);
     CHECK(source->fps == 25);
     CHECK(drain(source, &frames, &damaged) == PUPIL_SOURCE_END);
-    CHECK_MSG(frames == 8 && damaged == 0, "%d frames, %d damaged: %s", frames, damaged, why);
+    CHECK_MSG(frames == 8 && damaged == 0, "%d frames, %d damaged: %s", frames, damaged, why.text);
     dup2(kept, STDIN_FILENO);
     close(kept);
     CHECK(waitpid(writer, NULL, 0) == writer);
@@ -91,9 +91,9 @@ static void test_times(void)
     c.frames = 5;
     c.pts_ms = ms;
     CHECK(clip_write(&c, scratch("times.mkv")) == 0);
-    CHECK_MSG(pupil_video_source_open(scratch("times.mkv"), NULL, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_video_source_open(scratch("times.mkv"), NULL, &source, &why) == 0, "%s", why.text);
     for (int n = 0; n < 5; n++) {
-        CHECK(pupil_source_next(source, &f, why, sizeof why) == PUPIL_SOURCE_FRAME);
+        CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME);
         CHECK_MSG(f.info.timestamp_ns == (ms[n] - ms[0]) * 1000000, "frame %d at %lld ns", n,
                   (long long)f.info.timestamp_ns);
     }
@@ -119,14 +119,14 @@ static void test_refusals(void)
         int is_wav = k + 1 == sizeof files / sizeof *files;
         memcpy(content, files[k].text, is_wav ? 44 : strlen(files[k].text));
         clip_store(scratch(files[k].name), content, is_wav ? 300 : strlen(files[k].text));
-        CHECK(pupil_video_source_open(scratch(files[k].name), NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-        CHECK_MSG(strstr(why, files[k].name) && strstr(why, files[k].said) && !strchr(why, '\n'), "%s: %s",
-                  files[k].name, why);
+        CHECK(pupil_video_source_open(scratch(files[k].name), NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+        CHECK_MSG(strstr(why.text, files[k].name) && strstr(why.text, files[k].said) && !strchr(why.text, '\n'),
+                  "%s: %s", files[k].name, why.text);
     }
-    CHECK(pupil_video_source_open(scratch("absent.mp4"), NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "absent.mp4: No such file"));
-    CHECK(pupil_video_source_open(scratch_folder, NULL, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK(strstr(why, "a folder"));
+    CHECK(pupil_video_source_open(scratch("absent.mp4"), NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "absent.mp4: No such file"));
+    CHECK(pupil_video_source_open(scratch_folder, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(strstr(why.text, "a folder"));
 }
 
 static void test_size_change(void)
@@ -145,13 +145,13 @@ static void test_size_change(void)
     uint8_t *a = clip_load(scratch("a.mjpeg"), &a_size), *b = clip_load(scratch("b.mjpeg"), &b_size);
     a = realloc(a, a_size + b_size);
     memcpy(a + a_size, b, b_size);
-    CHECK_MSG(pupil_video_source_open_bytes(a, a_size + b_size, "two", 1 << 20, NULL, &source, why, sizeof why) == 0,
-              "%s", why);
+    CHECK_MSG(pupil_video_source_open_bytes(a, a_size + b_size, "two", 1 << 20, NULL, &source, &why) == 0, "%s",
+              why.text);
     CHECK(drain(source, &frames, &damaged) == PUPIL_SOURCE_FAILED && frames == 2);
-    CHECK_MSG(strstr(why, "48 x 36") && strstr(why, "64 x 36"), "%s", why);
-    if (pupil_video_source_open_bytes(a, a_size, "large", 64 * 36 - 1, NULL, &source, why, sizeof why) == 0)
+    CHECK_MSG(strstr(why.text, "48 x 36") && strstr(why.text, "64 x 36"), "%s", why.text);
+    if (pupil_video_source_open_bytes(a, a_size, "large", 64 * 36 - 1, NULL, &source, &why) == 0)
         CHECK(drain(source, &frames, &damaged) == PUPIL_SOURCE_FAILED && frames == 0);
-    CHECK_MSG(strstr(why, "large: "), "%s", why);
+    CHECK_MSG(strstr(why.text, "large: "), "%s", why.text);
     free(a);
     free(b);
 }
@@ -170,7 +170,7 @@ static void test_cuts(const char *container, const char *codec)
     for (size_t cut = 0; cut <= size; cut += cut == size ? 1 : size - cut < 97 ? size - cut : 97) {
         uint8_t *part = malloc(cut + 1); /* its own block, so that a sanitizer sees its end */
         memcpy(part, bytes, cut);
-        if (pupil_video_source_open_bytes(part, cut, "cut", 1 << 20, NULL, &source, why, sizeof why) == 0) {
+        if (pupil_video_source_open_bytes(part, cut, "cut", 1 << 20, NULL, &source, &why) == 0) {
             rc = drain(source, &frames, &damaged);
             CHECK_MSG(frames >= before && frames <= 8, "%s cut at %zu: %d frames", container, cut, frames);
             CHECK_MSG(rc == PUPIL_SOURCE_FAILED || damaged || frames == 8, "%s cut at %zu of %zu: only %d frames",
@@ -198,11 +198,11 @@ static void test_damage(void)
         size_t place = size / 4 + (size_t)(check_uniform() * (double)size / 2);
         uint8_t bit = (uint8_t)(1 << check_random() % 8);
         bytes[place] ^= bit;
-        if (pupil_video_source_open_bytes(bytes, size, "damage", 1 << 20, NULL, &source, why, sizeof why) == 0) {
+        if (pupil_video_source_open_bytes(bytes, size, "damage", 1 << 20, NULL, &source, &why) == 0) {
             int rc = drain(source, &frames, &damaged);
             CHECK_MSG(frames <= 7 || rc == PUPIL_SOURCE_FAILED || damaged, "byte %zu: %d frames as if nothing was",
                       place, frames);
-            found += frames == 7 && damaged == 1 && rc == PUPIL_SOURCE_END && strstr(why, "CRC") != NULL;
+            found += frames == 7 && damaged == 1 && rc == PUPIL_SOURCE_END && strstr(why.text, "CRC") != NULL;
         }
         bytes[place] ^= bit;
     }

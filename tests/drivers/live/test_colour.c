@@ -18,7 +18,7 @@ typedef struct scene {
     pupil_t pupil;
     pupil_frame frame;
     unsigned char out[32 * 24 * 3]; /* of 64 x 48, half the size: a pixel for a quad */
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } scene;
 
 static scene open_scene(const fake_v4l2_config *config, const pupil_colour_options *options, const char *sensor)
@@ -27,13 +27,13 @@ static scene open_scene(const fake_v4l2_config *config, const pupil_colour_optio
     const pupil_live_options live = {.capture = {.system = fake_v4l2_system(s.fake)}, .hands_off = 1};
     pupil_camera_sensor known;
     pupil_config adapting;
-    CHECK_MSG(pupil_live_open("0", NULL, &live, &s.source, s.why, sizeof s.why) == 0, "%s", s.why);
+    CHECK_MSG(pupil_live_open("0", NULL, &live, &s.source, &s.why) == 0, "%s", s.why.text);
     if (sensor)
-        CHECK(pupil_camera_find_sensor(NULL, sensor, &known, s.why, sizeof s.why) == 1);
+        CHECK(pupil_camera_find_sensor(NULL, sensor, &known, &s.why) == 1);
     const pupil_v4l2_format *format = &pupil_live_capture(s.source)->format;
-    CHECK_MSG(pupil_colour_begin(&s.colour, options, &format->coding, format->pixel, sensor ? &known : NULL, s.why,
-                                 sizeof s.why) == 0,
-              "%s", s.why);
+    CHECK_MSG(pupil_colour_begin(&s.colour, options, &format->coding, format->pixel, sensor ? &known : NULL, &s.why) ==
+                  0,
+              "%s", s.why.text);
     pupil_config_default(&adapting);
     CHECK(pupil_init(&s.pupil, &adapting) == PUPIL_OK);
     return s;
@@ -41,7 +41,7 @@ static scene open_scene(const fake_v4l2_config *config, const pupil_colour_optio
 
 static void next(scene *s)
 {
-    CHECK_MSG(pupil_source_next(s->source, &s->frame, s->why, sizeof s->why) == PUPIL_SOURCE_FRAME, "%s", s->why);
+    CHECK_MSG(pupil_source_next(s->source, &s->frame, &s->why) == PUPIL_SOURCE_FRAME, "%s", s->why.text);
     s->frame.image.coding = &s->colour.coding;
     const pupil_image out = {
         .data = s->out, .stride_bytes = 32 * 3, .width = 32, .height = 24, .pixel = PUPIL_PIXEL_RGB8};
@@ -205,38 +205,38 @@ static void test_known(void)
                   {PUPIL_PIXEL_BAYER16, 4096}};
     pupil_camera_sensor imx219;
     pupil_colour c;
-    char why[256];
-    CHECK(pupil_camera_find_sensor(NULL, "imx219 10-0010", &imx219, why, sizeof why) == 1);
+    pupil_why why;
+    CHECK(pupil_camera_find_sensor(NULL, "imx219 10-0010", &imx219, &why) == 1);
     for (size_t i = 0; i < sizeof blacks / sizeof blacks[0]; i++) { /* 64 of 10 bits, by its data sheet */
-        CHECK(pupil_colour_begin(&c, &automatic, NULL, blacks[i].pixel, &imx219, why, sizeof why) == 0);
+        CHECK(pupil_colour_begin(&c, &automatic, NULL, blacks[i].pixel, &imx219, &why) == 0);
         CHECK_MSG(c.coding.black == blacks[i].black, "%g", (double)c.coding.black);
     }
     CHECK(memcmp(c.coding.rgb_from_camera, imx219.matrix, sizeof imx219.matrix) == 0);
     const pupil_coding told = {.black = 50};
-    CHECK(pupil_colour_begin(&c, &automatic, &told, PUPIL_PIXEL_BAYER10, &imx219, why, sizeof why) == 0);
+    CHECK(pupil_colour_begin(&c, &automatic, &told, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
     CHECK(c.coding.black == 50); /* the driver knows better */
-    CHECK(pupil_colour_begin(&c, &plain, NULL, PUPIL_PIXEL_BAYER10, &imx219, why, sizeof why) == 0);
+    CHECK(pupil_colour_begin(&c, &plain, NULL, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
     CHECK(c.coding.rgb_from_camera[0] == 0 && c.coding.black == 64 && !c.follows);
-    CHECK(pupil_colour_begin(&c, &given, NULL, PUPIL_PIXEL_BAYER10, &imx219, why, sizeof why) == 0);
+    CHECK(pupil_colour_begin(&c, &given, NULL, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
     CHECK(c.coding.balance[0] == 2 && c.coding.rgb_from_camera[8] == 1 && c.coding.black == 60 && !c.follows);
     pupil_colour_options wrong = given;
     wrong.given_black = 1023;
-    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, why, sizeof why) == -1);
-    CHECK_MSG(strstr(why, "black must be"), "%s", why);
+    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
+    CHECK_MSG(strstr(why.text, "black must be"), "%s", why.text);
     wrong = given;
     wrong.given_balance[1] = 0;
-    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, why, sizeof why) == -1);
-    CHECK_MSG(strstr(why, "balance must be"), "%s", why);
+    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
+    CHECK_MSG(strstr(why.text, "balance must be"), "%s", why.text);
 }
 
 /* Every matrix of the table leaves grey grey, which is what balance before it relies on. */
 static void test_table(void)
 {
     static const char *const names[] = {"imx219", "imx477", "ov5647"};
-    char why[256];
+    pupil_why why;
     for (size_t n = 0; n < sizeof names / sizeof names[0]; n++) {
         pupil_camera_sensor s;
-        CHECK(pupil_camera_find_sensor(NULL, names[n], &s, why, sizeof why) == 1 && s.has_matrix);
+        CHECK(pupil_camera_find_sensor(NULL, names[n], &s, &why) == 1 && s.has_matrix);
         for (int i = 0; i < 3; i++)
             CHECK(fabs(s.matrix[3 * i] + s.matrix[3 * i + 1] + s.matrix[3 * i + 2] - 1) < 1e-4);
     }
@@ -253,12 +253,12 @@ static void test_rows(void)
     const uint32_t light[3] = {10000, 20000, 16000}; /* of red, green and blue */
     pupil_colour c;
     pupil_frame_info info = {0};
-    char why[256];
+    pupil_why why;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
             samples[(size_t)y * width + x] =
                 (uint16_t)(light[y % 2 + x % 2] * (1 + y / 2 % 2) + check_random() % 1000); /* RGGB */
-    CHECK(pupil_colour_begin(&c, &automatic, NULL, image.pixel, NULL, why, sizeof why) == 0);
+    CHECK(pupil_colour_begin(&c, &automatic, NULL, image.pixel, NULL, &why) == 0);
     for (int i = 0; i < 300; i++) {
         info.timestamp_ns = 1000000 + i * INT64_C(33333333);
         pupil_colour_frame(&c, &image, &info);

@@ -11,7 +11,7 @@
 #include "check.h"
 #include "fake_v4l2/fake_v4l2.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 static fake_v4l2_config usual(void)
 {
@@ -35,7 +35,7 @@ static pupil_source *open_live(fake_v4l2 *fake, double reopen_s)
 {
     const pupil_live_options options = {.capture = {.system = fake_v4l2_system(fake), .reopen_s = reopen_s}};
     pupil_source *source = NULL;
-    CHECK_MSG(pupil_live_open("/dev/video0", NULL, &options, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_open("/dev/video0", NULL, &options, &source, &why) == 0, "%s", why.text);
     if (!source)
         exit(check_end());
     return source;
@@ -44,7 +44,7 @@ static pupil_source *open_live(fake_v4l2 *fake, double reopen_s)
 static int next(pupil_source *source, pupil_frame_info *info)
 {
     pupil_frame frame;
-    const int got = pupil_source_next(source, &frame, why, sizeof why);
+    const int got = pupil_source_next(source, &frame, &why);
     if (got == PUPIL_SOURCE_FRAME) {
         *info = frame.info;
         pupil_source_done(source, &frame);
@@ -98,7 +98,7 @@ static void test_in_force(void)
         CHECK_MSG(info.gain == (info.sequence < from ? 2.5 : 3.0), "frame %d: gain %g", (int)info.sequence, info.gain);
         CHECK(fabs(info.exposure_s - (info.sequence < from ? 7.7e-3 : 0.02)) < 1e-9);
     }
-    CHECK(pupil_live_give_back(source, why, sizeof why) == 0 && !pupil_live_camera(source));
+    CHECK(pupil_live_give_back(source, &why) == 0 && !pupil_live_camera(source));
     CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0);
     CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
     CHECK(control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0) == 77);
@@ -114,7 +114,7 @@ static void test_hands_off(void)
     pupil_source *source = NULL;
     pupil_frame_info info;
     control(fake, V4L2_CID_EXPOSURE_AUTO, 1, 3);
-    CHECK(pupil_live_open("0", NULL, &options, &source, why, sizeof why) == 0);
+    CHECK(pupil_live_open("0", NULL, &options, &source, &why) == 0);
     CHECK(!pupil_live_camera(source) && strstr(pupil_live_no_controls(source), "left alone"));
     CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0 && info.gain == 0.0);
     CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
@@ -154,7 +154,7 @@ static void test_linear(void)
         uvc.ioctl = as_uvc;
         const pupil_live_options options = {.capture = {.system = i % 2 ? &uvc : inside}};
         pupil_source *source = NULL;
-        CHECK_MSG(pupil_live_open("0", NULL, &options, &source, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_live_open("0", NULL, &options, &source, &why) == 0, "%s", why.text);
         if (!source)
             exit(check_end());
         const int wanted = i % 2 ? cases[i / 2].of_uvc : cases[i / 2].linear;
@@ -264,9 +264,9 @@ static unsigned long session(unsigned long fail_at, int error)
     fake_v4l2 *fake = fake_v4l2_new(&config);
     fake_faults_begin(&faults, fake_v4l2_system(fake), fail_at, 1, error);
     const pupil_live_options options = {.capture = {.system = &faults.system, .reopen_s = 2.0}};
-    *why = 0;
-    const int result = pupil_live_open("/dev/video0", NULL, &options, &source, why, sizeof why);
-    CHECK_MSG(result == 0 || *why, "call %lu fails without a sentence", fail_at);
+    *why.text = 0;
+    const int result = pupil_live_open("/dev/video0", NULL, &options, &source, &why);
+    CHECK_MSG(result == 0 || *why.text, "call %lu fails without a sentence", fail_at);
     for (int i = 0; !result && i < 12 && next(source, &info) == PUPIL_SOURCE_FRAME; i++)
         if (pupil_live_camera(source))
             pupil_camera_ask(pupil_live_camera(source), &(pupil_camera_setting){.exposure_s = 0.001 * i, .gain = 2.0});

@@ -145,7 +145,7 @@ typedef struct loop {
     unsigned char out[64 * 48 * 3];
 } loop;
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 static void one_frame(loop *l)
 {
@@ -155,9 +155,9 @@ static void one_frame(loop *l)
     pupil_camera_status status;
     const pupil_image out = {
         .data = l->out, .stride_bytes = 3 * 64, .width = 64, .height = 48, .pixel = PUPIL_PIXEL_RGB8};
-    CHECK_MSG(pupil_source_next(l->source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
+    CHECK_MSG(pupil_source_next(l->source, &frame, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
     if (l->recorder)
-        CHECK_MSG(pupil_recorder_write(l->recorder, &frame, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_recorder_write(l->recorder, &frame, &why) == 0, "%s", why.text);
     frame.image.coding = &l->colour.coding;
     CHECK(pupil_process(&l->pupil, &frame.image, &frame.info, &out) == PUPIL_OK);
     CHECK(pupil_get_stats(&l->pupil, &stats) == PUPIL_OK);
@@ -229,13 +229,13 @@ static void begin(loop *l, const pupil_v4l2_system *system)
     pupil_config adapting;
     pupil_sensor_config regulating;
     const unsigned long before = taken;
-    CHECK_MSG(pupil_live_open("0", NULL, &options, &l->source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_open("0", NULL, &options, &l->source, &why) == 0, "%s", why.text);
     CHECK_MSG(pupil_live_camera(l->source), "%s", pupil_live_no_controls(l->source));
     CHECK_MSG(taken >= before + 2 && calls.other > 0, "what is counted is not wrapped");
     const pupil_v4l2_format *format = &pupil_live_capture(l->source)->format;
-    CHECK_MSG(pupil_colour_begin(&l->colour, &automatic, &format->coding, format->pixel, NULL, why, sizeof why) == 0 &&
+    CHECK_MSG(pupil_colour_begin(&l->colour, &automatic, &format->coding, format->pixel, NULL, &why) == 0 &&
                   l->colour.follows,
-              "%s", why);
+              "%s", why.text);
     pupil_config_default(&adapting);
     pupil_sensor_config_default(&regulating);
     pupil_camera_configure(pupil_live_camera(l->source), &regulating);
@@ -246,8 +246,8 @@ static void begin_recording(loop *l, const char *folder)
 {
     const pupil_recorder_options options = {.fps = 30, .wait = 1};
     pupil_frame frame;
-    CHECK_MSG(pupil_source_next(l->source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME, "%s", why);
-    CHECK_MSG(pupil_recorder_open(&l->recorder, folder, &frame, &options, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_source_next(l->source, &frame, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
+    CHECK_MSG(pupil_recorder_open(&l->recorder, folder, &frame, &options, &why) == 0, "%s", why.text);
     pupil_source_done(l->source, &frame);
 }
 
@@ -256,8 +256,8 @@ static uint64_t frames_in(const char *folder)
     pupil_source *source = NULL;
     pupil_frame frame;
     uint64_t count = 0;
-    CHECK_MSG(pupil_recording_open(folder, &source, why, sizeof why) == 0, "%s", why);
-    while (source && pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME) {
+    CHECK_MSG(pupil_recording_open(folder, &source, &why) == 0, "%s", why.text);
+    while (source && pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
         pupil_source_done(source, &frame);
         count++;
     }
@@ -268,10 +268,10 @@ static uint64_t frames_in(const char *folder)
 static void end(loop *l)
 {
     if (l->recorder) {
-        CHECK_MSG(pupil_recorder_close(l->recorder, why, sizeof why) == 0, "%s", why);
+        CHECK_MSG(pupil_recorder_close(l->recorder, &why) == 0, "%s", why.text);
         l->recorder = NULL;
     }
-    CHECK_MSG(pupil_live_give_back(l->source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_give_back(l->source, &why) == 0, "%s", why.text);
     pupil_source_close(l->source);
     CHECK(given >= 2);
 }

@@ -41,7 +41,7 @@ static struct {
     unsigned char out[SIDE_PX * SIDE_PX * 3];
 } day;
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 static int files_open(void)
 {
@@ -213,8 +213,8 @@ static void live(double hours)
     long resident = -1;
     pupil_frame frame;
     for (int64_t past_ns = 0; past_ns < length_ns; past_ns = system->now_ns(system->context) - began_ns) {
-        const int got = pupil_source_next(day.source, &frame, why, sizeof why);
-        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s", why);
+        const int got = pupil_source_next(day.source, &frame, &why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s", why.text);
         if (got != PUPIL_SOURCE_FRAME)
             return;
         one_frame(&frame);
@@ -255,8 +255,8 @@ int main(int argc, char **argv)
     pupil_config_default(&day.adapting);
     pupil_sensor_config_default(&day.regulating);
     CHECK(pupil_init(&day.pupil, &day.adapting) == PUPIL_OK);
-    if (pupil_live_open(FAKE_V4L2_NAME, NULL, &options, &day.source, why, sizeof why) != 0) {
-        CHECK_MSG(0, "%s", why);
+    if (pupil_live_open(FAKE_V4L2_NAME, NULL, &options, &day.source, &why) != 0) {
+        CHECK_MSG(0, "%s", why.text);
         return check_end();
     }
     CHECK_MSG(pupil_live_camera(day.source), "%s", pupil_live_no_controls(day.source));
@@ -276,7 +276,7 @@ int main(int argc, char **argv)
     for (int i = 0; i < EVENTS; i++)
         printf("%s %llu%s", event_names[i], (unsigned long long)day.happened[i], i + 1 < EVENTS ? ", " : "\n");
     printf("worst after a quiet stretch: level %.2g EV, light %.2g EV\n", day.worst_level_ev, day.worst_light_ev);
-    CHECK_MSG(pupil_live_give_back(day.source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_live_give_back(day.source, &why) == 0, "%s", why.text);
     pupil_source_close(day.source);
     const fake_v4l2_held held = fake_v4l2_holds(day.fake);
     CHECK(held.files == 0 && held.maps == 0);

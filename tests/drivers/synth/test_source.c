@@ -42,9 +42,9 @@ static facts look(const pupil_image_const *image)
 
 static pupil_source *opened(pupil_source_options options)
 {
-    char why[PUPIL_WHY_BYTES] = "";
+    pupil_why why = {""};
     pupil_source *source = NULL;
-    CHECK_MSG(pupil_synth_source_open("walk", &options, &source, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(pupil_synth_source_open("walk", &options, &source, &why) == 0, "%s", why.text);
     return source;
 }
 
@@ -61,7 +61,7 @@ static const struct {
 static void check_digests(void)
 {
     static float rgb[320 * 180 * 3];
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     pupil_frame frame;
     for (size_t i = 0; i < sizeof pinned / sizeof *pinned; i++) {
         pupil_walk_view view;
@@ -76,7 +76,7 @@ static void check_digests(void)
     if (!source)
         return;
     CHECK(source->frames == 300 && source->fps == 30.0);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(frame.image.width == 320 && frame.image.height == 180 && frame.image.pixel == PUPIL_PIXEL_RGB32F);
     CHECK(digest(frame.image.data, sizeof rgb / sizeof *rgb) == pinned[0].digest);
     pupil_source_done(source, &frame);
@@ -87,13 +87,13 @@ static void check_digests(void)
 static void check_clip(void)
 {
     static facts seen[300];
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     pupil_frame frame;
     uint64_t n = 0;
     pupil_source *source = opened((pupil_source_options){.width = 80, .height = 45});
     if (!source)
         return;
-    while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME && n < 300) {
+    while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME && n < 300) {
         char name[64];
         snprintf(name, sizeof name, "synth:walk frame %u", (unsigned)n);
         CHECK(strcmp(frame.name, name) == 0 && frame.info.sequence == n);
@@ -102,7 +102,7 @@ static void check_clip(void)
         pupil_source_done(source, &frame);
     }
     CHECK(n == 300);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_END);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
     pupil_source_close(source);
     if (n != 300)
         return;
@@ -126,7 +126,7 @@ static void check_clip(void)
 static void check_sizes(void)
 {
     static const uint32_t size[][3] = {{1, 1, 5}, {3, 5, 5}, {641, 479, 1}};
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
         pupil_frame frame;
         uint64_t n = 0;
@@ -134,7 +134,7 @@ static void check_sizes(void)
             .width = size[i][0], .height = size[i][1], .frames = size[i][2], .fps = 24000.0 / 1001.0});
         if (!source)
             continue;
-        while (pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME && n++ < size[i][2]) {
+        while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME && n++ < size[i][2]) {
             CHECK(frame.image.width == size[i][0] && frame.image.height == size[i][1]);
             CHECK(look(&frame.image).odd == 0);
             pupil_source_done(source, &frame);
@@ -160,11 +160,11 @@ static void check_pace(void)
 
 static void refused(const char *name, pupil_source_options options, const char *word)
 {
-    char why[PUPIL_WHY_BYTES] = "";
+    pupil_why why = {""};
     pupil_source *source = NULL;
-    CHECK(pupil_synth_source_open(name, &options, &source, why, sizeof why) == PUPIL_SOURCE_FAILED);
+    CHECK(pupil_synth_source_open(name, &options, &source, &why) == PUPIL_SOURCE_FAILED);
     CHECK(source == NULL);
-    CHECK_MSG(strstr(why, word) != NULL, "said: %s", why);
+    CHECK_MSG(strstr(why.text, word) != NULL, "said: %s", why.text);
 }
 
 int main(int argc, char **argv)

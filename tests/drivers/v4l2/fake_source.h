@@ -5,13 +5,14 @@
 #include "check.h"
 
 #include "fake_v4l2/fake_v4l2.h"
+#include "pupil/error.h"
 #include "v4l2/capture/v4l2_source.h"
 
 typedef struct fake_source {
     fake_v4l2 *fake;
     pupil_source *source; /* NULL: refused */
     int result;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
 } fake_source;
 
 /* `more` without its system; NULL: nothing asked. */
@@ -24,14 +25,14 @@ static inline fake_source fake_source_open(const char *which, const fake_v4l2_co
         abort();
     if (!options.system)
         options.system = fake_v4l2_system(s.fake);
-    s.result = pupil_v4l2_source_open(which, NULL, &options, &s.source, s.why, sizeof s.why);
+    s.result = pupil_v4l2_source_open(which, NULL, &options, &s.source, &s.why);
     return s;
 }
 
 static inline int fake_source_next(fake_source *s, pupil_frame *frame)
 {
-    s->why[0] = 0;
-    return pupil_source_next(s->source, frame, s->why, sizeof s->why);
+    s->why.text[0] = 0;
+    return pupil_source_next(s->source, frame, &s->why);
 }
 
 static inline const pupil_v4l2_counts *fake_source_counts(const fake_source *s)

@@ -7,7 +7,7 @@
 #include "v4l2/media/media.h"
 #include "v4l2/modes.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 static fake_v4l2_config usual(void)
 {
@@ -47,10 +47,10 @@ static void test_which(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         fake_v4l2 *fake = fake_v4l2_new(&config);
         pupil_v4l2_device d;
-        const int error = pupil_v4l2_device_open(&d, fake_v4l2_system(fake), cases[i].which, why, sizeof why);
-        CHECK_MSG((error != 0) == (cases[i].refusal != NULL), "'%s': %s", cases[i].which, error ? why : d.path);
+        const int error = pupil_v4l2_device_open(&d, fake_v4l2_system(fake), cases[i].which, &why);
+        CHECK_MSG((error != 0) == (cases[i].refusal != NULL), "'%s': %s", cases[i].which, error ? why.text : d.path);
         if (error)
-            CHECK_MSG(cases[i].refusal && strstr(why, cases[i].refusal), "'%s': %s", cases[i].which, why);
+            CHECK_MSG(cases[i].refusal && strstr(why.text, cases[i].refusal), "'%s': %s", cases[i].which, why.text);
         else
             CHECK_MSG(cases[i].path && strcmp(d.path, cases[i].path) == 0, "'%s': %s", cases[i].which, d.path);
         CHECK((d.fd >= 0) == (error == 0));
@@ -63,13 +63,12 @@ static void test_which(void)
     config.twin = 0;
     fake_v4l2 *fake = fake_v4l2_new(&config);
     pupil_v4l2_device d;
-    CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "webcam", why, sizeof why));
-    CHECK_MSG(strcmp(why, "webcam: there is no camera") == 0, "%s", why);
+    CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "webcam", &why));
+    CHECK_MSG(strcmp(why.text, "webcam: there is no camera") == 0, "%s", why.text);
     char longest[300];
     memset(longest, '/', sizeof longest);
     longest[sizeof longest - 1] = 0;
-    CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), longest, why, sizeof why) &&
-          strstr(why, "longer than 255"));
+    CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), longest, &why) && strstr(why.text, "longer than 255"));
     fake_v4l2_free(fake);
 }
 
@@ -88,9 +87,9 @@ static void test_modes(void)
     pupil_v4l2_device d;
     pupil_v4l2_modes modes;
     char text[256], little[12];
-    CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "0", why, sizeof why) == 0);
+    CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "0", &why) == 0);
     CHECK(strcmp(d.name, FAKE_V4L2_NAME) == 0 && strcmp(d.driver, "fake") == 0 && strcmp(d.bus, "fake:1") == 0);
-    CHECK(pupil_v4l2_modes_read(&d, &modes, why, sizeof why) == 0 && modes.count == 37);
+    CHECK(pupil_v4l2_modes_read(&d, &modes, &why) == 0 && modes.count == 37);
     const pupil_v4l2_mode *yuyv = find(&modes, V4L2_PIX_FMT_YUYV), *any = find(&modes, V4L2_PIX_FMT_Y16);
     const pupil_v4l2_mode *mjpg = find(&modes, V4L2_PIX_FMT_MJPEG);
     CHECK(yuyv && yuyv->sizes == 3 && yuyv->read && !yuyv->compressed);
@@ -139,9 +138,9 @@ static void test_agreement(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const fake_v4l2_config config = usual();
         fake_source s = fake_source_open("/dev/video0", &config, &cases[i].options);
-        CHECK_MSG((s.result != 0) == (cases[i].refusal != NULL), "case %zu: %s", i, s.result ? s.why : "taken");
+        CHECK_MSG((s.result != 0) == (cases[i].refusal != NULL), "case %zu: %s", i, s.result ? s.why.text : "taken");
         if (cases[i].refusal) {
-            CHECK_MSG(strstr(s.why, cases[i].refusal), "case %zu: %s", i, s.why);
+            CHECK_MSG(strstr(s.why.text, cases[i].refusal), "case %zu: %s", i, s.why.text);
         } else if (s.source) {
             const pupil_v4l2_format *f = &pupil_v4l2_source_capture(s.source)->format;
             CHECK_MSG(f->fourcc == cases[i].fourcc && f->width == cases[i].width && s.source->fps == cases[i].fps,
@@ -154,7 +153,7 @@ static void test_agreement(void)
 static void check_refused(const fake_v4l2_config *config, const char *sentence)
 {
     fake_source s = fake_source_open("/dev/video0", config, NULL);
-    CHECK_MSG(s.result == PUPIL_SOURCE_FAILED && strstr(s.why, sentence), "%s", s.why);
+    CHECK_MSG(s.result == PUPIL_SOURCE_FAILED && strstr(s.why.text, sentence), "%s", s.why.text);
     fake_source_close(&s);
 }
 
@@ -181,8 +180,8 @@ static void test_refusals(void)
     fake_source first = fake_source_open("/dev/video0", &c, NULL);
     const pupil_v4l2_options options = {.system = fake_v4l2_system(first.fake)};
     pupil_source *second = NULL;
-    CHECK(pupil_v4l2_source_open("/dev/video0", NULL, &options, &second, why, sizeof why) == PUPIL_SOURCE_FAILED);
-    CHECK_MSG(strstr(why, "another program is using the camera"), "%s", why);
+    CHECK(pupil_v4l2_source_open("/dev/video0", NULL, &options, &second, &why) == PUPIL_SOURCE_FAILED);
+    CHECK_MSG(strstr(why.text, "another program is using the camera"), "%s", why.text);
     fake_source_close(&first);
 
     /* A camera without any extras. */
@@ -190,7 +189,7 @@ static void test_refusals(void)
     c.no_rate = c.no_events = c.no_sizes = c.no_mmap = 1;
     fake_source plain = fake_source_open("v4l2:0", &c, NULL);
     pupil_frame frame;
-    CHECK_MSG(plain.result == 0 && plain.source->fps == 30.0, "%s", plain.why);
+    CHECK_MSG(plain.result == 0 && plain.source->fps == 30.0, "%s", plain.why.text);
     CHECK(fake_source_next(&plain, &frame) == PUPIL_SOURCE_FRAME);
     CHECK(pupil_v4l2_source_capture(plain.source)->memory == V4L2_MEMORY_USERPTR);
     fake_source_close(&plain);
@@ -200,7 +199,7 @@ static void test_refusals(void)
     fake_v4l2 *fake = fake_v4l2_new(&c);
     const pupil_source_options any = {.width = 32, .height = 24, .fps = 15};
     const pupil_v4l2_options more = {.system = fake_v4l2_system(fake), .width = 320, .height = 240};
-    CHECK(pupil_v4l2_source_open("0", &any, &more, &second, why, sizeof why) == 0 && second->fps == 15.0);
+    CHECK(pupil_v4l2_source_open("0", &any, &more, &second, &why) == 0 && second->fps == 15.0);
     CHECK(pupil_v4l2_source_capture(second)->format.width == 32);
     pupil_source_close(second);
     fake_v4l2_free(fake);
@@ -240,10 +239,10 @@ static void test_media(void)
         pupil_v4l2_device d;
         pupil_v4l2_sensor sensor;
         fake_v4l2 *fake = fake_v4l2_new(&c);
-        CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "0", why, sizeof why) == 0);
-        const int error = pupil_v4l2_media_sensor(&d, &sensor, why, sizeof why);
+        CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "0", &why) == 0);
+        const int error = pupil_v4l2_media_sensor(&d, &sensor, &why);
         if (c.media == FAKE_MEDIA_NONE) {
-            CHECK_MSG(error && strcmp(why, "/dev/video0: has no media graph") == 0, "%s", why);
+            CHECK_MSG(error && strcmp(why.text, "/dev/video0: has no media graph") == 0, "%s", why.text);
         } else { /* with its link off, the receiver is where it ends */
             const int off = c.media == FAKE_MEDIA_LINK_OFF;
             CHECK(error == 0 && strcmp(sensor.entity, off ? "fake csi" : "fake 1-0010") == 0);

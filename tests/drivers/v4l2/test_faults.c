@@ -12,13 +12,13 @@
 
 static const int errors[] = {EIO, ENODEV, EINTR, EAGAIN, EINVAL, ENOMEM, EBUSY, EPIPE, ENOTTY, EACCES, ENOSPC, EMFILE};
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 /* A sentence, or an error of the test. */
 static void check_why(const fake_faults *f)
 {
-    CHECK_MSG(strlen(why) > 10 && !strchr(why, '\n'), "call %lu (%s), %s: '%s'", f->fail_at, f->failed,
-              strerror(f->error), why);
+    CHECK_MSG(strlen(why.text) > 10 && !strchr(why.text, '\n'), "call %lu (%s), %s: '%s'", f->fail_at, f->failed,
+              strerror(f->error), why.text);
 }
 
 typedef struct scenario {
@@ -34,16 +34,16 @@ static void play_source(const scenario *s, fake_faults *f)
     pupil_v4l2_options options = s->options;
     pupil_source *source = NULL;
     options.system = &f->system;
-    why[0] = 0;
-    if (pupil_v4l2_source_open(s->which, NULL, &options, &source, why, sizeof why)) {
+    why.text[0] = 0;
+    if (pupil_v4l2_source_open(s->which, NULL, &options, &source, &why)) {
         CHECK(source == NULL);
         check_why(f);
         return;
     }
     for (unsigned i = 0; i < s->frames; i++) {
         pupil_frame frame;
-        why[0] = 0;
-        const int got = pupil_source_next(source, &frame, why, sizeof why);
+        why.text[0] = 0;
+        const int got = pupil_source_next(source, &frame, &why);
         if (got == PUPIL_SOURCE_FAILED)
             check_why(f);
         if (got != PUPIL_SOURCE_FRAME)
@@ -60,16 +60,16 @@ static void play_questions(const scenario *s, fake_faults *f)
     pupil_v4l2_device device;
     pupil_v4l2_modes modes;
     pupil_v4l2_sensor sensor;
-    why[0] = 0;
-    if (pupil_v4l2_device_open(&device, &f->system, s->which, why, sizeof why)) {
+    why.text[0] = 0;
+    if (pupil_v4l2_device_open(&device, &f->system, s->which, &why)) {
         check_why(f);
         return;
     }
-    if (pupil_v4l2_modes_read(&device, &modes, why, sizeof why))
+    if (pupil_v4l2_modes_read(&device, &modes, &why))
         check_why(f);
     pupil_v4l2_modes_free(&modes);
-    why[0] = 0;
-    if (pupil_v4l2_media_sensor(&device, &sensor, why, sizeof why))
+    why.text[0] = 0;
+    if (pupil_v4l2_media_sensor(&device, &sensor, &why))
         check_why(f);
     pupil_v4l2_device_close(&device);
 }
@@ -97,8 +97,8 @@ static int play(const scenario *s, void (*part)(const scenario *, fake_faults *)
         fake_faults none;
         fake_faults_begin(&none, system, 0, 0, 0);
         part(s, &none);
-        CHECK_MSG(s->config.start_error || !*why, "%s, after call %lu (%s), %s: %s", s->name, at, f.failed,
-                  strerror(error), why);
+        CHECK_MSG(s->config.start_error || !*why.text, "%s, after call %lu (%s), %s: %s", s->name, at, f.failed,
+                  strerror(error), why.text);
     }
     fake_v4l2_free(fake);
     return f.failed != NULL;

@@ -9,7 +9,7 @@
 #include "v4l2/capture/v4l2_source.h"
 #include "v4l2/modes.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 typedef struct subject {
     fake_v4l2 *fake;
@@ -22,8 +22,8 @@ static int open_subject(subject *s, const fake_v4l2_config *config, const pupil_
     s->fake = fake_v4l2_new(config);
     o.system = fake_v4l2_system(s->fake);
     s->source = NULL;
-    why[0] = 0;
-    return pupil_v4l2_source_open("v4l2:/dev/video0", NULL, &o, &s->source, why, sizeof why);
+    why.text[0] = 0;
+    return pupil_v4l2_source_open("v4l2:/dev/video0", NULL, &o, &s->source, &why);
 }
 
 static void close_subject(subject *s)
@@ -103,10 +103,10 @@ static void check_format(const fake_v4l2_config *config, uint32_t fourcc, double
     const char *name = pupil_v4l2_fourcc_name(fourcc).text;
     subject s;
     pupil_frame frame;
-    CHECK_MSG(open_subject(&s, config, &options) == 0, "%s: %s", name, why);
+    CHECK_MSG(open_subject(&s, config, &options) == 0, "%s: %s", name, why.text);
     for (int i = 0; s.source && i < 6; i++) {
-        const int got = pupil_source_next(s.source, &frame, why, sizeof why);
-        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", name, why);
+        const int got = pupil_source_next(s.source, &frame, &why);
+        CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", name, why.text);
         if (got != PUPIL_SOURCE_FRAME)
             break;
         const pupil_v4l2_format *f = &pupil_v4l2_source_capture(s.source)->format;
@@ -133,8 +133,8 @@ static void test_pixels(void)
         config.data_offset = layout == 5 || layout == 7 ? 128 : 0;
         config.no_mmap = layout == 4 || layout == 7;
         fake_v4l2 *fake = fake_v4l2_new(&config);
-        CHECK(pupil_v4l2_device_open(&device, fake_v4l2_system(fake), "0", why, sizeof why) == 0);
-        CHECK(pupil_v4l2_modes_read(&device, &modes, why, sizeof why) == 0);
+        CHECK(pupil_v4l2_device_open(&device, fake_v4l2_system(fake), "0", &why) == 0);
+        CHECK(pupil_v4l2_modes_read(&device, &modes, &why) == 0);
         for (uint32_t i = 0; i < modes.count; i++)
             if (!modes.mode[i].compressed) {
                 /* 8 bits of dark light are coarse; 10 and more are not. */
@@ -226,10 +226,10 @@ static void test_defaults(void)
                                                   .quantization = c->quantization,
                                                   .xfer_func = c->xfer_func};
         answer.fmt.pix.ycbcr_enc = c->ycbcr_enc;
-        const int error = pupil_v4l2_format_read(&answer, &f, why, sizeof why);
-        CHECK_MSG((error != 0) == (c->refusal != NULL), "case %zu: %s", i, error ? why : "taken");
+        const int error = pupil_v4l2_format_read(&answer, &f, &why);
+        CHECK_MSG((error != 0) == (c->refusal != NULL), "case %zu: %s", i, error ? why.text : "taken");
         if (c->refusal)
-            CHECK_MSG(strstr(why, c->refusal), "case %zu: %s", i, why);
+            CHECK_MSG(strstr(why.text, c->refusal), "case %zu: %s", i, why.text);
         if (error || c->refusal)
             continue;
         CHECK_MSG(f.coding.light == c->light && f.primaries == c->primaries, "case %zu: light %u", i, f.coding.light);
@@ -260,7 +260,7 @@ static void test_limited_grey(void)
                                                   .colorspace = V4L2_COLORSPACE_SRGB,
                                                   .priv = V4L2_PIX_FMT_PRIV_MAGIC,
                                                   .quantization = V4L2_QUANTIZATION_LIM_RANGE};
-        CHECK(pupil_v4l2_format_read(&answer, &f, why, sizeof why) == 0);
+        CHECK(pupil_v4l2_format_read(&answer, &f, &why) == 0);
         CHECK_MSG(f.coding.black == cases[i].black && f.coding.white == cases[i].white, "%g %g", (double)f.coding.black,
                   (double)f.coding.white);
         CHECK(pupil_coding_check(&f.coding, f.pixel, NULL) == PUPIL_OK);
@@ -297,9 +297,9 @@ static void test_nonsense(void)
                                                   .bytesperline = cases[i].stride,
                                                   .sizeimage = cases[i].size,
                                                   .colorspace = V4L2_COLORSPACE_SRGB};
-        why[0] = 0;
-        CHECK_MSG(pupil_v4l2_format_read(&answer, &f, why, sizeof why) && strstr(why, cases[i].refusal), "case %zu: %s",
-                  i, why);
+        why.text[0] = 0;
+        CHECK_MSG(pupil_v4l2_format_read(&answer, &f, &why) && strstr(why.text, cases[i].refusal), "case %zu: %s", i,
+                  why.text);
     }
 }
 

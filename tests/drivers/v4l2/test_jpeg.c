@@ -60,10 +60,10 @@ static void test_stream(void)
         config.multiplanar = kind >= 2;
         config.data_offset = kind >= 2 ? 48 : 0;
         fake_source s = fake_source_open("/dev/video0", &config, &options);
-        CHECK_MSG(s.result == 0, "%s", s.why);
+        CHECK_MSG(s.result == 0, "%s", s.why.text);
         for (uint32_t i = 0; i < 5 && s.source; i++) {
             pupil_frame frame;
-            CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why);
+            CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why.text);
             CHECK(frame.image.pixel == PUPIL_PIXEL_YUYV && frame.image.width == options.width);
             CHECK(frame.image.height == options.height && frame.info.sequence == i && frame.image.coding);
             CHECK(frame.image.coding->range == PUPIL_RANGE_FULL && frame.image.coding->light == PUPIL_LIGHT_SRGB);
@@ -89,13 +89,13 @@ static void test_choice(void)
     fake_v4l2 *fake = fake_v4l2_new(&config);
     const pupil_v4l2_options mjpg = {.system = fake_v4l2_system(fake), .fourcc = V4L2_PIX_FMT_MJPEG};
     const pupil_v4l2_options any = {.system = fake_v4l2_system(fake)};
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     pupil_source *source = NULL;
-    CHECK(pupil_v4l2_source_open("0", NULL, &mjpg, &source, why, sizeof why) == 0);
+    CHECK(pupil_v4l2_source_open("0", NULL, &mjpg, &source, &why) == 0);
     pupil_source_close(source);
-    CHECK(pupil_v4l2_source_open("0", NULL, &any, &source, why, sizeof why) == 0);
+    CHECK(pupil_v4l2_source_open("0", NULL, &any, &source, &why) == 0);
     CHECK(pupil_v4l2_source_capture(source)->format.fourcc == V4L2_PIX_FMT_YUYV);
-    CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+    CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(!frame.coded && !frame.coded_bytes && frame.image.data);
     pupil_source_close(source);
     fake_v4l2_free(fake);
@@ -112,7 +112,7 @@ static void test_damaged(void)
     fake_source s = fake_source_open("/dev/video0", &config, &options);
     for (int i = 0; i < 100; i++) {
         pupil_frame frame;
-        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why);
+        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why.text);
         missing += i ? frame.info.sequence - last - 1 : frame.info.sequence;
         last = frame.info.sequence;
         pupil_source_done(s.source, &frame);
@@ -128,8 +128,9 @@ static void test_damaged(void)
     const int64_t began_ns = system->now_ns(system->context);
     pupil_frame frame;
     CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FAILED);
-    CHECK_MSG(strstr(s.why, "/dev/video0: no whole frame within 2 seconds; the last one is a JPEG that is cut short"),
-              "%s", s.why);
+    CHECK_MSG(
+        strstr(s.why.text, "/dev/video0: no whole frame within 2 seconds; the last one is a JPEG that is cut short"),
+        "%s", s.why.text);
     CHECK(system->now_ns(system->context) - began_ns < INT64_C(2200000000));
     fake_source_close(&s);
 }
@@ -144,7 +145,7 @@ static void test_again(void)
     fake_source s = fake_source_open("/dev/video0", &config, &options);
     for (uint32_t i = 0; i < 6; i++) {
         pupil_frame frame;
-        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%u: %s", i, s.why);
+        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%u: %s", i, s.why.text);
         CHECK_MSG(frame.image.width == (i < 3 ? 64 : 32) && frame.image.height == (i < 3 ? 48 : 24), "frame %u: %u", i,
                   frame.image.width);
         pupil_source_done(s.source, &frame);

@@ -50,7 +50,7 @@ static void check_stream(fake_source *s)
 {
     for (int i = 0; i < 9 && s->source; i++) {
         pupil_frame frame;
-        CHECK_MSG(fake_source_next(s, &frame) == PUPIL_SOURCE_FRAME, "%s", s->why);
+        CHECK_MSG(fake_source_next(s, &frame) == PUPIL_SOURCE_FRAME, "%s", s->why.text);
         CHECK(frame.image.width == 64 && frame.info.sequence == (uint64_t)i);
         if (frame.coded)
             CHECK(frame.coded_bytes > 500 && ((const unsigned char *)frame.coded)[1] == 0xd8);
@@ -109,7 +109,7 @@ static void test_kinds(void)
             config.multiplanar = k == 2 || k == 3;
             config.data_offset = config.multiplanar ? 96 : 0;
             fake_source s = fake_source_open("/dev/video0", &config, &options);
-            CHECK_MSG(s.result == 0, "%s: %s", m->name, s.why);
+            CHECK_MSG(s.result == 0, "%s: %s", m->name, s.why.text);
             if (s.source) {
                 const pupil_v4l2_capture *c = pupil_v4l2_source_capture(s.source);
                 CHECK_MSG(c->reading == m->reading, "%s: %s", m->name, pupil_v4l2_reading_name(c->reading));
@@ -146,8 +146,8 @@ static void test_callers(void)
                                             .fourcc = multiplanar ? V4L2_PIX_FMT_NV12M : V4L2_PIX_FMT_YUYV,
                                             .dmabuf = fds,
                                             .dmabufs = 3};
-        s.result = pupil_v4l2_source_open("0", NULL, &options, &s.source, s.why, sizeof s.why);
-        CHECK_MSG(s.result == 0, "%s", s.why);
+        s.result = pupil_v4l2_source_open("0", NULL, &options, &s.source, &s.why);
+        CHECK_MSG(s.result == 0, "%s", s.why.text);
         if (s.source) {
             const pupil_v4l2_capture *c = pupil_v4l2_source_capture(s.source);
             CHECK(c->reading == PUPIL_V4L2_READS_CALLERS && c->buffers == 3 &&
@@ -167,7 +167,7 @@ static void test_callers(void)
 static void check_refused(const fake_v4l2_config *config, const pupil_v4l2_options *options, const char *sentence)
 {
     fake_source s = fake_source_open("/dev/video0", config, options);
-    CHECK_MSG(s.result == PUPIL_SOURCE_FAILED && strstr(s.why, sentence), "'%s' for '%s'", s.why, sentence);
+    CHECK_MSG(s.result == PUPIL_SOURCE_FAILED && strstr(s.why.text, sentence), "'%s' for '%s'", s.why.text, sentence);
     fake_source_close(&s);
 }
 

@@ -9,7 +9,7 @@
 #include "source.h"
 #include "v4l2/output/v4l2_sink.h"
 
-static char why[PUPIL_WHY_BYTES];
+static pupil_why why;
 
 static const struct {
     uint32_t fourcc;
@@ -112,9 +112,9 @@ static pupil_sink *open_sink(fake_v4l2 *fake, const char *path, uint32_t width, 
 {
     const pupil_sink_options options = {.width = width, .height = height, .fps = 29.97};
     pupil_sink *sink = NULL;
-    why[0] = 0;
-    const int result = pupil_v4l2_sink_open(&sink, path, &options, fake_v4l2_system(fake), why, sizeof why);
-    CHECK_MSG((result == PUPIL_SINK_OK) == (sink != NULL) && (sink || *why), "%s", why);
+    why.text[0] = 0;
+    const int result = pupil_v4l2_sink_open(&sink, path, &options, fake_v4l2_system(fake), &why);
+    CHECK_MSG((result == PUPIL_SINK_OK) == (sink != NULL) && (sink || *why.text), "%s", why.text);
     return sink;
 }
 
@@ -130,15 +130,15 @@ static void show(const fake_v4l2_config *config, const rule *r, uint32_t width, 
     fake_v4l2 *fake = fake_v4l2_new(config);
     fake_v4l2_screen screen;
     pupil_sink *sink = open_sink(fake, "/dev/video2", width, height);
-    CHECK_MSG(sink != NULL, "%s: %s", what, why);
+    CHECK_MSG(sink != NULL, "%s: %s", what, why.text);
     for (uint64_t i = 1; sink && i <= 7; i++) { /* more than it has buffers */
         frame f = make_frame(width, height, i % 2 == 0);
-        CHECK_MSG(pupil_sink_write(sink, &f.image, NULL, why, sizeof why) == PUPIL_SINK_OK, "%s: %s", what, why);
+        CHECK_MSG(pupil_sink_write(sink, &f.image, NULL, &why) == PUPIL_SINK_OK, "%s: %s", what, why.text);
         CHECK(fake_v4l2_shown(fake, &screen) == i);
         check_screen(&screen, r, &f, what);
         free(f.rgb);
     }
-    CHECK(!sink || pupil_sink_finish(sink, why, sizeof why) == PUPIL_SINK_OK);
+    CHECK(!sink || pupil_sink_finish(sink, &why) == PUPIL_SINK_OK);
     close_fake(fake);
 }
 
@@ -183,7 +183,7 @@ static void test_grey(void)
         f.rgb[i] = (uint8_t)(i / 3 / 2 * 2);
     fake_v4l2 *fake = fake_v4l2_new(&c);
     pupil_sink *sink = open_sink(fake, "v4l2:2", 256, 1);
-    CHECK(sink && pupil_sink_write(sink, &f.image, NULL, why, sizeof why) == PUPIL_SINK_OK);
+    CHECK(sink && pupil_sink_write(sink, &f.image, NULL, &why) == PUPIL_SINK_OK);
     CHECK(fake_v4l2_shown(fake, &screen) == 1);
     for (uint32_t x = 0; x < 256; x++)
         CHECK(screen.data[256 + x] == 128);
@@ -212,7 +212,7 @@ static void test_order(void)
             system->close(system->context, fd);
         }
         pupil_sink *sink = open_sink(fake, "/dev/video2", 32, 24);
-        CHECK(sink && pupil_sink_write(sink, &f.image, NULL, why, sizeof why) == PUPIL_SINK_OK);
+        CHECK(sink && pupil_sink_write(sink, &f.image, NULL, &why) == PUPIL_SINK_OK);
         fake_v4l2_shown(fake, &screen);
         CHECK(screen.fourcc == formats[i ? i - 1 : 0].fourcc);
         pupil_sink_discard(sink);
@@ -227,7 +227,7 @@ static void refused(const fake_v4l2_config *config, const char *path, uint32_t w
 {
     fake_v4l2 *fake = fake_v4l2_new(config);
     pupil_sink *sink = open_sink(fake, path, width, 24);
-    CHECK_MSG(!sink && strcmp(why, sentence) == 0, "'%s'", why);
+    CHECK_MSG(!sink && strcmp(why.text, sentence) == 0, "'%s'", why.text);
     pupil_sink_discard(sink);
     close_fake(fake);
 }
@@ -275,9 +275,10 @@ static void write_until(const fake_v4l2_config *config, uint64_t frames, const c
     pupil_sink *sink = open_sink(fake, "/dev/video2", 32, 24);
     const int64_t began_ns = system->now_ns(system->context);
     uint64_t i = 0;
-    while (sink && i < 20 && pupil_sink_write(sink, &f.image, NULL, why, sizeof why) == PUPIL_SINK_OK)
+    while (sink && i < 20 && pupil_sink_write(sink, &f.image, NULL, &why) == PUPIL_SINK_OK)
         i++;
-    CHECK_MSG(i == frames && strcmp(why, sentence) == 0, "%llu frames, then '%s'", (unsigned long long)i, why);
+    CHECK_MSG(i == frames && strcmp(why.text, sentence) == 0, "%llu frames, then '%s'", (unsigned long long)i,
+              why.text);
     CHECK(system->now_ns(system->context) - began_ns < INT64_C(7000000000));
     pupil_sink_discard(sink);
     close_fake(fake);
@@ -305,12 +306,11 @@ static void test_ends(void)
     fake_v4l2 *fake = fake_v4l2_new(&c);
     frame f = make_frame(30, 24, 0);
     pupil_sink *sink = open_sink(fake, "/dev/video2", 32, 24);
-    CHECK(sink && pupil_sink_write(sink, &f.image, NULL, why, sizeof why) == PUPIL_SINK_FAILED &&
-          strstr(why, "30 x 24"));
-    CHECK(sink && pupil_sink_finish(sink, why, sizeof why) == PUPIL_SINK_FAILED && strstr(why, "no frame"));
+    CHECK(sink && pupil_sink_write(sink, &f.image, NULL, &why) == PUPIL_SINK_FAILED && strstr(why.text, "30 x 24"));
+    CHECK(sink && pupil_sink_finish(sink, &why) == PUPIL_SINK_FAILED && strstr(why.text, "no frame"));
     pupil_sink *other = open_sink(fake, "/dev/video2", 32, 24);
-    CHECK_MSG(!other && strcmp(why, "/dev/video2: refuses the format: another program is writing to it") == 0, "%s",
-              why);
+    CHECK_MSG(!other && strcmp(why.text, "/dev/video2: refuses the format: another program is writing to it") == 0,
+              "%s", why.text);
     pupil_sink_discard(sink);
     close_fake(fake);
     free(f.rgb);
@@ -329,18 +329,18 @@ static int play(const fake_v4l2_config *config, unsigned long at, unsigned long 
     frame picture = make_frame(32, 24, 0);
     const int64_t began_ns = system->now_ns(system->context);
     fake_faults_begin(&f, system, at, many, error);
-    why[0] = 0;
-    int result = pupil_v4l2_sink_open(&sink, "/dev/video2", &options, &f.system, why, sizeof why);
+    why.text[0] = 0;
+    int result = pupil_v4l2_sink_open(&sink, "/dev/video2", &options, &f.system, &why);
     for (int i = 0; !result && i < 6; i++)
-        result = pupil_sink_write(sink, &picture.image, NULL, why, sizeof why);
-    if (!result && pupil_sink_finish(sink, why, sizeof why) == PUPIL_SINK_OK)
+        result = pupil_sink_write(sink, &picture.image, NULL, &why);
+    if (!result && pupil_sink_finish(sink, &why) == PUPIL_SINK_OK)
         sink = NULL;
     else
         result = PUPIL_SINK_FAILED;
     pupil_sink_discard(sink);
     const int64_t took_ns = system->now_ns(system->context) - began_ns;
-    CHECK_MSG((result != 0) == (why[0] != 0) && !strchr(why, '\n'), "call %lu (%s), %s: %d, '%s'", at, f.failed,
-              strerror(error), result, why);
+    CHECK_MSG((result != 0) == (why.text[0] != 0) && !strchr(why.text, '\n'), "call %lu (%s), %s: %d, '%s'", at,
+              f.failed, strerror(error), result, why.text);
     CHECK_MSG(took_ns < INT64_C(12000000000), "call %lu (%s), %s: %g s", at, f.failed, strerror(error),
               (double)took_ns * 1e-9);
     CHECK(f.calls < 20000);

@@ -28,7 +28,7 @@ static void test_times(void)
             config.first_sequence = UINT32_MAX - 2;
             const pupil_v4l2_options options = {.monotonic = monotonic};
             fake_source s = fake_source_open("/dev/video0", &config, &options);
-            CHECK_MSG(s.result == 0 && s.source->fps == 30.0, "%s", s.why);
+            CHECK_MSG(s.result == 0 && s.source->fps == 30.0, "%s", s.why.text);
             int64_t last_ns = 0;
             for (uint64_t i = 0; i < 8; i++) {
                 pupil_frame frame;
@@ -64,7 +64,7 @@ static void test_other_clock(void)
         const int ours = llabs(ahead_ns[k]) < 10000000;
         config.stamps_ns = ahead_ns[k];
         fake_source s = fake_source_open("/dev/video0", &config, &options);
-        CHECK_MSG(s.result == 0, "%s", s.why);
+        CHECK_MSG(s.result == 0, "%s", s.why.text);
         for (int i = 0; i < 4; i++) {
             pupil_frame frame;
             CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
@@ -95,7 +95,7 @@ static void test_losses(void)
         for (int i = 0; i < 2000; i++) {
             pupil_frame frame;
             if (fake_source_next(&s, &frame) != PUPIL_SOURCE_FRAME) {
-                CHECK_MSG(0, "%s", s.why);
+                CHECK_MSG(0, "%s", s.why.text);
                 break;
             }
             lost += pupil_v4l2_source_frame(s.source)->lost;
@@ -183,11 +183,12 @@ static void check_end_of(const char *what, const fake_v4l2_config *config, uint6
     const pupil_v4l2_options options = {.timeout_s = 2};
     uint64_t got;
     fake_source s = fake_source_open("/dev/video0", config, &options);
-    CHECK_MSG(s.result == 0, "%s: %s", what, s.why);
+    CHECK_MSG(s.result == 0, "%s: %s", what, s.why.text);
     const int end = run(&s, 1000, &got);
     CHECK_MSG(end == expected && got == frames, "%s: %d after %llu", what, end, (unsigned long long)got);
-    CHECK_MSG(expected == PUPIL_SOURCE_END || strstr(s.why, sentence), "%s: %s", what, s.why);
-    CHECK_MSG(expected == PUPIL_SOURCE_END || strncmp(s.why, "/dev/video0: ", 13) == 0, "%s: %s", what, s.why);
+    CHECK_MSG(expected == PUPIL_SOURCE_END || strstr(s.why.text, sentence), "%s: %s", what, s.why.text);
+    CHECK_MSG(expected == PUPIL_SOURCE_END || strncmp(s.why.text, "/dev/video0: ", 13) == 0, "%s: %s", what,
+              s.why.text);
     const int64_t before = clock_of(&s);
     CHECK_MSG(run(&s, 1000, &got) == expected && got == 0, "%s: goes on", what);
     CHECK_MSG(clock_of(&s) - before < INT64_C(2200000000), "%s: waits %lld ns", what,
@@ -224,7 +225,7 @@ static void test_change(void)
     c.change_at = 6;
     fake_source s = fake_source_open("/dev/video0", &c, NULL);
     CHECK(run(&s, 1000, &frames) == PUPIL_SOURCE_FAILED && frames == 6);
-    CHECK_MSG(strstr(s.why, "the camera's signal changed"), "%s", s.why);
+    CHECK_MSG(strstr(s.why.text, "the camera's signal changed"), "%s", s.why.text);
     fake_source_close(&s);
 }
 
@@ -244,8 +245,8 @@ static void test_reopen(void)
         c.change_at = which == 4 ? 7 : 0;
         fake_source s = fake_source_open(which == 1 ? FAKE_V4L2_NAME : "/dev/video0", &c, &options);
         const int64_t began_ns = clock_of(&s);
-        CHECK_MSG(run(&s, 7, &frames) == PUPIL_SOURCE_FRAME && frames == 7, "%s", s.why);
-        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%d: %s", which, s.why);
+        CHECK_MSG(run(&s, 7, &frames) == PUPIL_SOURCE_FRAME && frames == 7, "%s", s.why.text);
+        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%d: %s", which, s.why.text);
         CHECK(fake_source_counts(&s)->reopened == 1);
         CHECK_MSG(frame.info.sequence == 7 && frame.info.timestamp_ns > 200000000, "%d: frame %llu", which,
                   (unsigned long long)frame.info.sequence);
@@ -263,9 +264,9 @@ static void test_reopen(void)
     c.unplug_at = 3;
     fake_source s = fake_source_open("/dev/video0", &c, &options);
     CHECK(run(&s, 1000, &frames) == PUPIL_SOURCE_FAILED && frames == 3);
-    CHECK_MSG(strstr(s.why, "it did not come back within 20 seconds"), "%s", s.why);
+    CHECK_MSG(strstr(s.why.text, "it did not come back within 20 seconds"), "%s", s.why.text);
     CHECK(clock_of(&s) > INT64_C(1020000000000) && clock_of(&s) < INT64_C(1021000000000));
-    CHECK(run(&s, 10, &frames) == PUPIL_SOURCE_FAILED && frames == 0 && *s.why);
+    CHECK(run(&s, 10, &frames) == PUPIL_SOURCE_FAILED && frames == 0 && *s.why.text);
     fake_source_close(&s);
     /* One that comes back each time, and has no frame. */
     c = usual();
@@ -273,7 +274,7 @@ static void test_reopen(void)
     s = fake_source_open("/dev/video0", &c, &options);
     const int64_t began_ns = clock_of(&s);
     CHECK(run(&s, 1000, &frames) == PUPIL_SOURCE_FAILED && frames == 0);
-    CHECK_MSG(strstr(s.why, "no whole frame within 1 seconds"), "%s", s.why);
+    CHECK_MSG(strstr(s.why.text, "no whole frame within 1 seconds"), "%s", s.why.text);
     CHECK(clock_of(&s) - began_ns < INT64_C(23) * 1000000000);
     fake_source_close(&s);
 }
@@ -313,7 +314,7 @@ static void test_controls(void)
     struct v4l2_ext_controls all = {.which = V4L2_CTRL_WHICH_CUR_VAL, .count = 2, .controls = both};
     c.control_delay = 3;
     fake_source s = fake_source_open("/dev/video0", &c, &options);
-    CHECK_MSG(s.result == 0, "%s", s.why);
+    CHECK_MSG(s.result == 0, "%s", s.why.text);
     const pupil_v4l2_device *device = &pupil_v4l2_source_capture(s.source)->device;
     for (uint32_t i = 0; i < 12; i++) {
         pupil_frame frame;
@@ -360,13 +361,13 @@ static void test_calls(void)
     fake_faults counter;
     pupil_source *source = NULL;
     pupil_frame frame;
-    char why[PUPIL_WHY_BYTES];
+    pupil_why why;
     fake_faults_begin(&counter, fake_v4l2_system(fake), 0, 0, 0);
     const pupil_v4l2_options options = {.system = &counter.system};
-    CHECK(pupil_v4l2_source_open("0", NULL, &options, &source, why, sizeof why) == 0);
+    CHECK(pupil_v4l2_source_open("0", NULL, &options, &source, &why) == 0);
     const unsigned long before = counter.calls;
     for (int i = 0; source && i < 600; i++) {
-        CHECK(pupil_source_next(source, &frame, why, sizeof why) == PUPIL_SOURCE_FRAME);
+        CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
         pupil_source_done(source, &frame);
     }
     CHECK_MSG(counter.calls - before == 3 * 600, "%lu calls", counter.calls - before);
@@ -384,7 +385,7 @@ static void test_share(void)
         c.no_share = refused;
         const pupil_v4l2_options options = {.fourcc = V4L2_PIX_FMT_NV12M, .share = 1};
         fake_source s = fake_source_open("/dev/video0", &c, &options);
-        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why);
+        CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why.text);
         const pupil_v4l2_capture *capture = pupil_v4l2_source_capture(s.source);
         const pupil_v4l2_buffer *b = &capture->buffer[pupil_v4l2_source_frame(s.source)->index];
         const void *planes[2] = {frame.image.data, frame.image.chroma};

@@ -7,7 +7,7 @@
 #include "check.h"
 #include "scratch.h"
 
-static char why[1024];
+static pupil_why why;
 
 typedef struct setup {
     study_images images;
@@ -20,7 +20,7 @@ typedef struct setup {
 
 static void begin(setup *s, uint32_t width, uint32_t height, int float32)
 {
-    CHECK(study_images_spheres(&s->images, width, height, why, sizeof why) == 0);
+    CHECK(study_images_spheres(&s->images, width, height, &why) == 0);
     CHECK(study_lights_meter(&s->lights, &s->images, 0) == PUPIL_OK);
     CHECK(study_states_make(&s->states, &s->lights, float32) == PUPIL_OK);
     for (int light = 0; light < 2; light++)
@@ -177,7 +177,7 @@ static void check_csv(const setup *s)
         return;
     study_csv(f, &s->cells);
     fclose(f);
-    CHECK(study_csv_read(&again, path, why, sizeof why) == 0);
+    CHECK(study_csv_read(&again, path, &why) == 0);
     CHECK(memcmp(again.frame, s->cells.frame, sizeof again.frame) == 0);
 
     static const char *const wrong[] = {"",
@@ -192,8 +192,8 @@ static void check_csv(const setup *s)
             fputs(wrong[i], f);
             fclose(f);
         }
-        CHECK(study_csv_read(&again, path, why, sizeof why) == -1);
-        CHECK_MSG(strstr(why, path), "%s", why);
+        CHECK(study_csv_read(&again, path, &why) == -1);
+        CHECK_MSG(strstr(why.text, path), "%s", why.text);
     }
 }
 

@@ -8,13 +8,14 @@
 int main(int argc, char **argv)
 {
     static study_regression r;
-    static char path[4200], why[1024];
+    static char path[4200];
+    pupil_why why;
     check_begin(argc, argv);
     const char *shared = check_shared();
     if (!shared)
         return check_skip("no shared images");
     snprintf(path, sizeof path, "%s/seeds/convergence.csv", shared);
-    CHECK_MSG(study_regression_make(&r, path, why, sizeof why) == 0, "%s", why);
+    CHECK_MSG(study_regression_make(&r, path, &why) == 0, "%s", why.text);
     printf("%u cells and %u misprints: %u exact, %u within 1 frame, %u within 2\n", r.cells, r.misprints, r.exact,
            r.within_1, r.within_2);
     CHECK(r.cells == 1277 && r.misprints == 3);

@@ -72,11 +72,12 @@ static void check_table(void)
     const char *at = pupil_camera_sensors();
     int sensors = 0, matrices = 0;
     while (*at) {
-        char name[24] = "", subdevice[64], why[256] = "";
+        char name[24] = "", subdevice[64];
+        pupil_why why = {""};
         pupil_camera_sensor s;
         if (*at != '#' && *at != '\n' && sscanf(at, "%23s", name) == 1) {
             snprintf(subdevice, sizeof subdevice, "%s 10-001a", name);
-            CHECK_MSG(pupil_camera_find_sensor(NULL, subdevice, &s, why, sizeof why) == 1, "%s: %s", name, why);
+            CHECK_MSG(pupil_camera_find_sensor(NULL, subdevice, &s, &why) == 1, "%s: %s", name, why.text);
             CHECK(!strcmp(s.name, name) && s.source[0] && s.exposure_delay <= 4 && s.gain_delay <= 4 &&
                   s.black < 65535);
             const int64_t least = s.gain.law == PUPIL_CAMERA_RATIO && s.gain.p[1] == 0 ? (int64_t)s.gain.p[3] : 0;
@@ -112,21 +113,22 @@ static void check_parser(void)
         {"abcdefghijklmnopqrstuvwxyz", "23"}, {"a gain db 1e999", "number"},
     };
     pupil_camera_sensor s;
-    char why[256];
+    pupil_why why;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         char text[256];
         snprintf(text, sizeof text, "# of mine\nb gain db 1\n%s\n", wrong[i].text);
-        why[0] = 0;
-        CHECK_MSG(pupil_camera_find_sensor(text, "b", &s, why, sizeof why) == -1, "%s", wrong[i].text);
-        CHECK_MSG(strstr(why, "line 3") && strstr(why, wrong[i].fault), "%s: \"%s\"", wrong[i].text, why);
+        why.text[0] = 0;
+        CHECK_MSG(pupil_camera_find_sensor(text, "b", &s, &why) == -1, "%s", wrong[i].text);
+        CHECK_MSG(strstr(why.text, "line 3") && strstr(why.text, wrong[i].fault), "%s: \"%s\"", wrong[i].text,
+                  why.text);
     }
     const char *good = "\n  mine gain table 0:1 4:2.5 black 100 source a bench, at home\nMINE gain db 1";
-    CHECK(pupil_camera_find_sensor(good, "Mine 3-0036", &s, why, sizeof why) == 1);
+    CHECK(pupil_camera_find_sensor(good, "Mine 3-0036", &s, &why) == 1);
     CHECK(s.gain.rows == 2 && s.gain.gain[1] == 2.5 && s.black == 100 && !strcmp(s.source, "a bench, at home"));
     CHECK(!s.exposure_delay && !s.has_matrix);
-    CHECK(pupil_camera_find_sensor(good, "mine2", &s, why, sizeof why) == 0);
-    CHECK(pupil_camera_find_sensor("", "mine", &s, NULL, 0) == 0);
-    CHECK(pupil_camera_find_sensor(NULL, "imx2190", &s, why, sizeof why) == 0);
+    CHECK(pupil_camera_find_sensor(good, "mine2", &s, &why) == 0);
+    CHECK(pupil_camera_find_sensor("", "mine", &s, NULL) == 0);
+    CHECK(pupil_camera_find_sensor(NULL, "imx2190", &s, &why) == 0);
     for (int i = 0; i < 20000; i++) { /* whatever it is given, it ends */
         static const char *const pieces[] = {"a",      " ",  "\n",    "gain",  "ratio",  "table", "1:2",
                                              "3",      "-1", "#",     "delay", "matrix", "1e9",   ":",
@@ -134,7 +136,7 @@ static void check_parser(void)
         char text[700] = "";
         for (int k = 0; k < 60; k++)
             strcat(text, pieces[check_random() % (sizeof pieces / sizeof *pieces)]);
-        pupil_camera_find_sensor(text, "a", &s, why, sizeof why);
+        pupil_camera_find_sensor(text, "a", &s, &why);
     }
 }
 

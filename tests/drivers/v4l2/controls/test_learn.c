@@ -7,7 +7,7 @@
 #include "fake_controls.h"
 
 static fake_controls fake;
-static char why[512];
+static pupil_why why;
 
 static pupil_camera *open_camera(int sensor, uint32_t delay)
 {
@@ -22,8 +22,8 @@ static pupil_camera *open_camera(int sensor, uint32_t delay)
         fake_sensor(&fake);
     else
         fake_uvc(&fake);
-    pupil_camera *camera = pupil_camera_open(&options, why, sizeof why);
-    CHECK_MSG(camera, "%s", why);
+    pupil_camera *camera = pupil_camera_open(&options, &why);
+    CHECK_MSG(camera, "%s", why.text);
     if (!camera)
         exit(check_end());
     return camera;
@@ -31,7 +31,7 @@ static pupil_camera *open_camera(int sensor, uint32_t delay)
 
 static void close_camera(pupil_camera *camera)
 {
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0);
+    CHECK(pupil_camera_close(camera, &why) == 0);
 }
 
 static double gain_of(pupil_camera *camera, uint64_t sequence)

@@ -10,7 +10,7 @@
 #define LINE_S (3448 / 182.4e6)
 
 static fake_controls fake;
-static char why[512];
+static pupil_why why;
 
 static pupil_camera *open_camera(void)
 {
@@ -21,7 +21,7 @@ static pupil_camera *open_camera(void)
                                           .width = 1920,
                                           .height = 1080};
     fake_sensor(&fake);
-    return pupil_camera_open(&options, why, sizeof why);
+    return pupil_camera_open(&options, &why);
 }
 
 /* Exposure and gain that are in the registers. */
@@ -39,7 +39,7 @@ static void settle(double light_ev, uint32_t state, double exposure_s, double ga
     pupil_sensor sensor;
     double written[64][2]; /* in the registers while frame i is exposed, acting by the delays of 2 and 1 */
     int settled = 0;
-    CHECK_MSG(camera, "%s", why);
+    CHECK_MSG(camera, "%s", why.text);
     if (!camera)
         return;
     pupil_sensor_config_default(&config);
@@ -76,7 +76,7 @@ static void settle(double light_ev, uint32_t state, double exposure_s, double ga
     CHECK_MSG(settled <= 4 || state == PUPIL_SENSOR_LIMITED, "%d frames", settled);
     CHECK_MSG(fabs(s.exposure_s / exposure_s - 1) < 0.01 && fabs(s.gain / gain - 1) < 0.05, "%g s x %g", s.exposure_s,
               s.gain);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0 && fake_value(&fake, V4L2_CID_EXPOSURE) == 1600);
+    CHECK(pupil_camera_close(camera, &why) == 0 && fake_value(&fake, V4L2_CID_EXPOSURE) == 1600);
 }
 
 int main(int argc, char **argv)

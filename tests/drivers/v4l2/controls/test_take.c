@@ -7,13 +7,13 @@
 #include "fake_controls.h"
 
 static fake_controls fake, before;
-static char why[512];
+static pupil_why why;
 
 static pupil_camera *open_uvc(void)
 {
     const pupil_camera_options options = {.calls = &fake.table, .fd = FAKE_VIDEO, .subdevice_fd = -1, .mains_hz = 50};
     before = fake;
-    return pupil_camera_open(&options, why, sizeof why);
+    return pupil_camera_open(&options, &why);
 }
 
 static pupil_camera *open_sensor(void)
@@ -25,7 +25,7 @@ static pupil_camera *open_sensor(void)
                                           .width = 1920,
                                           .height = 1080};
     before = fake;
-    return pupil_camera_open(&options, why, sizeof why);
+    return pupil_camera_open(&options, &why);
 }
 
 static int as_before(void)
@@ -53,7 +53,7 @@ static void check_uvc(void)
     pupil_camera_status status;
     pupil_sensor_config config;
     const char *fault = "";
-    CHECK_MSG(camera, "%s", why);
+    CHECK_MSG(camera, "%s", why.text);
     if (!camera)
         return;
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_MANUAL);
@@ -77,8 +77,8 @@ static void check_uvc(void)
     CHECK(status.exposure_s.asked == 0.02004 && fabs(status.exposure_s.taken - 0.02) < 1e-12);
     CHECK(status.gain.asked == 2.03 && status.gain.taken == 2 && !status.failed);
     CHECK(fake.log[fake.logged - 1].call == fake.log[fake.logged - 2].call); /* both in one call */
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0 && as_before());
-    CHECK(pupil_camera_close(NULL, why, sizeof why) == 0);
+    CHECK(pupil_camera_close(camera, &why) == 0 && as_before());
+    CHECK(pupil_camera_close(NULL, &why) == 0);
 
     /* what the camera lacks is not touched, and its menu is obeyed */
     fake_uvc(&fake);
@@ -87,7 +87,7 @@ static void check_uvc(void)
     fake.no_query_ext = 1;
     fake.count = 2;
     camera = open_uvc();
-    CHECK_MSG(camera && fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_SHUTTER_PRIORITY, "%s", why);
+    CHECK_MSG(camera && fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_SHUTTER_PRIORITY, "%s", why.text);
     pupil_camera_get_limits(camera, &l);
     CHECK(!l.has_gain && l.gain_min == 1 && l.gain_max == 1);
     fake.control[0].value = 3; /* STREAMON set it anew */
@@ -95,11 +95,11 @@ static void check_uvc(void)
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_SHUTTER_PRIORITY);
     pupil_camera_restore(camera); /* from a signal's handler */
     CHECK(as_before());
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0 && as_before());
+    CHECK(pupil_camera_close(camera, &why) == 0 && as_before());
     fake.control[0].menu = 1 << V4L2_EXPOSURE_APERTURE_PRIORITY;
-    CHECK(!open_uvc() && strstr(why, "EXPOSURE_AUTO") && as_before());
+    CHECK(!open_uvc() && strstr(why.text, "EXPOSURE_AUTO") && as_before());
     fake.count = 1;
-    CHECK(!open_uvc() && strstr(why, "EXPOSURE_ABSOLUTE") && as_before());
+    CHECK(!open_uvc() && strstr(why.text, "EXPOSURE_ABSOLUTE") && as_before());
 }
 
 static void check_sensor(void)
@@ -111,7 +111,7 @@ static void check_sensor(void)
     const char *fault = "";
     fake_sensor(&fake);
     pupil_camera *camera = open_sensor();
-    CHECK_MSG(camera, "%s", why);
+    CHECK_MSG(camera, "%s", why.text);
     if (!camera)
         return;
     pupil_camera_get_limits(camera, &l);
@@ -148,11 +148,11 @@ static void check_sensor(void)
     number = pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = NAN, .gain = -1, .frame_s = INFINITY});
     wait_for(camera, number);
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE) == 100 && fake_value(&fake, V4L2_CID_ANALOGUE_GAIN) == 128);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0 && as_before());
+    CHECK(pupil_camera_close(camera, &why) == 0 && as_before());
 
     fake_sensor(&fake); /* no line's time */
     fake.control[0].id = V4L2_CID_HUE;
-    CHECK(!open_sensor() && strstr(why, "PIXEL_RATE") && as_before());
+    CHECK(!open_sensor() && strstr(why.text, "PIXEL_RATE") && as_before());
 }
 
 /* The n-th call fails, alone or with all that follow, for every n of a session: a sentence or a count of failed writes,
@@ -171,7 +171,7 @@ static void check_failures(void)
                 fake.fail_at = n;
                 fake.fail_for = kind & 1 ? 1000000 : 0;
                 fake.fail_errno = numbers[kind / 2];
-                why[0] = 0;
+                why.text[0] = 0;
                 pupil_camera *camera = sensor ? open_sensor() : open_uvc();
                 if (camera) {
                     pupil_camera_status status;
@@ -180,12 +180,12 @@ static void check_failures(void)
                     /* EINVAL says that there is no EXPOSURE_AUTO; the exposure then is not to be written */
                     CHECK(status.failed == 0 || status.error == numbers[kind / 2] ||
                           (numbers[kind / 2] == EINVAL && status.error == EACCES));
-                    const int result = pupil_camera_close(camera, why, sizeof why);
-                    CHECK(result == 0 || (result == -1 && strstr(why, "could not be put back")));
+                    const int result = pupil_camera_close(camera, &why);
+                    CHECK(result == 0 || (result == -1 && strstr(why.text, "could not be put back")));
                     CHECK_MSG(result == -1 || as_before(), "call %ld of %ld, errno %d", n, calls, fake.fail_errno);
                     CHECK(n > 0 || result == 0);
                 } else {
-                    CHECK_MSG(strlen(why) > 20, "call %ld: \"%s\"", n, why);
+                    CHECK_MSG(strlen(why.text) > 20, "call %ld: \"%s\"", n, why.text);
                     CHECK_MSG((kind & 1) || as_before(), "call %ld of open, errno %d", n, fake.fail_errno);
                 }
                 calls = n == 0 ? fake.calls : calls;

@@ -7,7 +7,7 @@
 #include "fake_controls.h"
 
 static fake_controls fake;
-static char why[512];
+static pupil_why why;
 
 static pupil_camera *open_camera(int sensor, int at_frame_start)
 {
@@ -18,7 +18,7 @@ static pupil_camera *open_camera(int sensor, int at_frame_start)
                                           .width = 1920,
                                           .height = 1080,
                                           .at_frame_start = (uint32_t)at_frame_start};
-    return pupil_camera_open(&options, why, sizeof why);
+    return pupil_camera_open(&options, &why);
 }
 
 static pupil_camera_status status_of(pupil_camera *camera)
@@ -54,7 +54,7 @@ static void check_slow_write(void)
 {
     fake_uvc(&fake);
     pupil_camera *camera = open_camera(0, 0);
-    CHECK_MSG(camera, "%s", why);
+    CHECK_MSG(camera, "%s", why.text);
     if (!camera)
         return;
     pthread_mutex_lock(&fake.lock);
@@ -84,7 +84,7 @@ static void check_slow_write(void)
     for (int i = 0; i < fake.logged; i++)
         exposures += fake.log[i].id == V4L2_CID_EXPOSURE_ABSOLUTE;
     CHECK(exposures == 2); /* ... and none of those between */
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0);
+    CHECK(pupil_camera_close(camera, &why) == 0);
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_ABSOLUTE) == 250 && fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == 3);
 }
 
@@ -103,7 +103,7 @@ static void check_merging(void)
     fake_release(&fake);
     wait_for(camera, last);
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_ABSOLUTE) == 300 && fake_value(&fake, V4L2_CID_GAIN) == 48);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0);
+    CHECK(pupil_camera_close(camera, &why) == 0);
 }
 
 static pupil_frame_info in_force(pupil_camera *camera, uint64_t sequence)
@@ -142,7 +142,7 @@ static void check_in_force(void)
     for (int i = 90; i < 100; i++)
         CHECK(fabs(in_force(camera, 103 + (uint64_t)i).exposure_s / line_s - (100 + i)) < 1e-9);
     CHECK(in_force(camera, 0).exposure_s > 0);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0);
+    CHECK(pupil_camera_close(camera, &why) == 0);
 }
 
 /* Written at the frame's start; and where none comes, all the same. */
@@ -159,7 +159,7 @@ static void check_frame_start(void)
     number = pupil_camera_ask(camera, &(pupil_camera_setting){0.002, 0, 0});
     wait_for(camera, number);
     CHECK(fabs(status_of(camera).exposure_s.taken - 0.002) < 2e-5);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0);
+    CHECK(pupil_camera_close(camera, &why) == 0);
 }
 
 /* A write that hangs: close comes back, and everything is put back once the driver does. */
@@ -171,7 +171,7 @@ static void check_hanging_close(void)
     pupil_camera_ask(camera, &(pupil_camera_setting){0.01, 1, 0});
     while (!status_of(camera).writing)
         usleep(100);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 1);
+    CHECK(pupil_camera_close(camera, &why) == 1);
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_MANUAL);
     fake_release(&fake);
     for (int i = 0; i < 20000 && fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) != 3; i++)
@@ -207,7 +207,7 @@ static void check_threads(void)
     for (int i = 0; i < 3; i++)
         pthread_join(thread[i], NULL);
     CHECK(status_of(camera).asks == 6000 && status_of(camera).failed == 0);
-    CHECK(pupil_camera_close(camera, why, sizeof why) == 0 && fake_value(&fake, V4L2_CID_VBLANK) == 683);
+    CHECK(pupil_camera_close(camera, &why) == 0 && fake_value(&fake, V4L2_CID_VBLANK) == 683);
 }
 
 int main(int argc, char **argv)
