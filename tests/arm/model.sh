@@ -1,6 +1,6 @@
 #!/bin/sh
 # model.sh: what metering and mapping 1080p30 would take of one core of Cortex-A53, A72 and A76, by a model: the loops
-# that are executed, counted in qemu, times the cycles that llvm-mca gives each of them. docs/bench.md has what the
+# that are executed, counted in qemu, times the cycles that llvm-mca gives each of them. docs/boards.md has what the
 # model leaves out. LLVM_MCA names another llvm-mca than llvm-mca-19.
 set -eu
 cd "$(dirname "$0")"

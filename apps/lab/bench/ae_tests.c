@@ -1,4 +1,4 @@
-/* What exposure loops are tested for. The limits are those that a loop is to keep to be called good: docs/bench.md. */
+/* What exposure loops are tested for. The limits are those that a loop is to keep to be called good: docs/sim.md. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
