@@ -6,7 +6,7 @@
 
 #define SMALL_PX 160u /* long side of a picture that is only measured */
 
-int replay_work_open(replay_work *w, const replay_options *options)
+int replay_work_open(replay_work *w, const frame_options *options)
 {
     *w = (replay_work){.options = options, .workers = workers_open(options->threads)};
     w->cpu = w->workers ? frame_work_open(w->workers) : NULL;

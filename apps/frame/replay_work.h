@@ -5,17 +5,17 @@
 
 #include "frame_work.h"
 #include "gles_work.h"
+#include "options/frame_options.h"
 #include "pupil/error.h"
-#include "replay/options.h"
 
 /* Told of each frame's statistics as soon as they are there; may change the curve that the frame is mapped by (unless
  * config.order is fused: then it was mapped already). */
 typedef void replay_judge(void *context, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
 
 typedef struct replay_work {
-    const replay_options *options; /* its config is that of the pupil_t, and may change between frames */
-    replay_judge *judge;           /* NULL: nobody */
-    void *context;                 /* of judge */
+    const frame_options *options; /* its config is that of the pupil_t, and may change between frames */
+    replay_judge *judge;          /* NULL: nobody */
+    void *context;                /* of judge */
     workers *workers;
     frame_work *cpu;
     gles_work *gpu; /* NULL: the CPU does it */
@@ -28,7 +28,7 @@ typedef struct replay_work {
 } replay_work;
 
 /* 0; -1: not enough memory. Closing takes what a failed opening left. */
-int replay_work_open(replay_work *w, const replay_options *options);
+int replay_work_open(replay_work *w, const frame_options *options);
 void replay_work_close(replay_work *w);
 
 /* Unless it is cpu_only, from now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in one

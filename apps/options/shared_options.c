@@ -16,10 +16,10 @@ int option_path(const value_text *c, const char **where)
     if (!*c->text)
         return value_refuse(c, "a path");
     *where = c->text;
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
 
-int shared_option_flag(int option, replay_options *o)
+int shared_option_flag(int option, frame_options *o)
 {
     switch (option) {
     case 'y':
@@ -47,7 +47,7 @@ int shared_option_flag(int option, replay_options *o)
 
 int shared_option_take(int option, const value_text *c)
 {
-    replay_options *o = c->o;
+    frame_options *o = c->o;
     switch (option) {
     case 'o':
         return value_of_out(c);
@@ -92,7 +92,7 @@ int shared_option_take(int option, const value_text *c)
     }
 }
 
-int shared_options_check(const replay_options *o, int weight_given, pupil_why *why)
+int shared_options_check(const frame_options *o, int weight_given, pupil_why *why)
 {
     const char *sentence = NULL;
     if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
@@ -100,7 +100,7 @@ int shared_options_check(const replay_options *o, int weight_given, pupil_why *w
     else if (o->gles_version && !o->gles && !o->view)
         sentence = "--gles-version: is of --gles and --view";
     if (!sentence)
-        return REPLAY_RUN;
+        return OPTIONS_RUN;
     pupil_refuse(why, "%s", sentence);
-    return REPLAY_USAGE;
+    return OPTIONS_USAGE;
 }

@@ -60,12 +60,12 @@ const char *option_name(const struct option *options, int option);
 int option_path(const value_text *c, const char **where);
 
 /* An option without a value: 1, or 0 where it is none of these. */
-int shared_option_flag(int option, replay_options *o);
+int shared_option_flag(int option, frame_options *o);
 
-/* An option with a value; all but a command's own. REPLAY_RUN, or REPLAY_USAGE and a sentence. */
+/* An option with a value; all but a command's own. OPTIONS_RUN, or OPTIONS_USAGE and a sentence. */
 int shared_option_take(int option, const value_text *c);
 
 /* What they ask of one another. weight_given: OPTION_WEIGHT was there. */
-int shared_options_check(const replay_options *o, int weight_given, pupil_why *why);
+int shared_options_check(const frame_options *o, int weight_given, pupil_why *why);
 
 #endif

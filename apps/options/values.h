@@ -1,13 +1,13 @@
 /* apps/options/values.h: what the options of `pupil replay` are given: texts, checked, into settings. Each returns
- * REPLAY_RUN, or REPLAY_USAGE and a sentence that names the option, what it was given, and what would be right. */
+ * OPTIONS_RUN, or OPTIONS_USAGE and a sentence that names the option, what it was given, and what would be right. */
 #ifndef PUPIL_APPS_OPTIONS_VALUES_H
 #define PUPIL_APPS_OPTIONS_VALUES_H
 
+#include "frame_options.h"
 #include "pupil/error.h"
-#include "replay/options.h"
 
 typedef struct value_text { /* of one option */
-    replay_options *o;
+    frame_options *o;
     const char *name, *text;
     pupil_why *why;
 } value_text;

@@ -18,7 +18,7 @@ static const struct option long_options[] = {
     SHARED_OPTIONS,
 };
 
-static int take_flag(int option, replay_options *o)
+static int take_flag(int option, frame_options *o)
 {
     switch (option) {
     case RESET_EACH:
@@ -37,7 +37,7 @@ static int take_flag(int option, replay_options *o)
 
 static int take(int option, const value_text *c)
 {
-    replay_options *o = c->o;
+    frame_options *o = c->o;
     switch (option) {
     case REPORT:
         return option_path(c, &o->report);
@@ -51,7 +51,7 @@ static int take(int option, const value_text *c)
 }
 
 /* What --loop asks of the other options. */
-static int check_loop(const replay_options *o, pupil_why *why)
+static int check_loop(const frame_options *o, pupil_why *why)
 {
     if (o->loop && !o->view)
         return pupil_refuse(why, "--loop: is of --view; to write frames several times there is --hold"), -1;
@@ -61,10 +61,10 @@ static int check_loop(const replay_options *o, pupil_why *why)
     return 0;
 }
 
-int replay_options_parse(replay_options *o, int argc, char **argv, pupil_why *why)
+int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why)
 {
     int option, weight_given = 0;
-    *o = (replay_options){.hold = 1, .metering = "uniform", .white = "follow"};
+    *o = (frame_options){.hold = 1, .metering = "uniform", .white = "follow"};
     pupil_config_default(&o->config);
     o->config.histogram = 1; /* every record has quantiles */
 
@@ -81,26 +81,26 @@ int replay_options_parse(replay_options *o, int argc, char **argv, pupil_why *wh
             continue;
         }
         if (option == 'h')
-            return REPLAY_HELP;
+            return OPTIONS_HELP;
         if (option == '?' || option == ':') {
             const char *said = argv[optind - 1];
             pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil replay --help' lists them", said);
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
         }
         if (take_flag(option, o))
             continue;
         value_text c = {o, option_name(long_options, option), optarg, why};
         weight_given |= option == OPTION_WEIGHT;
         if (take(option, &c))
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
     }
     o->inputs = (const char *const *)argv + 1;
     if (!o->input_count) {
         pupil_refuse(why,
                      "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' tells more");
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     }
     if (check_loop(o, why) || shared_options_check(o, weight_given, why))
-        return REPLAY_USAGE;
-    return REPLAY_RUN;
+        return OPTIONS_USAGE;
+    return OPTIONS_RUN;
 }

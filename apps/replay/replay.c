@@ -21,7 +21,7 @@
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_SKIPPED = 3, EXIT_INTERRUPTED = 130 };
 
 typedef struct replay {
-    replay_options options;
+    frame_options options;
     pupil_source *source;
     replay_work work;
     pupil_t pupil;
@@ -84,7 +84,7 @@ static int keep(replay *r, const pupil_record *record)
 
 static int open_outputs(replay *r, const pupil_image_const *first)
 {
-    const replay_options *o = &r->options;
+    const frame_options *o = &r->options;
     pupil_sink_options options = {
         .width = first->width, .height = first->height, .fps = r->source->fps, .overwrite = o->overwrite};
     for (size_t i = 0; i < o->out_count; i++)
@@ -113,7 +113,7 @@ static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_co
 /* The window comes with the first frame, and where it is there the GPU is its own. */
 static int open_view(replay *r, const pupil_frame *first)
 {
-    const replay_options *o = &r->options;
+    const frame_options *o = &r->options;
     const view_of of = {.options = &r->options, .pupil = &r->pupil, .work = &r->work, .fps = r->source->fps};
     if (!o->view || r->shown)
         return 0;
@@ -132,7 +132,7 @@ static void warn(replay *r)
 }
 
 /* Frames are written in all their pixels; what is only viewed is measured in a smaller picture. */
-static int is_written(const replay_options *o)
+static int is_written(const frame_options *o)
 {
     return o->out_count || o->stats || o->plot || o->report;
 }
@@ -174,7 +174,7 @@ static int goes_on(const replay *r)
 /* A frame as often as --hold says, each with its own moment. */
 static int take(replay *r, pupil_frame *frame, double read_us)
 {
-    const replay_options *o = &r->options;
+    const frame_options *o = &r->options;
     if (o->reset_each)
         pupil_reset(&r->pupil);
     frame->info.timestamp_ns += r->loop_ns;
@@ -202,7 +202,7 @@ static int again(replay *r, uint64_t shown_before)
 
 static int run(replay *r)
 {
-    const replay_options *o = &r->options;
+    const frame_options *o = &r->options;
     uint64_t shown_before = 0;
     while (goes_on(r)) {
         pupil_frame frame;
@@ -263,7 +263,7 @@ static int begin(replay *r)
 /* What is most likely to fail goes first: then nothing is in its place yet. Ctrl-C leaves out what is to come. */
 static int finish(replay *r)
 {
-    const replay_options *o = &r->options;
+    const frame_options *o = &r->options;
     if (!r->shown) {
         pupil_refuse(&r->why, "%s: no frame could be read", o->inputs[0]);
         return -1;
@@ -313,7 +313,7 @@ static void end(replay *r)
 
 static void tell(const replay *r)
 {
-    const replay_options *o = &r->options;
+    const frame_options *o = &r->options;
     double took_s = progress_now_s() - r->progress.began_s;
     fprintf(stderr, "replayed %llu frames in %.1f s", (unsigned long long)r->shown, took_s);
     if (r->skipped)
@@ -336,11 +336,11 @@ int replay_main(int argc, char **argv)
     replay_report_command(command, sizeof command, argc, argv); /* before parsing moves argv about */
     int parsed = replay_options_parse(&r.options, argc, argv, &r.why);
     r.options.command = command;
-    if (parsed == REPLAY_HELP) {
+    if (parsed == OPTIONS_HELP) {
         fputs(replay_help, stdout);
         return EXIT_DONE;
     }
-    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options, &r.why)) {
+    if (parsed == OPTIONS_USAGE || frame_options_check_paths(&r.options, &r.why)) {
         say(&r, "");
         return EXIT_USAGE;
     }

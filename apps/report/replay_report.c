@@ -18,7 +18,7 @@ enum { MOST_ROWS = 24, ROW_TEXT = 96 };
 
 struct replay_report {
     pupil_report *page;
-    const replay_options *options;
+    const frame_options *options;
     pupil_sink *video; /* NULL: none, or given up */
     pupil_why note;
     pupil_t mapper; /* maps a frame at the exposure of the first, to compare with */
@@ -47,7 +47,7 @@ void replay_report_command(char *text, size_t bytes, int argc, char **argv)
     }
 }
 
-int replay_report_open(replay_report **report, const replay_options *options, const pupil_sink_options *video,
+int replay_report_open(replay_report **report, const frame_options *options, const pupil_sink_options *video,
                        uint64_t frames, pupil_why *why)
 {
     replay_report *r = calloc(1, sizeof *r);
@@ -158,7 +158,7 @@ __attribute__((format(printf, 4, 5))) static void put(table *t, const char *labe
     t->count++;
 }
 
-static void put_settings(table *t, const replay_options *o)
+static void put_settings(table *t, const frame_options *o)
 {
     static const char *const transfers[] = {"sRGB", "gamma 2.2", "linear"};
     const pupil_config *c = &o->config;

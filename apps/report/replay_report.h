@@ -4,9 +4,9 @@
 #ifndef PUPIL_APPS_REPORT_REPLAY_REPORT_H
 #define PUPIL_APPS_REPORT_REPLAY_REPORT_H
 
+#include "options/frame_options.h"
 #include "output/frame_log.h"
 #include "pupil/error.h"
-#include "replay/options.h"
 #include "sink.h"
 
 typedef struct replay_report replay_report;
@@ -15,7 +15,7 @@ typedef struct replay_report replay_report;
 void replay_report_command(char *text, size_t bytes, int argc, char **argv);
 
 /* `frames`: how many are expected, 0 where unknown. The options stay the caller's. 0, or -1 and a sentence. */
-int replay_report_open(replay_report **report, const replay_options *options, const pupil_sink_options *video,
+int replay_report_open(replay_report **report, const frame_options *options, const pupil_sink_options *video,
                        uint64_t frames, pupil_why *why);
 int replay_report_frame(replay_report *report, const pupil_frame *frame, const pupil_curve *curve,
                         const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record,

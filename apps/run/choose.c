@@ -85,22 +85,22 @@ int run_choose_mode(run_options *o, const pupil_source *source, pupil_why *remar
 
 int run_choose_outputs(const run_options *o, pupil_why *why)
 {
-    const replay_options *s = &o->shown;
+    const frame_options *s = &o->shown;
     size_t streams = s->stats && strcmp(s->stats, "-") == 0;
     for (size_t i = 0; i < s->out_count; i++) {
         streams += strcmp(s->out[i], "-") == 0;
         if (o->device && strcmp(s->out[i], o->device) == 0) {
             pupil_refuse(why, "%s: is the camera itself; an output is another node", s->out[i]);
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
         }
     }
-    replay_options all = *s;
+    frame_options all = *s;
     all.report = o->resume; /* a run has no report: all that is written needs a place of its own */
-    if (o->resume && replay_options_check_paths(&all, why))
-        return REPLAY_USAGE;
+    if (o->resume && frame_options_check_paths(&all, why))
+        return OPTIONS_USAGE;
     if (streams > 1) {
         pupil_refuse(why, "-: named for two outputs; standard output is one");
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     }
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }

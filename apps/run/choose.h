@@ -13,7 +13,7 @@ int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *
  * sentence: the camera has not got what the options ask for. */
 int run_choose_mode(run_options *options, const pupil_source *source, pupil_why *remark, pupil_why *why);
 
-/* Outputs that would be in each other's way or in the camera's: REPLAY_USAGE and a sentence. */
+/* Outputs that would be in each other's way or in the camera's: OPTIONS_USAGE and a sentence. */
 int run_choose_outputs(const run_options *options, pupil_why *why);
 
 #endif

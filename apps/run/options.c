@@ -92,14 +92,14 @@ static int take_capture(int option, const value_text *c, run_options *r)
         return run_value_format(c, &r->live.capture.fourcc);
     case BUFFERS:
         if (value_whole(c, 2, PUPIL_V4L2_MOST_BUFFERS, "from 2 to 32", &whole))
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
         r->live.capture.buffers = (uint32_t)whole;
-        return REPLAY_RUN;
+        return OPTIONS_RUN;
     case DELAY:
         if (value_whole(c, 1, 15, "frames, from 1 to 15", &whole))
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
         r->live.delay = (uint32_t)whole;
-        return REPLAY_RUN;
+        return OPTIONS_RUN;
     case RESUME:
         if (strcmp(c->text, "-") == 0)
             return value_refuse(c, "a file");
@@ -129,11 +129,11 @@ static int take_camera(int option, const value_text *c, run_options *r)
     case FLICKER_PERIOD:
         return run_value_period(c, &r->live.mains_hz);
     case WHITE_BALANCE:
-        return colour_option_balance(&r->colour, c->text, c->why) ? REPLAY_USAGE : REPLAY_RUN;
+        return colour_option_balance(&r->colour, c->text, c->why) ? OPTIONS_USAGE : OPTIONS_RUN;
     case COLOUR_MATRIX:
-        return colour_option_matrix(&r->colour, c->text, c->why) ? REPLAY_USAGE : REPLAY_RUN;
+        return colour_option_matrix(&r->colour, c->text, c->why) ? OPTIONS_USAGE : OPTIONS_RUN;
     case BLACK_LEVEL:
-        return colour_option_black(&r->colour, c->text, c->why) ? REPLAY_USAGE : REPLAY_RUN;
+        return colour_option_black(&r->colour, c->text, c->why) ? OPTIONS_USAGE : OPTIONS_RUN;
     case READOUT:
         return run_value_time(c, 1e-3, 1e-4, 1.0, "25ms, or a plain number of milliseconds, from 0.1 to 1000",
                               &r->readout_s);
@@ -149,13 +149,13 @@ static int take_camera(int option, const value_text *c, run_options *r)
 static int conflict(pupil_why *why, const char *sentence)
 {
     pupil_refuse(why, "%s", sentence);
-    return REPLAY_USAGE;
+    return OPTIONS_USAGE;
 }
 
 /* Of --row-gains, and of --mains where it is about them. */
 static int check_lamps(const run_options *r, pupil_why *why)
 {
-    const replay_options *o = &r->shown;
+    const frame_options *o = &r->shown;
     if (r->mode == RUN_DIGITAL && ((r->live.mains_hz && !r->row_gains) || r->any_frame_rate))
         return conflict(why, "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
                              "digital leaves the camera as it is");
@@ -167,19 +167,19 @@ static int check_lamps(const run_options *r, pupil_why *why)
         return conflict(why, "--row-gains: looks at a frame before it is mapped, and goes without --fused");
     if (r->row_gains && r->mains_off)
         return conflict(why, "--row-gains: is about lamps on the mains, and goes without --mains off");
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
 
 /* What options ask of one another. */
 static int check(const run_options *r, int weight_given, int key_given, pupil_why *why)
 {
-    const replay_options *o = &r->shown;
+    const frame_options *o = &r->shown;
     if (shared_options_check(o, weight_given, why))
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     if (r->mode == RUN_SENSOR && o->config.order == PUPIL_ORDER_FUSED)
         return conflict(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
     if (check_lamps(r, why))
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     if (r->key_at && r->mode != RUN_SENSOR)
         return conflict(
             why, "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes adapt it");
@@ -194,7 +194,7 @@ static int check(const run_options *r, int weight_given, int key_given, pupil_wh
         return conflict(why,
                         "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and both; "
                         "digital steers nothing");
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
 
 int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
@@ -208,11 +208,11 @@ int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
     opterr = 0;
     while ((option = getopt_long(argc, argv, "+d:o:n:t:yqh", long_options, NULL)) != -1) {
         if (option == 'h')
-            return REPLAY_HELP;
+            return OPTIONS_HELP;
         if (option == '?' || option == ':') {
             pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil run --help' lists them",
                          argv[optind - 1]);
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
         }
         if (take_flag(option, r))
             continue;
@@ -221,11 +221,11 @@ int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
         key_given |= option == OPTION_KEY;
         const int camera = take_camera(option, &c, r);
         if (camera > 0 || (camera < 0 && shared_option_take(option, &c)))
-            return REPLAY_USAGE;
+            return OPTIONS_USAGE;
     }
     if (optind < argc) {
         pupil_refuse(why, "%s: no option; a camera goes behind -d: -d %s", argv[optind], argv[optind]);
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     }
     return check(r, weight_given, key_given, why);
 }

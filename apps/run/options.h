@@ -22,8 +22,8 @@ typedef enum run_curve {
 } run_curve;
 
 typedef struct run_options {
-    replay_options shown; /* what a replay has, too; its only input is the camera */
-    const char *device;   /* NULL: the first camera */
+    frame_options shown; /* what a replay has, too; its only input is the camera */
+    const char *device;  /* NULL: the first camera */
     pupil_live_options live;
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode, curve;

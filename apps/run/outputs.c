@@ -6,7 +6,7 @@
 #include "output/plot.h"
 #include "refuse.h"
 
-void run_outputs_begin(run_outputs *o, replay_options *options, pupil_source *source, const char *device)
+void run_outputs_begin(run_outputs *o, frame_options *options, pupil_source *source, const char *device)
 {
     *o = (run_outputs){.options = options, .source = source, .device = device};
     o->pictures.system = pupil_live_capture(source)->device.system;
@@ -27,7 +27,7 @@ static int record_frame(run_outputs *o, const pupil_frame *frame, pupil_why *why
 
 static int open_all(run_outputs *o, const pupil_frame *first, pupil_why *why)
 {
-    const replay_options *options = o->options;
+    const frame_options *options = o->options;
     const pupil_sink_options of_sink = {.width = first->image.width,
                                         .height = first->image.height,
                                         .fps = o->source->fps,
@@ -68,7 +68,7 @@ static int is_other_size(const run_outputs *o, const pupil_image_const *display,
 /* The one that failed. */
 static void drop_picture(run_outputs *o)
 {
-    replay_options *options = o->options;
+    frame_options *options = o->options;
     const char *path = o->pictures.path[o->pictures.failed];
     size_t kept = 0;
     for (size_t i = 0; i < options->out_count; i++)

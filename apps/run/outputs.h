@@ -10,7 +10,7 @@
 #include "pupil/error.h"
 
 typedef struct run_outputs {
-    replay_options *options;
+    frame_options *options;
     pupil_source *source;
     const char *device;
     int is_open;
@@ -24,7 +24,7 @@ typedef struct run_outputs {
 } run_outputs;
 
 /* Of a live source, which `device` names in sentences. What is pointed at is kept by the caller. */
-void run_outputs_begin(run_outputs *o, replay_options *options, pupil_source *source, const char *device);
+void run_outputs_begin(run_outputs *o, frame_options *options, pupil_source *source, const char *device);
 
 /* A frame as it came, into the recording; the first one opens everything. 0, or -1 and a sentence. */
 int run_outputs_take(run_outputs *o, const pupil_frame *frame, pupil_why *why);

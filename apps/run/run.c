@@ -104,7 +104,7 @@ static int open_view(const pupil_frame *first, pupil_why *why)
 /* Frames that are written have all their pixels; what is only viewed is measured in a smaller picture. */
 static int is_written(void)
 {
-    const replay_options *o = &r.options.shown;
+    const frame_options *o = &r.options.shown;
     return o->out_count || o->stats || o->plot;
 }
 
@@ -283,11 +283,11 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     char more[900] = "";
     r.system = system;
     const int parsed = run_options_parse(&r.options, argc, argv, &r.why);
-    if (parsed == REPLAY_HELP) {
+    if (parsed == OPTIONS_HELP) {
         fputs(run_help, stdout);
         return EXIT_DONE;
     }
-    if (parsed == REPLAY_USAGE || replay_options_check_paths(&r.options.shown, &r.why) ||
+    if (parsed == OPTIONS_USAGE || frame_options_check_paths(&r.options.shown, &r.why) ||
         run_choose_outputs(&r.options, &r.why)) {
         say(r.why.text, "");
         return EXIT_USAGE;

@@ -34,7 +34,7 @@ int run_value_time(const value_text *c, double plain_s, double low_s, double hig
     if (*end || !(s >= low_s && s <= high_s))
         return value_refuse(c, right);
     *seconds = s;
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
 
 static int one_of(const value_text *c, const char *const words[3], const char *right, uint32_t *which)
@@ -42,7 +42,7 @@ static int one_of(const value_text *c, const char *const words[3], const char *r
     for (uint32_t i = 0; i < 3; i++)
         if (strcmp(c->text, words[i]) == 0) {
             *which = i;
-            return REPLAY_RUN;
+            return OPTIONS_RUN;
         }
     return value_refuse(c, right);
 }
@@ -64,7 +64,7 @@ int run_value_key_at(const value_text *c, const char **key_at)
     pupil_sensor_config tried;
     pupil_sensor_config_default(&tried);
     *key_at = c->text;
-    return key_at_parse(c->text, &tried) ? value_refuse(c, key_at_right) : REPLAY_RUN;
+    return key_at_parse(c->text, &tried) ? value_refuse(c, key_at_right) : OPTIONS_RUN;
 }
 
 int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off)
@@ -73,7 +73,7 @@ int run_value_mains(const value_text *c, uint32_t *mains_hz, int *off)
     if (!*off && strcmp(c->text, "auto") != 0 && strcmp(c->text, "50") != 0 && strcmp(c->text, "60") != 0)
         return value_refuse(c, "50, 60, auto or off");
     *mains_hz = (uint32_t)atoi(c->text); /* of words 0 */
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
 
 /* Light flickers twice in a period of the mains. */
@@ -82,23 +82,23 @@ int run_value_period(const value_text *c, uint32_t *mains_hz)
     static const char right[] = "10000us (mains of 50 Hz) or 8333us (60 Hz); a plain number is microseconds";
     double s = 0.0;
     if (run_value_time(c, 1e-6, 8e-3, 1.1e-2, right, &s))
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     *mains_hz = fabs(s - 0.01) < 1e-5 ? 50 : fabs(s - 1.0 / 120.0) < 1e-5 ? 60 : 0;
-    return *mains_hz ? REPLAY_RUN : value_refuse(c, right);
+    return *mains_hz ? OPTIONS_RUN : value_refuse(c, right);
 }
 
 int run_value_side(const value_text *c, uint32_t *side)
 {
     uint64_t v;
     if (value_whole(c, 1, PUPIL_MAX_SIDE_PX, "pixels, from 1 to 16384", &v))
-        return REPLAY_USAGE;
+        return OPTIONS_USAGE;
     *side = (uint32_t)v;
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
 
 int run_value_format(const value_text *c, uint32_t *fourcc)
 {
     *fourcc = pupil_v4l2_fourcc(c->text);
-    return *fourcc ? REPLAY_RUN
+    return *fourcc ? OPTIONS_RUN
                    : value_refuse(c, "a format's name of up to four letters, as 'pupil list' tells them: YUYV, NV12");
 }

@@ -16,7 +16,7 @@ typedef struct view view;
 
 /* What is viewed; stays the caller's. Keys change options->config, of the pupil_t and of the work. */
 typedef struct view_of {
-    replay_options *options;
+    frame_options *options;
     pupil_t *pupil;
     replay_work *work;
     double fps;

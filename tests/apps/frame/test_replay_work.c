@@ -29,7 +29,7 @@ static pupil_frame make_frame(int number)
 }
 
 typedef struct run {
-    replay_options options;
+    frame_options options;
     replay_work work;
     pupil_t pupil;
     pupil_stats stats;

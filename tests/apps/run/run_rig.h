@@ -51,7 +51,7 @@ static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *confi
     control(r->fake, V4L2_CID_EXPOSURE_ABSOLUTE, exposure);
     control(r->fake, V4L2_CID_GAIN, gain);
     fake_v4l2_light(r->fake, light);
-    CHECK_MSG(run_options_parse(&r->options, rig_argument_count, rig_arguments, &r->why) == REPLAY_RUN, "%s",
+    CHECK_MSG(run_options_parse(&r->options, rig_argument_count, rig_arguments, &r->why) == OPTIONS_RUN, "%s",
               r->why.text);
     r->options.mode = mode;
     r->options.shown.threads = 1;

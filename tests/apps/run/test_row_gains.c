@@ -215,7 +215,7 @@ static void test_threads(uint32_t fourcc)
     skip(&r, 60);
     CHECK(r.lamps.with > 0);
     for (unsigned threads = 2; threads <= 7; threads++) {
-        replay_options options = r.options.shown;
+        frame_options options = r.options.shown;
         replay_work other;
         pupil_image display;
         options.threads = threads;

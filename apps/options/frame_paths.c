@@ -5,12 +5,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "options.h"
+#include "frame_options.h"
 #include "refuse.h"
 
-enum { MOST_PATHS = REPLAY_MOST_OUTPUTS + 4 };
+enum { MOST_PATHS = FRAME_MOST_OUTPUTS + 4 };
 
-static size_t gather(const replay_options *o, const char *paths[MOST_PATHS])
+static size_t gather(const frame_options *o, const char *paths[MOST_PATHS])
 {
     const char *others[] = {o->stats, o->plot, o->report, o->record};
     size_t count = 0;
@@ -90,7 +90,7 @@ static int is_inside(const char *path, const char *folder)
     return inside;
 }
 
-int replay_options_check_paths(const replay_options *o, pupil_why *why)
+int frame_options_check_paths(const frame_options *o, pupil_why *why)
 {
     const char *paths[MOST_PATHS];
     size_t count = gather(o, paths);
@@ -98,13 +98,13 @@ int replay_options_check_paths(const replay_options *o, pupil_why *why)
         for (size_t k = 0; k < i; k++)
             if (is_same_place(paths[i], paths[k])) {
                 pupil_refuse(why, "%s: named for two outputs; each needs a place of its own", paths[i]);
-                return REPLAY_USAGE;
+                return OPTIONS_USAGE;
             }
         for (size_t k = 0; k < count; k++)
             if (k != i && is_inside(paths[i], paths[k])) {
                 pupil_refuse(why, "%s: lies in %s, which is an output, too; each needs a place of its own", paths[i],
                              paths[k]);
-                return REPLAY_USAGE;
+                return OPTIONS_USAGE;
             }
         for (size_t k = 0; k < o->input_count; k++) {
             const char *input = o->inputs[k];
@@ -113,9 +113,9 @@ int replay_options_check_paths(const replay_options *o, pupil_why *why)
                 continue; /* no file */
             if (replaces(paths[i], i < o->out_count, input + prefix)) {
                 pupil_refuse(why, "%s: is also an input, and would be replaced", paths[i]);
-                return REPLAY_USAGE;
+                return OPTIONS_USAGE;
             }
         }
     }
-    return REPLAY_RUN;
+    return OPTIONS_RUN;
 }
