@@ -3,9 +3,9 @@
  *     open -> write ... write -> finish   or, when anything went wrong,   discard
  *
  * Rules for every sink:
- * - The output is written beside its place under another name and takes its place in finish; after discard nothing is
- *   left. So an output is complete or absent. (Streams, such as standard output, cannot take anything back.)
- * - Frames are PUPIL_PIXEL_RGB8 in sRGB, all of the size that open was told.
+ * - The output is written under another name in the same folder, and renamed in finish. After discard nothing is left.
+ *   So an output is complete or absent. (Streams, such as standard output, cannot take anything back.)
+ * - Frames are PUPIL_PIXEL_RGB8 in sRGB, all of the size that open was given.
  * - Every failure is PUPIL_SINK_FAILED and one sentence in the caller's buffer: it names the path and says what would
  * be right. After a failed write or finish the caller still calls discard.
  *
@@ -26,9 +26,9 @@ typedef struct pupil_sink_options {
     uint32_t width, height; /* of every frame */
     double fps;             /* nominal frames a second, above 0 */
     int overwrite; /* a folder that is there and not empty is replaced; else it is refused. Files are replaced. */
-    int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as its
-                    * timestamp asks for, so that a stream with gaps plays at its own speed. Gaps of more than two
-                    * seconds are left out. Other formats keep the time by themselves */
+    int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is repeated until the next
+                    * one's timestamp, so a stream with gaps plays at its own speed. Gaps of more than two seconds
+                    * are left out. Other formats store the timestamps */
 } pupil_sink_options;
 
 typedef struct pupil_sink pupil_sink;

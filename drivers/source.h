@@ -1,5 +1,5 @@
-/* drivers/source.h: the seam for frames. Files, a video, a rendered scene, a camera: each is opened by its own function
- * and from then on is a pupil_source, so that whoever consumes frames never knows which one it has.
+/* drivers/source.h: the interface of everything that delivers frames: files, a video, a rendered scene, a camera. Each
+ * is opened by its own function. From then on it is a pupil_source, so its user does not depend on the kind.
  *
  *     open -> next -> (use the frame) -> done -> next -> ... -> close
  *
@@ -7,7 +7,7 @@
  * - Memory is taken at open, or at the first frame of a new size; none per frame in a steady stream.
  * - A frame handed out by next stays valid until done (or close). One frame is out at a time.
  * - Light is linear, Rec.709 primaries, D65 white; the source converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
- * - Timestamps are in ns and rise by the frame period where the source has no clock; the first is 0.
+ * - Timestamps are in ns. A source without a clock starts at 0 and adds the frame period.
  * - Every failure is a code and one sentence in the caller's buffer. The sentence names the file (or device) and, where
  *   there is one, the field or line, and says what would be right. No trailing newline, no prefix.
  *
@@ -26,7 +26,7 @@ enum {
     PUPIL_SOURCE_END = 0,   /* next: no more frames */
     PUPIL_SOURCE_FRAME = 1, /* next: a frame was handed out */
     PUPIL_SOURCE_DAMAGED =
-        -1, /* next: this frame is lost (missing, damaged); calling next again goes on with the following one */
+        -1, /* next: this frame is lost (missing, damaged); calling next again continues with the following one */
     PUPIL_SOURCE_FAILED = -2 /* open, next: nothing more will come */
 };
 

@@ -50,7 +50,7 @@ def of_c(text, comments):
         if t[0] == "/" and comments and not re.match(r"/\* -{3}", t):
             body = re.sub(r"\n[ \t]*\*?", "\n", t.strip("/").strip("*"))
             # A paragraph is a piece; so are the lines of a table in a comment.
-            pieces += [(line, p) for p in re.split(r"\n\s*\n|\n {3,}", body)]
+            pieces += [(line, p) for p in re.split(r"\n\s*\n|\n {3,}|\n - ", body)]
         if t[0] == '"' and not comments:
             if end >= 0 and text[end : m.start()].strip(" \n\t\\") == "":
                 pieces[-1] = (pieces[-1][0], pieces[-1][1] + t[1:-1])

@@ -24,8 +24,8 @@ typedef enum pupil_primaries {
     PUPIL_PRIMARIES_MATRIX     /* config.rgb_to_xyz; its second row, scaled to a sum of 1, gives the weights */
 } pupil_primaries;
 
-/* How the adapted level follows the metered one. The numbers of the four formulas are those of the study that pupil
- * grew from (docs/numerics.md): w is the weight of the new frame, per frame, whatever the frame rate. */
+/* How the adapted level follows the metered one. The four formulas have their numbers from the study that pupil
+ * grew from (docs/study.md). Their w is the weight of each new frame, at any frame rate. */
 typedef enum pupil_law {
     PUPIL_LAW_SECONDS = 0, /* default: log2 luminance, first order in seconds, own tau for more and for less light */
     PUPIL_LAW_ARITHMETIC_SCALE,     /* formula 1: arithmetic average of key / L */
@@ -39,7 +39,7 @@ typedef enum pupil_law {
  * 2.5 stops above it). */
 typedef enum pupil_white {
     PUPIL_WHITE_FOLLOW = 0, /* default: the upper quantile (config.white_quantile) of the brightest channel, adapted as
-                             * the level is, and never below 1, so that a frame of little contrast is not stretched */
+                             * the level is. Never below 1, so a frame of little contrast is not stretched */
     PUPIL_WHITE_FIXED,      /* config.white */
     PUPIL_WHITE_NONE,       /* Reinhard's global operator, L / (1 + L): nothing ever reaches white */
     PUPIL_WHITE_COUNT
@@ -56,8 +56,8 @@ typedef enum pupil_transfer {
 /* Which state maps a frame. */
 typedef enum pupil_order {
     PUPIL_ORDER_EXACT = 0, /* meter, adapt, map: two passes over the frame, no lag */
-    PUPIL_ORDER_FUSED,     /* map with the state before this frame while metering it: one pass, one frame of lag (the
-                            * first frame after init or reset is done exactly) */
+    PUPIL_ORDER_FUSED,     /* map with the state before this frame while metering it: one pass, one frame of lag. The
+                            * first frame after init or reset is done exactly */
     PUPIL_ORDER_COUNT
 } pupil_order;
 
@@ -86,22 +86,22 @@ typedef struct pupil_config {
     float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
     uint32_t histogram;  /* 0: gathered only if trimming or a following white needs it; 1: always; 0 */
     uint32_t meter_rows; /* n of 1, 2, 4, 8: one of each n rows (of a mosaic: rows of quads) is metered, another one
-                          * from frame to frame; mapping does not change. For slow boards: docs/numerics.md has the
-                          * error. Where few rows have a weight, a frame may meter none of them, and is held as one
-                          * without light. Which rows: by the number of frames that pupil_adapt has taken, so workers
-                          * use the object that adapts, or a copy made since the last frame; 0: as 1 */
+                          * in each frame. Mapping does not change. For slow boards: docs/numerics.md has the
+                          * error. If few rows have a weight, a frame may meter none of them, and then counts as one
+                          * without light. The number of frames that pupil_adapt has taken selects the rows. So
+                          * workers use the object that adapts, or a copy made since the last frame; 0: as 1 */
     uint32_t grey_world; /* 1: sum up the channels of mosaics (pupil_stats_grey_world); same for all workers; 0 */
     uint8_t weight[PUPIL_GRID_SIDE][PUPIL_GRID_SIDE]; /* [row][column] of the metering grid, 0..255, at least one
-                                                       * above 0; all 1. A pixel belongs to the cell its centre lies in:
-                                                       * (2x+1)*16 / (2*width). */
+                                                       * above 0; all 1. A pixel belongs to the cell that contains its
+                                                       * centre: (2x+1)*16 / (2*width). */
 
     /* adaptation */
     uint32_t law;      /* a pupil_law; seconds */
-    uint32_t lock;     /* 1: the adapted level and white stand still while metering goes on (the first valid frame still
-                          sets them); 0 */
-    uint32_t beat;     /* 1: where lamps at 50 or 60 Hz make all light go up and down with the frame rate (frames
-                        * bring timestamps, the beat is steady and nearly all that happens), that is taken out of
-                        * the level and of each frame's curve; 1 */
+    uint32_t lock;     /* 1: the adapted level and white are held while metering continues (the first valid frame still
+                        * sets them); 0 */
+    uint32_t beat;     /* 1: temporal flicker of lamps at 50 or 60 Hz is removed from the level and from each frame's
+                        * curve. It is found where frames have timestamps, and where it is periodic and nearly all
+                        * that changes; 1 */
     uint32_t reserved; /* 0 */
     double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
     double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
@@ -132,13 +132,16 @@ static inline void pupil_config_default(pupil_config *config)
     pupil_config_default_sized(config, sizeof *config);
 }
 
-/* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
- * wrong field and what would be right. */
+/* PUPIL_OK or PUPIL_ERR_CONFIG. `why` may be NULL; else *why is a sentence (constant text) that names the first wrong
+ * field and what would be right. */
 PUPIL_API int pupil_config_check(const pupil_config *config, const char **why);
 
 /* The usual metering patterns, written into config->weight. A caller's own mask is written there directly.
- * centre: a bell over the frame, 255 in the middle, 16 at the corners. spot: a disc over the central 5 % of the area.
- * roi: x, y, width and height as fractions of the frame (0..1, not empty); cells count by the share that is covered.
+ *
+ * - centre: a bell over the frame, 255 in the middle, 16 at the corners.
+ * - spot: a disc over the central 5 % of the area.
+ * - roi: x, y, width and height as fractions of the frame (0..1, not empty); cells count by the share that is covered.
+ *
  * The first three refuse only NULL; roi refuses values outside the frame with PUPIL_ERR_VALUE. */
 PUPIL_API int pupil_metering_uniform(pupil_config *config);
 PUPIL_API int pupil_metering_centre(pupil_config *config);

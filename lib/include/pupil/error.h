@@ -40,13 +40,13 @@ enum {
     PUPIL_ERR_GLES_CONTEXT = -19, /* ... no context is current, or another one than at init */
     PUPIL_ERR_GLES_LOST = -20,    /* ... the context is lost */
     PUPIL_ERR_GLES = -21,         /* ... any other error of GL */
-    PUPIL_ERR_SIZE_BYTES = -22    /* abi.h: size_bytes of a struct is not one that a version has had, or covers a field
-                                   * that is set and that this version does not know */
+    PUPIL_ERR_SIZE_BYTES = -22    /* abi.h: size_bytes of a struct matches no version, or it covers a field that is
+                                   * set and that this version does not know */
 };
 
-/* A sentence that says why a call failed, for calls that give more than a code: English, without a full stop, ended by
- * a zero byte. It names the file, the option or the field, and what would be right. A call that succeeds leaves it as
- * it is. Where a call takes a pupil_why, NULL is allowed: no sentence is wanted. */
+/* A sentence that says why a call failed, for calls that return more than a code. It is English, without a full stop,
+ * ended by a zero byte. It names the file, the option or the field, and what would be right. A call that succeeds
+ * leaves it unchanged. NULL in its place is allowed: then there is no sentence. */
 typedef struct pupil_why {
     char text[1024];
 } pupil_why;

@@ -1,8 +1,8 @@
 /* pupil/gles.h: the same seam on a GPU, in the caller's current OpenGL ES context.
  *
- * A second way to fill pupil_stats and to apply a pupil_curve. It holds no law of its own: pupil_adapt takes the
- * statistics, whoever made them, so a frame may be metered here and mapped by the CPU, or the other way round, and the
- * adaptation stays in the pupil_t.
+ * A second way to fill pupil_stats and to apply a pupil_curve. It has no law of its own: pupil_adapt takes statistics
+ * from any meter. So a frame may be metered here and mapped by the CPU, or the other way round. The adaptation remains
+ * in the pupil_t.
  *
  *     pupil_gles_config config;
  *     pupil_gles gles;
@@ -14,30 +14,34 @@
  *         pupil_gles_process(&gles, &pupil, &info, &target);
  *
  * Versions: OpenGL ES 3.1 (metering by a compute shader, with histograms) or 3.0 (by fragment shaders into integer
- * targets, without histograms); no extension is needed but for external textures. ES 2.0 is refused.
+ * targets, without histograms). ES 2.0 is refused. Only external textures need an extension.
  *
- * What comes out: counts, weights and the histogram's total are exact; the log-average lies within 1e-5 (relative) of
- * the CPU's; a mapped sample is at most one code off, and at most one of 10,000 is (docs/numerics.md, On a GPU). A GPU
- * rounds as it likes, so there is no promise of equal bits between two of them.
+ * Results: counts, weights and the histogram's total are exact. The log-average is within 1e-5 (relative) of the CPU's.
+ * At most one mapped sample of 10,000 differs, by one code (docs/numerics.md, On a GPU). Rounding depends on the GPU,
+ * so two of them may give different bits.
  *
- * Nothing waits: statistics come through a ring of buffers that are read only once their fence has signalled, and so
- * reach pupil_adapt a frame late or more. pupil_gles_collect with a timeout is the one call that may wait.
+ * Nothing waits: statistics come through a ring of buffers, each read only after its fence has signalled. So they reach
+ * pupil_adapt a frame late or more. pupil_gles_collect with a timeout is the one call that may wait.
  *
- * GL state: nothing is restored. Left changed by init, retune, upload, meter, collect, process and map: program, vertex
- * array, active texture and the 2D (external) bindings and samplers of units 0..4, pixel packing and unpacking and
- * their buffers, copy write, uniform, shader storage and framebuffer bindings, viewport, scissor, clear colour, colour
- * mask; blending, depth, stencil, cull, dither, polygon offset, rasterizer discard, alpha-to-coverage, sample coverage
- * and sample mask are off. Whatever else is set before changes nothing, but transform feedback must not be active, and
- * an error that glGetError still holds is taken for the call's own. GL objects are made by init and retune alone.
+ * GL state: nothing is restored. init, retune, upload, meter, collect, process and map change:
  *
- * Memory: the caller owns the object, which has a fixed size and must not be copied or moved (it stands for objects of
- * one context). Nothing is allocated here; what the driver does is its own.
+ * - program, vertex array, active texture; the 2D (external) bindings and samplers of units 0..4;
+ * - pixel packing and unpacking and their buffers; copy write, uniform, shader storage and framebuffer bindings;
+ * - viewport, scissor, clear colour, colour mask;
+ * - off afterwards: blending, depth, stencil, cull, dither, polygon offset, rasterizer discard, alpha-to-coverage,
+ *   sample coverage and sample mask.
+ *
+ * Other state that the caller sets has no effect, but transform feedback must not be active. An error that glGetError
+ * still holds is reported as the call's own. Only init and retune make GL objects.
+ *
+ * Memory: the caller owns the object. It has a fixed size and must not be copied or moved, because it refers to objects
+ * of one context. Nothing is allocated here; the driver may allocate.
  *
  * Errors: a refused call leaves the object as it was. Where `why` is given it gets a sentence; `why` may be NULL.
  * PUPIL_ERR_GLES_CONTEXT: no context is current, or another one than at init (known where get_proc finds
  * eglGetCurrentContext, as EGL 1.5 does). PUPIL_ERR_GLES_LOST: the context is lost (known where it was made with
- * reset notification). After either the pupil_t still has its level: pupil_process goes on with the CPU where the GPU
- * stopped, and so does another pupil_gles_init in a new context.
+ * reset notification). After either the pupil_t still has its level. pupil_process then continues with the CPU where
+ * the GPU stopped, and so does another pupil_gles_init in a new context.
  *
  * Threads: one thread at a time, in which the context is current.
  */
@@ -65,9 +69,9 @@ typedef enum pupil_gles_version {
 typedef enum pupil_gles_source {
     PUPIL_GLES_MEMORY = 0, /* default: pupil_gles_upload copies images into textures made by init */
     PUPIL_GLES_TEXTURES,   /* pupil_gles_use names the caller's GL_TEXTURE_2D, for instance dma-bufs */
-    PUPIL_GLES_EXTERNAL,   /* pupil_gles_use names one GL_TEXTURE_EXTERNAL_OES, whose driver makes RGB of whatever is in
-                            * it; config.pixel is RGBA8, coding.light says how it is coded (usual: sRGB). Wants
-                            * GL_OES_EGL_image_external_essl3 */
+    PUPIL_GLES_EXTERNAL, /* pupil_gles_use names one GL_TEXTURE_EXTERNAL_OES, whose driver converts its content to RGB.
+                          * config.pixel is RGBA8; coding.light says how it is coded (usual: sRGB). Needs
+                          * GL_OES_EGL_image_external_essl3 */
     PUPIL_GLES_SOURCE_COUNT
 } pupil_gles_source;
 
@@ -75,10 +79,10 @@ typedef enum pupil_gles_source {
 typedef enum pupil_gles_adapt {
     PUPIL_GLES_ADAPT_CPU = 0, /* default: every law. A frame is mapped by the newest statistics that have come back,
                                * which are a frame old or more */
-    PUPIL_GLES_ADAPT_GPU, /* the frame's own light, with no way back and forth: PUPIL_LAW_SECONDS alone, no trimming,
-                           * a white that does not follow, the beat of lamps left in. An integer state on the GPU,
-                           * within 2e-6 stops of the C with config.beat 0 (docs/numerics.md). Statistics come back all
-                           * the same, so that the pupil_t follows and can take over */
+    PUPIL_GLES_ADAPT_GPU,     /* the frame's own light, without a round trip. PUPIL_LAW_SECONDS alone, no trimming, a
+                               * white that does not follow; temporal flicker is not removed. An integer state on the GPU,
+                               * within 2e-6 stops of the C with config.beat 0 (docs/numerics.md). Statistics still come
+                               * back, so the pupil_t follows and can take over */
     PUPIL_GLES_ADAPT_COUNT
 } pupil_gles_adapt;
 
@@ -112,7 +116,7 @@ static inline void pupil_gles_config_default(pupil_gles_config *config)
     pupil_gles_config_default_sized(config, sizeof *config);
 }
 
-/* How the picture lies in the target: EXIF's orientations 1 to 8, less one. */
+/* Orientation of the picture in the target: EXIF's orientations 1 to 8, less one. */
 typedef enum pupil_gles_orientation {
     PUPIL_GLES_UPRIGHT = 0,
     PUPIL_GLES_MIRRORED, /* left and right swapped */
@@ -126,14 +130,14 @@ typedef enum pupil_gles_orientation {
 } pupil_gles_orientation;
 
 typedef enum pupil_gles_fit {
-    PUPIL_GLES_LETTERBOX = 0, /* all of the picture, its shape kept, black beside it */
+    PUPIL_GLES_LETTERBOX = 0, /* all of the picture, its shape kept, the rest black */
     PUPIL_GLES_FILL,          /* all of the target, the picture's shape kept, what is beyond cut off */
     PUPIL_GLES_STRETCH,       /* all of both */
     PUPIL_GLES_FIT_COUNT
 } pupil_gles_fit;
 
 /* Where a mapped frame goes: a framebuffer with an 8-bit RGBA colour attachment that is not of an SRGB8 kind. Sizes
- * other than the picture's (turned as it is) are drawn with four samples a pixel, mixed as display codes; to a half and
+ * other than the rotated picture's are drawn with four samples a pixel, averaged as display codes. At half the size and
  * less, details may flicker. */
 typedef struct pupil_gles_target {
     uint32_t size_bytes;    /* abi.h; or 0 */
@@ -157,23 +161,23 @@ typedef union pupil_gles {
 
 /* --- life --- */
 
-/* Compiles the shaders and makes every GL object for frames of one size and format, with the settings of `pupil`
- * (config.h); an adapted level that it has is taken over. `gles` may be any bytes, but not an object that is open.
+/* Compiles the shaders and makes every GL object for frames of one size and format, with the settings and the adapted
+ * level of `pupil`. `gles` may be any bytes, but not an object that is open.
  * PUPIL_ERR_GLES_ABSENT: the library was built without GLES. PUPIL_ERR_GLES_VERSION: the context is not the ES that is
  * asked for, or lacks a function or an extension that is named in `why`. PUPIL_ERR_GLES_SHADER, _MEMORY.
- * PUPIL_ERR_SIZE: larger than the context's textures can be. PUPIL_ERR_CONFIG: a setting of config, or of pupil, that
- * cannot be had here: a histogram (also for trimming or a white that follows) in ES 3.0; another law on the GPU;
- * grey_world. PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil is not used:
+ * PUPIL_ERR_SIZE: larger than the context's textures can be. PUPIL_ERR_CONFIG: a setting of config or of pupil that is
+ * not available: in ES 3.0 a histogram, trimming or a white that follows; on the GPU another law; grey_world.
+ * PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil is not used:
  * every row is metered. */
 PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
                               pupil_gles_get_proc get_proc, pupil_why *why);
 
 /* After pupil_retune or pupil_reset: takes over the new settings and the level. Compiles again what they change;
- * statistics under way are dropped. Errors as of init; the old settings then stay. */
+ * statistics in progress are dropped. Errors as of init; the old settings then stay. */
 PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_why *why);
 
 /* Another white balance (pupil_coding.balance) for the mosaics that are metered and mapped from now on: for one that
- * follows the frames. Nothing is compiled, and statistics under way stay. PUPIL_ERR_CODING. */
+ * follows the frames. Nothing is compiled, and statistics in progress are kept. PUPIL_ERR_CODING. */
 PUPIL_API int pupil_gles_balance(pupil_gles *gles, const float balance[3]);
 
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */
@@ -201,14 +205,14 @@ PUPIL_API int pupil_gles_process(pupil_gles *gles, pupil_t *pupil, const pupil_f
 /* --- the seam --- */
 
 /* Metering of the frame is handed to the GPU, and on the GPU the adaptation too. PUPIL_GLES_BUSY: not metered, because
- * three frames are still under way. */
+ * three frames are still in progress. */
 PUPIL_API int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info);
 
-/* Not errors: nothing (more) has come back; three frames are under way. */
+/* Not errors: nothing (more) has come back; three frames are in progress. */
 enum { PUPIL_GLES_NOTHING = 1, PUPIL_GLES_BUSY = 2 };
 
-/* The oldest statistics that have come back, with the info of their frame: PUPIL_OK, or PUPIL_GLES_NOTHING. timeout_ns
- * 0 never waits; else waits so long at most. `info` may be NULL. */
+/* The oldest statistics that have come back, with the info of their frame: PUPIL_OK, or PUPIL_GLES_NOTHING. Waits at
+ * most timeout_ns; 0 never waits. `info` may be NULL. */
 PUPIL_API int pupil_gles_collect_sized(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, size_t stats_bytes,
                                        pupil_frame_info *info, size_t info_bytes);
 static inline int pupil_gles_collect(pupil_gles *gles, uint64_t timeout_ns, pupil_stats *stats, pupil_frame_info *info)

@@ -1,8 +1,8 @@
-/* pupil/image.h: a picture in memory, and what is known of the moment it was taken.
+/* pupil/image.h: a picture in memory, and its metadata.
  *
  * Shapes: `height` rows of `width` pixels; the first row is the top one. `stride_bytes` is the distance from one row to
- * the next in bytes and may be negative (a picture stored bottom-up: `data` points at its top row, which is the last in
- * memory). Samples of one pixel lie side by side in the order of the format's name, in the machine's byte order.
+ * the next in bytes. It is negative for a picture stored bottom-up: `data` points at its top row, which is the last in
+ * memory. Samples of one pixel are adjacent, in the order of the format's name, in the machine's byte order.
  * `data` and `stride_bytes` are multiples of the sample's size (4, 2 or 1 bytes).
  *
  * Threads: these are plain values; the library keeps no pointer to them after a call returns.
@@ -24,9 +24,9 @@ extern "C" {
 #define PUPIL_MAX_SIDE_PX 16384u
 
 /* Pixel formats. "linear": the sample is proportional to light. "sRGB": coded with the curve of IEC 61966-2-1.
- * Integer samples stand for 0..1: code / (2^bits - 1), unless the image's coding says otherwise. Alpha is never light:
- * it is not metered, and is copied to outputs that have it (rounded, clamped to 0..1, NaN to 0; outputs of inputs
- * without alpha are opaque). Names in parentheses are those of V4L2. */
+ * Integer samples represent 0..1: code / (2^bits - 1), unless the image's coding says otherwise. Alpha is never light:
+ * it is not metered. It is copied to outputs that have it: rounded, clamped to 0..1, NaN to 0, and 1 for inputs without
+ * alpha. Names in parentheses are those of V4L2. */
 typedef enum pupil_pixel {
     PUPIL_PIXEL_NONE = 0,
     PUPIL_PIXEL_RGBA32F, /* in: 4 x IEEE binary32, linear */
@@ -39,9 +39,9 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_BGRX8,   /* out only: blue, green, red, 255 (DRM XRGB8888, the usual frame buffer) */
 
     PUPIL_PIXEL_YUYV,   /* in: two pixels in Y' Cb Y' Cr (YUYV). An odd width's last pixel has 4 bytes, too */
-    PUPIL_PIXEL_NV12,   /* in and out: Y' in `data`; Cb Cr of each 2 x 2 pixels in `chroma` (NV12, NM12). Where both
-                         * planes are in one buffer, as V4L2's NV12 is, chroma is data + height * stride there, and has
-                         * the same stride. Odd sizes: the last column's and row's Cb Cr have bytes of their own */
+    PUPIL_PIXEL_NV12,   /* in and out: Y' in `data`; Cb Cr of each 2 x 2 pixels in `chroma` (NV12, NM12). If both
+                         * planes are in one buffer, as in V4L2's NV12, chroma is data + height * stride and has the
+                         * same stride. Odd sizes: the last column's and row's Cb Cr have bytes of their own */
     PUPIL_PIXEL_GREY8,  /* in: 8 bit (GREY) */
     PUPIL_PIXEL_GREY10, /* in: 10 bit in 16-bit words (Y10) */
     PUPIL_PIXEL_GREY12, /* in: 12 bit in 16-bit words (Y12) */
@@ -59,14 +59,15 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_COUNT
 } pupil_pixel;
 
-/* A mosaic is metered as the picture of half its size that its quads of 2 x 2 pixels make (red, the mean of both
- * greens, blue): this is what the statistics count as pixels. It is mapped to a picture of its own size by bilinear
- * interpolation, or, to an `out` of half its width and height, quad by quad.
+/* A mosaic is metered at half its size, by quads of 2 x 2 pixels: red, the mean of both greens, blue. The statistics
+ * count quads as pixels. It is mapped to a picture of its own size by bilinear interpolation. To an `out` of half its
+ * width and height it is mapped quad by quad.
  *
- * Rows of NV12 and of mosaics come in pairs: a group of rows begins at an even one, and has an odd number of rows only
- * at the end of an NV12 frame. To NV12 of half a mosaic's size they come in fours, which are a pair there. To
- * interpolate a mosaic, the rows just outside the group are read too where rows_above and rows_below say that there are
- * any; at the frame's edges (0) the picture is mirrored. pupil_image_rows sees to all of it. */
+ * Rows of NV12 and of mosaics come in pairs. A group of rows begins at an even one. It has an odd number of rows only
+ * at the end of an NV12 frame. To NV12 of half a mosaic's size they come in fours, which are a pair there.
+ *
+ * To interpolate a mosaic, the rows next to the group are read too, if rows_above and rows_below are not 0. Where they
+ * are 0, at the frame's edges, the picture is mirrored. pupil_image_rows sets both. */
 typedef struct pupil_image {
     uint32_t size_bytes;           /* abi.h; or 0 */
     uint32_t pixel;                /* a pupil_pixel */
@@ -93,13 +94,13 @@ typedef struct pupil_image_const {
     uint32_t rows_below;
 } pupil_image_const;
 
-/* What is known of a frame beside its pixels. All zero means: nothing is known. */
+/* Metadata of a frame. All zero means: nothing is known. */
 typedef struct pupil_frame_info {
     uint32_t size_bytes;  /* abi.h; or 0 */
     uint32_t reserved;    /* 0 */
-    int64_t timestamp_ns; /* the middle of the exposure, in ns of a monotonic clock. The library takes dt as the
-                           * difference of two frames' timestamps; back in time counts as dt = 0. Two frames in a row
-                           * stamped 0 are taken as unstamped and config.nominal_frame_s apart. */
+    int64_t timestamp_ns; /* the middle of the exposure, in ns of a monotonic clock. dt is the difference of two
+                           * frames' timestamps; going back counts as dt = 0. Two frames in a row with timestamp 0
+                           * count as frames without timestamps, config.nominal_frame_s apart. */
     uint64_t sequence;    /* the driver's frame number; sensor.h counts lost frames by it */
     double exposure_s;    /* exposure time in seconds; 0 where unknown */
     double gain;          /* total gain, 1 = none; 0 where unknown */

@@ -2,8 +2,10 @@
  *
  *     frame --meter--> stats --adapt(dt)--> curve --map--> display frame
  *
- * meter: what is left of a frame is a few integers (stats.h).
+ * meter: reduces a frame to a few integers (stats.h).
+ *
  * adapt: the only place where time passes, and the only owner of state.
+ *
  * curve: a few numbers, all that a mapper (a CPU kernel, a shader) needs.
  *
  * The shortest use:
@@ -14,13 +16,13 @@
  *     pupil_init(&pupil, &config);
  *     for each frame: pupil_process(&pupil, &in, &info, &out);
  *
- * Memory: the caller owns every byte. pupil_t has a fixed size and holds no pointer: memcpy saves it, forks it, and
- * moves it between threads or processes of the same build; a fork replays the same bits. Nothing is allocated, ever.
+ * Memory: the caller owns every byte. pupil_t has a fixed size and holds no pointer. memcpy saves it, forks it, and
+ * moves it between threads or processes of the same build. A fork replays the same bits. Nothing is ever allocated.
  *
  * Determinism: the same frames give the same bits on every CPU, with any split into rows and any number of threads.
  *
- * Threads: calls that take a `const pupil_t *` may run at the same time on one object; a call that takes a `pupil_t *`
- * must be alone with its object. Different objects are independent. There is no global state.
+ * Threads: calls that take a `const pupil_t *` may run at the same time on one object. A call that takes a `pupil_t *`
+ * must be the only one on its object. Different objects are independent. There is no global state.
  */
 #ifndef PUPIL_PUPIL_H
 #define PUPIL_PUPIL_H
@@ -43,12 +45,12 @@ typedef union pupil {
 
 /* --- life --- */
 
-/* Makes an object out of any bytes, and chooses the kernels for this CPU: an object that is saved and taken to another
- * machine wants a pupil_retune there. PUPIL_ERR_CONFIG: see pupil_config_check. */
+/* Makes an object out of any bytes, and chooses the kernels for this CPU. An object that is saved and taken to another
+ * machine needs a pupil_retune there. PUPIL_ERR_CONFIG: see pupil_config_check. */
 PUPIL_API int pupil_init(pupil_t *pupil, const pupil_config *config);
 
-/* New settings from the next frame on; the adaptation is kept (a change of law carries the level over). Between frames
- * only: PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
+/* New settings from the next frame on. The adaptation is kept, also the level when the law changes. Only between
+ * frames: PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
 PUPIL_API int pupil_retune(pupil_t *pupil, const pupil_config *config);
 
 /* The pupil_level that was chosen. */
@@ -60,8 +62,8 @@ PUPIL_API int pupil_reset(pupil_t *pupil);
 /* --- a frame at once --- */
 
 /* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap (of
- * a mosaic, `out` may have half the width and height). `info` may be NULL (nothing known). A frame that has no light to
- * offer (no weight) leaves the level as it is; before the first valid frame it is mapped at the key itself (scale 1).
+ * a mosaic, `out` may have half the width and height). `info` may be NULL (nothing known). A frame without any weight
+ * leaves the level as it is; before the first valid frame it is mapped at the key itself (scale 1).
  */
 PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
                             const pupil_image *out);
@@ -69,10 +71,9 @@ PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const p
 /* --- a frame as its rows arrive --- */
 
 /* begin; then each row exactly once, in groups of any size and order (of NV12 and mosaics in pairs: image.h); then end,
- * which adapts. Where `out` is given the
- * rows are mapped in the same pass with the state before this frame (fused): PUPIL_ERR_NO_EXPOSURE if there is none
- * yet. pupil_frame_end refuses a frame that lacks rows by their number (PUPIL_ERR_ROWS), and drops it;
- * pupil_frame_cancel drops it too.
+ * which adapts. If `out` is given, the rows are mapped in the same pass with the state before this frame (fused):
+ * PUPIL_ERR_NO_EXPOSURE if there is none yet. If the number of rows is too small, pupil_frame_end refuses the frame
+ * (PUPIL_ERR_ROWS) and drops it. pupil_frame_cancel drops it too.
  */
 PUPIL_API int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info);
 PUPIL_API int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,
@@ -104,7 +105,7 @@ typedef struct pupil_curve {
 PUPIL_API int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,
                                uint32_t frame_height, pupil_stats *stats);
 
-/* The only place where time passes: takes a frame's statistics, whatever made them, and moves the adapted level. */
+/* The only place where time passes: takes a frame's statistics, from any meter, and moves the adapted level. */
 PUPIL_API int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info *info);
 
 /* Maps rows. No row knows of another, so any part of a frame is mapped as the whole would be. */
@@ -140,8 +141,8 @@ typedef struct pupil_exposure {
     uint32_t size_bytes; /* abi.h */
     uint32_t reserved;
     double metered_ev; /* the last frame's (trimmed) log-average */
-    double beat_ev;    /* how much of it is the beat of lamps (config.beat); 0: none known */
-    double adapted_ev; /* what the eye is adapted to */
+    double beat_ev;    /* how much of it is temporal flicker (config.beat); 0: none known */
+    double adapted_ev; /* the adapted level */
     double white_ev;   /* the adapted upper quantile of the brightest channel; 0 unless the white point follows */
     double scale;      /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
     double dt_s;       /* the time step of the last frame */
@@ -156,10 +157,10 @@ static inline int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *expos
     return pupil_get_exposure_sized(pupil, exposure, sizeof *exposure);
 }
 
-/* The curve for a frame: where `info` brings exposure and gain (or an earlier frame did), what was divided out of the
- * light before adapting is put back. The beat of lamps (config.beat) is that of the frame with info's timestamp, which
- * may be the last one or one to come. `info` may be NULL: the last frame's. PUPIL_ERR_NO_EXPOSURE before the first
- * valid frame. */
+/* The curve for a frame. If `info` or an earlier frame has exposure and gain, these were divided out of the light
+ * before adapting, and are put back here. Temporal flicker (config.beat) is that of the frame with info's timestamp,
+ * which may be the last frame or a future one. `info` may be NULL: the last frame's. PUPIL_ERR_NO_EXPOSURE before the
+ * first valid frame. */
 PUPIL_API int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve,
                                     size_t curve_bytes);
 static inline int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve)
@@ -167,8 +168,8 @@ static inline int pupil_get_curve(const pupil_t *pupil, const pupil_frame_info *
     return pupil_get_curve_sized(pupil, info, curve, sizeof *curve);
 }
 
-/* The curve for frames before the first valid one, with which pupil_process maps them: the scale is 1, and the white
- * point is config.white, or 1 where it follows the light. */
+/* The curve with which pupil_process maps frames before the first valid one. The scale is 1. The white point is
+ * config.white, or 1 where it follows the light. */
 PUPIL_API int pupil_curve_before_light_sized(const pupil_t *pupil, pupil_curve *curve, size_t curve_bytes);
 static inline int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *curve)
 {

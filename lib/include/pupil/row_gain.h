@@ -1,4 +1,7 @@
-/* pupil/row_gain.h: the bands that lamps on the mains leave in frames of a rolling shutter, taken out row by row.
+/* pupil/row_gain.h: row correction gains, which remove banding from frames of a rolling shutter.
+ *
+ * Lamps on the mains flicker, so rows that are exposed at different times are light or dark. A factor for each row
+ * corrects that.
  *
  *     pupil_row_gain_config config;
  *     pupil_row_gain lamps;
@@ -10,30 +13,35 @@
  *         pupil_row_gain_of_rows(&lamps, &info, in.height, gain);
  *         pupil_map_rows_with_gains(&pupil, &curve, &in, gain, &out);
  *
- * When to use it: where the exposure must be shorter than a period of the lamps' light (10 ms, 8.3 ms), in bright light
- * or for fast things. Exposures of whole periods have no bands (sensor.h: mains_hz), and that is always better: a gain
- * can do nothing about clipped light, and nothing where lamps and daylight mix.
+ * When to use it: if the exposure must be shorter than a flicker period (10 ms, 8.3 ms), in bright light or for fast
+ * motion. Exposures of whole periods have no banding (sensor.h: mains_hz), and are always better. A gain cannot correct
+ * clipped light, nor areas where lamps and daylight mix.
  *
- * What it does: the picture is metered in 8 groups of columns and 64 bands of rows. What moves in these from frame to
- * frame as light of twice mains_hz must (by the frames' timestamps, row after row), with up to four harmonics, is the
- * lamps' wave. What stands still, and what moves in any other way, is the scene. Each row's gain is one over the wave.
+ * What it does: the picture is metered in 8 groups of columns and 64 bands of rows. Flicker is what changes in these
+ * from frame to frame at twice mains_hz, with up to four harmonics, by the frames' timestamps and from row to row.
+ * Everything else is the scene. Each row's gain is one over the flicker's wave.
  *
- * When it does nothing: wherever one of 64 tiles of the picture shows another wave than the others, because daylight or
- * a monitor lights it, or because it is clipped: gains would put bands there. Gains fade to 1 then, for the whole
- * frame. An area is seen that takes a tenth of a tile, 1/8 x 1/8 of the picture, in any of those that it touches; a
- * smaller one is not. A window that a pan brings into view is seen after a few frames. Nor is there a gain while
- * lamps and scene cannot be told apart: where the frame rate divides the light's (120 Hz at 30 frames a second; 29.97
- * will do), while too much else moves, for a second after something began, for frames without timestamps or more than
- * half a second apart, for a picture of less than 64 x 64 pixels, and from nine tenths of a period up. What is darker
- * than 2^-10 is not looked at.
+ * When it does nothing. If daylight or a monitor lights a part of the picture, or a part is clipped, the wave is
+ * another one there, and gains would add banding. The picture is compared in 64 tiles of 1/8 x 1/8. If one differs, the
+ * gains of the whole frame fade to 1. An area is detected if it covers a tenth of any tile that it touches. A window
+ * that a pan brings into view is detected after a few frames. Nor is there a gain while flicker and scene cannot be
+ * separated:
  *
- * Frames must be stamped as image.h says, to 0.1 ms or so. The formats must be linear in light, or coded so that
- * image.h says how; behind a tone curve that is not told, areas of different brightness show different waves, and there
- * is no gain. OpenGL ES (gles.h) has no gains of rows.
+ * - where the frame rate divides the flicker's (120 Hz at 30 frames a second; 29.97 is enough of a difference);
+ * - while too much else moves, and for a second after such a change began;
+ * - for frames without timestamps, or more than half a second apart;
+ * - for a picture of less than 64 x 64 pixels;
+ * - for exposures of nine tenths of a flicker period or more.
  *
- * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
- * pointers, the same frames give the same bits. Kernels are chosen for this CPU by pupil_row_gain_init: on another
- * machine an object is made anew.
+ * Light below 2^-10 is not used.
+ *
+ * Timestamps must be as in image.h, to about 0.1 ms. The formats must be linear in light, or have a coding (coding.h)
+ * that says how they are not. Behind an unknown tone curve, areas of different brightness show different waves, and
+ * there is no gain. OpenGL ES (gles.h) has no row correction gains.
+ *
+ * Memory, determinism, threads: as pupil_t in pupil.h. Nothing is allocated, the object has a fixed size and no
+ * pointers, and the same frames give the same bits. pupil_row_gain_init chooses kernels for this CPU: on another
+ * machine make the object again.
  */
 #ifndef PUPIL_ROW_GAIN_H
 #define PUPIL_ROW_GAIN_H
@@ -49,8 +57,8 @@ extern "C" {
 typedef struct pupil_row_gain_config {
     uint32_t size_bytes; /* abi.h; filled in by pupil_row_gain_config_default */
     uint32_t mains_hz;   /* 50 or 60: the light has twice that; 50 */
-    double readout_s; /* from the middle of the first row's exposure to the last row's, within a tenth: what is off by
-                       * less is found; 1/60; 1e-4..1 */
+    double readout_s; /* from the middle of the first row's exposure to the last row's, within a tenth: smaller errors
+                       * are corrected; 1/60; 1e-4..1 */
 } pupil_row_gain_config;
 
 /* Fills in every field with its default. */
@@ -60,8 +68,8 @@ static inline void pupil_row_gain_config_default(pupil_row_gain_config *config)
     pupil_row_gain_config_default_sized(config, sizeof *config);
 }
 
-/* PUPIL_OK, or PUPIL_ERR_CONFIG and, where `why` is not NULL, a sentence in *why (constant text) that names the first
- * wrong field and what would be right. */
+/* PUPIL_OK or PUPIL_ERR_CONFIG. `why` may be NULL; else *why is a sentence (constant text) that names the first wrong
+ * field and what would be right. */
 PUPIL_API int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char **why);
 
 #define PUPIL_ROW_GAIN_OBJECT_BYTES 65536
@@ -77,8 +85,8 @@ typedef enum pupil_row_gain_reason { /* why there are no gains, or not all of th
                                                                 what came is no such picture */
                                      PUPIL_ROW_GAIN_LONG,    /* the exposure is nine tenths of a period of the light, or
                                                                 more */
-                                     PUPIL_ROW_GAIN_STANDING, /* the light's wave stands still in the picture: it cannot
-                                                                 be told from the scene */
+                                     PUPIL_ROW_GAIN_STANDING, /* the bands do not move in the picture: they cannot be
+                                                                 distinguished from the scene */
                                      PUPIL_ROW_GAIN_NO_LAMPS, /* there is no such wave */
                                      PUPIL_ROW_GAIN_MIXED, /* parts of the picture do not have it, or have another one
                                                             */
@@ -100,10 +108,10 @@ typedef struct pupil_row_gain_result {
 /* Makes an object out of any bytes. PUPIL_ERR_CONFIG: see pupil_row_gain_config_check. */
 PUPIL_API int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *config);
 
-/* Takes a frame: meters it (four rows of each band) and learns the wave. `info` brings the timestamp, and the exposure
- * where it is known (else it is taken as short). A frame that is refused changes nothing; one with the last one's
- * timestamp changes nothing either. All is forgotten by one without a timestamp, one of another size or too small, and
- * where the clock goes back or on by more than half a second. */
+/* Takes a frame: meters it (four rows of each band) and learns the wave. `info` has the timestamp, and the exposure if
+ * it is known (0 counts as short). A refused frame changes nothing, nor does one with the previous timestamp.
+ * Everything is forgotten at a frame without a timestamp, of another size or too small, and if the clock goes back or
+ * forward by more than half a second. */
 PUPIL_API int pupil_row_gain_frame(pupil_row_gain *lamps, const pupil_image_const *image, const pupil_frame_info *info);
 
 PUPIL_API int pupil_row_gain_get_sized(const pupil_row_gain *lamps, pupil_row_gain_result *result, size_t result_bytes);
@@ -112,15 +120,16 @@ static inline int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain
     return pupil_row_gain_get_sized(lamps, result, sizeof *result);
 }
 
-/* The gains of the rows of a frame, gain[0] the top one's: of the frame that was taken last, or, to map a frame in the
- * pass that meters it, of the next one, by its timestamp. From 1/16 to 16; all 1 where there are none, and for a time
- * before the last frame or more than half a second after it. PUPIL_ERR_SIZE: a height of 0, or no picture's. */
+/* The gains of the rows of a frame, gain[0] the top one's. The frame is the last one, or, to map a frame in the pass
+ * that meters it, the next one, by its timestamp. Gains are 1/16 to 16. All are 1 if there is nothing to correct, for a
+ * time before the last frame, and for more than half a second after it. PUPIL_ERR_SIZE: a height of 0, or no picture's.
+ */
 PUPIL_API int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *info, uint32_t height,
                                      float *gain);
 
-/* pupil_map_rows with the curve's scale times gain[i] in row i of `rows`. Rows that belong together have the mean of
- * their gains: pairs of NV12 (in or out) and of mosaics, fours of a mosaic to NV12 of half its size. Gains are above 0
- * and finite (PUPIL_ERR_VALUE); no scale becomes larger than 2^60. The same may be done with pupil_fused_rows. */
+/* pupil_map_rows with the curve's scale times gain[i] in row i of `rows`. Rows that are mapped together have the mean
+ * of their gains: pairs of NV12 (in or out) and of mosaics, fours of a mosaic to NV12 of half its size. Gains are above
+ * 0 and finite (PUPIL_ERR_VALUE); no scale becomes larger than 2^60. The same may be done with pupil_fused_rows. */
 PUPIL_API int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                                         const float *gain, const pupil_image *out);
 
