@@ -26,9 +26,9 @@ typedef struct pupil_sink_options {
     uint32_t width, height; /* of every frame */
     double fps;             /* nominal frames a second, above 0 */
     int overwrite; /* a folder that is there and not empty is replaced; else it is refused. Files are replaced. */
-    int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is repeated until the next
-                    * one's timestamp, so a stream with gaps plays at its own speed. Gaps of more than two seconds
-                    * are left out. Other formats store the timestamps */
+    int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
+                    * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
+                    * seconds are left out. Other formats store the timestamps */
 } pupil_sink_options;
 
 typedef struct pupil_sink pupil_sink;
