@@ -10,69 +10,22 @@
 #endif
 
 #include "avx512.h"
-#include "loads.h"
 #include "vector_formats.h"
 #include "vector_store.h"
 
-GROUP_OF_VECTORS(rgba32f, load16_rgba32f, 16)
-GROUP_OF_VECTORS(rgb32f, load16_rgb32f, 12)
-GROUP_OF_VECTORS(rgba16f, load16_rgba16f, 8)
-GROUP_OF_VECTORS(rgba16, load16_rgba16, 8)
-GROUP_OF_VECTORS(rgb16, load16_rgb16, 6)
+static const format rgba32f = {.bytes = 16, .vector = load16_rgba32f};
+static const format rgb32f = {.bytes = 12, .vector = load16_rgb32f};
+static const format rgba16f = {.bytes = 8, .vector = load16_rgba16f};
+static const format rgba16 = {.bytes = 8, .vector = load16_rgba16};
+static const format rgb16 = {.bytes = 6, .vector = load16_rgb16};
 
-ORDINARY_VECTORS(rgba32f, load16_rgba32f, 16)
-ORDINARY_VECTORS(rgb32f, load16_rgb32f, 12)
-ORDINARY_VECTORS(rgba16f, load16_rgba16f, 8)
-ORDINARY_VECTORS(rgba16, load16_rgba16, 8)
-ORDINARY_VECTORS(rgb16, load16_rgb16, 6)
-
-FORMAT_KERNELS(rgba32f, 16)
-FORMAT_KERNELS(rgb32f, 12)
-FORMAT_KERNELS(rgba16f, 8)
-FORMAT_KERNELS(rgba16, 8)
-FORMAT_KERNELS(rgb16, 6)
+#include "vector_table.h"
 
 #if defined(__clang__) && !defined(PUPIL_EMULATE)
 #pragma clang attribute pop
 #endif
 
-const pupil_kernels pupil_kernels_avx512 = {
-    .load =
-        {
-            [PUPIL_PIXEL_RGBA32F] = load_rgba32f,
-            [PUPIL_PIXEL_RGB32F] = load_rgb32f,
-            [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
-            [PUPIL_PIXEL_RGBA16] = load_rgba16,
-            [PUPIL_PIXEL_RGB16] = load_rgb16,
-            LOADS_BY_FORMAT,
-        },
-    CAMERA_PIECES,
-    .meter =
-        {
-            [PUPIL_PLANES] = meter_planes,
-            [PUPIL_PIXEL_RGBA32F] = meter_rgba32f,
-            [PUPIL_PIXEL_RGB32F] = meter_rgb32f,
-            [PUPIL_PIXEL_RGBA16F] = meter_rgba16f,
-            [PUPIL_PIXEL_RGBA16] = meter_rgba16,
-            [PUPIL_PIXEL_RGB16] = meter_rgb16,
-        },
-    .scale =
-        {
-            [PUPIL_PLANES] = scale_planes,
-            [PUPIL_PIXEL_RGBA32F] = scale_rgba32f,
-            [PUPIL_PIXEL_RGB32F] = scale_rgb32f,
-            [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,
-            [PUPIL_PIXEL_RGBA16] = scale_rgba16,
-            [PUPIL_PIXEL_RGB16] = scale_rgb16,
-        },
-    .histogram = histogram,
-    .store =
-        {
-            [PUPIL_PIXEL_RGBA8] = store_rgba8,
-            [PUPIL_PIXEL_RGB8] = store_rgb8,
-            [PUPIL_PIXEL_BGRX8] = store_bgrx8,
-        },
-};
+const pupil_kernels pupil_kernels_avx512 = {VECTOR_PIECES};
 
 #else
 typedef int pupil_no_avx512; /* a file of C needs something */

@@ -194,8 +194,8 @@ static void unpack_bayer16(const uint8_t *row, uint32_t shift, uint32_t x, uint3
 
 static inline uint16_t sample_10p(const uint8_t *row, uint32_t x)
 {
-    const uint8_t *group = row + (size_t)(x / 4) * 5;
-    return (uint16_t)(group[x % 4] << 2 | (group[4] >> 2 * (x % 4) & 3));
+    const uint8_t *packed = row + (size_t)(x / 4) * 5;
+    return (uint16_t)(packed[x % 4] << 2 | (packed[4] >> 2 * (x % 4) & 3));
 }
 
 static void unpack_bayer10p(const uint8_t *row, uint32_t shift, uint32_t x, uint32_t n, uint16_t *restrict to)
@@ -217,8 +217,8 @@ static void unpack_bayer10p(const uint8_t *row, uint32_t shift, uint32_t x, uint
 
 static inline uint16_t sample_12p(const uint8_t *row, uint32_t x)
 {
-    const uint8_t *group = row + (size_t)(x / 2) * 3;
-    return (uint16_t)(group[x % 2] << 4 | (group[2] >> 4 * (x % 2) & 15));
+    const uint8_t *packed = row + (size_t)(x / 2) * 3;
+    return (uint16_t)(packed[x % 2] << 4 | (packed[2] >> 4 * (x % 2) & 15));
 }
 
 static void unpack_bayer12p(const uint8_t *row, uint32_t shift, uint32_t x, uint32_t n, uint16_t *restrict to)

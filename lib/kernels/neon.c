@@ -3,7 +3,6 @@
 #if defined(__aarch64__)
 
 #include "neon.h"
-#include "loads.h"
 #include "vector_formats.h"
 
 #if defined(__clang__)
@@ -12,89 +11,112 @@
 #define FOR_TWO(i) _Pragma("GCC unroll 2") for (int i = 0; i < 2; i++)
 #endif
 
-GROUP_OF_VECTORS(rgba32f, load4_rgba32f, 16)
-GROUP_OF_VECTORS(rgb32f, load4_rgb32f, 12)
+static const format rgba32f = {.bytes = 16, .vector = load4_rgba32f};
+static const format rgb32f = {.bytes = 12, .vector = load4_rgb32f};
 
-ORDINARY_VECTORS(rgba32f, load4_rgba32f, 16)
-ORDINARY_VECTORS(rgb32f, load4_rgb32f, 12)
+/* --- formats of 16 bits, eight pixels at a time --- */
+
 /* As 16-bit numbers, halves have the order that floats have as 32-bit numbers: the largest is found before they are
  * widened. */
-INLINE ints top_rgba16f(ints top)
+INLINE ints top_halves(ints top)
 {
     const uint16x8_t t = vreinterpretq_u16_u32(top);
     return v_bits(vcvt_f32_f16(vreinterpret_f16_u16(vmax_u16(vget_low_u16(t), vget_high_u16(t)))));
 }
 
-INLINE ints top_rgba16(ints top)
+INLINE ints top_sixteens(ints top)
 {
     const uint16x8_t t = vreinterpretq_u16_u32(top);
     return v_bits(vmulq_n_f32(vcvtq_f32_u32(vmovl_u16(vmax_u16(vget_low_u16(t), vget_high_u16(t)))), 1.0f / 65535.0f));
 }
-#define top_rgb16 top_rgba16
 
-#define ORDINARY_EIGHTS(NAME, LOAD, CONVERT, OPAQUE)                                                                   \
+/* How eight pixels are loaded, widened, and seen to be opaque. */
+typedef struct eights {
+    words (*load)(const uint8_t *source, int eighth);
+    void (*convert)(uint16x8_t words, floats to[2]);
+    mask (*opaque)(uint16x8_t alpha);
+    ints (*top)(ints top);
+} eights;
+
+INLINE void sum_eights(const eights *f, const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)
+{
+    FOR_TWO(h)
+    {
+        const words w = f->load(source, h);
+        floats r[2], g[2], b[2], l[2];
+        f->convert(w.r, r);
+        f->convert(w.g, g);
+        f->convert(w.b, b);
+        e->top = larger_words(e->top, &w);
+        FOR_TWO(k)
+        {
+            l[k] = luminance(r[k], g[k], b[k], c);
+            s->product[2 * h + k] = v_mul(s->product[2 * h + k], l[k]);
+        }
+        e->least = v_min(e->least, v_min(l[0], l[1]));
+    }
+}
+
+INLINE ints scale_eights(const eights *f, const uint8_t *source, const meter_constants *c, const scale_constants *d,
+                         size_t i, pupil_planes *planes, mask *beyond, mask *opaque, float *lum)
+{
+    ints top = v_all_ints(0);
+    FOR_TWO(h)
+    {
+        const words w = f->load(source, h);
+        floats r[2], g[2], b[2];
+        f->convert(w.r, r);
+        f->convert(w.g, g);
+        f->convert(w.b, b);
+        top = larger_words(top, &w);
+        *opaque = v_both(*opaque, f->opaque(w.a));
+        FOR_TWO(k)
+        beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], luminance(r[k], g[k], b[k], c), d,
+                                         i + (size_t)(2 * h + k) * WIDTH, planes, lum, 1);
+    }
+    return top;
+}
+
+INLINE void group_eights(const eights *f, const uint8_t *source, group *p)
+{
+    ints top = v_all_ints(0);
+    p->opaque = v_all_ints(~0u);
+    FOR_TWO(h)
+    {
+        const words w = f->load(source, h);
+        f->convert(w.r, p->r + 2 * h);
+        f->convert(w.g, p->g + 2 * h);
+        f->convert(w.b, p->b + 2 * h);
+        top = larger_words(top, &w);
+        p->opaque = v_both(p->opaque, f->opaque(w.a));
+    }
+    p->top = f->top(top);
+}
+
+/* The functions of a format that is read so. */
+#define FORMAT_OF_EIGHTS(NAME, BYTES, LOAD, CONVERT, OPAQUE, TOP)                                                      \
+    static const eights NAME##_eights = {LOAD, CONVERT, OPAQUE, TOP};                                                  \
     INLINE void sum_##NAME(const uint8_t *source, const meter_constants *c, lanes *s, extremes *e)                     \
     {                                                                                                                  \
-        FOR_TWO(h)                                                                                                     \
-        {                                                                                                              \
-            const words w = LOAD(source, h);                                                                           \
-            floats r[2], g[2], b[2], l[2];                                                                             \
-            CONVERT(w.r, r);                                                                                           \
-            CONVERT(w.g, g);                                                                                           \
-            CONVERT(w.b, b);                                                                                           \
-            e->top = larger_words(e->top, &w);                                                                         \
-            FOR_TWO(k)                                                                                                 \
-            {                                                                                                          \
-                l[k] = luminance(r[k], g[k], b[k], c);                                                                 \
-                s->product[2 * h + k] = v_mul(s->product[2 * h + k], l[k]);                                            \
-            }                                                                                                          \
-            e->least = v_min(e->least, v_min(l[0], l[1]));                                                             \
-        }                                                                                                              \
+        sum_eights(&NAME##_eights, source, c, s, e);                                                                   \
     }                                                                                                                  \
     INLINE ints scale16_##NAME(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,    \
                                pupil_planes *planes, mask *beyond, mask *opaque, float *lum)                           \
     {                                                                                                                  \
-        ints top = v_all_ints(0);                                                                                      \
-        FOR_TWO(h)                                                                                                     \
-        {                                                                                                              \
-            const words w = LOAD(source, h);                                                                           \
-            floats r[2], g[2], b[2];                                                                                   \
-            CONVERT(w.r, r);                                                                                           \
-            CONVERT(w.g, g);                                                                                           \
-            CONVERT(w.b, b);                                                                                           \
-            top = larger_words(top, &w);                                                                               \
-            *opaque = v_both(*opaque, OPAQUE(w.a));                                                                    \
-            FOR_TWO(k)                                                                                                 \
-            beyond[2 * h + k] = scale_vector(r[k], g[k], b[k], luminance(r[k], g[k], b[k], c), d,                      \
-                                             i + (size_t)(2 * h + k) * WIDTH, planes, lum, 1);                         \
-        }                                                                                                              \
-        return top;                                                                                                    \
+        return scale_eights(&NAME##_eights, source, c, d, i, planes, beyond, opaque, lum);                             \
     }                                                                                                                  \
     INLINE void group_##NAME(const uint8_t *source, group *p)                                                          \
     {                                                                                                                  \
-        ints top = v_all_ints(0);                                                                                      \
-        p->opaque = v_all_ints(~0u);                                                                                   \
-        FOR_TWO(h)                                                                                                     \
-        {                                                                                                              \
-            const words w = LOAD(source, h);                                                                           \
-            CONVERT(w.r, p->r + 2 * h);                                                                                \
-            CONVERT(w.g, p->g + 2 * h);                                                                                \
-            CONVERT(w.b, p->b + 2 * h);                                                                                \
-            top = larger_words(top, &w);                                                                               \
-            p->opaque = v_both(p->opaque, OPAQUE(w.a));                                                                \
-        }                                                                                                              \
-        p->top = top_##NAME(top);                                                                                      \
-    }
+        group_eights(&NAME##_eights, source, p);                                                                       \
+    }                                                                                                                  \
+    static const format NAME = {                                                                                       \
+        .bytes = BYTES, .group = group_##NAME, .sum = sum_##NAME, .scale = scale16_##NAME, .top = TOP};
 
-ORDINARY_EIGHTS(rgba16f, load8_four, halves_to, opaque_halves)
-ORDINARY_EIGHTS(rgba16, load8_four, sixteens_to, all_ones)
-ORDINARY_EIGHTS(rgb16, load8_three, sixteens_to, all_ones)
+FORMAT_OF_EIGHTS(rgba16f, 8, load8_four, halves_to, opaque_halves, top_halves)
+FORMAT_OF_EIGHTS(rgba16, 8, load8_four, sixteens_to, all_ones, top_sixteens)
+FORMAT_OF_EIGHTS(rgb16, 6, load8_three, sixteens_to, all_ones, top_sixteens)
 
-FORMAT_KERNELS(rgba32f, 16)
-FORMAT_KERNELS(rgb32f, 12)
-FORMAT_KERNELS(rgba16f, 8)
-FORMAT_KERNELS(rgba16, 8)
-FORMAT_KERNELS(rgb16, 6)
+#include "vector_table.h"
 
 #include "neon_raw10.h"
 
@@ -169,44 +191,7 @@ static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
     store_vectors(p->r, p->g, p->b, n, e, target, 3);
 }
 
-const pupil_kernels pupil_kernels_neon = {
-    .load =
-        {
-            [PUPIL_PIXEL_RGBA32F] = load_rgba32f,
-            [PUPIL_PIXEL_RGB32F] = load_rgb32f,
-            [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
-            [PUPIL_PIXEL_RGBA16] = load_rgba16,
-            [PUPIL_PIXEL_RGB16] = load_rgb16,
-            LOADS_BY_FORMAT,
-        },
-    CAMERA_PIECES,
-    .meter =
-        {
-            [PUPIL_PLANES] = meter_planes,
-            [PUPIL_PIXEL_RGBA32F] = meter_rgba32f,
-            [PUPIL_PIXEL_RGB32F] = meter_rgb32f,
-            [PUPIL_PIXEL_RGBA16F] = meter_rgba16f,
-            [PUPIL_PIXEL_RGBA16] = meter_rgba16,
-            [PUPIL_PIXEL_RGB16] = meter_rgb16,
-        },
-    .scale =
-        {
-            [PUPIL_PLANES] = scale_planes,
-            [PUPIL_PIXEL_RGBA32F] = scale_rgba32f,
-            [PUPIL_PIXEL_RGB32F] = scale_rgb32f,
-            [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,
-            [PUPIL_PIXEL_RGBA16] = scale_rgba16,
-            [PUPIL_PIXEL_RGB16] = scale_rgb16,
-        },
-    .meter_quads = {[PUPIL_PIXEL_BAYER10P] = meter_bayer10p},
-    .histogram = histogram,
-    .store =
-        {
-            [PUPIL_PIXEL_RGBA8] = store_rgba8,
-            [PUPIL_PIXEL_RGB8] = store_rgb8,
-            [PUPIL_PIXEL_BGRX8] = store_bgrx8,
-        },
-};
+const pupil_kernels pupil_kernels_neon = {VECTOR_PIECES, .meter_quads = {[PUPIL_PIXEL_BAYER10P] = meter_bayer10p}};
 
 #else
 typedef int pupil_no_neon; /* a file of C needs something */

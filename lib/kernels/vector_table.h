@@ -1,0 +1,98 @@
+/* lib/kernels/vector_table.h: the kernels of a level with vectors, and the entries of its table. The level has defined
+ * its formats before (vector_formats.h): rgba32f, rgb32f, rgba16f, rgba16, rgb16. */
+#ifndef PUPIL_KERNELS_VECTOR_TABLE_H
+#define PUPIL_KERNELS_VECTOR_TABLE_H
+
+#include "loads.h"
+#include "vector_formats.h"
+
+/* A format's kernels. They are functions of their own so that the format is a constant in each. The parts that are not
+ * inlined have registers of their own. */
+#define FORMAT_KERNELS(FORMAT)                                                                                         \
+    static int load_##FORMAT(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n,                   \
+                             pupil_planes *planes)                                                                     \
+    {                                                                                                                  \
+        (void)coder;                                                                                                   \
+        return load_groups(&FORMAT, row->data + x * FORMAT.bytes, n, planes);                                          \
+    }                                                                                                                  \
+    static __attribute__((noinline)) void hard_##FORMAT(const pupil_row_job *job, const uint8_t *source, size_t i,     \
+                                                        size_t n, pupil_run *run)                                      \
+    {                                                                                                                  \
+        meter_groups_hard(&FORMAT, job, source, i, n, run);                                                            \
+    }                                                                                                                  \
+    static void meter_##FORMAT(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,   \
+                               pupil_run *run)                                                                         \
+    {                                                                                                                  \
+        (void)planes;                                                                                                  \
+        meter_groups(&FORMAT, hard_##FORMAT, job, source, n, run);                                                     \
+    }                                                                                                                  \
+    static __attribute__((noinline)) int fused_##FORMAT(const pupil_row_job *job, const void *source, uint32_t n,      \
+                                                        pupil_planes *planes, pupil_run *run)                          \
+    {                                                                                                                  \
+        kept keep;                                                                                                     \
+        const int opaque = scale_groups(&FORMAT, job, source, n, planes, &keep);                                       \
+        meter_kept(hard_##FORMAT, job, source, n, &keep, run);                                                         \
+        return opaque;                                                                                                 \
+    }                                                                                                                  \
+    static int scale_##FORMAT(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,          \
+                              pupil_run *run)                                                                          \
+    {                                                                                                                  \
+        return run ? fused_##FORMAT(job, source, n, planes, run) : scale_groups(&FORMAT, job, source, n, planes, 0);   \
+    }
+
+FORMAT_KERNELS(rgba32f)
+FORMAT_KERNELS(rgb32f)
+FORMAT_KERNELS(rgba16f)
+FORMAT_KERNELS(rgba16)
+FORMAT_KERNELS(rgb16)
+
+static __attribute__((noinline)) void hard_planes(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
+                                                  pupil_run *run)
+{
+    meter_groups_hard(&in_planes, job, source, i, n, run);
+}
+
+static void meter_planes(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
+                         pupil_run *run)
+{
+    (void)source;
+    meter_groups(&in_planes, hard_planes, job, (const uint8_t *)planes, n, run);
+}
+
+/* Metered before, because scaling takes the place of what was there. */
+static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
+{
+    if (run)
+        meter_planes(job, source, planes, n, run);
+    return scale_groups(&in_planes, job, (const uint8_t *)planes, n, planes, 0);
+}
+
+#define VECTOR_PIECES                                                                                                  \
+    .load =                                                                                                            \
+        {                                                                                                              \
+            [PUPIL_PIXEL_RGBA32F] = load_rgba32f, [PUPIL_PIXEL_RGB32F] = load_rgb32f,                                  \
+            [PUPIL_PIXEL_RGBA16F] = load_rgba16f, [PUPIL_PIXEL_RGBA16] = load_rgba16,                                  \
+            [PUPIL_PIXEL_RGB16] = load_rgb16,     LOADS_BY_FORMAT,                                                     \
+    },                                                                                                                 \
+    .meter =                                                                                                           \
+        {                                                                                                              \
+            [PUPIL_PLANES] = meter_planes,       [PUPIL_PIXEL_RGBA32F] = meter_rgba32f,                                \
+            [PUPIL_PIXEL_RGB32F] = meter_rgb32f, [PUPIL_PIXEL_RGBA16F] = meter_rgba16f,                                \
+            [PUPIL_PIXEL_RGBA16] = meter_rgba16, [PUPIL_PIXEL_RGB16] = meter_rgb16,                                    \
+    },                                                                                                                 \
+    .scale =                                                                                                           \
+        {                                                                                                              \
+            [PUPIL_PLANES] = scale_planes,       [PUPIL_PIXEL_RGBA32F] = scale_rgba32f,                                \
+            [PUPIL_PIXEL_RGB32F] = scale_rgb32f, [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,                                \
+            [PUPIL_PIXEL_RGBA16] = scale_rgba16, [PUPIL_PIXEL_RGB16] = scale_rgb16,                                    \
+    },                                                                                                                 \
+    .histogram = histogram,                                                                                            \
+    .store =                                                                                                           \
+        {                                                                                                              \
+            [PUPIL_PIXEL_RGBA8] = store_rgba8,                                                                         \
+            [PUPIL_PIXEL_RGB8] = store_rgb8,                                                                           \
+            [PUPIL_PIXEL_BGRX8] = store_bgrx8,                                                                         \
+    },                                                                                                                 \
+    CAMERA_PIECES
+
+#endif
