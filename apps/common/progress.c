@@ -20,7 +20,7 @@ void progress_begin(progress *p, int quiet, uint64_t total)
     *p = (progress){.shown = !quiet && can_clear && isatty(STDERR_FILENO), .total = total, .began_s = progress_now_s()};
 }
 
-void progress_step(progress *p, const pupil_record *r)
+void progress_step(progress *p, const frame_log_entry *r)
 {
     double now_s = progress_now_s();
     if (!p->shown || now_s - p->last_s < 0.1)

@@ -12,8 +12,8 @@ typedef struct progress {
 } progress;
 
 void progress_begin(progress *p, int quiet, uint64_t total);
-void progress_step(progress *p, const pupil_record *record); /* at most ten times a second */
-void progress_clear(progress *p);                            /* leaves the line empty, for a message */
+void progress_step(progress *p, const frame_log_entry *record); /* at most ten times a second */
+void progress_clear(progress *p);                               /* leaves the line empty, for a message */
 
 /* Seconds of a clock that only goes forward. */
 double progress_now_s(void);

@@ -3,10 +3,10 @@
 #include <ctype.h>
 #include <stdio.h>
 
-void sentence_say(const char *command, char *why, const char *end)
+void report_error(const char *command, pupil_why *why, const char *end)
 {
-    for (char *c = why; *c; c++)
+    for (char *c = why->text; *c; c++)
         if (iscntrl((unsigned char)*c))
             *c = '?';
-    fprintf(stderr, "%s: %s%s\n", command, why, end);
+    fprintf(stderr, "%s: %s%s\n", command, why->text, end);
 }

@@ -12,7 +12,7 @@ static void make_decoder(double linear[256])
     }
 }
 
-display_figures display_measure(const pupil_image_const *image)
+display_stats display_stats_measure(const pupil_image_const *image)
 {
     double linear[256], sum = 0.0, pixels = (double)image->width * image->height;
     uint64_t black = 0, white = 0;
@@ -28,5 +28,5 @@ display_figures display_measure(const pupil_image_const *image)
             }
         }
     }
-    return (display_figures){exp2(sum / pixels), (double)black / (3.0 * pixels), (double)white / (3.0 * pixels)};
+    return (display_stats){exp2(sum / pixels), (double)black / (3.0 * pixels), (double)white / (3.0 * pixels)};
 }

@@ -4,13 +4,13 @@
 
 #include "pupil/image.h"
 
-typedef struct display_figures {
+typedef struct display_stats {
     double level;       /* log-average luminance, linear 0..1; a black pixel counts as half of the lowest code */
     double black_share; /* of the 8-bit samples, 0..1: at code 0 */
     double white_share; /* at code 255 */
-} display_figures;
+} display_stats;
 
 /* Of an RGB8 sRGB image. */
-display_figures display_measure(const pupil_image_const *rgb8);
+display_stats display_stats_measure(const pupil_image_const *rgb8);
 
 #endif

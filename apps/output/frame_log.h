@@ -1,11 +1,12 @@
-/* apps/output/frame_log.h: what replay notes of each frame; the one struct behind --stats, --plot and --report. */
+/* apps/output/frame_log.h: what is noted of each frame of a run, for --stats, --plot and --report; and the list of it.
+ */
 #ifndef PUPIL_APPS_OUTPUT_FRAME_LOG_H
 #define PUPIL_APPS_OUTPUT_FRAME_LOG_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct pupil_record {
+typedef struct frame_log_entry {
     uint64_t frame;                /* 0, 1, 2 ... of the frames that were replayed */
     const char *name;              /* the source's name of the frame */
     double time_s;                 /* the frame's timestamp */
@@ -41,6 +42,21 @@ typedef struct pupil_record {
     double latency_us;      /* from the driver's timestamp to the mapped frame */
     const char *sensor;     /* "searching", "converged", ...; "" where nobody steers */
     const char *sensor_reason;
-} pupil_record;
+} frame_log_entry;
+
+typedef struct frame_log {
+    frame_log_entry *entry;
+    size_t count, capacity;
+    int is_bounded;
+    uint64_t every, seen; /* one of each `every` is kept */
+} frame_log;
+
+/* `bounded`: for a run that may never end: memory is taken once, every second entry goes where there is no more room,
+ * and names are left out. Else all entries are kept, with their names. 0; -1: not enough memory. */
+int frame_log_open(frame_log *log, int bounded);
+
+/* 0 also for a log that was not opened, which keeps nothing. -1: not enough memory. */
+int frame_log_add(frame_log *log, const frame_log_entry *entry);
+void frame_log_close(frame_log *log);
 
 #endif

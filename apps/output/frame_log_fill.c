@@ -25,13 +25,13 @@ static double light_of(const pupil_t *pupil, const pupil_frame_info *info, doubl
     return log2((double)curve.scale / scale);
 }
 
-pupil_record describe_frame(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
-                            const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display)
+frame_log_entry frame_log_fill(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
+                               const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display)
 {
     pupil_exposure e;
-    const display_figures d = display ? display_measure(display) : (display_figures){0};
+    const display_stats d = display ? display_stats_measure(display) : (display_stats){0};
     const double pixels = stats->pixels ? (double)stats->pixels : 1.0;
-    pupil_record record = {
+    frame_log_entry record = {
         .name = frame->name,
         .time_s = (double)frame->info.timestamp_ns * 1e-9,
         .scale = (double)curve->scale,

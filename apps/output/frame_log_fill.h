@@ -8,7 +8,7 @@
 
 /* After the frame was adapted to under `config` and mapped with `curve` to `display`; NULL: nobody asks for figures of
  * the picture. The frame's number and how long things took are left at 0. */
-pupil_record describe_frame(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
-                            const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display);
+frame_log_entry frame_log_fill(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
+                               const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display);
 
 #endif

@@ -18,7 +18,7 @@
 extern char **environ;
 
 typedef struct run {
-    const pupil_record *records;
+    const frame_log_entry *records;
     size_t count;
     const char *title;
 } run;
@@ -172,7 +172,7 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
     return failed;
 }
 
-int pupil_plot_write(const char *path, const pupil_record *records, size_t count, const char *title, pupil_why *why)
+int pupil_plot_write(const char *path, const frame_log_entry *records, size_t count, const char *title, pupil_why *why)
 {
     const run r = {records, count, title};
     if (kind_of(path, why) < 0)

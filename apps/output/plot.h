@@ -16,7 +16,7 @@ int pupil_plot_check(const char *path, pupil_why *why);
  * display with the key, the shares of clipped, black and white. Of a camera under control: its exposure and gain, and
  * how far off the key its frames and what is shown of them are, in place of the level. Complete or absent. 0, or -1 and
  * a sentence. */
-int pupil_plot_write(const char *path, const pupil_record *records, size_t count, const char *title, pupil_why *why);
+int pupil_plot_write(const char *path, const frame_log_entry *records, size_t count, const char *title, pupil_why *why);
 
 /* The same for any script: `script` writes what gnuplot is told, with a terminal for the kind of file and no output.
  */

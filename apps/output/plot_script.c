@@ -16,83 +16,83 @@
 
 /* --- what is drawn --- */
 
-static double get_time(const pupil_record *r)
+static double get_time(const frame_log_entry *r)
 {
     return r->time_s;
 }
 
-static double get_metered(const pupil_record *r)
+static double get_metered(const frame_log_entry *r)
 {
     return r->metered_ev;
 }
 
-static double get_adapted(const pupil_record *r)
+static double get_adapted(const frame_log_entry *r)
 {
     return r->adapted_ev;
 }
 
-static double get_p01(const pupil_record *r)
+static double get_p01(const frame_log_entry *r)
 {
     return r->p01_ev;
 }
 
-static double get_p99(const pupil_record *r)
+static double get_p99(const frame_log_entry *r)
 {
     return r->p99_ev;
 }
 
-static double get_level(const pupil_record *r)
+static double get_level(const frame_log_entry *r)
 {
     return r->output_level;
 }
 
-static double get_clipped(const pupil_record *r)
+static double get_clipped(const frame_log_entry *r)
 {
     return 100.0 * r->clipped_share;
 }
 
-static double get_black(const pupil_record *r)
+static double get_black(const frame_log_entry *r)
 {
     return 100.0 * r->black_share;
 }
 
-static double get_white(const pupil_record *r)
+static double get_white(const frame_log_entry *r)
 {
     return 100.0 * r->output_white_share;
 }
 
-static double get_exposure(const pupil_record *r)
+static double get_exposure(const frame_log_entry *r)
 {
     return 1e3 * r->exposure_s;
 }
 
-static double get_asked_exposure(const pupil_record *r)
+static double get_asked_exposure(const frame_log_entry *r)
 {
     return 1e3 * r->asked_exposure_s;
 }
 
-static double get_gain(const pupil_record *r)
+static double get_gain(const frame_log_entry *r)
 {
     return r->gain;
 }
 
-static double get_asked_gain(const pupil_record *r)
+static double get_asked_gain(const frame_log_entry *r)
 {
     return r->asked_gain;
 }
 
-static double get_key(const pupil_record *r)
+static double get_key(const frame_log_entry *r)
 {
     return r->key;
 }
 
 /* How far off their keys the log-averages are of what the camera gave, and of what is shown of it. */
-static double get_camera_error(const pupil_record *r)
+static double get_camera_error(const frame_log_entry *r)
 {
     return r->scene_ev + log2(r->exposure_s * r->gain / r->camera_key);
 }
 
-static double get_shown_error(const pupil_record *r)
+static double get_shown_error(const frame_log_entry *r)
 {
     return log2(r->output_level / r->key);
 }
@@ -111,7 +111,7 @@ static void quoted(FILE *out, const char *text)
     fputc('\'', out);
 }
 
-static void data(FILE *out, const pupil_record *records, size_t count)
+static void data(FILE *out, const frame_log_entry *records, size_t count)
 {
     static const struct {
         const char *name;
@@ -165,7 +165,7 @@ static void panel(FILE *out, const double *top, int index, const char *label)
 
 /* What the camera was asked for, and what frames were taken with; both in powers of two. */
 static void camera_panel(FILE *out, int index, const char *label, const char *name, plot_value *value,
-                         plot_value *asked, const pupil_record *records, size_t count)
+                         plot_value *asked, const frame_log_entry *records, size_t count)
 {
     double low = INFINITY, high = 0.0;
     plot_range(records, count, value, &low, &high);
@@ -181,7 +181,7 @@ static void camera_panel(FILE *out, int index, const char *label, const char *na
 }
 
 /* Of error: 0; with its number, where it was the same all the time. */
-static void key_line(FILE *out, const pupil_record *records, size_t count, int of_error)
+static void key_line(FILE *out, const frame_log_entry *records, size_t count, int of_error)
 {
     double low = INFINITY, high = -INFINITY;
     plot_range(records, count, get_key, &low, &high);
@@ -191,7 +191,7 @@ static void key_line(FILE *out, const pupil_record *records, size_t count, int o
         fprintf(out, "plot %s w lines dt 2 lw 1.4 lc '#555555' t 'key'", of_error ? "0" : "$key");
 }
 
-static void error_panel(FILE *out, const char *style, const pupil_record *records, size_t count)
+static void error_panel(FILE *out, const char *style, const frame_log_entry *records, size_t count)
 {
     double low = 0.0, high = 0.0;
     plot_range(records, count, get_camera_error, &low, &high);
@@ -205,7 +205,7 @@ static void error_panel(FILE *out, const char *style, const pupil_record *record
             style, style);
 }
 
-static void light_panel(FILE *out, const double *edges, const char *style, const pupil_record *records, size_t count)
+static void light_panel(FILE *out, const double *edges, const char *style, const frame_log_entry *records, size_t count)
 {
     double low = INFINITY, high = -INFINITY;
     plot_range(records, count, get_p01, &low, &high);
@@ -221,7 +221,7 @@ static void light_panel(FILE *out, const double *edges, const char *style, const
             style, style);
 }
 
-static void level_panel(FILE *out, const char *style, const pupil_record *records, size_t count)
+static void level_panel(FILE *out, const char *style, const frame_log_entry *records, size_t count)
 {
     double level = 0x1p-10, nothing = 0.0;
     plot_range(records, count, get_key, &nothing, &level);
@@ -233,7 +233,7 @@ static void level_panel(FILE *out, const char *style, const pupil_record *record
     fprintf(out, ", $level w %s lw 1.8 lc '" GREEN "' t 'log-average'\n", style);
 }
 
-static void share_panel(FILE *out, const double *edges, int index, const char *style, const pupil_record *records,
+static void share_panel(FILE *out, const double *edges, int index, const char *style, const frame_log_entry *records,
                         size_t count)
 {
     double nothing = 0.0, share = 1.0;
@@ -250,7 +250,7 @@ static void share_panel(FILE *out, const double *edges, int index, const char *s
 }
 
 /* Of a camera whose exposure is known, what was asked of it and what it did, too. */
-void plot_script(FILE *out, int is_png, const pupil_record *records, size_t count, const char *title)
+void plot_script(FILE *out, int is_png, const frame_log_entry *records, size_t count, const char *title)
 {
     const char *style = count <= 60 ? "linespoints pt 7 ps 0.5" : "lines";
     double from = INFINITY, to = -INFINITY, least = INFINITY, most = -INFINITY;

@@ -7,6 +7,6 @@
 
 #include "frame_log.h"
 
-void plot_script(FILE *out, int is_png, const pupil_record *records, size_t count, const char *title);
+void plot_script(FILE *out, int is_png, const frame_log_entry *records, size_t count, const char *title);
 
 #endif

@@ -2,17 +2,17 @@
 
 #include <math.h>
 
-static int usable(const pupil_record *record, double value)
+static int usable(const frame_log_entry *record, double value)
 {
     return isfinite(record->time_s) && isfinite(value);
 }
 
-static void point(FILE *out, const pupil_record *record, double value)
+static void point(FILE *out, const frame_log_entry *record, double value)
 {
     fprintf(out, "%.9g %.9g\n", record->time_s, value);
 }
 
-void plot_series(FILE *out, const pupil_record *records, size_t count, plot_value *value)
+void plot_series(FILE *out, const frame_log_entry *records, size_t count, plot_value *value)
 {
     size_t stretch = count <= PLOT_MOST_POINTS ? 1 : (count + PLOT_MOST_POINTS / 2 - 1) / (PLOT_MOST_POINTS / 2);
     for (size_t from = 0; from < count; from += stretch) {
@@ -34,7 +34,7 @@ void plot_series(FILE *out, const pupil_record *records, size_t count, plot_valu
     }
 }
 
-void plot_band(FILE *out, const pupil_record *records, size_t count, plot_value *low, plot_value *high)
+void plot_band(FILE *out, const frame_log_entry *records, size_t count, plot_value *low, plot_value *high)
 {
     size_t stretch = (count + PLOT_MOST_POINTS - 1) / PLOT_MOST_POINTS;
     for (size_t from = 0; from < count; from += stretch) {
@@ -54,7 +54,7 @@ void plot_band(FILE *out, const pupil_record *records, size_t count, plot_value 
     }
 }
 
-void plot_range(const pupil_record *records, size_t count, plot_value *value, double *low, double *high)
+void plot_range(const frame_log_entry *records, size_t count, plot_value *value, double *low, double *high)
 {
     for (size_t i = 0; i < count; i++) {
         double v = value(&records[i]);

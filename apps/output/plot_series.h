@@ -9,16 +9,16 @@
 #define PLOT_MOST_POINTS 4000 /* over twice the pixels across */
 
 /* Which number of a record. */
-typedef double plot_value(const pupil_record *record);
+typedef double plot_value(const frame_log_entry *record);
 
 /* Writes lines "time value" of the finite values, at most PLOT_MOST_POINTS: of each stretch the smallest and the
  * largest, in their order, so that no spike is lost. */
-void plot_series(FILE *out, const pupil_record *records, size_t count, plot_value *value);
+void plot_series(FILE *out, const frame_log_entry *records, size_t count, plot_value *value);
 
 /* Writes lines "time low high": of each stretch the lowest low and the highest high. */
-void plot_band(FILE *out, const pupil_record *records, size_t count, plot_value *low, plot_value *high);
+void plot_band(FILE *out, const frame_log_entry *records, size_t count, plot_value *low, plot_value *high);
 
 /* The range of the finite values; left as it is where there is none. */
-void plot_range(const pupil_record *records, size_t count, plot_value *value, double *low, double *high);
+void plot_range(const frame_log_entry *records, size_t count, plot_value *value, double *low, double *high);
 
 #endif

@@ -14,15 +14,15 @@
 
 #define NUMBER(name)                                                                                                   \
     {                                                                                                                  \
-#name, STATS_NUMBER, offsetof(pupil_record, name)                                                              \
+#name, STATS_NUMBER, offsetof(frame_log_entry, name)                                                           \
     }
 
 /* Those from here on are a live camera's. Every field but `live` has eight bytes. */
-#define LIVE_FIELDS ((sizeof(pupil_record) - offsetof(pupil_record, sequence)) / 8)
+#define LIVE_FIELDS ((sizeof(frame_log_entry) - offsetof(frame_log_entry, sequence)) / 8)
 
 const pupil_stats_field pupil_stats_fields[] = {
-    {"frame", STATS_COUNT, offsetof(pupil_record, frame)},
-    {"name", STATS_TEXT, offsetof(pupil_record, name)},
+    {"frame", STATS_COUNT, offsetof(frame_log_entry, frame)},
+    {"name", STATS_TEXT, offsetof(frame_log_entry, name)},
     NUMBER(time_s),
     NUMBER(dt_s),
     NUMBER(metered_ev),
@@ -42,29 +42,29 @@ const pupil_stats_field pupil_stats_fields[] = {
     NUMBER(read_us),
     NUMBER(process_us),
     NUMBER(write_us),
-    {"state", STATS_TEXT, offsetof(pupil_record, state)},
-    {"sequence", STATS_COUNT, offsetof(pupil_record, sequence)},
-    {"lost", STATS_COUNT, offsetof(pupil_record, lost)},
-    {"flagged", STATS_COUNT, offsetof(pupil_record, flagged)},
-    {"late", STATS_COUNT, offsetof(pupil_record, late)},
+    {"state", STATS_TEXT, offsetof(frame_log_entry, state)},
+    {"sequence", STATS_COUNT, offsetof(frame_log_entry, sequence)},
+    {"lost", STATS_COUNT, offsetof(frame_log_entry, lost)},
+    {"flagged", STATS_COUNT, offsetof(frame_log_entry, flagged)},
+    {"late", STATS_COUNT, offsetof(frame_log_entry, late)},
     NUMBER(exposure_s),
     NUMBER(gain),
     NUMBER(asked_exposure_s),
     NUMBER(asked_gain),
-    {"in_force_from", STATS_COUNT, offsetof(pupil_record, in_force_from)},
+    {"in_force_from", STATS_COUNT, offsetof(frame_log_entry, in_force_from)},
     NUMBER(digital),
     NUMBER(scene_ev),
     NUMBER(camera_key),
     NUMBER(latency_us),
-    {"sensor", STATS_TEXT, offsetof(pupil_record, sensor)},
-    {"sensor_reason", STATS_TEXT, offsetof(pupil_record, sensor_reason)},
+    {"sensor", STATS_TEXT, offsetof(frame_log_entry, sensor)},
+    {"sensor_reason", STATS_TEXT, offsetof(frame_log_entry, sensor_reason)},
 };
 const size_t pupil_stats_live_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
 const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] - LIVE_FIELDS;
-_Static_assert(sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(pupil_record),
+_Static_assert(sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(frame_log_entry),
                "a field that is added to the record is written");
 
-size_t pupil_stats_fields_of(const pupil_record *record)
+size_t pupil_stats_fields_of(const frame_log_entry *record)
 {
     return record->live ? pupil_stats_live_field_count : pupil_stats_field_count;
 }
@@ -77,23 +77,23 @@ struct pupil_stats_file {
     uint64_t lines;
 };
 
-static const void *at(const pupil_record *record, const pupil_stats_field *field)
+static const void *at(const frame_log_entry *record, const pupil_stats_field *field)
 {
     return (const char *)record + field->offset;
 }
 
-uint64_t pupil_stats_count(const pupil_record *record, const pupil_stats_field *field)
+uint64_t pupil_stats_count(const frame_log_entry *record, const pupil_stats_field *field)
 {
     return *(const uint64_t *)at(record, field);
 }
 
-const char *pupil_stats_text(const pupil_record *record, const pupil_stats_field *field)
+const char *pupil_stats_text(const frame_log_entry *record, const pupil_stats_field *field)
 {
     const char *text = *(const char *const *)at(record, field);
     return text ? text : "";
 }
 
-double pupil_stats_number(const pupil_record *record, const pupil_stats_field *field)
+double pupil_stats_number(const frame_log_entry *record, const pupil_stats_field *field)
 {
     return *(const double *)at(record, field);
 }
@@ -114,7 +114,7 @@ static void csv_text(FILE *file, const char *text)
     fputc('"', file);
 }
 
-static void csv_field(FILE *file, const pupil_record *record, const pupil_stats_field *field)
+static void csv_field(FILE *file, const frame_log_entry *record, const pupil_stats_field *field)
 {
     if (field->kind == STATS_COUNT)
         fprintf(file, "%llu", (unsigned long long)pupil_stats_count(record, field));
@@ -125,7 +125,7 @@ static void csv_field(FILE *file, const pupil_record *record, const pupil_stats_
 }
 
 /* The header or a record. Lines end with \r\n, as RFC 4180, 2.1 has them. */
-static void csv_line(FILE *file, const pupil_record *record, int header)
+static void csv_line(FILE *file, const frame_log_entry *record, int header)
 {
     for (size_t i = 0; i < pupil_stats_fields_of(record); i++) {
         if (i)
@@ -186,7 +186,7 @@ int pupil_stats_file_open(pupil_stats_file **file, const char *path, pupil_why *
     return 0;
 }
 
-int pupil_stats_file_write(pupil_stats_file *f, const pupil_record *record, pupil_why *why)
+int pupil_stats_file_write(pupil_stats_file *f, const frame_log_entry *record, pupil_why *why)
 {
     if (f->is_csv) {
         if (!f->lines)

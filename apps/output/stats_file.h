@@ -15,7 +15,7 @@ typedef struct pupil_stats_file pupil_stats_file;
 
 /* 0, or -1 and a sentence that names the path. */
 int pupil_stats_file_open(pupil_stats_file **file, const char *path, pupil_why *why);
-int pupil_stats_file_write(pupil_stats_file *file, const pupil_record *record, pupil_why *why);
+int pupil_stats_file_write(pupil_stats_file *file, const frame_log_entry *record, pupil_why *why);
 
 /* 1: it goes to standard output, and whoever read that is gone. */
 int pupil_stats_reader_gone(const pupil_stats_file *file);
@@ -38,14 +38,14 @@ typedef struct pupil_stats_field {
 extern const pupil_stats_field pupil_stats_fields[];
 extern const size_t pupil_stats_field_count;      /* of a replay's records, */
 extern const size_t pupil_stats_live_field_count; /* and with those of a live camera's, which follow */
-size_t pupil_stats_fields_of(const pupil_record *record);
+size_t pupil_stats_fields_of(const frame_log_entry *record);
 
-uint64_t pupil_stats_count(const pupil_record *record, const pupil_stats_field *field);
-const char *pupil_stats_text(const pupil_record *record, const pupil_stats_field *field); /* never NULL */
-double pupil_stats_number(const pupil_record *record, const pupil_stats_field *field);
+uint64_t pupil_stats_count(const frame_log_entry *record, const pupil_stats_field *field);
+const char *pupil_stats_text(const frame_log_entry *record, const pupil_stats_field *field); /* never NULL */
+double pupil_stats_number(const frame_log_entry *record, const pupil_stats_field *field);
 
 /* One record as one line of JSON; -1: not enough memory. What cannot be written is left to ferror. */
-int pupil_stats_json_line(FILE *file, const pupil_record *record);
+int pupil_stats_json_line(FILE *file, const frame_log_entry *record);
 
 /* 0, or -1 and a sentence where this program was built without JSON. */
 int pupil_stats_json_check(const char *path, pupil_why *why);

@@ -41,7 +41,7 @@ static int write_text(FILE *file, const char *text)
     return failed ? -1 : 0;
 }
 
-int pupil_stats_json_line(FILE *file, const pupil_record *record)
+int pupil_stats_json_line(FILE *file, const frame_log_entry *record)
 {
     for (size_t i = 0; i < pupil_stats_fields_of(record); i++) {
         const pupil_stats_field *field = &pupil_stats_fields[i];

@@ -67,10 +67,10 @@ static void say_now(const char *what)
     run.line_open = 1;
 }
 
-static void complain(char *why)
+static void complain(pupil_why *why)
 {
     clear_line();
-    sentence_say("pupil probe", why, "");
+    report_error("pupil probe", why, "");
 }
 
 /* 0: go on; else the exit status and one more. */
@@ -147,7 +147,7 @@ static int probe(probe_report *report, const pupil_v4l2_system *system)
     if (result == 0)
         result = print(report, &why);
     if (result)
-        complain(why.text);
+        complain(&why);
     return result ? EXIT_FAILED : EXIT_DONE;
 }
 

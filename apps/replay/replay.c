@@ -36,8 +36,7 @@ typedef struct replay {
     outputs outputs;
     pupil_stats_file *stats_file;
     replay_report *report;
-    pupil_record *records; /* all of them, where a plot or a report wants them */
-    size_t record_count, record_capacity;
+    frame_log log; /* where a plot or a report wants it */
 
     progress progress;
     uint64_t shown, skipped;
@@ -49,35 +48,13 @@ typedef struct replay {
 
 static void say(replay *r, const char *end)
 {
-    sentence_say("pupil replay", r->why.text, end);
+    report_error("pupil replay", &r->why, end);
 }
 
 static int no_memory(replay *r)
 {
     pupil_refuse(&r->why, "not enough memory");
     return -1;
-}
-
-/* --- records --- */
-
-static int keep(replay *r, const pupil_record *record)
-{
-    if (!r->options.plot && !r->options.report)
-        return 0;
-    if (r->record_count == r->record_capacity) {
-        size_t capacity = r->record_capacity ? 2 * r->record_capacity : 1024;
-        pupil_record *more = realloc(r->records, capacity * sizeof *more);
-        if (!more)
-            return no_memory(r);
-        r->records = more;
-        r->record_capacity = capacity;
-    }
-    r->records[r->record_count] = *record;
-    r->records[r->record_count].name = strdup(record->name); /* the source's own is gone with the frame */
-    if (!r->records[r->record_count].name)
-        return no_memory(r);
-    r->record_count++;
-    return 0;
 }
 
 /* --- a frame --- */
@@ -92,12 +69,14 @@ static int open_outputs(replay *r, const pupil_image_const *first)
             return -1;
     if (o->stats && pupil_stats_file_open(&r->stats_file, o->stats, &r->why))
         return -1;
+    if ((o->plot || o->report) && frame_log_open(&r->log, 0))
+        return no_memory(r);
     if (o->report)
         return replay_report_open(&r->report, o, &options, r->source->frames * o->hold, &r->why);
     return 0;
 }
 
-static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record)
+static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_const *display, frame_log_entry *record)
 {
     double began_s = progress_now_s();
     if (outputs_write(&r->outputs, display, &frame->info, &r->why))
@@ -105,8 +84,8 @@ static int write_frame(replay *r, const pupil_frame *frame, const pupil_image_co
     record->write_us = (progress_now_s() - began_s) * 1e6;
     if (r->stats_file && pupil_stats_file_write(r->stats_file, record, &r->why))
         return -1;
-    if (keep(r, record))
-        return -1;
+    if (frame_log_add(&r->log, record))
+        return no_memory(r);
     return r->report ? replay_report_frame(r->report, frame, &r->curve, display, &r->stats, record, &r->why) : 0;
 }
 
@@ -153,7 +132,7 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
     if (!r->shown && open_outputs(r, &frame->image))
         return -1;
     pupil_image_const display = pupil_image_as_const(out);
-    pupil_record record = describe_frame(&r->pupil, &r->options.config, &r->stats, &r->curve, frame, &display);
+    frame_log_entry record = frame_log_fill(&r->pupil, &r->options.config, &r->stats, &r->curve, frame, &display);
     record.frame = r->shown;
     record.read_us = read_us;
     record.process_us = process_us;
@@ -269,14 +248,14 @@ static int finish(replay *r)
         return -1;
     }
     if (o->plot) {
-        if (pupil_plot_write(o->plot, r->records, r->record_count, o->inputs[0], &r->why))
+        if (pupil_plot_write(o->plot, r->log.entry, r->log.count, o->inputs[0], &r->why))
             return -1;
         r->finished++;
     }
     replay_report *report = r->report;
     if (report && !interrupt_came()) {
         r->report = NULL;
-        if (replay_report_finish(report, r->records, r->record_count, r->summary, sizeof r->summary, &r->why))
+        if (replay_report_finish(report, r->log.entry, r->log.count, r->summary, sizeof r->summary, &r->why))
             return -1;
         r->finished++;
     }
@@ -306,9 +285,7 @@ static void end(replay *r)
     replay_work_close(&r->work); /* before its window, whose context it may use */
     view_close(r->view);
     pupil_source_close(r->source);
-    for (size_t i = 0; i < r->record_count; i++)
-        free((char *)(uintptr_t)r->records[i].name);
-    free(r->records);
+    frame_log_close(&r->log);
 }
 
 static void tell(const replay *r)

@@ -44,7 +44,7 @@ static figures measure(const pupil_report_page *page)
     figures f = {.ev_low = INFINITY, .ev_high = -INFINITY};
     double n = page->record_count ? (double)page->record_count : 1.0;
     for (size_t i = 0; i < page->record_count; i++) {
-        const pupil_record *r = &page->records[i];
+        const frame_log_entry *r = &page->records[i];
         if (isfinite(r->metered_ev)) {
             f.ev_low = r->metered_ev < f.ev_low ? r->metered_ev : f.ev_low;
             f.ev_high = larger(f.ev_high, r->metered_ev);

@@ -111,7 +111,7 @@ static double time_memcpy(replay_report *r, const pupil_image_const *in)
 }
 
 static void verify(replay_report *r, const pupil_image_const *in, const pupil_curve *curve,
-                   const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record)
+                   const pupil_image_const *rgb8, const pupil_stats *stats, const frame_log_entry *record)
 {
     verify_frame(&r->figures, &r->options->config, in, curve, rgb8, stats);
     r->memcpy_us += time_memcpy(r, in);
@@ -120,7 +120,7 @@ static void verify(replay_report *r, const pupil_image_const *in, const pupil_cu
 }
 
 int replay_report_frame(replay_report *r, const pupil_frame *frame, const pupil_curve *curve,
-                        const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record,
+                        const pupil_image_const *rgb8, const pupil_stats *stats, const frame_log_entry *record,
                         pupil_why *why)
 {
     pupil_image_const fixed_image;
@@ -220,7 +220,7 @@ static void close_report(replay_report *r)
     free(r);
 }
 
-int replay_report_finish(replay_report *r, const pupil_record *records, size_t count, char *summary,
+int replay_report_finish(replay_report *r, const frame_log_entry *records, size_t count, char *summary,
                          size_t summary_bytes, pupil_why *why)
 {
     table settings = {.count = 0}, figures = {.count = 0};

@@ -18,11 +18,11 @@ void replay_report_command(char *text, size_t bytes, int argc, char **argv);
 int replay_report_open(replay_report **report, const frame_options *options, const pupil_sink_options *video,
                        uint64_t frames, pupil_why *why);
 int replay_report_frame(replay_report *report, const pupil_frame *frame, const pupil_curve *curve,
-                        const pupil_image_const *rgb8, const pupil_stats *stats, const pupil_record *record,
+                        const pupil_image_const *rgb8, const pupil_stats *stats, const frame_log_entry *record,
                         pupil_why *why);
 
 /* Writes the page, and says the run's figures in `summary`. The report is gone, whether that succeeded or not. */
-int replay_report_finish(replay_report *report, const pupil_record *records, size_t count, char *summary,
+int replay_report_finish(replay_report *report, const frame_log_entry *records, size_t count, char *summary,
                          size_t summary_bytes, pupil_why *why);
 void replay_report_discard(replay_report *report); /* takes NULL */
 

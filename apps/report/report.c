@@ -150,7 +150,7 @@ int pupil_report_wants(const pupil_report *r)
 }
 
 static int keep(pupil_report *r, const pupil_image_const *rgb8, const pupil_image_const *fixed,
-                const pupil_record *record)
+                const frame_log_entry *record)
 {
     report_picture *p = &r->kept[r->count++];
     p->frame = record->frame;
@@ -175,7 +175,7 @@ static int keep(pupil_report *r, const pupil_image_const *rgb8, const pupil_imag
 }
 
 int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pupil_image_const *fixed,
-                       const pupil_record *record, pupil_why *why)
+                       const frame_log_entry *record, pupil_why *why)
 {
     if (pupil_report_wants(r) && keep(r, rgb8, fixed, record))
         return pupil_refuse(why, "%s: not enough memory for a thumbnail", r->folder);

@@ -30,7 +30,7 @@ typedef struct pupil_report_page {
     const char *command; /* the command line that made the page */
     const char *version;
     const char *note; /* a sentence at the top: frames skipped, a plot that could not be drawn */
-    const pupil_record *records;
+    const frame_log_entry *records;
     size_t record_count;
     const pupil_report_row *settings;
     size_t setting_count;
@@ -52,7 +52,7 @@ int pupil_report_wants(const pupil_report *report);
 
 /* Takes every display frame. `fixed`: the same frame at the exposure of the first, to compare with; may be NULL. */
 int pupil_report_frame(pupil_report *report, const pupil_image_const *rgb8, const pupil_image_const *fixed,
-                       const pupil_record *record, pupil_why *why);
+                       const frame_log_entry *record, pupil_why *why);
 
 /* Writes the page and puts it in its place. The report is gone afterwards, whether that succeeded or not. */
 int pupil_report_finish(pupil_report *report, const pupil_report_page *page, pupil_why *why);

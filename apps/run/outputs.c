@@ -41,7 +41,7 @@ static int open_all(run_outputs *o, const pupil_frame *first, pupil_why *why)
             return -1;
     if (options->stats && pupil_stats_file_open(&o->stats_file, options->stats, why))
         return -1;
-    if (options->plot && record_list_open(&o->records)) {
+    if (options->plot && frame_log_open(&o->log, 1)) {
         pupil_refuse(why, "not enough memory");
         return -1;
     }
@@ -85,8 +85,8 @@ static void drop_stats(run_outputs *o)
     o->options->stats = NULL;
 }
 
-int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record,
-                      pupil_why *why)
+int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_image_const *display,
+                      frame_log_entry *record, pupil_why *why)
 {
     if (is_other_size(o, display, why))
         return -1;
@@ -102,7 +102,7 @@ int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_imag
         drop_stats(o);
         return ended ? 1 : -1;
     }
-    record_list_add(&o->records, record);
+    frame_log_add(&o->log, record);
     o->frames++;
     return 0;
 }
@@ -144,8 +144,8 @@ int run_outputs_finish(run_outputs *o, pupil_why *why)
         }
         o->stats_file = NULL;
     }
-    if (o->records.count && !interrupt_again() &&
-        pupil_plot_write(o->options->plot, o->records.records, o->records.count, o->device, &next)) {
+    if (o->log.count && !interrupt_again() &&
+        pupil_plot_write(o->options->plot, o->log.entry, o->log.count, o->device, &next)) {
         failed = keep_first(failed, next.text, why);
         o->options->plot = NULL;
     }
@@ -156,5 +156,5 @@ void run_outputs_discard(run_outputs *o)
 {
     outputs_discard(&o->pictures);
     pupil_stats_file_discard(o->stats_file);
-    record_list_close(&o->records);
+    frame_log_close(&o->log);
 }

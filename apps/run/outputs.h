@@ -4,7 +4,7 @@
 
 #include "file/recording/recording.h"
 #include "options.h"
-#include "output/frame_log_list.h"
+#include "output/frame_log.h"
 #include "output/outputs.h"
 #include "output/stats_file.h"
 #include "pupil/error.h"
@@ -20,7 +20,7 @@ typedef struct run_outputs {
     pupil_stats_file *stats_file;
     pupil_recorder *recorder;
     uint64_t not_recorded; /* the disk was too slow */
-    record_list records;   /* for the plot */
+    frame_log log;         /* for the plot */
 } run_outputs;
 
 /* Of a live source, which `device` names in sentences. What is pointed at is kept by the caller. */
@@ -31,8 +31,8 @@ int run_outputs_take(run_outputs *o, const pupil_frame *frame, pupil_why *why);
 
 /* What is shown of it; into the record goes how long it took. 0, or -1 and a sentence: an output that fails ends the
  * run, the others are kept. 1: so does a reader who has seen enough, or Ctrl-C, which is no failure. */
-int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_image_const *display, pupil_record *record,
-                      pupil_why *why);
+int run_outputs_write(run_outputs *o, const pupil_frame *frame, const pupil_image_const *display,
+                      frame_log_entry *record, pupil_why *why);
 
 /* All that has been written becomes complete, whatever ended the run; a second Ctrl-C leaves out what is to come. 0, or
  * -1 and the first sentence of those that cannot. Afterwards the options name what is there: not what failed, nor, of a

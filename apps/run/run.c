@@ -53,10 +53,10 @@ typedef struct run {
 
 static run r; /* one a process; fatal signals must find its camera */
 
-static void say(char *why, const char *end)
+static void say(pupil_why *why, const char *end)
 {
     run_status_clear(&r.status);
-    sentence_say("pupil run", why, end);
+    report_error("pupil run", why, end);
 }
 
 /* Of several sentences the first one is the cause. */
@@ -79,7 +79,7 @@ static void warn(void)
 {
     if (!*r.work.warning.text)
         return;
-    say(r.work.warning.text, "; the CPU goes on");
+    say(&r.work.warning, "; the CPU goes on");
     *r.work.warning.text = 0;
 }
 
@@ -108,7 +108,7 @@ static int is_written(void)
     return o->out_count || o->stats || o->plot;
 }
 
-static void describe_camera(const pupil_frame *frame, pupil_record *record)
+static void describe_camera(const pupil_frame *frame, frame_log_entry *record)
 {
     const pupil_v4l2_counts before = r.counts, *now = &pupil_live_capture(r.source)->counts;
     const pupil_v4l2_frame *f = pupil_live_frame(r.source);
@@ -142,8 +142,8 @@ static int show(pupil_frame *frame)
         return fail(why.text);
     const pupil_image_const display = pupil_image_as_const(out);
     const int measured = r.options.shown.stats || r.options.shown.plot || r.view;
-    pupil_record record =
-        describe_frame(&r.pupil, &r.options.shown.config, &r.stats, &r.curve, frame, measured ? &display : NULL);
+    frame_log_entry record =
+        frame_log_fill(&r.pupil, &r.options.shown.config, &r.stats, &r.curve, frame, measured ? &display : NULL);
     describe_camera(frame, &record);
     record.process_us = (double)(mapped_ns - began_ns) * 1e-3;
     record.latency_us = record.read_us + (double)(mapped_ns - pupil_live_frame(r.source)->taken_ns) * 1e-3;
@@ -223,15 +223,15 @@ static int begin(void)
     if (run_choose_mode(o, r.source, &remark, &r.why))
         return -1;
     if (*remark.text && !o->shown.quiet)
-        say(remark.text, "");
+        say(&remark, "");
     run_sensor_begin(&r.sensor, o, r.source);
     run_resume_begin(&r.resume, o->resume, r.source, &remark);
     if (*remark.text)
-        say(remark.text, "");
+        say(&remark, "");
     r.sensor.first_total_s = r.resume.total_s;
     run_lamps_begin(&r.lamps, o, r.source, &remark);
     if (*remark.text && !o->shown.quiet)
-        say(remark.text, "");
+        say(&remark, "");
     r.colour.own_picture = o->mode == RUN_SENSOR;
     o->shown.config.nominal_frame_s = 1.0 / r.source->fps;
     pupil_init(&r.pupil, &o->shown.config);
@@ -289,7 +289,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     }
     if (parsed == OPTIONS_USAGE || frame_options_check_paths(&r.options.shown, &r.why) ||
         run_choose_outputs(&r.options, &r.why)) {
-        say(r.why.text, "");
+        say(&r.why, "");
         return EXIT_USAGE;
     }
     interrupt_watch();
@@ -309,7 +309,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
     run_lamps_tell(&r.lamps, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
-        say(r.why.text, "");
+        say(&r.why, "");
     if (given_up)
         fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
     else

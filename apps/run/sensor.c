@@ -218,7 +218,7 @@ void run_sensor_tell(const run_sensor *s, char *text, size_t text_bytes)
                  strerror(s->refusal));
 }
 
-void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record)
+void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, frame_log_entry *record)
 {
     pupil_camera_status status = {0};
     if (s->camera)

@@ -42,6 +42,6 @@ int run_sensor_curve(const run_sensor *s, pupil_curve *curve);
 void run_sensor_tell(const run_sensor *s, char *text, size_t text_bytes);
 
 /* Into the record of the last frame. */
-void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, pupil_record *record);
+void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, frame_log_entry *record);
 
 #endif

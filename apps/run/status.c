@@ -32,7 +32,7 @@ static void print_time(double s)
         fprintf(stderr, s < 0.01 ? "   %.3f ms" : "   %.2f ms", s * 1e3);
 }
 
-void run_status_frame(run_status *s, const pupil_record *r)
+void run_status_frame(run_status *s, const frame_log_entry *r)
 {
     const double now_s = progress_now_s(), since_s = now_s - s->last_s;
     if (!s->frames)

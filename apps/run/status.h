@@ -17,8 +17,8 @@ typedef struct run_status {
 } run_status;
 
 void run_status_begin(run_status *s, int quiet, const pupil_source *source, const run_options *options);
-void run_status_frame(run_status *s, const pupil_record *record); /* written at most five times a second */
-void run_status_clear(run_status *s);                             /* leaves the line empty, for a message */
+void run_status_frame(run_status *s, const frame_log_entry *record); /* written at most five times a second */
+void run_status_clear(run_status *s);                                /* leaves the line empty, for a message */
 /* The last line; `more`: what else is to be told, which begins with "; ". */
 void run_status_end(const run_status *s, const run_options *options, uint64_t reopened, const char *more);
 

@@ -37,7 +37,7 @@ static double level(const view_plot_point *point)
     return point->level;
 }
 
-void view_plot_add(view_plot *plot, const pupil_record *record)
+void view_plot_add(view_plot *plot, const frame_log_entry *record)
 {
     plot->point[plot->next] =
         (view_plot_point){record->time_s, record->metered_ev, record->adapted_ev, record->output_level};

@@ -16,7 +16,7 @@ typedef struct view_plot {
     size_t next, count;
 } view_plot;
 
-void view_plot_add(view_plot *plot, const pupil_record *record);
+void view_plot_add(view_plot *plot, const frame_log_entry *record);
 
 /* At the bottom of a window of that size. */
 void view_plot_paint(const view_plot *plot, view_paint *p, float width, float height, float scale, double key);

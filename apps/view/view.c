@@ -272,7 +272,7 @@ static void stay(view *v, const int *as_long_as)
 }
 
 int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
-               const pupil_record *record)
+               const frame_log_entry *record)
 {
     v->frame = frame;
     v->info = frame->info;

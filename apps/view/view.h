@@ -38,7 +38,7 @@ void view_close(view *v);
 /* The frame that the work has just done: shown when its time has come, and as long as the viewer pauses. VIEW_QUIT: the
  * viewer, or Ctrl-C, has ended it. */
 int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
-               const pupil_record *record);
+               const frame_log_entry *record);
 
 /* The last frame stays until the viewer ends it. */
 void view_stay(view *v);

@@ -18,7 +18,7 @@ void view_close(view *v)
 }
 
 int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
-               const pupil_record *record)
+               const frame_log_entry *record)
 {
     (void)v, (void)frame, (void)curve, (void)display, (void)record;
     return VIEW_QUIT;

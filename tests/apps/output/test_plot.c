@@ -10,9 +10,9 @@
 
 static pupil_why why;
 
-static pupil_record record(size_t i)
+static frame_log_entry record(size_t i)
 {
-    pupil_record r = {.frame = i, .name = "f", .state = "adapting"};
+    frame_log_entry r = {.frame = i, .name = "f", .state = "adapting"};
     r.time_s = (double)i / 30.0;
     r.metered_ev = sin((double)i * 0.01);
     r.p01_ev = r.metered_ev - 3.0;
@@ -21,24 +21,24 @@ static pupil_record record(size_t i)
     return r;
 }
 
-static double metered(const pupil_record *r)
+static double metered(const frame_log_entry *r)
 {
     return r->metered_ev;
 }
 
-static double low(const pupil_record *r)
+static double low(const frame_log_entry *r)
 {
     return r->p01_ev;
 }
 
-static double high(const pupil_record *r)
+static double high(const frame_log_entry *r)
 {
     return r->p99_ev;
 }
 
 static void check_thinning(size_t count)
 {
-    pupil_record *records = calloc(count, sizeof *records);
+    frame_log_entry *records = calloc(count, sizeof *records);
     char line[128];
     for (size_t i = 0; i < count; i++)
         records[i] = record(i);
@@ -89,16 +89,16 @@ static int holds(const char *path, const char *text)
     return memmem(content, size, text, strlen(text)) != NULL;
 }
 
-static void drawn(const char *name, const pupil_record *records, size_t count, const char *title)
+static void drawn(const char *name, const frame_log_entry *records, size_t count, const char *title)
 {
     CHECK_MSG(pupil_plot_write(scratch(name), records, count, title, &why) == 0, "%s: %s", name, why.text);
     CHECK(scratch_exists(scratch(name)));
 }
 
 /* A camera under control has its exposure and gain drawn; by hand, or with numbers missing, too. */
-static void check_camera(const pupil_record *records)
+static void check_camera(const frame_log_entry *records)
 {
-    static pupil_record live[300];
+    static frame_log_entry live[300];
     memcpy(live, records, sizeof live);
     for (size_t i = 0; i < 300; i++) {
         live[i].live = 1;
@@ -120,7 +120,7 @@ static void check_camera(const pupil_record *records)
 
 static void check_drawing(void)
 {
-    static pupil_record records[300];
+    static frame_log_entry records[300];
     for (size_t i = 0; i < 300; i++)
         records[i] = record(i);
     drawn("a.svg", records, 300, "it's \"odd\" `touch hacked` $(id) <&>\n'\nx_1^2");
@@ -139,7 +139,7 @@ static void check_drawing(void)
         records[i].metered_ev = records[i].adapted_ev = records[i].p01_ev = records[i].p99_ev = -3.0;
     drawn("flat.svg", records, 300, "nothing happens");
     for (size_t i = 0; i < 300; i++)
-        records[i] = (pupil_record){.time_s = 0.0, .metered_ev = NAN, .adapted_ev = -INFINITY, .p01_ev = NAN};
+        records[i] = (frame_log_entry){.time_s = 0.0, .metered_ev = NAN, .adapted_ev = -INFINITY, .p01_ev = NAN};
     drawn("nan.svg", records, 300, "no numbers");
     for (size_t i = 0; i < 300; i++)
         records[i].time_s = NAN;
@@ -149,7 +149,7 @@ static void check_drawing(void)
 
 static void check_refusals(void)
 {
-    pupil_record one = record(0);
+    frame_log_entry one = record(0);
     int before = scratch_entries(scratch_folder);
     CHECK(pupil_plot_write(scratch("x.pdf"), &one, 1, "", &why) != 0 && strstr(why.text, ".svg"));
     CHECK(pupil_plot_write(scratch("x.svg"), &one, 0, "", &why) != 0 && strstr(why.text, "no frame"));

@@ -23,9 +23,9 @@ static char *slurp(const char *path)
 static const char awkward[] = "a \"quoted\", name\nwith a line \xff and \xc3\xa9\x01.exr";
 
 /* Every double is a different number without a short decimal form. */
-static pupil_record sample_record(uint64_t frame)
+static frame_log_entry sample_record(uint64_t frame)
 {
-    pupil_record r = {.frame = frame, .name = frame == 1 ? awkward : "plain.exr", .state = "adapting"};
+    frame_log_entry r = {.frame = frame, .name = frame == 1 ? awkward : "plain.exr", .state = "adapting"};
     for (size_t i = 0; i < pupil_stats_field_count; i++)
         if (pupil_stats_fields[i].kind == STATS_NUMBER) {
             double value = (check_uniform() - 0.5) * exp2((double)(check_random() % 200) - 100.0);
@@ -39,7 +39,7 @@ static pupil_record sample_record(uint64_t frame)
     return r;
 }
 
-static void write_three(const char *path, pupil_record records[3])
+static void write_three(const char *path, frame_log_entry records[3])
 {
     pupil_stats_file *file = NULL;
     int opened = pupil_stats_file_open(&file, path, &why) == 0;
@@ -80,7 +80,7 @@ static double json_number(const char *line, const char *name, int *is_null)
 
 static void check_json(void)
 {
-    pupil_record records[3];
+    frame_log_entry records[3];
     write_three(scratch("s.jsonl"), records);
     char *text = slurp(scratch("s.jsonl")), *rest = text;
     for (int i = 0; i < 3; i++) {
@@ -108,7 +108,7 @@ static void check_json(void)
 
 static void check_csv(void)
 {
-    pupil_record records[3];
+    frame_log_entry records[3];
     write_three(scratch("s.CSV"), records);
     char *text = slurp(scratch("s.CSV"));
     CHECK(strncmp(text, "frame,name,time_s,", 18) == 0 && strstr(text, ",state\r\n0,plain.exr,") != NULL);
@@ -131,7 +131,7 @@ static void check_csv(void)
 static void check_live(const char *path)
 {
     pupil_stats_file *file = NULL;
-    pupil_record r = sample_record(0);
+    frame_log_entry r = sample_record(0);
     r.live = 1;
     r.sequence = UINT64_MAX;
     r.lost = 3;
@@ -168,7 +168,7 @@ static void check_refusals(void)
 static void check_full(void)
 {
     pupil_stats_file *file = NULL;
-    pupil_record r = sample_record(0);
+    frame_log_entry r = sample_record(0);
     fflush(stdout);
     int kept = dup(1);
     FILE *full = fopen("/dev/full", "w");

@@ -98,18 +98,18 @@ static void page_of(const char *folder, int overwrite, run how)
     static unsigned char rgb[40 * 30 * 3];
     pupil_image_const image = {
         .data = rgb, .stride_bytes = 40 * 3, .width = 40, .height = 30, .pixel = PUPIL_PIXEL_RGB8};
-    pupil_record *records = calloc(how.frames, sizeof *records);
+    frame_log_entry *records = calloc(how.frames, sizeof *records);
     pupil_report *report = NULL;
     CHECK_MSG(pupil_report_begin(&report, folder, overwrite, how.stills, &why) == 0, "%s", why.text);
     for (size_t i = 0; report && i < how.frames; i++) {
-        records[i] = (pupil_record){.frame = i,
-                                    .name = evil,
-                                    .time_s = (double)i / 30.0,
-                                    .metered_ev = (double)i,
-                                    .adapted_ev = i ? 1.5 : NAN,
-                                    .output_level = 0.18,
-                                    .process_us = 12.0,
-                                    .output_white_share = i == 1 ? 0.5 : 0.0};
+        records[i] = (frame_log_entry){.frame = i,
+                                       .name = evil,
+                                       .time_s = (double)i / 30.0,
+                                       .metered_ev = (double)i,
+                                       .adapted_ev = i ? 1.5 : NAN,
+                                       .output_level = 0.18,
+                                       .process_us = 12.0,
+                                       .output_white_share = i == 1 ? 0.5 : 0.0};
         memset(rgb, (int)(i % 256), sizeof rgb);
         const pupil_image_const *fixed = how.fixed && pupil_report_wants(report) ? &image : NULL;
         CHECK(pupil_report_frame(report, &image, fixed, &records[i], &why) == 0);

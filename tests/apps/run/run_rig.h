@@ -27,7 +27,7 @@ typedef struct live_run {
     pupil_curve curve;
     pupil_image display;
     pupil_frame frame; /* that is out */
-    pupil_record record;
+    frame_log_entry record;
     pupil_why why, remark;
 } live_run;
 
