@@ -110,7 +110,7 @@ static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, do
     rgb[1] = (l - kr * rgb[0] - kb * rgb[2]) / (1.0 - kr - kb);
     for (int k = 0; k < 3; k++) {
         const double v = rgb[k] > 0.0 ? rgb[k] < 1.0 ? rgb[k] : 1.0 : 0.0;
-        rgb[k] = decoded(v, c->light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_SRGB : c->light);
+        rgb[k] = decoded(v, c->light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_SRGB : c->light);
     }
 }
 
@@ -160,5 +160,5 @@ void camera_light(const pupil_image_const *image, uint32_t x, uint32_t y, int qu
         yuv_light(image, x, y, rgb);
     else
         rgb[0] = rgb[1] = rgb[2] =
-            decoded(between(image, sample_at(image, x, y)), light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_LINEAR : light);
+            decoded(between(image, sample_at(image, x, y)), light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_LINEAR : light);
 }

@@ -12,12 +12,12 @@
 #include "common/interrupt.h"
 #include "common/report_error.h"
 #include "frame/replay_work.h"
-#include "lamps.h"
 #include "output/frame_log_fill.h"
 #include "output/plot.h"
 #include "outputs.h"
 #include "refuse.h"
 #include "resume.h"
+#include "row_gains.h"
 #include "sensor.h"
 #include "status.h"
 #include "view/view.h"
@@ -36,7 +36,7 @@ typedef struct run {
     run_sensor sensor;
     run_resume resume;
     run_colour colour;
-    run_lamps lamps;
+    run_row_gains lamps;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
@@ -133,7 +133,7 @@ static int show(pupil_frame *frame)
     if (run_colour_take(&r.colour, &r.options.colour, r.source, frame, &why))
         return fail(why.text);
     const int64_t began_ns = pupil_live_now_ns(r.source);
-    frame_work_gain(r.work.cpu, run_lamps_take(&r.lamps, &r.sensor, frame));
+    frame_work_gain(r.work.cpu, run_row_gains_take(&r.lamps, &r.sensor, frame));
     if (replay_work_frame(&r.work, &r.pupil, frame, !r.view || is_written(), &r.stats, &r.curve, &out, &why))
         return fail(why.text);
     const int64_t mapped_ns = pupil_live_now_ns(r.source);
@@ -229,7 +229,7 @@ static int begin(void)
     if (*remark.text)
         say(&remark, "");
     r.sensor.first_total_s = r.resume.total_s;
-    run_lamps_begin(&r.lamps, o, r.source, &remark);
+    run_row_gains_begin(&r.lamps, o, r.source, &remark);
     if (*remark.text && !o->shown.quiet)
         say(&remark, "");
     r.colour.own_picture = o->mode == RUN_SENSOR;
@@ -307,7 +307,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
         snprintf(more + strlen(more), sizeof more - strlen(more), "; %llu not recorded, for the disk was too slow",
                  (unsigned long long)r.outputs.not_recorded);
     run_sensor_tell(&r.sensor, more + strlen(more), sizeof more - strlen(more));
-    run_lamps_tell(&r.lamps, more + strlen(more), sizeof more - strlen(more));
+    run_row_gains_tell(&r.lamps, more + strlen(more), sizeof more - strlen(more));
     if (r.failed)
         say(&r.why, "");
     if (given_up)

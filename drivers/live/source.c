@@ -97,7 +97,7 @@ static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     if (!s->camera)
         return got;
     if (!s->told) /* some drivers set their controls anew at STREAMON, or with the first frame */
-        pupil_camera_again(s->camera);
+        pupil_camera_reapply(s->camera);
     s->told = 1;
     pupil_live_mark(source);
     pupil_camera_in_force(s->camera, frame->info.sequence, &frame->info);
@@ -189,7 +189,7 @@ int pupil_live_is_linear(const pupil_source *source)
     const uint32_t pixel = capture->format.pixel, light = capture->format.coding.light;
     const int is_grey = pixel >= PUPIL_PIXEL_GREY8 && pixel <= PUPIL_PIXEL_GREY16;
     const int is_raw = pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P;
-    if (light != PUPIL_LIGHT_USUAL || capture->format.compressed)
+    if (light != PUPIL_LIGHT_DEFAULT || capture->format.compressed)
         return light == PUPIL_LIGHT_LINEAR;
     return is_raw || (is_grey && strcmp(capture->device.driver, "uvcvideo") != 0);
 }

@@ -214,13 +214,13 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     pupil_adaptation_learn_exposure(a, info);
     const double divisor_log2 = pupil_exposure_log2(c, a, info);
     a->result.metered_ev = stops_of(pupil_level_of(mean - divisor_log2));
-    a->result.beat_ev = 0.0;
-    if (c->beat) {
-        pupil_beat_frame(&a->beat, a->result.metered_ev, info->exposure_s, info->timestamp_ns);
-        a->result.beat_ev = pupil_beat_at(&a->beat, info->timestamp_ns);
+    a->result.flicker_ev = 0.0;
+    if (c->flicker) {
+        pupil_flicker_frame(&a->flicker, a->result.metered_ev, info->exposure_s, info->timestamp_ns);
+        a->result.flicker_ev = pupil_flicker_at(&a->flicker, info->timestamp_ns);
     }
 
-    double target_ev = a->result.metered_ev - a->result.beat_ev;
+    double target_ev = a->result.metered_ev - a->result.flicker_ev;
     if (target_ev < c->ev_min || target_ev > c->ev_max) {
         reason = target_ev < c->ev_min ? PUPIL_REASON_EV_MIN : PUPIL_REASON_EV_MAX;
         target_ev = target_ev < c->ev_min ? c->ev_min : c->ev_max;
@@ -229,7 +229,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
         reason = PUPIL_REASON_LOCK;
     } else {
         if (c->white_mode == PUPIL_WHITE_FOLLOW)
-            move_white(object, pupil_level_of(white - divisor_log2 - a->result.beat_ev), dt_s);
+            move_white(object, pupil_level_of(white - divisor_log2 - a->result.flicker_ev), dt_s);
         move_level(object, pupil_level_of(target_ev), dt_s);
         a->seen = 1;
     }

@@ -48,7 +48,7 @@ static const char *fault_for(const pupil_coding *c, uint32_t pixel, uint32_t bit
     if (c->white == 0.0f && c->black > (float)((1u << bits) - 2))
         return "black must be at least 1 below the format's largest code, where white is 0";
     if (pupil_pixel_is_mosaic(pixel) && c->light > PUPIL_LIGHT_LINEAR)
-        return "light of a mosaic must be PUPIL_LIGHT_USUAL or PUPIL_LIGHT_LINEAR";
+        return "light of a mosaic must be PUPIL_LIGHT_DEFAULT or PUPIL_LIGHT_LINEAR";
     return 0;
 }
 
@@ -140,7 +140,7 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
     const int yuv = pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
     *c = (pupil_coder){0};
     coding = coding ? coding : &usual;
-    c->light = yuv && coding->light == PUPIL_LIGHT_USUAL ? pupil_srgb_light : curve[coding->light];
+    c->light = yuv && coding->light == PUPIL_LIGHT_DEFAULT ? pupil_srgb_light : curve[coding->light];
     if (yuv)
         from_yuv(coding, c);
     else if (pupil_pixel_is_mosaic(pixel))

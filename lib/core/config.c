@@ -17,7 +17,7 @@ static void fill_in_defaults(pupil_config *config)
         .tau_light_s = 0.3, /* the eye, too, is faster toward the light */
         .tau_dark_s = 0.9,
         .nominal_frame_s = 1.0 / 30.0,
-        .beat = 1,
+        .flicker = 1,
         .ev_min = -32.0,
         .ev_max = 32.0,
         .calibration = 1.0,
@@ -91,7 +91,7 @@ static const char *adaptation_fault(const pupil_config *c)
     const pupil_rule rules[] = {
         {c->law < PUPIL_LAW_COUNT, "law must be a pupil_law"},
         {c->lock <= 1, "lock must be 0 or 1"},
-        {c->beat <= 1, "beat must be 0 or 1"},
+        {c->flicker <= 1, "flicker must be 0 or 1"},
         {c->reserved == 0, "reserved must be 0"},
         {c->frame_weight > 0.0 && c->frame_weight <= 1.0, "frame_weight must be above 0, up to 1"},
         {within(c->tau_light_s, 0.0, 1e6), "tau_light_s must be from 0 to 1e6 seconds"},

@@ -47,8 +47,10 @@ int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pu
     if (!a->seen)
         return PUPIL_ERR_NO_EXPOSURE;
 
-    const double beat = c->beat ? pupil_beat_at(&a->beat, info ? info->timestamp_ns : a->last_timestamp_ns) : 0.0;
-    double scale_log2 = pupil_scale_log2(object), frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - beat;
+    const double flicker_ev =
+        c->flicker ? pupil_flicker_at(&a->flicker, info ? info->timestamp_ns : a->last_timestamp_ns) : 0.0;
+    double scale_log2 = pupil_scale_log2(object),
+           frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - flicker_ev;
     if (c->white_mode == PUPIL_WHITE_FIXED)
         found = curve_of(frame_log2, 1, pupil_log2(c->white));
     else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen) /* never below 1: little contrast is not stretched */

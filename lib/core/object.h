@@ -2,7 +2,7 @@
 #ifndef PUPIL_CORE_OBJECT_H
 #define PUPIL_CORE_OBJECT_H
 
-#include "flicker/beat.h"
+#include "flicker/temporal.h"
 #include "kernels/kernels.h"
 
 /* Our own mistakes stop here; a board may define its own way of stopping. */
@@ -29,7 +29,7 @@ typedef struct pupil_adaptation {
     int64_t last_timestamp_ns;
     double exposure_log2; /* log2 of exposure_s * gain as last known */
     uint64_t turn;        /* frames taken, also those without light: which rows config.meter_rows lets through */
-    pupil_beat beat;
+    pupil_flicker flicker;
     pupil_exposure result;
 } pupil_adaptation;
 

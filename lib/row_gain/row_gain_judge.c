@@ -109,8 +109,8 @@ static double judge(pupil_row_gain_object *o)
     const double allowed[] = {
         [PUPIL_ROW_GAIN_WAITING] = o->known_s >= 0.3,
         [PUPIL_ROW_GAIN_LONG] = ramp(o->exposure_s * r->light_hz, 0.95, 0.9),
-        [PUPIL_ROW_GAIN_STANDING] = ramp(o->moving, 0.1, 0.2),
-        [PUPIL_ROW_GAIN_NO_LAMPS] = ramp(power, 1e-4, 4e-4), /* 0.01 and 0.02 EV */
+        [PUPIL_ROW_GAIN_STATIONARY] = ramp(o->moving, 0.1, 0.2),
+        [PUPIL_ROW_GAIN_NO_FLICKER] = ramp(power, 1e-4, 4e-4), /* 0.01 and 0.02 EV */
         [PUPIL_ROW_GAIN_DISTURBED] = has_wave(o) * ramp(drift, PUPIL_ROW_GAIN_DRIFT, 0.8 * PUPIL_ROW_GAIN_DRIFT),
         /* 8 and 4 % of the wave; sooner, where it is lost in a whole group or segment */
         [PUPIL_ROW_GAIN_MIXED] = ramp(worst, 0.0064, 0.0016) * ramp(o->heard_lately, 0.7, 0.85),
@@ -123,7 +123,7 @@ static double judge(pupil_row_gain_object *o)
             r->reason = i; /* the first that applies */
     }
     r->disagreement = square_root(worst);
-    r->wave_ev = square_root(power);
+    r->flicker_ev = square_root(power);
     return all;
 }
 

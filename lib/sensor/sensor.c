@@ -61,10 +61,10 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
     const uint32_t believed = o->config.delay_frames, linear = o->config.linear;
     const pupil_sensor_config *config = &o->config;
     (void)pupil_sensor_config_read(&o->config, theirs);
-    o->setting.mains = config->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? PUPIL_SENSOR_MAINS_TOLD
+    o->setting.mains = config->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? PUPIL_SENSOR_MAINS_CONFIGURED
                        : o->mains.hz                               ? PUPIL_SENSOR_MAINS_FOUND
                                                                    : PUPIL_SENSOR_MAINS_UNDETERMINED;
-    if (o->setting.mains != PUPIL_SENSOR_MAINS_TOLD)
+    if (o->setting.mains != PUPIL_SENSOR_MAINS_CONFIGURED)
         o->config.mains_hz = o->mains.hz;
     if (believed != config->delay_frames)
         pupil_sensor_answer_reset(o);
@@ -185,11 +185,11 @@ int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pup
         pupil_sensor_orders(c, stats, &light);
     told(o, info);
     pupil_sensor_advance(o, &light, info);
-    if (light.dead || o->setting.reason == PUPIL_SENSOR_SAME_FRAME)
+    if (light.dead || o->setting.reason == PUPIL_SENSOR_REPEATED_FRAME)
         return PUPIL_OK;
-    const double step_s = o->beat.step_s > 0.0 ? o->beat.step_s : o->setting.dt_s;
+    const double step_s = o->flicker.step_s > 0.0 ? o->flicker.step_s : o->setting.dt_s;
     pupil_mains_frame(&o->mains, stats, pupil_exp2(o->answer.taken[0]), step_s);
-    if (o->setting.mains != PUPIL_SENSOR_MAINS_TOLD && !c->lock && o->mains.hz != c->mains_hz) {
+    if (o->setting.mains != PUPIL_SENSOR_MAINS_CONFIGURED && !c->lock && o->mains.hz != c->mains_hz) {
         const uint32_t changed = o->setting.changed;
         o->config.mains_hz = o->mains.hz;
         o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;

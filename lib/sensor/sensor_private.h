@@ -2,8 +2,8 @@
 #ifndef PUPIL_SENSOR_SENSOR_PRIVATE_H
 #define PUPIL_SENSOR_SENSOR_PRIVATE_H
 
-#include "flicker/beat.h"
 #include "flicker/mains.h"
+#include "flicker/temporal.h"
 #include "pupil/sensor.h"
 
 /* Guesses at one control: what info says; what was asked for 1..16 frames before; that it does not obey. */
@@ -81,7 +81,7 @@ typedef struct pupil_sensor_object {
     double stood_s, patience_s;              /* seconds since the search was given up, and until it starts again */
     double band_ev; /* this far off is taken for what the camera cannot do better; 0 at first */
     pupil_mains mains;
-    pupil_beat beat;
+    pupil_flicker flicker;
     pupil_sensor_answer answer;
     pupil_sensor_setting setting;
 } pupil_sensor_object;

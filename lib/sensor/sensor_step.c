@@ -50,13 +50,13 @@ static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
     const int64_t now = info ? info->timestamp_ns : 0, last = o->last_timestamp_ns;
     /* in double: the difference of two int64 may not fit; 2^-53 of a century is 30 ns */
     double dt_s = !o->stamped ? 0.0 : !now && !last ? o->config.frame_s : ((double)now - (double)last) * 1e-9;
-    const uint32_t reason = o->stamped && now && now == last ? PUPIL_SENSOR_SAME_FRAME
+    const uint32_t reason = o->stamped && now && now == last ? PUPIL_SENSOR_REPEATED_FRAME
                             : dt_s < 0.0                     ? PUPIL_SENSOR_CLOCK_BACK
                                                              : PUPIL_SENSOR_NO_REASON;
     o->setting.dt_s = dt_s > 0.0 ? dt_s : 0.0;
     o->last_timestamp_ns = now;
     o->stamped = 1;
-    if (reason != PUPIL_SENSOR_SAME_FRAME && o->waited < PUPIL_SENSOR_DELAYS)
+    if (reason != PUPIL_SENSOR_REPEATED_FRAME && o->waited < PUPIL_SENSOR_DELAYS)
         o->waited++;
     return reason;
 }
@@ -192,7 +192,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
             stand_still(o, 1.5 * (size > o->last_size ? size : o->last_size));
             o->waited = 0;
             o->direction = o->last_direction = 0;
-            return PUPIL_SENSOR_UNSTEADY;
+            return PUPIL_SENSOR_HUNTING;
         }
     }
     o->same = o->last_direction == direction ? o->same + 1 : 0;
@@ -217,7 +217,7 @@ static uint32_t step(pupil_sensor_object *o, double off, int guessed)
     o->direction = guessed ? 0 : direction;
     o->waited = 0;
     o->nudged = o->jumped = 0, o->calm = o->odd_frames = 0;
-    return strange ? PUPIL_SENSOR_STRANGE : PUPIL_SENSOR_NO_REASON;
+    return strange ? PUPIL_SENSOR_NONLINEAR : PUPIL_SENSOR_NO_REASON;
 }
 
 /* The wanted total, on its way to the target, which lies between low and high. Returns the reason for going slowly. */
@@ -233,7 +233,7 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
         o->stood_s += clamp(o->setting.dt_s, 0.0, PATIENCE_S / 30.0); /* of a slow camera, as many frames */
         o->odd_frames = size > o->band_ev && !pending ? o->odd_frames + 1 : 0, o->odd_ev = off;
         if (o->odd_frames <= c->flash_frames && o->stood_s < o->patience_s)
-            return PUPIL_SENSOR_UNSTEADY;
+            return PUPIL_SENSOR_HUNTING;
         o->turns = o->stood_s < o->patience_s ? 0 : MOST_TURNS - 2;
         o->band_ev = 0.0;
     }
@@ -246,7 +246,7 @@ static uint32_t move(pupil_sensor_object *o, double low, double high, double far
     if (is_recoil(o, off) && size > JUMP_LEAST)
         stand_still(o, 1.5 * size);
     if (pending || o->band_ev > 0.0)
-        return pending ? PUPIL_SENSOR_WAITING : PUPIL_SENSOR_UNSTEADY;
+        return pending ? PUPIL_SENSOR_WAITING : PUPIL_SENSOR_HUNTING;
     const uint32_t delay = pupil_sensor_longest_delay(o), gap = o->answer.gap < delay ? o->answer.gap : delay;
     const double most_weight = 0.39 * gap / delay; /* sensor.h: tau_s */
     double weight = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
@@ -280,14 +280,14 @@ static void judge(pupil_sensor_object *o, double beyond, double far_ev, double c
     s->state = PUPIL_SENSOR_CONVERGED;
     if (c->lock || by_hand) {
         s->state = PUPIL_SENSOR_LOCKED;
-        reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_BY_HAND;
+        reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_ALL_MANUAL;
     } else if (o->answer.dead[0] || o->answer.dead[1] ||
                (o->answer.disobeys && (unseen > UNSEEN_EV || unseen < -UNSEEN_EV))) {
         s->state = PUPIL_SENSOR_LIMITED;
         reason = PUPIL_SENSOR_IGNORED;
-    } else if (slow == PUPIL_SENSOR_UNSTEADY && o->band_ev > 0.0) {
+    } else if (slow == PUPIL_SENSOR_HUNTING && o->band_ev > 0.0) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = o->answer.disobeys ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_UNSTEADY;
+        reason = o->answer.disobeys ? PUPIL_SENSOR_IGNORED : PUPIL_SENSOR_HUNTING;
     } else if (far || is_pending(o)) {
         s->state = clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         reason = slow ? slow : reason;
@@ -308,19 +308,19 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
     const pupil_sensor_answer *a = &o->answer;
     uint32_t reason = tick(o, info), slow = PUPIL_SENSOR_NO_REASON, dead = a->dead[0] | a->dead[1];
     s->changed = 0;
-    if (reason != PUPIL_SENSOR_SAME_FRAME)
+    if (reason != PUPIL_SENSOR_REPEATED_FRAME)
         pupil_sensor_answer_frame(o, light, info ? info->sequence : 0);
     const double frame_log2 = a->taken[0] + a->taken[1];
-    if (!light->dead && reason != PUPIL_SENSOR_SAME_FRAME)
-        pupil_beat_frame(&o->beat, light->middle - a->slope * frame_log2, pupil_exp2(a->taken[0]),
-                         o->last_timestamp_ns);
-    const int was_beat = s->beat_ev != 0.0;
-    s->beat_ev = pupil_beat_at(&o->beat, o->last_timestamp_ns);
-    if (s->beat_ev != 0.0 && !was_beat) /* it was this that nothing settled in */
+    if (!light->dead && reason != PUPIL_SENSOR_REPEATED_FRAME)
+        pupil_flicker_frame(&o->flicker, light->middle - a->slope * frame_log2, pupil_exp2(a->taken[0]),
+                            o->last_timestamp_ns);
+    const int was_beat = s->flicker_ev != 0.0;
+    s->flicker_ev = pupil_flicker_at(&o->flicker, o->last_timestamp_ns);
+    if (s->flicker_ev != 0.0 && !was_beat) /* it was this that nothing settled in */
         o->band_ev = o->patience_s = 0.0;
-    light->mean -= s->beat_ev, light->highlight -= s->beat_ev;
-    if (light->dead || reason == PUPIL_SENSOR_SAME_FRAME) {
-        s->reason = light->dead ? PUPIL_SENSOR_DEAD_FRAME : reason;
+    light->mean -= s->flicker_ev, light->highlight -= s->flicker_ev;
+    if (light->dead || reason == PUPIL_SENSOR_REPEATED_FRAME) {
+        s->reason = light->dead ? PUPIL_SENSOR_INVALID_FRAME : reason;
     } else {
         int guessed = 0;
         const double wanted = target_of(o, light, frame_log2, &reason, &guessed);
@@ -346,5 +346,5 @@ void pupil_sensor_advance(pupil_sensor_object *o, pupil_sensor_light *light, con
     s->exposure_delay = a->delay[0], s->gain_delay = a->delay[1];
     /* what multiplies values makes more of a bent picture than of light */
     const double missing = o->total_log2 - frame_log2 + (a->gain_does - 1.0) * (a->standing[1] - a->taken[1]);
-    s->frame_digital = pupil_exp2(clamp(a->slope * missing, -c->digital_ev, c->digital_ev) - s->beat_ev);
+    s->frame_digital = pupil_exp2(clamp(a->slope * missing, -c->digital_ev, c->digital_ev) - s->flicker_ev);
 }

@@ -90,7 +90,7 @@ static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, lo
     const long double coded[3] = {r, g, b};
     for (int k = 0; k < 3; k++) {
         const long double v = coded[k] < 0 ? 0 : coded[k] > 1 ? 1 : coded[k];
-        rgb[k] = to_light(v, c->light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_SRGB : c->light);
+        rgb[k] = to_light(v, c->light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_SRGB : c->light);
     }
 }
 
@@ -149,7 +149,7 @@ static void camera_light(const pupil_image_const *image, uint32_t x, uint32_t y,
     } else if (image->pixel < PUPIL_PIXEL_BAYER8) {
         const long double black = c->black, full = full_at(c, bits_of(image->pixel));
         rgb[0] = rgb[1] = rgb[2] = to_light((sample_at(image, x, y) - black) / (full - black),
-                                            c->light == PUPIL_LIGHT_USUAL ? PUPIL_LIGHT_LINEAR : c->light);
+                                            c->light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_LINEAR : c->light);
     } else {
         for (int k = 0; k < 3; k++)
             rgb[k] = balanced(image, mean_sample(image, x, y, k, quad), k);

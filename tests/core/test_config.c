@@ -24,7 +24,7 @@ static const struct range {
     {FIELD(trim_low), 'f', 0, 0.99, {-1e-6, 1.001, 1, INFINITY}},
     {FIELD(trim_high), 'f', 0.01, 1, {-1, 0, 1.0000002, INFINITY}},
     {FIELD(histogram), 'u', 0, 1, {2, 3, 255, 4294967295.0}},
-    {FIELD(beat), 'u', 0, 1, {2, 3, 255, 4294967295.0}},
+    {FIELD(flicker), 'u', 0, 1, {2, 3, 255, 4294967295.0}},
     {FIELD(law), 'u', 0, PUPIL_LAW_COUNT - 1, {PUPIL_LAW_COUNT, 6, 1e6, 4294967295.0}},
     {FIELD(lock), 'u', 0, 1, {2, 3, 255, 4294967295.0}},
     {FIELD(frame_weight), 'd', 1e-300, 1, {0, -0.1, 1.0000000000000002, INFINITY}},
@@ -140,7 +140,7 @@ static void check_defaults(void)
     pupil_config_default(&c);
     CHECK(c.size_bytes == sizeof c && c.primaries == PUPIL_PRIMARIES_BT709 && c.floor == 0x1p-14f && c.clip == 0);
     CHECK(c.trim_low == 0 && c.trim_high == 1 && c.histogram == 0 && c.law == PUPIL_LAW_SECONDS && c.lock == 0 &&
-          c.beat == 1);
+          c.flicker == 1);
     CHECK(c.frame_weight == 0.05 && c.tau_light_s == 0.3 && c.tau_dark_s == 0.9 && c.nominal_frame_s == 1.0 / 30);
     CHECK(c.ev_min == -32 && c.ev_max == 32 && c.calibration == 1 && c.key == 0.18 && c.ev_compensation == 0);
     CHECK(c.order == PUPIL_ORDER_EXACT && c.white_mode == PUPIL_WHITE_FOLLOW && c.white == 1 &&

@@ -331,7 +331,7 @@ static void check_told(void)
         c.hz = 100.0;
         for (int n = 0; n < 60; n++)
             turn(&c, dark_ev, asked);
-        CHECK(c.setting.mains == (i < 3 ? PUPIL_SENSOR_MAINS_TOLD : PUPIL_SENSOR_MAINS_UNDETERMINED));
+        CHECK(c.setting.mains == (i < 3 ? PUPIL_SENSOR_MAINS_CONFIGURED : PUPIL_SENSOR_MAINS_UNDETERMINED));
         CHECK(c.setting.mains_hz == (i < 3 ? config.mains_hz : 0) && (i < 3 || c.setting.exposure_s == before_s));
         config.mains_hz = PUPIL_SENSOR_MAINS_AUTO;
         config.lock = 0;

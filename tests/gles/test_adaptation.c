@@ -143,7 +143,7 @@ static void run(gl_test *test, const char *what, double frame_s, double tau_ligh
     p = (pair){.test = test};
     pupil_config_default(&config);
     config.white_mode = PUPIL_WHITE_FIXED;
-    config.beat = 0; /* light that goes up and down with every other of 240 frames is a lamp at 60 Hz */
+    config.flicker = 0; /* light that goes up and down with every other of 240 frames is a lamp at 60 Hz */
     config.white = 4.0;
     config.tau_light_s = tau_light_s;
     config.tau_dark_s = tau_dark_s;

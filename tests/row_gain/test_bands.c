@@ -168,16 +168,16 @@ static void check_nothing(void)
         if (i >= 3)
             r.mains_hz = 60, r.light_hz = 120;
         snprintf(name, sizeof name, "%g Hz, %g frames a second: stands still", r.light_hz, r.fps);
-        nothing(name, &r, PUPIL_ROW_GAIN_STANDING);
+        nothing(name, &r, PUPIL_ROW_GAIN_STATIONARY);
     }
     rig r = rig_default();
     r.exposure_s = 1e-2;
     nothing("100 Hz, exposure 10 ms", &r, PUPIL_ROW_GAIN_LONG);
     r = rig_default();
     r.modulation = 0;
-    nothing("no lamps", &r, PUPIL_ROW_GAIN_NO_LAMPS);
+    nothing("no lamps", &r, PUPIL_ROW_GAIN_NO_FLICKER);
     r.pan_px = 1;
-    nothing("no lamps, pan", &r, PUPIL_ROW_GAIN_NO_LAMPS);
+    nothing("no lamps, pan", &r, PUPIL_ROW_GAIN_NO_FLICKER);
 }
 
 /* Daylight, or a monitor's steady light, on a part of the picture. */

@@ -123,10 +123,10 @@ static void check_metering(uint32_t pixel)
         CHECK(pupil_row_gain_frame(&lamps, &in.image, &info) == PUPIL_OK);
     }
     CHECK(pupil_row_gain_get(&lamps, &result) == PUPIL_OK);
-    printf("format %2u: wave of %.3f EV, strength %.2f, disagreement %.3f, reason %u\n", pixel, result.wave_ev,
+    printf("format %2u: wave of %.3f EV, strength %.2f, disagreement %.3f, reason %u\n", pixel, result.flicker_ev,
            result.strength, result.disagreement, result.reason);
-    CHECK_MSG(result.strength > 0.9 && result.wave_ev > 0.3, "format %u: strength %g, wave %g, reason %u", pixel,
-              result.strength, result.wave_ev, result.reason);
+    CHECK_MSG(result.strength > 0.9 && result.flicker_ev > 0.3, "format %u: strength %g, wave %g, reason %u", pixel,
+              result.strength, result.flicker_ev, result.reason);
     CHECK(frame_guards_intact(&in));
     frame_free(&in);
 }

@@ -174,7 +174,7 @@ static void check_clocks(void)
     for (int i = 0; i < 2; i++) {
         info.timestamp_ns = ends[i];
         CHECK(pupil_row_gain_frame(&c.lamps, &c.image, &info) == PUPIL_OK);
-        CHECK(result().disagreement == 1 && result().wave_ev == 0); /* a first frame */
+        CHECK(result().disagreement == 1 && result().flicker_ev == 0); /* a first frame */
     }
 
     /* the next frame's gains, before it is metered */

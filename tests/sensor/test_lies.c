@@ -267,7 +267,7 @@ int main(int argc, char **argv)
         a = worst_of(bent_name[i], i > 0, 1.0, bent[i]);
         /* of a gain that does more, the level may lie between the two sides */
         CHECK_MSG(a.later_over <= (bent[i] == moving_up ? 0.5 * log2(1.3) : 0.1) &&
-                      (a.wandered <= 0.02 || a.reason == PUPIL_SENSOR_UNSTEADY),
+                      (a.wandered <= 0.02 || a.reason == PUPIL_SENSOR_HUNTING),
                   "%s: %g EV over, %g EV at rest", bent_name[i], a.later_over, a.wandered);
     }
     for (uint32_t delay = 1; delay <= 4; delay++)

@@ -129,7 +129,7 @@ static void check_bumpless(void)
     CHECK(s.changed && fabs(s.exposure_s - PLANT_LINE_S * 100) < 1e-12 && s.gain == 1 && fabs(s.digital - 1) < 1e-12);
     for (int i = 0; i < 20; i++)
         plant_turn(&p, &sensor, &s, NULL);
-    CHECK(s.state == PUPIL_SENSOR_LOCKED && s.reason == PUPIL_SENSOR_BY_HAND && !s.changed);
+    CHECK(s.state == PUPIL_SENSOR_LOCKED && s.reason == PUPIL_SENSOR_ALL_MANUAL && !s.changed);
     c = plant_config(LAW_FINE);
     CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
     CHECK(fabs(s.total_s - PLANT_LINE_S * 100) < 1e-12); /* goes on from the hand's setting */
@@ -168,18 +168,18 @@ static void check_odd_frames(void)
     CHECK(pupil_sensor_frame(&sensor, &stats, &info) == PUPIL_OK);
     for (int i = 0; i < 5; i++) { /* the same frame again and again, however wrong */
         CHECK(pupil_sensor_scene(&sensor, -5, 0, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-        CHECK(s.reason == PUPIL_SENSOR_SAME_FRAME && fabs(s.total_s / before.total_s - 1) < 1e-3);
+        CHECK(s.reason == PUPIL_SENSOR_REPEATED_FRAME && fabs(s.total_s / before.total_s - 1) < 1e-3);
     }
     for (int i = 0; i < 4; i++) {
         info.timestamp_ns += 33333333;
         CHECK(pupil_sensor_scene(&sensor, odd[i], 0, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-        CHECK(s.reason == PUPIL_SENSOR_DEAD_FRAME && s.state == PUPIL_SENSOR_CONVERGED && !s.changed);
+        CHECK(s.reason == PUPIL_SENSOR_INVALID_FRAME && s.state == PUPIL_SENSOR_CONVERGED && !s.changed);
         CHECK(pupil_sensor_scene(&sensor, 3, i == 3 ? -1 : odd[i], &info) == PUPIL_OK);
-        CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK && s.reason == PUPIL_SENSOR_DEAD_FRAME);
+        CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK && s.reason == PUPIL_SENSOR_INVALID_FRAME);
     }
     pupil_stats_clear(&none);
     CHECK(pupil_sensor_frame(&sensor, &none, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-    CHECK(s.reason == PUPIL_SENSOR_DEAD_FRAME && fabs(s.total_s / before.total_s - 1) < 1e-3);
+    CHECK(s.reason == PUPIL_SENSOR_INVALID_FRAME && fabs(s.total_s / before.total_s - 1) < 1e-3);
     info.timestamp_ns = -5;
     CHECK(pupil_sensor_frame(&sensor, &stats, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
     CHECK(s.reason == PUPIL_SENSOR_CLOCK_BACK && s.dt_s == 0 && s.state == PUPIL_SENSOR_CONVERGED);
@@ -237,12 +237,12 @@ static void check_setting(const pupil_sensor_config *c)
     CHECK(c->exposure_mode != PUPIL_SENSOR_AUTO || s.exposure_s <= longest * (1 + 1e-9));
     CHECK(s.gain >= c->gain_min && s.gain <= c->gain_max * (1 + 1e-9));
     CHECK(s.frame_digital >= exp2(-c->digital_ev) * 0.999 && s.frame_digital <= exp2(c->digital_ev) * 1.001);
-    CHECK(s.state <= PUPIL_SENSOR_LOCKED && s.reason <= PUPIL_SENSOR_UNSTEADY && isfinite(s.scene_ev));
+    CHECK(s.state <= PUPIL_SENSOR_LOCKED && s.reason <= PUPIL_SENSOR_HUNTING && isfinite(s.scene_ev));
     CHECK((s.state == PUPIL_SENSOR_LIMITED) ==
               ((s.reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && s.reason <= PUPIL_SENSOR_AT_GAIN_MAX) ||
-               s.reason == PUPIL_SENSOR_UNSTEADY || s.reason == PUPIL_SENSOR_IGNORED) ||
-          (s.reason >= PUPIL_SENSOR_DEAD_FRAME && s.reason <= PUPIL_SENSOR_FLASH));
-    CHECK(s.state == PUPIL_SENSOR_LOCKED || !c->lock || s.reason >= PUPIL_SENSOR_DEAD_FRAME || !s.frames ||
+               s.reason == PUPIL_SENSOR_HUNTING || s.reason == PUPIL_SENSOR_IGNORED) ||
+          (s.reason >= PUPIL_SENSOR_INVALID_FRAME && s.reason <= PUPIL_SENSOR_FLASH));
+    CHECK(s.state == PUPIL_SENSOR_LOCKED || !c->lock || s.reason >= PUPIL_SENSOR_INVALID_FRAME || !s.frames ||
           s.reason == PUPIL_SENSOR_NO_REASON || s.state != PUPIL_SENSOR_EMPTY);
 }
 

@@ -8,7 +8,7 @@
 
 #define BUMP_EV 0.005
 
-enum { CALLS = 160, REST = 70, AFTER = 14, HANDS = 8, REASONS = PUPIL_SENSOR_UNSTEADY + 1 };
+enum { CALLS = 160, REST = 70, AFTER = 14, HANDS = 8, REASONS = PUPIL_SENSOR_HUNTING + 1 };
 
 static plant p;
 static pupil_sensor sensor, twin;
@@ -133,7 +133,7 @@ static int is_locked(void)
  * a clock that went back is told where there is nothing else to tell. */
 static int may_go_together(uint32_t state, uint32_t reason)
 {
-    if (reason == PUPIL_SENSOR_DEAD_FRAME || reason == PUPIL_SENSOR_SAME_FRAME)
+    if (reason == PUPIL_SENSOR_INVALID_FRAME || reason == PUPIL_SENSOR_REPEATED_FRAME)
         return 1;
     switch (state) {
     case PUPIL_SENSOR_EMPTY:
@@ -141,18 +141,18 @@ static int may_go_together(uint32_t state, uint32_t reason)
     case PUPIL_SENSOR_SEARCHING:
     case PUPIL_SENSOR_CLIPPED:
         return reason == PUPIL_SENSOR_NO_REASON || reason == PUPIL_SENSOR_WAITING || reason == PUPIL_SENSOR_FLASH ||
-               reason == PUPIL_SENSOR_STRANGE || reason == PUPIL_SENSOR_UNSTEADY || reason == PUPIL_SENSOR_HIGHLIGHTS ||
-               reason == PUPIL_SENSOR_CLOCK_BACK;
+               reason == PUPIL_SENSOR_NONLINEAR || reason == PUPIL_SENSOR_HUNTING ||
+               reason == PUPIL_SENSOR_HIGHLIGHTS || reason == PUPIL_SENSOR_CLOCK_BACK;
     case PUPIL_SENSOR_CONVERGED:
         return reason == PUPIL_SENSOR_NO_REASON || reason == PUPIL_SENSOR_HIGHLIGHTS || reason == PUPIL_SENSOR_FLASH ||
                reason == PUPIL_SENSOR_CLOCK_BACK;
     case PUPIL_SENSOR_LIMITED:
         return (reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && reason <= PUPIL_SENSOR_AT_GAIN_MAX) ||
-               reason == PUPIL_SENSOR_IGNORED || reason == PUPIL_SENSOR_UNSTEADY || reason == PUPIL_SENSOR_FLASH;
+               reason == PUPIL_SENSOR_IGNORED || reason == PUPIL_SENSOR_HUNTING || reason == PUPIL_SENSOR_FLASH;
     case PUPIL_SENSOR_FLICKER:
         return reason == PUPIL_SENSOR_BELOW_MAINS || reason == PUPIL_SENSOR_FLASH;
     default:
-        return state == PUPIL_SENSOR_LOCKED && (reason == PUPIL_SENSOR_LOCK || reason == PUPIL_SENSOR_BY_HAND);
+        return state == PUPIL_SENSOR_LOCKED && (reason == PUPIL_SENSOR_LOCK || reason == PUPIL_SENSOR_ALL_MANUAL);
     }
 }
 
@@ -296,7 +296,7 @@ static void frame(int odd)
         lit &= !(before.frames && info.timestamp_ns && info.timestamp_ns == last);
         last = info.timestamp_ns;
         CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-        check_setting(&before, lit && s.reason != PUPIL_SENSOR_SAME_FRAME);
+        check_setting(&before, lit && s.reason != PUPIL_SENSOR_REPEATED_FRAME);
         HOLDS(lit || (!s.changed && s.total_s == before.total_s && s.state == before.state),
               "a frame that is none moved it: state %u, reason %u", s.state, s.reason);
     }

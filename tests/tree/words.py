@@ -34,7 +34,7 @@ def retired_words():
     if len(forms) < 20:
         sys.exit("words.py: the table of retired words in docs/glossary.md cannot be read")
     forms.sort(key=len, reverse=True)
-    # not part of a name: object.beat, beat_ev
+    # not part of a name: object.flicker, flicker_ev
     return re.compile(r"(?<![\w.])(" + "|".join(r"\s+".join(f.split()) for f in forms) + r")(?!\w|-)(?!\s*=)", re.I)
 
 
@@ -162,7 +162,7 @@ def check(root):
 
 PLANTED = (  # (file, text, retired words and machine paths in it)
     ("lib/core/a.c", 'say("it was " /* told */\n    "told"); judge("told", x->lies);', ["told"]),
-    ("lib/include/pupil/a.h", "/* What lies\n * beside it */ int told; /* config.beat */", ["lies", "beside"]),
+    ("lib/include/pupil/a.h", "/* What lies\n * beside it */ int told; /* config.flicker */", ["lies", "beside"]),
     ("docs/a.md", "Goes\non `told`\n\n    told\n\n| by | done by hand |\n\n```\nanew\n```\n", ["goes on", "by hand"]),
     ("docs/a.1", ".B told\nbut for it\n.EX\nanew\n.EE\n", ["but for"]),
     ("tests/a.c", "/* told */ x = \"/home" + "/me/x\"; y = \"/tmp/pupil-XXXXXX\";", ["/home" + "/me"]),

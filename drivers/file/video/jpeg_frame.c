@@ -50,7 +50,7 @@ static int start(pupil_jpeg *j)
 static void set_coding(pupil_jpeg *j, const pupil_coding *coding)
 {
     j->coding = coding ? *coding : (pupil_coding){.matrix = PUPIL_MATRIX_BT601, .range = PUPIL_RANGE_FULL};
-    if (j->coding.light == PUPIL_LIGHT_USUAL)
+    if (j->coding.light == PUPIL_LIGHT_DEFAULT)
         j->coding.light = PUPIL_LIGHT_SRGB;
     j->grey_coding = j->coding;
     if (j->coding.range == PUPIL_RANGE_LIMITED) {

@@ -173,7 +173,7 @@ uint64_t pupil_camera_ask(pupil_camera *camera, const pupil_camera_setting *sett
 
 /* After STREAMON, at which some drivers set their controls anew: has the writer turn off once more what open turned
  * off, and write the latest setting. Returns the number of that ask. */
-uint64_t pupil_camera_again(pupil_camera *camera);
+uint64_t pupil_camera_reapply(pupil_camera *camera);
 
 /* A frame has begun (started 1: V4L2_EVENT_FRAME_SYNC) or was dequeued (0; the next one is then under way). */
 void pupil_camera_frame(pupil_camera *camera, uint64_t sequence, int started);

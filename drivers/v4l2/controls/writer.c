@@ -144,7 +144,7 @@ uint64_t pupil_camera_ask(pupil_camera *camera, const pupil_camera_setting *sett
     return number;
 }
 
-uint64_t pupil_camera_again(pupil_camera *camera)
+uint64_t pupil_camera_reapply(pupil_camera *camera)
 {
     pupil_camera_setting latest = {0};
     pthread_mutex_lock(&camera->lock);

@@ -33,7 +33,7 @@ typedef enum pupil_range {
 
 /* How a coded value from 0 to 1 represents light. */
 typedef enum pupil_light {
-    PUPIL_LIGHT_USUAL = 0, /* Y'CbCr: sRGB; grey and mosaics: linear */
+    PUPIL_LIGHT_DEFAULT = 0, /* Y'CbCr: sRGB; grey and mosaics: linear */
     PUPIL_LIGHT_LINEAR,
     PUPIL_LIGHT_SRGB,  /* IEC 61966-2-1 */
     PUPIL_LIGHT_BT709, /* inverse of the camera's curve of Rec. ITU-R BT.709-6, item 1.2 */

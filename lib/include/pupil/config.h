@@ -99,7 +99,7 @@ typedef struct pupil_config {
     uint32_t law;      /* a pupil_law; seconds */
     uint32_t lock;     /* 1: the adapted level and white are held while metering continues (the first valid frame still
                         * sets them); 0 */
-    uint32_t beat;     /* 1: temporal flicker of lamps at 50 or 60 Hz is removed from the level and from each frame's
+    uint32_t flicker;  /* 1: temporal flicker of lamps at 50 or 60 Hz is removed from the level and from each frame's
                         * curve. It is found where frames have timestamps, and where it is periodic and nearly all
                         * that changes; 1 */
     uint32_t reserved; /* 0 */

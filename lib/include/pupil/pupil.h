@@ -141,7 +141,7 @@ typedef struct pupil_exposure {
     uint32_t size_bytes; /* abi.h */
     uint32_t reserved;
     double metered_ev; /* the last frame's (trimmed) log-average */
-    double beat_ev;    /* how much of it is temporal flicker (config.beat); 0: none known */
+    double flicker_ev; /* how much of it is temporal flicker (config.flicker); 0: none known */
     double adapted_ev; /* the adapted level */
     double white_ev;   /* the adapted upper quantile of the brightest channel; 0 unless the white point follows */
     double scale;      /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
@@ -158,7 +158,7 @@ static inline int pupil_get_exposure(const pupil_t *pupil, pupil_exposure *expos
 }
 
 /* The curve for a frame. If `info` or an earlier frame has exposure and gain, these were divided out of the light
- * before adapting, and are put back here. Temporal flicker (config.beat) is that of the frame with info's timestamp,
+ * before adapting, and are put back here. Temporal flicker (config.flicker) is that of the frame with info's timestamp,
  * which may be the last frame or a future one. `info` may be NULL: the last frame's. PUPIL_ERR_NO_EXPOSURE before the
  * first valid frame. */
 PUPIL_API int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pupil_curve *curve,

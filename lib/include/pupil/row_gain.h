@@ -85,9 +85,9 @@ typedef enum pupil_row_gain_reason { /* why there are no gains, or not all of th
                                                                 what came is no such picture */
                                      PUPIL_ROW_GAIN_LONG,    /* the exposure is nine tenths of a period of the light, or
                                                                 more */
-                                     PUPIL_ROW_GAIN_STANDING, /* the bands do not move in the picture: they cannot be
+                                     PUPIL_ROW_GAIN_STATIONARY, /* the bands do not move in the picture: they cannot be
                                                                  distinguished from the scene */
-                                     PUPIL_ROW_GAIN_NO_LAMPS, /* there is no such wave */
+                                     PUPIL_ROW_GAIN_NO_FLICKER, /* there is no such wave */
                                      PUPIL_ROW_GAIN_MIXED, /* parts of the picture do not have it, or have another one
                                                             */
                                      PUPIL_ROW_GAIN_DISTURBED, /* this frame does not have it */
@@ -98,8 +98,8 @@ typedef struct pupil_row_gain_result {
     uint32_t size_bytes; /* abi.h */
     uint32_t reason;     /* a pupil_row_gain_reason */
     double strength;     /* 0: all gains are 1; 1: the whole wave is taken out */
-    double wave_ev; /* amplitude of the wave's fundamental in the last frame, in stops: half of what is seen from the
-                     * brightest row to the darkest */
+    double flicker_ev; /* amplitude of the wave's fundamental in the last frame, in stops: half of what is seen from the
+                        * brightest row to the darkest */
     double disagreement; /* of the worst tile: what would be left of the wave there, over the wave; 1 at most */
     double light_hz;     /* as found; near twice mains_hz */
     double readout_s;    /* as found; near config.readout_s */

@@ -35,7 +35,7 @@
  *
  * Lamps at 50 or 60 Hz make all light go up and down with the frame rate. Where frames bring timestamps and such a beat
  * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
- * frame (beat_ev). Beats of more than 16 frames are left to the filter.
+ * frame (flicker_ev). Beats of more than 16 frames are left to the filter.
  *
  * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope); so are gains
  * that do less than they should or do more from one of them on, and exposures that lack a line: how far a step goes
@@ -220,26 +220,26 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_AT_FRAME_PERIOD, /* exposure_max_s, had frame_rate_priority not been set */
     PUPIL_SENSOR_AT_GAIN_MIN,
     PUPIL_SENSOR_AT_GAIN_MAX,
-    PUPIL_SENSOR_HIGHLIGHTS,  /* the total is lower than the key asks for, by highlight_share */
-    PUPIL_SENSOR_BELOW_MAINS, /* the exposure is shorter than half a mains period */
-    PUPIL_SENSOR_LOCK,        /* config.lock */
-    PUPIL_SENSOR_BY_HAND,     /* both controls are manual or held */
-    PUPIL_SENSOR_DEAD_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
-    PUPIL_SENSOR_SAME_FRAME,  /* this frame has the last one's timestamp: nothing moved */
-    PUPIL_SENSOR_CLOCK_BACK,  /* this frame's timestamp is before the last one's: dt was taken as 0 */
-    PUPIL_SENSOR_FLASH,       /* far off, but for no more than flash_frames so far: nothing moved */
-    PUPIL_SENSOR_IGNORED,     /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
-    PUPIL_SENSOR_STRANGE,     /* the picture does not follow what is asked: small steps only */
-    PUPIL_SENSOR_UNSTEADY     /* every step so far went too far, back and forth, or a little one did: the setting stands
-                               * still until the light is half as far off again as it was then, for more than
-                               * flash_frames frames, or for 1, 4, 16, 64 seconds, of at least 30 frames each */
+    PUPIL_SENSOR_HIGHLIGHTS,     /* the total is lower than the key asks for, by highlight_share */
+    PUPIL_SENSOR_BELOW_MAINS,    /* the exposure is shorter than half a mains period */
+    PUPIL_SENSOR_LOCK,           /* config.lock */
+    PUPIL_SENSOR_ALL_MANUAL,     /* both controls are manual or held */
+    PUPIL_SENSOR_INVALID_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
+    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's timestamp: nothing moved */
+    PUPIL_SENSOR_CLOCK_BACK,     /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_SENSOR_FLASH,          /* far off, but for no more than flash_frames so far: nothing moved */
+    PUPIL_SENSOR_IGNORED,        /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
+    PUPIL_SENSOR_NONLINEAR,      /* the picture does not follow what is asked: small steps only */
+    PUPIL_SENSOR_HUNTING /* every step so far went too far, back and forth, or a little one did: the setting stands
+                          * still until the light is half as far off again as it was then, for more than
+                          * flash_frames frames, or for 1, 4, 16, 64 seconds, of at least 30 frames each */
 } pupil_sensor_reason;
 
 /* Where a setting's mains_hz is from. */
 typedef enum pupil_sensor_mains {
     PUPIL_SENSOR_MAINS_UNDETERMINED = 0, /* no frame has shown it yet, and many cannot: mains_hz is 0 */
     PUPIL_SENSOR_MAINS_FOUND,            /* lamps' waves were seen, and none of another frequency since */
-    PUPIL_SENSOR_MAINS_TOLD              /* config.mains_hz */
+    PUPIL_SENSOR_MAINS_CONFIGURED        /* config.mains_hz */
 } pupil_sensor_mains;
 
 /* All EV are log2. scene_ev, wanted_ev, error_ev: of the last frame with light; 0 where `frames` is 0. */
@@ -251,11 +251,11 @@ typedef struct pupil_sensor_setting {
     double digital;       /* total_s / (exposure_s * gain) */
     double total_s;       /* what is wanted: exposure time x gain */
     double frame_digital; /* for the frame given last, which was taken with what its info says */
-    double beat_ev;   /* how much brighter lamps were in that frame than on average; frame_digital makes up for it */
-    double scene_ev;  /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
-    double wanted_ev; /* log2 of what that frame's mean was to be: key, or key_at's at its light, of clip, with
-                       * ev_compensation */
-    double error_ev;  /* how far total_s was off before this frame, positive: too dark; limits allowed for */
+    double flicker_ev; /* how much brighter lamps were in that frame than on average; frame_digital makes up for it */
+    double scene_ev;   /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
+    double wanted_ev;  /* log2 of what that frame's mean was to be: key, or key_at's at its light, of clip, with
+                        * ev_compensation */
+    double error_ev;   /* how far total_s was off before this frame, positive: too dark; limits allowed for */
     double dt_s;
     uint64_t frames;  /* frames with light since init */
     uint32_t state;   /* a pupil_sensor_state */
@@ -280,7 +280,7 @@ PUPIL_API int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config 
 /* New settings, at any time. The wanted total stays what it is wherever the new limits allow it, so that turning a
  * control from auto to manual or back, a lock, another profile or another gain law does not move the level. Another
  * delay_frames forgets what was learned of the camera (slope, delays, gains, lines), another `linear` what was learned
- * of its gains and lines; any call ends PUPIL_SENSOR_UNSTEADY. */
+ * of its gains and lines; any call ends PUPIL_SENSOR_HUNTING. */
 PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_config *config);
 
 /* Warm start, or after a pause: begins with the total of a setting saved before (total_s of pupil_sensor_setting, with

@@ -11,7 +11,7 @@
 #include "frame/replay_work.h"
 #include "pupil/error.h"
 #include "run/colour.h"
-#include "run/lamps.h"
+#include "run/row_gains.h"
 #include "run/sensor.h"
 
 typedef struct live_run {
@@ -21,7 +21,7 @@ typedef struct live_run {
     replay_work work;
     run_sensor sensor;
     run_colour colour;
-    run_lamps lamps;
+    run_row_gains lamps;
     pupil_t pupil;
     pupil_stats stats;
     pupil_curve curve;
@@ -61,7 +61,7 @@ static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *confi
     if (!r->source)
         exit(check_end());
     run_sensor_begin(&r->sensor, &r->options, r->source);
-    run_lamps_begin(&r->lamps, &r->options, r->source, &r->remark);
+    run_row_gains_begin(&r->lamps, &r->options, r->source, &r->remark);
     r->colour.own_picture = mode == RUN_SENSOR;
     CHECK(pupil_init(&r->pupil, &r->options.shown.config) == PUPIL_OK);
     CHECK(replay_work_open(&r->work, &r->options.shown) == 0);
@@ -93,7 +93,7 @@ static void step(live_run *r)
     CHECK_MSG(pupil_source_next(r->source, &r->frame, &r->why) == PUPIL_SOURCE_FRAME, "%s", r->why.text);
     CHECK(run_sensor_take(&r->sensor, &r->why) == 0);
     CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, &r->why) == 0);
-    frame_work_gain(r->work.cpu, run_lamps_take(&r->lamps, &r->sensor, &r->frame));
+    frame_work_gain(r->work.cpu, run_row_gains_take(&r->lamps, &r->sensor, &r->frame));
     CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, &r->why) == 0,
               "%s", r->why.text);
     memset(&r->record, 0, sizeof r->record);

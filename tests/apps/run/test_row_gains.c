@@ -90,7 +90,7 @@ static void skip(live_run *r, int frames)
 static int tells(const live_run *r, const char *words)
 {
     char text[400];
-    run_lamps_tell(&r->lamps, text, sizeof text);
+    run_row_gains_tell(&r->lamps, text, sizeof text);
     return strstr(text, words) != NULL;
 }
 

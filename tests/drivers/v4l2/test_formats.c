@@ -49,7 +49,7 @@ static unsigned differing(const pupil_source *source, const pupil_frame *frame, 
                                        .ycbcr_enc = f->ycbcr_enc,
                                        .quantization = f->quantization,
                                        .xfer_func =
-                                           f->coding.light == PUPIL_LIGHT_USUAL ? V4L2_XFER_FUNC_NONE : f->xfer_func,
+                                           f->coding.light == PUPIL_LIGHT_DEFAULT ? V4L2_XFER_FUNC_NONE : f->xfer_func,
                                        .scale = scale};
     unsigned wrong = 0;
     fake_v4l2_draw(&picture, data, chroma);
@@ -197,12 +197,12 @@ static void test_defaults(void)
         {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_SMPTE240M, 0, 0, 0, 0, 0, 0, 0, "SMPTE 240M"},
         {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_BT2020, 0, 0, V4L2_XFER_FUNC_SMPTE2084, 0, 0, 0, 0, "PQ"},
         {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_OPRGB, 0, 0, 0, 0, 0, 0, 0, "opRGB"},
-        {V4L2_PIX_FMT_GREY, V4L2_COLORSPACE_SRGB, 0, 0, 0, 0, 0, PUPIL_LIGHT_USUAL, 0, NULL},
+        {V4L2_PIX_FMT_GREY, V4L2_COLORSPACE_SRGB, 0, 0, 0, 0, 0, PUPIL_LIGHT_DEFAULT, 0, NULL},
         {V4L2_PIX_FMT_GREY, V4L2_COLORSPACE_SRGB, 0, 0, V4L2_XFER_FUNC_SRGB, 0, 0, PUPIL_LIGHT_SRGB, 0, NULL},
         {V4L2_PIX_FMT_RGB24, V4L2_COLORSPACE_SRGB, 0, 0, 0, 0, 0, 0, 0, NULL},
         {V4L2_PIX_FMT_RGB24, V4L2_COLORSPACE_SRGB, 0, V4L2_QUANTIZATION_LIM_RANGE, 0, 0, 0, 0, 0, "limited range"},
         {V4L2_PIX_FMT_RGB24, V4L2_COLORSPACE_REC709, 0, 0, 0, 0, 0, 0, 0, "transfer function"},
-        {V4L2_PIX_FMT_SRGGB10, V4L2_COLORSPACE_REC709, 0, 0, 0, 0, 0, PUPIL_LIGHT_USUAL, 0, NULL},
+        {V4L2_PIX_FMT_SRGGB10, V4L2_COLORSPACE_REC709, 0, 0, 0, 0, 0, PUPIL_LIGHT_DEFAULT, 0, NULL},
         {V4L2_PIX_FMT_H264, V4L2_COLORSPACE_JPEG, 0, 0, 0, 0, 0, 0, 0, "H264 is not read; what is: RGGB"},
         {V4L2_PIX_FMT_MJPEG, V4L2_COLORSPACE_JPEG, 0, 0, 0, PUPIL_MATRIX_BT601, PUPIL_RANGE_FULL, PUPIL_LIGHT_SRGB, 0,
          NULL},

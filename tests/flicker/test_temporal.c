@@ -59,7 +59,7 @@ static double next_frame(room *r)
     if (!lost) {
         CHECK(pupil_sensor_scene(&r->sensor, light, 0.0, &info) == PUPIL_OK);
         CHECK(pupil_sensor_get(&r->sensor, &r->setting) == PUPIL_OK);
-        CHECK(isfinite(r->setting.beat_ev) && fabs(r->setting.beat_ev) < 1.5);
+        CHECK(isfinite(r->setting.flicker_ev) && fabs(r->setting.flicker_ev) < 1.5);
         shown = light + log2(in_force[0] * in_force[1] * r->setting.frame_digital / 0.18);
     }
     r->asked[r->frame % RING][0] = r->setting.exposure_s;
@@ -75,7 +75,7 @@ static double flicker(room *r, int frames, double *beat)
     int n = 0;
     for (int i = 0; i < frames; i++) {
         const double shown = next_frame(r);
-        most = fmax(most, fabs(r->setting.beat_ev));
+        most = fmax(most, fabs(r->setting.flicker_ev));
         if (isnan(shown))
             continue;
         if (!isnan(last))
@@ -224,7 +224,7 @@ static double taken_out(pupil_t *pupil, double ev, int64_t timestamp_ns)
     const pupil_frame_info info = {.timestamp_ns = timestamp_ns};
     ref_stats_at(ev, 1, &stats);
     CHECK(pupil_adapt(pupil, &stats, &info) == PUPIL_OK && pupil_get_exposure(pupil, &e) == PUPIL_OK);
-    return e.beat_ev;
+    return e.flicker_ev;
 }
 
 static void check_ordinary(void)
@@ -246,7 +246,7 @@ static void check_ordinary(void)
             for (int i = 0; i < check_some(1500); i++) {
                 r.level_ev = log2(0.18 / 0.004) + ordinary(kind, some[f], i, state);
                 next_frame(&r);
-                most = fmax(most, fabs(r.setting.beat_ev));
+                most = fmax(most, fabs(r.setting.flicker_ev));
             }
         }
         printf("%s: %g EV are taken out at most\n", kind_name[kind], most);
@@ -265,7 +265,7 @@ static void check_digital(void)
         pupil_t pupil;
         double last[2] = {NAN, NAN}, sum[2] = {0, 0};
         pupil_config_default(&config);
-        config.beat = (uint32_t)on;
+        config.flicker = (uint32_t)on;
         CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
         for (int i = 0; i < 900; i++) {
             const double ev = log2(1.0 + 0.1 * sin(2.0 * PI * 100.03 * i / 30.0));
@@ -309,9 +309,9 @@ static void check_wrong_exposures(void)
                                            .exposure_s = i == 300 ? wrong[k] : 0.005};
             ref_stats_at(log2(1.0 + 0.1 * sin(2.0 * PI * 100.03 * i / 30.0)), 1, &stats);
             CHECK(pupil_adapt(&pupil, &stats, &info) == PUPIL_OK && pupil_get_exposure(&pupil, &e) == PUPIL_OK);
-            CHECK_MSG(fabs(e.beat_ev) < 0.2 && fabs(e.adapted_ev) < 0.2, "exposure of %g, frame %d: %g and %g EV",
-                      wrong[k], i, e.beat_ev, e.adapted_ev);
-            most[i > 300] = fmax(most[i > 300], fabs(e.beat_ev));
+            CHECK_MSG(fabs(e.flicker_ev) < 0.2 && fabs(e.adapted_ev) < 0.2, "exposure of %g, frame %d: %g and %g EV",
+                      wrong[k], i, e.flicker_ev, e.adapted_ev);
+            most[i > 300] = fmax(most[i > 300], fabs(e.flicker_ev));
         }
         CHECK_MSG(most[0] > 0.1 && most[1] > 0.1, "exposure of %g: beats of %g and, after it, %g EV", wrong[k], most[0],
                   most[1]);
@@ -340,8 +340,8 @@ static uint64_t abuse(void)
                           : (now > INT64_MAX / 2 || now < 0 ? 1 : now) + 33333333;
         const pupil_frame_info info = {.timestamp_ns = now, .exposure_s = kind == 10 ? 1e19 : 0.005, .gain = 1.0};
         CHECK(pupil_sensor_scene(&sensor, ev, 0.0, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-        CHECK_MSG(isfinite(s.beat_ev) && isfinite(s.frame_digital) && s.frame_digital > 0 && isfinite(s.total_s),
-                  "frame %d, kind %d: beat %g, digital %g", i, (int)kind, s.beat_ev, s.frame_digital);
+        CHECK_MSG(isfinite(s.flicker_ev) && isfinite(s.frame_digital) && s.frame_digital > 0 && isfinite(s.total_s),
+                  "frame %d, kind %d: beat %g, digital %g", i, (int)kind, s.flicker_ev, s.frame_digital);
         uint64_t bits;
         memcpy(&bits, &s.frame_digital, sizeof bits);
         digest = digest * UINT64_C(0x100000001b3) + bits;

@@ -1,4 +1,4 @@
-/* apps/run/lamps.h: the gains of a frame's rows under lamps on the mains (pupil/row_gain.h), for --row-gains. */
+/* apps/run/row_gains.h: the gains of a frame's rows under lamps on the mains (pupil/row_gain.h), for --row-gains. */
 #ifndef PUPIL_APPS_RUN_LAMPS_H
 #define PUPIL_APPS_RUN_LAMPS_H
 
@@ -6,7 +6,7 @@
 #include "pupil/row_gain.h"
 #include "sensor.h"
 
-typedef struct run_lamps {
+typedef struct run_row_gains {
     const run_options *options; /* NULL: as without --row-gains */
     const pupil_source *source;
     const pupil_camera *camera; /* whose readout was asked for last; NULL: none */
@@ -16,16 +16,16 @@ typedef struct run_lamps {
     uint64_t frames, with; /* all; with gains */
     uint32_t reason;       /* of the last frame */
     float gain[PUPIL_MAX_SIDE_PX];
-} run_lamps;
+} run_row_gains;
 
 /* Of a live source, whose mode is no longer RUN_BEST. `remark`: a sentence where there will be no gains, and what would
  * bring them; else nothing. */
-void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, pupil_why *remark);
+void run_row_gains_begin(run_row_gains *l, const run_options *options, const pupil_source *source, pupil_why *remark);
 
 /* A frame, before it is mapped: the gains of its rows, good until the next frame; NULL: none. */
-const float *run_lamps_take(run_lamps *l, const run_sensor *sensor, const pupil_frame *frame);
+const float *run_row_gains_take(run_row_gains *l, const run_sensor *sensor, const pupil_frame *frame);
 
 /* "; row gains in 280 of 300 frames", and in the end why there are none; or nothing. */
-void run_lamps_tell(const run_lamps *l, char *text, size_t text_bytes);
+void run_row_gains_tell(const run_row_gains *l, char *text, size_t text_bytes);
 
 #endif

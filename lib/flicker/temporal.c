@@ -6,7 +6,7 @@
  * The amplitude and phase follow by normalised least mean squares (Widrow, Hoff: Adaptive switching circuits, 1960),
  * the mains' own frequency by a phase-locked loop of the second order.
  * How much of the movement the sine leaves unexplained decides whether it is used at all. */
-#include "beat.h"
+#include "temporal.h"
 
 #include "base/numeric.h"
 
@@ -35,7 +35,7 @@ static double part(double x)
 
 /* Seconds since the frame before, without the timestamps' jitter. An alpha-beta filter: its gains are those of the line
  * of least squares through all n frames so far, and from CLOCK_FRAMES on stay as they are, so that the oldest fade. */
-static double tick(pupil_beat *b, double dt_s)
+static double tick(pupil_flicker *b, double dt_s)
 {
     const double frames = b->period_s > 0.0 ? dt_s / b->period_s : 0.0; /* above 1.5 where some were dropped */
     const double even_s = (frames - part(frames)) * b->period_s;
@@ -56,14 +56,14 @@ static double tick(pupil_beat *b, double dt_s)
 }
 
 /* By how many stops the lamp is above its mean at a point of its wave; the cosine and sine there. */
-static double stops(const pupil_beat_lamp *l, double turn, double at[2])
+static double stops(const pupil_flicker_light *l, double turn, double at[2])
 {
     pupil_turn(turn, at);
     return pupil_log2(clamp(1.0 + l->wave[0] * at[0] + l->wave[1] * at[1], 0.0625, 16.0));
 }
 
 /* A frame for one lamp: the light moved by `moved` stops in step_s seconds. */
-static void lamp_frame(pupil_beat_lamp *l, double hz, double period_s, double step_s, double moved)
+static void lamp_frame(pupil_flicker_light *l, double hz, double period_s, double step_s, double moved)
 {
     double was[2];
     double is[2];
@@ -87,7 +87,7 @@ static void lamp_frame(pupil_beat_lamp *l, double hz, double period_s, double st
     else if (left2 < 0.25 * moved * moved)
         l->gone = 0;
     if (l->gone > 1 || is_slow)
-        *l = (pupil_beat_lamp){.turn = l->turn, .gate = -1.0};
+        *l = (pupil_flicker_light){.turn = l->turn, .gate = -1.0};
     if (l->gone > 1 || (is_miss && !(l->gate > 0.0)))
         return;
 
@@ -105,7 +105,7 @@ static void lamp_frame(pupil_beat_lamp *l, double hz, double period_s, double st
     l->gate = clamp(l->gate + (is_clear ? 0.5 * RATE : -RATE), -1.0, 1.0);
 }
 
-void pupil_beat_frame(pupil_beat *b, double light, double exposure_s, int64_t timestamp_ns)
+void pupil_flicker_frame(pupil_flicker *b, double light, double exposure_s, int64_t timestamp_ns)
 {
     if (timestamp_ns && timestamp_ns == b->timestamp_ns) /* the same frame again */
         return;
@@ -120,19 +120,19 @@ void pupil_beat_frame(pupil_beat *b, double light, double exposure_s, int64_t ti
         for (int i = 0; i < 2; i++)
             lamp_frame(&b->lamp[i], 100.0 + 20.0 * i, b->period_s, b->step_s, light - b->light);
     } else {
-        *b = (pupil_beat){.lamp = {{.gate = -1.0}, {.gate = -1.0}}};
+        *b = (pupil_flicker){.lamp = {{.gate = -1.0}, {.gate = -1.0}}};
     }
     b->timestamp_ns = timestamp_ns;
     b->light = light;
     b->exposure_s = exposure_s;
 }
 
-double pupil_beat_at(const pupil_beat *b, int64_t timestamp_ns)
+double pupil_flicker_at(const pupil_flicker *b, int64_t timestamp_ns)
 {
     const double since_s = ((double)timestamp_ns - (double)b->timestamp_ns) * 1e-9;
     /* one of the two: at some frame rates both explain the same movement */
     const int i = b->lamp[1].gate > b->lamp[0].gate;
-    const pupil_beat_lamp *l = &b->lamp[i];
+    const pupil_flicker_light *l = &b->lamp[i];
     double at[2];
     if (!(l->gate > 0.0 && timestamp_ns && since_s > -PAUSE_S && since_s < PAUSE_S))
         return 0.0;

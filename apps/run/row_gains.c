@@ -1,4 +1,4 @@
-#include "lamps.h"
+#include "row_gains.h"
 
 #include "refuse.h"
 
@@ -14,8 +14,8 @@ static const char *const words[REASONS] = {
     [PUPIL_ROW_GAIN_ON] = "",
     [PUPIL_ROW_GAIN_WAITING] = "too few frames were seen",
     [PUPIL_ROW_GAIN_LONG] = "the exposure is a period of the lamps' light or more",
-    [PUPIL_ROW_GAIN_STANDING] = "the lamps' wave stands still at this frame rate",
-    [PUPIL_ROW_GAIN_NO_LAMPS] = "no lamps are seen",
+    [PUPIL_ROW_GAIN_STATIONARY] = "the lamps' wave stands still at this frame rate",
+    [PUPIL_ROW_GAIN_NO_FLICKER] = "no lamps are seen",
     [PUPIL_ROW_GAIN_MIXED] = "parts of the picture lack the lamps' wave: daylight, clipped, or another readout",
     [PUPIL_ROW_GAIN_DISTURBED] = "too much moves",
     [NO_READOUT] = "the camera's readout is not known: --readout",
@@ -23,7 +23,7 @@ static const char *const words[REASONS] = {
 };
 
 /* Controls that were opened anew may be those of another camera. */
-static void find_readout(run_lamps *l)
+static void find_readout(run_row_gains *l)
 {
     pupil_camera *camera = pupil_live_camera(l->source);
     pupil_camera_limits limits;
@@ -34,7 +34,7 @@ static void find_readout(run_lamps *l)
     l->camera = camera;
 }
 
-void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_source *source, pupil_why *remark)
+void run_row_gains_begin(run_row_gains *l, const run_options *options, const pupil_source *source, pupil_why *remark)
 {
     l->options = options->row_gains ? options : NULL;
     l->source = source;
@@ -57,7 +57,7 @@ void run_lamps_begin(run_lamps *l, const run_options *options, const pupil_sourc
 }
 
 /* The object for what is known now; what it has learned stays where that is the same. 0; -1: there can be no gains. */
-static int ready(run_lamps *l, const run_sensor *sensor)
+static int ready(run_row_gains *l, const run_sensor *sensor)
 {
     const uint32_t mains_hz = sensor->steers ? sensor->setting.mains_hz : l->options->live.mains_hz;
     find_readout(l);
@@ -88,7 +88,7 @@ static pupil_frame_info middle_of(const pupil_source *source, const pupil_frame_
     return middle;
 }
 
-const float *run_lamps_take(run_lamps *l, const run_sensor *sensor, const pupil_frame *frame)
+const float *run_row_gains_take(run_row_gains *l, const run_sensor *sensor, const pupil_frame *frame)
 {
     pupil_row_gain_result result;
     if (!l->options)
@@ -107,7 +107,7 @@ const float *run_lamps_take(run_lamps *l, const run_sensor *sensor, const pupil_
     return l->gain;
 }
 
-void run_lamps_tell(const run_lamps *l, char *text, size_t text_bytes)
+void run_row_gains_tell(const run_row_gains *l, char *text, size_t text_bytes)
 {
     *text = 0;
     if (!l->options || !l->frames)
