@@ -2,19 +2,18 @@
 # pupil probe as its user meets it, on a camera in the process: what is printed, what is refused, and the camera's
 # controls put back, on Ctrl-C too. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
-. "$(dirname "$0")/../run_room.sh"
+. "$(dirname "$0")/../../lib.sh"
+use_fake_camera
 
 # probe STATUS WORDS ARGUMENTS...: the exit status, words in what is printed or said, and the controls as they were
 probe() {
     status=$1 words=$2
     shift 2
-    "$program" "$@" >said.out 2>said.err </dev/null
-    got=$?
-    [ "$got" = "$status" ] || fail "$*: exit $got, expected $status: $(cat said.err)"
+    call "$status" "" "$@"
     grep -qF -- "$words" said.out said.err || fail "$*: no '$words' in: $(cat said.out said.err)"
     case $* in
     *absent* | *no-controls* | *unplug*) ;;
-    *) grep -qxF "fake: auto 3, exposure 77, gain 40" said.err || fail "$*: controls: $(cat said.err)" ;;
+    *) grep -qxF "$fake_restored" said.err || fail "$*: controls: $(cat said.err)" ;;
     esac
 }
 
@@ -24,7 +23,7 @@ quiet() { # nothing but the camera's own word on standard error, and something p
 }
 refused() { # one sentence, and nothing printed
     probe "$@"
-    [ "$(grep -cv '^fake: ' said.err)" = 1 ] || fail "not one sentence: $(cat said.err)"
+    [ "$(sentences)" = 1 ] || fail "not one sentence: $(cat said.err)"
     [ ! -s said.out ] || fail "printed: $(cat said.out)"
 }
 
@@ -54,14 +53,12 @@ for signal in INT TERM HUP; do
     for after in 0.3 1.2; do
         "$program" fake:real fake:flat=500 probe >said.out 2>said.err &
         running=$!
+        until_true "$signal: nothing handles it" handles_signals
         sleep "$after"
         kill -s "$signal" "$running"
-        wait "$running"
-        got=$?
-        running=
-        [ "$got" = 130 ] || fail "$signal: exit $got: $(cat said.err)"
+        ends 130
         grep -qxF "pupil probe: stopped; the camera's controls are as they were" said.err || fail "$(cat said.err)"
-        grep -qxF "fake: auto 3, exposure 77, gain 40" said.err || fail "$signal: $(cat said.err)"
+        grep -qxF "$fake_restored" said.err || fail "$signal: $(cat said.err)"
         [ ! -s said.out ] || fail "$signal: printed: $(cat said.out)"
     done
 done
@@ -72,5 +69,4 @@ for value in "9a0901 = 3" "9a0902 = 77" "980913 = 40"; do # EXPOSURE_AUTO, EXPOS
     grep -qxF "fake: after the crash $value" said.err || fail "crash: $(cat said.err)"
 done
 
-[ "$failures" = 0 ] || { echo "$failures failed"; exit 1; }
-echo "all passed"
+end_test

@@ -2,43 +2,14 @@
 # The program as its user meets it: outputs complete or absent, clear sentences, exit codes, the same bits at any number of
 # threads. Needs $PUPIL_PROGRAM; runs in a folder of its own.
 set -u
-program=${PUPIL_PROGRAM:?the pupil program}
-room=$(mktemp -d) || exit 1
-trap 'rm -rf "$room"' EXIT
-cd "$room" || exit 1
-failures=0
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
-
-# expect STATUS WORDS ARGUMENTS...: the exit status, and words that the message must hold
-expect() {
-    status=$1 words=$2
-    shift 2
-    "$program" "$@" >said.out 2>said.err </dev/null
-    got=$?
-    [ "$got" = "$status" ] || fail "pupil $*: exit $got, expected $status: $(cat said.err)"
-    grep -qF -- "$words" said.err || [ -z "$words" ] || fail "pupil $*: no '$words' in: $(cat said.err)"
-    [ "$(wc -l <said.err)" -le 1 ] || [ "$status" = 3 ] || fail "pupil $*: more than one sentence: $(cat said.err)"
-}
-
-# absent PATH...: nothing there, and no temporary left beside it
-absent() {
-    for path in "$@"; do
-        [ ! -e "$path" ] || fail "$path is there"
-    done
-    left=$(find . -name '.*.part*' | head -n 3)
-    [ -z "$left" ] || fail "left behind: $left"
-}
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
 
 walk="replay synth:walk --size 64x36 -q"
 
 # help and usage
 "$program" replay --help >help.txt || fail "--help does not exit 0"
-[ "$(wc -l <help.txt)" -le 40 ] || fail "--help is $(wc -l <help.txt) lines"
-awk 'length > 90 { exit 1 }' help.txt || fail "--help has a line over 90 characters"
+help_fits 40 90 help.txt
 expect 2 "no such command" nonsense
 expect 2 "no input" replay
 expect 2 "--metreing" replay synth:walk --metreing spot
@@ -213,5 +184,4 @@ cmp -s m.y4m m2.y4m || fail "a closed standard error ends up in an output"
 "$program" $walk --size 320x180 -o - 2>said.err | head -c 1000 >/dev/null
 [ "$(wc -l <said.err)" = 1 ] || fail "a closed pipe: $(cat said.err)"
 
-[ $failures = 0 ] && echo "replay: all as expected"
-exit $((failures > 0))
+end_test

@@ -2,17 +2,9 @@
 # pupil replay --gles: the CPU's picture within what numerics.md allows, the same bits in every run; what happens where the
 # GPU cannot be had or lacks what is asked for. Needs an OpenGL ES driver, a software one will do.
 set -u
-program=${PUPIL_PROGRAM:?the pupil program}
-room=$(mktemp -d) || exit 1
-trap 'rm -rf "$room"' EXIT
-cd "$room" || exit 1
-failures=0
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
 walk="synth:walk --size 96x54 -n 24"
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
 # near FILE FILE: of as many bytes; none more than 1 apart, at most one of 10,000 at all
 near() {
     [ "$(wc -c <"$1")" = "$(wc -c <"$2")" ] || { fail "$1 and $2 differ in size"; return; }
@@ -54,9 +46,7 @@ grep -q "standard input comes once" said.err || fail "--loop of standard input: 
 "$program" replay $walk --gles -o gpu.y4m --stats gpu.csv 2>said.err || fail "--gles: $(cat said.err)"
 if grep -q "the CPU goes on" said.err; then
     cmp -s cpu.y4m gpu.y4m || fail "without a GPU another picture"
-    echo "skipped: $(head -n 1 said.err)"
-    [ $failures = 0 ] && exit 77
-    exit 1
+    skip "$(head -n 1 said.err)"
 fi
 grep -q "; GPU: .*OpenGL ES" said.err || fail "the GPU is not named: $(cat said.err)"
 near cpu.y4m gpu.y4m
@@ -103,5 +93,4 @@ for how in "needs; --white none" "EGL" "OpenGL ES"; do
     cmp -s cpu.y4m other.y4m || fail "$how: another picture than the CPU's"
 done
 
-[ $failures = 0 ] && echo "replay --gles: all as expected"
-exit $((failures > 0))
+end_test

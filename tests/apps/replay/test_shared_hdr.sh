@@ -5,16 +5,11 @@
 #   - of the display's samples under 2 % are 0, and under 2 % are 255, beyond what the input holds as black or clipped.
 # Needs $PUPIL_PROGRAM; $PUPIL_SHARED, or ../shared beside the checkout.
 set -u
-program=${PUPIL_PROGRAM:?the pupil program}
 here=$(cd "$(dirname "$0")/../../.." && pwd)
 shared=${PUPIL_SHARED:-$here/../shared}/hdr
-if [ ! -d "$shared" ]; then
-    echo "skipped: no shared images"
-    exit 77
-fi
-room=$(mktemp -d) || exit 1
-trap 'rm -rf "$room"' EXIT
-failures=0
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
+[ -d "$shared" ] || skip "no shared images"
 
 # judge NAME SKIP ARGUMENTS...: replays; frames before SKIP are not judged 
 judge() {

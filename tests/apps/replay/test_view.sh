@@ -2,44 +2,13 @@
 # pupil replay --view in a virtual screen: the window comes, each key does in the pixels what it is for, by the CPU and by
 # the GPU's path; closing, Ctrl-C, no display.
 set -u
-program=${PUPIL_PROGRAM:?the pupil program}
-for tool in Xvfb xdotool import convert; do
-    command -v $tool >/dev/null || { echo "skipped: no $tool (on Debian: xvfb xdotool imagemagick)"; exit 77; }
-done
-room=$(mktemp -d) || exit 1
-server=
-running=
-cleanup() {
-    [ -z "$running" ] || kill "$running" 2>/dev/null
-    [ -z "$server" ] || kill "$server" 2>/dev/null
-    rm -rf "$room"
-}
-trap cleanup EXIT
-trap 'exit 1' INT TERM
-cd "$room" || exit 1
-failures=0
-export SDL_VIDEODRIVER=x11 SDL_VIDEO_X11_FORCE_EGL=1 XDG_RUNTIME_DIR="$room"
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
+. "$(dirname "$0")/../screen.sh"
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
 
 # no display: a sentence, and nothing is left
-env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER "$program" replay synth:walk --size 64x36 -n 2 --view -o a.y4m 2>said.err
-got=$?
-grep -qE "PUPIL_(GLES|WINDOW|EGL)" said.err && { echo "skipped: $(cat said.err)"; exit 77; }
-[ $got = 1 ] || fail "no display: exit $got"
-grep -q "display" said.err || fail "no display: said $(cat said.err)"
-[ ! -e a.y4m ] || fail "no display, but an output"
-
-Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp -noreset 3>number >xvfb.log 2>&1 &
-server=$!
-tries=0
-while [ ! -s number ] && [ $tries -lt 100 ]; do sleep 0.1; tries=$((tries + 1)); done
-[ -s number ] || { echo "skipped: Xvfb does not start: $(cat xvfb.log)"; exit 77; }
-DISPLAY=:$(cat number)
-export DISPLAY
+on_no_screen replay synth:walk --size 64x36 -n 2
+begin_screen
 
 # start ARGUMENTS...: a window; its number in $window
 start() {
@@ -54,61 +23,25 @@ start() {
     done
     [ -n "$window" ] || fail "no window: $(cat said.err)"
 }
-# finish STATUS: the program has ended so
-finish() {
-    tries=0
-    while kill -0 $running 2>/dev/null && [ $tries -lt 200 ]; do sleep 0.1; tries=$((tries + 1)); done
-    kill -9 $running 2>/dev/null && fail "it does not end"
-    wait $running
-    got=$?
-    running=
-    [ $got = "$1" ] || fail "exit $got, expected $1: $(cat said.err)"
-}
-# look: the whole window, as it is now
-look() {
-    import -window root look.png
-}
-# mean CROP: of the picture in a part of the screen, 0 to 65535
-mean() {
-    convert look.png -crop "$1" +repage -colorspace gray -format '%[fx:int(65535*mean)]' info:
-}
 # pixels COLOUR: how many there are in the window
 pixels() {
     convert look.png -crop 480x270+80+105 +repage -fill black +opaque "$1" -fill white -opaque "$1" -colorspace gray \
         -format '%[fx:int(mean*w*h+0.5)]' info:
 }
-# until WORDS COMMAND...: the command is true within ten seconds; a slow renderer draws when it can
-until_true() {
-    words=$1
-    shift
-    tries=0
-    while ! { look; "$@"; }; do
-        tries=$((tries + 1))
-        [ $tries -lt 50 ] || { fail "$words"; return 1; }
-        sleep 0.2
-    done
-}
+# A title needs no look at the screen.
 titled() {
     xdotool getwindowname "$window" | grep -qF -- "$1"
 }
-# A title needs no look at the screen.
-until_titled() {
-    tries=0
-    until titled "$1"; do
-        tries=$((tries + 1))
-        [ $tries -lt 100 ] || { fail "not in the title: $1"; return; }
-        sleep 0.1
-    done
-}
+until_titled() { until_true "not in the title: $1" titled "$1"; }
 # The window's corner stays where it was.
-has_bars() { [ "$(mean 440x20+100+115)" = 0 ] && [ "$(mean 440x60+100+200)" -gt 1000 ]; }
-brighter_than() { [ "$(mean 440x60+100+125)" -gt "$1" ]; }
-darker_than() { [ "$(mean 440x60+100+125)" -lt "$1" ]; }
-has() { [ "$(pixels "$1")" -gt "$2" ]; }
-has_no() { [ "$(pixels "$1")" -lt "$2" ]; }
+has_bars() { look && [ "$(mean 440x20+100+115)" = 0 ] && [ "$(mean 440x60+100+200)" -gt 1000 ]; }
+brighter_than() { look && [ "$(mean 440x60+100+125)" -gt "$1" ]; }
+darker_than() { look && [ "$(mean 440x60+100+125)" -lt "$1" ]; }
+has() { look && [ "$(pixels "$1")" -gt "$2" ]; }
+has_no() { look && [ "$(pixels "$1")" -lt "$2" ]; }
 # the left half is as it was, the right one brighter by far
-is_split() { [ "$(mean 140x60+340+125)" -gt $(($(mean 140x60+150+125) * 5 / 4)) ]; }
-is_even() { [ "$(mean 140x60+340+125)" -lt $(($(mean 140x60+150+125) * 21 / 20)) ]; }
+is_split() { look && [ "$(mean 140x60+340+125)" -gt $(($(mean 140x60+150+125) * 5 / 4)) ]; }
+is_even() { look && [ "$(mean 140x60+340+125)" -lt $(($(mean 140x60+150+125) * 21 / 20)) ]; }
 
 # A picture of one brightness, so that halves can be compared; light enough for stops to be seen.
 printf 'PF\n480 270\n-1.0\n' >grey.pfm
@@ -134,7 +67,7 @@ check_picture() {
     xdotool key space plus plus plus
     until_true "a paused picture has no keys" brighter_than $((before * 5 / 4))
     xdotool key q
-    finish 0
+    ends 0
 }
 
 # check_rest ARGUMENTS...: what is drawn over it, and what the title tells
@@ -166,7 +99,7 @@ check_rest() {
     xdotool windowsize "$window" 480 400 # with bars of 65 above and below
     until_true "a larger window has no bars" has_bars
     xdotool key f F11 Escape # no window manager here that could make it full: it must not fall over
-    finish 0
+    ends 0
 }
 
 check_picture
@@ -180,21 +113,20 @@ start grey.pfm -q
 sleep 1
 kill -0 $running 2>/dev/null || fail "a still does not stay"
 xdotool key Escape
-finish 0
+ends 0
 start grey.pfm --loop -q
 kill -INT $running
-finish 130
+ends 130
 
 # what is written beside a window is what is written without one, and closing it keeps what was shown so far
 "$program" replay synth:walk --size 64x36 -n 20 -q -o without.y4m
 start synth:walk --size 64x36 -n 20 -q -o with.y4m
-finish 0
+ends 0
 cmp -s without.y4m with.y4m || fail "--view changes the picture that is written"
 start synth:walk --size 64x36 -q -o part.y4m
 sleep 1
 xdotool key q
-finish 0
+ends 0
 [ -s part.y4m ] || fail "closing the window loses the output"
 
-[ $failures = 0 ] && echo "view: all as expected"
-exit $((failures > 0))
+end_test

@@ -2,17 +2,8 @@
 # pupil run on raw frames in coloured light: what is shown is grey or is not, as it was asked for; recorded frames keep
 # the balance that they were shown with. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
-program=${PUPIL_RUN_FAKE:-}
-[ -n "$program" ] || { echo "skipped: built without cameras"; exit 77; }
-room=$(mktemp -d) || exit 1
-trap 'rm -rf "$room"' EXIT
-cd "$room" || exit 1
-failures=0
-
-fail() {
-    echo "FAILED: $*"
-    failures=$((failures + 1))
-}
+. "$(dirname "$0")/../../lib.sh"
+use_fake_camera
 
 # shown NAME ARGUMENTS...: the last of 60 frames of a grey scene in reddish light, as "Y Cb Cr" of its last pixel
 shown() {
@@ -60,9 +51,7 @@ done
 # of no use with this format: a sentence, and nothing is written
 for given in "--white-balance 2,1,2" "--matrix 1,0,0,0,1,0,0,0,1" "--black-level 64"; do
     # shellcheck disable=SC2086 # words
-    "$program" fake:format=YUYV $given -n 5 -o useless.y4m -q >said.out 2>said.err
-    got=$?
-    [ $got = 1 ] || fail "$given of YUYV: exit $got"
+    call 1 "" fake:format=YUYV $given -n 5 -o useless.y4m -q
     grep -qF -- "(${given%% *}" said.err || grep -qF -- "and ${given%% *}" said.err || fail "$given of YUYV: $(cat said.err)"
     [ ! -e useless.y4m ] || fail "$given of YUYV: an output is there"
 done
@@ -81,5 +70,4 @@ refused "--matrix 1,2: must be auto, off, or 9 numbers" --matrix 1,2
 refused "--black-level x: must be auto, off, or the code" --black-level x
 refused "black must be at least 1 below the format's largest code" --black-level 1023
 
-[ $failures = 0 ] && echo "ok"
-exit $failures
+end_test

@@ -3,20 +3,18 @@
 # process; what is kept is of that camera, written however the run ends, and no other file is touched. Needs
 # $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
-. "$(dirname "$0")/../run_room.sh"
+. "$(dirname "$0")/../../lib.sh"
+use_fake_camera
 
 # run STATUS WORDS ARGUMENTS...: the exit status, and words that standard error must hold; a camera that is far too
 # bright as its user left it
 run() {
     status=$1 words=$2
     shift 2
-    "$program" fake:real fake:flat=600 fake:light=12@1 "$@" -q >said.out 2>said.err </dev/null
-    got=$?
-    [ "$got" = "$status" ] || fail "run $*: exit $got, expected $status: $(cat said.err)"
-    grep -qF -- "$words" said.err || fail "run $*: no '$words' in: $(cat said.err)"
+    call "$status" "$words" fake:real fake:flat=600 fake:light=12@1 "$@" -q
     case "$*" in
     *fake:no-controls* | *fake:unplug*) ;; # there are none at the end
-    *) grep -qxF "fake: auto 3, exposure 77, gain 40" said.err || fail "run $*: the controls: $(cat said.err)" ;;
+    *) grep -qxF "$fake_restored" said.err || fail "run $*: the controls: $(cat said.err)" ;;
     esac
 }
 
@@ -138,5 +136,4 @@ wait $running 2>/dev/null
 running=
 [ "$(wc -l <minute)" = 2 ] && [ "$(head -n 1 minute)" = "$header" ] || fail "not written while it runs: $(cat said.err)"
 
-[ $failures = 0 ] && echo "run --resume: all as expected"
-exit $((failures != 0))
+end_test

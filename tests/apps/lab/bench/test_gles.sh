@@ -2,24 +2,10 @@
 # pupil bench gles: what it prints at a small size, that its errors are within what numerics.md allows, what is refused,
 # Ctrl-C. No time is judged. Needs an OpenGL ES driver, a software one will do.
 set -eu
-program=${PUPIL_PROGRAM:?}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "FAILED: $*"; exit 1; }
-# expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
-expect() {
-    wanted=$1 words=$2
-    shift 2
-    status=0
-    "$program" bench gles "$@" >said.out 2>said.err </dev/null || status=$?
-    [ "$status" = "$wanted" ] || fail "bench gles $*: exit $status, expected $wanted: $(cat said.err)"
-    grep -qF -- "$words" said.err || fail "bench gles $*: said '$(cat said.err)', expected '$words'"
-}
-
+. "$(dirname "$0")/../../../lib.sh"
+use_pupil
 "$program" bench gles --size 64x32 --rounds 2 --frames 2 --json >lines.txt 2>said.err ||
-    { grep -q "^pupil bench" said.err && echo "skipped: $(cat said.err)" && exit 77; }
+    { grep -q "^pupil bench" said.err && skip "$(cat said.err)"; }
 [ ! -s said.err ] || fail "on stderr: $(cat said.err)"
 for format in rgba32f rgba16f nv12 bayer10; do
     for part in copy upload meter map frame; do
@@ -50,14 +36,14 @@ grep -q '"part":"histogram"' old.txt && fail "a histogram in ES 3.0"
 
 "$program" bench gles --help >help.txt
 [ "$(wc -l <help.txt)" -le 24 ] || fail "--help is $(wc -l <help.txt) lines"
-expect 2 "rgba32f" --format moon
-expect 2 "--size" --size 0x5
-expect 2 "--size" --size 66x33
-expect 2 "--frames" --frames 0
-expect 2 "--rounds" --rounds -1
-expect 2 "3.0 or 3.1" --gles-version 2.0
-expect 2 "--format" rgba8
-expect 2 "" --nothing
+expect 2 "rgba32f" bench gles --format moon
+expect 2 "--size" bench gles --size 0x5
+expect 2 "--size" bench gles --size 66x33
+expect 2 "--frames" bench gles --frames 0
+expect 2 "--rounds" bench gles --rounds -1
+expect 2 "3.0 or 3.1" bench gles --gles-version 2.0
+expect 2 "--format" bench gles rgba8
+expect 2 "" bench gles --nothing
 
 "$program" bench gles --rounds 10000 --size 64x32 >cut.txt 2>cut.err &
 pid=$!
@@ -67,3 +53,4 @@ status=0
 wait $pid || status=$?
 [ "$status" = 130 ] || fail "interrupted: exit $status: $(cat cut.err)"
 echo "bench gles: all as expected"
+end_test

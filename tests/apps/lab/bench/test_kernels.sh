@@ -2,12 +2,8 @@
 # pupil bench kernels: what it prints, that every level has the same errors, peers, worst case, plot, what is refused,
 # Ctrl-C. No time is judged.
 set -eu
-program=${PUPIL_PROGRAM:?}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "FAILED: $*"; exit 1; }
+. "$(dirname "$0")/../../../lib.sh"
+use_pupil
 # fields FILE NAME...: every line of the file has every field.
 fields() {
     file=$1
@@ -17,16 +13,6 @@ fields() {
         [ "$(grep -c "\"$field\":" "$file")" = "$(wc -l <"$file")" ] || fail "a line without $field: $(cat "$file")"
     done
 }
-# expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
-expect() {
-    wanted=$1 words=$2
-    shift 2
-    status=0
-    "$program" bench kernels "$@" >said.out 2>said.err </dev/null || status=$?
-    [ "$status" = "$wanted" ] || fail "bench kernels $*: exit $status, expected $wanted: $(cat said.err)"
-    grep -qF -- "$words" said.err || fail "bench kernels $*: said '$(cat said.err)', expected '$words'"
-}
-
 # measure FORMAT SIZE ERROR_EV OFF ARGUMENTS...: every kernel has its line, and every line its fields; the bits are the
 # same on every level, and so the errors are: one set of figures, none above ERROR_EV (stops), one code, OFF (share).
 measure() {
@@ -147,29 +133,29 @@ if command -v gnuplot >/dev/null; then
         /^1.8 of the rows  / { natural = $(NF - 1) }
         /^1.8 of the rows, striped/ { exit !(ok && natural > 0 && $(NF - 1) > natural && $(NF - 1) < 3) }' choices.txt ||
         fail "stripes: $(cat choices.txt)"
-    expect 1 "no/such.svg" --plot no/such.svg
-    expect 1 "plot.gif" --plot plot.gif
+    expect 1 "no/such.svg" bench kernels --plot no/such.svg
+    expect 1 "plot.gif" bench kernels --plot plot.gif
 fi
 
-expect 2 "one at a time" --peers --worst
-expect 2 "take rgba32f" --worst --format rgb8
-expect 2 "one thread" --peers --threads 2
-expect 2 "--json" --plot a.svg --json
-expect 2 "rgb8 yuyv nv12" --format rgba64f
-expect 2 "--format" --format bgrx8
-expect 2 "rgba8 rgb8 bgrx8 nv12 half" --out rgba32f
-expect 2 "no mosaic" --out half --format rgb8
-expect 2 "rgba8" --out nv12 --worst
-expect 2 "multiple of 4" --size 66x34 --format bayer10p
-expect 2 "even height" --size 68x33
-expect 2 "at least 64x64" --row-gains --size 64x62
-expect 2 "one at a time" --row-gains --worst
-expect 2 "--size" --size 0x5
-expect 2 "--size" --size 99999x5
-expect 2 "--rounds" --rounds 0
-expect 2 "--threads" --threads -1
-expect 2 "--format" meter
-expect 2 "" --nothing
+expect 2 "one at a time" bench kernels --peers --worst
+expect 2 "take rgba32f" bench kernels --worst --format rgb8
+expect 2 "one thread" bench kernels --peers --threads 2
+expect 2 "--json" bench kernels --plot a.svg --json
+expect 2 "rgb8 yuyv nv12" bench kernels --format rgba64f
+expect 2 "--format" bench kernels --format bgrx8
+expect 2 "rgba8 rgb8 bgrx8 nv12 half" bench kernels --out rgba32f
+expect 2 "no mosaic" bench kernels --out half --format rgb8
+expect 2 "rgba8" bench kernels --out nv12 --worst
+expect 2 "multiple of 4" bench kernels --size 66x34 --format bayer10p
+expect 2 "even height" bench kernels --size 68x33
+expect 2 "at least 64x64" bench kernels --row-gains --size 64x62
+expect 2 "one at a time" bench kernels --row-gains --worst
+expect 2 "--size" bench kernels --size 0x5
+expect 2 "--size" bench kernels --size 99999x5
+expect 2 "--rounds" bench kernels --rounds 0
+expect 2 "--threads" bench kernels --threads -1
+expect 2 "--format" bench kernels meter
+expect 2 "" bench kernels --nothing
 
 "$program" bench kernels --rounds 10000 >cut.txt 2>cut.err &
 pid=$!
@@ -178,3 +164,4 @@ kill -INT $pid
 status=0
 wait $pid || status=$?
 [ "$status" = 130 ] || fail "interrupted: exit $status"
+end_test

@@ -1,22 +1,8 @@
 #!/bin/sh
 # pupil bench scene: what it prints, that it says no more memory than the lights need, what is refused, Ctrl-C.
 set -eu
-program=${PUPIL_PROGRAM:?}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "FAILED: $*"; exit 1; }
-# expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
-expect() {
-    wanted=$1 words=$2
-    shift 2
-    status=0
-    "$program" "$@" >said.out 2>said.err </dev/null || status=$?
-    [ "$status" = "$wanted" ] || fail "pupil $*: exit $status, expected $wanted: $(cat said.err)"
-    grep -qF -- "$words" said.err || fail "pupil $*: said '$(cat said.err)', expected '$words'"
-}
-
+. "$(dirname "$0")/../../../lib.sh"
+use_pupil
 cat >small.scene <<'SCENE'
 material grey diffuse 0.5 0.5 0.5
 plane material grey position_m 0 0 0 normal 0 1 0
@@ -45,7 +31,7 @@ for help in "bench --help" "help bench" "bench scene --help"; do
     [ "$(wc -l <help.txt)" -le 24 ] || fail "$help is $(wc -l <help.txt) lines"
     grep -q "usage: pupil bench" help.txt || fail "pupil $help says $(cat help.txt)"
 done
-expect 2 "usage: pupil bench WHAT" bench
+call 2 "usage: pupil bench WHAT" bench
 expect 2 "kettles: nothing that can be measured" bench kettles
 expect 2 "--frames 0" bench scene --frames 0
 expect 2 "--size 0x9" bench scene --size 0x9
@@ -67,4 +53,4 @@ wait $! || status=$?
 [ "$status" = 130 ] || fail "interrupted: exit $status, $(cat said.err)"
 grep -q "interrupted" said.err || fail "interrupted: said $(cat said.err)"
 [ ! -s said.out ] || fail "interrupted: $(cat said.out)"
-echo "passed"
+end_test

@@ -1,23 +1,8 @@
 #!/bin/sh
 # pupil render: linear and display outputs, ranges, what is refused, and that a range is part of the whole.
 set -eu
-program=${PUPIL_PROGRAM:?}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "FAILED: $*"; exit 1; }
-# expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
-expect() {
-    wanted=$1 words=$2
-    shift 2
-    status=0
-    "$program" "$@" >said.out 2>said.err </dev/null || status=$?
-    [ "$status" = "$wanted" ] || fail "pupil $*: exit $status, expected $wanted: $(cat said.err)"
-    grep -qF -- "$words" said.err || fail "pupil $*: said '$(cat said.err)', expected '$words'"
-    [ "$(wc -l <said.err)" -le 1 ] || fail "pupil $*: more than one sentence"
-}
-
+. "$(dirname "$0")/../../../lib.sh"
+use_pupil
 cat >small.scene <<'SCENE'
 size width_px 32 height_px 24
 frames 6
@@ -67,4 +52,4 @@ camera position_m 0 1 3 look_at_m 0 0 0 fov_degrees 50" >bad.scene
 expect 1 "nothing.obj" render bad.scene -o x.exr
 [ ! -e x.exr ] || fail "an output of a failed run"
 ! ls -a | grep -q '\.part$' || fail "leftovers: $(ls -a)"
-echo "passed"
+end_test

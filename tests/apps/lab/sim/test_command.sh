@@ -1,22 +1,8 @@
 #!/bin/sh
 # pupil sim and pupil bench ae: what they print and write, the same again, what is refused with which words.
 set -eu
-program=${PUPIL_PROGRAM:?}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "FAILED: $*"; exit 1; }
-# expect STATUS WORDS ARGUMENTS...: the exit status, and words of the one sentence on stderr.
-expect() {
-    wanted=$1 words=$2
-    shift 2
-    status=0
-    "$program" "$@" >said.out 2>said.err </dev/null || status=$?
-    [ "$status" = "$wanted" ] || fail "pupil $*: exit $status, expected $wanted: $(cat said.err)"
-    grep -qF -- "$words" said.err || fail "pupil $*: said '$(cat said.err)', expected '$words'"
-}
-
+. "$(dirname "$0")/../../../lib.sh"
+use_pupil
 # a run: its summary, its frames
 "$program" sim --light '2s step +3ev; 4s step -6ev' --stats run.jsonl >summary.txt 2>noise.txt
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
@@ -123,4 +109,4 @@ expect 2 "--controller x: must be one of pupil" bench ae --controller x
 expect 2 "it takes no argument" bench ae all
 expect 2 "--plot draws all loops" bench ae --plot a.svg --test settle
 expect 1 "no/such.svg" bench ae --plot no/such.svg
-echo "passed"
+end_test

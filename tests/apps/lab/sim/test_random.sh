@@ -2,13 +2,9 @@
 # pupil sim --random: some thousand cameras of any kind, none of which swings for ever; the same with any number of
 # threads; what an interrupt leaves.
 set -eu
-program=${PUPIL_PROGRAM:?}
+. "$(dirname "$0")/../../../lib.sh"
+use_pupil
 seed=${1:-1} count=${2:-2000}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "FAILED: $*"; exit 1; }
 
 echo "cameras from seed $seed; others: tests/apps/lab/sim/test_random.sh SEED COUNT, with PUPIL_PROGRAM=.../pupil"
 status=0
@@ -34,4 +30,4 @@ timeout --preserve-status -s INT 1 "$program" sim --random 100000000 >cut.txt 2>
 [ "$status" = 130 ] || fail "an interrupt: exit $status"
 grep -q "pupil sim: interrupted" said.err || fail "an interrupt: said $(cat said.err)"
 grep -q "^pupil: [0-9]* cameras from seed 1, [0-9]* frames: 0 failed" cut.txt || fail "an interrupt: $(cat cut.txt)"
-echo "passed"
+end_test
