@@ -32,7 +32,7 @@ const char *pupil_versioned_read(void *ours, size_t our_bytes, size_t first_byte
 int pupil_versioned_write(void *theirs, size_t their_bytes, const void *ours, size_t our_bytes)
 {
     const size_t common = their_bytes < our_bytes ? their_bytes : our_bytes;
-    const uint32_t size = (uint32_t)common;
+    const uint32_t size = (uint32_t)their_bytes;
     if (their_bytes < sizeof size)
         return PUPIL_ERR_SIZE_BYTES;
     __builtin_memcpy(theirs, ours, common);

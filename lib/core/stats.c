@@ -19,11 +19,10 @@ int pupil_stats_check_bytes(const pupil_stats *stats)
 
 void pupil_stats_clear_sized(pupil_stats *stats, size_t stats_bytes)
 {
-    const uint32_t size_bytes = (uint32_t)(stats_bytes < sizeof *stats ? stats_bytes : sizeof *stats);
-    if (!stats || stats_bytes < sizeof size_bytes)
+    if (!stats || stats_bytes < sizeof stats->size_bytes)
         return;
     __builtin_memset(stats, 0, stats_bytes);
-    stats->size_bytes = size_bytes;
+    stats->size_bytes = (uint32_t)stats_bytes;
 }
 
 int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
@@ -99,8 +98,6 @@ static int bins_and_bands_fit(const pupil_stats *s)
 /* Counts that are no larger than what they are counted from. */
 static int counts_fit(const pupil_stats *s)
 {
-    if (pupil_stats_check_bytes(s))
-        return PUPIL_ERR_SIZE_BYTES;
     const uint64_t limit = UINT64_C(1) << 56; /* far above any frame (2^36), far below overflow */
     return s->weight <= limit && s->pixels <= s->weight && s->black <= s->pixels && s->clipped <= s->pixels &&
            s->bad <= s->pixels && s->channel_quads <= s->pixels && s->rows <= s->frame_height &&
@@ -134,6 +131,8 @@ static int peak_fits(const pupil_stats *s)
 
 int pupil_stats_check_sums(const pupil_stats *s)
 {
+    if (pupil_stats_check_bytes(s))
+        return PUPIL_ERR_SIZE_BYTES;
     return counts_fit(s) && log2_fits(s) && channels_fit(s) && peak_fits(s) ? PUPIL_OK : PUPIL_ERR_STATS;
 }
 

@@ -16,8 +16,8 @@
  * check (configurations, coding), else with PUPIL_ERR_SIZE_BYTES.
  *
  * Outputs: the library writes at most the caller's sizeof, which an inline function passes to it (the functions that
- * end in _sized; call these from other languages). size_bytes says afterwards how much the library has filled in.
- * Fields of a newer caller beyond that are 0.
+ * end in _sized; call these from other languages) and which becomes their size_bytes. Fields of a newer caller that the
+ * library does not know become 0.
  */
 #ifndef PUPIL_ABI_H
 #define PUPIL_ABI_H
