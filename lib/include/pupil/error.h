@@ -46,7 +46,7 @@ enum {
 
 /* A sentence that says why a call failed, for calls that return more than a code. It is English, without a full stop,
  * ended by a zero byte. It names the file, the option or the field, and what would be right. A call that succeeds
- * leaves it unchanged. NULL in its place is allowed: then there is no sentence. */
+ * leaves it unchanged. NULL in its place is allowed: then there is no sentence. Frozen: longer sentences are cut. */
 typedef struct pupil_why {
     char text[1024];
 } pupil_why;
