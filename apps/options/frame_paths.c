@@ -102,7 +102,7 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
             }
         for (size_t k = 0; k < count; k++)
             if (k != i && is_inside(paths[i], paths[k])) {
-                pupil_refuse(why, "%s: lies in %s, which is an output, too; each needs a place of its own", paths[i],
+                pupil_refuse(why, "%s: is inside %s, which is an output, too; each needs a place of its own", paths[i],
                              paths[k]);
                 return OPTIONS_USAGE;
             }

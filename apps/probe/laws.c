@@ -138,7 +138,7 @@ static void gain_law(probe_stream *s, double total_s)
         return;
     }
     if (s->report->exposure.is.known && !s->report->exposure.obeyed) {
-        probe_unknown(&law->is, "its exposure does not do what it is told, so that gain cannot be told from it");
+        probe_unknown(&law->is, "its exposure does not obey, so gain cannot be measured with it");
         return;
     }
     for (unsigned i = 0; i < count && most > least; i++) {

@@ -62,7 +62,7 @@ static void measure_controls(probe_stream *s)
     say(s, "a level to measure at");
     probe_find_level(s, &found, &exposure_s, &gain);
     if (found.known) {
-        say(s, "whether the picture stands still");
+        say(s, "whether the picture is at rest");
         probe_restless(s, exposure_s, gain, &moved_ev);
         say(s, "delays of the controls");
         probe_delays(s, exposure_s, gain, moved_ev);

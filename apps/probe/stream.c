@@ -260,7 +260,7 @@ void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, d
         return;
     found->known = probe_is_good(&level) && level.high_ev < -1.0 && level.mean_ev > -9.0;
     if (!found->known)
-        probe_unknown(found, "the picture is too %s: point it at something of medium light that stands still",
+        probe_unknown(found, "the picture is too %s: point it at something of medium light that does not move",
                       level.clipped >= PROBE_MOST_BAD || level.high_ev >= -1.0 ? "bright" : "dark");
 }
 
@@ -283,7 +283,7 @@ int probe_restless(probe_stream *s, double exposure_s, double gain, double *move
 
 void probe_moves(probe_known *is, double moved_ev)
 {
-    probe_unknown(is, "the picture moves by itself, by %.2f stops: point it at something that stands still", moved_ev);
+    probe_unknown(is, "the picture moves by itself, by %.2f stops: point it at something that does not move", moved_ev);
 }
 
 /* --- what all frames told --- */

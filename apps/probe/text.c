@@ -26,7 +26,7 @@ static void print_camera(const probe_report *r, FILE *out)
             fprintf(out, "%s%s\n%s", *sizes ? ": " : "", sizes, last ? "" : "           ");
     }
     if (!r->modes.count)
-        fputs("formats    none told\n", out);
+        fputs("formats    none reported\n", out);
 }
 
 static void print_stream(const probe_report *r, FILE *out)

@@ -91,7 +91,7 @@ int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *mod
         if (pupil_v4l2_ask(device, VIDIOC_ENUM_FMT, &d) != 0) {
             if (errno == EINVAL || (errno == ENOTTY && i == 0))
                 return 0;
-            return pupil_v4l2_failed(device, "does not tell its formats", errno, why);
+            return pupil_v4l2_failed(device, "does not report its formats", errno, why);
         }
         pupil_v4l2_mode *more = realloc(modes->mode, (modes->count + 1) * sizeof *more);
         if (more) {

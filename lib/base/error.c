@@ -19,7 +19,7 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_ALIGNMENT] = "data and stride must be multiples of the sample's size",
         [-PUPIL_ERR_PIXEL] = "this pixel format cannot be used on this side (input or output)",
         [-PUPIL_ERR_ROWS] =
-            "rows lie outside the frame or cut a pair of NV12 or a mosaic, or the frame ended before each row came "
+            "rows are outside the frame or cut a pair of NV12 or a mosaic, or the frame ended before each row came "
             "once",
         [-PUPIL_ERR_ORDER] = "calls out of order: begin a frame once, give its rows, then end it",
         [-PUPIL_ERR_NO_EXPOSURE] = "no frame has been adapted to yet, so there is no exposure to map with",
@@ -35,7 +35,7 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_GLES_CONTEXT] =
             "no OpenGL ES context is current in this thread, or not the one that the object was made in",
         [-PUPIL_ERR_GLES_LOST] =
-            "the OpenGL ES context is lost: a new one, and a new object in it, can go on from the adapted level",
+            "the OpenGL ES context is lost: a new one, and a new object in it, can continue from the adapted level",
         [-PUPIL_ERR_GLES] = "an error of OpenGL ES that should not be",
         [-PUPIL_ERR_SIZE_BYTES] =
             "size_bytes of a struct is not one that any version has had, or it covers a field that is set and that "

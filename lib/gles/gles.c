@@ -177,7 +177,7 @@ static int check_config(const pupil_gles_config *c, pupil_why *why)
     if (c->normalized_16 && c->source != PUPIL_GLES_TEXTURES)
         return refuse_config(why, "normalized_16 must be 0 but with PUPIL_GLES_TEXTURES");
     if (c->half_size && !pupil_pixel_is_mosaic(c->pixel))
-        return refuse_config(why, "half_size must be 0 but for mosaics");
+        return refuse_config(why, "half_size must be 0, except for mosaics");
     return PUPIL_OK;
 }
 

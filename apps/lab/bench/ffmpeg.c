@@ -173,7 +173,7 @@ static void *open_libplacebo(const float *rgba, uint32_t width, uint32_t height,
 }
 
 const bench_peer bench_peer_ffmpeg = {
-    "ffmpeg",   "rgba8",   "tonemap=reinhard, zscale to sRGB, RGBA8; planar floats in: no metering, the peak is told",
+    "ffmpeg",   "rgba8",   "tonemap=reinhard, zscale to sRGB, RGBA8; planar floats in: no metering, the peak is given",
     open_usual, run_chain, mean_of,
     close_chain};
 const bench_peer bench_peer_ffmpeg_least = {

@@ -60,7 +60,7 @@ static int open_room(lamp_room *r, const bench_options *o, uint32_t pixel, worke
     if (bench_kernel_open(&r->meter, &r->s, BENCH_METER, level) ||
         bench_kernel_open(&r->map, &r->s, BENCH_MAP, level) || bench_kernel_open(&r->gains, &r->s, BENCH_MAP, level) ||
         pupil_row_gain_init(&r->lamps, &config))
-        return fputs("pupil bench: row gains are not to be had\n", stderr), -1;
+        return fputs("pupil bench: no row correction gains\n", stderr), -1;
     r->gains.gain = r->gain;
     r->frames = PHASES; /* a timestamp of 0 is none */
     for (int i = 0; i < WATCHED; i++) {

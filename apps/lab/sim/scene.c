@@ -18,7 +18,7 @@ int sim_luminance(const char *recipe, uint32_t width, uint32_t height, float **l
     for (size_t l = 0; l < lights && !failed; l++) {
         const float *rgb = fixture_scene_light_image(scene, l);
         if (!rgb)
-            failed = pupil_refuse(why, "%s: its camera moves; a simulated camera stands still", recipe);
+            failed = pupil_refuse(why, "%s: its camera moves; a simulated camera does not", recipe);
         for (size_t i = 0; i < 3 * pixels && !failed; i++)
             sum[i / 3] += weight[i % 3] * rgb[i];
     }

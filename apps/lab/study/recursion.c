@@ -49,7 +49,7 @@ int study_run_library(const study_lights *lights, const study_run *run, double *
     return error;
 }
 
-/* --- as in the seeds --- */
+/* --- as in the original study --- */
 
 static const float key = 0.18f;
 

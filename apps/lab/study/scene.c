@@ -62,7 +62,7 @@ static int take_states(study_images *images, fixture_scene *scene, const char *n
     const fixture_scene_facts facts = fixture_scene_facts_of(scene);
     uint64_t state[2];
     if (facts.moves)
-        return pupil_refuse(why, "%s: its camera moves; the study needs one that stands still", name);
+        return pupil_refuse(why, "%s: its camera moves; the study needs one that does not", name);
     if (!find_states(scene, &facts, state))
         return pupil_refuse(why, "%s: its light never changes; the study needs a lamp with a level line", name);
     if (fixture_scene_prepare(scene, why))

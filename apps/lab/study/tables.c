@@ -15,8 +15,8 @@
 #define COLUMNS 5
 
 static const char *const case_text[STUDY_CASES] = {
-    "the lamp goes on at frame 30",
-    "the lamp goes off at frame 30",
+    "the lamp is switched on at frame 30",
+    "the lamp is switched off at frame 30",
     "on at frame 30, off at frame 60",
     "off at frame 30, on at frame 60",
 };
@@ -35,7 +35,7 @@ static double ln_r(const study_result *r)
 
 static const char *state_text(const study_result *r)
 {
-    return r->float32 ? "binary32, as in the seeds" : "the library's";
+    return r->float32 ? "binary32, as in the original study" : "the library's";
 }
 
 /* --- Markdown --- */

@@ -83,7 +83,7 @@ static int set_format(pupil_v4l2_capture *c, pupil_why *why)
     const pupil_v4l2_options *o = &c->options;
     struct v4l2_format f = {.type = c->device.type};
     if (pupil_v4l2_ask(&c->device, VIDIOC_G_FMT, &f) != 0)
-        return pupil_v4l2_failed(&c->device, "does not tell its format", errno, why);
+        return pupil_v4l2_failed(&c->device, "does not report its format", errno, why);
     const uint32_t fourcc = choose(c, &f, why);
     if (!fourcc)
         return PUPIL_V4L2_FAILED;

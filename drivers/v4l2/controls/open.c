@@ -78,7 +78,7 @@ static int find_exposure(pupil_camera *camera, const pupil_camera_options *optio
         return -1;
     if (!has_line)
         return pupil_camera_refuse(
-            why, "EXPOSURE counts lines, and a line's time is not known: the driver must tell PIXEL_RATE and "
+            why, "EXPOSURE counts lines, and a line's time is not known: the driver must report PIXEL_RATE and "
                  "HBLANK, and the caller the width; or the caller the line's time itself");
     camera->unit_s = camera->line_s;
     has = options->height ? find(camera, V4L2_CID_VBLANK, &camera->vblank, why) : 0;

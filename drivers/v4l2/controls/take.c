@@ -95,7 +95,7 @@ static int note(pupil_camera *camera, int fd, uint32_t id, pupil_why *why)
     int64_t value = 0;
     const int error = pupil_camera_get_control(camera, fd, id, &value);
     if (error)
-        return pupil_camera_refuse(why, "the driver does not tell the value of %s: %s", pupil_camera_control_name(id),
+        return pupil_camera_refuse(why, "the driver does not report the value of %s: %s", pupil_camera_control_name(id),
                                    strerror(-error));
     camera->saved[camera->saved_count].fd = fd;
     camera->saved[camera->saved_count].id = id;

@@ -98,7 +98,7 @@ static void test_lies(void)
     check_unknown(&r->exposure_delay.is, "does not follow within 16 frames");
     check_delay(&r->gain_delay, 2, "gain");
     CHECK(r->exposure.is.known && !r->exposure.obeyed);
-    check_unknown(&r->gain.is, "its exposure does not do what it is told");
+    check_unknown(&r->gain.is, "its exposure does not obey");
     check_unknown(&r->black.is, "the picture does not follow the exposure");
     probe_free(&p.report);
 
@@ -250,7 +250,8 @@ static void test_moving(void)
     const fake_v4l2_config c = usual();
     probe(&p, &c, 0, 1.0);
     motion = NULL;
-    check_unknown(&p.report.exposure_delay.is, "moves by itself, by 1.00 stops: point it at something that stands");
+    check_unknown(&p.report.exposure_delay.is,
+                  "moves by itself, by 1.00 stops: point it at something that does not move");
     check_unknown(&p.report.gain_delay.is, "the picture moves by itself");
     check_unknown(&p.report.exposure.is, "the picture moves by itself");
     check_unknown(&p.report.gain.is, "the picture moves by itself");

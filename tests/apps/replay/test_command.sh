@@ -23,9 +23,9 @@ expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o a.mp4
 expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o ./a.mp4
 expect 2 "named for two outputs" replay synth:walk -o frames -o frames/
 mkdir empty
-expect 2 "empty/s.csv: lies in empty," $walk -n 2 -o empty --stats empty/s.csv
-expect 2 "./new/deep/s.csv: lies in new/," $walk -n 2 -o new/ --stats ./new/deep/s.csv
-expect 2 "report/p.svg: lies in report," $walk -n 2 --report report --plot report/p.svg
+expect 2 "empty/s.csv: is inside empty," $walk -n 2 -o empty --stats empty/s.csv
+expect 2 "./new/deep/s.csv: is inside new/," $walk -n 2 -o new/ --stats ./new/deep/s.csv
+expect 2 "report/p.svg: is inside report," $walk -n 2 --report report --plot report/p.svg
 rmdir empty
 absent new report
 

@@ -51,7 +51,7 @@ refused 2 "named for two outputs" -o a.mp4 -o ./a.mp4
 refused 2 "named for two outputs" -o - --stats -
 refused 2 "named for two outputs" --record a -o a
 mkdir frames
-refused 2 "frames/s.csv: lies in frames," -o frames --stats frames/s.csv
+refused 2 "frames/s.csv: is inside frames," -o frames --stats frames/s.csv
 rmdir frames
 refused 2 "is the camera itself" -d /dev/video0 -o /dev/video0
 refused 1 "/dev/video9" -d 9 -o out.y4m
