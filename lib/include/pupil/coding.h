@@ -63,12 +63,12 @@ typedef enum pupil_bayer {
  *
  * - Y'CbCr: matrix and range, also of an output; light, of an input.
  * - Grey: light, shift, black and white.
- * - Mosaics: bayer, balance, rgb_from_camera, shift, black and white; light usual or linear. */
+ * - Mosaics: bayer, balance, rgb_from_camera, shift, black and white; light default or linear. */
 typedef struct pupil_coding {
     uint32_t size_bytes; /* abi.h; or 0 */
     uint32_t matrix;     /* a pupil_matrix */
     uint32_t range;      /* a pupil_range */
-    uint32_t light;      /* a pupil_light; mosaics: usual or linear */
+    uint32_t light;      /* a pupil_light; mosaics: default or linear */
     uint32_t bayer;      /* a pupil_bayer */
     uint32_t shift;      /* formats of 10, 12 or 14 bits in 16-bit words: bits below the sample, 0..16 - bits. 0: the
                           * sample is in the lower bits; bits above it count too */
