@@ -2,6 +2,7 @@
 #ifndef PUPIL_CORE_OBJECT_H
 #define PUPIL_CORE_OBJECT_H
 
+#include "base/pixel.h"
 #include "flicker/temporal.h"
 #include "kernels/kernels.h"
 
@@ -77,15 +78,6 @@ static inline int pupil_object_check(const pupil_t *pupil)
 /* The caller's configuration as one of this version: NULL, or a sentence. */
 const char *pupil_config_read(pupil_config *ours, const pupil_config *theirs);
 
-/* Whether an image can be read (or, out, written): size, pixel, planes, strides, alignment, coding. */
-int pupil_image_check(const pupil_image_const *image, int out);
-
-int pupil_pixel_is_mosaic(uint32_t pixel);
-/* Bits of a grey or mosaic format's samples; 0 for all others. */
-uint32_t pupil_pixel_bits(uint32_t pixel);
-/* How many rows belong together: 2 for NV12 and mosaics. */
-uint32_t pupil_pixel_rows(uint32_t pixel);
-
 /* coding may be NULL; it has been checked. */
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *coder);
 /* Of a mosaic that is metered by this job: what pupil_coder says of ordinary light. */
@@ -124,9 +116,6 @@ pupil_level_q52 pupil_level_of(double stops);
 
 /* log2 of X, from scene luminance. */
 double pupil_scale_log2(const pupil_object *object);
-
-/* PUPIL_OK, PUPIL_ERR_NULL or PUPIL_ERR_VALUE. */
-int pupil_curve_check(const pupil_curve *curve);
 
 /* Carries the adapted level over to the law of object->config, of which it was not the state before. */
 void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law);

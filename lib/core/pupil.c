@@ -2,7 +2,8 @@
 #include "object.h"
 
 #include "base/versioned.h"
-#include "core/read.h"
+#include "image.h"
+#include "read.h"
 
 /* --- life --- */
 
@@ -105,15 +106,6 @@ static int read_out(const pupil_image_const *in, pupil_output *ours, const pupil
         return PUPIL_OK;
     const int halved = in->width == 2 * out->width && in->height == 2 * out->height;
     return halved && pupil_pixel_is_mosaic(in->pixel) ? PUPIL_OK : PUPIL_ERR_SIZE;
-}
-
-int pupil_curve_check(const pupil_curve *curve)
-{
-    if (!curve)
-        return PUPIL_ERR_NULL;
-    int right = curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
-                curve->inverse_white_squared <= 0x1p16f && curve->gamut >= 0.0f && curve->gamut <= 16.0f;
-    return right ? PUPIL_OK : PUPIL_ERR_VALUE;
 }
 
 /* Whether rows of a frame can be added to stats. */

@@ -20,6 +20,13 @@ int pupil_info_read(pupil_frame_info *ours, const pupil_frame_info *theirs)
     return PUPIL_OK;
 }
 
+static int check_curve(const pupil_curve *curve)
+{
+    int right = curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
+                curve->inverse_white_squared <= 0x1p16f && curve->gamut >= 0.0f && curve->gamut <= 16.0f;
+    return right ? PUPIL_OK : PUPIL_ERR_VALUE;
+}
+
 int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs)
 {
     *ours = (pupil_curve){0};
@@ -27,7 +34,7 @@ int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs)
         return PUPIL_ERR_NULL;
     if (read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_curve, gamut), theirs))
         return PUPIL_ERR_SIZE_BYTES;
-    return pupil_curve_check(ours);
+    return check_curve(ours);
 }
 
 const char *pupil_coding_read(pupil_coding *ours, const pupil_coding *theirs)
@@ -45,29 +52,11 @@ int pupil_image_read(pupil_image_const *ours, const pupil_image_const *theirs)
     return fault ? PUPIL_ERR_SIZE_BYTES : PUPIL_OK;
 }
 
-int pupil_input_read(pupil_input *ours, const pupil_image_const *theirs)
+int pupil_image_out_read(pupil_image *ours, const pupil_image *theirs)
 {
-    pupil_image_const *image = &ours->image;
-    const int error = pupil_image_read(image, theirs);
-    if (error)
-        return error;
-    if (image->coding && pupil_coding_read(&ours->coding, image->coding))
-        return PUPIL_ERR_CODING;
-    image->coding = image->coding ? &ours->coding : 0;
-    return pupil_image_check(image, 0);
-}
-
-int pupil_output_read(pupil_output *ours, const pupil_image *theirs)
-{
-    pupil_image *image = &ours->image;
-    *image = (pupil_image){0};
+    *ours = (pupil_image){0};
     if (!theirs)
         return PUPIL_ERR_NULL;
-    if (read_struct(image, sizeof *image, PUPIL_FIRST_BYTES(pupil_image, coding), theirs))
-        return PUPIL_ERR_SIZE_BYTES;
-    if (image->coding && pupil_coding_read(&ours->coding, image->coding))
-        return PUPIL_ERR_CODING;
-    image->coding = image->coding ? &ours->coding : 0;
-    const pupil_image_const as_const = pupil_image_as_const(*image);
-    return pupil_image_check(&as_const, 1);
+    const char *fault = read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_image, coding), theirs);
+    return fault ? PUPIL_ERR_SIZE_BYTES : PUPIL_OK;
 }

@@ -17,20 +17,7 @@ const char *pupil_coding_read(pupil_coding *ours, const pupil_coding *theirs);
 
 /* Its values, and the coding that it points at, are not looked at. */
 int pupil_image_read(pupil_image_const *ours, const pupil_image_const *theirs);
-
-typedef struct pupil_input {
-    pupil_image_const image; /* its coding: NULL, or the one below */
-    pupil_coding coding;
-} pupil_input;
-
-typedef struct pupil_output {
-    pupil_image image;
-    pupil_coding coding;
-} pupil_output;
-
-/* And it can be read, or written: size, pixel, planes, strides, alignment, coding. */
-int pupil_input_read(pupil_input *ours, const pupil_image_const *theirs);
-int pupil_output_read(pupil_output *ours, const pupil_image *theirs);
+int pupil_image_out_read(pupil_image *ours, const pupil_image *theirs);
 
 /* PUPIL_OK, or PUPIL_ERR_SIZE_BYTES. */
 int pupil_stats_check_bytes(const pupil_stats *stats);

@@ -1,4 +1,5 @@
 /* Textures: a frame's, where it comes from memory, the tables', and the targets of ES 3.0's chain. */
+#include "core/image.h"
 #include "gles_private.h"
 
 /* OES_EGL_image_external's, which gl31.h does not have. */

@@ -3,6 +3,7 @@
 
 #include "base/numeric.h"
 #include "base/versioned.h"
+#include "core/image.h"
 #include "core/object.h"
 #include "core/read.h"
 

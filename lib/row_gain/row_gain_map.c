@@ -2,6 +2,7 @@
 #include "pupil/row_gain.h"
 
 #include "base/numeric.h"
+#include "core/image.h"
 #include "core/object.h"
 #include "core/read.h"
 

@@ -17,24 +17,6 @@ static pupil_sensor_object *object_of(pupil_sensor *sensor)
     return o && o->magic == SENSOR_MAGIC ? o : 0;
 }
 
-/* The setting for the wanted total, unless that is near enough to when it was last chosen. */
-void pupil_sensor_choose(pupil_sensor_object *o, int anew)
-{
-    pupil_sensor_setting *s = &o->setting;
-    const double moved = o->total_log2 - o->set_log2, exposure_s = s->exposure_s, gain = s->gain;
-    anew |= o->total_log2 >= o->most_log2 || o->total_log2 <= o->least_log2;
-    if (anew || moved > o->config.hold_ev || moved < -o->config.hold_ev) {
-        pupil_sensor_split(o, o->total_log2, &s->exposure_s, &s->gain);
-        o->set_log2 = o->total_log2;
-        o->answer.standing[0] = pupil_log2(s->exposure_s);
-        o->answer.standing[1] = pupil_log2(s->gain);
-    }
-    s->changed = s->exposure_s != exposure_s || s->gain != gain;
-    s->total_s = pupil_exp2(o->total_log2);
-    s->digital = s->total_s / (s->exposure_s * s->gain);
-    s->limits = pupil_sensor_limits(o);
-}
-
 /* The wanted total, brought into what the camera can under the current config; where both controls are held, what was
  * rounded is held, too. */
 static void begin_from(pupil_sensor_object *o, double total_log2)

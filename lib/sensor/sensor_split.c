@@ -180,3 +180,21 @@ uint32_t pupil_sensor_limit(const pupil_sensor_object *o, int dark)
         return PUPIL_SENSOR_AT_GAIN_MAX;
     return longest(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD : PUPIL_SENSOR_AT_EXPOSURE_MAX;
 }
+
+/* The setting for the wanted total, unless that is near enough to when it was last chosen. */
+void pupil_sensor_choose(pupil_sensor_object *o, int anew)
+{
+    pupil_sensor_setting *s = &o->setting;
+    const double moved = o->total_log2 - o->set_log2, exposure_s = s->exposure_s, gain = s->gain;
+    anew |= o->total_log2 >= o->most_log2 || o->total_log2 <= o->least_log2;
+    if (anew || moved > o->config.hold_ev || moved < -o->config.hold_ev) {
+        pupil_sensor_split(o, o->total_log2, &s->exposure_s, &s->gain);
+        o->set_log2 = o->total_log2;
+        o->answer.standing[0] = pupil_log2(s->exposure_s);
+        o->answer.standing[1] = pupil_log2(s->gain);
+    }
+    s->changed = s->exposure_s != exposure_s || s->gain != gain;
+    s->total_s = pupil_exp2(o->total_log2);
+    s->digital = s->total_s / (s->exposure_s * s->gain);
+    s->limits = pupil_sensor_limits(o);
+}
