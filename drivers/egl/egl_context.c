@@ -1,5 +1,5 @@
-/* A context without a window. The display is never terminated: it is the whole process's, whoever else asked EGL for
- * it, and initialising it again does nothing. */
+/* A context without a window. The display is never terminated: it belongs to the whole process, and
+ * initialising it again does nothing. */
 #include "egl/egl_context.h"
 
 #include <GLES3/gl3.h>

@@ -98,7 +98,7 @@ int pupil_fence_wait_fd(int fd)
         return -1;
     }
     int waits = egl.wait(display, sync, 0) == EGL_TRUE;
-    egl.destroy(display, sync); /* what waits goes on waiting */
+    egl.destroy(display, sync); /* what waits still waits */
     if (!waits)
         return -1;
     close(fd);

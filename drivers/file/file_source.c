@@ -27,7 +27,7 @@ static int starts_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-/* Whatever must be the only input. */
+/* Inputs that must be the only one. */
 static int is_alone(const char *input)
 {
     struct stat status;
@@ -59,7 +59,7 @@ static int add_pattern(pupil_paths *paths, const char *pattern, pupil_why *why)
     return -1;
 }
 
-/* Appends the stills that one input stands for. A file of a literal name goes before a pattern of the same text. */
+/* Appends the stills that one input represents. A file of a literal name goes before a pattern of the same text. */
 static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
 {
     struct stat status;

@@ -140,7 +140,7 @@ static char *final_path(const char *path)
     return real;
 }
 
-/* The folder that `path` lies in; its stat. */
+/* The folder that `path` is in; its stat. */
 static int check_parent(const char *path, struct stat *parent, pupil_why *why)
 {
     const char *slash = strrchr(path, '/');

@@ -1,5 +1,5 @@
 /* drivers/file/pending.h: outputs that are complete or absent. A pending file (or folder) is written under a name
- * beside its place and renamed into place by commit; discard, or a signal, leaves nothing.
+ * next to its place and renamed to its place by commit; discard, or a signal, leaves nothing.
  */
 #ifndef PUPIL_DRIVERS_FILE_PENDING_H
 #define PUPIL_DRIVERS_FILE_PENDING_H

@@ -23,7 +23,7 @@ static int open_video(pupil_why *why)
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0"); /* the desktop's other windows stay as they are */
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");                 /* they are the program's */
     const char *failed = SDL_InitSubSystem(SDL_INIT_VIDEO) == 0 ? NULL : SDL_GetError();
-    /* SDL falls back to this driver, which shows nothing. Whoever wants it asks by SDL_VIDEODRIVER. */
+    /* SDL falls back to this driver, which shows nothing. A user chooses it by SDL_VIDEODRIVER. */
     if (!failed && SDL_strcmp(SDL_GetCurrentVideoDriver(), "offscreen") == 0 && !SDL_getenv("SDL_VIDEODRIVER")) {
         SDL_Quit();
         failed = "its offscreen driver alone would start";

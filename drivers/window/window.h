@@ -33,7 +33,7 @@ pupil_gles_function pupil_window_get_proc(const char *name);
 /* Of what can be drawn to, in pixels; may change whenever poll was called. */
 void pupil_window_size(const pupil_window *window, uint32_t *width, uint32_t *height);
 
-/* Keys beside the printable ones, which are their ASCII codes (letters as typed: 'A' with shift). */
+/* Keys other than the printable ones, which are their ASCII codes (letters as typed: 'A' with shift). */
 enum {
     PUPIL_WINDOW_NOTHING = 0, /* no event */
     PUPIL_WINDOW_OTHER = 1,   /* an event of no interest here, a new size among them: ask again */

@@ -88,7 +88,7 @@ static void from_yuv(const pupil_coding *coding, pupil_coder *c)
     c->green_v = -c->red_v * kr / kg;
 }
 
-/* The smallest factor from `about` on that takes span to at least `top`: what is full is full, whatever is rounded. */
+/* The smallest factor from `about` on that takes span to at least `top`: full remains full with any rounding. */
 static float unit_to(float top, float span)
 {
     float unit = top / span;

@@ -88,7 +88,7 @@ void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *cod
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out);
 
-/* The metering grid: the first x whose pixel lies in column `cell` of it or right of that; the row that y lies in. */
+/* The metering grid: the first x whose pixel is in column `cell` of it or right of that; the row that y is in. */
 uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width);
 uint32_t pupil_grid_cell_of(uint32_t y, uint32_t height);
 /* The value at which a channel counts as clipped. */
@@ -105,7 +105,7 @@ void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count,
 
 /* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */
 double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);
-/* The steps of pupil_adapt that do not depend on the light, for whoever else adapts: seconds since the frame before
+/* The steps of pupil_adapt that do not depend on the light, for other code that adapts: seconds since the frame before
  * (negative: the clock went back; the clock is then set to this frame's), and the exposure as last known. */
 double pupil_adaptation_tick(const pupil_config *config, pupil_adaptation *a, const pupil_frame_info *info);
 void pupil_adaptation_learn_exposure(pupil_adaptation *a, const pupil_frame_info *info);

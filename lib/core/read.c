@@ -3,7 +3,7 @@
 #include "base/versioned.h"
 #include "object.h"
 
-/* pupil_versioned_read of a struct whose size_bytes may be 0, which stands for the first release's. */
+/* pupil_versioned_read of a struct whose size_bytes may be 0, which means the first release's. */
 static const char *read_struct(void *ours, size_t our_bytes, size_t first_bytes, const void *theirs)
 {
     uint32_t size_bytes;

@@ -86,7 +86,7 @@ static uint8_t *out_row(const work *w, uint32_t i)
     return (uint8_t *)w->out->data + (ptrdiff_t)i * w->out->stride_bytes;
 }
 
-/* Row i of the call's, and of a mosaic those beside it. */
+/* Row i of the call's, and of a mosaic those next to it. */
 static pupil_row row_of(const work *w, uint32_t i)
 {
     const pupil_image_const *in = w->in;
@@ -149,7 +149,7 @@ static void meter_unit(const work *w, uint32_t i)
     work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
 }
 
-/* Row i of out from the row, or the quads, that it stands for. */
+/* Row i of out from the row, or the quads, that it represents. */
 static pupil_row source_of(const work *w, uint32_t i)
 {
     return row_of(w, w->map.way == PUPIL_WAY_BINNED ? 2 * i : i);

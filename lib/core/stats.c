@@ -149,7 +149,7 @@ static double log2_within_bin(int i, double t, int bins_per_stop)
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-/* The light below which shares q of the weight, the bins' sum, lie: from one share's bin on to the next one's. */
+/* The light that shares q of the weight, the bins' sum, are below: from one share's bin on to the next one's. */
 static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, const double *q, int count,
                               double *log2_light)
 {

@@ -3,8 +3,8 @@
 
 #include "base/numeric.h"
 
-/* 64 bits of 2^-56 stops end at 128. A divisor beyond 96 has the target at ev_min or ev_max, 64 at most, whatever the
- * frame holds, which is 2^-30 to 2^30: it may as well be 96. */
+/* 64 bits of 2^-56 stops end at 128. A divisor beyond 96 has the target at ev_min or ev_max, 64 at most, for any
+ * frame, which holds 2^-30 to 2^30: it may as well be 96. */
 #define MOST_STOPS 96.0
 /* 32 bits of 2^-24 stops end at 128, too. A curve's scale ends 60 stops from 1 (lib/core/curve.c), which 124 are from
  * every level. */

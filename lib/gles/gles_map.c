@@ -1,4 +1,4 @@
-/* Mapping: where the picture lies in its target, and the draw. */
+/* Mapping: where the picture is in its target, and the draw. */
 #include "gles_private.h"
 
 typedef struct rectangle {

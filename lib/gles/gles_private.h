@@ -170,7 +170,7 @@ void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from
 
 void pupil_gles_meter_make(gles_object *o);
 void pupil_gles_meter_delete(gles_object *o);
-/* Forgets frames that are under way. */
+/* Forgets frames that are in progress. */
 void pupil_gles_meter_drop(gles_object *o);
 /* pupil_gles_collect into o->stats. `info` may be NULL. */
 int pupil_gles_fetch(gles_object *o, uint64_t timeout_ns, pupil_frame_info *info);

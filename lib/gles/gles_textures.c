@@ -5,7 +5,7 @@
 /* OES_EGL_image_external's, which gl31.h does not have. */
 #define TEXTURE_EXTERNAL 0x8D65
 
-/* How a plane of a format lies in a texture: of each pixel `texels` / `per` texels of `bytes` bytes. */
+/* How a plane of a format is stored in a texture: of each pixel `texels` / `per` texels of `bytes` bytes. */
 typedef struct layout {
     GLenum internal, format, type;
     uint32_t bytes, texels, per;
@@ -111,7 +111,7 @@ static int make_targets(gles_object *o, pupil_why *why)
     return PUPIL_OK;
 }
 
-/* The table that codes are looked up in; 8-bit RGB is sRGB whatever its coding says (pupil/image.h). */
+/* The table that codes are looked up in; 8-bit RGB is sRGB with any coding (pupil/image.h). */
 static const float (*light_of(const gles_object *o))[2]
 {
     const int is_rgb8 = o->config.pixel == PUPIL_PIXEL_RGBA8 || o->config.pixel == PUPIL_PIXEL_RGB8;
@@ -189,7 +189,7 @@ void pupil_gles_unbind(const gles_object *o)
         o->gl.BindSampler(unit, 0);
 }
 
-/* A plane at once where its rows lie one behind the other, or else row by row. */
+/* A plane at once where its rows are one behind the other, or else row by row. */
 static void send_plane(const gles_object *o, GLuint texture, const layout *l, extent e, const void *data,
                        ptrdiff_t stride)
 {

@@ -1,4 +1,4 @@
-/* The AVX2 level. Compiled for it whatever the build's flags say: level.c sees to it that no other CPU comes here. */
+/* The AVX2 level. Compiled for it with any flags of the build: level.c keeps other CPUs away. */
 #if defined(__x86_64__)
 
 #if defined(__clang__)

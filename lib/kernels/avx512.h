@@ -241,7 +241,7 @@ INLINE void load16_rgba32f(const void *source, floats *r, floats *g, floats *b, 
     *a = _mm512_shuffle_f32x4(ba_low, ba_high, 0xee);
 }
 
-/* Every third float of 48: first of the lower 32 (whatever stands where the others belong), then of the rest. */
+/* Every third float of 48: first of the lower 32 (with anything in the place of the others), then of the rest. */
 static const int32_t thirds[3][2][16] = {
     {{0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 0, 0, 0, 0, 0}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 17, 20, 23, 26, 29}},
     {{1, 4, 7, 10, 13, 16, 19, 22, 25, 28, 31, 0, 0, 0, 0, 0}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 18, 21, 24, 27, 30}},

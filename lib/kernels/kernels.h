@@ -75,7 +75,7 @@ typedef struct pupil_chroma_coder {
 typedef struct pupil_row {
     const uint8_t *data;
     const uint8_t *chroma;        /* NV12 */
-    const uint8_t *above, *below; /* mosaics: the rows beside it; at the frame's edges the picture is mirrored */
+    const uint8_t *above, *below; /* mosaics: the rows next to it; at the frame's edges the picture is mirrored */
     uint32_t width;               /* of the frame, pixels */
     uint32_t odd;                 /* mosaics: the second row of a quad */
 } pupil_row;
@@ -106,7 +106,7 @@ typedef struct pupil_planes {
     float r[PUPIL_BLOCK], g[PUPIL_BLOCK], b[PUPIL_BLOCK], grey[PUPIL_BLOCK];
 } pupil_planes;
 
-/* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL stands for the planes
+/* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL means the planes
  * themselves. */
 /* Pixels x to x + n of a row. 1: every pixel is known to be opaque. */
 typedef int pupil_load_kernel(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n,
@@ -145,7 +145,7 @@ typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t 
                                  uint32_t n, uint8_t *chroma);
 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
- * scalar level, where only meter and scale of formats are NULL beside it: not a format for that. */
+ * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */
 typedef struct pupil_kernels {
     pupil_load_kernel *load[PUPIL_PIXEL_COUNT];         /* by input format */
     pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];       /* by input format */

@@ -1,12 +1,12 @@
-/* Which level this CPU can run. Asked once, at init: the instruction that tells takes microseconds in a VM. */
+/* Which level this CPU can run. Asked once, at init: the instruction that reports it takes microseconds in a VM. */
 #include "kernels.h"
 
-/* The levels that may be chosen beside scalar: a mask of 1 << pupil_level (CMake's PUPIL_LEVELS). */
+/* The levels that may be chosen besides scalar: a mask of 1 << pupil_level (CMake's PUPIL_LEVELS). */
 #ifndef PUPIL_LEVELS
 #define PUPIL_LEVELS ~0u
 #endif
 
-/* A test: functions stand in for the level's instructions, on any CPU. */
+/* A test: functions replace the level's instructions, on any CPU. */
 #if defined(PUPIL_EMULATE)
 #define EMULATED (1u << PUPIL_LEVEL_AVX512)
 #else

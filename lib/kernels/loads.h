@@ -9,7 +9,7 @@
 /* --- codes to light --- */
 
 /* Coded values, clamped to 0..255 (NaN is impossible), to light: between two codes it is interpolated, on one it is the
- * code's. By vectors what lies behind n is worked too. */
+ * code's. With vectors the samples after n are computed too. */
 static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2])
 {
 #if defined(WIDTH)

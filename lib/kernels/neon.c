@@ -131,7 +131,7 @@ INLINE ints words_at(const uint32_t *cell, ints at)
     return c;
 }
 
-/* The codes of eight samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). What lies below the
+/* The codes of eight samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). What is below the
  * first cell has the code 0, as its beginning has: base is a power of two, whose lower half is 0. */
 INLINE uint16x8_t codes_of(const float *x, const uint32_t *cell, ints base)
 {

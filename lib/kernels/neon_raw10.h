@@ -1,6 +1,6 @@
 /* lib/kernels/neon_raw10.h: metering the packed mosaic that cameras of boards send, MIPI RAW10, straight from its
- * bytes. The operations on light are those of loads.h (binned) and of vector.h, one by one; whatever is clipped, black
- * or left over goes that way.
+ * bytes. The operations on light are those of loads.h (binned) and of vector.h, one by one. Pixels that are clipped,
+ * black or left over use those.
  */
 #include "loads.h"
 #include "neon.h"
@@ -48,7 +48,7 @@ INLINE floats raw10_above(uint16x8_t sum4, int second, floats zero)
     return v_sub(vreinterpretq_f32_u16(bits), zero);
 }
 
-/* a * b[LANE]. A compiler that is told so by an intrinsic holds six factors in six registers, which are then not there
+/* a * b[LANE]. With an intrinsic a compiler holds six factors in six registers, which are then not there
  * for the products. */
 #define TIMES_LANE(TO, A, B, LANE) __asm__("fmul %0.4s, %1.4s, %2.s[" #LANE "]" : "=w"(TO) : "w"(A), "w"(B))
 

@@ -1,4 +1,4 @@
-/* The reference level: plain C. Loops over planar floats, so that a compiler may use whatever vectors it has; without
+/* The reference level: plain C. Loops over planar floats, so that a compiler may use any vectors that it has; without
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
 #include "kernels.h"
 #include "loads.h"

@@ -15,7 +15,7 @@
 #include "base/numeric.h"
 
 #define WAYS (PUPIL_LANES / WIDTH)
-/* gcc -O2 wants to be told, so that what a loop carries stays in registers; clang does so by itself. */
+/* gcc -O2 needs this to keep what a loop carries in registers; clang does so by itself. */
 #if defined(__clang__)
 #define FOR_EACH_WAY(k) for (int k = 0; k < WAYS; k++)
 #define FOR_FOUR(k)     for (int k = 0; k < 4; k++)
@@ -139,7 +139,7 @@ INLINE void count_of(const group *p, const meter_constants *c, uint32_t n, pupil
     run->clipped += v_tallied(clipped);
 }
 
-/* The first n pixels, whatever they are. */
+/* The first n pixels, of any values. */
 INLINE void meter_hard(const group *p, const meter_constants *c, lanes *s, uint32_t n, pupil_run *run)
 {
     count_of(p, c, n, run);

@@ -43,7 +43,7 @@ typedef struct format {
     /* ... to planes, from their pixel i on, as scale_vector; returns the largest bits */
     ints (*scale)(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,
                   pupil_planes *planes, mask *beyond, mask *opaque, float *lum);
-    /* the last n pixels of a run, fewer than 16, as a whole group; NULL: pixels lie one after another */
+    /* the last n pixels of a run, fewer than 16, as a whole group; NULL: pixels are one after another */
     void (*rest)(const uint8_t *source, size_t n, group *p);
     /* the bits of a float from the largest bits that `sum` and `scale` have found; NULL: they are a float's already */
     ints (*top)(ints top);
@@ -157,7 +157,7 @@ INLINE int load_groups(const format *f, const uint8_t *source, uint32_t n, pupil
 
 /* --- meter --- */
 
-/* Pixels i to n, whatever they are. Each format has its own that is not inlined: what is rare must not take registers
+/* Pixels i to n, of any values. Each format has its own that is not inlined: what is rare must not take registers
  * from what is not. */
 typedef void hard_meter(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_run *run);
 

@@ -2,7 +2,7 @@
  *
  * The code of a sample is exact by construction (kernels.h: pupil_encoder). Looking up 24 cells for 8 pixels would take
  * longer than all the rest. So sRGB is computed first, to a known error: by a polynomial in the fraction times a power
- * of the exponent (f = 1.055 x^(5/12) - 0.055; IEC 61966-2-1), and near black by two lines. Only where the result lies
+ * of the exponent (f = 1.055 x^(5/12) - 0.055; IEC 61966-2-1), and near black by two lines. Only where the result is
  * as near to a boundary of two codes as that error, in about one of 250 samples, the cell decides.
  */
 #include "vector_scale.h"

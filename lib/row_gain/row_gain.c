@@ -1,4 +1,4 @@
-/* Row gains: life, metering by groups of columns, and the gains of rows. */
+/* Row correction gains: life, metering by groups of columns, and the gains of rows. */
 #include "row_gain_private.h"
 
 #include "base/numeric.h"
@@ -56,7 +56,7 @@ int pupil_row_gain_config_check(const pupil_row_gain_config *config, const char 
 int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *config)
 {
     pupil_config metering;
-    pupil_row_gain_config copy; /* the caller's may lie where the object will */
+    pupil_row_gain_config copy; /* the caller's may be where the object will */
     if (!lamps || !config)
         return PUPIL_ERR_NULL;
     if (read_config(&copy, config))
@@ -81,7 +81,7 @@ static pupil_image_const columns_of(pupil_image_const image, uint32_t x, uint32_
     return image;
 }
 
-/* Which pairs of rows are metered: two of a band, the same in each frame, so that what stands still cancels. */
+/* Which pairs of rows are metered: two of a band, the same in each frame, so that the scene cancels. */
 static int is_metered(uint32_t pair, uint32_t pairs)
 {
     const uint32_t band = pair * PUPIL_BANDS / pairs;
@@ -91,7 +91,7 @@ static int is_metered(uint32_t pair, uint32_t pairs)
     return count <= 2 || place == count / 4 || place == count * 3 / 4;
 }
 
-/* Where the metered rows of each band lie. */
+/* Where the metered rows of each band are. */
 static void find_places(pupil_row_gain_object *o, uint32_t pixel, uint32_t height)
 {
     const uint32_t pairs = (height + 1) / 2;

@@ -1,11 +1,11 @@
-/* The lamps' wave: found in the light of bands, followed, and held against each tile of the picture.
+/* The flicker's wave: found in the light of bands, followed, and compared with each tile of the picture.
  *
- * log2 of the light in a band is that of the scene, which stands still, plus a sum of coefficient x term: cosine and
- * sine of the phase and its multiples, each weakened as the exposure averages it. From both sides, light and terms, the
- * mean of the last frames is taken off, so that the scene is gone, and of each group the mean over its bands, so that
- * whatever changes the whole group at once is gone, too (the camera's settings, clouds). What is left is a linear
- * regression, whose normal equations are summed up with frames forgotten in seconds. Phase, frequency and readout are
- * led after the frames by what they explain of the rest.
+ * log2 of the light in a band is that of the scene, which is constant, plus a sum of coefficient x term. The terms are
+ * cosine and sine of the phase and its multiples, each attenuated by the exposure. The mean of the last frames is
+ * subtracted from both light and terms, which removes the scene. The mean over its bands is subtracted from each group,
+ * which removes what changes the whole group at once (the camera's settings, clouds). A linear regression remains. Its
+ * normal equations are sums that forget frames within seconds. Phase, frequency and readout are corrected by how much
+ * they explain of the residual.
  */
 #include "row_gain_private.h"
 
@@ -23,7 +23,7 @@ enum {
 #define PI 0x1.921fb54442d18p+1
 
 static const double memory_s = 0.4;  /* of the normal equations: lamps that go off are half forgotten in 0.3 s */
-static const double scene_s = 1.0;   /* of the means: at most; waves that roll by more slowly count as standing */
+static const double scene_s = 1.0;   /* of the means: at most; waves that roll by more slowly count as stationary */
 static const double gap_s = 0.5;     /* mains of 50 +- 0.2 Hz are a fifth of a period off after it */
 static const double noise_ev = 0.02; /* what a band differs from the wave by at best; weights of frames */
 
@@ -234,8 +234,8 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
     return early > 0.03 || early < -0.03; /* a fifth of a radian: the wave is no straight line that far away */
 }
 
-/* A wave that a shift does not bring back is not there, or not everywhere: phase and all then go on as they were. So
- * they do where shifts go on and on the same way: a picture without the wave looks like one in which it stands still.
+/* A wave that a shift does not bring back is not there, or not everywhere: phase and all then continue as they were. So
+ * they do where shifts continue the same way: a picture without the wave looks like one in which it does not move.
  */
 static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
 {

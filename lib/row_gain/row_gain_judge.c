@@ -62,7 +62,7 @@ static double worst_disagreement(const pupil_row_gain_object *o)
         groups += here > 0;
         tiles += here;
     }
-    for (int b = 0; b < BANDS; b++) { /* what lies across the picture is thinner than a tile */
+    for (int b = 0; b < BANDS; b++) { /* what extends across the picture is thinner than a tile */
         const double share = o->row_rest[b] / (o->row_wave[b] + 0.2 * power / BANDS), d = share * share;
         worst = d > worst ? d < 1.0 ? d : 1.0 : worst;
     }
@@ -72,7 +72,7 @@ static double worst_disagreement(const pupil_row_gain_object *o)
 
 /* The least that was heard of the wave in any group or segment. A part that is dark, or that the wave does not reach (a
  * segment is a fraction of a period), has little to say. It falls at once and comes back in a tenth of a second: the
- * means of the last frames get used to whatever is there. */
+ * means of the last frames get used to what is there. */
 static void hear(pupil_row_gain_object *o, double dt_s)
 {
     const double w = pupil_one_minus_exp(dt_s / 0.1);

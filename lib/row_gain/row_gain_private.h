@@ -42,7 +42,7 @@ typedef struct pupil_row_gain_object {
     double known_s; /* seconds of frames that it was learned from */
     double moving;  /* how much of the wave's power moves from frame to frame, 0..1 */
     double drift;   /* turns a frame that the phase was led by, lately; 0 where light_hz is right */
-    double faded;   /* result.strength, but for the last frame's own objection */
+    double faded;   /* result.strength, except for the last frame's own objection */
     /* how much of the expected wave there was, 1 where all is well: in the groups and the segments of the last frame
      * (its wave^2, times the rest), and lately */
     double heard, heard_lately; /* the least of them */
@@ -51,7 +51,7 @@ typedef struct pupil_row_gain_object {
 
     double row_rest[PUPIL_BANDS], row_wave[PUPIL_BANDS]; /* of all groups: what is left times the wave; wave^2 */
 
-    double place[PUPIL_BANDS]; /* where the rows that are metered lie on average, 0..1 from top to bottom */
+    double place[PUPIL_BANDS]; /* where the rows that are metered are on average, 0..1 from top to bottom */
     /* terms (not averaged by an exposure) and light (log2) by band, and their means over the last frames */
     double term[PUPIL_BANDS][PUPIL_ROW_GAIN_TERMS], term_mean[PUPIL_BANDS][PUPIL_ROW_GAIN_TERMS];
     double light[PUPIL_ROW_GAIN_GROUPS][PUPIL_BANDS], light_mean[PUPIL_ROW_GAIN_GROUPS][PUPIL_BANDS];

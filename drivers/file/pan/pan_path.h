@@ -2,7 +2,7 @@
  *
  * Between keyframes yaw, pitch and field of view each follow a monotone cubic (F. N. Fritsch, J. Butland, "A method for
  * constructing local monotone piecewise cubic interpolants", 1984): smooth, and never beyond the keyframes. Before the
- * first and after the last the camera stands still.
+ * first and after the last the camera does not move.
  */
 #ifndef PUPIL_DRIVERS_FILE_PAN_PAN_PATH_H
 #define PUPIL_DRIVERS_FILE_PAN_PAN_PATH_H

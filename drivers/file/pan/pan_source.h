@@ -8,8 +8,8 @@
  * FILE is any still of linear light that is twice as wide as high. Nothing in a spec needs quotes in a shell. Keys:
  *   path=KEY:KEY:...  keyframes, each yaw/pitch[/fov][@seconds] in degrees: yaw to the right of the panorama's centre,
  *                     pitch upward. Yaws within -180..180 are joined the short way round (170 to -170 is 20 degrees);
- *                     a yaw beyond is taken as it stands, so that 0/0:360/0 is a full turn. Keyframes without seconds
- *                     are spread evenly over the duration. The camera moves smoothly and stands before and after.
+ *                     a yaw beyond is taken as it is, so that 0/0:360/0 is a full turn. Keyframes without seconds
+ *                     are spread evenly over the duration. The camera moves smoothly, and is at rest before and after.
  *                     Without path it wanders by options.seed, past the darkest and the brightest part of the panorama.
  *   fov=75            horizontal degrees, 5..150, of keyframes that bring none
  *   size=640x360      pixels of a frame

@@ -1,7 +1,7 @@
 /* drivers/file/pan/panorama.h: an equirectangular panorama and the pictures a pinhole camera takes in it.
  *
  * The panorama's centre is yaw 0, pitch 0; yaw grows to the right, pitch upward. Its left and right edges meet at yaw
- * 180, its top row lies around pitch 90.
+ * 180, its top row is around pitch 90.
  *
  * Filtering, all in linear light: texels are joined bilinearly, around the seam and across the poles. Each pixel is the
  * mean of n x n points spread over its whole area, n chosen there so that two points are at most one texel apart.
@@ -28,7 +28,7 @@ typedef struct pupil_view {
 } pupil_view;
 
 /* Takes a still of 2:1 (within 1 %), RGB32F. 0, or -1 and a sentence without a file name. NaN and negative texels stay
- * what they are and touch only the pixels that they lie in; infinite ones count as +-1e37, so that interpolating
+ * what they are and touch only the pixels that they are in; infinite ones count as +-1e37, so that interpolating
  * between two does not make NaN of them. */
 int pupil_panorama_make(pupil_panorama *panorama, const pupil_still *still, pupil_why *why);
 

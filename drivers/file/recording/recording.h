@@ -4,7 +4,7 @@
  *     frames.mkv      every frame, lossless: raw video in Matroska, or the camera's own JPEGs; ffmpeg and mpv open it
  *     frames.jsonl    a line for each: sequence, timestamp_ns, exposure_s, gain, ...; written after its frame
  *     recording.json  what a frame looks like: pixel format, size, coding of light, and where it came from
- * It can be used at any moment: whoever writes it may be killed, and every frame that has its line is there, whole.
+ * It can be used at any moment: its writer may be killed, and every frame that has its line is there, whole.
  *
  * Writing has a thread and room for a few frames of its own, taken at open: write copies the frame and never waits for
  * the disk. Where the disk is slower than the camera, frames are lost, and counted.
@@ -31,9 +31,9 @@ typedef struct pupil_recorder_counts {
     uint64_t written, lost; /* lost: there was no room */
 } pupil_recorder_counts;
 
-/* `first` is the first frame: all that follow have its size, pixel format and coding, but for coding.balance, which may
- * be each frame's own. It is not written yet. 0, or
- * PUPIL_SINK_FAILED and a sentence (folder, no room on the disk, a pixel format that cannot be kept). */
+/* `first` is the first frame: all that follow have its size, pixel format and coding, except for coding.balance, which
+ * may be each frame's own. It is not written yet. 0, or PUPIL_SINK_FAILED and a sentence (folder, no room on the disk,
+ * a pixel format that cannot be kept). */
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
                         const pupil_recorder_options *options, pupil_why *why);
 /* 0: taken or lost (counted); PUPIL_SINK_FAILED and a sentence: another shape, or the disk failed; what was written

@@ -15,7 +15,7 @@
 
 #define ERRNO_MOST      4095 /* of Linux; libav's codes of its own are beyond it */
 #define BUFFER_BYTES    4096 /* heads; frames go past it */
-#define HEAD_MOST_BYTES 4096 /* what stands before the first frame; ours has about 600 */
+#define HEAD_MOST_BYTES 4096 /* what is before the first frame; ours has about 600 */
 /* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
 #define GAP_MAX_NS (UINT64_C(3600) * 1000000000)
 
@@ -206,7 +206,7 @@ struct pupil_mkv_reader {
     mkv_clock clock;
 };
 
-/* Why libav does not go on; NULL: because the file ends. Of a head that was cut it says that it is wrong. */
+/* Why libav does not continue; NULL: because the file ends. Of a head that was cut it says that it is wrong. */
 static const char *trouble(pupil_mkv_reader *r, int code, char buffer[AV_ERROR_MAX_STRING_SIZE])
 {
     if (r->io.error)
@@ -280,7 +280,7 @@ int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned cha
         return pupil_refuse(why, "cannot be read: %s", fault);
     if (code < 0)
         return 0;
-    /* libavformat passes over what is damaged, and goes on with the next frame that is whole. */
+    /* libavformat passes over what is damaged, and continues with the next frame that is whole. */
     if (r->packet->pts != ms)
         return pupil_refuse(why, "is damaged: a frame at %lld ms, where its line has it at %lld ms",
                             (long long)r->packet->pts, (long long)ms);

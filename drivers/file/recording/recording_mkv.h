@@ -13,7 +13,7 @@
 
 typedef struct pupil_mkv_writer pupil_mkv_writer;
 
-/* Writes what stands before the first frame into an empty file; fd stays the caller's. 0, or -1 and errno. */
+/* Writes what is before the first frame into an empty file; fd stays the caller's. 0, or -1 and errno. */
 int pupil_mkv_create(pupil_mkv_writer **writer, int fd, const pupil_recording_about *about);
 /* -1 and errno: the file ends with the frame before. */
 int pupil_mkv_write(pupil_mkv_writer *writer, int64_t timestamp_ns, void *bytes, size_t size);

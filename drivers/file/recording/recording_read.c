@@ -22,7 +22,7 @@ typedef struct recording {
     size_t size, capacity;
     pupil_jpeg *jpeg; /* NULL: frames are raw */
     uint64_t frame;   /* how many were handed out */
-    int state;        /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
+    int state;        /* PUPIL_SOURCE_FRAME while frames come; END or FAILED for good */
     pupil_why why;
 } recording;
 

@@ -18,7 +18,7 @@
 #define ROOM_WAIT  2 /* of sources that wait there are never many */
 #define ROOM_MOST  4096
 
-#define ASK_AGAIN_NS 100000000 /* whether it is to be given up: soon enough for whoever pressed Ctrl-C twice */
+#define ASK_AGAIN_NS 100000000 /* whether it is to be given up: soon enough after a second Ctrl-C */
 
 typedef struct slot {
     unsigned char *bytes;

@@ -16,7 +16,7 @@ int pupil_natural_compare(const char *a, const char *b);
 /* Each returns 0, or -1 without memory (folder and glob: also where nothing can be read; errno says why). */
 int pupil_paths_add(pupil_paths *paths, const char *path);
 
-/* Appends what lies in a folder (no subfolders, nothing hidden), or what a glob pattern names, where `keep` says yes
+/* Appends what is in a folder (no subfolders, nothing hidden), or what a glob pattern names, where `keep` says yes
  * (NULL: everything), in natural order. */
 int pupil_paths_folder(pupil_paths *paths, const char *folder, int (*keep)(const char *path));
 int pupil_paths_glob(pupil_paths *paths, const char *pattern, int (*keep)(const char *path));

@@ -81,7 +81,7 @@ static void spread_chroma(exr_pixels *p, int which, const uint8_t *in, const exr
         out[i] = sample(in, info->data_type);
 }
 
-/* In a decompressed chunk lie its lines from the top, and in each line the channels' rows. */
+/* In a decompressed chunk are its lines from the top, and in each line the channels' rows. */
 static void spread_chunk(exr_pixels *p, int64_t left, int64_t top)
 {
     const exr_plan *plan = p->plan;

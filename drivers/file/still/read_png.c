@@ -7,7 +7,7 @@
 
 #include "still_private.h"
 
-/* Deflate cannot shrink more than 1032:1 (zlib's technical notes); a header that promises more pixels lies. */
+/* Deflate cannot shrink more than 1032:1 (zlib's technical notes); a header that promises more pixels is wrong. */
 #define DEFLATE_RATIO 1032
 
 /* Ancillary chunks (profiles, texts) beyond this are left unread; libpng's own default. */

@@ -11,7 +11,7 @@
 typedef struct radiance {
     const uint8_t *at, *end;
     uint64_t width, height;
-    uint64_t lines, line_pixels;            /* as they lie in the file */
+    uint64_t lines, line_pixels;            /* as they are in the file */
     ptrdiff_t first, line_step, pixel_step; /* where they go, in pixels */
     double divide[3];                       /* EXPOSURE and COLORCORR */
     pupil_still_colour colour;
@@ -216,7 +216,7 @@ static const char *any_line(radiance *r, uint8_t *line)
 static int read_lines(radiance *r, float *pixels, uint8_t *line, pupil_why *why)
 {
     double scale[256][3];
-    for (int e = 0; e < 256; e++) /* exponent 0: black, whatever the mantissas */
+    for (int e = 0; e < 256; e++) /* exponent 0: black, regardless of the mantissas */
         for (int c = 0; c < 3; c++)
             scale[e][c] = e ? ldexp(1, e - 136) / r->divide[c] : 0;
     for (uint64_t i = 0; i < r->lines; i++) {

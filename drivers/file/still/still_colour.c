@@ -54,7 +54,7 @@ static void xyz_of(const double xy[2], double xyz[3])
 }
 
 /* RGB to XYZ with white at Y = 1 (SMPTE RP 177-1993); 0 where the chromaticities are not sane: not finite, far outside
- * the diagram, no triangle, or a white outside it. Primaries may lie outside the spectral locus (ACES, XYZ). */
+ * the diagram, no triangle, or a white outside it. Primaries may be outside the spectral locus (ACES, XYZ). */
 static int rgb_to_xyz(const pupil_chromaticities *given, double matrix[9])
 {
     double columns[9], inverse[9], white[3], scale[3];

@@ -8,14 +8,14 @@
 #include "pupil/error.h"
 #include "still.h"
 
-/* Writes a sentence and returns -1. Whatever is not printable ASCII becomes '?': names inside a file are not to be
+/* Writes a sentence and returns -1. What is not printable ASCII becomes '?': names inside a file are not to be
  * trusted with a terminal. */
 int pupil_still_fail(pupil_why *why, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* 0 where a picture of this size may be read, else -1 and the sentence. */
 int pupil_still_size_ok(uint64_t width, uint64_t height, pupil_why *why);
 
-/* strtod as in the C locale, whatever locale the program runs in. */
+/* strtod as in the C locale, in any locale of the program. */
 double pupil_parse_double(const char *text, char **end);
 
 /* CIE xy of red, green, blue and white: the order of all four formats. */

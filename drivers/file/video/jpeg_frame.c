@@ -21,7 +21,7 @@ struct pupil_jpeg {
     AVPacket *packet;
     AVFrame *frame;
     AVBufferRef *coded; /* with the padding that libavcodec reads into */
-    uint8_t *room;      /* what does not lie in the decoder's frame as the library wants it */
+    uint8_t *room;      /* what is not in the decoder's frame as the library needs it */
     size_t room_bytes;
     int has_own_tables; /* the decoder has Huffman tables of a frame's, no longer the standard's */
 };
@@ -121,7 +121,7 @@ static void to_yuyv(const AVFrame *f, uint8_t *out, size_t row_bytes)
             to[4 * x + 2] = luma[2 * x + 1];
             to[4 * x + 3] = cr[x];
         }
-        if (f->width % 2) { /* of an odd width the last pixel stands for two */
+        if (f->width % 2) { /* of an odd width the last pixel represents two */
             const int x = f->width / 2;
             to[4 * x] = to[4 * x + 2] = luma[2 * x];
             to[4 * x + 1] = cb[x];

@@ -96,7 +96,7 @@ static int set_light(pupil_video_pixels *p, int transfer, int primaries, pupil_w
     return 0;
 }
 
-/* Offset of the first chroma sample from the first luma sample, in luma samples: half of what lies between two chroma
+/* Offset of the first chroma sample from the first luma sample, in luma samples: half of what is between two chroma
  * samples where it sits in the centre (position 128 in libav's terms). */
 static double chroma_offset(int position, int shift)
 {

@@ -39,13 +39,13 @@ typedef struct video_source {
     pupil_video_pixels pixels;
     int has_packet;    /* read, and not yet taken by the decoder */
     int is_draining;   /* the demuxer has ended */
-    int state;         /* PUPIL_SOURCE_FRAME while going on; END or FAILED for good */
+    int state;         /* PUPIL_SOURCE_FRAME while frames come; END or FAILED for good */
     char suspect[256]; /* what the decoder said of the frame that it will hand out next; "" for nothing */
     char early[384];   /* why the demuxer ended before the video did; "" if it did not */
     pupil_why last;    /* the sentence of FAILED */
     uint64_t handed, sequence;
     int damaged_in_a_row;
-    int64_t packets_end;  /* where the demuxer stood after the last packet */
+    int64_t packets_end;  /* where the demuxer was after the last packet */
     int64_t packets_time; /* when the last packet ended, in units of the stream that are frames in an AVI */
     int64_t first_pts, last_ns, period_ns;
     uint32_t width, height;

@@ -1,5 +1,5 @@
 /* YUV4MPEG2, 4:4:4, 8 bit, BT.709 limited range, to a file or to standard output. The format names the range
- * (XCOLORRANGE, as mjpegtools and ffmpeg have it) but not the matrix: a reader has to be told BT.709. */
+ * (XCOLORRANGE, as mjpegtools and ffmpeg have it) but not the matrix: a reader has to know that it is BT.709. */
 #include "file/sink/file_sink.h"
 
 #include "file/pending.h"
@@ -42,7 +42,7 @@ static int y4m_flush(y4m_sink *s, pupil_why *why)
         const ssize_t n = write(s->fd, s->buffer + sent, s->filled - sent);
         if (n >= 0) {
             sent += (size_t)n;
-        } else if (errno == EAGAIN) { /* somebody made the pipe non-blocking */
+        } else if (errno == EAGAIN) { /* a program made the pipe non-blocking */
             struct pollfd ready = {.fd = s->fd, .events = POLLOUT};
             if (poll(&ready, 1, -1) < 0)
                 return pupil_refuse(why, "%s: cannot be written: %s", y4m_name(s), strerror(errno));
@@ -85,7 +85,7 @@ static int y4m_header(y4m_sink *s, pupil_why *why)
 }
 
 /* How often a frame is to be written: up to the nearest moment of the stream's own rate, and not at all where another
- * one stands there already. */
+ * one is there already. */
 static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
 {
     const int64_t stamp_ns = info ? info->timestamp_ns : 0;
@@ -112,7 +112,7 @@ static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why
                              image->width, room);
         }
     s->frames++;
-    return y4m_flush(s, why); /* whoever reads the pipe gets a frame as soon as there is one */
+    return y4m_flush(s, why); /* the pipe's reader gets a frame as soon as there is one */
 }
 
 static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
