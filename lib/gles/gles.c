@@ -12,7 +12,7 @@ void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_by
 
 /* --- errors --- */
 
-/* After a step of init or retune: what GL itself says, out of memory or lost, is the cause of whatever else went wrong.
+/* After a step of init or retune: what GL itself says, out of memory or lost, is the cause of any other failure.
  */
 static int cause_of(const gles_object *o, int error, pupil_why *why)
 {
