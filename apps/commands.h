@@ -1,6 +1,9 @@
-/* apps/commands.h: the subcommands. Each takes its own arguments, its name first, and returns the exit status. */
+/* apps/commands.h: the commands of the program. Each takes its own arguments, its name first, and returns the exit
+ * status. */
 #ifndef PUPIL_APPS_COMMANDS_H
 #define PUPIL_APPS_COMMANDS_H
+
+#include "options/option_table.h"
 
 int run_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
@@ -11,5 +14,11 @@ int list_main(int argc, char **argv);
 int probe_main(int argc, char **argv);
 int record_main(int argc, char **argv);
 int sim_main(int argc, char **argv);
+
+extern const option_command run_command, replay_command, record_command, render_command, study_command, bench_command,
+    sim_command, list_command, probe_command;
+
+/* All of them in the order of the help, up to NULL. */
+extern const option_command *const pupil_commands[];
 
 #endif

@@ -1,4 +1,4 @@
-/* The `pupil` program: subcommands, each in a file of its own. */
+/* The `pupil` program: commands, each in a folder of its own. */
 #include "commands.h"
 
 #include <fcntl.h>
@@ -7,20 +7,16 @@
 
 #include "pupil/pupil.h"
 
-static const char help[] = "usage: pupil COMMAND ...\n"
-                           "Camera-style auto-exposure for HDR frames.\n"
-                           "  run      live frames of a camera, with its exposure under control\n"
-                           "  replay   recorded HDR frames in; a display video and what the exposure did out\n"
-                           "  record   a camera's raw frames, kept as they come\n"
-                           "  render   the frames of a scene: linear pictures, or mapped for a display\n"
-                           "  study    the study of adaptation made again: tables, videos, acceptance\n"
-                           "  bench    how long things take, beside what they cannot be faster than\n"
-                           "  sim      an exposure loop around a simulated camera\n"
-                           "  list     the cameras that are there, and what they offer\n"
-                           "  probe    what a camera is, and, measured in its picture, what it does\n"
-                           "  help     this text, or 'pupil help COMMAND'\n"
-                           "  version  the version of the program and of the library\n"
-                           "'pupil COMMAND --help' fits a screen; 'man pupil' tells all.\n";
+static void put_help(FILE *out)
+{
+    fputs("usage: pupil COMMAND ...\nCamera-style auto-exposure for HDR frames.\n", out);
+    for (const option_command *const *c = pupil_commands; *c; c++)
+        fprintf(out, "  %-8s %s\n", (*c)->name, (*c)->summary);
+    fputs("  help     this text, or 'pupil help COMMAND'\n"
+          "  version  the version of the program and of the library\n"
+          "'pupil COMMAND --help' fits a screen; 'man pupil' has everything.\n",
+          out);
+}
 
 /* The number of a standard stream that is closed would go to the next file that is opened, and sentences for the user
  * into an output. What takes its place here refuses what the stream is used for, as the closed one would. */
@@ -31,46 +27,49 @@ static void fill_standard_streams(void)
             (void)!open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY); /* the lowest free number: fd */
 }
 
-typedef int command_main(int argc, char **argv);
-
-static command_main *find(const char *name)
+/* `pupil help ...`: of a command, the man page, or of all. */
+static int help(const char *what)
 {
-    static const struct {
-        const char *name;
-        command_main *run;
-    } commands[] = {{"run", run_main},       {"replay", replay_main}, {"render", render_main},
-                    {"study", study_main},   {"bench", bench_main},   {"list", list_main},
-                    {"record", record_main}, {"probe", probe_main},   {"sim", sim_main}};
-    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
-        if (strcmp(name, commands[i].name) == 0)
-            return commands[i].run;
-    return NULL;
+    const option_command *command = options_command(pupil_commands, what);
+    if (strcmp(what, "--man") == 0)
+        options_manual(pupil_commands, stdout);
+    else if (command && !command->groups) { /* it has more to say, or is not in this build */
+        char name[32];
+        snprintf(name, sizeof name, "%s", command->name);
+        char *asked[] = {name, "--help", NULL};
+        return command->run(2, asked);
+    } else if (command)
+        options_help(command, stdout);
+    else
+        put_help(stdout);
+    return 0;
 }
 
 int main(int argc, char **argv)
 {
     fill_standard_streams();
-    const char *command = argc > 1 ? argv[1] : "";
-    command_main *run = find(command);
-    if (run)
-        return run(argc - 1, argv + 1);
-    if (strcmp(command, "version") == 0 || strcmp(command, "--version") == 0) {
+    option_commands = pupil_commands;
+    const char *name = argc > 1 ? argv[1] : "";
+    const char *what = argc > 2 ? argv[2] : "";
+    const option_command *command = strchr(name, ' ') ? NULL : options_command(pupil_commands, name);
+    if (command)
+        return command->run(argc - 1, argv + 1);
+    if (strcmp(name, "version") == 0 || strcmp(name, "--version") == 0) {
         printf("pupil %d.%d.%d (library %s)\n", PUPIL_VERSION_MAJOR, PUPIL_VERSION_MINOR, PUPIL_VERSION_PATCH,
                pupil_version());
         return 0;
     }
-    run = strcmp(command, "help") == 0 && argc > 2 ? find(argv[2]) : NULL;
-    if (run) {
-        char *asked[] = {argv[2], "--help", NULL};
-        return run(2, asked);
-    }
-    if (strcmp(command, "help") == 0 || strcmp(command, "--help") == 0 || strcmp(command, "-h") == 0) {
-        fputs(help, stdout);
+    if (strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
+        return help(what);
+    if (strcmp(name, "completion") == 0 && strcmp(what, "bash") == 0) {
+        options_completion(pupil_commands, stdout);
         return 0;
     }
-    if (*command)
-        fprintf(stderr, "pupil: %s: no such command; 'pupil help' lists them\n", command);
+    if (strcmp(name, "completion") == 0)
+        fputs("pupil completion: name a shell: bash is the only one that is known\n", stderr);
+    else if (*name)
+        fprintf(stderr, "pupil: %s: no such command; 'pupil help' lists them\n", name);
     else
-        fputs(help, stderr);
+        put_help(stderr);
     return 2;
 }

@@ -1,7 +1,6 @@
 /* pupil list: the cameras that are there, and what they offer. */
 #include "list.h"
 
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,14 +9,6 @@
 #include "v4l2/format.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
-
-static const char help[] = "usage: pupil list [--json]\n"
-                           "The cameras that are there: a line each with its path, name, driver and bus, and\n"
-                           "its formats with their sizes and frames a second (in brackets those that pupil\n"
-                           "does not read). Any of path, number and name goes behind v4l2: as an input.\n"
-                           "      --json   the same as JSON\n"
-                           "  -h, --help\n"
-                           "exit: 0 done, with or without a camera, 1 failed, 2 usage\n";
 
 typedef struct list {
     list_camera *camera;
@@ -91,31 +82,41 @@ int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err
     return failed ? EXIT_FAILED : EXIT_DONE;
 }
 
+typedef struct list_options {
+    int json;
+} list_options;
+
+static const option_row rows[] = {OPTION_ROW_JSON(list_options, json, "the same as JSON")};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command list_command = {
+    .name = "list",
+    .summary = "the cameras that are present, and what they offer",
+    .usage = "[--json]",
+    .about = "The cameras that are present: a line each with its path, name, driver and bus, and its\n"
+             "formats with their sizes and frames a second (in brackets those that pupil does not\n"
+             "read). Any of path, number and name can follow v4l2: as an input.",
+    .exits = "0 done, with or without a camera, 1 failed, 2 usage",
+    .manual = "Lists the cameras, a line each: path, name, driver, bus, and formats with their sizes and frames a "
+              "second. Formats that pupil does not read are in brackets.",
+    .instead = "'pupil list --help' has more",
+    .groups = groups,
+    .run = list_main,
+};
+
 int list_main(int argc, char **argv)
 {
-    static const struct option options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {0}};
-    int json = 0, option;
-    opterr = 0;
-    while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(help, stdout);
-            return EXIT_DONE;
-        }
-        if (option != 'j') {
-            fprintf(stderr, "pupil list: %s: no such option; 'pupil list --help' lists them\n", argv[optind - 1]);
-            return EXIT_USAGE;
-        }
-        json = 1;
-    }
-    if (optind < argc) {
-        fprintf(stderr, "pupil list: %s: it takes no argument; 'pupil list --help' tells more\n", argv[optind]);
-        return EXIT_USAGE;
-    }
-    if (json && list_json_refusal()) {
+    list_options o = {0};
+    option_words words;
+    const int parsed = options_read(&list_command, &o, argc, argv, &words);
+    if (parsed >= 0)
+        return parsed;
+    if (o.json && list_json_refusal()) {
         fprintf(stderr, "pupil list: --json: %s\n", list_json_refusal());
         return EXIT_FAILED;
     }
-    const int status = list_cameras(NULL, json, stdout, stderr);
+    const int status = list_cameras(NULL, o.json, stdout, stderr);
     if (status == EXIT_DONE && fflush(stdout) != 0) {
         fputs("pupil list: standard output cannot be written\n", stderr);
         return EXIT_FAILED;

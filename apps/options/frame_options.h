@@ -2,6 +2,7 @@
 #ifndef PUPIL_APPS_OPTIONS_FRAME_OPTIONS_H
 #define PUPIL_APPS_OPTIONS_FRAME_OPTIONS_H
 
+#include "option_table.h"
 #include "pupil/gles.h"
 #include "source.h"
 
@@ -12,24 +13,35 @@ typedef struct frame_options {
     size_t input_count;
     const char *out[FRAME_MOST_OUTPUTS];
     size_t out_count;
-    const char *stats, *plot, *report; /* paths, or NULL */
-    const char *record;                /* the same; of a live run alone */
+    const char *stats, *plot, *report; /* paths, or NULL; a report of `pupil replay` alone */
+    const char *record;                /* the same; of `pupil run` alone */
     pupil_config config;
     pupil_source_options source;
     uint64_t hold;    /* how many times each frame is shown; 1 */
-    uint64_t most;    /* frames to replay at most; 0: all */
+    uint64_t most;    /* frames at most; 0: all */
     unsigned threads; /* 0: one a processor */
     int reset_each, overwrite, keep_going, quiet;
-    int gles, view, loop;         /* on the GPU; in a window, by the GPU where it can be had; again and again */
+    int gles, view, loop;         /* on the GPU; in a window; from the beginning again at the end */
     uint32_t gles_version;        /* a pupil_gles_version */
-    char metering[64], white[64]; /* as the user said them, for the report */
-    const char *command;          /* the whole command line, for the report; set by whoever has it */
+    char metering[64], white[64]; /* as the user wrote them, for the report */
+    const char *command;          /* the whole command line, for the report; set by the caller */
 } frame_options;
 
-enum { OPTIONS_RUN = 0, OPTIONS_HELP = 1, OPTIONS_USAGE = -1 };
+/* The rows that replay and run share, by title. Offsets are those of frame_options. */
+#define FRAME_OUTPUT_ROWS   3
+#define FRAME_EXPOSURE_ROWS 11
+#define FRAME_MAPPING_ROWS  6
+extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
+extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];
+extern const option_row frame_mapping_rows[FRAME_MAPPING_ROWS];
 
-/* Refuses outputs that are named twice, that lie in one another or are also an input, or that would share standard
- * output. */
+/* The defaults. */
+void frame_options_begin(frame_options *options);
+
+/* What the shared options require of each other. OPTIONS_RUN, or OPTIONS_USAGE and a sentence. */
+int frame_options_check(frame_options *options, int weight_given, pupil_why *why);
+
+/* Refuses outputs that are named twice, that are inside one another or are also an input. */
 int frame_options_check_paths(const frame_options *options, pupil_why *why);
 
 #endif

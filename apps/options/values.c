@@ -1,200 +1,197 @@
-#include "values.h"
-
-#include "refuse.h"
+/* What options are given: texts, checked, into settings. */
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-int value_refuse(const value_text *c, const char *right)
+#include "option_table.h"
+#include "refuse.h"
+
+int option_refuse(const option_value *v, const char *right)
 {
-    pupil_refuse(c->why, "--%s %s: must be %s", c->name, c->text, right);
-    return OPTIONS_USAGE;
+    char own[512];
+    option_right(v->row, own, sizeof own);
+    return pupil_refuse(v->why, "--%s %s: must be %s", v->row->name, v->text, right ? right : own);
 }
 
-/* A number within a range; `right` says in words what would do. */
-int value_number(const value_text *c, double low, double high, const char *right, double *value)
+int option_number(const option_value *v, double low, double high, double *number)
 {
     char *end;
-    errno = 0;
-    double v = strtod(c->text, &end);
-    if (end == c->text || *end || !(v >= low && v <= high))
-        return value_refuse(c, right);
-    *value = v;
+    const double x = strtod(v->text, &end);
+    if (end == v->text || *end || !(x >= low && x <= high))
+        return option_refuse(v, NULL);
+    *number = x;
     return OPTIONS_RUN;
 }
 
-int value_whole(const value_text *c, uint64_t low, uint64_t high, const char *right, uint64_t *value)
+int option_whole(const option_value *v, double low, double high, uint64_t *whole)
 {
     char *end;
     errno = 0;
-    unsigned long long v = strtoull(c->text, &end, 10);
-    if (end == c->text || *end || errno || strchr(c->text, '-') || v < low || v > high)
-        return value_refuse(c, right);
-    *value = v;
+    const unsigned long long n = strtoull(v->text, &end, 10);
+    if (*v->text < '0' || *v->text > '9' || *end || errno || !((double)n >= low && (double)n <= high))
+        return option_refuse(v, NULL);
+    *whole = n;
     return OPTIONS_RUN;
 }
 
-/* One of a list of words; its place is the value. */
-static int word(const value_text *c, const char *const *words, uint32_t *value)
+int option_time(const option_value *v, double low_s, double high_s, double *seconds)
 {
-    char right[256] = "";
-    for (uint32_t i = 0; words[i]; i++) {
-        if (strcmp(c->text, words[i]) == 0) {
-            *value = i;
-            return OPTIONS_RUN;
-        }
-        snprintf(right + strlen(right), sizeof right - strlen(right), "%s%s", i ? ", " : "", words[i]);
+    static const struct {
+        const char *name;
+        double s;
+    } units[] = {{"us", 1e-6}, {"ms", 1e-3}, {"s", 1.0}, {"min", 60.0}};
+    char *end;
+    double s = strtod(v->text, &end);
+    double unit_s = v->row->unit_s;
+    if (end == v->text)
+        return option_refuse(v, NULL);
+    if (*end == '/') {
+        const char *below = end + 1;
+        s /= strtod(below, &end);
+        unit_s = 1.0;
+        if (end == below)
+            return option_refuse(v, NULL);
     }
-    return value_refuse(c, right);
+    for (size_t i = 0; *end && i < sizeof units / sizeof units[0]; i++)
+        if (strcmp(end, units[i].name) == 0) {
+            unit_s = units[i].s;
+            end += strlen(end);
+        }
+    s *= unit_s;
+    if (*end || !(s >= low_s && s <= high_s))
+        return option_refuse(v, NULL);
+    *seconds = s;
+    return OPTIONS_RUN;
 }
 
-/* `count` numbers with commas (or, for a trim, a dash) between. */
-static int numbers(const value_text *c, int count, const char *right, double *value)
+int option_numbers(const option_value *v, int count, double *numbers)
 {
-    const char *p = c->text;
+    const char *p = v->text;
     for (int i = 0; i < count; i++) {
         char *end;
-        value[i] = strtod(p, &end);
-        if (end == p || !isfinite(value[i]) || (i + 1 < count ? *end != ',' : *end != 0))
-            return value_refuse(c, right);
+        numbers[i] = strtod(p, &end);
+        if (end == p || !isfinite(numbers[i]) || *end != (i + 1 < count ? ',' : 0))
+            return option_refuse(v, NULL);
         p = end + 1;
     }
     return OPTIONS_RUN;
 }
 
-int value_of_size(const value_text *c)
+const char *option_words_of(const option_row *row)
 {
-    unsigned width, height;
-    char rest;
-    if (sscanf(c->text, "%ux%u%c", &width, &height, &rest) != 2 || strchr(c->text, '-') || !width || !height ||
-        width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-        return value_refuse(c, "WIDTHxHEIGHT, for example 640x360, each from 1 to 16384");
-    c->o->source.width = width;
-    c->o->source.height = height;
+    return row->words ? row->words : row->value;
+}
+
+int option_word(const char *text, const char *words)
+{
+    for (int i = 0;; i++) {
+        const size_t length = strcspn(words, "|");
+        if (strlen(text) == length && strncmp(text, words, length) == 0)
+            return i;
+        if (!words[length])
+            return -1;
+        words += length + 1;
+    }
+}
+
+static int take_size(const option_value *v, uint32_t *size)
+{
+    unsigned long width, height;
+    int used = 0;
+    if (sscanf(v->text, "%6lux%6lu%n", &width, &height, &used) != 2 || v->text[used] || strpbrk(v->text, "+- ") ||
+        !width || !height || (double)width > v->row->high || (double)height > v->row->high)
+        return option_refuse(v, NULL);
+    size[0] = (uint32_t)width;
+    size[1] = (uint32_t)height;
     return OPTIONS_RUN;
 }
 
-int value_of_metering(const value_text *c)
+int option_take(const option_value *v)
 {
-    static const char *const words[] = {"uniform", "centre", "spot", NULL};
-    uint32_t which = 0;
-    if (strcmp(c->text, "center") != 0 && word(c, words, &which))
-        return OPTIONS_USAGE;
-    if (strcmp(c->text, "center") == 0)
-        which = 1;
-    if (which == 0)
-        pupil_metering_uniform(&c->o->config);
-    else if (which == 1)
-        pupil_metering_centre(&c->o->config);
-    else
-        pupil_metering_spot(&c->o->config);
-    snprintf(c->o->metering, sizeof c->o->metering, "%s", words[which]);
-    return OPTIONS_RUN;
-}
-
-int value_of_roi(const value_text *c)
-{
-    const char *right = "X,Y,WIDTH,HEIGHT in fractions of the frame, for example 0.25,0.25,0.5,0.5";
-    double v[4];
-    if (numbers(c, 4, right, v))
-        return OPTIONS_USAGE;
-    if (pupil_metering_roi(&c->o->config, v[0], v[1], v[2], v[3]))
-        return value_refuse(c, right);
-    snprintf(c->o->metering, sizeof c->o->metering, "roi %s", c->text);
-    return OPTIONS_RUN;
-}
-
-int value_of_trim(const value_text *c)
-{
-    const char *right = "LOW,HIGH in per cent, for example 5,95, with 0 <= LOW < HIGH <= 100";
-    double v[2];
-    if (numbers(c, 2, right, v))
-        return OPTIONS_USAGE;
-    if (!(v[0] >= 0.0 && v[0] < v[1] && v[1] <= 100.0))
-        return value_refuse(c, right);
-    c->o->config.trim_low = (float)(v[0] / 100.0);
-    c->o->config.trim_high = (float)(v[1] / 100.0);
-    return OPTIONS_RUN;
-}
-
-int value_of_meter_rows(const value_text *c)
-{
-    uint64_t n;
-    if (value_whole(c, 1, 8, "1, 2, 4 or 8", &n))
-        return OPTIONS_USAGE;
-    if (n & (n - 1))
-        return value_refuse(c, "1, 2, 4 or 8");
-    c->o->config.meter_rows = (uint32_t)n;
-    return OPTIONS_RUN;
-}
-
-int value_of_white(const value_text *c)
-{
-    pupil_config *config = &c->o->config;
-    snprintf(c->o->white, sizeof c->o->white, "%s", c->text);
-    config->white_mode = strcmp(c->text, "follow") == 0 ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_NONE;
-    if (config->white_mode == PUPIL_WHITE_FOLLOW || strcmp(c->text, "none") == 0)
+    const option_row *row = v->row;
+    void *place = (char *)v->options + row->offset;
+    uint64_t whole = 0;
+    int result = OPTIONS_RUN;
+    int word;
+    switch (row->kind) {
+    case OPTION_NUMBER:
+        return option_number(v, row->low, row->high, place);
+    case OPTION_COUNT:
+        return option_whole(v, row->low, row->high, place);
+    case OPTION_COUNT32:
+        result = option_whole(v, row->low, row->high, &whole);
+        if (result == OPTIONS_RUN)
+            *(uint32_t *)place = (uint32_t)whole;
+        return result;
+    case OPTION_CHOICE:
+        word = option_word(v->text, option_words_of(row));
+        if (word < 0)
+            return option_refuse(v, NULL);
+        *(uint32_t *)place = (uint32_t)word;
         return OPTIONS_RUN;
-    config->white_mode = PUPIL_WHITE_FIXED;
-    return value_number(c, 0x1p-8, 0x1p30, "follow, none, or a number from 0.0039 to 1e9", &config->white);
+    case OPTION_TIME:
+        return option_time(v, row->low, row->high, place);
+    case OPTION_SIZE:
+        return take_size(v, place);
+    case OPTION_TEXT:
+    case OPTION_PATH:
+        if (!*v->text)
+            return option_refuse(v, NULL);
+        *(const char **)place = v->text;
+        return OPTIONS_RUN;
+    default:
+        *(int *)place = 1;
+        return OPTIONS_RUN;
+    }
 }
 
-int value_of_formula(const value_text *c)
+/* "seconds, from 0 to 10", "a whole number, 1 or more" */
+static void range(const option_row *row, const char *unit, char *text, size_t bytes)
 {
-    uint64_t v;
-    if (value_whole(c, 1, 4, "1, 2, 3 or 4", &v))
-        return OPTIONS_USAGE;
-    c->o->config.law = (uint32_t)(PUPIL_LAW_ARITHMETIC_SCALE + v - 1);
-    return OPTIONS_RUN;
+    const char *what = row->unit ? row->unit : unit;
+    const char *comma = row->unit || row->high > 1e10 ? "," : "";
+    if (row->high > 1e10)
+        snprintf(text, bytes, "%s%s %.15g or more", what, comma, row->low);
+    else
+        snprintf(text, bytes, "%s%s from %.15g to %.15g", what, comma, row->low, row->high);
 }
 
-int value_of_weight(const value_text *c)
+/* "a, b or c", or of many words "one of a b c" */
+static void alternatives(const option_row *row, char *text, size_t bytes)
 {
-    const char *right = "above 0, up to 1";
-    if (value_number(c, 0.0, 1.0, right, &c->o->config.frame_weight))
-        return OPTIONS_USAGE;
-    return c->o->config.frame_weight > 0.0 ? OPTIONS_RUN : value_refuse(c, right);
+    size_t length = 0;
+    const char *words = option_words_of(row);
+    for (const char *word = words; *word; word += strcspn(word, "|"), word += *word == '|') {
+        const char *before = word == words       ? row->words ? "one of " : ""
+                             : row->words        ? " "
+                             : strchr(word, '|') ? ", "
+                                                 : " or ";
+        length += (size_t)snprintf(text + length, bytes - length, "%s%.*s", before, (int)strcspn(word, "|"), word);
+    }
 }
 
-int value_of_threads(const value_text *c)
+void option_right(const option_row *row, char *text, size_t bytes)
 {
-    uint64_t v;
-    if (value_whole(c, 0, 256, "from 0 (one a processor) to 256", &v))
-        return OPTIONS_USAGE;
-    c->o->threads = (unsigned)v;
-    c->o->source.threads = (unsigned)v;
-    return OPTIONS_RUN;
-}
-
-int value_of_fps(const value_text *c)
-{
-    return value_number(c, 0.001, 1e5, "frames a second, from 0.001 to 100000", &c->o->source.fps);
-}
-
-int value_of_transfer(const value_text *c)
-{
-    static const char *const words[] = {"srgb", "gamma22", "linear", NULL};
-    return word(c, words, &c->o->config.transfer);
-}
-
-int value_of_gles_version(const value_text *c)
-{
-    static const char *const words[] = {"3.0", "3.1", NULL};
-    uint32_t which = 0;
-    if (word(c, words, &which))
-        return OPTIONS_USAGE;
-    c->o->gles_version = which ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
-    return OPTIONS_RUN;
-}
-
-int value_of_out(const value_text *c)
-{
-    if (c->o->out_count == FRAME_MOST_OUTPUTS)
-        return value_refuse(c, "one of at most 16 outputs");
-    if (!*c->text)
-        return value_refuse(c, "a path");
-    c->o->out[c->o->out_count++] = c->text;
-    return OPTIONS_RUN;
+    switch (row->right ? OPTION_FLAG : row->kind) {
+    case OPTION_NUMBER:
+        range(row, "a number", text, bytes);
+        break;
+    case OPTION_COUNT:
+    case OPTION_COUNT32:
+        range(row, "a whole number", text, bytes);
+        break;
+    case OPTION_CHOICE:
+        alternatives(row, text, bytes);
+        break;
+    case OPTION_SIZE:
+        snprintf(text, bytes, "WIDTHxHEIGHT, for example 640x360, each from 1 to %.15g", row->high);
+        break;
+    case OPTION_TEXT:
+    case OPTION_PATH:
+        snprintf(text, bytes, "%s", row->kind == OPTION_PATH ? "a path" : row->value);
+        break;
+    default:
+        snprintf(text, bytes, "%s", row->right ? row->right : "");
+    }
 }

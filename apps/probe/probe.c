@@ -1,7 +1,6 @@
 /* pupil probe: what a camera is, and what it really does. */
 #include "probe.h"
 
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,20 +16,6 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_STOPPED = 130 };
 
 #define SECONDS       14.0 /* of the stream; the first frame has its own time */
 #define QUICK_SECONDS 8.0
-
-static const char help[] = "usage: pupil probe [-d CAMERA] [options]\n"
-                           "What a camera offers, and, measured in its picture, what it does: how its memory\n"
-                           "is read, after how many frames exposure and gain act and whether the picture\n"
-                           "follows them as it should, black, frame interval, latency. For some seconds its\n"
-                           "controls are taken; then each is put back to what it was. Point it at something\n"
-                           "of medium light that stands still.\n"
-                           "  -d, --device CAMERA  a path, a number or a name; the first that is there\n"
-                           "      --json           the same as JSON\n"
-                           "      --quick          fewer steps: half the time\n"
-                           "  -q, --quiet          no line that says what is being measured\n"
-                           "  -h, --help\n"
-                           "exit: 0 done, with what could not be measured said so; 1 failed, 2 usage,\n"
-                           "130 stopped (the controls are put back)\n";
 
 typedef struct probe_run {
     const char *device;
@@ -73,40 +58,55 @@ static void complain(pupil_why *why)
     report_error("pupil probe", why, "");
 }
 
-/* 0: go on; else the exit status and one more. */
+static const option_row rows[] = {
+    {"device", 'd', OPTION_PATH, "CAMERA", offsetof(probe_run, device), .right = "a path, a number or a camera's name",
+     .help = "a path, a number or a name (the first camera; 'pupil list')"},
+    OPTION_ROW_JSON(probe_run, json, "the same as JSON, with units in its names"),
+    {"quick", 0, OPTION_FLAG, NULL, offsetof(probe_run, options.quick), .help = "fewer steps: at most 8 seconds"},
+    {"quiet", 'q', OPTION_FLAG, NULL, offsetof(probe_run, quiet), .help = "no line that shows the progress"},
+};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command probe_command = {
+    .name = "probe",
+    .summary = "what a camera offers, and, measured in its picture, what it does",
+    .usage = "[-d CAMERA] [options]",
+    .about = "Shows what a camera offers, and measures in its picture what it does: how its memory\n"
+             "is read, after how many frames exposure and gain act, whether the picture follows them,\n"
+             "black level, frame interval, latency. For some seconds it uses the camera's controls;\n"
+             "then each gets its old value back. Point the camera at a scene of medium light that\n"
+             "does not move.",
+    .exits = "0 done, also where something could not be measured; 1 failed, 2 usage,\n"
+             "130 stopped (the controls have their old values)",
+    .manual =
+        "Shows what a camera offers, and measures in its picture what it does: how the CPU reads its memory; after how "
+        "many frames exposure and gain act; whether the picture follows exposure (linear, or with a tone curve) and "
+        "gain (its law), or only the driver reports it; the black level; the frame interval and its jitter; the "
+        "latency "
+        "from the driver's timestamp. It streams for at most 14 seconds. Then, and after Ctrl-C, each control gets its "
+        "old value back. Point the camera at a scene of medium light that does not move. What cannot be measured is "
+        "called undetermined, with the reason.\n\n"
+        "A delay is counted from the frame that is being exposed while a control is written to the first that shows "
+        "it. Levels are logarithms of linear light: the mean of the pixels without the darkest and the brightest "
+        "tenth. "
+        "The light of mosaics and of grey is counted from the measured black level.",
+    .instead = "name the camera by -d",
+    .groups = groups,
+    .run = probe_main,
+};
+
+/* -1: continue; else the exit status. */
 static int parse(int argc, char **argv)
 {
-    static const struct option options[] = {{"device", required_argument, NULL, 'd'}, {"json", no_argument, NULL, 'j'},
-                                            {"quick", no_argument, NULL, 'Q'},        {"quiet", no_argument, NULL, 'q'},
-                                            {"help", no_argument, NULL, 'h'},         {0}};
-    int option;
-    opterr = 0;
-    optind = 0; /* all over again: tests come here more than once */
+    option_words words;
     run = (probe_run){0};
-    while ((option = getopt_long(argc, argv, ":d:qh", options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(help, stdout);
-            return 1 + EXIT_DONE;
-        }
-        if (option == '?' || option == ':') {
-            fprintf(stderr, "pupil probe: %s: %s; 'pupil probe --help' lists them\n", argv[optind - 1],
-                    option == ':' ? "its value is missing" : "no such option");
-            return 1 + EXIT_USAGE;
-        }
-        run.device = option == 'd' ? optarg : run.device;
-        run.json |= option == 'j';
-        run.options.quick |= option == 'Q';
-        run.quiet |= option == 'q';
-    }
-    if (optind < argc) {
-        fprintf(stderr, "pupil probe: %s: it takes no argument; the camera is named by -d\n", argv[optind]);
-        return 1 + EXIT_USAGE;
-    }
-    if (run.json && list_json_refusal()) {
+    const int parsed = options_read(&probe_command, &run, argc, argv, &words);
+    if (parsed < 0 && run.json && list_json_refusal()) {
         fprintf(stderr, "pupil probe: --json: %s\n", list_json_refusal());
-        return 1 + EXIT_FAILED;
+        return EXIT_FAILED;
     }
-    return 0;
+    return parsed;
 }
 
 static int print(const probe_report *report, pupil_why *why)
@@ -154,8 +154,8 @@ static int probe(probe_report *report, const pupil_v4l2_system *system)
 int probe_on(const pupil_v4l2_system *system, int argc, char **argv)
 {
     const int parsed = parse(argc, argv);
-    if (parsed)
-        return parsed - 1;
+    if (parsed >= 0)
+        return parsed;
     run.options.seconds = run.options.quick ? QUICK_SECONDS : SECONDS;
     run.options.say = say_now;
     run.options.source = note_source;

@@ -34,7 +34,6 @@ typedef struct record {
     pupil_recorder_counts counts;
     progress progress;
 
-    run_options steering; /* as the camera's side of a run has it */
     run_sensor sensor;
     pupil_t pupil;
     pupil_stats stats;
@@ -61,7 +60,7 @@ static void restore(void)
 
 static int is_steered(const record_options *o)
 {
-    return o->automatic || o->exposure_s > 0 || o->gain > 0;
+    return o->automatic || o->run.exposure_s > 0 || o->run.gain > 0;
 }
 
 static int begin_exposure(record *r)
@@ -72,21 +71,17 @@ static int begin_exposure(record *r)
         return 0;
     if (!camera) {
         pupil_refuse(&r->why, "--%s: %.900s",
-                     o->automatic        ? "auto"
-                     : o->exposure_s > 0 ? "shutter"
-                                         : "gain",
+                     o->automatic            ? "auto"
+                     : o->run.exposure_s > 0 ? "shutter"
+                                             : "gain",
                      pupil_live_no_controls(r->source));
         return -1;
     }
     restored = r->source;
     interrupt_fatal(restore);
-    r->steering =
-        (run_options){.mode = o->automatic ? RUN_SENSOR : RUN_DIGITAL, .exposure_s = o->exposure_s, .gain = o->gain};
-    pupil_config_default(&r->steering.shown.config);
-    r->steering.shown.config.histogram = 1; /* of which the sensor's loop takes the highlights */
-    pupil_init(&r->pupil, &r->steering.shown.config);
-    run_sensor_begin(&r->sensor, &r->steering, r->source);
-    return run_choose_mode(&r->steering, r->source, NULL, &r->why);
+    pupil_init(&r->pupil, &r->options.run.shown.config);
+    run_sensor_begin(&r->sensor, &r->options.run, r->source);
+    return run_choose_mode(&r->options.run, r->source, NULL, &r->why);
 }
 
 /* From the first frame on, which tells the time; one that was unplugged and came back is taken again. */
@@ -123,7 +118,7 @@ static int open_recorder(record *r, const pupil_frame *first)
 {
     const pupil_recorder_options options = {.camera = r->camera ? r->camera->device.name : r->name,
                                             .fps = r->source->fps,
-                                            .overwrite = r->options.overwrite,
+                                            .overwrite = r->options.run.shown.overwrite,
                                             .wait = !r->camera,
                                             .give_up = interrupt_again};
     r->first_ns = first->info.timestamp_ns;
@@ -148,8 +143,8 @@ static void show(record *r)
 static int goes_on(const record *r, const pupil_frame *last)
 {
     const double passed_s = (double)(last->info.timestamp_ns - r->first_ns) * 1e-9 + 1.0 / r->source->fps;
-    return (!r->options.most || r->taken < r->options.most) &&
-           (!(r->options.seconds > 0) || passed_s < r->options.seconds - 1e-9);
+    return (!r->options.run.shown.most || r->taken < r->options.run.shown.most) &&
+           (!(r->options.run.seconds > 0) || passed_s < r->options.run.seconds - 1e-9);
 }
 
 static int run(record *r)
@@ -184,14 +179,16 @@ static int run(record *r)
 static int open_source(record *r, const pupil_v4l2_system *system)
 {
     const record_options *o = &r->options;
-    r->options.source.stop = interrupt_came;
-    r->name = o->input_count ? o->inputs[0] : r->device;
-    if (o->input_count && (o->input_count > 1 || !input_is_camera(r->name)))
-        return open_input(o->inputs, o->input_count, &o->source, &r->source, &r->why);
-    if (run_choose_camera(system, o->input_count ? o->inputs[0] : o->camera, r->device, sizeof r->device, &r->why))
+    r->options.run.shown.source.stop = interrupt_came;
+    r->name = o->run.shown.input_count ? o->run.shown.inputs[0] : r->device;
+    if (o->run.shown.input_count && (o->run.shown.input_count > 1 || !input_is_camera(r->name)))
+        return open_input(o->run.shown.inputs, o->run.shown.input_count, &o->run.shown.source, &r->source, &r->why);
+    if (run_choose_camera(system, o->run.shown.input_count ? o->run.shown.inputs[0] : o->run.device, r->device,
+                          sizeof r->device, &r->why))
         return -1;
-    const pupil_live_options live = {.capture = {.system = system, .fourcc = o->fourcc}, .hands_off = !is_steered(o)};
-    if (pupil_live_open(r->device, &o->source, &live, &r->source, &r->why))
+    const pupil_live_options live = {.capture = {.system = system, .fourcc = o->run.live.capture.fourcc},
+                                     .hands_off = !is_steered(o)};
+    if (pupil_live_open(r->device, &o->run.shown.source, &live, &r->source, &r->why))
         return -1;
     r->camera = pupil_live_capture(r->source);
     return begin_exposure(r);
@@ -230,22 +227,20 @@ int record_on(const pupil_v4l2_system *system, int argc, char **argv)
     static record r; /* one run at a time; pupil_t and pupil_stats are large for a stack */
     memset(&r, 0, sizeof r);
     const int parsed = record_options_parse(&r.options, argc, argv, &r.why);
-    if (parsed == RECORD_HELP) {
-        fputs(record_help, stdout);
+    if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    }
-    if (parsed == RECORD_USAGE) {
+    if (parsed == OPTIONS_USAGE) {
         say(&r);
         return EXIT_USAGE;
     }
     interrupt_watch();
-    progress_begin(&r.progress, r.options.quiet, 0);
+    progress_begin(&r.progress, r.options.run.shown.quiet, 0);
     int failed = open_source(&r, system) || run(&r);
     progress_clear(&r.progress);
     failed = end(&r, failed);
     if (failed)
         say(&r);
-    if (r.counts.written && !r.options.quiet)
+    if (r.counts.written && !r.options.run.shown.quiet)
         tell(&r);
     pupil_source_close(r.source);
     pupil_live_await(LAST_WRITE_S, interrupt_again);

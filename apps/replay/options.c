@@ -1,106 +1,95 @@
 #include "options.h"
 
-#include <stdio.h>
 #include <string.h>
 
-#include "options/shared_options.h"
+#include "commands.h"
 #include "refuse.h"
 
-enum { REPORT = OPTION_OWN, HOLD, RESET_EACH, SEED, KEEP_GOING, LOOP };
+#define AT(field) offsetof(frame_options, field)
 
-static const struct option long_options[] = {
-    {"report", required_argument, NULL, REPORT},
-    {"hold", required_argument, NULL, HOLD},
-    {"reset-each", no_argument, NULL, RESET_EACH},
-    {"seed", required_argument, NULL, SEED},
-    {"keep-going", no_argument, NULL, KEEP_GOING},
-    {"loop", no_argument, NULL, LOOP},
-    SHARED_OPTIONS,
+static const option_row output_rows[] = {
+    {"report", 0, OPTION_PATH, "DIR", AT(report), .help = "a page with the video, the plot and the figures",
+     .more = "DIR/index.html, with a strip of frames and the settings. Its plot needs gnuplot."},
+    {"view", 0, OPTION_FLAG, NULL, AT(view), .help = "a window with the result; h shows its keys",
+     .more = "At the source's pace. Mapped by the GPU, or by the CPU where there is none. Keys: 1 to 4 the study's "
+             "formulas, 0 the law in seconds, [ and ] faster and slower, - and + compensation by 1/3 stop, l lock, s "
+             "split screen (left and right move it), p plot of the level, space pause, f full screen, h help, q quit."},
+    {"loop", 0, OPTION_FLAG, NULL, AT(loop), .help = "of --view: start again at the end",
+     .more = "Without it the last frame stays until q is pressed, unless something is written or --frames is given."},
+    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace an output folder that is not empty",
+     .more = "Only one that pupil made. Files are always replaced."},
 };
 
-static int take_flag(int option, frame_options *o)
-{
-    switch (option) {
-    case RESET_EACH:
-        o->reset_each = 1;
-        return 1;
-    case KEEP_GOING:
-        o->keep_going = 1;
-        return 1;
-    case LOOP:
-        o->loop = 1;
-        return 1;
-    default:
-        return shared_option_flag(option, o);
-    }
-}
+static const option_row frame_rows[] = {
+    {"fps", 0, OPTION_NUMBER, "N", AT(source.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
+     .help = "of stills, pan and synth (30)", .more = "Of a camera: one of its frame rates."},
+    {"size", 0, OPTION_SIZE, "WxH", AT(source.width), .high = PUPIL_MAX_SIDE_PX, .help = "of pan, synth and cameras"},
+    {"frames", 'n', OPTION_COUNT, "N", AT(most), .low = 1, .high = 0x1p40, .unit = "a whole number of frames",
+     .help = "at most N frames"},
+    {"hold", 0, OPTION_COUNT, "N", AT(hold), .initial = "1", .low = 1, .high = 1e6, .help = "show each frame N times",
+     .more = "Each time one frame period later."},
+    {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
+     .more = "For a contact sheet of unrelated pictures."},
+    {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
+    {"keep-going", 0, OPTION_FLAG, NULL, AT(keep_going), .help = "skip bad frames",
+     .more = "Damaged and missing ones. They are counted, and the exit status is 3."},
+};
 
-static int take(int option, const value_text *c)
-{
-    frame_options *o = c->o;
-    switch (option) {
-    case REPORT:
-        return option_path(c, &o->report);
-    case HOLD:
-        return value_whole(c, 1, 1000000, "a whole number from 1 to 1000000", &o->hold);
-    case SEED:
-        return value_whole(c, 1, UINT64_MAX, "a whole number, 1 or more", &o->source.seed);
-    default:
-        return shared_option_take(option, c);
-    }
-}
+static const option_row quiet_row[] = {OPTION_ROW_QUIET(frame_options, quiet)};
 
-/* What --loop asks of the other options. */
+static const option_group groups[] = {
+    {"outputs (complete or absent)", OPTION_ROWS(frame_output_rows)},
+    {NULL, OPTION_ROWS(output_rows)},
+    {"frames", OPTION_ROWS(frame_rows)},
+    {"exposure", OPTION_ROWS(frame_exposure_rows)},
+    {"mapping", OPTION_ROWS(frame_mapping_rows)},
+    {NULL, OPTION_ROWS(quiet_row)},
+    {0},
+};
+
+const option_command replay_command = {
+    .name = "replay",
+    .summary = "recorded HDR frames to a display video, with a record of the exposure",
+    .usage = "INPUT... [options]",
+    .about = "Adapts recorded HDR frames; writes a display video and what the exposure did.\n"
+             "  INPUT  .exr .hdr .pfm .png, a folder, a 'glob*', a video, - (stdin),\n"
+             "         pan:PANORAMA[,key=value...], synth:walk, synth:room,\n"
+             "         synth:RECIPE.scene, v4l2:CAMERA (a path, a number, a name)",
+    .exits = "0 done, 1 failed, 2 usage, 3 done but frames were skipped, 130 interrupted",
+    .manual =
+        "Recorded HDR frames are metered, adapted to over time, and mapped by Reinhard's operator. Without options "
+        "the picture follows the light as the eye does: faster toward light than toward dark, in seconds, at any "
+        "frame rate.\n\n"
+        "Every output is written next to its place and renamed when it is complete. After an error, or Ctrl-C "
+        "before the last frame, there is none.",
+    .groups = groups,
+    .run = replay_main,
+};
+
+/* What --loop requires of the other options. */
 static int check_loop(const frame_options *o, pupil_why *why)
 {
     if (o->loop && !o->view)
-        return pupil_refuse(why, "--loop: is of --view; to write frames several times there is --hold"), -1;
+        return pupil_refuse(why, "--loop: is of --view; to write frames several times there is --hold");
     for (size_t i = 0; o->loop && i < o->input_count; i++)
         if (strcmp(o->inputs[i], "-") == 0)
-            return pupil_refuse(why, "--loop: standard input comes once; name a file"), -1;
+            return pupil_refuse(why, "--loop: standard input cannot be read again; name a file");
     return 0;
 }
 
 int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why)
 {
-    int option, weight_given = 0;
-    *o = (frame_options){.hold = 1, .metering = "uniform", .white = "follow"};
-    pupil_config_default(&o->config);
-    o->config.histogram = 1; /* every record has quantiles */
-
-    optind = 1;
-    opterr = 0;
-    while ((option = getopt_long(argc, argv, "+o:n:yqh", long_options, NULL)) != -1 || optind < argc) {
-        if (option == -1) { /* an input; gathered at the front of argv, so that options may stand on either side */
-            if (optind > 1 && strcmp(argv[optind - 1], "--") == 0) {
-                while (optind < argc)
-                    argv[1 + o->input_count++] = argv[optind++];
-                break;
-            }
-            argv[1 + o->input_count++] = argv[optind++];
-            continue;
-        }
-        if (option == 'h')
-            return OPTIONS_HELP;
-        if (option == '?' || option == ':') {
-            const char *said = argv[optind - 1];
-            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil replay --help' lists them", said);
-            return OPTIONS_USAGE;
-        }
-        if (take_flag(option, o))
-            continue;
-        value_text c = {o, option_name(long_options, option), optarg, why};
-        weight_given |= option == OPTION_WEIGHT;
-        if (take(option, &c))
-            return OPTIONS_USAGE;
-    }
-    o->inputs = (const char *const *)argv + 1;
-    if (!o->input_count) {
-        pupil_refuse(why,
-                     "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' tells more");
+    option_words words;
+    frame_options_begin(o);
+    const int parsed = options_parse(&replay_command, o, argc, argv, &words, why);
+    if (parsed)
+        return parsed;
+    o->inputs = (const char *const *)words.word;
+    o->input_count = (size_t)words.count;
+    if (!o->input_count)
+        return pupil_refuse(why, "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' "
+                                 "tells more");
+    if (check_loop(o, why))
         return OPTIONS_USAGE;
-    }
-    if (check_loop(o, why) || shared_options_check(o, weight_given, why))
-        return OPTIONS_USAGE;
-    return OPTIONS_RUN;
+    return frame_options_check(o, options_given(&replay_command, &words, "weight"), why);
 }

@@ -3,11 +3,8 @@
 #define PUPIL_APPS_REPLAY_OPTIONS_H
 
 #include "options/frame_options.h"
-#include "pupil/error.h"
 
-/* OPTIONS_RUN; OPTIONS_HELP where help was asked for; OPTIONS_USAGE and a sentence that names the option. */
+/* As options_parse, with the defaults set before. Moves the inputs to the front of argv. */
 int replay_options_parse(frame_options *options, int argc, char **argv, pupil_why *why);
-
-extern const char replay_help[];
 
 #endif

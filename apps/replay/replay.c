@@ -313,10 +313,8 @@ int replay_main(int argc, char **argv)
     replay_report_command(command, sizeof command, argc, argv); /* before parsing moves argv about */
     int parsed = replay_options_parse(&r.options, argc, argv, &r.why);
     r.options.command = command;
-    if (parsed == OPTIONS_HELP) {
-        fputs(replay_help, stdout);
+    if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    }
     if (parsed == OPTIONS_USAGE || frame_options_check_paths(&r.options, &r.why)) {
         say(&r, "");
         return EXIT_USAGE;

@@ -1,231 +1,276 @@
 #include "options.h"
 
-#include <stdio.h>
+#include <math.h>
 #include <string.h>
 
+#include "commands.h"
 #include "options/colour_options.h"
-#include "options/shared_options.h"
+#include "options/key_at.h"
 #include "refuse.h"
+#include "v4l2/format.h"
 
-enum {
-    MODE = OPTION_OWN,
-    WIDTH,
-    HEIGHT,
-    FORMAT,
-    BUFFERS,
-    NEWEST,
-    REOPEN,
-    SHUTTER,
-    GAIN,
-    MAINS,
-    FLICKER_PERIOD,
-    NO_PRIORITY,
-    WHITE_BALANCE,
-    COLOUR_MATRIX,
-    BLACK_LEVEL,
-    DELAY,
-    CURVE,
-    KEY_AT,
-    RESUME,
-    RECORD,
-    ROW_GAINS,
-    READOUT
-};
+/* --- values that no kind fits --- */
 
-static const struct option long_options[] = {
-    {"device", required_argument, NULL, 'd'},
-    {"mode", required_argument, NULL, MODE},
-    {"width", required_argument, NULL, WIDTH},
-    {"height", required_argument, NULL, HEIGHT},
-    {"framerate", required_argument, NULL, OPTION_FPS},
-    {"format", required_argument, NULL, FORMAT},
-    {"buffers", required_argument, NULL, BUFFERS},
-    {"newest", no_argument, NULL, NEWEST},
-    {"reopen", required_argument, NULL, REOPEN},
-    {"shutter", required_argument, NULL, SHUTTER},
-    {"gain", required_argument, NULL, GAIN},
-    {"mains", required_argument, NULL, MAINS},
-    {"flicker-period", required_argument, NULL, FLICKER_PERIOD},
-    {"no-frame-rate-priority", no_argument, NULL, NO_PRIORITY},
-    {"white-balance", required_argument, NULL, WHITE_BALANCE},
-    {"matrix", required_argument, NULL, COLOUR_MATRIX},
-    {"black-level", required_argument, NULL, BLACK_LEVEL},
-    {"control-delay", required_argument, NULL, DELAY},
-    {"curve", required_argument, NULL, CURVE},
-    {"key-at", required_argument, NULL, KEY_AT},
-    {"resume", required_argument, NULL, RESUME},
-    {"record", required_argument, NULL, RECORD},
-    {"row-gains", no_argument, NULL, ROW_GAINS},
-    {"readout", required_argument, NULL, READOUT},
-    {"timeout", required_argument, NULL, 't'},
-    SHARED_OPTIONS,
-};
-
-static int take_flag(int option, run_options *r)
+static int parse_format(const option_value *v)
 {
-    switch (option) {
-    case NEWEST:
-        return r->live.capture.newest = 1;
-    case NO_PRIORITY:
-        return r->any_frame_rate = 1;
-    case ROW_GAINS:
-        return r->row_gains = 1;
-    default:
-        return shared_option_flag(option, &r->shown);
-    }
+    run_options *r = v->options;
+    r->live.capture.fourcc = pupil_v4l2_fourcc(v->text);
+    return r->live.capture.fourcc ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-/* Options of the capture; -1: it is none of them. */
-static int take_capture(int option, const value_text *c, run_options *r)
+static int parse_mains(const option_value *v)
 {
-    uint64_t whole = 0;
-    switch (option) {
-    case 'd':
-        return *c->text ? option_path(c, &r->device) : value_refuse(c, "a path, a number or a camera's name");
-    case MODE:
-        return run_value_mode(c, &r->mode);
-    case WIDTH:
-        return run_value_side(c, &c->o->source.width);
-    case HEIGHT:
-        return run_value_side(c, &c->o->source.height);
-    case FORMAT:
-        return run_value_format(c, &r->live.capture.fourcc);
-    case BUFFERS:
-        if (value_whole(c, 2, PUPIL_V4L2_MOST_BUFFERS, "from 2 to 32", &whole))
-            return OPTIONS_USAGE;
-        r->live.capture.buffers = (uint32_t)whole;
-        return OPTIONS_RUN;
-    case DELAY:
-        if (value_whole(c, 1, 15, "frames, from 1 to 15", &whole))
-            return OPTIONS_USAGE;
-        r->live.delay = (uint32_t)whole;
-        return OPTIONS_RUN;
-    case RESUME:
-        if (strcmp(c->text, "-") == 0)
-            return value_refuse(c, "a file");
-        return option_path(c, &r->resume);
-    case REOPEN:
-        return run_value_time(c, 1.0, 0.0, 1e6, "seconds, from 0 to 1e6", &r->live.capture.reopen_s);
-    default:
-        return -1;
-    }
-}
-
-/* What a camera is asked for. */
-static int take_camera(int option, const value_text *c, run_options *r)
-{
-    static const char moment[] = "10ms, 1/100, 0.01s, or a plain number of microseconds, from 1us to 1000s";
-    switch (option) {
-    case CURVE:
-        return run_value_curve(c, &r->curve);
-    case KEY_AT:
-        return run_value_key_at(c, &r->key_at);
-    case SHUTTER:
-        return run_value_time(c, 1e-6, 1e-6, 1000.0, moment, &r->exposure_s);
-    case GAIN:
-        return value_number(c, 0x1p-10, 65536.0, "a factor, from 0.001 to 65536", &r->gain);
-    case MAINS:
-        return run_value_mains(c, &r->live.mains_hz, &r->mains_off);
-    case FLICKER_PERIOD:
-        return run_value_period(c, &r->live.mains_hz);
-    case WHITE_BALANCE:
-        return colour_option_balance(&r->colour, c->text, c->why) ? OPTIONS_USAGE : OPTIONS_RUN;
-    case COLOUR_MATRIX:
-        return colour_option_matrix(&r->colour, c->text, c->why) ? OPTIONS_USAGE : OPTIONS_RUN;
-    case BLACK_LEVEL:
-        return colour_option_black(&r->colour, c->text, c->why) ? OPTIONS_USAGE : OPTIONS_RUN;
-    case READOUT:
-        return run_value_time(c, 1e-3, 1e-4, 1.0, "25ms, or a plain number of milliseconds, from 0.1 to 1000",
-                              &r->readout_s);
-    case RECORD:
-        return option_path(c, &c->o->record);
-    case 't':
-        return run_value_time(c, 1.0, 1e-3, 1e9, "seconds above 0, or 500ms, 10min", &r->seconds);
-    default:
-        return take_capture(option, c, r);
-    }
-}
-
-static int conflict(pupil_why *why, const char *sentence)
-{
-    pupil_refuse(why, "%s", sentence);
-    return OPTIONS_USAGE;
-}
-
-/* Of --row-gains, and of --mains where it is about them. */
-static int check_lamps(const run_options *r, pupil_why *why)
-{
-    const frame_options *o = &r->shown;
-    if (r->mode == RUN_DIGITAL && ((r->live.mains_hz && !r->row_gains) || r->any_frame_rate))
-        return conflict(why, "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and both; "
-                             "digital leaves the camera as it is");
-    if (r->readout_s > 0.0 && !r->row_gains)
-        return conflict(why, "--readout: is of --row-gains");
-    if (r->row_gains && (o->gles || o->gles_version))
-        return conflict(why, "--row-gains: is the CPU's work, and goes without --gles and --gles-version");
-    if (r->row_gains && o->config.order == PUPIL_ORDER_FUSED)
-        return conflict(why, "--row-gains: looks at a frame before it is mapped, and goes without --fused");
-    if (r->row_gains && r->mains_off)
-        return conflict(why, "--row-gains: is about lamps on the mains, and goes without --mains off");
+    static const uint32_t hz[] = {0, 50, 60, 0};
+    run_options *r = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    r->live.mains_hz = hz[place];
+    r->mains_off = strcmp(v->text, "off") == 0;
     return OPTIONS_RUN;
 }
 
-/* What options ask of one another. */
-static int check(const run_options *r, int weight_given, int key_given, pupil_why *why)
+/* Light flickers twice in a period of the mains. */
+static int parse_period(const option_value *v)
+{
+    run_options *r = v->options;
+    double s = 0.0;
+    if (option_time(v, v->row->low, v->row->high, &s))
+        return OPTIONS_USAGE;
+    r->live.mains_hz = fabs(s - 0.01) < 1e-5 ? 50 : fabs(s - 1.0 / 120.0) < 1e-5 ? 60 : 0;
+    return r->live.mains_hz ? OPTIONS_RUN : option_refuse(v, NULL);
+}
+
+static int parse_key_at(const option_value *v)
+{
+    run_options *r = v->options;
+    pupil_sensor_config tried;
+    pupil_sensor_config_default(&tried);
+    r->key_at = v->text;
+    return key_at_parse(v->text, &tried) ? option_refuse(v, key_at_right) : OPTIONS_RUN;
+}
+
+static int parse_resume(const option_value *v)
+{
+    return strcmp(v->text, "-") == 0 ? option_refuse(v, "a file") : option_take(v);
+}
+
+/* --- the table --- */
+
+#define AT(field) offsetof(run_options, field)
+
+const option_row run_device_rows[RUN_DEVICE_ROWS] = {
+    {"device", 'd', OPTION_PATH, "CAMERA", AT(device), .right = "a path, a number or a camera's name",
+     .help = "a path, a number or a name (the first camera; 'pupil list')"},
+};
+
+const option_row run_request_rows[RUN_REQUEST_ROWS] = {
+    {"width", 0, OPTION_COUNT32, "N", AT(shown.source.width), .low = 1, .high = PUPIL_MAX_SIDE_PX, .unit = "pixels",
+     .help = "picture width"},
+    {"height", 0, OPTION_COUNT32, "N", AT(shown.source.height), .low = 1, .high = PUPIL_MAX_SIDE_PX, .unit = "pixels",
+     .help = "picture height"},
+    {"framerate", 0, OPTION_NUMBER, "N", AT(shown.source.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
+     .help = "frames a second"},
+    {"fps", 0, OPTION_NUMBER, "N", AT(shown.source.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
+     .help = "the same"},
+    {"format", 0, OPTION_TEXT, "FOURCC", 0, .parse = parse_format,
+     .right = "a format's name of up to four letters, as 'pupil list' shows them: YUYV, NV12",
+     .help = "pixel format: YUYV, NV12, RG10"},
+};
+
+const option_row run_manual_rows[RUN_MANUAL_ROWS] = {
+    {"shutter", 0, OPTION_TIME, "TIME", AT(exposure_s), .low = 1e-6, .high = 1000.0, .unit_s = 1e-6,
+     .right = "a time: 10ms, 1/100, 0.01s, or a plain number of microseconds, from 1us to 1000s",
+     .help = "manual exposure time: 10ms, 1/100, 10000 (us)"},
+    {"gain", 0, OPTION_NUMBER, "FACTOR", AT(gain), .low = 0x1p-10, .high = 65536.0,
+     .right = "a factor from 0.001 to 65536; 1 is no gain", .help = "manual gain, 1 is none"},
+};
+
+const option_row run_end_rows[RUN_END_ROWS] = {
+    {"frames", 'n', OPTION_COUNT, "N", AT(shown.most), .low = 1, .high = 0x1p40, .unit = "a whole number of frames",
+     .help = "end after N frames"},
+    {"timeout", 't', OPTION_TIME, "TIME", AT(seconds), .low = 1e-3, .high = 1e9, .unit_s = 1.0,
+     .right = "seconds above 0, or 500ms, 10min", .help = "run this long: 10 (s), 500ms, 10min"},
+};
+
+static const option_row mode_rows[] = {
+    {"mode", 0, OPTION_CHOICE, "digital|sensor|both", AT(mode),
+     .help = "digital: the picture adapts; sensor: exposure and gain are controlled; both (both; digital if there "
+             "are no controls)",
+     .more = "digital: no control is touched. sensor: the picture is the camera's, without tone curve and adaptation; "
+             "only a factor hides the steps of the exposure. both: the exposure is set to what is best for the sensor, "
+             "and the picture adapts to the light that the frames show. A step of the exposure is not visible."},
+};
+
+static const option_row request_rows[] = {
+    {"size", 0, OPTION_SIZE, "WxH", AT(shown.source.width), .high = PUPIL_MAX_SIDE_PX, .help = "both sides at once"},
+    {"buffers", 0, OPTION_COUNT32, "N", AT(live.capture.buffers), .low = 2, .high = PUPIL_V4L2_MOST_BUFFERS,
+     .help = "buffers in the kernel's queue (4)"},
+};
+
+static const option_row control_rows[] = {
+    {"mains", 0, OPTION_CHOICE, "auto|50|60|off", 0, .parse = parse_mains, .initial = "auto",
+     .help = "anti-flicker for this mains frequency",
+     .more =
+         "Exposure times are multiples of half a mains period, so that lamps leave no bands. auto: the frequency is "
+         "found from bands in the frames, once there are any."},
+    {"flicker-period", 0, OPTION_TIME, "TIME", 0, .parse = parse_period, .low = 8e-3, .high = 1.1e-2, .unit_s = 1e-6,
+     .right = "10000us (mains of 50 Hz) or 8333us (60 Hz); a plain number is microseconds",
+     .help = "the same by its period: 10000us or 8333us"},
+    {"row-gains", 0, OPTION_FLAG, NULL, AT(row_gains),
+     .help = "correct flicker bands row by row, in exposures below a period",
+     .more = "Below 10 ms (50 Hz) or 8.3 ms (60 Hz), because it is bright or by --shutter, lamps leave bands. The CPU "
+             "corrects them. Frames that are clipped or partly lit by daylight are left as they are. A daylit area "
+             "below a tenth of an eighth of the picture's width and height is not detected and would get bands: "
+             "therefore this is an option. With --mains auto the frequency is found first; --mode digital needs 50 or "
+             "60. The last line says in how many frames it was done, and why not in the last one. Not with --gles or "
+             "--fused."},
+    {"readout", 0, OPTION_TIME, "MS", AT(readout_s), .low = 1e-4, .high = 1.0, .unit_s = 1e-3,
+     .right = "25ms, or a plain number of milliseconds, from 0.1 to 1000",
+     .help = "for --row-gains: time from first row to last (the driver's)",
+     .more = "Within a tenth. The driver's is from PIXEL_RATE and HBLANK, which webcams do not have. Then it is the "
+             "number of lines times the line time of the sensor's data sheet, at most the frame period at the fastest "
+             "rate."},
+    {"no-frame-rate-priority", 0, OPTION_FLAG, NULL, AT(any_frame_rate),
+     .help = "in the dark, expose longer than a frame",
+     .more = "After the gain has reached its limit. Frames then come slower."},
+    {"white-balance", 0, OPTION_TEXT, "auto|off|R,G,B", AT(colour), .parse = colour_option_balance, .initial = "auto",
+     .right = "auto, off, or factors R,G,B from 0.001 to 1024, for example 1.9,1,1.6",
+     .help = "of raw mosaics: grey world, none, factors"},
+    {"black-level", 0, OPTION_TEXT, "auto|off|CODE", AT(colour), .parse = colour_option_black, .initial = "auto",
+     .right = "auto, off, or the code of no light in the camera's format, from 0 to 65534, for example 64 of 10 bits",
+     .help = "of raw formats: the sensor's, none, a code"},
+    {"matrix", 0, OPTION_TEXT, "auto|off|M", AT(colour), .parse = colour_option_matrix, .initial = "auto",
+     .right = "auto, off, or 9 numbers from -16 to 16, row by row, with commas between, that convert the sensor's red, "
+              "green and blue to those of the picture",
+     .help = "of raw mosaics to Rec.709: the sensor's, none, a matrix"},
+    {"control-delay", 0, OPTION_COUNT32, "N", AT(live.delay), .low = 1, .high = 15, .unit = "frames",
+     .help = "frames until a control acts (the sensor's, or 3)",
+     .more = "Without it, a step of the exposure shows the true delay, which is then used. With a wrong one, steps of "
+             "the exposure are visible for some frames."},
+    {"curve", 0, OPTION_CHOICE, "auto|linear|unknown", AT(curve), .initial = "auto",
+     .help = "whether the camera's values are linear in light",
+     .more = "linear: the first step of the exposure is a whole one. unknown: it goes half way and shows how strongly "
+             "the picture answers. auto: linear for mosaics, for grey, and where the driver says so; unknown for other "
+             "formats, and for grey of a USB camera (uvcvideo) whose driver does not say."},
+    {"key-at", 0, OPTION_TEXT, "EV:KEY,...", AT(key_at), .parse = parse_key_at, .right = key_at_right,
+     .help = "of --mode sensor: key by scene luminance",
+     .more =
+         "So that night stays dark. At most 8 points, EV rising, KEY rising by at most a stop for two of EV. Between "
+         "two points the logarithm "
+         "of the key is linear, beyond them the key is constant. EV is scene_ev of --stats; docs/sensor.md gives it "
+         "in lux."},
+    {"resume", 0, OPTION_PATH, "FILE", AT(resume), .parse = parse_resume,
+     .help = "begin with the exposure of this camera's last run",
+     .more = "The exposure time times gain at which the camera (by driver, bus and card) was at rest. FILE has a line "
+             "for each camera. It is written at the end, after Ctrl-C too, and every minute where it has changed. "
+             "At most 30 frames, taken before that exposure is in force, are left out. A missing or empty file is no "
+             "error. Of a damaged one the undamaged lines are used, with a warning. Any other file is refused and left "
+             "as it is. Not with --mode digital, or with both --shutter and --gain."},
+    {"newest", 0, OPTION_FLAG, NULL, AT(live.capture.newest), .help = "skip late frames",
+     .more = "Of several frames that wait, the last is taken. The others count as late."},
+    {"reopen", 0, OPTION_TIME, "TIME", AT(live.capture.reopen_s), .high = 1e6, .unit_s = 1.0, .initial = "0",
+     .right = "seconds, from 0 to 1000000", .help = "wait for an unplugged camera",
+     .more = "Also where its stream stopped. 0: that ends the run, with exit status 1."},
+};
+
+static const option_row output_rows[] = {
+    {"record", 0, OPTION_PATH, "DIR", AT(shown.record), .help = "the camera's frames, for pupil replay",
+     .more = "As of pupil record. Their replay has the statistics of the live run."},
+    {"view", 0, OPTION_FLAG, NULL, AT(shown.view), .help = "a window; h shows its keys",
+     .more = "Each frame as it comes. Keys as of pupil replay --view; space stops the picture, not the run."},
+    {"overwrite", 'y', OPTION_FLAG, NULL, AT(shown.overwrite), .help = "replace a folder"},
+    OPTION_ROW_QUIET(run_options, shown.quiet),
+};
+
+static const option_group groups[] = {
+    {NULL, OPTION_ROWS(run_device_rows)},
+    {NULL, OPTION_ROWS(mode_rows)},
+    {"camera", OPTION_ROWS(run_request_rows), .brief = ""},
+    {NULL, OPTION_ROWS(request_rows), .brief = ""},
+    {NULL, OPTION_ROWS(run_manual_rows)},
+    {NULL, OPTION_ROWS(control_rows)},
+    {"exposure and mapping", OPTION_ROWS(frame_exposure_rows), .base = AT(shown), .brief = "replay"},
+    {NULL, OPTION_ROWS(frame_mapping_rows), .base = AT(shown), .brief = "replay"},
+    {"outputs (kept when the run ends; -o also takes /dev/videoN)", OPTION_ROWS(frame_output_rows), .base = AT(shown)},
+    {NULL, OPTION_ROWS(output_rows)},
+    {NULL, OPTION_ROWS(run_end_rows)},
+    {0},
+};
+
+const option_command run_command = {
+    .name = "run",
+    .summary = "live frames of a camera, with its exposure under control",
+    .usage = "[options]",
+    .about = "Controls the exposure of a V4L2 camera; shows, writes or pipes its picture.",
+    .exits = "0 ended (Ctrl-C too), 1 failed, 2 usage, 3 not all recorded, 130 second Ctrl-C",
+    .manual =
+        "Takes live frames of a V4L2 camera, controls its exposure, and shows, writes or pipes the picture. Ctrl-C, "
+        "SIGTERM, SIGHUP, a closed pipe, -n, -t and an unplugged camera end the run with every output complete. A "
+        "second Ctrl-C gives up what is not complete. Files play at the camera's speed, also where frames were lost. "
+        "Controls that pupil changes get their old values back however the run ends, except by SIGKILL.\n\n"
+        "On a terminal a line shows frames a second, the latency from the driver's timestamp to the mapped frame, the "
+        "metered EV, exposure, gain, the state and lost frames. Into a pipe goes a line at the beginning and one at "
+        "the end.\n\n"
+        "Without --width, --height, --framerate and --format the camera stays as it is set. What --shutter and --gain "
+        "do not set is controlled; in digital mode it stays as it is.\n\n"
+        "docs/camera.md goes from an unknown camera to a stable picture.",
+    .instead = "name the camera by -d, for example -d /dev/video0",
+    .groups = groups,
+    .run = run_main,
+};
+
+/* --- what options require of each other --- */
+
+/* Of --row-gains, and of --mains where it is about them. */
+static int check_flicker(const run_options *r, pupil_why *why)
 {
     const frame_options *o = &r->shown;
-    if (shared_options_check(o, weight_given, why))
-        return OPTIONS_USAGE;
-    if (r->mode == RUN_SENSOR && o->config.order == PUPIL_ORDER_FUSED)
-        return conflict(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
-    if (check_lamps(r, why))
-        return OPTIONS_USAGE;
+    if (r->mode == RUN_DIGITAL && ((r->live.mains_hz && !r->row_gains) || r->any_frame_rate))
+        return pupil_refuse(why, "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and "
+                                 "both; digital leaves the camera as it is");
+    if (r->readout_s > 0.0 && !r->row_gains)
+        return pupil_refuse(why, "--readout: is of --row-gains");
+    if (r->row_gains && (o->gles || o->gles_version))
+        return pupil_refuse(why, "--row-gains: is the CPU's work; not with --gles and --gles-version");
+    if (r->row_gains && o->config.order == PUPIL_ORDER_FUSED)
+        return pupil_refuse(why, "--row-gains: looks at a frame before it is mapped; not with --fused");
+    if (r->row_gains && r->mains_off)
+        return pupil_refuse(why, "--row-gains: corrects flicker of lamps on the mains; not with --mains off");
+    return OPTIONS_RUN;
+}
+
+/* Of --key-at, --resume, --curve and --control-delay, which are about what is controlled. */
+static int check_control(const run_options *r, int key_given, pupil_why *why)
+{
+    const int manual = (r->exposure_s > 0.0) + (r->gain > 0.0);
     if (r->key_at && r->mode != RUN_SENSOR)
-        return conflict(
-            why, "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes adapt it");
-    if (r->resume && (r->mode == RUN_DIGITAL || (r->exposure_s > 0.0 && r->gain > 0.0)))
-        return conflict(why,
-                        "--resume: is of what is steered, which nothing is with --mode digital, or with both --shutter "
-                        "and --gain");
+        return pupil_refuse(why, "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes "
+                                 "adapt it");
+    if (r->resume && (r->mode == RUN_DIGITAL || manual == 2))
+        return pupil_refuse(why, "--resume: is of what is steered, which nothing is with --mode digital, or with "
+                                 "both --shutter and --gain");
     if (r->key_at && key_given)
-        return conflict(why, "--key and --key-at: one of them; --key is the same in any light");
-    const int by_hand = r->exposure_s > 0.0 || r->gain > 0.0;
-    if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !by_hand)))
-        return conflict(why,
-                        "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and both; "
-                        "digital steers nothing");
+        return pupil_refuse(why, "--key and --key-at: one of them; --key is the same in any light");
+    if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !manual)))
+        return pupil_refuse(why, "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and "
+                                 "both; digital controls nothing");
     return OPTIONS_RUN;
 }
 
 int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
 {
-    int option, weight_given = 0, key_given = 0;
-    *r = (run_options){.shown = {.hold = 1, .metering = "uniform", .white = "follow"}, .mode = RUN_BEST};
-    pupil_config_default(&r->shown.config);
-    r->shown.config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
-
-    optind = 1;
-    opterr = 0;
-    while ((option = getopt_long(argc, argv, "+d:o:n:t:yqh", long_options, NULL)) != -1) {
-        if (option == 'h')
-            return OPTIONS_HELP;
-        if (option == '?' || option == ':') {
-            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil run --help' lists them",
-                         argv[optind - 1]);
-            return OPTIONS_USAGE;
-        }
-        if (take_flag(option, r))
-            continue;
-        const value_text c = {&r->shown, option_name(long_options, option), optarg, why};
-        weight_given |= option == OPTION_WEIGHT;
-        key_given |= option == OPTION_KEY;
-        const int camera = take_camera(option, &c, r);
-        if (camera > 0 || (camera < 0 && shared_option_take(option, &c)))
-            return OPTIONS_USAGE;
-    }
-    if (optind < argc) {
-        pupil_refuse(why, "%s: no option; a camera goes behind -d: -d %s", argv[optind], argv[optind]);
+    option_words words;
+    *r = (run_options){.mode = RUN_BEST};
+    frame_options_begin(&r->shown);
+    const int parsed = options_parse(&run_command, r, argc, argv, &words, why);
+    if (parsed)
+        return parsed;
+    if (frame_options_check(&r->shown, options_given(&run_command, &words, "weight"), why))
         return OPTIONS_USAGE;
-    }
-    return check(r, weight_given, key_given, why);
+    if (r->mode == RUN_SENSOR && r->shown.config.order == PUPIL_ORDER_FUSED)
+        return pupil_refuse(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
+    if (check_flicker(r, why))
+        return OPTIONS_USAGE;
+    return check_control(r, options_given(&run_command, &words, "key"), why);
 }

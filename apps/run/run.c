@@ -283,10 +283,8 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     char more[900] = "";
     r.system = system;
     const int parsed = run_options_parse(&r.options, argc, argv, &r.why);
-    if (parsed == OPTIONS_HELP) {
-        fputs(run_help, stdout);
+    if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    }
     if (parsed == OPTIONS_USAGE || frame_options_check_paths(&r.options.shown, &r.why) ||
         run_choose_outputs(&r.options, &r.why)) {
         say(&r.why, "");

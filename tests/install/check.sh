@@ -23,7 +23,9 @@ needed=$(readelf -d "$libdir/libpupil.so" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/
 
 if [ -x "$prefix/bin/pupil" ]; then
     "$prefix/bin/pupil" --version
-    [ -s "$prefix/share/man/man1/pupil.1" ] || { echo "check.sh: no man page is installed"; exit 1; }
+    for file in man/man1/pupil.1 bash-completion/completions/pupil; do
+        [ -s "$prefix/share/$file" ] || { echo "check.sh: share/$file is not installed"; exit 1; }
+    done
 fi
 
 PKG_CONFIG_PATH=$libdir/pkgconfig

@@ -1,7 +1,6 @@
 /* pupil bench ae: exposure loops on a simulated camera: pupil's beside published laws, each test with its limit. */
 #include "ae.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,19 +13,6 @@
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 enum { MOST_ROWS = 8000, LABEL = 22 };
-
-static const char help[] =
-    "usage: pupil bench ae [options]      (also: pupil bench --ae)\n"
-    "Exposure loops on a simulated camera, side by side: how many frames they take, how far they go\n"
-    "too far, what they do at rest, and around cameras that lie. Each number stands beside its limit.\n"
-    "      --controller NAME  one of: pupil rpi libipa softisp openpilot integrator0.25 integrator1 (all)\n"
-    "      --test NAME        one of: settle overshoot hunt identify calm seam background bands strobe\n"
-    "                         curve lies (all)\n"
-    "      --plot FILE        draws a step of +3 EV and one of -3 EV instead, all loops in one picture (.svg, .png)\n"
-    "      --json             one object a line: controller, test, of, gain_law, delay, believed,\n"
-    "                         step_ev, value, limit, unit, pass (null: it never got there)\n"
-    "  -q, --quiet            no progress       -h, --help\n"
-    "exit: 0 done, whatever passed, 1 failed, 2 usage, 130 interrupted\n";
 
 /* --- running --- */
 
@@ -179,78 +165,102 @@ static void put_tables(const table *t)
 
 /* --- options --- */
 
-static int named(const char *text, bench_ae *b, int test)
+typedef struct options {
+    bench_ae b;
+    int json, quiet;
+} options;
+
+static int parse_controller(const option_value *v)
 {
-    if (!test && (b->law = fixture_controller_named(text)))
-        return 0;
-    for (size_t i = 0; test && i < BENCH_AE_TESTS; i++)
-        if (strcmp(text, bench_ae_tests[i]) == 0) {
-            b->test = bench_ae_tests[i];
-            return 0;
-        }
-    fprintf(stderr, "pupil bench ae: --%s %s: must be one of", test ? "test" : "controller", text);
-    for (size_t i = 0; i < (test ? (size_t)BENCH_AE_TESTS : (size_t)FIXTURE_CONTROLLERS); i++)
-        fprintf(stderr, " %s", test ? bench_ae_tests[i] : fixture_controllers[i].name);
-    fputc('\n', stderr);
-    return 1;
+    options *o = v->options;
+    o->b.law = fixture_controller_named(v->text);
+    return o->b.law ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-/* 0; 1: wrong; -1: nothing more is to be done. */
-static int read_options(int argc, char **argv, bench_ae *b, int *json, int *quiet)
+static int parse_test(const option_value *v)
 {
-    static const struct option known[] = {
-        {"controller", 1, NULL, 'c'}, {"test", 1, NULL, 't'}, {"json", 0, NULL, 'j'}, {"plot", 1, NULL, 'p'},
-        {"quiet", 0, NULL, 'q'},      {"help", 0, NULL, 'h'}, {NULL, 0, NULL, 0}};
-    int c, wrong = 0;
-    optind = 1;
-    while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1) {
-        if (c == 'h')
-            return fputs(help, stdout), -1;
-        *json |= c == 'j';
-        *quiet |= c == 'q';
-        if (c == 'p')
-            b->plot = optarg;
-        if (c == 'c' || c == 't')
-            wrong = named(optarg, b, c == 't');
-        wrong |= c == '?';
-    }
-    if (!wrong && b->plot && (b->law || b->test || *json))
-        return fputs("pupil bench ae: --plot draws all loops and no test; it goes with no other option\n", stderr), 1;
-    if (!wrong && optind < argc)
-        return fprintf(stderr, "pupil bench ae: %s: it takes no argument; see --help\n", argv[optind]), 1;
-    return wrong;
+    options *o = v->options;
+    for (size_t i = 0; i < BENCH_AE_TESTS; i++)
+        if (strcmp(v->text, bench_ae_tests[i]) == 0) {
+            o->b.test = bench_ae_tests[i];
+            return OPTIONS_RUN;
+        }
+    return option_refuse(v, NULL);
+}
+
+static const option_row rows[] = {
+    {"controller", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_controller,
+     .words = "pupil|rpi|libipa|softisp|openpilot|integrator0.25|integrator1", .help = "one controller (all)"},
+    {"test", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_test,
+     .words = "settle|overshoot|hunt|identify|calm|seam|background|bands|strobe|curve|lies", .help = "one test (all)"},
+    {"plot", 0, OPTION_PATH, "FILE", offsetof(options, b.plot),
+     .help = "instead, a step of +3 EV and one of -3 EV, all loops in one picture (.svg, .png)"},
+    OPTION_ROW_JSON(options, json, "one object a line for each test"),
+    OPTION_ROW_QUIET(options, quiet),
+};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command bench_ae_command = {
+    .name = "bench ae",
+    .summary = "exposure loops with a simulated camera: pupil's and published laws (also --ae)",
+    .usage = "[options]      (also: pupil bench --ae)",
+    .about = "Exposure loops with a simulated camera, side by side: how many frames they take, their\n"
+             "overshoot, what they do at rest, and with wrong metadata. Each number has its limit.",
+    .exits = "0 done, also where a limit is exceeded, 1 failed, 2 usage, 130 interrupted",
+    .manual =
+        "Compares pupil with published laws: how many frames a step of the light takes with delays from 1 to 4 and "
+        "four "
+        "laws of gain, the overshoot, what happens at rest, with a wrong delay configured, with flicker, strobes, "
+        "nonlinear pictures and cameras whose metadata are wrong. Each number is next to the limit of a good loop. "
+        "docs/sim.md describes the tests. Fields of --json: controller, test, of, gain_law, delay, believed, step_ev, "
+        "value, limit, unit, pass (null: it never converged).",
+    .instead = "see 'pupil bench ae --help'",
+    .groups = groups,
+    .run = bench_ae_main,
+};
+
+/* -1: go on; else the exit status. */
+static int parse(options *o, int argc, char **argv)
+{
+    option_words words;
+    const int status = options_read(&bench_ae_command, o, argc, argv, &words);
+    if (status >= 0 || !o->b.plot || !(o->b.law || o->b.test || o->json))
+        return status;
+    fputs("pupil bench ae: --plot draws all loops and no test; not with other options\n", stderr);
+    return EXIT_USAGE;
 }
 
 int bench_ae_main(int argc, char **argv)
 {
-    bench_ae b = {.see = see_json};
+    options o = {.b = {.see = see_json}};
+    bench_ae *b = &o.b;
     table t = {0};
-    int json = 0, quiet = 0;
-    const int wrong = read_options(argc, argv, &b, &json, &quiet);
-    if (wrong)
-        return wrong > 0 ? EXIT_USAGE : EXIT_DONE;
-    b.frame = malloc(BENCH_AE_FRAMES * sizeof *b.frame);
-    t.row = json ? NULL : calloc(MOST_ROWS, sizeof *t.row);
-    t.shown = !quiet && isatty(STDERR_FILENO);
-    if (!json) {
-        b.see = see_table;
-        b.context = &t;
+    const int status = parse(&o, argc, argv);
+    if (status >= 0)
+        return status;
+    b->frame = malloc(BENCH_AE_FRAMES * sizeof *b->frame);
+    t.row = o.json ? NULL : calloc(MOST_ROWS, sizeof *t.row);
+    t.shown = !o.quiet && isatty(STDERR_FILENO);
+    if (!o.json) {
+        b->see = see_table;
+        b->context = &t;
     }
     interrupt_watch();
-    int failed = !b.frame || (!json && !t.row);
+    int failed = !b->frame || (!o.json && !t.row);
     if (failed)
-        pupil_refuse(&b.why, "not enough memory");
-    failed = failed || (b.plot ? bench_ae_plot(&b) : bench_ae_run(&b));
+        pupil_refuse(&b->why, "not enough memory");
+    failed = failed || (b->plot ? bench_ae_plot(b) : bench_ae_run(b));
     if (t.shown)
         fputs("\r\033[K", stderr);
-    if (!failed && !json && !b.plot)
+    if (!failed && !o.json && !b->plot)
         put_tables(&t);
-    free(b.frame);
+    free(b->frame);
     free(t.row);
     if (interrupt_came())
         return fputs("pupil bench ae: interrupted\n", stderr), EXIT_INTERRUPTED;
     if (failed || fflush(stdout) != 0)
-        return fprintf(stderr, "pupil bench ae: %s\n", failed ? b.why.text : "standard output cannot be written"),
+        return fprintf(stderr, "pupil bench ae: %s\n", failed ? b->why.text : "standard output cannot be written"),
                EXIT_FAILED;
     return EXIT_DONE;
 }

@@ -24,6 +24,14 @@ const char *bench_format_name(uint32_t pixel)
     return f->name;
 }
 
+uint32_t bench_format_named(const char *name)
+{
+    const bench_format *f = bench_formats;
+    while (f->name && strcmp(f->name, name) != 0)
+        f++;
+    return f->pixel;
+}
+
 /* SplitMix64 (Steele, Lea, Flood 2014), as a number in [0, 1). */
 static double random_of(uint64_t *state)
 {

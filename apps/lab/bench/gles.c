@@ -1,6 +1,5 @@
 /* pupil bench gles: metering and mapping on the GPU, in turns with one thread of the CPU and with plain copies of the
  * same bytes; beside each speed its error. */
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,19 +12,6 @@
 #include "gles_subject.h"
 #include "source.h"
 #include "subject.h"
-
-static const char help[] = "usage: pupil bench gles [options]\n"
-                           "Frames on the GPU, in turns with one thread of the CPU and with plain copies.\n"
-                           "      --format NAME  one input format (rgba32f, rgba16f, nv12, bayer10, one by one)\n"
-                           "      --size WxH     (1920x1080, then 3840x2160)\n"
-                           "      --frames N     so many back to back on the GPU, then one wait (8; software: 1)\n"
-                           "      --rounds N     each is run N times; the median counts (7; software: 3)\n"
-                           "      --gles-version 3.0|3.1   (the best that there is)\n"
-                           "      --json         one object a line for each part\n"
-                           "  -q, --quiet        no progress       -h, --help\n"
-                           "parts: copy (texture to texture; memcpy), upload (into textures), meter, histogram (meter\n"
-                           "with it; ES 3.1), map, frame (all but the histogram)\n"
-                           "exit: 0 done, 1 failed, 2 usage, 130 interrupted\n";
 
 enum { MOST_RUNNERS = 2 * BENCH_GLES_PARTS };
 
@@ -187,93 +173,75 @@ static int measure_all(const options *o, const machine *m)
 
 /* --- the command line --- */
 
-static int read_size(const char *text, options *o)
+static int parse_size(const option_value *v)
 {
-    if (bench_size(text, &o->width, &o->height))
-        return -1;
-    if (o->width % 4 == 0 && o->height % 2 == 0)
-        return 0;
-    fprintf(stderr, "pupil bench: --size %s: must be a multiple of 4 by an even number\n", text);
-    return -1;
+    options *o = v->options;
+    if (option_take(v))
+        return OPTIONS_USAGE;
+    return o->width % 4 == 0 && o->height % 2 == 0 ? OPTIONS_RUN
+                                                   : option_refuse(v, "a multiple of 4 by an even number");
 }
 
-static int read_format(const char *text, options *o)
+static int parse_format(const option_value *v)
 {
-    for (const bench_format *f = bench_formats; f->name; f++)
-        if (strcmp(f->name, text) == 0) {
-            o->pixel = f->pixel;
-            return 0;
-        }
-    fprintf(stderr, "pupil bench: --format %s: must be one of", text);
-    for (const bench_format *f = bench_formats; f->name; f++)
-        fprintf(stderr, " %s", f->name);
-    fputc('\n', stderr);
-    return -1;
+    options *o = v->options;
+    o->pixel = bench_format_named(v->text);
+    return o->pixel ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-static int read_version(const char *text, options *o)
+static int parse_version(const option_value *v)
 {
-    o->version = strcmp(text, "3.0") == 0   ? PUPIL_GLES_ES30
-                 : strcmp(text, "3.1") == 0 ? PUPIL_GLES_ES31
-                                            : PUPIL_GLES_BEST;
-    if (o->version)
-        return 0;
-    fprintf(stderr, "pupil bench: --gles-version %s: must be 3.0 or 3.1\n", text);
-    return -1;
+    options *o = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    o->version = place ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
+    return OPTIONS_RUN;
 }
 
-/* 0; 1: wrong; -1: nothing more is to be done. */
-static int read_option(int option, options *o)
-{
-    switch (option) {
-    case 'f':
-        return read_format(optarg, o) != 0;
-    case 's':
-        return read_size(optarg, o) != 0;
-    case 'n':
-        return bench_number("frames", optarg, 1, 1000, &o->frames) != 0;
-    case 'r':
-        return bench_number("rounds", optarg, 1, 10000, &o->rounds) != 0;
-    case 'v':
-        return read_version(optarg, o) != 0;
-    case 'j':
-        o->json = 1;
-        return 0;
-    case 'q':
-        o->quiet = 1;
-        return 0;
-    case 'h':
-        fputs(help, stdout);
-        return -1;
-    default:
-        return 1;
-    }
-}
+#define AT(field) offsetof(options, field)
 
-static int read_options(int argc, char **argv, options *o)
-{
-    static const struct option known[] = {
-        {"format", 1, NULL, 'f'}, {"size", 1, NULL, 's'},         {"frames", 1, NULL, 'n'},
-        {"rounds", 1, NULL, 'r'}, {"gles-version", 1, NULL, 'v'}, {"json", 0, NULL, 'j'},
-        {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},         {NULL, 0, NULL, 0}};
-    int c, wrong = 0;
-    optind = 1;
-    while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1)
-        wrong = read_option(c, o);
-    if (wrong || optind == argc)
-        return wrong;
-    fprintf(stderr, "pupil bench: %s: formats are chosen by --format; see --help\n", argv[optind]);
-    return 1;
-}
+static const option_row rows[] = {
+    {"format", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_format, .words = BENCH_FORMAT_WORDS,
+     .help = "one input format (rgba32f, rgba16f, nv12, bayer10)"},
+    {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = PUPIL_MAX_SIDE_PX, .parse = parse_size,
+     .help = "of the frames (1920x1080, then 3840x2160)"},
+    {"frames", 0, OPTION_COUNT32, "N", AT(frames), .low = 1, .high = 1000,
+     .help = "frames back to back on the GPU before each wait (8; software: 1)"},
+    {"rounds", 0, OPTION_COUNT32, "N", AT(rounds), .low = 1, .high = 10000,
+     .help = "each is run N times; the median counts (7; software: 3)"},
+    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", 0, .parse = parse_version,
+     .help = "version of OpenGL ES (the best one)"},
+    OPTION_ROW_JSON(options, json, "one object a line for each part"),
+    OPTION_ROW_QUIET(options, quiet),
+};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command bench_gles_command = {
+    .name = "bench gles",
+    .summary = "the same on the GPU, compared with the CPU and a plain copy; their errors",
+    .usage = "[options]",
+    .about = "Frames on the GPU, in turns with one thread of the CPU and with plain copies.",
+    .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
+    .manual = "Measures frames on the GPU in turns with one thread of the CPU, each relative to a plain copy of the "
+              "same bytes: texture to texture, and memcpy. Parts: copy, upload (into textures), meter, histogram "
+              "(metering with it; ES 3.1), map, frame (all but the histogram). Errors are against the CPU. Where the "
+              "renderer is software, a line says so.",
+    .instead = "choose formats by --format",
+    .groups = groups,
+    .run = bench_gles_main,
+};
 
 int bench_gles_main(int argc, char **argv)
 {
     options o = {0};
     static machine m;
     pupil_why why;
-    int status = read_options(argc, argv, &o);
-    if (status)
-        return status < 0 ? BENCH_DONE : BENCH_USAGE;
+    option_words words;
+    int status = options_read(&bench_gles_command, &o, argc, argv, &words);
+    if (status >= 0)
+        return status;
     interrupt_watch();
     const pupil_egl_options context = {.version = o.version};
     if (pupil_egl_open(&m.egl, &context, &why) || gl_calls_load(&m.gl, pupil_egl_get_proc, &why)) {

@@ -9,3 +9,6 @@ int bench_gles_main(int argc, char **argv)
     fputs("pupil bench gles: this program was built without OpenGL ES (PUPIL_GPU=OFF)\n", stderr);
     return 1;
 }
+
+const option_command bench_gles_command = {
+    .name = "bench gles", .summary = "(not in this build)", .usage = "", .manual = "", .run = bench_gles_main};

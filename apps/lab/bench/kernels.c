@@ -1,5 +1,4 @@
 /* The command line of pupil bench kernels. */
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,123 +12,82 @@
 #include "report/camera_light.h"
 #include "subject.h"
 
-static const char help[] =
-    "usage: pupil bench kernels [options]\n"
-    "Metering and mapping in turns with a plain read and a memcpy of the same bytes.\n"
-    "      --peers        beside OpenCV, ffmpeg, libplacebo and plain C, as ratios (one thread)\n"
-    "      --worst        how long the slowest frame in a thousand takes: ordinary, denormal and odd\n"
-    "                     frames, and memory never touched before\n"
-    "      --row-gains    what taking lamps' bands out costs beside metering and mapping, as ratios\n"
-    "      --plot FILE    speed against error of each choice, as .svg or .png, by gnuplot (one thread)\n"
-    "      --format NAME  one input format (all; the three above: rgba32f)\n"
-    "      --out NAME     what is mapped to: rgba8 rgb8 bgrx8 nv12, or half: RGBA8 of half a mosaic's\n"
-    "                     width and height (rgba8)\n"
-    "      --size WxH     (1920x1080)\n"
-    "      --threads N    (1; 0: one a processor)\n"
-    "      --rounds N     each is run N times; the median counts (21; --peers 15, --worst 2000)\n"
-    "      --warm         with what the turns before left in the caches (else cold; --worst always)\n"
-    "      --json         one object a line for each kernel\n"
-    "  -q, --quiet        no progress       -h, --help\n"
-    "kernels: meter, map, fused (both in one pass), exact (meter, then map), and default (fused,\n"
-    "with the histogram that the following white point needs)\n"
-    "exit: 0 done, 1 failed, 2 usage, 130 interrupted\n";
-
-static void put_help(void)
+static int parse_out(const option_value *v)
 {
-    int column = 8;
-    fputs(help, stdout);
-    fputs("formats:", stdout);
-    for (const bench_format *f = bench_formats; f->name; f++) {
-        if (column + 1 + strlen(f->name) > 95)
-            column = printf("\n        ") - 1;
-        column += printf(" %s", f->name);
-    }
-    putchar('\n');
-}
-
-static int read_out(const char *text, bench_options *o)
-{
-    for (o->out = bench_outs; o->out->name; o->out++)
-        if (strcmp(text, o->out->name) == 0)
-            return 0;
-    fprintf(stderr, "pupil bench: --out %s: must be one of", text);
+    bench_options *o = v->options;
     for (const bench_out *out = bench_outs; out->name; out++)
-        fprintf(stderr, " %s", out->name);
-    fputc('\n', stderr);
-    return -1;
+        if (strcmp(v->text, out->name) == 0) {
+            o->out = out;
+            return OPTIONS_RUN;
+        }
+    return option_refuse(v, NULL);
 }
 
-/* 0; 1: wrong; -1: nothing more is to be done. */
-static int read_option(int option, bench_options *o)
+static int parse_format(const option_value *v)
 {
-    switch (option) {
-    case 'p':
-        o->peers = 1;
-        return 0;
-    case 'o':
-        o->worst = 1;
-        return 0;
-    case 'l':
-        o->row_gains = 1;
-        return 0;
-    case 'g':
-        o->plot = optarg;
-        return 0;
-    case 'f':
-        o->format = optarg;
-        return 0;
-    case 'u':
-        return read_out(optarg, o) != 0;
-    case 's':
-        return bench_size(optarg, &o->width, &o->height) != 0;
-    case 't':
-        return bench_number("threads", optarg, 0, BENCH_MOST_THREADS, &o->threads) != 0;
-    case 'r':
-        return bench_number("rounds", optarg, 1, 10000, &o->rounds) != 0;
-    case 'w':
-        o->warm = 1;
-        return 0;
-    case 'j':
-        o->json = 1;
-        return 0;
-    case 'q':
-        o->quiet = 1;
-        return 0;
-    case 'h':
-        put_help();
-        return -1;
-    default:
-        return 1;
-    }
+    bench_options *o = v->options;
+    o->format = v->text;
+    return bench_format_named(v->text) ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-static int read_options(int argc, char **argv, bench_options *o)
-{
-    static const struct option known[] = {
-        {"peers", 0, NULL, 'p'},     {"worst", 0, NULL, 'o'},   {"plot", 1, NULL, 'g'},   {"format", 1, NULL, 'f'},
-        {"size", 1, NULL, 's'},      {"threads", 1, NULL, 't'}, {"rounds", 1, NULL, 'r'}, {"warm", 0, NULL, 'w'},
-        {"json", 0, NULL, 'j'},      {"quiet", 0, NULL, 'q'},   {"help", 0, NULL, 'h'},   {"out", 1, NULL, 'u'},
-        {"row-gains", 0, NULL, 'l'}, {NULL, 0, NULL, 0}};
-    int c, wrong = 0;
-    optind = 1;
-    while (!wrong && (c = getopt_long(argc, argv, "qh", known, NULL)) != -1)
-        wrong = read_option(c, o);
-    if (wrong || optind == argc)
-        return wrong;
-    fprintf(stderr, "pupil bench: %s: kernels are chosen by --format; see --help\n", argv[optind]);
-    return 1;
-}
+#define AT(field) offsetof(bench_options, field)
 
-/* Whether the formats that are to be measured are known, can have the size, and the output; 0, or -1 and a sentence. */
+static const option_row rows[] = {
+    {"peers", 0, OPTION_FLAG, NULL, AT(peers),
+     .help = "compared with OpenCV, ffmpeg, libplacebo and plain C, as ratios (one thread)",
+     .more = "fused and exact take turns with the peers that were built in (-DPUPIL_BENCH_PEERS=ON)."},
+    {"worst", 0, OPTION_FLAG, NULL, AT(worst),
+     .help = "the slowest frame in a thousand: ordinary, denormal and odd frames, and memory never touched before",
+     .more = "The median and the slowest of 2000 fused frames: ordinary, hard, dark, denormal, NaN and infinite ones, "
+             "and with an output that was never touched before."},
+    {"row-gains", 0, OPTION_FLAG, NULL, AT(row_gains),
+     .help = "the cost of pupil run --row-gains relative to metering and mapping"},
+    {"plot", 0, OPTION_PATH, "FILE", AT(plot),
+     .help = "speed and error of each choice, as .svg or .png, by gnuplot (one thread)",
+     .more = "Choices: every row or some of them, fused or in two passes, ways to encode. Also prints the same."},
+    {"format", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_format, .words = BENCH_FORMAT_WORDS,
+     .help = "one input format (all; --peers, --worst and --plot: rgba32f)"},
+    {"out", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_out, .words = "rgba8|rgb8|bgrx8|nv12|half", .initial = "rgba8",
+     .help = "output format; half is RGBA8 of half a mosaic's width and height"},
+    {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = PUPIL_MAX_SIDE_PX, .initial = "1920x1080",
+     .help = "of the frames"},
+    {"threads", 0, OPTION_COUNT32, "N", AT(threads), .high = BENCH_MOST_THREADS, .initial = "1",
+     .help = "worker threads, 0: one a processor"},
+    {"rounds", 0, OPTION_COUNT32, "N", AT(rounds), .low = 1, .high = 10000,
+     .help = "each is run N times; the median counts (21; --peers 15, --worst 2000)"},
+    {"warm", 0, OPTION_FLAG, NULL, AT(warm), .help = "do not flush the caches before each turn (--worst never does)"},
+    OPTION_ROW_JSON(bench_options, json, "one object a line for each kernel"),
+    OPTION_ROW_QUIET(bench_options, quiet),
+};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command bench_kernels_command = {
+    .name = "bench kernels",
+    .summary = "metering and mapping at every level, format and number of threads; their errors",
+    .usage = "[options]",
+    .about = "Metering and mapping, in turns with a plain read and a memcpy of the same bytes.",
+    .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
+    .manual = "Measures metering and mapping at every level that this CPU has, in turns with a plain read and a memcpy "
+              "of the same bytes. Kernels: meter, map, fused (both in one pass), exact (meter, then map) and default "
+              "(fused, with the histogram that the following white point needs). Errors are those of the log-average "
+              "against long double, and of display samples against double, on an easy and on a hard frame.\n\n"
+              "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, nv12, grey8 to grey16, bayer8 to "
+              "bayer16, bayer10p, bayer12p).",
+    .instead = "choose kernels by --format",
+    .groups = groups,
+    .run = bench_kernels_main,
+};
+
+/* Whether the formats that are to be measured can have the size, and the output; 0, or -1 and a sentence. */
 static int check_formats(const bench_options *o)
 {
-    int found = 0, mosaics = 0;
+    int mosaics = 0;
     for (const bench_format *f = bench_formats; f->name; f++) {
         const int mosaic = camera_is_mosaic(f->pixel);
         const uint32_t group = f->pixel == PUPIL_PIXEL_BAYER10P ? 4 : mosaic ? 2 : 1;
         if (!bench_is_measured(o, f))
             continue;
-        found++;
         mosaics += mosaic;
         if (o->width % group || (mosaic && o->height % 2))
             return fprintf(stderr,
@@ -137,13 +95,6 @@ static int check_formats(const bench_options *o)
                            "height\n",
                            (unsigned long)o->width, (unsigned long)o->height, f->name, (unsigned long)group),
                    -1;
-    }
-    if (!found) {
-        fprintf(stderr, "pupil bench: --format %s: must be one of", o->format);
-        for (const bench_format *f = bench_formats; f->name; f++)
-            fprintf(stderr, " %s", f->name);
-        fputc('\n', stderr);
-        return -1;
     }
     if (o->out->step == 2 && !mosaics)
         return fprintf(stderr, "pupil bench: --out half: %s is no mosaic (bayer8 or the like)\n", o->format), -1;
@@ -174,9 +125,10 @@ static int check(const bench_options *o)
 int bench_kernels_main(int argc, char **argv)
 {
     bench_options o = {.out = bench_outs, .width = 1920, .height = 1080, .threads = 1};
-    int status = read_options(argc, argv, &o);
-    if (status)
-        return status < 0 ? BENCH_DONE : BENCH_USAGE;
+    option_words words;
+    int status = options_read(&bench_kernels_command, &o, argc, argv, &words);
+    if (status >= 0)
+        return status;
     if (check(&o))
         return BENCH_USAGE;
     pupil_why why;

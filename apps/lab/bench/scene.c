@@ -3,7 +3,6 @@
 #include "scene.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,16 +21,6 @@
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 enum { MOST_SCENES = 16, WARM_ROUNDS = 101, COLD_ROUNDS = 21 };
-
-static const char help[] = "usage: pupil bench scene [SCENE...] [options]\n"
-                           "What a scene costs: each light's picture once, then a sum a frame; beside memcpy.\n"
-                           "  SCENE  a recipe by name or path (room); several: side by side, a row each\n"
-                           "      --frames N    of the sequence (1800)\n"
-                           "      --size WxH    (600x600)\n"
-                           "      --threads N   that render (0: one a processor); a sum is of one\n"
-                           "      --json        one object a line for each scene\n"
-                           "  -q, --quiet       no progress       -h, --help\n"
-                           "exit: 0 done, 1 failed, 2 usage, 130 interrupted\n";
 
 typedef struct bench {
     const char *scene[MOST_SCENES];
@@ -276,88 +265,62 @@ static int run(bench *b, bench_scene *results)
 
 /* --- the command line --- */
 
-static int wrong(const char *option, const char *text, const char *right)
-{
-    fprintf(stderr, "pupil bench scene: --%s %s: must be %s\n", option, text, right);
-    return -1;
-}
+#define AT(field) offsetof(bench, field)
 
-static int take(bench *b, int option, const char *text)
-{
-    unsigned long long frames, width, height;
-    int used = 0;
-    switch (option) {
-    case 'n':
-        if (sscanf(text, "%9llu%n", &frames, &used) != 1 || text[used] || !frames)
-            return wrong("frames", text, "a whole number, 1 to 999999999");
-        b->frames = frames;
-        return 0;
-    case 's':
-        if (sscanf(text, "%5llux%5llu%n", &width, &height, &used) != 2 || text[used] || !width || !height ||
-            width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-            return wrong("size", text, "WIDTHxHEIGHT, for example 640x360, each from 1 to 16384");
-        b->width = (uint32_t)width;
-        b->height = (uint32_t)height;
-        return 0;
-    case 't':
-        if (sscanf(text, "%3u%n", &b->threads, &used) != 1 || text[used] || b->threads > 256)
-            return wrong("threads", text, "from 0 (one a processor) to 256");
-        return 0;
-    case 'j':
-        b->json = 1;
-        return 0;
-    default:
-        b->quiet = 1;
-        return 0;
-    }
-}
+static const option_row rows[] = {
+    {"frames", 'n', OPTION_COUNT, "N", AT(frames), .low = 1, .high = 999999999, .initial = "1800",
+     .help = "of the sequence"},
+    {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = PUPIL_MAX_SIDE_PX, .initial = "600x600",
+     .help = "of the frames"},
+    OPTION_ROW_THREADS(bench, threads, "0"),
+    OPTION_ROW_JSON(bench, json, "one object a line for each scene"),
+    OPTION_ROW_QUIET(bench, quiet),
+};
 
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command bench_scene_command = {
+    .name = "bench scene",
+    .summary = "rendering a scene's lights once, and its frames as their sums",
+    .usage = "[SCENE...] [options]",
+    .about = "What a scene costs: each light's picture once, then a sum a frame; relative to memcpy.\n"
+             "  SCENE  a recipe by name or path (room); several: side by side, a row each",
+    .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
+    .manual =
+        "Measures what each SCENE costs: the picture of each of its lights once, then a sum a frame, relative to a "
+        "memcpy of one picture and a plain read of all in the same run; the whole sequence; the memory. Several "
+        "scenes are measured in a process each. --threads are those that render; a sum is of one thread. "
+        "docs/bench.md explains the figures.",
+    .groups = groups,
+    .run = bench_scene_main,
+};
+
+/* -1: go on; else the exit status. */
 static int parse(bench *b, int argc, char **argv)
 {
-    static const struct option long_options[] = {{"frames", required_argument, NULL, 'n'},
-                                                 {"size", required_argument, NULL, 's'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"json", no_argument, NULL, 'j'},
-                                                 {"quiet", no_argument, NULL, 'q'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {NULL, 0, NULL, 0}};
-    int option;
-    optind = 1;
-    opterr = 0;
-    while ((option = getopt_long(argc, argv, "n:qh", long_options, NULL)) != -1) {
-        if (option == 'h')
-            return 1;
-        if (option == '?') {
-            fprintf(stderr,
-                    "pupil bench scene: %s: no such option, or its value is missing; 'pupil bench scene --help' lists "
-                    "them\n",
-                    argv[optind - 1]);
-            return -1;
+    option_words words;
+    const int status = options_read(&bench_scene_command, b, argc, argv, &words);
+    if (status >= 0)
+        return status;
+    for (int i = 0; i < words.count; i++) {
+        if (b->scenes == MOST_SCENES || strlen(words.word[i]) >= sizeof((bench_scene *)0)->name) {
+            fprintf(stderr, "pupil bench scene: %s: at most 16 scenes, and names of at most 255 bytes\n",
+                    words.word[i]);
+            return EXIT_USAGE;
         }
-        if (take(b, option, optarg))
-            return -1;
-    }
-    for (int i = optind; i < argc; i++) {
-        if (b->scenes == MOST_SCENES || strlen(argv[i]) >= sizeof((bench_scene *)0)->name) {
-            fprintf(stderr, "pupil bench scene: %s: at most 16 scenes, and names of at most 255 bytes\n", argv[i]);
-            return -1;
-        }
-        b->scene[b->scenes++] = argv[i];
+        b->scene[b->scenes++] = words.word[i];
     }
     if (!b->scenes)
         b->scene[b->scenes++] = "room";
-    return 0;
+    return -1;
 }
 
 int bench_scene_main(int argc, char **argv)
 {
     bench b = {.frames = 1800, .width = 600, .height = 600};
-    int parsed = parse(&b, argc, argv);
-    if (parsed) {
-        if (parsed > 0)
-            fputs(help, stdout);
-        return parsed > 0 ? EXIT_DONE : EXIT_USAGE;
-    }
+    const int parsed = parse(&b, argc, argv);
+    if (parsed >= 0)
+        return parsed;
     size_t bytes = MOST_SCENES * sizeof(bench_scene);
     bench_scene *results = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (results == MAP_FAILED) {

@@ -1,6 +1,5 @@
 /* pupil render: the frames of a scene, as linear pictures or, mapped as `pupil replay` maps, for a display. */
 #include <errno.h>
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,18 +14,6 @@
 #include "synth/synth_source.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
-
-static const char help[] = "usage: pupil render SCENE [options] -o PATH\n"
-                           "The frames of a scene: linear light, or mapped for a display as 'pupil replay' does.\n"
-                           "  SCENE  a recipe by its path, or one that is shipped: room, walk\n"
-                           "  -o, --out PATH      linear: .exr .hdr .pfm one frame, or a folder of EXR;\n"
-                           "                      display: .mp4 .mkv .mov .y4m .png; repeatable\n"
-                           "  -n, --frames A..B   the frames A to B, both included; N: the first N (all;\n"
-                           "                      one, where an output is one picture)\n"
-                           "      --size WxH      instead of the recipe's      --fps N   likewise\n"
-                           "      --threads N     (0: one a processor)         -y, --overwrite   a folder\n"
-                           "  -q, --quiet  -h, --help\n"
-                           "exit: 0 done, 1 failed, 2 usage, 130 interrupted\n";
 
 typedef struct render {
     const char *scene;
@@ -49,12 +36,7 @@ typedef struct render {
 
 /* --- the command line --- */
 
-static int refuse(render *r, const char *option, const char *text, const char *right)
-{
-    pupil_refuse(&r->why, "--%s %s: must be %s", option, text, right);
-    return -1;
-}
-
+/* A number of frames and where it ends; -1: none. */
 static int whole(const char *text, char **end, uint64_t *value)
 {
     errno = 0;
@@ -62,120 +44,86 @@ static int whole(const char *text, char **end, uint64_t *value)
     return *text >= '0' && *text <= '9' && !errno && *value <= UINT64_C(1000000000000) ? 0 : -1;
 }
 
-static int parse_frames(render *r, const char *text)
+static int parse_frames(const option_value *v)
 {
+    pupil_source_options *o = &((render *)v->options)->source_options;
     uint64_t a, b;
     char *end;
-    const char *right = "A..B with A <= B, or a number of frames, 1 or more";
-    if (whole(text, &end, &a))
-        return refuse(r, "frames", text, right);
+    if (whole(v->text, &end, &a))
+        return option_refuse(v, NULL);
     if (!*end && a) {
-        r->source_options.frames = a;
-        return 0;
+        o->frames = a;
+        return OPTIONS_RUN;
     }
     if (strncmp(end, "..", 2) != 0 || whole(end + 2, &end, &b) || *end || b < a)
-        return refuse(r, "frames", text, right);
-    r->source_options.first = a;
-    r->source_options.frames = b - a + 1;
-    return 0;
+        return option_refuse(v, NULL);
+    o->first = a;
+    o->frames = b - a + 1;
+    return OPTIONS_RUN;
 }
 
-static int parse_size(render *r, const char *text)
+static int parse_out(const option_value *v)
 {
-    uint64_t width, height;
-    char *end;
-    if (whole(text, &end, &width) || *end != 'x' || whole(end + 1, &end, &height) || *end || !width || !height ||
-        width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-        return refuse(r, "size", text, "WIDTHxHEIGHT, for example 640x360, each from 1 to 16384");
-    r->source_options.width = (uint32_t)width;
-    r->source_options.height = (uint32_t)height;
-    return 0;
-}
-
-static int parse_number(render *r, int option, const char *text)
-{
-    char *end;
-    uint64_t threads;
-    if (option == 't') {
-        if (whole(text, &end, &threads) || *end || threads > 256)
-            return refuse(r, "threads", text, "from 0 (one a processor) to 256");
-        r->source_options.threads = (unsigned)threads;
-        return 0;
-    }
-    r->source_options.fps = strtod(text, &end);
-    if (end == text || *end || !(r->source_options.fps >= 0.001 && r->source_options.fps <= 1e5))
-        return refuse(r, "fps", text, "frames a second, from 0.001 to 100000");
-    return 0;
-}
-
-static int parse_out(render *r, const char *text)
-{
-    if (!*text || r->out_count == OUTPUTS_MOST - 1)
-        return refuse(r, "out", text, "a path, one of at most 16");
+    render *r = v->options;
+    if (!*v->text || r->out_count == OUTPUTS_MOST - 1)
+        return option_refuse(v, "a path, one of at most 16");
     for (size_t i = 0; i < r->out_count; i++)
-        if (strcmp(r->out[i], text) == 0)
-            return refuse(r, "out", text, "named once; each output needs a place of its own");
-    r->out[r->out_count++] = text;
-    return 0;
+        if (strcmp(r->out[i], v->text) == 0)
+            return option_refuse(v, "named once; each output needs a place of its own");
+    r->out[r->out_count++] = v->text;
+    return OPTIONS_RUN;
 }
 
-static int take(render *r, int option, const char *text)
-{
-    switch (option) {
-    case 'o':
-        return parse_out(r, text);
-    case 'n':
-        return parse_frames(r, text);
-    case 's':
-        return parse_size(r, text);
-    case 'y':
-        r->overwrite = 1;
-        return 0;
-    case 'q':
-        r->quiet = 1;
-        return 0;
-    default:
-        return parse_number(r, option, text);
-    }
-}
+#define AT(field) offsetof(render, field)
 
-/* 0; 1 where help was asked for; -1 and a sentence. */
+static const option_row rows[] = {
+    {"out", 'o', OPTION_PATH, "PATH", 0, .parse = parse_out,
+     .help = "linear: .exr .hdr .pfm one frame, or a folder of EXR; display: .mp4 .mkv .mov .y4m .png; repeatable"},
+    {"frames", 'n', OPTION_TEXT, "A..B", 0, .parse = parse_frames,
+     .right = "A..B with A <= B, or a number of frames, 1 or more",
+     .help = "the frames A to B, both included; N: the first N (all; one, where an output is one picture)"},
+    {"size", 0, OPTION_SIZE, "WxH", AT(source_options.width), .high = PUPIL_MAX_SIDE_PX,
+     .help = "instead of the recipe's"},
+    {"fps", 0, OPTION_NUMBER, "N", AT(source_options.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
+     .help = "instead of the recipe's"},
+    OPTION_ROW_THREADS(render, source_options.threads, "0"),
+    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace an output folder"},
+    OPTION_ROW_QUIET(render, quiet),
+};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command render_command = {
+    .name = "render",
+    .summary = "the frames of a scene: linear pictures, or mapped for a display",
+    .usage = "SCENE [options] -o PATH",
+    .about = "Renders the frames of a scene: linear light, or mapped for a display as by pupil replay.\n"
+             "  SCENE  a recipe by its path, or one that is built in: room, walk",
+    .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
+    .manual = "Renders the frames of a scene: rays from a pinhole, soft shadows, the same bits on every machine. SCENE "
+              "is as in synth:SCENE.",
+    .groups = groups,
+    .run = render_main,
+};
+
+/* -1: go on; else the exit status. */
 static int parse(render *r, int argc, char **argv)
 {
-    static const struct option long_options[] = {{"out", required_argument, NULL, 'o'},
-                                                 {"frames", required_argument, NULL, 'n'},
-                                                 {"size", required_argument, NULL, 's'},
-                                                 {"fps", required_argument, NULL, 'f'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"overwrite", no_argument, NULL, 'y'},
-                                                 {"quiet", no_argument, NULL, 'q'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {NULL, 0, NULL, 0}};
-    int option;
-    optind = 1;
-    opterr = 0;
-    while ((option = getopt_long(argc, argv, "o:n:yqh", long_options, NULL)) != -1) {
-        if (option == 'h')
-            return 1;
-        if (option == '?') {
-            pupil_refuse(&r->why, "%s: no such option, or its value is missing; 'pupil render --help' lists them",
-                         argv[optind - 1]);
-            return -1;
-        }
-        if (take(r, option, optarg))
-            return -1;
+    option_words words;
+    const int status = options_read(&render_command, r, argc, argv, &words);
+    if (status >= 0)
+        return status;
+    if (words.count != 1 || !r->out_count) {
+        fprintf(stderr, "pupil render: %s; 'pupil render --help' tells more\n",
+                words.count < 1   ? "no scene: name one, for example room"
+                : words.count > 1 ? "more than one scene"
+                                  : "no output: -o PATH names one");
+        return EXIT_USAGE;
     }
-    if (argc - optind != 1 || !r->out_count) {
-        pupil_refuse(&r->why, "%s; 'pupil render --help' tells more",
-                     argc - optind < 1   ? "no scene: name one, for example room"
-                     : argc - optind > 1 ? "more than one scene"
-                                         : "no output: -o PATH names one");
-        return -1;
-    }
-    r->scene = argv[optind];
+    r->scene = words.word[0];
     if (strncmp(r->scene, "synth:", 6) == 0)
         r->scene += 6;
-    return 0;
+    return -1;
 }
 
 /* --- frames --- */
@@ -288,15 +236,9 @@ static void end(render *r)
 int render_main(int argc, char **argv)
 {
     static render r; /* one run a process; pupil_t and pupil_stats are large for a stack */
-    int parsed = parse(&r, argc, argv);
-    if (parsed > 0) {
-        fputs(help, stdout);
-        return EXIT_DONE;
-    }
-    if (parsed < 0) {
-        fprintf(stderr, "pupil render: %s\n", r.why.text);
-        return EXIT_USAGE;
-    }
+    const int parsed = parse(&r, argc, argv);
+    if (parsed >= 0)
+        return parsed;
     interrupt_watch();
     double began_s = progress_now_s();
     int failed = run(&r), interrupted = failed && interrupt_came();

@@ -2,7 +2,6 @@
 #include "sim.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,27 +15,6 @@
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 enum { MOST_FRAMES = 1000000, REST_FRAMES = 60 };
 
-static const char help[] =
-    "usage: pupil sim [options]\n"
-    "An exposure loop around a simulated camera: what it does when the light changes.\n"
-    "  -c, --camera K=V,...  the camera; '--camera help' lists what can be set\n"
-    "  -l, --light SCRIPT    what the light does, or @FILE ('2s step +3ev'); '--light help' tells more\n"
-    "      --scene RECIPE    it looks at a rendered scene (room) with all its lights on\n"
-    "      --controller NAME pupil, or a published law: rpi libipa softisp openpilot\n"
-    "                        integrator0.25 integrator1 (pupil)\n"
-    "      --delay N         the delay that the controller believes in (the camera's own)\n"
-    "      --mains HZ        the mains that pupil is told of: 0, 50, 60; auto: it finds them (auto)\n"
-    "      --key-at EV:KEY,...   pupil's key by the light of the scene: -1:0.06,5.5:0.18 (0.18)\n"
-    "      --duration S      seconds, 61 to 1,000,000 frames (10 after the script's end)\n"
-    "      --stats FILE      each frame as a line of JSON (.jsonl, - for standard output)\n"
-    "      --plot FILE       light, exposure, gain and error over time, .svg or .png, by gnuplot\n"
-    "      --json            the summary as an object\n"
-    "      --random N        N cameras and scripts from seeds; fails where a loop swings for ever\n"
-    "      --seed S          the first seed (1); '--random 1' shows one as the others are shown\n"
-    "      --threads N       for --random; the results are the same (0: one a processor)\n"
-    "  -q, --quiet           no progress       -h, --help\n"
-    "exit: 0 done, 1 failed, or with --random a loop that swings for ever, 2 usage\n";
-
 static const char light_help[] =
     "what the light does; statements stand apart by ';', times are from the beginning:\n"
     "  [TIME] EV              0s -1ev                 the light, in stops from where it began\n"
@@ -49,157 +27,123 @@ static const char light_help[] =
     "  [TIME] lamp MAINS M [daylight SHARE] [sine | rectified | pwm DUTY]   lamp 50Hz 30%\n"
     "  [TIME] lamp off\n";
 
-static int number(const char *option, const char *text, double least, double most, int whole, double *value)
+static int parse_camera(const option_value *v)
 {
-    char *end;
-    errno = 0;
-    *value = strtod(text, &end);
-    if (end != text && !*end && *value >= least && *value <= most && (!whole || *value == floor(*value)))
-        return 0;
-    fprintf(stderr, "pupil sim: --%s %s: must be a %snumber from %.15g to %.15g\n", option, text, whole ? "whole " : "",
-            least, most);
-    return -1;
+    sim_options *o = v->options;
+    o->camera = v->text;
+    if (strcmp(v->text, "help") != 0)
+        return OPTIONS_RUN;
+    printf("a camera is key=value,... of these:\n%s", fixture_plant_keys);
+    return OPTIONS_HELP;
 }
 
-static int whole(const char *option, const char *text, uint64_t least, uint64_t most, uint64_t *value)
+/* The script, or that of a file, "@FILE". */
+static int parse_light(const option_value *v)
 {
-    char *end;
-    errno = 0;
-    *value = strtoull(text, &end, 10);
-    if (*text >= '0' && *text <= '9' && !*end && !errno && *value >= least && *value <= most)
-        return 0;
-    fprintf(stderr, "pupil sim: --%s %s: must be a whole number from %llu to %llu\n", option, text,
-            (unsigned long long)least, (unsigned long long)most);
-    return -1;
-}
-
-static int read_light(const char *text, sim_options *o)
-{
-    if (*text != '@') {
-        if (strlen(text) < sizeof o->light)
-            return strcpy(o->light, text), 0;
-        return fprintf(stderr, "pupil sim: --light: at most %zu characters\n", sizeof o->light - 1), -1;
+    sim_options *o = v->options;
+    const char *path = v->text + 1;
+    if (strcmp(v->text, "help") == 0) {
+        fputs(light_help, stdout);
+        return OPTIONS_HELP;
     }
-    FILE *file = fopen(text + 1, "re");
+    if (*v->text != '@') {
+        if (strlen(v->text) >= sizeof o->light)
+            return pupil_refuse(v->why, "--light: at most %zu characters", sizeof o->light - 1);
+        strcpy(o->light, v->text);
+        return OPTIONS_RUN;
+    }
+    FILE *file = fopen(path, "re");
     const size_t length = file ? fread(o->light, 1, sizeof o->light, file) : 0;
     const int failed = !file || ferror(file);
     if (failed)
-        fprintf(stderr, "pupil sim: --light: %s: %s\n", text + 1, strerror(errno));
+        pupil_refuse(v->why, "--light: %s: %s", path, strerror(errno));
     if (file)
         fclose(file);
     if (failed)
-        return -1;
-    if (length == sizeof o->light || memchr(o->light, 0, length)) {
-        fprintf(stderr, "pupil sim: --light: %s: must be a text of at most %zu characters\n", text + 1,
-                sizeof o->light - 1);
-        return -1;
-    }
+        return OPTIONS_USAGE;
+    if (length == sizeof o->light || memchr(o->light, 0, length))
+        return pupil_refuse(v->why, "--light: %s: must be a text of at most %zu characters", path, sizeof o->light - 1);
     o->light[length] = 0;
-    return 0;
+    return OPTIONS_RUN;
 }
 
-static int read_controller(const char *name, sim_options *o)
+static int parse_controller(const option_value *v)
 {
-    o->loop.law = fixture_controller_named(name);
-    if (o->loop.law)
-        return 0;
-    fprintf(stderr, "pupil sim: --controller %s: must be one of", name);
-    for (size_t i = 0; i < FIXTURE_CONTROLLERS; i++)
-        fprintf(stderr, " %s", fixture_controllers[i].name);
-    fputc('\n', stderr);
-    return -1;
+    sim_options *o = v->options;
+    o->loop.law = fixture_controller_named(v->text);
+    return o->loop.law ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-static int read_mains(const char *text, sim_options *o)
+static int parse_mains(const option_value *v)
 {
-    static const char *const words[] = {"0", "50", "60", "auto"};
     static const uint32_t hz[] = {0, 50, 60, PUPIL_SENSOR_MAINS_AUTO};
-    for (size_t i = 0; i < 4; i++)
-        if (strcmp(text, words[i]) == 0) {
-            o->mains_hz = hz[i];
-            return 0;
-        }
-    fprintf(stderr, "pupil sim: --mains %s: must be 0, 50, 60 or auto\n", text);
-    return -1;
+    sim_options *o = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    o->mains_hz = hz[place];
+    return OPTIONS_RUN;
 }
 
-/* 0; 1: wrong; -1: nothing more is to be done. */
-static int read_option(int option, sim_options *o)
+static int parse_key_at(const option_value *v)
 {
-    uint64_t n = 0;
-    int failed;
-    switch (option) {
-    case 'c':
-        if (strcmp(optarg, "help") == 0)
-            return fputs("a camera is key=value,... of these:\n", stdout), fputs(fixture_plant_keys, stdout), -1;
-        o->camera = optarg;
-        return 0;
-    case 'l':
-        if (strcmp(optarg, "help") == 0)
-            return fputs(light_help, stdout), -1;
-        return read_light(optarg, o) != 0;
-    case 'e':
-        o->scene = optarg;
-        return 0;
-    case 'o':
-        return read_controller(optarg, o) != 0;
-    case 'd':
-        failed = whole("delay", optarg, 1, 16, &n);
-        o->believed = (uint32_t)n;
-        return failed != 0;
-    case 'm':
-        return read_mains(optarg, o) != 0;
-    case 'k':
-        o->key_at = optarg;
-        if (key_at_parse(optarg, &o->loop.sensor))
-            return fprintf(stderr, "pupil sim: --key-at %s: must be %s\n", optarg, key_at_right), 1;
-        return 0;
-    case 't':
-        return number("duration", optarg, 0.01, 1e6, 0, &o->duration_s) != 0;
-    case 's':
-        o->stats = optarg;
-        return 0;
-    case 'p':
-        o->plot = optarg;
-        return 0;
-    case 'j':
-        o->json = 1;
-        return 0;
-    case 'r':
-        return whole("random", optarg, 1, 1000000000, &o->plants) != 0;
-    case 'S':
-        return whole("seed", optarg, 0, UINT64_C(1) << 62, &o->seed) != 0;
-    case 'T':
-        failed = whole("threads", optarg, 0, 256, &n);
-        o->threads = (uint32_t)n;
-        return failed != 0;
-    case 'q':
-        o->quiet = 1;
-        return 0;
-    case 'h':
-        return fputs(help, stdout), -1;
-    default:
-        return 1;
-    }
+    sim_options *o = v->options;
+    o->key_at = v->text;
+    return key_at_parse(v->text, &o->loop.sensor) ? option_refuse(v, NULL) : OPTIONS_RUN;
 }
 
-static int read_options(int argc, char **argv, sim_options *o)
-{
-    static const struct option known[] = {
-        {"camera", 1, NULL, 'c'},  {"light", 1, NULL, 'l'},  {"scene", 1, NULL, 'e'},    {"controller", 1, NULL, 'o'},
-        {"delay", 1, NULL, 'd'},   {"mains", 1, NULL, 'm'},  {"duration", 1, NULL, 't'}, {"stats", 1, NULL, 's'},
-        {"plot", 1, NULL, 'p'},    {"json", 0, NULL, 'j'},   {"random", 1, NULL, 'r'},   {"seed", 1, NULL, 'S'},
-        {"threads", 1, NULL, 'T'}, {"key-at", 1, NULL, 'k'}, {"quiet", 0, NULL, 'q'},    {"help", 0, NULL, 'h'},
-        {NULL, 0, NULL, 0}};
-    int c, wrong = 0;
-    optind = 1;
-    while (!wrong && (c = getopt_long(argc, argv, "c:l:qh", known, NULL)) != -1)
-        wrong = read_option(c, o);
-    if (wrong || optind == argc)
-        return wrong;
-    fprintf(stderr, "pupil sim: %s: it takes no argument; the light is --light's\n", argv[optind]);
-    return 1;
-}
+#define AT(field) offsetof(sim_options, field)
+
+static const option_row rows[] = {
+    {"camera", 'c', OPTION_TEXT, "K=V,...", 0, .parse = parse_camera,
+     .help = "the camera; '--camera help' lists what can be set",
+     .more = "Delays, lines, laws of gain, noise, bits, curves, drops and lies. Without it, a linear 12-bit camera at "
+             "30 frames a second with a delay of 3 frames."},
+    {"light", 'l', OPTION_TEXT, "SCRIPT", 0, .parse = parse_light,
+     .help = "its light ('2s step +3ev'), or @FILE; '--light help' has all",
+     .more = "For example '0s -1ev; 2s step +3ev; 4s ramp -2ev/s 1s; 6s flash 1 frame +5ev; lamp 50Hz 30%'."},
+    {"scene", 0, OPTION_TEXT, "RECIPE", AT(scene), .help = "a rendered scene (room) with all its lights on",
+     .more = "Without it, luminances by their distribution."},
+    {"controller", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_controller, .initial = "pupil",
+     .words = "pupil|rpi|libipa|softisp|openpilot|integrator0.25|integrator1", .help = "pupil, or a published law"},
+    {"delay", 0, OPTION_COUNT32, "N", AT(believed), .low = 1, .high = 16,
+     .help = "the delay that the controller is configured with (the camera's)"},
+    {"mains", 0, OPTION_CHOICE, "0|50|60|auto", 0, .parse = parse_mains, .initial = "auto",
+     .help = "the mains frequency that pupil is configured with"},
+    {"key-at", 0, OPTION_TEXT, "EV:KEY,...", 0, .parse = parse_key_at, .right = key_at_right,
+     .help = "pupil's key by scene luminance: -1:0.06,5.5:0.18 (0.18)"},
+    {"duration", 0, OPTION_NUMBER, "S", AT(duration_s), .low = 0.01, .high = 1e6,
+     .right = "a number of seconds from 0.01 to 1000000",
+     .help = "seconds, 61 to 1,000,000 frames (10 after the script's end)"},
+    {"stats", 0, OPTION_PATH, "FILE", AT(stats), .help = "each frame as a line of JSON (.jsonl, - is stdout)",
+     .more = "What was in force, what was reported of it, what was requested, and the error of the picture."},
+    {"plot", 0, OPTION_PATH, "FILE", AT(plot), .help = "light, exposure, gain and error: .svg or .png",
+     .more = "Needs gnuplot."},
+    OPTION_ROW_JSON(sim_options, json, "the summary as an object"),
+    {"random", 0, OPTION_COUNT, "N", AT(plants), .low = 1, .high = 1e9,
+     .help = "N cameras and scripts from seeds; fails where a loop oscillates",
+     .more = "Exit status 1 where a loop oscillates for ever or requests what is no number. Each such seed is named "
+             "with the command that shows it again."},
+    {"seed", 0, OPTION_COUNT, "S", AT(seed), .high = 0x1p62, .initial = "1",
+     .help = "the first seed; '--random 1' shows one"},
+    OPTION_ROW_THREADS(sim_options, threads, "0"),
+    OPTION_ROW_QUIET(sim_options, quiet),
+};
+
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command sim_command = {
+    .name = "sim",
+    .summary = "an exposure loop with a simulated camera",
+    .usage = "[options]",
+    .about = "Runs an exposure loop with a simulated camera while the light changes.",
+    .exits = "0 done, 1 failed, or with --random a loop that oscillates, 2 usage",
+    .manual =
+        "Runs one loop with one simulated camera. Prints when it settled, its overshoot, and what it does at rest.",
+    .instead = "the light is set by --light",
+    .groups = groups,
+    .run = sim_main,
+};
 
 void sim_tell(sim_options *o)
 {
@@ -291,9 +235,10 @@ int sim_main(int argc, char **argv)
     sim_options o = {.seed = 1, .mains_hz = PUPIL_SENSOR_MAINS_AUTO};
     pupil_why why = {""};
     fixture_loop_default(&o.loop);
-    const int wrong = read_options(argc, argv, &o);
-    if (wrong)
-        return wrong > 0 ? EXIT_USAGE : EXIT_DONE;
+    option_words words;
+    const int parsed = options_read(&sim_command, &o, argc, argv, &words);
+    if (parsed >= 0)
+        return parsed;
     int status = prepare(&o, &why);
     if (status == EXIT_DONE)
         status = o.plants > 1 ? sim_random(&o) : run_one(&o, &why);

@@ -1,50 +1,20 @@
 #include "options.h"
 
-#include <getopt.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "pupil/image.h"
+#include "commands.h"
 #include "refuse.h"
 
-const char study_help[] = "usage: pupil study [SCENE] [options]\n"
-                          "       pupil study --regression CSV [--check]\n"
-                          "When has the picture arrived? Four light scenarios, four formulas, twenty weights.\n"
-                          "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: quick\n"
-                          "  -o, --out DIR         study.csv, study.md, study.html and a plot of each case into DIR\n"
-                          "      --video C,F       also a video of case C, formula F: weights side by side; or all\n"
-                          "      --check           exit 1 unless all of A1..A11 hold (or its counts)\n"
-                          "      --float32         the recursions as the seeds have them, in binary32: A3 and A5 fail\n"
-                          "      --regression CSV  the seeds' table again, from numbers alone; no scene\n"
-                          "      --size WxH        of the pictures (600x600); the first threshold is their pixels\n"
-                          "      --threads N       (0: one a processor)\n"
-                          "  -q, --quiet   -h, --help\n"
-                          "exit: 0 done, 1 failed or not met, 2 usage, 130 interrupted\n";
-
-enum { VIDEO = 256, CHECK, FLOAT32, REGRESSION, SIZE, THREADS };
-
-static const struct option long_options[] = {
-    {"out", required_argument, NULL, 'o'},
-    {"video", required_argument, NULL, VIDEO},
-    {"check", no_argument, NULL, CHECK},
-    {"float32", no_argument, NULL, FLOAT32},
-    {"regression", required_argument, NULL, REGRESSION},
-    {"size", required_argument, NULL, SIZE},
-    {"threads", required_argument, NULL, THREADS},
-    {"quiet", no_argument, NULL, 'q'},
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
-};
-
-static int parse_video(study_options *o, const char *text)
+static int parse_video(const option_value *v)
 {
-    unsigned which_case, formula;
+    study_options *o = v->options;
+    unsigned which_case = 0;
+    unsigned formula = 0;
     int used = 0;
-    const int all = strcmp(text, "all") == 0;
-    if (!all && (sscanf(text, "%1u,%1u%n", &which_case, &formula, &used) != 2 || text[used] || which_case - 1 > 3 ||
-                 formula - 1 > 3))
-        return STUDY_USAGE;
+    const int all = strcmp(v->text, "all") == 0;
+    if (!all && (sscanf(v->text, "%1u,%1u%n", &which_case, &formula, &used) != 2 || v->text[used] ||
+                 which_case - 1 > 3 || formula - 1 > 3))
+        return option_refuse(v, NULL);
     for (unsigned i = 0; i < 16; i++) {
         unsigned known = 0;
         if (!all && i != (formula - 1) * 4 + which_case - 1)
@@ -56,90 +26,65 @@ static int parse_video(study_options *o, const char *text)
         o->video[o->videos].which_case = i % 4;
         o->video[o->videos++].formula = i / 4;
     }
-    return STUDY_RUN;
+    return OPTIONS_RUN;
 }
 
-/* Two sides that the study can hold in memory, or the one number of threads. */
-static int parse_size(study_options *o, const char *text)
-{
-    unsigned long width, height;
-    int used = 0;
-    if (sscanf(text, "%6lux%6lu%n", &width, &height, &used) != 2 || text[used] || !width || !height || width > 4096 ||
-        height > 4096)
-        return STUDY_USAGE;
-    o->width = (uint32_t)width;
-    o->height = (uint32_t)height;
-    return STUDY_RUN;
-}
+#define AT(field) offsetof(study_options, field)
 
-static int parse_threads(study_options *o, const char *text)
-{
-    int used = 0;
-    return sscanf(text, "%4u%n", &o->threads, &used) == 1 && !text[used] && o->threads <= 256 ? STUDY_RUN : STUDY_USAGE;
-}
+static const option_row rows[] = {
+    {"out", 'o', OPTION_PATH, "DIR", AT(out), .right = "a folder",
+     .help = "study.csv, study.md, study.html and a plot of each case into DIR",
+     .more = "Each is complete or absent; files are replaced. Needs gnuplot."},
+    {"video", 0, OPTION_TEXT, "C,F", 0, .parse = parse_video, .right = "a case and a formula, 1,1 to 4,4, or all",
+     .help = "also a video of case C and formula F, weights side by side; or all",
+     .more = "DIR/case1-formula1.mp4 and so on, 1000x800, the twenty weights in the tables' order. Repeatable."},
+    {"check", 0, OPTION_FLAG, NULL, AT(check),
+     .help = "exit 1 unless all of A1..A11 hold, or the counts of --regression"},
+    {"float32", 0, OPTION_FLAG, NULL, AT(float32), .help = "the recursions in binary32, as in the original study",
+     .more = "A3 and A5 are then violated."},
+    {"regression", 0, OPTION_PATH, "CSV", AT(regression),
+     .help = "the table of the original study, from numbers alone; no scene",
+     .more = "Compares a table (formula,case,weight,threshold,frame) with what binary32 gives from its two "
+             "log-averages. With --check, exit 1 below 1257 exact cells of 1277, 1275 within one frame, 1277 within "
+             "two."},
+    {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = 4096, .help = "of the pictures (600x600)",
+     .more = "The first threshold is the number of their pixels."},
+    OPTION_ROW_THREADS(study_options, threads, "0"),
+    OPTION_ROW_QUIET(study_options, quiet),
+};
 
-static int take(study_options *o, int option, const char *text, const char **right)
-{
-    switch (option) {
-    case 'o':
-        o->out = text;
-        *right = "--out: must be a folder";
-        return *text ? STUDY_RUN : STUDY_USAGE;
-    case VIDEO:
-        *right = "--video: must be a case and a formula, 1,1 to 4,4, or all";
-        return parse_video(o, text);
-    case REGRESSION:
-        o->regression = text;
-        return STUDY_RUN;
-    case SIZE:
-        *right = "--size: must be WIDTHxHEIGHT, from 1x1 to 4096x4096";
-        return parse_size(o, text);
-    case THREADS:
-        *right = "--threads: must be a whole number from 0 to 256";
-        return parse_threads(o, text);
-    case CHECK:
-        o->check = 1;
-        return STUDY_RUN;
-    case FLOAT32:
-        o->float32 = 1;
-        return STUDY_RUN;
-    default:
-        o->quiet = 1;
-        return STUDY_RUN;
-    }
-}
+static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
+
+const option_command study_command = {
+    .name = "study",
+    .summary = "the study of adaptation again: tables, videos, acceptance",
+    .usage = "[SCENE] [options]\n--regression CSV [--check]",
+    .about = "When has the picture arrived? Four light scenarios, four formulas, twenty weights.\n"
+             "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: quick",
+    .exits = "0 done, 1 failed or not met, 2 usage, 130 interrupted",
+    .manual = "Repeats the study of temporal tone mapping that pupil grew from. A lamp of 512 next to a lamp of 1 is "
+              "switched on, switched off, flashes on, flashes off. There are four formulas and twenty weights: at "
+              "which frame has "
+              "the picture arrived? docs/study.md describes the results. The darkest and the brightest frame of SCENE "
+              "are the two states of light; spheres needs no rendering. The acceptance tests A1 to A11, with the "
+              "number of violations of each, go to standard output.",
+    .groups = groups,
+    .run = study_main,
+};
 
 int study_options_parse(study_options *o, int argc, char **argv, pupil_why *why)
 {
-    int option;
+    option_words words;
     *o = (study_options){0};
-    optind = 1;
-    opterr = 0;
-    while ((option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1) {
-        const char *right = "";
-        if (option == 'h')
-            return STUDY_HELP;
-        if (option == '?' || option == ':') {
-            pupil_refuse(why, "%s: no such option, or its value is missing; 'pupil study --help' lists them",
-                         argv[optind - 1]);
-            return STUDY_USAGE;
-        }
-        if (take(o, option, optarg, &right)) {
-            pupil_refuse(why, "%s, not %s", right, optarg);
-            return STUDY_USAGE;
-        }
-    }
-    if (argc - optind > 1 || (o->regression && (argc > optind || o->out || o->videos || o->float32 || o->width))) {
-        pupil_refuse(why,
-                     o->regression ? "--regression takes a table and --check, and nothing else of the study"
-                                   : "%s: one scene at a time",
-                     argv[argc - 1]);
-        return STUDY_USAGE;
-    }
-    if (o->videos && !o->out) {
-        pupil_refuse(why, "--video: needs --out, the folder that it is put in");
-        return STUDY_USAGE;
-    }
-    o->scene = optind < argc ? argv[optind] : "room";
-    return STUDY_RUN;
+    const int parsed = options_parse(&study_command, o, argc, argv, &words, why);
+    if (parsed)
+        return parsed;
+    if (o->regression && (words.count || o->out || o->videos || o->float32 || o->width))
+        return pupil_refuse(why, "--regression: takes a table and --check, and nothing else of the study");
+    if (words.count > 1)
+        return pupil_refuse(why, "%s: one scene at a time", words.word[1]);
+    if (o->videos && !o->out)
+        return pupil_refuse(why, "--video: needs --out, the folder that it is put in");
+    o->scene = words.count ? words.word[0] : "room";
+    return OPTIONS_RUN;
 }

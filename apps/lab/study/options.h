@@ -2,16 +2,14 @@
 #ifndef PUPIL_APPS_LAB_STUDY_OPTIONS_H
 #define PUPIL_APPS_LAB_STUDY_OPTIONS_H
 
-#include "pupil/error.h"
-#include <stddef.h>
-#include <stdint.h>
+#include "options/option_table.h"
 
 #define STUDY_MOST_VIDEOS 16
 
 typedef struct study_options {
     const char *scene;      /* "room" */
-    const char *out;        /* a folder; NULL: only what is told */
-    const char *regression; /* the seeds' table; NULL: the study */
+    const char *out;        /* a folder; NULL: nothing is written */
+    const char *regression; /* the original table; NULL: the study */
     uint32_t width, height; /* 0: 600x600 */
     unsigned threads;       /* 0: one a processor */
     int check, float32, quiet;
@@ -21,10 +19,7 @@ typedef struct study_options {
     unsigned videos;
 } study_options;
 
-extern const char study_help[];
-
-enum { STUDY_RUN = 0, STUDY_USAGE = -1, STUDY_HELP = 1 };
-
+/* As options_parse, with the defaults set before. */
 int study_options_parse(study_options *options, int argc, char **argv, pupil_why *why);
 
 #endif

@@ -268,11 +268,9 @@ int study_main(int argc, char **argv)
     static study s; /* the states alone are 5 MB */
     replay_report_command(s.command, sizeof s.command, argc, argv);
     int parsed = study_options_parse(&s.options, argc, argv, &s.why);
-    if (parsed == STUDY_HELP) {
-        fputs(study_help, stdout);
+    if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    }
-    if (parsed == STUDY_USAGE) {
+    if (parsed) {
         fprintf(stderr, "pupil study: %s\n", s.why.text);
         return EXIT_USAGE;
     }

@@ -1,0 +1,186 @@
+#include "frame_options.h"
+
+#include <string.h>
+
+#include "refuse.h"
+
+/* --- values that no kind fits --- */
+
+static int parse_out(const option_value *v)
+{
+    frame_options *o = v->options;
+    if (o->out_count == FRAME_MOST_OUTPUTS)
+        return option_refuse(v, "one of at most 16 outputs");
+    if (!*v->text)
+        return option_refuse(v, "a path");
+    o->out[o->out_count++] = v->text;
+    return OPTIONS_RUN;
+}
+
+static int parse_metering(const option_value *v)
+{
+    frame_options *o = v->options;
+    static const char words[] = "uniform|centre|spot|center"; /* the last is another spelling */
+    const int which = option_word(v->text, words);
+    if (which < 0)
+        return option_refuse(v, NULL);
+    if (which == 0)
+        pupil_metering_uniform(&o->config);
+    else if (which == 2)
+        pupil_metering_spot(&o->config);
+    else
+        pupil_metering_centre(&o->config);
+    snprintf(o->metering, sizeof o->metering, "%s", which == 3 ? "centre" : v->text);
+    return OPTIONS_RUN;
+}
+
+static int parse_roi(const option_value *v)
+{
+    frame_options *o = v->options;
+    double part[4];
+    if (option_numbers(v, 4, part))
+        return OPTIONS_USAGE;
+    if (pupil_metering_roi(&o->config, part[0], part[1], part[2], part[3]))
+        return option_refuse(v, NULL);
+    snprintf(o->metering, sizeof o->metering, "roi %s", v->text);
+    return OPTIONS_RUN;
+}
+
+static int parse_trim(const option_value *v)
+{
+    frame_options *o = v->options;
+    double percent[2];
+    if (option_numbers(v, 2, percent))
+        return OPTIONS_USAGE;
+    if (!(percent[0] >= 0.0 && percent[0] < percent[1] && percent[1] <= 100.0))
+        return option_refuse(v, NULL);
+    o->config.trim_low = (float)(percent[0] / 100.0);
+    o->config.trim_high = (float)(percent[1] / 100.0);
+    return OPTIONS_RUN;
+}
+
+static int parse_meter_rows(const option_value *v)
+{
+    frame_options *o = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    o->config.meter_rows = 1u << place;
+    return OPTIONS_RUN;
+}
+
+static int parse_white(const option_value *v)
+{
+    frame_options *o = v->options;
+    const int word = option_word(v->text, "follow|none");
+    snprintf(o->white, sizeof o->white, "%s", v->text);
+    o->config.white_mode = word == 0 ? PUPIL_WHITE_FOLLOW : word == 1 ? PUPIL_WHITE_NONE : PUPIL_WHITE_FIXED;
+    return word >= 0 ? OPTIONS_RUN : option_number(v, v->row->low, v->row->high, &o->config.white);
+}
+
+static int parse_formula(const option_value *v)
+{
+    frame_options *o = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    o->config.law = (uint32_t)(PUPIL_LAW_ARITHMETIC_SCALE + place);
+    return OPTIONS_RUN;
+}
+
+static int parse_gles_version(const option_value *v)
+{
+    frame_options *o = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    o->gles_version = place ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
+    return OPTIONS_RUN;
+}
+
+/* --- the table --- */
+
+#define AT(field) offsetof(frame_options, field)
+
+const option_row frame_output_rows[FRAME_OUTPUT_ROWS] = {
+    {"out", 'o', OPTION_PATH, "PATH", 0, .parse = parse_out,
+     .help = ".mp4 .mkv .mov .y4m .png, a folder of PNG, - (Y4M); repeatable",
+     .more = "A name without an extension is a folder of PNG files; .png is one picture. - is YUV4MPEG2 on standard "
+             "output."},
+    {"stats", 0, OPTION_PATH, "FILE", AT(stats), .help = "a line a frame: .jsonl or .csv (- is JSONL on stdout)",
+     .more = "Metered and adapted EV, scale, white point, quantiles, shares of black, clipped and bad pixels, display "
+             "level, microseconds. docs/stats.md has the fields."},
+    {"plot", 0, OPTION_PATH, "FILE", AT(plot), .help = "exposure over time: .svg or .png", .more = "Needs gnuplot."},
+};
+
+const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
+    {"tau-light", 0, OPTION_NUMBER, "S", AT(config.tau_light_s), .initial = "0.3", .high = 1e6, .unit = "seconds",
+     .help = "time constant toward more light, seconds", .more = "0 is at once."},
+    {"tau-dark", 0, OPTION_NUMBER, "S", AT(config.tau_dark_s), .initial = "0.9", .high = 1e6, .unit = "seconds",
+     .help = "time constant toward less light, seconds"},
+    {"formula", 0, OPTION_CHOICE, "1|2|3|4", 0, .parse = parse_formula, .help = "a formula of the study instead",
+     .more = "The four formulas weight each frame, not each second: docs/numerics.md."},
+    {"weight", 0, OPTION_NUMBER, "W", AT(config.frame_weight), .initial = "0.05", .low = 0x1p-1022, .high = 1.0,
+     .right = "above 0, up to 1", .help = "its weight of each new frame"},
+    {"key", 0, OPTION_NUMBER, "K", AT(config.key), .initial = "0.18", .low = 0x1p-10, .high = 1.0,
+     .right = "from 0.001 to 1", .help = "what the log-average luminance is mapped to"},
+    {"ev", 0, OPTION_NUMBER, "STOPS", AT(config.ev_compensation), .initial = "0", .low = -16.0, .high = 16.0,
+     .unit = "stops", .help = "exposure compensation", .more = "Positive is brighter."},
+    {"lock", 0, OPTION_FLAG, NULL, AT(config.lock), .help = "hold the first level"},
+    {"metering", 0, OPTION_CHOICE, "uniform|centre|spot", 0, .initial = "uniform", .parse = parse_metering,
+     .help = "which part of the frame counts most"},
+    {"roi", 0, OPTION_TEXT, "X,Y,W,H", 0,
+     .right = "X,Y,WIDTH,HEIGHT in fractions of the frame, for example 0.25,0.25,0.5,0.5", .parse = parse_roi,
+     .help = "meter only this part, in fractions of the frame"},
+    {"trim", 0, OPTION_TEXT, "LOW,HIGH", 0,
+     .right = "LOW,HIGH in per cent, for example 5,95, with 0 <= LOW < HIGH <= 100", .parse = parse_trim,
+     .help = "leave out the darkest and the brightest, per cent: 5,95",
+     .more = "The mean is then that of the pixels between the two quantiles."},
+    {"meter-rows", 0, OPTION_CHOICE, "1|2|4|8", 0, .initial = "1", .parse = parse_meter_rows,
+     .help = "meter one of each N rows", .more = "Another row of them in each frame. For machines that are too slow."},
+};
+
+const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
+    {"white", 0, OPTION_TEXT, "W", 0, .initial = "follow", .low = 0x1p-8, .high = 0x1p30,
+     .right = "follow, none, or a number from 0.0039 to 1e9", .parse = parse_white,
+     .help = "white point: follow, none, or a number",
+     .more = "follow: the white point follows the 99.5 % quantile of the frame, never below 1. none: Reinhard's global "
+             "operator. A number: a fixed white point in units of scaled luminance."},
+    {"transfer", 0, OPTION_CHOICE, "srgb|gamma22|linear", AT(config.transfer), .initial = "srgb",
+     .help = "display encoding"},
+    {"fused", 0, OPTION_FLAG, NULL, AT(config.order),
+     .help = "map with the state before the frame: one pass, one frame late",
+     .more = "Each frame is mapped while it is metered."},
+    {"gles", 0, OPTION_FLAG, NULL, AT(gles), .help = "on the GPU, or else on the CPU",
+     .more =
+         "OpenGL ES 3.1 or 3.0, without a window. The outputs are the CPU's within one display code. Where the GPU is "
+         "missing or fails, a sentence says why, and the CPU goes on from the same level. --meter-rows is not used: "
+         "every row is metered."},
+    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", 0, .parse = parse_gles_version, .help = "of --gles and --view",
+     .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim."},
+    {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
+     .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
+};
+
+_Static_assert(PUPIL_ORDER_FUSED == 1 && PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_GAMMA22 == 1,
+               "flags set 1, and a choice its place");
+
+/* --- the rest --- */
+
+void frame_options_begin(frame_options *o)
+{
+    *o = (frame_options){.hold = 1, .metering = "uniform", .white = "follow"};
+    pupil_config_default(&o->config);
+    o->config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
+}
+
+int frame_options_check(frame_options *o, int weight_given, pupil_why *why)
+{
+    o->source.threads = o->threads;
+    if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
+        return pupil_refuse(why, "--weight: is a weight a frame, of --formula 1..4; the default law takes --tau-light "
+                                 "and --tau-dark");
+    if (o->gles_version && !o->gles && !o->view)
+        return pupil_refuse(why, "--gles-version: is of --gles and --view");
+    return OPTIONS_RUN;
+}

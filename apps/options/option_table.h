@@ -1,0 +1,145 @@
+/* apps/options/option_table.h: the options of a command as rows of a table. The rows are what a command line is parsed
+ * and checked by, and what --help, the man page and completion are made of. */
+#ifndef PUPIL_APPS_OPTIONS_OPTION_TABLE_H
+#define PUPIL_APPS_OPTIONS_OPTION_TABLE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "pupil/error.h"
+
+typedef struct option_row option_row;
+
+/* The value of one option on a command line. */
+typedef struct option_value {
+    const option_row *row;
+    const char *text;
+    void *options; /* the struct that row->offset is in */
+    pupil_why *why;
+} option_value;
+
+/* What an option takes and, at its offset, sets. Ranges include their ends. */
+typedef enum option_kind {
+    OPTION_FLAG = 0, /* no value: an int or a uint32_t, to 1 */
+    OPTION_NUMBER,   /* a double, low..high */
+    OPTION_COUNT,    /* a uint64_t, low..high */
+    OPTION_COUNT32,  /* a uint32_t, low..high */
+    OPTION_CHOICE,   /* one of the words ("a|b|c") of `value` or `words`: its place, from 0, in a uint32_t */
+    OPTION_TIME,     /* 10ms, 1/100, 2min; a plain number counts in unit_s: a double in seconds, low..high */
+    OPTION_SIZE,     /* 640x360: two uint32_t, each 1..high */
+    OPTION_TEXT,     /* a const char *, not empty */
+    OPTION_PATH      /* the same; completed as a file's name */
+} option_kind;
+
+struct option_row {
+    const char *name; /* without its dashes */
+    char letter;      /* 0: none */
+    option_kind kind;
+    const char *value; /* what the value is called; of a choice its words, or else they are in `words` */
+    size_t offset;
+    double low, high;
+    double unit_s;
+    const char *unit;                        /* "seconds", in front of the range in a sentence; NULL: a number */
+    const char *right;                       /* "must be ..."; NULL: made of kind, unit and range */
+    const char *initial;                     /* the value without the option; NULL: none, or `help` says it */
+    const char *help;                        /* a phrase without a full stop, for --help and the man page */
+    const char *more;                        /* what the man page adds to it: sentences; NULL */
+    const char *words;                       /* of a choice with so many that `help` is followed by them; NULL */
+    int (*parse)(const option_value *value); /* instead of the kind's own; returns as options_parse */
+};
+
+/* Rows under one title. */
+typedef struct option_group {
+    const char *title; /* NULL: goes on with the group before */
+    const option_row *row;
+    size_t rows;
+    size_t base;       /* of the rows' struct in the command's */
+    const char *brief; /* --help has their names only, and "as of pupil BRIEF" where it is not ""; NULL */
+} option_group;
+
+#define OPTION_ROWS(array) .row = (array), .rows = sizeof(array) / sizeof *(array)
+
+typedef struct option_command option_command;
+struct option_command {
+    const char *name;                   /* "replay", "bench scene" */
+    const char *summary;                /* for `pupil help` */
+    const char *usage;                  /* a line each way to call it, without "pupil NAME" */
+    const char *about;                  /* lines of --help in front of the options */
+    const char *exits;                  /* the exit statuses */
+    const char *manual;                 /* paragraphs of the man page, with an empty line between */
+    const char *instead;                /* where there are no operands: what a user may have meant */
+    const option_group *groups;         /* up to one without rows */
+    const option_command *const *parts; /* `pupil bench scene` and so on, up to NULL; NULL: none */
+    int (*run)(int argc, char **argv);  /* its own arguments, its name first; the exit status */
+};
+
+/* What options_parse found beside the values. */
+typedef struct option_words {
+    char **word; /* the operands; in argv, whose front they are moved to */
+    int count;
+    uint64_t given; /* a bit for each row */
+} option_words;
+
+enum { OPTIONS_RUN = 0, OPTIONS_HELP = 1, OPTIONS_USAGE = -1 /* as pupil_refuse */ };
+
+/* All commands, up to NULL, so that an option of another command is recognised. NULL: none are known. */
+extern const option_command *const *option_commands;
+
+/* Sets what is given in `options`, which has its defaults. OPTIONS_RUN; OPTIONS_HELP where help was asked for, which is
+ * then on standard output; OPTIONS_USAGE and a sentence that names the option, its value, and what would be right. */
+int options_parse(const option_command *command, void *options, int argc, char **argv, option_words *words,
+                  pupil_why *why);
+
+/* The same with the sentence on standard error. -1: go on; else the exit status. */
+int options_read(const option_command *command, void *options, int argc, char **argv, option_words *words);
+
+/* Whether an option was on the command line. */
+int options_given(const option_command *command, const option_words *words, const char *name);
+
+/* The sentence of OPTIONS_USAGE: "--NAME TEXT: must be RIGHT"; NULL: as the row says. Returns OPTIONS_USAGE. */
+int option_refuse(const option_value *value, const char *right);
+
+/* As the kind of the row has it, with the range and the place for the result given. */
+int option_take(const option_value *value);
+int option_number(const option_value *value, double low, double high, double *number);
+int option_whole(const option_value *value, double low, double high, uint64_t *whole);
+int option_time(const option_value *value, double low_s, double high_s, double *seconds);
+/* `count` numbers with commas between. */
+int option_numbers(const option_value *value, int count, double *numbers);
+/* The place of the text in words with | between, or -1. */
+int option_word(const char *text, const char *words);
+
+/* The command of a name, "bench" or "bench scene"; NULL. */
+const option_command *options_command(const option_command *const *commands, const char *name);
+
+/* The row and the base of a command's n-th option; NULL behind the last. --help is the last one. */
+const option_row *options_row(const option_command *command, size_t n, size_t *base);
+
+/* Of a choice: a|b|c. */
+const char *option_words_of(const option_row *row);
+
+/* What would be right, as in the sentence. */
+void option_right(const option_row *row, char *text, size_t bytes);
+
+/* --help of one command; all commands as a man page; completion for bash. */
+void options_help(const option_command *command, FILE *out);
+void options_manual(const option_command *const *commands, FILE *out);
+void options_completion(const option_command *const *commands, FILE *out);
+
+/* Rows that several commands have. */
+#define OPTION_ROW_QUIET(type, field)                                                                                  \
+    {                                                                                                                  \
+        "quiet", 'q', OPTION_FLAG, NULL, offsetof(type, field), .help = "no progress line and no summary"              \
+    }
+#define OPTION_ROW_JSON(type, field, what)                                                                             \
+    {                                                                                                                  \
+        "json", 0, OPTION_FLAG, NULL, offsetof(type, field), .help = what                                              \
+    }
+#define OPTION_ROW_THREADS(type, field, without)                                                                       \
+    {                                                                                                                  \
+        "threads", 0, OPTION_COUNT32, "N", offsetof(type, field), .high = 256, .initial = without,                     \
+                                                                  .help = "worker threads, 0: one a processor"         \
+    }
+
+#endif

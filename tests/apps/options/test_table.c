@@ -1,0 +1,249 @@
+/* The table of options: every row of every command has its help, its place in the man page and in the completion, takes
+ * its default and both ends of its range, and refuses what is just outside. */
+#include "check.h"
+#include "commands.h"
+#include "record/options.h"
+#include "replay/options.h"
+
+#include <math.h>
+
+static _Alignas(16) unsigned char scratch[1 << 16]; /* as large as any command's struct */
+static char *manual, *completion;
+
+static int take(const option_row *row, void *options, const char *text, pupil_why *why)
+{
+    const option_value value = {row, text, options, why};
+    *why->text = 0;
+    return row->parse ? row->parse(&value) : option_take(&value);
+}
+
+static void check_taken(const option_command *command, const option_row *row, const char *text)
+{
+    pupil_why why;
+    memset(scratch, 0, sizeof scratch);
+    CHECK_MSG(take(row, scratch, text, &why) == OPTIONS_RUN, "pupil %s --%s %s: %s", command->name, row->name, text,
+              why.text);
+}
+
+/* Refused with the option, its value, and words of what would be right. */
+static void check_refused(const option_command *command, const option_row *row, const char *text, const char *words)
+{
+    pupil_why why;
+    char begins[256];
+    snprintf(begins, sizeof begins, "--%s %s: must be ", row->name, text);
+    memset(scratch, 0, sizeof scratch);
+    CHECK_MSG(take(row, scratch, text, &why) == OPTIONS_USAGE && strncmp(why.text, begins, strlen(begins)) == 0 &&
+                  strstr(why.text, words),
+              "pupil %s --%s %s: %s", command->name, row->name, text, why.text);
+}
+
+static void check_range(const option_command *command, const option_row *row)
+{
+    char text[64];
+    const int whole = row->kind == OPTION_COUNT || row->kind == OPTION_COUNT32;
+    const char *unit = row->kind == OPTION_TIME ? "s" : "";
+    const double below = whole ? row->low - 1.0 : nextafter(row->low, -INFINITY);
+    const double above = whole ? row->high + 1.0 : nextafter(row->high, INFINITY);
+    CHECK_MSG(row->low < row->high, "pupil %s --%s has no range", command->name, row->name);
+    snprintf(text, sizeof text, "%.17g%s", row->low, unit);
+    check_taken(command, row, text);
+    snprintf(text, sizeof text, "%.17g%s", below, unit);
+    check_refused(command, row, text, "");
+    if (row->high < 0x1p62) {
+        snprintf(text, sizeof text, "%.17g%s", row->high, unit);
+        check_taken(command, row, text);
+        snprintf(text, sizeof text, "%.17g%s", above, unit);
+        check_refused(command, row, text, "");
+    }
+    check_refused(command, row, "", "");
+    check_refused(command, row, "nan", "");
+    check_refused(command, row, "1x", "");
+}
+
+static void check_size(const option_command *command, const option_row *row)
+{
+    char text[64];
+    snprintf(text, sizeof text, "%.0fx%.0f", row->high, row->high);
+    check_taken(command, row, text);
+    snprintf(text, sizeof text, "%.0fx4", row->high + 1.0);
+    check_refused(command, row, text, "WIDTHxHEIGHT");
+    snprintf(text, sizeof text, "4x%.0f", row->high + 1.0);
+    check_refused(command, row, text, "WIDTHxHEIGHT");
+    static const char *const wrong[] = {"", "0x4", "4x0", "64", "64x", "x64", "-4x4", "4x4x4", "4 x4", "4x 4"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        check_refused(command, row, wrong[i], "");
+}
+
+static void check_choice(const option_command *command, const option_row *row)
+{
+    char word[64];
+    for (const char *words = option_words_of(row); *words; words += strcspn(words, "|"), words += *words == '|') {
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(words, "|"), words);
+        check_taken(command, row, word);
+        check_refused(command, row, "nonsense", word);
+    }
+    check_refused(command, row, "", "");
+}
+
+static void check_row(const option_command *command, const option_row *row)
+{
+    char name[128], escaped[128] = "\\-\\-";
+    CHECK_MSG(row->help && *row->help && row->help[strlen(row->help) - 1] != '.', "pupil %s --%s: help", command->name,
+              row->name);
+    CHECK_MSG(!row->more || row->more[strlen(row->more) - 1] == '.', "pupil %s --%s: more", command->name, row->name);
+    CHECK_MSG((row->kind == OPTION_FLAG) == !row->value, "pupil %s --%s: its value has a name", command->name,
+              row->name);
+    snprintf(name, sizeof name, "--%s ", row->name);
+    CHECK_MSG(strstr(completion, name), "%s is not completed", name);
+    for (const char *c = row->name; *c; c++)
+        snprintf(escaped + strlen(escaped), sizeof escaped - strlen(escaped), "%s%c", *c == '-' ? "\\" : "", *c);
+    CHECK_MSG(strcmp(row->name, "help") == 0 || strstr(manual, escaped), "%s is not in the man page", escaped);
+    if (row->initial)
+        check_taken(command, row, row->initial);
+    if (row->kind == OPTION_CHOICE)
+        check_choice(command, row);
+    if (row->parse)
+        return;
+    if (row->kind == OPTION_SIZE)
+        check_size(command, row);
+    if (row->kind == OPTION_TEXT || row->kind == OPTION_PATH)
+        check_refused(command, row, "", "");
+    if (row->kind == OPTION_NUMBER || row->kind == OPTION_COUNT || row->kind == OPTION_COUNT32 ||
+        row->kind == OPTION_TIME)
+        check_range(command, row);
+}
+
+static void check_commands(const option_command *const *commands)
+{
+    const option_row *row, *other;
+    size_t base;
+    for (; *commands; commands++) {
+        const option_command *c = *commands;
+        size_t n = 0;
+        if (c->parts) {
+            check_commands(c->parts);
+            continue;
+        }
+        for (; (row = options_row(c, n, &base)); n++) {
+            check_row(c, row);
+            for (size_t k = 0; k < n; k++) {
+                other = options_row(c, k, &base);
+                CHECK_MSG(strcmp(row->name, other->name) != 0, "pupil %s has two --%s", c->name, row->name);
+                CHECK_MSG(!row->letter || row->letter != other->letter, "pupil %s has two -%c", c->name, row->letter);
+            }
+        }
+        CHECK_MSG(n <= 64, "pupil %s has %zu options; option_words.given has a bit for 64", c->name, n);
+    }
+}
+
+static size_t bytes_of(option_kind kind)
+{
+    return kind == OPTION_COUNT32 || kind == OPTION_CHOICE ? sizeof(uint32_t)
+           : kind == OPTION_SIZE                           ? 2 * sizeof(uint32_t)
+           : kind == OPTION_NUMBER || kind == OPTION_TIME  ? sizeof(double)
+           : kind == OPTION_COUNT                          ? sizeof(uint64_t)
+                                                           : 0;
+}
+
+/* What help says is the default is what there is without the option. */
+static void check_defaults(const option_command *command, const void *options)
+{
+    const option_row *row;
+    pupil_why why;
+    size_t base;
+    for (size_t n = 0; (row = options_row(command, n, &base)); n++) {
+        const unsigned char *before = (const unsigned char *)options + base + row->offset;
+        if (!row->initial || row->parse)
+            continue;
+        memset(scratch, 0xa5, sizeof scratch);
+        CHECK(take(row, scratch, row->initial, &why) == OPTIONS_RUN);
+        CHECK_MSG(memcmp(before, scratch + row->offset, bytes_of(row->kind)) == 0, "pupil %s --%s is not %s without it",
+                  command->name, row->name, row->initial);
+    }
+}
+
+static void test_defaults(void)
+{
+    static frame_options frame;
+    static run_options run;
+    static record_options record;
+    pupil_why why;
+    char *replay_words[] = {"replay", "x.exr", NULL}, *run_words[] = {"run", NULL},
+         *record_words[] = {"record", "x", NULL};
+    CHECK(replay_options_parse(&frame, 2, replay_words, &why) == OPTIONS_RUN);
+    CHECK(run_options_parse(&run, 1, run_words, &why) == OPTIONS_RUN);
+    CHECK(record_options_parse(&record, 2, record_words, &why) == OPTIONS_RUN);
+    check_defaults(&replay_command, &frame);
+    check_defaults(&run_command, &run);
+    check_defaults(&record_command, &record);
+}
+
+/* The words of one command line, and what it says or is. */
+static int parse(const char *line, frame_options *o, pupil_why *why)
+{
+    static char words[256], *argv[16];
+    int argc = 0;
+    snprintf(words, sizeof words, "%s", line);
+    for (char *word = strtok(words, " "); word; word = strtok(NULL, " "))
+        argv[argc++] = word;
+    argv[argc] = NULL;
+    *why->text = 0;
+    return replay_options_parse(o, argc, argv, why);
+}
+
+static void says(const char *line, const char *sentence)
+{
+    frame_options o;
+    pupil_why why;
+    CHECK_MSG(parse(line, &o, &why) == OPTIONS_USAGE && strstr(why.text, sentence), "%s: %s", line, why.text);
+}
+
+static void test_lines(void)
+{
+    frame_options o;
+    pupil_why why;
+    says("replay x --metreing spot", "--metreing: no such option of pupil replay; 'pupil replay --help' lists them");
+    says("replay x --shutter 10ms", "--shutter: no such option of pupil replay; it is of pupil run, pupil record;");
+    says("replay x --peers", "it is of pupil bench kernels;");
+    says("replay x -t 5", "-t: no such option of pupil replay; it is of pupil run, pupil record;");
+    says("replay x -qz", "-z: no such option of pupil replay; 'pupil");
+    says("replay x --fps", "--fps: its value is missing");
+    says("replay x -n", "-n: its value is missing");
+    says("replay x --lock=1", "--lock: takes no value");
+    says("replay x -n 0", "--frames 0: must be a whole number of frames, 1 or more");
+    says("replay x --ev 17", "--ev 17: must be stops, from -16 to 16");
+    says("replay x --tau-dark 2e6", "--tau-dark 2e6: must be seconds, from 0 to 1000000");
+    says("replay x --transfer pq", "--transfer pq: must be srgb, gamma22 or linear");
+    says("replay x --metering moon", "--metering moon: must be uniform, centre or spot");
+    CHECK(parse("replay a -yq --fps=24 b -n3 -- --lock -q", &o, &why) == OPTIONS_RUN);
+    CHECK(o.overwrite && o.quiet && o.source.fps == 24.0 && o.most == 3 && !o.config.lock && o.input_count == 4);
+    CHECK(strcmp(o.inputs[0], "a") == 0 && strcmp(o.inputs[1], "b") == 0 && strcmp(o.inputs[2], "--lock") == 0 &&
+          strcmp(o.inputs[3], "-q") == 0);
+    CHECK(parse("replay -o -- a", &o, &why) == OPTIONS_RUN && strcmp(o.out[0], "--") == 0 && o.input_count == 1);
+    CHECK(parse("replay a --metering center", &o, &why) == OPTIONS_RUN && strcmp(o.metering, "centre") == 0);
+}
+
+/* What `print` writes, to be freed. */
+static char *text_of(void (*print)(const option_command *const *, FILE *))
+{
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *out = open_memstream(&text, &bytes);
+    print(pupil_commands, out);
+    fclose(out);
+    return text;
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    option_commands = pupil_commands;
+    manual = text_of(options_manual);
+    completion = text_of(options_completion);
+    check_commands(pupil_commands);
+    test_defaults();
+    test_lines();
+    free(manual);
+    free(completion);
+    return check_end();
+}
