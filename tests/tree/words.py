@@ -12,6 +12,7 @@ GLOSSARY = HERE.parent.parent / "docs" / "glossary.md"
 BINARY = {".png", ".jpg", ".exr", ".ico"}
 # A home or scratch folder. Templates of mkstemp and mkdtemp are nobody's, and end in their six X.
 MACHINE_PATH = re.compile(r"(?<![\w$}.)-])/(?:root|home|Users|work|tmp|mnt)/(?![\w.@-]*(?:XXXXXX|\.\.\.))[\w.@-]+")
+ROOMS = ("lib", "drivers", "apps", "fixtures", "tests", "cmake", "docs")
 HOUSES = ("apps/", "drivers/", "lib/")  # where a string is help or a message
 SHORTEST_SENTENCE = 4  # words; less is a label
 LONG_SENTENCE = 35
@@ -135,6 +136,15 @@ def is_excused(table, name, word):
     return False
 
 
+def missing_files(root, name, text):
+    """What a document links to or names, as `folder/file`, and is not there."""
+    folder = (root / name).parent
+    links = [(m.start(), folder / m[1]) for m in re.finditer(r"\]\((?!http)([^)#]+)[^)]*\)", text)]
+    paths = [(m.start(), root / m[0]) for m in re.finditer(r"(?<![\w/.])(?:%s)/[\w/.-]*\w" % "|".join(ROOMS), text)]
+    return [f"{name}:{text.count(chr(10), 0, at) + 1}: {path.relative_to(root)} is not there"
+            for at, path in links + paths if not path.exists()]
+
+
 def check(root):
     retired, table, faults = retired_words(), excuses(), []
     for file in files_of(root):
@@ -147,6 +157,8 @@ def check(root):
             for m in MACHINE_PATH.finditer(line):
                 if not is_excused(table, name, m[0]):
                     faults.append(f"{name}:{number}: {m[0]}: a path of one machine")
+        if name.endswith(".md"):
+            faults += missing_files(root, name, text)
         for number, piece in prose(name, text, False):
             for m in retired.finditer(piece):
                 word = " ".join(m[0].lower().split())
@@ -179,6 +191,11 @@ def check_planted():
         if found != words:
             print(f"planted in {name}: {words}, found: {found}")
             faults = 1
+    planted = "[x](none.md) lib/none.c [y](glossary.md#x) docs/glossary.md"
+    missing = missing_files(GLOSSARY.parent.parent, "docs/a.md", planted)
+    if len(missing) != 2:
+        print(f"planted in docs/a.md: two missing files, found: {missing}")
+        faults = 1
     return faults
 
 
