@@ -4,59 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static long double half_value(uint16_t bits)
-{
-    int exponent = bits >> 10 & 31;
-    long double fraction = bits & 1023, sign = bits >> 15 ? -1 : 1;
-    if (exponent == 31)
-        return fraction > 0 ? NAN : sign * (long double)INFINITY;
-    return sign * (exponent ? ldexpl(1024 + fraction, exponent - 25) : ldexpl(fraction, -24));
-}
+#include "common/pixel_light.h"
 
-/* IEC 61966-2-1, the decoding direction. */
-static long double srgb_value(unsigned code)
+void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgba[4])
 {
-    long double x = code / 255.0L;
-    return x <= 0.04045L ? x / 12.92L : powl((x + 0.055L) / 1.055L, 2.4L);
-}
-
-static int channels(uint32_t pixel)
-{
-    return pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ? 3 : 4;
-}
-
-void ref_sample(const pupil_image_const *image, uint32_t x, uint32_t y, long double rgba[4])
-{
-    const int n = channels(image->pixel);
-    const unsigned char *row = (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes;
-    static long double srgb[256];
-    if (srgb[255] < 0.5L)
-        for (unsigned i = 0; i < 256; i++)
-            srgb[i] = srgb_value(i);
-    rgba[3] = 1;
-    for (int c = 0; c < n; c++) {
-        const size_t at = (size_t)x * (size_t)n + (size_t)c;
-        float f;
-        uint16_t s;
-        switch (image->pixel) {
-        case PUPIL_PIXEL_RGBA32F:
-        case PUPIL_PIXEL_RGB32F:
-            memcpy(&f, row + 4 * at, 4);
-            rgba[c] = f;
-            break;
-        case PUPIL_PIXEL_RGBA16F:
-            memcpy(&s, row + 2 * at, 2);
-            rgba[c] = half_value(s);
-            break;
-        case PUPIL_PIXEL_RGBA16:
-        case PUPIL_PIXEL_RGB16:
-            memcpy(&s, row + 2 * at, 2);
-            rgba[c] = s / 65535.0L;
-            break;
-        default:
-            rgba[c] = c == 3 ? row[at] / 255.0L : srgb[row[at]];
-        }
-    }
+    double light[4];
+    pixel_light(image, x, y, quad, light);
+    for (int c = 0; c < 4; c++)
+        rgba[c] = light[c];
 }
 
 void ref_weights(const pupil_config *config, long double exact[3], float rounded[3])
@@ -118,7 +73,7 @@ static counted count_pixel(const pupil_config *config, const pupil_image_const *
     float rounded[3], rgb[3];
     counted p = {0};
     const float clip = config->clip > 0 ? config->clip : format_top(image->pixel);
-    ref_sample(image, x, y, rgba);
+    ref_light(image, x, y, 0, rgba);
     ref_weights(config, exact, rounded);
     ref_floats(image->pixel, rgba, rgb);
     p.luminance = ref_luminance(rounded, rgb);

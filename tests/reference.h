@@ -1,5 +1,6 @@
 /* tests/reference.h: what the headers say, computed the slow way in long double, so that the library has something
- * independent to be compared with. Nothing here is shared with the library but its public headers.
+ * independent to be compared with. Nothing here is shared with the library but its public headers. The program has its
+ * own, faster reference for mapping (apps/report/verify.c); how pixels are read is written once for both.
  */
 #ifndef PUPIL_TESTS_REFERENCE_H
 #define PUPIL_TESTS_REFERENCE_H
@@ -8,9 +9,8 @@
 
 #define REF_TOP 0x1p30L /* the most a luminance counts as, stats.h */
 
-/* The stored components of one pixel, exactly: integer codes divided out, sRGB decoded. Alpha is 1 where there is none.
- */
-void ref_sample(const pupil_image_const *image, uint32_t x, uint32_t y, long double rgba[4]);
+/* apps/common/pixel_light.h, which is to the nearest double: linear light of one pixel, or of a mosaic's quad. */
+void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgba[4]);
 
 /* Luminance weights, as real numbers and as the nearest binary32. */
 void ref_weights(const pupil_config *config, long double exact[3], float rounded[3]);

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "common/pixel_light.h"
 #include "refuse.h"
-#include "report/camera_light.h"
 
 #define LOW_SIDE     64
 #define MOST_WAIT_MS 2000 /* for a write of controls, on the machine's clock */
@@ -61,8 +61,8 @@ static double low_of(const pupil_image_const *image)
     const uint32_t down = image->height < LOW_SIDE ? image->height : LOW_SIDE;
     for (uint32_t y = 0; y < down; y++)
         for (uint32_t x = 0; x < across; x++) {
-            double rgb[3];
-            camera_light(image, x * image->width / across, y * image->height / down, 0, rgb);
+            double rgb[4];
+            pixel_light(image, x * image->width / across, y * image->height / down, 0, rgb);
             value[y * across + x] = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
         }
     qsort(value, (size_t)across * down, sizeof value[0], compare);
@@ -75,9 +75,9 @@ static void set_coding(probe_stream *s, const pupil_image_const *image)
     memset(s->coding.balance, 0, sizeof s->coding.balance);
     memset(s->coding.rgb_from_camera, 0, sizeof s->coding.rgb_from_camera);
     s->coding.black = 0.0f;
-    if (camera_is_camera(image->pixel) && image->pixel != PUPIL_PIXEL_YUYV && image->pixel != PUPIL_PIXEL_NV12)
+    if (pupil_pixel_bits(image->pixel))
         s->coding.black = (float)(s->black * (s->coding.white > 0.0f ? (double)s->coding.white
-                                                                     : exp2(camera_bits(image->pixel)) - 1.0));
+                                                                     : exp2(pupil_pixel_bits(image->pixel)) - 1.0));
 }
 
 static int meter(probe_stream *s, const pupil_frame *frame)
@@ -98,7 +98,7 @@ static int meter(probe_stream *s, const pupil_frame *frame)
     s->level.clipped = share(stats.clipped, stats.pixels);
     s->level.black = share(stats.black, stats.pixels);
     if (s->wants_low)
-        s->level.low = camera_is_camera(image.pixel) ? low_of(&image) : s->level.black >= 0.1 ? 0.0 : exp2(low_ev);
+        s->level.low = image.pixel >= PUPIL_PIXEL_YUYV ? low_of(&image) : s->level.black >= 0.1 ? 0.0 : exp2(low_ev);
     return 0;
 }
 

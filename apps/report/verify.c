@@ -2,52 +2,7 @@
 
 #include <math.h>
 
-#include "camera_light.h"
-
-/* sRGB decoding, IEC 61966-2-1. */
-static double srgb_to_linear(double c)
-{
-    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-}
-
-static double half_to_double(uint16_t h)
-{
-    int exponent = h >> 10 & 31, fraction = h & 1023;
-    double magnitude = exponent == 31  ? (fraction ? (double)NAN : (double)INFINITY)
-                       : exponent == 0 ? ldexp(fraction, -24)
-                                       : ldexp(1024 + fraction, exponent - 25);
-    return h & 0x8000 ? -magnitude : magnitude;
-}
-
-/* Linear red, green and blue of a pixel of any input format, or of a mosaic's quad. */
-static void pixel_of(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgb[3])
-{
-    if (camera_is_camera(image->pixel)) {
-        camera_light(image, x, y, quad, rgb);
-        return;
-    }
-    const void *row = pupil_image_rows(*image, y, 1).data;
-    size_t at = x * pupil_pixel_bytes(image->pixel);
-    const void *p = (const unsigned char *)row + at;
-    for (int c = 0; c < 3; c++) {
-        switch (image->pixel) {
-        case PUPIL_PIXEL_RGBA32F:
-        case PUPIL_PIXEL_RGB32F:
-            rgb[c] = (double)((const float *)p)[c];
-            break;
-        case PUPIL_PIXEL_RGBA16F:
-            rgb[c] = half_to_double(((const uint16_t *)p)[c]);
-            break;
-        case PUPIL_PIXEL_RGBA16:
-        case PUPIL_PIXEL_RGB16:
-            rgb[c] = ((const uint16_t *)p)[c] / 65535.0;
-            break;
-        default:
-            rgb[c] = srgb_to_linear(((const uint8_t *)p)[c] / 255.0);
-            break;
-        }
-    }
-}
+#include "common/pixel_light.h"
 
 static double clamp(double v, double low, double high)
 {
@@ -123,9 +78,9 @@ static long double compare(verify_figures *figures, const pupil_config *config, 
     for (uint32_t y = 0; y < out->height; y++) {
         const uint8_t *row = pupil_image_rows(*out, y, 1).data;
         for (uint32_t x = 0; x < out->width; x++) {
-            double rgb[3];
+            double rgb[4];
             int code[3];
-            pixel_of(in, x * step, y * step, step == 2, rgb);
+            pixel_light(in, x * step, y * step, step == 2, rgb);
             const long double luminance = luminance_of(config, rgb);
             sum += logarithm(config, luminance);
             map_pixel(config, curve, rgb, (double)luminance, code);
@@ -146,8 +101,8 @@ static long double sum_of_quads(const pupil_config *config, const pupil_image_co
     long double sum = 0.0L;
     for (uint32_t y = 0; y < in->height; y += 2)
         for (uint32_t x = 0; x < in->width; x += 2) {
-            double rgb[3];
-            pixel_of(in, x, y, 1, rgb);
+            double rgb[4];
+            pixel_light(in, x, y, 1, rgb);
             sum += logarithm(config, luminance_of(config, rgb));
         }
     return sum;
@@ -156,7 +111,7 @@ static long double sum_of_quads(const pupil_config *config, const pupil_image_co
 void verify_frame(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
                   const pupil_curve *curve, const pupil_image_const *out, const pupil_stats *stats)
 {
-    const uint32_t metered = camera_is_mosaic(in->pixel) ? 2 : 1, step = in->width / out->width;
+    const uint32_t metered = pupil_pixel_is_mosaic(in->pixel) ? 2 : 1, step = in->width / out->width;
     double mean;
     long double sum = compare(figures, config, in, curve, out, step);
     if (is_uniform(config) && config->meter_rows <= 1 && pupil_stats_mean(stats, 0.0, 1.0, &mean) == PUPIL_OK) {

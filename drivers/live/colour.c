@@ -7,30 +7,6 @@
 #define LARGE     256          /* rows from which on one in eight is enough */
 #define NOMINAL_S (1.0 / 30.0) /* between frames without timestamps, as pupil_config.nominal_frame_s */
 
-static uint32_t bits_of(uint32_t pixel) /* 0: no samples of their own */
-{
-    switch (pixel) {
-    case PUPIL_PIXEL_GREY8:
-    case PUPIL_PIXEL_BAYER8:
-        return 8;
-    case PUPIL_PIXEL_GREY10:
-    case PUPIL_PIXEL_BAYER10:
-    case PUPIL_PIXEL_BAYER10P:
-        return 10;
-    case PUPIL_PIXEL_GREY12:
-    case PUPIL_PIXEL_BAYER12:
-    case PUPIL_PIXEL_BAYER12P:
-        return 12;
-    case PUPIL_PIXEL_BAYER14:
-        return 14;
-    case PUPIL_PIXEL_GREY16:
-    case PUPIL_PIXEL_BAYER16:
-        return 16;
-    default:
-        return 0;
-    }
-}
-
 static void choose_black(pupil_coding *c, const pupil_colour_options *o, uint32_t bits,
                          const pupil_camera_sensor *sensor)
 {
@@ -63,8 +39,8 @@ static void begin_meter(pupil_t *meter, uint32_t meter_rows)
 int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
                        uint32_t pixel, const pupil_camera_sensor *sensor, pupil_why *why)
 {
-    const uint32_t bits = bits_of(pixel);
-    const int mosaic = pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P;
+    const uint32_t bits = pupil_pixel_bits(pixel);
+    const int mosaic = pupil_pixel_is_mosaic(pixel);
     const char *fault = "";
     memset(colour, 0, sizeof *colour);
     if (!mosaic && (options->balance == PUPIL_COLOUR_GIVEN || options->matrix == PUPIL_COLOUR_GIVEN))

@@ -188,7 +188,7 @@ int pupil_live_is_linear(const pupil_source *source)
     const pupil_v4l2_capture *capture = pupil_live_capture(source);
     const uint32_t pixel = capture->format.pixel, light = capture->format.coding.light;
     const int is_grey = pixel >= PUPIL_PIXEL_GREY8 && pixel <= PUPIL_PIXEL_GREY16;
-    const int is_raw = pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P;
+    const int is_raw = pupil_pixel_is_mosaic(pixel);
     if (light != PUPIL_LIGHT_DEFAULT || capture->format.compressed)
         return light == PUPIL_LIGHT_LINEAR;
     return is_raw || (is_grey && strcmp(capture->device.driver, "uvcvideo") != 0);

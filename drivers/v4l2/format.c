@@ -270,7 +270,7 @@ static int read_layout(pupil_v4l2_format *f, pupil_why *why)
 
 static int check_size(const pupil_v4l2_format *f, pupil_why *why)
 {
-    const int mosaic = f->pixel >= PUPIL_PIXEL_BAYER8 && f->pixel <= PUPIL_PIXEL_BAYER12P;
+    const int mosaic = pupil_pixel_is_mosaic(f->pixel);
     const uint32_t unit = f->pixel == PUPIL_PIXEL_BAYER10P ? 4 : mosaic ? 2 : 1;
     if (!f->width || !f->height || f->width > PUPIL_MAX_SIDE_PX || f->height > PUPIL_MAX_SIDE_PX)
         pupil_refuse(why, "its frames are %ux%u; from 1x1 to %ux%u can be read", f->width, f->height, PUPIL_MAX_SIDE_PX,

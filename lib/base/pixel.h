@@ -13,9 +13,6 @@ typedef struct pupil_pixel_layout {
 
 pupil_pixel_layout pupil_pixel_layout_of(uint32_t pixel);
 
-int pupil_pixel_is_mosaic(uint32_t pixel);
-/* Bits of a grey or mosaic format's samples; 0 for all others. */
-uint32_t pupil_pixel_bits(uint32_t pixel);
 /* How many rows belong together: 2 for NV12 and mosaics. */
 uint32_t pupil_pixel_rows(uint32_t pixel);
 

@@ -1,4 +1,5 @@
-/* Y'CbCr, grey and mosaics against the standards' formulas in long double: light, statistics and pictures. */
+/* Y'CbCr, grey and mosaics against the standards' formulas (apps/common/pixel_light.h): light, statistics and pictures.
+ */
 #include <math.h>
 #include <string.h>
 
@@ -6,168 +7,18 @@
 #include "frames.h"
 #include "reference.h"
 
-/* --- what coding.h says, the slow way --- */
-
 static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,    PUPIL_PIXEL_GREY8,   PUPIL_PIXEL_GREY10,
                                   PUPIL_PIXEL_GREY12,  PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,  PUPIL_PIXEL_BAYER10,
                                   PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P,
                                   PUPIL_PIXEL_BAYER12P};
 #define FORMATS (sizeof camera / sizeof *camera)
 
-static int bits_of(uint32_t pixel)
-{
-    switch (pixel) {
-    case PUPIL_PIXEL_GREY10:
-    case PUPIL_PIXEL_BAYER10:
-    case PUPIL_PIXEL_BAYER10P:
-        return 10;
-    case PUPIL_PIXEL_GREY12:
-    case PUPIL_PIXEL_BAYER12:
-    case PUPIL_PIXEL_BAYER12P:
-        return 12;
-    case PUPIL_PIXEL_BAYER14:
-        return 14;
-    case PUPIL_PIXEL_GREY16:
-    case PUPIL_PIXEL_BAYER16:
-        return 16;
-    default:
-        return 8;
-    }
-}
-
-static long double to_light(long double v, uint32_t light)
-{
-    if (light == PUPIL_LIGHT_LINEAR)
-        return v;
-    v = v < 0 ? 0 : v > 1 ? 1 : v;
-    if (light == PUPIL_LIGHT_BT709)
-        return v < 0.081L ? v / 4.5L : powl((v + 0.099L) / 1.099L, 1 / 0.45L);
-    return v <= 0.04045L ? v / 12.92L : powl((v + 0.055L) / 1.055L, 2.4L);
-}
-
 static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
 {
     return (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes;
 }
 
-static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y)
-{
-    const unsigned char *row = row_at(image, y);
-    uint16_t word;
-    switch (image->pixel) {
-    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2: four upper bytes, then a byte of four times two bits */
-        return row[x / 4 * 5 + x % 4] * 4u + (row[x / 4 * 5 + 4] >> 2 * (x % 4)) % 4u;
-    case PUPIL_PIXEL_BAYER12P:
-        return row[x / 2 * 3 + x % 2] * 16u + (row[x / 2 * 3 + 2] >> 4 * (x % 2)) % 16u;
-    case PUPIL_PIXEL_GREY8:
-    case PUPIL_PIXEL_BAYER8:
-        return row[x];
-    default:
-        memcpy(&word, row + 2 * x, 2);
-        return (unsigned)word >> image->coding->shift;
-    }
-}
-
-static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, long double rgb[3])
-{
-    static const long double kr_kb[PUPIL_MATRIX_COUNT][2] = {{0.299L, 0.114L}, {0.2126L, 0.0722L}, {0.2627L, 0.0593L}};
-    const pupil_coding *c = image->coding;
-    const long double kr = kr_kb[c->matrix][0], kb = kr_kb[c->matrix][1], kg = 1 - kr - kb;
-    const unsigned char *row = row_at(image, y), *uv;
-    unsigned luma;
-    if (image->pixel == PUPIL_PIXEL_YUYV) {
-        luma = row[2 * x];
-        uv = row + x / 2 * 4 + 1;
-    } else {
-        luma = row[x];
-        uv = (const unsigned char *)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2;
-    }
-    const int cb = uv[0], cr = uv[image->pixel == PUPIL_PIXEL_YUYV ? 2 : 1];
-    const int full = c->range == PUPIL_RANGE_FULL;
-    const long double yy = full ? luma / 255.0L : ((int)luma - 16) / 219.0L;
-    const long double pb = (cb - 128) / (full ? 255.0L : 224.0L), pr = (cr - 128) / (full ? 255.0L : 224.0L);
-    const long double r = yy + 2 * (1 - kr) * pr, b = yy + 2 * (1 - kb) * pb, g = (yy - kr * r - kb * b) / kg;
-    const long double coded[3] = {r, g, b};
-    for (int k = 0; k < 3; k++) {
-        const long double v = coded[k] < 0 ? 0 : coded[k] > 1 ? 1 : coded[k];
-        rgb[k] = to_light(v, c->light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_SRGB : c->light);
-    }
-}
-
-/* 0 red, 1 green, 2 blue */
-static int colour_at(const pupil_coding *c, int64_t x, int64_t y)
-{
-    static const char order[PUPIL_BAYER_COUNT][5] = {"0112", "1021", "1201", "2110"};
-    return order[c->bayer][(y & 1) * 2 + (x & 1)] - '0';
-}
-
-static long double full_at(const pupil_coding *c, int bits)
-{
-    return c->white > 0 ? (long double)c->white : ldexpl(1, bits) - 1;
-}
-
-static long double balanced(const pupil_image_const *image, long double code, int channel)
-{
-    const pupil_coding *c = image->coding;
-    long double balance[3] = {1, 1, 1}, least = 1;
-    if (c->balance[0] > 0) {
-        least = fminl(fminl(c->balance[0], c->balance[1]), c->balance[2]);
-        for (int k = 0; k < 3; k++)
-            balance[k] = c->balance[k];
-    }
-    const long double v = (code - c->black) / (full_at(c, bits_of(image->pixel)) - c->black) * balance[channel];
-    return v < least ? v : least;
-}
-
-/* The mean of the channel's samples in the quad, or among the pixel and the eight around it. */
-static long double mean_sample(const pupil_image_const *image, uint32_t x, uint32_t y, int channel, int quad)
-{
-    const int from = quad ? 0 : -1;
-    long double sum = 0;
-    int count = 0;
-    if (!quad && colour_at(image->coding, x, y) == channel)
-        return sample_at(image, x, y);
-    for (int dy = from; dy < 2; dy++)
-        for (int dx = from; dx < 2; dx++) {
-            int64_t sx = (int64_t)x + dx, sy = (int64_t)y + dy;
-            if (colour_at(image->coding, sx, sy) != channel)
-                continue;
-            sx = sx < 0 ? 1 : sx >= image->width ? (int64_t)image->width - 2 : sx;
-            sy = sy < 0 ? 1 : sy >= image->height ? (int64_t)image->height - 2 : sy;
-            sum += sample_at(image, (uint32_t)sx, (uint32_t)sy);
-            count++;
-        }
-    return sum / count;
-}
-
-/* Of a pixel, or of the quad that begins there; without the camera's matrix. */
-static void camera_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgb[3])
-{
-    const pupil_coding *c = image->coding;
-    if (image->pixel <= PUPIL_PIXEL_NV12) {
-        yuv_light(image, x, y, rgb);
-    } else if (image->pixel < PUPIL_PIXEL_BAYER8) {
-        const long double black = c->black, full = full_at(c, bits_of(image->pixel));
-        rgb[0] = rgb[1] = rgb[2] = to_light((sample_at(image, x, y) - black) / (full - black),
-                                            c->light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_LINEAR : c->light);
-    } else {
-        for (int k = 0; k < 3; k++)
-            rgb[k] = balanced(image, mean_sample(image, x, y, k, quad), k);
-    }
-}
-
-static void picture_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgb[3])
-{
-    const float *m = image->coding->rgb_from_camera;
-    long double v[3];
-    camera_light(image, x, y, quad, v);
-    for (int k = 0; k < 3; k++)
-        rgb[k] = m[0] != 0 && image->pixel >= PUPIL_PIXEL_BAYER8
-                     ? m[3 * k] * v[0] + m[3 * k + 1] * v[1] + m[3 * k + 2] * v[2]
-                     : v[k];
-}
-
-/* --- compared --- */
+/* --- against the formulas --- */
 
 static struct {
     long double ev, code;
@@ -186,8 +37,8 @@ static void check_metering(const pupil_t *pupil, const pupil_config *config, con
     ref_weights(config, weights, rounded);
     for (uint32_t y = 0; y < f->image.height; y += step)
         for (uint32_t x = 0; x < f->image.width; x += step) {
-            long double rgb[3];
-            picture_light(&f->image, x, y, mosaic, rgb);
+            long double rgb[4];
+            ref_light(&f->image, x, y, mosaic, rgb);
             const long double l = weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2];
             sum += log2l(l > config->floor ? l : config->floor);
             pixels++;
@@ -213,8 +64,8 @@ static void check_mapping(const pupil_t *pupil, const pupil_config *config, cons
     CHECK(pupil_map_rows(pupil, curve, &f->image, &to) == PUPIL_OK);
     for (uint32_t y = 0; y < h; y++)
         for (uint32_t x = 0; x < w; x++) {
-            long double rgba[4] = {0, 0, 0, 1}, code[3];
-            picture_light(&f->image, x * step, y * step, halved, rgba);
+            long double rgba[4], code[3];
+            ref_light(&f->image, x * step, y * step, halved, rgba);
             ref_map(config, curve, rgba, code);
             for (int k = 0; k < 3; k++) {
                 const int got = row_at(&out.image, y)[3 * x + k];
@@ -231,13 +82,14 @@ static void check_mapping(const pupil_t *pupil, const pupil_config *config, cons
 
 static pupil_coding a_coding(uint32_t pixel, unsigned n)
 {
+    const uint32_t bits = pupil_pixel_bits(pixel) ? pupil_pixel_bits(pixel) : 8;
     pupil_coding c = {.matrix = n % PUPIL_MATRIX_COUNT, .range = n / 2 % 2, .bayer = n % PUPIL_BAYER_COUNT};
     if (pixel < PUPIL_PIXEL_BAYER8)
         c.light = n / 3 % PUPIL_LIGHT_COUNT;
     if (n % 3)
-        c.black = (float)(4 << (bits_of(pixel) - 8)) + (n % 3 == 2 ? 0.37f : 0);
+        c.black = (float)(4 << (bits - 8)) + (n % 3 == 2 ? 0.37f : 0);
     if (n % 4 == 1)
-        c.white = (float)(200 << (bits_of(pixel) - 8));
+        c.white = (float)(200 << (bits - 8));
     if (pixel == PUPIL_PIXEL_BAYER10 || pixel == PUPIL_PIXEL_GREY12)
         c.shift = n % 5;
     if (n % 2) {

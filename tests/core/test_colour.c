@@ -66,7 +66,7 @@ static void check_gamut(void)
     for (uint32_t i = 0; i < 40000; i++) {
         const unsigned char *code = (unsigned char *)frame_writable(&out).data + 3 * i;
         long double rgba[4], a[3], b[3];
-        ref_sample(&in.image, i % 400, i / 400, rgba);
+        ref_light(&in.image, i % 400, i / 400, 0, rgba);
         const long double l = 0.2126L * rgba[0] + 0.7152L * rgba[1] + 0.0722L * rgba[2];
         const long double gain = (1 + l * 0.02L) / (1 + l), display = l * gain;
         if (fmaxl(rgba[0], fmaxl(rgba[1], rgba[2])) * gain <= 1.01L || display >= 0.97L)
@@ -122,7 +122,7 @@ static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, 
         long double rgba[4];
         const unsigned char *a = (const unsigned char *)in.image.data + i * in_bytes,
                             *b = (const unsigned char *)to.data + i * out_bytes;
-        ref_sample(&in.image, i % 256, i / 256, rgba);
+        ref_light(&in.image, i % 256, i / 256, 0, rgba);
         for (size_t c = 0; c < out_bytes; c++) {
             const int was = in_bytes == out_bytes ? a[c] : (int)floorl(ref_encode(PUPIL_TRANSFER_SRGB, rgba[c]) + 0.5L);
             const uint32_t change = (uint32_t)abs(was - b[c]);

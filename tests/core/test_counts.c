@@ -188,7 +188,7 @@ static void compare_peaks(const pupil_config *config, const frame *f)
     meter(config, &f->image, &stats);
     for (uint32_t i = 0; i < pixels; i++) {
         long double rgba[4];
-        ref_sample(&f->image, i % f->image.width, i / f->image.width, rgba);
+        ref_light(&f->image, i % f->image.width, i / f->image.width, 0, rgba);
         const long double most = fmaxl(rgba[0], fmaxl(rgba[1], rgba[2]));
         sorted[i] = (float)fminl(fmaxl(most, config->floor), REF_TOP);
     }

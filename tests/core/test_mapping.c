@@ -32,7 +32,7 @@ static void compare(const char *name, const pupil_config *config, const pupil_cu
         for (uint32_t x = 0; x < to.width; x++) {
             long double rgba[4], wanted[3];
             int code[4];
-            ref_sample(&in->image, x, y, rgba);
+            ref_light(&in->image, x, y, 0, rgba);
             ref_map(config, curve, rgba, wanted);
             pixel_codes(&to, x, y, code);
             for (int c = 0; c < 3; c++) {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "report/camera_light.h"
+#include "common/pixel_light.h"
 
 /* A sensor with its black at 64 of 1023 or the like, a daylight balance, and a matrix of the usual size, whose rows sum
  * up to 1 so that white stays white. */
@@ -33,7 +33,7 @@ static int is_yuv(uint32_t pixel)
 
 const pupil_coding *bench_coding(uint32_t pixel)
 {
-    return camera_is_mosaic(pixel) ? &sensor[camera_bits(pixel) / 2 - 4] : is_yuv(pixel) ? &video : NULL;
+    return pupil_pixel_is_mosaic(pixel) ? &sensor[pupil_pixel_bits(pixel) / 2 - 4] : is_yuv(pixel) ? &video : NULL;
 }
 
 static double clamped(double value)
@@ -97,7 +97,7 @@ static void store_sample(const pupil_image_const *image, uint32_t x, uint32_t y,
     } else if (image->pixel == PUPIL_PIXEL_BAYER12P) {
         row[x / 2 * 3 + x % 2] = (unsigned char)(code >> 4);
         row[x / 2 * 3 + 2] |= (unsigned char)((code & 15u) << 4 * (x % 2));
-    } else if (camera_bits(image->pixel) == 8)
+    } else if (pupil_pixel_bits(image->pixel) == 8)
         row[x] = (unsigned char)code;
     else
         memcpy(row + 2 * (size_t)x, &word, sizeof word);
@@ -105,7 +105,7 @@ static void store_sample(const pupil_image_const *image, uint32_t x, uint32_t y,
 
 static unsigned full_of(uint32_t pixel)
 {
-    return (1u << camera_bits(pixel)) - 1;
+    return (1u << pupil_pixel_bits(pixel)) - 1;
 }
 
 void bench_store_quad(const pupil_image_const *image, uint32_t x, uint32_t y, const float rgba[4][4])
@@ -123,7 +123,7 @@ void bench_store_quad(const pupil_image_const *image, uint32_t x, uint32_t y, co
         if (at_x >= image->width || at_y >= image->height)
             continue;
         if (c) {
-            const unsigned colour = camera_colour(c->bayer, at_x, at_y);
+            const unsigned colour = pixel_colour(c->bayer, at_x, at_y);
             light = (double)rgba[i][colour] / (double)c->balance[colour];
             black = (double)c->black;
         }

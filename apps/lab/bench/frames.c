@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "camera.h"
-#include "report/camera_light.h"
+#include "common/pixel_light.h"
 
 const bench_format bench_formats[] = {
     {"rgba32f", PUPIL_PIXEL_RGBA32F},   {"rgb32f", PUPIL_PIXEL_RGB32F},     {"rgba16f", PUPIL_PIXEL_RGBA16F},
@@ -183,7 +183,7 @@ static pupil_image_const make(uint32_t pixel, uint32_t width, uint32_t height, i
     uint64_t state = 1;
     if (!image.data)
         return frame;
-    if (!camera_is_camera(pixel))
+    if (pixel < PUPIL_PIXEL_YUYV)
         fill(image, hard, turn, &state);
     else if (hard)
         bench_store_any(&frame, random_of, &state);

@@ -7,9 +7,9 @@
 #include "bench.h"
 #include "clock.h"
 #include "common/interrupt.h"
+#include "common/pixel_light.h"
 #include "frames.h"
 #include "output/plot.h"
-#include "report/camera_light.h"
 #include "subject.h"
 
 static int parse_out(const option_value *v)
@@ -84,7 +84,7 @@ static int check_formats(const bench_options *o)
 {
     int mosaics = 0;
     for (const bench_format *f = bench_formats; f->name; f++) {
-        const int mosaic = camera_is_mosaic(f->pixel);
+        const int mosaic = pupil_pixel_is_mosaic(f->pixel);
         const uint32_t group = f->pixel == PUPIL_PIXEL_BAYER10P ? 4 : mosaic ? 2 : 1;
         if (!bench_is_measured(o, f))
             continue;

@@ -8,8 +8,8 @@
 
 #include "clock.h"
 #include "common/interrupt.h"
+#include "common/pixel_light.h"
 #include "frames.h"
-#include "report/camera_light.h"
 #include "subject.h"
 
 enum { ROUNDS = 21, MOST_RUNNERS = 2 + BENCH_KERNELS * PUPIL_LEVEL_COUNT };
@@ -46,7 +46,7 @@ static void tell(const bench_options *o, const bench_kernel *k, const bench_runn
 
 int bench_is_measured(const bench_options *o, const bench_format *f)
 {
-    return o->format ? strcmp(o->format, f->name) == 0 : o->out->step == 1 || camera_is_mosaic(f->pixel);
+    return o->format ? strcmp(o->format, f->name) == 0 : o->out->step == 1 || pupil_pixel_is_mosaic(f->pixel);
 }
 
 /* k has room for MOST_RUNNERS. */

@@ -113,6 +113,12 @@ PUPIL_API size_t pupil_pixel_bytes(uint32_t pixel);
 /* Bytes of a row in `data`; 0 for anything that is no pupil_pixel. A row of NV12's chroma has width + width % 2. */
 PUPIL_API size_t pupil_row_bytes(uint32_t pixel, uint32_t width);
 
+/* Bits of a sample of a grey format or a mosaic, 8 to 16; 0 for all others. */
+PUPIL_API uint32_t pupil_pixel_bits(uint32_t pixel);
+
+/* 1 for a mosaic, 0 for all others. */
+PUPIL_API int pupil_pixel_is_mosaic(uint32_t pixel);
+
 /* The rows [first_row, first_row + rows) of an image, as an image. The caller keeps them inside the image. */
 static inline pupil_image_const pupil_image_rows(pupil_image_const image, uint32_t first_row, uint32_t rows)
 {

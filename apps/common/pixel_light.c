@@ -1,4 +1,4 @@
-#include "camera_light.h"
+#include "pixel_light.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,38 +10,7 @@ static const pupil_coding *coding_of(const pupil_image_const *image)
     return image->coding ? image->coding : &usual;
 }
 
-int camera_is_camera(uint32_t pixel)
-{
-    return pixel >= PUPIL_PIXEL_YUYV && pixel < PUPIL_PIXEL_COUNT;
-}
-
-int camera_is_mosaic(uint32_t pixel)
-{
-    return pixel >= PUPIL_PIXEL_BAYER8 && pixel < PUPIL_PIXEL_COUNT;
-}
-
-unsigned camera_bits(uint32_t pixel)
-{
-    switch (pixel) {
-    case PUPIL_PIXEL_GREY10:
-    case PUPIL_PIXEL_BAYER10:
-    case PUPIL_PIXEL_BAYER10P:
-        return 10;
-    case PUPIL_PIXEL_GREY12:
-    case PUPIL_PIXEL_BAYER12:
-    case PUPIL_PIXEL_BAYER12P:
-        return 12;
-    case PUPIL_PIXEL_BAYER14:
-        return 14;
-    case PUPIL_PIXEL_GREY16:
-    case PUPIL_PIXEL_BAYER16:
-        return 16;
-    default:
-        return 8;
-    }
-}
-
-unsigned camera_colour(uint32_t bayer, uint32_t x, uint32_t y)
+unsigned pixel_colour(uint32_t bayer, uint32_t x, uint32_t y)
 {
     static const unsigned char order[PUPIL_BAYER_COUNT][2][2] = {
         {{0, 1}, {1, 2}}, {{1, 0}, {2, 1}}, {{1, 2}, {0, 1}}, {{2, 1}, {1, 0}}};
@@ -89,7 +58,7 @@ static double between(const pupil_image_const *image, double code)
 {
     const pupil_coding *c = coding_of(image);
     const double black = (double)c->black;
-    const double white = c->white > 0.0f ? (double)c->white : (double)((1u << camera_bits(image->pixel)) - 1);
+    const double white = c->white > 0.0f ? (double)c->white : (double)((1u << pupil_pixel_bits(image->pixel)) - 1);
     return (code - black) / (white - black);
 }
 
@@ -120,13 +89,13 @@ static double mean_of(const pupil_image_const *image, uint32_t x, uint32_t y, un
 {
     const uint32_t bayer = coding_of(image)->bayer;
     unsigned sum = 0, count = 0;
-    if (!quad && camera_colour(bayer, x, y) == colour)
+    if (!quad && pixel_colour(bayer, x, y) == colour)
         return sample_at(image, x, y);
     for (int64_t sy = (int64_t)y - !quad; sy <= (int64_t)y + 1; sy++)
         for (int64_t sx = (int64_t)x - !quad; sx <= (int64_t)x + 1; sx++) {
             const uint32_t inside_x = (uint32_t)(sx < 0 ? 1 : sx < image->width ? sx : image->width - 2);
             const uint32_t inside_y = (uint32_t)(sy < 0 ? 1 : sy < image->height ? sy : image->height - 2);
-            if (camera_colour(bayer, inside_x, inside_y) == colour) {
+            if (pixel_colour(bayer, inside_x, inside_y) == colour) {
                 sum += sample_at(image, inside_x, inside_y);
                 count++;
             }
@@ -151,14 +120,59 @@ static void mosaic_light(const pupil_image_const *image, uint32_t x, uint32_t y,
         rgb[k] = matrix ? (double)m[3 * k] * v[0] + (double)m[3 * k + 1] * v[1] + (double)m[3 * k + 2] * v[2] : v[k];
 }
 
-void camera_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgb[3])
+static double half_to_double(uint16_t h)
+{
+    const int exponent = h >> 10 & 31, fraction = h & 1023;
+    double magnitude = ldexp(1024 + fraction, exponent - 25);
+    if (exponent == 31)
+        magnitude = fraction ? (double)NAN : (double)INFINITY;
+    else if (exponent == 0)
+        magnitude = ldexp(fraction, -24);
+    return h & 0x8000 ? -magnitude : magnitude;
+}
+
+/* One sample of a pixel with red, green and blue of its own; alpha is linear. */
+static double component(uint32_t pixel, const unsigned char *row, size_t at, int is_alpha)
+{
+    float f;
+    uint16_t word;
+    switch (pixel) {
+    case PUPIL_PIXEL_RGBA32F:
+    case PUPIL_PIXEL_RGB32F:
+        memcpy(&f, row + 4 * at, sizeof f);
+        return (double)f;
+    case PUPIL_PIXEL_RGBA16F:
+        memcpy(&word, row + 2 * at, sizeof word);
+        return half_to_double(word);
+    case PUPIL_PIXEL_RGBA16:
+    case PUPIL_PIXEL_RGB16:
+        memcpy(&word, row + 2 * at, sizeof word);
+        return word / 65535.0;
+    default:
+        return decoded(row[at] / 255.0, is_alpha ? PUPIL_LIGHT_LINEAR : PUPIL_LIGHT_SRGB);
+    }
+}
+
+static void rgb_light(const pupil_image_const *image, uint32_t x, uint32_t y, double rgba[4])
+{
+    const int is_rgb =
+        image->pixel == PUPIL_PIXEL_RGB32F || image->pixel == PUPIL_PIXEL_RGB16 || image->pixel == PUPIL_PIXEL_RGB8;
+    const int channels = is_rgb ? 3 : 4;
+    for (int c = 0; c < channels; c++)
+        rgba[c] = component(image->pixel, row_at(image, y), (size_t)x * (size_t)channels + (size_t)c, c == 3);
+}
+
+void pixel_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgba[4])
 {
     const uint32_t light = coding_of(image)->light;
-    if (camera_is_mosaic(image->pixel))
-        mosaic_light(image, x, y, quad, rgb);
-    else if (image->pixel == PUPIL_PIXEL_YUYV || image->pixel == PUPIL_PIXEL_NV12)
-        yuv_light(image, x, y, rgb);
-    else
-        rgb[0] = rgb[1] = rgb[2] =
+    rgba[3] = 1.0;
+    if (pupil_pixel_is_mosaic(image->pixel))
+        mosaic_light(image, x, y, quad, rgba);
+    else if (pupil_pixel_bits(image->pixel))
+        rgba[0] = rgba[1] = rgba[2] =
             decoded(between(image, sample_at(image, x, y)), light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_LINEAR : light);
+    else if (image->pixel == PUPIL_PIXEL_YUYV || image->pixel == PUPIL_PIXEL_NV12)
+        yuv_light(image, x, y, rgba);
+    else
+        rgb_light(image, x, y, rgba);
 }
