@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "file/utf8.h"
+#include "file/common/utf8.h"
 #include "list.h"
 #include "v4l2/format.h"
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "common/reader.h"
-#include "file/sink/file_sink.h"
+#include "file/file_sink.h"
 #include "v4l2/output/v4l2_sink.h"
 
 int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, pupil_why *why)

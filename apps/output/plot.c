@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "file/sink/sink_common.h"
 #include "plot_script.h"
 #include "refuse.h"

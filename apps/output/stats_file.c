@@ -8,7 +8,7 @@
 #include <strings.h>
 
 #include "common/reader.h"
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "file/sink/sink_common.h"
 #include "refuse.h"
 

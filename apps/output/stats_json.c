@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "file/utf8.h"
+#include "file/common/utf8.h"
 #include "stats_file.h"
 
 int pupil_stats_json_check(const char *path, pupil_why *why)

@@ -8,7 +8,7 @@
 
 #include "common/interrupt.h"
 #include "common/progress.h"
-#include "file/sink/file_sink.h"
+#include "file/file_sink.h"
 #include "output/plot.h"
 #include "refuse.h"
 #include "report.h"

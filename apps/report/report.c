@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base64.h"
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "file/sink/png_write.h"
 #include "file/sink/sink_common.h"
 #include "page.h"

@@ -12,7 +12,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "refuse.h"
 
 #define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"

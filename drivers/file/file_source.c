@@ -1,6 +1,10 @@
 /* What a user names on a command line, opened by what it is. */
 #include "file_source.h"
 
+#include "file/pan/pan_source.h"
+#include "file/still/stills_source.h"
+#include "file/video/video_source.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

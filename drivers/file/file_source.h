@@ -14,11 +14,4 @@
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
                            pupil_source **source, pupil_why *why);
 
-/* The parts, each in its own file. */
-int pupil_stills_source_open(const char *const *paths, size_t count, const pupil_source_options *options,
-                             pupil_source **source, pupil_why *why);
-int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source,
-                            pupil_why *why);
-int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, pupil_why *why);
-
 #endif

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "refuse.h"
 #include "sim.h"
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "file/sink/sink_common.h"
 #include "refuse.h"
 #include "report/page.h"

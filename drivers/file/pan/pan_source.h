@@ -22,8 +22,10 @@
 #ifndef PUPIL_DRIVERS_FILE_PAN_PAN_SOURCE_H
 #define PUPIL_DRIVERS_FILE_PAN_PAN_SOURCE_H
 
-#include "file/file_source.h"
+#include "source.h"
 
 #define PUPIL_PAN_PREFIX "pan:"
+
+int pupil_pan_source_open(const char *spec, const pupil_source_options *options, pupil_source **source, pupil_why *why);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "file/utf8.h"
+#include "file/common/utf8.h"
 #include "recording_format.h"
 #include "refuse.h"
 

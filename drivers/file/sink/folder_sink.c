@@ -1,7 +1,7 @@
 /* A folder of PNG files: frame_000000.png, frame_000001.png ... */
-#include "file_sink.h"
+#include "png_sinks.h"
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "png_write.h"
 #include "sink_common.h"
 

@@ -1,6 +1,6 @@
 #include "linear_sink.h"
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "sink_common.h"
 
 #include "refuse.h"

@@ -1,7 +1,7 @@
 /* One picture in one PNG file. */
-#include "file_sink.h"
+#include "png_sinks.h"
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "png_write.h"
 #include "sink_common.h"
 

@@ -47,11 +47,6 @@ static void on_error(exr_const_context_t file, exr_result_t code, const char *me
     }
 }
 
-int pupil_exr_fail(exr_plan *plan, const char *what)
-{
-    return pupil_still_fail(plan->why, "%s%s%s", what, *plan->library_says ? ": " : "", plan->library_says);
-}
-
 /* The channel "prefix.name" (or plain "name" where there is no prefix), or -1. */
 static int find_channel(const exr_attr_chlist_t *list, const char *prefix, size_t prefix_length, const char *name)
 {

@@ -7,6 +7,11 @@
 
 #include "read_exr.h"
 
+int pupil_exr_fail(exr_plan *plan, const char *what)
+{
+    return pupil_still_fail(plan->why, "%s%s%s", what, *plan->library_says ? ": " : "", plan->library_says);
+}
+
 /* Of one decompressed chunk: 256 lines (the tallest) of a picture as wide as allowed with four float channels. */
 #define MAX_CHUNK_BYTES (UINT64_C(1) << 28)
 

@@ -6,10 +6,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "file/file_source.h"
 #include "natural_order.h"
 #include "refuse.h"
 #include "still.h"
+#include "stills_source.h"
 
 #define DEFAULT_FPS 30.0
 

@@ -1,7 +1,7 @@
 /* In place of video_source.c, video_sink.c and jpeg_frame.c in a build without libav. */
-#include "file/file_source.h"
-#include "file/sink/file_sink.h"
 #include "jpeg_frame.h"
+#include "video_sink.h"
+#include "video_source.h"
 
 #include "refuse.h"
 #include <stdio.h>

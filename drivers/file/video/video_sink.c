@@ -1,8 +1,8 @@
 /* A video through libav: H.264 where the library has an encoder for it, 4:2:0 because browsers play nothing else, and
  * so of even size: odd frames get their last column or row twice. */
-#include "file/sink/file_sink.h"
+#include "video_sink.h"
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "file/sink/sink_common.h"
 #include "yuv709.h"
 

@@ -11,12 +11,15 @@
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
 #define PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
 
-#include "file/file_source.h"
 #include "pupil/error.h"
+#include "source.h"
 
 /* As pupil_video_source_open, over bytes that the caller keeps until close; frames of at most max_pixels pixels, one
  * decoder thread. */
 int pupil_video_source_open_bytes(const uint8_t *bytes, size_t size, const char *name, int64_t max_pixels,
                                   const pupil_source_options *options, pupil_source **source, pupil_why *why);
+
+int pupil_video_source_open(const char *path, const pupil_source_options *options, pupil_source **source,
+                            pupil_why *why);
 
 #endif

@@ -1,8 +1,8 @@
 /* YUV4MPEG2, 4:4:4, 8 bit, BT.709 limited range, to a file or to standard output. The format names the range
  * (XCOLORRANGE, as mjpegtools and ffmpeg have it) but not the matrix: a reader has to know that it is BT.709. */
-#include "file/sink/file_sink.h"
+#include "video_sink.h"
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 #include "file/sink/sink_common.h"
 #include "yuv709.h"
 

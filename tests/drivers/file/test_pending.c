@@ -1,7 +1,7 @@
 /* pending: outputs are complete or absent. */
 #include "scratch.h"
 
-#include "file/pending.h"
+#include "file/common/pending.h"
 
 #include <sys/wait.h>
 

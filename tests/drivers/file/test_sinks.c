@@ -1,7 +1,7 @@
 /* The sinks for pictures and YUV4MPEG2, what all sinks share, and what they leave behind. */
 #include "scratch.h"
 
-#include "file/sink/file_sink.h"
+#include "file/file_sink.h"
 #include "file/sink/sink_common.h"
 #include "file/video/yuv709.h"
 

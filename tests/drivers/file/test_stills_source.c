@@ -3,6 +3,7 @@
 
 #include "file/file_source.h"
 #include "file/still/natural_order.h"
+#include "file/still/stills_source.h"
 
 static pupil_why why;
 

@@ -1,7 +1,7 @@
 /* The video sink: what libav reads back is what was written, when it was written. */
 #include "scratch.h"
 
-#include "file/sink/file_sink.h"
+#include "file/file_sink.h"
 
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>

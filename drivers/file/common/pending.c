@@ -1,4 +1,4 @@
-#include "file/pending.h"
+#include "file/common/pending.h"
 
 #include <dirent.h>
 #include <errno.h>

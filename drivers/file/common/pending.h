@@ -1,8 +1,8 @@
-/* drivers/file/pending.h: outputs that are complete or absent. A pending file (or folder) is written under a name
- * next to its place and renamed to its place by commit; discard, or a signal, leaves nothing.
+/* drivers/file/common/pending.h: outputs that are complete or absent. A pending file (or folder) is written under a
+ * name next to its place and renamed to its place by commit; discard, or a signal, leaves nothing.
  */
-#ifndef PUPIL_DRIVERS_FILE_PENDING_H
-#define PUPIL_DRIVERS_FILE_PENDING_H
+#ifndef PUPIL_DRIVERS_FILE_COMMON_PENDING_H
+#define PUPIL_DRIVERS_FILE_COMMON_PENDING_H
 
 #include "pupil/error.h"
 #include <stddef.h>

@@ -1,4 +1,4 @@
-#include "file/utf8.h"
+#include "file/common/utf8.h"
 
 #include <stdlib.h>
 #include <string.h>

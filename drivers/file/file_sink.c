@@ -1,7 +1,9 @@
 /* Which kind of output a path names. */
 #include "file_sink.h"
 
-#include "sink_common.h"
+#include "file/sink/png_sinks.h"
+#include "file/sink/sink_common.h"
+#include "file/video/video_sink.h"
 
 #include "refuse.h"
 #include <string.h>

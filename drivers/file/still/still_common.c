@@ -1,0 +1,68 @@
+/* What the still readers share: refusals, sizes, room for pixels, numbers. */
+#include <locale.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "still_private.h"
+
+int pupil_still_fail(pupil_why *why, const char *format, ...)
+{
+    va_list arguments;
+    if (!why)
+        return -1;
+    va_start(arguments, format);
+    vsnprintf(why->text, sizeof why->text, format, arguments);
+    va_end(arguments);
+    for (char *c = why->text; *c; c++)
+        if (*c < 0x20 || *c > 0x7e)
+            *c = '?';
+    return -1;
+}
+
+double pupil_parse_double(const char *text, char **end)
+{
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    double value;
+    if (!c)
+        return strtod(text, end);
+    value = strtod_l(text, end, c);
+    freelocale(c);
+    return value;
+}
+
+int pupil_still_size_ok(uint64_t width, uint64_t height, pupil_why *why)
+{
+    if (!width || !height)
+        return pupil_still_fail(why, "the header promises %llu x %llu pixels; at least 1 x 1 are needed",
+                                (unsigned long long)width, (unsigned long long)height);
+    if (width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
+        return pupil_still_fail(why, "the header promises %llu x %llu pixels; at most %u a side are read",
+                                (unsigned long long)width, (unsigned long long)height, PUPIL_MAX_SIDE_PX);
+    if (width * height > PUPIL_STILL_MAX_PIXELS)
+        return pupil_still_fail(
+            why, "the header promises %llu x %llu pixels; at most %llu in all (8192 x 8192) are read",
+            (unsigned long long)width, (unsigned long long)height, (unsigned long long)PUPIL_STILL_MAX_PIXELS);
+    return 0;
+}
+
+int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, pupil_why *why)
+{
+    size_t need;
+    if (pupil_still_size_ok(width, height, why))
+        return -1;
+    need = (size_t)(width * height) * pupil_pixel_bytes(pixel);
+    if (need > still->capacity_bytes) {
+        free(still->pixels);
+        still->pixels = malloc(need);
+        still->capacity_bytes = still->pixels ? need : 0;
+        if (!still->pixels)
+            return pupil_still_fail(why, "no memory for %llu x %llu pixels", (unsigned long long)width,
+                                    (unsigned long long)height);
+    }
+    still->width = (uint32_t)width;
+    still->height = (uint32_t)height;
+    still->pixel = pixel;
+    still->exposure_s = 0;
+    return 0;
+}

@@ -1,8 +1,0 @@
-/* drivers/file/utf8.h: text for JSON, which is UTF-8, from names, which are any bytes. */
-#ifndef PUPIL_DRIVERS_FILE_UTF8_H
-#define PUPIL_DRIVERS_FILE_UTF8_H
-
-/* A copy in which what is no UTF-8 is U+FFFD. To be freed; NULL: out of memory. */
-char *utf8_of(const char *text);
-
-#endif
