@@ -154,7 +154,7 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
     {"gles", 0, OPTION_FLAG, NULL, AT(gles), .help = "on the GPU, or else on the CPU",
      .more =
          "OpenGL ES 3.1 or 3.0, without a window. The outputs are the CPU's within one display code. Where the GPU is "
-         "missing or fails, a sentence says why, and the CPU goes on from the same level. --meter-rows is not used: "
+         "missing or fails, a sentence says why, and the CPU continues from the same level. --meter-rows is not used: "
          "every row is metered."},
     {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", 0, .parse = parse_gles_version, .help = "of --gles and --view",
      .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim."},

@@ -96,7 +96,7 @@ static int refuse(const option_command *command, int code, const char *word, pup
     else
         snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "="), word);
     if (code == ':')
-        return pupil_refuse(why, "%s: its value is missing; 'pupil %s --help' tells more", name, command->name);
+        return pupil_refuse(why, "%s: its value is missing; 'pupil %s --help' has more", name, command->name);
     if (optopt >= FIRST_CODE)
         return pupil_refuse(why, "%s: takes no value", name);
     const char *long_name = optopt ? "" : name + strspn(name, "-");

@@ -57,7 +57,7 @@ int record_options_parse(record_options *o, int argc, char **argv, pupil_why *wh
     if (parsed)
         return parsed;
     if (!words.count)
-        return pupil_refuse(why, "no folder to record into; 'pupil record --help' tells more");
+        return pupil_refuse(why, "no folder to record into; 'pupil record --help' has more");
     if (o->run.device && words.count > 1)
         return pupil_refuse(why, "%s: -d names a camera already, and one folder is recorded into", words.word[0]);
     if (words.count > 1 && (o->run.live.capture.fourcc || o->automatic || o->run.exposure_s > 0.0 || o->run.gain > 0.0))

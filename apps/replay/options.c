@@ -88,7 +88,7 @@ int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why
     o->input_count = (size_t)words.count;
     if (!o->input_count)
         return pupil_refuse(why, "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' "
-                                 "tells more");
+                                 "has more");
     if (check_loop(o, why))
         return OPTIONS_USAGE;
     return frame_options_check(o, options_given(&replay_command, &words, "weight"), why);

@@ -106,7 +106,7 @@ static void warn(replay *r)
         return;
     progress_clear(&r->progress);
     r->why = r->work.warning;
-    say(r, "; the CPU goes on");
+    say(r, "; the CPU continues");
     *r->work.warning.text = 0;
 }
 

@@ -35,7 +35,7 @@ int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *
         why, "%s",
         *first.why.text
             ? first.why.text
-            : "no camera is there: no /dev/video* gives pictures; dmesg tells what the kernel made of one that "
+            : "no camera is there: no /dev/video* gives pictures; dmesg shows what the kernel detected of one that "
               "is plugged in");
     return -1;
 }

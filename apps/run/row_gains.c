@@ -13,13 +13,13 @@ enum { /* reasons of its own */
 static const char *const words[REASONS] = {
     [PUPIL_ROW_GAIN_ON] = "",
     [PUPIL_ROW_GAIN_WAITING] = "too few frames were seen",
-    [PUPIL_ROW_GAIN_LONG] = "the exposure is a period of the lamps' light or more",
-    [PUPIL_ROW_GAIN_STATIONARY] = "the lamps' wave stands still at this frame rate",
-    [PUPIL_ROW_GAIN_NO_FLICKER] = "no lamps are seen",
-    [PUPIL_ROW_GAIN_MIXED] = "parts of the picture lack the lamps' wave: daylight, clipped, or another readout",
+    [PUPIL_ROW_GAIN_LONG] = "the exposure is a flicker period or longer",
+    [PUPIL_ROW_GAIN_STATIONARY] = "the bands do not move at this frame rate",
+    [PUPIL_ROW_GAIN_NO_FLICKER] = "no flicker was found",
+    [PUPIL_ROW_GAIN_MIXED] = "parts of the picture do not have the flicker: daylight, clipped, or another readout",
     [PUPIL_ROW_GAIN_DISTURBED] = "too much moves",
     [NO_READOUT] = "the camera's readout is not known: --readout",
-    [NO_MAINS] = "no lamps' bands were seen: --mains 50 or 60 tells what to look for",
+    [NO_MAINS] = "no banding was found: give the frequency with --mains 50 or 60",
 };
 
 /* Controls that were opened anew may be those of another camera. */
@@ -47,13 +47,12 @@ void run_row_gains_begin(run_row_gains *l, const run_options *options, const pup
         return;
     find_readout(l);
     if (!(l->readout_s > 0.0))
-        pupil_refuse(remark, "--row-gains: there are none, for %s; --readout MS tells it",
-                     l->camera ? "this camera's driver does not tell its readout (PIXEL_RATE and HBLANK)"
+        pupil_refuse(remark, "--row-gains: there are none: %s; give it with --readout MS",
+                     l->camera ? "this camera's driver does not report its readout (PIXEL_RATE and HBLANK)"
                                : "without the camera's controls its readout is not known");
     else if (options->mode == RUN_DIGITAL && !options->live.mains_hz)
-        pupil_refuse(
-            remark, "--row-gains: there are none, for in --mode digital the mains are not looked for; --mains 50 or 60 "
-                    "tells them");
+        pupil_refuse(remark,
+                     "--row-gains: --mode digital does not find the mains frequency; give it with --mains 50 or 60");
 }
 
 /* The object for what is known now; what it has learned stays where that is the same. 0; -1: there can be no gains. */
@@ -113,6 +112,6 @@ void run_row_gains_tell(const run_row_gains *l, char *text, size_t text_bytes)
     if (!l->options || !l->frames)
         return;
     const char *why = words[l->reason < REASONS ? l->reason : PUPIL_ROW_GAIN_ON];
-    snprintf(text, text_bytes, "; row gains in %llu of %llu frames%s%s%s", (unsigned long long)l->with,
+    snprintf(text, text_bytes, "; row correction gains in %llu of %llu frames%s%s%s", (unsigned long long)l->with,
              (unsigned long long)l->frames, *why ? " (" : "", why, *why ? ")" : "");
 }

@@ -25,7 +25,7 @@ void run_row_gains_begin(run_row_gains *l, const run_options *options, const pup
 /* A frame, before it is mapped: the gains of its rows, good until the next frame; NULL: none. */
 const float *run_row_gains_take(run_row_gains *l, const run_sensor *sensor, const pupil_frame *frame);
 
-/* "; row gains in 280 of 300 frames", and in the end why there are none; or nothing. */
+/* "; row correction gains in 280 of 300 frames", and in the end why there are none; or nothing. */
 void run_row_gains_tell(const run_row_gains *l, char *text, size_t text_bytes);
 
 #endif

@@ -79,7 +79,7 @@ static void warn(void)
 {
     if (!*r.work.warning.text)
         return;
-    say(&r.work.warning, "; the CPU goes on");
+    say(&r.work.warning, "; the CPU continues");
     *r.work.warning.text = 0;
 }
 

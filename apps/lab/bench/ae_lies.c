@@ -59,7 +59,7 @@ static int beside_slow(bench_ae *b, const fixture_loop *loop, const char *of, do
     if (learn_and_step(b, &slow, base_ev, step_ev))
         return -1;
     const fixture_loop_sum s = fixture_loop_sum_of(b->frame, FRAMES, event_of(b, &slow), REST);
-    snprintf(words, sizeof words, "%s: frames beside far_ev = 2", of);
+    snprintf(words, sizeof words, "%s: frames compared with far_ev = 2", of);
     bench_ae_show(b, loop, "lies", words, step_ev, frames < 0 ? NAN : (double)frames,
                   s.settle_frames < 0 ? (double)FRAMES : (double)s.settle_frames);
     return 0;
@@ -91,9 +91,9 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
         const char *of, *camera;
         double base_ev;
         int beyond; /* of what a loop can be asked for there: only that it does not swing */
-    } of[] = {{"info tells what was asked", "told=asked", 0, 0},
+    } of[] = {{"info has what was asked", "told=asked", 0, 0},
               {"no info", "told=nothing", 0, 0},
-              {"read-back stands still", "told=first", 0, 0},
+              {"read-back does not change", "told=first", 0, 0},
               {"a line more", "off=1", 3, 0},
               {"a line less", "off=-1", 3, 0},
               {"gain shortens exposure", "moves=0.3", -4, 0},
@@ -103,7 +103,7 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
               {"gain is dead", "ignore=0%/100%", -3, 1},
               {"exposure is dead", "ignore=100%/0%", -2, 1},
               {"jitters by a frame", "jitter=1", 0, 0},
-              {"exposure told ten times too long", "scale=10", 0, 0},
+              {"exposure reported ten times too long", "scale=10", 0, 0},
               {"a fifth of the frames is dropped", "drop=20%", 0, 0},
               {"exposure 4, gain 1", "delay=4/1", -5, 0}};
     static const double steps[] = {-2, 2};

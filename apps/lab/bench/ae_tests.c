@@ -237,8 +237,8 @@ int bench_ae_mains(bench_ae *b, const fixture_controller *law)
         double hz, fps;
         int told, seen;
         const char *camera;
-    } of[] = {{"50 Hz, told", 50, 30, 1, 1, ""},
-              {"60 Hz, told", 60, 30, 1, 1, ""},
+    } of[] = {{"50 Hz, configured", 50, 30, 1, 1, ""},
+              {"60 Hz, configured", 60, 30, 1, 1, ""},
               {"50 Hz, 30 a second", 50, 30, 0, 1, ""},
               {"50 Hz, 24 a second", 50, 24, 0, 1, ""},
               {"50 Hz, 60 a second", 50, 60, 0, 1, "readout=15ms"},

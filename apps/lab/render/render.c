@@ -114,7 +114,7 @@ static int parse(render *r, int argc, char **argv)
     if (status >= 0)
         return status;
     if (words.count != 1 || !r->out_count) {
-        fprintf(stderr, "pupil render: %s; 'pupil render --help' tells more\n",
+        fprintf(stderr, "pupil render: %s; 'pupil render --help' has more\n",
                 words.count < 1   ? "no scene: name one, for example room"
                 : words.count > 1 ? "more than one scene"
                                   : "no output: -o PATH names one");

@@ -106,7 +106,7 @@ void sim_summary(const sim_run *run, FILE *out)
         fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet), mains %u Hz%s\n",
                 last->setting.slope, last->setting.delay[FIXTURE_EXPOSURE], last->setting.delay[FIXTURE_GAIN],
                 last->setting.mains_hz,
-                o->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? " (told)"
+                o->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? " (configured)"
                 : last->setting.mains_hz               ? ""
                                                        : " (none seen)");
 }

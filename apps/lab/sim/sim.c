@@ -16,7 +16,7 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 enum { MOST_FRAMES = 1000000, REST_FRAMES = 60 };
 
 static const char light_help[] =
-    "what the light does; statements stand apart by ';', times are from the beginning:\n"
+    "what the light does; statements are separated by ';', times are from the beginning:\n"
     "  [TIME] EV              0s -1ev                 the light, in stops from where it began\n"
     "  [TIME] step EV         2s step +3ev\n"
     "  [TIME] ramp EV/s TIME  4s ramp -2ev/s 1s\n"
@@ -97,7 +97,8 @@ static int parse_key_at(const option_value *v)
 static const option_row rows[] = {
     {"camera", 'c', OPTION_TEXT, "K=V,...", 0, .parse = parse_camera,
      .help = "the camera; '--camera help' lists what can be set",
-     .more = "Delays, lines, laws of gain, noise, bits, curves, drops and lies. Without it, a linear 12-bit camera at "
+     .more = "Delays, lines, laws of gain, noise, bits, curves, drops, wrong metadata. Without it, a linear 12-bit "
+             "camera at "
              "30 frames a second with a delay of 3 frames."},
     {"light", 'l', OPTION_TEXT, "SCRIPT", 0, .parse = parse_light,
      .help = "its light ('2s step +3ev'), or @FILE; '--light help' has all",

@@ -19,10 +19,10 @@ close() {
         { for (i in at) { d = $i - $(i + NF / 2); if (d > 1.45e-5 || d < -1.45e-5) wrong++; n++ } }
         END { exit !(n > 0 && wrong == 0) }' || fail "$1 and $2: levels differ"
 }
-# warned WORDS: one sentence that says so, and that the CPU goes on
+# warned WORDS: one sentence that says so, and that the CPU continues
 warned() {
     [ "$(wc -l <said.err)" = 1 ] || fail "not one sentence: $(cat said.err)"
-    grep -q "^pupil replay: --gles: .*; the CPU goes on$" said.err || fail "no warning: $(cat said.err)"
+    grep -q "^pupil replay: --gles: .*; the CPU continues$" said.err || fail "no warning: $(cat said.err)"
     grep -qF -- "$1" said.err || fail "no '$1' in: $(cat said.err)"
 }
 
@@ -44,7 +44,7 @@ grep -q "standard input comes once" said.err || fail "--loop of standard input: 
 "$program" replay $walk -o cpu.y4m --stats cpu.csv -q || fail "the CPU"
 # shellcheck disable=SC2086
 "$program" replay $walk --gles -o gpu.y4m --stats gpu.csv 2>said.err || fail "--gles: $(cat said.err)"
-if grep -q "the CPU goes on" said.err; then
+if grep -q "the CPU continues" said.err; then
     cmp -s cpu.y4m gpu.y4m || fail "without a GPU another picture"
     skip "$(head -n 1 said.err)"
 fi

@@ -105,7 +105,7 @@ check_rest() {
 check_picture
 grep -q "by the CPU\|GPU: " said.err || fail "who did the frames is not told: $(cat said.err)"
 check_picture --gles
-grep -q "GPU: \|the CPU goes on" said.err || fail "who did the frames is not told: $(cat said.err)"
+grep -q "GPU: \|the CPU continues" said.err || fail "who did the frames is not told: $(cat said.err)"
 check_rest --gles-version 3.0 --white none
 
 # the window's close button, Escape, Ctrl-C; the end of the input waits for a viewer, unless something is written

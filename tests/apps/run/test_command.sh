@@ -81,12 +81,12 @@ done
 lamps="fake:size=64x96 fake:format=Y12 fake:flat=600 fake:light=4@1 fake:lamps=100,0.3,0.025"
 # shellcheck disable=SC2086 # words
 {
-    call 0 "; row gains in " $lamps fake:lines=998400,196 --shutter 1ms --row-gains -n 90
-    grep -Eq "row gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains: $(cat said.err)"
+    call 0 "; row correction gains in " $lamps fake:lines=998400,196 --shutter 1ms --row-gains -n 90
+    grep -Eq "row correction gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains: $(cat said.err)"
     put_back "row gains"
-    call 0 "; row gains in " $lamps --shutter 1ms --row-gains --readout 25ms --mode digital --mains 50 -n 90
-    grep -Eq "row gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains, --readout: $(cat said.err)"
-    call 0 "does not tell its readout (PIXEL_RATE and HBLANK); --readout MS tells it" $lamps --row-gains -n 9
+    call 0 "; row correction gains in " $lamps --shutter 1ms --row-gains --readout 25ms --mode digital --mains 50 -n 90
+    grep -Eq "row correction gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains, --readout: $(cat said.err)"
+    call 0 "does not report its readout (PIXEL_RATE and HBLANK); give it with --readout MS" $lamps --row-gains -n 9
     call 0 "without the camera's controls its readout is not known" $lamps --row-gains -n 9 --mode digital
     call 0 "--mains 50 or 60" fake:no-controls $lamps --row-gains --readout 25 -n 9
     call 0 "" $lamps --shutter 1ms -n 9

@@ -171,14 +171,14 @@ static void test_none(void)
     begin_with(&r, RUN_BOTH, &c, 10, 16, 4.0);
     skip(&r, 90);
     CHECK(r.lamps.frames == 90 && r.lamps.with == 0 && shown_bands(&r) == 0.0);
-    CHECK(tells(&r, "in 0 of 90 frames (no lamps are seen)"));
+    CHECK(tells(&r, "in 0 of 90 frames (no flicker was found)"));
     end(&r);
 
     c = camera(V4L2_PIX_FMT_Y12, 0.3);
     ARGUMENTS("--shutter", "10ms", "--mains", "50", "--row-gains"); /* a whole period */
     begin_with(&r, RUN_BOTH, &c, 10, 16, 0.4);
     skip(&r, 90);
-    CHECK(r.lamps.with == 0 && tells(&r, "(the exposure is a period"));
+    CHECK(r.lamps.with == 0 && tells(&r, "(the exposure is a flicker period"));
     end(&r);
 
     c.pixel_rate = 0;

@@ -36,6 +36,6 @@ done
 # row gains are the CPU's work; the window shows what it made
 "$program" fake:size=320x240 fake:format=Y12 fake:flat=600 fake:light=4@1 fake:lamps=100,0.3,0.025 --shutter 1ms --row-gains \
     --readout 25 --view -n 90 2>said.err || fail "row gains: exit $?: $(cat said.err)"
-grep -Eq "; by the CPU; row gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains: $(cat said.err)"
+grep -Eq "; by the CPU; row correction gains in [3-9][0-9] of 90 frames$" said.err || fail "row gains: $(cat said.err)"
 
 end_test
