@@ -8,9 +8,7 @@
 
 static int refuse(const char *what, pupil_why *why)
 {
-    if (why)
-        pupil_refuse(why, "this build of pupil has no %s (it was configured with PUPIL_GPU=OFF)", what);
-    return -1;
+    return pupil_refuse(why, "this build of pupil has no %s (it was configured with PUPIL_GPU=OFF)", what);
 }
 
 int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, pupil_why *why)
@@ -51,7 +49,9 @@ void *pupil_egl_display(const pupil_egl *egl)
 
 void pupil_egl_describe(char *text, size_t text_bytes)
 {
-    refuse("EGL", text, text_bytes);
+    pupil_why why;
+    refuse("EGL", &why);
+    snprintf(text, text_bytes, "%s", why.text);
 }
 
 int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, pupil_why *why)
