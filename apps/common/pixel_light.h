@@ -1,4 +1,4 @@
-/* apps/common/pixel_light.h: the light that a pixel stands for, as image.h and coding.h define it for each format, in
+/* apps/common/pixel_light.h: the light that a pixel represents, as image.h and coding.h define it for each format, in
  * double.
  *
  * This is the one reference for how pixels are read. The program measures the library's error against it (replay

@@ -6,7 +6,7 @@
 
 typedef struct progress {
     int shown;      /* stderr is a terminal and --quiet was not given */
-    int line_open;  /* something stands on the line */
+    int line_open;  /* something is on the line */
     uint64_t total; /* frames expected; 0: unknown */
     double began_s, last_s;
 } progress;

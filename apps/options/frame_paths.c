@@ -27,7 +27,7 @@ static int is_same_node(const struct stat *x, const struct stat *y)
     return x->st_dev == y->st_dev && x->st_ino == y->st_ino && (S_ISREG(x->st_mode) || S_ISDIR(x->st_mode));
 }
 
-/* The folder that a path lies in. */
+/* The folder that a path is in. */
 static int stat_parent(const char *path, struct stat *parent)
 {
     char *copy = strdup(path);
@@ -65,7 +65,7 @@ static int is_same_place(const char *a, const char *b)
            !stat_parent(b, &y) && is_same_node(&x, &y);
 }
 
-/* Whether an output would replace an input: the file, or (of an output folder) the folder that it lies in. */
+/* Whether an output would replace an input: the file, or (of an output folder) the folder that it is in. */
 static int replaces(const char *output, int may_be_folder, const char *input)
 {
     struct stat x, y;
@@ -75,8 +75,8 @@ static int replaces(const char *output, int may_be_folder, const char *input)
            (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
 }
 
-/* A folder is made beside its place and put there, new or in the place of an empty one, when all is in it; what else
- * lies in it would stop that at the very end. */
+/* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it; what else
+ * is in it would stop that at the very end. */
 static int is_inside(const char *path, const char *folder)
 {
     char *copy = strdup(path), *above = copy;

@@ -90,7 +90,7 @@ static void put_usage(const option_command *command, FILE *out)
     }
 }
 
-/* Where the rows of a title end: further groups, told in the same way, may go on with them. */
+/* Where the rows of a title end: further groups of the same kind may continue with them. */
 static const option_group *last_of(const option_group *g, size_t *rows)
 {
     for (*rows = g->rows; g[1].rows && !g[1].title && !g[1].brief == !g->brief; g++)

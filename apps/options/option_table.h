@@ -51,7 +51,7 @@ struct option_row {
 
 /* Rows under one title. */
 typedef struct option_group {
-    const char *title; /* NULL: goes on with the group before */
+    const char *title; /* NULL: continues with the group before */
     const option_row *row;
     size_t rows;
     size_t base;       /* of the rows' struct in the command's */
@@ -74,7 +74,7 @@ struct option_command {
     int (*run)(int argc, char **argv);  /* its own arguments, its name first; the exit status */
 };
 
-/* What options_parse found beside the values. */
+/* What options_parse found besides the values. */
 typedef struct option_words {
     char **word; /* the operands; in argv, whose front they are moved to */
     int count;
@@ -91,7 +91,7 @@ extern const option_command *const *option_commands;
 int options_parse(const option_command *command, void *options, int argc, char **argv, option_words *words,
                   pupil_why *why);
 
-/* The same with the sentence on standard error. -1: go on; else the exit status. */
+/* The same with the sentence on standard error. -1: continue; else the exit status. */
 int options_read(const option_command *command, void *options, int argc, char **argv, option_words *words);
 
 /* Whether an option was on the command line. */

@@ -36,7 +36,7 @@ static void make_known(const option_command *command, known *k)
     size_t base;
     char *end = k->letters;
     *end++ = '+'; /* in order: operands are gathered below */
-    *end++ = ':'; /* a value that is missing is told from an option that is not known */
+    *end++ = ':'; /* distinguishes a missing value from an option that is not known */
     for (size_t n = 0; n < MOST_ROWS && (row = options_row(command, n, &base)); n++) {
         const int takes = row->kind == OPTION_FLAG ? no_argument : required_argument;
         k->name[n] = (struct option){row->name, takes, NULL, FIRST_CODE + (int)n};

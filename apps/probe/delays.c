@@ -19,7 +19,7 @@ typedef struct stepping {
 
 enum { NO_MOVE = -1, NO_PICTURE = -2, NO_STEP = -3, MOVES = -4 };
 
-/* The frames from the one that was under way to the first that moved, and what share of the step the picture made; or
+/* The frames from the one that was in progress to the first that moved, and what share of the step the picture made; or
  * one of the above. The state is asked after. */
 static int one_step(probe_stream *s, const stepping *steps, int up, double *share)
 {

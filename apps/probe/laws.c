@@ -174,7 +174,7 @@ void probe_laws(probe_stream *s, double exposure_s, double gain, double moved_ev
  * four times the exposure. */
 
 #define MOST_LIGHT 0.02 /* of full scale: with more of it the difference says nothing of black */
-#define MOST_BLACK 0.1  /* of full scale: no sensor has more (6 % is usual); a picture that stands still may */
+#define MOST_BLACK 0.1  /* of full scale: no sensor has more (6 % is usual); a picture that does not change may */
 
 static void measure_black(probe_stream *s)
 {

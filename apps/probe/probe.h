@@ -51,7 +51,7 @@ typedef struct probe_law {
     double off_ev;   /* the largest of the points', in magnitude */
     double drift_ev; /* the most that the picture changed by where nothing was asked of it: within a point, and at one
                       * that was gone back to: the scene's, not the control's */
-    int as_told;     /* off_ev is small, but for the drift */
+    int as_told;     /* off_ev is small, except for the drift */
     probe_point point[PROBE_POINTS];
     unsigned points;
 } probe_law;
@@ -109,11 +109,11 @@ typedef struct probe_options {
     int quick;                          /* half the steps and points */
     double seconds;                     /* at most, of the stream */
     void (*say)(const char *now);       /* what is being measured */
-    void (*source)(pupil_source *live); /* told of the source while it is open; NULL: closed again */
+    void (*source)(pupil_source *live); /* called with the source while it is open; NULL: closed again */
     int (*stop)(void);
 } probe_options;
 
-/* What only the stream tells: opens the camera, takes its controls, and gives them back. 0; 1: stopped; -1 and a
+/* What only the stream says: opens the camera, takes its controls, and gives them back. 0; 1: stopped; -1 and a
  * sentence: no stream, or a control that could not be put back. What cannot be measured is said in the report. */
 int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, pupil_why *why);
 

@@ -286,7 +286,7 @@ void probe_moves(probe_known *is, double moved_ev)
     probe_unknown(is, "the picture moves by itself, by %.2f stops: point it at something that does not move", moved_ev);
 }
 
-/* --- what all frames told --- */
+/* --- what all frames reported --- */
 
 void probe_stream_tell(probe_stream *s)
 {

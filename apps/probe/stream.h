@@ -9,7 +9,7 @@
 #define PROBE_TRIM     0.1 /* left out of a level at either end: what clips or is black there does not move it */
 #define PROBE_MOST_BAD 0.08
 #define PROBE_STILL_EV                                                                                                 \
-    0.1 /* what a picture may move by itself, and its laws still be told: what codes of 8 bits, and                    \
+    0.1 /* what a picture may move by itself, and its laws still be measured: what codes of 8 bits, and                \
          * exposures in lines, leave of them */
 #define PROBE_LATENCIES 256
 
@@ -37,7 +37,7 @@ typedef struct probe_stream {
     double longest_s; /* exposures that leave the frame rate as it is */
     unsigned settle;  /* frames after which a setting is surely in force */
     int64_t end_ns;
-    int state; /* 0: goes on; PROBE_OVER_TIME, ... */
+    int state; /* 0: continues; PROBE_OVER_TIME, ... */
     pupil_why *why;
 
     probe_level level; /* of the last frame */
@@ -63,12 +63,12 @@ int probe_settle(probe_stream *s, double exposure_s, double gain);
 pupil_camera_setting probe_taken(const probe_stream *s);
 /* The picture is neither clipped nor black. */
 int probe_is_good(const probe_level *level);
-/* Into the report: what all frames told. */
+/* Into the report: what all frames reported. */
 void probe_stream_tell(probe_stream *s);
 
-/* How far the picture moves by itself, at a setting that stands. */
+/* How far the picture moves by itself, at a constant setting. */
 int probe_restless(probe_stream *s, double exposure_s, double gain, double *moved_ev);
-/* Why something that asks for a picture that stands still is not known. */
+/* Why something that needs a picture at rest is not known. */
 void probe_moves(probe_known *is, double moved_ev);
 
 /* The parts. Each writes into the report; what it cannot measure is said there. */

@@ -84,7 +84,7 @@ static int begin_exposure(record *r)
     return run_choose_mode(&r->options.run, r->source, NULL, &r->why);
 }
 
-/* From the first frame on, which tells the time; one that was unplugged and came back is taken again. */
+/* From the first frame on, which says the time; one that was unplugged and came back is taken again. */
 static int follow_light(record *r, const pupil_frame *frame)
 {
     pupil_curve unused;

@@ -183,7 +183,7 @@ static void own_figures(FILE *out, const pupil_report_page *page, const report_s
     number(out, "input pixels NaN or infinite", "%", "%.3g", 100.0 * f.bad);
     number(out, "read", "ns / pixel", "%.2f", f.read_us * ns);
     number(out, "meter + adapt + map", "ns / pixel", "%.2f", f.process_us * ns);
-    if (f.write_us * ns >= 0.01) /* else there was no output beside the page */
+    if (f.write_us * ns >= 0.01) /* else there was no output besides the page */
         number(out, "write", "ns / pixel", "%.2f", f.write_us * ns);
 }
 

@@ -14,8 +14,8 @@
 #include "page.h"
 #include "refuse.h"
 
-/* Kept while frames come, so that those shown in the end lie evenly enough; even, for it is halved. 120 thumbnails of
- * 320x180 are 21 MB. */
+/* Kept while frames come, so that those shown in the end are spread evenly enough; even, because it is halved. 120
+ * thumbnails of 320x180 are 21 MB. */
 #define KEPT 120
 
 struct pupil_report {

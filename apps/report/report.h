@@ -34,7 +34,7 @@ typedef struct pupil_report_page {
     size_t record_count;
     const pupil_report_row *settings;
     size_t setting_count;
-    const pupil_report_row *figures; /* beside those that the records give */
+    const pupil_report_row *figures; /* besides those that the records give */
     size_t figure_count;
 } pupil_report_page;
 

@@ -15,7 +15,7 @@
 
 #define SECONDS 10.0
 
-typedef struct panel { /* where one of the two diagrams is, and what its edges stand for */
+typedef struct panel { /* where one of the two diagrams is, and what its edges represent */
     float x, y, width, height;
     double from_s, low, high;
 } panel;

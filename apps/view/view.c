@@ -35,7 +35,7 @@ struct view {
     view_plot plot;
 
     const pupil_frame *frame;        /* the one that is shown; NULL: the source has it back */
-    const pupil_image_const *mapped; /* by the CPU, with `curve`; NULL: it is to be mapped anew */
+    const pupil_image_const *mapped; /* by the CPU, with `curve`; NULL: it is to be mapped again */
     pupil_frame_info info;
     pupil_curve curve;
     pupil_t first; /* the eye that has seen the first frame alone: what is before the split */

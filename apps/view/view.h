@@ -20,8 +20,8 @@ typedef struct view_of {
     pupil_t *pupil;
     replay_work *work;
     double fps;
-    int live;                                        /* frames are shown at once, and go on while the viewer pauses */
-    int (*curve)(void *context, pupil_curve *curve); /* 1: the frame's curve, whatever the pupil_t says; 0: the
+    int live; /* frames are shown at once, and continue while the viewer pauses */
+    int (*curve)(void *context, pupil_curve *curve); /* 1: the frame's curve, regardless of the pupil_t's own; 0: the
                                                       * pupil_t's. NULL: always that */
     void *context;
 } view_of;

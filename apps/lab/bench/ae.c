@@ -1,4 +1,4 @@
-/* pupil bench ae: exposure loops on a simulated camera: pupil's beside published laws, each test with its limit. */
+/* pupil bench ae: exposure loops on a simulated camera: pupil's and published laws, each test with its limit. */
 #include "ae.h"
 
 #include <math.h>
@@ -128,7 +128,7 @@ static void put_settling(const table *t, const char *test, int frames)
         putchar('\n');
 }
 
-/* One line for each test, what of it, and controller: how many passed, and the worst of them beside its limit. */
+/* One line for each test, what of it, and controller: how many passed, and the worst of them with its limit. */
 static void put_group(const table *t, size_t first, unsigned char *done)
 {
     const bench_ae_row *of = &t->row[first].row, *worst = of;
@@ -220,7 +220,7 @@ const option_command bench_ae_command = {
     .run = bench_ae_main,
 };
 
-/* -1: go on; else the exit status. */
+/* -1: continue; else the exit status. */
 static int parse(options *o, int argc, char **argv)
 {
     option_words words;

@@ -44,7 +44,7 @@ int bench_ae_plot(bench_ae *b);
 /* --- between the files of the tests --- */
 
 /* What an owner who knows nothing but the camera's data sheet has: pupil's own default for the delay; the published
- * laws are told the right one. */
+ * laws are given the right one. */
 void bench_ae_begin(fixture_loop *loop, const fixture_controller *law, uint32_t delay, fixture_gain_law gain);
 /* The script, then the loop; 0, or -1 and a sentence in b->why. */
 int bench_ae_loop(bench_ae *b, fixture_loop *loop, size_t frames, const char *format, ...)

@@ -20,7 +20,7 @@ typedef struct mapped {
     int failed;
 } mapped;
 
-/* How much more a frame on which the sensor's setting changed moves the level than those beside it. */
+/* How much more a frame on which the sensor's setting changed moves the level than those next to it. */
 static double seam_of(const fixture_loop_frame *f, const double *level)
 {
     double squares = 0.0, count = 0.0;

@@ -76,7 +76,7 @@ static int is_slow(const fixture_controller *law)
     return strcmp(law->name, "softisp") == 0; /* a stop takes it seconds: it gets the time to come to rest */
 }
 
-/* Within D + 1 frames, and as many more as are looked at to tell a strobe; where nearly all of the frame was clipped,
+/* Within D + 1 frames, and as many more as are looked at to detect a strobe; where nearly all of the frame was clipped,
  * 2 D + 1 where that is more. */
 static void show_settling(bench_ae *b, const fixture_loop *loop, const char *of, double step_ev, size_t frames,
                           size_t event)
@@ -117,7 +117,7 @@ static int settle_camera(bench_ae *b, const fixture_controller *law, uint32_t de
     return 0;
 }
 
-/* The published laws take no light for a strobe, and are not told to. */
+/* The published laws take no light for a strobe, and are not asked to. */
 int bench_ae_settle(bench_ae *b, const fixture_controller *law)
 {
     for (int rejects = 1; rejects >= (law->total ? 1 : 0); rejects--)
@@ -175,7 +175,7 @@ int bench_ae_identify(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* Light that stands still, metered with an error of 0.02 EV. */
+/* Constant light, metered with an error of 0.02 EV. */
 int bench_ae_calm(bench_ae *b, const fixture_controller *law)
 {
     fixture_loop loop;
@@ -210,8 +210,8 @@ int bench_ae_flicker(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* Lamps on both mains, where the light allows exposures of a period and more; the mains told, or to be found. Where
- * each frame meets the lamps as the one before did, and with all rows exposed at once, nothing can be found, and
+/* Lamps on both mains, where the light allows exposures of a period and more; the mains configured, or to be found.
+ * Where each frame meets the lamps as the one before did, and with all rows exposed at once, nothing can be found, and
  * nothing may be. */
 static void show_mains(bench_ae *b, const fixture_loop *loop, const char *name, double hz, int seen)
 {
@@ -250,7 +250,7 @@ int bench_ae_mains(bench_ae *b, const fixture_controller *law)
     fixture_loop loop;
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         if (law->total && (of[i].told || !of[i].seen))
-            continue; /* they are not told, and look for nothing */
+            continue; /* they are not given, and are not searched */
         bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
         const uint32_t believed = loop.sensor.delay_frames;
         if (fixture_plant_parse(&loop.plant, of[i].camera, &b->why))

@@ -1,5 +1,5 @@
 /* pupil bench gles: metering and mapping on the GPU, in turns with one thread of the CPU and with plain copies of the
- * same bytes; beside each speed its error. */
+ * same bytes; each speed has its error. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +30,7 @@ typedef struct machine {
     const char *software; /* no GPU, but this */
 } machine;
 
-/* --- what is told --- */
+/* --- what is given --- */
 
 static void put_text(const char *text)
 {

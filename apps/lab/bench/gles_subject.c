@@ -49,7 +49,7 @@ static void upload_on_gpu(void *context)
     wait_for_all(s);
 }
 
-/* Three frames are under way at most: the oldest is waited for while the GPU has two more to do. */
+/* Three frames are in progress at most: the oldest is waited for while the GPU has two more to do. */
 static void meter_all(bench_gles_subject *s, pupil_gles *gles)
 {
     unsigned got = 0;

@@ -1,4 +1,5 @@
-/* apps/lab/bench/gles_subject.h: a frame with what is run on it by the GPU and, beside it, by one thread of the CPU. */
+/* apps/lab/bench/gles_subject.h: a frame with what is run on it by the GPU and, for comparison, by one thread of the
+ * CPU. */
 #ifndef PUPIL_APPS_LAB_BENCH_GLES_SUBJECT_H
 #define PUPIL_APPS_LAB_BENCH_GLES_SUBJECT_H
 

@@ -1,5 +1,5 @@
 /* pupil bench kernels: metering and mapping at every level and format, in turns with a plain read and a memcpy of the
- * same bytes; beside each speed its error. */
+ * same bytes; each speed has its error. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

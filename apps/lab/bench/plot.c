@@ -29,7 +29,7 @@ typedef struct panel {
     bench_group first, last; /* groups that are in it */
     double x0, x1, y0, y1;   /* where its axes are, of 1 */
     double fastest, slowest; /* ns: its axis */
-    int lowest, highest;     /* error: powers of ten; what is exact stands below the lowest */
+    int lowest, highest;     /* error: powers of ten; what is exact is below the lowest */
     const char *error;
 } panel;
 
@@ -112,7 +112,7 @@ static double width_of(const bench_choice *c)
     return LETTER * (double)(strlen(c->name) + (c->code_max > 1 ? 16 : 0));
 }
 
-/* Beside its point, where nothing else is: to the right or left of it, higher and lower by one line more each time; a
+/* Next to its point, where nothing else is: to the right or left of it, higher and lower by one line more each time; a
  * thin line leads there from the point. */
 static void name_point(FILE *out, const panel *p, const bench_choice *c, box *taken, size_t *count)
 {
@@ -133,7 +133,7 @@ static void name_point(FILE *out, const panel *p, const bench_choice *c, box *ta
     }
 }
 
-/* What is exact lies on one line: names as flags above it, on masts that are the higher the farther left they stand, so
+/* What is exact is on one line: names as flags above it, on masts that are the higher the farther left they are, so
  * that none goes through a name. */
 static void name_exact(FILE *out, const panel *p, const drawing *d, box *taken, size_t *count)
 {

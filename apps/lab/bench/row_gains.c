@@ -1,4 +1,4 @@
-/* pupil bench kernels --row-gains: what it costs to take the bands of lamps out of a frame (pupil/row_gain.h), beside
+/* pupil bench kernels --row-gains: the cost of removing banding from a frame (pupil/row_gain.h), compared with
  * metering and mapping it without. */
 #include <stdio.h>
 #include <stdlib.h>

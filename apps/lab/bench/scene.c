@@ -119,7 +119,7 @@ static int sequence(measuring *m)
     return 0;
 }
 
-/* The lights that are on in a frame; all of them, whatever the schedule says, where `all` is set. */
+/* The lights that are on in a frame; all of them, regardless of the schedule, where `all` is set. */
 static void light_up(measuring *m, uint64_t frame, int all)
 {
     m->lit = 0;
@@ -295,7 +295,7 @@ const option_command bench_scene_command = {
     .run = bench_scene_main,
 };
 
-/* -1: go on; else the exit status. */
+/* -1: continue; else the exit status. */
 static int parse(bench *b, int argc, char **argv)
 {
     option_words words;

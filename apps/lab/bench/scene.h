@@ -23,7 +23,7 @@ typedef struct bench_scene {
     double load_s, prepare_s;          /* the recipe to a tree; the picture of every light, in one pass */
     double light_s[BENCH_MOST_LIGHTS]; /* the picture of each alone */
     double frames_s, sums_s;           /* all frames as they are made; their sums alone, once more */
-    bench_sums warm, cold;             /* of all lights, beside a memcpy of one picture and a read of all */
+    bench_sums warm, cold;             /* of all lights; a memcpy of one picture and a read of all */
     uint64_t image_bytes, geometry_bytes;
     uint64_t peak_bytes; /* of the process, once all frames were made, above what it began with */
     int done;

@@ -46,7 +46,7 @@ typedef struct bench_subject { /* what all of a format's runners share */
     pupil_image_const in;
     pupil_image out;
     unsigned char *copy; /* as large as `in` */
-    size_t bytes;        /* of all its planes, which lie in one piece */
+    size_t bytes;        /* of all its planes, which are contiguous */
     unsigned long long seen;
     pupil_curve curve;
 } bench_subject;

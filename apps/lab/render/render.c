@@ -106,7 +106,7 @@ const option_command render_command = {
     .run = render_main,
 };
 
-/* -1: go on; else the exit status. */
+/* -1: continue; else the exit status. */
 static int parse(render *r, int argc, char **argv)
 {
     option_words words;

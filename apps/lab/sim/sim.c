@@ -156,7 +156,7 @@ void sim_tell(sim_options *o)
         key_at_parse(o->key_at, c); /* it was right when it was read */
 }
 
-/* What goes together, and the loop that the options stand for; an exit status, and a sentence. */
+/* What goes together, and the loop that the options represent; an exit status, and a sentence. */
 /* 0, or -1 for options that exclude each other. */
 static int check_together(const sim_options *o, pupil_why *why)
 {

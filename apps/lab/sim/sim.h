@@ -13,7 +13,7 @@ typedef struct sim_options {
     char light[4096];  /* the script */
     double duration_s; /* 0: by the script */
     uint32_t believed; /* delay; 0: the camera's own */
-    uint32_t mains_hz; /* that pupil is told, or PUPIL_SENSOR_MAINS_AUTO */
+    uint32_t mains_hz; /* that pupil is given, or PUPIL_SENSOR_MAINS_AUTO */
     uint32_t threads;  /* for --random; 0: one a processor */
     const char *camera, *scene, *stats, *plot;
     const char *key_at; /* NULL: one key */
@@ -22,7 +22,7 @@ typedef struct sim_options {
     uint64_t plants, seed; /* plants: 0 unless --random */
 } sim_options;
 
-/* Which frames are judged. */
+/* Which frames are evaluated. */
 typedef struct sim_run {
     const sim_options *options;
     fixture_loop_frame *frame;

@@ -1,5 +1,5 @@
-/* A1 to A7: what the tables must show, whatever the scene. They read the tables and the two log-averages, nothing else;
- * the closed forms are those of docs/study.md. */
+/* A1 to A7: what the tables must show, regardless of the scene. They read the tables and the two log-averages, nothing
+ * else; the closed forms are those of docs/study.md. */
 #include "study.h"
 
 #include <math.h>
@@ -89,7 +89,7 @@ typedef struct span {
 
 #define MOST_SPANS (STUDY_FORMULAS * 2 * (STUDY_WEIGHTS - 1))
 
-/* The most spans that one number lies in; it can be taken where one of them begins. */
+/* The most spans that one number is in; it can be taken where one of them begins. */
 static unsigned most_common(const span *s, unsigned n)
 {
     unsigned best = 0;

@@ -1,4 +1,4 @@
-/* A8, A9 and A11: what the state itself must do; no picture is needed but for the u* that A11 waits for. */
+/* A8, A9 and A11: what the state itself must do; no picture is needed except for the u* that A11 waits for. */
 #include "study.h"
 
 #include <math.h>

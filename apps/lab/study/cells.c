@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 
 /* The largest |u| on the side that runs come from whose picture is within the threshold. Bisected on the exponent of
- * |u|, until no double lies between. */
+ * |u|, until no double is between. */
 static double bisect(study_target *target, int light, uint64_t threshold)
 {
     const double side = light ? 1.0 : -1.0; /* toward a bright scene the state comes from too bright */

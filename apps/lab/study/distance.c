@@ -1,7 +1,7 @@
 /* How far a picture is from its target.
  *
- * The mapping is the one that pupil.h defines, here in double. The library's own, in binary32, is the same but for
- * samples that lie on the border of two codes; there rounding makes the distance go back and forth by a sample or two
+ * The mapping is the one that pupil.h defines, here in double. The library's own, in binary32, is the same except for
+ * samples that are on the border of two codes; there rounding makes the distance go back and forth by a sample or two
  * from one binary32 scale to the next, and "the first frame with D <= 0" would be about that and not about the state.
  * How many samples differ is counted and shown with the tables.
  */
@@ -60,7 +60,7 @@ int study_target_open(study_target *target, const study_images *images, const st
     target->bound[0] = -INFINITY;
     target->bound[256] = INFINITY;
     for (unsigned c = 1; c < 256; c++)
-        target->bound[c] = pow(((double)c - 0.5) / 255.0, 2.2); /* gamma 2.2, as the seeds have it */
+        target->bound[c] = pow(((double)c - 0.5) / 255.0, 2.2); /* gamma 2.2, as in the original study */
     for (size_t i = 0; i < target->pixels; i++) {
         double shown[3];
         display(target->rgb + 3 * i, target->scale, target->gamut, shown);

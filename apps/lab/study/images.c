@@ -125,7 +125,7 @@ int study_lights_meter(study_lights *lights, const study_images *images, int shi
 {
     pupil_t pupil;
     pupil_config_default(&lights->config);
-    lights->config.white_mode = PUPIL_WHITE_NONE; /* Reinhard's global operator, and the seeds' gamma */
+    lights->config.white_mode = PUPIL_WHITE_NONE; /* Reinhard's global operator, and the original study's gamma */
     lights->config.transfer = PUPIL_TRANSFER_GAMMA22;
     lights->config.floor = ldexpf(lights->config.floor, shift);
     int error = pupil_init(&pupil, &lights->config);

@@ -66,7 +66,7 @@ static float average(unsigned formula, float w, float now, float before)
     return expf(w * logf(now) + (1.0f - w) * logf(before));
 }
 
-/* The exposure scale that the seeds hand to their shader, a float. */
+/* The exposure scale that the original study hands to its shader, a float. */
 static float scale_of(unsigned formula, float state)
 {
     return formula == 0 || formula == 2 ? state : key / state;
@@ -83,7 +83,7 @@ void study_run_float32(const float luminance[3], const study_run *run, double *u
             state = average(formula, w, now, state);
         u[i] = (double)scale_of(formula, state);
     }
-    /* Taken from the float scale, against that of the last light itself: so the seeds' tables come out best. Against
+    /* Taken from the float scale, against that of the last light itself: this reproduces its tables best. Against
      * what the run of weight 1 ends with, expf(logf(x)) in formulas 3 and 4, 16 cells fewer are exact. */
     const double end = (double)scale_of(formula, averaged(formula, luminance[2]));
     for (uint32_t i = 0; i < run->frames; i++)

@@ -1,4 +1,4 @@
-/* The tables that the seeds printed, from numbers alone: their recursions in binary32, their two log-averages, and how
+/* The tables of the original study, from numbers alone: its recursions in binary32, their two log-averages, and how
  * near the state must come. No picture is needed. The constants are fitted to those tables (docs/study.md); what they
  * show is that rounding, and nothing else, made every one of the cells. */
 #include "study.h"
@@ -22,7 +22,7 @@ static const double u_star[2][STUDY_THRESHOLDS] = {{8.764e-3, 1.909e-5, 8.93e-6,
                                                    {8.793e-3, 2.810e-5, 1.148e-5, 9.22e-6}};
 static const double u_star_case_4[STUDY_THRESHOLDS] = {8.793e-3, 3.270e-5, 1.615e-5, 4.30e-6};
 
-/* Cells that the seeds misprint: what is printed, and what the neighbours say it should be. */
+/* Misprinted cells of the original study: what is printed, and what the neighbours say it should be. */
 static const struct {
     unsigned formula, which_case, weight, threshold;
     uint16_t printed, meant;

@@ -71,7 +71,7 @@ static double ln_r(const study *s)
     return (s->lights.ev[1] - s->lights.ev[0]) * M_LN2;
 }
 
-/* Cells from the light as it is in s->images. `result` takes what is told of the pictures; NULL: nothing. */
+/* Cells from the light as it is in s->images. `result` receives what the pictures show; NULL: nothing. */
 static int make_cells(study *s, const study_lights *lights, const study_states *states, study_cells *cells,
                       study_result *result)
 {

@@ -1,5 +1,5 @@
 /* apps/lab/study/study.h: the study of temporal tone mapping that pupil grew from, made again: four light scenarios,
- * four formulas, twenty weights, and the frame at which the picture has arrived. docs/study.md tells the story.
+ * four formulas, twenty weights, and the frame at which the picture has arrived. docs/study.md explains it.
  *
  *     images -> lights (their log-averages) -> runs (the state over time) -> u* (where the picture has arrived)
  *            -> cells (the tables) -> acceptance
@@ -37,7 +37,7 @@ typedef struct study_images {
 } study_images;
 
 /* study_scene.c. The scene of a name: "spheres", two lamps over shaded spheres by formula, or a recipe of the scene
- * renderer, whose darkest and brightest frames are the two states; 600x600 unless told otherwise. 0, or -1 and a
+ * renderer, whose darkest and brightest frames are the two states; 600x600 unless given otherwise. 0, or -1 and a
  * sentence. `stop`, where not NULL, is asked now and then whether to give up. */
 int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
                       int (*stop)(void), pupil_why *why);
@@ -45,7 +45,8 @@ int study_images_reserve(study_images *images, uint32_t width, uint32_t height, 
 int study_images_spheres(study_images *images, uint32_t width, uint32_t height, pupil_why *why);
 void study_images_free(study_images *images);
 
-/* Rounds to the nearest binary16 (ties to even) within its range: the picture of the seeds was such a buffer. */
+/* Rounds to the nearest binary16 (ties to even) within its range: the picture of the original study was such a buffer.
+ */
 void study_images_round(float *samples, size_t count);
 
 /* All light times 2^shift: exact. */
@@ -81,8 +82,8 @@ typedef struct study_run {
 /* u of every frame, by the library's adaptation. 0 or a code of pupil/error.h. */
 int study_run_library(const study_lights *lights, const study_run *run, double *u);
 
-/* The same by the recursions as they stand in the seeds, in binary32: w new + (1 - w) old, and expf(w logf(new) + (1 -
- * w) logf(old)). luminance[]: before the first change, until the second, after it. */
+/* The same by the recursions as they are in the original study, in binary32: w new + (1 - w) old, and expf(w logf(new)
+ * + (1 - w) logf(old)). luminance[]: before the first change, until the second, after it. */
 void study_run_float32(const float luminance[3], const study_run *run, double *u);
 
 /* All runs of the tables: u[formula][case][weight][frame]. */
@@ -159,12 +160,12 @@ int study_accept_states(study_test tests[STUDY_TESTS], const study_cells *cells,
 /* A10: the tables again from light times 2^shift. */
 void study_accept_scaled(study_test *test, const study_cells *cells, const study_cells *scaled);
 
-/* --- study_regression.c: the seeds' own tables from numbers alone --- */
+/* --- study_regression.c: the original study's own tables from numbers alone --- */
 
 typedef struct study_regression {
     unsigned cells, exact, within_1, within_2; /* of `cells`, misprints left out */
     unsigned misprints;
-    unsigned unfinished, stalled; /* our cells of 1799; those that never arrive, however long it goes on */
+    unsigned unfinished, stalled; /* our cells of 1799; those that never arrive, however long it continues */
     unsigned rounded;             /* cells in which binary32 is not the closed form, which counts on to infinity */
     study_cells seeds, ours;      /* only the frames; misprints mended */
 } study_regression;

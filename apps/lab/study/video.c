@@ -19,7 +19,7 @@ typedef struct video {
     uint8_t frame[HEIGHT][WIDTH][3];
     struct {
         pupil_t pupil;
-        float scale; /* what the tile shows now; a state that stands still is not mapped again */
+        float scale; /* what the tile shows now; a state that does not change is not mapped again */
         int light;
     } tile[STUDY_WEIGHTS];
 } video;
