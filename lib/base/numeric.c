@@ -60,13 +60,16 @@ double pupil_one_minus_exp(double x)
     return n == 0 ? -minus : 1.0 - power_of_two(-n) * (1.0 + minus);
 }
 
-/* Of a quarter of the angle, at most pi/4, by Taylor; then doubled twice. */
+/* Sine and cosine of a quarter of the angle, at most pi/4, by Taylor; the angle is then doubled twice. The first terms
+ * left out are t^11 / 11! < 1.8e-9 of the sine and t^12 / 12! < 1.2e-10 of the cosine; doubling makes them 1e-8. */
 void pupil_turn(double x, double cos_sin[2])
 {
-    const double t = (x - round_to_int(x)) * 0x1.921fb54442d18p+0, z = t * t;
+    const double t = (x - round_to_int(x)) * 0x1.921fb54442d18p+0;
+    const double z = t * t;
     const double sine = t * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z / 362880.0))));
     const double half = 1.0 - z * (0.5 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z / 3628800.0))));
-    const double c = 1.0 - 2.0 * sine * sine, s = 2.0 * sine * half;
+    const double c = 1.0 - 2.0 * sine * sine;
+    const double s = 2.0 * sine * half;
     cos_sin[0] = 1.0 - 2.0 * s * s;
     cos_sin[1] = 2.0 * s * c;
 }

@@ -54,7 +54,7 @@ double pupil_exp2(double x);
 /* 1 - exp(-x) for x >= 0; relative error below 4e-16 also where x is tiny. */
 double pupil_one_minus_exp(double x);
 
-/* The cosine and the sine of 2 pi x, for |x| < 2^31; absolute error below 1e-9. */
+/* The cosine and the sine of 2 pi x, for |x| < 2^31; absolute error below 1e-8 (at half a turn). */
 void pupil_turn(double x, double cos_sin[2]);
 
 #endif

@@ -7,6 +7,8 @@
 #include "base/versioned.h"
 #include "core/read.h"
 
+#define SETTLED_EV 0.05 /* from the target: pupil.h, PUPIL_STATE_SETTLED */
+
 /* A step of w of the way from s to t, at least one unit where w > 0. */
 static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)
 {
@@ -140,8 +142,10 @@ static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s
     }
     double goal = linear_of_level(c->law, target);
     a->linear = a->seen ? approach_linear(a->linear, goal, c->frame_weight) : goal;
-    const double sign = c->law == PUPIL_LAW_ARITHMETIC_SCALE ? -1.0 : 1.0;
-    a->result.adapted_ev = a->linear == goal ? stops_of(target) : pupil_log2(a->linear) * sign;
+    if (a->linear == goal) /* the target itself, not what is left of it after an exponential and a logarithm */
+        a->result.adapted_ev = stops_of(target);
+    else
+        a->result.adapted_ev = pupil_log2(a->linear) * (c->law == PUPIL_LAW_ARITHMETIC_SCALE ? -1.0 : 1.0);
 }
 
 static void move_white(pupil_object *object, pupil_level_q52 target, double dt_s)
@@ -156,13 +160,16 @@ static void move_white(pupil_object *object, pupil_level_q52 target, double dt_s
 static void judge(pupil_object *object, double target_ev, uint32_t reason)
 {
     pupil_exposure *r = &object->adaptation.result;
-    double off = target_ev - r->adapted_ev;
-    const int is_at_end = reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX;
+    const double off_ev = target_ev - r->adapted_ev;
     r->reason = reason;
-    r->state = reason == PUPIL_REASON_LOCK ? PUPIL_STATE_LOCKED
-               : off > 0.05 || off < -0.05 ? PUPIL_STATE_ADAPTING
-               : is_at_end                 ? PUPIL_STATE_LIMITED
-                                           : PUPIL_STATE_SETTLED;
+    if (reason == PUPIL_REASON_LOCK)
+        r->state = PUPIL_STATE_LOCKED;
+    else if (off_ev > SETTLED_EV || off_ev < -SETTLED_EV)
+        r->state = PUPIL_STATE_ADAPTING;
+    else if (reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX)
+        r->state = PUPIL_STATE_LIMITED;
+    else
+        r->state = PUPIL_STATE_SETTLED;
 }
 
 /* Everything that can be refused, before anything is touched. */

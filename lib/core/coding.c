@@ -77,7 +77,9 @@ static const float luma_of_matrix[PUPIL_MATRIX_COUNT][2] = {
 
 static void from_yuv(const pupil_coding *coding, pupil_coder *c)
 {
-    const float kr = luma_of_matrix[coding->matrix][0], kb = luma_of_matrix[coding->matrix][1], kg = 1.0f - kr - kb;
+    const float kr = luma_of_matrix[coding->matrix][0];
+    const float kb = luma_of_matrix[coding->matrix][1];
+    const float kg = 1.0f - kr - kb;
     const int full = coding->range == PUPIL_RANGE_FULL;
     const float chroma = full ? 1.0f : 255.0f / 224.0f;
     c->y_zero = full ? 0.0f : 16.0f;
@@ -175,9 +177,11 @@ static int32_t in_q16(double x)
 void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *c)
 {
     coding = coding ? coding : &usual;
-    const double kr = (double)luma_of_matrix[coding->matrix][0], kb = (double)luma_of_matrix[coding->matrix][1];
+    const double kr = (double)luma_of_matrix[coding->matrix][0];
+    const double kb = (double)luma_of_matrix[coding->matrix][1];
     const int full = coding->range == PUPIL_RANGE_FULL;
-    const double luma = full ? 1.0 : 219.0 / 255.0, chroma = full ? 0.5 : 0.5 * 224.0 / 255.0;
+    const double luma = full ? 1.0 : 219.0 / 255.0;
+    const double chroma = full ? 0.5 : 0.5 * 224.0 / 255.0;
     c->y_zero = (full ? 0 : 16 * 65536) + 32768; /* and a half, to round */
     c->y[0] = in_q16(kr * luma);
     c->y[2] = in_q16(kb * luma);

@@ -49,11 +49,12 @@ int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pu
 
     const double flicker_ev =
         c->flicker ? pupil_flicker_at(&a->flicker, info ? info->timestamp_ns : a->last_timestamp_ns) : 0.0;
-    double scale_log2 = pupil_scale_log2(object),
-           frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - flicker_ev;
+    const double scale_log2 = pupil_scale_log2(object);
+    const double frame_log2 = scale_log2 - pupil_exposure_log2(c, a, info) - flicker_ev;
     if (c->white_mode == PUPIL_WHITE_FIXED)
         found = curve_of(frame_log2, 1, pupil_log2(c->white));
-    else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen) /* never below 1: little contrast is not stretched */
+    else if (c->white_mode == PUPIL_WHITE_FOLLOW && a->white_seen)
+        /* never below 1: a frame of little contrast is not stretched */
         found = curve_of(frame_log2, 1, clamp(scale_log2 + a->result.white_ev, 0.0, 30.0));
     else
         found = curve_of(frame_log2, 0, 0.0);

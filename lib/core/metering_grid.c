@@ -15,7 +15,8 @@ int pupil_metering_uniform(pupil_config *config)
 /* The square of the distance from the middle, in half cells. */
 static int distance_squared(int row, int column)
 {
-    int dx = 2 * column + 1 - SIDE, dy = 2 * row + 1 - SIDE;
+    int dx = 2 * column + 1 - SIDE;
+    int dy = 2 * row + 1 - SIDE;
     return dx * dx + dy * dy;
 }
 
@@ -24,7 +25,8 @@ int pupil_metering_centre(pupil_config *config)
     if (!config)
         return PUPIL_ERR_NULL;
     /* (1 - r^2)^2 between the innermost cells (r = 0) and the corners (r = 1): a bell without a transcendental */
-    const double nearest = distance_squared(SIDE / 2, SIDE / 2), farthest = distance_squared(0, 0);
+    const double nearest = distance_squared(SIDE / 2, SIDE / 2);
+    const double farthest = distance_squared(0, 0);
     for (int i = 0; i < SIDE * SIDE; i++) {
         double r2 = (distance_squared(i / SIDE, i % SIDE) - nearest) / (farthest - nearest);
         config->weight[i / SIDE][i % SIDE] = (uint8_t)(16.5 + 239.0 * (1.0 - r2) * (1.0 - r2));
@@ -52,7 +54,8 @@ int pupil_metering_spot(pupil_config *config)
 /* How much of cell `i` the interval [from, to) in cells covers. */
 static double covered(int i, double from, double to)
 {
-    double low = from > i ? from : i, high = to < i + 1 ? to : i + 1;
+    double low = from > i ? from : i;
+    double high = to < i + 1 ? to : i + 1;
     return high > low ? high - low : 0.0;
 }
 

@@ -94,7 +94,8 @@ static pupil_row row_of(const work *w, uint32_t i)
     if (in->pixel == PUPIL_PIXEL_NV12)
         row.chroma = (const uint8_t *)in->chroma + (ptrdiff_t)(i / 2) * in->chroma_stride_bytes;
     if (w->in_unit == 2) {
-        const int is_first = i == 0 && !in->rows_above, is_last = i + 1 == in->height && !in->rows_below;
+        const int is_first = i == 0 && !in->rows_above;
+        const int is_last = i + 1 == in->height && !in->rows_below;
         row.above = is_first ? in_row(w, i + 1) : row.data - in->stride_bytes;
         row.below = is_last ? row.data - in->stride_bytes : row.data + in->stride_bytes;
         row.odd = i & 1;
@@ -107,10 +108,12 @@ static pupil_row row_of(const work *w, uint32_t i)
  * Lea, Flood: Fast Splittable Pseudorandom Number Generators, 2014 (figure 14, mix32). */
 static int is_metered(const work *w, uint32_t unit_row)
 {
-    const uint32_t n = w->object->config.meter_rows, units = w->frame_height / w->in_unit;
+    const uint32_t n = w->object->config.meter_rows;
+    const uint32_t units = w->frame_height / w->in_unit;
     if (n <= 1)
         return 1;
-    const uint32_t group = unit_row / n, rows = units - group * n < n ? units - group * n : n;
+    const uint32_t group = unit_row / n;
+    const uint32_t rows = units - group * n < n ? units - group * n : n;
     uint64_t z = w->object->adaptation.turn * UINT64_C(0x9e3779b97f4a7c15) + group * UINT64_C(0xd1b54a32d192ed03);
     z = (z ^ (z >> 33)) * UINT64_C(0x62a9d9ed799705f5);
     z = (z ^ (z >> 28)) * UINT64_C(0xcb24d0a5c88c35b3);
@@ -194,7 +197,8 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out)
 {
     work w = {.object = object, .in = in, .out = out, .stats = stats, .first_row = first_row};
-    const int mosaic = pupil_pixel_is_mosaic(in->pixel), halved = out && out->width != in->width;
+    const int mosaic = pupil_pixel_is_mosaic(in->pixel);
+    const int halved = out && out->width != in->width;
     const int nv12 = out && out->pixel == PUPIL_PIXEL_NV12;
     w.frame_height = frame_height;
     w.in_unit = mosaic ? 2 : 1;

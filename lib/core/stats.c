@@ -145,7 +145,8 @@ int pupil_stats_check(const pupil_stats *s)
 /* The light at the share t (0..1) of bin i: bins are equally wide in light within their stop. */
 static double log2_within_bin(int i, double t, int bins_per_stop)
 {
-    int stop = i / bins_per_stop, step = i % bins_per_stop;
+    int stop = i / bins_per_stop;
+    int step = i % bins_per_stop;
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
@@ -197,7 +198,9 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     int error = check_quantile(stats, q, log2_peak);
     if (error)
         return error;
-    double inside, most = pupil_log2((double)stats->peak); /* clipped at 1, it is at 1, not within the bin above */
+    /* a frame that is clipped at 1 has its quantile at 1, not somewhere in the bin that begins there */
+    const double most = pupil_log2((double)stats->peak);
+    double inside;
     quantiles_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, &q, 1, &inside);
     *log2_peak = inside < most ? inside : most;
     return PUPIL_OK;

@@ -87,7 +87,8 @@ static int is_metered(uint32_t pair, uint32_t pairs)
     const uint32_t band = pair * PUPIL_BANDS / pairs;
     const uint32_t first = (band * pairs + PUPIL_BANDS - 1) / PUPIL_BANDS;
     const uint32_t end = ((band + 1) * pairs + PUPIL_BANDS - 1) / PUPIL_BANDS;
-    const uint32_t count = end - first, place = pair - first;
+    const uint32_t count = end - first;
+    const uint32_t place = pair - first;
     return count <= 2 || place == count / 4 || place == count * 3 / 4;
 }
 
@@ -112,9 +113,11 @@ static void find_places(pupil_row_gain_object *o, uint32_t pixel, uint32_t heigh
 
 static void meter_group(pupil_row_gain_object *o, const pupil_image_const *image, uint32_t group)
 {
-    const uint32_t step = image->width / GROUPS & ~3u, x = group * step;
+    const uint32_t step = image->width / GROUPS & ~3u;
+    const uint32_t x = group * step;
     const pupil_image_const part = columns_of(*image, x, group + 1 < GROUPS ? step : image->width - x);
-    const uint32_t height = image->height, pairs = (height + 1) / 2;
+    const uint32_t height = image->height;
+    const uint32_t pairs = (height + 1) / 2;
     pupil_stats_clear(&o->stats);
     for (uint32_t pair = 0; pair < pairs; pair++)
         if (is_metered(pair, pairs)) {

@@ -213,17 +213,24 @@ static void forget_a_little(pupil_row_gain_object *o, double keep)
  */
 static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
 {
-    const double two_pi = 2.0 * PI, usual_hz = 2.0 * o->config.mains_hz;
+    const double two_pi = 2.0 * PI;
+    const double usual_hz = 2.0 * o->config.mains_hz;
     if (!(l->slope[0] > 1e-4 * l->cells)) /* a wave of 0.014 EV */
         return 0;
     /* The error of the shift is the rest over the slope, and more, because neighbours move together; it is held against
      * what timestamps may be off, 0.1 rad: 0.16 ms. */
-    const double error = 8.0 * l->rest / l->cells / l->slope[0], trust = 0.01 / (0.01 + error);
+    const double error = 8.0 * l->rest / l->cells / l->slope[0];
+    const double trust = 0.01 / (0.01 + error);
     const double usual_s = o->config.readout_s;
     /* less than half a period does not show how long it is */
     const double tilt_trust = clamp(2.0 * usual_s * usual_hz - 1.0, 0.0, 1.0) * 0.01 / (0.01 + 2.0 * error);
-    const double a = l->slope[0] * (1.0 + 1e-6), b = l->slope[1], c = l->slope[2] + 1e-6 * a, of = a * c - b * b;
-    const double shift = (l->early[0] * c - l->early[1] * b) / of, lean = (l->early[1] * a - l->early[0] * b) / of;
+    /* least squares for the two: normal equations of two by two, a little regularised */
+    const double a = l->slope[0] * (1.0 + 1e-6);
+    const double b = l->slope[1];
+    const double c = l->slope[2] + 1e-6 * a;
+    const double of = a * c - b * b;
+    const double shift = (l->early[0] * c - l->early[1] * b) / of;
+    const double lean = (l->early[1] * a - l->early[0] * b) / of;
     const double early = trust * clamp(shift, -1.0, 1.0) / two_pi;          /* turns */
     const double tilt = 0.2 * tilt_trust * clamp(lean, -0.5, 0.5) / two_pi; /* turns a readout */
     o->turn += early;
@@ -239,7 +246,9 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
  */
 static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
 {
-    const double turn = o->turn, light_hz = o->result.light_hz, readout_s = o->result.readout_s;
+    const double turn = o->turn;
+    const double light_hz = o->result.light_hz;
+    const double readout_s = o->result.readout_s;
     int again = 1;
     for (int i = 0; i < 3 && again; i++) {
         again = lead(o, &l, dt_s);
@@ -271,7 +280,8 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
     const double dt_s = (double)(int64_t)((uint64_t)info->timestamp_ns - (uint64_t)o->timestamp_ns) * 1e-9;
     const int goes_on = o->stamped && info->timestamp_ns > o->timestamp_ns && dt_s > 0.0 && dt_s <= gap_s;
     if (!goes_on) {
-        const uint32_t width = o->width, height = o->height;
+        const uint32_t width = o->width;
+        const uint32_t height = o->height;
         pupil_row_gain_forget(o);
         o->width = width;
         o->height = height;
@@ -279,7 +289,8 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
     o->stamped = 1;
     o->timestamp_ns = info->timestamp_ns;
     pupil_row_gain_expose(o, info->exposure_s > 0.0 && info->exposure_s <= 1e4 ? info->exposure_s : 0.0);
-    const double advance = goes_on ? o->result.light_hz * dt_s : 0.0, slip = advance - pupil_row_gain_nearest(advance);
+    const double advance = goes_on ? o->result.light_hz * dt_s : 0.0;
+    const double slip = advance - pupil_row_gain_nearest(advance);
     o->turn += slip;
     o->turn -= pupil_row_gain_nearest(o->turn);
     pupil_row_gain_fill_terms(o);

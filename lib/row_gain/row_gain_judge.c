@@ -40,8 +40,9 @@ static double disagreement_of(const pupil_row_gain_object *o, const pupil_row_ga
         for (int j = 0; j < TERMS; j++)
             u[i] -= t->matrix[i][j] * k[j];
     }
-    const double a = t->matrix[0][0] + PUPIL_ROW_GAIN_PRIOR, b = t->matrix[0][1],
-                 c = t->matrix[1][1] + PUPIL_ROW_GAIN_PRIOR;
+    const double a = t->matrix[0][0] + PUPIL_ROW_GAIN_PRIOR;
+    const double b = t->matrix[0][1];
+    const double c = t->matrix[1][1] + PUPIL_ROW_GAIN_PRIOR;
     const double other = (u[0] * u[0] * c - 2.0 * u[0] * u[1] * b + u[1] * u[1] * a) / (a * c - b * b);
     return other < wave ? other / wave : 1.0;
 }
@@ -63,7 +64,8 @@ static double worst_disagreement(const pupil_row_gain_object *o)
         tiles += here;
     }
     for (int b = 0; b < BANDS; b++) { /* what extends across the picture is thinner than a tile */
-        const double share = o->row_rest[b] / (o->row_wave[b] + 0.2 * power / BANDS), d = share * share;
+        const double share = o->row_rest[b] / (o->row_wave[b] + 0.2 * power / BANDS);
+        const double d = share * share;
         worst = d > worst ? d < 1.0 ? d : 1.0 : worst;
     }
     /* a few tiles in the dark agree easily */
@@ -104,7 +106,8 @@ static double judge(pupil_row_gain_object *o)
     pupil_row_gain_result *r = &o->result;
     const double *k = o->coefficient;
     const double left = pupil_row_gain_averaged(r->light_hz, 1, o->exposure_s);
-    const double power = (k[0] * k[0] + k[1] * k[1]) * left * left, worst = worst_disagreement(o);
+    const double power = (k[0] * k[0] + k[1] * k[1]) * left * left;
+    const double worst = worst_disagreement(o);
     const double drift = o->drift < 0.0 ? -o->drift : o->drift;
     const double allowed[] = {
         [PUPIL_ROW_GAIN_WAITING] = o->known_s >= 0.3,

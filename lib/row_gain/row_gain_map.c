@@ -56,9 +56,11 @@ int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, co
     for (uint32_t y = 0; y < height; y++)
         if (!pupil_is_finite(gain[y]) || !(gain[y] > 0.0f))
             return PUPIL_ERR_VALUE;
-    const uint32_t together = rows_together(&in.image, &to.image), halved = to.image.width != in.image.width ? 2 : 1;
+    const uint32_t together = rows_together(&in.image, &to.image);
+    const uint32_t halved = to.image.width != in.image.width ? 2 : 1;
     for (uint32_t y = 0; !error && y < height; y += together) {
-        const uint32_t left = height - y, count = left < together ? left : together;
+        const uint32_t left = height - y;
+        const uint32_t count = left < together ? left : together;
         const pupil_image_const part = pupil_image_rows(in.image, y, count);
         const pupil_image part_out = pupil_image_out_rows(to.image, y / halved, count / halved);
         pupil_curve scaled = by;

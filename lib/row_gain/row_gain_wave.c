@@ -38,7 +38,9 @@ double pupil_row_gain_averaged(double light_hz, int h, double seconds)
 
 void pupil_row_gain_expose(pupil_row_gain_object *o, double exposure_s)
 {
-    const double *k = o->coefficient, per_band_s = o->result.readout_s / BANDS, hz = o->result.light_hz;
+    const double *k = o->coefficient;
+    const double per_band_s = o->result.readout_s / BANDS;
+    const double hz = o->result.light_hz;
     o->exposure_s = exposure_s;
     for (int h = 0; h < HARMONICS; h++) {
         const double left =
@@ -78,7 +80,8 @@ static void of_sine(const double k[2], double usual[TERMS])
     double power_c = c, power_s = s;
     usual[0] = usual[1] = 0.0; /* nothing is expected of the fundamental */
     for (int h = 1; h < HARMONICS; h++) {
-        const double next = power_c * c - power_s * s, sign = h % 2 ? -2.0 : 2.0;
+        const double next = power_c * c - power_s * s;
+        const double sign = h % 2 ? -2.0 : 2.0;
         power_s = power_s * c + power_c * s;
         power_c = next;
         usual[2 * h] = sign * power_c / ((h + 1) * ln2);
