@@ -1,48 +1,47 @@
-/* drivers/synth/synth_source.c: the rendered scene as a source of frames. */
 #include "synth/synth_source.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "recipe.h"
 #include "refuse.h"
-#include "synth/scene_source.h"
-#include "synth/walk.h"
+#include "scene.h"
+#include "synth/spread.h"
 
-#define DEFAULT_FPS    30.0
-#define DEFAULT_WIDTH  320u
-#define DEFAULT_HEIGHT 180u
-#define DEFAULT_FRAMES 300u
-#define LONGEST_S      3.2e9 /* a hundred years; 2^63 ns are 292 */
+#define LONGEST_S 3.2e9 /* a hundred years; 2^63 ns are 292 */
 
 typedef struct synth_source {
     pupil_source source;
-    uint64_t next;
-    uint32_t width, height;
+    fixture_scene *scene;
+    fixture_scene_facts facts;
+    pupil_spread spread;
+    uint64_t next, end;
     float *rgb;
-    char name[48];
+    size_t name_bytes;
+    char *recipe, *name;
 } synth_source;
 
 static int synth_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     synth_source *s = (synth_source *)source;
-    pupil_walk_view view;
-    (void)why;
-    if (s->next >= source->frames)
+    if (s->next >= s->end)
         return PUPIL_SOURCE_END;
-
-    pupil_walk_view_at(s->next, source->frames, &view);
-    pupil_walk_render(&view, s->width, s->height, s->rgb);
-    snprintf(s->name, sizeof s->name, "synth:walk frame %llu", (unsigned long long)s->next);
-
     memset(frame, 0, sizeof *frame);
+    if (fixture_scene_frame(s->scene, s->next, s->rgb, &frame->info, why))
+        return PUPIL_SOURCE_FAILED;
+    if (s->spread.stop && s->spread.stop()) { /* then rows may be missing, of this frame and of those to come */
+        s->end = s->next;
+        pupil_refuse(why, "synth:%s: stopped", s->recipe);
+        return PUPIL_SOURCE_FAILED;
+    }
+    snprintf(s->name, s->name_bytes, "synth:%s frame %llu", s->recipe, (unsigned long long)s->next);
     frame->image.data = s->rgb;
-    frame->image.stride_bytes = (ptrdiff_t)(s->width * 3 * sizeof(float));
-    frame->image.width = s->width;
-    frame->image.height = s->height;
+    frame->image.stride_bytes = (ptrdiff_t)(s->facts.width * 3 * sizeof(float));
+    frame->image.width = s->facts.width;
+    frame->image.height = s->facts.height;
     frame->image.pixel = PUPIL_PIXEL_RGB32F;
-    frame->info.timestamp_ns = (int64_t)((double)s->next * 1e9 / source->fps + 0.5);
-    frame->info.sequence = s->next;
     frame->name = s->name;
     s->next++;
     return PUPIL_SOURCE_FRAME;
@@ -56,56 +55,71 @@ static void synth_done(pupil_source *source, pupil_frame *frame)
 
 static void synth_close(pupil_source *source)
 {
-    free(((synth_source *)source)->rgb);
-    free(source);
+    synth_source *s = (synth_source *)source;
+    fixture_scene_free(s->scene);
+    free(s->rgb);
+    free(s->recipe);
+    free(s->name);
+    free(s);
 }
 
 static const pupil_source_ops synth_ops = {synth_next, synth_done, synth_close};
 
-/* What is wrong with the options, as a sentence; 0 if nothing is. */
-static int refuse(const char *name, double fps, uint64_t first, uint64_t frames, uint32_t width, uint32_t height,
-                  pupil_why *why)
+/* What is neither a file nor a shipped scene. */
+static int refuse_name(const char *recipe, pupil_why *why)
 {
-    if (!(fps > 0.0 && fps <= 1e6))
-        return pupil_refuse(why, "synth:%s: %g frames a second; it must be above 0 and at most 1000000", name, fps);
-    if (width > PUPIL_MAX_SIDE_PX || height > PUPIL_MAX_SIDE_PX)
-        return pupil_refuse(why, "synth:%s: a size of %lux%lu; at most %ux%u", name, (unsigned long)width,
-                            (unsigned long)height, PUPIL_MAX_SIDE_PX, PUPIL_MAX_SIDE_PX);
-    if (first)
-        return pupil_refuse(why, "synth:%s: begins with frame 0 only", name);
-    if ((double)frames / fps > LONGEST_S)
-        return pupil_refuse(why, "synth:%s: %llu frames at %g fps last longer than a hundred years", name,
-                            (unsigned long long)frames, fps);
+    pupil_refuse(why, "there is no scene \"synth:%s\" and no such file; the scenes are:", recipe);
+    for (size_t i = 0; fixture_shipped_names[i]; i++)
+        pupil_refuse_add(why, "%s synth:%s", i ? "," : "", fixture_shipped_names[i]);
+    return PUPIL_SOURCE_FAILED;
+}
+
+static int begin(synth_source *s, const char *recipe, const pupil_source_options *options, pupil_why *why)
+{
+    fixture_scene_options o = {options->width, options->height, options->fps, pupil_spread_run, &s->spread};
+    s->spread = (pupil_spread){options->threads, options->stop};
+    if (fixture_scene_load(&s->scene, recipe, &o, why))
+        return -1;
+    s->facts = fixture_scene_facts_of(s->scene);
+    s->next = options->first;
+    uint64_t frames = options->frames                    ? options->frames
+                      : s->facts.frames > options->first ? s->facts.frames - options->first
+                                                         : 0;
+    if (!frames || ((double)s->next + (double)frames) / s->facts.fps > LONGEST_S) {
+        pupil_refuse(why, "synth:%s: no frame %llu; it has the frames 0 to %llu, and no scene lasts 100 years", recipe,
+                     (unsigned long long)s->next, (unsigned long long)s->facts.frames - 1);
+        return -1;
+    }
+    s->end = s->next + frames;
+    s->source.fps = s->facts.fps;
+    s->source.frames = frames;
+    s->name_bytes = strlen(recipe) + 64;
+    s->recipe = strdup(recipe);
+    s->name = malloc(s->name_bytes);
+    s->rgb = malloc((size_t)s->facts.width * s->facts.height * 3 * sizeof(float));
+    if (!s->recipe || !s->name || !s->rgb) {
+        pupil_refuse(why, "synth:%s: not enough memory for frames of %ux%u pixels", recipe, s->facts.width,
+                     s->facts.height);
+        return -1;
+    }
     return 0;
 }
 
 int pupil_synth_source_open(const char *name, const pupil_source_options *options, pupil_source **source,
                             pupil_why *why)
 {
-    if (strcmp(name, "walk") != 0)
-        return pupil_scene_source_open(name, options, source, why);
-    double fps = options->fps != 0.0 ? options->fps : DEFAULT_FPS;
-    uint64_t frames = options->frames ? options->frames : DEFAULT_FRAMES;
-    uint32_t width = options->width ? options->width : DEFAULT_WIDTH;
-    uint32_t height = options->height ? options->height : DEFAULT_HEIGHT;
-    if (refuse(name, fps, options->first, frames, width, height, why))
-        return PUPIL_SOURCE_FAILED;
-
+    if (!fixture_shipped(name) && access(name, F_OK) != 0)
+        return refuse_name(name, why);
     synth_source *s = calloc(1, sizeof *s);
-    float *rgb = malloc((size_t)width * height * 3 * sizeof(float));
-    if (!s || !rgb) {
-        free(s);
-        free(rgb);
-        pupil_refuse(why, "synth:%s: no memory for frames of %lux%lu pixels", name, (unsigned long)width,
-                     (unsigned long)height);
+    if (!s) {
+        pupil_refuse(why, "synth:%s: out of memory", name);
         return PUPIL_SOURCE_FAILED;
     }
     s->source.ops = &synth_ops;
-    s->source.fps = fps;
-    s->source.frames = frames;
-    s->width = width;
-    s->height = height;
-    s->rgb = rgb;
+    if (begin(s, name, options, why)) {
+        synth_close(&s->source);
+        return PUPIL_SOURCE_FAILED;
+    }
     *source = &s->source;
     return 0;
 }

@@ -114,5 +114,6 @@ int main(int argc, char **argv)
             scene(names[i], recipe, 0, 4, threads[k]);
         }
     scene("room", "room", 24, 400, 2);
+    scene("walk", "walk", 24, 60, 2);
     return 0;
 }
