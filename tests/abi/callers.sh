@@ -1,6 +1,6 @@
 #!/bin/sh
-# callers.sh COMPILER TODAY LATER LATER_HEADERS: caller.c compiled with other headers than the library runs, or is refused
-# before anything is touched. TODAY and LATER are the library as it is, and as a later version may be.
+# callers.sh COMPILER TODAY LATER LATER_HEADERS: caller.c compiled with other headers than the library runs, or is
+# refused before anything is touched. TODAY and LATER are the library as it is, and as a later version may be.
 set -eu
 compiler=$1 today=$2 later=$3 later_headers=$4
 here=$(cd "$(dirname "$0")" && pwd)
