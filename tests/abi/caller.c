@@ -226,7 +226,7 @@ static pupil_gles_function finds_nothing(const char *name)
 }
 
 /* Without a context pupil_gles_init takes the configuration and then finds that there is none. What needs a context is
- * in tests/gles/test_faults.c. */
+ * in tests/gles/test_versions.c. */
 static void gpu(void)
 {
     pupil_gles *gles = room(sizeof *gles);
