@@ -29,6 +29,9 @@
  * Threads: writing to a control can take milliseconds, or seconds over USB. A thread of the camera's own does it; ask,
  * again, frame, in_force, learn and get_status never wait for the driver. Of several asks in a row the latest is
  * written, the others are forgotten. These may be called from any thread; open, configure and close from one.
+ *
+ * ABI: libpupil-camera is an archive, installed with this header. A program is linked with the version that it was
+ * compiled with, so the structs here have no size_bytes (pupil/abi.h).
  */
 #ifndef PUPIL_CAMERA_CONTROLS_H
 #define PUPIL_CAMERA_CONTROLS_H
