@@ -1,4 +1,4 @@
-/* How the pixels of each format lie in memory. */
+/* The layout of each format's pixels in memory. */
 #include "pixel.h"
 
 static const pupil_pixel_layout layouts[PUPIL_PIXEL_COUNT] = {

@@ -1,4 +1,4 @@
-/* lib/base/pixel.h: how the pixels of each format lie in memory. */
+/* lib/base/pixel.h: the layout of each format's pixels in memory. */
 #ifndef PUPIL_BASE_PIXEL_H
 #define PUPIL_BASE_PIXEL_H
 
