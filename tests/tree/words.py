@@ -145,6 +145,17 @@ def missing_files(root, name, text):
             for at, path in links + paths if not path.exists()]
 
 
+def missing_functions(root, name, text):
+    """Functions that a document names, as `folder/file.c: first, second`, and that are not in that file."""
+    faults = []
+    for m in re.finditer(r"`([\w/.-]+\.[ch]): ([\w, ]+)`", text):
+        source = (root / m[1]).read_text() if (root / m[1]).exists() else ""
+        for function in m[2].split(", "):
+            if not re.search(rf"\b{function}\(", source):
+                faults.append(f"{name}:{text.count(chr(10), 0, m.start()) + 1}: {m[1]} has no function {function}")
+    return faults
+
+
 def check(root):
     retired, table, faults = retired_words(), excuses(), []
     for file in files_of(root):
@@ -158,7 +169,7 @@ def check(root):
                 if not is_excused(table, name, m[0]):
                     faults.append(f"{name}:{number}: {m[0]}: a path of one machine")
         if name.endswith(".md"):
-            faults += missing_files(root, name, text)
+            faults += missing_files(root, name, text) + missing_functions(root, name, text)
         for number, piece in prose(name, text, False):
             for m in retired.finditer(piece):
                 word = " ".join(m[0].lower().split())
@@ -195,6 +206,11 @@ def check_planted():
     missing = missing_files(GLOSSARY.parent.parent, "docs/a.md", planted)
     if len(missing) != 2:
         print(f"planted in docs/a.md: two missing files, found: {missing}")
+        faults = 1
+    planted = "`lib/core/pupil.c: pupil_init, none` `lib/none.c: x`"
+    missing = missing_functions(GLOSSARY.parent.parent, "docs/a.md", planted)
+    if len(missing) != 2:
+        print(f"planted in docs/a.md: two missing functions, found: {missing}")
         faults = 1
     return faults
 
