@@ -75,8 +75,8 @@ static int replaces(const char *output, int may_be_folder, const char *input)
            (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
 }
 
-/* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it; what else
- * is in it would stop that at the very end. */
+/* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it. Other files
+ * in that folder would stop this at the very end. */
 static int is_inside(const char *path, const char *folder)
 {
     char *copy = strdup(path), *above = copy;

@@ -105,8 +105,8 @@ void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count,
 
 /* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */
 double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);
-/* The steps of pupil_adapt that do not depend on the light, for other code that adapts: seconds since the frame before
- * (negative: the clock went back; the clock is then set to this frame's), and the exposure as last known. */
+/* The steps of pupil_adapt that do not depend on the light, for other code that adapts. They are the seconds since the
+ * frame before, and the exposure as last known. Negative: the clock went back, and is then set to this frame's. */
 double pupil_adaptation_tick(const pupil_config *config, pupil_adaptation *a, const pupil_frame_info *info);
 void pupil_adaptation_learn_exposure(pupil_adaptation *a, const pupil_frame_info *info);
 /* Weight of the new frame on the way to it. */

@@ -5,7 +5,7 @@ typedef struct rectangle {
     int32_t x, y, width, height; /* y from the framebuffer's first row */
 } rectangle;
 
-/* From a place (u, v) in the picture as it is shown to one in the picture: x = xu u + xv v, counted from the picture's
+/* From a place (u, v) in the picture as it is shown to one in the picture. x = xu u + xv v, counted from the picture's
  * far edge where the factor is -1; the same for y. */
 typedef struct turning {
     int8_t xu, xv, yu, yv;

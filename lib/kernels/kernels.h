@@ -42,7 +42,7 @@ typedef struct pupil_run {
 
 /* 8-bit encoding, exact by construction. The cells are the float's exponent and upper 7 bits of fraction, from
  * base_bits on; a cell holds at most one boundary of codes. Its word is (code at its start) * 65536 + (65536 - the
- * boundary's lower 16 bits), or without a boundary code * 65536, so that adding the sample's lower 16 bits carries into
+ * boundary's lower 16 bits), or without a boundary code * 65536. Adding the sample's lower 16 bits then carries into
  * the code exactly where the boundary is reached. */
 typedef struct pupil_encoder {
     const uint32_t *cell; /* by (bits - base_bits) >> 16, up to that of 1.0 */

@@ -6,7 +6,7 @@
 #include "neon.h"
 #include "vector_formats.h"
 
-/* 8 quads are 16 samples, 20 bytes, of each row. First the samples of the columns of red, then the others: where their
+/* 8 quads are 16 samples, 20 bytes, of each row. First the samples of the columns of red, then the others. Where their
  * upper bits are, where the byte with their lower bits is, and how far it goes left so that these become bits 2 and 3.
  */
 typedef struct raw10_order {

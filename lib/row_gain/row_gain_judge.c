@@ -93,7 +93,7 @@ static void hear(pupil_row_gain_object *o, double dt_s)
 }
 
 /* Whether the last frame has the wave in all groups and segments. A pan of 1 % of the width a frame hides up to 0.15 of
- * a wave of modulation 0.3 in one of them; where a pan brings a window into view, it is in the third frame that more
+ * a wave of modulation 0.3 in one of them. If a pan brings a window into view, it is in the third frame that more
  * than that is missing from the outermost group. */
 static double has_wave(const pupil_row_gain_object *o)
 {

@@ -90,8 +90,8 @@ static void of_sine(const double k[2], double usual[TERMS])
 }
 
 /* coefficient = (matrix + prior)^-1 (side + prior x usual), by elimination: the matrix is symmetric and, with the
- * prior, positive. A harmonic that does not move (the third of 100 Hz at 30 frames a second) looks like the scene: it
- * has to move a tenth as much as the fundamental does to be believed, and is that of a sine if not. */
+ * prior, positive. A harmonic that does not move (the third of 100 Hz at 30 frames a second) looks like the scene. It
+ * is used if it moves a tenth as much as the fundamental; else that of a sine is. */
 void pupil_row_gain_solve(pupil_row_gain_object *o)
 {
     const double harmonic = PUPIL_ROW_GAIN_PRIOR + 0.01 * (o->matrix[0][0] + o->matrix[1][1]);

@@ -147,8 +147,8 @@ int bench_ae_hunt(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* All pairs of the two controls' delays, of a camera whose table says four: frames of light that goes up and down by a
- * stop or two, as when something passes, until both are known for good. */
+/* All pairs of the two controls' delays, of a camera whose table says four. Frames until both are known for good, with
+ * light that goes up and down by a stop or two, as when something passes. */
 int bench_ae_identify(bench_ae *b, const fixture_controller *law)
 {
     fixture_loop loop;

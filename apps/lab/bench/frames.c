@@ -41,7 +41,7 @@ static double random_of(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-/* The light of lamps on a row, at half of daylight, so that no format clips it; turn: their phase on the first row, of
+/* The light of lamps on a row, at half of daylight, so that no format clips it. turn: their phase on the first row, of
  * two and a half turns over the frame (a readout of 25 ms under 100 Hz); negative: no lamps. */
 static double lamp_on(uint32_t y, uint32_t height, double turn)
 {

@@ -1,9 +1,9 @@
 /* How far a picture is from its target.
  *
  * The mapping is the one that pupil.h defines, here in double. The library's own, in binary32, is the same except for
- * samples that are on the border of two codes; there rounding makes the distance go back and forth by a sample or two
- * from one binary32 scale to the next, and "the first frame with D <= 0" would be about that and not about the state.
- * How many samples differ is counted and shown with the tables.
+ * samples that are on the border of two codes. There rounding makes the distance go back and forth by a sample or two
+ * from one binary32 scale to the next. "The first frame with D <= 0" would be about that and not about the state. How
+ * many samples differ is counted and shown with the tables.
  */
 #include "study.h"
 

@@ -1,5 +1,5 @@
-/* The tables as Markdown and as a page, in the layout of the original study: of each formula and case five by four
- * cells, a weight each, and in a cell the frames of the four thresholds. */
+/* The tables as Markdown and as a page, in the layout of the original study. Each formula and case has five by four
+ * cells, one for each weight. A cell has the frames of the four thresholds. */
 #include "study.h"
 
 #include <errno.h>

@@ -4,7 +4,7 @@
  *     frames.mkv      every frame, lossless: raw video in Matroska, or the camera's own JPEGs; ffmpeg and mpv open it
  *     frames.jsonl    a line for each: sequence, timestamp_ns, exposure_s, gain, ...; written after its frame
  *     recording.json  what a frame looks like: pixel format, size, coding of light, and where it came from
- * It can be used at any moment: its writer may be killed, and every frame that has its line is there, whole.
+ * It can be used at any moment. Its writer may be killed, and every frame that has its line is there, whole.
  *
  * Writing has a thread and room for a few frames of its own, taken at open: write copies the frame and never waits for
  * the disk. Where the disk is slower than the camera, frames are lost, and counted.

@@ -8,7 +8,7 @@
 #include "sink.h"
 
 /* A sink of PUPIL_PIXEL_RGB32F in linear Rec.709, rows in any stride. The kind by the path: .exr (32-bit float, not
- * compressed), .pfm or .hdr (8 bits a channel and an exponent) one picture; anything without an extension, or with a
+ * compressed), .pfm or .hdr (8 bits a channel and an exponent) one picture. Anything without an extension, or with a
  * trailing slash, a folder of frame_NNNNNN.exr by the frames' sequence. Anything else is refused with the list of
  * kinds. */
 int pupil_linear_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);

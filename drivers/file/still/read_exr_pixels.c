@@ -109,8 +109,8 @@ static void spread_chunk(exr_pixels *p, int64_t left, int64_t top)
     }
 }
 
-/* Whether the chunk is what the library's decompressors take for granted, else they would write beyond its buffers:
- * the channels' rows must fill it exactly (they do not where a subsampled channel meets an odd number of lines). */
+/* Whether the chunk is what the library's decompressors take for granted; they would else write beyond its buffers. The
+ * channels' rows must fill it exactly, which they do not if a subsampled channel meets an odd number of lines. */
 static int check_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t top)
 {
     uint64_t rows = 0, blocks = 0;

@@ -1,6 +1,6 @@
-/* Radiance picture: a header of text lines, a resolution line, then scanlines of four bytes a pixel: three mantissas
- * and one exponent, flat or run-length coded in the old or the new way (Ward, "Real Pixels", Graphics Gems II; the
- * Radiance reference manual's file formats). */
+/* Radiance picture: a header of text lines, a resolution line, then scanlines of four bytes a pixel. These are three
+ * mantissas and one exponent, flat or run-length coded in the old or the new way (Ward, "Real Pixels", Graphics Gems
+ * II; the Radiance reference manual's file formats). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

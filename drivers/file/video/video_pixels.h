@@ -1,7 +1,7 @@
 /* drivers/file/video/video_pixels.h: one decoded video frame to linear Rec.709 float, exactly.
  *
- * swscale is not used on purpose: its YUV to 16-bit RGB maps white to 65283 of 65535 (0.4 % short, 0.9 % of light) and
- * RGB sources to 65535, so that the same grey differs by its pixel format. Here every sample is read as it is, chroma
+ * swscale is not used on purpose. Its YUV to 16-bit RGB maps white to 65283 of 65535 (0.4 % short, 0.9 % of light), but
+ * RGB sources to 65535. So the same grey would differ by its pixel format. Here every sample is read as it is, chroma
  * is interpolated linearly at its true position, and the matrix is the standard's.
  *
  * What an untagged frame is taken for: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are

@@ -179,7 +179,7 @@ static void describe(video_sink *v, AVCodecContext *c)
     c->colorspace = AVCOL_SPC_BT709;
     c->color_primaries = AVCOL_PRI_BT709;
     /* sRGB, which is what the pixels are. Tagged BT.709, QuickTime, Safari and mpv would take them for a camera's or a
-     * television's curve and show them lighter or darker; players that know no transfer show both alike (the ASWF
+     * television's curve and show them lighter or darker. Players that know no transfer show both alike (the ASWF
      * Encoding Guidelines measured browsers and say the same). */
     c->color_trc = AVCOL_TRC_IEC61966_2_1;
     if (v->muxer->oformat->flags & AVFMT_GLOBALHEADER)

@@ -1,7 +1,7 @@
 #include "yuv709.h"
 
 /* The formula's factors times 2^18, rounded so that luma's sum is that of 219/255 and chroma's sums are 0 (grey stays
- * grey): each is within 0.9 of the exact one, which for three samples of 255 is 0.003 of a code. The largest sum, of
+ * grey). Each is within 0.9 of the exact one, which for three samples of 255 is 0.003 of a code. The largest sum, of
  * eight samples in 4:2:0, is below 2^30. */
 #define SHIFT 18
 static const struct {

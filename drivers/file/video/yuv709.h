@@ -3,7 +3,7 @@
  *     Y  =  16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
  *     Cb = 128 + 224/255 (B - L) / 1.8556     Cr = 128 + 224/255 (R - L) / 1.5748     (L: the bracket of Y)
  * in integers, the same on every machine. Never more than one code from the formula rounded, and that only where the
- * formula falls within 0.003 of the middle between two codes (0.02 % of the samples of all 2^24 colours); grey is
+ * formula falls within 0.003 of the middle between two codes (0.02 % of the samples of all 2^24 colours). Grey is
  * exactly Cb = Cr = 128.
  */
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_YUV709_H
