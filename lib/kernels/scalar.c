@@ -7,6 +7,7 @@
 
 /* --- load: to planar linear floats --- */
 
+/* A macro because TYPE differs: one function for all would have to look at the format in its loop. */
 #define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
     static int NAME(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)  \
     {                                                                                                                  \
@@ -263,6 +264,7 @@ static inline uint8_t alpha_of_float(float a)
     return (uint8_t)(a * 255.0f + 0.5f);
 }
 
+/* As LOAD. */
 #define ALPHA(NAME, TYPE, CONVERT)                                                                                     \
     static void NAME(const void *source, uint32_t n, uint8_t *rgba)                                                    \
     {                                                                                                                  \
