@@ -5,6 +5,15 @@
 
 #include "options/option_table.h"
 
+/* The exit status, the same in all of them. */
+enum {
+    EXIT_DONE = 0,
+    EXIT_FAILED = 1,
+    EXIT_USAGE = 2,
+    EXIT_INCOMPLETE = 3,   /* done, but frames were skipped or lost */
+    EXIT_INTERRUPTED = 130 /* by Ctrl-C, where that is no usual end; as shells have it: 128 + SIGINT */
+};
+
 int run_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
 int render_main(int argc, char **argv);

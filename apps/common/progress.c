@@ -20,19 +20,15 @@ void progress_begin(progress *p, int quiet, uint64_t total)
     *p = (progress){.shown = !quiet && can_clear && isatty(STDERR_FILENO), .total = total, .began_s = progress_now_s()};
 }
 
-void progress_step(progress *p, const frame_log_entry *r)
+int progress_due(progress *p, double every_s)
 {
-    double now_s = progress_now_s();
-    if (!p->shown || now_s - p->last_s < 0.1)
-        return;
+    const double now_s = progress_now_s();
+    if (!p->shown || now_s - p->last_s < every_s)
+        return 0;
+    fprintf(stderr, "\r\033[K");
     p->last_s = now_s;
-    fprintf(stderr, "\r\033[Kframe %llu", (unsigned long long)r->frame + 1);
-    if (p->total)
-        fprintf(stderr, " of %llu", (unsigned long long)p->total);
-    fprintf(stderr, "   metered %+.2f EV, adapted %+.2f EV, %s   %.0f frames/s", r->metered_ev, r->adapted_ev, r->state,
-            (double)(r->frame + 1) / (now_s - p->began_s));
-    fflush(stderr);
     p->line_open = 1;
+    return 1;
 }
 
 void progress_clear(progress *p)

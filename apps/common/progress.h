@@ -2,7 +2,7 @@
 #ifndef PUPIL_APPS_COMMON_PROGRESS_H
 #define PUPIL_APPS_COMMON_PROGRESS_H
 
-#include "output/frame_log.h"
+#include <stdint.h>
 
 typedef struct progress {
     int shown;      /* stderr is a terminal and --quiet was not given */
@@ -12,8 +12,12 @@ typedef struct progress {
 } progress;
 
 void progress_begin(progress *p, int quiet, uint64_t total);
-void progress_step(progress *p, const frame_log_entry *record); /* at most ten times a second */
-void progress_clear(progress *p);                               /* leaves the line empty, for a message */
+
+/* 1: it is time for a new line, `every_s` seconds after the last one: that one is gone, and the caller prints to
+ * stderr. 0: it is not, or no line is shown. */
+int progress_due(progress *p, double every_s);
+
+void progress_clear(progress *p); /* leaves the line empty, for a message */
 
 /* Seconds of a clock that only goes forward. */
 double progress_now_s(void);

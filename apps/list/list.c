@@ -8,7 +8,6 @@
 #include "source.h"
 #include "v4l2/format.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
 typedef struct list {
     list_camera *camera;

@@ -17,44 +17,48 @@ static double white_of(const pupil_curve *curve)
 }
 
 /* log2 of the scene's light over the frame's values, where exposure and gain are known. */
-static double light_of(const pupil_t *pupil, const pupil_frame_info *info, double scale)
+static double light_of(const frame_pipeline *p, double scale)
 {
-    pupil_curve curve;
-    if (pupil_get_curve(pupil, info, &curve) || curve.scale == (float)scale || !(curve.scale > 0.0f) || !(scale > 0.0))
+    const float adapted = p->adapted.scale;
+    if (!p->has_light || adapted == (float)scale || !(adapted > 0.0f) || !(scale > 0.0))
         return 0.0;
-    return log2((double)curve.scale / scale);
+    return log2((double)adapted / scale);
 }
 
-frame_log_entry frame_log_fill(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
-                               const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display)
+frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame, int with_figures)
 {
     pupil_exposure e;
-    const display_stats d = display ? display_stats_measure(display) : (display_stats){0};
+    display_stats d = {0};
+    const pupil_stats *stats = &p->stats;
     const double pixels = stats->pixels ? (double)stats->pixels : 1.0;
-    frame_log_entry record = {
+    if (with_figures) {
+        const pupil_image_const display = pupil_image_as_const(p->display);
+        d = display_stats_measure(&display);
+    }
+    frame_log_entry entry = {
         .name = frame->name,
         .time_s = (double)frame->info.timestamp_ns * 1e-9,
-        .scale = (double)curve->scale,
-        .white = white_of(curve),
+        .scale = (double)p->curve.scale,
+        .white = white_of(&p->curve),
         .output_level = d.level,
-        .key = config->key * exp2(config->ev_compensation),
+        .key = p->config.key * exp2(p->config.ev_compensation),
         .black_share = (double)stats->black / pixels,
         .clipped_share = (double)stats->clipped / pixels,
         .bad_share = (double)stats->bad / pixels,
         .output_black_share = d.black_share,
         .output_white_share = d.white_share,
     };
-    pupil_get_exposure(pupil, &e);
-    record.dt_s = e.dt_s;
-    record.metered_ev = e.metered_ev;
-    record.adapted_ev = e.adapted_ev;
-    record.state = state_word(e.state);
-    pupil_stats_quantile(stats, 0.01, &record.p01_ev); /* refused without light: the quantiles stay 0 */
-    pupil_stats_quantile(stats, 0.50, &record.p50_ev);
-    pupil_stats_quantile(stats, 0.99, &record.p99_ev);
-    const double light_ev = light_of(pupil, &frame->info, e.scale);
-    record.p01_ev += light_ev;
-    record.p50_ev += light_ev;
-    record.p99_ev += light_ev;
-    return record;
+    pupil_get_exposure(&p->pupil, &e);
+    entry.dt_s = e.dt_s;
+    entry.metered_ev = e.metered_ev;
+    entry.adapted_ev = e.adapted_ev;
+    entry.state = state_word(e.state);
+    pupil_stats_quantile(stats, 0.01, &entry.p01_ev); /* refused without light: the quantiles stay 0 */
+    pupil_stats_quantile(stats, 0.50, &entry.p50_ev);
+    pupil_stats_quantile(stats, 0.99, &entry.p99_ev);
+    const double light_ev = light_of(p, e.scale);
+    entry.p01_ev += light_ev;
+    entry.p50_ev += light_ev;
+    entry.p99_ev += light_ev;
+    return entry;
 }

@@ -1,14 +1,12 @@
-/* apps/output/frame_log_fill.h: what became of a frame, as a record. */
+/* apps/output/frame_log_fill.h: what became of a frame, as an entry of the log. */
 #ifndef PUPIL_APPS_OUTPUT_FRAME_LOG_FILL_H
 #define PUPIL_APPS_OUTPUT_FRAME_LOG_FILL_H
 
+#include "frame/pipeline.h"
 #include "frame_log.h"
-#include "pupil/pupil.h"
-#include "source.h"
 
-/* After the frame was adapted to under `config` and mapped with `curve` to `display`; NULL: nobody asks for figures of
- * the picture. The frame's number and how long things took are left at 0. */
-frame_log_entry frame_log_fill(const pupil_t *pupil, const pupil_config *config, const pupil_stats *stats,
-                               const pupil_curve *curve, const pupil_frame *frame, const pupil_image_const *display);
+/* After the pipeline has mapped the frame. `with_figures`: the figures of the display picture, too. The frame's number
+ * and how long things took are left at 0. */
+frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame, int with_figures);
 
 #endif

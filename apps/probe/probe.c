@@ -6,55 +6,36 @@
 #include <unistd.h>
 
 #include "commands.h"
+#include "common/camera.h"
 #include "common/interrupt.h"
+#include "common/progress.h"
 #include "common/report_error.h"
 #include "list/list.h"
 #include "refuse.h"
-#include "run/choose.h"
-
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_STOPPED = 130 };
 
 #define SECONDS       14.0 /* of the stream; the first frame has its own time */
 #define QUICK_SECONDS 8.0
 
 typedef struct probe_run {
     const char *device;
-    int json, quiet, line_open;
+    int json, quiet;
+    progress line;
     probe_options options;
 } probe_run;
 
 static probe_run run;
-static pupil_source *live; /* fatal signals must find its camera */
-
-static void restore(void)
-{
-    if (live)
-        pupil_live_restore(live);
-}
-
-static void note_source(pupil_source *source)
-{
-    live = source;
-}
-
-static void clear_line(void)
-{
-    if (run.line_open)
-        fputs("\r\033[K", stderr);
-    run.line_open = 0;
-}
 
 static void say_now(const char *what)
 {
-    if (run.quiet || !isatty(STDERR_FILENO))
+    if (!progress_due(&run.line, 0.0))
         return;
-    fprintf(stderr, "\r\033[Kmeasuring: %s", what);
-    run.line_open = 1;
+    fprintf(stderr, "measuring: %s", what);
+    fflush(stderr);
 }
 
 static void complain(pupil_why *why)
 {
-    clear_line();
+    progress_clear(&run.line);
     report_error("pupil probe", why, "");
 }
 
@@ -112,7 +93,7 @@ static int parse(int argc, char **argv)
 static int print(const probe_report *report, pupil_why *why)
 {
     char *json = run.json ? probe_json(report) : NULL;
-    clear_line();
+    progress_clear(&run.line);
     if (run.json && !json) {
         pupil_refuse(why, "not enough memory");
         return -1;
@@ -133,16 +114,14 @@ static int probe(probe_report *report, const pupil_v4l2_system *system)
     char device[256];
     pupil_why why;
     int result = -1;
-    if (run_choose_camera(system, run.device, device, sizeof device, &why) == 0 &&
+    if (camera_choose(system, run.device, device, sizeof device, &why) == 0 &&
         probe_offers(report, system, device, &why) == 0) {
-        interrupt_fatal(restore);
         result = probe_measure(report, system, &run.options, &why);
-        interrupt_fatal(NULL);
     }
     if (result == 1) {
-        clear_line();
+        progress_clear(&run.line);
         fputs("pupil probe: stopped; the camera's controls are as they were\n", stderr);
-        return EXIT_STOPPED;
+        return EXIT_INTERRUPTED;
     }
     if (result == 0)
         result = print(report, &why);
@@ -158,8 +137,9 @@ int probe_on(const pupil_v4l2_system *system, int argc, char **argv)
         return parsed;
     run.options.seconds = run.options.quick ? QUICK_SECONDS : SECONDS;
     run.options.say = say_now;
-    run.options.source = note_source;
+    run.options.source = camera_guard;
     run.options.stop = interrupt_came;
+    progress_begin(&run.line, run.quiet, 0);
     interrupt_watch();
     probe_report *report = calloc(1, sizeof *report);
     if (!report) {

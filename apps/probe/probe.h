@@ -106,10 +106,10 @@ int probe_offers(probe_report *report, const pupil_v4l2_system *system, const ch
 void probe_free(probe_report *report);
 
 typedef struct probe_options {
-    int quick;                          /* half the steps and points */
-    double seconds;                     /* at most, of the stream */
-    void (*say)(const char *now);       /* what is being measured */
-    void (*source)(pupil_source *live); /* called with the source while it is open; NULL: closed again */
+    int quick;                                /* half the steps and points */
+    double seconds;                           /* at most, of the stream */
+    void (*say)(const char *now);             /* what is being measured */
+    void (*source)(const pupil_source *live); /* called with the source while it is open; NULL: closed again */
     int (*stop)(void);
 } probe_options;
 

@@ -1,15 +1,16 @@
 /* pupil record: raw frames as they come, into a folder. */
 #include "record.h"
 
-#include <ctype.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "commands.h"
+#include "common/camera.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
 #include "common/progress.h"
+#include "common/report_error.h"
 #include "file/recording/recording.h"
 #include "live/live.h"
 #include "options.h"
@@ -17,10 +18,6 @@
 #include "refuse.h"
 #include "run/choose.h"
 #include "run/sensor.h"
-
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_LOST = 3 };
-
-#define LAST_WRITE_S 10.0 /* for a control's write that hangs; uvcvideo gives one up after 5 */
 
 typedef struct record {
     record_options options;
@@ -40,23 +37,12 @@ typedef struct record {
     pupil_why why;
 } record;
 
-/* A sentence may quote a file's name: what would steer a terminal becomes '?'. */
 static void say(record *r)
 {
-    for (char *c = r->why.text; *c; c++)
-        if (iscntrl((unsigned char)*c))
-            *c = '?';
-    fprintf(stderr, "pupil record: %s\n", r->why.text);
+    report_error("pupil record", &r->why, "");
 }
 
 /* --- the camera's exposure --- */
-
-static const pupil_source *restored; /* whose controls are put back, whatever happens */
-
-static void restore(void)
-{
-    pupil_live_restore(restored);
-}
 
 static int is_steered(const record_options *o)
 {
@@ -77,8 +63,7 @@ static int begin_exposure(record *r)
                      pupil_live_no_controls(r->source));
         return -1;
     }
-    restored = r->source;
-    interrupt_fatal(restore);
+    camera_guard(r->source);
     pupil_init(&r->pupil, &r->options.run.shown.config);
     run_sensor_begin(&r->sensor, &r->options.run, r->source);
     return run_choose_mode(&r->options.run, r->source, NULL, &r->why);
@@ -127,13 +112,11 @@ static int open_recorder(record *r, const pupil_frame *first)
 
 static void show(record *r)
 {
-    const double now_s = progress_now_s(), took_s = now_s - r->progress.began_s;
-    if (!r->progress.shown || now_s - r->progress.last_s < 0.2)
+    if (!progress_due(&r->progress, 0.2))
         return;
-    r->progress.last_s = now_s;
-    r->progress.line_open = 1;
+    const double took_s = r->progress.last_s - r->progress.began_s;
     pupil_recorder_get_counts(r->recorder, &r->counts);
-    fprintf(stderr, "\r\033[Kframe %llu   %.1f frames/s   %.1f MB/s   lost %llu", (unsigned long long)r->taken,
+    fprintf(stderr, "frame %llu   %.1f frames/s   %.1f MB/s   lost %llu", (unsigned long long)r->taken,
             (double)r->taken / took_s, (double)r->bytes * 1e-6 / took_s, (unsigned long long)r->counts.lost);
     if (r->camera && r->camera->counts.lost)
         fprintf(stderr, ", by the camera %llu", (unsigned long long)r->camera->counts.lost);
@@ -183,8 +166,8 @@ static int open_source(record *r, const pupil_v4l2_system *system)
     r->name = o->run.shown.input_count ? o->run.shown.inputs[0] : r->device;
     if (o->run.shown.input_count && (o->run.shown.input_count > 1 || !input_is_camera(r->name)))
         return open_input(o->run.shown.inputs, o->run.shown.input_count, &o->run.shown.source, &r->source, &r->why);
-    if (run_choose_camera(system, o->run.shown.input_count ? o->run.shown.inputs[0] : o->run.device, r->device,
-                          sizeof r->device, &r->why))
+    if (camera_choose(system, o->run.shown.input_count ? o->run.shown.inputs[0] : o->run.device, r->device,
+                      sizeof r->device, &r->why))
         return -1;
     const pupil_live_options live = {.capture = {.system = system, .fourcc = o->run.live.capture.fourcc},
                                      .hands_off = !is_steered(o)};
@@ -212,7 +195,7 @@ static int end(record *r, int failed)
     pupil_why unused;
     if (r->camera && pupil_live_give_back(r->source, failed ? &unused : &r->why))
         failed = -1;
-    interrupt_fatal(NULL);
+    camera_guard(NULL);
     if (!r->recorder)
         return failed;
     pupil_recorder_get_counts(r->recorder, &r->counts);
@@ -243,8 +226,8 @@ int record_on(const pupil_v4l2_system *system, int argc, char **argv)
     if (r.counts.written && !r.options.run.shown.quiet)
         tell(&r);
     pupil_source_close(r.source);
-    pupil_live_await(LAST_WRITE_S, interrupt_again);
-    return failed ? EXIT_FAILED : r.counts.lost ? EXIT_LOST : EXIT_DONE;
+    (void)camera_await_last_write();
+    return failed ? EXIT_FAILED : r.counts.lost ? EXIT_INCOMPLETE : EXIT_DONE;
 }
 
 int record_main(int argc, char **argv)

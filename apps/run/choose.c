@@ -4,42 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef struct first_camera {
-    char *path;
-    size_t bytes;
-    pupil_why why; /* the first node that could not be asked */
-} first_camera;
-
-static int seen(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
-{
-    first_camera *first = closure;
-    if (device)
-        snprintf(first->path, first->bytes, "%s", path);
-    else if (!*first->why.text)
-        pupil_refuse(&first->why, "%s", why);
-    return device != NULL;
-}
-
-int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *device, size_t device_bytes,
-                      pupil_why *why)
-{
-    first_camera first = {.path = device, .bytes = device_bytes};
-    snprintf(device, device_bytes, "%s", asked ? asked : "");
-    if (asked)
-        return 0;
-    if (pupil_v4l2_devices(system, seen, &first, why) < 0)
-        return -1;
-    if (*device)
-        return 0;
-    pupil_refuse(
-        why, "%s",
-        *first.why.text
-            ? first.why.text
-            : "no camera is there: no /dev/video* gives pictures; dmesg shows what the kernel detected of one that "
-              "is plugged in");
-    return -1;
-}
-
 /* What is set by hand must be among what the camera has. */
 static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why)
 {

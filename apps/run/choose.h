@@ -5,10 +5,6 @@
 #include "options.h"
 #include "pupil/error.h"
 
-/* The camera that is asked for, or the first that is there. */
-int run_choose_camera(const pupil_v4l2_system *system, const char *asked, char *device, size_t device_bytes,
-                      pupil_why *why);
-
 /* Puts the mode in the place of RUN_BEST, with a remark for the user where that is not all that was hoped for. -1 and a
  * sentence: the camera has not got what the options ask for. */
 int run_choose_mode(run_options *options, const pupil_source *source, pupil_why *remark, pupil_why *why);

@@ -2,28 +2,24 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
-#include "common/progress.h"
+#include "live/live.h"
 #include "v4l2/format.h"
 
 #define EVERY_S 0.2
 
 static const char *const modes[] = {"digital", "sensor", "both"};
 
-void run_status_begin(run_status *s, int quiet, const pupil_source *source, const run_options *options)
+void run_status_begin(run_status *s, session *of, uint32_t mode)
 {
-    const pupil_v4l2_capture *c = pupil_live_capture(source);
-    const char *terminal = getenv("TERM");
-    const int can_clear = terminal && strcmp(terminal, "dumb") != 0; /* a line, as ECMA-48 has it */
-    *s = (run_status){.quiet = quiet, .shown = !quiet && can_clear && isatty(STDERR_FILENO)};
-    s->last_s = progress_now_s();
-    if (!quiet)
+    const pupil_v4l2_capture *c = pupil_live_capture(of->source);
+    *s = (run_status){.quiet = of->options->quiet, .line = &of->progress};
+    progress_begin(s->line, s->quiet, 0);
+    s->line->last_s = s->line->began_s;
+    if (!s->quiet)
         fprintf(stderr, "%s, %s: %s %ux%u at %.4g frames/s, mode %s\n", c->device.path, c->device.name,
-                pupil_v4l2_fourcc_name(c->format.fourcc).text, c->format.width, c->format.height, source->fps,
-                modes[options->mode]);
+                pupil_v4l2_fourcc_name(c->format.fourcc).text, c->format.width, c->format.height, of->source->fps,
+                modes[mode]);
 }
 
 static void print_time(double s)
@@ -34,7 +30,7 @@ static void print_time(double s)
 
 void run_status_frame(run_status *s, const frame_log_entry *r)
 {
-    const double now_s = progress_now_s(), since_s = now_s - s->last_s;
+    const double before_s = s->line->last_s;
     if (!s->frames)
         s->first_time_s = r->time_s;
     s->time_s = r->time_s;
@@ -48,9 +44,9 @@ void run_status_frame(run_status *s, const frame_log_entry *r)
         s->latency_us += r->latency_us;
         s->most_latency_us = fmax(s->most_latency_us, r->latency_us);
     }
-    if (!s->shown || since_s < EVERY_S)
+    if (!progress_due(s->line, EVERY_S))
         return;
-    fprintf(stderr, "\r\033[K%.1f frames/s", (double)s->since / since_s);
+    fprintf(stderr, "%.1f frames/s", (double)s->since / (s->line->last_s - before_s));
     if (isfinite(r->latency_us))
         fprintf(stderr, "   latency %.1f ms", r->latency_us * 1e-3);
     fprintf(stderr, "   EV %+.2f", r->metered_ev);
@@ -62,16 +58,7 @@ void run_status_frame(run_status *s, const frame_log_entry *r)
         fprintf(stderr, " (%s)", r->sensor_reason);
     fprintf(stderr, "   lost %llu", (unsigned long long)s->lost);
     fflush(stderr);
-    s->line_open = 1;
-    s->last_s = now_s;
     s->since = 0;
-}
-
-void run_status_clear(run_status *s)
-{
-    if (s->line_open)
-        fprintf(stderr, "\r\033[K");
-    s->line_open = 0;
 }
 
 static void count(const char *what, uint64_t n)
@@ -80,7 +67,7 @@ static void count(const char *what, uint64_t n)
         fprintf(stderr, ", %s %llu", what, (unsigned long long)n);
 }
 
-void run_status_end(const run_status *s, const run_options *options, uint64_t reopened, const char *more)
+void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *more)
 {
     const double took_s = s->time_s - s->first_time_s;
     if (s->quiet || !s->frames)
@@ -97,11 +84,6 @@ void run_status_end(const run_status *s, const run_options *options, uint64_t re
                 s->most_latency_us * 1e-3);
     else
         fputs("; latency unknown, for the driver's timestamps are of no clock that is known", stderr);
-    for (size_t i = 0; i < options->shown.out_count; i++)
-        fprintf(stderr, "; %s", options->shown.out[i]);
-    const char *const others[] = {options->shown.stats, options->shown.plot, options->shown.record};
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        if (others[i])
-            fprintf(stderr, "; %s", others[i]);
+    session_outputs_name(outputs);
     fprintf(stderr, "%s\n", more);
 }

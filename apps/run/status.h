@@ -2,24 +2,23 @@
 #ifndef PUPIL_APPS_RUN_STATUS_H
 #define PUPIL_APPS_RUN_STATUS_H
 
-#include "options.h"
-#include "output/frame_log.h"
+#include "session/session.h"
 
 typedef struct run_status {
-    int quiet, shown; /* shown: a line that is written again and again; stderr is a terminal */
-    int line_open;
-    double last_s;               /* when it was written last */
-    uint64_t frames, since;      /* all, and since then */
+    int quiet;
+    progress *line;              /* the session's */
+    uint64_t frames, since;      /* all, and since the line was written last */
     double first_time_s, time_s; /* of the frames */
     uint64_t lost, flagged, late;
     uint64_t stamped;                   /* frames whose latency is known: */
     double latency_us, most_latency_us; /* sum, largest */
 } run_status;
 
-void run_status_begin(run_status *s, int quiet, const pupil_source *source, const run_options *options);
-void run_status_frame(run_status *s, const frame_log_entry *record); /* written at most five times a second */
-void run_status_clear(run_status *s);                                /* leaves the line empty, for a message */
+/* `mode`: a run_mode, which is no longer RUN_BEST. */
+void run_status_begin(run_status *s, session *of, uint32_t mode);
+void run_status_frame(run_status *s, const frame_log_entry *entry); /* written at most five times a second */
+
 /* The last line; `more`: what else is to be told, which begins with "; ". */
-void run_status_end(const run_status *s, const run_options *options, uint64_t reopened, const char *more);
+void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *more);
 
 #endif

@@ -34,8 +34,8 @@ struct view {
     view_picture picture; /* where the CPU maps */
     view_plot plot;
 
-    const pupil_frame *frame;        /* the one that is shown; NULL: the source has it back */
-    const pupil_image_const *mapped; /* by the CPU, with `curve`; NULL: it is to be mapped again */
+    const pupil_frame *frame; /* the one that is shown; NULL: the source has it back */
+    int is_mapped;            /* pipeline.display is this frame in full size, mapped by `curve` */
     pupil_frame_info info;
     pupil_curve curve;
     pupil_t first; /* the eye that has seen the first frame alone: what is before the split */
@@ -49,33 +49,22 @@ struct view {
     char said[128];
 };
 
-/* 1: the picture is the camera's own, with its curve. */
-static int is_own(const view *v, pupil_curve *curve)
-{
-    return v->of.curve && v->of.curve(v->of.context, curve);
-}
-
 /* --- drawing --- */
 
 /* A part of the picture as `curve` maps it, by whoever does the frames. */
 static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_t height, float from, float to)
 {
     const pupil_gles_target target = {.width = width, .height = height, .from = from, .to = to};
-    replay_work *work = v->of.work;
-    pupil_why why;
-    pupil_image display;
+    frame_pipeline *p = v->of.pipeline;
     if (from >= to) /* the divide is at an edge; pupil_gles_target takes 0 and 0 for all */
         return;
-    if (work->gpu && gles_work_draw(work->gpu, curve, &target, &why) == 0)
+    if (frame_pipeline_draw(p, curve, &target) == 0)
         return;
-    if (work->gpu)
-        replay_work_give_up(work, v->of.pupil, why.text);
-    if (v->mapped && curve == &v->curve)
-        view_picture_take(&v->picture, v->mapped);
-    else if (v->frame && replay_work_map(work, v->of.pupil, curve, &v->frame->image, &display) == 0) {
-        const pupil_image_const shown = pupil_image_as_const(display);
+    const int is_mapped = v->is_mapped && curve == &v->curve;
+    if (is_mapped || (v->frame && frame_pipeline_map_again(p, curve, v->frame) == 0)) {
+        const pupil_image_const shown = pupil_image_as_const(p->display);
         view_picture_take(&v->picture, &shown);
-        v->mapped = NULL; /* it was there */
+        v->is_mapped = curve == &v->curve; /* another one has overwritten it */
     }
     view_picture_draw(&v->picture, width, height, from, to);
 }
@@ -120,7 +109,7 @@ static void draw(view *v)
 {
     uint32_t width, height;
     pupil_curve first;
-    const float split = v->split_on && v->first_known && !is_own(v, &first) ? v->split : 0.0f;
+    const float split = v->split_on && v->first_known && !v->of.pipeline->own_curve ? v->split : 0.0f;
     pupil_window_size(v->window, &width, &height);
     if (!width || !height)
         return;
@@ -147,7 +136,7 @@ static void title(view *v)
     view_keys_law(&v->of.options->config, law, sizeof law);
     snprintf(text, sizeof text, "%.200s - %.0f frames/s, EV %+.2f, %s%s%s - pupil", v->of.options->inputs[0],
              v->drawn / since_s, v->of.options->config.ev_compensation, law,
-             v->of.options->config.lock ? ", locked" : "", v->of.work->gpu ? "" : ", CPU");
+             v->of.options->config.lock ? ", locked" : "", v->of.pipeline->gpu ? "" : ", CPU");
     pupil_window_set_title(v->window, text);
     v->titled_s = now_s;
     v->drawn = 0;
@@ -220,12 +209,10 @@ static void listen(view *v)
             continue;
         }
         v->said_s = progress_now_s();
-        v->mapped = NULL;
-        replay_work_retune(v->of.work, v->of.pupil);
-        if (is_own(v, &v->curve))
-            continue;
-        if (v->frame || v->of.work->gpu)
-            pupil_get_curve(v->of.pupil, &v->info, &v->curve); /* refused without light so far: as it was */
+        v->is_mapped = 0;
+        frame_pipeline_retune(v->of.pipeline, &v->of.options->config);
+        if (!v->of.pipeline->own_curve && (v->frame || v->of.pipeline->gpu))
+            v->curve = v->of.pipeline->adapted;
     }
     if (*v->said && progress_now_s() - v->said_s > SAID_S) {
         *v->said = 0;
@@ -271,26 +258,26 @@ static void stay(view *v, const int *as_long_as)
     }
 }
 
-int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
-               const frame_log_entry *record)
+int view_frame(view *v, const pupil_frame *frame, const frame_log_entry *entry)
 {
+    const frame_pipeline *p = v->of.pipeline;
     v->frame = frame;
     v->info = frame->info;
-    v->curve = *curve;
-    v->mapped = display->width == frame->image.width && display->height == frame->image.height ? display : NULL;
-    if (!v->first_known && pupil_get_curve(v->of.pupil, &frame->info, &(pupil_curve){0}) == PUPIL_OK) {
-        v->first = *v->of.pupil;
+    v->curve = p->curve;
+    v->is_mapped = p->display.width == frame->image.width && p->display.height == frame->image.height;
+    if (!v->first_known && p->has_light) {
+        v->first = p->pupil;
         v->first_known = 1;
     }
-    view_plot_add(&v->plot, record);
+    view_plot_add(&v->plot, entry);
     listen(v);
-    if (!v->quit && (v->of.live ? !v->paused : await(v, record->time_s)))
+    if (!v->quit && (v->of.live ? !v->paused : await(v, entry->time_s)))
         draw(v);
     title(v);
     if (!v->of.live)
         stay(v, &v->paused);
     v->frame = NULL;
-    v->mapped = NULL;
+    v->is_mapped = 0;
     return v->quit ? VIEW_QUIT : VIEW_ON;
 }
 
@@ -324,7 +311,7 @@ int view_open(view **opened, const view_of *of, const pupil_image_const *first, 
     }
     /* What only plays the GPU is slower than the CPU itself; who names it has it. */
     if (of->options->gles || of->options->gles_version || !gl_calls_software(&v->gl))
-        replay_work_gles(of->work, pupil_window_get_proc);
+        frame_pipeline_use_gpu(of->pipeline, of->options->gles_version, pupil_window_get_proc);
     *opened = v;
     return 0;
 }

@@ -17,10 +17,9 @@ void view_close(view *v)
     (void)v;
 }
 
-int view_frame(view *v, const pupil_frame *frame, const pupil_curve *curve, const pupil_image_const *display,
-               const frame_log_entry *record)
+int view_frame(view *v, const pupil_frame *frame, const frame_log_entry *entry)
 {
-    (void)v, (void)frame, (void)curve, (void)display, (void)record;
+    (void)v, (void)frame, (void)entry;
     return VIEW_QUIT;
 }
 

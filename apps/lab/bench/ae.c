@@ -1,5 +1,6 @@
 /* pupil bench ae: exposure loops on a simulated camera: pupil's and published laws, each test with its limit. */
 #include "ae.h"
+#include "commands.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +12,6 @@
 #include "common/interrupt.h"
 #include "refuse.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 enum { MOST_ROWS = 8000, LABEL = 22 };
 
 /* --- running --- */

@@ -1,6 +1,7 @@
 /* pupil bench scene: what a scene costs: each light's picture once, then a sum a frame. Each scene in a process of its
  * own, so that the peak of its memory is its own. */
 #include "scene.h"
+#include "commands.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -19,7 +20,6 @@
 #include "scene_parts.h" /* to render one light alone, and to see how large its tree is */
 #include "synth/spread.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 enum { MOST_SCENES = 16, WARM_ROUNDS = 101, COLD_ROUNDS = 21 };
 
 typedef struct bench {
@@ -50,12 +50,9 @@ typedef struct measuring {
 static void show(measuring *m, const char *doing, uint64_t done, uint64_t total)
 {
     progress *p = &m->b->progress;
-    double now_s = progress_now_s();
-    if (!p->shown || (done && now_s - p->last_s < 0.1))
+    if (!progress_due(p, done ? 0.1 : 0.0))
         return;
-    p->last_s = now_s;
-    p->line_open = 1;
-    fprintf(stderr, "\r\033[K%s: %s", m->out->name, doing);
+    fprintf(stderr, "%s: %s", m->out->name, doing);
     if (total)
         fprintf(stderr, " %llu of %llu", (unsigned long long)done, (unsigned long long)total);
     fflush(stderr);

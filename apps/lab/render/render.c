@@ -8,27 +8,22 @@
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "file/sink/linear_sink.h"
-#include "frame/frame_work.h"
-#include "output/outputs.h"
+#include "frame/pipeline.h"
+#include "output/pictures.h"
 #include "refuse.h"
 #include "synth/synth_source.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 
 typedef struct render {
     const char *scene;
-    const char *out[OUTPUTS_MOST];
+    const char *out[PICTURES_MOST];
     size_t out_count;
     pupil_source_options source_options;
     int overwrite, quiet;
 
     pupil_source *source;
-    outputs linear, display;
-    workers *workers;
-    frame_work *work;
-    pupil_t pupil;
-    pupil_stats stats;
-    unsigned char *rgb8;
+    pictures linear, display;
+    frame_pipeline pipeline; /* for display outputs */
     uint64_t rendered;
     progress progress;
     pupil_why why;
@@ -65,7 +60,7 @@ static int parse_frames(const option_value *v)
 static int parse_out(const option_value *v)
 {
     render *r = v->options;
-    if (!*v->text || r->out_count == OUTPUTS_MOST - 1)
+    if (!*v->text || r->out_count == PICTURES_MOST - 1)
         return option_refuse(v, "a path, one of at most 16");
     for (size_t i = 0; i < r->out_count; i++)
         if (strcmp(r->out[i], v->text) == 0)
@@ -141,7 +136,7 @@ static int open_outputs(render *r, const pupil_image_const *first)
     int single;
     for (size_t i = 0; i < r->out_count; i++) {
         if (!pupil_is_linear_path(r->out[i], &single)) {
-            if (outputs_open(&r->display, r->out[i], &options, &r->why))
+            if (pictures_open(&r->display, r->out[i], &options, &r->why))
                 return -1;
         } else {
             if (pupil_linear_sink_open(r->out[i], &options, &r->linear.sink[r->linear.count], &r->why))
@@ -153,45 +148,28 @@ static int open_outputs(render *r, const pupil_image_const *first)
         return 0;
     pupil_config config;
     pupil_config_default(&config);
-    pupil_init(&r->pupil, &config);
-    r->workers = workers_open(r->source_options.threads);
-    r->work = r->workers ? frame_work_open(r->workers) : NULL;
-    r->rgb8 = malloc((size_t)first->width * first->height * 3);
-    return r->work && r->rgb8 ? 0 : no_memory(r);
+    return frame_pipeline_open(&r->pipeline, &config, r->source_options.threads) ? no_memory(r) : 0;
 }
 
 static int write_frame(render *r, const pupil_frame *frame)
 {
     if (!r->rendered && open_outputs(r, &frame->image))
         return -1;
-    if (outputs_write(&r->linear, &frame->image, &frame->info, &r->why))
+    if (pictures_write(&r->linear, &frame->image, &frame->info, &r->why))
         return -1;
     if (!r->display.count)
         return 0;
-    pupil_image out = {.data = r->rgb8,
-                       .stride_bytes = (ptrdiff_t)frame->image.width * 3,
-                       .width = frame->image.width,
-                       .height = frame->image.height,
-                       .pixel = PUPIL_PIXEL_RGB8};
-    pupil_image_const shown = pupil_image_as_const(out);
-    pupil_curve curve;
-    int error = frame_work_process(r->work, &r->pupil, 0, &frame->image, &frame->info, &out, &r->stats, &curve);
-    if (error) {
-        pupil_refuse(&r->why, "%s: %s", frame->name, pupil_error_string(error));
+    if (frame_pipeline_meter(&r->pipeline, frame, &r->why) || frame_pipeline_map(&r->pipeline, frame, 1, &r->why))
         return -1;
-    }
-    return outputs_write(&r->display, &shown, &frame->info, &r->why);
+    const pupil_image_const shown = pupil_image_as_const(r->pipeline.display);
+    return pictures_write(&r->display, &shown, &frame->info, &r->why);
 }
 
 static void show_progress(render *r)
 {
-    double now_s = progress_now_s();
-    if (!r->progress.shown || now_s - r->progress.last_s < 0.1)
+    if (!progress_due(&r->progress, 0.1))
         return;
-    r->progress.last_s = now_s;
-    r->progress.line_open = 1;
-    fprintf(stderr, "\r\033[Kframe %llu of %llu", (unsigned long long)r->rendered,
-            (unsigned long long)r->progress.total);
+    fprintf(stderr, "frame %llu of %llu", (unsigned long long)r->rendered, (unsigned long long)r->progress.total);
     fflush(stderr);
 }
 
@@ -218,19 +196,17 @@ static int run(render *r)
         show_progress(r);
         pupil_source_done(r->source, &frame);
     }
-    if (interrupt_came() || outputs_finish(&r->linear, &r->why))
+    if (interrupt_came() || pictures_finish(&r->linear, &r->why))
         return -1;
-    return outputs_finish(&r->display, &r->why);
+    return pictures_finish(&r->display, &r->why);
 }
 
 static void end(render *r)
 {
-    outputs_discard(&r->linear);
-    outputs_discard(&r->display);
-    frame_work_close(r->work);
-    workers_close(r->workers);
+    pictures_discard(&r->linear);
+    pictures_discard(&r->display);
+    frame_pipeline_close(&r->pipeline);
     pupil_source_close(r->source);
-    free(r->rgb8);
 }
 
 int render_main(int argc, char **argv)

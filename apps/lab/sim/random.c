@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "commands.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "refuse.h"
@@ -13,7 +14,6 @@
 enum { TAIL_FRAMES = 240, MOST_RANDOM_FRAMES = 2000, MOST_NAMED = 20 };
 /* Cameras that a thread takes at once, and that are waited for before those that failed are named, in their order. */
 enum { BLOCK = 16, ROUND = 64 * BLOCK };
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_INTERRUPTED = 130 };
 
 int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why)
 {
@@ -73,13 +73,10 @@ static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, siz
 static void say(random_run *r)
 {
     progress *p = &r->progress;
-    const double now = progress_now_s();
-    if (!p->shown || now - p->last_s < 0.2)
+    if (!progress_due(p, 0.2))
         return;
-    p->last_s = now;
-    p->line_open = 1;
-    const double left_s = (now - p->began_s) * (double)(p->total - r->done) / (double)r->done;
-    fprintf(stderr, "\r\033[K%llu of %llu cameras, %llu failed, %.0f %s left", (unsigned long long)r->done,
+    const double left_s = (p->last_s - p->began_s) * (double)(p->total - r->done) / (double)r->done;
+    fprintf(stderr, "%llu of %llu cameras, %llu failed, %.0f %s left", (unsigned long long)r->done,
             (unsigned long long)p->total, (unsigned long long)r->failed, left_s < 100.0 ? left_s : left_s / 60.0,
             left_s < 100.0 ? "s" : "min");
 }

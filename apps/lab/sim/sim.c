@@ -12,7 +12,6 @@
 #include "refuse.h"
 #include "source.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 enum { MOST_FRAMES = 1000000, REST_FRAMES = 60 };
 
 static const char light_help[] =

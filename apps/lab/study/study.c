@@ -17,8 +17,6 @@
 #include "refuse.h"
 #include "report/replay_report.h"
 
-enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
-
 /* A10: light times 2^shift; what the floor's range leaves room for. */
 static const int shifts[] = {5, -7};
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "file/sink/sink_common.h"
-#include "output/outputs.h"
+#include "output/pictures.h"
 #include "refuse.h"
 
 #define TILE    200u
@@ -91,8 +91,8 @@ static int draw_tile(video *v, unsigned w, const study_lights *lights, int light
     return pupil_map_rows(&v->tile[w].pupil, &curve, &in, &out);
 }
 
-static int write_frames(video *v, outputs *o, const study_lights *lights, unsigned which_case, study_progress *progress,
-                        void *context, pupil_why *why)
+static int write_frames(video *v, pictures *o, const study_lights *lights, unsigned which_case,
+                        study_progress *progress, void *context, pupil_why *why)
 {
     const pupil_image_const image = {.data = v->frame,
                                      .stride_bytes = (ptrdiff_t)sizeof v->frame[0],
@@ -106,7 +106,7 @@ static int write_frames(video *v, outputs *o, const study_lights *lights, unsign
             if (error)
                 return pupil_refuse(why, "the video's frame %u: %s", i, pupil_error_string(error));
         }
-        if (outputs_write(o, &image, &info, why))
+        if (pictures_write(o, &image, &info, why))
             return -1;
         if (progress && progress(context, i + 1, STUDY_FRAMES))
             return 1;
@@ -118,18 +118,18 @@ int study_video(const char *path, const study_images *images, const study_lights
                 unsigned formula, study_progress *progress, void *context, pupil_why *why)
 {
     const pupil_sink_options options = {.width = WIDTH, .height = HEIGHT, .fps = STUDY_FPS};
-    outputs o = {.count = 0};
+    pictures o = {.count = 0};
     video *v = calloc(1, sizeof *v);
     if (!v)
         return pupil_refuse(why, "%s: not enough memory", path);
     shrink(v, images);
-    int failed =
-        begin(v, lights, formula) ? pupil_refuse(why, "%s: cannot begin", path) : outputs_open(&o, path, &options, why);
+    int failed = begin(v, lights, formula) ? pupil_refuse(why, "%s: cannot begin", path)
+                                           : pictures_open(&o, path, &options, why);
     if (!failed)
         failed = write_frames(v, &o, lights, which_case, progress, context, why);
     if (!failed)
-        failed = outputs_finish(&o, why);
-    outputs_discard(&o);
+        failed = pictures_finish(&o, why);
+    pictures_discard(&o);
     free(v);
     return failed;
 }

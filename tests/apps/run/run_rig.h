@@ -8,7 +8,7 @@
 
 #include "check.h"
 #include "fake_v4l2/fake_v4l2.h"
-#include "frame/replay_work.h"
+#include "frame/pipeline.h"
 #include "pupil/error.h"
 #include "run/colour.h"
 #include "run/row_gains.h"
@@ -18,14 +18,10 @@ typedef struct live_run {
     fake_v4l2 *fake;
     run_options options;
     pupil_source *source;
-    replay_work work;
+    frame_pipeline pipeline;
     run_sensor sensor;
     run_colour colour;
     run_row_gains lamps;
-    pupil_t pupil;
-    pupil_stats stats;
-    pupil_curve curve;
-    pupil_image display;
     pupil_frame frame; /* that is out */
     frame_log_entry record;
     pupil_why why, remark;
@@ -63,10 +59,7 @@ static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *confi
     run_sensor_begin(&r->sensor, &r->options, r->source);
     run_row_gains_begin(&r->lamps, &r->options, r->source, &r->remark);
     r->colour.own_picture = mode == RUN_SENSOR;
-    CHECK(pupil_init(&r->pupil, &r->options.shown.config) == PUPIL_OK);
-    CHECK(replay_work_open(&r->work, &r->options.shown) == 0);
-    r->work.judge = run_sensor_judge;
-    r->work.context = &r->sensor;
+    CHECK(frame_pipeline_open(&r->pipeline, &r->options.shown.config, 1) == 0);
 }
 
 /* The test as a whole has a time limit. */
@@ -93,9 +86,10 @@ static void step(live_run *r)
     CHECK_MSG(pupil_source_next(r->source, &r->frame, &r->why) == PUPIL_SOURCE_FRAME, "%s", r->why.text);
     CHECK(run_sensor_take(&r->sensor, &r->why) == 0);
     CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, &r->why) == 0);
-    frame_work_gain(r->work.cpu, run_row_gains_take(&r->lamps, &r->sensor, &r->frame));
-    CHECK_MSG(replay_work_frame(&r->work, &r->pupil, &r->frame, 1, &r->stats, &r->curve, &r->display, &r->why) == 0,
-              "%s", r->why.text);
+    cpu_engine_row_gains(r->pipeline.cpu, run_row_gains_take(&r->lamps, &r->sensor, &r->frame));
+    CHECK_MSG(frame_pipeline_meter(&r->pipeline, &r->frame, &r->why) == 0, "%s", r->why.text);
+    run_sensor_judge(&r->sensor, &r->pipeline.stats, &r->frame.info, &r->pipeline.curve);
+    CHECK_MSG(frame_pipeline_map(&r->pipeline, &r->frame, 1, &r->why) == 0, "%s", r->why.text);
     memset(&r->record, 0, sizeof r->record);
     run_sensor_describe(&r->sensor, &r->frame.info, &r->record);
     await_writes(r);
@@ -104,7 +98,7 @@ static void step(live_run *r)
 static void end(live_run *r)
 {
     give_frame_back(r);
-    replay_work_close(&r->work);
+    frame_pipeline_close(&r->pipeline);
     pupil_source_close(r->source);
     CHECK(fake_v4l2_holds(r->fake).files == 0 && fake_v4l2_holds(r->fake).maps == 0);
     fake_v4l2_free(r->fake);
@@ -112,7 +106,7 @@ static void end(live_run *r)
 
 static const uint8_t *shown(const live_run *r, uint32_t x, uint32_t y)
 {
-    return (const uint8_t *)r->display.data + (ptrdiff_t)y * r->display.stride_bytes + 3 * x;
+    return (const uint8_t *)r->pipeline.display.data + (ptrdiff_t)y * r->pipeline.display.stride_bytes + 3 * x;
 }
 
 #endif

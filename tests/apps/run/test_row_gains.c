@@ -215,16 +215,15 @@ static void test_threads(uint32_t fourcc)
     skip(&r, 60);
     CHECK(r.lamps.with > 0);
     for (unsigned threads = 2; threads <= 7; threads++) {
-        frame_options options = r.options.shown;
-        replay_work other;
-        pupil_image display;
-        options.threads = threads;
-        CHECK(replay_work_open(&other, &options) == 0);
-        frame_work_gain(other.cpu, r.lamps.gain);
-        CHECK(replay_work_map(&other, &r.pupil, &r.curve, &r.frame.image, &display) == 0);
-        CHECK_MSG(memcmp(display.data, r.display.data, (size_t)display.stride_bytes * display.height) == 0,
+        frame_pipeline other;
+        CHECK(frame_pipeline_open(&other, &r.options.shown.config, threads) == 0);
+        other.pupil = r.pipeline.pupil;
+        cpu_engine_row_gains(other.cpu, r.lamps.gain);
+        CHECK(frame_pipeline_map_again(&other, &r.pipeline.curve, &r.frame) == 0);
+        const pupil_image display = other.display;
+        CHECK_MSG(memcmp(display.data, r.pipeline.display.data, (size_t)display.stride_bytes * display.height) == 0,
                   "%.4s: %u threads show another picture", (const char *)&fourcc, threads);
-        replay_work_close(&other);
+        frame_pipeline_close(&other);
     }
     end(&r);
 }

@@ -123,8 +123,8 @@ static void test_linear(void)
         step(&r);
         r.sensor.setting.frame_digital = 0.7 + 0.3 * k;
         r.options.shown.config.lock = 1;
-        CHECK(run_sensor_curve(&r.sensor, &r.curve) == 1);
-        CHECK(replay_work_map(&r.work, &r.pupil, &r.curve, &r.frame.image, &r.display) == 0);
+        CHECK(run_sensor_curve(&r.sensor, &r.pipeline.curve) == 1);
+        CHECK(frame_pipeline_map_again(&r.pipeline, &r.pipeline.curve, &r.frame) == 0);
         for (uint32_t y = 0; y < HEIGHT; y++)
             for (uint32_t x = 0; x < WIDTH; x++) {
                 const uint8_t *in =
@@ -185,7 +185,7 @@ static void test_hidden_steps(double light, int slow_ms)
 static double shown_ev(const live_run *r)
 {
     const uint16_t *row = (const uint16_t *)r->frame.image.data;
-    return log2(row[10] / 4095.0 * (double)r->curve.scale);
+    return log2(row[10] / 4095.0 * (double)r->pipeline.curve.scale);
 }
 
 /* Of a camera of which nothing is known a delay of 3 is believed. The search for the first level shows the true one;

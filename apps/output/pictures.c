@@ -1,4 +1,4 @@
-#include "outputs.h"
+#include "pictures.h"
 
 #include <string.h>
 
@@ -6,7 +6,7 @@
 #include "file/file_sink.h"
 #include "v4l2/output/v4l2_sink.h"
 
-int outputs_open(outputs *o, const char *path, const pupil_sink_options *options, pupil_why *why)
+int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why)
 {
     pupil_sink **sink = &o->sink[o->count];
     const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, o->system, why)
@@ -16,7 +16,7 @@ int outputs_open(outputs *o, const char *path, const pupil_sink_options *options
     return error;
 }
 
-int outputs_write(outputs *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why)
+int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why)
 {
     int error = PUPIL_SINK_OK;
     for (size_t i = 0; !error && i < o->count; i++) {
@@ -26,7 +26,7 @@ int outputs_write(outputs *o, const pupil_image_const *rgb8, const pupil_frame_i
     return error;
 }
 
-static void remove_at(outputs *o, size_t at)
+static void remove_at(pictures *o, size_t at)
 {
     o->count--;
     for (size_t i = at; i < o->count; i++) {
@@ -35,18 +35,18 @@ static void remove_at(outputs *o, size_t at)
     }
 }
 
-void outputs_drop(outputs *o)
+void pictures_drop(pictures *o)
 {
     pupil_sink_discard(o->sink[o->failed]);
     remove_at(o, o->failed);
 }
 
-int outputs_reader_gone(const outputs *o)
+int pictures_reader_gone(const pictures *o)
 {
     return strcmp(o->path[o->failed], "-") == 0 && reader_gone();
 }
 
-int outputs_finish(outputs *o, pupil_why *why)
+int pictures_finish(pictures *o, pupil_why *why)
 {
     while (o->count) {
         o->failed = 0;
@@ -57,7 +57,7 @@ int outputs_finish(outputs *o, pupil_why *why)
     return PUPIL_SINK_OK;
 }
 
-void outputs_discard(outputs *o)
+void pictures_discard(pictures *o)
 {
     while (o->count)
         pupil_sink_discard(o->sink[--o->count]);

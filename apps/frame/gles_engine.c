@@ -1,4 +1,4 @@
-#include "gles_work.h"
+#include "gles_engine.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ typedef struct gles_room { /* what is mapped to, to be read back */
     uint32_t width, height;
 } gles_room;
 
-struct gles_work {
+struct gles_engine {
     pupil_egl *egl; /* NULL: the context is the caller's */
     pupil_gles_get_proc get_proc;
     gl_calls gl;
@@ -42,11 +42,11 @@ static int say(pupil_why *why, int error, const char *what)
 
 /* --- life --- */
 
-int gles_work_open(gles_work **work, const pupil_config *config, uint32_t version, pupil_gles_get_proc get_proc,
-                   pupil_why *why)
+int gles_engine_open(gles_engine **work, const pupil_config *config, uint32_t version, pupil_gles_get_proc get_proc,
+                     pupil_why *why)
 {
     const pupil_egl_options options = {.version = version, .robust = 1};
-    gles_work *g = calloc(1, sizeof *g);
+    gles_engine *g = calloc(1, sizeof *g);
     if (!g) {
         pupil_refuse(why, "not enough memory");
         return -1;
@@ -66,7 +66,7 @@ int gles_work_open(gles_work **work, const pupil_config *config, uint32_t versio
     return 0;
 }
 
-void gles_work_close(gles_work *g)
+void gles_engine_close(gles_engine *g)
 {
     if (!g)
         return;
@@ -86,7 +86,7 @@ static int wants_histogram(const pupil_config *c)
     return c->trim_low > 0.0f || c->trim_high < 1.0f || c->white_mode == PUPIL_WHITE_FOLLOW;
 }
 
-static int start(gles_work *g, pupil_t *pupil, pupil_why *why)
+static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
 {
     pupil_why reason = {""};
     int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
@@ -120,7 +120,7 @@ static int is_balanced(const pupil_coding *a, const pupil_coding *b)
 }
 
 /* The object for frames like this one. */
-static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, pupil_why *why)
+static int fit(gles_engine *g, pupil_t *pupil, const pupil_image_const *in, pupil_why *why)
 {
     static const pupil_coding usual;
     const pupil_coding *coding = in->coding ? in->coding : &usual;
@@ -145,7 +145,7 @@ static int fit(gles_work *g, pupil_t *pupil, const pupil_image_const *in, pupil_
     return start(g, pupil, why);
 }
 
-int gles_work_retune(gles_work *g, pupil_t *pupil, const pupil_config *config, pupil_why *why)
+int gles_engine_retune(gles_engine *g, pupil_t *pupil, const pupil_config *config, pupil_why *why)
 {
     pupil_why reason = {""};
     g->settings = *config;
@@ -160,7 +160,7 @@ int gles_work_retune(gles_work *g, pupil_t *pupil, const pupil_config *config, p
     return error ? -1 : 0;
 }
 
-void gles_work_describe(const gles_work *g, char *text, size_t text_bytes)
+void gles_engine_describe(const gles_engine *g, char *text, size_t text_bytes)
 {
     char renderer[256];
     pupil_gles_status status = {0};
@@ -174,46 +174,27 @@ void gles_work_describe(const gles_work *g, char *text, size_t text_bytes)
 
 /* --- a frame --- */
 
-static int process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in, const pupil_frame_info *info,
-                   pupil_stats *stats, pupil_curve *curve, pupil_why *why)
+/* Frames may change in size and format. */
+static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why)
 {
-    if (fit(g, pupil, in, why))
+    gles_engine *g = self;
+    if (fit(g, pupil, &frame->image, why))
         return -1;
-    fused = fused && pupil_get_curve(pupil, info, curve) == PUPIL_OK; /* the first frame is done exactly */
-    int error = pupil_gles_upload(&g->gles, in);
+    int error = pupil_gles_upload(&g->gles, &frame->image);
     if (error)
         return say(why, error, "uploading the frame");
-    error = pupil_gles_meter(&g->gles, info);
+    error = pupil_gles_meter(&g->gles, &frame->info);
     if (error < 0)
         return say(why, error, "metering");
     error = pupil_gles_collect(&g->gles, COLLECT_NS, stats, NULL);
     if (error < 0)
         return say(why, error, "reading statistics back");
-    if (error) {
-        pupil_refuse(why, "the GPU has not metered a frame within ten seconds");
-        return -1;
-    }
-    error = pupil_adapt(pupil, stats, info);
-    if (error)
-        return say(why, error, "the GPU's statistics");
-    if (!fused && pupil_get_curve(pupil, info, curve) != PUPIL_OK)
-        *curve = (pupil_curve){.scale = 1.0f, .inverse_white_squared = 1.0f}; /* no light so far: as pupil_process */
-    return 0;
-}
-
-int gles_work_process(gles_work *g, pupil_t *pupil, int fused, const pupil_image_const *in,
-                      const pupil_frame_info *info, pupil_stats *stats, pupil_curve *curve, pupil_why *why)
-{
-    const pupil_t before = *pupil;
-    if (process(g, pupil, fused, in, info, stats, curve, why) == 0)
-        return 0;
-    *pupil = before;
-    return -1;
+    return error ? pupil_refuse(why, "the GPU has not metered a frame within ten seconds") : 0;
 }
 
 /* --- mapping --- */
 
-static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height, pupil_why *why)
+static int make_room(gles_engine *g, gles_room *r, uint32_t width, uint32_t height, pupil_why *why)
 {
     const size_t bytes = (size_t)width * height * 4;
     if (bytes > g->rgba_bytes) {
@@ -244,7 +225,7 @@ static int make_room(gles_work *g, gles_room *r, uint32_t width, uint32_t height
     return -1;
 }
 
-int gles_work_draw(gles_work *g, const pupil_curve *curve, const pupil_gles_target *target, pupil_why *why)
+int gles_engine_draw(gles_engine *g, const pupil_curve *curve, const pupil_gles_target *target, pupil_why *why)
 {
     const int error = pupil_gles_map(&g->gles, curve, target);
     return error ? say(why, error, "mapping") : 0;
@@ -259,8 +240,11 @@ static void pack(const unsigned char *rgba, const pupil_image *rgb8)
     }
 }
 
-int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rgb8, pupil_why *why)
+static int map(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,
+               const pupil_image *rgb8, pupil_why *why)
 {
+    (void)pupil, (void)frame; /* the GPU has both since it metered the frame */
+    gles_engine *g = self;
     const int whole = rgb8->width == g->config.width && rgb8->height == g->config.height;
     gles_room *room = &g->room[whole ? PICTURE : SMALL];
     if (make_room(g, room, rgb8->width, rgb8->height, why))
@@ -270,7 +254,7 @@ int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rg
                                       .height = rgb8->height,
                                       .top_first = 1,
                                       .fit = PUPIL_GLES_STRETCH};
-    if (gles_work_draw(g, curve, &target, why))
+    if (gles_engine_draw(g, curve, &target, why))
         return -1;
     g->gl.BindFramebuffer(GL_FRAMEBUFFER, room->framebuffer);
     g->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
@@ -284,3 +268,5 @@ int gles_work_read(gles_work *g, const pupil_curve *curve, const pupil_image *rg
     pack(g->rgba, rgb8);
     return 0;
 }
+
+const frame_engine_ops gles_engine_ops = {.meter = meter, .map = map};

@@ -1,0 +1,138 @@
+#include "cpu_engine.h"
+
+#include <stdlib.h>
+
+#include "pupil/row_gain.h"
+#include "refuse.h"
+#include "workers.h"
+
+struct cpu_engine {
+    workers *w;
+    pupil_stats *own;  /* one for each worker */
+    int *error;        /* one for each worker */
+    const float *gain; /* of the frame's rows, where it is mapped; NULL: none */
+    /* the pass at hand */
+    const pupil_t *pupil;
+    const pupil_image_const *in;
+    const pupil_image *out; /* NULL: meter only */
+    const pupil_curve *curve;
+    int meter;
+};
+
+cpu_engine *cpu_engine_open(unsigned threads)
+{
+    cpu_engine *e = calloc(1, sizeof *e);
+    if (!e)
+        return NULL;
+    e->w = workers_open(threads);
+    if (e->w) {
+        e->own = calloc(workers_count(e->w), sizeof *e->own);
+        e->error = calloc(workers_count(e->w), sizeof *e->error);
+    }
+    if (!e->own || !e->error) {
+        cpu_engine_close(e);
+        return NULL;
+    }
+    return e;
+}
+
+void cpu_engine_close(cpu_engine *e)
+{
+    if (!e)
+        return;
+    workers_close(e->w);
+    free(e->own);
+    free(e->error);
+    free(e);
+}
+
+void cpu_engine_row_gains(cpu_engine *e, const float *gain)
+{
+    e->gain = gain;
+}
+
+/* --- a worker's share --- */
+
+/* The first row of a worker's share: pairs stay together, for they may have one gain. */
+static uint32_t begins(uint32_t height, unsigned worker, unsigned count)
+{
+    const uint32_t row = (uint32_t)((uint64_t)height * worker / count);
+    return worker < count ? row & ~UINT32_C(1) : row;
+}
+
+static void work_share(void *context, unsigned worker, unsigned count)
+{
+    cpu_engine *e = context;
+    const uint32_t height = e->in->height, first = begins(height, worker, count);
+    const uint32_t rows = begins(height, worker + 1, count) - first;
+
+    e->error[worker] = PUPIL_OK;
+    if (e->meter)
+        pupil_stats_clear(&e->own[worker]);
+    if (!rows)
+        return;
+    pupil_image_const in = pupil_image_rows(*e->in, first, rows);
+    pupil_image out = {0};
+    if (e->out) {
+        out = *e->out;
+        out.data = (unsigned char *)out.data + (ptrdiff_t)first * out.stride_bytes;
+        out.height = rows;
+    }
+    if (e->meter && e->out)
+        e->error[worker] = pupil_fused_rows(e->pupil, e->curve, &in, first, height, &out, &e->own[worker]);
+    else if (e->meter)
+        e->error[worker] = pupil_meter_rows(e->pupil, &in, first, height, &e->own[worker]);
+    else if (e->gain)
+        e->error[worker] = pupil_map_rows_with_gains(e->pupil, e->curve, &in, e->gain + first, &out);
+    else
+        e->error[worker] = pupil_map_rows(e->pupil, e->curve, &in, &out);
+}
+
+/* --- a frame --- */
+
+/* What the workers have metered, as one. */
+static int merge(cpu_engine *e, pupil_stats *stats)
+{
+    int error = PUPIL_OK;
+    pupil_stats_clear(stats);
+    for (unsigned i = 0; !error && i < workers_count(e->w); i++)
+        error = pupil_stats_add(stats, &e->own[i]);
+    return error;
+}
+
+/* Meters into stats (unless NULL) and maps by curve to out (unless NULL). */
+static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats,
+                const pupil_curve *curve, const pupil_image *out, pupil_why *why)
+{
+    int error = PUPIL_OK;
+    e->pupil = pupil;
+    e->in = &frame->image;
+    e->meter = stats != NULL;
+    e->curve = curve;
+    e->out = out;
+    workers_run(e->w, work_share, e);
+    for (unsigned i = 0; !error && i < workers_count(e->w); i++)
+        error = e->error[i];
+    if (!error && stats)
+        error = merge(e, stats);
+    return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
+}
+
+static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why)
+{
+    return pass(self, pupil, frame, stats, NULL, NULL, why);
+}
+
+static int map(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,
+               const pupil_image *rgb8, pupil_why *why)
+{
+    return pass(self, pupil, frame, NULL, curve, rgb8, why);
+}
+
+static int meter_and_map(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,
+                         const pupil_image *rgb8, pupil_stats *stats, pupil_why *why)
+{
+    return pass(self, pupil, frame, stats, curve, rgb8, why);
+}
+
+const frame_engine_ops cpu_engine_ops = {.meter = meter, .map = map, .meter_and_map = meter_and_map};

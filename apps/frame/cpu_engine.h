@@ -1,0 +1,19 @@
+/* apps/frame/cpu_engine.h: the pixels of a frame on several threads of the CPU, with the bits of one. */
+#ifndef PUPIL_APPS_FRAME_CPU_ENGINE_H
+#define PUPIL_APPS_FRAME_CPU_ENGINE_H
+
+#include "engine.h"
+
+typedef struct cpu_engine cpu_engine;
+
+/* `threads`: 0: one for each processor. NULL: not enough memory. */
+cpu_engine *cpu_engine_open(unsigned threads);
+void cpu_engine_close(cpu_engine *e); /* NULL is allowed */
+
+/* From now on rows are mapped with these gains, one for each row of the frame (pupil/row_gain.h), except by
+ * meter_and_map. NULL: with none. */
+void cpu_engine_row_gains(cpu_engine *e, const float *gain);
+
+extern const frame_engine_ops cpu_engine_ops; /* self: a cpu_engine. It maps any frame, not only the last one */
+
+#endif

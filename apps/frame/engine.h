@@ -1,0 +1,24 @@
+/* apps/frame/engine.h: what does the pixels of a frame: the threads of the CPU (cpu_engine.h) or the GPU
+ * (gles_engine.h). What is done when, and by which curve, the pipeline decides (pipeline.h).
+ */
+#ifndef PUPIL_APPS_FRAME_ENGINE_H
+#define PUPIL_APPS_FRAME_ENGINE_H
+
+#include "pupil/pupil.h"
+#include "source.h"
+
+/* Each returns 0, or -1 and a sentence. */
+typedef struct frame_engine_ops {
+    /* Leaves the frame's statistics. The level stays as it is; an engine that has no histogram retunes `pupil`. */
+    int (*meter)(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why);
+
+    /* Maps the frame that was metered last to an RGB8 image. */
+    int (*map)(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,
+               const pupil_image *rgb8, pupil_why *why);
+
+    /* Both in one pass over the pixels. NULL: the engine needs two. */
+    int (*meter_and_map)(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,
+                         const pupil_image *rgb8, pupil_stats *stats, pupil_why *why);
+} frame_engine_ops;
+
+#endif

@@ -1,0 +1,31 @@
+/* apps/output/pictures.h: every display output of a run as one: all complete, or none. */
+#ifndef PUPIL_APPS_OUTPUT_PICTURES_H
+#define PUPIL_APPS_OUTPUT_PICTURES_H
+
+#include "pupil/error.h"
+#include "sink.h"
+#include "v4l2/system.h"
+
+#define PICTURES_MOST 17 /* those of the command line, and the video of a report */
+
+typedef struct pictures {
+    const pupil_v4l2_system *system; /* of output nodes; NULL: the kernel */
+    pupil_sink *sink[PICTURES_MOST];
+    const char *path[PICTURES_MOST]; /* the caller's */
+    size_t count;
+    size_t failed; /* which one, after a write or finish that failed */
+} pictures;
+
+int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why);
+int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why);
+
+/* After one failed to write or to finish: it is discarded; the others go on. */
+void pictures_drop(pictures *o);
+/* 1: it was standard output, and whoever read it is gone. */
+int pictures_reader_gone(const pictures *o);
+
+/* Finishes all, up to the first that fails: those before it are complete, those after it as they were. */
+int pictures_finish(pictures *o, pupil_why *why);
+void pictures_discard(pictures *o);
+
+#endif

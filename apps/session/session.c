@@ -1,0 +1,101 @@
+#include "session.h"
+
+#include "common/report_error.h"
+#include "output/frame_log_fill.h"
+#include "output/plot.h"
+#include "refuse.h"
+
+void session_say(session *s, pupil_why *why, const char *end)
+{
+    progress_clear(&s->progress);
+    report_error(s->command, why, end);
+}
+
+int session_check(session *s)
+{
+    const char *fault = "";
+    if (pupil_config_check(&s->options->config, &fault))
+        return pupil_refuse(&s->why, "settings: %s", fault);
+    return s->options->plot && pupil_plot_check(s->options->plot, &s->why) ? -1 : 0;
+}
+
+int session_begin(session *s, int live)
+{
+    session_outputs_begin(&s->outputs, s->options, s->source, live);
+    if (frame_pipeline_open(&s->pipeline, &s->options->config, s->options->threads))
+        return pupil_refuse(&s->why, "not enough memory");
+    return 0;
+}
+
+void session_end(session *s, char *by, size_t by_bytes)
+{
+    *by = 0;
+    session_outputs_discard(&s->outputs);
+    if (s->pipeline.frames && (s->options->gles || s->options->view))
+        frame_pipeline_describe(&s->pipeline, by, by_bytes);
+    frame_pipeline_close(&s->pipeline); /* before its window, whose context it may use */
+    view_close(s->view);
+    s->view = NULL;
+}
+
+int session_goes_on(const session *s)
+{
+    return !s->ended && (!s->options->most || s->frames < s->options->most);
+}
+
+/* --- a frame --- */
+
+/* For the user, without an end of the run. */
+static void warn(session *s)
+{
+    if (*s->pipeline.warning.text)
+        session_say(s, &s->pipeline.warning, "; the CPU continues");
+    *s->pipeline.warning.text = 0;
+}
+
+/* The window comes with the first frame, and where there is one the GPU works in its context. */
+static int open_view(session *s, const pupil_frame *first)
+{
+    const frame_options *o = s->options;
+    const view_of of = {
+        .options = s->options, .pipeline = &s->pipeline, .fps = s->source->fps, .live = s->outputs.live};
+    if (o->view)
+        return view_open(&s->view, &of, &first->image, &s->why);
+    if (o->gles)
+        frame_pipeline_use_gpu(&s->pipeline, o->gles_version, NULL);
+    return 0;
+}
+
+int session_meter(session *s, const pupil_frame *frame)
+{
+    if (!s->pipeline.frames && open_view(s, frame))
+        return -1;
+    warn(s);
+    s->metered_s = progress_now_s();
+    return frame_pipeline_meter(&s->pipeline, frame, &s->why);
+}
+
+int session_map(session *s, const pupil_frame *frame, frame_log_entry *entry)
+{
+    const int whole = !s->view || session_outputs_want_pixels(s->options); /* else it is only measured */
+    if (frame_pipeline_map(&s->pipeline, frame, whole, &s->why))
+        return -1;
+    const double process_us = (progress_now_s() - s->metered_s) * 1e6;
+    warn(s);
+    *entry = frame_log_fill(&s->pipeline, frame, session_outputs_want_figures(s->options));
+    entry->frame = s->frames;
+    entry->process_us = process_us;
+    return 0;
+}
+
+int session_show(session *s, const pupil_frame *frame, frame_log_entry *entry)
+{
+    const int written = session_outputs_write(&s->outputs, frame, &s->pipeline, entry, &s->why);
+    if (written < 0)
+        return -1;
+    s->frames++;
+    s->ended |= written;
+    s->ended |= s->view && view_frame(s->view, frame, entry) == VIEW_QUIT;
+    warn(s);
+    return 0;
+}

@@ -1,0 +1,54 @@
+/* apps/session/session.h: one run of frames, from a source through the pipeline to outputs and a window. The commands
+ * replay and run are fronts of it: they open the source, and do their own steps between these.
+ *
+ *     session_check -> session_begin ->
+ *     for each frame: session_meter -> session_map -> session_show
+ *     -> session_outputs_finish -> session_end
+ */
+#ifndef PUPIL_APPS_SESSION_SESSION_H
+#define PUPIL_APPS_SESSION_SESSION_H
+
+#include "common/progress.h"
+#include "outputs.h"
+#include "view/view.h"
+
+typedef struct session {
+    const char *command; /* "pupil replay", before each sentence */
+    frame_options *options;
+    pupil_source *source; /* NULL: closed */
+    frame_pipeline pipeline;
+    session_outputs outputs;
+    view *view; /* NULL: no window (yet) */
+    progress progress;
+    uint64_t frames;  /* shown */
+    int ended;        /* the window was closed, or whoever read an output has seen enough */
+    double metered_s; /* progress_now_s, when metering began */
+    pupil_why why;    /* why it failed */
+} session;
+
+/* Before anything is opened: settings, and what would fail at the very end. 0, or -1 and session.why. */
+int session_check(session *s);
+
+/* With session.source open. `live`: it is one of live/live.h. 0, or -1 and session.why. */
+int session_begin(session *s, int live);
+
+/* Before the first frame the window and the GPU are opened. 0, or -1 and session.why, as for the two that follow. */
+int session_meter(session *s, const pupil_frame *frame);
+
+/* By pipeline.curve; what became of the frame. */
+int session_map(session *s, const pupil_frame *frame, frame_log_entry *entry);
+
+/* To the outputs and the window. */
+int session_show(session *s, const pupil_frame *frame, frame_log_entry *entry);
+
+/* Whether --frames allows another frame, and nothing has ended the run. */
+int session_goes_on(const session *s);
+
+/* A sentence for the user, on a line of its own; it loses what would steer a terminal. */
+void session_say(session *s, pupil_why *why, const char *end);
+
+/* Discards what is not finished, and closes all but the source. Afterwards `by`: "; GPU: ...", where it was asked for.
+ */
+void session_end(session *s, char *by, size_t by_bytes);
+
+#endif

@@ -1,0 +1,205 @@
+/* A frame on the CPU's threads has the bits of pupil_process. The CPU takes over from the GPU in the middle of a run:
+ * the adapted level is unbroken, and the picture is the CPU's within what numerics.md allows; a context that is gone is
+ * noticed by itself. */
+#include "frame/pipeline.h"
+
+#include <math.h>
+
+#include "check.h"
+#include "egl/egl_context.h"
+
+enum { WIDTH = 61, HEIGHT = 37, FRAMES = 24, HANDOVER = 11 };
+
+static float light[HEIGHT][WIDTH][4];
+
+/* Each frame has its own light, so that the level is on its way all the time. */
+static pupil_frame make_frame(int number)
+{
+    const float stops = 3.0f * sinf(0.4f * (float)number);
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++)
+            for (int c = 0; c < 4; c++)
+                light[y][x][c] = c == 3 ? 1.0f : (float)check_uniform() * exp2f(stops + 0.1f * (float)(x - y));
+    return (pupil_frame){.image = {.data = light,
+                                   .stride_bytes = sizeof light[0],
+                                   .width = WIDTH,
+                                   .height = HEIGHT,
+                                   .pixel = PUPIL_PIXEL_RGBA32F},
+                         .info = {.timestamp_ns = number * INT64_C(33333333)},
+                         .name = "made"};
+}
+
+typedef struct run {
+    frame_pipeline pipeline;
+    pupil_exposure exposure;
+} run;
+
+static void start(run *r, uint32_t white)
+{
+    pupil_config config;
+    memset(r, 0, sizeof *r);
+    pupil_config_default(&config);
+    config.histogram = 1;
+    config.white_mode = white;
+    CHECK(frame_pipeline_open(&r->pipeline, &config, 1) == 0);
+}
+
+/* A frame that was metered. */
+static void show(run *r, const pupil_frame *frame)
+{
+    pupil_why why = {""};
+    frame_pipeline *p = &r->pipeline;
+    CHECK_MSG(frame_pipeline_map(p, frame, 1, &why) == 0, "%s", why.text);
+    CHECK(pupil_get_exposure(&p->pupil, &r->exposure) == PUPIL_OK);
+    CHECK(p->display.width == WIDTH && p->display.height == HEIGHT);
+}
+
+static void step(run *r, const pupil_frame *frame)
+{
+    pupil_why why = {""};
+    CHECK_MSG(frame_pipeline_meter(&r->pipeline, frame, &why) == 0, "%s", why.text);
+    show(r, frame);
+}
+
+static void compare(const run *a, const run *b, int number)
+{
+    const unsigned char *x = a->pipeline.display.data, *y = b->pipeline.display.data;
+    int apart = 0, off = 0;
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) {
+        apart = abs(x[i] - y[i]) > apart ? abs(x[i] - y[i]) : apart;
+        off += x[i] != y[i];
+    }
+    CHECK_MSG(apart <= 1 && off <= 3, "frame %d: %d codes, %d samples", number, apart, off);
+    CHECK_MSG(fabs(a->exposure.adapted_ev - b->exposure.adapted_ev) < 1.45e-5, "frame %d: %.9f %.9f", number,
+              a->exposure.adapted_ev, b->exposure.adapted_ev);
+    CHECK_MSG(a->exposure.frames == b->exposure.frames, "frame %d: a frame was adapted to twice, or not at all",
+              number);
+}
+
+/* By EGL's own means: nobody else is told. */
+static void lose_context(void)
+{
+    typedef void *get_display(void);
+    typedef unsigned make_current(void *display, void *draw, void *read, void *context);
+    get_display *display = (get_display *)pupil_egl_get_proc("eglGetCurrentDisplay");
+    make_current *current = (make_current *)pupil_egl_get_proc("eglMakeCurrent");
+    CHECK(display && current && current(display(), NULL, NULL, NULL));
+}
+
+/* How the GPU ends at frame HANDOVER. */
+typedef enum ending {
+    GIVEN_UP,         /* by the caller */
+    LOST,             /* the context is gone without a word */
+    LOST_WHEN_METERED /* the same, after it has metered the frame: the CPU maps it, and it is not metered again */
+} ending;
+
+static void hand_over(uint32_t white, uint32_t version, ending how)
+{
+    static run cpu, gpu;
+    const pupil_why given_up = {"given up"};
+    frame_pipeline *p = &gpu.pipeline;
+    start(&cpu, white);
+    start(&gpu, white);
+    frame_pipeline_use_gpu(p, version, NULL);
+    for (int number = 0; number < FRAMES; number++) {
+        const pupil_frame frame = make_frame(number);
+        pupil_why why = {""};
+        if (number == HANDOVER && how == LOST)
+            lose_context();
+        else if (number == HANDOVER && how == GIVEN_UP)
+            frame_pipeline_give_up_gpu(p, &given_up);
+        step(&cpu, &frame);
+        CHECK_MSG(frame_pipeline_meter(p, &frame, &why) == 0, "%s", why.text);
+        if (number == HANDOVER && how == LOST_WHEN_METERED)
+            lose_context();
+        show(&gpu, &frame);
+        compare(&cpu, &gpu, number);
+        CHECK((p->gpu != NULL) == (number < HANDOVER));
+        CHECK_MSG((*p->warning.text != 0) == (number >= HANDOVER), "frame %d: %s", number, p->warning.text);
+        CHECK(number < HANDOVER || p->stats.has_histogram);
+    }
+    char words[700];
+    frame_pipeline_describe(p, words, sizeof words);
+    CHECK_MSG(strstr(words, "11 of 24 frames") && strstr(words, "OpenGL ES"), "%s", words);
+    CHECK(p->gpu_frames == HANDOVER && cpu.pipeline.gpu_frames == 0);
+    frame_pipeline_close(&cpu.pipeline);
+    frame_pipeline_close(p);
+}
+
+/* On several threads the CPU gives the bits of pupil_process, in both orders, also before there is any light. */
+static void like_process(uint32_t order, uint32_t white)
+{
+    static unsigned char whole[HEIGHT][WIDTH][3];
+    pupil_config config;
+    pupil_t pupil;
+    frame_pipeline p;
+    pupil_config_default(&config);
+    config.order = order;
+    config.white_mode = white;
+    CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK && frame_pipeline_open(&p, &config, 3) == 0);
+    for (int number = 0; number < 6; number++) {
+        pupil_frame frame = make_frame(number);
+        if (number < 2) /* one pixel, in the middle of the metering grid, has no weight */
+            frame.image.width = frame.image.height = 1;
+        const uint32_t width = frame.image.width, height = frame.image.height;
+        const pupil_image out = {.data = whole,
+                                 .stride_bytes = (ptrdiff_t)width * 3,
+                                 .width = width,
+                                 .height = height,
+                                 .pixel = PUPIL_PIXEL_RGB8};
+        pupil_why why = {""};
+        CHECK(pupil_process(&pupil, &frame.image, &frame.info, &out) == PUPIL_OK);
+        CHECK_MSG(frame_pipeline_meter(&p, &frame, &why) == 0, "%s", why.text);
+        CHECK(p.has_light == (number >= 2));
+        CHECK(p.is_mapped == (order == PUPIL_ORDER_FUSED && number > 2));
+        CHECK_MSG(frame_pipeline_map(&p, &frame, 1, &why) == 0, "%s", why.text);
+        CHECK_MSG(memcmp(whole, p.display.data, (size_t)width * height * 3) == 0,
+                  "order %u, white %u, frame %d: another picture", order, white, number);
+    }
+    frame_pipeline_close(&p);
+}
+
+/* The curve is the one place that says how a frame is mapped: the caller's takes effect. */
+static void own_curve(void)
+{
+    run r;
+    pupil_why why;
+    start(&r, PUPIL_WHITE_NONE);
+    const pupil_frame frame = make_frame(0);
+    CHECK(frame_pipeline_meter(&r.pipeline, &frame, &why) == 0);
+    r.pipeline.curve = (pupil_curve){.scale = 0.0f};
+    show(&r, &frame);
+    const unsigned char *p = r.pipeline.display.data;
+    int most = 0;
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
+        most = p[i] > most ? p[i] : most;
+    CHECK_MSG(most == 0, "code %d where all is black", most);
+    CHECK(r.pipeline.adapted.scale > 0.0f);
+    frame_pipeline_close(&r.pipeline);
+}
+
+int main(int argc, char **argv)
+{
+    static run probe;
+    check_begin(argc, argv);
+    for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++)
+        for (uint32_t white = PUPIL_WHITE_FOLLOW; white <= PUPIL_WHITE_NONE; white++)
+            like_process(order, white);
+    own_curve();
+    start(&probe, PUPIL_WHITE_FOLLOW);
+    frame_pipeline_use_gpu(&probe.pipeline, 0, NULL);
+    const pupil_frame frame = make_frame(0);
+    step(&probe, &frame);
+    const int has_gpu = probe.pipeline.gpu != NULL;
+    if (!has_gpu)
+        puts(probe.pipeline.warning.text);
+    frame_pipeline_close(&probe.pipeline);
+    if (!has_gpu)
+        return check_state.failures ? check_end() : check_skip("no OpenGL ES 3.1");
+    hand_over(PUPIL_WHITE_FOLLOW, 0, GIVEN_UP);
+    hand_over(PUPIL_WHITE_NONE, PUPIL_GLES_ES30, GIVEN_UP);
+    hand_over(PUPIL_WHITE_FOLLOW, 0, LOST);
+    hand_over(PUPIL_WHITE_FOLLOW, 0, LOST_WHEN_METERED);
+    return check_end();
+}
