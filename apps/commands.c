@@ -1,4 +1,4 @@
-#include "commands.h"
+#include "options/commands.h"
 
 const option_command *const pupil_commands[] = {
     &run_command,    &replay_command, &record_command, &list_command, &probe_command,

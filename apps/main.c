@@ -1,5 +1,5 @@
 /* The `pupil` program: commands, each in a folder of its own. */
-#include "commands.h"
+#include "options/commands.h"
 
 #include <fcntl.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* In place of the lab's commands in a build without them. */
 #include <stdio.h>
 
-#include "commands.h"
+#include "options/commands.h"
 
 static int absent(int argc, char **argv)
 {

@@ -4,10 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "commands.h"
+#include "options/commands.h"
 #include "source.h"
 #include "v4l2/format.h"
-
 
 typedef struct list {
     list_camera *camera;

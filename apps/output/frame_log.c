@@ -3,12 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plot_series.h"
-
-enum {
-    BOUND = 8 * PLOT_MOST_POINTS, /* a plot that was thinned out is still finer than what is drawn */
-    FIRST_ROOM = 1024
-};
+enum { FIRST_ROOM = 1024 };
 
 static int make_room(frame_log *log, size_t capacity)
 {
@@ -23,15 +18,15 @@ static int make_room(frame_log *log, size_t capacity)
 int frame_log_open(frame_log *log, int bounded)
 {
     *log = (frame_log){.is_bounded = bounded, .every = 1};
-    return make_room(log, bounded ? BOUND : FIRST_ROOM);
+    return make_room(log, bounded ? FRAME_LOG_BOUND : FIRST_ROOM);
 }
 
-/* BOUND is even: the entry that comes next is kept. */
+/* The bound is even, so that the entry that comes next is kept. */
 static void thin_out(frame_log *log)
 {
-    for (size_t i = 0; i < BOUND / 2; i++)
+    for (size_t i = 0; i < FRAME_LOG_BOUND / 2; i++)
         log->entry[i] = log->entry[2 * i];
-    log->count = BOUND / 2;
+    log->count = FRAME_LOG_BOUND / 2;
     log->every *= 2;
 }
 

@@ -44,6 +44,8 @@ typedef struct frame_log_entry {
     const char *sensor_reason;
 } frame_log_entry;
 
+#define FRAME_LOG_BOUND 32000 /* entries of a bounded log; even, so that every second one can go */
+
 typedef struct frame_log {
     frame_log_entry *entry;
     size_t count, capacity;

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+_Static_assert(FRAME_LOG_BOUND / 2 >= 2 * PLOT_MOST_POINTS, "a log that was thinned out is finer than its plot");
+
 static int usable(const frame_log_entry *record, double value)
 {
     return isfinite(record->time_s) && isfinite(value);

@@ -5,12 +5,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "commands.h"
 #include "common/camera.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "common/report_error.h"
 #include "list/list.h"
+#include "options/commands.h"
 #include "refuse.h"
 
 #define SECONDS       14.0 /* of the stream; the first frame has its own time */

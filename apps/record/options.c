@@ -1,6 +1,6 @@
 #include "options.h"
 
-#include "commands.h"
+#include "options/commands.h"
 #include "refuse.h"
 
 #define AT(field) offsetof(record_options, field)

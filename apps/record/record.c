@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "commands.h"
 #include "common/camera.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
@@ -14,6 +13,7 @@
 #include "file/recording/recording.h"
 #include "live/live.h"
 #include "options.h"
+#include "options/commands.h"
 #include "pupil/pupil.h"
 #include "refuse.h"
 #include "run/choose.h"

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "commands.h"
+#include "options/commands.h"
 #include "refuse.h"
 
 #define AT(field) offsetof(frame_options, field)

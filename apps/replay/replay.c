@@ -1,10 +1,10 @@
 /* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
 #include <stdio.h>
 
-#include "commands.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
 #include "options.h"
+#include "options/commands.h"
 #include "refuse.h"
 #include "session/session.h"
 

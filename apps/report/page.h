@@ -4,11 +4,30 @@
 
 #include <stdio.h>
 
-#include "report.h"
+#include "output/frame_log.h"
 #include "thumbnail.h"
 
 /* How a page of ours begins: by this a report is known again. */
 #define REPORT_MARK "<!DOCTYPE html>\n<html lang=\"en\">\n<meta name=\"generator\" content=\"pupil\">\n"
+
+/* Texts are the caller's and may be NULL where there is nothing to say. */
+typedef struct pupil_report_row {
+    const char *label, *value, *unit;
+    const char *command; /* that prints the value */
+} pupil_report_row;
+
+typedef struct pupil_report_page {
+    const char *title;
+    const char *command; /* the command line that made the page */
+    const char *version;
+    const char *note; /* a sentence at the top: frames skipped, a plot that could not be drawn */
+    const frame_log_entry *records;
+    size_t record_count;
+    const pupil_report_row *settings;
+    size_t setting_count;
+    const pupil_report_row *figures; /* besides those that the records give */
+    size_t figure_count;
+} pupil_report_page;
 
 /* A frame that the page shows. */
 typedef struct report_picture {

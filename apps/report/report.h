@@ -9,7 +9,7 @@
 #ifndef PUPIL_APPS_REPORT_REPORT_H
 #define PUPIL_APPS_REPORT_REPORT_H
 
-#include "output/frame_log.h"
+#include "page.h"
 #include "pupil/error.h"
 #include "pupil/image.h"
 
@@ -18,25 +18,6 @@
 #define REPORT_MOST_VIDEO_MIB 64 /* browsers grow slow on larger pages */
 
 typedef struct pupil_report pupil_report;
-
-/* Texts are the caller's and may be NULL where there is nothing to say. */
-typedef struct pupil_report_row {
-    const char *label, *value, *unit;
-    const char *command; /* that prints the value */
-} pupil_report_row;
-
-typedef struct pupil_report_page {
-    const char *title;
-    const char *command; /* the command line that made the page */
-    const char *version;
-    const char *note; /* a sentence at the top: frames skipped, a plot that could not be drawn */
-    const frame_log_entry *records;
-    size_t record_count;
-    const pupil_report_row *settings;
-    size_t setting_count;
-    const pupil_report_row *figures; /* besides those that the records give */
-    size_t figure_count;
-} pupil_report_page;
 
 /* `stills`: the frames are pictures of their own, shown with their names. 0, or -1 and a sentence that names the path.
  */

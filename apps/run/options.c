@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "commands.h"
 #include "options/colour_options.h"
+#include "options/commands.h"
 #include "options/key_at.h"
 #include "refuse.h"
 #include "v4l2/format.h"

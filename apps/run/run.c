@@ -7,9 +7,9 @@
 
 #include "choose.h"
 #include "colour.h"
-#include "commands.h"
 #include "common/camera.h"
 #include "common/interrupt.h"
+#include "options/commands.h"
 #include "refuse.h"
 #include "resume.h"
 #include "row_gains.h"

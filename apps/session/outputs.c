@@ -236,6 +236,8 @@ static int finish_live(session_outputs *o, pupil_why *why)
 
 int session_outputs_finish(session_outputs *o, pupil_why *why)
 {
+    if (!o->options) /* not begun */
+        return 0;
     return o->live ? finish_live(o, why) : finish_files(o, why);
 }
 

@@ -43,9 +43,9 @@ int session_outputs_want_figures(const frame_options *options);
 int session_outputs_write(session_outputs *o, const pupil_frame *frame, const frame_pipeline *p, frame_log_entry *entry,
                           pupil_why *why);
 
-/* At the end: 0, or -1 and the first sentence of those outputs that cannot be completed. Ctrl-C leaves out those that
- * are to come (live: the second one does). Of a live run the options name what is there afterwards: not what failed,
- * nor, where it ended in its first frame, anything but the recording. */
+/* At the end, also of a run that never began: 0, or -1 and the first sentence of those outputs that cannot be
+ * completed. Ctrl-C leaves out those that are to come (live: the second one does). Of a live run the options name what
+ * is there afterwards: not what failed, nor, where it ended in its first frame, anything but the recording. */
 int session_outputs_finish(session_outputs *o, pupil_why *why);
 
 /* What is not finished is not there. */

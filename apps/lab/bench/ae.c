@@ -1,6 +1,6 @@
 /* pupil bench ae: exposure loops on a simulated camera: pupil's and published laws, each test with its limit. */
 #include "ae.h"
-#include "commands.h"
+#include "options/commands.h"
 
 #include <math.h>
 #include <stdio.h>

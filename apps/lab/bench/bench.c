@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "commands.h"
+#include "options/commands.h"
 
 static const option_command *const parts[] = {&bench_kernels_command, &bench_gles_command, &bench_scene_command,
                                               &bench_ae_command, NULL};

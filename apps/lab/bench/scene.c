@@ -1,7 +1,7 @@
 /* pupil bench scene: what a scene costs: each light's picture once, then a sum a frame. Each scene in a process of its
  * own, so that the peak of its memory is its own. */
 #include "scene.h"
-#include "commands.h"
+#include "options/commands.h"
 
 #include <errno.h>
 #include <signal.h>

@@ -4,15 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "commands.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "file/sink/linear_sink.h"
 #include "frame/pipeline.h"
+#include "options/commands.h"
 #include "output/pictures.h"
 #include "refuse.h"
 #include "synth/synth_source.h"
-
 
 typedef struct render {
     const char *scene;

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "commands.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
+#include "options/commands.h"
 #include "refuse.h"
 #include "sim.h"
 #include "synth/spread.h"

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "commands.h"
+#include "options/commands.h"
 #include "options/key_at.h"
 #include "output/plot.h"
 #include "refuse.h"

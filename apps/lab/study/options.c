@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "commands.h"
+#include "options/commands.h"
 #include "refuse.h"
 
 static int parse_video(const option_value *v)

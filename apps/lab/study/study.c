@@ -8,11 +8,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "commands.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "file/sink/sink_common.h"
 #include "options.h"
+#include "options/commands.h"
 #include "output/plot.h"
 #include "refuse.h"
 #include "report/replay_report.h"

@@ -1,6 +1,6 @@
 /* What --white-balance, --matrix and --black-level take, and what they say to the rest. */
 #include "check.h"
-#include "commands.h"
+#include "options/commands.h"
 #include "run/options.h"
 
 /* What the row of `pupil run` does with a value. */

@@ -1,7 +1,7 @@
 /* The table of options: every row of every command has its help, its place in the man page and in the completion, takes
  * its default and both ends of its range, and refuses what is just outside. */
 #include "check.h"
-#include "commands.h"
+#include "options/commands.h"
 #include "record/options.h"
 #include "replay/options.h"
 

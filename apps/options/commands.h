@@ -1,9 +1,9 @@
-/* apps/commands.h: the commands of the program. Each takes its own arguments, its name first, and returns the exit
- * status. */
-#ifndef PUPIL_APPS_COMMANDS_H
-#define PUPIL_APPS_COMMANDS_H
+/* apps/options/commands.h: the commands of the program. Each takes its own arguments, its name first, and returns the
+ * exit status. */
+#ifndef PUPIL_APPS_OPTIONS_COMMANDS_H
+#define PUPIL_APPS_OPTIONS_COMMANDS_H
 
-#include "options/option_table.h"
+#include "option_table.h"
 
 /* The exit status, the same in all of them. */
 enum {
