@@ -1,4 +1,5 @@
-/* tests/check.h: the whole test framework. A test is a program: exit 0 passed, 1 failed, 77 skipped.
+/* tests/check.h: the whole test framework. A test is a program: exit 0 passed, 1 failed, 76 or 77 skipped
+ * (run_test.sh).
  *
  *     int main(int argc, char **argv)
  *     {
@@ -20,6 +21,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#define CHECK_CANNOT  76
 #define CHECK_SKIPPED 77
 
 static struct {
@@ -122,10 +124,18 @@ static inline const char *check_shared(void)
     return path;
 }
 
+/* Something is not installed. */
 static inline int check_skip(const char *why)
 {
     printf("skipped: %s\n", why);
     return CHECK_SKIPPED;
+}
+
+/* This machine or this checkout cannot have what the test needs. */
+static inline int check_cannot(const char *why)
+{
+    printf("skipped: %s\n", why);
+    return CHECK_CANNOT;
 }
 
 #endif

@@ -14,7 +14,7 @@ set(longest_cost 300)
 
 # pupil_add_test(NAME LABEL COMMAND...)
 function(pupil_add_test name label)
-  add_test(NAME ${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  add_test(NAME ${name} COMMAND sh ${pupil_tests}/run_test.sh ${ARGN} WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   set_tests_properties(${name} PROPERTIES
     SKIP_RETURN_CODE 77 TIMEOUT ${${label}_timeout_s} COST ${${label}_cost} LABELS ${label})
   # Not in the home of the user who runs the tests. Without a cache every object compiles its shaders again: minutes.
@@ -67,12 +67,13 @@ function(pupil_test_folder)
     string(REGEX REPLACE "^test_" "" name ${name})
     set(command sh ${file})
     if(extension STREQUAL .c)
-      set(command test_${target_prefix}_${name})
-      pupil_program(${command} ${file})
-      target_include_directories(${command} PRIVATE ${FOLDER_INCLUDES})
-      target_compile_definitions(${command} PRIVATE
+      set(target test_${target_prefix}_${name})
+      pupil_program(${target} ${file})
+      target_include_directories(${target} PRIVATE ${FOLDER_INCLUDES})
+      target_compile_definitions(${target} PRIVATE
         PUPIL_SOURCE_DIR="${PROJECT_SOURCE_DIR}" PUPIL_BINARY_DIR="${PROJECT_BINARY_DIR}")
-      target_link_libraries(${command} PRIVATE ${FOLDER_LIBRARIES} ${objects} tests_common Threads::Threads m)
+      target_link_libraries(${target} PRIVATE ${FOLDER_LIBRARIES} ${objects} tests_common Threads::Threads m)
+      set(command ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${target}>)
     endif()
     set(label quick)
     if(name IN_LIST FOLDER_LONG)

@@ -26,11 +26,17 @@ end_test() {
     exit 0
 }
 
-# skip REASON: what can still be tested on this machine has been
+# skip REASON: something is not installed
 skip() {
     [ "$failures" = 0 ] || end_test
     echo "skipped: $*"
     exit 77
+}
+# cannot REASON: this machine or this checkout cannot have what the test needs
+cannot() {
+    [ "$failures" = 0 ] || end_test
+    echo "skipped: $*"
+    exit 76
 }
 
 # needs TOOL...

@@ -4,7 +4,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 guest=$here/../../build/vm/amd64
 [ "$(uname -m)" = x86_64 ] || {
     echo "skipped: the program is of this machine, and there is a guest for amd64 alone"
-    exit 77
+    exit 76
 }
 
 in_guest() {

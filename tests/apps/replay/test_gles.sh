@@ -38,7 +38,7 @@ for bad in "--gles-version 2.0" "--gles-version 3.1" "--loop"; do
     grep -qF -- "${bad%% *}" said.err || fail "$option: said $(cat said.err)"
 done
 "$program" replay - --view --loop </dev/null 2>said.err && fail "--loop of standard input"
-grep -q "standard input comes once" said.err || fail "--loop of standard input: $(cat said.err)"
+grep -q "standard input cannot be read again" said.err || fail "--loop of standard input: $(cat said.err)"
 
 # shellcheck disable=SC2086
 "$program" replay $walk -o cpu.y4m --stats cpu.csv -q || fail "the CPU"

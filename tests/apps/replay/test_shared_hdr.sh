@@ -9,7 +9,7 @@ here=$(cd "$(dirname "$0")/../../.." && pwd)
 shared=${PUPIL_SHARED:-$here/../shared}/hdr
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
-[ -d "$shared" ] || skip "no shared images"
+[ -d "$shared" ] || cannot "no shared images"
 
 # judge NAME SKIP ARGUMENTS...: replays; frames before SKIP are not judged 
 judge() {

@@ -85,7 +85,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     snprintf(folder, sizeof folder, "%s/malformed", shared ? shared : "");
     if (!shared || stat(folder, &status) != 0)
-        return check_skip("no shared images");
+        return check_cannot("no shared images");
     CHECK(nftw(folder, visit, 8, FTW_PHYS) == 0);
     CHECK(files_read + files_refused > 400);
     printf("%u read, %u refused; longest %.2f s (%s), largest %ld MB (%s)\n", files_read, files_refused, most_s,

@@ -187,7 +187,7 @@ int main(int argc, char **argv)
     const char *shared = check_shared();
     check_begin(argc, argv);
     if (!shared)
-        return check_skip("no shared images");
+        return check_cannot("no shared images");
     test_figures(shared);
     test_compressions(shared);
     test_all_halfs(shared);

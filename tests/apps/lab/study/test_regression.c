@@ -13,7 +13,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     const char *shared = check_shared();
     if (!shared)
-        return check_skip("no shared images");
+        return check_cannot("no shared images");
     snprintf(path, sizeof path, "%s/seeds/convergence.csv", shared);
     CHECK_MSG(study_regression_make(&r, path, &why) == 0, "%s", why.text);
     printf("%u cells and %u misprints: %u exact, %u within 1 frame, %u within 2\n", r.cells, r.misprints, r.exact,

@@ -1,7 +1,7 @@
 #!/bin/sh
 # shape.sh: shape.py's rules for functions, of the product's C; before that, that it finds what is planted for it.
 set -eu
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 command -v python3 >/dev/null || { echo "skipped: no python3"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -18,7 +18,7 @@ repeat() {
 # expect SENTENCE
 expect() {
     cat >"$work/planted.c"
-    said=$(python3 tests/shape.py "$work/planted.c" | sed '$d') || :
+    said=$(python3 tests/tree/shape.py "$work/planted.c" | sed '$d') || :
     case $said in
     "") [ -z "$1" ] || fail "of planted code \"$1\" was expected, and nothing was said" ;;
     *) [ -n "$1" ] && [ "$said" = "$work/planted.c:$1" ] || fail "of planted code \"$1\" was expected: $said" ;;
@@ -89,4 +89,4 @@ else
     files=$(find . -type f -not -path './build*' | sed 's|^\./||')
 fi
 # lib/sensor is left out: its controller is written again as a whole, and its functions are cut to these limits then.
-python3 tests/shape.py --except lib/sensor/ $(echo "$files" | grep -E '^(lib|drivers|apps|fixtures)/.*\.[ch]$')
+python3 tests/tree/shape.py --except lib/sensor/ $(echo "$files" | grep -E '^(lib|drivers|apps|fixtures)/.*\.[ch]$')

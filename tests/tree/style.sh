@@ -1,7 +1,7 @@
 #!/bin/sh
 # style.sh: .clang-format's opinion of every C and C++ file that git knows, and no line over 120 characters in these, CMake or Python.
 set -eu
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 status=0
 if [ -e .git ]; then
     files=$(git ls-files)

@@ -5,7 +5,7 @@
 set -eu
 build=$1 target=$2 ctest_arguments=$3
 shift 3
-source=$(cd "$(dirname "$0")/.." && pwd)
+source=$(cd "$(dirname "$0")/../.." && pwd)
 log=$build.log
 mkdir -p "$(dirname "$build")"
 [ "$target" = - ] && target=all
