@@ -111,7 +111,7 @@ static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
     return 0;
 }
 
-/* The same but for the white balance. */
+/* The same except for the white balance. */
 static int is_balanced(const pupil_coding *a, const pupil_coding *b)
 {
     pupil_coding with = *a;
@@ -220,7 +220,7 @@ static int make_room(gles_engine *g, gles_room *r, uint32_t width, uint32_t heig
     g->gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, r->renderbuffer);
     if (g->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return 0;
-    r->width = 0; /* to be made anew */
+    r->width = 0; /* to be made again */
     pupil_refuse(why, "the driver has no framebuffer of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
     return -1;
 }

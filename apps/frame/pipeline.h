@@ -1,5 +1,5 @@
 /* apps/frame/pipeline.h: one frame at a time through meter -> adapt -> map, by the CPU's threads, or by the GPU until
- * it fails, after which the CPU goes on from the same adapted level.
+ * it fails, after which the CPU continues from the same adapted level.
  *
  *     frame_pipeline_meter -> (the caller may replace the curve) -> frame_pipeline_map
  *
@@ -62,7 +62,7 @@ int frame_pipeline_map_again(frame_pipeline *p, const pupil_curve *curve, const 
 /* The GPU draws the frame that was metered last to a target of GL. -1: there is no GPU (any more). */
 int frame_pipeline_draw(frame_pipeline *p, const pupil_curve *curve, const pupil_gles_target *target);
 
-/* The GPU cannot go on: a warning, and the CPU takes over. */
+/* The GPU cannot continue: a warning, and the CPU takes over. */
 void frame_pipeline_give_up_gpu(frame_pipeline *p, const pupil_why *why);
 
 /* "; GPU: ..." or "; by the CPU". */

@@ -19,7 +19,7 @@ typedef struct pictures {
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why);
 int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why);
 
-/* After one failed to write or to finish: it is discarded; the others go on. */
+/* After one failed to write or to finish: it is discarded; the others continue. */
 void pictures_drop(pictures *o);
 /* 1: it was standard output, and whoever read it is gone. */
 int pictures_reader_gone(const pictures *o);

@@ -18,7 +18,7 @@ int pupil_plot_check(const char *path, pupil_why *why);
  * a sentence. */
 int pupil_plot_write(const char *path, const frame_log_entry *records, size_t count, const char *title, pupil_why *why);
 
-/* The same for any script: `script` writes what gnuplot is told, with a terminal for the kind of file and no output.
+/* The same for any script: `script` writes what gnuplot is given, with a terminal for the kind of file and no output.
  */
 typedef void pupil_plot_script(FILE *out, int is_png, const void *context);
 int pupil_plot_draw(const char *path, pupil_plot_script *script, const void *context, pupil_why *why);

@@ -1,4 +1,4 @@
-/* What gnuplot is told of a run. */
+/* What gnuplot is given of a run. */
 #include "plot_script.h"
 
 #include <ctype.h>
@@ -156,7 +156,7 @@ static const double camera_edges[] = {0.945, 0.70, 0.53, 0.41, 0.20, 0.055};
 static void panel(FILE *out, const double *top, int index, const char *label)
 {
     fprintf(out, "set tmargin at screen %g\nset bmargin at screen %g\n", top[index], top[index + 1] + 0.025);
-    /* A label in a fixed place: gnuplot puts its own beside the numbers, however far out that is. */
+    /* A label in a fixed place: gnuplot puts its own next to the numbers, however far out that is. */
     fprintf(out, "set label 1 '%s' at screen 0.016, screen %g center rotate\n", label,
             0.5 * (top[index] + top[index + 1] + 0.025));
     fprintf(out, top[index + 1] < 0.1 ? "set format x '%%g'\nset xlabel 'time, seconds' offset 0,0.4\n"

@@ -1,5 +1,5 @@
 /* apps/output/stats_file.h: --stats: every record of a run as a line of a file, JSON (.jsonl, .json) or CSV (.csv) by
- * its name; "-" is JSON on standard output. docs/stats.md tells the fields. A file is complete or absent
+ * its name; "-" is JSON on standard output. docs/stats.md has the fields. A file is complete or absent
  * (file/common/pending.h).
  */
 #ifndef PUPIL_APPS_OUTPUT_STATS_FILE_H

@@ -1,4 +1,4 @@
-/* apps/output/stats_json.c: a record as a line of JSON. Nothing is allocated for it, but for a text with odd
+/* apps/output/stats_json.c: a record as a line of JSON. Nothing is allocated for it, except for a text with odd
  * characters. */
 #include <cjson/cJSON.h>
 #include <math.h>
