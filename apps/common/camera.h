@@ -1,4 +1,4 @@
-/* apps/common/camera.h: the camera of a command: which one, and its controls put back whatever happens. */
+/* apps/common/camera.h: the camera of a command: which one, and its controls put back in any case. */
 #ifndef PUPIL_APPS_COMMON_CAMERA_H
 #define PUPIL_APPS_COMMON_CAMERA_H
 

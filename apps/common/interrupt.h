@@ -6,7 +6,7 @@
  * SIGPIPE is ignored: a closed pipe is an error of the write. */
 void interrupt_watch(void);
 int interrupt_came(void);
-int interrupt_again(void); /* twice: whoever waits for an end has no more patience */
+int interrupt_again(void); /* twice: the user does not wait for a clean end */
 
 /* Where the program dies of a fault of its own (SIGSEGV, SIGABRT ...) or of SIGQUIT, `act` is called first, with what a
  * signal handler may do. NULL: no longer. */

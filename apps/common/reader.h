@@ -1,4 +1,4 @@
-/* apps/common/reader.h: whoever reads standard output. */
+/* apps/common/reader.h: the program that reads standard output. */
 #ifndef PUPIL_APPS_COMMON_READER_H
 #define PUPIL_APPS_COMMON_READER_H
 

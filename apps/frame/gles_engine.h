@@ -1,7 +1,7 @@
 /* apps/frame/gles_engine.h: the pixels of a frame on the GPU.
  *
- * What is replayed must not depend on how fast the GPU is: metering waits for the frame's statistics, so that it is
- * mapped by its own light (or, fused, by that of the frame before), as on the CPU.
+ * What is replayed must not depend on how fast the GPU is: metering waits for the frame's statistics. So it is mapped
+ * by its own light (or, fused, by that of the frame before), as on the CPU.
  *
  * Errors: -1 and a sentence. The GPU is then of no more use: gles_engine_close.
  *

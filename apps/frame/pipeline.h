@@ -3,7 +3,7 @@
  *
  *     frame_pipeline_meter -> (the caller may replace the curve) -> frame_pipeline_map
  *
- * The curve of a frame is in one place: `curve`. Whoever wants to know how a frame is mapped reads it there.
+ * The curve of a frame is in one place: `curve`. How a frame is mapped can be read there.
  *
  * Threads: the one that opens it.
  */

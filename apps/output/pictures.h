@@ -21,7 +21,7 @@ int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame
 
 /* After one failed to write or to finish: it is discarded; the others continue. */
 void pictures_drop(pictures *o);
-/* 1: it was standard output, and whoever read it is gone. */
+/* 1: it was standard output, and its reader is gone. */
 int pictures_reader_gone(const pictures *o);
 
 /* Finishes all, up to the first that fails: those before it are complete, those after it as they were. */

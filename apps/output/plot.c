@@ -129,7 +129,7 @@ static FILE *in_memory(void)
     return file;
 }
 
-/* gnuplot does not say that a disk is full, so its picture is written by whoever notices. */
+/* gnuplot does not say that a disk is full, so its picture is written by this program, which notices. */
 static int save(FILE *picture, const char *temporary, const char *path, pupil_why *why)
 {
     char block[65536];

@@ -17,7 +17,7 @@ typedef struct pupil_stats_file pupil_stats_file;
 int pupil_stats_file_open(pupil_stats_file **file, const char *path, pupil_why *why);
 int pupil_stats_file_write(pupil_stats_file *file, const frame_log_entry *record, pupil_why *why);
 
-/* 1: it goes to standard output, and whoever read that is gone. */
+/* 1: it goes to standard output, and its reader is gone. */
 int pupil_stats_reader_gone(const pupil_stats_file *file);
 
 /* Puts the file in its place. It is gone afterwards, whether that succeeded or not. */

@@ -189,7 +189,7 @@ static void tell(const record *r)
     fputc('\n', stderr);
 }
 
-/* Ctrl-C is the usual end. Whatever failed, frames that were written stay. */
+/* Ctrl-C is the usual end. Frames that were written remain, also after a failure. */
 static int end(record *r, int failed)
 {
     pupil_why unused;

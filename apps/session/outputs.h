@@ -1,7 +1,7 @@
 /* apps/session/outputs.h: everything that a run of frames leaves: pictures, statistics, a plot, a report, a recording.
  *
  * Of files they are all complete, or none is there. Of a live camera (`live`) a frame does not come twice: what has
- * been written becomes complete, whatever ended the run, and an output that fails takes no other with it.
+ * been written becomes complete in any case, and an output that fails takes no other with it.
  */
 #ifndef PUPIL_APPS_SESSION_OUTPUTS_H
 #define PUPIL_APPS_SESSION_OUTPUTS_H

@@ -21,7 +21,7 @@ typedef struct session {
     view *view; /* NULL: no window (yet) */
     progress progress;
     uint64_t frames;  /* shown */
-    int ended;        /* the window was closed, or whoever read an output has seen enough */
+    int ended;        /* the window was closed, or the reader of an output has ended */
     double metered_s; /* progress_now_s, when metering began */
     pupil_why why;    /* why it failed */
 } session;

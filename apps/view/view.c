@@ -51,7 +51,7 @@ struct view {
 
 /* --- drawing --- */
 
-/* A part of the picture as `curve` maps it, by whoever does the frames. */
+/* A part of the picture as `curve` maps it, by what maps the frames. */
 static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_t height, float from, float to)
 {
     const pupil_gles_target target = {.width = width, .height = height, .from = from, .to = to};

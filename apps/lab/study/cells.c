@@ -43,7 +43,7 @@ static uint16_t first_frame(study_target *target, const double *u, uint32_t from
     return (uint16_t)i;
 }
 
-/* Everything that the workers share. The u* come first, then the runs, a run at a time to whoever is free. */
+/* Everything that the workers share. The u* come first, then the runs, a run at a time to a free thread. */
 typedef struct job {
     study_cells *cells;
     study_target *targets;

@@ -153,7 +153,7 @@ static void write_csv(FILE *out, const study_result *r)
     study_csv(out, r->cells);
 }
 
-/* "folder/name"; a name that does not fit is refused by whoever opens it. */
+/* "folder/name"; a name that does not fit is refused where it is opened. */
 static const char *within(const study *s, const char *name)
 {
     static char path[4096];
