@@ -14,6 +14,7 @@ static void put_help(FILE *out)
         fprintf(out, "  %-8s %s\n", (*c)->name, (*c)->summary);
     fputs("  help     this text, or 'pupil help COMMAND'\n"
           "  version  the version of the program and of the library\n"
+          "  completion bash   what completes options in that shell\n"
           "'pupil COMMAND --help' fits a screen; 'man pupil' has everything.\n",
           out);
 }
@@ -62,7 +63,10 @@ int main(int argc, char **argv)
     if (strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
         return help(what);
     if (strcmp(name, "completion") == 0 && strcmp(what, "bash") == 0) {
-        options_completion(pupil_commands, stdout);
+        if (argc > 3)
+            options_complete(pupil_commands, argc - 3, argv + 3, stdout);
+        else
+            options_completion(stdout);
         return 0;
     }
     if (strcmp(name, "completion") == 0)

@@ -78,26 +78,6 @@ static int parse_white(const option_value *v)
     return word >= 0 ? OPTIONS_RUN : option_number(v, v->row->low, v->row->high, &o->config.white);
 }
 
-static int parse_formula(const option_value *v)
-{
-    frame_options *o = v->options;
-    const int place = option_word(v->text, v->row->value);
-    if (place < 0)
-        return option_refuse(v, NULL);
-    o->config.law = (uint32_t)(PUPIL_LAW_ARITHMETIC_SCALE + place);
-    return OPTIONS_RUN;
-}
-
-static int parse_gles_version(const option_value *v)
-{
-    frame_options *o = v->options;
-    const int place = option_word(v->text, v->row->value);
-    if (place < 0)
-        return option_refuse(v, NULL);
-    o->gles_version = place ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
-    return OPTIONS_RUN;
-}
-
 /* --- the table --- */
 
 #define AT(field) offsetof(frame_options, field)
@@ -118,7 +98,8 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .help = "time constant toward more light, seconds", .more = "0 is at once."},
     {"tau-dark", 0, OPTION_NUMBER, "S", AT(config.tau_dark_s), .initial = "0.9", .high = 1e6, .unit = "seconds",
      .help = "time constant toward less light, seconds"},
-    {"formula", 0, OPTION_CHOICE, "1|2|3|4", 0, .parse = parse_formula, .help = "a formula of the study instead",
+    {"formula", 0, OPTION_CHOICE, "1|2|3|4", AT(config.law), .low = PUPIL_LAW_ARITHMETIC_SCALE,
+     .help = "a formula of the study instead",
      .more = "The four formulas weight each frame, not each second: docs/numerics.md."},
     {"weight", 0, OPTION_NUMBER, "W", AT(config.frame_weight), .initial = "0.05", .low = 0x1p-1022, .high = 1.0,
      .right = "above 0, up to 1", .help = "its weight of each new frame"},
@@ -156,14 +137,17 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
          "OpenGL ES 3.1 or 3.0, without a window. The outputs are the CPU's within one display code. Where the GPU is "
          "missing or fails, a sentence says why, and the CPU continues from the same level. --meter-rows is not used: "
          "every row is metered."},
-    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", 0, .parse = parse_gles_version, .help = "of --gles and --view",
+    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", AT(gles_version), .low = PUPIL_GLES_ES30,
+     .help = "of --gles and --view",
      .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim."},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
      .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
 };
 
-_Static_assert(PUPIL_ORDER_FUSED == 1 && PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_GAMMA22 == 1,
-               "flags set 1, and a choice its place");
+_Static_assert(PUPIL_ORDER_FUSED == 1 && PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_LINEAR == 2 &&
+                   PUPIL_GLES_ES31 == PUPIL_GLES_ES30 + 1 &&
+                   PUPIL_LAW_GEOMETRIC_LUMINANCE == PUPIL_LAW_ARITHMETIC_SCALE + 3,
+               "a flag sets 1, and a choice its first value and its place");
 
 /* --- the rest --- */
 

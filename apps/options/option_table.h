@@ -25,7 +25,7 @@ typedef enum option_kind {
     OPTION_NUMBER,   /* a double, low..high */
     OPTION_COUNT,    /* a uint64_t, low..high */
     OPTION_COUNT32,  /* a uint32_t, low..high */
-    OPTION_CHOICE,   /* one of the words ("a|b|c") of `value` or `words`: its place, from 0, in a uint32_t */
+    OPTION_CHOICE,   /* one of the words ("a|b|c") of `value` or `words`: low and its place in a uint32_t */
     OPTION_TIME,     /* 10ms, 1/100, 2min; a plain number counts in unit_s: a double in seconds, low..high */
     OPTION_SIZE,     /* 640x360: two uint32_t, each 1..high */
     OPTION_TEXT,     /* a const char *, not empty */
@@ -122,10 +122,13 @@ const char *option_words_of(const option_row *row);
 /* What would be right, as in the sentence. */
 void option_right(const option_row *row, char *text, size_t bytes);
 
-/* --help of one command; all commands as a man page; completion for bash. */
+/* --help of one command; all commands as a man page. */
 void options_help(const option_command *command, FILE *out);
 void options_manual(const option_command *const *commands, FILE *out);
-void options_completion(const option_command *const *commands, FILE *out);
+
+/* The completion for bash, which asks for what can be in the place of the last of some words: a line each. */
+void options_completion(FILE *out);
+void options_complete(const option_command *const *commands, int count, char **words, FILE *out);
 
 /* Rows that several commands have. */
 #define OPTION_ROW_QUIET(type, field)                                                                                  \

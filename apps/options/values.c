@@ -128,7 +128,7 @@ int option_take(const option_value *v)
         word = option_word(v->text, option_words_of(row));
         if (word < 0)
             return option_refuse(v, NULL);
-        *(uint32_t *)place = (uint32_t)word;
+        *(uint32_t *)place = (uint32_t)row->low + (uint32_t)word;
         return OPTIONS_RUN;
     case OPTION_TIME:
         return option_time(v, row->low, row->high, place);

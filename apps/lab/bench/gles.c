@@ -189,16 +189,6 @@ static int parse_format(const option_value *v)
     return o->pixel ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-static int parse_version(const option_value *v)
-{
-    options *o = v->options;
-    const int place = option_word(v->text, v->row->value);
-    if (place < 0)
-        return option_refuse(v, NULL);
-    o->version = place ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
-    return OPTIONS_RUN;
-}
-
 #define AT(field) offsetof(options, field)
 
 static const option_row rows[] = {
@@ -210,7 +200,7 @@ static const option_row rows[] = {
      .help = "frames back to back on the GPU before each wait (8; software: 1)"},
     {"rounds", 0, OPTION_COUNT32, "N", AT(rounds), .low = 1, .high = 10000,
      .help = "each is run N times; the median counts (7; software: 3)"},
-    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", 0, .parse = parse_version,
+    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", AT(version), .low = PUPIL_GLES_ES30,
      .help = "version of OpenGL ES (the best one)"},
     OPTION_ROW_JSON(options, json, "one object a line for each part"),
     OPTION_ROW_QUIET(options, quiet),

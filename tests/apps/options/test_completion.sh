@@ -5,6 +5,7 @@ program=${PUPIL_PROGRAM:?}
 command -v bash >/dev/null || { echo "skipped: no bash"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+PATH=$(dirname "$program"):$PATH
 "$program" completion bash >"$work/pupil"
 bash -n "$work/pupil"
 "$program" completion fish >/dev/null 2>"$work/said" && { echo "FAILED: fish"; exit 1; }
