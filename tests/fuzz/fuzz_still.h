@@ -14,8 +14,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static pupil_still still;
     pupil_why why = {""};
-    if (READER(&still, bytes, size, why, sizeof why) != 0) {
-        if (!*why)
+    if (READER(&still, bytes, size, &why) != 0) {
+        if (!*why.text)
             abort(); /* a refusal without a sentence */
         return 0;
     }
