@@ -1,6 +1,7 @@
 /* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
 #include <stdio.h>
 
+#include "common/command_line.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
 #include "options.h"
@@ -160,7 +161,7 @@ int replay_main(int argc, char **argv)
     char command[4096], by[640];
     s->command = "pupil replay";
     s->options = &r.options;
-    replay_report_command(command, sizeof command, argc, argv); /* before parsing moves argv about */
+    command_line(command, sizeof command, argc, argv); /* before parsing moves argv about */
     const int parsed = replay_options_parse(&r.options, argc, argv, &s->why);
     r.options.command = command;
     if (parsed == OPTIONS_HELP)

@@ -32,21 +32,6 @@ struct replay_report {
     double process_us, memcpy_us, pixels; /* over the verified frames */
 };
 
-/* Quoted where a shell would otherwise take it apart. */
-void replay_report_command(char *text, size_t bytes, int argc, char **argv)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,./:@%";
-    size_t at = (size_t)snprintf(text, bytes, "pupil");
-    for (int i = 0; i < argc && at < bytes; i++) {
-        const char *quote = *argv[i] && strspn(argv[i], plain) == strlen(argv[i]) ? "" : "'";
-        at += (size_t)snprintf(text + at, bytes - at, " %s", quote);
-        for (const char *c = argv[i]; *c && at < bytes; c++)
-            at += (size_t)snprintf(text + at, bytes - at, *c == '\'' ? "'\\''" : "%c", *c);
-        if (at < bytes)
-            at += (size_t)snprintf(text + at, bytes - at, "%s", quote);
-    }
-}
-
 int replay_report_open(replay_report **report, const frame_options *options, const pupil_sink_options *video,
                        uint64_t frames, pupil_why *why)
 {

@@ -11,9 +11,6 @@
 
 typedef struct replay_report replay_report;
 
-/* The command line as a user would type it again. */
-void replay_report_command(char *text, size_t bytes, int argc, char **argv);
-
 /* `frames`: how many are expected, 0 where unknown. The options stay the caller's. 0, or -1 and a sentence. */
 int replay_report_open(replay_report **report, const frame_options *options, const pupil_sink_options *video,
                        uint64_t frames, pupil_why *why);

@@ -7,6 +7,7 @@
 
 #include "bench.h"
 #include "common/interrupt.h"
+#include "common/report_error.h"
 #include "egl/egl_context.h"
 #include "frames.h"
 #include "gles_subject.h"
@@ -113,7 +114,7 @@ static int measure(const options *o, const machine *m, bench_gles_subject *s)
             runner[cpu_at[part] = n++] = (bench_runner){.run = cpu, .context = s};
     }
     if (bench_gles_compare(s, &error, &why)) { /* warms everything up, too */
-        fprintf(stderr, "pupil bench: %s\n", why.text);
+        report_error("pupil bench", &why, "");
         return BENCH_FAILED;
     }
     if (bench_race(runner, n, o->rounds, NULL, interrupt_came))
@@ -235,7 +236,7 @@ int bench_gles_main(int argc, char **argv)
     interrupt_watch();
     const pupil_egl_options context = {.version = o.version};
     if (pupil_egl_open(&m.egl, &context, &why) || gl_calls_load(&m.gl, pupil_egl_get_proc, &why)) {
-        fprintf(stderr, "pupil bench: %s\n", why.text);
+        report_error("pupil bench", &why, "");
         pupil_egl_close(m.egl);
         return BENCH_FAILED;
     }

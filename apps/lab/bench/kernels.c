@@ -8,6 +8,7 @@
 #include "clock.h"
 #include "common/interrupt.h"
 #include "common/pixel_light.h"
+#include "common/report_error.h"
 #include "frames.h"
 #include "output/plot.h"
 #include "subject.h"
@@ -133,7 +134,7 @@ int bench_kernels_main(int argc, char **argv)
         return BENCH_USAGE;
     pupil_why why;
     if (o.plot && pupil_plot_check(o.plot, &why)) {
-        fprintf(stderr, "pupil bench: %s\n", why.text);
+        report_error("pupil bench", &why, "");
         return BENCH_FAILED;
     }
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);

@@ -6,6 +6,7 @@
 
 #include "choices.h"
 #include "common/interrupt.h"
+#include "common/report_error.h"
 #include "output/plot.h"
 
 /* In pixels of the picture; a letter as wide as gnuplot's Sans of 10 points comes to on average. */
@@ -240,7 +241,7 @@ int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush)
              (unsigned long)o->height, bench_level_names[level], flush ? "cold" : "warm");
     const drawing d = {choice, count, title};
     if (pupil_plot_draw(o->plot, script, &d, &why)) {
-        fprintf(stderr, "pupil bench: %s\n", why.text);
+        report_error("pupil bench", &why, "");
         return BENCH_FAILED;
     }
     return BENCH_DONE;

@@ -6,6 +6,7 @@
 
 #include "common/interrupt.h"
 #include "common/progress.h"
+#include "common/report_error.h"
 #include "file/sink/linear_sink.h"
 #include "frame/pipeline.h"
 #include "options/commands.h"
@@ -222,7 +223,7 @@ int render_main(int argc, char **argv)
     if (interrupted)
         fprintf(stderr, "pupil render: interrupted\n");
     else if (failed)
-        fprintf(stderr, "pupil render: %s\n", r.why.text);
+        report_error("pupil render", &r.why, "");
     else if (!r.quiet)
         fprintf(stderr, "rendered %llu frames in %.1f s\n", (unsigned long long)r.rendered, progress_now_s() - began_s);
     return interrupted ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : EXIT_DONE;

@@ -26,7 +26,7 @@ int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why)
     /* what an owner believes who knows no better than that 4 is the longest that is usual, or has seen it jitter */
     const uint32_t late = loop->plant.jitter[0] > loop->plant.jitter[1] ? loop->plant.jitter[0] : loop->plant.jitter[1];
     loop->sensor.delay_frames = 4 + late;
-    sim_tell(o);
+    sim_configure(o);
     o->duration_s = fixture_light_last_s(&loop->script) + TAIL_FRAMES * loop->plant.frame_s;
     return 0;
 }

@@ -35,13 +35,14 @@ int sim_stats(const sim_run *run, pupil_why *why);
 int sim_plot(const sim_run *run, pupil_why *why);
 void sim_summary(const sim_run *run, FILE *out);
 
-/* The controller's config, once its camera is there: what the options say of it. */
-void sim_tell(sim_options *o);
-
-/* The plant and script of a seed, with the controller of `o`. 0, or -1 and a sentence. */
-int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why);
-/* How long it runs, and from which frame on nothing happens any more. */
+/* setup.c. The controller's config, once its camera is there: what the options say of it. */
+void sim_configure(sim_options *o);
+/* How long the loop runs, and from which frame on nothing happens any more. */
 size_t sim_frames(const sim_options *o, size_t *event);
+enum { SIM_REST_FRAMES = 60 }; /* at the end of a run, after the last event */
+
+/* random.c. The plant and script of a seed, with the controller of `o`. 0, or -1 and a sentence. */
+int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why);
 enum { SIM_RANDOM_REST = 120 }; /* frames at the end of such a run in which nothing may swing */
 /* Many of them; the exit status. */
 int sim_random(const sim_options *o);

@@ -8,14 +8,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/command_line.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
+#include "common/report_error.h"
 #include "file/sink/sink_common.h"
 #include "options.h"
 #include "options/commands.h"
 #include "output/plot.h"
 #include "refuse.h"
-#include "report/replay_report.h"
 
 /* A10: light times 2^shift; what the floor's range leaves room for. */
 static const int shifts[] = {5, -7};
@@ -29,9 +30,8 @@ typedef struct study {
     study_test tests[STUDY_TESTS];
     study_result result;
     workers *team;
-    int shows;         /* progress: stderr is a terminal that is asked for it */
+    progress progress;
     const char *doing; /* what the progress is of */
-    double began_s, shown_s;
     int made_folder;
     char command[4096];
     pupil_why why;
@@ -42,19 +42,12 @@ typedef struct study {
 static int show(void *context, unsigned done, unsigned total)
 {
     study *s = context;
-    double now_s = progress_now_s();
-    if (s->shows && now_s - s->shown_s >= 0.1) {
-        s->shown_s = now_s;
-        fprintf(stderr, "\r\033[K%s: %u of %u, %.0f s", s->doing, done, total, now_s - s->began_s);
+    const progress *p = &s->progress;
+    if (progress_due(&s->progress, 0.1)) {
+        fprintf(stderr, "%s: %u of %u, %.0f s", s->doing, done, total, p->last_s - p->began_s);
         fflush(stderr);
     }
     return interrupt_came();
-}
-
-static void clear(const study *s)
-{
-    if (s->shows)
-        fputs("\r\033[K", stderr);
 }
 
 static int failed_code(study *s, int code)
@@ -203,7 +196,8 @@ static unsigned long tell(const study *s)
     unsigned long violations = 0;
     printf("%s, %lux%lu: r = %.3f (%.2f stops), %llu pictures compared, %.1f s\n", s->options.scene,
            (unsigned long)s->cells.width, (unsigned long)s->cells.height, exp(ln_r(s)),
-           s->lights.ev[1] - s->lights.ev[0], (unsigned long long)s->result.renders, progress_now_s() - s->began_s);
+           s->lights.ev[1] - s->lights.ev[0], (unsigned long long)s->result.renders,
+           progress_now_s() - s->progress.began_s);
     for (int light = 1; light >= 0; light--)
         printf("u* %-3s  %.3e  %.3e  %.3e  %.3e\n", light ? "on" : "off", s->cells.u_star[light][0],
                s->cells.u_star[light][1], s->cells.u_star[light][2], s->cells.u_star[light][3]);
@@ -221,7 +215,7 @@ static int regression(study *s)
 {
     static study_regression r;
     if (study_regression_make(&r, s->options.regression, &s->why)) {
-        fprintf(stderr, "pupil study: %s\n", s->why.text);
+        report_error("pupil study", &s->why, "");
         return EXIT_FAILED;
     }
     study_test order = {.name = "A2"}, equal = {.name = "A3"}, one_number = {.name = "A5"};
@@ -241,9 +235,7 @@ static int regression(study *s)
 
 static int run(study *s)
 {
-    s->began_s = progress_now_s();
-    const char *terminal = getenv("TERM");
-    s->shows = !s->options.quiet && terminal && strcmp(terminal, "dumb") != 0 && isatty(STDERR_FILENO);
+    progress_begin(&s->progress, s->options.quiet, 0);
     s->team = workers_open(s->options.threads);
     if (!s->team)
         return pupil_refuse(&s->why, "not enough memory");
@@ -264,19 +256,19 @@ static int run(study *s)
 int study_main(int argc, char **argv)
 {
     static study s; /* the states alone are 5 MB */
-    replay_report_command(s.command, sizeof s.command, argc, argv);
+    command_line(s.command, sizeof s.command, argc, argv);
     int parsed = study_options_parse(&s.options, argc, argv, &s.why);
     if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
     if (parsed) {
-        fprintf(stderr, "pupil study: %s\n", s.why.text);
+        report_error("pupil study", &s.why, "");
         return EXIT_USAGE;
     }
     if (s.options.regression)
         return regression(&s);
     interrupt_watch();
     int failed = run(&s), status = EXIT_DONE;
-    clear(&s);
+    progress_clear(&s.progress);
     workers_close(s.team);
     study_images_free(&s.images);
     if (failed && s.made_folder)
@@ -286,7 +278,7 @@ int study_main(int argc, char **argv)
         return EXIT_INTERRUPTED;
     }
     if (failed) {
-        fprintf(stderr, "pupil study: %s\n", s.why.text);
+        report_error("pupil study", &s.why, "");
         return EXIT_FAILED;
     }
     if (tell(&s) && s.options.check)

@@ -6,13 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/report_error.h"
 #include "options/commands.h"
 #include "options/key_at.h"
 #include "output/plot.h"
 #include "refuse.h"
 #include "source.h"
-
-enum { MOST_FRAMES = 1000000, REST_FRAMES = 60 };
 
 static const char light_help[] =
     "what the light does; statements are separated by ';', times are from the beginning:\n"
@@ -145,18 +144,7 @@ const option_command sim_command = {
     .run = sim_main,
 };
 
-void sim_tell(sim_options *o)
-{
-    pupil_sensor_config *c = &o->loop.sensor;
-    if (o->believed)
-        c->delay_frames = o->believed;
-    c->mains_hz = o->mains_hz;
-    if (o->key_at)
-        key_at_parse(o->key_at, c); /* it was right when it was read */
-}
-
-/* What goes together, and the loop that the options represent; an exit status, and a sentence. */
-/* 0, or -1 for options that exclude each other. */
+/* 0, or -1 and a sentence for options that exclude each other. */
 static int check_together(const sim_options *o, pupil_why *why)
 {
     if (o->plants && (o->camera || *o->light || o->scene || o->duration_s > 0.0))
@@ -169,6 +157,7 @@ static int check_together(const sim_options *o, pupil_why *why)
     return 0;
 }
 
+/* The loop that the options represent; an exit status, and a sentence. */
 static int prepare(sim_options *o, pupil_why *why)
 {
     if (check_together(o, why))
@@ -188,26 +177,13 @@ static int prepare(sim_options *o, pupil_why *why)
         return EXIT_FAILED;
     o->loop.plant.luminance = o->luminance;
     fixture_loop_fit(&o->loop);
-    sim_tell(o);
+    sim_configure(o);
     return EXIT_DONE;
-}
-
-size_t sim_frames(const sim_options *o, size_t *event)
-{
-    const double frame_s = o->loop.plant.frame_s, last_s = fixture_light_last_s(&o->loop.script);
-    const double frames = ceil((o->duration_s > 0.0 ? o->duration_s : last_s + 10.0) / frame_s);
-    const size_t count = frames < REST_FRAMES + 1 ? REST_FRAMES + 1
-                         : frames > MOST_FRAMES   ? MOST_FRAMES
-                                                  : (size_t)frames;
-    const double at = ceil(last_s / frame_s - 1e-6);
-    const size_t latest = count - REST_FRAMES;
-    *event = at < (double)latest ? (size_t)at : latest;
-    return count;
 }
 
 static int run_one(sim_options *o, pupil_why *why)
 {
-    sim_run run = {.options = o, .rest = o->plants ? SIM_RANDOM_REST : REST_FRAMES};
+    sim_run run = {.options = o, .rest = o->plants ? SIM_RANDOM_REST : SIM_REST_FRAMES};
     run.frames = sim_frames(o, &run.event);
     run.frame = malloc(run.frames * sizeof *run.frame);
     int failed = run.frame ? fixture_loop_run(&o->loop, run.frames, run.frame, why)
@@ -244,7 +220,7 @@ int sim_main(int argc, char **argv)
         status = o.plants > 1 ? sim_random(&o) : run_one(&o, &why);
     free(o.luminance);
     if (*why.text)
-        fprintf(stderr, "pupil sim: %s\n", why.text);
+        report_error("pupil sim", &why, "");
     if (fflush(stdout) != 0 && status == EXIT_DONE) {
         fputs("pupil sim: standard output cannot be written\n", stderr);
         return EXIT_FAILED;

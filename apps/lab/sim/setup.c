@@ -1,0 +1,30 @@
+/* The loop that the options represent: its controller, and how long it runs. */
+#include <math.h>
+
+#include "options/key_at.h"
+#include "sim.h"
+
+enum { MOST_FRAMES = 1000000 };
+
+void sim_configure(sim_options *o)
+{
+    pupil_sensor_config *c = &o->loop.sensor;
+    if (o->believed)
+        c->delay_frames = o->believed;
+    c->mains_hz = o->mains_hz;
+    if (o->key_at)
+        key_at_parse(o->key_at, c); /* it was right when it was read */
+}
+
+size_t sim_frames(const sim_options *o, size_t *event)
+{
+    const double frame_s = o->loop.plant.frame_s, last_s = fixture_light_last_s(&o->loop.script);
+    const double frames = ceil((o->duration_s > 0.0 ? o->duration_s : last_s + 10.0) / frame_s);
+    const size_t count = frames < SIM_REST_FRAMES + 1 ? SIM_REST_FRAMES + 1
+                         : frames > MOST_FRAMES       ? MOST_FRAMES
+                                                      : (size_t)frames;
+    const double at = ceil(last_s / frame_s - 1e-6);
+    const size_t latest = count - SIM_REST_FRAMES;
+    *event = at < (double)latest ? (size_t)at : latest;
+    return count;
+}
