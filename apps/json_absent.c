@@ -4,7 +4,7 @@
 
 #include "file/sink/sink_common.h"
 #include "list/list.h"
-#include "output/stats_file.h"
+#include "output/stats_json.h"
 #include "probe/probe.h"
 #include "refuse.h"
 

@@ -26,28 +26,4 @@ int pupil_stats_file_finish(pupil_stats_file *file, pupil_why *why);
 /* Leaves nothing. Takes NULL. */
 void pupil_stats_file_discard(pupil_stats_file *file);
 
-/* --- for the writers of lines --- */
-
-/* The fields of a record in the order of the file, each with its name and place. */
-typedef struct pupil_stats_field {
-    const char *name;
-    enum { STATS_COUNT, STATS_TEXT, STATS_NUMBER } kind;
-    size_t offset;
-} pupil_stats_field;
-
-extern const pupil_stats_field pupil_stats_fields[];
-extern const size_t pupil_stats_field_count;      /* of a replay's records, */
-extern const size_t pupil_stats_live_field_count; /* and with those of a live camera's, which follow */
-size_t pupil_stats_fields_of(const frame_log_entry *record);
-
-uint64_t pupil_stats_count(const frame_log_entry *record, const pupil_stats_field *field);
-const char *pupil_stats_text(const frame_log_entry *record, const pupil_stats_field *field); /* never NULL */
-double pupil_stats_number(const frame_log_entry *record, const pupil_stats_field *field);
-
-/* One record as one line of JSON; -1: not enough memory. What cannot be written is left to ferror. */
-int pupil_stats_json_line(FILE *file, const frame_log_entry *record);
-
-/* 0, or -1 and a sentence where this program was built without JSON. */
-int pupil_stats_json_check(const char *path, pupil_why *why);
-
 #endif

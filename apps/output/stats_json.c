@@ -7,7 +7,8 @@
 #include <string.h>
 
 #include "file/common/utf8.h"
-#include "stats_file.h"
+#include "stats_fields.h"
+#include "stats_json.h"
 
 int pupil_stats_json_check(const char *path, pupil_why *why)
 {
