@@ -1,6 +1,7 @@
 /* --stats: what is read back is what was written, bit for bit; odd names and numbers; complete or absent. */
 #include "output/stats_fields.h"
 #include "output/stats_file.h"
+#include "output/stats_json.h"
 
 #include <math.h>
 #include <stddef.h>
