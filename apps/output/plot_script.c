@@ -16,85 +16,64 @@
 
 /* --- what is drawn --- */
 
-static double get_time(const frame_log_entry *r)
-{
-    return r->time_s;
-}
-
-static double get_metered(const frame_log_entry *r)
-{
-    return r->metered_ev;
-}
-
-static double get_adapted(const frame_log_entry *r)
-{
-    return r->adapted_ev;
-}
-
-static double get_p01(const frame_log_entry *r)
-{
-    return r->p01_ev;
-}
-
-static double get_p99(const frame_log_entry *r)
-{
-    return r->p99_ev;
-}
-
-static double get_level(const frame_log_entry *r)
-{
-    return r->output_level;
-}
-
-static double get_clipped(const frame_log_entry *r)
-{
-    return 100.0 * r->clipped_share;
-}
-
-static double get_black(const frame_log_entry *r)
-{
-    return 100.0 * r->black_share;
-}
-
-static double get_white(const frame_log_entry *r)
-{
-    return 100.0 * r->output_white_share;
-}
-
-static double get_exposure(const frame_log_entry *r)
-{
-    return 1e3 * r->exposure_s;
-}
-
-static double get_asked_exposure(const frame_log_entry *r)
-{
-    return 1e3 * r->asked_exposure_s;
-}
-
-static double get_gain(const frame_log_entry *r)
-{
-    return r->gain;
-}
-
-static double get_asked_gain(const frame_log_entry *r)
-{
-    return r->asked_gain;
-}
-
-static double get_key(const frame_log_entry *r)
-{
-    return r->key;
-}
-
 /* How far off their keys the log-averages are of what the camera gave, and of what is shown of it. */
-static double get_camera_error(const frame_log_entry *r)
+static double camera_error(const frame_log_entry *r)
 {
     return r->scene_ev + log2(r->exposure_s * r->gain / r->camera_key);
 }
 
-static double get_shown_error(const frame_log_entry *r)
+static double shown_error(const frame_log_entry *r)
 {
     return log2(r->output_level / r->key);
+}
+
+#define MEMBER(name) offsetof(frame_log_entry, name)
+
+enum {
+    TIME,
+    P01,
+    P99,
+    METERED,
+    ADAPTED,
+    LEVEL,
+    CLIPPED,
+    BLACK,
+    WHITE,
+    EXPOSURE,
+    ASKED_EXPOSURE,
+    GAIN,
+    ASKED_GAIN,
+    KEY,
+    CAMERA_ERROR,
+    SHOWN_ERROR,
+    VALUES
+};
+
+static const struct {
+    const char *name; /* of its data in the script; NULL: it has none of its own */
+    plot_value value;
+} series[VALUES] = {
+    [TIME] = {NULL, {.offset = MEMBER(time_s)}},
+    [P01] = {NULL, {.offset = MEMBER(p01_ev)}},
+    [P99] = {NULL, {.offset = MEMBER(p99_ev)}},
+    [METERED] = {"metered", {.offset = MEMBER(metered_ev)}},
+    [ADAPTED] = {"adapted", {.offset = MEMBER(adapted_ev)}},
+    [LEVEL] = {"level", {.offset = MEMBER(output_level)}},
+    [CLIPPED] = {"clipped", {.offset = MEMBER(clipped_share), .factor = 100.0}},
+    [BLACK] = {"black", {.offset = MEMBER(black_share), .factor = 100.0}},
+    [WHITE] = {"white", {.offset = MEMBER(output_white_share), .factor = 100.0}},
+    [EXPOSURE] = {"exposure", {.offset = MEMBER(exposure_s), .factor = 1e3}},
+    [ASKED_EXPOSURE] = {"asked_exposure", {.offset = MEMBER(asked_exposure_s), .factor = 1e3}},
+    [GAIN] = {"gain", {.offset = MEMBER(gain)}},
+    [ASKED_GAIN] = {"asked_gain", {.offset = MEMBER(asked_gain)}},
+    [KEY] = {"key", {.offset = MEMBER(key)}},
+    [CAMERA_ERROR] = {"camera_error", {.derived = camera_error}},
+    [SHOWN_ERROR] = {"shown_error", {.derived = shown_error}},
+};
+
+static void range(const frame_log_entry *records, size_t count, int of, double *low, double *high)
+{
+    plot_range(records, count, &series[of].value, low, high);
 }
 
 /* --- the script --- */
@@ -113,28 +92,14 @@ static void quoted(FILE *out, const char *text)
 
 static void data(FILE *out, const frame_log_entry *records, size_t count)
 {
-    static const struct {
-        const char *name;
-        plot_value *value;
-    } series[] = {{"metered", get_metered},
-                  {"adapted", get_adapted},
-                  {"level", get_level},
-                  {"clipped", get_clipped},
-                  {"black", get_black},
-                  {"white", get_white},
-                  {"exposure", get_exposure},
-                  {"asked_exposure", get_asked_exposure},
-                  {"gain", get_gain},
-                  {"asked_gain", get_asked_gain},
-                  {"key", get_key},
-                  {"camera_error", get_camera_error},
-                  {"shown_error", get_shown_error}};
     fputs("$range << END\n", out);
-    plot_band(out, records, count, get_p01, get_p99);
+    plot_band(out, records, count, &series[P01].value, &series[P99].value);
     fputs("END\n", out);
-    for (size_t i = 0; i < sizeof series / sizeof series[0]; i++) {
+    for (size_t i = 0; i < VALUES; i++) {
+        if (!series[i].name)
+            continue;
         fprintf(out, "$%s << END\n", series[i].name);
-        plot_series(out, records, count, series[i].value);
+        plot_series(out, records, count, &series[i].value);
         fputs("END\n", out);
     }
 }
@@ -164,27 +129,27 @@ static void panel(FILE *out, const double *top, int index, const char *label)
 }
 
 /* What the camera was asked for, and what frames were taken with; both in powers of two. */
-static void camera_panel(FILE *out, int index, const char *label, const char *name, plot_value *value,
-                         plot_value *asked, const frame_log_entry *records, size_t count)
+static void camera_panel(FILE *out, int index, const char *label, int value, int asked, const frame_log_entry *records,
+                         size_t count)
 {
     double low = INFINITY, high = 0.0;
-    plot_range(records, count, value, &low, &high);
-    plot_range(records, count, asked, &low, &high);
+    range(records, count, value, &low, &high);
+    range(records, count, asked, &low, &high);
     if (!(low > 0.0 && low <= high))
         low = high = 1.0;
     panel(out, camera_edges, index, label);
     fprintf(out, "set logscale y 2\nset yrange [%.9g:%.9g]\n", low / 1.5, high * 1.5);
     fprintf(out,
-            "plot $asked_%s w steps lw 1.2 lc '" ORANGE "' t 'asked', $%s w steps lw 2 lc '" BLUE "' t 'in force'\n"
+            "plot $%s w steps lw 1.2 lc '" ORANGE "' t 'asked', $%s w steps lw 2 lc '" BLUE "' t 'in force'\n"
             "unset logscale y\n",
-            name, name);
+            series[asked].name, series[value].name);
 }
 
 /* Of error: 0; with its number, where it was the same all the time. */
 static void key_line(FILE *out, const frame_log_entry *records, size_t count, int of_error)
 {
     double low = INFINITY, high = -INFINITY;
-    plot_range(records, count, get_key, &low, &high);
+    range(records, count, KEY, &low, &high);
     if (low == high)
         fprintf(out, "plot %.9g w lines dt 2 lw 1.4 lc '#555555' t 'key %g'", of_error ? 0.0 : low, low);
     else
@@ -194,8 +159,8 @@ static void key_line(FILE *out, const frame_log_entry *records, size_t count, in
 static void error_panel(FILE *out, const char *style, const frame_log_entry *records, size_t count)
 {
     double low = 0.0, high = 0.0;
-    plot_range(records, count, get_camera_error, &low, &high);
-    plot_range(records, count, get_shown_error, &low, &high);
+    range(records, count, CAMERA_ERROR, &low, &high);
+    range(records, count, SHOWN_ERROR, &low, &high);
     panel(out, camera_edges, 3, "error, EV");
     axis(out, 'y', low, high, 0.06, 0.5);
     key_line(out, records, count, 1);
@@ -208,10 +173,10 @@ static void error_panel(FILE *out, const char *style, const frame_log_entry *rec
 static void light_panel(FILE *out, const double *edges, const char *style, const frame_log_entry *records, size_t count)
 {
     double low = INFINITY, high = -INFINITY;
-    plot_range(records, count, get_p01, &low, &high);
-    plot_range(records, count, get_p99, &low, &high);
-    plot_range(records, count, get_metered, &low, &high);
-    plot_range(records, count, get_adapted, &low, &high);
+    range(records, count, P01, &low, &high);
+    range(records, count, P99, &low, &high);
+    range(records, count, METERED, &low, &high);
+    range(records, count, ADAPTED, &low, &high);
     panel(out, edges, 0, "scene light, EV (stops)");
     axis(out, 'y', low, high, 0.04, 2.0);
     fprintf(out,
@@ -224,9 +189,9 @@ static void light_panel(FILE *out, const double *edges, const char *style, const
 static void level_panel(FILE *out, const char *style, const frame_log_entry *records, size_t count)
 {
     double level = 0x1p-10, nothing = 0.0;
-    plot_range(records, count, get_key, &nothing, &level);
+    range(records, count, KEY, &nothing, &level);
     level *= 2.0;
-    plot_range(records, count, get_level, &nothing, &level);
+    range(records, count, LEVEL, &nothing, &level);
     panel(out, plain_edges, 1, "display, linear");
     axis(out, 'y', 0.0, 1.05 * level, 0.0, 0.0);
     key_line(out, records, count, 0);
@@ -237,9 +202,9 @@ static void share_panel(FILE *out, const double *edges, int index, const char *s
                         size_t count)
 {
     double nothing = 0.0, share = 1.0;
-    plot_range(records, count, get_clipped, &nothing, &share);
-    plot_range(records, count, get_black, &nothing, &share);
-    plot_range(records, count, get_white, &nothing, &share);
+    range(records, count, CLIPPED, &nothing, &share);
+    range(records, count, BLACK, &nothing, &share);
+    range(records, count, WHITE, &nothing, &share);
     panel(out, edges, index, "share, %");
     axis(out, 'y', 0.0, 1.05 * share, 0.0, 0.0);
     fprintf(out,
@@ -254,8 +219,8 @@ void plot_script(FILE *out, int is_png, const frame_log_entry *records, size_t c
 {
     const char *style = count <= 60 ? "linespoints pt 7 ps 0.5" : "lines";
     double from = INFINITY, to = -INFINITY, least = INFINITY, most = -INFINITY;
-    plot_range(records, count, get_time, &from, &to);
-    plot_range(records, count, get_exposure, &least, &most);
+    range(records, count, TIME, &from, &to);
+    range(records, count, EXPOSURE, &least, &most);
     const int has_camera = least > 0.0 && least <= most;
     const double *edges = has_camera ? camera_edges : plain_edges;
 
@@ -274,8 +239,8 @@ void plot_script(FILE *out, int is_png, const frame_log_entry *records, size_t c
     axis(out, 'x', from, to, 0.0, 1e-3);
     light_panel(out, edges, style, records, count);
     if (has_camera) {
-        camera_panel(out, 1, "exposure, ms", "exposure", get_exposure, get_asked_exposure, records, count);
-        camera_panel(out, 2, "gain", "gain", get_gain, get_asked_gain, records, count);
+        camera_panel(out, 1, "exposure, ms", EXPOSURE, ASKED_EXPOSURE, records, count);
+        camera_panel(out, 2, "gain", GAIN, ASKED_GAIN, records, count);
         error_panel(out, style, records, count);
     } else {
         level_panel(out, style, records, count);

@@ -2,23 +2,28 @@
 #ifndef PUPIL_APPS_OUTPUT_PLOT_SERIES_H
 #define PUPIL_APPS_OUTPUT_PLOT_SERIES_H
 
+#include <stddef.h>
 #include <stdio.h>
 
 #include "frame_log.h"
 
 #define PLOT_MOST_POINTS 4000 /* over twice the pixels across */
 
-/* Which number of a record. */
-typedef double plot_value(const frame_log_entry *record);
+/* Which number of an entry: its member at `offset` times `factor`, or what `derived` makes of it. */
+typedef struct plot_value {
+    size_t offset; /* of a double in frame_log_entry */
+    double factor; /* 0: 1 */
+    double (*derived)(const frame_log_entry *entry);
+} plot_value;
 
 /* Writes lines "time value" of the finite values, at most PLOT_MOST_POINTS: of each stretch the smallest and the
  * largest, in their order, so that no spike is lost. */
-void plot_series(FILE *out, const frame_log_entry *records, size_t count, plot_value *value);
+void plot_series(FILE *out, const frame_log_entry *records, size_t count, const plot_value *value);
 
 /* Writes lines "time low high": of each stretch the lowest low and the highest high. */
-void plot_band(FILE *out, const frame_log_entry *records, size_t count, plot_value *low, plot_value *high);
+void plot_band(FILE *out, const frame_log_entry *records, size_t count, const plot_value *low, const plot_value *high);
 
 /* The range of the finite values; left as it is where there is none. */
-void plot_range(const frame_log_entry *records, size_t count, plot_value *value, double *low, double *high);
+void plot_range(const frame_log_entry *records, size_t count, const plot_value *value, double *low, double *high);
 
 #endif

@@ -20,21 +20,12 @@ typedef struct panel { /* where one of the two diagrams is, and what its edges r
     double from_s, low, high;
 } panel;
 
-typedef double value_of(const view_plot_point *point);
+/* A member of view_plot_point. */
+typedef enum plotted { METERED, ADAPTED, LEVEL } plotted;
 
-static double metered(const view_plot_point *point)
+static double value_of(const view_plot_point *point, plotted of)
 {
-    return point->metered_ev;
-}
-
-static double adapted(const view_plot_point *point)
-{
-    return point->adapted_ev;
-}
-
-static double level(const view_plot_point *point)
-{
-    return point->level;
+    return of == METERED ? point->metered_ev : of == ADAPTED ? point->adapted_ev : point->level;
 }
 
 void view_plot_add(view_plot *plot, const frame_log_entry *record)
@@ -51,10 +42,10 @@ static const view_plot_point *at(const view_plot *plot, size_t i)
     return &plot->point[(plot->next + VIEW_PLOT_MOST - plot->count + i) % VIEW_PLOT_MOST];
 }
 
-static void widen(const view_plot *plot, panel *on, value_of *value)
+static void widen(const view_plot *plot, panel *on, plotted of)
 {
     for (size_t i = 0; i < plot->count; i++) {
-        const double v = value(at(plot, i));
+        const double v = value_of(at(plot, i), of);
         if (at(plot, i)->time_s < on->from_s || !isfinite(v))
             continue;
         on->low = v < on->low ? v : on->low;
@@ -68,17 +59,16 @@ static float height_of(const panel *on, double value)
     return on->y + on->height * (float)(1.0 - (share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share));
 }
 
-static void curve(const view_plot *plot, view_paint *p, const panel *on, value_of *value, float thick,
-                  view_colour colour)
+static void curve(const view_plot *plot, view_paint *p, const panel *on, plotted of, float thick, view_colour colour)
 {
     float before[2] = {0};
     int begun = 0;
     for (size_t i = 0; i < plot->count; i++) {
         const view_plot_point *point = at(plot, i);
-        if (point->time_s < on->from_s || !isfinite(value(point)))
+        if (point->time_s < on->from_s || !isfinite(value_of(point, of)))
             continue;
         const float here[2] = {on->x + on->width * (float)((point->time_s - on->from_s) / SECONDS),
-                               height_of(on, value(point))};
+                               height_of(on, value_of(point, of))};
         if (begun)
             view_paint_line(p, before, here, thick, colour);
         else
@@ -144,9 +134,9 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     ev.high = -INFINITY;
     if (ev.width <= 0.0f || room <= 0.0f)
         return; /* a window that is too small for a plot */
-    widen(plot, &ev, metered);
-    widen(plot, &ev, adapted);
-    widen(plot, &out, level);
+    widen(plot, &ev, METERED);
+    widen(plot, &ev, ADAPTED);
+    widen(plot, &out, LEVEL);
     if (!(ev.low <= ev.high))
         ev.low = ev.high = 0.0;
     const double more = ev.high - ev.low < 2.0 ? 0.5 * (2.0 - (ev.high - ev.low)) : 0.05 * (ev.high - ev.low);
@@ -159,8 +149,8 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     frame_of(p, &out, scale);
     edges(p, &ev, scale, "%+.1f");
     edges(p, &out, scale, "%.2f");
-    curve(plot, p, &ev, metered, 1.4f * scale, BLUE);
-    curve(plot, p, &ev, adapted, 1.8f * scale, VERMILION);
+    curve(plot, p, &ev, METERED, 1.4f * scale, BLUE);
+    curve(plot, p, &ev, ADAPTED, 1.8f * scale, VERMILION);
     view_paint_box(p, out.x, floorf(height_of(&out, key)), out.width, hair(scale), GREY);
-    curve(plot, p, &out, level, 1.4f * scale, GREEN);
+    curve(plot, p, &out, LEVEL, 1.4f * scale, GREEN);
 }

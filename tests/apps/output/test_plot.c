@@ -21,20 +21,9 @@ static frame_log_entry record(size_t i)
     return r;
 }
 
-static double metered(const frame_log_entry *r)
-{
-    return r->metered_ev;
-}
-
-static double low(const frame_log_entry *r)
-{
-    return r->p01_ev;
-}
-
-static double high(const frame_log_entry *r)
-{
-    return r->p99_ev;
-}
+static const plot_value metered = {.offset = offsetof(frame_log_entry, metered_ev), .factor = 1.0};
+static const plot_value low = {.offset = offsetof(frame_log_entry, p01_ev)};
+static const plot_value high = {.offset = offsetof(frame_log_entry, p99_ev)};
 
 static void check_thinning(size_t count)
 {
@@ -52,7 +41,7 @@ static void check_thinning(size_t count)
     double last = -1.0, time_s, a, b;
 
     FILE *f = tmpfile();
-    plot_series(f, records, count, metered);
+    plot_series(f, records, count, &metered);
     rewind(f);
     while (fgets(line, sizeof line, f)) {
         CHECK(sscanf(line, "%lf %lf", &time_s, &a) == 2 && isfinite(a) && isfinite(time_s) && time_s > last);
@@ -67,7 +56,7 @@ static void check_thinning(size_t count)
 
     double deepest = 0.0;
     f = tmpfile();
-    plot_band(f, records, count, low, high);
+    plot_band(f, records, count, &low, &high);
     rewind(f);
     for (points = 0; fgets(line, sizeof line, f); points++) {
         CHECK(sscanf(line, "%lf %lf %lf", &time_s, &a, &b) == 3 && a < b);
