@@ -1,5 +1,5 @@
 /* tests/fake_v4l2/fake_controls.c: exposure and gain of the fake camera, as a webcam has them. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <stddef.h>

@@ -6,7 +6,7 @@
 #include <libavcodec/avcodec.h>
 #include <libavutil/opt.h>
 
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 /* Y'CbCr 4:2:2 in planes, of YUYV. */
 static int fill(const fake_v4l2_picture *picture, AVFrame *frame)

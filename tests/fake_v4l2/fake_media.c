@@ -1,5 +1,5 @@
 /* tests/fake_v4l2/fake_media.c: the fake camera's media graph: sensor -> receiver -> node. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <linux/media-bus-format.h>

@@ -1,7 +1,7 @@
 /* tests/fake_v4l2/fake_memory.c: memory that is read slowly, dma-heaps and their dma-bufs.
  *
  * A dma-buf has what the camera wrote only after its sync: who reads without one sees what was there before. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <linux/dma-buf.h>

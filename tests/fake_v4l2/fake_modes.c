@@ -1,5 +1,5 @@
 /* tests/fake_v4l2/fake_modes.c: what the fake camera is, and which formats, sizes and rates it has. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* tests/fake_v4l2/fake_output.c: the fake monitor behind /dev/video2: it keeps the frame that it shows. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <stdlib.h>

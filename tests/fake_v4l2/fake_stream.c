@@ -1,5 +1,5 @@
 /* tests/fake_v4l2/fake_stream.c: the fake camera's buffers, frames and events. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* tests/fake_v4l2/fake_v4l2.c: the fake's files, maps and clock: the table of system calls. */
-#include "fake_private.h"
+#include "fake_v4l2_private.h"
 
 #include <errno.h>
 #include <stdio.h>

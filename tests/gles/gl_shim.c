@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "egl/egl_context.h"
-#include "gl_shim_inside.h"
+#include "gl_shim_private.h"
 
 #define GUILTY_CONTEXT_RESET 0x8253 /* OpenGL ES 3.2, KHR_robustness */
 

@@ -1,5 +1,5 @@
 /* The calls: most are passed on, some are watched, some can fail. */
-#include "gl_shim_inside.h"
+#include "gl_shim_private.h"
 
 #include <stdio.h>
 #include <string.h>

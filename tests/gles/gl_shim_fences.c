@@ -1,5 +1,5 @@
 /* The calls: buffers that the GPU writes into, and the fences behind them. */
-#include "gl_shim_inside.h"
+#include "gl_shim_private.h"
 
 static GLuint pack_buffer, copy_buffer, storage[4];
 

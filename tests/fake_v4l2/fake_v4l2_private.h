@@ -1,6 +1,6 @@
-/* tests/fake_v4l2/fake_private.h: what the fake's files share. */
-#ifndef PUPIL_TESTS_FAKE_V4L2_FAKE_PRIVATE_H
-#define PUPIL_TESTS_FAKE_V4L2_FAKE_PRIVATE_H
+/* tests/fake_v4l2/fake_v4l2_private.h: what the fake's files share. */
+#ifndef PUPIL_TESTS_FAKE_V4L2_PRIVATE_H
+#define PUPIL_TESTS_FAKE_V4L2_PRIVATE_H
 
 #include <linux/videodev2.h>
 #include <pthread.h>

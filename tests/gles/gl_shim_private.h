@@ -1,6 +1,6 @@
-/* tests/gles/gl_shim_inside.h: what gl_shim.c, gl_shim_calls.c and gl_shim_fences.c are to each other. */
-#ifndef PUPIL_TESTS_GL_SHIM_INSIDE_H
-#define PUPIL_TESTS_GL_SHIM_INSIDE_H
+/* tests/gles/gl_shim_private.h: what gl_shim.c, gl_shim_calls.c and gl_shim_fences.c are to each other. */
+#ifndef PUPIL_TESTS_GL_SHIM_PRIVATE_H
+#define PUPIL_TESTS_GL_SHIM_PRIVATE_H
 
 #include "gl_shim.h"
 #include "gles/gl_functions.h"
