@@ -5,9 +5,9 @@
 
 #include "file/file_source.h"
 #include "file/recording/recording.h"
+#include "live/live.h"
 #include "refuse.h"
 #include "synth/synth_source.h"
-#include "v4l2/capture/v4l2_source.h"
 
 #define SYNTH "synth:"
 
@@ -42,7 +42,7 @@ int open_input(const char *const *inputs, size_t count, const pupil_source_optio
             return PUPIL_SOURCE_FAILED;
         }
         if (*kind == 'c')
-            return pupil_v4l2_source_open(inputs[i], options, NULL, source, why);
+            return pupil_live_open(inputs[i], options, &(pupil_live_options){.hands_off = 1}, source, why);
         if (*kind == 's')
             return pupil_synth_source_open(inputs[i] + sizeof SYNTH - 1, options, source, why);
         return pupil_recording_open(inputs[i], source, why);

@@ -85,7 +85,7 @@ static int follow_light(record *r, const pupil_frame *frame)
         pupil_refuse(&r->why, "%s: %s", frame->name, pupil_error_string(error));
         return -1;
     }
-    run_sensor_judge(&r->sensor, &r->stats, &frame->info, &unused);
+    run_sensor_frame(&r->sensor, &r->stats, &frame->info, &unused);
     return 0;
 }
 

@@ -58,7 +58,7 @@ void run_row_gains_begin(run_row_gains *l, const run_options *options, const pup
 /* The object for what is known now; what it has learned stays where that is the same. 0; -1: there can be no gains. */
 static int ready(run_row_gains *l, const run_sensor *sensor)
 {
-    const uint32_t mains_hz = sensor->steers ? sensor->setting.mains_hz : l->options->live.mains_hz;
+    const uint32_t mains_hz = sensor->loop.steers ? sensor->loop.setting.mains_hz : l->options->live.mains_hz;
     find_readout(l);
     l->reason = !(l->readout_s > 0.0) ? NO_READOUT : mains_hz ? PUPIL_ROW_GAIN_WAITING : NO_MAINS;
     if (l->reason != PUPIL_ROW_GAIN_WAITING) {

@@ -75,7 +75,7 @@ static void step_sensor(run *r, const pupil_frame *frame)
 {
     frame_pipeline *p = &r->session.pipeline;
     pupil_curve curve = p->curve;
-    run_sensor_judge(&r->sensor, &p->stats, &frame->info, &curve);
+    run_sensor_frame(&r->sensor, &p->stats, &frame->info, &curve);
     if (p->config.order != PUPIL_ORDER_FUSED) /* else it was mapped already */
         p->curve = curve;
 }
@@ -96,7 +96,7 @@ static int show(run *r, pupil_frame *frame)
     describe_camera(r, frame, mapped_ns, &entry);
     if (session_show(s, frame, &entry))
         return -1;
-    run_resume_frame(&r->resume, s->source, &r->sensor.setting, mapped_ns);
+    run_resume_frame(&r->resume, s->source, &r->sensor.loop.setting, mapped_ns);
     pupil_colour_frame(&r->colour.colour, &frame->image, &frame->info);
     run_status_frame(&r->status, &entry);
     return 0;

@@ -4,24 +4,15 @@
 
 #include "options.h"
 #include "output/frame_log.h"
+#include "pupil/camera_loop.h"
 #include "pupil/error.h"
-#include "v4l2/controls/camera_controls.h"
 
 typedef struct run_sensor {
     const run_options *options;
     pupil_source *source;
     pupil_camera *camera; /* NULL: none (now) */
     double first_total_s; /* to begin with; 0: with what the camera has */
-    int steers;           /* sensor and setting are valid */
-    pupil_sensor_config config;
-    pupil_sensor sensor;
-    pupil_sensor_setting setting;
-    pupil_camera_setting asked;
-    int slow;               /* the camera's setting is not known for sure: a write takes long, or did just now */
-    uint64_t seen_refusals; /* of this camera */
-    int refused;            /* it refused the latest setting, and is asked again */
-    uint64_t refusals;      /* all in all, and the errno of the last one */
-    int refusal;
+    pupil_camera_loop loop;
 } run_sensor;
 
 /* Of a live source. Its mode is options->mode, which is no longer RUN_BEST. */
@@ -31,9 +22,9 @@ void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *s
  * have, or first_total_s. -1 and a sentence: they cannot be steered. */
 int run_sensor_take(run_sensor *s, pupil_why *why);
 
-/* A frame's statistics: the setting follows, and is asked for where it has changed. Of RUN_SENSOR the curve becomes the
- * one that shows the camera's own picture. A replay_judge. */
-void run_sensor_judge(void *run_sensor, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
+/* A frame's statistics, between metering and mapping: the setting follows, and is asked for where it has changed. With
+ * RUN_SENSOR the curve becomes the one that shows the camera's own picture. */
+void run_sensor_frame(run_sensor *s, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
 
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);

@@ -3,7 +3,7 @@
  *     ./full /dev/video0 | ffplay -f rawvideo -pixel_format rgb24 -video_size 640x480 - */
 #include "capture.h"
 
-#include <pupil/camera_controls.h>
+#include <pupil/camera_loop.h>
 #include <pupil/pupil.h>
 #include <signal.h>
 
@@ -29,9 +29,8 @@ int main(int argc, char **argv)
     static pupil_image out;
     static pupil_frame_info info;
     static pupil_camera_options options;
-    static pupil_sensor sensor;
+    static pupil_camera_loop loop;
     static pupil_sensor_config sensor_config;
-    static pupil_sensor_setting wanted;
     static pupil_why why;
     const char *device = argc > 1 ? argv[1] : "/dev/video0";
     const int fd = open(device, O_RDWR);
@@ -56,7 +55,8 @@ int main(int argc, char **argv)
     pupil_sensor_config_default(&sensor_config);
     pupil_camera_configure(camera, &sensor_config); /* limits, steps and gain law of this camera */
     sensor_config.linear = 0;                       /* YUYV has a tone curve */
-    must(pupil_init(&pupil, &config) == 0 && pupil_sensor_init(&sensor, &sensor_config) == 0, "the settings");
+    must(pupil_init(&pupil, &config) == 0, "the settings");
+    must(pupil_camera_loop_begin(&loop, camera, &sensor_config, 0, &why) == 0, why.text);
     for (;;) {
         in.data = capture_next(fd);
         info.sequence = capture_buffer.sequence;
@@ -65,12 +65,7 @@ int main(int argc, char **argv)
         pupil_camera_in_force(camera, info.sequence, &info); /* exposure and gain of this very frame */
         must(pupil_process(&pupil, &in, &info, &out) == 0, "a frame");
         pupil_get_stats(&pupil, &stats);
-        pupil_sensor_frame(&sensor, &stats, &info);
-        pupil_sensor_get(&sensor, &wanted);
-        pupil_camera_learn(camera, wanted.exposure_delay, wanted.gain_delay);
-        const pupil_camera_setting setting = {wanted.exposure_s, wanted.gain, 0};
-        if (wanted.changed || wanted.frames == 1)
-            pupil_camera_ask(camera, &setting); /* another thread writes it */
+        pupil_camera_loop_frame(&loop, &stats, &info); /* asks the camera for the next setting; another thread writes */
         capture_done(fd);
         must(fwrite(out.data, (size_t)out.stride_bytes * out.height, 1, stdout) == 1, "stdout");
     }

@@ -21,9 +21,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/camera_controls.h"
 #include "pupil/error.h"
 #include "pupil/pupil.h"
-#include "v4l2/controls/camera_controls.h"
 
 #define PUPIL_COLOUR_TAU_S                                                                                             \
     1.5                       /* chosen: a person does not see the factors move, and a lamp switched on is grey soon   \

@@ -1,5 +1,4 @@
 /* Where a camera's controls are: on its node, and on its sensor's subdevice. */
-#include <errno.h>
 #include <linux/v4l2-subdev.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -18,13 +17,7 @@ typedef struct live_files {
     pupil_v4l2_sensor sensor;
 } live_files;
 
-static atomic_int out; /* that were not released so far */
-
-static int call(void *user, int fd, unsigned long request, void *argument)
-{
-    const live_files *files = user;
-    return pupil_v4l2_ioctl(files->device.system, fd, request, argument) < 0 ? -errno : 0;
-}
+static atomic_int not_released;
 
 static void released(void *user)
 {
@@ -34,15 +27,15 @@ static void released(void *user)
         system->close(system->context, files->subdevice_fd);
     pupil_v4l2_device_close(&files->device);
     free(files);
-    atomic_fetch_sub(&out, 1);
+    atomic_fetch_sub(&not_released, 1);
 }
 
 int pupil_live_await(double most_s, int (*stop)(void))
 {
     const struct timespec moment = {0, 10000000};
-    for (double s = 0.0; atomic_load(&out) && s < most_s && !(stop && stop()); s += 0.01)
+    for (double s = 0.0; atomic_load(&not_released) && s < most_s && !(stop && stop()); s += 0.01)
         nanosleep(&moment, NULL);
-    return atomic_load(&out) ? -1 : 0;
+    return atomic_load(&not_released) ? -1 : 0;
 }
 
 /* The sensor's subdevice, where there is one that opens; webcams have none. */
@@ -72,11 +65,13 @@ pupil_camera *live_controls_open(const live_which *which, pupil_why *why)
         free(files);
         return NULL;
     }
-    atomic_fetch_add(&out, 1);
+    atomic_fetch_add(&not_released, 1);
     uint32_t width = which->width, height = which->height;
     find_sensor(files, &width, &height);
-    const pupil_camera_calls calls = {call, files, released};
+    const pupil_camera_calls calls = {which->system->context, which->system->ioctl};
     const pupil_camera_options options = {.calls = &calls,
+                                          .released = released,
+                                          .user = files,
                                           .fd = files->device.fd,
                                           .subdevice_fd = files->subdevice_fd,
                                           .sensor_name = *files->sensor.entity ? files->sensor.entity : NULL,

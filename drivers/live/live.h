@@ -1,24 +1,32 @@
-/* drivers/live/live.h: a camera under control, as a source of frames: each brings the exposure time and gain that it
- * was taken with, and the controls can be asked for others.
+/* drivers/live/live.h: a camera as a source of frames. Each frame brings the exposure time and gain that it was taken
+ * with, and the controls can be asked for others.
  *
  *     open -> next -> (use the frame, ask) -> done -> ... -> close
  *
- * It is v4l2/v4l2_source.h and camera/camera_controls.h on the same device, kept in step: the sensor's subdevice is
- * found in the media graph, what the driver sets anew at STREAMON is turned off again, and a camera that was unplugged
- * and came back is taken again. Close puts every control back.
+ * Frames are in the kernel's buffers; nothing is copied. JPEGs are decoded, and handed out both ways. Damaged frames
+ * are left out and counted. info.sequence is the driver's number, made of 64 bits: it goes on over a wrap and over a
+ * camera that is opened again; a gap is a frame lost. info.timestamp_ns is the driver's stamp (pupil_live_frame says of
+ * which moment), less that of the first frame unless options.capture.monotonic is 1.
  *
- * A camera without a control of exposure is no error: frames come without exposure and gain, and
- * pupil_live_no_controls has the sentence.
+ * The controls are a pupil_camera (pupil/camera_controls.h) on files of its own; the sensor's subdevice is found in the
+ * media graph. What the driver sets again at STREAMON is turned off again. Close puts every control back. A camera
+ * without a control of exposure is no error: frames come without exposure and gain, and pupil_live_no_controls has the
+ * sentence. With options.hands_off no control is read or touched.
+ *
+ * An unplugged camera, a stream that stops and a signal that changes are errors with a sentence each. Where
+ * options.capture.reopen_s is above 0, next waits so long for the camera and its first frame (the same path or name, or
+ * the same name and socket on another node), and goes on, with frames of another size perhaps; the controls follow some
+ * frames later. options.stop ends the stream as its end does.
  *
  * Threads: as every source; asking is allowed from any thread.
  */
 #ifndef PUPIL_DRIVERS_LIVE_H
 #define PUPIL_DRIVERS_LIVE_H
 
+#include "pupil/camera_controls.h"
 #include "pupil/error.h"
 #include "source.h"
 #include "v4l2/capture/capture.h"
-#include "v4l2/controls/camera_controls.h"
 
 typedef struct pupil_live_options {
     pupil_v4l2_options capture;
@@ -28,7 +36,8 @@ typedef struct pupil_live_options {
     int hands_off;     /* 1: no control is read or touched */
 } pupil_live_options;
 
-/* As pupil_v4l2_source_open. 0, or PUPIL_SOURCE_FAILED and a sentence. */
+/* which: as pupil_v4l2_device_open has it, with or without "v4l2:" before it. What `options` says (fps, width, height,
+ * stop) goes before what `more` says; both may be NULL. 0, or PUPIL_SOURCE_FAILED and a sentence. */
 int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
                     pupil_source **source, pupil_why *why);
 
@@ -47,7 +56,7 @@ int64_t pupil_live_now_ns(const pupil_source *source);
 int pupil_live_is_linear(const pupil_source *source);
 /* Of the frame that is out: its buffer, stamps and losses. Latency is the present less stamp_ns. */
 const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
-/* Before asking for a setting where much time has passed since `next`: which frame is under way now, so that it is
+/* Before asking for a setting where much time has passed since `next`: which frame is being exposed now, so that it is
  * known from which one on the setting will be in force. */
 void pupil_live_mark(pupil_source *source);
 /* Puts every control back, as close does, and says what could not be: 0, or -1 and a sentence. There are no controls

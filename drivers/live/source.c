@@ -1,4 +1,4 @@
-/* Frames and controls of one camera, in step. */
+/* A live camera: frames and controls of one device, in step. */
 #include "live.h"
 
 #include <stdio.h>
@@ -7,80 +7,146 @@
 
 #include "live_private.h"
 #include "refuse.h"
-#include "v4l2/capture/v4l2_source.h"
 
-#define MOST_LATE PUPIL_V4L2_MOST_BUFFERS /* frames in the queue, behind the one that is out */
-
-typedef struct live_source {
-    pupil_source base;
-    pupil_source *frames;
-    live_which which;
-    int hands_off;
-    pupil_camera *camera; /* NULL: none (now), and why */
-    pupil_why why;
-    live_again *again; /* NULL: the controls are those of the camera that streams */
-    uint64_t reopened; /* as often as the capture says when the controls were opened */
-    int told;          /* the camera was told that the stream has started */
-    int64_t stamp_ns;  /* of the last frame, */
-    uint64_t sequence; /* its number, */
-    double period_ns;  /* and what lay between two numbers before it */
-} live_source;
+#define NOMINAL_FPS 30.0                    /* of a camera that does not tell its rate */
+#define MOST_LATE   PUPIL_V4L2_MOST_BUFFERS /* frames in the queue, behind the one that is out */
 
 static live_source *of(const pupil_source *source)
 {
     return (live_source *)(uintptr_t)source;
 }
 
-static void name_which(live_source *s)
+int64_t live_now_ns(const live_source *s)
 {
-    const pupil_v4l2_capture *capture = pupil_v4l2_source_capture(s->frames);
-    s->which.system = capture->device.system;
-    s->period_ns = 0.0;
-    snprintf(s->which.path, sizeof s->which.path, "%s", capture->device.path);
-    s->which.width = capture->format.width;
-    s->which.height = capture->format.height;
+    return s->capture.device.system->now_ns(s->capture.device.system->context);
 }
 
-/* After the camera was opened again: its controls, too. Frames do not wait for them. */
-static void follow(live_source *s)
+static void take_back(live_source *s)
 {
-    const uint64_t reopened = pupil_v4l2_source_capture(s->frames)->counts.reopened;
-    if (s->again && live_again_ready(&s->again, &s->camera, &s->why))
-        s->told = 0;
-    if (reopened == s->reopened || s->again || s->hands_off)
-        return;
-    pupil_camera *old = s->camera;
-    s->camera = NULL;
-    s->reopened = reopened;
-    name_which(s);
-    pupil_refuse(&s->why, "%s: its controls are being opened again", s->which.path);
-    s->again = live_again_start(old, &s->which);
-    if (!s->again)
-        pupil_refuse(&s->why, "%s: not enough memory for its controls", s->which.path);
+    pupil_why unused;
+    if (s->is_out)
+        pupil_v4l2_capture_done(&s->capture, &s->frame, &unused); /* next will see it, too */
+    s->is_out = 0;
 }
 
-/* From what the driver's numbers and stamps say, for a camera's rate may follow the light. */
-static void measure_period(live_source *s, uint64_t sequence)
+/* ---- a frame ---- */
+
+static void describe(live_source *s, pupil_frame *frame)
 {
-    const int64_t stamp_ns = pupil_v4l2_source_frame(s->frames)->stamp_ns;
-    const double passed_ns = (double)(stamp_ns - s->stamp_ns);
-    if (s->period_ns > 0.0 && sequence > s->sequence && passed_ns > 0.0)
-        s->period_ns = passed_ns / (double)(sequence - s->sequence);
+    const pupil_v4l2_frame *f = &s->frame;
+    memset(frame, 0, sizeof *frame);
+    const uint32_t step = f->sequence - s->driver_sequence;
+    if (!s->began) {
+        s->first_ns = s->options.capture.monotonic ? 0 : f->stamp_ns;
+        s->sequence = f->sequence;
+    } else { /* a number that did not rise, or began again: the next one */
+        s->sequence += step && step < UINT32_C(1) << 31 && !s->reopened ? step : 1;
+    }
+    s->driver_sequence = f->sequence;
+    s->stamp_ns = f->stamp_ns;
+    s->began = 1;
+    s->reopened = 0;
+    snprintf(s->label, sizeof s->label, "%s frame %llu", s->capture.device.path, (unsigned long long)s->sequence);
+    frame->image = f->image;
+    frame->info.timestamp_ns = f->stamp_ns - s->first_ns;
+    frame->info.sequence = s->sequence;
+    frame->name = s->label;
+}
+
+/* A decoder where frames are compressed, for the size that they have now. */
+static int ready_decoder(live_source *s, pupil_why *why)
+{
+    const pupil_v4l2_format *f = &s->capture.format;
+    pupil_why words;
+    if (!f->compressed || (s->jpeg && s->jpeg_width == f->width && s->jpeg_height == f->height))
+        return 0;
+    pupil_jpeg_close(s->jpeg);
+    s->jpeg_width = f->width;
+    s->jpeg_height = f->height;
+    if (pupil_jpeg_open(&s->jpeg, f->width, f->height, &f->coding, &words) == 0)
+        return 0;
+    pupil_refuse(why, "%s: %s of %s: %s", s->capture.device.path, pupil_v4l2_fourcc_name(f->fourcc).text,
+                 s->capture.device.name, words.text);
+    return PUPIL_SOURCE_FAILED;
+}
+
+/* A frame that was described: decoded where it is compressed. -1 and a sentence: it cannot be, and is left out. */
+static int decode(live_source *s, pupil_frame *frame, pupil_why *why)
+{
+    pupil_why words;
+    if (!s->capture.format.compressed)
+        return 0;
+    frame->coded = s->frame.coded;
+    frame->coded_bytes = s->frame.coded_bytes;
+    if (pupil_jpeg_decode(s->jpeg, frame->coded, frame->coded_bytes, &frame->image, &words) == 0)
+        return 0;
+    pupil_refuse(why, "%s: no whole frame within %g seconds; the last one is %s", s->capture.device.path,
+                 pupil_v4l2_capture_timeout_s(&s->capture), words.text);
+    s->capture.counts.damaged++;
+    take_back(s);
+    return -1;
+}
+
+static int64_t timeout_from_now_ns(const live_source *s)
+{
+    return live_now_ns(s) + (int64_t)(pupil_v4l2_capture_timeout_s(&s->capture) * 1e9);
+}
+
+/* The next whole frame, of a camera that may have to be opened again first. */
+static int next_whole(live_source *s, pupil_frame *frame, pupil_why *why)
+{
+    const double reopen_s = s->options.capture.reopen_s;
+    int64_t end_ns = 0;
+    int tries = 0; /* at opening it again */
+    int64_t whole_ns = timeout_from_now_ns(s);
+    for (;;) {
+        if (s->capture.device.fd < 0) { /* it could not be opened again */
+            pupil_refuse(why, "%s: the camera is closed", s->which);
+            return PUPIL_SOURCE_FAILED;
+        }
+        const int got = pupil_v4l2_capture_next(&s->capture, &s->frame, why);
+        if (got == PUPIL_V4L2_FRAME) {
+            s->is_out = 1;
+            if (ready_decoder(s, why))
+                return PUPIL_SOURCE_FAILED;
+            describe(s, frame);
+            if (decode(s, frame, why) == 0)
+                return PUPIL_SOURCE_FRAME;
+            if (live_now_ns(s) >= whole_ns)
+                return PUPIL_SOURCE_FAILED;
+            continue;
+        }
+        if (got == PUPIL_V4L2_END)
+            return PUPIL_SOURCE_END;
+        if (!(reopen_s > 0.0))
+            return PUPIL_SOURCE_FAILED;
+        if (!tries)
+            end_ns = live_now_ns(s) + (int64_t)(reopen_s * 1e9);
+        const int again = live_reopen(s, end_ns, tries++, why);
+        if (again != PUPIL_SOURCE_FRAME)
+            return again;
+        whole_ns = timeout_from_now_ns(s);
+    }
+}
+
+/* From what the driver's numbers and stamps say, for a camera's rate may follow the light. `sequence` and `stamp_ns`
+ * are of the frame before. */
+static void measure_period(live_source *s, uint64_t sequence, int64_t stamp_ns)
+{
+    const double passed_ns = (double)(s->stamp_ns - stamp_ns);
+    if (s->period_ns > 0.0 && s->sequence > sequence && passed_ns > 0.0)
+        s->period_ns = passed_ns / (double)(s->sequence - sequence);
     else
         s->period_ns = 1e9 / s->base.fps;
-    s->stamp_ns = stamp_ns;
-    s->sequence = sequence;
 }
 
 void pupil_live_mark(pupil_source *source)
 {
-    live_source *s = of(source);
-    const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s->frames);
-    const pupil_v4l2_system *system = s->which.system;
+    const live_source *s = of(source);
     if (!s->camera || !(s->period_ns > 0.0)) /* before the first frame none is under way */
         return;
-    double frames = (double)(system->now_ns(system->context) - s->stamp_ns) / s->period_ns;
-    if (f->stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)
+    double frames = (double)(live_now_ns(s) - s->stamp_ns) / s->period_ns;
+    if (s->frame.stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)
         frames -= 1.0;
     const uint64_t since = frames >= 1.0 ? frames < MOST_LATE ? (uint64_t)frames : MOST_LATE : 0;
     pupil_camera_frame(s->camera, s->sequence + since, 0);
@@ -89,14 +155,17 @@ void pupil_live_mark(pupil_source *source)
 static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     live_source *s = of(source);
-    const int got = pupil_source_next(s->frames, frame, why);
+    const uint64_t sequence = s->sequence;
+    const int64_t stamp_ns = s->stamp_ns;
+    take_back(s);
+    const int got = next_whole(s, frame, why);
     if (got != PUPIL_SOURCE_FRAME)
         return got;
-    follow(s);
-    measure_period(s, frame->info.sequence);
+    live_follow_controls(s);
+    measure_period(s, sequence, stamp_ns);
     if (!s->camera)
         return got;
-    if (!s->told) /* some drivers set their controls anew at STREAMON, or with the first frame */
+    if (!s->told) /* some drivers set their controls again at STREAMON, or with the first frame */
         pupil_camera_reapply(s->camera);
     s->told = 1;
     pupil_live_mark(source);
@@ -106,8 +175,11 @@ static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 
 static void source_done(pupil_source *source, pupil_frame *frame)
 {
-    pupil_source_done(of(source)->frames, frame);
+    (void)frame;
+    take_back(of(source));
 }
+
+/* ---- begin and end ---- */
 
 int pupil_live_give_back(pupil_source *source, pupil_why *why)
 {
@@ -115,14 +187,13 @@ int pupil_live_give_back(pupil_source *source, pupil_why *why)
     pupil_why reason;
     pupil_camera *camera = s->camera;
     s->camera = NULL;
-    s->hands_off = 1;
-    pupil_refuse(&s->why, "%s: its controls were given back", s->which.path);
-    live_again_end(s->again);
-    s->again = NULL;
+    s->options.hands_off = 1;
+    pupil_refuse(&s->why, "%s: its controls were given back", s->controls_of.path);
+    live_change_end(s->change);
+    s->change = NULL;
     if (pupil_camera_close(camera, &reason) >= 0)
         return 0;
-    pupil_refuse(why, "%s: %.760s", s->which.path, reason.text);
-    return -1;
+    return pupil_refuse(why, "%s: %s", s->controls_of.path, reason.text);
 }
 
 static void source_close(pupil_source *source)
@@ -130,37 +201,70 @@ static void source_close(pupil_source *source)
     live_source *s = of(source);
     pupil_why unused;
     pupil_live_give_back(source, &unused);
-    pupil_source_close(s->frames);
+    take_back(s);
+    pupil_v4l2_capture_close(&s->capture);
+    pupil_jpeg_close(s->jpeg);
     free(s);
 }
 
 static const pupil_source_ops source_ops = {source_next, source_done, source_close};
 
+static void take_options(live_source *s, const pupil_source_options *options, const pupil_live_options *more)
+{
+    if (more)
+        s->options = *more;
+    if (!options)
+        return;
+    pupil_v4l2_options *capture = &s->options.capture;
+    capture->fps = options->fps != 0.0 ? options->fps : capture->fps;
+    capture->width = options->width ? options->width : capture->width;
+    capture->height = options->height ? options->height : capture->height;
+    capture->stop = options->stop ? options->stop : capture->stop;
+}
+
+static int open_frames(live_source *s, pupil_why *why)
+{
+    if (pupil_v4l2_capture_open(&s->capture, s->which, &s->options.capture, why))
+        return PUPIL_SOURCE_FAILED;
+    if (ready_decoder(s, why)) {
+        pupil_v4l2_capture_close(&s->capture);
+        return PUPIL_SOURCE_FAILED;
+    }
+    const double asked_fps = s->options.capture.fps;
+    snprintf(s->name, sizeof s->name, "%s", s->capture.device.name);
+    snprintf(s->bus, sizeof s->bus, "%s", s->capture.device.bus);
+    s->base.fps = s->capture.fps > 0.0 ? s->capture.fps : asked_fps > 0.0 ? asked_fps : NOMINAL_FPS;
+    return 0;
+}
+
 int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
                     pupil_source **source, pupil_why *why)
 {
+    const size_t prefix = sizeof PUPIL_V4L2_PREFIX - 1;
+    which += strncmp(which, PUPIL_V4L2_PREFIX, prefix) == 0 ? prefix : 0;
     live_source *s = calloc(1, sizeof *s);
     if (!s) {
         pupil_refuse(why, "%s: not enough memory", which);
         return PUPIL_SOURCE_FAILED;
     }
-    const int error = pupil_v4l2_source_open(which, options, more ? &more->capture : NULL, &s->frames, why);
-    if (error) {
+    take_options(s, options, more);
+    snprintf(s->which, sizeof s->which, "%s", which);
+    if (open_frames(s, why)) {
         free(s);
-        return error;
+        return PUPIL_SOURCE_FAILED;
     }
-    s->base = *s->frames;
     s->base.ops = &source_ops;
-    s->hands_off = more && more->hands_off;
-    s->which.mains_hz = more ? more->mains_hz : 0;
-    s->which.delay = more ? more->delay : 0;
-    name_which(s);
-    pupil_refuse(&s->why, "%s: its controls are left alone", s->which.path);
-    if (!s->hands_off)
-        s->camera = live_controls_open(&s->which, &s->why);
+    s->controls_of.mains_hz = s->options.mains_hz;
+    s->controls_of.delay = s->options.delay;
+    live_name_controls(s);
+    pupil_refuse(&s->why, "%s: its controls are left alone", s->controls_of.path);
+    if (!s->options.hands_off)
+        s->camera = live_controls_open(&s->controls_of, &s->why);
     *source = &s->base;
     return 0;
 }
+
+/* ---- what is known ---- */
 
 pupil_camera *pupil_live_camera(const pupil_source *source)
 {
@@ -174,29 +278,29 @@ const char *pupil_live_no_controls(const pupil_source *source)
 
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
 {
-    return pupil_v4l2_source_capture(of(source)->frames);
+    return &of(source)->capture;
+}
+
+const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source)
+{
+    return &of(source)->frame;
 }
 
 int64_t pupil_live_now_ns(const pupil_source *source)
 {
-    const pupil_v4l2_system *system = pupil_live_capture(source)->device.system;
-    return system->now_ns(system->context);
+    return live_now_ns(of(source));
 }
 
 int pupil_live_is_linear(const pupil_source *source)
 {
-    const pupil_v4l2_capture *capture = pupil_live_capture(source);
-    const uint32_t pixel = capture->format.pixel, light = capture->format.coding.light;
+    const pupil_v4l2_capture *capture = &of(source)->capture;
+    const uint32_t pixel = capture->format.pixel;
+    const uint32_t light = capture->format.coding.light;
     const int is_grey = pixel >= PUPIL_PIXEL_GREY8 && pixel <= PUPIL_PIXEL_GREY16;
     const int is_raw = pupil_pixel_is_mosaic(pixel);
     if (light != PUPIL_LIGHT_DEFAULT || capture->format.compressed)
         return light == PUPIL_LIGHT_LINEAR;
     return is_raw || (is_grey && strcmp(capture->device.driver, "uvcvideo") != 0);
-}
-
-const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source)
-{
-    return pupil_v4l2_source_frame(of(source)->frames);
 }
 
 void pupil_live_restore(const pupil_source *source)

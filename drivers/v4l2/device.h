@@ -8,6 +8,9 @@
 #include "pupil/error.h"
 #include "system.h"
 
+/* May be written before what names a camera or an output node. */
+#define PUPIL_V4L2_PREFIX "v4l2:"
+
 typedef struct pupil_v4l2_device {
     const pupil_v4l2_system *system;
     int fd; /* -1: closed */

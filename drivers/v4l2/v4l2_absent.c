@@ -6,7 +6,7 @@
 #include "format.h"
 #include "modes.h"
 #include "refuse.h"
-#include "v4l2/capture/v4l2_source.h"
+#include "v4l2/capture/capture.h"
 #include "v4l2/media/media.h"
 #include "v4l2/output/v4l2_sink.h"
 
@@ -14,14 +14,6 @@ static int absent(const char *which, pupil_why *why)
 {
     pupil_refuse(why, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
     return -1;
-}
-
-int pupil_v4l2_source_open(const char *which, const pupil_source_options *options, const pupil_v4l2_options *more,
-                           pupil_source **source, pupil_why *why)
-{
-    (void)options, (void)more, (void)source;
-    absent(which, why);
-    return PUPIL_SOURCE_FAILED;
 }
 
 int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, pupil_why *why)

@@ -1,9 +1,12 @@
-/* docs/examples/full.c as it stands, with the fake camera in the place of the kernel: it settles on the light, follows
- * it, maps the picture all along, and when the camera is pulled out it says so and puts every control back. */
+/* docs/examples/full.c as it is, with the fake camera in the place of the kernel: it settles on the light, follows it,
+ * maps the picture all along, and when the camera is pulled out it says so and puts every control back. The same with
+ * writes that take several frames, and with a camera that is busy while the light changes: the library alone gets them
+ * right. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <math.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <sys/ioctl.h>
@@ -15,26 +18,68 @@
 #include "pupil/camera_controls.h"
 #include "pupil/pupil.h"
 
-#define FRAMES 80
-#define STEP   40 /* the frame from which on there is eight times the light */
+#define MOST 400
+#define STEP 40 /* the frame from which on there is eight times the light */
 
 static fake_v4l2 *fake;
 static const pupil_v4l2_system *fakes;
 static jmp_buf ended;
-static int frames;
 static pupil_camera *opened;
-static double exposure_s[FRAMES + 1];
-static unsigned char middle[FRAMES + 1];
+static double exposure_s[MOST + 1];
+static unsigned char middle[MOST + 1];
 
-static int fake_call(void *user, int fd, unsigned long request, void *argument)
+/* How the camera takes writes. */
+static int write_frames;          /* they take so many frames */
+static int busy_from, busy_until; /* frames in which it is busy */
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of what follows */
+static pthread_cond_t frame_came = PTHREAD_COND_INITIALIZER;
+static int frames, is_over, writing, done_at, refused; /* is_over: no frame comes any more */
+
+static int fake_call(void *context, int fd, unsigned long request, void *argument)
 {
-    (void)user;
-    return fakes->ioctl(fakes->context, fd, request, argument) == 0 ? 0 : -errno;
+    (void)context;
+    pthread_mutex_lock(&lock);
+    int is_busy = 0;
+    if (request == VIDIOC_S_EXT_CTRLS && frames) { /* not those of open */
+        writing = 1;
+        done_at = frames + write_frames;
+        pthread_cond_broadcast(&frame_came);
+        while (frames < done_at && !is_over)
+            pthread_cond_wait(&frame_came, &lock);
+        is_busy = frames >= busy_from && frames < busy_until;
+        refused += is_busy;
+        writing = 0;
+    }
+    pthread_mutex_unlock(&lock);
+    if (!is_busy)
+        return fakes->ioctl(fakes->context, fd, request, argument);
+    errno = EBUSY;
+    return -1;
+}
+
+/* The next frame comes, but not before the last setting is written, if it is to be by now: that of a real camera takes
+ * its time. Returns what is in force from then on. */
+static double next_frame(void)
+{
+    pupil_camera_status status;
+    pthread_mutex_lock(&lock);
+    frames++;
+    pthread_cond_broadcast(&frame_came);
+    for (;;) {
+        const int is_slow = writing && done_at > frames;
+        pthread_mutex_unlock(&lock);
+        pupil_camera_get_status(opened, &status);
+        if (is_slow || status.written == status.asks)
+            return status.exposure_s.taken * status.gain.taken;
+        usleep(20);
+        pthread_mutex_lock(&lock);
+    }
 }
 
 static pupil_camera *open_camera(const pupil_camera_options *options, pupil_why *why)
 {
-    static const pupil_camera_calls calls = {.ioctl = fake_call};
+    static const pupil_camera_calls calls = {NULL, fake_call};
     pupil_camera_options with_fake = *options;
     with_fake.calls = &calls;
     return opened = pupil_camera_open(&with_fake, why);
@@ -46,27 +91,30 @@ static int open_device(const char *path, int flags)
     return fakes->open(fakes->context, path);
 }
 
-/* DQBUF of a file that was opened to block; and no frame before the last setting is written, as it would be. */
+/* DQBUF of a file that was opened to block. */
 static int device_ioctl(int fd, unsigned long request, ...)
 {
     va_list list;
     va_start(list, request);
     void *argument = va_arg(list, void *);
     va_end(list);
-    if (request == VIDIOC_DQBUF) {
-        struct pollfd p = {fd, POLLIN, 0};
-        pupil_camera_status status;
-        do {
-            pupil_camera_get_status(opened, &status);
-            usleep(20);
-        } while (status.written < status.asks);
-        if (++frames == STEP)
-            fake_v4l2_light(fake, 8);
-        if (frames <= FRAMES)
-            exposure_s[frames] = status.exposure_s.taken * status.gain.taken;
-        fakes->poll(fakes->context, &p, 1, 1000);
-    }
-    return fakes->ioctl(fakes->context, fd, request, argument);
+    if (request != VIDIOC_DQBUF)
+        return fakes->ioctl(fakes->context, fd, request, argument);
+    struct pollfd p = {fd, POLLIN, 0};
+    const double total_s = next_frame();
+    if (frames == STEP)
+        fake_v4l2_light(fake, 8);
+    if (frames <= MOST)
+        exposure_s[frames] = total_s;
+    fakes->poll(fakes->context, &p, 1, 1000);
+    const int result = fakes->ioctl(fakes->context, fd, request, argument);
+    const int error = errno;
+    pthread_mutex_lock(&lock);
+    is_over = result < 0;
+    pthread_cond_broadcast(&frame_came);
+    pthread_mutex_unlock(&lock);
+    errno = error;
+    return result;
 }
 
 static void *map(void *where, size_t bytes, int protection, int flags, int fd, off_t offset)
@@ -79,7 +127,7 @@ static void *map(void *where, size_t bytes, int protection, int flags, int fd, o
 static size_t keep_picture(const void *picture, size_t bytes, size_t count, FILE *file)
 {
     CHECK(bytes == 64 * 48 * 3 && count == 1 && file == stdout);
-    if (frames <= FRAMES)
+    if (frames <= MOST)
         middle[frames] = ((const unsigned char *)picture)[(24 * 64 + 32) * 3 + 1];
     return 1;
 }
@@ -105,33 +153,54 @@ static int run_it(const fake_v4l2_config *config, const char *device)
     fakes = fake_v4l2_system(fake);
     snprintf(path, sizeof path, "%s", device);
     frames = 0;
+    is_over = 0;
     const int code = setjmp(ended);
     if (code == 0)
         full_main(2, arguments);
     return code - 1;
 }
 
-int main(int argc, char **argv)
+/* Eight times the light in frame STEP, on a camera that is unplugged in frame `last`. */
+static void follow_light(int slow_frames, int busy_frames, int last)
 {
     fake_v4l2_config config;
     pupil_why why;
-    check_begin(argc, argv);
     fake_v4l2_config_default(&config);
     config.flat = 512; /* an eighth of full at 10 ms */
-    config.unplug_at = FRAMES;
-    CHECK(run_it(&config, "/dev/video0") == 1 && frames == FRAMES + 1);
+    config.unplug_at = (uint64_t)last;
+    write_frames = slow_frames;
+    busy_from = STEP - 5;
+    busy_until = busy_from + busy_frames;
+    refused = 0;
+    CHECK(run_it(&config, "/dev/video0") == 1 && frames == last + 1);
     /* exposure x gain at which an eighth of full, at 10 ms, is at the key of 0.18; a code of YUYV is 2 % of the light
      */
     const double right_s = 0.18 / (512.0 / FAKE_SCENE_WHITE) * 0.01;
+    printf("writes of %d frames, busy for %d: %g s before the step, %g s at the end, %d writes refused\n", slow_frames,
+           busy_frames, exposure_s[STEP - 1], exposure_s[last], refused);
     CHECK_MSG(fabs(log2(exposure_s[STEP - 1] / right_s)) < 0.21, "%g s for %g", exposure_s[STEP - 1], right_s);
-    CHECK_MSG(fabs(log2(exposure_s[FRAMES] / right_s * 8)) < 0.21, "%g s for %g", exposure_s[FRAMES], right_s / 8);
-    CHECK_MSG(abs(middle[STEP - 1] - middle[FRAMES]) <= 4, "%d, %d", middle[STEP - 1], middle[FRAMES]);
-    CHECK(middle[FRAMES] > 90 && middle[FRAMES] < 135); /* 0.18 of the key is sRGB 118 */
+    CHECK_MSG(fabs(log2(exposure_s[last] / right_s * 8)) < 0.21, "writes of %d frames, busy for %d: %g s for %g",
+              slow_frames, busy_frames, exposure_s[last], right_s / 8);
+    CHECK_MSG(abs(middle[STEP - 1] - middle[last]) <= 4, "%d, %d", middle[STEP - 1], middle[last]);
+    CHECK(middle[last] > 90 && middle[last] < 135); /* 0.18 of the key is sRGB 118 */
+    CHECK_MSG(busy_frames ? refused > 1 : refused == 0, "%d writes were refused", refused);
     /* The camera that is gone cannot be put back; nor can anybody else's be left behind. */
     pupil_camera_close(camera, &why);
     camera = NULL;
     fake_v4l2_free(fake);
+}
 
+int main(int argc, char **argv)
+{
+    fake_v4l2_config config;
+    check_begin(argc, argv);
+    follow_light(0, 0, 80);
+    follow_light(0, 60, 150);
+    follow_light(2, 0, 150);
+    follow_light(10, 0, 300);
+    follow_light(3, 60, 300);
+
+    write_frames = 0;
     fake_v4l2_config_default(&config);
     CHECK(run_it(&config, "/dev/video9") == 1 && frames == 0);
     fake_v4l2_free(fake);

@@ -5,22 +5,21 @@ cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 checked=0
-for header in lib/include/pupil/*.h drivers/v4l2/controls/camera_controls.h; do
+for header in lib/include/pupil/*.h drivers/include/pupil/*.h; do
     name=pupil/$(basename "$header")
-    [ "$header" != drivers/v4l2/controls/camera_controls.h ] || name=v4l2/controls/camera_controls.h # installed beside the others
     printf '#include "%s"\n#include "%s"\n' "$name" "$name" | tee "$work/alone.c" >"$work/alone.cpp"
     for compiler in gcc clang; do
         command -v "$compiler" >/dev/null || continue
         "$compiler" -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror \
-            -Ilib/include -Idrivers -c "$work/alone.c" -o "$work/alone.o"
+            -Ilib/include -Idrivers/include -c "$work/alone.c" -o "$work/alone.o"
         checked=$((checked + 1))
     done
     for compiler in g++ clang++; do
         command -v "$compiler" >/dev/null || continue
         "$compiler" -std=c++11 -Wall -Wextra -Wpedantic -Wshadow -Werror \
-            -Ilib/include -Idrivers -c "$work/alone.cpp" -o "$work/alone.o"
+            -Ilib/include -Idrivers/include -c "$work/alone.cpp" -o "$work/alone.o"
         checked=$((checked + 1))
     done
 done
 [ $checked -gt 0 ] || { echo "check.sh: no compiler found"; exit 1; }
-echo "$checked compilations of $(ls lib/include/pupil/*.h drivers/v4l2/controls/camera_controls.h | wc -l) headers"
+echo "$checked compilations of $(ls lib/include/pupil/*.h drivers/include/pupil/*.h | wc -l) headers"

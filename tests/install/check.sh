@@ -40,21 +40,43 @@ for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
     LD_LIBRARY_PATH= "$work/a.out"
 done
 
-# The camera's controls: what the archive shows to others has its name before it, and of libpupil it needs headers only.
+# The camera's controls and its loop: what the archive shows to others has its name before it. Of libpupil the controls
+# need headers only, and the loop the calls of pupil/sensor.h.
 archive=$libdir/libpupil-camera.a
 foreign=$(nm -g --defined-only "$archive" | awk 'NF == 3 && $3 !~ /^pupil_camera_/ { print $3 }')
 [ -z "$foreign" ] || { echo "check.sh: libpupil-camera.a defines" $foreign; exit 1; }
 nm -g --defined-only "$archive" | awk 'NF == 3 { print $3 }' | sort >"$work/defined"
-missing=$(nm -g --undefined-only "$archive" | awk 'NF == 2 && $2 ~ /^pupil/ { print $2 }' | sort -u |
-    comm -23 - "$work/defined")
+missing=$(nm -A -g --undefined-only "$archive" | awk '$NF ~ /^pupil/ && !(/:camera_loop\.c\.o:/ && $NF ~ /^pupil_sensor_/) { print $NF }' |
+    sort -u | comm -23 - "$work/defined")
 [ -z "$missing" ] || { echo "check.sh: libpupil-camera.a needs" $missing; exit 1; }
-grep -ohE '\bpupil_camera_[a-z_]+\(' "$prefix/include/pupil/camera_controls.h" | tr -d '(' | sort -u >"$work/declared"
-[ -s "$work/declared" ] || { echo "check.sh: camera_controls.h declares nothing"; exit 1; }
-absent=$(comm -23 "$work/declared" "$work/defined")
-[ -z "$absent" ] || { echo "check.sh: camera_controls.h declares, and libpupil-camera.a lacks," $absent; exit 1; }
+for header in camera_controls camera_loop; do
+    grep -ohE '\bpupil_camera_[a-z_]+\(' "$prefix/include/pupil/$header.h" | tr -d '(' | sort -u >"$work/declared"
+    [ -s "$work/declared" ] || { echo "check.sh: $header.h declares nothing"; exit 1; }
+    absent=$(comm -23 "$work/declared" "$work/defined")
+    [ -z "$absent" ] || { echo "check.sh: $header.h declares, and libpupil-camera.a lacks," $absent; exit 1; }
+    for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
+        echo "#include <pupil/$header.h>" >"$work/alone.c"
+        $compiler -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags pupil-camera) -c "$work/alone.c" \
+            -o "$work/alone.o"
+    done
+done
+# Alone in a program, and with the static libpupil.
+cat >"$work/loop.c" <<'END'
+#include <pupil/camera_loop.h>
+
+int main(void)
+{
+    static pupil_camera_loop loop;
+    pupil_camera_loop_retry(&loop);
+    return pupil_camera_loop_frame(&loop, 0, 0);
+}
+END
 for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
-    echo '#include <pupil/camera_controls.h>' >"$work/alone.c"
-    $compiler -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags pupil-camera) -c "$work/alone.c" -o "$work/alone.o"
+    $compiler "$work/loop.c" -xnone $(pkg-config --cflags --libs pupil-camera) -o "$work/loop"
+    "$work/loop"
+    $compiler "$work/loop.c" -xnone $(pkg-config --cflags pupil-camera) "$archive" "$libdir/libpupil.a" -lm -pthread \
+        -o "$work/loop"
+    LD_LIBRARY_PATH= "$work/loop"
 done
 
 # The examples, by the lines that they give themselves, and as C++.

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "v4l2/capture/v4l2_source.h"
+#include "live/live.h"
 #include "v4l2/modes.h"
 #include "vm/loop.h"
 #include "vm/node.h"
@@ -62,7 +62,7 @@ static void check_shared_buffer(const pupil_v4l2_capture *c, const pupil_v4l2_fr
 /* Frames until one has the pattern, which frames that were filled before it was set have not; and one more. */
 static void check_pattern(pupil_source *source, int fd, int pattern, memory_mode mode, const char *what)
 {
-    const pupil_v4l2_capture *c = pupil_v4l2_source_capture(source);
+    const pupil_v4l2_capture *c = pupil_live_capture(source);
     double off = INFINITY;
     int right = 0;
     if (node_set(fd, "Test Pattern", pattern) != 0)
@@ -77,7 +77,7 @@ static void check_pattern(pupil_source *source, int fd, int pattern, memory_mode
         off = pattern_off(&frame.image, &c->format, pattern, c->format.height == 576);
         right = off <= pattern_tolerance(&c->format, pattern) ? right + 1 : 0;
         if (right && mode == MEMORY_SHARED)
-            check_shared_buffer(c, pupil_v4l2_source_frame(source), what);
+            check_shared_buffer(c, pupil_live_frame(source), what);
         pupil_source_done(source, &frame);
     }
     CHECK_MSG(right == 2, "%s: pattern %d is off by %g codes", what, pattern, off);
@@ -96,14 +96,14 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
     o.share = mode == MEMORY_SHARED;
     snprintf(what, sizeof what, "%s, %s, %s, %ux%u", input, pupil_v4l2_fourcc_name(o.fourcc).text, memory_names[mode],
              o.width, o.height);
-    const int failed = pupil_v4l2_source_open(path, NULL, &o, &source, &why);
+    const int failed = pupil_live_open(path, NULL, &(pupil_live_options){.capture = o, .hands_off = 1}, &source, &why);
     /* RGB with the transfer function of BT.709 is what vivid says of HDMI, and is refused. */
     if (failed && strstr(why.text, "RGB of another transfer function") && strcmp(input, "HDMI") == 0)
         return;
     CHECK_MSG(!failed, "%s: %s", what, why.text);
     if (failed)
         return;
-    const pupil_v4l2_capture *c = pupil_v4l2_source_capture(source);
+    const pupil_v4l2_capture *c = pupil_live_capture(source);
     CHECK_MSG(c->memory == memory_used[mode], "%s: memory %u", what, c->memory);
     for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++)
         check_pattern(source, fd, patterns[i], mode, what);

@@ -8,7 +8,7 @@
 
 #include "check.h"
 #include "file/recording/recording.h"
-#include "v4l2/capture/v4l2_source.h"
+#include "live/live.h"
 #include "vm/node.h"
 
 #define BEFORE    5   /* frames before the error */
@@ -113,12 +113,12 @@ static void run(play *p)
     snprintf(folder, sizeof folder, "%s/recording", getenv("TMPDIR"));
     if (p->control && !p->at)
         CHECK(node_set(control_fd, p->control, p->value) == 0);
-    if (pupil_v4l2_source_open(path, NULL, &o, &source, &why)) {
+    if (pupil_live_open(path, NULL, &(pupil_live_options){.capture = o, .hands_off = 1}, &source, &why)) {
         CHECK_MSG(p->sentence && strstr(why.text, p->sentence), "%s: %s", p->name, why.text);
     } else {
-        p->memory = pupil_v4l2_source_capture(source)->memory;
+        p->memory = pupil_live_capture(source)->memory;
         stream(p, source, control_fd, folder);
-        p->counts = pupil_v4l2_source_capture(source)->counts;
+        p->counts = pupil_live_capture(source)->counts;
         pupil_source_close(source);
         if (p->got)
             check_recording(p, folder);
@@ -248,7 +248,8 @@ static void test_signal(void)
     const pupil_v4l2_options o = {.timeout_s = TIMEOUT_S};
     int got = PUPIL_SOURCE_FAILED;
     CHECK(node_input(fd, 3) == 0 && node_timings(fd, 640, 480, 60) == 0);
-    CHECK_MSG(pupil_v4l2_source_open(path, NULL, &o, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_live_open(path, NULL, &(pupil_live_options){.capture = o, .hands_off = 1}, &source, &why) == 0,
+              "%s", why.text);
     for (int i = 0; source && i < 20; i++) {
         pupil_frame frame;
         if (i == BEFORE)

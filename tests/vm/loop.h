@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "live/live.h"
 #include "pupil/error.h"
-#include "v4l2/capture/v4l2_source.h"
 #include "v4l2/output/v4l2_sink.h"
 #include "vm/node.h"
 
@@ -57,7 +57,8 @@ static void loop_run(const char *camera, uint32_t fourcc, int (*put)(void *closu
     while (shown < 3 && put(closure, shown + 1) == 0)
         shown++;
     CHECK_MSG(shown == 3, "%s: %u frames were taken", what, shown);
-    const int failed = shown < 3 || pupil_v4l2_source_open(camera, NULL, &o, &source, &loop_why);
+    const int failed = shown < 3 || pupil_live_open(camera, NULL, &(pupil_live_options){.capture = o, .hands_off = 1},
+                                                    &source, &loop_why);
     CHECK_MSG(!failed, "%s: %s", what, loop_why.text);
     for (int i = 0; room && !failed && i < 20 && whole < LOOP_FRAMES; i++) {
         pupil_frame frame;
@@ -77,7 +78,7 @@ static void loop_run(const char *camera, uint32_t fourcc, int (*put)(void *closu
     CHECK_MSG(whole == LOOP_FRAMES && foreign == 0, "%s: %u whole frames, %u others", what, whole, foreign);
     if (!failed)
         printf("%s: %u of %u frames came back bit by bit, %llu were lost\n", what, whole, shown,
-               (unsigned long long)pupil_v4l2_source_capture(source)->counts.lost);
+               (unsigned long long)pupil_live_capture(source)->counts.lost);
     pupil_source_close(source);
     free(room);
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# vm.uvc: test_uvc.sh TEST CAMERA NODE: boots the guest and runs uvc.c and the program there, with the camera. With
+# vm.uvc: test_uvc.sh TEST CAMERA NODE FULL: boots the guest and runs uvc.c and the program there, with the camera. With
 # PUPIL_PLOTS=FOLDER, for people: the plots of these runs are put there.
 set -eu
 . "$(dirname "$0")/amd64.sh"

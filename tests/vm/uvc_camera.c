@@ -1,4 +1,5 @@
-/* uvc_camera.c: uvc_camera linear|display: the camera of uvc_camera.h, until SIGTERM.
+/* uvc_camera.c: uvc_camera linear|display [hard]: the camera of uvc_camera.h, until SIGTERM. `hard`: a write of a
+ * control takes HARD_WRITE_NS, and the camera is not ready for some of them.
  *
  * Sources: the kernel's Documentation/usb/usbip_protocol.rst; Universal Serial Bus 2.0, chapter 9; USB Device Class
  * Definition for Video Devices 1.1, and its Uncompressed Payload. */
@@ -22,6 +23,10 @@
 #define MOST_URBS 64
 #define INTERVAL  UVC_INTERVAL
 
+#define HARD_WRITE_NS INT64_C(300000000) /* longer than a frame of 5 a second */
+#define HARD_READY    6                  /* writes that are taken, ... */
+#define HARD_NOT      3                  /* ... and then so many that are not */
+
 /* What vhci_hcd and the camera say to each other (usbip_protocol.rst). */
 enum { CMD_SUBMIT = 1, CMD_UNLINK = 2, RET_SUBMIT = 3, RET_UNLINK = 4 };
 enum { SPEED_HIGH = 3 };
@@ -37,7 +42,7 @@ enum {
     GET_DEF = 0x87
 };
 
-static int link_fd, display;
+static int link_fd, display, hard;
 static volatile sig_atomic_t light = 8, ended;
 
 /* --- controls --- */
@@ -187,6 +192,53 @@ static void pump(void)
     }
 }
 
+/* --- writes that take their time --- */
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+static struct {
+    struct {
+        uint32_t number, bytes;
+        int64_t at_ns;
+    } write[8];
+    uint32_t count;
+} late;
+
+/* The answers that are due; when the next one is, or 0. */
+static int64_t answer_late(void)
+{
+    while (late.count && late.write[0].at_ns <= now_ns()) {
+        answer(RET_SUBMIT, late.write[0].number, 0, NULL, late.write[0].bytes);
+        late.count--;
+        memmove(late.write, late.write + 1, late.count * sizeof late.write[0]);
+    }
+    return late.count ? late.write[0].at_ns : 0;
+}
+
+/* 1: the host gets its answer later. */
+static int answers_late(uint32_t number, uint32_t bytes)
+{
+    if (!hard || late.count == sizeof late.write / sizeof late.write[0])
+        return 0;
+    late.write[late.count].number = number;
+    late.write[late.count].bytes = bytes;
+    late.write[late.count].at_ns = now_ns() + HARD_WRITE_NS;
+    late.count++;
+    return 1;
+}
+
+/* Whether a write of exposure or gain is taken. */
+static int is_ready(void)
+{
+    static uint32_t writes;
+    return !hard || writes++ % (HARD_READY + HARD_NOT) < HARD_READY;
+}
+
 /* --- requests --- */
 
 /* 0, or -1: stalled. */
@@ -240,11 +292,17 @@ static int answer_stream(uint8_t request, const uint8_t *data, uint32_t bytes, u
 
 static int answer_control(uint8_t request, uint32_t entity, uint32_t selector, const uint8_t *data, uvc_text *out)
 {
+    if (hard && entity == 0 && selector == 2 && request == GET_CUR) { /* VC_REQUEST_ERROR_CODE_CONTROL: not ready */
+        uvc_put(out, 1, 1);
+        return 0;
+    }
     for (int i = 0; i < CONTROLS; i++) {
         control *c = &controls[i];
         if (c->entity != entity || c->selector != selector)
             continue;
         const uint32_t values[] = {c->now, c->least, c->most, c->step, c->bytes, 3, c->usual};
+        if (request == SET_CUR && (i == EXPOSURE || i == GAIN) && !is_ready())
+            return -1;
         if (request == SET_CUR)
             c->now = get(data, c->bytes);
         else if (request >= GET_CUR && request <= GET_DEF)
@@ -271,7 +329,7 @@ static void answer_setup(uint32_t number, const uint8_t setup[8], const uint8_t 
         answer(RET_SUBMIT, number, -EPIPE, NULL, 0);
     else if (setup[0] & 0x80)
         answer(RET_SUBMIT, number, 0, out.byte, out.length < length ? out.length : length);
-    else
+    else if ((setup[0] & 0x60) == 0 || (index & 255) == 1 || !answers_late(number, bytes))
         answer(RET_SUBMIT, number, 0, NULL, bytes);
 }
 
@@ -335,13 +393,6 @@ static void attach(void)
     link_fd = pair[0];
 }
 
-static int64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
-
 /* With priority over the frame rate, a long exposure has its time. */
 static int64_t period_ns(void)
 {
@@ -354,8 +405,9 @@ int main(int argc, char **argv)
 {
     const struct sigaction action = {.sa_sigaction = on_signal, .sa_flags = SA_SIGINFO};
     display = argc > 1 && strcmp(argv[1], "display") == 0;
-    if (argc < 2 || (!display && strcmp(argv[1], "linear") != 0)) {
-        fprintf(stderr, "usage: uvc_camera linear|display\n");
+    hard = argc > 2 && strcmp(argv[2], "hard") == 0;
+    if (argc < 2 || (!display && strcmp(argv[1], "linear") != 0) || (argc > 2 && !hard)) {
+        fprintf(stderr, "usage: uvc_camera linear|display [hard]\n");
         return 2;
     }
     sigaction(UVC_SET_LIGHT, &action, NULL);
@@ -363,7 +415,9 @@ int main(int argc, char **argv)
     attach();
     for (int64_t next_ns = now_ns(); !ended;) {
         struct pollfd p = {link_fd, POLLIN, 0};
-        const int64_t left_ns = next_ns - now_ns();
+        const int64_t answer_ns = answer_late();
+        const int64_t until_ns = answer_ns && answer_ns < next_ns ? answer_ns : next_ns;
+        const int64_t left_ns = until_ns - now_ns();
         if (poll(&p, 1, left_ns > 0 ? (int)(left_ns / 1000000) + 1 : 0) > 0)
             serve();
         if (now_ns() < next_ns)

@@ -1,8 +1,9 @@
 #!/bin/sh
-# uvc_guest.sh TEST CAMERA NODE PUPIL [plots]: in the guest of vm.uvc. A USB port that has its far end in user space;
-# uvc.c, and then the program as its user meets it. With a last word its plots are printed, packed.
+# uvc_guest.sh TEST CAMERA NODE FULL PUPIL [plots]: in the guest of vm.uvc. A USB port that has its far end in user
+# space; uvc.c, then the program as its user meets it, then docs/examples/full.c. With a last word the program's plots are
+# printed, packed.
 set -u
-camera=$2 node=$3 pupil=$4 plots=${5:-}
+camera=$2 node=$3 full=$4 pupil=$5 plots=${6:-}
 cd "$TMPDIR" || exit 1
 modprobe -d "$MODULES" vhci-hcd
 modprobe -d "$MODULES" uvcvideo
@@ -27,11 +28,9 @@ until_converged() {
     done
 }
 
-# Light that is taken for a display's codes (linear) is a tone curve to pupil. It is regulated all the same; its brightest
-# parts, which would clip, may cost a stop of exposure (highlight_ev), which is up to 2.4 of that picture: 0.034. Eight
-# times the light for a while in between; 5 frames a second, so that a busy machine loses few.
-for answers in display linear; do
-    "$camera" $answers &
+# plug WORDS...: a camera; $plugged is its process, $path its node
+plug() {
+    "$camera" "$@" &
     plugged=$!
     for _ in $(seq 200); do
         path=$("$node" find uvcvideo capture 0) && break
@@ -39,6 +38,19 @@ for answers in display linear; do
     done
     "$node" set "$path" "Auto Exposure" 3
     "$node" set "$path" Gain 40
+}
+
+# is_put_back: the controls have what plug gave them
+is_put_back() {
+    [ "$("$node" get "$path" "Auto Exposure"; "$node" get "$path" Gain)" = "3
+40" ]
+}
+
+# Light that is taken for a display's codes (linear) is a tone curve to pupil. It is regulated all the same; its brightest
+# parts, which would clip, may cost a stop of exposure (highlight_ev), which is up to 2.4 of that picture: 0.034. Eight
+# times the light for a while in between; 5 frames a second, so that a busy machine loses few.
+for answers in display linear; do
+    plug $answers
     : >run.jsonl
     # shellcheck disable=SC2086 # words
     "$pupil" run -d "$path" --width 320 --height 240 --framerate 5 --mode sensor -t 200 -q --stats - \
@@ -58,8 +70,7 @@ for answers in display linear; do
     [ $answers = display ] || least=0.034
     awk -v level="$(last output_level)" -v least=$least 'BEGIN { exit !(level > least && level < 0.21) }' ||
         fail "$answers: shown at $(last output_level), not at 0.18"
-    [ "$("$node" get "$path" "Auto Exposure"; "$node" get "$path" Gain)" = "3
-40" ] || fail "$answers: the controls are not put back"
+    is_put_back || fail "$answers: the controls are not put back"
     if [ $answers = display ]; then
         timeout 120 "$pupil" probe -d "$path" --quick -q >probe.txt || fail "pupil probe: exit $?"
         cat probe.txt
@@ -69,5 +80,50 @@ for answers in display linear; do
     kill -TERM $plugged
     wait $plugged
 done
+
+# level LIGHT: log-average of the camera's picture, as its controls are now: UVC_LIGHT at 10 ms, gain 1 and light 8
+level() {
+    awk -v exposure="$("$node" get "$path" "Exposure Time, Absolute")" -v gain="$("$node" get "$path" Gain)" -v light="$1" \
+        'BEGIN { print 0.1 * exposure / 100 * gain / 16 * 8 ^ (light - 8) }'
+}
+
+# until_right LIGHT: the level is right, and is so again four seconds later; within two minutes
+until_right() {
+    right=0
+    for _ in $(seq 120); do
+        sleep 1
+        if awk -v level="$(level "$1")" 'BEGIN { exit !(level > 0.155 && level < 0.21) }'; then
+            right=$((right + 1))
+        else
+            right=0
+        fi
+        [ $right -lt 5 ] || return 0
+    done
+    fail "full: light $1: the camera's picture is at $(level "$1"), not at 0.18"
+}
+
+# A program of somebody else's, with the library alone, on a camera whose writes are slower than frames, and a third of
+# which are refused.
+plug display hard
+mkfifo frames
+tail -c 230400 <frames >last.rgb &
+reader=$!
+"$full" "$path" >frames 2>full.err &
+runner=$!
+for light in 8 9 7; do
+    "$node" light $plugged $light
+    until_right $light
+    echo "full: light $light: the camera's picture is at $(level $light)"
+done
+kill -TERM $runner
+wait $runner
+[ $? = 143 ] || fail "full: $(cat full.err)"
+wait $reader
+is_put_back || fail "full: the controls are not put back"
+# The middle of the picture that was shown last: 0.18 is sRGB 118.
+shown=$(tail -c +$((120 * 960 + 480 + 1)) last.rgb | head -c 3 | od -An -tu1 | awk '{ print $2 }')
+[ "${shown:-0}" -gt 90 ] && [ "$shown" -lt 135 ] || fail "full: the middle of its picture is $shown"
+kill -TERM $plugged
+wait $plugged
 echo "$failures failures"
 [ "$failures" = 0 ]

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "v4l2/capture/v4l2_source.h"
+#include "live/live.h"
 #include "v4l2/media/media.h"
 #include "vm/node.h"
 #include "vm/pattern.h"
@@ -88,7 +88,7 @@ static void test_raw(const char *name)
     pupil_frame frame;
     int lines = 0;
     const node_held before = node_holds();
-    while (pupil_v4l2_source_open(path, NULL, &o, &source, &why)) {
+    while (pupil_live_open(path, NULL, &(pupil_live_options){.capture = o, .hands_off = 1}, &source, &why)) {
         CHECK_MSG(strstr(why.text, "does not start"), "%s: %s", name, why.text);
         CHECK_MSG(++lines <= 2 && follow_line(why.text) == 0, "%s: %s", name, why.text);
         if (lines > 2)
@@ -97,7 +97,7 @@ static void test_raw(const char *name)
     CHECK_MSG(lines >= 1, "%s was not refused", name);
     for (int n = 0; n < 6; n++) {
         CHECK_MSG(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
-        const pupil_v4l2_format *f = &pupil_v4l2_source_capture(source)->format;
+        const pupil_v4l2_format *f = &pupil_live_capture(source)->format;
         const double off = pattern_off(&frame.image, f, PATTERN_CHECKERS, 0);
         CHECK_MSG(off <= pattern_tolerance(f, PATTERN_CHECKERS), "%s: frame %d is off by %g codes", name, n, off);
         pupil_source_done(source, &frame);

@@ -46,7 +46,7 @@ typedef struct pupil_v4l2_options {
     double fps;                      /* 0: what is set. A camera whose driver has no rate to set runs at its own */
     uint32_t buffers;                /* 2..32; 0: 4 */
     double timeout_s;                /* without a frame for so long, the stream has failed; 0: 5 */
-    double reopen_s;                 /* pupil_source only: how long an unplugged camera is waited for, and one whose
+    double reopen_s;                 /* pupil_live only: how long an unplugged camera is waited for, and one whose
                                       * stream stopped or changed is opened again; 0: that is an error */
     int newest;                      /* 1: of several frames that wait, the last one; the others count as late */
     int share;                       /* 1: buffers as dma-bufs, too */
@@ -55,7 +55,7 @@ typedef struct pupil_v4l2_options {
     const int *dmabuf; /* ... and a dma-buf for each area of each of them, of format.size_bytes at least, open for
                         * reading and writing: the k-th area of buffer i is dmabuf[i * areas + k]. They stay the
                         * caller's, who keeps them open until close */
-    int monotonic;     /* pupil_source only: 1: timestamps are CLOCK_MONOTONIC's; 0: the first frame's is 0 */
+    int monotonic;     /* pupil_live only: 1: timestamps are CLOCK_MONOTONIC's; 0: the first frame's is 0 */
     int (*stop)(void); /* asked while waiting; nonzero ends the stream; NULL: never */
 } pupil_v4l2_options;
 
@@ -76,7 +76,7 @@ typedef struct pupil_v4l2_counts {
     uint64_t repeated;  /* with the number of the frame before (drivers that do not count) */
     uint64_t flagged;   /* damaged, as the driver says */
     uint64_t cut;       /* with fewer bytes than the format has */
-    uint64_t damaged;   /* pupil_source only: JPEGs that cannot be decoded */
+    uint64_t damaged;   /* pupil_live only: JPEGs that cannot be decoded */
     uint64_t late;      /* left out for a newer one (options.newest) */
     uint64_t unstamped; /* without a monotonic timestamp: the moment they were taken from the driver stands for it */
     uint64_t reopened;  /* times that the camera was opened again */
@@ -109,7 +109,7 @@ typedef enum pupil_v4l2_stamp {
 } pupil_v4l2_stamp;
 
 typedef struct pupil_v4l2_frame {
-    pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_source decodes it */
+    pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_live decodes it */
     const void *coded;       /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
     size_t coded_bytes;
     uint32_t index;           /* of its buffer */

@@ -5,8 +5,9 @@
 #include <linux/videodev2.h>
 #include <pthread.h>
 
-#include "camera_controls.h"
+#include "pupil/camera_controls.h"
 #include "pupil/error.h"
+#include "refuse.h"
 
 enum { CAMERA_SAVED = 16, CAMERA_HISTORY = 16, CAMERA_USUAL_DELAY = 3 };
 
@@ -33,8 +34,11 @@ typedef struct camera_history {
                                  * written, and the one before; 0: not known */
 } camera_history;
 
-struct pupil_camera {
+typedef struct v4l2_camera {
+    pupil_camera base;
     pupil_camera_calls calls;
+    void (*released)(void *user);
+    void *user;                 /* of released */
     int fd, subdevice_fd, owns; /* owns: the files are duplicates */
     uint32_t height, at_frame_start;
     camera_control exposure, gain, vblank;
@@ -68,33 +72,40 @@ struct pupil_camera {
     pupil_camera_setting pending;
     pupil_camera_status status;
     camera_history exposures, gains;
-};
-
-/* Writes the sentence; returns -1. why NULL: nowhere. */
-__attribute__((format(printf, 2, 3))) int pupil_camera_refuse(pupil_why *why, const char *format, ...);
+} v4l2_camera;
 
 /* 0, or a negative errno. */
-int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control);
-int pupil_camera_get_control(const pupil_camera *camera, int fd, uint32_t id, int64_t *value);
-int pupil_camera_set_control(const pupil_camera *camera, int fd, uint32_t id, int64_t value);
+int pupil_camera_query(const v4l2_camera *camera, int fd, uint32_t id, camera_control *control);
+int pupil_camera_get_control(const v4l2_camera *camera, int fd, uint32_t id, int64_t *value);
+int pupil_camera_set_controls(const v4l2_camera *camera, int fd, struct v4l2_ext_controls *controls);
+int pupil_camera_set_control(const v4l2_camera *camera, int fd, uint32_t id, int64_t value);
 /* "exposure time, absolute": what the driver's documentation calls the control. */
 const char *pupil_camera_control_name(uint32_t id);
 
 /* Turns off what steers by itself, after noting it; -1 and a sentence. Turns it off once more: 0, or the first error.
  * Puts everything back; the number that could not be, and the id of the first. */
-int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, pupil_why *why);
-int pupil_camera_turn_off_again(const pupil_camera *camera);
-int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first);
+int pupil_camera_take(v4l2_camera *camera, uint32_t mains_hz, pupil_why *why);
+int pupil_camera_turn_off_again(const v4l2_camera *camera);
+int pupil_camera_put_back(const v4l2_camera *camera, uint32_t *first);
 
 /* Writes a setting in the right order and reads back what was taken (0: as before): 0, or a negative errno. */
-int pupil_camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain);
+int pupil_camera_write(v4l2_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain);
 
 /* The writer. stop: 0, or 1 where it hangs and will free the camera by itself. */
-int pupil_camera_writer_start(pupil_camera *camera);
-int pupil_camera_writer_stop(pupil_camera *camera);
+int pupil_camera_writer_start(v4l2_camera *camera);
+int pupil_camera_writer_stop(v4l2_camera *camera);
 
 /* From which frame on the latest entry is in force. The lock is held. */
 uint64_t pupil_camera_acts_from(const camera_history *h);
-void pupil_camera_free(pupil_camera *camera);
+void pupil_camera_free(v4l2_camera *camera);
+
+/* The table of pupil/camera_controls.h, function by function. */
+uint64_t pupil_camera_v4l2_ask(pupil_camera *camera, const pupil_camera_setting *setting);
+uint64_t pupil_camera_v4l2_reapply(pupil_camera *camera);
+void pupil_camera_v4l2_frame(pupil_camera *camera, uint64_t sequence, int started);
+void pupil_camera_v4l2_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *info);
+void pupil_camera_v4l2_learn(pupil_camera *camera, uint32_t exposure_delay, uint32_t gain_delay);
+void pupil_camera_v4l2_get_status(pupil_camera *camera, pupil_camera_status *status);
+void pupil_camera_v4l2_get_limits(pupil_camera *camera, pupil_camera_limits *limits);
 
 #endif

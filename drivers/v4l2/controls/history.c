@@ -24,8 +24,9 @@ static double history_at(const camera_history *h, uint64_t sequence)
     return value;
 }
 
-void pupil_camera_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *info)
+void pupil_camera_v4l2_in_force(pupil_camera *of, uint64_t sequence, pupil_frame_info *info)
 {
+    v4l2_camera *camera = (v4l2_camera *)of;
     pthread_mutex_lock(&camera->lock);
     info->exposure_s = history_at(&camera->exposures, sequence);
     info->gain = history_at(&camera->gains, sequence);
@@ -36,7 +37,7 @@ void pupil_camera_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_
 }
 
 /* A frame of these, from `from` to before `to`, was measured. */
-static int has_measured(const pupil_camera *camera, uint64_t from, uint64_t to)
+static int has_measured(const v4l2_camera *camera, uint64_t from, uint64_t to)
 {
     for (uint64_t n = from; n < to && n <= camera->measured; n++)
         if (camera->measured - n < 64 && camera->measured_mask >> (camera->measured - n) & 1)
@@ -48,7 +49,7 @@ static int has_measured(const pupil_camera *camera, uint64_t from, uint64_t to)
  * were not equally late after it, nobody knows which of them was seen. And only where frames came that were taken
  * otherwise than they said have they shown anything: where the one that would tell was lost, what is believed stays. 1:
  * the delay is another one now. */
-static int learn(const pupil_camera *camera, camera_history *h, uint32_t seen)
+static int learn(const v4l2_camera *camera, camera_history *h, uint32_t seen)
 {
     if (!seen || seen == h->learned || !h->late || (h->late_before && h->late_before != h->late))
         return 0;
@@ -63,8 +64,9 @@ static int learn(const pupil_camera *camera, camera_history *h, uint32_t seen)
     return h->delay != before;
 }
 
-void pupil_camera_learn(pupil_camera *camera, uint32_t exposure_delay, uint32_t gain_delay)
+void pupil_camera_v4l2_learn(pupil_camera *of, uint32_t exposure_delay, uint32_t gain_delay)
 {
+    v4l2_camera *camera = (v4l2_camera *)of;
     camera_history *e = &camera->exposures, *g = &camera->gains;
     pthread_mutex_lock(&camera->lock);
     const int alike = e->delay == g->delay;

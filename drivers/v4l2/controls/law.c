@@ -1,7 +1,7 @@
 /* Codes, factors and seconds. */
 #include <math.h>
 
-#include "camera_controls.h"
+#include "pupil/camera_controls.h"
 
 static double of_table(const pupil_camera_gain *law, int64_t code)
 {

@@ -9,18 +9,14 @@
 
 #include "controls_private.h"
 
-static int system_ioctl(void *user, int fd, unsigned long request, void *argument)
+static int system_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
-    int result;
-    (void)user;
-    do
-        result = ioctl(fd, request, argument);
-    while (result < 0 && errno == EINTR);
-    return result < 0 ? -errno : 0;
+    (void)context;
+    return ioctl(fd, request, argument);
 }
 
 /* On the subdevice, or passed on to the video node: 1; 0: there is none; -1: the driver fails, and `why` says so. */
-static int find(const pupil_camera *camera, uint32_t id, camera_control *control, pupil_why *why)
+static int find(const v4l2_camera *camera, uint32_t id, camera_control *control, pupil_why *why)
 {
     const int fd[2] = {camera->subdevice_fd, camera->fd};
     *control = (camera_control){.fd = -1};
@@ -29,14 +25,14 @@ static int find(const pupil_camera *camera, uint32_t id, camera_control *control
         if (!error)
             return 1;
         if (error != -EINVAL && error != -ENOTTY) /* EINVAL: no such control; ENOTTY: no controls at all */
-            return pupil_camera_refuse(why, "the driver does not answer for %s: %s", pupil_camera_control_name(id),
-                                       strerror(-error));
+            return pupil_refuse(why, "the driver does not answer for %s: %s", pupil_camera_control_name(id),
+                                strerror(-error));
     }
     return 0;
 }
 
 /* line_s: 1; 0: nobody tells it; -1 and a sentence. */
-static int find_line(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
+static int find_line(v4l2_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     camera_control rate, blank;
     int64_t pixels_a_second = 0, pixels = 0;
@@ -56,7 +52,7 @@ static int find_line(pupil_camera *camera, const pupil_camera_options *options, 
     return 1;
 }
 
-static int find_exposure(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
+static int find_exposure(v4l2_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     int64_t blank = 0;
     camera->vblank.fd = camera->gain.fd = -1;
@@ -70,14 +66,13 @@ static int find_exposure(pupil_camera *camera, const pupil_camera_options *optio
         return has < 0 ? -1 : 0;
     has = find(camera, V4L2_CID_EXPOSURE, &camera->exposure, why);
     if (has == 0)
-        return pupil_camera_refuse(
-            why, "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
-                 "sensor's subdevice: its exposure time cannot be set");
+        return pupil_refuse(why, "this camera has neither EXPOSURE_ABSOLUTE nor EXPOSURE, on the video node or on its "
+                                 "sensor's subdevice: its exposure time cannot be set");
     const int has_line = has < 0 ? -1 : find_line(camera, options, why);
     if (has_line < 0)
         return -1;
     if (!has_line)
-        return pupil_camera_refuse(
+        return pupil_refuse(
             why, "EXPOSURE counts lines, and a line's time is not known: the driver must report PIXEL_RATE and "
                  "HBLANK, and the caller the width; or the caller the line's time itself");
     camera->unit_s = camera->line_s;
@@ -88,7 +83,7 @@ static int find_exposure(pupil_camera *camera, const pupil_camera_options *optio
 }
 
 /* The law of a control without a known one, and codes that have no gain: 0 of a law that is proportional. */
-static void settle_law(pupil_camera *camera, const pupil_camera_gain *known)
+static void settle_law(v4l2_camera *camera, const pupil_camera_gain *known)
 {
     pupil_camera_range *r = &camera->gain.range;
     const int64_t one = r->least > 0 ? r->least : r->usual > 0 ? r->usual : 1;
@@ -98,7 +93,7 @@ static void settle_law(pupil_camera *camera, const pupil_camera_gain *known)
         r->least += r->step > 0 ? r->step : 1;
 }
 
-static int find_law(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
+static int find_law(v4l2_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     pupil_camera_sensor sensor = {.black = -1.0};
     int known = options->sensor != NULL;
@@ -121,46 +116,63 @@ static int find_law(pupil_camera *camera, const pupil_camera_options *options, p
     return has < 0 ? -1 : 0;
 }
 
-void pupil_camera_free(pupil_camera *camera)
-{
-    const pupil_camera_calls calls = camera->calls;
-    if (camera->owns) {
-        if (camera->fd >= 0)
-            close(camera->fd);
-        if (camera->subdevice_fd >= 0)
-            close(camera->subdevice_fd);
-    }
-    pthread_cond_destroy(&camera->wake);
-    pthread_cond_destroy(&camera->idle);
-    pthread_mutex_destroy(&camera->lock);
-    free(camera);
-    if (calls.released)
-        calls.released(calls.user);
-}
-
-static int set_up(pupil_camera *camera, const pupil_camera_options *options, pupil_why *why)
+static int set_up(v4l2_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     if ((options->fd >= 0 && camera->fd < 0) || (options->subdevice_fd >= 0 && camera->subdevice_fd < 0))
-        return pupil_camera_refuse(why, "no file could be opened: %s", strerror(errno));
+        return pupil_refuse(why, "no file could be opened: %s", strerror(errno));
     if (options->mains_hz && options->mains_hz != 50 && options->mains_hz != 60)
-        return pupil_camera_refuse(why, "mains_hz must be 50, 60 or 0, not %u", options->mains_hz);
+        return pupil_refuse(why, "mains_hz must be 50, 60 or 0, not %u", options->mains_hz);
     if (find_exposure(camera, options, why) || find_law(camera, options, why) ||
         pupil_camera_take(camera, options->mains_hz, why))
         return -1;
     const int error = pupil_camera_writer_start(camera);
-    return error ? pupil_camera_refuse(why, "no thread for the camera's controls: %s", strerror(-error)) : 0;
+    return error ? pupil_refuse(why, "no thread for the camera's controls: %s", strerror(-error)) : 0;
 }
+
+static int close_camera(pupil_camera *of, pupil_why *why)
+{
+    v4l2_camera *camera = (v4l2_camera *)of;
+    uint32_t first = 0;
+    if (pupil_camera_writer_stop(camera)) /* the object is the thread's now */
+        return 1;
+    const int failed = pupil_camera_put_back(camera, &first);
+    if (failed)
+        pupil_refuse(why, "%s could not be put back to what it was before (and %d other controls)",
+                     pupil_camera_control_name(first), failed - 1);
+    pupil_camera_free(camera);
+    return failed ? -1 : 0;
+}
+
+static void restore(pupil_camera *of)
+{
+    pupil_camera_put_back((v4l2_camera *)of, NULL);
+}
+
+static const pupil_camera_ops ops = {
+    .ask = pupil_camera_v4l2_ask,
+    .reapply = pupil_camera_v4l2_reapply,
+    .frame = pupil_camera_v4l2_frame,
+    .in_force = pupil_camera_v4l2_in_force,
+    .learn = pupil_camera_v4l2_learn,
+    .get_status = pupil_camera_v4l2_get_status,
+    .get_limits = pupil_camera_v4l2_get_limits,
+    .restore = restore,
+    .close = close_camera,
+};
 
 pupil_camera *pupil_camera_open(const pupil_camera_options *options, pupil_why *why)
 {
-    pupil_camera *camera = calloc(1, sizeof *camera);
+    v4l2_camera *camera = calloc(1, sizeof *camera);
     if (!camera) {
-        pupil_camera_refuse(why, "no memory for the camera's controls");
-        if (options->calls && options->calls->released)
-            options->calls->released(options->calls->user);
+        pupil_refuse(why, "no memory for the camera's controls");
+        if (options->released)
+            options->released(options->user);
         return NULL;
     }
+    camera->base.ops = &ops;
     camera->calls = options->calls ? *options->calls : (pupil_camera_calls){.ioctl = system_ioctl};
+    camera->released = options->released;
+    camera->user = options->user;
     camera->owns = !options->calls;
     camera->fd = options->fd;
     camera->subdevice_fd = options->subdevice_fd;
@@ -175,26 +187,5 @@ pupil_camera *pupil_camera_open(const pupil_camera_options *options, pupil_why *
         pupil_camera_free(camera);
         return NULL;
     }
-    return camera;
-}
-
-int pupil_camera_close(pupil_camera *camera, pupil_why *why)
-{
-    uint32_t first = 0;
-    if (!camera)
-        return 0;
-    if (pupil_camera_writer_stop(camera)) /* the object is the thread's now */
-        return 1;
-    const int failed = pupil_camera_put_back(camera, &first);
-    if (failed)
-        pupil_camera_refuse(why, "%s could not be put back to what it was before (and %d other controls)",
-                            pupil_camera_control_name(first), failed - 1);
-    pupil_camera_free(camera);
-    return failed ? -1 : 0;
-}
-
-void pupil_camera_restore(pupil_camera *camera)
-{
-    if (camera)
-        pupil_camera_put_back(camera, NULL);
+    return &camera->base;
 }

@@ -141,7 +141,7 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
         reader r = {.line = ++line};
         const char *word;
         if (length >= sizeof r.words)
-            return pupil_camera_refuse(why, "sensors, line %d: longer than %zu characters", line, sizeof r.words - 1);
+            return pupil_refuse(why, "sensors, line %d: longer than %zu characters", line, sizeof r.words - 1);
         memcpy(r.words, at, length);
         r.at = r.words;
         r.end = r.words + length;
@@ -149,12 +149,11 @@ int pupil_camera_find_sensor(const char *text, const char *name, pupil_camera_se
         if (!(word = next_word(&r)) || *word == '#')
             continue;
         if (strlen(word) >= sizeof s.name)
-            return pupil_camera_refuse(why, "sensors, line %d: a name has at most %zu characters", line,
-                                       sizeof s.name - 1);
+            return pupil_refuse(why, "sensors, line %d: a name has at most %zu characters", line, sizeof s.name - 1);
         strcpy(s.name, word);
         read_words(&r, &s);
         if (r.fault)
-            return pupil_camera_refuse(why, "sensors, line %d (%s): %s", line, s.name, r.fault);
+            return pupil_refuse(why, "sensors, line %d (%s): %s", line, s.name, r.fault);
         if (!found && name && names(name, s.name)) {
             *sensor = s;
             found = 1;

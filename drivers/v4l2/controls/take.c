@@ -1,30 +1,27 @@
 /* System calls; taking the camera and giving it back. */
 #include <errno.h>
-#include <stdarg.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "controls_private.h"
 
 enum { PUT_BACK_AGAIN = 4, PUT_BACK_PAUSE_NS = 10000000 }; /* a write to a webcam takes some milliseconds */
 
-int pupil_camera_refuse(pupil_why *why, const char *format, ...)
+/* 0, or a negative errno; again where a signal interrupted it, a hundred times at most. */
+static int call(const v4l2_camera *camera, int fd, unsigned long request, void *argument)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    if (why)
-        vsnprintf(why->text, sizeof why->text, format, arguments);
-    va_end(arguments);
-    return -1;
+    int result = -1;
+    int error = EINTR;
+    for (int i = 0; i < 100 && result < 0 && error == EINTR; i++) {
+        result = camera->calls.ioctl(camera->calls.context, fd, request, argument);
+        error = result < 0 ? errno : 0;
+    }
+    return -error;
 }
 
-static int call(const pupil_camera *camera, int fd, unsigned long request, void *argument)
-{
-    return camera->calls.ioctl(camera->calls.user, fd, request, argument);
-}
-
-int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_control *control)
+int pupil_camera_query(const v4l2_camera *camera, int fd, uint32_t id, camera_control *control)
 {
     struct v4l2_query_ext_ctrl query = {.id = id};
     struct v4l2_queryctrl older = {.id = id};
@@ -47,7 +44,12 @@ int pupil_camera_query(const pupil_camera *camera, int fd, uint32_t id, camera_c
     return 0;
 }
 
-int pupil_camera_get_control(const pupil_camera *camera, int fd, uint32_t id, int64_t *value)
+int pupil_camera_set_controls(const v4l2_camera *camera, int fd, struct v4l2_ext_controls *controls)
+{
+    return call(camera, fd, VIDIOC_S_EXT_CTRLS, controls);
+}
+
+int pupil_camera_get_control(const v4l2_camera *camera, int fd, uint32_t id, int64_t *value)
 {
     struct v4l2_ext_control control = {.id = id};
     struct v4l2_ext_controls controls = {.count = 1, .controls = &control};
@@ -57,7 +59,7 @@ int pupil_camera_get_control(const pupil_camera *camera, int fd, uint32_t id, in
     return error;
 }
 
-int pupil_camera_set_control(const pupil_camera *camera, int fd, uint32_t id, int64_t value)
+int pupil_camera_set_control(const v4l2_camera *camera, int fd, uint32_t id, int64_t value)
 {
     struct v4l2_ext_control control = {.id = id, .value = (int32_t)value};
     struct v4l2_ext_controls controls = {.count = 1, .controls = &control};
@@ -90,13 +92,13 @@ const char *pupil_camera_control_name(uint32_t id)
     return "a control";
 }
 
-static int note(pupil_camera *camera, int fd, uint32_t id, pupil_why *why)
+static int note(v4l2_camera *camera, int fd, uint32_t id, pupil_why *why)
 {
     int64_t value = 0;
     const int error = pupil_camera_get_control(camera, fd, id, &value);
     if (error)
-        return pupil_camera_refuse(why, "the driver does not report the value of %s: %s", pupil_camera_control_name(id),
-                                   strerror(-error));
+        return pupil_refuse(why, "the driver does not report the value of %s: %s", pupil_camera_control_name(id),
+                            strerror(-error));
     camera->saved[camera->saved_count].fd = fd;
     camera->saved[camera->saved_count].id = id;
     camera->saved[camera->saved_count++].value = value;
@@ -104,7 +106,7 @@ static int note(pupil_camera *camera, int fd, uint32_t id, pupil_why *why)
 }
 
 /* The entry of EXPOSURE_AUTO by which a program sets the time: the menu need not have each. */
-static int64_t manual_of(const pupil_camera *camera, const camera_control *control)
+static int64_t manual_of(const v4l2_camera *camera, const camera_control *control)
 {
     static const uint32_t wanted[] = {V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY};
     for (int i = 0; i < 2; i++) {
@@ -117,19 +119,19 @@ static int64_t manual_of(const pupil_camera *camera, const camera_control *contr
 }
 
 /* Turns one off on every file that has it. */
-static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, pupil_why *why)
+static int turn_off(v4l2_camera *camera, int fd, uint32_t id, int64_t value, pupil_why *why)
 {
     camera_control control;
     const int absent = fd < 0 ? -EINVAL : pupil_camera_query(camera, fd, id, &control);
     if (absent == -EINVAL || absent == -ENOTTY)
         return 0;
     if (absent)
-        return pupil_camera_refuse(why, "the driver does not answer for %s: %s", pupil_camera_control_name(id),
-                                   strerror(-absent));
+        return pupil_refuse(why, "the driver does not answer for %s: %s", pupil_camera_control_name(id),
+                            strerror(-absent));
     if (id == V4L2_CID_EXPOSURE_AUTO && (value = manual_of(camera, &control)) < 0)
-        return pupil_camera_refuse(
-            why, "the menu of EXPOSURE_AUTO has neither manual nor shutter priority: this camera's exposure "
-                 "cannot be set");
+        return pupil_refuse(why,
+                            "the menu of EXPOSURE_AUTO has neither manual nor shutter priority: this camera's exposure "
+                            "cannot be set");
     value = value < control.range.least ? control.range.least : value > control.range.most ? control.range.most : value;
     if (note(camera, fd, id, why))
         return -1;
@@ -139,12 +141,12 @@ static int turn_off(pupil_camera *camera, int fd, uint32_t id, int64_t value, pu
     const int error = pupil_camera_set_control(camera, fd, id, value);
     /* EINVAL of the priority: some cameras allow it in other modes only, and then it does nothing */
     if (error && !(id == V4L2_CID_EXPOSURE_AUTO_PRIORITY && error == -EINVAL))
-        return pupil_camera_refuse(why, "the driver refuses %s = %lld: %s", pupil_camera_control_name(id),
-                                   (long long)value, strerror(-error));
+        return pupil_refuse(why, "the driver refuses %s = %lld: %s", pupil_camera_control_name(id), (long long)value,
+                            strerror(-error));
     return 0;
 }
 
-int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, pupil_why *why)
+int pupil_camera_take(v4l2_camera *camera, uint32_t mains_hz, pupil_why *why)
 {
     const camera_control *const steered[] = {&camera->vblank, &camera->exposure, &camera->gain};
     const int64_t mains = mains_hz == 50 ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ : V4L2_CID_POWER_LINE_FREQUENCY_60HZ;
@@ -172,7 +174,7 @@ int pupil_camera_take(pupil_camera *camera, uint32_t mains_hz, pupil_why *why)
     return 0;
 }
 
-int pupil_camera_turn_off_again(const pupil_camera *camera)
+int pupil_camera_turn_off_again(const v4l2_camera *camera)
 {
     int error = 0;
     for (uint32_t i = 0; i < camera->off_count; i++) {
@@ -183,7 +185,7 @@ int pupil_camera_turn_off_again(const pupil_camera *camera)
 }
 
 /* 1: it has its value again. A camera may be busy for a moment, and this is the last one to ask. */
-static int put_one_back(const pupil_camera *camera, int fd, uint32_t id, int64_t value)
+static int put_one_back(const v4l2_camera *camera, int fd, uint32_t id, int64_t value)
 {
     for (int i = 0;; i++) {
         int64_t found = 0;
@@ -199,7 +201,7 @@ static int put_one_back(const pupil_camera *camera, int fd, uint32_t id, int64_t
     }
 }
 
-int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first)
+int pupil_camera_put_back(const v4l2_camera *camera, uint32_t *first)
 {
     int failed = 0;
     for (uint32_t i = 0; i < camera->saved_count; i++)
@@ -207,4 +209,22 @@ int pupil_camera_put_back(const pupil_camera *camera, uint32_t *first)
             first)
             *first = camera->saved[i].id;
     return failed;
+}
+
+void pupil_camera_free(v4l2_camera *camera)
+{
+    void (*const released)(void *user) = camera->released;
+    void *user = camera->user;
+    if (camera->owns) {
+        if (camera->fd >= 0)
+            close(camera->fd);
+        if (camera->subdevice_fd >= 0)
+            close(camera->subdevice_fd);
+    }
+    pthread_cond_destroy(&camera->wake);
+    pthread_cond_destroy(&camera->idle);
+    pthread_mutex_destroy(&camera->lock);
+    free(camera);
+    if (released)
+        released(user);
 }

@@ -4,7 +4,7 @@
 #include "controls_private.h"
 
 /* Together where the driver takes that; else one by one: 0, or the first error. */
-static int set_both(const pupil_camera *camera, const camera_control *const control[2], const int64_t value[2],
+static int set_both(const v4l2_camera *camera, const camera_control *const control[2], const int64_t value[2],
                     int count)
 {
     struct v4l2_ext_control batch[2];
@@ -12,8 +12,7 @@ static int set_both(const pupil_camera *camera, const camera_control *const cont
     int error = 0;
     for (int i = 0; i < count; i++)
         batch[i] = (struct v4l2_ext_control){.id = control[i]->id, .value = (int32_t)value[i]};
-    if (count == 2 && control[0]->fd == control[1]->fd &&
-        !camera->calls.ioctl(camera->calls.user, control[0]->fd, VIDIOC_S_EXT_CTRLS, &controls))
+    if (count == 2 && control[0]->fd == control[1]->fd && !pupil_camera_set_controls(camera, control[0]->fd, &controls))
         return 0;
     for (int i = 0; i < count; i++) {
         const int one = pupil_camera_set_control(camera, control[i]->fd, control[i]->id, value[i]);
@@ -23,7 +22,7 @@ static int set_both(const pupil_camera *camera, const camera_control *const cont
 }
 
 /* The frame's period, by lines of blanking; the limits of EXPOSURE move with it. */
-static int set_period(pupil_camera *camera, double frame_s)
+static int set_period(v4l2_camera *camera, double frame_s)
 {
     camera_control *v = &camera->vblank;
     const double lines = frame_s / camera->line_s + 0.5 - camera->height;
@@ -46,7 +45,7 @@ static int set_period(pupil_camera *camera, double frame_s)
     return error;
 }
 
-int pupil_camera_write(pupil_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain)
+int pupil_camera_write(v4l2_camera *camera, const pupil_camera_setting *setting, double *exposure_s, double *gain)
 {
     const camera_control *control[2];
     int64_t value[2], taken = 0;

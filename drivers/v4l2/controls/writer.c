@@ -18,7 +18,7 @@ static struct timespec later(long ms)
 }
 
 /* The driver has taken `value`, asked for after frame `after`, if that is known. */
-static void took(pupil_camera *camera, camera_history *h, pupil_camera_value *v, double value, const uint64_t *after)
+static void took(v4l2_camera *camera, camera_history *h, pupil_camera_value *v, double value, const uint64_t *after)
 {
     if (!(value > 0.0) || (h->count && value == v->taken))
         return;
@@ -30,7 +30,7 @@ static void took(pupil_camera *camera, camera_history *h, pupil_camera_value *v,
 }
 
 /* Waits for something to write; 0: closing. The lock is held. */
-static int wait_for_work(pupil_camera *camera)
+static int wait_for_work(v4l2_camera *camera)
 {
     while (!camera->closing && camera->status.written == camera->status.asks)
         pthread_cond_wait(&camera->wake, &camera->lock);
@@ -46,7 +46,7 @@ static int wait_for_work(pupil_camera *camera)
 
 static void *writer(void *of)
 {
-    pupil_camera *camera = of;
+    v4l2_camera *camera = of;
     pthread_mutex_lock(&camera->lock);
     while (wait_for_work(camera)) {
         const pupil_camera_setting setting = camera->pending;
@@ -82,7 +82,7 @@ static void *writer(void *of)
     return NULL;
 }
 
-int pupil_camera_writer_start(pupil_camera *camera)
+int pupil_camera_writer_start(v4l2_camera *camera)
 {
     pthread_condattr_t monotonic;
     int64_t code = 0;
@@ -102,7 +102,7 @@ int pupil_camera_writer_start(pupil_camera *camera)
     return -pthread_create(&camera->thread, NULL, writer, camera);
 }
 
-int pupil_camera_writer_stop(pupil_camera *camera)
+int pupil_camera_writer_stop(v4l2_camera *camera)
 {
     const struct timespec until = later(STOP_WAIT_MS);
     pthread_mutex_lock(&camera->lock);
@@ -126,8 +126,9 @@ static double positive(double x)
     return x > 0.0 && isfinite(x) ? x : 0.0;
 }
 
-uint64_t pupil_camera_ask(pupil_camera *camera, const pupil_camera_setting *setting)
+uint64_t pupil_camera_v4l2_ask(pupil_camera *of, const pupil_camera_setting *setting)
 {
+    v4l2_camera *camera = (v4l2_camera *)of;
     const pupil_camera_setting s = {positive(setting->exposure_s), positive(setting->gain), positive(setting->frame_s)};
     pthread_mutex_lock(&camera->lock);
     /* what the latest ask leaves as it is, an earlier one that was not written yet may still have wanted */
@@ -144,8 +145,9 @@ uint64_t pupil_camera_ask(pupil_camera *camera, const pupil_camera_setting *sett
     return number;
 }
 
-uint64_t pupil_camera_reapply(pupil_camera *camera)
+uint64_t pupil_camera_v4l2_reapply(pupil_camera *of)
 {
+    v4l2_camera *camera = (v4l2_camera *)of;
     pupil_camera_setting latest = {0};
     pthread_mutex_lock(&camera->lock);
     camera->again = 1;
@@ -153,11 +155,12 @@ uint64_t pupil_camera_reapply(pupil_camera *camera)
         camera->status.exposure_s.asked > 0.0 ? camera->status.exposure_s.asked : camera->status.exposure_s.taken;
     latest.gain = camera->status.gain.asked > 0.0 ? camera->status.gain.asked : camera->status.gain.taken;
     pthread_mutex_unlock(&camera->lock);
-    return pupil_camera_ask(camera, &latest);
+    return pupil_camera_v4l2_ask(of, &latest);
 }
 
-void pupil_camera_frame(pupil_camera *camera, uint64_t sequence, int started)
+void pupil_camera_v4l2_frame(pupil_camera *of, uint64_t sequence, int started)
 {
+    v4l2_camera *camera = (v4l2_camera *)of;
     pthread_mutex_lock(&camera->lock);
     const uint64_t now = started ? sequence : sequence + 1;
     if (!camera->any_frame || now > camera->under_way)
@@ -170,8 +173,9 @@ void pupil_camera_frame(pupil_camera *camera, uint64_t sequence, int started)
     pthread_mutex_unlock(&camera->lock);
 }
 
-void pupil_camera_get_status(pupil_camera *camera, pupil_camera_status *status)
+void pupil_camera_v4l2_get_status(pupil_camera *of, pupil_camera_status *status)
 {
+    v4l2_camera *camera = (v4l2_camera *)of;
     pthread_mutex_lock(&camera->lock);
     *status = camera->status;
     pthread_mutex_unlock(&camera->lock);

@@ -8,7 +8,6 @@
 #include "file/sink/sink_common.h"
 #include "output.h"
 #include "refuse.h"
-#include "v4l2/capture/v4l2_source.h"
 #include "v4l2/device.h"
 
 #define BUFFERS      3    /* one that is shown, the next one, and one to fill */

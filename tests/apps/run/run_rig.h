@@ -88,7 +88,7 @@ static void step(live_run *r)
     CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, &r->why) == 0);
     cpu_engine_row_gains(r->pipeline.cpu, run_row_gains_take(&r->lamps, &r->sensor, &r->frame));
     CHECK_MSG(frame_pipeline_meter(&r->pipeline, &r->frame, &r->why) == 0, "%s", r->why.text);
-    run_sensor_judge(&r->sensor, &r->pipeline.stats, &r->frame.info, &r->pipeline.curve);
+    run_sensor_frame(&r->sensor, &r->pipeline.stats, &r->frame.info, &r->pipeline.curve);
     CHECK_MSG(frame_pipeline_map(&r->pipeline, &r->frame, 1, &r->why) == 0, "%s", r->why.text);
     memset(&r->record, 0, sizeof r->record);
     run_sensor_describe(&r->sensor, &r->frame.info, &r->record);

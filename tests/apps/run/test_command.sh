@@ -264,7 +264,7 @@ call 0 "300 frames" fake:sleep=6,5 -n 300 --stats hang.csv
 put_back "a write that hangs"
 
 # a camera that is busy for a moment: the setting that it refused is asked for again, and what it was is put back
-call 0 "refused by the camera: " fake:real fake:flat=600 fake:light=4@15 fake:refuse=6,6,16 -n 75 --stats busy.csv
+call 0 "refused by the camera: " fake:real fake:flat=600 fake:light=4@15 fake:refuse=6,6,16 -n 110 --stats busy.csv
 [ "$(last exposure_s busy.csv)" = "$(last asked_exposure_s busy.csv)" ] || fail "a refused exposure is not asked for again"
 within "$(last output_level busy.csv)" 0.165 0.195 || fail "after a refusal: shown at $(last output_level busy.csv)"
 put_back "a camera that is busy"

@@ -148,8 +148,8 @@ static void test_steps(void)
     rig_delay = 0;
     skip(&r, 90);
     for (int i = 0; i < 4; i++) {
-        r.sensor.config.manual_exposure_s = exposure_s[i];
-        CHECK(pupil_sensor_retune(&r.sensor.sensor, &r.sensor.config) == PUPIL_OK);
+        r.sensor.loop.config.manual_exposure_s = exposure_s[i];
+        CHECK(pupil_camera_loop_retune(&r.sensor.loop, &r.sensor.loop.config) == PUPIL_OK);
         for (int k = 0; k < 20; k++) {
             const uint64_t before = r.lamps.with;
             step(&r);

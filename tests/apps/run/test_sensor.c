@@ -121,7 +121,7 @@ static void test_linear(void)
         begin(&r, RUN_SENSOR, V4L2_PIX_FMT_RGB24, 0, exposures[k], 16, 3.0);
         r.options.shown.config.lock = 1; /* the camera stays where it is */
         step(&r);
-        r.sensor.setting.frame_digital = 0.7 + 0.3 * k;
+        r.sensor.loop.setting.frame_digital = 0.7 + 0.3 * k;
         r.options.shown.config.lock = 1;
         CHECK(run_sensor_curve(&r.sensor, &r.pipeline.curve) == 1);
         CHECK(frame_pipeline_map_again(&r.pipeline, &r.pipeline.curve, &r.frame) == 0);
@@ -132,7 +132,7 @@ static void test_linear(void)
                 double light[3], largest = 0.0;
                 for (int c = 0; c < 3; c++) {
                     const double code = in[c] / 255.0; /* IEC 61966-2-1 */
-                    light[c] = r.sensor.setting.frame_digital *
+                    light[c] = r.sensor.loop.setting.frame_digital *
                                (code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4));
                     largest = fmax(largest, light[c]);
                 }
@@ -144,7 +144,7 @@ static void test_linear(void)
                 }
             }
         CHECK(k != 1 || distance(&r) <= 1);
-        CHECK_MSG(most <= 1, "factor %g: %d codes off", r.sensor.setting.frame_digital, most);
+        CHECK_MSG(most <= 1, "factor %g: %d codes off", r.sensor.loop.setting.frame_digital, most);
         end(&r);
     }
 }
@@ -164,8 +164,8 @@ static void test_hidden_steps(double light, int slow_ms)
     for (int i = 0; i < 60; i++) {
         step(&r);
         if (i == 30) { /* the hidden level changes, and with it the sensor's setting, while frames wait in the queue */
-            r.sensor.config.ev_compensation = -2.0;
-            pupil_sensor_retune(&r.sensor.sensor, &r.sensor.config);
+            r.sensor.loop.config.ev_compensation = -2.0;
+            pupil_camera_loop_retune(&r.sensor.loop, &r.sensor.loop.config);
         }
         if (slow_ms)
             system->poll(system->context, NULL, 0, slow_ms);
@@ -208,8 +208,8 @@ static void test_learned(uint32_t true_delay, int slow_ms)
     for (int i = 0; i < 280; i++) {
         step(&r);
         if (i % 30 == 29 && i > 60) {
-            r.sensor.config.ev_compensation = ev[i / 30 - 2];
-            pupil_sensor_retune(&r.sensor.sensor, &r.sensor.config);
+            r.sensor.loop.config.ev_compensation = ev[i / 30 - 2];
+            pupil_camera_loop_retune(&r.sensor.loop, &r.sensor.loop.config);
         }
         if (slow_ms)
             fake_v4l2_system(r.fake)->poll(fake_v4l2_system(r.fake)->context, NULL, 0, slow_ms);

@@ -5,8 +5,8 @@
 #include "check.h"
 
 #include "fake_v4l2/fake_v4l2.h"
+#include "live/live.h"
 #include "pupil/error.h"
-#include "v4l2/capture/v4l2_source.h"
 
 typedef struct fake_source {
     fake_v4l2 *fake;
@@ -25,7 +25,8 @@ static inline fake_source fake_source_open(const char *which, const fake_v4l2_co
         abort();
     if (!options.system)
         options.system = fake_v4l2_system(s.fake);
-    s.result = pupil_v4l2_source_open(which, NULL, &options, &s.source, &s.why);
+    s.result =
+        pupil_live_open(which, NULL, &(pupil_live_options){.capture = options, .hands_off = 1}, &s.source, &s.why);
     return s;
 }
 
@@ -37,7 +38,7 @@ static inline int fake_source_next(fake_source *s, pupil_frame *frame)
 
 static inline const pupil_v4l2_counts *fake_source_counts(const fake_source *s)
 {
-    return &pupil_v4l2_source_capture(s->source)->counts;
+    return &pupil_live_capture(s->source)->counts;
 }
 
 static inline void fake_source_close(fake_source *s)

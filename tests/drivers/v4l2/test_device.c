@@ -142,7 +142,7 @@ static void test_agreement(void)
         if (cases[i].refusal) {
             CHECK_MSG(strstr(s.why.text, cases[i].refusal), "case %zu: %s", i, s.why.text);
         } else if (s.source) {
-            const pupil_v4l2_format *f = &pupil_v4l2_source_capture(s.source)->format;
+            const pupil_v4l2_format *f = &pupil_live_capture(s.source)->format;
             CHECK_MSG(f->fourcc == cases[i].fourcc && f->width == cases[i].width && s.source->fps == cases[i].fps,
                       "case %zu: %s %u %g", i, pupil_v4l2_fourcc_name(f->fourcc).text, f->width, s.source->fps);
         }
@@ -180,7 +180,8 @@ static void test_refusals(void)
     fake_source first = fake_source_open("/dev/video0", &c, NULL);
     const pupil_v4l2_options options = {.system = fake_v4l2_system(first.fake)};
     pupil_source *second = NULL;
-    CHECK(pupil_v4l2_source_open("/dev/video0", NULL, &options, &second, &why) == PUPIL_SOURCE_FAILED);
+    CHECK(pupil_live_open("/dev/video0", NULL, &(pupil_live_options){.capture = options, .hands_off = 1}, &second,
+                          &why) == PUPIL_SOURCE_FAILED);
     CHECK_MSG(strstr(why.text, "another program is using the camera"), "%s", why.text);
     fake_source_close(&first);
 
@@ -191,7 +192,7 @@ static void test_refusals(void)
     pupil_frame frame;
     CHECK_MSG(plain.result == 0 && plain.source->fps == 30.0, "%s", plain.why.text);
     CHECK(fake_source_next(&plain, &frame) == PUPIL_SOURCE_FRAME);
-    CHECK(pupil_v4l2_source_capture(plain.source)->memory == V4L2_MEMORY_USERPTR);
+    CHECK(pupil_live_capture(plain.source)->memory == V4L2_MEMORY_USERPTR);
     fake_source_close(&plain);
 
     /* The options of any source go before those of cameras. */
@@ -199,8 +200,9 @@ static void test_refusals(void)
     fake_v4l2 *fake = fake_v4l2_new(&c);
     const pupil_source_options any = {.width = 32, .height = 24, .fps = 15};
     const pupil_v4l2_options more = {.system = fake_v4l2_system(fake), .width = 320, .height = 240};
-    CHECK(pupil_v4l2_source_open("0", &any, &more, &second, &why) == 0 && second->fps == 15.0);
-    CHECK(pupil_v4l2_source_capture(second)->format.width == 32);
+    CHECK(pupil_live_open("0", &any, &(pupil_live_options){.capture = more, .hands_off = 1}, &second, &why) == 0 &&
+          second->fps == 15.0);
+    CHECK(pupil_live_capture(second)->format.width == 32);
     pupil_source_close(second);
     fake_v4l2_free(fake);
 }

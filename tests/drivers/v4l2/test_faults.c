@@ -35,7 +35,7 @@ static void play_source(const scenario *s, fake_faults *f)
     pupil_source *source = NULL;
     options.system = &f->system;
     why.text[0] = 0;
-    if (pupil_v4l2_source_open(s->which, NULL, &options, &source, &why)) {
+    if (pupil_live_open(s->which, NULL, &(pupil_live_options){.capture = options, .hands_off = 1}, &source, &why)) {
         CHECK(source == NULL);
         check_why(f);
         return;

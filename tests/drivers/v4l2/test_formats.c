@@ -5,8 +5,8 @@
 #include <math.h>
 
 #include "fake_v4l2/fake_v4l2.h"
+#include "live/live.h"
 #include "pupil/pupil.h"
-#include "v4l2/capture/v4l2_source.h"
 #include "v4l2/modes.h"
 
 static pupil_why why;
@@ -23,7 +23,8 @@ static int open_subject(subject *s, const fake_v4l2_config *config, const pupil_
     o.system = fake_v4l2_system(s->fake);
     s->source = NULL;
     why.text[0] = 0;
-    return pupil_v4l2_source_open("v4l2:/dev/video0", NULL, &o, &s->source, &why);
+    return pupil_live_open("v4l2:/dev/video0", NULL, &(pupil_live_options){.capture = o, .hands_off = 1}, &s->source,
+                           &why);
 }
 
 static void close_subject(subject *s)
@@ -37,11 +38,11 @@ static void close_subject(subject *s)
 /* The same frame, drawn again into rows of another length; compared byte by byte. */
 static unsigned differing(const pupil_source *source, const pupil_frame *frame, double scale)
 {
-    const pupil_v4l2_format *f = &pupil_v4l2_source_capture(source)->format;
+    const pupil_v4l2_format *f = &pupil_live_capture(source)->format;
     const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width), chroma_row = f->width + f->width % 2;
     static unsigned char data[320 * 240 * 4], chroma[320 * 240];
     const fake_v4l2_picture picture = {.seed = 1,
-                                       .sequence = pupil_v4l2_source_frame(source)->sequence,
+                                       .sequence = pupil_live_frame(source)->sequence,
                                        .fourcc = f->fourcc,
                                        .width = f->width,
                                        .height = f->height,
@@ -109,10 +110,10 @@ static void check_format(const fake_v4l2_config *config, uint32_t fourcc, double
         CHECK_MSG(got == PUPIL_SOURCE_FRAME, "%s: %s", name, why.text);
         if (got != PUPIL_SOURCE_FRAME)
             break;
-        const pupil_v4l2_format *f = &pupil_v4l2_source_capture(s.source)->format;
+        const pupil_v4l2_format *f = &pupil_live_capture(s.source)->format;
         const unsigned wrong = differing(s.source, &frame, 1.0);
         CHECK_MSG(f->fourcc == fourcc && wrong == 0, "%s: %u rows differ", name, wrong);
-        const double off = metered_ev(&frame) - scene_ev(f, pupil_v4l2_source_frame(s.source)->sequence, 1.0);
+        const double off = metered_ev(&frame) - scene_ev(f, pupil_live_frame(s.source)->sequence, 1.0);
         CHECK_MSG(fabs(off) < tolerance_ev, "%s: metered %g stops off", name, off);
         pupil_source_done(s.source, &frame);
     }

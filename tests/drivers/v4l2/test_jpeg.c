@@ -44,8 +44,8 @@ static void check_picture(const pupil_frame *frame, uint32_t seed, uint32_t sequ
 static void check_coded(const pupil_frame *frame, const fake_source *s)
 {
     const unsigned char *bytes = frame->coded;
-    const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s->source);
-    const pupil_v4l2_buffer *buffer = &pupil_v4l2_source_capture(s->source)->buffer[f->index];
+    const pupil_v4l2_frame *f = pupil_live_frame(s->source);
+    const pupil_v4l2_buffer *buffer = &pupil_live_capture(s->source)->buffer[f->index];
     CHECK(bytes == (const unsigned char *)buffer->memory[0] + f->offset_bytes[0]);
     CHECK(frame->coded_bytes > 500 && frame->coded_bytes < buffer->bytes[0]);
     CHECK(bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[frame->coded_bytes - 1] == 0xd9);
@@ -82,7 +82,7 @@ static void test_choice(void)
     pupil_frame frame;
     config.only_format = V4L2_PIX_FMT_MJPEG;
     fake_source s = fake_source_open("/dev/video0", &config, NULL);
-    CHECK(s.result == 0 && pupil_v4l2_source_capture(s.source)->format.compressed);
+    CHECK(s.result == 0 && pupil_live_capture(s.source)->format.compressed);
     fake_source_close(&s);
 
     config.only_format = 0; /* of MJPG, which is its first, and all the others; set to MJPG by somebody before */
@@ -91,10 +91,10 @@ static void test_choice(void)
     const pupil_v4l2_options any = {.system = fake_v4l2_system(fake)};
     pupil_why why;
     pupil_source *source = NULL;
-    CHECK(pupil_v4l2_source_open("0", NULL, &mjpg, &source, &why) == 0);
+    CHECK(pupil_live_open("0", NULL, &(pupil_live_options){.capture = mjpg, .hands_off = 1}, &source, &why) == 0);
     pupil_source_close(source);
-    CHECK(pupil_v4l2_source_open("0", NULL, &any, &source, &why) == 0);
-    CHECK(pupil_v4l2_source_capture(source)->format.fourcc == V4L2_PIX_FMT_YUYV);
+    CHECK(pupil_live_open("0", NULL, &(pupil_live_options){.capture = any, .hands_off = 1}, &source, &why) == 0);
+    CHECK(pupil_live_capture(source)->format.fourcc == V4L2_PIX_FMT_YUYV);
     CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(!frame.coded && !frame.coded_bytes && frame.image.data);
     pupil_source_close(source);

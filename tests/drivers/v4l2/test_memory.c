@@ -25,10 +25,10 @@ static unsigned differing_rows(const void *a, ptrdiff_t a_stride, const void *b,
 static void check_frame(const fake_source *s, const pupil_frame *frame)
 {
     static unsigned char data[320 * 240 * 2], chroma[320 * 240];
-    const pupil_v4l2_format *f = &pupil_v4l2_source_capture(s->source)->format;
+    const pupil_v4l2_format *f = &pupil_live_capture(s->source)->format;
     const pupil_image_const *image = &frame->image;
     fake_v4l2_picture p = {.seed = 1,
-                           .sequence = pupil_v4l2_source_frame(s->source)->sequence,
+                           .sequence = pupil_live_frame(s->source)->sequence,
                            .fourcc = f->fourcc,
                            .width = f->width,
                            .height = f->height,
@@ -111,7 +111,7 @@ static void test_kinds(void)
             fake_source s = fake_source_open("/dev/video0", &config, &options);
             CHECK_MSG(s.result == 0, "%s: %s", m->name, s.why.text);
             if (s.source) {
-                const pupil_v4l2_capture *c = pupil_v4l2_source_capture(s.source);
+                const pupil_v4l2_capture *c = pupil_live_capture(s.source);
                 CHECK_MSG(c->reading == m->reading, "%s: %s", m->name, pupil_v4l2_reading_name(c->reading));
                 CHECK_MSG(pupil_v4l2_is_slow(&c->speed) == m->is_slow, "%s: %g of %g", m->name, c->speed.bytes_s,
                           c->speed.ordinary);
@@ -146,10 +146,11 @@ static void test_callers(void)
                                             .fourcc = multiplanar ? V4L2_PIX_FMT_NV12M : V4L2_PIX_FMT_YUYV,
                                             .dmabuf = fds,
                                             .dmabufs = 3};
-        s.result = pupil_v4l2_source_open("0", NULL, &options, &s.source, &s.why);
+        s.result =
+            pupil_live_open("0", NULL, &(pupil_live_options){.capture = options, .hands_off = 1}, &s.source, &s.why);
         CHECK_MSG(s.result == 0, "%s", s.why.text);
         if (s.source) {
-            const pupil_v4l2_capture *c = pupil_v4l2_source_capture(s.source);
+            const pupil_v4l2_capture *c = pupil_live_capture(s.source);
             CHECK(c->reading == PUPIL_V4L2_READS_CALLERS && c->buffers == 3 &&
                   c->buffer[2].dmabuf[0] == fds[2 * areas]);
         }

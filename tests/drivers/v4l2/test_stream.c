@@ -33,7 +33,7 @@ static void test_times(void)
             for (uint64_t i = 0; i < 8; i++) {
                 pupil_frame frame;
                 CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
-                const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s.source);
+                const pupil_v4l2_frame *f = pupil_live_frame(s.source);
                 CHECK(frame.info.sequence == UINT32_MAX - 2 + i); /* goes on where 32 bits end */
                 CHECK(f->sequence == UINT32_MAX - 2 + (uint32_t)i);
                 CHECK(f->stamp == (stamp == FAKE_STAMP_NONE           ? PUPIL_V4L2_STAMP_NONE
@@ -68,7 +68,7 @@ static void test_other_clock(void)
         for (int i = 0; i < 4; i++) {
             pupil_frame frame;
             CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
-            const pupil_v4l2_frame *f = pupil_v4l2_source_frame(s.source);
+            const pupil_v4l2_frame *f = pupil_live_frame(s.source);
             CHECK((f->stamp == PUPIL_V4L2_STAMP_NONE) == !ours);
             CHECK(ours || f->stamp_ns == f->taken_ns);
             CHECK(llabs(frame.info.timestamp_ns - f->taken_ns) < 10000000);
@@ -98,7 +98,7 @@ static void test_losses(void)
                 CHECK_MSG(0, "%s", s.why.text);
                 break;
             }
-            lost += pupil_v4l2_source_frame(s.source)->lost;
+            lost += pupil_live_frame(s.source)->lost;
             CHECK_MSG(*(const unsigned char *)frame.image.data != 0xee, "a flagged frame came out");
             CHECK(i == 0 || frame.info.sequence > last);
             if (i == 0)
@@ -315,7 +315,7 @@ static void test_controls(void)
     c.control_delay = 3;
     fake_source s = fake_source_open("/dev/video0", &c, &options);
     CHECK_MSG(s.result == 0, "%s", s.why.text);
-    const pupil_v4l2_device *device = &pupil_v4l2_source_capture(s.source)->device;
+    const pupil_v4l2_device *device = &pupil_live_capture(s.source)->device;
     for (uint32_t i = 0; i < 12; i++) {
         pupil_frame frame;
         uint16_t first;
@@ -364,7 +364,7 @@ static void test_calls(void)
     pupil_why why;
     fake_faults_begin(&counter, fake_v4l2_system(fake), 0, 0, 0);
     const pupil_v4l2_options options = {.system = &counter.system};
-    CHECK(pupil_v4l2_source_open("0", NULL, &options, &source, &why) == 0);
+    CHECK(pupil_live_open("0", NULL, &(pupil_live_options){.capture = options, .hands_off = 1}, &source, &why) == 0);
     const unsigned long before = counter.calls;
     for (int i = 0; source && i < 600; i++) {
         CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
@@ -386,8 +386,8 @@ static void test_share(void)
         const pupil_v4l2_options options = {.fourcc = V4L2_PIX_FMT_NV12M, .share = 1};
         fake_source s = fake_source_open("/dev/video0", &c, &options);
         CHECK_MSG(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME, "%s", s.why.text);
-        const pupil_v4l2_capture *capture = pupil_v4l2_source_capture(s.source);
-        const pupil_v4l2_buffer *b = &capture->buffer[pupil_v4l2_source_frame(s.source)->index];
+        const pupil_v4l2_capture *capture = pupil_live_capture(s.source);
+        const pupil_v4l2_buffer *b = &capture->buffer[pupil_live_frame(s.source)->index];
         const void *planes[2] = {frame.image.data, frame.image.chroma};
         for (int i = 0; i < 2; i++) {
             CHECK(refused ? b->dmabuf[i] == -1 : b->dmabuf[i] >= 0);

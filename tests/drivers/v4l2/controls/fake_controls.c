@@ -101,9 +101,9 @@ static int answer(fake_controls *fake, int fd, unsigned long request, void *argu
     return request == VIDIOC_S_EXT_CTRLS ? write_all(fake, fd, all, call) : -ENOTTY;
 }
 
-static int fake_ioctl(void *user, int fd, unsigned long request, void *argument)
+static int fake_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
-    fake_controls *fake = user;
+    fake_controls *fake = context;
     pthread_mutex_lock(&fake->lock);
     const long sleep_ms = request == VIDIOC_S_EXT_CTRLS ? fake->sleep_ms : 0;
     if (sleep_ms) {
@@ -115,7 +115,8 @@ static int fake_ioctl(void *user, int fd, unsigned long request, void *argument)
         pthread_cond_wait(&fake->moved, &fake->lock);
     const int result = answer(fake, fd, request, argument);
     pthread_mutex_unlock(&fake->lock);
-    return result;
+    errno = result < 0 ? -result : errno;
+    return result < 0 ? -1 : 0;
 }
 
 static void begin(fake_controls *fake)
@@ -124,7 +125,7 @@ static void begin(fake_controls *fake)
     pthread_mutex_init(&fake->lock, NULL);
     pthread_cond_init(&fake->moved, NULL);
     fake->fail_errno = EIO;
-    fake->table = (pupil_camera_calls){.ioctl = fake_ioctl, .user = fake};
+    fake->table = (pupil_camera_calls){.context = fake, .ioctl = fake_ioctl};
 }
 
 static void add(fake_controls *fake, fake_control control)

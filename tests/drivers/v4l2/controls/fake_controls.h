@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <stdint.h>
 
-#include "v4l2/controls/camera_controls.h"
+#include "pupil/camera_controls.h"
 
 enum { FAKE_VIDEO = 10, FAKE_SUBDEVICE = 11, FAKE_CONTROLS = 20, FAKE_LOG = 4096 };
 

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "check.h"
-#include "v4l2/controls/camera_controls.h"
+#include "pupil/camera_controls.h"
 
 static void round_trip(const char *name, const pupil_camera_gain *law, pupil_camera_range range)
 {

@@ -1,0 +1,129 @@
+/* Slow, refused and lost writes of a camera whose exposure is steered. */
+#include "pupil/camera_loop.h"
+
+#include "refuse.h"
+
+/* Where it is another setting than the last one. */
+static void ask(pupil_camera_loop *loop)
+{
+    const pupil_camera_setting wanted = {.exposure_s = loop->setting.exposure_s, .gain = loop->setting.gain};
+    if (wanted.exposure_s != loop->asked.exposure_s || wanted.gain != loop->asked.gain)
+        pupil_camera_ask(loop->camera, &wanted);
+    loop->asked = wanted;
+}
+
+void pupil_camera_loop_retry(pupil_camera_loop *loop)
+{
+    pupil_camera_status status;
+    if (!loop->camera)
+        return;
+    pupil_camera_get_status(loop->camera, &status);
+    if (status.written != status.asks) /* a write is under way */
+        return;
+    loop->refused = status.failed != loop->failed_before;
+    if (!loop->refused)
+        return;
+    loop->refusals += status.failed - loop->failed_before;
+    loop->refusal = status.error;
+    loop->failed_before = status.failed;
+    pupil_camera_ask(loop->camera, &loop->asked);
+}
+
+static int retune_sensor(pupil_camera_loop *loop)
+{
+    pupil_sensor_config config = loop->config;
+    config.lock |= loop->slow;
+    return pupil_sensor_retune(&loop->sensor, &config);
+}
+
+/* A slow write locks the setting, and so does the first frame that has its values: the believed delay may be wrong by
+ * one frame. */
+static void lock_while_slow(pupil_camera_loop *loop, const pupil_frame_info *info)
+{
+    const uint32_t before = loop->slow;
+    pupil_camera_status status;
+    pupil_camera_get_status(loop->camera, &status);
+    if (status.written != status.asks)
+        loop->slow = 1;
+    else if (info->sequence > status.exposure_s.from_frame && info->sequence > status.gain.from_frame)
+        loop->slow = 0;
+    if (loop->slow != before)
+        retune_sensor(loop);
+}
+
+static void take_camera(pupil_camera_loop *loop, pupil_camera *camera)
+{
+    loop->camera = camera;
+    loop->slow = 0;
+    loop->refused = 0;
+    loop->failed_before = 0; /* a camera that was just opened has refused nothing */
+    loop->asked = (pupil_camera_setting){0};
+}
+
+int pupil_camera_loop_begin(pupil_camera_loop *loop, pupil_camera *camera, const pupil_sensor_config *config,
+                            double total_s, pupil_why *why)
+{
+    const char *fault = "";
+    pupil_camera_status status;
+    if (pupil_sensor_config_check(config, &fault))
+        return pupil_refuse(why, "the camera's exposure cannot be steered: %s", fault);
+    take_camera(loop, camera);
+    loop->config = *config;
+    pupil_sensor_init(&loop->sensor, config); /* of a camera that came back nothing is known: it may be another one */
+    pupil_camera_get_status(camera, &status);
+    if (total_s > 0.0)
+        pupil_sensor_start(&loop->sensor, total_s, 1.0);
+    else
+        pupil_sensor_start(&loop->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
+    loop->steers = 1;
+    pupil_sensor_get(&loop->sensor, &loop->setting);
+    ask(loop);
+    return 0;
+}
+
+void pupil_camera_loop_hold(pupil_camera_loop *loop, pupil_camera *camera, const pupil_camera_setting *setting)
+{
+    take_camera(loop, camera);
+    loop->steers = 0;
+    loop->asked = *setting;
+    pupil_camera_ask(camera, setting);
+}
+
+int pupil_camera_loop_retune(pupil_camera_loop *loop, const pupil_sensor_config *config)
+{
+    const pupil_sensor_config before = loop->config;
+    loop->config = *config;
+    const int error = retune_sensor(loop);
+    if (error)
+        loop->config = before;
+    return error;
+}
+
+int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, const pupil_frame_info *info)
+{
+    pupil_camera_loop_retry(loop);
+    if (!loop->steers || !loop->camera)
+        return PUPIL_OK;
+    lock_while_slow(loop, info);
+    const int error = pupil_sensor_frame(&loop->sensor, stats, info);
+    pupil_sensor_get(&loop->sensor, &loop->setting);
+    pupil_camera_learn(loop->camera, loop->setting.exposure_delay, loop->setting.gain_delay);
+    if (loop->slow && !loop->config.lock) { /* to the caller it is no lock: the last step has not had its time */
+        loop->setting.state = PUPIL_SENSOR_SEARCHING;
+        loop->setting.reason = PUPIL_SENSOR_WAITING;
+    }
+    ask(loop);
+    return error;
+}
+
+void pupil_camera_loop_lost(pupil_camera_loop *loop)
+{
+    loop->camera = NULL;
+    loop->refused = 0;
+    loop->slow = 0;
+    if (!loop->steers)
+        return;
+    loop->setting.state = PUPIL_SENSOR_SEARCHING;
+    loop->setting.reason = PUPIL_SENSOR_WAITING;
+    loop->setting.frame_digital = 1.0;
+}
