@@ -112,7 +112,7 @@ def prose(name, text, all_comments):
 
 
 def is_public(name):
-    return name.startswith("lib/include/") or name in ("drivers/source.h", "drivers/sink.h")
+    return name.startswith(("lib/include/", "drivers/include/")) or name in ("drivers/source.h", "drivers/sink.h")
 
 
 # The test.

@@ -16,11 +16,10 @@
  * It captures nothing and knows nothing of buffers. It works next to GStreamer or any program that has the device open.
  * Only this header, libpupil-camera and -pthread are needed (pkg-config pupil-camera); of libpupil it uses types.
  *
- * V4L2 controls that it knows: of UVC cameras EXPOSURE_AUTO (its menu), EXPOSURE_ABSOLUTE (100 us),
- * EXPOSURE_AUTO_PRIORITY and GAIN; of sensors, on their subdevice or passed on to the video node, EXPOSURE (lines; the
- * line's time comes from PIXEL_RATE, HBLANK and the width), VBLANK and ANALOGUE_GAIN (by the sensor's law:
- * sensors.txt); POWER_LINE_FREQUENCY. VBLANK is written first, alone, and the limits of EXPOSURE are read again after
- * it.
+ * V4L2 controls of UVC cameras: EXPOSURE_AUTO (its menu), EXPOSURE_ABSOLUTE (100 us), EXPOSURE_AUTO_PRIORITY and GAIN.
+ * Of sensors, on their subdevice or passed on to the video node: EXPOSURE (lines; the line's time comes from
+ * PIXEL_RATE, HBLANK and the width), VBLANK, and ANALOGUE_GAIN (by the sensor's law: sensors.txt). Of both:
+ * POWER_LINE_FREQUENCY. VBLANK is written first, alone, and the limits of EXPOSURE are read again after it.
  *
  * Taking and giving back: open notes the values of all controls that it is going to change. It turns off automatic
  * exposure, gain and white balance, backlight compensation and the frame rate that follows the light. Close puts
@@ -52,7 +51,7 @@ extern "C" {
 
 /* --- laws --- */
 
-/* The factor that a gain code x stands for. All rise with x. */
+/* The factor of a gain code x. All rise with x. */
 typedef enum pupil_camera_law {
     PUPIL_CAMERA_RATIO = 0, /* (p[0] x + p[1]) / (p[2] x + p[3]), as MIPI CCS has it: x / 16 is 1 0 0 16, and
                              * 256 / (256 - x) is 0 256 -1 256 */
@@ -135,7 +134,7 @@ typedef struct pupil_camera_status {
     uint64_t asks, written; /* number of the latest ask, and of the latest that was written or refused */
     uint64_t failed;        /* writes that the driver refused ... */
     int error;              /* ... and the errno of the last one */
-    uint32_t writing;       /* a write is under way */
+    uint32_t writing;       /* a write is in progress */
 } pupil_camera_status;
 
 /* --- any camera --- */
@@ -144,7 +143,7 @@ typedef struct pupil_camera pupil_camera;
 
 /* What a kind of camera does in the calls below. pupil_camera_open makes one of V4L2. For another kind (a vendor's
  * library, a simulation) fill in a table, and put a pupil_camera first into the object. None may wait for the camera,
- * but for get_limits, restore and close. */
+ * except for get_limits, restore and close. */
 typedef struct pupil_camera_ops {
     uint64_t (*ask)(pupil_camera *camera, const pupil_camera_setting *setting);
     uint64_t (*reapply)(pupil_camera *camera);
@@ -194,7 +193,7 @@ void pupil_camera_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_
 
 /* What the frames show of the delays, as pupil_sensor_setting has them: from the frame last given to in_force when a
  * setting was asked for to the first that was taken with it; 0: not known. From now on in_force and get_status use
- * them, also for what was written before, in place of what is known of the sensor or believed; as long as only one of
+ * them, also for what was written before, in place of what is known of the sensor or assumed. As long as only one of
  * two delays that were alike is known, they stay alike. To be called after each frame; what it has learned already
  * costs nothing. */
 void pupil_camera_learn(pupil_camera *camera, uint32_t exposure_delay, uint32_t gain_delay);
