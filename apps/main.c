@@ -38,7 +38,7 @@ static int help(const char *what)
         char name[32];
         snprintf(name, sizeof name, "%s", command->name);
         char *asked[] = {name, "--help", NULL};
-        return command->run(2, asked);
+        return pupil_command_run(command, 2, asked);
     } else if (command)
         options_help(command, stdout);
     else
@@ -54,7 +54,7 @@ int main(int argc, char **argv)
     const char *what = argc > 2 ? argv[2] : "";
     const option_command *command = strchr(name, ' ') ? NULL : options_command(pupil_commands, name);
     if (command)
-        return command->run(argc - 1, argv + 1);
+        return pupil_command_run(command, argc - 1, argv + 1);
     if (strcmp(name, "version") == 0 || strcmp(name, "--version") == 0) {
         printf("pupil %d.%d.%d (library %s)\n", PUPIL_VERSION_MAJOR, PUPIL_VERSION_MINOR, PUPIL_VERSION_PATCH,
                pupil_version());

@@ -100,7 +100,6 @@ const option_command list_command = {
               "second. Formats that pupil does not read are in brackets.",
     .instead = "'pupil list --help' has more",
     .groups = groups,
-    .run = list_main,
 };
 
 int list_main(int argc, char **argv)

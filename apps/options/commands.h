@@ -30,4 +30,7 @@ extern const option_command run_command, replay_command, record_command, render_
 /* All of them in the order of the help, up to NULL. */
 extern const option_command *const pupil_commands[];
 
+/* Runs one of them: its own arguments, its name first; the exit status. */
+int pupil_command_run(const option_command *command, int argc, char **argv);
+
 #endif

@@ -71,7 +71,6 @@ struct option_command {
     const char *instead;                /* where there are no operands: what a user may have meant */
     const option_group *groups;         /* up to one without rows */
     const option_command *const *parts; /* `pupil bench scene` and so on, up to NULL; NULL: none */
-    int (*run)(int argc, char **argv);  /* its own arguments, its name first; the exit status */
 };
 
 /* What options_parse found besides the values. */

@@ -10,20 +10,6 @@ enum { MOST_ROWS = 64, FIRST_CODE = 256 /* above every letter */ };
 
 const option_command *const *option_commands;
 
-const option_row *options_row(const option_command *command, size_t n, size_t *base)
-{
-    static const option_row help = {.name = "help", .letter = 'h', .help = "this text"};
-    *base = 0;
-    for (const option_group *g = command->groups; g && g->rows; g++) {
-        if (n < g->rows) {
-            *base = g->base;
-            return &g->row[n];
-        }
-        n -= g->rows;
-    }
-    return n == 0 ? &help : NULL;
-}
-
 /* What getopt_long reads: the names, and the letters with a colon behind those that take a value. */
 typedef struct known {
     struct option name[MOST_ROWS + 1];

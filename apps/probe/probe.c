@@ -74,7 +74,6 @@ const option_command probe_command = {
         "The light of mosaics and of grey is counted from the measured black level.",
     .instead = "name the camera by -d",
     .groups = groups,
-    .run = probe_main,
 };
 
 /* -1: continue; else the exit status. */

@@ -45,7 +45,6 @@ const option_command record_command = {
         "The status line shows frames and megabytes a second, and frames that were lost because the disk was too "
         "slow. With some lost the exit status is 3.",
     .groups = groups,
-    .run = record_main,
 };
 
 int record_options_parse(record_options *o, int argc, char **argv, pupil_why *why)

@@ -63,7 +63,6 @@ const option_command replay_command = {
         "Every output is written next to its place and renamed when it is complete. After an error, or Ctrl-C "
         "before the last frame, there is none.",
     .groups = groups,
-    .run = replay_main,
 };
 
 /* What --loop requires of the other options. */

@@ -217,7 +217,6 @@ const option_command run_command = {
         "docs/camera.md goes from an unknown camera to a stable picture.",
     .instead = "name the camera by -d, for example -d /dev/video0",
     .groups = groups,
-    .run = run_main,
 };
 
 /* --- what options require of each other --- */

@@ -217,7 +217,6 @@ const option_command bench_ae_command = {
         "value, limit, unit, pass (null: it never converged).",
     .instead = "see 'pupil bench ae --help'",
     .groups = groups,
-    .run = bench_ae_main,
 };
 
 /* -1: continue; else the exit status. */

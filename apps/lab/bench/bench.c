@@ -8,12 +8,13 @@
 
 static const option_command *const parts[] = {&bench_kernels_command, &bench_gles_command, &bench_scene_command,
                                               &bench_ae_command, NULL};
+static int (*const runs[])(int argc, char **argv) = {bench_kernels_main, bench_gles_main, bench_scene_main,
+                                                     bench_ae_main};
 
 const option_command bench_command = {
     .name = "bench",
     .summary = "how long things take, relative to what they cannot be faster than",
     .parts = parts,
-    .run = bench_main,
 };
 
 static void put_help(FILE *out)
@@ -32,8 +33,9 @@ int bench_main(int argc, char **argv)
     const char *what = argc > 1 ? argv[1] : "";
     snprintf(name, sizeof name, "bench %s", strcmp(what, "--ae") == 0 ? "ae" : what);
     const option_command *command = options_command(parts, name);
-    if (command)
-        return command->run(argc - 1, argv + 1);
+    for (size_t i = 0; command; i++)
+        if (parts[i] == command)
+            return runs[i](argc - 1, argv + 1);
     if (strcmp(what, "--help") == 0 || strcmp(what, "-h") == 0) {
         put_help(stdout);
         return 0;

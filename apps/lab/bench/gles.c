@@ -221,7 +221,6 @@ const option_command bench_gles_command = {
               "renderer is software, a line says so.",
     .instead = "choose formats by --format",
     .groups = groups,
-    .run = bench_gles_main,
 };
 
 int bench_gles_main(int argc, char **argv)

@@ -11,4 +11,4 @@ int bench_gles_main(int argc, char **argv)
 }
 
 const option_command bench_gles_command = {
-    .name = "bench gles", .summary = "(not in this build)", .usage = "", .manual = "", .run = bench_gles_main};
+    .name = "bench gles", .summary = "(not in this build)", .usage = "", .manual = ""};

@@ -77,7 +77,6 @@ const option_command bench_kernels_command = {
               "bayer16, bayer10p, bayer12p).",
     .instead = "choose kernels by --format",
     .groups = groups,
-    .run = bench_kernels_main,
 };
 
 /* Whether the formats that are to be measured can have the size, and the output; 0, or -1 and a sentence. */

@@ -289,7 +289,6 @@ const option_command bench_scene_command = {
         "scenes are measured in a process each. --threads are those that render; a sum is of one thread. "
         "docs/bench.md explains the figures.",
     .groups = groups,
-    .run = bench_scene_main,
 };
 
 /* -1: continue; else the exit status. */

@@ -98,7 +98,6 @@ const option_command render_command = {
     .manual = "Renders the frames of a scene: rays from a pinhole, soft shadows, the same bits on every machine. SCENE "
               "is as in synth:SCENE.",
     .groups = groups,
-    .run = render_main,
 };
 
 /* -1: continue; else the exit status. */

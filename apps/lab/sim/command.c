@@ -141,7 +141,6 @@ const option_command sim_command = {
         "Runs one loop with one simulated camera. Prints when it settled, its overshoot, and what it does at rest.",
     .instead = "the light is set by --light",
     .groups = groups,
-    .run = sim_main,
 };
 
 /* 0, or -1 and a sentence for options that exclude each other. */

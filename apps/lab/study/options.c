@@ -69,7 +69,6 @@ const option_command study_command = {
               "are the two states of light; spheres needs no rendering. The acceptance tests A1 to A11, with the "
               "number of violations of each, go to standard output.",
     .groups = groups,
-    .run = study_main,
 };
 
 int study_options_parse(study_options *o, int argc, char **argv, pupil_why *why)
