@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What is set by hand must be among what the camera has. */
+/* What is set manually must be among what the camera has. */
 static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why)
 {
     pupil_camera_limits limits;

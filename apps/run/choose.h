@@ -5,7 +5,7 @@
 #include "options.h"
 #include "pupil/error.h"
 
-/* Puts the mode in the place of RUN_BEST, with a remark for the user where that is not all that was hoped for. -1 and a
+/* Puts the mode in the place of RUN_BEST, with a remark for the user if that is less than the best. -1 and a
  * sentence: the camera has not got what the options ask for. */
 int run_choose_mode(run_options *options, const pupil_source *source, pupil_why *remark, pupil_why *why);
 

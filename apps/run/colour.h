@@ -14,8 +14,8 @@ typedef struct run_colour {
                         * as players show them, and not by some codes lighter or darker */
 } run_colour;
 
-/* Gives a frame of a live source its coding; begins anew with the first frame of a camera, which may be another one. -1
- * and a sentence: what was asked for is none that its format can have. */
+/* Gives a frame of a live source its coding; begins again with the first frame of a camera, which may be another one.
+ * -1 and a sentence: what was asked for is none that its format can have. */
 int run_colour_take(run_colour *c, const pupil_colour_options *options, const pupil_source *source, pupil_frame *frame,
                     pupil_why *why);
 

@@ -172,7 +172,7 @@ int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil
 static void *write_beside(void *run_resume_)
 {
     run_resume *r = run_resume_;
-    write_kept(r->path, r->camera, r->write_s, NULL); /* what fails here fails at the end, too, and is told there */
+    write_kept(r->path, r->camera, r->write_s, NULL); /* what fails here fails at the end, too, and is reported there */
     atomic_store(&r->is_busy, 0);
     return NULL;
 }

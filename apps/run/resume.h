@@ -12,7 +12,7 @@
 
 typedef struct run_resume {
     const char *path;   /* NULL: nothing is read or written, and all calls do nothing */
-    char camera[112];   /* driver, bus and card, as they stand in the file */
+    char camera[112];   /* driver, bus and card, as they are in the file */
     uint64_t reopened;  /* times, when it was that */
     double total_s;     /* of the last run; 0: none */
     uint32_t left_out;  /* frames, while that was not in force yet */

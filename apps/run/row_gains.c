@@ -22,7 +22,7 @@ static const char *const words[REASONS] = {
     [NO_MAINS] = "no banding was found: give the frequency with --mains 50 or 60",
 };
 
-/* Controls that were opened anew may be those of another camera. */
+/* Controls that were opened again may be those of another camera. */
 static void find_readout(run_row_gains *l)
 {
     pupil_camera *camera = pupil_live_camera(l->source);

@@ -196,7 +196,7 @@ static void finish(run *r)
         r->failed = 1;
 }
 
-/* `more`: what else is to be told, each part begins with "; ". */
+/* `more`: what else is to be said, each part begins with "; ". */
 static void end(run *r, char *more, size_t more_bytes)
 {
     session *s = &r->session;
@@ -211,7 +211,7 @@ static void end(run *r, char *more, size_t more_bytes)
     }
 }
 
-/* What is told at the end of what was found, after "; ". */
+/* What is said at the end of what was found, after "; ". */
 static void add_findings(const run *r, char *more, size_t more_bytes)
 {
     const uint64_t not_recorded = r->session.outputs.not_recorded;

@@ -1,4 +1,4 @@
-/* apps/run/status.h: what a live run tells its user while it goes on, and at its end. */
+/* apps/run/status.h: what a live run shows its user while it runs, and at its end. */
 #ifndef PUPIL_APPS_RUN_STATUS_H
 #define PUPIL_APPS_RUN_STATUS_H
 
@@ -18,7 +18,7 @@ typedef struct run_status {
 void run_status_begin(run_status *s, session *of, uint32_t mode);
 void run_status_frame(run_status *s, const frame_log_entry *entry); /* written at most five times a second */
 
-/* The last line; `more`: what else is to be told, which begins with "; ". */
+/* The last line; `more`: what else is to be said, which begins with "; ". */
 void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *more);
 
 #endif

@@ -39,7 +39,7 @@ void pupil_camera_configure(pupil_camera *camera, pupil_sensor_config *config)
         config->frame_s = l.frame_s;
     if (config->frame_s < config->exposure_min_s)
         config->frame_s = config->exposure_min_s;
-    /* measured, then written while the next frame is under way: one frame more than the sensor's own delay */
+    /* measured, then written while the next frame is in progress: one frame more than the sensor's own delay */
     const uint32_t longer = l.exposure_delay > l.gain_delay ? l.exposure_delay : l.gain_delay;
     config->delay_frames = longer + 1 < 16 ? longer + 1 : 16;
 }

@@ -18,7 +18,7 @@ void pupil_camera_loop_retry(pupil_camera_loop *loop)
     if (!loop->camera)
         return;
     pupil_camera_get_status(loop->camera, &status);
-    if (status.written != status.asks) /* a write is under way */
+    if (status.written != status.asks) /* a write is in progress */
         return;
     loop->refused = status.failed != loop->failed_before;
     if (!loop->refused)

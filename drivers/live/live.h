@@ -4,7 +4,7 @@
  *     open -> next -> (use the frame, ask) -> done -> ... -> close
  *
  * Frames are in the kernel's buffers; nothing is copied. JPEGs are decoded, and handed out both ways. Damaged frames
- * are left out and counted. info.sequence is the driver's number, made of 64 bits: it goes on over a wrap and over a
+ * are left out and counted. info.sequence is the driver's number, made of 64 bits. It continues over a wrap and over a
  * camera that is opened again; a gap is a frame lost. info.timestamp_ns is the driver's stamp (pupil_live_frame says of
  * which moment), less that of the first frame unless options.capture.monotonic is 1.
  *
@@ -14,9 +14,9 @@
  * sentence. With options.hands_off no control is read or touched.
  *
  * An unplugged camera, a stream that stops and a signal that changes are errors with a sentence each. Where
- * options.capture.reopen_s is above 0, next waits so long for the camera and its first frame (the same path or name, or
- * the same name and socket on another node), and goes on, with frames of another size perhaps; the controls follow some
- * frames later. options.stop ends the stream as its end does.
+ * options.capture.reopen_s is above 0, next waits so long for the camera and its first frame, and continues. The camera
+ * has the same path or name, or the same name and socket on another node. Its frames may have another size. The
+ * controls follow some frames later. options.stop ends the stream as its end does.
  *
  * Threads: as every source; asking is allowed from any thread.
  */
@@ -50,9 +50,9 @@ const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source);
 /* Of its clock, which the frames' taken_ns is of, too. */
 int64_t pupil_live_now_ns(const pupil_source *source);
 /* For pupil_sensor_config.linear: 1: the frames' values are proportional to light, as of raw sensors, and where the
- * driver says so. 0: there may be a tone curve: Y'CbCr and RGB, even where they are decoded by the transfer function
- * that the driver names, for what a camera's picture processing does is seldom that alone; and grey of a UVC camera
- * whose driver does not call it linear. */
+ * driver says so. 0: there may be a tone curve. This is so for Y'CbCr and RGB, even if they are decoded by the transfer
+ * function that the driver names: a camera's picture processing is seldom that alone. It is also so for grey of a UVC
+ * camera whose driver does not call it linear. */
 int pupil_live_is_linear(const pupil_source *source);
 /* Of the frame that is out: its buffer, stamps and losses. Latency is the present less stamp_ns. */
 const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source);
@@ -62,8 +62,8 @@ void pupil_live_mark(pupil_source *source);
 /* Puts every control back, as close does, and says what could not be: 0, or -1 and a sentence. There are no controls
  * after it. A write that hangs is waited for for a second; then it puts everything back when it ends. */
 int pupil_live_give_back(pupil_source *source, pupil_why *why);
-/* Before a program ends, which ends such a write's thread, too: waits until all controls of all sources that were
- * closed or gave back are back, for so long and until `stop` (NULL: never) says 1. 0, or -1: some are not. */
+/* Before a program ends, which ends such a write's thread, too. Waits until all controls of closed sources are back,
+ * for so long and until `stop` (NULL: never) says 1. 0, or -1: some are not. */
 int pupil_live_await(double most_s, int (*stop)(void));
 /* Puts every control back, by system calls alone: for handlers of fatal signals. */
 void pupil_live_restore(const pupil_source *source);

@@ -9,7 +9,7 @@
 typedef struct live_which {
     const pupil_v4l2_system *system;
     char path[256];         /* of the video node */
-    uint32_t width, height; /* of its frames: the sensor's size, where its subdevice does not tell it */
+    uint32_t width, height; /* of its frames: the sensor's size, where its subdevice does not report it */
     uint32_t mains_hz, delay;
 } live_which;
 
@@ -50,7 +50,7 @@ typedef struct live_source {
     pupil_why why;
     live_change *change;        /* NULL: the controls are those of the camera that streams */
     uint64_t controls_reopened; /* counts.reopened when the controls were opened */
-    int told;                   /* the camera was told that the stream has started */
+    int told;                   /* the camera knows that the stream has started */
 } live_source;
 
 /* Opens the camera again, waiting for it until end_ns; `tries` of it have failed already. PUPIL_SOURCE_FRAME: it runs;

@@ -8,7 +8,7 @@
 #include "live_private.h"
 #include "refuse.h"
 
-#define NOMINAL_FPS 30.0                    /* of a camera that does not tell its rate */
+#define NOMINAL_FPS 30.0                    /* of a camera that does not report its rate */
 #define MOST_LATE   PUPIL_V4L2_MOST_BUFFERS /* frames in the queue, behind the one that is out */
 
 static live_source *of(const pupil_source *source)
@@ -143,7 +143,7 @@ static void measure_period(live_source *s, uint64_t sequence, int64_t stamp_ns)
 void pupil_live_mark(pupil_source *source)
 {
     const live_source *s = of(source);
-    if (!s->camera || !(s->period_ns > 0.0)) /* before the first frame none is under way */
+    if (!s->camera || !(s->period_ns > 0.0)) /* before the first frame none is in progress */
         return;
     double frames = (double)(live_now_ns(s) - s->stamp_ns) / s->period_ns;
     if (s->frame.stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)

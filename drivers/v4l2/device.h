@@ -32,10 +32,10 @@ int pupil_v4l2_ask(const pupil_v4l2_device *device, unsigned long request, void 
 /* "PATH: WHAT: what errno says, in the words of cameras"; -1. */
 int pupil_v4l2_failed(const pupil_v4l2_device *device, const char *what, int error, pupil_why *why);
 
-/* Every video node of /dev in the order of their numbers: `seen` is called with each that captures video; with device
- * NULL and a sentence for each that could not be opened or asked; and with device NULL and an empty one for those that
- * are something else (outputs, a camera's metadata). It returns nonzero to end the walk. Returns how many nodes there
- * were, or -1 and a sentence: /dev cannot be listed. */
+/* Every video node of /dev in the order of their numbers. `seen` is called with each that captures video. For each that
+ * could not be opened or asked, device is NULL and there is a sentence. Device is NULL and the sentence empty for those
+ * that are something else (outputs, a camera's metadata). It returns nonzero to end the walk. Returns how many nodes
+ * there were, or -1 and a sentence: /dev cannot be listed. */
 typedef int pupil_v4l2_seen(void *closure, const pupil_v4l2_device *device, const char *path, const char *why);
 int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, pupil_why *why);
 

@@ -221,7 +221,7 @@ static int read_colour(pupil_v4l2_format *f, pupil_why *why)
                      pupil_v4l2_fourcc_name(f->fourcc).text, limited ? "limited range" : "another transfer function");
         return -1;
     }
-    return 0; /* a mosaic is linear, whatever is said of the picture that is made of it */
+    return 0; /* a mosaic is linear, regardless of the picture that is made of it */
 }
 
 /* --- layout --- */

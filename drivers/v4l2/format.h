@@ -2,9 +2,9 @@
  *
  * Sources: the kernel's documentation of V4L2, "Image Formats" and "Colorspaces"; the defaults are those of
  * V4L2_MAP_COLORSPACE_DEFAULT and its sisters in <linux/videodev2.h>. Two liberties, both about grey: its range is full
- * and its light linear unless the driver names another quantization or transfer function (the defaults, limited and
- * sRGB, are those of a picture's luma, and drivers of sensors leave the fields empty). And one about JPEG: it is as
- * JFIF has it (BT.601 of full range) unless the driver names another; what is said of its colour space is not asked. */
+ * and its light linear unless the driver names another quantization or transfer function. The defaults, limited and
+ * sRGB, are those of a picture's luma, and drivers of sensors leave the fields empty. And one about JPEG: it is as JFIF
+ * has it (BT.601 of full range) unless the driver names another; what is said of its colour space is not asked. */
 #ifndef PUPIL_DRIVERS_V4L2_FORMAT_H
 #define PUPIL_DRIVERS_V4L2_FORMAT_H
 

@@ -57,7 +57,7 @@ static int read_sizes(const pupil_v4l2_device *device, pupil_v4l2_mode *mode)
     for (uint32_t i = 0; i < MOST_SIZES; i++) {
         struct v4l2_frmsizeenum s = {.index = i, .pixel_format = mode->fourcc};
         if (pupil_v4l2_ask(device, VIDIOC_ENUM_FRAMESIZES, &s) != 0)
-            return 0; /* the end, or a driver that does not tell */
+            return 0; /* the end, or a driver that does not report it */
         pupil_v4l2_size *more = realloc(mode->size, (mode->sizes + 1) * sizeof *more);
         if (!more)
             return -1;

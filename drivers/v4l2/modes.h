@@ -20,7 +20,7 @@ typedef struct pupil_v4l2_mode {
     int read; /* natively, or as a JPEG */
     int compressed;
     char description[32];
-    pupil_v4l2_size *size; /* NULL: the driver does not tell (sensors behind a media graph) */
+    pupil_v4l2_size *size; /* NULL: the driver does not report them (sensors behind a media graph) */
     uint32_t sizes;
 } pupil_v4l2_mode;
 

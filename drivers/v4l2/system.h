@@ -23,7 +23,7 @@ typedef struct pupil_v4l2_system {
     /* The name in /dev of the character device of a number. */
     int (*device_name)(void *context, uint32_t major, uint32_t minor, char *name, size_t name_bytes);
     ssize_t (*write)(void *context, int fd, const void *data, size_t bytes);
-    /* Reads memory once, all of it, and tells how long that took; cannot fail. Multiples of 8 bytes, aligned so. */
+    /* Reads memory once, all of it, and returns how long that took; cannot fail. Multiples of 8 bytes, aligned so. */
     int64_t (*read_ns)(void *context, const void *memory, size_t bytes);
 } pupil_v4l2_system;
 

@@ -166,7 +166,7 @@ static void stamp(pupil_v4l2_capture *c, const struct v4l2_buffer *b, pupil_v4l2
     }
 }
 
-/* The driver's numbers, of 32 bits that wrap. A step back is a driver that began anew. */
+/* The driver's numbers, of 32 bits that wrap. A step back is a driver that began again. */
 static uint32_t count_lost(pupil_v4l2_capture *c, uint32_t sequence)
 {
     const uint32_t step = sequence - c->last_sequence;

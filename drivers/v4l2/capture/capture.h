@@ -78,7 +78,7 @@ typedef struct pupil_v4l2_counts {
     uint64_t cut;       /* with fewer bytes than the format has */
     uint64_t damaged;   /* pupil_live only: JPEGs that cannot be decoded */
     uint64_t late;      /* left out for a newer one (options.newest) */
-    uint64_t unstamped; /* without a monotonic timestamp: the moment they were taken from the driver stands for it */
+    uint64_t unstamped; /* without a monotonic timestamp: the moment they were taken from the driver is used */
     uint64_t reopened;  /* times that the camera was opened again */
 } pupil_v4l2_counts;
 

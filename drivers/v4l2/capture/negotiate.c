@@ -55,7 +55,7 @@ static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *se
     return first;
 }
 
-/* The sizes or rates of a format, for a sentence; empty where the driver does not tell. */
+/* The sizes or rates of a format, for a sentence; empty where the driver does not report them. */
 static void offers(const pupil_v4l2_capture *c, uint32_t fourcc, char *text, size_t text_bytes)
 {
     pupil_v4l2_modes modes;
@@ -124,7 +124,7 @@ static int set_format(pupil_v4l2_capture *c, pupil_why *why)
     return 0;
 }
 
-/* After the format: setting that may set the rate anew. */
+/* After the format: setting that may set the rate again. */
 static int set_rate(pupil_v4l2_capture *c, pupil_why *why)
 {
     struct v4l2_streamparm p = {.type = c->device.type};

@@ -28,9 +28,9 @@ typedef struct camera_entry {
 typedef struct camera_history {
     camera_entry entry[CAMERA_HISTORY];
     uint32_t count;             /* of all that were ever written */
-    uint32_t delay;             /* frames from the one under way to the first that was taken with it */
+    uint32_t delay;             /* frames from the one in progress to the first that was taken with it */
     uint32_t learned;           /* what frames showed when `delay` was made from it; 0: it is believed */
-    uint64_t late, late_before; /* frames from the one that was measured to the one under way, when the last value was
+    uint64_t late, late_before; /* frames from the one that was measured to the one in progress, when the last value was
                                  * written, and the one before; 0: not known */
 } camera_history;
 

@@ -47,8 +47,8 @@ static int has_measured(const v4l2_camera *camera, uint64_t from, uint64_t to)
 
 /* What frames show is counted from the frame that was measured when a setting was asked for; where the last two writes
  * were not equally late after it, nobody knows which of them was seen. And only where frames came that were taken
- * otherwise than they said have they shown anything: where the one that would tell was lost, what is believed stays. 1:
- * the delay is another one now. */
+ * otherwise than they said have they shown anything: where the one that would show it was lost, the assumed delay
+ * stays. 1: the delay is another one now. */
 static int learn(const v4l2_camera *camera, camera_history *h, uint32_t seen)
 {
     if (!seen || seen == h->learned || !h->late || (h->late_before && h->late_before != h->late))

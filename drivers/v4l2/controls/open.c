@@ -31,7 +31,7 @@ static int find(const v4l2_camera *camera, uint32_t id, camera_control *control,
     return 0;
 }
 
-/* line_s: 1; 0: nobody tells it; -1 and a sentence. */
+/* line_s: 1; 0: it is not known; -1 and a sentence. */
 static int find_line(v4l2_camera *camera, const pupil_camera_options *options, pupil_why *why)
 {
     camera_control rate, blank;
@@ -107,7 +107,7 @@ static int find_law(v4l2_camera *camera, const pupil_camera_options *options, pu
     if (options->delay)
         camera->exposures.delay = camera->gains.delay = options->delay;
     int has = find(camera, V4L2_CID_ANALOGUE_GAIN, &camera->gain, why);
-    if (has == 0) { /* the table's laws are those of ANALOGUE_GAIN; the caller's is of whatever there is */
+    if (has == 0) { /* the table's laws are those of ANALOGUE_GAIN; the caller's is of any control */
         has = find(camera, V4L2_CID_GAIN, &camera->gain, why);
         known &= options->sensor != NULL;
     }

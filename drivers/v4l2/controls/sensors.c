@@ -1,5 +1,5 @@
-/* sensors.txt. It is a text that is built in and parsed when it is asked: people can read it, correct it and hand in
- * one of their own with the same parser, and a program that was installed needs no file beside it. */
+/* sensors.txt. It is a text that is built in and parsed when it is asked. People can read it, correct it and pass one
+ * of their own to the same parser. A program that was installed needs no file next to it. */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -62,7 +62,7 @@ int pupil_camera_write(v4l2_camera *camera, const pupil_camera_setting *setting,
     }
     one = set_both(camera, control, value, count);
     error = error ? error : one;
-    /* read back whatever was refused: the driver's word is all there is */
+    /* read back also what was refused: only the driver knows */
     *exposure_s = *gain = 0.0;
     if ((one = pupil_camera_get_control(camera, camera->exposure.fd, camera->exposure.id, &taken)) == 0)
         *exposure_s = (double)taken * camera->unit_s;

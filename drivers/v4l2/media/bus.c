@@ -42,7 +42,7 @@ static const bus_format bus_formats[] = {
     BUS(Y10_1X10, V4L2_PIX_FMT_Y10, 0),
     BUS(Y12_1X12, V4L2_PIX_FMT_Y12, 0),
     BUS(RGB888_1X24, V4L2_PIX_FMT_RGB24, 0),
-    BUS(UYVY8_1X16, 0, 0), /* in memory as whatever the last chip makes of it */
+    BUS(UYVY8_1X16, 0, 0), /* in memory as the last chip makes it */
     BUS(YUYV8_1X16, 0, 0),
     BUS(UYVY8_2X8, 0, 0),
     BUS(YUYV8_2X8, 0, 0),

@@ -201,7 +201,8 @@ int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *
 
 /* --- why it does not start --- */
 
-/* Gets or (try) proposes the format of a pad, which changes nothing; -1: its entity has no node, or does not tell. */
+/* Gets or (try) proposes the format of a pad, which changes nothing; -1: its entity has no node, or does not report it.
+ */
 static int pad_format(const graph *g, const struct media_v2_pad *pad, int try, struct v4l2_mbus_framefmt *format)
 {
     char path[64];

@@ -1,4 +1,4 @@
-/* drivers/v4l2/media/media.h: what lies behind a video node: the media graph, up to the sensor. */
+/* drivers/v4l2/media/media.h: what is behind a video node: the media graph, up to the sensor. */
 #ifndef PUPIL_DRIVERS_V4L2_MEDIA_MEDIA_H
 #define PUPIL_DRIVERS_V4L2_MEDIA_MEDIA_H
 
@@ -16,8 +16,9 @@ typedef struct pupil_v4l2_sensor {
  * graph (as webcams, whose controls are the node's own), or no sensor is linked to it. */
 int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, pupil_why *why);
 
-/* Why a node with this format does not start: the first link on its way to the sensor, or else of its graph, that is
- * off or whose ends differ, and the media-ctl line that mends it, as the end of a sentence. 0, or -1: it has no graph.
+/* Why a node with this format does not start, as the end of a sentence. It names the first link on its way to the
+ * sensor, or else of its graph, that is off or whose ends differ. It has the media-ctl line that mends it. 0, or -1: it
+ * has no graph.
  */
 int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_format *format, char *mend,
                           size_t mend_bytes);

@@ -1,7 +1,7 @@
 /* drivers/v4l2/output/output.h: display frames as the formats that video output nodes take.
  *
- * Chroma is the mean of the pixels that share it, as the kernel's "Image Formats" place it for YUYV and NV12 (between
- * them; of an odd width or height the last column or row stands for both). Every sample is within one code of the
+ * Chroma is the mean of the pixels that share it, as the kernel's "Image Formats" place it for YUYV and NV12: between
+ * them. Of an odd width or height the last column or row represents both. Every sample is within one code of the
  * formulas of Rec. ITU-R BT.601-7, items 2.5.1 to 2.5.4, or BT.709-6, items 3.2 to 3.4 and 4.6, in 8 bits of limited or
  * full range; grey is exactly Cb = Cr = 128. */
 #ifndef PUPIL_DRIVERS_V4L2_OUTPUT_OUTPUT_H
@@ -37,7 +37,7 @@ extern const char pupil_v4l2_written[];
 /* From a driver's answer to VIDIOC_S_FMT, of either output type. 0, or -1 and a sentence without its subject. */
 int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *output, pupil_why *why);
 
-/* Tells the driver size, format, colour and rate of the frames that will come. 0, or -1 and a sentence. */
+/* Gives the driver size, format, colour and rate of the frames that will come. 0, or -1 and a sentence. */
 int pupil_v4l2_output_set(const pupil_v4l2_device *device, const pupil_sink_options *options, pupil_v4l2_output *output,
                           pupil_why *why);
 /* "PATH: WHAT: what errno says, in the words of displays"; -1. */

@@ -1,9 +1,9 @@
 /* drivers/v4l2/output/v4l2_sink.h: display frames into a video output node: v4l2loopback, an HDMI output, vivid's.
  *
  * Written as the format that the node is set to, if that is one of RGB24, BGR24, XR24 (BGRX), YUYV and NV12 ('v4l2-ctl
- * -d NODE --set-fmt-video-out pixelformat=YUYV'), else as the first of these that it takes. The driver is told colour
- * space sRGB; what it answers (601 or 709, full or limited range) is what is written. Frames go through the driver's
- * own buffers where it has some, else through write(). The rate is told, too; a node may have one of its own.
+ * -d NODE --set-fmt-video-out pixelformat=YUYV'). Else it is the first of these that it takes. The driver is given
+ * colour space sRGB; what it answers (601 or 709, full or limited range) is what is written. Frames go through the
+ * driver's own buffers where it has some, else through write(). The rate is given, too; a node may have one of its own.
  *
  * A node cannot take anything back: discard only stops. A write waits for a buffer for five seconds at most, then
  * fails; finish waits as long for what is queued to be shown.
