@@ -61,6 +61,9 @@ void live_follow_controls(live_source *s);
 /* Which node the controls are to be opened on: that of the capture. */
 void live_name_controls(live_source *s);
 
-int64_t live_now_ns(const live_source *s);
+static inline int64_t live_now_ns(const live_source *s)
+{
+    return s->capture.device.system->now_ns(s->capture.device.system->context);
+}
 
 #endif

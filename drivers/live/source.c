@@ -16,11 +16,6 @@ static live_source *of(const pupil_source *source)
     return (live_source *)(uintptr_t)source;
 }
 
-int64_t live_now_ns(const live_source *s)
-{
-    return s->capture.device.system->now_ns(s->capture.device.system->context);
-}
-
 static void take_back(live_source *s)
 {
     pupil_why unused;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "file/still/still_private.h"
+#include "file/common/number.h"
 #include "refuse.h"
 
 enum { YAW, PITCH, FOV };

@@ -1,5 +1,4 @@
 /* What the still readers share: refusals, sizes, room for pixels, numbers. */
-#include <locale.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,17 +17,6 @@ int pupil_still_fail(pupil_why *why, const char *format, ...)
         if (*c < 0x20 || *c > 0x7e)
             *c = '?';
     return -1;
-}
-
-double pupil_parse_double(const char *text, char **end)
-{
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    double value;
-    if (!c)
-        return strtod(text, end);
-    value = strtod_l(text, end, c);
-    freelocale(c);
-    return value;
 }
 
 int pupil_still_size_ok(uint64_t width, uint64_t height, pupil_why *why)

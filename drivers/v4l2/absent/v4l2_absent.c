@@ -1,13 +1,13 @@
-/* drivers/v4l2/v4l2_absent.c: in the place of the cameras where they are not built in. */
+/* drivers/v4l2/absent/v4l2_absent.c: in the place of the cameras where they are not built in. */
 #include <stdio.h>
 #include <string.h>
 
-#include "device.h"
-#include "format.h"
-#include "modes.h"
 #include "refuse.h"
 #include "v4l2/capture/capture.h"
+#include "v4l2/device.h"
+#include "v4l2/format.h"
 #include "v4l2/media/media.h"
+#include "v4l2/modes.h"
 #include "v4l2/output/v4l2_sink.h"
 
 static int absent(const char *which, pupil_why *why)
