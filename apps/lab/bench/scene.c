@@ -1,7 +1,6 @@
 /* pupil bench scene: what a scene costs: each light's picture once, then a sum a frame. Each scene in a process of its
  * own, so that the peak of its memory is its own. */
-#include "scene.h"
-#include "options/commands.h"
+#include "scene_cost.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -16,8 +15,9 @@
 #include "clock.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
+#include "options/commands.h"
 #include "refuse.h"
-#include "scene_parts.h" /* to render one light alone, and to see how large its tree is */
+#include "scene.h"
 #include "synth/spread.h"
 
 enum { MOST_SCENES = 16, WARM_ROUNDS = 101, COLD_ROUNDS = 21 };
@@ -90,9 +90,7 @@ static int load(measuring *m)
     o->lights = f.lights;
     m->samples = (size_t)f.width * f.height * 3;
     o->image_bytes = f.lights * m->samples * sizeof(float);
-    const fixture_world *w = &m->scene->stage.world;
-    o->geometry_bytes =
-        w->count * sizeof *w->primitive + w->bvh.nodes * sizeof *w->bvh.node + w->bvh.items * sizeof *w->bvh.item;
+    o->geometry_bytes = f.geometry_bytes;
     m->rgb = malloc(m->samples * sizeof(float));
     return m->rgb ? 0 : refuse(m, "not enough memory for a frame");
 }
@@ -182,11 +180,9 @@ static int sums(measuring *m)
 static void renders(measuring *m)
 {
     for (size_t light = 0; light < m->out->lights && !interrupt_came(); light++) {
-        int wanted[BENCH_MOST_LIGHTS] = {0};
-        wanted[light] = 1;
         show(m, "rendering light", light + 1, m->out->lights);
         double began_s = progress_now_s();
-        fixture_scene_render(m->scene, 0.0, wanted);
+        fixture_scene_render_light(m->scene, light);
         m->out->light_s[light] = progress_now_s() - began_s;
     }
 }

@@ -1,7 +1,7 @@
 /* What `pupil bench scene` found, for a terminal and as JSON. */
 #include <string.h>
 
-#include "scene.h"
+#include "scene_cost.h"
 
 #define MB 1e-6
 

@@ -1,6 +1,6 @@
-/* apps/lab/bench/scene.h: what `pupil bench scene` finds out of one scene. */
-#ifndef PUPIL_APPS_LAB_BENCH_SCENE_H
-#define PUPIL_APPS_LAB_BENCH_SCENE_H
+/* apps/lab/bench/scene_cost.h: what `pupil bench scene` finds out of one scene. */
+#ifndef PUPIL_APPS_LAB_BENCH_SCENE_COST_H
+#define PUPIL_APPS_LAB_BENCH_SCENE_COST_H
 
 #include <stdint.h>
 #include <stdio.h>
