@@ -19,8 +19,8 @@ int run_colour_take(run_colour *c, const pupil_colour_options *options, const pu
     if (!c->began || c->reopened != capture->counts.reopened) {
         pupil_camera_sensor known;
         const int is_known = find_sensor(capture, &known);
-        if (pupil_colour_begin(&c->colour, options, frame->image.coding, frame->image.pixel, is_known ? &known : NULL,
-                               why))
+        if (pupil_white_balance_begin(&c->colour, options, frame->image.coding, frame->image.pixel,
+                                      is_known ? &known : NULL, why))
             return -1;
         if (c->own_picture && c->colour.coding.light == PUPIL_LIGHT_BT709)
             c->colour.coding.light = c->colour.first.light = PUPIL_LIGHT_SRGB;

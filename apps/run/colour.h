@@ -2,12 +2,12 @@
 #ifndef PUPIL_APPS_RUN_COLOUR_H
 #define PUPIL_APPS_RUN_COLOUR_H
 
-#include "live/colour.h"
+#include "live/white_balance.h"
 #include "pupil/error.h"
 #include "source.h"
 
 typedef struct run_colour {
-    pupil_colour colour;
+    pupil_white_balance colour;
     int began;
     uint64_t reopened; /* when it began */
     int own_picture;   /* the picture is to be the camera's own, so codes of Rec. 709's curve are read by the display's:

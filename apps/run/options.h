@@ -2,8 +2,8 @@
 #ifndef PUPIL_APPS_RUN_OPTIONS_H
 #define PUPIL_APPS_RUN_OPTIONS_H
 
-#include "live/colour.h"
 #include "live/live.h"
+#include "live/white_balance.h"
 #include "options/frame_options.h"
 
 typedef enum run_mode {

@@ -97,7 +97,7 @@ static int show(run *r, pupil_frame *frame)
     if (session_show(s, frame, &entry))
         return -1;
     run_resume_frame(&r->resume, s->source, &r->sensor.loop.setting, mapped_ns);
-    pupil_colour_frame(&r->colour.colour, &frame->image, &frame->info);
+    pupil_white_balance_frame(&r->colour.colour, &frame->image, &frame->info);
     run_status_frame(&r->status, &entry);
     return 0;
 }

@@ -37,13 +37,13 @@ static int retune_sensor(pupil_camera_loop *loop)
 }
 
 /* A slow write locks the setting, and so does the first frame that has its values: the believed delay may be wrong by
- * one frame. */
+ * one frame. A refused one locks it, too: frames that do not answer would make the sensor ask for more and more. */
 static void lock_while_slow(pupil_camera_loop *loop, const pupil_frame_info *info)
 {
     const uint32_t before = loop->slow;
     pupil_camera_status status;
     pupil_camera_get_status(loop->camera, &status);
-    if (status.written != status.asks)
+    if (status.written != status.asks || loop->refused)
         loop->slow = 1;
     else if (info->sequence > status.exposure_s.from_frame && info->sequence > status.gain.from_frame)
         loop->slow = 0;

@@ -182,6 +182,12 @@ static void follow_light(int slow_frames, int busy_frames, int last)
     CHECK_MSG(fabs(log2(exposure_s[last] / right_s * 8)) < 0.21, "writes of %d frames, busy for %d: %g s for %g",
               slow_frames, busy_frames, exposure_s[last], right_s / 8);
     CHECK_MSG(abs(middle[STEP - 1] - middle[last]) <= 4, "%d, %d", middle[STEP - 1], middle[last]);
+    double beyond = 0.0; /* stops by which it ever was too dark */
+    for (int i = 1; i <= last; i++)
+        beyond = fmax(beyond, log2(right_s / (i < STEP ? 1 : 8) / exposure_s[i]));
+    /* an eighth more light than white has no number: one look goes further than it has to */
+    CHECK_MSG(beyond < 0.6, "writes of %d frames, busy for %d: %g EV darker than it should be", slow_frames,
+              busy_frames, beyond);
     CHECK(middle[last] > 90 && middle[last] < 135); /* 0.18 of the key is sRGB 118 */
     CHECK_MSG(busy_frames ? refused > 1 : refused == 0, "%d writes were refused", refused);
     /* The camera that is gone cannot be put back; nor can anybody else's be left behind. */

@@ -14,8 +14,9 @@
  * Slow: while a write takes longer than a frame, nobody knows which frame is the first with its setting. The setting is
  * locked until the write has returned and one frame with its values has passed.
  * Refused: a setting that the driver refused (EBUSY, EIO) is asked for again with every frame until the camera takes
- * it. Lost: controls that are gone (unplugged) are taken out with pupil_camera_loop_lost. The controls that come back
- * are begun with again, from the total that was wanted last.
+ * it. The setting is locked until then.
+ * Lost: controls that are gone (unplugged) are taken out with pupil_camera_loop_lost. The controls that come back are
+ * begun with again, from the total that was wanted last.
  *
  * The camera can be any pupil_camera: V4L2's, or one with a table of its own.
  *
@@ -35,7 +36,7 @@ typedef struct pupil_camera_loop {
     /* to be read after each call */
     pupil_sensor_setting setting; /* as of the last frame; valid where `steers` is 1 */
     uint32_t steers;              /* 1: begun, and the camera is steered */
-    uint32_t slow;                /* 1: a write takes longer than a frame, or did just now: the setting is locked */
+    uint32_t slow;                /* 1: a write takes longer than a frame or was refused, or just now: locked */
     uint32_t refused;             /* 1: the camera refused the latest setting, which was asked for again ... */
     int refusal;                  /* ... and the errno of the last refusal */
     uint64_t refusals;            /* all refusals since the loop was zeroed */

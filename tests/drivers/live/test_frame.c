@@ -11,8 +11,8 @@
 #include "check.h"
 #include "fake_v4l2/fake_v4l2.h"
 #include "file/recording/recording.h"
-#include "live/colour.h"
 #include "live/live.h"
+#include "live/white_balance.h"
 #include "pupil/pupil.h"
 #include "scratch.h"
 
@@ -139,7 +139,7 @@ typedef struct loop {
     pupil_source *source;
     pupil_t pupil;
     pupil_sensor sensor;
-    pupil_colour colour;
+    pupil_white_balance colour;
     pupil_recorder *recorder; /* NULL: nothing is recorded */
     unsigned long asks;
     unsigned char out[64 * 48 * 3];
@@ -172,7 +172,7 @@ static void one_frame(loop *l)
             pupil_camera_get_status(camera, &status);
         } while (status.written < number);
     }
-    pupil_colour_frame(&l->colour, &frame.image, &frame.info);
+    pupil_white_balance_frame(&l->colour, &frame.image, &frame.info);
     pupil_source_done(l->source, &frame);
 }
 
@@ -233,7 +233,7 @@ static void begin(loop *l, const pupil_v4l2_system *system)
     CHECK_MSG(pupil_live_camera(l->source), "%s", pupil_live_no_controls(l->source));
     CHECK_MSG(taken >= before + 2 && calls.other > 0, "what is counted is not wrapped");
     const pupil_v4l2_format *format = &pupil_live_capture(l->source)->format;
-    CHECK_MSG(pupil_colour_begin(&l->colour, &automatic, &format->coding, format->pixel, NULL, &why) == 0 &&
+    CHECK_MSG(pupil_white_balance_begin(&l->colour, &automatic, &format->coding, format->pixel, NULL, &why) == 0 &&
                   l->colour.follows,
               "%s", why.text);
     pupil_config_default(&adapting);

@@ -5,8 +5,8 @@
 
 #include "check.h"
 #include "fake_v4l2/fake_v4l2.h"
-#include "live/colour.h"
 #include "live/live.h"
+#include "live/white_balance.h"
 #include "pupil/pupil.h"
 
 #define FPS 30
@@ -14,7 +14,7 @@
 typedef struct scene {
     fake_v4l2 *fake;
     pupil_source *source;
-    pupil_colour colour;
+    pupil_white_balance colour;
     pupil_t pupil;
     pupil_frame frame;
     unsigned char out[32 * 24 * 3]; /* of 64 x 48, half the size: a pixel for a quad */
@@ -31,8 +31,8 @@ static scene open_scene(const fake_v4l2_config *config, const pupil_colour_optio
     if (sensor)
         CHECK(pupil_camera_find_sensor(NULL, sensor, &known, &s.why) == 1);
     const pupil_v4l2_format *format = &pupil_live_capture(s.source)->format;
-    CHECK_MSG(pupil_colour_begin(&s.colour, options, &format->coding, format->pixel, sensor ? &known : NULL, &s.why) ==
-                  0,
+    CHECK_MSG(pupil_white_balance_begin(&s.colour, options, &format->coding, format->pixel, sensor ? &known : NULL,
+                                        &s.why) == 0,
               "%s", s.why.text);
     pupil_config_default(&adapting);
     CHECK(pupil_init(&s.pupil, &adapting) == PUPIL_OK);
@@ -46,7 +46,7 @@ static void next(scene *s)
     const pupil_image out = {
         .data = s->out, .stride_bytes = 32 * 3, .width = 32, .height = 24, .pixel = PUPIL_PIXEL_RGB8};
     CHECK(pupil_process(&s->pupil, &s->frame.image, &s->frame.info, &out) == PUPIL_OK);
-    pupil_colour_frame(&s->colour, &s->frame.image, &s->frame.info);
+    pupil_white_balance_frame(&s->colour, &s->frame.image, &s->frame.info);
     pupil_source_done(s->source, &s->frame);
 }
 
@@ -106,7 +106,7 @@ static void test_grey(void)
             for (int k = 0; k < 3;
                  k++) /* a frame moves a factor by a share of 1 / (1 + tau * fps) of the way at most */
                 CHECK(fabs(s.colour.coding.balance[k] - last.balance[k]) <
-                      (PUPIL_COLOUR_MOST - 1) / (1 + PUPIL_COLOUR_TAU_S * FPS) + 1e-6);
+                      (PUPIL_WHITE_BALANCE_MOST - 1) / (1 + PUPIL_WHITE_BALANCE_TAU_S * FPS) + 1e-6);
             CHECK_MSG(tint(&s, second) <= before + 0.002, "from %g to %g", before, tint(&s, second));
             before = tint(&s, second);
         }
@@ -204,28 +204,28 @@ static void test_known(void)
                   {PUPIL_PIXEL_BAYER12, 256}, {PUPIL_PIXEL_GREY12, 256}, {PUPIL_PIXEL_BAYER14, 1024},
                   {PUPIL_PIXEL_BAYER16, 4096}};
     pupil_camera_sensor imx219;
-    pupil_colour c;
+    pupil_white_balance c;
     pupil_why why;
     CHECK(pupil_camera_find_sensor(NULL, "imx219 10-0010", &imx219, &why) == 1);
     for (size_t i = 0; i < sizeof blacks / sizeof blacks[0]; i++) { /* 64 of 10 bits, by its data sheet */
-        CHECK(pupil_colour_begin(&c, &automatic, NULL, blacks[i].pixel, &imx219, &why) == 0);
+        CHECK(pupil_white_balance_begin(&c, &automatic, NULL, blacks[i].pixel, &imx219, &why) == 0);
         CHECK_MSG(c.coding.black == blacks[i].black, "%g", (double)c.coding.black);
     }
     CHECK(memcmp(c.coding.rgb_from_camera, imx219.matrix, sizeof imx219.matrix) == 0);
     const pupil_coding told = {.black = 50};
-    CHECK(pupil_colour_begin(&c, &automatic, &told, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
+    CHECK(pupil_white_balance_begin(&c, &automatic, &told, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
     CHECK(c.coding.black == 50); /* the driver knows better */
-    CHECK(pupil_colour_begin(&c, &plain, NULL, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
+    CHECK(pupil_white_balance_begin(&c, &plain, NULL, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
     CHECK(c.coding.rgb_from_camera[0] == 0 && c.coding.black == 64 && !c.follows);
-    CHECK(pupil_colour_begin(&c, &given, NULL, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
+    CHECK(pupil_white_balance_begin(&c, &given, NULL, PUPIL_PIXEL_BAYER10, &imx219, &why) == 0);
     CHECK(c.coding.balance[0] == 2 && c.coding.rgb_from_camera[8] == 1 && c.coding.black == 60 && !c.follows);
     pupil_colour_options wrong = given;
     wrong.given_black = 1023;
-    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
+    CHECK(pupil_white_balance_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
     CHECK_MSG(strstr(why.text, "black must be"), "%s", why.text);
     wrong = given;
     wrong.given_balance[1] = 0;
-    CHECK(pupil_colour_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
+    CHECK(pupil_white_balance_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
     CHECK_MSG(strstr(why.text, "balance must be"), "%s", why.text);
 }
 
@@ -251,17 +251,17 @@ static void test_rows(void)
         .data = samples, .stride_bytes = 2 * width, .width = width, .height = height, .pixel = PUPIL_PIXEL_BAYER16};
     const pupil_colour_options automatic = {0};
     const uint32_t light[3] = {10000, 20000, 16000}; /* of red, green and blue */
-    pupil_colour c;
+    pupil_white_balance c;
     pupil_frame_info info = {0};
     pupil_why why;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
             samples[(size_t)y * width + x] =
                 (uint16_t)(light[y % 2 + x % 2] * (1 + y / 2 % 2) + check_random() % 1000); /* RGGB */
-    CHECK(pupil_colour_begin(&c, &automatic, NULL, image.pixel, NULL, &why) == 0);
+    CHECK(pupil_white_balance_begin(&c, &automatic, NULL, image.pixel, NULL, &why) == 0);
     for (int i = 0; i < 300; i++) {
         info.timestamp_ns = 1000000 + i * INT64_C(33333333);
-        pupil_colour_frame(&c, &image, &info);
+        pupil_white_balance_frame(&c, &image, &info);
     }
     const double most = 1.5 * 20000 + 499.5; /* of green in the mean, with the noise */
     for (int k = 0; k < 3; k++)

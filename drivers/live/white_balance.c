@@ -1,4 +1,4 @@
-#include "colour.h"
+#include "white_balance.h"
 
 #include <string.h>
 
@@ -36,8 +36,9 @@ static void begin_meter(pupil_t *meter, uint32_t meter_rows)
     pupil_init(meter, &config);
 }
 
-int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options, const pupil_coding *coding,
-                       uint32_t pixel, const pupil_camera_sensor *sensor, pupil_why *why)
+int pupil_white_balance_begin(pupil_white_balance *colour, const pupil_colour_options *options,
+                              const pupil_coding *coding, uint32_t pixel, const pupil_camera_sensor *sensor,
+                              pupil_why *why)
 {
     const uint32_t bits = pupil_pixel_bits(pixel);
     const int mosaic = pupil_pixel_is_mosaic(pixel);
@@ -65,7 +66,8 @@ int pupil_colour_begin(pupil_colour *colour, const pupil_colour_options *options
 }
 
 /* The factors that this frame asks for. 0: it asks for none. */
-static int look(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info, float grey[3])
+static int look(pupil_white_balance *colour, const pupil_image_const *image, const pupil_frame_info *info,
+                float grey[3])
 {
     pupil_stats stats;
     if (!colour->looked)
@@ -78,7 +80,8 @@ static int look(pupil_colour *colour, const pupil_image_const *image, const pupi
     return pupil_stats_grey_world(&stats, grey) == PUPIL_OK;
 }
 
-void pupil_colour_frame(pupil_colour *colour, const pupil_image_const *image, const pupil_frame_info *info)
+void pupil_white_balance_frame(pupil_white_balance *colour, const pupil_image_const *image,
+                               const pupil_frame_info *info)
 {
     float grey[3];
     if (!colour->follows || !look(colour, image, info, grey))
@@ -87,9 +90,9 @@ void pupil_colour_frame(pupil_colour *colour, const pupil_image_const *image, co
         info->timestamp_ns || colour->last_ns ? (double)(info->timestamp_ns - colour->last_ns) * 1e-9 : NOMINAL_S;
     const double dt_s = past_s > 0.0 ? past_s : 0.0;
     /* The implicit step of a first-order filter: no overshoot however long a frame was waited for. */
-    const double share = colour->began ? dt_s / (dt_s + PUPIL_COLOUR_TAU_S) : 1.0;
+    const double share = colour->began ? dt_s / (dt_s + PUPIL_WHITE_BALANCE_TAU_S) : 1.0;
     for (int i = 0; i < 3; i++) {
-        const double aim = grey[i] < PUPIL_COLOUR_MOST ? (double)grey[i] : PUPIL_COLOUR_MOST;
+        const double aim = grey[i] < PUPIL_WHITE_BALANCE_MOST ? (double)grey[i] : PUPIL_WHITE_BALANCE_MOST;
         colour->balance[i] += share * (aim - colour->balance[i]);
         colour->coding.balance[i] = (float)colour->balance[i];
     }
