@@ -1,6 +1,6 @@
 /* tests/scratch.h: a folder to write into, what is in it, and frames to write. */
-#ifndef PUPIL_TESTS_DRIVERS_SCRATCH_H
-#define PUPIL_TESTS_DRIVERS_SCRATCH_H
+#ifndef PUPIL_TESTS_SCRATCH_H
+#define PUPIL_TESTS_SCRATCH_H
 
 #include "check.h"
 
@@ -134,5 +134,13 @@ static inline void scratch_waves(const pupil_image *image, int n)
             p[2] = (uint8_t)(60 + 50 * sin(y * 0.03 - n * 0.07));
         }
 }
+
+/* A call that fails, and whose sentence (`why`) begins with the path and has the word. */
+#define CHECK_REFUSED_AT(call, path, word)                                                                             \
+    do {                                                                                                               \
+        why.text[0] = 0;                                                                                               \
+        CHECK((call) == -1);                                                                                           \
+        CHECK_MSG(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, word), "%s", why.text);               \
+    } while (0)
 
 #endif

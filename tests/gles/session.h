@@ -100,4 +100,16 @@ static inline int session_has_31(void)
     return strcmp(text, "OpenGL ES 3.1") >= 0;
 }
 
+/* A new object and frames of 16 x 4, and a shim that has forgotten everything, of kind & 1: ES 3.1, kind & 2: adapting
+ * on the GPU. 0: the context has no such version. */
+static inline int session_set_kind(session *s, int kind, uint32_t pixel)
+{
+    if (kind & 1 && !session_has_31())
+        return 0;
+    gl_shim_begin(1);
+    session_set(s, kind & 1 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30, kind & 2 ? PUPIL_GLES_ADAPT_GPU : PUPIL_GLES_ADAPT_CPU,
+                pixel, 16, 4);
+    return 1;
+}
+
 #endif

@@ -6,14 +6,10 @@
 
 static session s;
 
-/* A new object and frames, of kind & 1: ES 3.1, kind & 2: adapting on the GPU. 0: the context has no such version. */
 static int open_kind(int kind)
 {
-    const uint32_t version = kind & 1 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
-    if (kind & 1 && !session_has_31())
+    if (!session_set_kind(&s, kind, PUPIL_PIXEL_RGBA16F))
         return 0;
-    gl_shim_begin(1);
-    session_set(&s, version, kind & 2 ? PUPIL_GLES_ADAPT_GPU : PUPIL_GLES_ADAPT_CPU, PUPIL_PIXEL_RGBA16F, 16, 4);
     CHECK_MSG(session_init(&s) == PUPIL_OK, "%s", s.why.text);
     shim.ready = 1;
     shim.late = 1;

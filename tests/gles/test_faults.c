@@ -4,14 +4,11 @@
 
 static session s;
 
-/* Of ES 3.1 and 3.0, adapting on the CPU and on the GPU; every shader that there is. */
+/* Every shader that there is. */
 static int set_kind(int kind)
 {
-    const uint32_t version = kind & 1 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
-    if (kind & 1 && !session_has_31())
+    if (!session_set_kind(&s, kind, PUPIL_PIXEL_NV12))
         return 0;
-    gl_shim_begin(1);
-    session_set(&s, version, kind & 2 ? PUPIL_GLES_ADAPT_GPU : PUPIL_GLES_ADAPT_CPU, PUPIL_PIXEL_NV12, 16, 4);
     s.config.scaled = 1;
     return 1;
 }

@@ -7,13 +7,6 @@
 
 static pupil_why why;
 
-#define CHECK_REFUSED(call, path, word)                                                                                \
-    do {                                                                                                               \
-        why.text[0] = 0;                                                                                               \
-        CHECK((call) == -1);                                                                                           \
-        CHECK_MSG(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, word), "%s", why.text);               \
-    } while (0)
-
 static void test_file(void)
 {
     pupil_pending p;
@@ -71,7 +64,7 @@ static void test_names(void)
     CHECK(scratch_exists(scratch(longest)));
     remove(scratch(longest));
     snprintf(path, sizeof path, "%s/%s", scratch_folder, too_long);
-    CHECK_REFUSED(pupil_pending_file(&p, path, &why), path, "too long");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, path, &why), path, "too long");
 
     /* Relative, in the working folder. */
     CHECK(chdir(scratch_folder) == 0);
@@ -98,23 +91,23 @@ static void test_refused_places(void)
     pupil_pending p;
     scratch_put(scratch("file"), "");
     CHECK(mkdir(scratch("folder"), 0777) == 0 && mkfifo(scratch("pipe"), 0666) == 0);
-    CHECK_REFUSED(pupil_pending_file(&p, "", &why), "\"\"", "needs a name");
-    CHECK_REFUSED(pupil_pending_folder(&p, "", 0, &why), "\"\"", "needs a name");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("no/a"), &why), scratch("no/a"), "there is no folder");
-    CHECK_REFUSED(pupil_pending_folder(&p, scratch("no/a"), 1, &why), scratch("no/a"), "there is no folder");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("file/a"), &why), scratch("file/a"), "is a file");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("file/a/b"), &why), scratch("file/a/b"), "Not a directory");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("folder"), &why), scratch("folder"), "is a folder");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("new/"), &why), scratch("new/"), "is a folder");
-    CHECK_REFUSED(pupil_pending_file(&p, scratch("pipe"), &why), scratch("pipe"), "a pipe");
-    CHECK_REFUSED(pupil_pending_file(&p, "/dev/null", &why), "/dev/null", "device");
-    CHECK_REFUSED(pupil_pending_folder(&p, scratch("file"), 1, &why), scratch("file"), "is a file");
-    CHECK_REFUSED(pupil_pending_folder(&p, ".", 1, &why), ".", "folder inside");
-    CHECK_REFUSED(pupil_pending_folder(&p, scratch(".."), 1, &why), scratch(".."), "folder inside");
-    CHECK_REFUSED(pupil_pending_folder(&p, "/", 1, &why), "/", "folder inside");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, "", &why), "\"\"", "needs a name");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, "", 0, &why), "\"\"", "needs a name");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("no/a"), &why), scratch("no/a"), "there is no folder");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch("no/a"), 1, &why), scratch("no/a"), "there is no folder");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("file/a"), &why), scratch("file/a"), "is a file");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("file/a/b"), &why), scratch("file/a/b"), "Not a directory");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("folder"), &why), scratch("folder"), "is a folder");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("new/"), &why), scratch("new/"), "is a folder");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("pipe"), &why), scratch("pipe"), "a pipe");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, "/dev/null", &why), "/dev/null", "device");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch("file"), 1, &why), scratch("file"), "is a file");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, ".", 1, &why), ".", "folder inside");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch(".."), 1, &why), scratch(".."), "folder inside");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, "/", 1, &why), "/", "folder inside");
     if (scratch_exists("/proc/self")) { /* a bare chroot has none */
-        CHECK_REFUSED(pupil_pending_folder(&p, "/proc", 1, &why), "/proc", "mount point");
-        CHECK_REFUSED(pupil_pending_file(&p, "/proc/pupil", &why), "/proc/pupil", "cannot be written");
+        CHECK_REFUSED_AT(pupil_pending_folder(&p, "/proc", 1, &why), "/proc", "mount point");
+        CHECK_REFUSED_AT(pupil_pending_file(&p, "/proc/pupil", &why), "/proc/pupil", "cannot be written");
     }
     CHECK(scratch_entries(scratch_folder) == 3 && scratch_entries(scratch("folder")) == 0);
     remove(scratch("file"));
@@ -142,7 +135,7 @@ static void test_folder(void)
     pupil_pending_discard(&p);
     CHECK(scratch_exists(path));
 
-    CHECK_REFUSED(pupil_pending_folder(&p, path, 0, &why), path, "not empty");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 0, &why), path, "not empty");
 
     /* Overwritten as a whole: nothing of the old one is left. */
     put_in(path, "frame_1000000.png", "old");
@@ -188,9 +181,9 @@ static void test_precious_folder(void)
         CHECK(pupil_pending_folder(&p, path, 1, &why) == 0);
         put_in(p.temporary, "frame_000000.png", "new");
         put_in(path, names[i], "precious"); /* after the check at the beginning */
-        CHECK_REFUSED(pupil_pending_commit(&p, &why), path, names[i]);
+        CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), path, names[i]);
         pupil_pending_discard(&p);
-        CHECK_REFUSED(pupil_pending_folder(&p, path, 1, &why), path, names[i]);
+        CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 1, &why), path, names[i]);
         snprintf(file, sizeof file, "%s/%s", path, names[i]);
         CHECK(scratch_holds(file, "precious"));
         CHECK(scratch_entries(path) == 2 && scratch_entries(scratch_folder) == 1);
@@ -198,17 +191,17 @@ static void test_precious_folder(void)
     }
     /* Neither is one with a folder or a link of such a name. */
     CHECK(mkdir(path, 0777) == 0 && mkdir(scratch("out/frame_000000.png"), 0777) == 0);
-    CHECK_REFUSED(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
     scratch_clear(path);
     CHECK(mkdir(path, 0777) == 0 && symlink("/etc/passwd", scratch("out/frame_000000.png")) == 0);
-    CHECK_REFUSED(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
+    CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
     scratch_clear(path);
 
     /* Filled in the meantime, and nobody said overwrite. */
     CHECK(pupil_pending_folder(&p, path, 0, &why) == 0);
     CHECK(mkdir(path, 0777) == 0);
     put_in(path, "frame_000000.png", "precious");
-    CHECK_REFUSED(pupil_pending_commit(&p, &why), path, "in the meantime");
+    CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), path, "in the meantime");
     pupil_pending_discard(&p);
     CHECK(scratch_holds(scratch("out/frame_000000.png"), "precious") && scratch_entries(scratch_folder) == 1);
     scratch_clear(path);
@@ -220,12 +213,12 @@ static void test_taken_away(void)
     pupil_pending p;
     CHECK(pupil_pending_file(&p, scratch("a"), &why) == 0);
     remove(p.temporary);
-    CHECK_REFUSED(pupil_pending_commit(&p, &why), scratch("a"), "No such file");
+    CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), scratch("a"), "No such file");
     pupil_pending_discard(&p);
     CHECK(mkdir(scratch("in"), 0777) == 0);
     CHECK(pupil_pending_folder(&p, scratch("in/a"), 0, &why) == 0);
     scratch_clear(scratch("in"));
-    CHECK_REFUSED(pupil_pending_commit(&p, &why), scratch("in/a"), "No such file");
+    CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), scratch("in/a"), "No such file");
     pupil_pending_discard(&p);
     CHECK(scratch_entries(scratch_folder) == 0);
 }

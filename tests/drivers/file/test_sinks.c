@@ -10,13 +10,6 @@
 
 static pupil_why why;
 
-#define CHECK_REFUSED(call, path, word)                                                                                \
-    do {                                                                                                               \
-        why.text[0] = 0;                                                                                               \
-        CHECK((call) == -1);                                                                                           \
-        CHECK_MSG(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, word), "%s", why.text);               \
-    } while (0)
-
 static const struct {
     uint32_t width, height;
 } sizes[] = {{1, 1}, {3, 5}, {641, 479}};
@@ -79,7 +72,7 @@ static void test_png(void)
         pupil_sink *sink = open_ok(path, image.width, image.height, 30, 0);
         scratch_noise(&image);
         CHECK(put(sink, image) == 0);
-        CHECK_REFUSED(put(sink, image), path, "one picture was asked for but the input has more frames");
+        CHECK_REFUSED_AT(put(sink, image), path, "one picture was asked for but the input has more frames");
         CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
         CHECK(png_is(path, &image));
         CHECK(scratch_entries(scratch_folder) == 1);
@@ -111,7 +104,7 @@ static void test_folder(void)
     CHECK(scratch_entries(path) == 3 && scratch_entries(scratch_folder) == 1);
 
     const pupil_sink_options options = {.width = 7, .height = 5, .fps = 30};
-    CHECK_REFUSED(pupil_file_sink_open(path, &options, &sink, &why), path, "not empty");
+    CHECK_REFUSED_AT(pupil_file_sink_open(path, &options, &sink, &why), path, "not empty");
     sink = open_ok(path, 7, 5, 30, 1);
     CHECK(put(sink, image[2]) == 0);
     CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
@@ -266,21 +259,21 @@ static void test_stdout(void)
     signal(SIGPIPE, SIG_IGN); /* as the program has it */
     CHECK(pipe(ends) == 0);
     close(ends[0]);
-    CHECK_REFUSED(to_stdout(ends[1], 2), "standard output", "reader is gone");
+    CHECK_REFUSED_AT(to_stdout(ends[1], 2), "standard output", "reader is gone");
     close(ends[1]);
     if ((fd = open("/dev/full", O_WRONLY)) >= 0) {
-        CHECK_REFUSED(to_stdout(fd, 2), "standard output", "No space left");
+        CHECK_REFUSED_AT(to_stdout(fd, 2), "standard output", "No space left");
         close(fd);
     }
     if ((fd = posix_openpt(O_RDWR | O_NOCTTY)) >= 0 && grantpt(fd) == 0 && unlockpt(fd) == 0) {
         const int terminal = open(ptsname(fd), O_RDWR | O_NOCTTY);
         if (terminal >= 0)
-            CHECK_REFUSED(to_stdout(terminal, 2), "standard output", "terminal");
+            CHECK_REFUSED_AT(to_stdout(terminal, 2), "standard output", "terminal");
         close(terminal);
     }
     close(fd);
     fd = open("/dev/null", O_WRONLY);
-    CHECK_REFUSED(to_stdout(fd, 0), "standard output", "no frame");
+    CHECK_REFUSED_AT(to_stdout(fd, 0), "standard output", "no frame");
     close(fd);
 }
 
@@ -293,10 +286,10 @@ static void test_refused_opens(void)
     const pupil_sink_options good = {.width = 4, .height = 4, .fps = 30};
     pupil_sink *sink;
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {
-        CHECK_REFUSED(pupil_file_sink_open(unknown[i], &good, &sink, &why), unknown[i], ".mp4, .mkv or .mov");
+        CHECK_REFUSED_AT(pupil_file_sink_open(unknown[i], &good, &sink, &why), unknown[i], ".mp4, .mkv or .mov");
         CHECK(!sink);
     }
-    CHECK_REFUSED(pupil_file_sink_open("", &good, &sink, &why), "\"\"", "needs a name");
+    CHECK_REFUSED_AT(pupil_file_sink_open("", &good, &sink, &why), "\"\"", "needs a name");
     scratch_put(scratch("file"), "");
     for (size_t i = 0; i < OUTPUTS; i++) {
         const pupil_sink_options wide = {.width = 16385, .height = 4, .fps = 30}, none = {.width = 4, .fps = 30},
@@ -306,14 +299,14 @@ static void test_refused_opens(void)
         char nowhere[64], through[64];
         snprintf(nowhere, sizeof nowhere, "missing/%s", outputs[i]);
         snprintf(through, sizeof through, "file/%s", outputs[i]);
-        CHECK_REFUSED(pupil_file_sink_open(path, &wide, &sink, &why), path, "16385 x 4");
-        CHECK_REFUSED(pupil_file_sink_open(path, &none, &sink, &why), path, "4 x 0");
-        CHECK_REFUSED(pupil_file_sink_open(path, &nan, &sink, &why), path, "nan frames a second");
-        CHECK_REFUSED(pupil_file_sink_open(path, &fast, &sink, &why), path, "inf frames a second");
-        CHECK_REFUSED(pupil_file_sink_open(path, &still, &sink, &why), path, "0 frames a second");
-        CHECK_REFUSED(pupil_file_sink_open(scratch(nowhere), &good, &sink, &why), scratch(nowhere),
-                      "there is no folder");
-        CHECK_REFUSED(pupil_file_sink_open(scratch(through), &good, &sink, &why), scratch(through), "is a file");
+        CHECK_REFUSED_AT(pupil_file_sink_open(path, &wide, &sink, &why), path, "16385 x 4");
+        CHECK_REFUSED_AT(pupil_file_sink_open(path, &none, &sink, &why), path, "4 x 0");
+        CHECK_REFUSED_AT(pupil_file_sink_open(path, &nan, &sink, &why), path, "nan frames a second");
+        CHECK_REFUSED_AT(pupil_file_sink_open(path, &fast, &sink, &why), path, "inf frames a second");
+        CHECK_REFUSED_AT(pupil_file_sink_open(path, &still, &sink, &why), path, "0 frames a second");
+        CHECK_REFUSED_AT(pupil_file_sink_open(scratch(nowhere), &good, &sink, &why), scratch(nowhere),
+                         "there is no folder");
+        CHECK_REFUSED_AT(pupil_file_sink_open(scratch(through), &good, &sink, &why), scratch(through), "is a file");
         CHECK(!sink && scratch_entries(scratch_folder) == 1);
     }
     remove(scratch("file"));
@@ -330,13 +323,13 @@ static void test_nothing_left(void)
     for (size_t i = 0; i < OUTPUTS; i++) {
         const char *path = scratch(outputs[i]);
         pupil_sink *sink = open_ok(path, 160, 120, 30, 0);
-        CHECK_REFUSED(pupil_sink_finish(sink, &why), path, "no frame");
+        CHECK_REFUSED_AT(pupil_sink_finish(sink, &why), path, "no frame");
         pupil_sink_discard(sink);
         CHECK(scratch_entries(scratch_folder) == 0);
 
         sink = open_ok(path, 160, 120, 30, 0);
-        CHECK_REFUSED(put(sink, small), path, "159 x 120");
-        CHECK_REFUSED(put(sink, other), path, "pixel format");
+        CHECK_REFUSED_AT(put(sink, small), path, "159 x 120");
+        CHECK_REFUSED_AT(put(sink, other), path, "pixel format");
         CHECK(put(sink, image) == 0);
         CHECK(!scratch_exists(path));
         pupil_sink_discard(sink);

@@ -107,6 +107,7 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
     pthread_mutex_lock(&fake->lock);
     const long sleep_ms = request == VIDIOC_S_EXT_CTRLS ? fake->sleep_ms : 0;
     if (sleep_ms) {
+        fake->sleep_ms = 0;
         pthread_mutex_unlock(&fake->lock);
         usleep((useconds_t)sleep_ms * 1000);
         pthread_mutex_lock(&fake->lock);
@@ -174,4 +175,19 @@ void fake_release(fake_controls *fake)
     fake->sleep_ms = 0;
     pthread_cond_broadcast(&fake->moved);
     pthread_mutex_unlock(&fake->lock);
+}
+
+pupil_camera_options fake_uvc_options(fake_controls *fake)
+{
+    return (pupil_camera_options){.calls = &fake->table, .fd = FAKE_VIDEO, .subdevice_fd = -1};
+}
+
+pupil_camera_options fake_sensor_options(fake_controls *fake)
+{
+    return (pupil_camera_options){.calls = &fake->table,
+                                  .fd = -1,
+                                  .subdevice_fd = FAKE_SUBDEVICE,
+                                  .sensor_name = "imx219 10-0010",
+                                  .width = 1920,
+                                  .height = 1080};
 }

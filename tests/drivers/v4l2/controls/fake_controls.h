@@ -31,7 +31,7 @@ typedef struct fake_controls {
     int no_query_ext;       /* an old kernel */
     long fail_at, fail_for; /* this call, from 1, and so many after it fail ... */
     int fail_errno;
-    long sleep_ms; /* a write takes so long */
+    long sleep_ms; /* the next write takes so long */
     int stuck;     /* ... or until this is cleared and `moved` signalled */
     long calls;    /* so far */
     fake_write log[FAKE_LOG];
@@ -43,6 +43,9 @@ typedef struct fake_controls {
 
 void fake_uvc(fake_controls *fake);    /* automatic exposure on, exposure 3..2047 (x 100 us), gain 0..255, usual 16 */
 void fake_sensor(fake_controls *fake); /* an imx219 of 1920 x 1080 */
+/* What opens them. The sensor's name may be another one that the table has. */
+pupil_camera_options fake_uvc_options(fake_controls *fake);
+pupil_camera_options fake_sensor_options(fake_controls *fake);
 int64_t fake_value(fake_controls *fake, uint32_t id);
 void fake_release(fake_controls *fake);
 

@@ -11,13 +11,8 @@ static pupil_why why;
 
 static pupil_camera *open_camera(int sensor, uint32_t delay)
 {
-    const pupil_camera_options options = {.calls = &fake.table,
-                                          .fd = sensor ? -1 : FAKE_VIDEO,
-                                          .subdevice_fd = sensor ? FAKE_SUBDEVICE : -1,
-                                          .sensor_name = sensor ? "imx219" : NULL,
-                                          .width = 1920,
-                                          .height = 1080,
-                                          .delay = delay};
+    pupil_camera_options options = sensor ? fake_sensor_options(&fake) : fake_uvc_options(&fake);
+    options.delay = delay;
     if (sensor)
         fake_sensor(&fake);
     else

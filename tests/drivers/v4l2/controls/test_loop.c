@@ -14,12 +14,7 @@ static pupil_why why;
 
 static pupil_camera *open_camera(void)
 {
-    const pupil_camera_options options = {.calls = &fake.table,
-                                          .fd = -1,
-                                          .subdevice_fd = FAKE_SUBDEVICE,
-                                          .sensor_name = "imx219 10-0010",
-                                          .width = 1920,
-                                          .height = 1080};
+    const pupil_camera_options options = fake_sensor_options(&fake);
     fake_sensor(&fake);
     return pupil_camera_open(&options, &why);
 }

@@ -11,19 +11,15 @@ static pupil_why why;
 
 static pupil_camera *open_uvc(void)
 {
-    const pupil_camera_options options = {.calls = &fake.table, .fd = FAKE_VIDEO, .subdevice_fd = -1, .mains_hz = 50};
+    pupil_camera_options options = fake_uvc_options(&fake);
+    options.mains_hz = 50;
     before = fake;
     return pupil_camera_open(&options, &why);
 }
 
 static pupil_camera *open_sensor(void)
 {
-    const pupil_camera_options options = {.calls = &fake.table,
-                                          .fd = -1,
-                                          .subdevice_fd = FAKE_SUBDEVICE,
-                                          .sensor_name = "imx219 10-0010",
-                                          .width = 1920,
-                                          .height = 1080};
+    const pupil_camera_options options = fake_sensor_options(&fake);
     before = fake;
     return pupil_camera_open(&options, &why);
 }

@@ -11,13 +11,8 @@ static pupil_why why;
 
 static pupil_camera *open_camera(int sensor, int at_frame_start)
 {
-    const pupil_camera_options options = {.calls = &fake.table,
-                                          .fd = sensor ? -1 : FAKE_VIDEO,
-                                          .subdevice_fd = sensor ? FAKE_SUBDEVICE : -1,
-                                          .sensor_name = "imx219",
-                                          .width = 1920,
-                                          .height = 1080,
-                                          .at_frame_start = (uint32_t)at_frame_start};
+    pupil_camera_options options = sensor ? fake_sensor_options(&fake) : fake_uvc_options(&fake);
+    options.at_frame_start = (uint32_t)at_frame_start;
     return pupil_camera_open(&options, &why);
 }
 
@@ -64,9 +59,6 @@ static void check_slow_write(void)
     const uint64_t first = pupil_camera_ask(camera, &(pupil_camera_setting){0.001, 1, 0});
     while (!status_of(camera).writing)
         usleep(100);
-    pthread_mutex_lock(&fake.lock);
-    fake.sleep_ms = 0; /* of later writes */
-    pthread_mutex_unlock(&fake.lock);
     uint64_t last = first;
     for (uint64_t frame = 0; frame < 150; frame++) {
         pupil_frame_info info;
