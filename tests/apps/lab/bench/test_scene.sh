@@ -24,6 +24,7 @@ for words in '"scene":"small.scene"' '"width":64' '"frames":5,' '"lights":2,' '"
     '"memcpy_bytes":49152' '"render_of_each_s":\[[0-9.]*,[0-9.]*\]' '"warm":{"sum_us":' '"cold":{"sum_us":' '}$'; do
     grep -q -- "$words" lines.txt || fail "no $words in $(cat lines.txt)"
 done
+grep -q '"render_of_each_s":\[[0.,]*\]' lines.txt && fail "no light takes time to render: $(cat lines.txt)"
 grep -q 'nan\|inf' lines.txt && fail "a number that is none: $(cat lines.txt)"
 
 for help in "bench --help" "help bench" "bench scene --help"; do
