@@ -90,8 +90,10 @@ int run_sensor_take(run_sensor *s, pupil_why *why)
     s->camera = camera;
     if (!camera)
         pupil_camera_loop_lost(&s->loop);
-    else if (!is_new)
+    else if (!is_new && (!s->loop.steers || !s->loop.setting.frames)) /* frames may be left out, or not be metered */
         pupil_camera_loop_retry(&s->loop);
+    else if (!is_new)
+        return 0;
     else if (o->mode != RUN_DIGITAL)
         return steer(s, why);
     else

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
 
 static void (*at_exit_of_capture)(void); /* called before an error ends the program */
@@ -59,6 +60,30 @@ static const void *capture_next(int fd)
 static int64_t capture_time_ns(void)
 {
     return (int64_t)capture_buffer.timestamp.tv_sec * 1000000000 + (int64_t)capture_buffer.timestamp.tv_usec * 1000;
+}
+
+static int64_t capture_now_ns(void) /* by the clock of capture_time_ns */
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
+/* The frames' period, as the driver has it, or a usual one. */
+static double capture_frame_s(int fd)
+{
+    static struct v4l2_streamparm p;
+    const struct v4l2_fract *f = &p.parm.capture.timeperframe;
+    p.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    return ioctl(fd, VIDIOC_G_PARM, &p) == 0 && f->numerator && f->denominator ? (double)f->numerator / f->denominator
+                                                                               : 1.0 / 30.0;
+}
+
+/* When that frame was complete: some drivers stamp the start of its exposure. */
+static int64_t capture_end_ns(double frame_s)
+{
+    const int starts = (capture_buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+    return capture_time_ns() + (starts ? (int64_t)(frame_s * 1e9) : 0);
 }
 
 static void capture_done(int fd)

@@ -14,6 +14,13 @@ static void give_back(void)
     pupil_camera_restore(camera); /* every control as it was */
 }
 
+/* Which frame is exposed now: the one after the newest that is complete. */
+static void mark(const pupil_frame_info *info, double frame_s)
+{
+    const uint64_t newest = pupil_camera_newest(info->sequence, capture_end_ns(frame_s), capture_now_ns(), frame_s);
+    pupil_camera_frame(camera, newest, 0);
+}
+
 static void quit(int signal_number)
 {
     give_back();
@@ -53,6 +60,7 @@ int main(int argc, char **argv)
     signal(SIGPIPE, quit);
     pupil_config_default(&config);
     pupil_sensor_config_default(&sensor_config);
+    sensor_config.frame_s = capture_frame_s(fd);
     pupil_camera_configure(camera, &sensor_config); /* limits, steps and gain law of this camera */
     sensor_config.linear = 0;                       /* YUYV has a tone curve */
     must(pupil_init(&pupil, &config) == 0, "the settings");
@@ -61,10 +69,11 @@ int main(int argc, char **argv)
         in.data = capture_next(fd);
         info.sequence = capture_buffer.sequence;
         info.timestamp_ns = capture_time_ns();
-        pupil_camera_frame(camera, info.sequence, 0);
+        mark(&info, sensor_config.frame_s);
         pupil_camera_in_force(camera, info.sequence, &info); /* exposure and gain of this very frame */
         must(pupil_process(&pupil, &in, &info, &out) == 0, "a frame");
         pupil_get_stats(&pupil, &stats);
+        mark(&info, sensor_config.frame_s);
         pupil_camera_loop_frame(&loop, &stats, &info); /* asks the camera for the next setting; another thread writes */
         capture_done(fd);
         must(fwrite(out.data, (size_t)out.stride_bytes * out.height, 1, stdout) == 1, "stdout");

@@ -44,6 +44,15 @@ void pupil_camera_configure(pupil_camera *camera, pupil_sensor_config *config)
     config->delay_frames = longer + 1 < 16 ? longer + 1 : 16;
 }
 
+#define MOST_LATE 32 /* frames in a queue of V4L2 (VIDEO_MAX_FRAME) */
+
+uint64_t pupil_camera_newest(uint64_t sequence, int64_t end_ns, int64_t now_ns, double frame_s)
+{
+    const double frames = (double)(now_ns - end_ns) * 1e-9 / frame_s;
+    const uint64_t since = frames >= 1.0 ? frames < MOST_LATE ? (uint64_t)frames : MOST_LATE : 0;
+    return sequence + since;
+}
+
 uint64_t pupil_camera_ask(pupil_camera *camera, const pupil_camera_setting *setting)
 {
     return camera->ops->ask(camera, setting);

@@ -32,22 +32,24 @@ void pupil_camera_loop_retry(pupil_camera_loop *loop)
 static int retune_sensor(pupil_camera_loop *loop)
 {
     pupil_sensor_config config = loop->config;
-    config.lock |= loop->slow;
+    config.lock |= loop->locked;
     return pupil_sensor_retune(&loop->sensor, &config);
 }
 
-/* A slow write locks the setting, and so does the first frame that has its values: the believed delay may be wrong by
- * one frame. A refused one locks it, too: frames that do not answer would make the sensor ask for more and more. */
-static void lock_while_slow(pupil_camera_loop *loop, const pupil_frame_info *info)
+/* While a write takes longer than a frame, nobody knows what frames were taken with: `slow`, they are not measured.
+ * While settings are refused, frames do not answer to them, and the sensor would ask for more and more: it is locked.
+ * Both last until the first frame with the new values has passed, for the believed delay may be wrong by one. */
+static void judge_writes(pupil_camera_loop *loop, const pupil_frame_info *info)
 {
-    const uint32_t before = loop->slow;
+    const uint32_t was_locked = loop->locked;
     pupil_camera_status status;
     pupil_camera_get_status(loop->camera, &status);
-    if (status.written != status.asks || loop->refused)
-        loop->slow = 1;
-    else if (info->sequence > status.exposure_s.from_frame && info->sequence > status.gain.from_frame)
-        loop->slow = 0;
-    if (loop->slow != before)
+    const uint32_t is_early =
+        info->sequence <= status.exposure_s.from_frame || info->sequence <= status.gain.from_frame;
+    loop->slow = status.written != status.asks || (loop->slow && is_early);
+    pupil_camera_loop_retry(loop);
+    loop->locked = loop->refused || (loop->locked && is_early);
+    if (loop->locked != was_locked && loop->steers)
         retune_sensor(loop);
 }
 
@@ -55,6 +57,7 @@ static void take_camera(pupil_camera_loop *loop, pupil_camera *camera)
 {
     loop->camera = camera;
     loop->slow = 0;
+    loop->locked = 0;
     loop->refused = 0;
     loop->failed_before = 0; /* a camera that was just opened has refused nothing */
     loop->asked = (pupil_camera_setting){0};
@@ -101,14 +104,18 @@ int pupil_camera_loop_retune(pupil_camera_loop *loop, const pupil_sensor_config 
 
 int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, const pupil_frame_info *info)
 {
-    pupil_camera_loop_retry(loop);
-    if (!loop->steers || !loop->camera)
+    int error = PUPIL_OK;
+    if (!loop->camera)
         return PUPIL_OK;
-    lock_while_slow(loop, info);
-    const int error = pupil_sensor_frame(&loop->sensor, stats, info);
-    pupil_sensor_get(&loop->sensor, &loop->setting);
-    pupil_camera_learn(loop->camera, loop->setting.exposure_delay, loop->setting.gain_delay);
-    if (loop->slow && !loop->config.lock) { /* to the caller it is no lock: the last step has not had its time */
+    judge_writes(loop, info);
+    if (!loop->steers)
+        return PUPIL_OK;
+    if (!loop->slow) {
+        error = pupil_sensor_frame(&loop->sensor, stats, info);
+        pupil_sensor_get(&loop->sensor, &loop->setting);
+        pupil_camera_learn(loop->camera, loop->setting.exposure_delay, loop->setting.gain_delay);
+    }
+    if ((loop->slow || loop->locked) && !loop->config.lock) { /* the last step has not had its time */
         loop->setting.state = PUPIL_SENSOR_SEARCHING;
         loop->setting.reason = PUPIL_SENSOR_WAITING;
     }

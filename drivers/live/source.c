@@ -8,8 +8,7 @@
 #include "live_private.h"
 #include "refuse.h"
 
-#define NOMINAL_FPS 30.0                    /* of a camera that does not report its rate */
-#define MOST_LATE   PUPIL_V4L2_MOST_BUFFERS /* frames in the queue, behind the one that is out */
+#define NOMINAL_FPS 30.0 /* of a camera that does not report its rate */
 
 static live_source *of(const pupil_source *source)
 {
@@ -140,11 +139,10 @@ void pupil_live_mark(pupil_source *source)
     const live_source *s = of(source);
     if (!s->camera || !(s->period_ns > 0.0)) /* before the first frame none is in progress */
         return;
-    double frames = (double)(live_now_ns(s) - s->stamp_ns) / s->period_ns;
+    int64_t end_ns = s->stamp_ns;
     if (s->frame.stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)
-        frames -= 1.0;
-    const uint64_t since = frames >= 1.0 ? frames < MOST_LATE ? (uint64_t)frames : MOST_LATE : 0;
-    pupil_camera_frame(s->camera, s->sequence + since, 0);
+        end_ns += (int64_t)s->period_ns;
+    pupil_camera_frame(s->camera, pupil_camera_newest(s->sequence, end_ns, live_now_ns(s), s->period_ns * 1e-9), 0);
 }
 
 static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)

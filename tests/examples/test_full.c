@@ -117,6 +117,14 @@ static int device_ioctl(int fd, unsigned long request, ...)
     return result;
 }
 
+static int fake_clock(clockid_t clock, struct timespec *time)
+{
+    const int64_t ns = fakes->now_ns(fakes->context);
+    CHECK(clock == CLOCK_MONOTONIC);
+    *time = (struct timespec){ns / 1000000000, ns % 1000000000};
+    return 0;
+}
+
 static void *map(void *where, size_t bytes, int protection, int flags, int fd, off_t offset)
 {
     CHECK(!where && protection == (PROT_READ | PROT_WRITE) && flags == MAP_SHARED);
@@ -132,13 +140,14 @@ static size_t keep_picture(const void *picture, size_t bytes, size_t count, FILE
     return 1;
 }
 
-#define main                    full_main
-#define exit(code)              longjmp(ended, (code) + 1)
-#define open(path, flags)       open_device(path, flags)
-#define ioctl                   device_ioctl
-#define mmap                    map
-#define fwrite                  keep_picture
-#define pupil_camera_open(o, w) open_camera(o, w)
+#define main                       full_main
+#define exit(code)                 longjmp(ended, (code) + 1)
+#define open(path, flags)          open_device(path, flags)
+#define ioctl                      device_ioctl
+#define mmap                       map
+#define clock_gettime(clock, time) fake_clock(clock, time)
+#define fwrite                     keep_picture
+#define pupil_camera_open(o, w)    open_camera(o, w)
 int full_main(int argc, char **argv);
 #include "../../docs/examples/full.c"
 #undef main

@@ -187,6 +187,11 @@ uint64_t pupil_camera_reapply(pupil_camera *camera);
 /* A frame has begun (started 1: V4L2_EVENT_FRAME_SYNC) or was dequeued (0; the next one is then being exposed). */
 void pupil_camera_frame(pupil_camera *camera, uint64_t sequence, int started);
 
+/* For pupil_camera_frame(.., 0) of a program that is slower than its camera, or where frames wait in a queue: which
+ * frame is the last that is complete now, where `sequence` was complete at end_ns and frames come every frame_s. Both
+ * times are of one clock. At most 32 more than `sequence`. */
+uint64_t pupil_camera_newest(uint64_t sequence, int64_t end_ns, int64_t now_ns, double frame_s);
+
 /* Fills in exposure_s and gain of a frame: what the driver took, and was in force by then. Older than the last 16
  * writes: the oldest of them. */
 void pupil_camera_in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *info);

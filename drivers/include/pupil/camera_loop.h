@@ -11,8 +11,8 @@
  *         pupil_camera_loop_frame(&loop, &stats, &info);     // asks the camera for the next setting
  *         ... show the frame times loop.setting.frame_digital ...
  *
- * Slow: while a write takes longer than a frame, nobody knows which frame is the first with its setting. The setting is
- * locked until the write has returned and one frame with its values has passed.
+ * Slow: while a write takes longer than a frame, nobody knows which frame is the first with its setting. Frames are not
+ * measured until the write has returned and one frame with its values has passed.
  * Refused: a setting that the driver refused (EBUSY, EIO) is asked for again with every frame until the camera takes
  * it. The setting is locked until then.
  * Lost: controls that are gone (unplugged) are taken out with pupil_camera_loop_lost. The controls that come back are
@@ -36,7 +36,7 @@ typedef struct pupil_camera_loop {
     /* to be read after each call */
     pupil_sensor_setting setting; /* as of the last frame; valid where `steers` is 1 */
     uint32_t steers;              /* 1: begun, and the camera is steered */
-    uint32_t slow;                /* 1: a write takes longer than a frame or was refused, or just now: locked */
+    uint32_t slow;                /* 1: a write takes longer than a frame, or did just now: nothing is measured */
     uint32_t refused;             /* 1: the camera refused the latest setting, which was asked for again ... */
     int refusal;                  /* ... and the errno of the last refusal */
     uint64_t refusals;            /* all refusals since the loop was zeroed */
@@ -45,6 +45,7 @@ typedef struct pupil_camera_loop {
     pupil_camera *camera; /* NULL: no controls now */
     pupil_sensor_config config;
     pupil_camera_setting asked;
+    uint32_t locked;        /* the sensor is, for the camera refuses settings */
     uint64_t failed_before; /* writes of this camera that had failed when it was last looked at */
     pupil_sensor sensor;
 } pupil_camera_loop;
@@ -63,8 +64,8 @@ int pupil_camera_loop_retune(pupil_camera_loop *loop, const pupil_sensor_config 
 
 /* The statistics of a frame, and its info with the exposure time and gain of pupil_camera_in_force: the setting
  * follows, and is asked for where it has changed. Nothing happens while there are no controls, or while one setting is
- * held. What pupil_sensor_frame returns; 0 where nothing happens. Where much time has passed since the frame came, call
- * pupil_camera_frame with the number of the frame that is complete by now before this. */
+ * held. What pupil_sensor_frame returns; 0 where nothing happens. Where more than a frame's period may have passed
+ * since the frame was complete, pupil_camera_frame comes before this once more, with pupil_camera_newest. */
 int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, const pupil_frame_info *info);
 
 /* For frames that are left out, or while one setting is held: asks again for a setting that was refused. Frames that go
