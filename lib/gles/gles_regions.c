@@ -26,7 +26,7 @@ uint32_t pupil_gles_regions_together(const gles_object *o)
     return 4;
 }
 
-/* One region, by the rules of lib/kernels/row.c: stats_add_run. */
+/* One region, by the rules of lib/kernels/run.c: stats_add_run. */
 static void add_region(const uint32_t words[4], uint32_t pixels, uint32_t weight, uint32_t band, pupil_stats *stats)
 {
     const int64_t whole = (int64_t)(int32_t)words[0] + (words[1] >> 24);

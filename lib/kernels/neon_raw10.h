@@ -1,9 +1,9 @@
 /* lib/kernels/neon_raw10.h: metering the packed mosaic that cameras of boards send, MIPI RAW10, straight from its
- * bytes. The operations on light are those of loads.h (binned) and of vector.h, one by one. Pixels that are clipped,
- * black or left over use those.
+ * bytes. The operations on light are those of pixels_to_linear.h (binned) and of vector.h, one by one. Pixels that are
+ * clipped, black or left over use those.
  */
-#include "loads.h"
 #include "neon.h"
+#include "pixels_to_linear.h"
 #include "vector_formats.h"
 
 /* 8 quads are 16 samples, 20 bytes, of each row. First the samples of the columns of red, then the others. Where their

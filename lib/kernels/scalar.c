@@ -1,7 +1,7 @@
 /* The reference level: plain C. Loops over planar floats, so that a compiler may use any vectors that it has; without
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
 #include "kernels.h"
-#include "loads.h"
+#include "pixels_to_linear.h"
 
 #include "base/numeric.h"
 

@@ -3,7 +3,7 @@
 #ifndef PUPIL_KERNELS_VECTOR_TABLE_H
 #define PUPIL_KERNELS_VECTOR_TABLE_H
 
-#include "loads.h"
+#include "pixels_to_linear.h"
 #include "vector_formats.h"
 
 /* A format's kernels. They are functions of their own so that the format is a constant in each. The parts that are not

@@ -37,8 +37,8 @@ expect "no includes in $work"
 expect ""
 plant drivers/file/video.c file/nothing.h
 expect "drivers/file/video.c includes file/nothing.h, which is not in the tree"
-plant lib/kernels/row.c core/core.h
-expect "lib/kernels/row.c -> lib/core/core.h: lib/kernels does not see lib/core"
+plant lib/kernels/run.c core/core.h
+expect "lib/kernels/run.c -> lib/core/core.h: lib/kernels does not see lib/core"
 plant lib/core/rows.c ../../drivers/file/still.h
 expect "lib/core/rows.c -> drivers/file/still.h: lib does not see drivers"
 plant drivers/live/live.c core/core.h

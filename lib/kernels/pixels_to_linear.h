@@ -1,8 +1,8 @@
-/* lib/kernels/loads.h: loading (and, of NV12, storing) what has no vectors of its own in a level: plain C loops,
+/* lib/kernels/pixels_to_linear.h: loading (and, of NV12, storing) what has no vectors of its own in a level: plain C loops,
  * written once and compiled in each level's file, for its instructions. No result depends on which.
  */
-#ifndef PUPIL_KERNELS_LOADS_H
-#define PUPIL_KERNELS_LOADS_H
+#ifndef PUPIL_KERNELS_PIXELS_TO_LINEAR_H
+#define PUPIL_KERNELS_PIXELS_TO_LINEAR_H
 
 #include "kernels.h"
 
