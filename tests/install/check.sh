@@ -81,15 +81,16 @@ done
 
 # The examples, by the lines that they give themselves, and as C++.
 examples=$here/../../docs/examples
-for name in meter_only full; do
-    packages=$(sed -n "s/.*cc $name\.c .(pkg-config --cflags --libs \([a-z -]*\)) -o $name\$/\1/p" "$examples/$name.c")
+for name in meter_only own_camera full; do
+    packages=$(sed -n "s/.*cc $name\.c .(pkg-config --cflags --libs \([a-z -]*\))\( -lm\)* -o $name\$/\1/p" "$examples/$name.c")
     [ -n "$packages" ] || { echo "check.sh: docs/examples/$name.c does not say how it is compiled"; exit 1; }
     for compiler in "gcc -std=gnu11" "g++ -std=c++11 -xc++"; do
         $compiler -Wall -Wextra -Wpedantic -Werror "$examples/$name.c" -xnone $(pkg-config --cflags --libs $packages) \
-            -o "$work/$name"
+            -lm -o "$work/$name"
     done
 done
 head -c 16 /dev/zero | "$work/meter_only" 4 2
+"$work/own_camera"
 "$work/full" "$work/none" 2>"$work/log" && { echo "check.sh: full takes a camera that is not there"; exit 1; }
 grep -qF "full: $work/none: " "$work/log" || { cat "$work/log"; exit 1; }
 
