@@ -1,5 +1,5 @@
-/* lib/kernels/pixels_to_linear.h: loading (and, of NV12, storing) what has no vectors of its own in a level: plain C loops,
- * written once and compiled in each level's file, for its instructions. No result depends on which.
+/* lib/kernels/pixels_to_linear.h: loading (and, of NV12, storing) what has no vectors of its own in a level: plain C
+ * loops, written once and compiled in each level's file, for its instructions. No result depends on which.
  */
 #ifndef PUPIL_KERNELS_PIXELS_TO_LINEAR_H
 #define PUPIL_KERNELS_PIXELS_TO_LINEAR_H
