@@ -39,7 +39,7 @@ double hostile_saturation_noise(const hostile_row *row)
 /* Noise alone for 10 s, after light of a; then light of b and of more. The worst of several delays. */
 static double lens_cap_of(const hostile_row *row, double well_e, double read_e, uint32_t bits)
 {
-    static const double more_ev[] = {0.0, 1.4, 3.0};
+    static const double more_ev[] = {0.0, 1.4, 2.0};
     double worst = 0.0;
     for (uint32_t i = 0; i < 9; i++) {
         hostile_prepare(row, 2 + i);
