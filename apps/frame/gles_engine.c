@@ -36,8 +36,7 @@ struct gles_engine {
 
 static int say(pupil_why *why, int error, const char *what)
 {
-    pupil_refuse(why, "%s: %s", what, pupil_error_string(error));
-    return -1;
+    return pupil_refuse(why, "%s: %s", what, pupil_error_string(error));
 }
 
 /* --- life --- */
@@ -47,10 +46,8 @@ int gles_engine_open(gles_engine **work, const pupil_config *config, uint32_t ve
 {
     const pupil_egl_options options = {.version = version, .robust = 1};
     gles_engine *g = calloc(1, sizeof *g);
-    if (!g) {
-        pupil_refuse(why, "not enough memory");
-        return -1;
-    }
+    if (!g)
+        return pupil_refuse(why, "not enough memory");
     g->get_proc = get_proc ? get_proc : pupil_egl_get_proc;
     g->settings = *config;
     pupil_gles_config_default(&g->config);
@@ -91,11 +88,10 @@ static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
     pupil_why reason = {""};
     int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
     if (error == PUPIL_ERR_CONFIG && wants_histogram(&g->settings)) { /* in the words of replay's options */
-        pupil_refuse(why, "OpenGL ES 3.0 has no histogram, which %s",
-                     g->settings.white_mode == PUPIL_WHITE_FOLLOW
-                         ? "a white point that follows needs; --white none, or a number, does without"
-                         : "--trim needs");
-        return -1;
+        return pupil_refuse(why, "OpenGL ES 3.0 has no histogram, which %s",
+                            g->settings.white_mode == PUPIL_WHITE_FOLLOW
+                                ? "a white point that follows needs; --white none, or a number, does without"
+                                : "--trim needs");
     }
     if (error == PUPIL_ERR_CONFIG && g->settings.histogram) {
         g->no_histogram = 1;
@@ -103,10 +99,8 @@ static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
         pupil_retune(pupil, &g->settings);
         error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
     }
-    if (error) {
-        pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
-        return -1;
-    }
+    if (error)
+        return pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
     g->open = 1;
     return 0;
 }
@@ -201,10 +195,8 @@ static int make_room(gles_engine *g, gles_room *r, uint32_t width, uint32_t heig
         free(g->rgba);
         g->rgba = malloc(bytes);
         g->rgba_bytes = g->rgba ? bytes : 0;
-        if (!g->rgba) {
-            pupil_refuse(why, "not enough memory");
-            return -1;
-        }
+        if (!g->rgba)
+            return pupil_refuse(why, "not enough memory");
     }
     if (r->framebuffer && r->width == width && r->height == height)
         return 0;
@@ -221,8 +213,8 @@ static int make_room(gles_engine *g, gles_room *r, uint32_t width, uint32_t heig
     if (g->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
         return 0;
     r->width = 0; /* to be made again */
-    pupil_refuse(why, "the driver has no framebuffer of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
-    return -1;
+    return pupil_refuse(why, "the driver has no framebuffer of %lux%lu pixels", (unsigned long)width,
+                        (unsigned long)height);
 }
 
 int gles_engine_draw(gles_engine *g, const pupil_curve *curve, const pupil_gles_target *target, pupil_why *why)
@@ -261,10 +253,8 @@ static int map(void *self, const pupil_t *pupil, const pupil_curve *curve, const
     g->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
     g->gl.ReadPixels(0, 0, (GLsizei)rgb8->width, (GLsizei)rgb8->height, GL_RGBA, GL_UNSIGNED_BYTE, g->rgba);
     const GLenum error = g->gl.GetError();
-    if (error) {
-        pupil_refuse(why, "reading the picture back: OpenGL ES error 0x%x", (unsigned)error);
-        return -1;
-    }
+    if (error)
+        return pupil_refuse(why, "reading the picture back: OpenGL ES error 0x%x", (unsigned)error);
     pack(g->rgba, rgb8);
     return 0;
 }

@@ -9,8 +9,7 @@ int gles_engine_open(gles_engine **g, const pupil_config *config, uint32_t versi
 {
     (void)config, (void)version, (void)get_proc;
     *g = NULL;
-    pupil_refuse(why, "this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
-    return -1;
+    return pupil_refuse(why, "this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
 }
 
 void gles_engine_close(gles_engine *g)

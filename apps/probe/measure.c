@@ -116,10 +116,8 @@ int probe_measure(probe_report *report, const pupil_v4l2_system *system, const p
 {
     pupil_why back;
     probe_stream *s = calloc(1, sizeof *s);
-    if (!s) {
-        pupil_refuse(why, "%s: not enough memory", report->device.path);
-        return -1;
-    }
+    if (!s)
+        return pupil_refuse(why, "%s: not enough memory", report->device.path);
     *s = (probe_stream){.report = report, .options = options, .why = why};
     if (open_stream(s, system)) {
         free(s);

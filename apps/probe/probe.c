@@ -93,10 +93,8 @@ static int print(const probe_report *report, pupil_why *why)
 {
     char *json = run.json ? probe_json(report) : NULL;
     progress_clear(&run.line);
-    if (run.json && !json) {
-        pupil_refuse(why, "not enough memory");
-        return -1;
-    }
+    if (run.json && !json)
+        return pupil_refuse(why, "not enough memory");
     if (run.json)
         printf("%s\n", json);
     else
@@ -104,8 +102,7 @@ static int print(const probe_report *report, pupil_why *why)
     free(json);
     if (fflush(stdout) == 0 && !ferror(stdout))
         return 0;
-    pupil_refuse(why, "standard output cannot be written");
-    return -1;
+    return pupil_refuse(why, "standard output cannot be written");
 }
 
 static int probe(probe_report *report, const pupil_v4l2_system *system)

@@ -91,10 +91,8 @@ static int meter(probe_stream *s, const pupil_frame *frame)
     if (pupil_meter_rows(&s->pupil, &image, 0, image.height, &stats) != PUPIL_OK ||
         pupil_stats_mean(&stats, PROBE_TRIM, 1.0 - PROBE_TRIM, &s->level.mean_ev) != PUPIL_OK ||
         pupil_stats_peak_quantile(&stats, 1.0 - PROBE_MOST_BAD, &s->level.high_ev) != PUPIL_OK ||
-        pupil_stats_quantile(&stats, 0.1, &low_ev) != PUPIL_OK) {
-        pupil_refuse(s->why, "%s cannot be metered", frame->name);
-        return -1;
-    }
+        pupil_stats_quantile(&stats, 0.1, &low_ev) != PUPIL_OK)
+        return pupil_refuse(s->why, "%s cannot be metered", frame->name);
     s->level.clipped = share(stats.clipped, stats.pixels);
     s->level.black = share(stats.black, stats.pixels);
     if (s->wants_low)

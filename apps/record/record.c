@@ -55,14 +55,12 @@ static int begin_exposure(record *r)
     pupil_camera *camera = pupil_live_camera(r->source);
     if (!is_steered(o))
         return 0;
-    if (!camera) {
-        pupil_refuse(&r->why, "--%s: %.900s",
-                     o->automatic            ? "auto"
-                     : o->run.exposure_s > 0 ? "shutter"
-                                             : "gain",
-                     pupil_live_no_controls(r->source));
-        return -1;
-    }
+    if (!camera)
+        return pupil_refuse(&r->why, "--%s: %.900s",
+                            o->automatic            ? "auto"
+                            : o->run.exposure_s > 0 ? "shutter"
+                                                    : "gain",
+                            pupil_live_no_controls(r->source));
     camera_guard(r->source);
     pupil_init(&r->pupil, &r->options.run.shown.config);
     run_sensor_begin(&r->sensor, &r->options.run, r->source);
@@ -81,10 +79,8 @@ static int follow_light(record *r, const pupil_frame *frame)
         return 0;
     pupil_stats_clear(&r->stats);
     const int error = pupil_meter_rows(&r->pupil, &frame->image, 0, frame->image.height, &r->stats);
-    if (error) {
-        pupil_refuse(&r->why, "%s: %s", frame->name, pupil_error_string(error));
-        return -1;
-    }
+    if (error)
+        return pupil_refuse(&r->why, "%s: %s", frame->name, pupil_error_string(error));
     run_sensor_frame(&r->sensor, &r->stats, &frame->info, &unused);
     return 0;
 }
@@ -153,8 +149,7 @@ static int run(record *r)
     }
     if (r->taken)
         return 0;
-    pupil_refuse(&r->why, "%s: no frame came, so nothing was recorded", r->name);
-    return -1;
+    return pupil_refuse(&r->why, "%s: no frame came, so nothing was recorded", r->name);
 }
 
 /* --- begin and end --- */

@@ -36,10 +36,8 @@ int replay_report_open(replay_report **report, const frame_options *options, con
                        uint64_t frames, pupil_why *why)
 {
     replay_report *r = calloc(1, sizeof *r);
-    if (!r) {
-        pupil_refuse(why, "not enough memory");
-        return -1;
-    }
+    if (!r)
+        return pupil_refuse(why, "not enough memory");
     r->options = options;
     if (pupil_report_begin(&r->page, options->report, options->overwrite, options->reset_each, why)) {
         free(r);

@@ -10,15 +10,11 @@ static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why
     pupil_camera_limits limits;
     pupil_camera_get_limits(camera, &limits);
     if (o->exposure_s > 0.0 &&
-        !(o->exposure_s >= 0.999 * limits.exposure_min_s && o->exposure_s <= 1.001 * limits.exposure_max_s)) {
-        pupil_refuse(why, "--shutter: this camera exposes from %.6g to %.6g ms", limits.exposure_min_s * 1e3,
-                     limits.exposure_max_s * 1e3);
-        return -1;
-    }
-    if (o->gain > 0.0 && !(o->gain >= 0.999 * limits.gain_min && o->gain <= 1.001 * limits.gain_max)) {
-        pupil_refuse(why, "--gain: this camera has gains from %.4g to %.4g", limits.gain_min, limits.gain_max);
-        return -1;
-    }
+        !(o->exposure_s >= 0.999 * limits.exposure_min_s && o->exposure_s <= 1.001 * limits.exposure_max_s))
+        return pupil_refuse(why, "--shutter: this camera exposes from %.6g to %.6g ms", limits.exposure_min_s * 1e3,
+                            limits.exposure_max_s * 1e3);
+    if (o->gain > 0.0 && !(o->gain >= 0.999 * limits.gain_min && o->gain <= 1.001 * limits.gain_max))
+        return pupil_refuse(why, "--gain: this camera has gains from %.4g to %.4g", limits.gain_min, limits.gain_max);
     return 0;
 }
 
@@ -35,10 +31,8 @@ int run_choose_mode(run_options *o, const pupil_source *source, pupil_why *remar
                        : o->curve                          ? "--curve"
                        : o->resume                         ? "--resume"
                                                            : NULL;
-    if (!camera && asks) {
-        pupil_refuse(why, "%s: %.900s", asks, pupil_live_no_controls(source));
-        return -1;
-    }
+    if (!camera && asks)
+        return pupil_refuse(why, "%s: %.900s", asks, pupil_live_no_controls(source));
     if (!camera && o->mode == RUN_BEST)
         pupil_refuse(remark, "%.900s; the picture is adapted to, and the camera stays as it is (--mode digital)",
                      pupil_live_no_controls(source));

@@ -25,10 +25,8 @@ static const char fragment_text[] = "#version 300 es\n"
 int view_picture_open(view_picture *p, const gl_calls *gl, pupil_why *why)
 {
     *p = (view_picture){.gl = gl, .program = gl_calls_program(gl, vertex_text, fragment_text)};
-    if (!p->program) {
-        pupil_refuse(why, "the driver refuses the shader that shows a picture");
-        return -1;
-    }
+    if (!p->program)
+        return pupil_refuse(why, "the driver refuses the shader that shows a picture");
     gl->GenVertexArrays(1, &p->array);
     return 0;
 }

@@ -296,10 +296,8 @@ int view_open(view **opened, const view_of *of, const pupil_image_const *first, 
     const pupil_window_options options = {
         .title = "pupil", .width = first->width, .height = first->height, .version = of->options->gles_version};
     view *v = calloc(1, sizeof *v);
-    if (!v) {
-        pupil_refuse(why, "not enough memory");
-        return -1;
-    }
+    if (!v)
+        return pupil_refuse(why, "not enough memory");
     v->of = *of;
     v->split = 0.5f;
     pupil_why reason = {""};

@@ -8,8 +8,7 @@ int view_open(view **v, const view_of *of, const pupil_image_const *first, pupil
 {
     (void)of, (void)first;
     *v = NULL;
-    pupil_refuse(why, "--view: this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
-    return -1;
+    return pupil_refuse(why, "--view: this build has no OpenGL ES; it needs -DPUPIL_GPU=ON");
 }
 
 void view_close(view *v)

@@ -72,13 +72,11 @@ static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
             return add_folder(paths, input, why);
         if (pupil_paths_add(paths, input) == 0)
             return 0;
-        pupil_refuse(why, "no memory for the names of the inputs");
-        return -1;
+        return pupil_refuse(why, "no memory for the names of the inputs");
     }
     if (errno == ENOENT && strpbrk(input, "*?["))
         return add_pattern(paths, input, why);
-    pupil_refuse(why, "%s: cannot be opened: %s", input, strerror(errno));
-    return -1;
+    return pupil_refuse(why, "%s: cannot be opened: %s", input, strerror(errno));
 }
 
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,

@@ -85,11 +85,9 @@ static int begin(synth_source *s, const char *recipe, const pupil_source_options
     uint64_t frames = options->frames                    ? options->frames
                       : s->facts.frames > options->first ? s->facts.frames - options->first
                                                          : 0;
-    if (!frames || ((double)s->next + (double)frames) / s->facts.fps > LONGEST_S) {
-        pupil_refuse(why, "synth:%s: no frame %llu; it has the frames 0 to %llu, and no scene lasts 100 years", recipe,
-                     (unsigned long long)s->next, (unsigned long long)s->facts.frames - 1);
-        return -1;
-    }
+    if (!frames || ((double)s->next + (double)frames) / s->facts.fps > LONGEST_S)
+        return pupil_refuse(why, "synth:%s: no frame %llu; it has the frames 0 to %llu, and no scene lasts 100 years",
+                            recipe, (unsigned long long)s->next, (unsigned long long)s->facts.frames - 1);
     s->end = s->next + frames;
     s->source.fps = s->facts.fps;
     s->source.frames = frames;
@@ -97,11 +95,9 @@ static int begin(synth_source *s, const char *recipe, const pupil_source_options
     s->recipe = strdup(recipe);
     s->name = malloc(s->name_bytes);
     s->rgb = malloc((size_t)s->facts.width * s->facts.height * 3 * sizeof(float));
-    if (!s->recipe || !s->name || !s->rgb) {
-        pupil_refuse(why, "synth:%s: not enough memory for frames of %ux%u pixels", recipe, s->facts.width,
-                     s->facts.height);
-        return -1;
-    }
+    if (!s->recipe || !s->name || !s->rgb)
+        return pupil_refuse(why, "synth:%s: not enough memory for frames of %ux%u pixels", recipe, s->facts.width,
+                            s->facts.height);
     return 0;
 }
 

@@ -43,8 +43,7 @@ static int identify(pupil_v4l2_device *d, pupil_why *why)
     if (pupil_v4l2_ask(d, VIDIOC_QUERYCAP, &capability) != 0) {
         if (errno != ENOTTY && errno != EINVAL)
             return pupil_v4l2_failed(d, "cannot be asked what it is", errno, why);
-        pupil_refuse(why, "%s: is no video device; a camera is /dev/video0 or its like ('pupil list')", d->path);
-        return -1;
+        return pupil_refuse(why, "%s: is no video device; a camera is /dev/video0 or its like ('pupil list')", d->path);
     }
     copy_text(d->name, sizeof d->name, capability.card, sizeof capability.card);
     copy_text(d->driver, sizeof d->driver, capability.driver, sizeof capability.driver);
@@ -59,13 +58,12 @@ static int identify(pupil_v4l2_device *d, pupil_why *why)
                          : d->capabilities & (V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_VIDEO_OUTPUT_MPLANE)
                              ? "a video output"
                              : "no capture device";
-        pupil_refuse(why, "%s: %s is %s; a node that captures video is needed ('pupil list')", d->path, d->name, is);
-        return -1;
+        return pupil_refuse(why, "%s: %s is %s; a node that captures video is needed ('pupil list')", d->path, d->name,
+                            is);
     }
-    if (!(d->capabilities & V4L2_CAP_STREAMING)) {
-        pupil_refuse(why, "%s: %s cannot stream; a camera whose driver shares buffers is needed", d->path, d->name);
-        return -1;
-    }
+    if (!(d->capabilities & V4L2_CAP_STREAMING))
+        return pupil_refuse(why, "%s: %s cannot stream; a camera whose driver shares buffers is needed", d->path,
+                            d->name);
     d->type =
         d->capabilities & V4L2_CAP_VIDEO_CAPTURE ? V4L2_BUF_TYPE_VIDEO_CAPTURE : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
     return 0;
@@ -73,10 +71,8 @@ static int identify(pupil_v4l2_device *d, pupil_why *why)
 
 static int open_path(pupil_v4l2_device *d, const char *path, pupil_why *why)
 {
-    if (strlen(path) >= sizeof d->path) {
-        pupil_refuse(why, "%.60s...: the path is longer than %u bytes", path, (unsigned)sizeof d->path - 1);
-        return -1;
-    }
+    if (strlen(path) >= sizeof d->path)
+        return pupil_refuse(why, "%.60s...: the path is longer than %u bytes", path, (unsigned)sizeof d->path - 1);
     strcpy(d->path, path);
     d->fd = d->system->open(d->system->context, path);
     for (int i = 0; d->fd < 0 && errno == EINTR && i < 100; i++)
@@ -122,10 +118,8 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
     unsigned char there[MOST_NODES] = {0};
     int count = 0;
     system = system ? system : &pupil_v4l2_kernel;
-    if (system->list(system->context, "/dev", note_node, there) != 0) {
-        pupil_refuse(why, "/dev: cannot be listed: %s", strerror(errno));
-        return -1;
-    }
+    if (system->list(system->context, "/dev", note_node, there) != 0)
+        return pupil_refuse(why, "/dev: cannot be listed: %s", strerror(errno));
     for (int i = 0; i < MOST_NODES; i++) {
         pupil_v4l2_device device = {.system = system, .fd = -1};
         char path[32];
@@ -204,15 +198,12 @@ int pupil_v4l2_device_open(pupil_v4l2_device *device, const pupil_v4l2_system *s
         return open_path(device, which, why);
     if (*which && !which[digits]) {
         char path[32];
-        if (digits > 3) {
-            pupil_refuse(why, "%.20s: the number of a video node is 255 at most", which);
-            return -1;
-        }
+        if (digits > 3)
+            return pupil_refuse(why, "%.20s: the number of a video node is 255 at most", which);
         snprintf(path, sizeof path, "/dev/video%lu", strtoul(which, NULL, 10));
         return open_path(device, path, why);
     }
     if (*which)
         return open_name(device, which, why);
-    pupil_refuse(why, "no camera was named; a path (/dev/video0), a number or a name is needed");
-    return -1;
+    return pupil_refuse(why, "no camera was named; a path (/dev/video0), a number or a name is needed");
 }

@@ -140,9 +140,8 @@ static int read_light(uint32_t xfer_func, pupil_coding *coding, pupil_why *why)
     else if (xfer_func == V4L2_XFER_FUNC_NONE)
         coding->light = PUPIL_LIGHT_LINEAR;
     else {
-        pupil_refuse(why, "its transfer function is %s; sRGB, Rec. 709 or none can be read",
-                     xfer_func < sizeof xfer_names / sizeof xfer_names[0] ? xfer_names[xfer_func] : "unknown");
-        return -1;
+        return pupil_refuse(why, "its transfer function is %s; sRGB, Rec. 709 or none can be read",
+                            xfer_func < sizeof xfer_names / sizeof xfer_names[0] ? xfer_names[xfer_func] : "unknown");
     }
     return 0;
 }
@@ -163,11 +162,10 @@ static int read_matrix(uint32_t ycbcr_enc, pupil_coding *coding, pupil_why *why)
         coding->matrix = PUPIL_MATRIX_BT2020;
         return 0;
     default:
-        pupil_refuse(why, "its Y'CbCr encoding is %s; 601, Rec. 709 or BT.2020 can be read",
-                     ycbcr_enc == V4L2_YCBCR_ENC_BT2020_CONST_LUM ? "BT.2020 constant luminance"
-                     : ycbcr_enc == V4L2_YCBCR_ENC_SMPTE240M      ? "SMPTE 240M"
-                                                                  : "unknown");
-        return -1;
+        return pupil_refuse(why, "its Y'CbCr encoding is %s; 601, Rec. 709 or BT.2020 can be read",
+                            ycbcr_enc == V4L2_YCBCR_ENC_BT2020_CONST_LUM ? "BT.2020 constant luminance"
+                            : ycbcr_enc == V4L2_YCBCR_ENC_SMPTE240M      ? "SMPTE 240M"
+                                                                         : "unknown");
     }
 }
 
@@ -216,11 +214,10 @@ static int read_colour(pupil_v4l2_format *f, pupil_why *why)
             limit_grey(f->pixel, &f->coding);
         return named_xfer ? read_light(f->xfer_func, &f->coding, why) : 0;
     }
-    if (is_rgb(f->pixel) && (limited || f->xfer_func != V4L2_XFER_FUNC_SRGB)) {
-        pupil_refuse(why, "its %s is RGB of %s; RGB of full range and sRGB's transfer function can be read",
-                     pupil_v4l2_fourcc_name(f->fourcc).text, limited ? "limited range" : "another transfer function");
-        return -1;
-    }
+    if (is_rgb(f->pixel) && (limited || f->xfer_func != V4L2_XFER_FUNC_SRGB))
+        return pupil_refuse(why, "its %s is RGB of %s; RGB of full range and sRGB's transfer function can be read",
+                            pupil_v4l2_fourcc_name(f->fourcc).text,
+                            limited ? "limited range" : "another transfer function");
     return 0; /* a mosaic is linear, regardless of the picture that is made of it */
 }
 
@@ -244,11 +241,10 @@ static int read_layout(pupil_v4l2_format *f, pupil_why *why)
     if (f->buffers == 1 || !f->stride_bytes[1])
         f->stride_bytes[1] = nv12 ? f->stride_bytes[0] : 0;
     const int odd = pupil_pixel_bytes(f->pixel) == 2 && f->stride_bytes[0] % 2;
-    if (f->stride_bytes[0] < row || (nv12 && f->stride_bytes[1] < chroma_row) || odd) {
-        pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u%s", f->stride_bytes[0],
-                     f->width, pupil_v4l2_fourcc_name(f->fourcc).text, row, odd ? ", and an even number" : "");
-        return -1;
-    }
+    if (f->stride_bytes[0] < row || (nv12 && f->stride_bytes[1] < chroma_row) || odd)
+        return pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u%s",
+                            f->stride_bytes[0], f->width, pupil_v4l2_fourcc_name(f->fourcc).text, row,
+                            odd ? ", and an even number" : "");
     uint64_t needs[2] = {(uint64_t)f->stride_bytes[0] * (f->height - 1) + row, 0};
     const uint64_t chroma = (uint64_t)f->stride_bytes[1] * (chroma_rows - 1) + chroma_row;
     if (nv12 && f->buffers == 1) {
@@ -258,11 +254,10 @@ static int read_layout(pupil_v4l2_format *f, pupil_why *why)
         needs[1] = chroma;
     }
     for (int i = 0; i < 2; i++) {
-        if (needs[i] > f->size_bytes[i]) {
-            pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s need %llu", f->size_bytes[i],
-                         f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text, (unsigned long long)needs[i]);
-            return -1;
-        }
+        if (needs[i] > f->size_bytes[i])
+            return pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s need %llu",
+                                f->size_bytes[i], f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text,
+                                (unsigned long long)needs[i]);
         f->needs_bytes[i] = (uint32_t)needs[i];
     }
     return 0;
@@ -322,23 +317,17 @@ int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *
     const int field = answer->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? take_multi(&answer->fmt.pix_mp, &f)
                                                                          : take_single(&answer->fmt.pix, &f);
     const native *n = find(f.fourcc);
-    if (!n) {
-        pupil_refuse(why, "its format %s is not read; what is: %s", pupil_v4l2_fourcc_name(f.fourcc).text,
-                     pupil_v4l2_natives);
-        return -1;
-    }
-    if (f.buffers != n->buffers) {
-        pupil_refuse(why, "its driver keeps %s in %u memory areas; it has %u", pupil_v4l2_fourcc_name(f.fourcc).text,
-                     f.buffers, n->buffers);
-        return -1;
-    }
-    if (field != V4L2_FIELD_NONE && field != V4L2_FIELD_ANY && field != V4L2_FIELD_INTERLACED) {
-        pupil_refuse(why,
-                     "its driver hands out single fields (field %d); whole frames are needed, as 'v4l2-ctl "
-                     "--set-fmt-video field=none' asks for",
-                     field);
-        return -1;
-    }
+    if (!n)
+        return pupil_refuse(why, "its format %s is not read; what is: %s", pupil_v4l2_fourcc_name(f.fourcc).text,
+                            pupil_v4l2_natives);
+    if (f.buffers != n->buffers)
+        return pupil_refuse(why, "its driver keeps %s in %u memory areas; it has %u",
+                            pupil_v4l2_fourcc_name(f.fourcc).text, f.buffers, n->buffers);
+    if (field != V4L2_FIELD_NONE && field != V4L2_FIELD_ANY && field != V4L2_FIELD_INTERLACED)
+        return pupil_refuse(why,
+                            "its driver hands out single fields (field %d); whole frames are needed, as 'v4l2-ctl "
+                            "--set-fmt-video field=none' asks for",
+                            field);
     f.pixel = n->pixel;
     f.compressed = n->pixel == PUPIL_PIXEL_NONE;
     f.coding.bayer = n->bayer;

@@ -216,10 +216,8 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
     pupil_why reason = {""};
     memset(s, 0, sizeof *s);
     s->gl = gl;
-    if (open_frame(s, pixel, width, height)) {
-        pupil_refuse(why, "no memory for frames of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
-        return -1;
-    }
+    if (open_frame(s, pixel, width, height))
+        return pupil_refuse(why, "no memory for frames of %lux%lu pixels", (unsigned long)width, (unsigned long)height);
     pupil_gles_config_default(&config);
     config.version = version;
     config.pixel = pixel;
@@ -228,10 +226,8 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
     if (s->in.coding)
         config.coding = s->in.coding;
     int error = pupil_gles_init(&s->gles, &config, &s->plain, get_proc, &reason);
-    if (error) {
-        pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
-        return -1;
-    }
+    if (error)
+        return pupil_refuse(why, "%s", *reason.text ? reason.text : pupil_error_string(error));
     s->open = 1;
     s->open_counting = pupil_gles_init(&s->gles_counting, &config, &s->counting, get_proc, NULL) == PUPIL_OK;
     if (s->open_counting)
@@ -240,11 +236,9 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
     make_copy(s);
     make_target(s);
     const GLenum refused = gl->GetError();
-    if (refused || s->error) {
-        pupil_refuse(why, "the driver refuses textures of %lux%lu pixels (OpenGL ES error 0x%x)", (unsigned long)width,
-                     (unsigned long)height, (unsigned)refused);
-        return -1;
-    }
+    if (refused || s->error)
+        return pupil_refuse(why, "the driver refuses textures of %lux%lu pixels (OpenGL ES error 0x%x)",
+                            (unsigned long)width, (unsigned long)height, (unsigned)refused);
     return 0;
 }
 
@@ -284,10 +278,8 @@ int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, pupil_why
     s->gl->BindFramebuffer(GL_FRAMEBUFFER, s->framebuffer);
     s->gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     s->gl->ReadPixels(0, 0, (GLsizei)s->in.width, (GLsizei)s->in.height, GL_RGBA, GL_UNSIGNED_BYTE, s->gpu_out.data);
-    if (s->error || s->gl->GetError()) {
-        pupil_refuse(why, "%s", pupil_error_string(s->error ? s->error : PUPIL_ERR_GLES));
-        return -1;
-    }
+    if (s->error || s->gl->GetError())
+        return pupil_refuse(why, "%s", pupil_error_string(s->error ? s->error : PUPIL_ERR_GLES));
     const unsigned char *a = s->cpu_out.data, *b = s->gpu_out.data;
     for (size_t i = 0; i < (size_t)s->in.width * s->in.height * 4; i++) {
         if (i % 4 == 3)

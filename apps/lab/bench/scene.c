@@ -67,8 +67,7 @@ static uint64_t resident_peak(void)
 
 static int refuse(measuring *m, const char *words)
 {
-    pupil_refuse(&m->out->why, "%s: %s", m->out->name, words);
-    return -1;
+    return pupil_refuse(&m->out->why, "%s: %s", m->out->name, words);
 }
 
 static int load(measuring *m)
@@ -215,10 +214,8 @@ static int measure_apart(bench *b, bench_scene *out)
         measure(b, out);
         exit(0);
     }
-    if (child < 0) {
-        pupil_refuse(&out->why, "%s: no process to measure it in: %s", out->name, strerror(errno));
-        return -1;
-    }
+    if (child < 0)
+        return pupil_refuse(&out->why, "%s: no process to measure it in: %s", out->name, strerror(errno));
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
         if (interrupt_came() && !told++)
             kill(child, SIGTERM); /* from a terminal it has heard already; not from `kill` */

@@ -124,8 +124,7 @@ static int parse(render *r, int argc, char **argv)
 
 static int no_memory(render *r)
 {
-    pupil_refuse(&r->why, "not enough memory");
-    return -1;
+    return pupil_refuse(&r->why, "not enough memory");
 }
 
 static int open_outputs(render *r, const pupil_image_const *first)

@@ -60,17 +60,13 @@ int pupil_pan_path_read(pupil_pan_path *p, const char *text, double fov, pupil_w
     for (const char *at = text;; at++) {
         int has_time, length = (int)strcspn(at, ":");
         const char *key = at, *wrong;
-        if (p->count == PUPIL_PAN_MAX_KEYS) {
-            pupil_refuse(why, "more than %d keyframes", PUPIL_PAN_MAX_KEYS);
-            return -1;
-        }
+        if (p->count == PUPIL_PAN_MAX_KEYS)
+            return pupil_refuse(why, "more than %d keyframes", PUPIL_PAN_MAX_KEYS);
         p->values[FOV][p->count] = fov;
         at = read_key(p, at, &has_time);
         wrong = at ? refuse_key(p, has_time) : "yaw/pitch, yaw/pitch/fov, and either with @seconds was expected";
-        if (wrong) {
-            pupil_refuse(why, "keyframe \"%.*s\": %s", length > 60 ? 60 : length, key, wrong);
-            return -1;
-        }
+        if (wrong)
+            return pupil_refuse(why, "keyframe \"%.*s\": %s", length > 60 ? 60 : length, key, wrong);
         p->has_times = has_time;
         p->count++;
         if (!*at)

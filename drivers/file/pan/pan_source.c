@@ -112,8 +112,7 @@ static int read_key(pan_source *s, const char *key, const char **path, pupil_why
         wanted = "the keys of a pan are path, fov, size and duration";
     if (!wanted)
         return 0;
-    pupil_refuse(why, "%s: key \"%.80s\": %s", s->file, key, wanted);
-    return -1;
+    return pupil_refuse(why, "%s: key \"%.80s\": %s", s->file, key, wanted);
 }
 
 static int read_spec(pan_source *s, const char *spec, char **keys, const char **path, pupil_why *why)
@@ -124,14 +123,10 @@ static int read_spec(pan_source *s, const char *spec, char **keys, const char **
     at = find_keys(spec);
     s->file = strndup(spec, (size_t)(at - spec));
     *keys = strdup(*at ? at + 1 : at);
-    if (!s->file || !*keys) {
-        pupil_refuse(why, "%s: not enough memory", spec);
-        return -1;
-    }
-    if (!*s->file) {
-        pupil_refuse(why, "pan:: a panorama was expected, like pan:room.hdr or pan:room.exr,fov=60");
-        return -1;
-    }
+    if (!s->file || !*keys)
+        return pupil_refuse(why, "%s: not enough memory", spec);
+    if (!*s->file)
+        return pupil_refuse(why, "pan:: a panorama was expected, like pan:room.hdr or pan:room.exr,fov=60");
     for (char *key = *keys, *next; key && *key; key = next) {
         next = strchr(key, ',');
         if (next)
@@ -162,9 +157,8 @@ static int plan_size(pan_source *s, const pupil_source_options *options, pupil_w
     }
     if (s->width <= PUPIL_MAX_SIDE_PX && s->height <= PUPIL_MAX_SIDE_PX)
         return 0;
-    pupil_refuse(why, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width, s->height,
-                 PUPIL_MAX_SIDE_PX);
-    return -1;
+    return pupil_refuse(why, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width, s->height,
+                        PUPIL_MAX_SIDE_PX);
 }
 
 /* How long it lasts, and with that how many frames there are. A path with times decides where nobody asked. */
@@ -177,11 +171,9 @@ static int plan_frames(pan_source *s, const pupil_source_options *options, pupil
         s->duration_s = asked ? (double)asked / fps : has_times ? s->path.times[s->path.count - 1] : 10;
     double frames = floor(s->duration_s * fps + 0.5);
     frames = asked && frames > (double)asked ? (double)asked : frames;
-    if (!(frames <= 1e9)) {
-        pupil_refuse(why, "%s: %g s at %g frames a second; at most 1000000000 frames can be made", s->file,
-                     s->duration_s, fps);
-        return -1;
-    }
+    if (!(frames <= 1e9))
+        return pupil_refuse(why, "%s: %g s at %g frames a second; at most 1000000000 frames can be made", s->file,
+                            s->duration_s, fps);
     s->base.fps = fps;
     s->base.frames = frames > 1 ? (uint64_t)frames : 1;
     return 0;
@@ -194,10 +186,8 @@ static int plan(pan_source *s, const char *path, const pupil_source_options *opt
     s->fov = s->fov > 0 ? s->fov : 75;
     if (plan_size(s, options, why))
         return -1;
-    if (path && pupil_pan_path_read(&s->path, path, s->fov, &words)) {
-        pupil_refuse(why, "%s: path: %s", s->file, words.text);
-        return -1;
-    }
+    if (path && pupil_pan_path_read(&s->path, path, s->fov, &words))
+        return pupil_refuse(why, "%s: path: %s", s->file, words.text);
     if (plan_frames(s, options, why))
         return -1;
     if (!path) {

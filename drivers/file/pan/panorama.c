@@ -63,24 +63,19 @@ static void fill_border(const pupil_panorama *p)
 int pupil_panorama_make(pupil_panorama *p, const pupil_still *still, pupil_why *why)
 {
     memset(p, 0, sizeof *p);
-    if (fabs(still->width - 2.0 * still->height) > 0.01 * still->width) {
-        pupil_refuse(why, "%u x %u pixels; an equirectangular panorama is twice as wide as it is high (here %u x %u)",
-                     still->width, still->height, still->width, still->width / 2);
-        return -1;
-    }
-    if (still->pixel != PUPIL_PIXEL_RGB32F) {
-        pupil_refuse(why, "its pixels are coded for a display; a panorama of linear light (.hdr, .exr, .pfm, "
-                          "16-bit .png) was expected");
-        return -1;
-    }
+    if (fabs(still->width - 2.0 * still->height) > 0.01 * still->width)
+        return pupil_refuse(why,
+                            "%u x %u pixels; an equirectangular panorama is twice as wide as it is high (here %u x %u)",
+                            still->width, still->height, still->width, still->width / 2);
+    if (still->pixel != PUPIL_PIXEL_RGB32F)
+        return pupil_refuse(why, "its pixels are coded for a display; a panorama of linear light (.hdr, .exr, .pfm, "
+                                 "16-bit .png) was expected");
     p->width = still->width;
     p->height = still->height;
     p->row_floats = ((size_t)p->width + 2) * 3;
     p->texels = malloc(p->row_floats * ((size_t)p->height + 2) * sizeof(float));
-    if (!p->texels) {
-        pupil_refuse(why, "not enough memory for a panorama of %u x %u", p->width, p->height);
-        return -1;
-    }
+    if (!p->texels)
+        return pupil_refuse(why, "not enough memory for a panorama of %u x %u", p->width, p->height);
     for (uint32_t y = 0; y < p->height; y++) {
         double crowding = 0.5 / sin(PI * (y + 0.5) / p->height);
         double widest = p->width > 2 ? p->width - 2.0 : 1;

@@ -7,6 +7,5 @@
 int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, pupil_why *why)
 {
     (void)path, (void)image;
-    pupil_refuse(why, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
-    return -1;
+    return pupil_refuse(why, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
 }

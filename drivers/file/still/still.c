@@ -103,6 +103,5 @@ int pupil_still_load(pupil_still *still, const char *path, pupil_why *why)
     pupil_why reason;
     if (load(still, path, &reason) == 0)
         return 0;
-    pupil_refuse(why, "%s: %s", path, reason.text);
-    return -1;
+    return pupil_refuse(why, "%s: %s", path, reason.text);
 }

@@ -7,13 +7,11 @@
 int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     (void)still, (void)bytes, (void)size;
-    pupil_refuse(why, "this build of pupil reads no EXR (it was configured with PUPIL_MEDIA=OFF)");
-    return -1;
+    return pupil_refuse(why, "this build of pupil reads no EXR (it was configured with PUPIL_MEDIA=OFF)");
 }
 
 int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     (void)still, (void)bytes, (void)size;
-    pupil_refuse(why, "this build of pupil reads no PNG (it was configured with PUPIL_MEDIA=OFF)");
-    return -1;
+    return pupil_refuse(why, "this build of pupil reads no PNG (it was configured with PUPIL_MEDIA=OFF)");
 }

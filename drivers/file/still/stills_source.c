@@ -60,20 +60,14 @@ static const pupil_source_ops stills_ops = {stills_next, stills_done, stills_clo
 
 static int fill(stills_source *s, const char *const *paths, size_t count, pupil_why *why)
 {
-    if (count == 0) {
-        pupil_refuse(why, "no still was named; at least one file is needed");
-        return -1;
-    }
+    if (count == 0)
+        return pupil_refuse(why, "no still was named; at least one file is needed");
     for (size_t i = 0; i < count; i++) {
         struct stat status;
-        if (stat(paths[i], &status) != 0) {
-            pupil_refuse(why, "%s: cannot be opened: %s", paths[i], strerror(errno));
-            return -1;
-        }
-        if (pupil_paths_add(&s->paths, paths[i])) {
-            pupil_refuse(why, "no memory for the names of %zu stills", count);
-            return -1;
-        }
+        if (stat(paths[i], &status) != 0)
+            return pupil_refuse(why, "%s: cannot be opened: %s", paths[i], strerror(errno));
+        if (pupil_paths_add(&s->paths, paths[i]))
+            return pupil_refuse(why, "no memory for the names of %zu stills", count);
     }
     return 0;
 }

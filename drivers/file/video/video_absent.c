@@ -23,29 +23,26 @@ int pupil_video_sink_open(const char *path, const pupil_sink_options *options, p
 {
     (void)options;
     *sink = NULL;
-    pupil_refuse(
+    return pupil_refuse(
         why,
         "%s: this build of pupil writes no video but Y4M (it was configured with PUPIL_MEDIA=OFF); name a .y4m "
         "file or a folder of PNG files",
         path);
-    return PUPIL_SINK_FAILED;
 }
 
 int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pupil_coding *coding, pupil_why *why)
 {
     (void)width, (void)height, (void)coding;
     *jpeg = NULL;
-    pupil_refuse(why,
-                 "this build of pupil reads no JPEG (it was configured with PUPIL_MEDIA=OFF); ask for a raw format");
-    return -1;
+    return pupil_refuse(
+        why, "this build of pupil reads no JPEG (it was configured with PUPIL_MEDIA=OFF); ask for a raw format");
 }
 
 /* Nobody has an object to give these. */
 int pupil_jpeg_decode(pupil_jpeg *jpeg, const void *bytes, size_t size, pupil_image_const *image, pupil_why *why)
 {
     (void)jpeg, (void)bytes, (void)size, (void)image;
-    pupil_refuse(why, "this build of pupil reads no JPEG");
-    return -1;
+    return pupil_refuse(why, "this build of pupil reads no JPEG");
 }
 
 void pupil_jpeg_close(pupil_jpeg *jpeg)

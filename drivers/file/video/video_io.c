@@ -88,8 +88,7 @@ static int make_context(pupil_video_io *io, pupil_why *why)
         return 0;
     av_free(buffer);
     pupil_video_io_close(io);
-    pupil_refuse(why, "not enough memory");
-    return -1;
+    return pupil_refuse(why, "not enough memory");
 }
 
 int pupil_video_io_open(pupil_video_io *io, const char *path, pupil_why *why)

@@ -60,10 +60,9 @@ static int set_matrix(pupil_video_pixels *p, int space, pupil_why *why)
         return 0;
     if (pupil_light_luma(&red, &blue, (enum AVColorSpace)space)) {
         const char *name = av_color_space_name((enum AVColorSpace)space);
-        pupil_refuse(why,
-                     "its colour matrix %s cannot be read; bt709, bt2020nc, smpte170m, bt470bg, smpte240m and fcc can",
-                     name ? name : "(unknown)");
-        return -1;
+        return pupil_refuse(
+            why, "its colour matrix %s cannot be read; bt709, bt2020nc, smpte170m, bt470bg, smpte240m and fcc can",
+            name ? name : "(unknown)");
     }
     double green = 1 - red - blue;
     p->red_v = (float)(2 * (1 - red));
@@ -78,17 +77,16 @@ static int set_light(pupil_video_pixels *p, int transfer, int primaries, pupil_w
     double matrix[9];
     if (pupil_light_table(p->light, (enum AVColorTransferCharacteristic)transfer)) {
         const char *name = av_color_transfer_name((enum AVColorTransferCharacteristic)transfer);
-        pupil_refuse(why,
-                     "its transfer curve %s cannot be read; PQ (smpte2084), HLG (arib-std-b67), bt709 and its kin, "
-                     "iec61966-2-1, gamma22, gamma28 and linear can",
-                     name ? name : "(unknown)");
-        return -1;
+        return pupil_refuse(
+            why,
+            "its transfer curve %s cannot be read; PQ (smpte2084), HLG (arib-std-b67), bt709 and its kin, "
+            "iec61966-2-1, gamma22, gamma28 and linear can",
+            name ? name : "(unknown)");
     }
     if (pupil_light_to_rec709(matrix, (enum AVColorPrimaries)primaries)) {
         const char *name = av_color_primaries_name((enum AVColorPrimaries)primaries);
-        pupil_refuse(why, "its primaries %s cannot be read; bt709, bt2020, smpte432 and the like can",
-                     name ? name : "(unknown)");
-        return -1;
+        return pupil_refuse(why, "its primaries %s cannot be read; bt709, bt2020, smpte432 and the like can",
+                            name ? name : "(unknown)");
     }
     p->has_709_primaries = matrix[0] == 1;
     for (int i = 0; i < 9; i++)
@@ -159,15 +157,12 @@ static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const A
     int space, primaries, is_full;
     pupil_video_pixels_free(p);
     p->format = av_pix_fmt_desc_get((enum AVPixelFormat)f->format);
-    if (!is_readable(p->format, f->format)) {
-        pupil_refuse(why, "its pixel format %s cannot be read; RGB, grey and YUV of up to 16 bits can",
-                     p->format ? p->format->name : "(unknown)");
-        return -1;
-    }
+    if (!is_readable(p->format, f->format))
+        return pupil_refuse(why, "its pixel format %s cannot be read; RGB, grey and YUV of up to 16 bits can",
+                            p->format ? p->format->name : "(unknown)");
     if (reserve(p, (size_t)f->width, (size_t)f->height)) {
         pupil_video_pixels_free(p);
-        pupil_refuse(why, "not enough memory for a frame of %d x %d", f->width, f->height);
-        return -1;
+        return pupil_refuse(why, "not enough memory for a frame of %d x %d", f->width, f->height);
     }
     p->is_rgb = (p->format->flags & AV_PIX_FMT_FLAG_RGB) != 0;
     p->is_grey = p->format->nb_components < 3;

@@ -12,8 +12,7 @@
 
 static int absent(const char *which, pupil_why *why)
 {
-    pupil_refuse(why, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
-    return -1;
+    return pupil_refuse(why, "%s: this program was built without cameras (PUPIL_V4L2=OFF)", which);
 }
 
 int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, void *closure, pupil_why *why)
