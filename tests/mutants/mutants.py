@@ -1,0 +1,247 @@
+"""Machine-made mutants of a room of the library: which of them the tests do not notice.
+
+    mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--count 200]
+               [--seed 16] [--jobs 2] [--least 95] [--work FOLDER]
+
+BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. A mutant is
+one change of one file (mutations.py), compiled as BUILD does, but with -O1, and linked before the library, so that it
+takes the place of the file. The tests are those of ctest that match REGEX and have the label quick or full, and the
+extra ones; the fastest first, until one fails. One that takes ten times as long as without the mutant is killed, and so
+is the mutant.
+
+Kinds of mutation are drawn in turn, and places within a kind at random, from the seed, until COUNT mutants compile to
+code that is not the same as before. Prints what survived, and exits with 1 where less than LEAST percent of those are
+killed that are not in equivalent.txt. There, a line is one surviving line as it is printed, from the file's name on but
+without the line's number, then " # " and the reason why no test can notice.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import random
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import mutations
+
+HERE = pathlib.Path(__file__).resolve().parent
+TREE = HERE.parent.parent
+SHORTEST_LIMIT_S = 5.0
+
+
+class Test:
+    """link: the arguments that link it, with OBJECT and PROGRAM in their place; run: those that run it, with PROGRAM."""
+
+    def __init__(self, name, link, run, folder):
+        self.name, self.link, self.run, self.folder = name, link, run, folder
+        self.seconds = 0.0
+
+    def passes(self, mutant_object, work, limit_s):
+        """"passed", "failed", "timed out" or "did not link"."""
+        program = str(work / "program")
+        replaced = {"OBJECT": str(mutant_object), "PROGRAM": program}
+        link = [replaced.get(a, a) for a in self.link]
+        if subprocess.run(link, cwd=self.folder, stderr=subprocess.DEVNULL).returncode:
+            return "did not link"
+        start = time.monotonic()
+        process = subprocess.Popen([replaced.get(a, a) for a in self.run], cwd=work, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        try:
+            code = process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            return "timed out"
+        self.last_s = time.monotonic() - start
+        return "passed" if code in (0, 76, 77) else "failed"
+
+
+class Source:
+    """One file of the room. compile: arguments with SOURCE and OBJECT in their place."""
+
+    def __init__(self, path, name, compiler, folder):
+        self.path, self.name, self.compiler, self.folder = path, name, compiler, folder
+        self.text = path.read_text()
+
+    def compiled(self, text, obj):
+        """The object's bytes, or None. The copy lies in the file's own folder for the headers beside it."""
+        with tempfile.NamedTemporaryFile("w", suffix=".c", dir=obj.parent) as copy:
+            copy.write(f'#line 1 "{self.path.name}"\n' + text)
+            copy.flush()
+            replaced = {"SOURCE": copy.name, "OBJECT": str(obj)}
+            arguments = [replaced.get(a, a) for a in self.compiler] + ["-iquote", str(self.path.parent)]
+            if subprocess.run(arguments, cwd=self.folder, stderr=subprocess.DEVNULL).returncode:
+                return None
+        return obj.read_bytes()
+
+
+def drawn(sources, seed):
+    """All mutations, in an order that takes the kinds in turn and is random within each."""
+    kinds = {}
+    for source in sources:
+        for m in mutations.mutations_of(source.text):
+            kinds.setdefault(m.kind, []).append((source, m))
+    generator = random.Random(seed)
+    for name in sorted(kinds):
+        generator.shuffle(kinds[name])
+    order = []
+    while any(kinds.values()):
+        order += [kinds[name].pop() for name in sorted(kinds) if kinds[name]]
+    return order
+
+
+def description(source, m):
+    """Without the line's number, which any change of the file moves."""
+    shown = [" ".join(t.split()) or "(nothing)" for t in (m.before, m.after)]
+    line_start = source.text.rfind("\n", 0, m.start) + 1
+    same_before = source.text[line_start : m.start].count(m.before)
+    which = f" (number {same_before + 1})" if m.before and same_before else ""
+    return f"{source.name}: {shown[0]} -> {shown[1]}{which} in: {mutations.source_line(source.text, m)}"
+
+
+def excuses(path):
+    lines = path.read_text().splitlines() if path.exists() else []
+    return {line.split(" # ")[0].strip() for line in lines if " # " in line}
+
+
+def compiled_mutants(sources, count, seed, work):
+    """The first COUNT that compile to other code, as (source, mutation, object); and how many did not, were the same."""
+    plain = {s.name: s.compiled(s.text, work / "plain.o") for s in sources}
+    found, broken, same = [], 0, 0
+    for source, m in drawn(sources, seed):
+        if len(found) == count:
+            break
+        obj = work / f"mutant{len(found)}.o"
+        code = source.compiled(mutations.mutated(source.text, m), obj)
+        broken += code is None
+        same += code == plain[source.name]
+        if code is not None and code != plain[source.name]:
+            found.append((source, m, obj))
+    return found, broken, same
+
+
+def timed(tests, plain_object, work):
+    """The tests that pass with the unchanged object, the fastest first."""
+    good = []
+    for test in tests:
+        said = test.passes(plain_object, work, None)
+        test.seconds = getattr(test, "last_s", 0.0)
+        if said == "passed":
+            good.append(test)
+        else:
+            print(f"mutants.py: {test.name} {said} without a mutant: left out")
+    return sorted(good, key=lambda t: t.seconds)
+
+
+def judged(tests, obj, work):
+    """"survived", or which test killed it and how."""
+    for test in tests:
+        said = test.passes(obj, work, max(SHORTEST_LIMIT_S, 10 * test.seconds))
+        if said != "passed":
+            return f"{test.name} {said}"
+    return "survived"
+
+
+def run(sources, tests, count, seed, jobs, excused, work):
+    """Prints what survived; returns (killed, survivors that are not excused, excused ones, verdicts)."""
+    mutants, broken, same = compiled_mutants(sources, count, seed, work)
+    sources[0].compiled(sources[0].text, work / "plain.o")
+    tests = timed(tests, work / "plain.o", work)
+    print(f"mutants.py: {len(mutants)} mutants ({broken} more did not compile, {same} are the same code); "
+          + ", ".join(f"{t.name} {t.seconds:.1f} s" for t in tests), flush=True)
+    folders = [pathlib.Path(tempfile.mkdtemp(dir=work)) for _ in range(jobs)]
+
+    def judge(mutant):
+        folder = folders.pop()
+        try:
+            return judged(tests, mutant[2], folder)
+        finally:
+            folders.append(folder)
+
+    survivors, equivalent, killers, verdicts = [], [], {}, []
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for (source, m, _), verdict in zip(mutants, pool.map(judge, mutants)):
+            verdicts.append((source, m, verdict))
+            if verdict != "survived":
+                killers[verdict] = killers.get(verdict, 0) + 1
+                continue
+            said = description(source, m)
+            (equivalent if said in excused else survivors).append(said)
+            is_excused = " (equivalent)" if said in excused else ""
+            line = mutations.line_of(source.text, m)
+            print(f"survived{is_excused}: {said.replace(':', f':{line}:', 1)}", flush=True)
+    for name, number in sorted(killers.items(), key=lambda pair: -pair[1]):
+        print(f"  {number:4} {name}")
+    return sum(killers.values()), survivors, equivalent, verdicts
+
+
+def tests_of(build, regex, extra):
+    """The tests of ctest, and how ninja links their programs."""
+    listed = subprocess.run(["ctest", "--test-dir", str(build), "--show-only=json-v1", "-R", regex, "-L",
+                             "^(quick|full)$"], stdout=subprocess.PIPE, check=True, text=True).stdout
+    commands = [(t["name"], [a for a in t["command"] if not a.endswith(("/sh", "run_test.sh"))])
+                for t in json.loads(listed)["tests"]]
+    for line in extra:
+        program, *arguments = shlex.split(line)
+        commands.append((line, [str(build / "tests" / program), *arguments]))
+    tests = []
+    for name, command in commands:
+        target = pathlib.Path(command[0]).name
+        if not target.startswith("test_"):
+            continue  # a script
+        ninja = subprocess.run(["ninja", "-C", str(build), "-t", "commands", target], stdout=subprocess.PIPE, check=True,
+                               text=True).stdout.splitlines()[-1]
+        link = shlex.split(re.sub(r"^: && | && :$", "", ninja))
+        link[link.index("-o") + 1] = "PROGRAM"
+        link.insert(next(i for i, a in enumerate(link) if a.endswith(".a")), "OBJECT")
+        tests.append(Test(name, link, ["PROGRAM", *command[1:]], build))
+    return tests
+
+
+def sources_of(build, room):
+    sources = []
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        path = pathlib.Path(entry["file"])
+        arguments = shlex.split(entry["command"])
+        output = arguments[arguments.index("-o") + 1]
+        if path.parent != TREE / room or "pupil_objects" not in output:
+            continue
+        flags = [a for a in arguments if not re.match(r"-(W|g|O)", a)]
+        flags[flags.index("-o") + 1] = "OBJECT"
+        flags[flags.index("-c") + 1] = "SOURCE"
+        sources.append(Source(path, f"{room}/{path.name}", flags[:1] + ["-O1", "-w"] + flags[1:], entry["directory"]))
+    return sorted(sources, key=lambda s: s.name)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=TREE / "build" / "dev")
+    parser.add_argument("--room", default="lib/sensor")
+    parser.add_argument("--tests", default=r"^sensor\.")
+    parser.add_argument("--extra", action="append", default=[])
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=16)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--least", type=float, default=95.0)
+    parser.add_argument("--excuses", type=pathlib.Path, default=HERE / "equivalent.txt")
+    a = parser.parse_args()
+    build = a.build.resolve()
+    sources, tests = sources_of(build, a.room), tests_of(build, a.tests, a.extra)
+    if not sources or not tests:
+        sys.exit(f"mutants.py: {build} has {len(sources)} files of {a.room} and {len(tests)} tests")
+    with tempfile.TemporaryDirectory(dir=build) as work:
+        killed, survivors, equivalent, _ = run(sources, tests, a.count, a.seed, a.jobs, excuses(a.excuses),
+                                               pathlib.Path(work))
+    share = 100.0 * killed / max(1, killed + len(survivors))
+    print(f"mutants.py: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: {share:.1f} %")
+    sys.exit(share < a.least)
+
+
+if __name__ == "__main__":
+    main()
