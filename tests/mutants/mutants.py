@@ -111,7 +111,7 @@ def excuses(path):
 
 
 def compiled_mutants(sources, count, seed, work):
-    """The first COUNT that compile to other code, as (source, mutation, object); and how many did not, were the same."""
+    """The first COUNT that compile to other code: (source, mutation, object). And how many did not, were the same."""
     plain = {s.name: s.compiled(s.text, work / "plain.o") for s in sources}
     found, broken, same = [], 0, 0
     for source, m in drawn(sources, seed):
@@ -195,8 +195,8 @@ def tests_of(build, regex, extra):
         target = pathlib.Path(command[0]).name
         if not target.startswith("test_"):
             continue  # a script
-        ninja = subprocess.run(["ninja", "-C", str(build), "-t", "commands", target], stdout=subprocess.PIPE, check=True,
-                               text=True).stdout.splitlines()[-1]
+        ninja = subprocess.run(["ninja", "-C", str(build), "-t", "commands", target], stdout=subprocess.PIPE,
+                               check=True, text=True).stdout.splitlines()[-1]
         link = shlex.split(re.sub(r"^: && | && :$", "", ninja))
         link[link.index("-o") + 1] = "PROGRAM"
         link.insert(next(i for i, a in enumerate(link) if a.endswith(".a")), "OBJECT")
@@ -239,7 +239,8 @@ def main():
         killed, survivors, equivalent, _ = run(sources, tests, a.count, a.seed, a.jobs, excuses(a.excuses),
                                                pathlib.Path(work))
     share = 100.0 * killed / max(1, killed + len(survivors))
-    print(f"mutants.py: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: {share:.1f} %")
+    print(f"mutants.py: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: "
+          f"{share:.1f} %")
     sys.exit(share < a.least)
 
 
