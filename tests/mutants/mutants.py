@@ -3,9 +3,9 @@
     mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--count 200]
                [--seed 16] [--jobs 2] [--least 95] [--work FOLDER]
 
-BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. A mutant is
-one change of one file (mutations.py), compiled as BUILD does, but with -O1, and linked before the library, so that it
-takes the place of the file. The tests are those of ctest that match REGEX and have the label quick or full, and the
+BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. A mutant
+is one change of one file (mutations.py), compiled as BUILD does, but with -O1, and linked before the library, so that
+it takes the place of the file. The tests are those of ctest that match REGEX and have the label quick or full, and the
 extra ones; the fastest first, until one fails. One that takes ten times as long as without the mutant is killed, and so
 is the mutant.
 
@@ -36,7 +36,7 @@ SHORTEST_LIMIT_S = 5.0
 
 
 class Test:
-    """link: the arguments that link it, with OBJECT and PROGRAM in their place; run: those that run it, with PROGRAM."""
+    """link: the arguments that link it, with OBJECT and PROGRAM in their place; run: those that run it."""
 
     def __init__(self, name, link, run, folder):
         self.name, self.link, self.run, self.folder = name, link, run, folder
