@@ -8,12 +8,17 @@
  * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
  * black=SHARE (of full scale), deaf=exposure or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's,
  * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls),
- * write=SECONDS (each takes so long), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these controls),
- * no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
- * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver tells of it),
- * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
- * absent, media, no-controls, crash=FRAME. At its end it says on standard error where its controls were left: "fake:
- * auto 3, exposure 77, gain 40". */
+ * write=SECONDS (each takes so long), work=SECONDS (each takes so much of the processor's time), exposure=LEAST,MOST
+ * and gain=LEAST,MOST (what the driver says of these controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of
+ * the clock; 0: none), sequence=FIRST, change=FRAME, lamps=HZ,MODULATION,SECONDS (their light, and the readout),
+ * lines=PIXEL_RATE,HBLANK (what the driver tells of it), again=WxH@FRAME (the size once it was unplugged),
+ * light=FACTOR@FRAME (repeatable), real (the machine's clock), absent, media, no-controls, crash=FRAME, hasty. At its
+ * end it says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40".
+ *
+ * The camera's clock (not with real) stands still while any other thread of the program is busy. Otherwise hundreds of
+ * frames could pass until a busy machine lets the thread run that writes controls. A thread that sleeps is not waited
+ * for, so that writes can still be slow by the camera's clock. hasty: nobody is waited for. */
+#include <dirent.h>
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <signal.h>
@@ -21,13 +26,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "fake_v4l2/fake_v4l2.h"
 #include "probe/probe.h"
 #include "run/run.h"
 #include "v4l2/format.h"
 
-enum { MOST_LIGHTS = 16 };
+enum { MOST_LIGHTS = 16, MOST_WAITS = 50000 /* ten seconds */ };
 
 static struct {
     fake_v4l2 *fake;
@@ -36,9 +42,9 @@ static struct {
         double factor;
         unsigned long frame;
     } light[MOST_LIGHTS];
-    int lights, no_controls, no_menu;
+    int lights, no_controls, no_menu, hasty;
     int refused; /* errno */
-    double write_s;
+    double write_s, work_s;
     unsigned long frames, crash_at, writes, refuse_at, refuse_for, again_at;
     int32_t least[2], most[2]; /* of exposure and gain; most 0: as the fake has them */
     fake_v4l2_config again;
@@ -61,6 +67,63 @@ static void narrow(struct v4l2_query_ext_ctrl *q)
     }
 }
 
+/* Of a thread of this process: whether it runs, is about to, or waits for a disk. */
+static int is_busy(const char *id)
+{
+    char path[64], line[512];
+    snprintf(path, sizeof path, "/proc/self/task/%.20s/stat", id);
+    FILE *file = fopen(path, "r");
+    if (!file) /* it has ended */
+        return 0;
+    const size_t length = fread(line, 1, sizeof line - 1, file);
+    fclose(file);
+    line[length] = 0;
+    const char *state = strrchr(line, ')'); /* the thread's name comes before, in parentheses: proc(5) */
+    return state && (strncmp(state, ") R", 3) == 0 || strncmp(state, ") D", 3) == 0);
+}
+
+static int others_are_busy(void)
+{
+    char own[24];
+    int busy = 0;
+    snprintf(own, sizeof own, "%d", (int)gettid());
+    DIR *threads = opendir("/proc/self/task");
+    for (const struct dirent *entry; threads && !busy && (entry = readdir(threads));)
+        busy = *entry->d_name != '.' && strcmp(entry->d_name, own) != 0 && is_busy(entry->d_name);
+    if (threads)
+        closedir(threads);
+    return busy;
+}
+
+/* In the thread of main alone: two that wait for each other would not go on. */
+static void wait_for_others(void)
+{
+    const struct timespec moment = {0, 200000};
+    for (int i = 0; i < MOST_WAITS && !rig.hasty && gettid() == getpid() && others_are_busy(); i++)
+        nanosleep(&moment, NULL);
+}
+
+/* The clock passes here. */
+static int rig_poll(void *context, struct pollfd *fds, nfds_t count, int timeout_ms)
+{
+    wait_for_others();
+    return fake_v4l2_system(rig.fake)->poll(context, fds, count, timeout_ms);
+}
+
+/* Between a frame's arrival and its metering: a write that was asked for in between is done, as within 33 ms it is. */
+static int64_t rig_now_ns(void *context)
+{
+    wait_for_others();
+    return fake_v4l2_system(rig.fake)->now_ns(context);
+}
+
+static double processor_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+}
+
 static int rig_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
     const pupil_v4l2_system *inner = fake_v4l2_system(rig.fake);
@@ -77,6 +140,9 @@ static int rig_ioctl(void *context, int fd, unsigned long request, void *argumen
         const struct timespec moment = {(time_t)rig.write_s, (long)((rig.write_s - (time_t)rig.write_s) * 1e9)};
         nanosleep(&moment, NULL);
     }
+    if (request == VIDIOC_S_EXT_CTRLS)
+        for (const double end_s = processor_s() + rig.work_s; processor_s() < end_s;)
+            ;
     if (request == VIDIOC_QUERYMENU && rig.no_menu) {
         errno = EINVAL;
         return -1;
@@ -108,6 +174,8 @@ static int take(const char *text, fake_v4l2_config *c)
     double x = 0.0, y = 0.0;
     if (strcmp(text, "real") == 0)
         c->real_time = 1;
+    else if (strcmp(text, "hasty") == 0)
+        rig.hasty = 1;
     else if (strcmp(text, "absent") == 0)
         c->absent = 1;
     else if (strcmp(text, "media") == 0)
@@ -121,7 +189,7 @@ static int take(const char *text, fake_v4l2_config *c)
         return 0;
     else if (sscanf(text, "refuse=%lu,%lu,%d", &rig.refuse_at, &rig.refuse_for, &rig.refused) == 3)
         return 0;
-    else if (sscanf(text, "write=%lf", &rig.write_s) == 1)
+    else if (sscanf(text, "write=%lf", &rig.write_s) == 1 || sscanf(text, "work=%lf", &rig.work_s) == 1)
         return 0;
     else if (strcmp(text, "stamps=0") == 0)
         c->stamp = FAKE_STAMP_NONE;
@@ -221,6 +289,9 @@ int main(int argc, char **argv)
         return 99;
     rig.system = *fake_v4l2_system(rig.fake);
     rig.system.ioctl = rig_ioctl;
+    rig.system.poll = rig_poll;
+    rig.system.now_ns = rig_now_ns;
+    rig.hasty |= config.real_time;
     if (!config.absent && !rig.no_controls) { /* as its user had them */
         control(V4L2_CID_EXPOSURE_AUTO, 1, 3);
         control(V4L2_CID_EXPOSURE_ABSOLUTE, 1, 77);

@@ -116,12 +116,20 @@ call 0 "" fake:delay=3 --mode both --ev 1 -n 90 --stats brighter.csv
 within "$(last camera_key brighter.csv)" 0.1799 0.1801 && within "$(last key brighter.csv)" 0.3599 0.3601 ||
     fail "--ev: keys $(last camera_key brighter.csv) $(last key brighter.csv), not 0.18 and 0.36"
 # a key by the light: 3.87 EV, log2(600 / 4095 / 0.01), then two stops less; half of the way between two points each
-call 0 "" fake:delay=3 fake:flat=600 fake:light=0.25@150 --mode sensor --key-at 0.87:0.04,2.87:0.08,4.87:0.12 -n 300 --stats night.csv
+night="fake:delay=3 fake:flat=600 fake:light=0.25@150 --mode sensor --key-at 0.87:0.04,2.87:0.08,4.87:0.12 -n 300"
+# shellcheck disable=SC2086 # words
+call 0 "" $night --stats night.csv
 for what in output_level key; do
     within "$(column $what night.csv | sed -n 149p)" 0.091 0.105 || fail "--key-at: $what $(column $what night.csv | sed -n 149p), not 0.098"
     within "$(last $what night.csv)" 0.052 0.061 || fail "--key-at: $what $(last $what night.csv), not 0.0566"
 done
 [ "$(last sensor night.csv)" = converged ] || fail "--key-at: the sensor is $(last sensor night.csv)"
+# a machine so busy that the thread that writes controls is late: the camera's clock waits for it, and nothing changes
+# shellcheck disable=SC2086 # words
+call 0 "" $night fake:work=0.003 --stats loaded.csv
+for what in asked_exposure_s exposure_s in_force_from output_level; do
+    [ "$(column $what night.csv)" = "$(column $what loaded.csv)" ] || fail "on a busy machine $what is another"
+done
 call 0 "mode both" -n 3 # the default, where there are controls
 call 0 "" --shutter 1/100 --gain 2 -n 20 --stats hand.csv --mode digital
 within "$(last exposure_s hand.csv)" 0.00999 0.01001 || fail "--shutter 1/100: $(last exposure_s hand.csv) s"
@@ -167,7 +175,7 @@ fi
 
 # frames that a disk was too slow for: the exit status says so
 if [ -n "${PUPIL_PROGRAM:-}" ]; then
-    "$program" fake:size=320x240 fake:format=RG10 -n 200 -q --record hasty >said.out 2>said.err
+    "$program" fake:hasty fake:size=320x240 fake:format=RG10 -n 200 -q --record hasty >said.out 2>said.err
     got=$?
     "$PUPIL_PROGRAM" replay hasty --stats hasty.csv -q
     [ "$(rows hasty.csv)" = 200 ] && want=0 || want=3
@@ -279,8 +287,11 @@ column asked_exposure_s slow.csv | awk 'NR > 30 && $1 > 1.1 * least { exit 1 } N
     fail "slow writes make it swing: $(column asked_exposure_s slow.csv | uniq | tr '\n' ' ')"
 
 # a fatal signal: the controls are put back before the end
-("$program" fake:crash=20 -o crash.y4m) >said.out 2>said.err
-[ $? = 139 ] || fail "SIGSEGV is not what it ends with"
+{
+    ("$program" fake:crash=20 -o crash.y4m) >said.out 2>said.err
+    got=$?
+} 2>/dev/null # the shell's own words, which look like a crash that nobody asked for
+[ $got = 139 ] || fail "SIGSEGV is not what it ends with: $got"
 for left in "9a0902 = 77" "980913 = 40" "9a0901 = 3"; do
     grep -q "after the crash $left" said.err || fail "a crash leaves a control: no '$left' in $(cat said.err)"
 done
