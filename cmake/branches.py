@@ -1,0 +1,67 @@
+"""Which branches of folders of the library ran, of a build made with --coverage whose tests have run.
+
+    branches.py BUILD FOLDER...     a table; with --missing also each line with a branch that did not run
+
+A branch is one of gcov's: each way that a condition between && and || can go. Compiled without optimisation they are
+those of the source.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+
+TREE = pathlib.Path(__file__).resolve().parent.parent
+
+
+def branches_of(build, folder):
+    """{file: {line: [count of each branch]}}, and {file: [lines that ran, lines]}."""
+    branches, lines = {}, {}
+    data = [str(f) for f in build.rglob("*.gcda") if f"pupil_objects.dir/{folder.removeprefix('lib/')}/" in str(f)]
+    for name in data:
+        said = subprocess.run(["gcov", "--json-format", "--stdout", "--branch-probabilities", name], cwd=build,
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True, text=True).stdout
+        for file in json.loads(said)["files"]:
+            path = pathlib.Path(build, file["file"]).resolve()
+            if not path.is_relative_to(TREE / folder):
+                continue
+            known = branches.setdefault(str(path.relative_to(TREE)), {})
+            ran = lines.setdefault(str(path.relative_to(TREE)), {})
+            for line in file["lines"]:
+                number = line["line_number"]
+                ran[number] = ran.get(number, 0) + line["count"]
+                counts = [b["count"] for b in line["branches"] if not b["throw"]]
+                before = known.get(number, [0] * len(counts))
+                if counts:  # a header's line is in several objects
+                    known[number] = [a + b for a, b in zip(before, counts)]
+    return branches, {name: [sum(c > 0 for c in ran.values()), len(ran)] for name, ran in lines.items()}
+
+
+def main():
+    arguments = [a for a in sys.argv[1:] if a != "--missing"]
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    print(" branches              lines")
+    for folder in arguments[1:]:
+        branches, lines = branches_of(pathlib.Path(arguments[0]).resolve(), folder)
+        together = [0, 0, 0, 0]
+        for name in sorted(branches):
+            counts = [c for line in branches[name].values() for c in line]
+            row = [sum(c > 0 for c in counts), len(counts), *lines[name]]
+            together = [a + b for a, b in zip(together, row)]
+            print(row_of(row, name))
+        print(row_of(together, f"{folder} together"))
+        for name in sorted(branches) if "--missing" in sys.argv else ():
+            for number, counts in sorted(branches[name].items()):
+                if not all(counts):
+                    ways = ", ".join(str(i + 1) for i, c in enumerate(counts) if not c)
+                    text = (TREE / name).read_text().splitlines()[number - 1].strip()
+                    print(f"{name}:{number}: of {len(counts)} ways not {ways}: {text}")
+
+
+def row_of(row, name):
+    shares = [100.0 * row[i] / max(1, row[i + 1]) for i in (0, 2)]
+    return f"{shares[0]:6.2f} % of {row[1]:5}  {shares[1]:6.2f} % of {row[3]:5}  {name}"
+
+
+if __name__ == "__main__":
+    main()
