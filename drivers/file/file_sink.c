@@ -1,7 +1,7 @@
 /* Which kind of output a path names. */
 #include "file_sink.h"
 
-#include "file/sink/png_sinks.h"
+#include "file/sink/picture_sink.h"
 #include "file/sink/sink_common.h"
 #include "file/video/video_sink.h"
 

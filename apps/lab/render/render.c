@@ -7,7 +7,7 @@
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "common/report_error.h"
-#include "file/sink/linear_sink.h"
+#include "file/sink/picture_sink.h"
 #include "frame/pipeline.h"
 #include "options/commands.h"
 #include "output/pictures.h"

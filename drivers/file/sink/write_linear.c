@@ -1,6 +1,6 @@
 /* Linear pictures as files: OpenEXR (openexr.com, "OpenEXR File Layout": one part, scan lines, no compression), PFM
  * (Debevec) and Radiance (Ward, "Real Pixels", Graphics Gems II). All numbers of the first two are little-endian. */
-#include "linear_sink.h"
+#include "picture_sink.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Linear pictures: what is written is what our own readers (of EXR: the OpenEXR library) read back. */
-#include "file/sink/linear_sink.h"
+#include "file/sink/picture_sink.h"
 
 #include <math.h>
 

@@ -1,11 +1,15 @@
-/* drivers/file/sink/linear_sink.h: linear frames into files, as they are. */
-#ifndef PUPIL_DRIVERS_FILE_SINK_LINEAR_SINK_H
-#define PUPIL_DRIVERS_FILE_SINK_LINEAR_SINK_H
+/* drivers/file/sink/picture_sink.h: frames into one picture, or into a folder of them. */
+#ifndef PUPIL_DRIVERS_FILE_SINK_PICTURE_SINK_H
+#define PUPIL_DRIVERS_FILE_SINK_PICTURE_SINK_H
 
 #include <stdio.h>
 
 #include "pupil/error.h"
 #include "sink.h"
+
+/* Display frames into one PNG, or a folder of frame_NNNNNN.png, counted from 0. file_sink.h chooses. */
+int pupil_png_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
+int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 
 /* A sink of PUPIL_PIXEL_RGB32F in linear Rec.709, rows in any stride. The kind by the path: .exr (32-bit float, not
  * compressed), .pfm or .hdr (8 bits a channel and an exponent) one picture. Anything without an extension, or with a
