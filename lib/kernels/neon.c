@@ -116,10 +116,6 @@ FORMAT_OF_EIGHTS(rgba16f, 8, load8_four, halves_to, opaque_halves, top_halves)
 FORMAT_OF_EIGHTS(rgba16, 8, load8_four, sixteens_to, all_ones, top_sixteens)
 FORMAT_OF_EIGHTS(rgb16, 6, load8_three, sixteens_to, all_ones, top_sixteens)
 
-#include "vector_table.h"
-
-#include "neon_raw10.h"
-
 /* --- store --- */
 
 /* A word of the encoder's at each number's upper half. */
@@ -140,15 +136,6 @@ INLINE uint16x8_t codes_of(const float *x, const uint32_t *cell, ints base)
     return vaddhn_high_u32(vaddhn_u32(words_at(cell, low), v_and(low, half)), words_at(cell, high), v_and(high, half));
 }
 
-INLINE uint8_t code_of(float x, const pupil_encoder *e)
-{
-    const float lowest = pupil_float_of_bits(e->base_bits);
-    x = x > lowest ? x : lowest;
-    x = x < 1.0f ? x : 1.0f;
-    const uint32_t bits = pupil_bits_of_float(x);
-    return (uint8_t)((e->cell[(bits - e->base_bits) >> 16] + (bits & 0xffff)) >> 16);
-}
-
 INLINE void store_vectors(const float *first, const float *second, const float *third, uint32_t n,
                           const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
@@ -166,30 +153,12 @@ INLINE void store_vectors(const float *first, const float *second, const float *
             vst3_u8(target + i * 3, ((uint8x8x3_t){{vmovn_u16(x), vmovn_u16(y), vmovn_u16(z)}}));
         }
     }
-    for (; i < n; i++) {
-        uint8_t *at = target + (size_t)i * bytes;
-        at[0] = code_of(first[i], e);
-        at[1] = code_of(second[i], e);
-        at[2] = code_of(third[i], e);
-        if (bytes == 4)
-            at[3] = 255;
-    }
+    store_rest(first, second, third, (uint32_t)i, n, e, target, bytes);
 }
 
-static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
-{
-    store_vectors(p->r, p->g, p->b, n, e, target, 4);
-}
+#include "vector_table.h"
 
-static void store_bgrx8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
-{
-    store_vectors(p->b, p->g, p->r, n, e, target, 4);
-}
-
-static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
-{
-    store_vectors(p->r, p->g, p->b, n, e, target, 3);
-}
+#include "neon_raw10.h"
 
 const pupil_kernels pupil_kernels_neon = {VECTOR_PIECES, .meter_quads = {[PUPIL_PIXEL_BAYER10P] = meter_bayer10p}};
 

@@ -2,7 +2,8 @@
  * (avx2.h, avx512.h, neon.h: WIDTH, the types floats, ints and mask, and the v_ functions), then
  *
  *     vector_formats.h    which makes meter_FORMAT, scale_FORMAT and load_FORMAT out of this one and vector_scale.h
- *     vector_store.h      store_rgba8 and so on, for x86
+ *     vector_store.h      store_vectors, for x86
+ *     vector_table.h      the level's kernels, and the entries of its table
  *
  * Pixels go by groups of 16: WAYS vectors, one or more for each lane of a run. The operations of a pixel are those of
  * scalar.c, one by one, so that the bits are the same.

@@ -1,4 +1,5 @@
-/* lib/kernels/vector_scale.h: Reinhard by luminance in vectors, as scalar.c's tone() and fit_gamut(). */
+/* lib/kernels/vector_scale.h: Reinhard by luminance in vectors, as scalar.c's tone() and fit_gamut(); the codes of
+ * pixels that are too few for a vector. */
 #ifndef PUPIL_KERNELS_VECTOR_SCALE_H
 #define PUPIL_KERNELS_VECTOR_SCALE_H
 
@@ -111,6 +112,30 @@ static void fit_listed(const group_list *over, uint32_t n, const scale_constants
             fit_gamut(planes->r + i, planes->g + i, planes->b + i, planes->grey + i, c);
             vectors &= WAYS == 1 ? 0 : ~(((UINT64_C(1) << (64 / WAYS) % 64) - 1) << k * (64 / WAYS));
         }
+}
+
+/* The code of a sample, by its cell. */
+INLINE uint8_t exact_code(float x, const pupil_encoder *e)
+{
+    const float lowest = pupil_float_of_bits(e->base_bits);
+    x = x > lowest ? x : lowest;
+    x = x < 1.0f ? x : 1.0f;
+    const uint32_t bits = pupil_bits_of_float(x);
+    return (uint8_t)((e->cell[(bits - e->base_bits) >> 16] + (bits & 0xffff)) >> 16);
+}
+
+/* The codes of pixels i to n, which are too few for a vector. */
+INLINE void store_rest(const float *first, const float *second, const float *third, uint32_t i, uint32_t n,
+                       const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+{
+    for (; i < n; i++) {
+        uint8_t *at = target + (size_t)i * bytes;
+        at[0] = exact_code(first[i], e);
+        at[1] = exact_code(second[i], e);
+        at[2] = exact_code(third[i], e);
+        if (bytes == 4)
+            at[3] = 255;
+    }
 }
 
 #endif

@@ -82,15 +82,6 @@ INLINE void store_pixels(ints pixels, uint8_t *target, uint32_t bytes)
         v_store_three(pixels, target);
 }
 
-INLINE uint8_t exact_code(float x, const pupil_encoder *e)
-{
-    const float lowest = pupil_float_of_bits(e->base_bits);
-    x = x > lowest ? x : lowest;
-    x = x < 1.0f ? x : 1.0f;
-    const uint32_t bits = pupil_bits_of_float(x);
-    return (uint8_t)((e->cell[(bits - e->base_bits) >> 16] + (bits & 0xffff)) >> 16);
-}
-
 /* The codes of three channels of the listed pixels, by their cells. */
 static void settle(const vector_list *near, const float *first, const float *second, const float *third,
                    const pupil_encoder *e, uint8_t *target, uint32_t bytes)
@@ -153,27 +144,5 @@ INLINE void store_vectors(const float *first, const float *second, const float *
 {
     uint32_t i = e->transfer == PUPIL_TRANSFER_SRGB ? store_srgb(first, second, third, n, e, target, bytes)
                                                     : store_by_cells(first, second, third, n, e, target, bytes);
-    for (; i < n; i++) {
-        uint8_t *at = target + (size_t)i * bytes;
-        at[0] = exact_code(first[i], e);
-        at[1] = exact_code(second[i], e);
-        at[2] = exact_code(third[i], e);
-        if (bytes == 4)
-            at[3] = 255;
-    }
-}
-
-static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
-{
-    store_vectors(p->r, p->g, p->b, n, e, target, 4);
-}
-
-static void store_bgrx8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
-{
-    store_vectors(p->b, p->g, p->r, n, e, target, 4);
-}
-
-static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
-{
-    store_vectors(p->r, p->g, p->b, n, e, target, 3);
+    store_rest(first, second, third, i, n, e, target, bytes);
 }

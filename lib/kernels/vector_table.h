@@ -67,6 +67,21 @@ static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n
     return scale_groups(&in_planes, job, (const uint8_t *)planes, n, planes, 0);
 }
 
+static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->r, p->g, p->b, n, e, target, 4);
+}
+
+static void store_bgrx8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->b, p->g, p->r, n, e, target, 4);
+}
+
+static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->r, p->g, p->b, n, e, target, 3);
+}
+
 #define VECTOR_PIECES                                                                                                  \
     .load =                                                                                                            \
         {                                                                                                              \
