@@ -43,24 +43,16 @@ static int add_folder(pupil_paths *paths, const char *folder, pupil_why *why)
 {
     size_t before = paths->count;
     if (pupil_paths_folder(paths, folder, is_still))
-        pupil_refuse(why, "%s: the folder cannot be read: %s", folder, strerror(errno));
-    else if (paths->count == before)
-        pupil_refuse(why, "%s: the folder holds no still (" STILL_KINDS ")", folder);
-    else
-        return 0;
-    return -1;
+        return pupil_refuse(why, "%s: the folder cannot be read: %s", folder, strerror(errno));
+    return paths->count > before ? 0 : pupil_refuse(why, "%s: the folder holds no still (" STILL_KINDS ")", folder);
 }
 
 static int add_pattern(pupil_paths *paths, const char *pattern, pupil_why *why)
 {
     size_t before = paths->count;
     if (pupil_paths_glob(paths, pattern, is_still))
-        pupil_refuse(why, "%s: the pattern cannot be expanded: %s", pattern, strerror(errno));
-    else if (paths->count == before)
-        pupil_refuse(why, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
-    else
-        return 0;
-    return -1;
+        return pupil_refuse(why, "%s: the pattern cannot be expanded: %s", pattern, strerror(errno));
+    return paths->count > before ? 0 : pupil_refuse(why, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
 }
 
 /* Appends the stills that one input represents. A file of a literal name goes before a pattern of the same text. */

@@ -140,11 +140,17 @@ static char *final_path(const char *path)
     return real;
 }
 
-/* The folder that `path` is in; its stat. */
-static int check_parent(const char *path, struct stat *parent, pupil_why *why)
+/* The folder that `path` is in. NULL: no memory. */
+static char *parent_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
-    char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
+    return !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
+}
+
+/* Its stat. */
+static int check_parent(const char *path, struct stat *parent, pupil_why *why)
+{
+    char *folder = parent_of(path);
     int failed = 0;
     if (!folder)
         return pupil_refuse(why, "%s: out of memory", path);
@@ -180,7 +186,7 @@ static int check_there(const pupil_pending *p, const struct stat *parent, pupil_
     return may_replace(p->path, p->path, p->overwrite, why);
 }
 
-static int begin(pupil_pending *p, const char *path, pupil_why *why)
+static int prepare(pupil_pending *p, const char *path, pupil_why *why)
 {
     struct stat parent;
     const char *slash, *name;
@@ -203,24 +209,23 @@ static int begin(pupil_pending *p, const char *path, pupil_why *why)
     return 0;
 }
 
-int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why)
+static int begin(pupil_pending *pending, const char *path, int is_folder, int overwrite, pupil_why *why)
 {
-    memset(pending, 0, sizeof *pending);
-    if (begin(pending, path, why) == 0)
+    *pending = (pupil_pending){.is_folder = is_folder, .overwrite = overwrite};
+    if (prepare(pending, path, why) == 0)
         return 0;
     pupil_pending_discard(pending);
     return -1;
 }
 
+int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why)
+{
+    return begin(pending, path, 0, 0, why);
+}
+
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
 {
-    memset(pending, 0, sizeof *pending);
-    pending->is_folder = 1;
-    pending->overwrite = overwrite;
-    if (begin(pending, path, why) == 0)
-        return 0;
-    pupil_pending_discard(pending);
-    return -1;
+    return begin(pending, path, 1, overwrite, why);
 }
 
 /* The folder that is there steps aside, the new one takes its place, and only then is the old one removed. It is looked
@@ -253,8 +258,7 @@ static int swap_folders(pupil_pending *p, pupil_why *why)
 /* The renames survive a power cut once the folder's own entries are on the disk. A failure here loses nothing now. */
 static void flush_parent(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    char *folder = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
+    char *folder = parent_of(path);
     const int fd = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     if (fd >= 0) {
         fsync(fd);
