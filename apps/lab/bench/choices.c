@@ -28,7 +28,7 @@ typedef struct encoder_job {
 
 typedef struct choosing {
     bench_subject s;
-    bench_kernel *kernel; /* FRAMES */
+    bench_kernel kernel[FRAMES];
     meter_job meter[SHARES];
     encoder_job encoder[BENCH_ENCODERS];
     bench_tables tables;
@@ -197,20 +197,11 @@ static int judge(choosing *c, uint32_t level, bench_choice *choice, size_t *coun
 int bench_choices(const bench_options *o, workers *crew, const bench_flush *flush, uint32_t level,
                   bench_choice choice[BENCH_MOST_CHOICES], size_t *count)
 {
-    int failed = -1;
-    choosing *c = calloc(1, sizeof *c);
-    bench_kernel *kernel = calloc(FRAMES, sizeof *kernel);
+    static choosing c; /* one run a process; the kernels are large for a stack */
     *count = 0;
-    if (!c || !kernel) {
-        fputs("pupil bench: not enough memory\n", stderr);
-    } else {
-        c->kernel = kernel;
-        failed = bench_subject_open(&c->s, o, PUPIL_PIXEL_RGBA32F, crew) || line_up(c, level) ||
-                 bench_race(c->runner, MOST_RUNNERS, o->rounds ? o->rounds : ROUNDS, flush, interrupt_came) ||
-                 judge(c, level, choice, count);
-        bench_subject_close(&c->s);
-    }
-    free(kernel);
-    free(c);
+    const int failed = bench_subject_open(&c.s, o, PUPIL_PIXEL_RGBA32F, crew) || line_up(&c, level) ||
+                       bench_race(c.runner, MOST_RUNNERS, o->rounds ? o->rounds : ROUNDS, flush, interrupt_came) ||
+                       judge(&c, level, choice, count);
+    bench_subject_close(&c.s);
     return failed ? -1 : 0;
 }

@@ -2,7 +2,6 @@
  * same bytes; each speed has its error. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -78,12 +77,8 @@ static int race(const bench_options *o, bench_subject *s, bench_kernel *k, const
 
 int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush)
 {
+    static bench_kernel k[MOST_RUNNERS]; /* one run a process; large for a stack */
     int status = BENCH_DONE;
-    bench_kernel *k = calloc(MOST_RUNNERS, sizeof *k);
-    if (!k) {
-        fputs("pupil bench: not enough memory\n", stderr);
-        return BENCH_FAILED;
-    }
     if (!o->json)
         printf("%lux%lu, %u thread%s, %s, to %s, median of %u rounds in turns; errors on an easy and on a hard frame:\n"
                "of the log-average (relative), of display samples (codes, share that is off)\n"
@@ -100,6 +95,5 @@ int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush
         status = bench_subject_open(&s, o, f->pixel, crew) ? BENCH_FAILED : race(o, &s, k, flush);
         bench_subject_close(&s);
     }
-    free(k);
     return status;
 }

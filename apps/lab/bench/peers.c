@@ -3,7 +3,6 @@
 #include "peers.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "clock.h"
@@ -24,7 +23,7 @@ typedef struct plain_job {
 typedef struct peer_race {
     const bench_options *o;
     bench_subject s;
-    bench_kernel *kernel; /* OWN */
+    bench_kernel kernel[OWN];
     plain_job plain[PLAIN];
     const bench_peer *peer[PEERS]; /* those that opened, */
     void *state[PEERS];            /* and what they opened */
@@ -150,21 +149,13 @@ static int race(peer_race *r, const bench_flush *flush)
 
 int bench_peers(const bench_options *o, workers *crew, const bench_flush *flush)
 {
+    static peer_race r; /* one run a process; the kernels are large for a stack */
     int status = BENCH_FAILED;
-    peer_race *r = calloc(1, sizeof *r);
-    bench_kernel *kernel = calloc(OWN, sizeof *kernel);
-    if (!r || !kernel) {
-        fputs("pupil bench: not enough memory\n", stderr);
-    } else {
-        r->o = o;
-        r->kernel = kernel;
-        if (!bench_subject_open(&r->s, o, PUPIL_PIXEL_RGBA32F, crew))
-            status = race(r, flush);
-        for (size_t i = 0; i < r->opened; i++)
-            r->peer[i]->close(r->state[i]);
-        bench_subject_close(&r->s);
-    }
-    free(kernel);
-    free(r);
+    r.o = o;
+    if (!bench_subject_open(&r.s, o, PUPIL_PIXEL_RGBA32F, crew))
+        status = race(&r, flush);
+    for (size_t i = 0; i < r.opened; i++)
+        r.peer[i]->close(r.state[i]);
+    bench_subject_close(&r.s);
     return status;
 }

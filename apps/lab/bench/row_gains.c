@@ -2,6 +2,7 @@
  * metering and mapping it without. */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "clock.h"
@@ -120,12 +121,8 @@ static int race(const bench_options *o, lamp_room *r, const bench_flush *flush)
 
 int bench_lamps(const bench_options *o, workers *crew, const bench_flush *flush)
 {
+    static lamp_room r; /* one run a process; the kernels are large for a stack */
     int status = BENCH_DONE;
-    lamp_room *r = calloc(1, sizeof *r);
-    if (!r) {
-        fputs("pupil bench: not enough memory\n", stderr);
-        return BENCH_FAILED;
-    }
     if (!o->json)
         printf("%lux%lu, %s, metering and mapping by %u thread%s, %s, to %s, median of %u rounds in turns; ns a pixel\n"
                "                          row_gain_frame (1 thread)     map_rows_with_gains\n"
@@ -138,10 +135,9 @@ int bench_lamps(const bench_options *o, workers *crew, const bench_flush *flush)
             continue;
         if (!o->quiet && isatty(STDERR_FILENO))
             fprintf(stderr, "measuring %s ...\r", f->name);
-        *r = (lamp_room){0};
-        status = open_room(r, o, f->pixel, crew) ? BENCH_FAILED : race(o, r, flush);
-        close_room(r);
+        memset(&r, 0, sizeof r);
+        status = open_room(&r, o, f->pixel, crew) ? BENCH_FAILED : race(o, &r, flush);
+        close_room(&r);
     }
-    free(r);
     return status;
 }

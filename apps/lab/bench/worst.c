@@ -25,7 +25,7 @@ static const char *const case_says[CASES] = {
 
 typedef struct worst_case {
     bench_subject s;
-    bench_kernel *kernel;
+    bench_kernel kernel;
     void *own_out; /* what s.out had before it was mapped afresh */
     size_t bytes;
     int failed;
@@ -51,7 +51,7 @@ static void run_read(void *context)
 
 static void run(void *context)
 {
-    bench_kernel_run(((worst_case *)context)->kernel);
+    bench_kernel_run(&((worst_case *)context)->kernel);
 }
 
 /* Every second pixel of an easy frame, so that ordinary and odd ones are never apart. */
@@ -76,10 +76,9 @@ static int open_case(worst_case *w, int which, const bench_options *o, workers *
         free((void *)(uintptr_t)w->s.in.data);
         w->s.in = bench_frame(PUPIL_PIXEL_RGBA32F, o->width, o->height, 1);
     }
-    w->kernel = calloc(1, sizeof *w->kernel);
     w->own_out = w->s.out.data;
     w->bytes = (size_t)o->width * o->height * 4;
-    if (!w->s.in.data || !w->kernel || bench_kernel_open(w->kernel, &w->s, BENCH_FUSED, level))
+    if (!w->s.in.data || bench_kernel_open(&w->kernel, &w->s, BENCH_FUSED, level))
         return fputs("pupil bench: not enough memory\n", stderr), -1;
     if (which == 2)
         plant(w->s.in, dark, 3);
@@ -87,7 +86,7 @@ static int open_case(worst_case *w, int which, const bench_options *o, workers *
         plant(w->s.in, denormal, 3);
     if (which == 4)
         plant(w->s.in, odd, 4);
-    bench_kernel_run(w->kernel); /* the memory that is in use */
+    bench_kernel_run(&w->kernel); /* the memory that is in use */
     return 0;
 }
 
@@ -97,7 +96,6 @@ static void close_case(worst_case *w)
         munmap(w->s.out.data, w->bytes);
         w->s.out.data = w->own_out;
     }
-    free(w->kernel);
     bench_subject_close(&w->s);
 }
 
@@ -145,14 +143,9 @@ static int race(const bench_options *o, worst_case *w, workers *crew, uint32_t l
 
 int bench_worst(const bench_options *o, workers *crew)
 {
-    worst_case *w = calloc(CASES, sizeof *w);
-    if (!w) {
-        fputs("pupil bench: not enough memory\n", stderr);
-        return BENCH_FAILED;
-    }
+    static worst_case w[CASES]; /* one run a process; the kernels are large for a stack */
     const int status = race(o, w, crew, bench_best_level());
     for (int i = 0; i < CASES; i++)
         close_case(&w[i]);
-    free(w);
     return status;
 }
