@@ -9,7 +9,7 @@
  *         return check_end();
  *     }
  *
- * A failed check prints where, what, the seed and the line that reruns the program with it; the program goes on.
+ * A failed check prints where, what, the seed and the line that reruns the program with it; the program continues.
  */
 #ifndef PUPIL_TESTS_CHECK_H
 #define PUPIL_TESTS_CHECK_H
@@ -103,7 +103,7 @@ static inline int check_some(int cases)
     return CHECK_SANITIZED ? (cases + 4) / 5 : cases;
 }
 
-/* The folder of shared images, or NULL: $PUPIL_SHARED, else ../shared beside the checkout (PUPIL_SOURCE_DIR). */
+/* The folder of shared images, or NULL: $PUPIL_SHARED, else ../shared next to the checkout (PUPIL_SOURCE_DIR). */
 static inline const char *check_shared(void)
 {
     static char path[4096];

@@ -29,7 +29,7 @@ void ref_weights(const pupil_config *config, long double exact[3], float rounded
 
 float ref_luminance(const float weight[3], const float rgb[3])
 {
-    /* volatile: each product and sum is rounded to binary32 whatever the compiler would like to fuse */
+    /* volatile: each product and sum is rounded to binary32, even where the compiler would like to fuse */
     volatile float r = weight[0] * rgb[0], g = weight[1] * rgb[1], b = weight[2] * rgb[2];
     volatile float rg = r + g;
     return rg + b;

@@ -11,11 +11,11 @@
  * write=SECONDS (each takes so long), work=SECONDS (each takes so much of the processor's time), exposure=LEAST,MOST
  * and gain=LEAST,MOST (what the driver says of these controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of
  * the clock; 0: none), sequence=FIRST, change=FRAME, lamps=HZ,MODULATION,SECONDS (their light, and the readout),
- * lines=PIXEL_RATE,HBLANK (what the driver tells of it), again=WxH@FRAME (the size once it was unplugged),
+ * lines=PIXEL_RATE,HBLANK (what the driver reports of it), again=WxH@FRAME (the size once it was unplugged),
  * light=FACTOR@FRAME (repeatable), real (the machine's clock), absent, media, no-controls, crash=FRAME, hasty. At its
  * end it says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40".
  *
- * The camera's clock (not with real) stands still while any other thread of the program is busy. Otherwise hundreds of
+ * The camera's clock (not with real) is stopped while any other thread of the program is busy. Otherwise hundreds of
  * frames could pass until a busy machine lets the thread run that writes controls. A thread that sleeps is not waited
  * for, so that writes can still be slow by the camera's clock. hasty: nobody is waited for. */
 #include <dirent.h>

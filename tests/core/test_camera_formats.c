@@ -163,7 +163,7 @@ static void grey_is_grey(void)
     frame_free(&rgb);
 }
 
-/* A sensor that is full everywhere is white and clipped, whatever the balance: not magenta. */
+/* A sensor that is full everywhere is white and clipped, with any balance: not magenta. */
 static void full_is_white(void)
 {
     for (unsigned n = 0; n < 200; n++) {

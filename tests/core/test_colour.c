@@ -94,7 +94,7 @@ static void check_gamut(void)
 }
 
 /* A frame that is already well exposed, white point 1: at most one code of change in any channel. With the default, a
- * white point that follows, too, whatever share of the frame is clipped. */
+ * white point that follows, too, regardless of the share of the frame that is clipped. */
 static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, double clipped)
 {
     pupil_config config;

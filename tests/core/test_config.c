@@ -177,7 +177,7 @@ static void check_patterns(void)
     CHECK(pupil_metering_roi(&c, 0, 0, 1, 1) == PUPIL_OK && c.weight[0][0] == 255 && c.weight[15][15] == 255);
     CHECK(pupil_metering_roi(&c, 0.999999, 0.999999, 1e-6, 1e-6) == PUPIL_OK);
     CHECK(pupil_config_check(&c, NULL) == PUPIL_OK); /* however small, it meters something */
-    for (int i = 0; i < 100; i++) /* whatever the sum of two rounded fractions, no whole per cents are outside */
+    for (int i = 0; i < 100; i++) /* with any sum of two rounded fractions, no whole per cents are outside */
         CHECK_MSG(pupil_metering_roi(&c, i / 100.0, 0, (100 - i) / 100.0, 1) == PUPIL_OK, "%d %%", i);
     static const double bad[][4] = {{-0.01, 0, 1, 1},    {0, -0.01, 1, 1}, {0, 0, 1.01, 1},       {0, 0, 1, 1.01},
                                     {0, 0, 0, 1},        {0, 0, 1, 0},     {0.5, 0, 0.51, 1},     {0, 0.5, 1, 0.51},

@@ -34,7 +34,7 @@ static void flush(const pupil_t *pupil, uint32_t transfer)
         if (code[3 * i] == right && code[3 * i + 1] == right && code[3 * i + 2] == right)
             continue;
         if (fabsl(fabsl(exact - right) - 0.5L) < 1e-15L)
-            continue; /* a tie as far as long double can tell */
+            continue; /* a tie as far as long double can distinguish */
         wrong++;
         far_off += abs(code[3 * i] - right) > 1;
         CHECK_MSG(0, "transfer %u: %.9g became %d, wanted %.9Lg", transfer, value[i], code[3 * i], exact);

@@ -13,7 +13,7 @@ static int colour_at(const pupil_coding *c, uint32_t x, uint32_t y)
     return order[c->bayer][y % 2 * 2 + x % 2] - '0';
 }
 
-/* The gains are those that were taken out of a grey scene, whatever balance it was metered with. */
+/* The gains are those that were taken out of a grey scene, regardless of the balance it was metered with. */
 static void grey_world(void)
 {
     for (int n = 0; n < 50; n++) {

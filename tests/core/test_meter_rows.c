@@ -91,7 +91,7 @@ static void any_split(uint32_t pixel)
     frame_free(&f);
 }
 
-/* Where the weight lies in a few rows a frame may meter none of them: it is held, and a later one finds them. */
+/* Where the weight is in a few rows a frame may meter none of them: it is held, and a later one finds them. */
 static void few_rows_with_weight(void)
 {
     frame f = frame_make(32, 32, PUPIL_PIXEL_RGB32F, 0, 0), to = frame_make(32, 32, PUPIL_PIXEL_RGB8, 0, 0);

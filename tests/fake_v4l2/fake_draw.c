@@ -124,7 +124,7 @@ static void draw_yuv(const drawing *d, int is_yuyv)
                 row[2 * x] = yuv[0];
                 row[x / 2 * 4 + 1] = yuv[1];
                 row[x / 2 * 4 + 3] = yuv[2];
-                if (x % 2 == 0) /* of an odd width the last pixel stands for two */
+                if (x % 2 == 0) /* of an odd width the last pixel is used for two */
                     row[2 * x + 2] = yuv[0];
             } else {
                 row[x] = yuv[0];

@@ -213,7 +213,7 @@ int fake_format(fake_v4l2 *f, struct v4l2_format *format, int set)
         f->fourcc = has_format(f, fourcc) ? fourcc : format_at(f, 0);
         take_size(f, multi ? format->fmt.pix_mp.width : format->fmt.pix.width,
                   multi ? format->fmt.pix_mp.height : format->fmt.pix.height);
-        f->interval = 0; /* as vivid: setting a format sets the rate anew */
+        f->interval = 0; /* as vivid: setting a format sets the rate again */
     }
     if (multi)
         describe_multi(f, &format->fmt.pix_mp);

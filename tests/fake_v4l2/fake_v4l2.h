@@ -5,7 +5,7 @@
  * frames, losses and damages. The scene is light on integers: fake_v4l2_draw draws any frame again.
  *
  * Its nodes: /dev/video0 the camera; video1 its metadata; video2 an output, which takes frames; video3 (config.twin) a
- * second camera, which tells what it offers and does not stream; media0 and v4l-subdev0, 1 (config.media).
+ * second camera, which reports what it offers and does not stream; media0 and v4l-subdev0, 1 (config.media).
  *
  * Threads: any number, one call at a time takes effect.
  */
@@ -66,12 +66,12 @@ typedef struct fake_v4l2_config {
     double lamp_hz, modulation;   /* the scene's light is 1 + modulation cos 2 pi lamp_hz t; 0: it is steady */
     double readout_s;             /* from the first row's end of exposure to the last one's, the frame's stamp */
     int64_t pixel_rate, hblank;   /* what the driver says of it: PIXEL_RATE, HBLANK; 0: nothing */
-    uint32_t drawn_xfer;          /* the transfer function that the picture has, whatever is said of it; 0: that */
-    uint64_t sleep_at; /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
-                        * the machine's time; 0: none */
+    uint32_t drawn_xfer; /* the transfer function that the picture has, regardless of what is reported; 0: that */
+    uint64_t sleep_at;   /* the write of controls, from 1, counted from this configuration on, that takes sleep_s of
+                          * the machine's time; 0: none */
     double sleep_s;
     uint32_t out_format, out_width, out_height;               /* the output takes these alone; 0: all */
-    uint32_t out_colorspace, out_ycbcr_enc, out_quantization; /* what it answers; 0: what it was told, and DEFAULT */
+    uint32_t out_colorspace, out_ycbcr_enc, out_quantization; /* what it answers; 0: what was set, and DEFAULT */
     int out_write_only;                                       /* it has no buffers to stream with */
     uint64_t out_gone_at, out_stall_at;                       /* the output's frame, from 1, at which it happens */
     int real_time;                                            /* the clock is the machine's */
@@ -83,7 +83,7 @@ void fake_v4l2_config_default(fake_v4l2_config *config);
 fake_v4l2 *fake_v4l2_new(const fake_v4l2_config *config); /* NULL: no memory */
 void fake_v4l2_free(fake_v4l2 *fake);
 
-/* To be handed to whatever takes a system; good until free. */
+/* To be handed to any function that takes a system; good until free. */
 const pupil_v4l2_system *fake_v4l2_system(fake_v4l2 *fake);
 
 /* Another configuration from now on, in mid-stream too; format and size with the next plugging in. */
@@ -103,7 +103,7 @@ fake_v4l2_held fake_v4l2_holds(fake_v4l2 *fake);
 typedef struct fake_v4l2_screen {
     const unsigned char *data; /* NULL: nothing so far */
     uint32_t bytes, fourcc, width, height, stride_bytes, colorspace;
-    double fps; /* as it was told; 0: it was not */
+    double fps; /* as it was set; 0: it was not */
 } fake_v4l2_screen;
 uint64_t fake_v4l2_shown(fake_v4l2 *fake, fake_v4l2_screen *screen);
 
@@ -130,7 +130,7 @@ typedef struct fake_v4l2_picture {
 double fake_v4l2_lamp(const fake_v4l2_picture *picture, uint32_t y);
 
 uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel);
-/* chroma: NV12's second plane, wherever it lies. */
+/* chroma: NV12's second plane, wherever it is. */
 void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma);
 
 /* --- faults --- */

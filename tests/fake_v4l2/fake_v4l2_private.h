@@ -58,7 +58,7 @@ typedef struct fake_output_buffer {
 
 typedef struct fake_output {
     uint32_t fourcc, width, height, extra_bytes, colorspace;
-    double fps; /* as it was told */
+    double fps; /* as it was set */
     fake_output_buffer buffer[FAKE_OUTPUT_BUFFERS];
     uint32_t buffers, order[FAKE_OUTPUT_BUFFERS], waiting;
     int owner; /* the fd that has the buffers; -1 */

@@ -38,7 +38,7 @@ static double left_of(double hz, double exposure_s)
     return x > 0.0 ? sin(x) / x : 1.0;
 }
 
-/* Any one: its exposure and gain are by hand, so that the wave is what it is. */
+/* Any one: its exposure and gain are manual, so that the wave is what it is. */
 static void begin(camera *c, double exposure_s)
 {
     static const double usual[] = {24.0, 25.0, 29.97, 30.0, 50.0, 60.0};
@@ -203,7 +203,7 @@ static void check_no_lamps(enum scene scene, int cameras, int frames)
     CHECK(alarms == 0);
 }
 
-/* Lamps that leave nothing that could be told. */
+/* Lamps that leave nothing that could be distinguished. */
 static void check_undetermined(void)
 {
     static const struct {
@@ -314,7 +314,7 @@ static void check_loop(void)
     CHECK(c.setting.mains_hz == 50 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND);
 }
 
-/* What is told is not doubted; a lock keeps the setting until it ends. */
+/* What is configured is not doubted; a lock keeps the setting until it ends. */
 static void check_told(void)
 {
     static camera c;
@@ -336,7 +336,7 @@ static void check_told(void)
         config.mains_hz = PUPIL_SENSOR_MAINS_AUTO;
         config.lock = 0;
         CHECK(pupil_sensor_retune(&c.sensor, &config) == PUPIL_OK);
-        for (int n = 0; n < FRAMES + DELAY; n++) /* told 50, the frames had no trace */
+        for (int n = 0; n < FRAMES + DELAY; n++) /* configured 50, the frames had no trace */
             turn(&c, dark_ev, asked);
         CHECK_MSG(c.setting.mains_hz == 50 && is_multiple(c.setting.exposure_s, 50), "%g s", c.setting.exposure_s);
     }

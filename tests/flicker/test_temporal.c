@@ -208,7 +208,7 @@ static double ordinary(int kind, double fps, int i, double *state)
         return 0.07 * (t - floor(t) < 0.5);
     case STROBES: /* one frame of 5 to 30, and back */
         return i % (5 + i / 1000 % 26) == 0 ? 3.0 : 0.0;
-    case WAVES: /* somebody walks by: nothing of it is steady */
+    case WAVES: /* a person walks by: nothing of it is steady */
         state[0] += 2.0 * PI * (1.5 + 0.5 * sin(0.9 * t)) / fps;
         return 0.2 * sin(state[0]);
     default:

@@ -1,5 +1,5 @@
 /* fuzz_picture.h: what the input's bytes choose: numbers, and pictures of every format with their codings. Input has
- * not a byte beside its rows, for a sanitizer to see; output has guards of its own between its rows, too.
+ * not a byte outside of its rows, for a sanitizer to see; output has guards of its own between its rows, too.
  */
 #ifndef PUPIL_TESTS_FUZZ_PICTURE_H
 #define PUPIL_TESTS_FUZZ_PICTURE_H
@@ -97,7 +97,7 @@ static void plane_guarded(const plane *p)
             MUST(p->memory[i] == 0xee);
 }
 
-/* A few bytes of the input, over and over: enough for every kind of pixel beside every other. */
+/* A few bytes of the input, over and over: enough for every kind of pixel next to every other. */
 static void plane_fill(plane *p)
 {
     uint8_t pattern[97];

@@ -28,7 +28,7 @@ typedef struct gl_test {
  * pupil_gles_version; 0: 3.1 or else 3.0). The object stays where it is until gl_test_close. */
 int gl_test_open(gl_test *test, uint32_t version);
 
-/* Lets go of everything; the messages, and glGetError's last, are still told. */
+/* Lets go of everything; the messages, and glGetError's last, are still reported. */
 GLenum gl_test_end(gl_test *test);
 
 /* The driver interprets shaders, pixel by pixel: it takes thirty times as long as one that compiles them, so what is

@@ -33,7 +33,7 @@ static uint64_t total(const uint64_t *bins, int count)
     return sum;
 }
 
-/* A luminance that lies on the floor, or on a bin's edge, may fall on its other side: a GPU rounds as it likes. */
+/* A luminance that is on the floor, or on a bin's edge, may fall on its other side: a GPU rounds as it likes. */
 static int about(uint64_t a, uint64_t b, uint64_t pixels)
 {
     return (a > b ? a - b : b - a) <= 2 + pixels / 1000;

@@ -1,4 +1,4 @@
-/* The level on the GPU, in integers, beside pupil_adapt: over 10,000 frames (2,000 where a frame takes long) of
+/* The level on the GPU, in integers, compared with pupil_adapt: over 10,000 frames (2,000 where a frame takes long) of
  * steps, ramps, flicker, every dt, exposure and gain, locks and limits; and the picture that it maps. */
 #include <math.h>
 
@@ -114,7 +114,7 @@ static void open_pair(pair *p, const pupil_config *config)
     CHECK_MSG(error == PUPIL_OK, "%s", why.text);
 }
 
-/* New settings half-way, and another object that takes over: the level goes on. */
+/* New settings half-way, and another object that takes over: the level continues. */
 static void change(pair *p, pupil_config *config, unsigned number, unsigned frames)
 {
     if (number == frames / 4) {

@@ -92,7 +92,7 @@ static void check_slow(unsigned late)
     end();
 }
 
-/* The seam by hand: statistics come in the frames' order, each with its own info, and are its own. */
+/* The seam, call by call: statistics come in the frames' order, each with its own info, and are its own. */
 static void check_order(unsigned late)
 {
     double mean[SESSION_FRAMES];

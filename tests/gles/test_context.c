@@ -1,4 +1,4 @@
-/* egl/egl_context.h and egl/dmabuf.h, as far as no device is needed: contexts one after another, beside each other and
+/* egl/egl_context.h and egl/dmabuf.h, as far as no device is needed: contexts one after another, next to each other and
  * in two threads, what is refused, fences. */
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

@@ -1,5 +1,5 @@
-/* pupil_gles at work where something fails: a named error, the object as it was, and the pupil_t that goes on, with the
- * CPU or with another object, as if there had never been a GPU. What fails in init: test_faults.c. */
+/* pupil_gles at work where something fails: a named error, the object as it was, and the pupil_t that continues, with
+ * the CPU or with another object, as if there had never been a GPU. What fails in init: test_faults.c. */
 #include <math.h>
 
 #include "session.h"
@@ -95,7 +95,7 @@ static void new_context(void)
 
 typedef enum ending { ENDS_LOST, ENDS_WITHOUT_CONTEXT, ENDS_IN_ANOTHER, ENDINGS } ending;
 
-/* Frames on the GPU, then it is gone, then on the CPU, then on the GPU of a new context; beside a CPU alone. */
+/* Frames on the GPU, then it is gone, then on the CPU, then on the GPU of a new context; compared with a CPU alone. */
 static void check_trajectory(int kind, ending how)
 {
     static pupil_t alone;

@@ -1,4 +1,4 @@
-/* Every format, easy and hard frames, sizes and settings: the GPU's statistics and picture beside the CPU's. */
+/* Every format, easy and hard frames, sizes and settings: the GPU's statistics and picture compared with the CPU's. */
 #include <sys/mman.h>
 
 #include "frames.h"

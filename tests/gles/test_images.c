@@ -1,6 +1,6 @@
 /* Real pictures and a rendered one: the shared stills, the frames of the shared clip, the shared Bayer frame, and the
- * room before and after its lamp goes on. The GPU's statistics and picture beside the CPU's. Where shaders are
- * interpreted it is every seventh frame of the clip, and the top of the largest still. */
+ * room before and after its lamp is switched on. The GPU's statistics and picture compared with the CPU's. Where
+ * shaders are interpreted it is every seventh frame of the clip, and the top of the largest still. */
 #include <dirent.h>
 #include <unistd.h>
 

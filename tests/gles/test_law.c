@@ -1,6 +1,6 @@
-/* The level on the GPU beside pupil_adapt where numbers are extreme: exposures and calibrations to the end of what is
- * allowed, time constants of hours, limits that leave no room, a lock from the start, reset and retune on the way, a
- * full ring. */
+/* The level on the GPU compared with pupil_adapt where numbers are extreme: exposures and calibrations to the end of
+ * what is allowed, time constants of hours, limits that leave no room, a lock from the start, reset and retune on the
+ * way, a full ring. */
 #include <math.h>
 
 #include "frames.h"

@@ -13,7 +13,7 @@ static const uint32_t stages_31[] = {GLES_METER_COMP, GLES_ADAPT_COMP, GLES_MAP_
                                      GLES_MAP_SCALED_FRAG};
 
 #define TEXTS 1024
-static char *known[TEXTS]; /* each text once, and the file it lies in */
+static char *known[TEXTS]; /* each text once, and the file it is in */
 static char names[TEXTS][64];
 static int count;
 

@@ -24,7 +24,7 @@ static pid_t start_server(void)
         if (!freopen("/dev/null", "w", stderr))
             _exit(127);
         execlp("Xvfb", "Xvfb", "-displayfd", fd, "-screen", "0", "640x480x24", "-nolisten", "tcp", "-noreset",
-               (char *)NULL); /* or it begins anew, and is deaf meanwhile, whenever its last window closes */
+               (char *)NULL); /* or it begins again, and is deaf meanwhile, whenever its last window closes */
         _exit(127);
     }
     close(ends[1]);

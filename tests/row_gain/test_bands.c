@@ -104,7 +104,7 @@ static void check_lamps(void)
     }
 }
 
-/* The third harmonic of 100 Hz stands still at 30 frames a second, and cannot be known: what lamps that are no sines
+/* The third harmonic of 100 Hz is constant at 30 frames a second, and cannot be known: what lamps that are no sines
  * have of it stays. */
 static void check_waves(void)
 {

@@ -11,7 +11,7 @@ enum { MOST_ROWS = 64 };
 
 static const pupil_curve curve = {.scale = 2.0f, .inverse_white_squared = 0.0625f, .gamut = 3.7f};
 
-/* The same by hand: `together` rows of `in` at a time, with the mean of their gains. */
+/* The same, computed here: `together` rows of `in` at a time, with the mean of their gains. */
 static void map_by_hand(const pupil_t *pupil, const pupil_image_const *in, const float *gain, const pupil_image *out,
                         uint32_t together)
 {

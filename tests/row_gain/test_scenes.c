@@ -89,8 +89,8 @@ static void check_flashes(void)
     CHECK(result().strength > 0.9);
 }
 
-/* A band over the first part of the window cannot be told from the scene's own change at once: in a tenth of a second,
- * on a thirtieth of the picture. */
+/* A band over the first part of the window cannot be distinguished from the scene's own change at once: in a tenth of a
+ * second, on a thirtieth of the picture. */
 static void check_pan_into_window(const char *name, int frames_before)
 {
     const rig r = rig_default();
@@ -260,7 +260,7 @@ static void check_refusals(void)
     CHECK(pupil_row_gain_frame(&c.lamps, &image, &info) == PUPIL_ERR_STRIDE);
 }
 
-/* A copy goes on as the object does. */
+/* A copy continues as the object does. */
 static void check_fork(void)
 {
     static rig_camera twin;

@@ -212,7 +212,7 @@ static void check_curve_before_light(void)
     const pupil_image_const in = {
         .data = colour, .stride_bytes = sizeof colour, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB32F};
     pupil_config_default(&config);
-    CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK); /* a frame of one pixel lies in cell 8, 8 */
+    CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK); /* a frame of one pixel is in cell 8, 8 */
     config.white = 3.0;
     for (config.white_mode = 0; config.white_mode <= PUPIL_WHITE_NONE; config.white_mode++) {
         unsigned char whole[3] = {0}, parts[3] = {1, 1, 1};
@@ -240,7 +240,7 @@ static void check_no_light(void)
     const pupil_image out = {.data = code, .stride_bytes = 3, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
     pupil_frame_info info = {.timestamp_ns = 1};
     pupil_config_default(&config);
-    CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK); /* a frame of one pixel lies in cell 8, 8 */
+    CHECK(pupil_metering_roi(&config, 0, 0, 0.1, 0.1) == PUPIL_OK); /* a frame of one pixel is in cell 8, 8 */
     config.white_mode = PUPIL_WHITE_FIXED;
     config.transfer = PUPIL_TRANSFER_LINEAR;
     for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++) {

@@ -1,5 +1,5 @@
-/* One object copied in mid-stream, moved, or saved and loaded: each copy goes on with the same bits, in both orders and
- * under every law. Also what exact and fused mean: fused maps with the curve of the frame before.
+/* One object copied in mid-stream, moved, or saved and loaded: each copy continues with the same bits, in both orders
+ * and under every law. Also what exact and fused mean: fused maps with the curve of the frame before.
  */
 #include "check.h"
 #include "frames.h"

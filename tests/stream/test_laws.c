@@ -148,7 +148,7 @@ static void check_relations(void)
     CHECK(scaled <= 1e-13);
 }
 
-/* A change of law carries the level over, wherever it stands. */
+/* A change of law carries the level over, wherever it is. */
 static void check_change(void)
 {
     double worst = 0;

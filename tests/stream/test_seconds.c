@@ -1,4 +1,4 @@
-/* The default law: first order in log2 luminance, in seconds, whatever the frame rate, with its own time constant for
+/* The default law: first order in log2 luminance, in seconds, at any frame rate, with its own time constant for
  * more and for less light; and what clocks can do to it.
  */
 #include "check.h"

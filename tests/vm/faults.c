@@ -1,4 +1,4 @@
-/* faults.c: runs in the guest (test_faults.sh). Every error that vivid can be told to make, in the middle of a stream
+/* faults.c: runs in the guest (test_faults.sh). Every error that vivid can be set to make, in the middle of a stream
  * that is recorded: what is said of it, that nothing is left open, that nothing waits for longer than it may, and that
  * the recording has every frame that was handed out, whole. */
 #include <fcntl.h>
@@ -47,7 +47,7 @@ typedef struct play {
     uint64_t at; /* ... after so many frames; 0: before the camera is opened */
     unsigned frames;
     double reopen_s;
-    const char *sentence; /* that the stream ends with, or a part; NULL: it goes on */
+    const char *sentence; /* that the stream ends with, or a part; NULL: it continues */
     uint64_t got;         /* frames that came */
     uint64_t hash[MOST];
     pupil_v4l2_counts counts;

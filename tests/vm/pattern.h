@@ -69,7 +69,7 @@ static int pattern_mono(const pupil_v4l2_format *f, int pattern, uint32_t x, uin
     return pattern_at(pattern, x, y, channel) * ((1 << bits) - 1);
 }
 
-/* Sample i of a row, as it lies in memory; of NV12, Y' and Cb Cr by turns. */
+/* Sample i of a row, as it is in memory; of NV12, Y' and Cb Cr by turns. */
 static int pattern_sample(const pupil_v4l2_format *f, int pattern, uint32_t i, uint32_t y)
 {
     switch (f->pixel) {

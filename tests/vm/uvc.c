@@ -202,7 +202,7 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
     const uint64_t believed = l->config.delay_frames, took = right_from - first;
     const unsigned promised = (unsigned)((2 * (looks + (unsigned)l->misled) - 1) * believed);
     CHECK_MSG(right == 8, "%s: not right", what);
-    if (l->delay > believed) /* the promise is for delays that the controller was told of */
+    if (l->delay > believed) /* the promise is for delays that the controller was given */
         printf("%s: a setting took %llu frames on this busy machine\n", what, (unsigned long long)l->delay);
     else
         CHECK_MSG(took <= promised, "%s: %llu frames; promised in %u", what, (unsigned long long)took, promised);
@@ -310,7 +310,7 @@ static void test_unplugged(void)
               after.files - before.files, after.maps - before.maps);
 }
 
-/* Unplugged, and plugged in again: it goes on, and under control. */
+/* Unplugged, and plugged in again: it continues, and under control. */
 static void test_back(void)
 {
     static loop l;

@@ -151,7 +151,7 @@ static void draw(void)
     const uint32_t longest = stream.interval / 1000;
     if (!controls[AE_PRIORITY].now && exposure > longest)
         exposure = longest; /* the frame rate has priority */
-    /* its own idea of exposure: half a stop too dark, whatever the light */
+    /* its own idea of exposure: half a stop too dark, in any light */
     const double total = automatic ? 1.27 / pow(8, light - 8) : exposure / 100.0 * controls[GAIN].now / 16.0;
     const uint64_t truth =
         (uint64_t)exposure | (uint64_t)controls[GAIN].now << 16 | (uint64_t)light << 28 | (uint64_t)automatic << 32;
@@ -424,7 +424,7 @@ int main(int argc, char **argv)
             continue;
         next_ns += period_ns();
         next_ns = next_ns < now_ns() ? now_ns() : next_ns;
-        if (urbs.count && frame.sent == frame.bytes) { /* somebody looks, and has had the one before */
+        if (urbs.count && frame.sent == frame.bytes) { /* a program reads, and has had the one before */
             draw();
             pump();
         }

@@ -1,5 +1,5 @@
 /* vimc.c: runs in the guest (test_vimc.sh). A sensor behind a media graph (vimc): it is found from its video node; what
- * refuses to start is told with the line that mends it; its raw frames are those that it draws. */
+ * refuses to start is reported with the line that mends it; its raw frames are those that it draws. */
 #include <fcntl.h>
 #include <linux/media-bus-format.h>
 #include <linux/v4l2-subdev.h>

@@ -1,4 +1,4 @@
-/* --plot: every run can be drawn, whatever is in it; long runs are thinned without losing a spike; failures are
+/* --plot: every run can be drawn, with anything in it; long runs are thinned without losing a spike; failures are
  * sentences. */
 #include "output/plot.h"
 
@@ -84,7 +84,7 @@ static void drawn(const char *name, const frame_log_entry *records, size_t count
     CHECK(scratch_exists(scratch(name)));
 }
 
-/* A camera under control has its exposure and gain drawn; by hand, or with numbers missing, too. */
+/* A camera under control has its exposure and gain drawn; manual, or with numbers missing, too. */
 static void check_camera(const frame_log_entry *records)
 {
     static frame_log_entry live[300];

@@ -1,4 +1,4 @@
-/* pupil probe on cameras in this process whose delays, laws, black and lies are known. */
+/* pupil probe on cameras in this process whose delays, laws, black and wrong reports are known. */
 #include "probe_rig.h"
 
 #include <math.h>
@@ -102,7 +102,7 @@ static void test_lies(void)
     check_unknown(&r->black.is, "the picture does not follow the exposure");
     probe_free(&p.report);
 
-    c = usual(); /* a gain in steps that nobody tells of */
+    c = usual(); /* a gain in steps that are not reported */
     c.coarse_gain = 1;
     probe(&p, &c, 0, 1.0);
     check_delay(&r->gain_delay, 2, "gain");
@@ -211,7 +211,7 @@ static double walk(unsigned long frames)
 
 static unsigned known_things, unknown_things;
 
-/* A scene that moves: what is said is true, or it is said that it moves. How many things were told. */
+/* A scene that moves: what is said is true, or it is said that it moves. How many things were reported. */
 static unsigned check_moving(double (*how)(unsigned long), int quick)
 {
     probed p;
@@ -271,7 +271,7 @@ static void test_moving(void)
     for (amount = -2; amount < 3; amount += 1)
         check_moving(ramp, 0);
     printf("%u things were told of moving scenes, and %u were not\n", known_things, unknown_things);
-    amount = 0.04, speed = 30, from = 0; /* and what hardly moves is told all the same */
+    amount = 0.04, speed = 30, from = 0; /* and what hardly moves is reported all the same */
     CHECK(check_moving(wave, 0) == 4);
 }
 

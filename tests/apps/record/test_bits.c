@@ -174,7 +174,7 @@ static void ends_of(const char *folder, double ends[2])
     pupil_source_close(source);
 }
 
-/* In steady light the level over exposure and gain is steady, from the first frame on: each line tells what its own
+/* In steady light the level over exposure and gain is steady, from the first frame on: each line has what its own
  * frame was taken with. */
 static void test_told(void)
 {

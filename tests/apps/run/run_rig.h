@@ -27,7 +27,7 @@ typedef struct live_run {
     pupil_why why, remark;
 } live_run;
 
-static char *rig_arguments[16] = {"run"}; /* the command line, but for the mode */
+static char *rig_arguments[16] = {"run"}; /* the command line, except for the mode */
 static int rig_argument_count = 1;
 static uint32_t rig_delay; /* --control-delay */
 

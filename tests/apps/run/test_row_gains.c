@@ -119,7 +119,7 @@ static void test_bands(uint32_t fourcc, uint32_t mode)
     end(&r);
 }
 
-/* The mains are found from the bands, and the readout is told. */
+/* The mains are found from the bands, and the readout is given. */
 static void test_found(void)
 {
     fake_v4l2_config c = camera(V4L2_PIX_FMT_Y12, 0.3);

@@ -79,7 +79,7 @@ static void ycc_at(const pupil_image_const *image, uint32_t x, uint32_t y, int y
     ycc[2] = image->pixel == PUPIL_PIXEL_NV12 ? pair[1] : pair[2];
 }
 
-/* A sensor that stands still shows a camera's Y'CbCr as every player does. */
+/* A sensor loop that is at rest shows a camera's Y'CbCr as every player does. */
 static void test_own_ycc(uint32_t fourcc, uint32_t encoding, uint32_t quantization, uint32_t transfer)
 {
     fake_v4l2_config config;
@@ -151,7 +151,7 @@ static void test_linear(void)
 
 /* --- both: hidden steps --- */
 
-/* The light stands still, the sensor starts far from its key: every frame shows the same code, for 12 bits of the
+/* The light is constant, the sensor starts far from its key: every frame shows the same code, for 12 bits of the
  * camera leave less than one code of 8. slow_ms: what is done with a frame takes so long, and frames wait. */
 static void test_hidden_steps(double light, int slow_ms)
 {
@@ -258,7 +258,7 @@ static void test_settles(double change)
     end(&r);
 }
 
-/* --- by hand --- */
+/* --- manual settings --- */
 
 static void test_by_hand(uint32_t mode)
 {

@@ -1,5 +1,5 @@
-/* tests/drivers/file/still_check.h: what the tests of the still readers share: files made by hand, damaged ones, and
- * pixels.
+/* tests/drivers/file/still_check.h: what the tests of the still readers share: files made byte by byte, damaged ones,
+ * and pixels.
  */
 #ifndef PUPIL_TESTS_STILL_CHECK_H
 #define PUPIL_TESTS_STILL_CHECK_H

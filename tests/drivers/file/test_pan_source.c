@@ -118,7 +118,7 @@ static void test_smooth(void)
                 /* A pixel is at most 1/64 rad: its mean differs from its centre by under (1/64)^2 / 24 * |second
                  * derivative| (2) in each of two directions, 4e-5; the texels add (2 pi / 1024)^2 / 8 * 2, 1e-5. Near
                  * the poles rows are averaged over an arc of half a texel, (pi / 512) / 2 / cos(pitch) of longitude;
-                 * its mean lies by the arc's square / 24 inward, times the slope (under 1.5). */
+                 * its mean is by the arc's square / 24 inward, times the slope (under 1.5). */
                 double flat = fmax(cos(pitch), sin(pi / 1024)), arc = pi / 512 / 2 / flat;
                 double allowed = 5e-5 + arc * arc / 24 * flat * 1.5;
                 for (int i = 0; i < 3; i++)

@@ -1,4 +1,4 @@
-/* OpenEXR files: every layout by hand, every compression by the library. */
+/* OpenEXR files: every layout made byte by byte, every compression by the library. */
 #include "write_exr.h"
 
 #include <openexr.h>
@@ -67,7 +67,7 @@ static void test_layouts(void)
     check_part(LITTLE(.channel = {{"Y", FLOAT_SAMPLES, 0, 0}}, WINDOW(3, 4)), 0, 0, 0);
     check_part(LITTLE(.channel = RGBA(HALF_SAMPLES), WINDOW(21, 13), .tile = {8, 4}), 3, 2, 1);
     check_part(LITTLE(.channel = RGB(FLOAT_SAMPLES), WINDOW(5, 5), .tile = {64, 64}), 2, 1, 0);
-    for (int c = 1; c < 10; c++) /* whatever the compression, a chunk that would not shrink is stored as it is */
+    for (int c = 1; c < 10; c++) /* with any compression, a chunk that would not shrink is stored as it is */
         check_part(LITTLE(.channel = RGB(FLOAT_SAMPLES), WINDOW(9, 1), .compression = c), 2, 1, 0);
     check_part(LITTLE(.channel = {{"B", HALF_SAMPLES, 0, 0},
                                   {"G", FLOAT_SAMPLES, 0, 0},

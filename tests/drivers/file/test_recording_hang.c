@@ -1,4 +1,4 @@
-/* A disk that hangs: a recorder is given up when somebody says so, and what was written before replays. */
+/* A disk that hangs: a recorder is given up on request, and what was written before replays. */
 #include "check.h"
 #include "scratch.h"
 

@@ -1,4 +1,4 @@
-/* PFM and Radiance files made by hand, and what loading says of files that are no image. */
+/* PFM and Radiance files made byte by byte, and what loading says of files that are no image. */
 #include "still_check.h"
 
 static pupil_why why;
@@ -218,7 +218,7 @@ static void test_load(void)
 {
     pupil_still still = {0};
     pupil_why said;
-    const char *path = scratch("picture.hdr"); /* by its first bytes, whatever its name */
+    const char *path = scratch("picture.hdr"); /* by its first bytes, regardless of its name */
     write_file(path, "Pf 1 1 -1\n\0\0\200\77", 14);
     CHECK(pupil_still_load(&still, path, &said) == 0 && rgb_is(&still, 0, 0, 1, 1, 1));
     write_file(path, "", 0);

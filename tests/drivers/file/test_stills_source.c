@@ -91,12 +91,12 @@ static void test_inputs(void)
     const char *with_video[2] = {scratch("one/f10.pfm"), scratch("clip.mp4")};
     pupil_source *source = NULL;
     put_folder("one");
-    put_folder("one/sub.exr"); /* a folder is no still, whatever its name */
+    put_folder("one/sub.exr"); /* a folder is no still, regardless of its name */
     put_folder("two");
     put_folder("none");
     put_still("one/f10.pfm", 10);
     put_still("one/f9.PFM", 9);
-    put_still("one/f2.hdr", 2); /* the kind is told by the first bytes, the extension only says that it is one */
+    put_still("one/f2.hdr", 2); /* the first bytes give the kind, the extension only says that it is one */
     put_still("one/.f1.pfm", 1);
     put_still("one/notes.txt", 77);
     put_still("two/x1.pfm", 101);

@@ -169,7 +169,7 @@ static void test_light(void)
     }
 }
 
-/* Blue rises along x and y; everything else stands still. */
+/* Blue rises along x and y; everything else is constant. */
 static int ramp(const clip *c, int frame, int component, int x, int y)
 {
     (void)c;

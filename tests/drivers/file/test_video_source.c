@@ -1,4 +1,4 @@
-/* Videos come at their times, from files and pipes; damage is told, never skipped over. */
+/* Videos come at their times, from files and pipes; damage is reported, never skipped over. */
 #include "clip.h"
 #include "scratch.h"
 

@@ -1,7 +1,7 @@
 /* tests/drivers/file/write_jpeg.h: a JPEG made of flat blocks of 8 x 8 samples, which any decoder gives back exactly.
  *
  * All quantisers are 8, so that a block's only coefficient is its value less 128. One Huffman table for all components:
- * K.3's of luminance (ITU-T T.81, annex K), or, where own_tables is set, one in which the codes are dealt out anew. */
+ * K.3's of luminance (ITU-T T.81, annex K), or, where own_tables is set, one in which the codes are assigned again. */
 #ifndef PUPIL_TESTS_DRIVERS_WRITE_JPEG_H
 #define PUPIL_TESTS_DRIVERS_WRITE_JPEG_H
 

@@ -127,7 +127,7 @@ static void happen(void)
 
 /* --- what must be --- */
 
-/* Every frame is handed out or counted. A stream that begins anew counts anew. */
+/* Every frame is handed out or counted. A stream that begins again counts again. */
 static void check_counts(const pupil_frame *frame)
 {
     const pupil_v4l2_counts *c = &pupil_live_capture(day.source)->counts;

@@ -141,7 +141,7 @@ static void test_rate(void)
     CHECK_MSG(fabs(after[1][1] - (2 - exp(-1))) < 0.02, "%g", (double)after[1][1]); /* 1 to 2, after one tau */
 }
 
-/* Ten stops too much: white, whatever the factors and the matrix; and the factors stay. */
+/* Ten stops too much: white, with any factors and matrix; and the factors stay. */
 static void test_full(void)
 {
     const pupil_colour_options automatic = {0};

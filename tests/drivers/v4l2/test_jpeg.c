@@ -85,7 +85,7 @@ static void test_choice(void)
     CHECK(s.result == 0 && pupil_live_capture(s.source)->format.compressed);
     fake_source_close(&s);
 
-    config.only_format = 0; /* of MJPG, which is its first, and all the others; set to MJPG by somebody before */
+    config.only_format = 0; /* of MJPG, which is its first, and all the others; set to MJPG by another program before */
     fake_v4l2 *fake = fake_v4l2_new(&config);
     const pupil_v4l2_options mjpg = {.system = fake_v4l2_system(fake), .fourcc = V4L2_PIX_FMT_MJPEG};
     const pupil_v4l2_options any = {.system = fake_v4l2_system(fake)};

@@ -155,7 +155,7 @@ static void test_formats(void)
             c.out_write_only = way == 1;
             c.extra_bytes = way == 1 ? 10 : 0;
             rule r = way >= 3 ? bt709 : bt601;
-            if (way == 2) /* what it was told, sRGB, with the range that RGB has */
+            if (way == 2) /* what was set, sRGB, with the range that RGB has */
                 c.out_quantization = V4L2_QUANTIZATION_FULL_RANGE;
             if (way == 3)
                 c.out_colorspace = V4L2_COLORSPACE_REC709;

@@ -34,7 +34,7 @@ static void test_times(void)
                 pupil_frame frame;
                 CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
                 const pupil_v4l2_frame *f = pupil_live_frame(s.source);
-                CHECK(frame.info.sequence == UINT32_MAX - 2 + i); /* goes on where 32 bits end */
+                CHECK(frame.info.sequence == UINT32_MAX - 2 + i); /* continues where 32 bits end */
                 CHECK(f->sequence == UINT32_MAX - 2 + (uint32_t)i);
                 CHECK(f->stamp == (stamp == FAKE_STAMP_NONE           ? PUPIL_V4L2_STAMP_NONE
                                    : stamp == FAKE_STAMP_END_OF_FRAME ? PUPIL_V4L2_STAMP_END_OF_FRAME
