@@ -1,4 +1,4 @@
-/* pupil sim --random: many cameras and scripts from seeds, and whether any loop around them swings for ever. */
+/* pupil sim --random: many cameras and scripts from seeds, and how the loops around them end. */
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "sim.h"
 #include "synth/spread.h"
 
-enum { TAIL_FRAMES = 240, MOST_RANDOM_FRAMES = 2000, MOST_NAMED = 20 };
+enum { MOST_RANDOM_FRAMES = 4000, MOST_NAMED = 20 };
 /* Cameras that a thread takes at once, and that are waited for before those that failed are named, in their order. */
 enum { BLOCK = 16, ROUND = 64 * BLOCK };
 
@@ -27,12 +27,13 @@ int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why)
     const uint32_t late = loop->plant.jitter[0] > loop->plant.jitter[1] ? loop->plant.jitter[0] : loop->plant.jitter[1];
     loop->sensor.delay_frames = 4 + late;
     sim_configure(o);
-    o->duration_s = fixture_light_last_s(&loop->script) + TAIL_FRAMES * loop->plant.frame_s;
     return 0;
 }
 
 typedef struct outcome {
     int is_done;
+    uint32_t faults;
+    fixture_verdict verdict;
     pupil_why why; /* empty: all is well */
 } outcome;
 
@@ -43,6 +44,7 @@ typedef struct random_run {
     pthread_mutex_t lock; /* of these four */
     progress progress;
     uint64_t done, frames, failed;
+    sim_fault_table table;
     outcome outcome[ROUND];
 } random_run;
 
@@ -53,21 +55,21 @@ static double cpu_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* One plant; -1 and a sentence where it could not be run to its end or swings for ever. */
-static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, size_t *frames, pupil_why *why)
+/* One plant; -1 and a sentence where it could not be run to its end or ends wrong. */
+static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, size_t *frames, outcome *out)
 {
     size_t event;
-    if (sim_random_loop(o, seed, why))
+    if (sim_random_loop(o, seed, &out->why))
         return -1;
     const size_t all = sim_frames(o, &event);
     *frames = all < MOST_RANDOM_FRAMES ? all : MOST_RANDOM_FRAMES;
-    if (fixture_loop_run(&o->loop, *frames, frame, why))
+    out->faults = fixture_plant_faults(&o->loop.plant, &o->loop.script);
+    if (fixture_loop_run(&o->loop, *frames, frame, &out->why) ||
+        fixture_evaluate(&o->loop, frame, *frames, &out->verdict, &out->why))
         return -1;
-    const fixture_loop_sum sum = fixture_loop_sum_of(frame, *frames, 0, SIM_RANDOM_REST);
-    if (!sim_cycles(&sum))
-        return 0;
-    return pupil_refuse(why, "a limit cycle: %u swings, %.2f EV from end to end, in %d frames", sum.swings,
-                        sum.asked_pp_ev, (int)SIM_RANDOM_REST);
+    if (!out->verdict.is_evaluated)
+        return pupil_refuse(&out->why, "its light is not still for long enough");
+    return out->verdict.wrong ? pupil_refuse(&out->why, "%s", out->verdict.text) : 0;
 }
 
 static void say(random_run *r)
@@ -90,7 +92,7 @@ static void try_block(void *context, size_t block)
     for (size_t i = from; i < to && !interrupt_came(); i++) {
         outcome *out = &r->outcome[i];
         size_t frames = 0;
-        const int failed = frame ? try_one(&o, o.seed + r->first + i, frame, &frames, &out->why)
+        const int failed = frame ? try_one(&o, o.seed + r->first + i, frame, &frames, out)
                                  : pupil_refuse(&out->why, "not enough memory");
         out->is_done = 1;
         pthread_mutex_lock(&r->lock);
@@ -103,6 +105,13 @@ static void try_block(void *context, size_t block)
     free(frame);
 }
 
+static void count_round(random_run *r)
+{
+    for (size_t i = 0; i < r->count; i++)
+        if (r->outcome[i].is_done)
+            sim_count_faults(&r->table, r->outcome[i].faults, &r->outcome[i].verdict);
+}
+
 /* The cameras of a round that failed, and the command that shows each. */
 static void name_failed(random_run *r)
 {
@@ -113,6 +122,10 @@ static void name_failed(random_run *r)
             continue;
         r->named++;
         progress_clear(&r->progress);
+        if (o->json) {
+            printf("{\"seed\":%llu,\"wrong\":\"%s\"}\n", seed, r->outcome[i].why.text);
+            continue;
+        }
         printf("seed %llu: %s; again with: pupil sim --random 1 --seed %llu", seed, r->outcome[i].why.text, seed);
         if (o->loop.law->total)
             printf(" --controller %s", o->loop.law->name);
@@ -132,9 +145,10 @@ static void print_sum(const random_run *r, double took_s)
     const sim_options *o = r->options;
     const unsigned long long seed = o->seed, done = r->done, frames = r->frames, failed = r->failed;
     if (o->json)
-        printf("{\"controller\":\"%s\",\"seed\":%llu,\"plants\":%llu,\"frames\":%llu,\"failed\":%llu,\"cpu_s\":%.3f}\n",
+        printf("{\"controller\":\"%s\",\"seed\":%llu,\"plants\":%llu,\"frames\":%llu,\"failed\":%llu,\"cpu_s\":%.3f,",
                o->loop.law->name, seed, done, frames, failed, took_s);
-    else
+    sim_print_faults(&r->table, o->json);
+    if (!o->json)
         printf("%s: %llu cameras from seed %llu, %llu frames: %llu failed; %.0f cameras a second of CPU time\n",
                o->loop.law->name, done, seed, frames, failed, (double)done / fmax(took_s, 1e-6));
 }
@@ -157,6 +171,7 @@ int sim_random(const sim_options *o)
             r->outcome[i] = (outcome){0};
         pupil_spread_run(&spread, try_block, r, (r->count + BLOCK - 1) / BLOCK);
         name_failed(r);
+        count_round(r);
     }
     progress_clear(&r->progress);
     print_sum(r, cpu_s() - began_s);

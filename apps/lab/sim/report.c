@@ -63,9 +63,22 @@ int sim_stats(const sim_run *run, pupil_why *why)
     return failed ? -1 : 0;
 }
 
-int sim_cycles(const fixture_loop_sum *sum)
+static int cycles(const fixture_loop_sum *sum)
 {
     return sum->swings >= 4;
+}
+
+static void verdict(const fixture_verdict *v, FILE *out)
+{
+    if (!v->is_evaluated)
+        fprintf(out, "verdict     not: the light is not still for long enough at the end\n");
+    else if (v->wrong)
+        fprintf(out, "verdict     wrong: %s\n", v->text);
+    else if (v->side)
+        fprintf(out, "verdict     right, but the aim is %s than the camera can\n", v->side > 0 ? "brighter" : "darker");
+    else
+        fprintf(out, "verdict     right: shown %+.3f EV from the aim at most, the sensor %+.3f from its best setting\n",
+                v->shown_ev, v->sensor_ev);
 }
 
 void sim_summary(const sim_run *run, FILE *out)
@@ -78,9 +91,11 @@ void sim_summary(const sim_run *run, FILE *out)
     if (o->json) {
         fprintf(out,
                 "{\"controller\":\"%s\",\"frames\":%zu,\"settle_frames\":%ld,\"overshoot_ev\":%.6f,\"aim_ev\":%.6f,"
-                "\"rest_pp_ev\":%.6f,\"shown_pp_ev\":%.6f,\"shown_rms_ev\":%.6f,\"asked_pp_ev\":%.6f,\"swings\":%u}\n",
+                "\"rest_pp_ev\":%.6f,\"shown_pp_ev\":%.6f,\"shown_rms_ev\":%.6f,\"asked_pp_ev\":%.6f,\"evaluated\":%d,"
+                "\"wrong\":\"%s\",\"swings\":%u}\n",
                 o->loop.law->name, run->frames, s->settle_frames, s->overshoot_ev, s->aim_ev, s->rest_pp_ev,
-                s->shown_pp_ev, s->shown_rms_ev, s->asked_pp_ev, s->swings);
+                s->shown_pp_ev, s->shown_rms_ev, s->asked_pp_ev, run->verdict.is_evaluated, run->verdict.text,
+                s->swings);
         return;
     }
     fprintf(out, "controller  %s, which believes in a delay of %u\n", o->loop.law->name, o->loop.sensor.delay_frames);
@@ -95,7 +110,8 @@ void sim_summary(const sim_run *run, FILE *out)
     fprintf(out, "rest        %.3f EV from the key; %.4f EV from end to end, shown %.4f; %.5f EV RMS a frame\n",
             s->aim_ev, s->rest_pp_ev, s->shown_pp_ev, s->shown_rms_ev);
     fprintf(out, "swings      %u of 0.1 EV or more in what is asked in the last %zu frames%s\n", s->swings, run->rest,
-            sim_cycles(s) ? ": a limit cycle" : "");
+            cycles(s) ? ": a limit cycle" : "");
+    verdict(&run->verdict, out);
     fprintf(out, "at last     %.6g s, gain %.4g, digital %.4f", last->truth.exposure_s, last->truth.gain,
             last->truth.digital);
     if (!o->loop.law->total)

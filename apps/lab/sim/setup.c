@@ -18,8 +18,10 @@ void sim_configure(sim_options *o)
 
 size_t sim_frames(const sim_options *o, size_t *event)
 {
-    const double frame_s = o->loop.plant.frame_s, last_s = fixture_light_last_s(&o->loop.script);
-    const double frames = ceil((o->duration_s > 0.0 ? o->duration_s : last_s + 10.0) / frame_s);
+    const double frame_s = o->loop.plant.frame_s, last_s = fixture_loop_last_s(&o->loop);
+    const double rest = (double)(fixture_rest_after(&o->loop.sensor) + FIXTURE_REST_FRAMES);
+    const double frames = o->plants ? ceil(last_s / frame_s) + 1.0 + rest
+                                    : ceil((o->duration_s > 0.0 ? o->duration_s : last_s + 10.0) / frame_s);
     const size_t count = frames < SIM_REST_FRAMES + 1 ? SIM_REST_FRAMES + 1
                          : frames > MOST_FRAMES       ? MOST_FRAMES
                                                       : (size_t)frames;

@@ -7,6 +7,7 @@
 
 #include "loop.h"
 #include "pupil/error.h"
+#include "verdict.h"
 
 typedef struct sim_options {
     fixture_loop loop;
@@ -18,7 +19,7 @@ typedef struct sim_options {
     const char *camera, *scene, *stats, *plot;
     const char *key_at; /* NULL: one key */
     float *luminance;   /* of the scene */
-    int json, quiet;
+    int json, quiet, check;
     uint64_t plants, seed; /* plants: 0 unless --random */
 } sim_options;
 
@@ -28,6 +29,7 @@ typedef struct sim_run {
     fixture_loop_frame *frame;
     size_t frames, event, rest;
     fixture_loop_sum sum;
+    fixture_verdict verdict;
 } sim_run;
 
 /* Each 0, or -1 and a sentence. */
@@ -43,12 +45,21 @@ enum { SIM_REST_FRAMES = 60 }; /* at the end of a run, after the last event */
 
 /* random.c. The plant and script of a seed, with the controller of `o`. 0, or -1 and a sentence. */
 int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why);
-enum { SIM_RANDOM_REST = 120 }; /* frames at the end of such a run in which nothing may swing */
 /* Many of them; the exit status. */
 int sim_random(const sim_options *o);
 
-/* Whether the frames end in a limit cycle: what is asked turns by 0.1 EV at least four times while nothing happens. */
-int sim_cycles(const fixture_loop_sum *sum);
+/* random_table.c: what became of the cameras with each fault. Row FIXTURE_FAULTS_AND_LIGHTS has those without any, the
+ * one after it all cameras. */
+typedef struct sim_fault_row {
+    uint64_t cameras, wrong, excused;
+    double shown_ev, sensor_ev; /* the worst of those within reach, and of all for the sensor */
+} sim_fault_row;
+typedef struct sim_fault_table {
+    sim_fault_row row[FIXTURE_FAULTS_AND_LIGHTS + 2];
+    uint64_t pairs; /* cameras with two faults or more */
+} sim_fault_table;
+void sim_count_faults(sim_fault_table *table, uint32_t faults, const fixture_verdict *verdict);
+void sim_print_faults(const sim_fault_table *table, int json);
 
 /* The luminances of a recipe with all its lights on, to be freed. 0, or -1 and a sentence, and NULL. */
 int sim_luminance(const char *recipe, uint32_t width, uint32_t height, float **luminance, pupil_why *why);

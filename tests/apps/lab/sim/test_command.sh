@@ -57,11 +57,27 @@ grep -q '^pupil: 30 cameras from seed 1000, [0-9]* frames: [0-9]* failed' many.t
 status=0
 "$program" sim --random 5 --seed 3 --controller integrator1 >many.txt || status=$?
 [ "$status" = 1 ] || fail "naive integrators around random cameras: exit $status"
-again=$(sed -n 's/^seed [0-9]*: a limit cycle: .* again with: pupil \(.*\) --plot again.svg$/\1/p' many.txt | head -1)
-[ -n "$again" ] || fail "no limit cycle: $(cat many.txt)"
+again=$(sed -n 's/^seed [0-9]*: .*a swing of .* again with: pupil \(.*\) --plot again.svg$/\1/p' many.txt | head -1)
+[ -n "$again" ] || fail "no swing: $(cat many.txt)"
+grep -q '^all cameras  *5  *100.0% ' many.txt || fail "no table: $(cat many.txt)"
 status=0
-"$program" $again >said.out || status=$?
-[ "$status" = 1 ] && grep -q "a limit cycle" said.out || fail "pupil $again: exit $status, $(cat said.out)"
+"$program" $again >said.out 2>noise.txt || status=$?
+[ "$status" = 1 ] && grep -q "^verdict  *wrong: .*a swing of" said.out || fail "pupil $again: exit $status, $(cat said.out)"
+grep -q "the loop ends wrong: .*a swing of" noise.txt || fail "pupil $again: said $(cat noise.txt)"
+"$program" sim --random 20 --json >many.json || :
+if command -v python3 >/dev/null; then
+    python3 -c 'import json; r = [json.loads(l) for l in open("many.json")][-1]; assert r["faults"][-1]["cameras"] == 20 == r["plants"]' ||
+        fail "random as JSON: $(cat many.json)"
+fi
+
+# a loop that ends wrong, where this is asked for; and light of which nothing can be said
+"$program" sim --light '2s step 3ev' --check >said.out || fail "--check: $(cat said.out)"
+grep -q "^verdict  *right: shown" said.out || fail "--check: $(cat said.out)"
+"$program" sim --light '2s 14ev' --check >said.out || fail "--check out of reach: $(cat said.out)"
+grep -q "^verdict  *right, but the aim is darker than the camera can" said.out || fail "out of reach: $(cat said.out)"
+"$program" sim --controller integrator1 >said.out || fail "a loop that ends wrong, without --check"
+expect 1 "the loop ends wrong: shown" sim --controller integrator1 --check
+expect 1 "the light is not still for long enough" sim --light 'lamp 50Hz 30%' --check
 
 # the comparison
 "$program" bench --ae --test hunt --controller pupil --json >lines.txt
