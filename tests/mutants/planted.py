@@ -4,7 +4,8 @@
 
 ERRORS is a text: of each error a line "== what it is", the file's name, and changes: lines that begin with "-" stand in
 the file exactly once, and become those that begin with "+". A blank line lies between two changes. The tests and BUILD
-are as mutants.py has them, and the extra ones come first. Exits with 1 where an error cannot be planted or is not found.
+are as mutants.py has them, and the extra ones come first. Exits with 1 where an error cannot be planted or is not
+found.
 """
 import argparse
 import pathlib
