@@ -79,6 +79,11 @@ static void verdict(const fixture_verdict *v, FILE *out)
     else
         fprintf(out, "verdict     right: shown %+.3f EV from the aim at most, the sensor %+.3f from its best setting\n",
                 v->shown_ev, v->sensor_ev);
+    if (v->is_evaluated)
+        fprintf(out,
+                "reach       aim %.3f to %.3f, best level %.3f to %.3f, this one %.3f; all settings %.2f to %.2f EV\n",
+                v->reach.aim_low, v->reach.aim_high, fmin(v->reach.best_low, v->reach.best_high),
+                fmax(v->reach.best_low, v->reach.best_high), v->level_ev, v->reach.least, v->reach.most);
 }
 
 void sim_summary(const sim_run *run, FILE *out)
