@@ -198,7 +198,7 @@ int main(int argc, char **argv)
     if (argc == 4 && strcmp(argv[1], "--again") == 0)
         return again(atoi(argv[2]), argv[3]);
     const int events = number(argc, argv, "--events", 1), segments = number(argc, argv, "--segments", 1);
-    const int every = number(argc, argv, "--every", 1), jobs = number(argc, argv, "--jobs", 1);
+    const int every = number(argc, argv, "--every", CHECK_SANITIZED ? 9 : 1), jobs = number(argc, argv, "--jobs", 1);
     most_shown = number(argc, argv, "--shown", 20) / jobs;
     tally *all = mmap(NULL, (size_t)jobs * sizeof *all, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     tally sum = {0};
