@@ -140,9 +140,11 @@ abstract_verdict abstract_loop_judge(const abstract_loop *loop)
     const int near_edge = (too_dark || too_bright) && !is_beyond;
     if (fabs(sensor_ev - best_ev) > fmax(SENSOR_EV, 0.5 * step_ev) + 1e-9)
         return ABSTRACT_SENSOR_WRONG;
-    if (is_beyond)
+    const int is_shown = fabs(shown_ev) <= SHOWN_EV;
+    /* the sensor may be so far off anyway, if what is shown is right */
+    if (is_beyond && !(is_shown && fabs(best_ev) <= SENSOR_EV))
         return is_named(&s, loop->camera.faults, too_dark) ? ABSTRACT_RIGHT : ABSTRACT_LIMIT_NOT_NAMED;
-    return fabs(shown_ev) <= SHOWN_EV || near_edge ? ABSTRACT_RIGHT : ABSTRACT_SHOWN_WRONG;
+    return is_shown || near_edge ? ABSTRACT_RIGHT : ABSTRACT_SHOWN_WRONG;
 }
 
 void abstract_loop_print(const abstract_loop *loop)
