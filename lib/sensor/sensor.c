@@ -8,50 +8,25 @@
 /* "sensor" and the object's size: another version's object is refused. */
 #define SENSOR_MAGIC (UINT64_C(0x73656e736f720000) + sizeof(pupil_sensor_object))
 
-/* Clipped and black pixels do not flicker, small lamps blink: both are left out of the mean that a beat is seen in. */
-#define BEAT_TRIM 0.1
-
 static pupil_sensor_object *object_of(pupil_sensor *sensor)
 {
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
     return o && o->magic == SENSOR_MAGIC ? o : 0;
 }
 
-/* The wanted total, brought into what the camera can under the current config; where both controls are held, what was
- * rounded is held, too. */
-static void begin_from(pupil_sensor_object *o, double total_log2)
-{
-    double e, g;
-    pupil_sensor_split(o, -500.0, &e, &g);
-    o->least_log2 = pupil_log2(e * g);
-    pupil_sensor_split(o, 500.0, &e, &g);
-    o->most_log2 = pupil_log2(e * g);
-    const int is_held = o->config.exposure_mode == PUPIL_SENSOR_HELD && o->config.gain_mode == PUPIL_SENSOR_HELD;
-    const double digital_log2 = total_log2 - o->most_log2;
-    if (is_held && o->setting.frames && digital_log2 > -1.0 && digital_log2 < 1.0)
-        o->least_log2 = o->most_log2 = total_log2;
-    o->total_log2 = clamp(total_log2, o->least_log2, o->most_log2);
-    o->band_ev = 0.0;
-    pupil_sensor_choose(o, 1);
-    if (o->setting.changed && o->stamped) /* until both controls are there the frames show a mixture */
-        o->waited = 0;
-}
-
 /* From a configuration that has been checked. */
 static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
 {
-    const uint32_t believed = o->config.delay_frames, linear = o->config.linear;
+    const uint32_t delay = o->config.delay_frames, linear = o->config.linear;
     const pupil_sensor_config *config = &o->config;
     (void)pupil_sensor_config_read(&o->config, theirs);
     o->setting.mains = config->mains_hz != PUPIL_SENSOR_MAINS_AUTO ? PUPIL_SENSOR_MAINS_CONFIGURED
                        : o->mains.hz                               ? PUPIL_SENSOR_MAINS_FOUND
                                                                    : PUPIL_SENSOR_MAINS_UNDETERMINED;
-    if (o->setting.mains != PUPIL_SENSOR_MAINS_CONFIGURED)
+    if (o->setting.mains == PUPIL_SENSOR_MAINS_FOUND)
         o->config.mains_hz = o->mains.hz;
-    if (believed != config->delay_frames)
-        pupil_sensor_answer_reset(o);
-    if (linear != config->linear) /* what was learned of gains went with it */
-        o->answer.gain_does = 1.0, o->answer.jumps = o->answer.short_steps = 0;
+    if (delay != config->delay_frames || linear != config->linear)
+        pupil_sensor_forget(o);
     if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
         o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
         o->setting.reason = PUPIL_SENSOR_NO_REASON;
@@ -60,7 +35,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
     o->held_exposure = pupil_sensor_exposure_of(&o->config, clamp(e, config->exposure_min_s, config->exposure_max_s));
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
-    begin_from(o, o->total_log2);
+    pupil_sensor_begin(o, o->search.total);
 }
 
 int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
@@ -71,13 +46,15 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     __builtin_memset(sensor, 0, sizeof *sensor);
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
     o->magic = SENSOR_MAGIC;
-    o->waited = PUPIL_SENSOR_DELAYS; /* nothing is on its way */
-    o->looking = 1;
-    o->stride = 1.0;
-    o->noise_ev = 0.02;
-    o->setting.exposure_s = 0.01, o->setting.gain = 1.0;
+    o->plan.is_looking = 1;
+    o->plan.brighter = SENSOR_FAR_AWAY;
+    o->search.since = SENSOR_RING; /* nothing is on its way */
+    o->setting.exposure_s = SENSOR_FIRST_EXPOSURE_S;
+    o->setting.gain = 1.0;
     o->setting.frame_digital = o->setting.slope = 1.0;
-    o->total_log2 = pupil_log2(0.01);
+    o->search.total = pupil_log2(SENSOR_FIRST_EXPOSURE_S);
+    o->estimate.standing[0] = o->estimate.in_force[0] = o->estimate.effect = o->search.total;
+    pupil_sensor_forget(o);
     configure(o, config);
     return PUPIL_OK;
 }
@@ -100,8 +77,8 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
         return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     if (!(exposure_s >= 0x1p-64 && exposure_s <= 0x1p64 && gain >= 0x1p-64 && gain <= 0x1p64))
         return PUPIL_ERR_VALUE;
-    begin_from(o, pupil_log2(exposure_s) + pupil_log2(gain));
-    o->looking = 1;
+    pupil_sensor_begin(o, pupil_log2(exposure_s) + pupil_log2(gain));
+    o->plan.is_looking = 1;
     return PUPIL_OK;
 }
 
@@ -111,93 +88,124 @@ int pupil_sensor_get_sized(const pupil_sensor *sensor, pupil_sensor_setting *set
     if (!o || !setting || o->magic != SENSOR_MAGIC)
         return o && setting ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     pupil_sensor_setting now = o->setting;
-    now.mains_hz = o->config.mains_hz;
+    now.mains_hz = o->config.mains_hz > PUPIL_SENSOR_MAINS_AUTO ? o->config.mains_hz : 0;
     now.mains_modulation = o->mains.modulation;
     return pupil_versioned_write(setting, setting_bytes, &now, sizeof now);
 }
 
-/* log2 of the exposure and gain that the frame was taken with, as info says. */
-static double told(pupil_sensor_object *o, const pupil_frame_info *info)
+/* Seconds since the frame before, and whether it is one. A sequence that rises says that it is a new frame, whatever
+ * its timestamp; where clocks stand still or go back, frames are a period apart. */
+static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
 {
-    double e = o->setting.exposure_s, g = o->setting.gain;
-    uint32_t known = 0;
-    if (info && info->exposure_s >= 0x1p-64 && info->exposure_s <= 0x1p64)
-        e = info->exposure_s, known++;
-    if (info && info->gain >= 0x1p-64 && info->gain <= 0x1p64)
-        g = info->gain, known++;
-    if (known == 2 && !o->answer.info_tells && o->answer.frame) { /* the camera is back: as at first */
-        pupil_sensor_answer_reset(o);
-        o->answer.frame = 0; /* and what was asked for meanwhile was not heard */
+    const int64_t now = info ? info->timestamp_ns : 0, last = o->last_timestamp_ns;
+    const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - o->last_sequence;
+    const int is_next = sequence > o->last_sequence && ahead < SENSOR_RING;
+    /* in double: the difference of two int64 may not fit; 2^-53 of a century is 30 ns */
+    const double dt_s = ((double)now - (double)last) * SENSOR_NS;
+    const double period_s = (is_next ? (double)ahead : 1.0) * o->config.frame_s;
+    uint32_t reason = PUPIL_SENSOR_NO_REASON;
+    if (o->has_time && now && now == last && sequence == o->last_sequence)
+        reason = PUPIL_SENSOR_REPEATED_FRAME;
+    else if (o->has_time && dt_s < 0.0)
+        reason = PUPIL_SENSOR_CLOCK_BACK;
+    if (!o->has_time || reason)
+        o->setting.dt_s = 0.0;
+    else
+        o->setting.dt_s = dt_s > 0.0 ? dt_s : period_s;
+    o->last_timestamp_ns = now;
+    o->last_sequence = sequence;
+    o->has_time = 1;
+    return reason;
+}
+
+static void find_flicker(pupil_sensor_object *o, sensor_evidence *v)
+{
+    const double exposure_s = pupil_exp2(o->estimate.in_force[0]);
+    pupil_flicker_frame(&o->flicker, v->middle - o->estimate.effect, exposure_s, o->last_timestamp_ns);
+    o->setting.flicker_ev = pupil_flicker_at(&o->flicker, o->last_timestamp_ns);
+    v->mean -= o->setting.flicker_ev;
+    v->highlight -= o->setting.flicker_ev;
+}
+
+/* One frame: evidence -> estimate -> plan -> follow -> report. */
+static void take_frame(pupil_sensor_object *o, sensor_evidence *v, const pupil_frame_info *info)
+{
+    pupil_sensor_setting *s = &o->setting;
+    s->changed = 0;
+    s->reason = tick(o, info);
+    if (s->reason == PUPIL_SENSOR_REPEATED_FRAME)
+        return;
+    pupil_sensor_estimate_frame(o, v, info);
+    if (v->is_dead) {
+        s->reason = PUPIL_SENSOR_INVALID_FRAME;
+    } else {
+        find_flicker(o, v);
+        s->frames++;
+        pupil_sensor_plan_frame(o, v);
+        pupil_sensor_follow(o, v);
     }
-    o->answer.info_tells = known == 2;
-    o->answer.told[0] = pupil_log2(e);
-    o->answer.told[1] = pupil_log2(g);
-    return o->answer.told[0] + o->answer.told[1];
+    const double missing = clamp(o->plan.wanted - o->estimate.effect, -o->config.digital_ev, o->config.digital_ev);
+    s->frame_digital = pupil_exp2(missing - s->flicker_ev);
+    s->slope = 0.5 * (o->estimate.response[0] + o->estimate.response[1]);
+    s->exposure_delay = o->estimate.delay[0];
+    s->gain_delay = o->estimate.delay[1];
+    if (!v->is_dead)
+        pupil_sensor_report(o, v);
+}
+
+/* The bands that lamps leave in rows show the frequency of the mains. */
+static void find_mains(pupil_sensor_object *o, const pupil_stats *stats)
+{
+    const double step_s = o->flicker.step_s > 0.0 ? o->flicker.step_s : o->setting.dt_s;
+    pupil_mains_frame(&o->mains, stats, pupil_exp2(o->estimate.in_force[0]), step_s);
+    if (o->setting.mains == PUPIL_SENSOR_MAINS_CONFIGURED || o->config.lock || !o->mains.hz ||
+        o->mains.hz == o->config.mains_hz)
+        return;
+    const double wanted = o->plan.wanted;
+    o->config.mains_hz = o->mains.hz;
+    o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
+    pupil_sensor_begin(o, o->search.total); /* the same in other exposures */
+    o->plan.wanted = wanted;
 }
 
 int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pupil_frame_info *info)
 {
     pupil_sensor_object *o = object_of(sensor);
-    pupil_sensor_light light = {0};
+    sensor_evidence evidence;
     pupil_frame_info own;
     if (!o || !stats)
         return sensor && stats ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
-    const pupil_sensor_config *c = &o->config;
     int error = pupil_stats_check_bytes(stats);
     if (!error)
         error = pupil_info_read(&own, info);
+    if (!error)
+        error = pupil_sensor_evidence(o, stats, &evidence);
     if (error)
         return error;
-    info = info ? &own : 0;
-    light.dead = !stats->weight;
-    light.has_highlight = stats->has_histogram && c->highlight_ev > 0.0;
-    if (!light.dead) {
-        const int trims = stats->has_histogram != 0;
-        error = pupil_stats_mean(stats, trims ? c->trim_low : 0.0, trims ? c->trim_high : 1.0, &light.mean);
-        if (!error)
-            error = pupil_stats_mean(stats, trims ? BEAT_TRIM : 0.0, trims ? 1.0 - BEAT_TRIM : 1.0, &light.middle);
-        if (!error && light.has_highlight)
-            error = pupil_stats_peak_quantile(stats, 1.0 - c->highlight_share, &light.highlight);
-        light.clipped_share = (double)stats->clipped / (double)(stats->pixels ? stats->pixels : 1);
-        light.black_share = (double)stats->black / (double)(stats->pixels ? stats->pixels : 1);
-    }
-    if (error)
-        return error;
-    if (!light.dead)
-        pupil_sensor_orders(c, stats, &light);
-    told(o, info);
-    pupil_sensor_advance(o, &light, info);
-    if (light.dead || o->setting.reason == PUPIL_SENSOR_REPEATED_FRAME)
-        return PUPIL_OK;
-    const double step_s = o->flicker.step_s > 0.0 ? o->flicker.step_s : o->setting.dt_s;
-    pupil_mains_frame(&o->mains, stats, pupil_exp2(o->answer.taken[0]), step_s);
-    if (o->setting.mains != PUPIL_SENSOR_MAINS_CONFIGURED && !c->lock && o->mains.hz != c->mains_hz) {
-        const uint32_t changed = o->setting.changed;
-        o->config.mains_hz = o->mains.hz;
-        o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
-        begin_from(o, o->total_log2); /* the same in other exposures */
-        o->setting.changed |= changed;
-    }
+    take_frame(o, &evidence, info ? &own : 0);
+    if (!evidence.is_dead && o->setting.reason != PUPIL_SENSOR_REPEATED_FRAME)
+        find_mains(o, stats);
     return PUPIL_OK;
 }
 
 int pupil_sensor_scene(pupil_sensor *sensor, double scene_ev, double clipped_share, const pupil_frame_info *info)
 {
     pupil_sensor_object *o = object_of(sensor);
-    pupil_sensor_light light = {0};
+    sensor_evidence evidence = {.is_dead = 1};
     pupil_frame_info own;
     if (!o)
         return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     if (pupil_info_read(&own, info))
         return PUPIL_ERR_SIZE_BYTES;
     info = info ? &own : 0;
-    const double frame_log2 = told(o, info);
-    light.dead = !(scene_ev >= -256.0 && scene_ev <= 256.0 && clipped_share >= 0.0 && clipped_share <= 1.0);
-    if (!light.dead) {
-        light.mean = light.middle = scene_ev + frame_log2;
-        light.clipped_share = clipped_share;
-        pupil_sensor_orders(&o->config, 0, &light);
-    }
-    pupil_sensor_advance(o, &light, info);
+    /* the caller has divided by what the metadata say, or by what was asked for */
+    double e = o->setting.exposure_s, g = o->setting.gain;
+    if (info && info->exposure_s >= 0x1p-64 && info->exposure_s <= 0x1p64)
+        e = info->exposure_s;
+    if (info && info->gain >= 0x1p-64 && info->gain <= 0x1p64)
+        g = info->gain;
+    if (scene_ev >= -256.0 && scene_ev <= 256.0 && clipped_share >= 0.0 && clipped_share <= 1.0)
+        pupil_sensor_evidence_of_level(o, scene_ev + pupil_log2(e) + pupil_log2(g), clipped_share, &evidence);
+    take_frame(o, &evidence, info);
     return PUPIL_OK;
 }

@@ -1,148 +1,206 @@
-/* lib/sensor/sensor_private.h: what is inside a pupil_sensor. */
+/* lib/sensor/sensor_private.h: what is inside a pupil_sensor, and how a frame goes through it, once:
+ *
+ *     evidence.c   what a frame says, and whether it says anything        pupil_stats -> sensor_evidence
+ *     estimate.c   what was in force in it, and what the camera made of it  -> sensor_estimate
+ *     plan.c       what the picture is to become: one step, or the filter  -> sensor_plan
+ *     follow.c     which setting does that, by all that the camera has shown -> sensor_search
+ *     split.c      a total as an exposure time and a gain that the camera has
+ *     report.c     state and reason
+ *
+ * All levels are log2. "Effect" is what the controls do to the picture, in stops of the picture, from any zero: for a
+ * linear camera that is log2 of exposure time x gain. */
 #ifndef PUPIL_SENSOR_SENSOR_PRIVATE_H
 #define PUPIL_SENSOR_SENSOR_PRIVATE_H
 
+#include "constants_private.h"
 #include "flicker/mains.h"
 #include "flicker/temporal.h"
 #include "pupil/sensor.h"
 
-/* Guesses at one control: what info says; what was asked for 1..16 frames before; that it does not obey. */
-#define PUPIL_SENSOR_DELAYS  16
-#define PUPIL_SENSOR_GUESSES (PUPIL_SENSOR_DELAYS + 2)
-#define PUPIL_SENSOR_RING    32 /* twice the delays, so that frames may be missing */
-#define PUPIL_SENSOR_ORDERS  10
-#define PUPIL_SENSOR_SLOPES  5
+enum { SENSOR_EXPOSURE, SENSOR_GAIN, SENSOR_CONTROLS };
 
-/* How the camera answers (sensor_answer.c). All log2; [2]: exposure, gain. */
-typedef struct pupil_sensor_answer {
-    uint64_t frame;    /* counts frames, with those that were dropped; 0 before the first */
-    uint64_t sequence; /* of the frame before */
-    uint32_t gap;      /* frames since then */
-    double asked[PUPIL_SENSOR_RING][2];
-    double standing[2]; /* asked for now */
-    double told[2], told_before[2];
-    double unit[2];                   /* what info says is so much more than what was asked for */
-    double taken[2];                  /* what the frame was taken with, by the best guess */
-    double anchor[2];                 /* what stays in force if the camera does not obey */
-    double low, high;                 /* total in force, by all that is not ruled out */
-    double noise;                     /* of the scene, stops from frame to frame */
-    double left;                      /* stops that the scene moved by itself in the frame before */
-    double slope;                     /* of the picture's log2 over the light's */
-    double steepest;                  /* of late: what may lie on the way, where the picture is bent unevenly */
-    double seen[PUPIL_SENSOR_SLOPES]; /* slopes, the latest first */
-    double gains[3];                  /* what steps of gain alone have done of what they should */
-    double gain_does;                 /* ... where these agree; 1 */
-    double jump, place[2];            /* what the camera does more from a gain on, which lies from there to there */
-    double brighter; /* the scene, at most, since that was 0, by the quantiles that are not clipped; stops */
-    double low_of[PUPIL_SENSOR_ORDERS], high_of[PUPIL_SENSOR_ORDERS]; /* of the frame before */
-    uint32_t slopes;                                                  /* seen; at most 3 */
-    uint32_t jumps;                                                   /* at that place, that were alike; at most 2 */
-    uint32_t short_steps; /* in a row, that were as if a line were missing of each exposure; at most 2 */
-    uint32_t strange;     /* steps that the picture did not follow; at most 4 */
-    uint32_t alive[2];    /* masks of guesses */
-    uint32_t best[2];     /* guesses */
-    uint32_t delay[2];    /* found; 0: not yet */
-    uint32_t in_flight;   /* the last setting may not be in force yet */
-    uint32_t has_level;
-    uint32_t unheard[2]; /* info says of the control what was not asked for: is_unheard */
-    uint32_t dead[2];    /* the control does nothing: is_dead */
-    uint32_t disobeys;   /* what is asked for is not seen, and it is not known why */
-    uint32_t info_tells; /* this frame's info has both */
-    uint32_t is_told;    /* and the picture has borne it out */
-    float price[PUPIL_SENSOR_GUESSES][PUPIL_SENSOR_GUESSES];
-} pupil_sensor_answer;
+/* --- evidence --- */
+
+/* A frame's level. */
+typedef struct sensor_evidence {
+    int is_dead;   /* no weight, or no number */
+    int is_number; /* the mean is one: neither clipped nor black to a great part */
+    double mean;   /* without the flicker of lamps */
+    double middle; /* the mean without the darkest and the brightest */
+    double clipped_share, black_share;
+    double full_share;         /* that may be clipped */
+    double white;              /* the level at which the picture is full */
+    double top, spike;         /* the highest level that has weight; the share of it there */
+    double highlight;          /* the brightest that is to stay below white */
+    uint32_t has_highlight;    /* it is known */
+    double low[SENSOR_ORDERS]; /* some quantiles are from low to high */
+    double high[SENSOR_ORDERS];
+} sensor_evidence;
+
+/* Where the picture is full, if that is below what the configuration says. */
+typedef struct sensor_white {
+    double level; /* found; 0 or above: not */
+    double top;   /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
+    uint32_t is_found;
+    uint32_t reserved;
+} sensor_white;
+
+/* --- estimate --- */
+
+typedef struct sensor_estimate {
+    double asked[SENSOR_RING][SENSOR_CONTROLS];                 /* after frame i */
+    double standing[SENSOR_CONTROLS];                           /* asked for last */
+    double said[SENSOR_CONTROLS], said_before[SENSOR_CONTROLS]; /* by the metadata */
+    double reported[SENSOR_CONTROLS];                           /* which of the asked settings the metadata say */
+    double reported_before[SENSOR_CONTROLS];
+    double unit[SENSOR_CONTROLS];     /* the metadata are so much above what was asked for */
+    double in_force[SENSOR_CONTROLS]; /* in this frame, by the best guess */
+    double low_before[SENSOR_ORDERS], high_before[SENSOR_ORDERS];
+    double noise_ev;                  /* of the scene, from frame to frame */
+    double response[SENSOR_CONTROLS]; /* stops of the picture for a stop of the control */
+    double effect;                    /* of what is in force */
+    double scene_moved_most;          /* by itself, since the frame before; what is clipped may have moved further */
+    double scene_moved[SENSOR_RAMP_FRAMES]; /* by itself, as far as that is known; the latest first */
+    double unexplained;                     /* of a change of the setting, in this frame */
+    uint64_t sequence;
+    uint32_t frame; /* index into asked, of the next frame */
+    uint32_t gap;   /* frames since the one before */
+    uint32_t has_level, has_frame;
+    uint32_t alive[SENSOR_CONTROLS]; /* masks of guesses */
+    uint32_t best[SENSOR_CONTROLS];
+    uint32_t delay[SENSOR_CONTROLS]; /* found; 0: not yet */
+    uint32_t reports;                /* this frame's metadata have both */
+    uint32_t is_borne_out;           /* the picture has moved as the metadata did */
+    uint32_t learned;                /* answers that were seen; at most 2 */
+    float cost[SENSOR_GUESSES][SENSOR_GUESSES];
+} sensor_estimate;
+
+/* --- plan --- */
+
+typedef struct sensor_plan {
+    double wanted;       /* effect that is wanted: what is shown is the picture times 2^(wanted - effect) */
+    double goal;         /* ... that this frame asks for */
+    double beyond;       /* goal, less what the camera can reach of it */
+    double aim;          /* what the frame's mean is to be */
+    double held_back_ev; /* by the highlights */
+    double far_ev;       /* the least that the last far frames were off by */
+    double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
+                                                  * how much its highlights were above the mean */
+    double brighter;     /* the scene has become since then, at most, by the quantiles that are not clipped */
+    uint32_t far_frames; /* in a row that are far off on one side */
+    uint32_t is_looking; /* what is known is a guess: the next frame counts at once */
+    uint32_t is_guess;
+    uint32_t slow; /* a pupil_sensor_reason for not moving */
+} sensor_plan;
+
+/* --- follow --- */
+
+typedef struct sensor_point {
+    double total; /* asked for, log2 */
+    double setting[SENSOR_CONTROLS];
+    double effect;
+    uint32_t age; /* frames */
+    uint32_t is_used;
+} sensor_point;
+
+typedef struct sensor_search {
+    double total;                   /* wanted, on the path of settings, log2 of s */
+    double set;                     /* ... when the setting was chosen */
+    double from[SENSOR_CONTROLS];   /* the setting before the last large step */
+    double effect_from;             /* its effect */
+    double pinned[SENSOR_CONTROLS]; /* a control that does not do small steps; the other one does them */
+    uint32_t is_pinned[SENSOR_CONTROLS];
+    uint32_t mover; /* the control that is not */
+    uint32_t swaps; /* of it, in this search */
+    uint32_t pinned_frames;
+    uint32_t narrowed;   /* steps between two points since then */
+    double rest_wanted;  /* the effect that was wanted when the search ended, or a control was pinned */
+    double wrong_ev;     /* the error when it was last seen to shrink */
+    double wrong_wanted; /* the effect that was wanted then */
+    uint32_t wrong_frames, wrong_times;
+    uint32_t since;    /* frames since the last large step, at most SENSOR_RING */
+    uint32_t is_large; /* that step is not judged yet */
+    uint32_t is_searching, is_resting;
+    uint32_t unanswered; /* large steps in a row that did nothing */
+    uint32_t weak;       /* ... or less than expected */
+    uint32_t next;       /* of point */
+    uint32_t reserved;
+    sensor_point point[SENSOR_POINTS];
+} sensor_search;
 
 typedef struct pupil_sensor_object {
     uint64_t magic;
     pupil_sensor_config config;      /* mains_hz: that in use */
-    double total_log2;               /* what is wanted */
-    double set_log2;                 /* ... when the sensor's setting was last chosen */
-    double least_log2, most_log2;    /* what the camera can */
     double held_exposure, held_gain; /* of controls that are not auto */
     int64_t last_timestamp_ns;
-    uint32_t stamped;
-    uint32_t waited;     /* frames since the last large step, at most PUPIL_SENSOR_DELAYS */
-    double stride;       /* share of the way that a large step goes: halved where it turns back */
-    int32_t direction;   /* of the last large step, 1 or -1; 0: at rest since, or it was a guess */
-    uint32_t looking;    /* what is known is a guess: the next frame counts at once */
-    uint32_t odd_frames; /* in a row that are far off on one side, before anything is done about it */
-    uint32_t turns;      /* large steps that turned back, with little rest between */
-    uint32_t same;       /* large steps in a row to one side, after the first */
-    int32_t nudged;      /* frames since the filter moved the setting, downwards, with its sign: it may be on its way */
-    int32_t jumped;      /* the same since the light seemed to jump just when that came into force */
-    double mean_log2, taken_log2;            /* of the last frame: what was metered, and what it was taken with */
-    double noise_ev;                         /* of the light, from frame to frame */
-    uint32_t coarse;                         /* frames since the highlights had a say, downwards */
-    uint32_t calm;                           /* frames of rest since the last large step */
-    int32_t last_direction;                  /* of the last large step, guessed or not; 0 after some rest */
-    double known_ev, known_log2, known_over; /* of the last frame not far too bright: mean, total, highlights over it */
-    double odd_ev;                           /* the least that these were off by */
-    double last_size, last_total_log2;       /* of the last large step: stops it was for, and where it began */
-    double stood_s, patience_s;              /* seconds since the search was given up, and until it starts again */
-    double band_ev; /* this far off is taken for what the camera cannot do better; 0 at first */
+    uint64_t last_sequence;
+    uint32_t has_time;
+    double rewrite_s; /* since the setting was written last to a camera that does not take it */
+    sensor_white white;
+    sensor_estimate estimate;
+    sensor_plan plan;
+    sensor_search search;
     pupil_mains mains;
     pupil_flicker flicker;
-    pupil_sensor_answer answer;
     pupil_sensor_setting setting;
 } pupil_sensor_object;
 
 _Static_assert(sizeof(pupil_sensor_object) <= sizeof(pupil_sensor), "PUPIL_SENSOR_OBJECT_BYTES is too small");
 
-static inline int is_near(double x, double y)
+static inline double size_of(double x)
 {
-    return x - y < 0.05 && x - y > -0.05;
+    return x < 0.0 ? -x : x;
 }
-
-/* What is known of a frame's light, log2 of frame values. */
-typedef struct pupil_sensor_light {
-    double mean, clipped_share, black_share;
-    double middle;    /* the mean without the darkest and the brightest */
-    double highlight; /* the brightest that is to stay below clip; where has_highlight */
-    uint32_t has_highlight, dead;
-    double low[PUPIL_SENSOR_ORDERS], high[PUPIL_SENSOR_ORDERS]; /* the values of some ranks are from, to */
-} pupil_sensor_light;
 
 /* The caller's configuration as one of this version: NULL, or a sentence. */
 const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sensor_config *theirs);
 
-/* The exposure and gain that the camera has for a total of at most so much; the nearest total that it can. */
-void pupil_sensor_split(const pupil_sensor_object *object, double total_log2, double *exposure_s, double *gain);
-double pupil_sensor_reachable(const pupil_sensor_object *object, double wanted);
-double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
-double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
-/* log2 of what is left of an exposure, in log2, of which a line is missing. */
-double pupil_sensor_shorter(const pupil_sensor_object *object, double exposure_log2);
-/* log2 of what the camera does more for a gain's step, by what has been seen; off: stops that it is a part of, or 0. */
-double pupil_sensor_jump(const pupil_sensor_answer *answer, double from, double to, double off);
-/* How far the wanted total has to go so that the camera goes so far, by what it has been seen to do; half to double. */
-double pupil_sensor_way(const pupil_sensor_object *object, double off);
-/* The limits that the setting stands at, and the one that keeps it from going on. */
-uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
-uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int dark);
+/* evidence.c: from statistics, which are whole; or from a level that somebody else has metered. */
+int pupil_sensor_evidence(const pupil_sensor_object *object, const pupil_stats *stats, sensor_evidence *evidence);
+void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double mean, double clipped_share,
+                                    sensor_evidence *evidence);
+/* The white that this frame shows. */
+void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence *evidence);
 
-/* The mean and the highlight quantile of a frame that is partly clipped, as far as that can be guessed; and by how much
- * clip lowers the mean of such a scene where that is as wanted. */
-void pupil_sensor_guess(const pupil_sensor_config *config, const pupil_sensor_light *light, double wanted, double *mean,
+/* clipped_scene.c: the mean and the highlights of a frame that is partly clipped, as far as that can be guessed; and by
+ * how much clipping lowers the mean of such a scene where that is `wanted`. */
+void pupil_sensor_guess(const pupil_sensor_config *config, const sensor_evidence *evidence, double wanted, double *mean,
                         double *highlight, double *lost);
 
-void pupil_sensor_choose(pupil_sensor_object *object, int anew);
-void pupil_sensor_advance(pupil_sensor_object *object, pupil_sensor_light *light, const pupil_frame_info *info);
-
-/* A step of the controls that was clear; [2]: log2 of exposure and gain, in force before it and after. */
-typedef struct pupil_sensor_step {
-    double then[2], now[2];
-    double all, answer; /* stops: of both controls, in what they are known to do; of the picture */
-    double left;        /* of the answer, without either */
-    int is_real;        /* two frames in a row of still light, neither dark */
-} pupil_sensor_step;
-
-void pupil_sensor_learn(pupil_sensor_object *object, const pupil_sensor_step *step);
-
-/* How the camera answers, which frames tell. */
-void pupil_sensor_orders(const pupil_sensor_config *config, const pupil_stats *stats, pupil_sensor_light *light);
-void pupil_sensor_answer_reset(pupil_sensor_object *object);
-void pupil_sensor_answer_frame(pupil_sensor_object *object, const pupil_sensor_light *light, uint64_t sequence);
+/* estimate.c */
+void pupil_sensor_forget(pupil_sensor_object *object); /* what was learned of the camera */
+void pupil_sensor_estimate_frame(pupil_sensor_object *object, const sensor_evidence *evidence,
+                                 const pupil_frame_info *info);
+/* The effect of one setting beyond another's. */
+double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SENSOR_CONTROLS],
+                           const double to[SENSOR_CONTROLS]);
+/* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
-uint32_t pupil_sensor_longest_wait(const pupil_sensor_object *object);
+/* What a step of the setting did: `expected` and `seen`, stops. */
+void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CONTROLS], double expected, double seen);
+
+/* plan.c */
+void pupil_sensor_plan_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
+
+/* follow.c */
+void pupil_sensor_follow(pupil_sensor_object *object, const sensor_evidence *evidence);
+void pupil_sensor_begin(pupil_sensor_object *object, double total);
+int pupil_sensor_is_pending(const pupil_sensor_object *object);
+/* The effect of the setting that was asked for last, once it is in force. */
+double pupil_sensor_effect_asked(const pupil_sensor_object *object);
+/* The least and the most effect that the path of settings has. */
+void pupil_sensor_reach(const pupil_sensor_object *object, double *least, double *most);
+
+/* split.c: the exposure and gain that the camera has for a total of at most so much. */
+void pupil_sensor_split(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);
+double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
+double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
+double pupil_sensor_longest_exposure(const pupil_sensor_config *config);
+/* The limits that the setting is at, and the one that keeps it from going on. */
+uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
+uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int is_dark);
+
+/* report.c */
+void pupil_sensor_report(pupil_sensor_object *object, const sensor_evidence *evidence);
 
 #endif

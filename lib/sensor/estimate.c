@@ -1,0 +1,355 @@
+/* What was in force in a frame, and what the controls did to the picture.
+ *
+ * For each control there are these guesses: what was asked for 1, 2, ... 16 frames before is in force; or what the
+ * metadata report. Between two frames each pair of guesses says by how much the picture's level should have moved; what
+ * is left is the scene's. A scene moves as it likes, but not just when some guess expects it. So a guess loses where
+ * it leaves more than another one. Two frames in which all guesses agree say nothing and cost nothing.
+ *
+ * The effect of the controls is the sum of what they did, from frame to frame, as it was seen: a camera that answers
+ * otherwise than it should is followed, and what is shown does not jump with it. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+void pupil_sensor_forget(pupil_sensor_object *o)
+{
+    sensor_estimate *a = &o->estimate;
+    for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++)
+            a->cost[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)SENSOR_COST_PRIOR : 0.0f;
+    a->noise_ev = 2.0 * SENSOR_QUANTILE_NOISE_EV;
+    a->response[0] = a->response[1] = 1.0;
+    a->unit[0] = a->unit[1] = 0.0;
+    a->delay[0] = a->delay[1] = 0;
+    a->is_borne_out = a->learned = 0;
+}
+
+/* log2 of what a guess says was in force so many frames before this one. */
+static double in_force(const sensor_estimate *a, int control, uint32_t guess, uint32_t before)
+{
+    if (!guess)
+        return before ? a->reported_before[control] : a->reported[control];
+    return a->asked[(a->frame + 2 * SENSOR_RING - guess - before) % SENSOR_RING][control];
+}
+
+double pupil_sensor_effect(const sensor_estimate *a, const double from[SENSOR_CONTROLS],
+                           const double to[SENSOR_CONTROLS])
+{
+    return a->response[0] * (to[0] - from[0]) + a->response[1] * (to[1] - from[1]);
+}
+
+/* By how much the picture's level has moved since the frame before: from least to most. */
+static void moved(const sensor_estimate *a, const sensor_evidence *v, double *least, double *most)
+{
+    *least = -SENSOR_FAR_AWAY;
+    *most = SENSOR_FAR_AWAY;
+    for (int i = 0; i < SENSOR_ORDERS; i++) {
+        const double low = v->low[i] - a->high_before[i], high = v->high[i] - a->low_before[i];
+        if (v->low[i] == v->high[i] && a->low_before[i] == a->high_before[i]) { /* numbers */
+            *least = *most = low;
+            return;
+        }
+        *least = low > *least ? low : *least;
+        *most = high < *most ? high : *most;
+    }
+    if (*least > *most)
+        *least = *most = 0.5 * (*least + *most);
+}
+
+static int has_metadata(const pupil_frame_info *info)
+{
+    return info && info->exposure_s >= SENSOR_POSITIVE && info->exposure_s <= 1.0 / SENSOR_POSITIVE &&
+           info->gain >= SENSOR_POSITIVE && info->gain <= 1.0 / SENSOR_POSITIVE;
+}
+
+/* The setting that the metadata of one control mean. Where they moved, that is the setting like it that was asked for;
+ * where there is none, they are taken at their word. A camera with another unit, or that rounds, reports so much above
+ * what was asked for; that is found where nothing is on its way. */
+static void read_control(sensor_estimate *a, int c)
+{
+    const double moved_by = a->said[c] - a->said_before[c];
+    double nearest = SENSOR_SAME_EV, like = a->reported[c] + moved_by;
+    int is_still = 1;
+    for (uint32_t h = 1; h <= SENSOR_DELAYS; h++) {
+        const double asked = in_force(a, c, h, 0), off = size_of(a->said[c] - a->unit[c] - asked);
+        is_still &= asked == a->standing[c];
+        like = off < nearest ? asked : like;
+        nearest = off < nearest ? off : nearest;
+    }
+    a->reported_before[c] = a->reported[c];
+    if (moved_by != 0.0)
+        a->reported[c] = like;
+    if (!is_still)
+        return;
+    a->unit[c] = a->said[c] - a->standing[c];
+    a->reported_before[c] += a->standing[c] - a->reported[c];
+    a->reported[c] = a->standing[c];
+}
+
+static void read_metadata(sensor_estimate *a, const pupil_frame_info *info)
+{
+    a->reports = has_metadata(info);
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        a->said_before[c] = a->said[c];
+        if (a->reports) {
+            a->said[c] = pupil_log2(c == SENSOR_GAIN ? info->gain : info->exposure_s);
+            read_control(a, c);
+        } else {
+            a->reported_before[c] = a->reported[c];
+            a->reported[c] = a->in_force[c];
+        }
+    }
+}
+
+/* Stops that the scene must have moved by itself, if the controls moved the picture by `effect`. How strongly a picture
+ * answers is known a little, even where nothing has been seen yet. */
+static double left_over(const pupil_sensor_object *o, double effect, double least, double most)
+{
+    const int is_known = o->estimate.learned > 0 || o->config.linear;
+    const double few = effect * (is_known ? SENSOR_KNOWN_LEAST : SENSOR_STEEP_LEAST),
+                 many = effect * (is_known ? SENSOR_KNOWN_MOST : SENSOR_STEEP_MOST);
+    const double low = few < many ? few : many, high = few < many ? many : few;
+    return high < least ? least - high : low > most ? low - most : 0.0;
+}
+
+/* One comparison of this frame with the one before: what each guess costs, beyond the one that leaves least. */
+static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GUESSES], double least, double most)
+{
+    sensor_estimate *a = &o->estimate;
+    const double noise_ev = a->noise_ev > SENSOR_QUANTILE_NOISE_EV ? a->noise_ev : SENSOR_QUANTILE_NOISE_EV;
+    const double scale = 1.0 / (SENSOR_COST_DEGREE * noise_ev * noise_ev);
+    double best = SENSOR_FAR_AWAY, least_left = SENSOR_FAR_AWAY;
+    for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
+            const double left = left_over(o, step[0][e] + step[1][g], least, most);
+            least_left = left < least_left ? left : least_left;
+        }
+    const double least_paid = pupil_log2(1.0 + least_left * least_left * scale);
+    for (uint32_t e = 0; e < SENSOR_GUESSES; e++) {
+        double last = SENSOR_FAR_AWAY, paid = 0.0;
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
+            const double left = left_over(o, step[0][e] + step[1][g], least, most);
+            if (left != last)
+                paid = 2.0 * (pupil_log2(1.0 + left * left * scale) - least_paid);
+            last = left;
+            a->cost[e][g] = (float)((double)a->cost[e][g] + clamp(paid, 0.0, SENSOR_COST_FRAME));
+            best = (double)a->cost[e][g] < best ? (double)a->cost[e][g] : best;
+        }
+    }
+    for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
+            const double more = (double)a->cost[e][g] - best;
+            a->cost[e][g] = (float)(more < SENSOR_COST_MOST ? more : SENSOR_COST_MOST);
+        }
+}
+
+/* The guesses from the one that is taken where nothing speaks for another: the metadata, then the longest delay. */
+static uint32_t guess_at(uint32_t i)
+{
+    return i ? SENSOR_GUESSES - i : 0;
+}
+
+/* The best guess, and what is not ruled out. Metadata that the picture has borne out are believed. */
+static void survey(sensor_estimate *a)
+{
+    double best = SENSOR_FAR_AWAY;
+    a->is_borne_out &= (double)a->cost[0][0] < SENSOR_COST_ALIVE;
+    const uint32_t end = a->is_borne_out && a->reports ? 1 : SENSOR_GUESSES;
+    a->alive[0] = a->alive[1] = 0;
+    for (uint32_t i = a->reports ? 0 : 1; i < end; i++)
+        for (uint32_t j = a->reports ? 0 : 1; j < end; j++) {
+            const uint32_t e = guess_at(i), g = guess_at(j);
+            const double cost = (double)a->cost[e][g];
+            if (cost < SENSOR_COST_ALIVE) {
+                a->alive[0] |= 1u << e;
+                a->alive[1] |= 1u << g;
+            }
+            if (cost < best) {
+                best = cost;
+                a->best[0] = e;
+                a->best[1] = g;
+            }
+        }
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        a->in_force[c] = in_force(a, c, a->best[c], 0);
+}
+
+/* By how much the scene moved by itself; the noise of that, which light that moves evenly has not. */
+static void follow_scene(sensor_estimate *a, double moved, int is_clear)
+{
+    const double cut = SENSOR_NOISE_CUT * a->noise_ev;
+    const double size = SENSOR_SIGMA_OF_SIZE * size_of(moved - a->scene_moved[0]) / SENSOR_SECOND_DIFFERENCE;
+    for (int i = SENSOR_RAMP_FRAMES - 1; i > 0; i--)
+        a->scene_moved[i] = a->scene_moved[i - 1];
+    a->scene_moved[0] = moved;
+    if (!is_clear)
+        return;
+    a->noise_ev += SENSOR_NOISE_WEIGHT * ((size < cut ? size : cut) - a->noise_ev);
+    a->noise_ev = a->noise_ev > SENSOR_MEAN_NOISE_EV ? a->noise_ev : SENSOR_MEAN_NOISE_EV;
+}
+
+/* What a change of the setting may do, at least and at most: each control from nothing to twice what it should, and a
+ * stop more where its steps are coarse; or what the metadata say. */
+static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROLS], double *low, double *high)
+{
+    const double said = a->said[0] - a->said_before[0] + a->said[1] - a->said_before[1];
+    *low = *high = 0.0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        const double asked = a->in_force[c] - then[c], most = 2.0 * asked;
+        const double coarse = size_of(asked) > SENSOR_LARGE_EV ? SENSOR_COARSE_STEP_EV : 0.0;
+        *low += asked < 0.0 ? most - coarse : 0.0;
+        *high += asked > 0.0 ? most + coarse : 0.0;
+    }
+    if (*high > *low && a->reports) {
+        *low = said < *low ? said : *low;
+        *high = said > *high ? said : *high;
+    }
+}
+
+/* What the controls did from the frame before to this one. What a change leaves unexplained is the camera's, as far as
+ * a camera may answer so. Beyond that the scene moved as well. */
+static void follow_effect(pupil_sensor_object *o, double least, double most)
+{
+    sensor_estimate *a = &o->estimate;
+    double then[SENSOR_CONTROLS], low, high;
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        then[c] = in_force(a, c, a->best[c], a->gap);
+    bounds_of(a, then, &low, &high);
+    const double expected = pupil_sensor_effect(a, then, a->in_force);
+    const double known = clamp(expected, least, most), left = size_of(known - expected);
+    const double noise = SENSOR_UNEXPLAINED_NOISE * a->noise_ev, goes_on = 2.0 * size_of(a->scene_moved[0]);
+    const double most_usual = noise > goes_on ? noise : goes_on;
+    const double slack = most_usual > SENSOR_UNEXPLAINED_EV ? most_usual : SENSOR_UNEXPLAINED_EV;
+    const int changes = high - low > 2.0 * SENSOR_DIFFER_EV;
+    const int is_camera = known > low - slack && known < high + slack;
+    const double done = changes && left > slack && is_camera ? known : expected;
+    a->effect += done;
+    a->unexplained = changes ? done - expected : 0.0;
+    a->scene_moved_most = most - done;
+    follow_scene(a, least == most ? least - done : 0.0, least == most && !changes);
+}
+
+/* This frame and the one before it. */
+static void compare(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_estimate *a = &o->estimate;
+    double step[SENSOR_CONTROLS][SENSOR_GUESSES], least, most;
+    int differs = 0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        for (uint32_t h = 0; h < SENSOR_GUESSES; h++) {
+            step[c][h] = a->response[c] * (in_force(a, c, h, 0) - in_force(a, c, h, a->gap));
+            differs |= size_of(step[c][h] - step[c][0]) > SENSOR_DIFFER_EV;
+        }
+    moved(a, v, &least, &most);
+    if (differs) {
+        weigh(o, step, least, most);
+        const double reported = step[0][0] + step[1][0];
+        const double clear = least > 0.0 ? least : most < 0.0 ? -most : 0.0;
+        if (a->reports && clear > SENSOR_STEP_EV && left_over(o, reported, least, most) < SENSOR_QUANTILE_NOISE_EV)
+            a->is_borne_out = 1;
+    }
+    survey(a);
+    follow_effect(o, least, most);
+}
+
+static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
+{
+    double least = SENSOR_FAR_AWAY;
+    for (uint32_t other = 0; other < SENSOR_GUESSES; other++) {
+        const double cost = (double)(control ? a->cost[other][guess] : a->cost[guess][other]);
+        least = cost < least ? cost : least;
+    }
+    return least;
+}
+
+/* The delay of a control, once the frames have told it from each other one; until it is contradicted. Else 0. */
+static uint32_t delay_of(const sensor_estimate *a, int control)
+{
+    double best = SENSOR_FAR_AWAY, second = SENSOR_FAR_AWAY;
+    uint32_t delay = 0;
+    for (uint32_t h = 1; h < SENSOR_GUESSES; h++)
+        if (least_cost(a, control, h) < best) {
+            best = least_cost(a, control, h);
+            delay = h;
+        }
+    for (uint32_t h = 1; h < SENSOR_GUESSES; h++)
+        second = h != delay && least_cost(a, control, h) < second ? least_cost(a, control, h) : second;
+    if (second - best >= SENSOR_COST_PRIOR)
+        return delay;
+    return a->delay[control] && least_cost(a, control, a->delay[control]) - best < SENSOR_COST_ALIVE ? a->delay[control]
+                                                                                                     : 0;
+}
+
+/* What was asked for since the frame before is standing in all that were lost. */
+static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
+{
+    const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;
+    a->gap = a->has_frame && sequence > a->sequence && ahead < SENSOR_RING - SENSOR_DELAYS ? (uint32_t)ahead : 1;
+    a->sequence = sequence;
+    for (uint32_t i = 0; i < a->gap; i++)
+        for (int c = 0; c < SENSOR_CONTROLS; c++)
+            a->asked[(a->frame + i) % SENSOR_RING][c] = a->standing[c];
+    a->frame = (a->frame + a->gap) % SENSOR_RING;
+}
+
+/* What the first frame was taken with was in force for some time. */
+static void begin_frames(sensor_estimate *a, const pupil_frame_info *info)
+{
+    double first[SENSOR_CONTROLS] = {a->standing[0], a->standing[1]};
+    if (has_metadata(info)) {
+        first[0] = pupil_log2(info->exposure_s);
+        first[1] = pupil_log2(info->gain);
+    }
+    for (uint32_t i = 0; i < SENSOR_RING; i++)
+        for (int c = 0; c < SENSOR_CONTROLS; c++)
+            a->asked[i][c] = a->reported[c] = a->in_force[c] = a->said[c] = first[c];
+    a->effect += pupil_sensor_effect(a, a->standing, first);
+    a->sequence = info ? info->sequence : 0;
+    a->gap = 1;
+    a->has_frame = 1;
+}
+
+void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *v, const pupil_frame_info *info)
+{
+    sensor_estimate *a = &o->estimate;
+    if (a->has_frame)
+        count_frames(a, info);
+    else
+        begin_frames(a, info);
+    read_metadata(a, info);
+    if (a->has_level && !v->is_dead) {
+        compare(o, v);
+    } else {
+        survey(a);
+        follow_effect(o, -SENSOR_FAR_AWAY, SENSOR_FAR_AWAY);
+    }
+    a->has_level = !v->is_dead;
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        a->delay[c] = delay_of(a, c);
+    for (int i = 0; i < SENSOR_ORDERS; i++) {
+        a->low_before[i] = v->low[i];
+        a->high_before[i] = v->high[i];
+    }
+}
+
+uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
+{
+    for (uint32_t h = SENSOR_GUESSES - 1; h > 0; h--)
+        if ((o->estimate.alive[0] | o->estimate.alive[1]) >> h & 1)
+            return h;
+    return o->config.delay_frames;
+}
+
+/* The change of the setting from one to the one that stands did so much of what was expected of it. Of both controls
+ * the one that moved further has the larger part in it (normalised least mean squares). */
+void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROLS], double expected, double seen)
+{
+    sensor_estimate *a = &o->estimate;
+    const double e = a->standing[0] - from[0], g = a->standing[1] - from[1], off = seen - expected;
+    a->response[0] = clamp(a->response[0] + off * e / (e * e + g * g), SENSOR_RESPONSE_LEAST, SENSOR_RESPONSE_MOST);
+    a->response[1] = clamp(a->response[1] + off * g / (e * e + g * g), SENSOR_RESPONSE_LEAST, SENSOR_RESPONSE_MOST);
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        if (size_of(a->response[c] - 1.0) < SENSOR_STRAIGHT)
+            a->response[c] = 1.0;
+    a->learned += a->learned < 2;
+}

@@ -1,0 +1,387 @@
+/* Which setting gives the picture that is wanted. A camera that answers as its numbers say has it at once. Of one that
+ * answers otherwise it is found by a search on the path of settings, from the points that were seen: on a camera on
+ * which more never makes the picture darker the wanted effect lies between a point below and one above it. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+static uint32_t wait_frames(const pupil_sensor_object *o)
+{
+    const uint32_t longest = pupil_sensor_longest_delay(o), most = o->config.delay_frames + SENSOR_LATE_FRAMES;
+    return longest < most ? longest : most;
+}
+
+/* The setting that was asked for last may not be in force yet. */
+static int is_on_its_way(const pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    const int is_there = size_of(a->in_force[0] - a->standing[0]) < SENSOR_DIFFER_EV &&
+                         size_of(a->in_force[1] - a->standing[1]) < SENSOR_DIFFER_EV;
+    return o->search.since < wait_frames(o) && !(is_there && a->is_borne_out && a->reports);
+}
+
+int pupil_sensor_is_pending(const pupil_sensor_object *o)
+{
+    return o->search.is_large && is_on_its_way(o);
+}
+
+double pupil_sensor_effect_asked(const pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    return a->effect + (is_on_its_way(o) ? pupil_sensor_effect(a, a->in_force, a->standing) : 0.0);
+}
+
+/* The effect of a total beyond that of the setting that stands; and its setting. What the setting lacks of the total is
+ * the digital factor's. */
+static double effect_of(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS])
+{
+    double e, g;
+    pupil_sensor_split(o, total, &e, &g);
+    setting[0] = pupil_log2(e);
+    setting[1] = pupil_log2(g);
+    return pupil_sensor_effect(&o->estimate, o->estimate.standing, setting);
+}
+
+static double left_of(double total, const double setting[SENSOR_CONTROLS])
+{
+    return total - setting[0] - setting[1];
+}
+
+void pupil_sensor_reach(const pupil_sensor_object *o, double *least, double *most)
+{
+    double setting[SENSOR_CONTROLS];
+    const double asked = pupil_sensor_effect_asked(o);
+    *least = asked + effect_of(o, -SENSOR_TOTAL_END_EV, setting);
+    *most = asked + effect_of(o, SENSOR_TOTAL_END_EV, setting);
+}
+
+/* The ends of the path of settings. */
+static void path_ends(const pupil_sensor_object *o, double *least, double *most)
+{
+    double setting[SENSOR_CONTROLS];
+    (void)effect_of(o, -SENSOR_TOTAL_END_EV, setting);
+    *least = setting[0] + setting[1];
+    (void)effect_of(o, SENSOR_TOTAL_END_EV, setting);
+    *most = setting[0] + setting[1];
+}
+
+/* The total whose effect is so much beyond that of the setting that stands, by what the controls are known to do. */
+static double total_for(const pupil_sensor_object *o, double need)
+{
+    const sensor_estimate *a = &o->estimate;
+    double setting[SENSOR_CONTROLS], low, high;
+    path_ends(o, &low, &high);
+    if (a->response[0] == 1.0 && a->response[1] == 1.0)
+        return clamp(a->standing[0] + a->standing[1] + need, low, high);
+    for (int i = 0; i < SENSOR_BISECT; i++) {
+        const double middle = 0.5 * (low + high);
+        const double effect = effect_of(o, middle, setting);
+        if (effect + left_of(middle, setting) < need)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* --- what was seen --- */
+
+static void forget_points(sensor_search *s)
+{
+    for (int i = 0; i < SENSOR_POINTS; i++)
+        s->point[i].is_used = 0;
+}
+
+/* The setting that stands and what it does. Points that contradict it are of another time: more never makes darker. */
+static void remember(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const sensor_point now = {
+        .total = s->set, .setting = {a->standing[0], a->standing[1]}, .effect = a->effect, .is_used = 1};
+    sensor_point *place = 0;
+    for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
+        const int is_same = p->setting[0] == now.setting[0] && p->setting[1] == now.setting[1];
+        const double more = p->setting[0] + p->setting[1] - now.setting[0] - now.setting[1];
+        if (p->is_used && !is_same &&
+            (more > 0.0 ? p->effect < now.effect - SENSOR_UNEXPLAINED_EV
+                        : p->effect > now.effect + SENSOR_UNEXPLAINED_EV))
+            p->is_used = 0;
+        if (p->is_used && is_same)
+            place = p;
+    }
+    if (!place) {
+        place = &s->point[s->next];
+        s->next = (s->next + 1) % SENSOR_POINTS;
+    }
+    *place = now;
+}
+
+/* The nearest points below and above what is wanted. */
+static void surround(const pupil_sensor_object *o, const sensor_point **low, const sensor_point **high)
+{
+    const double wanted = o->plan.wanted;
+    *low = *high = 0;
+    for (const sensor_point *p = o->search.point; p < o->search.point + SENSOR_POINTS; p++) {
+        if (!p->is_used)
+            continue;
+        if (p->effect < wanted && (!*low || p->effect > (*low)->effect))
+            *low = p;
+        if (p->effect >= wanted && (!*high || p->effect < (*high)->effect))
+            *high = p;
+    }
+}
+
+/* Where the error is large and does not shrink, what was learned of the camera is wrong: it is forgotten. */
+static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_search *s = &o->search;
+    const double error = o->plan.wanted - o->estimate.effect, size = size_of(error);
+    if (size_of(o->plan.wanted - s->wrong_wanted) > SENSOR_WRONG_EV) {
+        s->wrong_wanted = o->plan.wanted;
+        s->wrong_times = 0;
+        s->wrong_frames = 0;
+        s->wrong_ev = size;
+    }
+    if (size < SENSOR_WRONG_EV || size < SENSOR_SHRINK * s->wrong_ev || !v->is_number) {
+        s->wrong_frames = 0;
+        s->wrong_ev = size;
+        return;
+    }
+    s->wrong_frames += o->estimate.gap;
+    if (s->wrong_frames < (wait_frames(o) + SENSOR_WRONG_FRAMES) << s->wrong_times)
+        return;
+    s->wrong_times += s->wrong_times < SENSOR_WRONG_TIMES;
+    s->wrong_frames = 0;
+    s->is_resting = s->is_pinned[0] = s->is_pinned[1] = 0;
+    forget_points(s);
+    pupil_sensor_forget(o);
+}
+
+/* --- where to go --- */
+
+/* Whether a control may do `need` stops of the picture from a setting on. */
+static int has_room(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double response = o->estimate.response[control];
+    const double to = setting[control] + need / response;
+    const double least = control == SENSOR_GAIN ? c->gain_min : c->exposure_min_s;
+    const double most = control == SENSOR_GAIN ? c->gain_max : pupil_sensor_longest_exposure(c);
+    const uint32_t mode = control == SENSOR_GAIN ? c->gain_mode : c->exposure_mode;
+    return mode == PUPIL_SENSOR_AUTO && to <= pupil_log2(most) && to >= pupil_log2(least);
+}
+
+/* From here on only one control moves, so that more of it never makes the picture darker. */
+static void move_only(pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS])
+{
+    sensor_search *s = &o->search;
+    const int other = SENSOR_CONTROLS - 1 - control;
+    s->is_pinned[control] = 0;
+    s->is_pinned[other] = 1;
+    s->pinned[other] = setting[other];
+    s->mover = (uint32_t)control;
+    s->pinned_frames = 0;
+    s->rest_wanted = o->plan.wanted;
+    forget_points(s);
+}
+
+/* The camera did not answer as it should. Gains are finer than exposures that lamps allow, and come sooner. */
+static void begin_search(pupil_sensor_object *o, double need)
+{
+    sensor_search *s = &o->search;
+    const double *standing = o->estimate.standing;
+    s->is_searching = 1;
+    s->swaps = s->narrowed = 0;
+    if (has_room(o, SENSOR_GAIN, standing, need))
+        move_only(o, SENSOR_GAIN, standing);
+    else if (has_room(o, SENSOR_EXPOSURE, standing, need))
+        move_only(o, SENSOR_EXPOSURE, standing);
+    remember(o);
+}
+
+/* The control that moves has no setting between two others: it stays at one of them, and the other control does the
+ * rest. Whether there is such another control. */
+static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
+{
+    sensor_search *s = &o->search;
+    const double wanted = o->plan.wanted;
+    const int is_one = s->is_pinned[0] != s->is_pinned[1];
+    const int coarse = size_of(high->setting[0] - low->setting[0]) > size_of(high->setting[1] - low->setting[1])
+                           ? SENSOR_EXPOSURE
+                           : SENSOR_GAIN;
+    const int other = SENSOR_CONTROLS - 1 - (is_one ? (int)s->mover : coarse);
+    const sensor_point *from = has_room(o, other, low->setting, wanted - low->effect)     ? low
+                               : has_room(o, other, high->setting, wanted - high->effect) ? high
+                                                                                          : 0;
+    if (!from || s->swaps >= SENSOR_SWAPS)
+        return 0;
+    const double total = from->setting[0] + from->setting[1] + (wanted - from->effect) / o->estimate.response[other];
+    move_only(o, other, from->setting);
+    s->swaps++;
+    s->narrowed = 0;
+    s->total = total;
+    return 1;
+}
+
+/* Between the points that were seen. Where nothing is left between them the search ends at the nearer one. */
+static double narrow(pupil_sensor_object *o, double total)
+{
+    sensor_search *s = &o->search;
+    const sensor_point *low, *high;
+    double setting[SENSOR_CONTROLS];
+    surround(o, &low, &high);
+    if (!low || !high)
+        return total;
+    const double gap = high->total - low->total, wanted = o->plan.wanted;
+    const double share = (wanted - low->effect) / (high->effect - low->effect);
+    const double middle = low->total + gap * clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW);
+    (void)effect_of(o, middle, setting);
+    const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
+    const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
+    if (gap > SENSOR_GAP_EV && !is_low && !is_high && (s->narrowed < SENSOR_NARROWED || s->swaps >= SENSOR_SWAPS)) {
+        s->narrowed++;
+        return middle;
+    }
+    const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
+    const double nearest = near->total;
+    if (size_of(wanted - near->effect) > SENSOR_OFF_EV) {
+        if (swap(o, low, high))
+            return s->total;
+        if (gap > SENSOR_GAP_EV && !is_low && !is_high)
+            return middle;
+    }
+    s->is_resting = 1;
+    s->rest_wanted = wanted;
+    return nearest;
+}
+
+/* Once a large step is in force: what it did. A weak answer is believed the second time, for the scene may have moved
+ * against it; but for the first of a camera of which nothing is known. */
+static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_search *s = &o->search;
+    sensor_estimate *a = &o->estimate;
+    const double expected = pupil_sensor_effect(a, s->from, a->standing), seen = a->effect - s->effect_from;
+    const double plain = a->standing[0] - s->from[0] + a->standing[1] - s->from[1], share = seen / expected;
+    s->is_large = 0;
+    if (size_of(plain) >= SENSOR_STEP_EV)
+        pupil_sensor_find_white(o, v);
+    if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
+        return;
+    const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
+    s->unanswered = size_of(seen) < SENSOR_ANSWER_SHARE * size_of(plain)
+                        ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)
+                        : 0;
+    if (is_wrong && !s->is_searching && size_of(o->plan.wanted - a->effect) > SENSOR_OFF_EV)
+        begin_search(o, o->plan.wanted - a->effect);
+    if (size_of(plain) < SENSOR_STEP_EV)
+        return;
+    s->weak = share < SENSOR_WEAK ? s->weak + (s->weak < 2) : 0;
+    if (s->weak != 1 || !(a->learned || o->config.linear))
+        pupil_sensor_learn(o, s->from, expected, seen);
+}
+
+static void ask(pupil_sensor_object *o, double total)
+{
+    sensor_search *s = &o->search;
+    sensor_estimate *a = &o->estimate;
+    double setting[SENSOR_CONTROLS], e, g;
+    const double asked = pupil_sensor_effect_asked(o);
+    (void)effect_of(o, total, setting);
+    pupil_sensor_split(o, total, &e, &g);
+    s->set = total;
+    if (e == o->setting.exposure_s && g == o->setting.gain)
+        return;
+    if (!a->has_frame) /* it is taken to be in force in the first one */
+        a->effect += pupil_sensor_effect(a, a->standing, setting);
+    const double moves = size_of(setting[0] - a->standing[0]) + size_of(setting[1] - a->standing[1]);
+    if ((moves > SENSOR_LARGE_EV || s->is_searching) && a->has_frame) {
+        s->is_large = 1;
+        s->effect_from = asked;
+        for (int c = 0; c < SENSOR_CONTROLS; c++)
+            s->from[c] = a->standing[c];
+    }
+    s->since = a->has_frame ? 0 : SENSOR_RING;
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        a->standing[c] = setting[c];
+    o->setting.exposure_s = e;
+    o->setting.gain = g;
+    o->setting.changed = 1;
+}
+
+static void report_total(pupil_sensor_object *o)
+{
+    pupil_sensor_setting *t = &o->setting;
+    t->total_s = pupil_exp2(o->search.total);
+    t->digital = t->total_s / (t->exposure_s * t->gain);
+    t->limits = pupil_sensor_limits(o);
+}
+
+void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    s->since = s->since + a->gap < SENSOR_RING ? s->since + a->gap : SENSOR_RING;
+    for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
+        p->age += a->gap;
+        p->is_used &= p->age < SENSOR_POINT_FRAMES;
+    }
+    if (s->is_large && !is_on_its_way(o))
+        judge_answer(o, v);
+    if (!is_on_its_way(o) && v->is_number)
+        remember(o);
+    if (o->config.lock || pupil_sensor_is_pending(o)) {
+        report_total(o);
+        return;
+    }
+    doubt(o, v);
+    const double left = left_of(s->set, a->standing), need = o->plan.wanted - pupil_sensor_effect_asked(o);
+    const double moved = need - left;
+    if (s->is_resting && size_of(o->plan.wanted - s->rest_wanted) > SENSOR_OFF_EV)
+        s->is_resting = 0;
+    s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
+    if (s->pinned_frames >= SENSOR_PINNED_FRAMES && size_of(o->plan.wanted - s->rest_wanted) > SENSOR_UNPIN_EV)
+        s->is_pinned[0] = s->is_pinned[1] = 0;
+    s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
+    const int is_pinned = s->is_pinned[0] || s->is_pinned[1];
+    if (is_pinned && !s->is_resting && size_of(need) > SENSOR_OFF_EV &&
+        !has_room(o, (int)s->mover, a->standing, need)) {
+        s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
+        forget_points(s);
+    }
+    const int is_end = size_of(o->plan.beyond) > 0.0;
+    s->total = s->set + (s->is_searching ? 0.0 : moved);
+    /* never further where the frame itself says that it is too far */
+    const double error = o->plan.goal - a->effect;
+    const int is_backward = need * error < 0.0 && size_of(error) > o->config.far_ev;
+    if (!s->is_resting && !is_backward && (size_of(moved) > o->config.hold_ev || is_end)) {
+        const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
+        const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];
+        double total = total_for(o, is_unknown ? 0.5 * need : need);
+        total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
+        total = s->is_searching ? narrow(o, total) : total;
+        s->total = total;
+        ask(o, total);
+    }
+    report_total(o);
+}
+
+/* The total, brought into what the camera can under the current configuration. Where both controls are held, what was
+ * rounded is held, too. */
+void pupil_sensor_begin(pupil_sensor_object *o, double total)
+{
+    sensor_search *s = &o->search;
+    const pupil_sensor_config *c = &o->config;
+    double least, most;
+    s->is_pinned[0] = s->is_pinned[1] = s->is_searching = s->is_resting = 0;
+    forget_points(s);
+    path_ends(o, &least, &most);
+    const int is_held = c->exposure_mode == PUPIL_SENSOR_HELD && c->gain_mode == PUPIL_SENSOR_HELD;
+    if (!(is_held && o->setting.frames && size_of(total - most) < 1.0))
+        total = clamp(total, least, most);
+    s->total = total;
+    ask(o, total);
+    o->plan.wanted = pupil_sensor_effect_asked(o) + left_of(total, o->estimate.standing);
+    report_total(o);
+}

@@ -1,0 +1,169 @@
+/* What the picture is to become: far off, in one step; near, by a slow filter that becomes quick where light moves to
+ * one side. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+/* Stops of the picture for one of light: of both controls, for a tone curve bends both alike. */
+static double slope_of(const pupil_sensor_object *o)
+{
+    return 0.5 * (o->estimate.response[0] + o->estimate.response[1]);
+}
+
+/* What a frame's mean, now `mean`, is to be: the key, or that at the scene's light, by the picture's slope. */
+static double aim_of(const pupil_sensor_object *o, double mean)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double clip = pupil_log2(c->clip), grey = pupil_log2(c->key) + clip, slope = slope_of(o);
+    const double ev = (mean - grey) / slope + grey - o->estimate.in_force[0] - o->estimate.in_force[1];
+    double key = c->key_points ? pupil_log2(c->key_at[0].key) + clip : grey;
+    for (const pupil_sensor_key_point *p = c->key_at + 1; p < c->key_at + c->key_points; p++)
+        key += clamp((ev - p[-1].scene_ev) / (p->scene_ev - p[-1].scene_ev), 0.0, 1.0) * pupil_log2(p->key / p[-1].key);
+    return grey + slope * (key - grey) + c->ev_compensation;
+}
+
+/* By how much the highlights hold the level back. */
+static double held_back(const pupil_sensor_config *c, const sensor_evidence *v, double above_effect, double highlight)
+{
+    const double room = v->white - v->highlight;
+    double most = room - SENSOR_HIGHLIGHT_AIM_EV;               /* the picture may become so much brighter */
+    if (v->clipped_share > c->highlight_share || room <= 0.0) { /* by how much it is over is not known */
+        const double over = SENSOR_HIGHLIGHT_AIM_EV + highlight - v->white;
+        most = -(over > SENSOR_HIGHLIGHT_STEP_EV ? over : SENSOR_HIGHLIGHT_STEP_EV);
+    }
+    return clamp(above_effect - most, 0.0, c->highlight_ev);
+}
+
+/* The effect that this frame asks for.
+ *
+ * A clipped frame's mean is too low, so its goal lies between the frame's own effect and the right one: one such step
+ * after another comes nearer from one side. Only where this says "far too bright" a guess may go further, and too far;
+ * what comes after it comes from the dark side, without guesses. So guesses cannot make it swing. */
+static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const pupil_sensor_config *c = &o->config;
+    sensor_plan *p = &o->plan;
+    const double effect = o->estimate.effect;
+    double mean, highlight, lost, goal;
+    p->aim = aim_of(o, v->mean);
+    const double plain = p->aim - v->mean;
+    goal = plain;
+    p->is_guess = 0;
+    p->brighter += o->estimate.scene_moved_most;
+    pupil_sensor_guess(c, v, p->aim, &mean, &highlight, &lost);
+    o->setting.scene_ev = v->mean - o->estimate.in_force[0] - o->estimate.in_force[1];
+    if (goal < -c->far_ev) {
+        /* what is not clipped shows how much brighter it has become since the mean was a number */
+        const double most = p->known_mean + p->brighter + SENSOR_KNOWN_EV + effect - p->known_effect;
+        p->is_guess = mean > v->mean;
+        p->aim = aim_of(o, mean);
+        goal = v->clipped_share >= SENSOR_BLIND_CLIPPED ? -SENSOR_BLIND_EV : p->aim + lost - mean;
+        goal = clamp(aim_of(o, most) - most, goal, plain);
+        highlight = highlight < most + p->known_over ? highlight : most + p->known_over;
+        o->setting.scene_ev += mean - v->mean;
+    } else if (v->is_number) {
+        p->known_mean = v->mean;
+        p->known_effect = effect;
+        p->known_over = (v->clipped_share > c->highlight_share ? highlight : v->highlight) - v->mean;
+        p->brighter = 0.0;
+    }
+    if (v->black_share > 0.5 && goal > SENSOR_BLIND_EV) {
+        goal = SENSOR_BLIND_EV;
+        p->is_guess = 1;
+    }
+    /* of a picture that is far off, little is known of its highlights */
+    const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
+    const double off = v->has_highlight ? held_back(c, v, goal, highlight) - p->held_back_ev : -p->held_back_ev;
+    if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !pupil_sensor_is_pending(o)) {
+        const double most = size_of(off) > SENSOR_HIGHLIGHT_NEAR_EV ? SENSOR_GLIDE_EV : SENSOR_HIGHLIGHT_SLOW_EV;
+        p->held_back_ev += clamp(off, -most, most);
+    }
+    p->goal = effect + goal - p->held_back_ev;
+}
+
+/* Frames that have to say the same before anything large is done, because light may come and go within a frame or two:
+ * not while the first setting is looked for. What all of them ask for is done. */
+static int is_flash(pupil_sensor_object *o, double off)
+{
+    sensor_plan *p = &o->plan;
+    const int is_same_side = p->far_frames && (p->far_ev > 0.0) == (off > 0.0);
+    if (!is_same_side || size_of(off) < size_of(p->far_ev))
+        p->far_ev = off;
+    p->far_frames = is_same_side ? p->far_frames + (p->far_frames < SENSOR_DELAYS) : 1;
+    return !p->is_looking && p->far_frames <= o->config.flash_frames;
+}
+
+/* Both delays are known: what is in force in a frame is not in doubt. */
+static int is_timed(const sensor_estimate *a)
+{
+    return a->is_borne_out || (a->delay[0] && a->delay[1]);
+}
+
+/* The largest share of the way that may be gone in a frame. */
+static double most_weight(const pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    const uint32_t delay = pupil_sensor_longest_delay(o), gap = a->gap < delay ? a->gap : delay;
+    return is_timed(a) ? SENSOR_TRACK_WEIGHT : SENSOR_DELAY_WEIGHT * gap / delay;
+}
+
+/* Stops a frame by which the light moves, where it has moved so in each of the last frames, and clearly. */
+static double ramp_of(const sensor_estimate *a)
+{
+    double least = a->scene_moved[0];
+    for (int i = 1; i < SENSOR_RAMP_FRAMES; i++) {
+        if (least * a->scene_moved[i] <= 0.0)
+            return 0.0;
+        least = size_of(a->scene_moved[i]) < size_of(least) ? a->scene_moved[i] : least;
+    }
+    return size_of(least) > SENSOR_RAMP_NOISE * a->noise_ev ? least : 0.0;
+}
+
+/* What is wanted moves towards the goal, which is near. */
+static void filter(pupil_sensor_object *o, double off)
+{
+    sensor_plan *p = &o->plan;
+    const pupil_sensor_config *c = &o->config;
+    const double usual = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
+    const double most = most_weight(o);
+    double move = off * (usual < most ? usual : most);
+    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) /* it is not seen, and then the limit is all used */
+        move = off;
+    else if (p->far_frames > c->flash_frames)
+        move = off * most;
+    else if (is_timed(&o->estimate) && p->beyond == 0.0)
+        move -= ramp_of(&o->estimate); /* brighter light, less effect */
+    p->wanted += clamp(move, -SENSOR_GLIDE_EV, SENSOR_GLIDE_EV);
+}
+
+void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const pupil_sensor_config *c = &o->config;
+    sensor_plan *p = &o->plan;
+    double least, most;
+    find_goal(o, v);
+    pupil_sensor_reach(o, &least, &most);
+    const double goal = clamp(p->goal, least, most), off = goal - p->wanted;
+    p->beyond = p->goal - goal;
+    o->setting.error_ev = off;
+    o->setting.wanted_ev = p->aim;
+    p->slow = PUPIL_SENSOR_NO_REASON;
+    if (c->lock)
+        return;
+    const int is_off = size_of(off) > (p->is_looking ? SENSOR_LOOK_EV : c->far_ev);
+    const int is_new = is_off ? is_flash(o, off) : 0;
+    p->far_frames = is_off ? p->far_frames : 0;
+    const int is_far = p->is_looking ? is_off : size_of(off) > SENSOR_FAR_TIMES * c->far_ev;
+    if ((is_far && is_new) || pupil_sensor_is_pending(o)) {
+        p->slow = is_far && is_new ? PUPIL_SENSOR_FLASH : PUPIL_SENSOR_WAITING;
+        return;
+    }
+    if (is_far) {
+        p->wanted += p->far_ev;
+        p->is_looking = p->is_guess || !v->is_number;
+        p->far_frames = 0;
+        return;
+    }
+    p->is_looking = 0;
+    filter(o, off);
+}

@@ -1,0 +1,64 @@
+/* State and reason of a frame. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+/* The camera does not do what is asked of it. */
+static int is_ignored(const pupil_sensor_object *o)
+{
+    return o->search.unanswered > 1 && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV;
+}
+
+static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const double digital = pupil_log2(o->setting.frame_digital) + o->setting.flicker_ev;
+    const double shown = v->mean + digital - (o->plan.aim - o->plan.held_back_ev - o->plan.beyond);
+    return size_of(shown) > o->config.far_ev || size_of(o->setting.error_ev) > o->config.far_ev;
+}
+
+/* A camera that does not take its setting gets it again, for its own automatic may be back. */
+static void write_again(pupil_sensor_object *o)
+{
+    o->rewrite_s += o->setting.dt_s;
+    if (o->setting.changed)
+        o->rewrite_s = 0.0;
+    if (o->rewrite_s < SENSOR_REWRITE_S)
+        return;
+    o->rewrite_s = 0.0;
+    o->setting.changed = 1;
+}
+
+void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    pupil_sensor_setting *s = &o->setting;
+    const pupil_sensor_config *c = &o->config;
+    const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
+    uint32_t reason = s->reason;
+    if (o->plan.slow == PUPIL_SENSOR_FLASH) { /* the state is what it was */
+        s->reason = PUPIL_SENSOR_FLASH;
+        s->state = s->state == PUPIL_SENSOR_CONVERGED && is_off(o, v) ? PUPIL_SENSOR_SEARCHING : s->state;
+        return;
+    }
+    if (!reason && o->plan.held_back_ev > SENSOR_SETTLED_EV)
+        reason = PUPIL_SENSOR_HIGHLIGHTS;
+    s->state = PUPIL_SENSOR_CONVERGED;
+    if (c->lock || is_manual) {
+        s->state = PUPIL_SENSOR_LOCKED;
+        reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_ALL_MANUAL;
+    } else if (is_ignored(o)) {
+        s->state = PUPIL_SENSOR_LIMITED;
+        reason = PUPIL_SENSOR_IGNORED;
+        write_again(o);
+    } else if (is_off(o, v) || pupil_sensor_is_pending(o)) {
+        s->state = v->clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
+        reason = o->plan.slow ? o->plan.slow : reason;
+    } else if (size_of(o->plan.beyond) > SENSOR_SETTLED_EV) {
+        s->state = PUPIL_SENSOR_LIMITED;
+        reason = pupil_sensor_limit(o, o->plan.beyond > 0.0);
+    } else if (c->mains_hz > PUPIL_SENSOR_MAINS_AUTO &&
+               s->exposure_s < 0.5 / c->mains_hz * SENSOR_HALF_PERIOD - c->exposure_step_s) {
+        s->state = PUPIL_SENSOR_FLICKER;
+        reason = PUPIL_SENSOR_BELOW_MAINS;
+    }
+    s->reason = reason;
+}

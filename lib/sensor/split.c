@@ -1,0 +1,170 @@
+/* A total as an exposure time and a gain that the camera has. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+/* The multiple of step at or below x; a millionth of a step is forgiven, so that a multiple stays itself. */
+static double multiple(double x, double step)
+{
+    const double steps = x / step + SENSOR_STEP_SHARE;
+    if (!(steps < SENSOR_STEPS_MOST)) /* steps that a double of x cannot tell apart */
+        return x;
+    const double whole = (double)(int64_t)steps;
+    return step * (whole > steps ? whole - 1.0 : whole);
+}
+
+double pupil_sensor_longest_exposure(const pupil_sensor_config *c)
+{
+    return c->frame_rate_priority && c->frame_s < c->exposure_max_s ? c->frame_s : c->exposure_max_s;
+}
+
+static double in_lines(const pupil_sensor_config *c, double exposure_s)
+{
+    return c->exposure_step_s > 0.0 ? multiple(exposure_s, c->exposure_step_s) : exposure_s;
+}
+
+double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
+{
+    /* where the frequency is to be found, that of most of the world until it is */
+    const uint32_t hz = c->mains_hz == PUPIL_SENSOR_MAINS_AUTO ? SENSOR_USUAL_MAINS_HZ : c->mains_hz;
+    const double half_s = hz ? 0.5 / hz : 0.0;
+    double e = in_lines(c, exposure_s);
+    if (half_s > 0.0 && e >= half_s - c->exposure_step_s) {
+        /* a multiple that was rounded down to lines stays itself */
+        const double up = in_lines(c, multiple(e + c->exposure_step_s, half_s));
+        e = up <= exposure_s * (1.0 + SENSOR_ROUND) ? up : in_lines(c, multiple(e, half_s));
+        e = e > 0.0 ? e : in_lines(c, exposure_s);
+    }
+    return e < c->exposure_min_s ? c->exposure_min_s : e;
+}
+
+double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
+{
+    double g = clamp(gain, c->gain_min, c->gain_max), found = 0.0;
+    switch (c->gain_law) {
+    case PUPIL_GAIN_LINEAR:
+        g = multiple(g, c->gain_step);
+        break;
+    case PUPIL_GAIN_DB:
+        g = pupil_exp2(multiple(pupil_log2(g), SENSOR_LOG2_DB * c->gain_step));
+        break;
+    case PUPIL_GAIN_RECIPROCAL:
+        g = g < 1.0 ? 0.0 : c->gain_step / (c->gain_step - multiple(c->gain_step * (1.0 - 1.0 / g), 1.0));
+        break;
+    case PUPIL_GAIN_TABLE:
+        for (uint32_t i = 0; i < c->gain_count; i++)
+            found = c->gain_table[i] <= g * (1.0 + SENSOR_ROUND) ? c->gain_table[i] : found;
+        g = found;
+        break;
+    }
+    return g < c->gain_min ? c->gain_min : g;
+}
+
+/* By the profile; steps only at the ends of its stages, so that these can be reached. */
+static double exposure_at(const pupil_sensor_config *c, double total)
+{
+    double e = c->exposure_min_s, g = c->gain_min;
+    const double most_s = pupil_sensor_longest_exposure(c);
+    for (uint32_t i = 0; i <= c->stages + 1; i++) {
+        const pupil_sensor_stage end = {i == c->stages ? c->frame_s : c->exposure_max_s, c->gain_max};
+        const pupil_sensor_stage *stage = i < c->stages ? &c->stage[i] : &end;
+        const double next_s = pupil_sensor_exposure_of(c, clamp(stage->exposure_s, e, most_s > e ? most_s : e));
+        if (total <= next_s * g)
+            return clamp(total / g, e, next_s);
+        e = next_s;
+        g = pupil_sensor_gain_of(c, clamp(stage->gain, g, c->gain_max));
+        if (total <= e * g)
+            return e;
+    }
+    return e;
+}
+
+/* The next gain above one that the camera has. */
+static double next_gain(const pupil_sensor_config *c, double gain)
+{
+    double next = gain;
+    switch (c->gain_law) {
+    case PUPIL_GAIN_LINEAR:
+        next = gain + c->gain_step;
+        break;
+    case PUPIL_GAIN_DB:
+        next = gain * pupil_exp2(SENSOR_LOG2_DB * c->gain_step);
+        break;
+    case PUPIL_GAIN_RECIPROCAL:
+        next = c->gain_step / (c->gain_step / gain - 1.0);
+        break;
+    case PUPIL_GAIN_TABLE:
+        for (uint32_t i = c->gain_count; i > 0; i--)
+            next = c->gain_table[i - 1] > gain * (1.0 + SENSOR_ROUND) ? c->gain_table[i - 1] : next;
+        break;
+    }
+    return next > gain && next <= c->gain_max ? pupil_sensor_gain_of(c, next * (1.0 + SENSOR_ROUND)) : gain;
+}
+
+/* What rounding down both leaves is the digital factor's. Where gains are far apart that would be much of a stop: then
+ * the next gain is taken, with a shorter exposure if there is one. */
+static void fit_coarse(const pupil_sensor_config *c, double total, int is_fixed, double *exposure_s, double *gain)
+{
+    const double left = pupil_log2(total / (*exposure_s * *gain)), next = next_gain(c, *gain);
+    if (left <= SENSOR_COARSE_EV || next <= *gain)
+        return;
+    const double shorter = is_fixed ? *exposure_s : pupil_sensor_exposure_of(c, total / next);
+    const double e = shorter * next >= total * pupil_exp2(-SENSOR_COARSE_EV) ? shorter : *exposure_s;
+    if (size_of(pupil_log2(total / (e * next))) >= left)
+        return;
+    *exposure_s = e;
+    *gain = next;
+}
+
+void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
+{
+    const pupil_sensor_config *c = &o->config;
+    const sensor_search *s = &o->search;
+    const double total = pupil_exp2(clamp(total_log2, -SENSOR_TOTAL_END_EV, SENSOR_TOTAL_END_EV));
+    const double most_s = pupil_sensor_longest_exposure(c);
+    const int is_held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, is_held = c->gain_mode != PUPIL_SENSOR_AUTO;
+    const int is_fixed_s = is_held_s || s->is_pinned[0], is_fixed = is_held || s->is_pinned[1];
+    const double fixed_s = is_held_s ? o->held_exposure : pupil_exp2(s->pinned[0]);
+    const double fixed = is_held ? o->held_gain : pupil_exp2(s->pinned[1]);
+    double e = is_fixed ? total / fixed : exposure_at(c, total);
+    e = is_fixed_s ? fixed_s : pupil_sensor_exposure_of(c, clamp(e, c->exposure_min_s, most_s));
+    *exposure_s = e;
+    *gain = is_fixed ? fixed : pupil_sensor_gain_of(c, total / e);
+    if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO && !is_fixed_s && *gain >= c->gain_max && total > e * *gain)
+        *exposure_s = in_lines(c, total / *gain < most_s ? total / *gain : most_s); /* all of it, at the dark end */
+    else if (!is_fixed && total > e * *gain)
+        fit_coarse(c, total, is_fixed_s, exposure_s, gain);
+}
+
+uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
+{
+    const pupil_sensor_config *c = &o->config;
+    double most_s, most;
+    uint32_t limits = 0;
+    pupil_sensor_split(o, SENSOR_TOTAL_END_EV, &most_s, &most);
+    if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
+        limits |=
+            o->setting.exposure_s <= c->exposure_min_s * (1.0 + SENSOR_ROUND) ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
+        const int end = pupil_sensor_longest_exposure(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD
+                                                                             : PUPIL_SENSOR_AT_EXPOSURE_MAX;
+        limits |= o->setting.exposure_s * (1.0 + SENSOR_ROUND) >= most_s ? 1u << end : 0;
+    }
+    if (c->gain_mode == PUPIL_SENSOR_AUTO) {
+        limits |= o->setting.gain <= c->gain_min * (1.0 + SENSOR_ROUND) ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
+        limits |= o->setting.gain * (1.0 + SENSOR_ROUND) >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
+    }
+    return limits;
+}
+
+/* The control that would have had to go on: the profile ends with the gain where it is dark, and begins with the
+ * exposure. */
+uint32_t pupil_sensor_limit(const pupil_sensor_object *o, int is_dark)
+{
+    const pupil_sensor_config *c = &o->config;
+    if (!is_dark)
+        return c->exposure_mode == PUPIL_SENSOR_AUTO ? PUPIL_SENSOR_AT_EXPOSURE_MIN : PUPIL_SENSOR_AT_GAIN_MIN;
+    if (c->gain_mode == PUPIL_SENSOR_AUTO)
+        return PUPIL_SENSOR_AT_GAIN_MAX;
+    return pupil_sensor_longest_exposure(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD
+                                                                : PUPIL_SENSOR_AT_EXPOSURE_MAX;
+}
