@@ -87,6 +87,7 @@
 #define SENSOR_HIGHLIGHT_NEAR_EV 0.35
 /* A quantile from bins moves with pixels that change from one to the next: it is followed so slowly. */
 #define SENSOR_HIGHLIGHT_SLOW_EV 0.01
+#define SENSOR_HIGHLIGHT_FAST_EV 0.025
 /* By how much is not known where more than the share is clipped: at least so much. */
 #define SENSOR_HIGHLIGHT_STEP_EV 0.40
 

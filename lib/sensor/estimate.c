@@ -21,7 +21,7 @@ void pupil_sensor_forget(pupil_sensor_object *o)
     a->response[0] = a->response[1] = 1.0;
     a->unit[0] = a->unit[1] = 0.0;
     a->delay[0] = a->delay[1] = 0;
-    a->is_borne_out = a->learned = 0;
+    a->is_borne_out = a->learned = a->seen = 0;
 }
 
 /* log2 of what a guess says was in force so many frames before this one. */
@@ -348,8 +348,20 @@ void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROL
     const double e = a->standing[0] - from[0], g = a->standing[1] - from[1], off = seen - expected;
     a->response[0] = clamp(a->response[0] + off * e / (e * e + g * g), SENSOR_RESPONSE_LEAST, SENSOR_RESPONSE_MOST);
     a->response[1] = clamp(a->response[1] + off * g / (e * e + g * g), SENSOR_RESPONSE_LEAST, SENSOR_RESPONSE_MOST);
-    for (int c = 0; c < SENSOR_CONTROLS; c++)
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
         if (size_of(a->response[c] - 1.0) < SENSOR_STRAIGHT)
             a->response[c] = 1.0;
+        a->seen |= size_of(a->standing[c] - from[c]) >= SENSOR_STEP_EV ? 1u << c : 0;
+    }
+    for (int c = 0; c < SENSOR_CONTROLS; c++) /* a tone curve is the same for both */
+        if (!o->config.linear && !(a->seen >> c & 1))
+            a->response[c] = a->response[SENSOR_CONTROLS - 1 - c];
     a->learned += a->learned < 2;
+}
+
+void pupil_sensor_unask(sensor_estimate *a, const double from[SENSOR_CONTROLS], uint32_t frames)
+{
+    for (uint32_t h = 1; h <= frames && h < SENSOR_RING; h++)
+        for (int c = 0; c < SENSOR_CONTROLS; c++)
+            a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][c] = from[c];
 }

@@ -256,6 +256,16 @@ static double narrow(pupil_sensor_object *o, double total)
     return nearest;
 }
 
+/* The setting is written once more, as if for the first time. */
+static void write_again(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    pupil_sensor_unask(&o->estimate, s->from, s->since);
+    s->is_large = s->is_again = 1;
+    s->since = 0;
+    o->setting.changed = 1;
+}
+
 /* Once a large step is in force: what it did. A weak answer is believed the second time, for the scene may have moved
  * against it; but for the first of a camera of which nothing is known. */
 static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
@@ -264,11 +274,16 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_estimate *a = &o->estimate;
     const double expected = pupil_sensor_effect(a, s->from, a->standing), seen = a->effect - s->effect_from;
     const double plain = a->standing[0] - s->from[0] + a->standing[1] - s->from[1], share = seen / expected;
-    s->is_large = 0;
+    const int is_again = s->is_again;
+    s->is_large = s->is_again = 0;
     if (size_of(plain) >= SENSOR_STEP_EV)
         pupil_sensor_find_white(o, v);
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
+    if (!is_again && share < SENSOR_WEAK && o->config.linear && !s->is_searching) { /* writes get lost */
+        write_again(o);
+        return;
+    }
     const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
     s->unanswered = size_of(seen) < SENSOR_ANSWER_SHARE * size_of(plain)
                         ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)
@@ -327,6 +342,10 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         p->age += a->gap;
         p->is_used &= p->age < SENSOR_POINT_FRAMES;
     }
+    if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
+        s->is_blunt = 0;
+        s->blunt_wanted = o->plan.wanted;
+    }
     if (s->is_large && !is_on_its_way(o))
         judge_answer(o, v);
     if (!is_on_its_way(o) && v->is_number)
@@ -355,7 +374,12 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     /* never further where the frame itself says that it is too far */
     const double error = o->plan.goal - a->effect;
     const int is_backward = need * error < 0.0 && size_of(error) > o->config.far_ev;
-    if (!s->is_resting && !is_backward && (size_of(moved) > o->config.hold_ev || is_end)) {
+    /* of a camera that does not do small steps they are left to the digital factor */
+    if (a->unexplained != 0.0)
+        s->is_blunt = 1;
+    const double hold_ev = s->is_blunt && o->config.hold_ev < SENSOR_LARGE_EV ? SENSOR_LARGE_EV : o->config.hold_ev;
+    const int is_small = size_of(moved) <= hold_ev || size_of(need) <= hold_ev - o->config.hold_ev;
+    if (!s->is_resting && !is_backward && (!is_small || is_end)) {
         const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
         const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];
         double total = total_for(o, is_unknown ? 0.5 * need : need);

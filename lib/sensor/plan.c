@@ -75,7 +75,8 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
     const double off = v->has_highlight ? held_back(c, v, goal, highlight) - p->held_back_ev : -p->held_back_ev;
     if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !pupil_sensor_is_pending(o)) {
-        const double most = size_of(off) > SENSOR_HIGHLIGHT_NEAR_EV ? SENSOR_GLIDE_EV : SENSOR_HIGHLIGHT_SLOW_EV;
+        const double most =
+            size_of(off) > SENSOR_HIGHLIGHT_NEAR_EV ? SENSOR_HIGHLIGHT_FAST_EV : SENSOR_HIGHLIGHT_SLOW_EV;
         p->held_back_ev += clamp(off, -most, most);
     }
     p->goal = effect + goal - p->held_back_ev;

@@ -71,6 +71,7 @@ typedef struct sensor_estimate {
     uint32_t delay[SENSOR_CONTROLS]; /* found; 0: not yet */
     uint32_t reports;                /* this frame's metadata have both */
     uint32_t is_borne_out;           /* the picture has moved as the metadata did */
+    uint32_t seen;                   /* mask of controls whose answer was seen */
     uint32_t learned;                /* answers that were seen; at most 2 */
     float cost[SENSOR_GUESSES][SENSOR_GUESSES];
 } sensor_estimate;
@@ -118,8 +119,11 @@ typedef struct sensor_search {
     double wrong_ev;     /* the error when it was last seen to shrink */
     double wrong_wanted; /* the effect that was wanted then */
     uint32_t wrong_frames, wrong_times;
-    uint32_t since;    /* frames since the last large step, at most SENSOR_RING */
-    uint32_t is_large; /* that step is not judged yet */
+    uint32_t since;      /* frames since the last large step, at most SENSOR_RING */
+    uint32_t is_large;   /* that step is not judged yet */
+    uint32_t is_again;   /* it was written a second time */
+    uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
+    double blunt_wanted; /* the effect that was wanted then */
     uint32_t is_searching, is_resting;
     uint32_t unanswered; /* large steps in a row that did nothing */
     uint32_t weak;       /* ... or less than expected */
@@ -174,6 +178,8 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *object, const sensor_evide
 /* The effect of one setting beyond another's. */
 double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SENSOR_CONTROLS],
                            const double to[SENSOR_CONTROLS]);
+/* What was asked for in the last frames did not arrive: `from` stayed in force. */
+void pupil_sensor_unask(sensor_estimate *estimate, const double from[SENSOR_CONTROLS], uint32_t frames);
 /* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 /* What a step of the setting did: `expected` and `seen`, stops. */
