@@ -353,9 +353,11 @@ void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROL
             a->response[c] = 1.0;
         a->seen |= size_of(a->standing[c] - from[c]) >= SENSOR_STEP_EV ? 1u << c : 0;
     }
-    for (int c = 0; c < SENSOR_CONTROLS; c++) /* a tone curve is the same for both */
-        if (!o->config.linear && !(a->seen >> c & 1))
-            a->response[c] = a->response[SENSOR_CONTROLS - 1 - c];
+    for (int c = 0; c < SENSOR_CONTROLS; c++) { /* a tone curve is the same for both */
+        const double other = a->response[SENSOR_CONTROLS - 1 - c];
+        if (!(a->seen >> c & 1) && other >= SENSOR_STEEP_LEAST && other <= SENSOR_STEEP_MOST)
+            a->response[c] = other;
+    }
     a->learned += a->learned < 2;
 }
 

@@ -49,10 +49,11 @@ static double left_of(double total, const double setting[SENSOR_CONTROLS])
 
 void pupil_sensor_reach(const pupil_sensor_object *o, double *least, double *most)
 {
-    double setting[SENSOR_CONTROLS];
+    double darkest[SENSOR_CONTROLS], brightest[SENSOR_CONTROLS];
     const double asked = pupil_sensor_effect_asked(o);
-    *least = asked + effect_of(o, -SENSOR_TOTAL_END_EV, setting);
-    *most = asked + effect_of(o, SENSOR_TOTAL_END_EV, setting);
+    pupil_sensor_ends(o, darkest, brightest);
+    *least = asked + pupil_sensor_effect(&o->estimate, o->estimate.standing, darkest);
+    *most = asked + pupil_sensor_effect(&o->estimate, o->estimate.standing, brightest);
 }
 
 /* The ends of the path of settings. */

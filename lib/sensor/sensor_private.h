@@ -199,6 +199,9 @@ void pupil_sensor_reach(const pupil_sensor_object *object, double *least, double
 
 /* split.c: the exposure and gain that the camera has for a total of at most so much. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);
+/* The darkest and the brightest setting, log2, whatever a search has pinned. */
+void pupil_sensor_ends(const pupil_sensor_object *object, double darkest[SENSOR_CONTROLS],
+                       double brightest[SENSOR_CONTROLS]);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 double pupil_sensor_longest_exposure(const pupil_sensor_config *config);

@@ -116,14 +116,16 @@ static void fit_coarse(const pupil_sensor_config *c, double total, int is_fixed,
     *gain = next;
 }
 
-void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
+/* is_pinned: which controls the search has pinned. */
+static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_CONTROLS], double total_log2,
+                  double *exposure_s, double *gain)
 {
     const pupil_sensor_config *c = &o->config;
     const sensor_search *s = &o->search;
     const double total = pupil_exp2(clamp(total_log2, -SENSOR_TOTAL_END_EV, SENSOR_TOTAL_END_EV));
     const double most_s = pupil_sensor_longest_exposure(c);
     const int is_held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, is_held = c->gain_mode != PUPIL_SENSOR_AUTO;
-    const int is_fixed_s = is_held_s || s->is_pinned[0], is_fixed = is_held || s->is_pinned[1];
+    const int is_fixed_s = is_held_s || is_pinned[0], is_fixed = is_held || is_pinned[1];
     const double fixed_s = is_held_s ? o->held_exposure : pupil_exp2(s->pinned[0]);
     const double fixed = is_held ? o->held_gain : pupil_exp2(s->pinned[1]);
     double e = is_fixed ? total / fixed : exposure_at(c, total);
@@ -134,6 +136,23 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
         *exposure_s = in_lines(c, total / *gain < most_s ? total / *gain : most_s); /* all of it, at the dark end */
     else if (!is_fixed && total > e * *gain)
         fit_coarse(c, total, is_fixed_s, exposure_s, gain);
+}
+
+void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
+{
+    split(o, o->search.is_pinned, total_log2, exposure_s, gain);
+}
+
+void pupil_sensor_ends(const pupil_sensor_object *o, double darkest[SENSOR_CONTROLS], double brightest[SENSOR_CONTROLS])
+{
+    static const uint32_t none[SENSOR_CONTROLS] = {0, 0};
+    double e, g;
+    split(o, none, -SENSOR_TOTAL_END_EV, &e, &g);
+    darkest[0] = pupil_log2(e);
+    darkest[1] = pupil_log2(g);
+    split(o, none, SENSOR_TOTAL_END_EV, &e, &g);
+    brightest[0] = pupil_log2(e);
+    brightest[1] = pupil_log2(g);
 }
 
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
