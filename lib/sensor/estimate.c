@@ -24,6 +24,19 @@ void pupil_sensor_forget(pupil_sensor_object *o)
     a->is_borne_out = a->learned = a->seen = 0;
 }
 
+/* What was learned does not explain what is seen: responses are as at first, and delays half as certain. */
+void pupil_sensor_doubt(pupil_sensor_object *o)
+{
+    sensor_estimate *a = &o->estimate;
+    for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
+            const int is_late = e > o->config.delay_frames || g > o->config.delay_frames;
+            a->cost[e][g] = (float)(0.5 * ((double)a->cost[e][g] + (is_late ? SENSOR_COST_PRIOR : 0.0)));
+        }
+    a->response[0] = a->response[1] = 1.0;
+    a->learned = a->seen = 0;
+}
+
 /* log2 of what a guess says was in force so many frames before this one. */
 static double in_force(const sensor_estimate *a, int control, uint32_t guess, uint32_t before)
 {

@@ -20,6 +20,14 @@ static int is_on_its_way(const pupil_sensor_object *o)
     return o->search.since < wait_frames(o) && !(is_there && a->is_borne_out && a->reports);
 }
 
+/* The setting that was asked for last is in force beyond doubt. */
+static int is_in_force(const pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    const int is_known = (a->is_borne_out && a->reports) || (a->delay[0] && a->delay[1]);
+    return !is_on_its_way(o) && (is_known || o->search.since >= o->config.delay_frames + SENSOR_LATE_FRAMES);
+}
+
 int pupil_sensor_is_pending(const pupil_sensor_object *o)
 {
     return o->search.is_large && is_on_its_way(o);
@@ -154,9 +162,9 @@ static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
         return;
     s->wrong_times += s->wrong_times < SENSOR_WRONG_TIMES;
     s->wrong_frames = 0;
-    s->is_resting = s->is_pinned[0] = s->is_pinned[1] = 0;
+    s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     forget_points(s);
-    pupil_sensor_forget(o);
+    pupil_sensor_doubt(o);
 }
 
 /* --- where to go --- */
@@ -344,12 +352,12 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         p->is_used &= p->age < SENSOR_POINT_FRAMES;
     }
     if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
-        s->is_blunt = 0;
+        s->is_blunt = s->swaps = 0;
         s->blunt_wanted = o->plan.wanted;
     }
     if (s->is_large && !is_on_its_way(o))
         judge_answer(o, v);
-    if (!is_on_its_way(o) && v->is_number)
+    if (is_in_force(o) && v->is_number)
         remember(o);
     if (o->config.lock || pupil_sensor_is_pending(o)) {
         report_total(o);
@@ -364,8 +372,12 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     if (s->pinned_frames >= SENSOR_PINNED_FRAMES && size_of(o->plan.wanted - s->rest_wanted) > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
     s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
-    const int is_pinned = s->is_pinned[0] || s->is_pinned[1];
-    if (is_pinned && !s->is_resting && size_of(need) > SENSOR_OFF_EV &&
+    const int is_pinned = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
+    if (is_pinned && s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->standing, need)) {
+        move_only(o, other, a->standing); /* the control that moves does nothing */
+        s->swaps++;
+        s->unanswered = 0;
+    } else if (is_pinned && !s->is_resting && size_of(need) > SENSOR_OFF_EV &&
         !has_room(o, (int)s->mover, a->standing, need)) {
         s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
         forget_points(s);
@@ -379,7 +391,8 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     if (a->unexplained != 0.0)
         s->is_blunt = 1;
     const double hold_ev = s->is_blunt && o->config.hold_ev < SENSOR_LARGE_EV ? SENSOR_LARGE_EV : o->config.hold_ev;
-    const int is_small = size_of(moved) <= hold_ev || size_of(need) <= hold_ev - o->config.hold_ev;
+    const int is_small = (size_of(moved) <= hold_ev && size_of(left) < SENSOR_WRONG_EV) ||
+                         size_of(need) <= hold_ev - o->config.hold_ev;
     if (!s->is_resting && !is_backward && (!is_small || is_end)) {
         const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
         const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];

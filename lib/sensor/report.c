@@ -9,11 +9,13 @@ static int is_ignored(const pupil_sensor_object *o)
     return o->search.unanswered > 1 && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV;
 }
 
+/* What is shown, or what is wanted, is not where it should be; beyond a limit nobody can tell. */
 static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
 {
+    const sensor_plan *p = &o->plan;
     const double digital = pupil_log2(o->setting.frame_digital) + o->setting.flicker_ev;
-    const double shown = v->mean + digital - (o->plan.aim - o->plan.held_back_ev - o->plan.beyond);
-    return size_of(shown) > o->config.far_ev || size_of(o->setting.error_ev) > o->config.far_ev;
+    const double shown = v->mean + digital - (p->aim - p->held_back_ev);
+    return size_of(o->setting.error_ev) > o->config.far_ev || (p->beyond == 0.0 && size_of(shown) > o->config.far_ev);
 }
 
 /* A camera that does not take its setting gets it again, for its own automatic may be back. */

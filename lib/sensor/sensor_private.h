@@ -173,6 +173,7 @@ void pupil_sensor_guess(const pupil_sensor_config *config, const sensor_evidence
 
 /* estimate.c */
 void pupil_sensor_forget(pupil_sensor_object *object); /* what was learned of the camera */
+void pupil_sensor_doubt(pupil_sensor_object *object);  /* half of it */
 void pupil_sensor_estimate_frame(pupil_sensor_object *object, const sensor_evidence *evidence,
                                  const pupil_frame_info *info);
 /* The effect of one setting beyond another's. */
