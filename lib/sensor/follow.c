@@ -5,10 +5,21 @@
 
 #include "base/numeric.h"
 
+/* Whether only the metadata are left to say what is in force. */
+static int is_by_metadata(const sensor_estimate *a)
+{
+    return a->reports && ((a->alive[0] == 1 && a->alive[1] == 1) || a->is_borne_out);
+}
+
+/* Frames after which a setting is taken to be in force, whatever the delay is. */
 static uint32_t wait_frames(const pupil_sensor_object *o)
 {
+    const sensor_estimate *a = &o->estimate;
     const uint32_t longest = pupil_sensor_longest_delay(o), most = o->config.delay_frames + SENSOR_LATE_FRAMES;
-    return longest < most ? longest : most;
+    const uint32_t known = a->delay[0] > a->delay[1] ? a->delay[0] : a->delay[1];
+    if (a->is_borne_out && known)
+        return known > o->config.delay_frames ? known : o->config.delay_frames;
+    return longest < most && !is_by_metadata(a) ? longest : most;
 }
 
 /* The setting that was asked for last may not be in force yet. */
@@ -17,14 +28,14 @@ static int is_on_its_way(const pupil_sensor_object *o)
     const sensor_estimate *a = &o->estimate;
     const int is_there = size_of(a->in_force[0] - a->standing[0]) < SENSOR_DIFFER_EV &&
                          size_of(a->in_force[1] - a->standing[1]) < SENSOR_DIFFER_EV;
-    return o->search.since < wait_frames(o) && !(is_there && a->is_borne_out && a->reports);
+    return o->search.since < wait_frames(o) && !(is_there && is_by_metadata(a));
 }
 
 /* The setting that was asked for last is in force beyond doubt. */
 static int is_in_force(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    const int is_known = (a->is_borne_out && a->reports) || (a->delay[0] && a->delay[1]);
+    const int is_known = is_by_metadata(a) || (a->delay[0] && a->delay[1]);
     return !is_on_its_way(o) && (is_known || o->search.since >= o->config.delay_frames + SENSOR_LATE_FRAMES);
 }
 
@@ -173,8 +184,7 @@ static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
 static int has_room(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
 {
     const pupil_sensor_config *c = &o->config;
-    const double response = o->estimate.response[control];
-    const double to = setting[control] + need / response;
+    const double to = setting[control] + need;
     const double least = control == SENSOR_GAIN ? c->gain_min : c->exposure_min_s;
     const double most = control == SENSOR_GAIN ? c->gain_max : pupil_sensor_longest_exposure(c);
     const uint32_t mode = control == SENSOR_GAIN ? c->gain_mode : c->exposure_mode;
@@ -225,7 +235,7 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
                                                                                           : 0;
     if (!from || s->swaps >= SENSOR_SWAPS)
         return 0;
-    const double total = from->setting[0] + from->setting[1] + (wanted - from->effect) / o->estimate.response[other];
+    const double total = from->setting[0] + from->setting[1] + wanted - from->effect;
     move_only(o, other, from->setting);
     s->swaps++;
     s->narrowed = 0;
@@ -287,6 +297,10 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     s->is_large = s->is_again = 0;
     if (size_of(plain) >= SENSOR_STEP_EV)
         pupil_sensor_find_white(o, v);
+    if ((o->plan.goal - a->effect) * expected < 0.0 && size_of(o->plan.goal - a->effect) > 0.5 * size_of(expected)) {
+        pupil_sensor_overshot(a); /* the controls do more than was believed */
+        s->unanswered = s->weak = 0;
+    }
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
     if (!is_again && share < SENSOR_WEAK && o->config.linear && !s->is_searching) { /* writes get lost */
@@ -357,7 +371,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     }
     if (s->is_large && !is_on_its_way(o))
         judge_answer(o, v);
-    if (is_in_force(o) && v->is_number)
+    if (is_in_force(o))
         remember(o);
     if (o->config.lock || pupil_sensor_is_pending(o)) {
         report_total(o);
@@ -390,9 +404,8 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     /* of a camera that does not do small steps they are left to the digital factor */
     if (a->unexplained != 0.0)
         s->is_blunt = 1;
-    const double hold_ev = s->is_blunt && o->config.hold_ev < SENSOR_LARGE_EV ? SENSOR_LARGE_EV : o->config.hold_ev;
-    const int is_small = (size_of(moved) <= hold_ev && size_of(left) < SENSOR_WRONG_EV) ||
-                         size_of(need) <= hold_ev - o->config.hold_ev;
+    const int is_held = size_of(moved) <= o->config.hold_ev && size_of(left) < SENSOR_WRONG_EV;
+    const int is_small = s->is_blunt ? size_of(need) <= SENSOR_LARGE_EV : is_held;
     if (!s->is_resting && !is_backward && (!is_small || is_end)) {
         const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
         const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];

@@ -179,6 +179,8 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *object, const sensor_evide
 /* The effect of one setting beyond another's. */
 double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SENSOR_CONTROLS],
                            const double to[SENSOR_CONTROLS]);
+/* A step went too far: no control does less than it should. */
+void pupil_sensor_overshot(sensor_estimate *estimate);
 /* What was asked for in the last frames did not arrive: `from` stayed in force. */
 void pupil_sensor_unask(sensor_estimate *estimate, const double from[SENSOR_CONTROLS], uint32_t frames);
 /* The longest delay that is not ruled out. */
