@@ -175,6 +175,7 @@
 /* Frames, beyond the wait, after which an error that does not shrink shows that what was learned is wrong;
  * doubled each time, at most so often, while the light is the same. */
 #define SENSOR_WRONG_FRAMES 28
+#define SENSOR_REST_FRAMES  8 /* ... where a search has ended so */
 #define SENSOR_WRONG_TIMES  6
 /* Unanswered steps in a row that are counted: each doubles the next one. */
 #define SENSOR_UNANSWERED_MOST 4

@@ -169,7 +169,8 @@ static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
         return;
     }
     s->wrong_frames += o->estimate.gap;
-    if (s->wrong_frames < (wait_frames(o) + SENSOR_WRONG_FRAMES) << s->wrong_times)
+    const uint32_t most = wait_frames(o) + (s->is_resting ? SENSOR_REST_FRAMES : SENSOR_WRONG_FRAMES);
+    if (s->wrong_frames < most << s->wrong_times)
         return;
     s->wrong_times += s->wrong_times < SENSOR_WRONG_TIMES;
     s->wrong_frames = 0;
@@ -320,6 +321,31 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
+static int is_standing(const pupil_sensor_object *o, double total)
+{
+    double setting[SENSOR_CONTROLS];
+    (void)effect_of(o, total, setting);
+    return setting[0] == o->estimate.standing[0] && setting[1] == o->estimate.standing[1];
+}
+
+/* The control that moves has no better setting than the one that stands: the other one does the rest, or the search
+ * ends. */
+static double leave(pupil_sensor_object *o, double need)
+{
+    sensor_search *s = &o->search;
+    const double *standing = o->estimate.standing;
+    const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
+    if (is_one && s->swaps < SENSOR_SWAPS && has_room(o, other, standing, need)) {
+        move_only(o, other, standing);
+        s->swaps++;
+        s->narrowed = 0;
+        return standing[0] + standing[1] + need;
+    }
+    s->is_resting = 1;
+    s->rest_wanted = o->plan.wanted;
+    return s->set;
+}
+
 static void ask(pupil_sensor_object *o, double total)
 {
     sensor_search *s = &o->search;
@@ -392,7 +418,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         s->swaps++;
         s->unanswered = 0;
     } else if (is_pinned && !s->is_resting && size_of(need) > SENSOR_OFF_EV &&
-        !has_room(o, (int)s->mover, a->standing, need)) {
+               !has_room(o, (int)s->mover, a->standing, need)) {
         s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
         forget_points(s);
     }
@@ -402,9 +428,12 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     const double error = o->plan.goal - a->effect;
     const int is_backward = need * error < 0.0 && size_of(error) > o->config.far_ev;
     /* of a camera that does not do small steps they are left to the digital factor */
-    if (a->unexplained != 0.0)
+    if (a->unexplained != 0.0) {
         s->is_blunt = 1;
-    const int is_held = size_of(moved) <= o->config.hold_ev && size_of(left) < SENSOR_WRONG_EV;
+        s->blunt_wanted = o->plan.wanted;
+    }
+    const double hold_ev = o->config.hold_ev;
+    const int is_held = size_of(need) <= hold_ev || (size_of(moved) <= hold_ev && size_of(left) < SENSOR_WRONG_EV);
     const int is_small = s->is_blunt ? size_of(need) <= SENSOR_LARGE_EV : is_held;
     if (!s->is_resting && !is_backward && (!is_small || is_end)) {
         const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
@@ -412,6 +441,8 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         double total = total_for(o, is_unknown ? 0.5 * need : need);
         total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
         total = s->is_searching ? narrow(o, total) : total;
+        if (s->is_searching && !s->is_resting && is_standing(o, total))
+            total = leave(o, need);
         s->total = total;
         ask(o, total);
     }
