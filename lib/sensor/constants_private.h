@@ -82,11 +82,11 @@
     }
 
 /* The quantile that is to stay below white comes from peak bins of a quarter of a stop. It is aimed at this far below
- * white; nearer than a bin is near enough. */
-#define SENSOR_HIGHLIGHT_AIM_EV  0.20
-#define SENSOR_HIGHLIGHT_NEAR_EV 0.35
-/* A quantile from bins moves with pixels that change from one to the next: it is followed so slowly. */
-#define SENSOR_HIGHLIGHT_SLOW_EV 0.01
+ * white. */
+#define SENSOR_HIGHLIGHT_AIM_EV 0.20
+/* A quantile from bins moves with pixels that change from one to the next: it is followed by a filter, and no faster
+ * than this in a frame, so that a stop takes two seconds at 30 frames a second. */
+#define SENSOR_HIGHLIGHT_WEIGHT  0.1
 #define SENSOR_HIGHLIGHT_FAST_EV 0.025
 /* By how much is not known where more than the share is clipped: at least so much. */
 #define SENSOR_HIGHLIGHT_STEP_EV 0.40
@@ -149,6 +149,8 @@
 /* Further off than this light is followed in one step, nearer than this in a glide of at most GLIDE_EV a frame. */
 #define SENSOR_FAR_TIMES 4.5 /* of far_ev */
 #define SENSOR_GLIDE_EV  0.05
+/* The least share of the way of a step that turns back. */
+#define SENSOR_STRIDE_LEAST 0.125
 /* The share of the way that the filter goes in a frame while light moves to one side, where the delays are known; and
  * over the delay where they are not (largest k without overshoot of x' = x - k x[D - 1 before]: (D-1)^(D-1) / D^D). */
 #define SENSOR_TRACK_WEIGHT 0.35
@@ -181,6 +183,8 @@
 #define SENSOR_UNANSWERED_MOST 4
 /* A pinned control is free again at the next large change of light after so many frames. */
 #define SENSOR_PINNED_FRAMES 300
+/* A search that takes longer ends where it is nearest. */
+#define SENSOR_SEARCH_FRAMES 48
 /* Where another control can do the rest, a search gives up on a control after so many steps between two points. */
 #define SENSOR_NARROWED 3
 /* A search changes the control that moves at most so often. */

@@ -374,6 +374,14 @@ void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROL
     a->learned += a->learned < 2;
 }
 
+double pupil_sensor_unrest(const sensor_estimate *a)
+{
+    double most = 0.0;
+    for (int i = 0; i < SENSOR_RAMP_FRAMES; i++)
+        most = size_of(a->scene_moved[i]) > most ? size_of(a->scene_moved[i]) : most;
+    return most;
+}
+
 void pupil_sensor_overshot(sensor_estimate *a)
 {
     for (int c = 0; c < SENSOR_CONTROLS; c++)

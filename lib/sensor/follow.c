@@ -259,13 +259,14 @@ static double narrow(pupil_sensor_object *o, double total)
     (void)effect_of(o, middle, setting);
     const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
     const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
-    if (gap > SENSOR_GAP_EV && !is_low && !is_high && (s->narrowed < SENSOR_NARROWED || s->swaps >= SENSOR_SWAPS)) {
+    if (gap > SENSOR_GAP_EV && !is_low && !is_high && s->search_frames < SENSOR_SEARCH_FRAMES &&
+        (s->narrowed < SENSOR_NARROWED || s->swaps >= SENSOR_SWAPS)) {
         s->narrowed++;
         return middle;
     }
     const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
     const double nearest = near->total;
-    if (size_of(wanted - near->effect) > SENSOR_OFF_EV) {
+    if (size_of(wanted - near->effect) > SENSOR_OFF_EV && s->search_frames < SENSOR_SEARCH_FRAMES) {
         if (swap(o, low, high))
             return s->total;
         if (gap > SENSOR_GAP_EV && !is_low && !is_high)
@@ -317,7 +318,8 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     if (size_of(plain) < SENSOR_STEP_EV)
         return;
     s->weak = share < SENSOR_WEAK ? s->weak + (s->weak < 2) : 0;
-    if (s->weak != 1 || !(a->learned || o->config.linear))
+    const int is_still = pupil_sensor_unrest(a) < SENSOR_STRAIGHT * size_of(expected);
+    if (is_still && (s->weak != 1 || !(a->learned || o->config.linear)))
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
@@ -412,6 +414,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     if (s->pinned_frames >= SENSOR_PINNED_FRAMES && size_of(o->plan.wanted - s->rest_wanted) > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
     s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
+    s->search_frames = s->is_searching && !s->is_resting ? s->search_frames + a->gap : 0;
     const int is_pinned = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
     if (is_pinned && s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->standing, need)) {
         move_only(o, other, a->standing); /* the control that moves does nothing */

@@ -75,9 +75,9 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
     const double off = v->has_highlight ? held_back(c, v, goal, highlight) - p->held_back_ev : -p->held_back_ev;
     if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !pupil_sensor_is_pending(o)) {
-        const double most =
-            size_of(off) > SENSOR_HIGHLIGHT_NEAR_EV ? SENSOR_HIGHLIGHT_FAST_EV : SENSOR_HIGHLIGHT_SLOW_EV;
-        p->held_back_ev += clamp(off, -most, most);
+        const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -SENSOR_HIGHLIGHT_FAST_EV, SENSOR_HIGHLIGHT_FAST_EV);
+        p->held_back_ev += move;
+        p->wanted -= c->lock ? 0.0 : move;
     }
     p->goal = effect + goal - p->held_back_ev;
 }
@@ -137,6 +137,21 @@ static void filter(pupil_sensor_object *o, double off)
     p->wanted += clamp(move, -SENSOR_GLIDE_EV, SENSOR_GLIDE_EV);
 }
 
+/* All of the way. But a step that turns back before anything was near comes from a guess, or from a picture that
+ * answers more strongly than is known: it goes half the way, the next one half of that. */
+static void step(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_plan *p = &o->plan;
+    const int direction = p->far_ev > 0.0 ? 1 : -1;
+    if (p->direction == -direction && (p->was_blind || !v->is_number))
+        p->stride *= p->stride > SENSOR_STRIDE_LEAST ? 0.5 : 1.0;
+    p->direction = direction;
+    p->was_blind = !v->is_number;
+    p->wanted += p->stride * p->far_ev;
+    p->is_looking = p->is_guess || !v->is_number || p->stride < 1.0;
+    p->far_frames = 0;
+}
+
 void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const pupil_sensor_config *c = &o->config;
@@ -160,11 +175,11 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
         return;
     }
     if (is_far) {
-        p->wanted += p->far_ev;
-        p->is_looking = p->is_guess || !v->is_number;
-        p->far_frames = 0;
+        step(o, v);
         return;
     }
     p->is_looking = 0;
+    p->direction = 0;
+    p->stride = 1.0;
     filter(o, off);
 }

@@ -47,6 +47,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
     o->magic = SENSOR_MAGIC;
     o->plan.is_looking = 1;
+    o->plan.stride = 1.0;
     o->plan.brighter = SENSOR_FAR_AWAY;
     o->search.since = SENSOR_RING; /* nothing is on its way */
     o->setting.exposure_s = SENSOR_FIRST_EXPOSURE_S;

@@ -88,6 +88,9 @@ typedef struct sensor_plan {
     double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
                                                   * how much its highlights were above the mean */
     double brighter;     /* the scene has become since then, at most, by the quantiles that are not clipped */
+    double stride;       /* share of the way that a far step goes */
+    int32_t direction;   /* of the last one, 0 once something was near */
+    uint32_t was_blind;  /* the last one began at a picture that said nothing */
     uint32_t far_frames; /* in a row that are far off on one side */
     uint32_t is_looking; /* what is known is a guess: the next frame counts at once */
     uint32_t is_guess;
@@ -114,6 +117,7 @@ typedef struct sensor_search {
     uint32_t mover; /* the control that is not */
     uint32_t swaps; /* of it, in this search */
     uint32_t pinned_frames;
+    uint32_t search_frames;
     uint32_t narrowed;   /* steps between two points since then */
     double rest_wanted;  /* the effect that was wanted when the search ended, or a control was pinned */
     double wrong_ev;     /* the error when it was last seen to shrink */
@@ -179,6 +183,8 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *object, const sensor_evide
 /* The effect of one setting beyond another's. */
 double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SENSOR_CONTROLS],
                            const double to[SENSOR_CONTROLS]);
+/* The most that the scene moved by itself in one of the last frames. */
+double pupil_sensor_unrest(const sensor_estimate *estimate);
 /* A step went too far: no control does less than it should. */
 void pupil_sensor_overshot(sensor_estimate *estimate);
 /* What was asked for in the last frames did not arrive: `from` stayed in force. */

@@ -23,6 +23,13 @@ static double in_lines(const pupil_sensor_config *c, double exposure_s)
     return c->exposure_step_s > 0.0 ? multiple(exposure_s, c->exposure_step_s) : exposure_s;
 }
 
+/* In lines, but never none. */
+static double line_at_least(const pupil_sensor_config *c, double exposure_s)
+{
+    const double e = in_lines(c, exposure_s);
+    return e > c->exposure_min_s ? e : c->exposure_min_s;
+}
+
 double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
 {
     /* where the frequency is to be found, that of most of the world until it is */
@@ -129,11 +136,12 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     const double fixed_s = is_held_s ? o->held_exposure : pupil_exp2(s->pinned[0]);
     const double fixed = is_held ? o->held_gain : pupil_exp2(s->pinned[1]);
     double e = is_fixed ? total / fixed : exposure_at(c, total);
-    e = is_fixed_s ? fixed_s : pupil_sensor_exposure_of(c, clamp(e, c->exposure_min_s, most_s));
+    const double within = clamp(e, c->exposure_min_s, most_s);
+    e = is_fixed_s ? fixed_s : pupil_sensor_exposure_of(c, within);
     *exposure_s = e;
     *gain = is_fixed ? fixed : pupil_sensor_gain_of(c, total / e);
     if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO && !is_fixed_s && *gain >= c->gain_max && total > e * *gain)
-        *exposure_s = in_lines(c, total / *gain < most_s ? total / *gain : most_s); /* all of it, at the dark end */
+        *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s); /* all, at the dark end */
     else if (!is_fixed && total > e * *gain)
         fit_coarse(c, total, is_fixed_s, exposure_s, gain);
 }
