@@ -32,7 +32,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
         o->setting.reason = PUPIL_SENSOR_NO_REASON;
     }
     const double e = config->exposure_mode == PUPIL_SENSOR_MANUAL ? config->manual_exposure_s : o->setting.exposure_s;
-    o->held_exposure = pupil_sensor_exposure_of(&o->config, clamp(e, config->exposure_min_s, config->exposure_max_s));
+    o->held_exposure = pupil_sensor_held_exposure_of(config, clamp(e, config->exposure_min_s, config->exposure_max_s));
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
     pupil_sensor_begin(o, o->search.total);

@@ -212,6 +212,8 @@ void pupil_sensor_split(const pupil_sensor_object *object, double total, double 
 void pupil_sensor_ends(const pupil_sensor_object *object, double darkest[SENSOR_CONTROLS],
                        double brightest[SENSOR_CONTROLS]);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);
+/* ... of one that is manual or held: in half periods of the mains only where they are known. */
+double pupil_sensor_held_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
 double pupil_sensor_longest_exposure(const pupil_sensor_config *config);
 /* The limits that the setting is at, and the one that keeps it from going on. */

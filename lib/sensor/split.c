@@ -30,10 +30,9 @@ static double line_at_least(const pupil_sensor_config *c, double exposure_s)
     return e > c->exposure_min_s ? e : c->exposure_min_s;
 }
 
-double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
+/* In lines, and in half periods of the mains. */
+static double exposure_of(const pupil_sensor_config *c, uint32_t hz, double exposure_s)
 {
-    /* where the frequency is to be found, that of most of the world until it is */
-    const uint32_t hz = c->mains_hz == PUPIL_SENSOR_MAINS_AUTO ? SENSOR_USUAL_MAINS_HZ : c->mains_hz;
     const double half_s = hz ? 0.5 / hz : 0.0;
     double e = in_lines(c, exposure_s);
     if (half_s > 0.0 && e >= half_s - c->exposure_step_s) {
@@ -43,6 +42,17 @@ double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
         e = e > 0.0 ? e : in_lines(c, exposure_s);
     }
     return e < c->exposure_min_s ? c->exposure_min_s : e;
+}
+
+double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
+{
+    /* where the frequency is to be found, that of most of the world until it is */
+    return exposure_of(c, c->mains_hz == PUPIL_SENSOR_MAINS_AUTO ? SENSOR_USUAL_MAINS_HZ : c->mains_hz, exposure_s);
+}
+
+double pupil_sensor_held_exposure_of(const pupil_sensor_config *c, double exposure_s)
+{
+    return exposure_of(c, c->mains_hz == PUPIL_SENSOR_MAINS_AUTO ? 0 : c->mains_hz, exposure_s);
 }
 
 double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
@@ -133,8 +143,10 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     const double most_s = pupil_sensor_longest_exposure(c);
     const int is_held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, is_held = c->gain_mode != PUPIL_SENSOR_AUTO;
     const int is_fixed_s = is_held_s || is_pinned[0], is_fixed = is_held || is_pinned[1];
-    const double fixed_s = is_held_s ? o->held_exposure : pupil_exp2(s->pinned[0]);
-    const double fixed = is_held ? o->held_gain : pupil_exp2(s->pinned[1]);
+    /* the logarithms of what is pinned are rounded */
+    const double pinned_s = clamp(in_lines(c, pupil_exp2(s->pinned[0])), c->exposure_min_s, c->exposure_max_s);
+    const double fixed_s = is_held_s ? o->held_exposure : pinned_s;
+    const double fixed = is_held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(s->pinned[1]));
     double e = is_fixed ? total / fixed : exposure_at(c, total);
     const double within = clamp(e, c->exposure_min_s, most_s);
     e = is_fixed_s ? fixed_s : pupil_sensor_exposure_of(c, within);
