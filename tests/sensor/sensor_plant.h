@@ -184,11 +184,13 @@ static inline double plant_turn(plant *p, pupil_sensor *sensor, pupil_sensor_set
 enum { LAW_FINE, LAW_DB, LAW_SIXTEENTH, LAW_THIRD, LAWS };
 static const char *const law_name[LAWS] = {"256/(256-n)", "0.3 dB", "n/16", "1/3 stop"};
 
-/* A camera of 30 frames a second with one of four gain laws, up to 22 times. */
+/* A camera of 30 frames a second with one of four gain laws, up to 22 times; in daylight, so that the profile is the
+ * plain one: exposure first, in lines, then gain. */
 static inline pupil_sensor_config plant_config(int law)
 {
     pupil_sensor_config c;
     pupil_sensor_config_default(&c);
+    c.mains_hz = 0;
     c.exposure_min_s = PLANT_LINE_S;
     c.exposure_step_s = PLANT_LINE_S;
     c.gain_max = 22.0;

@@ -157,7 +157,17 @@ static void split(const pupil_sensor_config *c, double total_s)
 {
     CHECK(pupil_sensor_init(&sensor, c) == PUPIL_OK && pupil_sensor_start(&sensor, total_s, 1) == PUPIL_OK);
     CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-    CHECK(fabs(s.exposure_s * s.gain * s.digital / s.total_s - 1) < 1e-12 && s.digital > 1 - 1e-5);
+    CHECK(fabs(s.exposure_s * s.gain * s.digital / s.total_s - 1) < 1e-12);
+}
+
+/* Both controls are rounded down. Where gains are further apart than 0.2 EV, as thirds of a stop are, the nearest one
+ * is taken, so that the digital factor never has more than half of such a step to make up for. */
+static void check_rounding(int law)
+{
+    if (law != LAW_THIRD)
+        CHECK_MSG(s.digital > 1 - 1e-5, "%s, %g s: digital %g", law_name[law], s.total_s, s.digital);
+    else if (s.gain > 1)
+        CHECK_MSG(fabs(log2(s.digital)) <= 0.2, "%s, %g s: digital %g", law_name[law], s.total_s, s.digital);
 }
 
 /* Steps that a double cannot tell apart are none. */
@@ -166,6 +176,7 @@ static void check_fine_lines(void)
     static const double step_s[] = {5e-324, 1e-300, 1e-18, 0};
     pupil_sensor_config c;
     pupil_sensor_config_default(&c);
+    c.mains_hz = 0;
     for (int i = 0; i < 4; i++) {
         c.exposure_step_s = step_s[i];
         split(&c, 0.0123);
@@ -197,16 +208,20 @@ static void check_split(void)
         for (double total = least; total < most; total *= 1.003) {
             split(&c, total);
             const double db = 20 * log10(s.gain) / 0.3;
+            check_rounding(law);
             CHECK(fabs(s.total_s / total - 1) < 1e-12 && s.exposure_s * s.gain >= last * (1 - 1e-9));
             CHECK(is_multiple(s.exposure_s, PLANT_LINE_S) && s.digital < (s.gain > 1 ? largest : 2));
             CHECK(law == LAW_FINE        ? is_multiple(256 / s.gain, 1)
                   : law == LAW_DB        ? fabs(db - floor(db + 0.5)) < 1e-6
                   : law == LAW_SIXTEENTH ? is_multiple(s.gain, 1 / 16.0)
                                          : is_multiple(3 * log2(s.gain), 1) || s.gain == 1);
+            /* the longest exposure first; a gain that was rounded up takes its step back from it */
+            const double nearly_s = (c.frame_s - PLANT_LINE_S) / (law == LAW_THIRD ? largest : 1) - PLANT_LINE_S;
             if (law !=
                 LAW_FINE) /* 0.3 dB are less than a line of 29: there, and with finer laws, gain makes up for lines */
-                CHECK(s.gain < 1.001 || s.exposure_s > c.frame_s - PLANT_LINE_S || s.exposure_s < 30 * PLANT_LINE_S);
-            last = 0.98 * s.exposure_s * s.gain; /* a gain rounded down may cost what a line brought */
+                CHECK(s.gain < 1.001 || s.exposure_s > nearly_s || s.exposure_s < 30 * PLANT_LINE_S);
+            /* a gain rounded down may cost what a line brought; one rounded up or down, half a step */
+            last = (law == LAW_THIRD ? 1 / sqrt(largest) : 0.98) * s.exposure_s * s.gain;
         }
     }
 }
@@ -216,6 +231,7 @@ static void check_profile(void)
 {
     pupil_sensor_config c;
     pupil_sensor_config_default(&c);
+    c.mains_hz = 0;
     c.stages = 2;
     c.stage[0] = (pupil_sensor_stage){0.004, 2};
     c.stage[1] = (pupil_sensor_stage){0.010, 4};
@@ -230,6 +246,7 @@ static void check_profile(void)
     c.frame_rate_priority = 0;
     c.exposure_max_s = 0.5;
     split(&c, 4);
+    CHECK(s.digital > 1 - 1e-5);
     CHECK(fabs(s.exposure_s - 0.25) < 1e-9 && fabs(s.gain - 16) < 1e-9);
     for (uint32_t mains = 50; mains <= 60; mains += 10)
         for (double total = 0.001; total < 0.5; total *= 1.01) {
@@ -243,6 +260,26 @@ static void check_profile(void)
             const double periods = (s.exposure_s + PLANT_LINE_S) * 2 * mains;
             CHECK(s.exposure_s < 0.5 / mains - PLANT_LINE_S || periods - floor(periods) < PLANT_LINE_S * 2 * mains);
         }
+}
+
+/* While the mains are not known, exposures are as for 50 Hz; but at the dark end, where no gain is left, all of the
+ * frame's period is used. */
+static void check_unknown_mains(void)
+{
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    const double most = c.frame_s * c.gain_max;
+    int at_the_end = 0;
+    for (double total = 0.001; total < 1.01 * most; total *= 1.003) {
+        split(&c, total);
+        const int is_end = s.gain >= c.gain_max && total > 0.03 * c.gain_max;
+        CHECK_MSG(is_end || (s.exposure_s < 0.01 ? s.gain == 1 : is_multiple(s.exposure_s, 0.01)),
+                  "%g s: %g s, gain %g", total, s.exposure_s, s.gain);
+        CHECK(total < 0.0101 || s.exposure_s >= 0.01);
+        CHECK(fabs(s.exposure_s * s.gain / fmin(total, most) - 1) < 1e-9);
+        at_the_end += is_end;
+    }
+    CHECK(at_the_end > 20 && fabs(s.exposure_s / c.frame_s - 1) < 1e-9);
 }
 
 /* An exposure by hand becomes a multiple of half a period only where the mains are told. */
@@ -275,6 +312,7 @@ int main(int argc, char **argv)
     check_split();
     check_fine_lines();
     check_profile();
+    check_unknown_mains();
     check_by_hand();
     return check_end();
 }
