@@ -41,7 +41,9 @@ void pupil_sensor_doubt(pupil_sensor_object *o)
 static double in_force(const sensor_estimate *a, int control, uint32_t guess, uint32_t before)
 {
     if (!guess)
-        return before ? a->reported_before[control] : a->reported[control];
+        return !before            ? a->reported[control]
+               : before == a->gap ? a->reported_before[control]
+                                  : a->past[(a->frame + SENSOR_RING - before) % SENSOR_RING].reported[control];
     return a->asked[(a->frame + 2 * SENSOR_RING - guess - before) % SENSOR_RING][control];
 }
 
@@ -51,8 +53,9 @@ double pupil_sensor_effect(const sensor_estimate *a, const double from[SENSOR_CO
     return a->response[0] * (to[0] - from[0]) + a->response[1] * (to[1] - from[1]);
 }
 
-/* By how much the picture's level has moved since the frame before: from least to most. */
-static void moved(const sensor_estimate *a, const sensor_evidence *v, double *least, double *most)
+/* By how much the picture's level has moved since the frame before: from least to most. Returns by how much that may be
+ * wrong: a quantile is from bins. */
+static double moved(const sensor_estimate *a, const sensor_evidence *v, double *least, double *most)
 {
     *least = -SENSOR_FAR_AWAY;
     *most = SENSOR_FAR_AWAY;
@@ -60,13 +63,14 @@ static void moved(const sensor_estimate *a, const sensor_evidence *v, double *le
         const double low = v->low[i] - a->high_before[i], high = v->high[i] - a->low_before[i];
         if (v->low[i] == v->high[i] && a->low_before[i] == a->high_before[i]) { /* numbers */
             *least = *most = low;
-            return;
+            return i > 0 ? 2.0 * SENSOR_KNOWN_EV : 0.0;
         }
         *least = low > *least ? low : *least;
         *most = high < *most ? high : *most;
     }
     if (*least > *most)
         *least = *most = 0.5 * (*least + *most);
+    return 2.0 * SENSOR_KNOWN_EV;
 }
 
 static int has_metadata(const pupil_frame_info *info)
@@ -203,12 +207,12 @@ static void follow_scene(sensor_estimate *a, double moved, int is_clear)
 
 /* What a change of the setting may do, at least and at most: each control from nothing to twice what it should, and a
  * stop more where its steps are coarse; or what the metadata say. */
-static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROLS], double *low, double *high)
+static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROLS], const double now[SENSOR_CONTROLS],
+                      double said, double *low, double *high)
 {
-    const double said = a->said[0] - a->said_before[0] + a->said[1] - a->said_before[1];
     *low = *high = 0.0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
-        const double asked = a->in_force[c] - then[c], most = 2.0 * asked;
+        const double asked = now[c] - then[c], most = 2.0 * asked;
         const double coarse = size_of(asked) > SENSOR_LARGE_EV ? SENSOR_COARSE_STEP_EV : 0.0;
         *low += asked < 0.0 ? most - coarse : 0.0;
         *high += asked > 0.0 ? most + coarse : 0.0;
@@ -219,27 +223,68 @@ static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROL
     }
 }
 
-/* What the controls did from the frame before to this one. What a change leaves unexplained is the camera's, as far as
- * a camera may answer so. Beyond that the scene moved as well. */
-static void follow_effect(pupil_sensor_object *o, double least, double most)
+/* What the controls did from the frame before to the one so many frames before this one, by the best guess. What a
+ * change leaves unexplained is the camera's, as far as a camera may answer so. Beyond that the scene moved as well. */
+static double done_in(const sensor_estimate *a, const sensor_past *frame, uint32_t before, double *unexplained,
+                      int *changes)
 {
-    sensor_estimate *a = &o->estimate;
-    double then[SENSOR_CONTROLS], low, high;
-    for (int c = 0; c < SENSOR_CONTROLS; c++)
-        then[c] = in_force(a, c, a->best[c], a->gap);
-    bounds_of(a, then, &low, &high);
-    const double expected = pupil_sensor_effect(a, then, a->in_force);
-    const double known = clamp(expected, least, most), left = size_of(known - expected);
+    double then[SENSOR_CONTROLS], now[SENSOR_CONTROLS], low, high;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        then[c] = in_force(a, c, a->best[c], before + frame->gap);
+        now[c] = in_force(a, c, a->best[c], before);
+    }
+    bounds_of(a, then, now, frame->said, &low, &high);
+    const double expected = pupil_sensor_effect(a, then, now);
+    const double known = clamp(expected, frame->least, frame->most), left = size_of(known - expected);
     const double noise = SENSOR_UNEXPLAINED_NOISE * a->noise_ev, goes_on = 2.0 * size_of(a->scene_moved[0]);
     const double most_usual = noise > goes_on ? noise : goes_on;
-    const double slack = most_usual > SENSOR_UNEXPLAINED_EV ? most_usual : SENSOR_UNEXPLAINED_EV;
-    const int changes = high - low > 2.0 * SENSOR_DIFFER_EV;
+    const double seen = frame->wrong_ev > SENSOR_UNEXPLAINED_EV ? frame->wrong_ev : SENSOR_UNEXPLAINED_EV;
+    const double slack = most_usual > seen ? most_usual : seen;
+    *changes = high - low > 2.0 * SENSOR_DIFFER_EV;
     const int is_camera = known > low - slack && known < high + slack;
-    const double done = changes && left > slack && is_camera ? known : expected;
-    a->effect += done;
-    a->unexplained = changes ? done - expected : 0.0;
-    a->scene_moved_most = most - done;
-    follow_scene(a, least == most ? least - done : 0.0, least == most && !changes);
+    const double done = *changes && left > slack && is_camera ? known : expected;
+    *unexplained = *changes ? done - expected : 0.0;
+    return done;
+}
+
+/* Another guess is the best one now: in the last frames the controls did what that one says. */
+static double redo(sensor_estimate *a)
+{
+    double redone = 0.0, unexplained;
+    int changes;
+    for (uint32_t before = 1; before < SENSOR_DELAYS; before++) {
+        sensor_past *frame = &a->past[(a->frame + SENSOR_RING - before) % SENSOR_RING];
+        int differs = 0;
+        for (int c = 0; frame->gap && c < SENSOR_CONTROLS; c++)
+            for (uint32_t i = before; i <= before + frame->gap; i += frame->gap)
+                differs |= in_force(a, c, a->best[c], i) != in_force(a, c, a->best_before[c], i);
+        if (!differs)
+            continue;
+        const double done = done_in(a, frame, before, &unexplained, &changes);
+        redone += done - frame->done;
+        frame->done = done;
+    }
+    return redone;
+}
+
+/* What the controls did from the frame before to this one. */
+static void follow_effect(pupil_sensor_object *o, double least, double most, double wrong_ev)
+{
+    sensor_estimate *a = &o->estimate;
+    sensor_past *now = &a->past[a->frame % SENSOR_RING];
+    const int is_other = a->best[0] != a->best_before[0] || a->best[1] != a->best_before[1];
+    const double redone = is_other ? redo(a) : 0.0;
+    int changes;
+    *now = (sensor_past){.least = least, .most = most, .wrong_ev = wrong_ev, .gap = a->gap};
+    now->said = a->said[0] - a->said_before[0] + a->said[1] - a->said_before[1];
+    now->done = done_in(a, now, 0, &a->unexplained, &changes);
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        now->reported[c] = a->reported[c];
+        a->best_before[c] = a->best[c];
+    }
+    a->effect += redone + now->done;
+    a->scene_moved_most = most - now->done - redone;
+    follow_scene(a, least == most ? least - now->done : 0.0, least == most && !changes);
 }
 
 /* This frame and the one before it. */
@@ -253,7 +298,7 @@ static void compare(pupil_sensor_object *o, const sensor_evidence *v)
             step[c][h] = a->response[c] * (in_force(a, c, h, 0) - in_force(a, c, h, a->gap));
             differs |= size_of(step[c][h] - step[c][0]) > SENSOR_DIFFER_EV;
         }
-    moved(a, v, &least, &most);
+    const double wrong_ev = moved(a, v, &least, &most);
     if (differs) {
         weigh(o, step, least, most);
         const double reported = step[0][0] + step[1][0];
@@ -262,7 +307,7 @@ static void compare(pupil_sensor_object *o, const sensor_evidence *v)
             a->is_borne_out = 1;
     }
     survey(a);
-    follow_effect(o, least, most);
+    follow_effect(o, least, most, wrong_ev);
 }
 
 static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
@@ -299,9 +344,11 @@ static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
     const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;
     a->gap = a->has_frame && sequence > a->sequence && ahead < SENSOR_RING - SENSOR_DELAYS ? (uint32_t)ahead : 1;
     a->sequence = sequence;
-    for (uint32_t i = 0; i < a->gap; i++)
+    for (uint32_t i = 0; i < a->gap; i++) {
+        a->past[(a->frame + i + 1) % SENSOR_RING].gap = 0;
         for (int c = 0; c < SENSOR_CONTROLS; c++)
             a->asked[(a->frame + i) % SENSOR_RING][c] = a->standing[c];
+    }
     a->frame = (a->frame + a->gap) % SENSOR_RING;
 }
 
@@ -315,7 +362,7 @@ static void begin_frames(sensor_estimate *a, const pupil_frame_info *info)
     }
     for (uint32_t i = 0; i < SENSOR_RING; i++)
         for (int c = 0; c < SENSOR_CONTROLS; c++)
-            a->asked[i][c] = a->reported[c] = a->in_force[c] = a->said[c] = first[c];
+            a->asked[i][c] = a->past[i].reported[c] = a->reported[c] = a->in_force[c] = a->said[c] = first[c];
     a->effect += pupil_sensor_effect(a, a->standing, first);
     a->sequence = info ? info->sequence : 0;
     a->gap = 1;
@@ -334,7 +381,7 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
         compare(o, v);
     } else {
         survey(a);
-        follow_effect(o, -SENSOR_FAR_AWAY, SENSOR_FAR_AWAY);
+        follow_effect(o, -SENSOR_FAR_AWAY, SENSOR_FAR_AWAY, 0.0);
     }
     a->has_level = !v->is_dead;
     for (int c = 0; c < SENSOR_CONTROLS; c++)

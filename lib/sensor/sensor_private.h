@@ -47,7 +47,18 @@ typedef struct sensor_white {
 
 /* --- estimate --- */
 
+/* A frame of the past: by how much the picture's level had moved, and what the controls are taken to have done. */
+typedef struct sensor_past {
+    double least, most, done;
+    double wrong_ev; /* by how much that may be wrong */
+    double said;     /* by how much the metadata had moved */
+    double reported[SENSOR_CONTROLS];
+    uint32_t gap; /* since the frame before; 0: it was lost */
+    uint32_t reserved;
+} sensor_past;
+
 typedef struct sensor_estimate {
+    sensor_past past[SENSOR_RING];
     double asked[SENSOR_RING][SENSOR_CONTROLS];                 /* after frame i */
     double standing[SENSOR_CONTROLS];                           /* asked for last */
     double said[SENSOR_CONTROLS], said_before[SENSOR_CONTROLS]; /* by the metadata */
@@ -67,7 +78,7 @@ typedef struct sensor_estimate {
     uint32_t gap;   /* frames since the one before */
     uint32_t has_level, has_frame;
     uint32_t alive[SENSOR_CONTROLS]; /* masks of guesses */
-    uint32_t best[SENSOR_CONTROLS];
+    uint32_t best[SENSOR_CONTROLS], best_before[SENSOR_CONTROLS];
     uint32_t delay[SENSOR_CONTROLS]; /* found; 0: not yet */
     uint32_t reports;                /* this frame's metadata have both */
     uint32_t is_borne_out;           /* the picture has moved as the metadata did */
