@@ -115,6 +115,21 @@ static const char *fault_of(const pupil_sensor_config *c)
     return fault_of_laws(c);
 }
 
+/* Fields that a caller of the first release lacks. */
+static const char *fault_of_table(const pupil_sensor_config *c)
+{
+    if (c->size_bytes < offsetof(pupil_sensor_config, exposure_table))
+        return 0;
+    WITHIN(reserved_too, 0, 0);
+    WITHIN(exposure_count, 0, 64);
+    if (c->size_bytes < offsetof(pupil_sensor_config, exposure_table) + c->exposure_count * sizeof *c->exposure_table)
+        return "exposure_count is more than size_bytes has entries of exposure_table";
+    for (uint32_t i = 0; i < c->exposure_count; i++)
+        if (!(c->exposure_table[i] >= (i ? c->exposure_table[i - 1] : 1e-9) && c->exposure_table[i] <= 1e4))
+            return "exposure_table must rise, from 1e-9 to 1e4 s";
+    return 0;
+}
+
 int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why)
 {
     if (!config)
@@ -122,6 +137,8 @@ int pupil_sensor_config_check(const pupil_sensor_config *config, const char **wh
     const char *fault = pupil_versioned_fault(config, config->size_bytes, sizeof *config, FIRST_BYTES);
     if (!fault)
         fault = fault_of(config);
+    if (!fault)
+        fault = fault_of_table(config);
     if (fault && why)
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;

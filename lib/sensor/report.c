@@ -3,6 +3,22 @@
 
 #include "base/numeric.h"
 
+static const char *const state_names[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
+static const char *const reason_names[] = {
+    "none",           "waiting",    "exposure_min", "exposure_max", "frame_period", "gain_min",
+    "gain_max",       "highlights", "below_mains",  "lock",         "all_manual",   "invalid_frame",
+    "repeated_frame", "clock_back", "flash",        "ignored",      "nonlinear",    "hunting"};
+
+const char *pupil_sensor_state_name(uint32_t state)
+{
+    return state < sizeof state_names / sizeof state_names[0] ? state_names[state] : "unknown";
+}
+
+const char *pupil_sensor_reason_name(uint32_t reason)
+{
+    return reason < sizeof reason_names / sizeof reason_names[0] ? reason_names[reason] : "unknown";
+}
+
 /* The camera does not do what is asked of it. */
 static int is_ignored(const pupil_sensor_object *o)
 {

@@ -18,9 +18,16 @@ double pupil_sensor_longest_exposure(const pupil_sensor_config *c)
     return c->frame_rate_priority && c->frame_s < c->exposure_max_s ? c->frame_s : c->exposure_max_s;
 }
 
+/* The exposure at or below one that the camera has; its table, or lines. */
 static double in_lines(const pupil_sensor_config *c, double exposure_s)
 {
-    return c->exposure_step_s > 0.0 ? multiple(exposure_s, c->exposure_step_s) : exposure_s;
+    double found = c->exposure_min_s;
+    if (!c->exposure_count)
+        return c->exposure_step_s > 0.0 ? multiple(exposure_s, c->exposure_step_s) : exposure_s;
+    for (uint32_t i = 0; i < c->exposure_count; i++)
+        if (c->exposure_table[i] <= exposure_s * (1.0 + SENSOR_ROUND) && c->exposure_table[i] > found)
+            found = c->exposure_table[i];
+    return found;
 }
 
 /* In lines, but never none. */

@@ -303,9 +303,56 @@ static void check_by_hand(void)
     }
 }
 
+/* Exposures of a table and nothing else, whatever the light; the gain does the rest. */
+static void check_exposure_table(void)
+{
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    c.mains_hz = 0;
+    c.exposure_min_s = 1e-4;
+    c.exposure_step_s = 0.007; /* not read */
+    c.exposure_count = 9;
+    for (uint32_t i = 0; i < c.exposure_count; i++)
+        c.exposure_table[i] = 1e-4 * (double)(1u << i); /* as UVC cameras have them: 25.6 ms is the longest */
+    for (double total = 5e-5; total < 2.0; total *= 1.01) {
+        CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_start(&sensor, total, 1.0) == PUPIL_OK);
+        CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+        const double steps = log2(s.exposure_s / 1e-4);
+        CHECK_MSG(fabs(steps - round(steps)) < 1e-9 && steps < 8.5, "%g s for %g", s.exposure_s, total);
+        const double reached = fmin(fmax(total, 1e-4), 25.6e-3 * c.gain_max);
+        CHECK_MSG(fabs(log2(s.exposure_s * s.gain / reached)) < 0.1, "%g s x %g for %g", s.exposure_s, s.gain, total);
+    }
+    c.exposure_table[4] = 1e-4;
+    refused(&c, "exposure_table");
+    c.exposure_table[4] = NAN;
+    refused(&c, "exposure_table");
+    c.exposure_count = 65;
+    refused(&c, "exposure_count");
+    c.exposure_count = 9;
+    c.size_bytes = (uint32_t)(offsetof(pupil_sensor_config, exposure_table) + 4 * sizeof c.exposure_table[0]);
+    refused(&c, "exposure_count");
+}
+
+static void check_names(void)
+{
+    for (uint32_t i = 0; i <= PUPIL_SENSOR_LOCKED; i++)
+        for (uint32_t k = 0; k < i; k++)
+            CHECK(strcmp(pupil_sensor_state_name(i), pupil_sensor_state_name(k)) != 0);
+    for (uint32_t i = 0; i <= PUPIL_SENSOR_HUNTING; i++)
+        for (uint32_t k = 0; k < i; k++)
+            CHECK(strcmp(pupil_sensor_reason_name(i), pupil_sensor_reason_name(k)) != 0);
+    CHECK(strcmp(pupil_sensor_state_name(PUPIL_SENSOR_CONVERGED), "converged") == 0);
+    CHECK(strcmp(pupil_sensor_reason_name(PUPIL_SENSOR_AT_GAIN_MAX), "gain_max") == 0);
+    CHECK(strcmp(pupil_sensor_reason_name(PUPIL_SENSOR_IGNORED), "ignored") == 0);
+    CHECK(strcmp(pupil_sensor_state_name(UINT32_MAX), "unknown") == 0);
+    CHECK(strcmp(pupil_sensor_reason_name(UINT32_MAX), "unknown") == 0);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
+    check_exposure_table();
+    check_names();
     check_fields();
     check_laws();
     check_key();

@@ -6,22 +6,6 @@
 #include "refuse.h"
 #include "sim.h"
 
-static const char *const state_names[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
-static const char *const reason_names[] = {"",         "waiting",    "exposure_min", "exposure_max", "frame_period",
-                                           "gain_min", "gain_max",   "highlights",   "below_mains",  "lock",
-                                           "by_hand",  "dead_frame", "same_frame",   "clock_back",   "flash",
-                                           "ignored",  "strange",    "unsteady"};
-
-const char *sim_state_name(uint32_t state)
-{
-    return state < sizeof state_names / sizeof state_names[0] ? state_names[state] : "other";
-}
-
-const char *sim_reason_name(uint32_t reason)
-{
-    return reason < sizeof reason_names / sizeof reason_names[0] ? reason_names[reason] : "other";
-}
-
 static void line(FILE *out, const sim_run *run, const fixture_loop_frame *f)
 {
     const fixture_truth *t = &f->truth;
@@ -35,8 +19,8 @@ static void line(FILE *out, const sim_run *run, const fixture_loop_frame *f)
             f->shown_ev, t->band_ev, t->clipped_share);
     if (!run->options->loop.law->total)
         fprintf(out, ",\"state\":\"%s\",\"reason\":\"%s\",\"slope\":%.4f,\"exposure_delay\":%u,\"gain_delay\":%u",
-                sim_state_name(f->setting.state), sim_reason_name(f->setting.reason), f->setting.slope,
-                f->setting.delay[FIXTURE_EXPOSURE], f->setting.delay[FIXTURE_GAIN]);
+                pupil_sensor_state_name(f->setting.state), pupil_sensor_reason_name(f->setting.reason),
+                f->setting.slope, f->setting.delay[FIXTURE_EXPOSURE], f->setting.delay[FIXTURE_GAIN]);
     fputs("}\n", out);
 }
 
@@ -120,8 +104,8 @@ void sim_summary(const sim_run *run, FILE *out)
     fprintf(out, "at last     %.6g s, gain %.4g, digital %.4f", last->truth.exposure_s, last->truth.gain,
             last->truth.digital);
     if (!o->loop.law->total)
-        fprintf(out, "; %s%s%s", sim_state_name(last->setting.state), last->setting.reason ? ", " : "",
-                sim_reason_name(last->setting.reason));
+        fprintf(out, "; %s%s%s", pupil_sensor_state_name(last->setting.state), last->setting.reason ? ", " : "",
+                pupil_sensor_reason_name(last->setting.reason));
     fputc('\n', out);
     if (!o->loop.law->total)
         fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet), mains %u Hz%s\n",

@@ -64,8 +64,4 @@ void sim_print_faults(const sim_fault_table *table, int json);
 /* The luminances of a recipe with all its lights on, to be freed. 0, or -1 and a sentence, and NULL. */
 int sim_luminance(const char *recipe, uint32_t width, uint32_t height, float **luminance, pupil_why *why);
 
-/* The names of pupil's states and reasons. */
-const char *sim_state_name(uint32_t state);
-const char *sim_reason_name(uint32_t reason);
-
 #endif

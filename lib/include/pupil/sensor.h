@@ -86,9 +86,10 @@ typedef enum pupil_sensor_mode {
 /* config.mains_hz: found from the frames. */
 #define PUPIL_SENSOR_MAINS_AUTO 1
 
-#define PUPIL_SENSOR_STAGES     8
-#define PUPIL_SENSOR_GAIN_TABLE 64
-#define PUPIL_SENSOR_KEY_POINTS 8
+#define PUPIL_SENSOR_STAGES         8
+#define PUPIL_SENSOR_GAIN_TABLE     64
+#define PUPIL_SENSOR_EXPOSURE_TABLE 64
+#define PUPIL_SENSOR_KEY_POINTS     8
 
 /* Frozen: elements of an array in pupil_sensor_config. */
 typedef struct pupil_sensor_stage {
@@ -181,6 +182,13 @@ typedef struct pupil_sensor_config {
     uint32_t linear;       /* 1: values are proportional to light, as of raw sensors; until frames say otherwise twice.
                             * 0: not known, as of cameras with a tone curve: until the first step has shown how strongly
                             * the picture answers, steps go half the way; 1 */
+
+    /* exposures that the camera has, where they are no multiples of a step; since 0.1 */
+    uint32_t exposure_count; /* entries of exposure_table in use; 0 (exposure_step_s)..PUPIL_SENSOR_EXPOSURE_TABLE */
+    uint32_t reserved_too;   /* 0 */
+    double exposure_table[PUPIL_SENSOR_EXPOSURE_TABLE]; /* seconds, rising; 1e-9..1e4. Exposures are the ones in it from
+                                                         * exposure_min_s to exposure_max_s, and exposure_min_s itself;
+                                                         * exposure_step_s is not read */
 } pupil_sensor_config;
 
 /* Fills in every field with its default. */
@@ -271,6 +279,10 @@ typedef struct pupil_sensor_setting {
     double mains_modulation;             /* of the rows, as the frames' exposure leaves it, 0..1, when it was last seen
                                           * in a frame; 0: never */
 } pupil_sensor_setting;
+
+/* "converged", "exposure_min": names for logs and for people; of a number that is none, "unknown". Constant text. */
+PUPIL_API const char *pupil_sensor_state_name(uint32_t state);
+PUPIL_API const char *pupil_sensor_reason_name(uint32_t reason);
 
 /* --- life --- */
 
