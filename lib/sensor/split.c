@@ -170,14 +170,20 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     split(o, o->search.is_pinned, total_log2, exposure_s, gain);
 }
 
-void pupil_sensor_ends(const pupil_sensor_object *o, double darkest[SENSOR_CONTROLS], double brightest[SENSOR_CONTROLS])
+/* The setting at an end of the path, with nothing pinned. */
+static void end_of(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
 {
     static const uint32_t none[SENSOR_CONTROLS] = {0, 0};
+    split(o, none, total_log2, exposure_s, gain);
+}
+
+void pupil_sensor_ends(const pupil_sensor_object *o, double darkest[SENSOR_CONTROLS], double brightest[SENSOR_CONTROLS])
+{
     double e, g;
-    split(o, none, -SENSOR_TOTAL_END_EV, &e, &g);
+    end_of(o, -SENSOR_TOTAL_END_EV, &e, &g);
     darkest[0] = pupil_log2(e);
     darkest[1] = pupil_log2(g);
-    split(o, none, SENSOR_TOTAL_END_EV, &e, &g);
+    end_of(o, SENSOR_TOTAL_END_EV, &e, &g);
     brightest[0] = pupil_log2(e);
     brightest[1] = pupil_log2(g);
 }
@@ -187,7 +193,7 @@ uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
     const pupil_sensor_config *c = &o->config;
     double most_s, most;
     uint32_t limits = 0;
-    pupil_sensor_split(o, SENSOR_TOTAL_END_EV, &most_s, &most);
+    end_of(o, SENSOR_TOTAL_END_EV, &most_s, &most);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
         limits |=
             o->setting.exposure_s <= c->exposure_min_s * (1.0 + SENSOR_ROUND) ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
