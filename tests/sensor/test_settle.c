@@ -12,10 +12,16 @@ typedef struct answer {
     double overshoot; /* stops beyond, on the other side, once it has moved */
 } answer;
 
-/* What the largest step of the law costs: the setting is rounded down. */
-static double rounded_ev(int law)
+/* What the law may leave off where the setting is right: it is rounded down; where gains are further apart than 0.2 EV,
+ * to the nearest, so that it may be above, too. */
+static double above_ev(int law)
 {
-    return law == LAW_THIRD ? 1.0 / 3.0 : law == LAW_SIXTEENTH ? log2(17.0 / 16.0) : law == LAW_DB ? 0.05 : 0.01;
+    return law == LAW_THIRD ? 1.0 / 3.0 - 0.2 : 0.0;
+}
+
+static double below_ev(int law)
+{
+    return law == LAW_THIRD ? 0.2 : law == LAW_SIXTEENTH ? log2(17.0 / 16.0) : law == LAW_DB ? 0.05 : 0.01;
 }
 
 static answer watch(int law, double direction)
@@ -23,10 +29,10 @@ static answer watch(int law, double direction)
     answer a = {0, 0};
     for (int i = 0; i < 60; i++) {
         double off = plant_turn(&p, &sensor, &s, NULL);
-        if (off > 0.1 || off < -0.1 - rounded_ev(law) - 0.05)
+        if (off > 0.1 + above_ev(law) || off < -0.1 - below_ev(law) - 0.05)
             a.frames = i + 1;
         if (i >= (int)p.delay[0]) /* a scene that got darker is answered by light, and beyond is too bright */
-            a.overshoot = fmax(a.overshoot, direction > 0 ? -off - rounded_ev(law) - 0.05 : off);
+            a.overshoot = fmax(a.overshoot, direction > 0 ? -off - below_ev(law) - 0.05 : off - above_ev(law));
     }
     CHECK(s.state == PUPIL_SENSOR_CONVERGED);
     return a;
