@@ -1,12 +1,13 @@
 /* The sensor's slow filter: dL/dt = (target - L) / tau_s in seconds, whatever the frame rate and whatever frames are
- * lost, as long as a frame's weight is below 0.39 / delay_frames; above that each frame, those that were lost before it
- * with it, goes that share of the way, and no faster. Prints a table of docs/sensor.md. */
+ * lost, as long as a frame's weight is below 0.39 / delay_frames, or 0.35 where no other delay than 1 is possible;
+ * above that each frame, those that were lost before it with it, goes that share of the way, and no faster. Prints a
+ * table of docs/sensor.md. */
 #include <math.h>
 
 #include "check.h"
 #include "pupil/sensor.h"
 
-#define STEP_EV 1.0
+#define STEP_EV 0.45 /* below hold_ev, so that the setting stands still */
 
 enum { RATES = 5, TAUS = 3, DELAYS = 2 };
 
@@ -37,7 +38,14 @@ static long double seconds_until(double share, double tau_s)
     return t;
 }
 
-/* A scene that becomes lighter or darker by a stop, which is near (far_ev is 2), and no setting of the camera moves. */
+/* The largest weight of a frame. */
+static double most_weight(uint32_t frames_delay, int gap)
+{
+    return frames_delay == 1 ? 0.35 : fmin(0.39, 0.39 * gap / frames_delay);
+}
+
+/* A scene that becomes lighter or darker by less than half a stop, which is near (far_ev is 2), and no setting of the
+ * camera moves. */
 static walk follow(double fps, double tau_s, uint32_t frames_delay, double drops, int darker)
 {
     static const double shares[3] = {0.1, 0.5, 0.9};
@@ -65,7 +73,7 @@ static walk follow(double fps, double tau_s, uint32_t frames_delay, double drops
         const double scene_ev = at_rest + (i < 2 ? 0 : darker ? -STEP_EV : STEP_EV);
         CHECK(pupil_sensor_scene(&sensor, scene_ev, 0, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
         const double dt_s = (now_ns - last_ns) * 1e-9, before = reached;
-        const double bound = fmin(0.39, 0.39 * (i - last) / frames_delay);
+        const double bound = most_weight(frames_delay, i - last);
         last_ns = now_ns, last = i;
         reached = log2(s.total_s / 1e-4) / STEP_EV * (darker ? 1 : -1);
         if (i < 2) {
@@ -116,9 +124,9 @@ int main(int argc, char **argv)
                             CHECK_MSG(fabs(w[k]->late[n] - 1) <= 0.01, "%g fps, tau %g s, delay %u: %.4f of the time",
                                       rate[r], tau[t], delay[d], w[k]->late[n]);
                     }
-                    /* the bound acts where tau_s x rate is below 1 / -ln(1 - 0.39 / delay), 9.75 at 4, and nowhere else
-                     */
-                    const double least = -1 / log(1 - 0.39 / delay[d]);
+                    /* the bound acts where tau_s x rate is below 1 / -ln(1 - bound), 9.75 at a delay of 4, and nowhere
+                     * else */
+                    const double least = -1 / log(1 - most_weight(delay[d], 1));
                     if (!drops)
                         CHECK_MSG((up.bounded == up.frames) == (tau[t] * rate[r] < least) &&
                                       (up.bounded == 0) == free_of_bound,
