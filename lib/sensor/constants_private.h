@@ -10,7 +10,8 @@
 /* Settings that are remembered: twice the delays, so that frames may be lost. */
 #define SENSOR_RING 32
 /* Quantiles of a frame that are compared with those of the frame before. */
-#define SENSOR_ORDERS 11 /* the first is the mean */
+#define SENSOR_ORDERS       11 /* the first is the mean */
+#define SENSOR_BRIGHT_ORDER 4  /* from the end: 0.9 */
 #define SENSOR_ORDER_SHARES                                                                                            \
     {                                                                                                                  \
         0.5, 0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02                                                     \
@@ -60,6 +61,16 @@
 #define SENSOR_CLIPPED_LEAST  1e-6
 #define SENSOR_SPREAD_MOST_EV 3.0
 #define SENSOR_LOST_ROUNDS    4 /* of a fixed point that halves its error */
+
+/* A wrong black level shows from steps of so many stops on, in scenes whose median is so far above the darkest. Where
+ * it is less than this share of the median, the picture is not half a stop off, and it is left alone. The ranks, and
+ * two steps in a row, have to agree within 15 %. A 64th of it is left of a pixel at least. */
+#define SENSOR_RANKS           3
+#define SENSOR_BLACK_STEP_EV   0.5
+#define SENSOR_BLACK_SPREAD_EV 0.1
+#define SENSOR_BLACK_SHARE     0.25
+#define SENSOR_BLACK_ALIKE     0.15
+#define SENSOR_BLACK_FLOOR     0.015625
 
 /* Normal distribution: Abramowitz, Stegun, Handbook of Mathematical Functions, 1964, 26.2.23 (the quantile, error below
  * 4.5e-4) and 26.2.17 (the share above, error below 7.5e-8). */

@@ -48,13 +48,29 @@ static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
     v->is_number = v->full_share < SENSOR_BLIND_CLIPPED && v->black_share < 0.5 && v->mean > white - SENSOR_DARK_EV;
 }
 
+/* Without what a wrong black level adds: the mean of the bins, each as its middle. */
+static void subtract_black(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v)
+{
+    double sum = 0.0;
+    for (int bin = 0; bin < PUPIL_HISTOGRAM_BINS; bin++)
+        if (stats->bin[bin])
+            sum += (double)stats->bin[bin] * pupil_sensor_above_black(o, 0.5 * (edge_of(bin) + edge_of(bin + 1)));
+    v->mean = sum / (double)stats->weight;
+}
+
 /* Levels of the frame that hold a rank; where a rank is clipped or black, only that they are above or below. */
-static void find_orders(const pupil_stats *stats, sensor_evidence *v, double dark)
+static void find_orders(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v, double dark)
 {
     const int has_bins = stats && stats->has_histogram;
     double quantile[SENSOR_ORDERS];
-    if (has_bins)
+    if (has_bins) {
         pupil_stats_quantiles(stats, order_share, SENSOR_ORDERS, quantile);
+        v->rank[0] = quantile[SENSOR_ORDERS - 1]; /* the darkest of them, the median, and the brightest but one */
+        v->rank[1] = quantile[0];
+        v->rank[2] = quantile[SENSOR_ORDERS - SENSOR_BRIGHT_ORDER];
+    }
+    for (int i = 0; has_bins && i < SENSOR_ORDERS; i++)
+        quantile[i] = pupil_sensor_above_black(o, quantile[i]);
     for (int i = 0; i < SENSOR_ORDERS; i++) {
         const int is_mean = !has_bins || i == 0;
         const double value = is_mean ? v->mean : quantile[i];
@@ -69,7 +85,7 @@ static void find_orders(const pupil_stats *stats, sensor_evidence *v, double dar
 int pupil_sensor_evidence(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v)
 {
     const pupil_sensor_config *c = &o->config;
-    *v = (sensor_evidence){.is_dead = !stats->weight, .top = -SENSOR_FAR_AWAY};
+    *v = (sensor_evidence){.is_dead = !stats->weight, .top = -SENSOR_FAR_AWAY, .rank = {-SENSOR_FAR_AWAY}};
     if (v->is_dead)
         return PUPIL_OK;
     const int trims = stats->has_histogram != 0;
@@ -87,17 +103,23 @@ int pupil_sensor_evidence(const pupil_sensor_object *o, const pupil_stats *stats
     if (trims)
         find_top(stats, v);
     find_clipped(o, v);
-    find_orders(stats, v, pupil_log2(c->clip) - SENSOR_DARK_EV);
+    if (trims && o->black.value > 0.0)
+        subtract_black(o, stats, v);
+    find_orders(o, stats, v, pupil_log2(c->clip) - SENSOR_DARK_EV);
     return PUPIL_OK;
 }
 
 void pupil_sensor_evidence_of_level(const pupil_sensor_object *o, double mean, double clipped_share, sensor_evidence *v)
 {
-    *v = (sensor_evidence){.mean = mean, .middle = mean, .clipped_share = clipped_share, .top = -SENSOR_FAR_AWAY};
+    *v = (sensor_evidence){.mean = mean,
+                           .middle = mean,
+                           .clipped_share = clipped_share,
+                           .top = -SENSOR_FAR_AWAY,
+                           .rank = {-SENSOR_FAR_AWAY}};
     v->white = pupil_log2(o->config.clip);
     v->full_share = clipped_share;
     v->is_number = clipped_share < SENSOR_BLIND_CLIPPED;
-    find_orders(0, v, -SENSOR_FAR_AWAY);
+    find_orders(o, 0, v, -SENSOR_FAR_AWAY);
 }
 
 /* A flat top that stays where it is while the setting moves is white; light above it shows that it is not. */

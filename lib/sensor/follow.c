@@ -299,6 +299,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     s->is_large = s->is_again = 0;
     if (size_of(plain) >= SENSOR_STEP_EV)
         pupil_sensor_find_white(o, v);
+    pupil_sensor_find_black(o, v, plain);
     if ((o->plan.goal - a->effect) * expected < 0.0 && size_of(o->plan.goal - a->effect) > 0.5 * size_of(expected)) {
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
@@ -448,6 +449,10 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
             total = leave(o, need);
         s->total = total;
         ask(o, total);
+        if (s->is_large && !s->since) { /* how it looked before the step */
+            o->white.top = v->spike > 0.0 ? v->top : SENSOR_FAR_AWAY;
+            pupil_sensor_black_before(o, v);
+        }
     }
     report_total(o);
 }

@@ -59,6 +59,9 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     }
     if (!reason && o->plan.held_back_ev > SENSOR_SETTLED_EV)
         reason = PUPIL_SENSOR_HIGHLIGHTS;
+    if (!reason &&
+        (o->black.value > 0.0 || (c->linear && (s->slope < SENSOR_KNOWN_LEAST || s->slope > SENSOR_KNOWN_MOST))))
+        reason = PUPIL_SENSOR_NONLINEAR;
     s->state = PUPIL_SENSOR_CONVERGED;
     if (c->lock || is_manual) {
         s->state = PUPIL_SENSOR_LOCKED;

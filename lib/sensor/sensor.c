@@ -48,6 +48,8 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->magic = SENSOR_MAGIC;
     o->plan.is_looking = 1;
     o->plan.stride = 1.0;
+    o->white.top = SENSOR_FAR_AWAY;
+    o->black.before[0] = -SENSOR_FAR_AWAY;
     o->plan.brighter = SENSOR_FAR_AWAY;
     o->search.since = SENSOR_RING; /* nothing is on its way */
     o->setting.exposure_s = SENSOR_FIRST_EXPOSURE_S;

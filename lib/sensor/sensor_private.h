@@ -33,6 +33,7 @@ typedef struct sensor_evidence {
     double top, spike;         /* the highest level that has weight; the share of it there */
     double highlight;          /* the brightest that is to stay below white */
     uint32_t has_highlight;    /* it is known */
+    double rank[SENSOR_RANKS]; /* some quantiles, as they are in the frame: black_level.c */
     double low[SENSOR_ORDERS]; /* some quantiles are from low to high */
     double high[SENSOR_ORDERS];
 } sensor_evidence;
@@ -44,6 +45,13 @@ typedef struct sensor_white {
     uint32_t is_found;
     uint32_t reserved;
 } sensor_white;
+
+/* What is added to all pixels. */
+typedef struct sensor_black {
+    double value;                /* 0: nothing was found */
+    double candidate;            /* what the last step says it is */
+    double before[SENSOR_RANKS]; /* the ranks of the frame in which a large step was asked for */
+} sensor_black;
 
 /* --- estimate --- */
 
@@ -156,6 +164,7 @@ typedef struct pupil_sensor_object {
     uint32_t has_time;
     double rewrite_s; /* since the setting was written last to a camera that does not take it */
     sensor_white white;
+    sensor_black black;
     sensor_estimate estimate;
     sensor_plan plan;
     sensor_search search;
@@ -180,6 +189,12 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double me
                                     sensor_evidence *evidence);
 /* The white that this frame shows. */
 void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence *evidence);
+
+/* black_level.c: before and after a step of `ev` stops. */
+void pupil_sensor_black_before(pupil_sensor_object *object, const sensor_evidence *evidence);
+void pupil_sensor_find_black(pupil_sensor_object *object, const sensor_evidence *evidence, double ev);
+/* log2 of a level without what is added to it. */
+double pupil_sensor_above_black(const pupil_sensor_object *object, double level);
 
 /* clipped_scene.c: the mean and the highlights of a frame that is partly clipped, as far as that can be guessed; and by
  * how much clipping lowers the mean of such a scene where that is `wanted`. */

@@ -13,42 +13,38 @@
  *         if (setting.changed) write setting.exposure_s and setting.gain to the camera;
  *         show the frame times setting.frame_digital;
  *
- * What it does: the light of the scene is what a frame's statistics say, divided by the exposure time and the gain of
- * that very frame. So it never sees its own controls: light that stands still is the same number whatever they do, and
- * a loop around it has nothing to swing with. The total (exposure time x gain) that puts this light at `key` of the
- * sensor's range is asked for at once where it is far (far_ev), and by a slow first-order filter in log2 where it is
- * near. After a large step nothing large is done while the frames leave in doubt whether it is in force: the delays
- * of both controls are found from the frames, beginning with the longest believed (delay_frames), so a driver that
- * tells a new setting too early cannot make it hunt.
+ * The promise: whatever happened before, in light that holds still, what is shown is within 0.1 stops of the aim (`key`,
+ * `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25 stops, or half the camera's
+ * own step there, of the best setting that it has. Both hold after max(60, 12 x delay_frames) delivered frames, on each
+ * camera on which more exposure or gain never makes the picture darker. Where the aim is out of reach, `reason` or
+ * `limits` names the limit. docs/sensor.md says how, and what was tested.
  *
- * The total is split by a profile into an exposure time and a gain that the camera really has, both rounded down; what
- * is left is a digital factor, so that total = exposure_s * gain * digital always. Where both controls obey it is at
- * least 1 when they are chosen, and 2^-hold_ev while they stand. frame_digital is that factor for the frame that was
- * just given, which was taken with an older setting: shown with it, a step of the sensor cannot be seen.
+ * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it, before
+ * frame_digital. A histogram (pupil_config.histogram) is needed for the highlights and to see clipped light. White is
+ * set once, where the frame is metered: pupil_coding.white for codes, pupil_config.clip for floats. What is clipped at a
+ * lower code is found in the picture. `clip` here only says which value white has then.
  *
- * Clipped light has no number: a frame with some of it looks darker than the scene is. Where even so it is far too
- * bright, the step is that for a log-normal scene of the same clipped share and mean, but no further than the quantiles
- * that are not clipped have moved; with nearly all of it clipped (97 %) the total goes down by six stops to look again
- * (by highlight_ev more for the highlights), and up by six at most where more than half is black. Near the key the mean
- * is taken as it is, so that no guess can make the loop swing. A large step that goes back on the one before, with no
- * rest between, goes half the way only.
+ * Metadata: info.exposure_s and info.gain are those that this very frame was taken with, as far as the camera reports
+ * them, as it reports them: another unit, a delay, rounding, or none at all are found. Do not put there what was asked
+ * for last. info.sequence says whether a frame is new and how many were lost. Timestamps may be equal, stop or jump.
  *
- * Lamps at 50 or 60 Hz make all light go up and down with the frame rate. Where frames bring timestamps and such a beat
- * is steady and nearly all that happens, it is taken out of the light, and frame_digital takes it out of that very
- * frame (flicker_ev). Beats of more than 16 frames are left to the filter.
+ * Settings: exposure_s and gain are ones that the camera has, by exposure_step_s or exposure_table and by gain_law,
+ * rounded down, or to the nearest where gains are more than 0.2 stops apart. If the camera needs codes, convert to the
+ * nearest code. What is left is `digital`, so that total = exposure_s * gain * digital always. frame_digital is the
+ * factor for the frame that was just given: shown with it, a step of the sensor cannot be seen.
  *
- * A picture that is bent by a tone curve is measured: how strongly it answers to the controls (slope); so are gains
- * that do less than they should or do more from one of them on, and exposures that lack a line: how far a step goes
- * follows from it. A camera that does not do what it is asked is named (PUPIL_SENSOR_IGNORED, _STRANGE, _UNSTEADY) and
- * followed in small steps.
- * Frames are counted by info's sequence where it rises, so that frames may be lost.
+ * Speed: light that is further off than 4.5 x far_ev for more than flash_frames frames is followed in one step. From
+ * far_ev on it is followed at 0.05 stops a frame, below that by a first-order filter (tau_s), and light that clearly
+ * moves to one side by its own speed. Highlights move the level by 0.025 stops a frame at most.
  *
- * Lamps on the mains leave bands where rows are exposed one after another. With PUPIL_SENSOR_MAINS_AUTO their frequency
- * is found from how the bands go on from frame to frame, in 8 to 15 frames (those without timestamps are taken to be
- * frame_s apart, which must then be right), and exposures from half a
- * period on become multiples of it; the level does not move. It stays until frames show the other one: where nothing is
- * seen there may be lamps all the same. It cannot be found (undetermined) where bands stand still, as those of 60 Hz at
- * 30 frames a second and of 50 Hz at 25, with all rows exposed at once, or from pupil_sensor_scene.
+ * Cameras: delays of both controls are found from the frames, and so are tone curves, gains and exposures that do more
+ * or less than they should or nothing, lost writes and white below the top code. Nothing is found for ever. A setting
+ * whose answer is not seen is written again: `changed` is then 1 with the same values.
+ *
+ * Lamps: flicker of all light from frame to frame is taken out of the level and, by frame_digital, of each frame
+ * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency is
+ * found from the bands; until then exposures of 10 ms and more are multiples of 10 ms, where the light allows it.
+ * docs/mains.md has the limits of both.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: all loops are over histogram bins and over
@@ -104,19 +100,14 @@ typedef struct pupil_sensor_key_point {
 
 typedef struct pupil_sensor_config {
     uint32_t size_bytes;   /* abi.h; filled in by pupil_sensor_config_default */
-    uint32_t delay_frames; /* frames from the one that was measured to the first that shows the reaction, the longer of
-                            * both controls. Too long only costs time, too short can hunt; 4, the longest that is usual;
-                            * 1..16 */
+    uint32_t delay_frames; /* the longest delay that the camera may have: frames from the one that was measured to the
+                            * first that shows the reaction. Too long costs time only until it is found; 4; 1..16 */
 
     /* what is wanted */
     double key; /* what the log-average is to be, of the sensor's range: of `clip`; 0.18; 2^-10..1 */
-    /* night that looks like night: key_at in place of key. Between two points log2 of the key is linear in scene_ev,
-     * beyond the ends it stays. From one point to the next the key may rise by at most a stop for two of light: light
-     * that is taken for too little or too much, as clipped light is, then moves the total by no more than it would with
-     * a fixed key, and by half as much at least, so that the loop settles as soon and cannot swing with it. Where the
-     * picture has a tone curve, scene_ev is the light as it is told where the mean is at `key`: the mean's distance
-     * from there is divided by the slope, so that it does not move with the settings, either; and what key_at is beside
-     * `key` counts as stops of light, too: of a picture of slope 0.5 the square root of that. */
+    /* Night that looks like night: key_at in place of key. Between two points log2 of the key is linear in scene_ev,
+     * beyond the ends it stays. From one point to the next the key may rise by at most a stop for two of light, so that
+     * a wrong scene_ev cannot make the loop swing. */
     uint32_t key_points; /* in use; 0 (key)..PUPIL_SENSOR_KEY_POINTS */
     uint32_t reserved;   /* 0 */
     pupil_sensor_key_point key_at[PUPIL_SENSOR_KEY_POINTS];
@@ -131,16 +122,11 @@ typedef struct pupil_sensor_config {
     double highlight_ev;    /* ... at the price of at most so many stops; 1; 0 (never)..8 */
 
     /* how fast */
-    double far_ev;     /* further off than this: one step; nearer: the filter; stops; 0.10; 0.02..2. Where the picture's
-                        * level is noisy from frame to frame, three times that, at most 0.15 stops of the picture, is
-                        * near as well; while the highlights decide, 0.35 stops are */
-    double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
-                        * weight of a frame is never above 0.39 / D (n times that after n - 1 lost ones), where D is
-                        * delay_frames or, once frames have told, the longest delay that they have not ruled out. No
-                        * delay up to D makes that overshoot, even where info does not tell the truth (largest k without
-                        * overshoot of x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D; beyond a D of 8 that
-                        * is less than 0.39 / D, and the overshoot below 2e-6 of the step). While the highlights decide,
-                        * and for 19 frames after, it moves the total by a hundredth of a stop a frame at most */
+    double far_ev;     /* further off than this is not converged (see Speed above); stops; 0.10; 0.02..2 */
+    double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. While
+                        * the delays are not known, the weight of a frame is at most 0.39 / delay_frames: no delay up to
+                        * that makes it overshoot (largest k without overshoot of x' = x - k * (x of D - 1 frames before):
+                        * (D-1)^(D-1) / D^D) */
     double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
                         * the digital factor follows alone; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
@@ -153,9 +139,9 @@ typedef struct pupil_sensor_config {
                                    * is and had better be one, too; 0: any; 0..1 */
     uint32_t frame_rate_priority; /* 1: exposures stay within frame_s, but for those by hand or held; 0: in the dark,
                                    * after the gain, they may go on up to exposure_max_s; 1 */
-    uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO, which is 0 until lamps are found; that. From half a
-                        * mains period on, exposures are multiples of it (rounded down to a multiple of
-                        * exposure_step_s); those by hand or held where it is told only */
+    uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO: found, and 50 until then; that. From half a mains
+                        * period on, exposures are multiples of it (rounded down to a multiple of exposure_step_s);
+                        * manual or held ones only where it is 50 or 60, or found */
     uint32_t exposure_mode;   /* a pupil_sensor_mode */
     uint32_t gain_mode;       /* a pupil_sensor_mode */
     double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
@@ -179,7 +165,7 @@ typedef struct pupil_sensor_config {
     /* what is known of the camera and the light */
     uint32_t flash_frames; /* light that is far_ev off must be so for more than this many frames before anything moves:
                             * strobes and lightning are shorter; 2; 0..8. Not while the first setting is looked for */
-    uint32_t linear;       /* 1: values are proportional to light, as of raw sensors; until frames say otherwise twice.
+    uint32_t linear;       /* 1: values are proportional to light, as of raw sensors; until frames say otherwise.
                             * 0: not known, as of cameras with a tone curve: until the first step has shown how strongly
                             * the picture answers, steps go half the way; 1 */
 
@@ -202,7 +188,7 @@ static inline void pupil_sensor_config_default(pupil_sensor_config *config)
  * wrong field and what would be right. */
 PUPIL_API int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why);
 
-#define PUPIL_SENSOR_OBJECT_BYTES 8192
+#define PUPIL_SENSOR_OBJECT_BYTES 12288
 
 /* The object. Its content is private; its size is part of the ABI. */
 typedef union pupil_sensor {
@@ -212,9 +198,9 @@ typedef union pupil_sensor {
 typedef enum pupil_sensor_state {
     PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet, but for what may be a flash */
     PUPIL_SENSOR_SEARCHING, /* a step is due or on its way */
-    PUPIL_SENSOR_CONVERGED, /* within far_ev (or what else is near), and the last step has had its time */
-    PUPIL_SENSOR_LIMITED,   /* the same at the end of what the camera can: reason has the limit; or, however far off, by
-                             * a camera that does not obey: IGNORED, UNSTEADY */
+    PUPIL_SENSOR_CONVERGED, /* what is shown is within far_ev of the aim, and the last step is in force */
+    PUPIL_SENSOR_LIMITED,   /* at the end of what the camera can: reason has the limit; or the camera does not do what
+                             * is asked of it: IGNORED */
     PUPIL_SENSOR_CLIPPED,   /* more than half of the frame is clipped: the light is a guess, searching goes on */
     PUPIL_SENSOR_FLICKER,   /* converged, but on an exposure below half a mains period: lamps may show bands */
     PUPIL_SENSOR_LOCKED     /* config.lock, or both controls manual or held */
@@ -233,14 +219,14 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_LOCK,           /* config.lock */
     PUPIL_SENSOR_ALL_MANUAL,     /* both controls are manual or held */
     PUPIL_SENSOR_INVALID_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
-    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's timestamp: nothing moved */
+    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's sequence and timestamp: nothing moved */
     PUPIL_SENSOR_CLOCK_BACK,     /* this frame's timestamp is before the last one's: dt was taken as 0 */
     PUPIL_SENSOR_FLASH,          /* far off, but for no more than flash_frames so far: nothing moved */
-    PUPIL_SENSOR_IGNORED,        /* what is asked of exposure or gain cannot be seen in the frames, nor in info */
-    PUPIL_SENSOR_NONLINEAR,      /* the picture does not follow what is asked: small steps only */
-    PUPIL_SENSOR_HUNTING /* every step so far went too far, back and forth, or a little one did: the setting stands
-                          * still until the light is half as far off again as it was then, for more than
-                          * flash_frames frames, or for 1, 4, 16, 64 seconds, of at least 30 frames each */
+    PUPIL_SENSOR_IGNORED,   /* two large steps or more of exposure or gain were not seen in the frames: dead controls, or
+                             * the camera's own automatic. They are asked again; each second `changed` is 1 */
+    PUPIL_SENSOR_NONLINEAR, /* a picture that should be linear does not answer as light does (slope): a tone curve, or a
+                             * wrong black level */
+    PUPIL_SENSOR_HUNTING    /* not reported any more */
 } pupil_sensor_reason;
 
 /* Where a setting's mains_hz is from. */
@@ -291,8 +277,7 @@ PUPIL_API int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config 
 
 /* New settings, at any time. The wanted total stays what it is wherever the new limits allow it, so that turning a
  * control from auto to manual or back, a lock, another profile or another gain law does not move the level. Another
- * delay_frames forgets what was learned of the camera (slope, delays, gains, lines), another `linear` what was learned
- * of its gains and lines; any call ends PUPIL_SENSOR_HUNTING. */
+ * delay_frames or `linear` forgets what was learned of the camera. */
 PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_config *config);
 
 /* Warm start, or after a pause: begins with the total of a setting saved before (total_s of pupil_sensor_setting, with
@@ -301,10 +286,8 @@ PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double
 
 /* --- a frame --- */
 
-/* The statistics of a frame, with the exposure time and gain that it was taken with. Where info lacks one of these (0,
- * or info NULL) the camera is taken at the setting's word; when it has both again, for another camera, of which nothing
- * is known: where single frames lack them, give these what was asked for instead. Refused and nothing moved:
- * PUPIL_ERR_STATS for what no metering can have produced of a frame with weight. */
+/* The statistics of a frame and its metadata (see above). info may be NULL, and fields of it 0, in all frames or in
+ * some. Refused and nothing moved: PUPIL_ERR_STATS for what no metering can have produced of a frame with weight. */
 PUPIL_API int pupil_sensor_frame(pupil_sensor *sensor, const pupil_stats *stats, const pupil_frame_info *info);
 
 /* The same where somebody else has metered: log2 of the light of the scene (pupil_exposure.metered_ev of frames that
