@@ -3,7 +3,7 @@
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_sensor_config, linear)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_sensor_config, exposure_table)
 
 static const pupil_sensor_config defaults = {
     .delay_frames = 4,
@@ -115,15 +115,10 @@ static const char *fault_of(const pupil_sensor_config *c)
     return fault_of_laws(c);
 }
 
-/* Fields that a caller of the first release lacks. */
 static const char *fault_of_table(const pupil_sensor_config *c)
 {
-    if (c->size_bytes < offsetof(pupil_sensor_config, exposure_table))
-        return 0;
     WITHIN(reserved_too, 0, 0);
     WITHIN(exposure_count, 0, 64);
-    if (c->size_bytes < offsetof(pupil_sensor_config, exposure_table) + c->exposure_count * sizeof *c->exposure_table)
-        return "exposure_count is more than size_bytes has entries of exposure_table";
     for (uint32_t i = 0; i < c->exposure_count; i++)
         if (!(c->exposure_table[i] >= (i ? c->exposure_table[i - 1] : 1e-9) && c->exposure_table[i] <= 1e4))
             return "exposure_table must rise, from 1e-9 to 1e4 s";

@@ -328,9 +328,6 @@ static void check_exposure_table(void)
     refused(&c, "exposure_table");
     c.exposure_count = 65;
     refused(&c, "exposure_count");
-    c.exposure_count = 9;
-    c.size_bytes = (uint32_t)(offsetof(pupil_sensor_config, exposure_table) + 4 * sizeof c.exposure_table[0]);
-    refused(&c, "exposure_count");
 }
 
 static void check_names(void)

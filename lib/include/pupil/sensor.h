@@ -13,16 +13,16 @@
  *         if (setting.changed) write setting.exposure_s and setting.gain to the camera;
  *         show the frame times setting.frame_digital;
  *
- * The promise: whatever happened before, in light that holds still, what is shown is within 0.1 stops of the aim (`key`,
- * `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25 stops, or half the camera's
- * own step there, of the best setting that it has. Both hold after max(60, 12 x delay_frames) delivered frames, on each
- * camera on which more exposure or gain never makes the picture darker. Where the aim is out of reach, `reason` or
- * `limits` names the limit. docs/sensor.md says how, and what was tested.
+ * The promise: whatever happened before, in light that holds still, what is shown is within 0.1 stops of the aim
+ * (`key`, `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25 stops, or half the
+ * camera's own step there, of the best setting that it has. Both hold after max(60, 12 x delay_frames) delivered
+ * frames, on each camera on which more exposure or gain never makes the picture darker. Where the aim is out of reach,
+ * `reason` or `limits` names the limit. docs/sensor.md says how, and what was tested.
  *
- * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it, before
- * frame_digital. A histogram (pupil_config.histogram) is needed for the highlights and to see clipped light. White is
- * set once, where the frame is metered: pupil_coding.white for codes, pupil_config.clip for floats. What is clipped at a
- * lower code is found in the picture. `clip` here only says which value white has then.
+ * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it,
+ * before frame_digital. A histogram (pupil_config.histogram) is needed for the highlights and to see clipped light.
+ * White is set once, where the frame is metered: pupil_coding.white for codes, pupil_config.clip for floats. What is
+ * clipped at a lower code is found in the picture. `clip` here only says which value white has then.
  *
  * Metadata: info.exposure_s and info.gain are those that this very frame was taken with, as far as the camera reports
  * them, as it reports them: another unit, a delay, rounding, or none at all are found. Do not put there what was asked
@@ -42,8 +42,8 @@
  * whose answer is not seen is written again: `changed` is then 1 with the same values.
  *
  * Lamps: flicker of all light from frame to frame is taken out of the level and, by frame_digital, of each frame
- * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency is
- * found from the bands; until then exposures of 10 ms and more are multiples of 10 ms, where the light allows it.
+ * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency
+ * is found from the bands; until then exposures of 10 ms and more are multiples of 10 ms, where the light allows it.
  * docs/mains.md has the limits of both.
  *
  * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
@@ -122,13 +122,13 @@ typedef struct pupil_sensor_config {
     double highlight_ev;    /* ... at the price of at most so many stops; 1; 0 (never)..8 */
 
     /* how fast */
-    double far_ev;     /* further off than this is not converged (see Speed above); stops; 0.10; 0.02..2 */
-    double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. While
-                        * the delays are not known, the weight of a frame is at most 0.39 / delay_frames: no delay up to
-                        * that makes it overshoot (largest k without overshoot of x' = x - k * (x of D - 1 frames before):
-                        * (D-1)^(D-1) / D^D) */
-    double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
-                        * the digital factor follows alone; 0.05; 0..0.5 */
+    double far_ev;  /* further off than this is not converged (see Speed above); stops; 0.10; 0.02..2 */
+    double tau_s;   /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. While
+                     * the delays are not known, the weight of a frame is at most 0.39 / delay_frames: no delay up to
+                     * that makes it overshoot (largest k without overshoot of x' = x - k * (x of D - 1 frames before):
+                     * (D-1)^(D-1) / D^D) */
+    double hold_ev; /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
+                     * the digital factor follows alone; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
 
     /* exposure time */
@@ -139,11 +139,11 @@ typedef struct pupil_sensor_config {
                                    * is and had better be one, too; 0: any; 0..1 */
     uint32_t frame_rate_priority; /* 1: exposures stay within frame_s, but for those by hand or held; 0: in the dark,
                                    * after the gain, they may go on up to exposure_max_s; 1 */
-    uint32_t mains_hz; /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO: found, and 50 until then; that. From half a mains
-                        * period on, exposures are multiples of it (rounded down to a multiple of exposure_step_s);
-                        * manual or held ones only where it is 50 or 60, or found */
-    uint32_t exposure_mode;   /* a pupil_sensor_mode */
-    uint32_t gain_mode;       /* a pupil_sensor_mode */
+    uint32_t mains_hz;      /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO: found, and 50 until then; that. From half a mains
+                             * period on, exposures are multiples of it (rounded down to a multiple of exposure_step_s);
+                             * manual or held ones only where it is 50 or 60, or found */
+    uint32_t exposure_mode; /* a pupil_sensor_mode */
+    uint32_t gain_mode;     /* a pupil_sensor_mode */
     double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
     double manual_gain;       /* the same: 2^-10..2^16 */
 
@@ -169,7 +169,7 @@ typedef struct pupil_sensor_config {
                             * 0: not known, as of cameras with a tone curve: until the first step has shown how strongly
                             * the picture answers, steps go half the way; 1 */
 
-    /* exposures that the camera has, where they are no multiples of a step; since 0.1 */
+    /* exposures that the camera has, where they are no multiples of a step */
     uint32_t exposure_count; /* entries of exposure_table in use; 0 (exposure_step_s)..PUPIL_SENSOR_EXPOSURE_TABLE */
     uint32_t reserved_too;   /* 0 */
     double exposure_table[PUPIL_SENSOR_EXPOSURE_TABLE]; /* seconds, rising; 1e-9..1e4. Exposures are the ones in it from
@@ -222,8 +222,8 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's sequence and timestamp: nothing moved */
     PUPIL_SENSOR_CLOCK_BACK,     /* this frame's timestamp is before the last one's: dt was taken as 0 */
     PUPIL_SENSOR_FLASH,          /* far off, but for no more than flash_frames so far: nothing moved */
-    PUPIL_SENSOR_IGNORED,   /* two large steps or more of exposure or gain were not seen in the frames: dead controls, or
-                             * the camera's own automatic. They are asked again; each second `changed` is 1 */
+    PUPIL_SENSOR_IGNORED, /* two large steps or more of exposure or gain were not seen in the frames: dead controls, or
+                           * the camera's own automatic. They are asked again; each second `changed` is 1 */
     PUPIL_SENSOR_NONLINEAR, /* a picture that should be linear does not answer as light does (slope): a tone curve, or a
                              * wrong black level */
     PUPIL_SENSOR_HUNTING    /* not reported any more */
