@@ -320,9 +320,11 @@ static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
     return least;
 }
 
-/* The delay of a control, once the frames have told it from each other one; until it is contradicted. Else 0. */
-static uint32_t delay_of(const sensor_estimate *a, int control)
+/* The delay of a control, once the frames have told it from each other one, whatever was believed at first; until it is
+ * contradicted. Else 0. */
+static uint32_t delay_of(const pupil_sensor_object *o, int control)
 {
+    const sensor_estimate *a = &o->estimate;
     double best = SENSOR_FAR_AWAY, second = SENSOR_FAR_AWAY;
     uint32_t delay = 0;
     for (uint32_t h = 1; h < SENSOR_GUESSES; h++)
@@ -330,8 +332,10 @@ static uint32_t delay_of(const sensor_estimate *a, int control)
             best = least_cost(a, control, h);
             delay = h;
         }
-    for (uint32_t h = 1; h < SENSOR_GUESSES; h++)
-        second = h != delay && least_cost(a, control, h) < second ? least_cost(a, control, h) : second;
+    for (uint32_t h = 1; h < SENSOR_GUESSES; h++) {
+        const double cost = least_cost(a, control, h) - (h > o->config.delay_frames ? SENSOR_COST_PRIOR : 0.0);
+        second = h != delay && cost < second ? cost : second;
+    }
     if (second - best >= SENSOR_COST_PRIOR)
         return delay;
     return a->delay[control] && least_cost(a, control, a->delay[control]) - best < SENSOR_COST_ALIVE ? a->delay[control]
@@ -385,7 +389,7 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
     }
     a->has_level = !v->is_dead;
     for (int c = 0; c < SENSOR_CONTROLS; c++)
-        a->delay[c] = delay_of(a, c);
+        a->delay[c] = delay_of(o, c);
     for (int i = 0; i < SENSOR_ORDERS; i++) {
         a->low_before[i] = v->low[i];
         a->high_before[i] = v->high[i];
