@@ -52,7 +52,7 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
     uint32_t reason = s->reason;
-    if (o->plan.slow == PUPIL_SENSOR_FLASH) { /* the state is what it was */
+    if (o->plan.slow == PUPIL_SENSOR_FLASH && !c->lock && !is_manual) { /* the state is what it was */
         s->reason = PUPIL_SENSOR_FLASH;
         s->state = s->state == PUPIL_SENSOR_CONVERGED && is_off(o, v) ? PUPIL_SENSOR_SEARCHING : s->state;
         return;
