@@ -18,6 +18,7 @@ static uint64_t episode_seed;
 static unsigned long pair[PUPIL_SENSOR_LOCKED + 1][REASONS], at[REASONS], beyond[REASONS], settings, bound,
     free_of_limits;
 static double worst_bump;
+static int written_again; /* by the last call */
 
 /* At most a few lines of it. */
 #define HOLDS(condition, ...)                                                                                          \
@@ -224,7 +225,10 @@ static void check_setting(const pupil_sensor_setting *before, int frame)
           s.exposure_s, c.exposure_min_s, c.exposure_max_s, c.exposure_step_s, c.mains_hz);
     HOLDS(camera_has_gain(s.gain), "the camera has no gain of %.9g (%g to %g, law %u)", s.gain, c.gain_min, c.gain_max,
           c.gain_law);
-    HOLDS(s.changed == (s.exposure_s != before->exposure_s || s.gain != before->gain), "changed is %u", s.changed);
+    /* the same again, to a camera that does not answer, but never twice in a row */
+    const int is_other = s.exposure_s != before->exposure_s || s.gain != before->gain;
+    HOLDS(s.changed ? is_other || !written_again : !is_other, "changed is %u", s.changed);
+    written_again = s.changed && !is_other;
     HOLDS(s.limits == limits_of(), "limits %#x, the setting (%.9g s, gain %.9g, law %u) stands at %#x", s.limits,
           s.exposure_s, s.gain, c.gain_law, limits_of());
     settings += s.changed;
@@ -266,18 +270,22 @@ static void retune(const pupil_sensor_config *next)
     check_setting(&before, 0);
 }
 
-/* A frame of the camera, with a clock that may stand or go back, or statistics that are none. */
+/* A frame of the camera, with a clock that may stand or go back, or the same frame again, or statistics that are none.
+ * The sequence says which frame is new. */
 static void frame(int odd)
 {
     static pupil_stats stats;
-    static int64_t clock_off, last;
+    static int64_t clock_off;
+    static pupil_frame_info last;
     const pupil_sensor_setting before = s;
     pupil_frame_info info = plant_next(&p, &stats);
     int lit = 1;
     clock_off -= odd == 1 ? (int64_t)(check_random() >> 34) : 0;
     info.timestamp_ns += clock_off;
     if (odd == 2)
-        info.timestamp_ns = last;
+        info.timestamp_ns = last.timestamp_ns;
+    if (odd == 2 && one_in(2))
+        info.sequence = last.sequence;
     if (odd == 3)
         pupil_stats_clear(&stats), lit = 0;
     if (odd == 4)
@@ -293,10 +301,13 @@ static void frame(int odd)
         CHECK(pupil_sensor_frame(&twin, &stats, &info) == PUPIL_OK);
     }
     if (odd != 6) {
-        lit &= !(before.frames && info.timestamp_ns && info.timestamp_ns == last);
-        last = info.timestamp_ns;
+        const int is_again = before.frames && info.timestamp_ns && info.timestamp_ns == last.timestamp_ns &&
+                             info.sequence == last.sequence;
+        lit &= !is_again;
+        last = info;
         CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-        check_setting(&before, lit && s.reason != PUPIL_SENSOR_REPEATED_FRAME);
+        HOLDS((s.reason == PUPIL_SENSOR_REPEATED_FRAME) == is_again, "reason %u", s.reason);
+        check_setting(&before, lit);
         HOLDS(lit || (!s.changed && s.total_s == before.total_s && s.state == before.state),
               "a frame that is none moved it: state %u, reason %u", s.state, s.reason);
     }

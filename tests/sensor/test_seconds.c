@@ -41,7 +41,7 @@ static long double seconds_until(double share, double tau_s)
 /* The largest weight of a frame. */
 static double most_weight(uint32_t frames_delay, int gap)
 {
-    return frames_delay == 1 ? 0.35 : fmin(0.39, 0.39 * gap / frames_delay);
+    return fmin(0.39, 0.39 * gap / frames_delay);
 }
 
 /* A scene that becomes lighter or darker by less than half a stop, which is near (far_ev is 2), and no setting of the
