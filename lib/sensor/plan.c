@@ -128,13 +128,17 @@ static void filter(pupil_sensor_object *o, double off)
     const double usual = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
     const double most = most_weight(o);
     double move = off * (usual < most ? usual : most);
-    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) /* it is not seen, and then the limit is all used */
+    double most_ev =
+        SENSOR_GLIDE_EV > size_of(move) ? SENSOR_GLIDE_EV : size_of(move); /* what is near is tau_s's alone */
+    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) { /* it is not seen, and then the limit is all used */
         move = off;
-    else if (p->far_frames > c->flash_frames)
+    } else if (p->far_frames > c->flash_frames) {
         move = off * most;
-    else if (is_timed(&o->estimate) && p->beyond == 0.0)
+        most_ev = SENSOR_GLIDE_EV;
+    } else if (is_timed(&o->estimate) && p->beyond == 0.0) {
         move -= ramp_of(&o->estimate); /* brighter light, less effect */
-    p->wanted += clamp(move, -SENSOR_GLIDE_EV, SENSOR_GLIDE_EV);
+    }
+    p->wanted += clamp(move, -most_ev, most_ev);
 }
 
 /* All of the way. But a step that turns back before anything was near comes from a guess, or from a picture that
