@@ -46,6 +46,8 @@
  * falls from bin to bin. */
 #define SENSOR_SPIKE_SHARE 0.01
 #define SENSOR_SPIKE_TIMES 2.0
+/* No sensor is full so near above the key: a flat top below that is a flat scene. */
+#define SENSOR_BRIGHT_EV 1.0
 /* A level that stays within this while the setting has moved by a large step is the camera's white. */
 #define SENSOR_STUCK_EV 0.02
 /* Weight above the learned white that shows that it is none. */

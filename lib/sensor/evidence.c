@@ -43,8 +43,10 @@ static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
     v->white = is_found ? o->white.level : white;
     if (v->clipped_share < 0.5 * v->spike && v->top >= v->white - SENSOR_WHITE_EV)
         v->clipped_share = v->spike; /* the sensor is full below the code that counts as clipped */
-    /* whatever its code: a flat top may be clipped light, and shows no more than "at least so bright" */
-    v->full_share = v->spike > v->clipped_share ? v->spike : v->clipped_share;
+    /* whatever its code: a flat top far above the key may be clipped light, and shows no more than "at least so bright"
+     */
+    const int is_bright = v->top > white + pupil_log2(o->config.key) + SENSOR_BRIGHT_EV;
+    v->full_share = is_bright && v->spike > v->clipped_share ? v->spike : v->clipped_share;
     v->is_number = v->full_share < SENSOR_BLIND_CLIPPED && v->black_share < 0.5 && v->mean > white - SENSOR_DARK_EV;
 }
 
