@@ -428,9 +428,10 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     }
     const int is_end = size_of(o->plan.beyond) > 0.0;
     s->total = s->set + (s->is_searching ? 0.0 : moved);
-    /* never further where the frame itself says that it is too far */
-    const double error = o->plan.goal - a->effect;
-    const int is_backward = need * error < 0.0 && size_of(error) > o->config.far_ev;
+    /* never further than the frame itself says, and never where it says the opposite */
+    const double error = o->plan.goal - a->effect, large_ev = SENSOR_LARGE_EV;
+    const int is_opposite = need * error < 0.0 && size_of(error) > o->config.far_ev;
+    const int is_backward = is_opposite || (size_of(need) > large_ev && size_of(error) < 0.5 * size_of(need));
     /* of a camera that does not do small steps they are left to the digital factor */
     if (a->unexplained != 0.0) {
         s->is_blunt = 1;

@@ -159,7 +159,8 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     e = is_fixed_s ? fixed_s : pupil_sensor_exposure_of(c, within);
     *exposure_s = e;
     *gain = is_fixed ? fixed : pupil_sensor_gain_of(c, total / e);
-    if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO && !is_fixed_s && *gain >= c->gain_max && total > e * *gain)
+    if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO && !is_fixed_s && *gain >= pupil_sensor_gain_of(c, c->gain_max) &&
+        total > e * *gain)
         *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s); /* all, at the dark end */
     else if (!is_fixed && total > e * *gain)
         fit_coarse(c, total, is_fixed_s, exposure_s, gain);
