@@ -123,9 +123,12 @@ static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
 
 static void find_flicker(pupil_sensor_object *o, sensor_evidence *v)
 {
-    const double exposure_s = pupil_exp2(o->estimate.in_force[0]);
+    const double exposure_s = pupil_exp2(o->estimate.in_force[0]), before_ev = o->setting.flicker_ev;
+    double *moved = &o->estimate.scene_moved[0];
     pupil_flicker_frame(&o->flicker, v->middle - o->estimate.effect, exposure_s, o->last_timestamp_ns);
     o->setting.flicker_ev = pupil_flicker_at(&o->flicker, o->last_timestamp_ns);
+    if (*moved != 0.0) /* the beat's own way up or down is no ramp of the light */
+        *moved -= o->setting.flicker_ev - before_ev;
     v->mean -= o->setting.flicker_ev;
     v->highlight -= o->setting.flicker_ev;
 }

@@ -314,12 +314,14 @@ static void check_loop(void)
     CHECK(c.setting.mains_hz == 50 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND);
 }
 
-/* What is configured is not doubted; a lock keeps the setting until it ends. */
+/* What is configured is not doubted; a lock keeps the setting until it ends. Then the frequency is to be found: until it
+ * is, 50 Hz are taken for granted, so 50 Hz lamps leave no bands at all in exposures of 10 ms and more. They leave some
+ * in shorter ones, which show the frequency. */
 static void check_told(void)
 {
     static camera c;
     double asked[DELAY][2];
-    const double dark_ev = log2(0.18 / 0.013);
+    const double dark_ev = log2(0.18 / 0.013), middle_ev = log2(0.18 / 0.004); /* 13 ms are right; 4 */
     for (int i = 0; i < 4; i++) {
         pupil_sensor_config config;
         pupil_sensor_config_default(&config);
@@ -336,9 +338,18 @@ static void check_told(void)
         config.mains_hz = PUPIL_SENSOR_MAINS_AUTO;
         config.lock = 0;
         CHECK(pupil_sensor_retune(&c.sensor, &config) == PUPIL_OK);
-        for (int n = 0; n < FRAMES + DELAY; n++) /* configured 50, the frames had no trace */
+        for (int n = 0; n < FRAMES + DELAY; n++) {
             turn(&c, dark_ev, asked);
-        CHECK_MSG(c.setting.mains_hz == 50 && is_multiple(c.setting.exposure_s, 50), "%g s", c.setting.exposure_s);
+            CHECK_MSG(c.setting.mains_hz != 60 || i == 2, "case %d: 60 Hz", i);
+        }
+        CHECK_MSG(is_multiple(c.setting.exposure_s, 50), "case %d: %g s", i, c.setting.exposure_s);
+        for (int n = 0; n < 4 + 2 * DELAY + FRAMES; n++) /* flash_frames, the step, and the frames with a trace */
+            turn(&c, middle_ev, asked);
+        CHECK_MSG(c.setting.mains_hz == 50 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND, "case %d: %u Hz at %g s", i,
+                  c.setting.mains_hz, c.setting.exposure_s);
+        for (int n = 0; n < 60; n++)
+            turn(&c, dark_ev, asked);
+        CHECK_MSG(is_multiple(c.setting.exposure_s, 50), "case %d: %g s", i, c.setting.exposure_s);
     }
     CHECK(pupil_sensor_scene(&c.sensor, -2.0, 0.0, NULL) == PUPIL_OK); /* no bands: what was found stays */
     CHECK(pupil_sensor_get(&c.sensor, &c.setting) == PUPIL_OK && c.setting.mains_hz == 50);
