@@ -390,6 +390,8 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     s->since = s->since + a->gap < SENSOR_RING ? s->since + a->gap : SENSOR_RING;
+    if (o->setting.frames == 1 && (a->in_force[0] != a->standing[0] || a->in_force[1] != a->standing[1]))
+        s->since = 0; /* the camera began with another setting than it was asked for */
     for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
         p->age += a->gap;
         p->is_used &= p->age < SENSOR_POINT_FRAMES;
