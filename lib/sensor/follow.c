@@ -26,9 +26,16 @@ static uint32_t wait_frames(const pupil_sensor_object *o)
 static int is_on_its_way(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    const int is_there = size_of(a->in_force[0] - a->standing[0]) < SENSOR_DIFFER_EV &&
-                         size_of(a->in_force[1] - a->standing[1]) < SENSOR_DIFFER_EV;
-    return o->search.since < wait_frames(o) && !(is_there && is_by_metadata(a));
+    int is_there = 1, is_late = 0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        const int is_in = size_of(a->in_force[c] - a->standing[c]) < SENSOR_DIFFER_EV;
+        is_there &= is_in;
+        is_late |= !is_in && a->reports && !a->best[c];
+    }
+    /* metadata that nothing contradicts say that it is not: the delay may be longer than was believed */
+    const uint32_t usual = wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
+    const uint32_t wait = is_late && usual < least ? least : usual;
+    return o->search.since < wait && !(is_there && is_by_metadata(a));
 }
 
 /* The setting that was asked for last is in force beyond doubt. */
