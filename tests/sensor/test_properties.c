@@ -145,8 +145,8 @@ static int may_go_together(uint32_t state, uint32_t reason)
                reason == PUPIL_SENSOR_NONLINEAR || reason == PUPIL_SENSOR_HUNTING ||
                reason == PUPIL_SENSOR_HIGHLIGHTS || reason == PUPIL_SENSOR_CLOCK_BACK;
     case PUPIL_SENSOR_CONVERGED:
-        return reason == PUPIL_SENSOR_NO_REASON || reason == PUPIL_SENSOR_HIGHLIGHTS || reason == PUPIL_SENSOR_FLASH ||
-               reason == PUPIL_SENSOR_CLOCK_BACK;
+        return reason == PUPIL_SENSOR_NO_REASON || reason == PUPIL_SENSOR_NONLINEAR ||
+               reason == PUPIL_SENSOR_HIGHLIGHTS || reason == PUPIL_SENSOR_FLASH || reason == PUPIL_SENSOR_CLOCK_BACK;
     case PUPIL_SENSOR_LIMITED:
         return (reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && reason <= PUPIL_SENSOR_AT_GAIN_MAX) ||
                reason == PUPIL_SENSOR_IGNORED || reason == PUPIL_SENSOR_HUNTING || reason == PUPIL_SENSOR_FLASH;
@@ -388,6 +388,9 @@ static const char *change_hands(const pupil_sensor_config *usual)
     }
     next.mains_hz = change == 7 ? (one_in(2) ? 50 : 60) : 0;
     retune(&next);
+    /* written before the next frame, as sensor.h wants it after each call */
+    p.asked[(p.frame + PLANT_RING - 1) % PLANT_RING][0] = s.exposure_s;
+    p.asked[(p.frame + PLANT_RING - 1) % PLANT_RING][1] = s.gain;
     return what[change];
 }
 
