@@ -78,7 +78,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     settle(log2(0.18 * 100), PUPIL_SENSOR_CONVERGED, 0.01, 1);
-    settle(log2(0.18 * 2000), PUPIL_SENSOR_CONVERGED, 26 * LINE_S, 1); /* 26.4 lines */
+    settle(log2(0.18 * 2000), PUPIL_SENSOR_CONVERGED, 26 * LINE_S, 1);        /* 26.4 lines */
     settle(log2(0.18 * 7.5), PUPIL_SENSOR_CONVERGED, 0.03, 1 / (7.5 * 0.03)); /* as for 50 Hz, while nothing is known */
     settle(log2(0.18 * 1e-3), PUPIL_SENSOR_LIMITED, 1759 * LINE_S, 256 / 24.0);
     return check_end();
