@@ -3,11 +3,11 @@
 
 #include "refuse.h"
 
-/* Where it is another setting than the last one. */
-static void ask(pupil_camera_loop *loop)
+/* Where it is another setting than the last one, or the sensor loop has it written again. */
+static void ask(pupil_camera_loop *loop, uint32_t again)
 {
     const pupil_camera_setting wanted = {.exposure_s = loop->setting.exposure_s, .gain = loop->setting.gain};
-    if (wanted.exposure_s != loop->asked.exposure_s || wanted.gain != loop->asked.gain)
+    if (again || wanted.exposure_s != loop->asked.exposure_s || wanted.gain != loop->asked.gain)
         pupil_camera_ask(loop->camera, &wanted);
     loop->asked = wanted;
 }
@@ -80,7 +80,7 @@ int pupil_camera_loop_begin(pupil_camera_loop *loop, pupil_camera *camera, const
         pupil_sensor_start(&loop->sensor, status.exposure_s.taken, status.gain.taken); /* refused where unknown */
     loop->steers = 1;
     pupil_sensor_get(&loop->sensor, &loop->setting);
-    ask(loop);
+    ask(loop, 0);
     return 0;
 }
 
@@ -105,6 +105,7 @@ int pupil_camera_loop_retune(pupil_camera_loop *loop, const pupil_sensor_config 
 int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, const pupil_frame_info *info)
 {
     int error = PUPIL_OK;
+    uint32_t changed = 0;
     if (!loop->camera)
         return PUPIL_OK;
     judge_writes(loop, info);
@@ -113,13 +114,14 @@ int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, c
     if (!loop->slow) {
         error = pupil_sensor_frame(&loop->sensor, stats, info);
         pupil_sensor_get(&loop->sensor, &loop->setting);
+        changed = loop->setting.changed && !error;
         pupil_camera_learn(loop->camera, loop->setting.exposure_delay, loop->setting.gain_delay);
     }
     if ((loop->slow || loop->locked) && !loop->config.lock) { /* the last step has not had its time */
         loop->setting.state = PUPIL_SENSOR_SEARCHING;
         loop->setting.reason = PUPIL_SENSOR_WAITING;
     }
-    ask(loop);
+    ask(loop, changed);
     return error;
 }
 
