@@ -314,9 +314,9 @@ static void check_loop(void)
     CHECK(c.setting.mains_hz == 50 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND);
 }
 
-/* What is configured is not doubted; a lock keeps the setting until it ends. Then the frequency is to be found: until it
- * is, 50 Hz are taken for granted, so 50 Hz lamps leave no bands at all in exposures of 10 ms and more. They leave some
- * in shorter ones, which show the frequency. */
+/* What is configured is not doubted; a lock keeps the setting until it ends. Then the frequency is to be found: until
+ * it is, 50 Hz are taken for granted, so 50 Hz lamps leave no bands at all in exposures of 10 ms and more. They leave
+ * some in shorter ones, which show the frequency. */
 static void check_told(void)
 {
     static camera c;
