@@ -150,17 +150,19 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     const double most_s = pupil_sensor_longest_exposure(c);
     const int is_held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, is_held = c->gain_mode != PUPIL_SENSOR_AUTO;
     const int is_fixed_s = is_held_s || is_pinned[0], is_fixed = is_held || is_pinned[1];
+    const int is_auto = c->mains_hz == PUPIL_SENSOR_MAINS_AUTO;
     /* the logarithms of what is pinned are rounded */
     const double pinned_s = clamp(in_lines(c, pupil_exp2(s->pinned[0])), c->exposure_min_s, c->exposure_max_s);
     const double fixed_s = is_held_s ? o->held_exposure : pinned_s;
     const double fixed = is_held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(s->pinned[1]));
     double e = is_fixed ? total / fixed : exposure_at(c, total);
     const double within = clamp(e, c->exposure_min_s, most_s);
-    e = is_fixed_s ? fixed_s : pupil_sensor_exposure_of(c, within);
+    /* a search that has only the exposure left does not get on in half periods of mains that nobody has seen */
+    const int is_fine = is_auto && is_pinned[1] && !is_held;
+    e = is_fixed_s ? fixed_s : is_fine ? line_at_least(c, within) : pupil_sensor_exposure_of(c, within);
     *exposure_s = e;
     *gain = is_fixed ? fixed : pupil_sensor_gain_of(c, total / e);
-    if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO && !is_fixed_s && *gain >= pupil_sensor_gain_of(c, c->gain_max) &&
-        total > e * *gain)
+    if (is_auto && !is_fixed_s && *gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * *gain)
         *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s); /* all, at the dark end */
     else if (!is_fixed && total > e * *gain)
         fit_coarse(c, total, is_fixed_s, exposure_s, gain);
