@@ -323,7 +323,8 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
                         : 0;
     if (is_wrong && !s->is_searching && size_of(o->plan.wanted - a->effect) > SENSOR_OFF_EV)
         begin_search(o, o->plan.wanted - a->effect);
-    if (size_of(plain) < SENSOR_STEP_EV)
+    const double large = share < SENSOR_WEAK ? expected : plain; /* what is thought to do much goes in small steps */
+    if (size_of(large) < SENSOR_STEP_EV)
         return;
     s->weak = share < SENSOR_WEAK ? s->weak + (s->weak < 2) : 0;
     const int is_still = pupil_sensor_unrest(a) < SENSOR_STRAIGHT * size_of(expected);
