@@ -140,6 +140,16 @@ static void fit_coarse(const pupil_sensor_config *c, double total, int is_fixed,
     *gain = next;
 }
 
+/* Where only the exposure is left, and its steps are as far apart: the next one, if it is nearer. */
+static void fit_lines(const pupil_sensor_config *c, double total, double gain, double *exposure_s)
+{
+    const double left = pupil_log2(total / (*exposure_s * gain));
+    const double longer = pupil_sensor_exposure_of(c, (*exposure_s + c->exposure_step_s) * (1.0 + SENSOR_ROUND));
+    if (left > SENSOR_COARSE_EV && longer <= pupil_sensor_longest_exposure(c) &&
+        size_of(pupil_log2(total / (longer * gain))) < left)
+        *exposure_s = longer;
+}
+
 /* is_pinned: which controls the search has pinned. */
 static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_CONTROLS], double total_log2,
                   double *exposure_s, double *gain)
@@ -166,6 +176,8 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
         *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s); /* all, at the dark end */
     else if (!is_fixed && total > e * *gain)
         fit_coarse(c, total, is_fixed_s, exposure_s, gain);
+    if (!is_fixed_s)
+        fit_lines(c, total, *gain, exposure_s);
 }
 
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
