@@ -1,5 +1,5 @@
 /* Mains light, found from the bands of frames: cameras with rolling shutters at random, and scenes without lamps in
- * which nothing may be found. Prints the figures of docs/sensor.md. */
+ * which nothing may be found. Prints the figures of docs/mains.md. */
 #include <math.h>
 #include <string.h>
 

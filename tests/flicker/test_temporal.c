@@ -1,5 +1,5 @@
 /* Lamps at 50 and 60 Hz make all light go up and down with the frame rate: that is taken out of the level and out of
- * each frame as it is shown, in both loops; and nothing else is. Prints figures of docs/sensor.md. */
+ * each frame as it is shown, in both loops; and nothing else is. Prints figures of docs/mains.md. */
 #include <math.h>
 
 #include "check.h"

@@ -1,5 +1,5 @@
 /* What row gains leave of the bands of lamps, and what they add where there is other light, by the light itself. The
- * table is that of docs/sensor.md.
+ * table is that of docs/mains.md.
  */
 #include "lamp_rig.h"
 

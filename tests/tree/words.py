@@ -238,8 +238,8 @@ def figures(root, pages):
     retired, rooms = retired_words(), {}
     for file in files_of(root):
         name = file.relative_to(root).as_posix()
-        if name in ("docs/sensor.md", "lib/include/pupil/sensor.h", "docs/glossary.md"):
-            continue  # the sensor's pages are a work of their own; the glossary has the words
+        if name in ("lib/include/pupil/sensor.h", "docs/glossary.md"):
+            continue  # the sensor's header is a work of its own; the glossary has the words
         if not name.endswith((".c", ".h", ".cpp", ".md")) and not re.search(r"\.\d$", name):
             continue
         room = name if pages and name.endswith((".md", ".1")) else room_of(name)
