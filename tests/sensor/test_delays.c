@@ -1,5 +1,5 @@
 /* The delays of the two controls, found from the frames where info tells what was asked for: whatever is believed, the
- * loop does not hunt, and no other delay than the true one is ever named. Prints a table of docs/sensor.md. */
+ * loop does not hunt, and no other delay than the true one is ever named. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;

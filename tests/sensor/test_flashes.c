@@ -1,5 +1,5 @@
 /* Strobes and lightning: light that is there in one frame or two moves nothing; a step of the light that stays is
- * answered two frames later than without. Prints a table of docs/sensor.md. */
+ * answered two frames later than without. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;

@@ -1,6 +1,5 @@
 /* A key that depends on the light of the scene (config.key_at): what it is, and that the loop around it is as soon
- * right and rests as still as with one key, also where the light is clipped, told wrongly, or bent. Prints the table of
- * docs/sensor.md. */
+ * right and rests as still as with one key, also where the light is clipped, told wrongly, or bent. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;

@@ -1,5 +1,5 @@
 /* Cameras that bend light or do not do what they are asked: what the loop makes of each, against a camera that is
- * linear and obeys. Prints a table of docs/sensor.md. */
+ * linear and obeys. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;

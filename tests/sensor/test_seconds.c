@@ -1,7 +1,7 @@
 /* The sensor's slow filter: dL/dt = (target - L) / tau_s in seconds, whatever the frame rate and whatever frames are
  * lost, as long as a frame's weight is below 0.39 / delay_frames, or 0.35 where no other delay than 1 is possible;
  * above that each frame, those that were lost before it with it, goes that share of the way, and no faster. Prints a
- * table of docs/sensor.md. */
+ * table. */
 #include <math.h>
 
 #include "check.h"

@@ -1,5 +1,5 @@
 /* The sensor's controller around a small camera: how soon it is right, that it stays there, and that no step of the
- * sensor can be seen. Prints the tables of docs/sensor.md. */
+ * sensor can be seen. Prints tables. */
 #include "sensor_plant.h"
 
 static plant p;

@@ -2,7 +2,7 @@
  * (CAMERA: uvc_camera.c) answers exposure time and gain, and the light changes.
  *
  * Held: what pupil sets, the picture shows; the level settles in as many frames as the controller promises
- * (docs/sensor.md, Measured) and stays; the controls are the user's again afterwards; unplugging ends it, or, where it
+ * (docs/sim.md) and stays; the controls are the user's again afterwards; unplugging ends it, or, where it
  * is told to wait, does not. */
 #include <math.h>
 #include <signal.h>
