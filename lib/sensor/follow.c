@@ -35,7 +35,7 @@ static int is_on_its_way(const pupil_sensor_object *o)
     /* metadata that nothing contradicts say that it is not: the delay may be longer than was believed */
     const uint32_t usual = wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
     const uint32_t wait = is_late && usual < least ? least : usual;
-    return o->search.since < wait && !(is_there && is_by_metadata(a));
+    return o->search.since < wait && !(is_there && is_by_metadata(a) && !o->search.is_again);
 }
 
 /* The setting that was asked for last is in force beyond doubt. */

@@ -66,7 +66,7 @@ while read -r struct result; do
     expect "without the last field of $struct" "$result"
 done <<'SHORTER'
 pupil_config runs
-pupil_sensor_config runs
+pupil_sensor_config refused -2 by pupil_sensor_init
 pupil_row_gain_config refused -2 by pupil_row_gain_init
 pupil_gles_config refused -2 by pupil_gles_init
 pupil_coding refused -14 by pupil_coding_check

