@@ -77,6 +77,10 @@ void pupil_sensor_reach(const pupil_sensor_object *o, double *least, double *mos
 {
     double darkest[SENSOR_CONTROLS], brightest[SENSOR_CONTROLS];
     const double asked = pupil_sensor_effect_asked(o);
+    if (o->config.exposure_mode == PUPIL_SENSOR_HELD && o->config.gain_mode == PUPIL_SENSOR_HELD) {
+        *least = *most = o->plan.wanted; /* and what was rounded is held, too */
+        return;
+    }
     pupil_sensor_ends(o, darkest, brightest);
     *least = asked + pupil_sensor_effect(&o->estimate, o->estimate.standing, darkest);
     *most = asked + pupil_sensor_effect(&o->estimate, o->estimate.standing, brightest);

@@ -35,10 +35,12 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
     o->held_exposure = pupil_sensor_held_exposure_of(config, clamp(e, config->exposure_min_s, config->exposure_max_s));
     o->held_gain =
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
-    double wanted = o->plan.wanted, least, most;
+    const double wanted = o->plan.wanted;
+    double least, most;
     pupil_sensor_begin(o, o->search.total);
     if (!o->setting.frames)
         return;
+    o->plan.wanted = wanted;
     pupil_sensor_reach(o, &least, &most); /* what is shown goes on, as far as the new limits allow */
     o->plan.wanted = clamp(wanted, least, most);
 }

@@ -33,13 +33,20 @@ double hostile_step(const hostile_row *row)
     return settle();
 }
 
-/* a: stops by which the first setting is too bright. */
+/* a: stops by which the first setting is too bright. What is shown: the first levels are a few codes, so the first
+ * setting is a tenth of a stop off, which the digital factor makes up for. */
 double hostile_start(const hostile_row *row)
 {
+    int wrong = 0;
     hostile_prepare(row, 21);
     hostile.camera.light_ev = middle_light_ev() + 0.5 * row->a;
     hostile_begin(row->a);
-    return settle();
+    for (int i = 0; i < 120; i++) {
+        hostile_frame();
+        if (fabs(hostile.shown_ev) > 0.1)
+            wrong = i + 1;
+    }
+    return wrong;
 }
 
 /* How far the total wanders in 300 frames; a: noise of the light from frame to frame. The mean of 8 seeds. */
