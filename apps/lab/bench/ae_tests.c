@@ -210,28 +210,45 @@ int bench_ae_flicker(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* Lamps on both mains, where the light allows exposures of a period and more; the mains configured, or to be found.
- * Where each frame meets the lamps as the one before did, and with all rows exposed at once, nothing can be found, and
- * nothing may be. */
-static void show_mains(bench_ae *b, const fixture_loop *loop, const char *name, double hz, int seen)
+/* Lamps on both mains, 300 frames in this light. */
+static int run_lamps(bench_ae *b, fixture_loop *loop, double hz, double light_ev)
+{
+    const uint32_t believed = loop->sensor.delay_frames, mains_hz = loop->sensor.mains_hz;
+    loop->plant.light_ev = light_ev;
+    fixture_loop_fit(loop);
+    loop->sensor.delay_frames = believed;
+    loop->sensor.mains_hz = mains_hz;
+    return bench_ae_loop(b, loop, 300, "lamp %gHz 30%%", hz);
+}
+
+static void show_bands(bench_ae *b, const fixture_loop *loop, const char *name)
+{
+    double worst = 0.0;
+    for (size_t k = 240; k < 300; k++)
+        worst = fmax(worst, b->frame[k].truth.band_ev);
+    bench_ae_show(b, loop, "bands", name, NAN, worst, 0.02);
+}
+
+/* The frequency that is to be found. Where each frame meets the lamps as the one before did, and with all rows exposed
+ * at once, nothing can be found, and nothing may be. */
+static void show_found(bench_ae *b, const fixture_loop *loop, const char *name, double hz, int seen)
 {
     char of[64];
-    double worst = 0.0;
     size_t unknown = 0;
-    for (size_t k = 0; k < 300; k++) {
-        worst = k >= 240 ? fmax(worst, b->frame[k].truth.band_ev) : 0.0;
+    for (size_t k = 0; k < 300; k++)
         unknown += b->frame[k].setting.mains_hz != (uint32_t)hz;
-    }
-    snprintf(of, sizeof of, seen ? "%s" : "%s: undetermined, hertz", name);
-    bench_ae_show(b, loop, "bands", of, NAN, seen ? worst : b->frame[299].setting.mains_hz, seen ? 0.02 : 0.0);
-    if (!seen || loop->law->total || loop->sensor.mains_hz != PUPIL_SENSOR_MAINS_AUTO)
-        return;
-    snprintf(of, sizeof of, "%s: frames until found", name);
-    bench_ae_show(b, loop, "bands", of, NAN, unknown < 300 ? (double)unknown + 1.0 : NAN, 15.0);
+    snprintf(of, sizeof of, seen ? "%s: frames until found" : "%s: undetermined, hertz", name);
+    if (seen)
+        bench_ae_show(b, loop, "bands", of, NAN, unknown < 300 ? (double)unknown + 1.0 : NAN, 15.0);
+    else
+        bench_ae_show(b, loop, "bands", of, NAN, b->frame[299].setting.mains_hz, 0.0);
 }
 
 int bench_ae_mains(bench_ae *b, const fixture_controller *law)
 {
+    /* 13 ms are right, more than a period of either; 4.9 ms, which no multiple of a period can be: bands are left, and
+     * they show the frequency */
+    static const double dim_ev = 3.7, bright_ev = 5.2;
     static const struct {
         const char *of;
         double hz, fps;
@@ -252,17 +269,20 @@ int bench_ae_mains(bench_ae *b, const fixture_controller *law)
         if (law->total && (of[i].told || !of[i].seen))
             continue; /* they are not given, and are not searched */
         bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
-        const uint32_t believed = loop.sensor.delay_frames;
         if (fixture_plant_parse(&loop.plant, of[i].camera, &b->why))
             return -1;
         loop.plant.frame_s = 1.0 / of[i].fps;
-        loop.plant.light_ev = 3.7; /* 13 ms are right: more than a period of either */
-        fixture_loop_fit(&loop);
-        loop.sensor.delay_frames = believed;
         loop.sensor.mains_hz = of[i].told ? (uint32_t)of[i].hz : PUPIL_SENSOR_MAINS_AUTO;
-        if (bench_ae_loop(b, &loop, 300, "lamp %gHz 30%%", of[i].hz))
-            return -1;
-        show_mains(b, &loop, of[i].of, of[i].hz, of[i].seen);
+        if (of[i].seen) {
+            if (run_lamps(b, &loop, of[i].hz, dim_ev))
+                return -1;
+            show_bands(b, &loop, of[i].of);
+        }
+        if (!of[i].told && !law->total) {
+            if (run_lamps(b, &loop, of[i].hz, bright_ev))
+                return -1;
+            show_found(b, &loop, of[i].of, of[i].hz, of[i].seen);
+        }
     }
     return 0;
 }
