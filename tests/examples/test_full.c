@@ -20,7 +20,7 @@
 #include "pupil/pupil.h"
 
 #define MOST 400
-#define STEP 40 /* the frame from which on there is eight times the light */
+#define STEP 80 /* the frame from which on there is eight times the light; 60 are promised until it is at rest */
 
 static fake_v4l2 *fake;
 static const pupil_v4l2_system *fakes;
@@ -220,11 +220,11 @@ int main(int argc, char **argv)
 {
     fake_v4l2_config config;
     check_begin(argc, argv);
-    follow_light(0, 0, 80);
-    follow_light(0, 60, 150);
-    follow_light(2, 0, 150);
-    follow_light(10, 0, 300);
-    follow_light(3, 60, 300);
+    follow_light(0, 0, 140);
+    follow_light(0, 60, 210);
+    follow_light(2, 0, 190);
+    follow_light(10, 0, 340);
+    follow_light(3, 60, 340);
 
     write_frames = 0;
     fake_v4l2_config_default(&config);
