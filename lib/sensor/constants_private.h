@@ -162,8 +162,6 @@
 /* Further off than this light is followed in one step, nearer than this in a glide of at most GLIDE_EV a frame. */
 #define SENSOR_FAR_TIMES 4.5 /* of far_ev */
 #define SENSOR_GLIDE_EV  0.05
-/* The least share of the way of a step that turns back. */
-#define SENSOR_STRIDE_LEAST 0.125
 /* The share of the way that the filter goes in a frame while light moves to one side, where the delays are known; and
  * over the delay where they are not (largest k without overshoot of x' = x - k x[D - 1 before]: (D-1)^(D-1) / D^D). */
 #define SENSOR_TRACK_WEIGHT 0.35

@@ -438,10 +438,3 @@ void pupil_sensor_overshot(sensor_estimate *a)
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->response[c] = a->response[c] < 1.0 ? 1.0 : a->response[c];
 }
-
-void pupil_sensor_unask(sensor_estimate *a, const double from[SENSOR_CONTROLS], uint32_t frames)
-{
-    for (uint32_t h = 1; h <= frames && h < SENSOR_RING; h++)
-        for (int c = 0; c < SENSOR_CONTROLS; c++)
-            a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][c] = from[c];
-}

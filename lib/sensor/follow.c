@@ -35,7 +35,7 @@ static int is_on_its_way(const pupil_sensor_object *o)
     /* metadata that nothing contradicts say that it is not: the delay may be longer than was believed */
     const uint32_t usual = wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
     const uint32_t wait = is_late && usual < least ? least : usual;
-    return o->search.since < wait && !(is_there && is_by_metadata(a) && !o->search.is_again);
+    return o->search.since < wait && !(is_there && is_by_metadata(a));
 }
 
 /* The setting that was asked for last is in force beyond doubt. */
@@ -288,16 +288,6 @@ static double narrow(pupil_sensor_object *o, double total)
     return nearest;
 }
 
-/* The setting is written once more, as if for the first time. */
-static void write_again(pupil_sensor_object *o)
-{
-    sensor_search *s = &o->search;
-    pupil_sensor_unask(&o->estimate, s->from, s->since);
-    s->is_large = s->is_again = 1;
-    s->since = 0;
-    o->setting.changed = 1;
-}
-
 /* Once a large step is in force: what it did. A weak answer is believed the second time, for the scene may have moved
  * against it; but for the first of a camera of which nothing is known. */
 static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
@@ -306,8 +296,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_estimate *a = &o->estimate;
     const double expected = pupil_sensor_effect(a, s->from, a->standing), seen = a->effect - s->effect_from;
     const double plain = a->standing[0] - s->from[0] + a->standing[1] - s->from[1], share = seen / expected;
-    const int is_again = s->is_again;
-    s->is_large = s->is_again = 0;
+    s->is_large = 0;
     if (size_of(plain) >= SENSOR_STEP_EV)
         pupil_sensor_find_white(o, v);
     pupil_sensor_find_black(o, v, plain);
@@ -317,10 +306,6 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     }
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
-    if (!is_again && share < SENSOR_WEAK && o->config.linear && !s->is_searching) { /* writes get lost */
-        write_again(o);
-        return;
-    }
     const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
     s->unanswered = size_of(seen) < SENSOR_ANSWER_SHARE * size_of(plain)
                         ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)

@@ -141,21 +141,6 @@ static void filter(pupil_sensor_object *o, double off)
     p->wanted += clamp(move, -most_ev, most_ev);
 }
 
-/* All of the way. But a step that turns back before anything was near comes from a guess, or from a picture that
- * answers more strongly than is known: it goes half the way, the next one half of that. */
-static void step(pupil_sensor_object *o, const sensor_evidence *v)
-{
-    sensor_plan *p = &o->plan;
-    const int direction = p->far_ev > 0.0 ? 1 : -1;
-    if (p->direction == -direction && (p->was_blind || !v->is_number))
-        p->stride *= p->stride > SENSOR_STRIDE_LEAST ? 0.5 : 1.0;
-    p->direction = direction;
-    p->was_blind = !v->is_number;
-    p->wanted += p->stride * p->far_ev;
-    p->is_looking = p->is_guess || !v->is_number || p->stride < 1.0;
-    p->far_frames = 0;
-}
-
 void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const pupil_sensor_config *c = &o->config;
@@ -180,11 +165,11 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
         return;
     }
     if (is_far) {
-        step(o, v);
+        p->wanted += p->far_ev;
+        p->is_looking = p->is_guess || !v->is_number;
+        p->far_frames = 0;
         return;
     }
     p->is_looking = 0;
-    p->direction = 0;
-    p->stride = 1.0;
     filter(o, off);
 }

@@ -54,7 +54,6 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     pupil_sensor_object *o = (pupil_sensor_object *)(void *)sensor;
     o->magic = SENSOR_MAGIC;
     o->plan.is_looking = 1;
-    o->plan.stride = 1.0;
     o->white.top = SENSOR_FAR_AWAY;
     o->black.before[0] = -SENSOR_FAR_AWAY;
     o->plan.brighter = SENSOR_FAR_AWAY;

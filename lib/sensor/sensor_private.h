@@ -107,9 +107,6 @@ typedef struct sensor_plan {
     double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
                                                   * how much its highlights were above the mean */
     double brighter;     /* the scene has become since then, at most, by the quantiles that are not clipped */
-    double stride;       /* share of the way that a far step goes */
-    int32_t direction;   /* of the last one, 0 once something was near */
-    uint32_t was_blind;  /* the last one began at a picture that said nothing */
     uint32_t far_frames; /* in a row that are far off on one side */
     uint32_t is_looking; /* what is known is a guess: the next frame counts at once */
     uint32_t is_guess;
@@ -144,7 +141,6 @@ typedef struct sensor_search {
     uint32_t wrong_frames, wrong_times;
     uint32_t since;      /* frames since the last large step, at most SENSOR_RING */
     uint32_t is_large;   /* that step is not judged yet */
-    uint32_t is_again;   /* it was written a second time */
     uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
     double blunt_wanted; /* the effect that was wanted then */
     uint32_t is_searching, is_resting;
@@ -213,8 +209,6 @@ double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SE
 double pupil_sensor_unrest(const sensor_estimate *estimate);
 /* A step went too far: no control does less than it should. */
 void pupil_sensor_overshot(sensor_estimate *estimate);
-/* What was asked for in the last frames did not arrive: `from` stayed in force. */
-void pupil_sensor_unask(sensor_estimate *estimate, const double from[SENSOR_CONTROLS], uint32_t frames);
 /* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 /* What a step of the setting did: `expected` and `seen`, stops. */
