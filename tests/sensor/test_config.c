@@ -282,6 +282,30 @@ static void check_unknown_mains(void)
     CHECK(at_the_end > 20 && fabs(s.exposure_s / c.frame_s - 1) < 1e-9);
 }
 
+/* Lines that are longer than the shortest exposure, or than the longest: never none, and never a number that is none.
+ */
+static void check_long_lines(void)
+{
+    static const uint32_t mains[] = {PUPIL_SENSOR_MAINS_AUTO, 0, 50, 60};
+    static const double step_s[] = {1.5e-3, 8.8e-4, 0.02, 1}, most_s[] = {1 / 30.0, 3.1e-4, 0.011, 0.5};
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    c.exposure_min_s = 5e-5;
+    for (int i = 0; i < 64; i++) {
+        c.mains_hz = mains[i % 4];
+        c.exposure_step_s = step_s[i / 4 % 4];
+        c.exposure_max_s = most_s[i / 16];
+        for (double total = 1e-6; total < 100; total *= 1.3) {
+            split(&c, total);
+            CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+            CHECK_MSG(s.exposure_s >= c.exposure_min_s && s.exposure_s <= c.exposure_max_s && isfinite(s.digital) &&
+                          s.digital > 0 && s.total_s > 0,
+                      "%g s in lines of %g s, mains %u: %g s, digital %g", total, c.exposure_step_s, c.mains_hz,
+                      s.exposure_s, s.digital);
+        }
+    }
+}
+
 /* An exposure by hand becomes a multiple of half a period only where the mains are told. */
 static void check_by_hand(void)
 {
@@ -357,6 +381,7 @@ int main(int argc, char **argv)
     check_fine_lines();
     check_profile();
     check_unknown_mains();
+    check_long_lines();
     check_by_hand();
     return check_end();
 }
