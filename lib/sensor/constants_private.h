@@ -168,7 +168,7 @@
 #define SENSOR_DELAY_WEIGHT 0.39
 /* Light that moved to one side in each of so many frames, by more than so many times the noise, goes on to do so. A
  * light that blinks moves in one frame only. */
-#define SENSOR_RAMP_FRAMES 4
+#define SENSOR_RAMP_FRAMES 3
 #define SENSOR_RAMP_NOISE  2.0
 /* While the first setting is looked for, all that is more than this is done at once. */
 #define SENSOR_LOOK_EV 0.02

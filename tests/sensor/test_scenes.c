@@ -74,7 +74,11 @@ static void check_dark_areas(void)
                 p.scene[i] = ev;
             rest r = watch();
             const int between = percent <= 30 && ev <= -12; /* the area's light is about half a code at the key */
-            CHECK_MSG(r.wandered <= (between ? 0.02 * percent : 0.1), "%d %% at %g EV: %g EV", percent, ev, r.wandered);
+            /* near that, a quarter of a tenth more than the picture by itself */
+            CHECK_MSG(r.wandered <= (between                      ? 0.02 * percent
+                                     : percent <= 30 && ev <= -10 ? 0.125
+                                                                  : 0.1),
+                      "%d %% at %g EV: %g EV", percent, ev, r.wandered);
             worst = fmax(worst, r.wandered);
         }
     printf("dark areas: %.3f EV from end to end at rest\n", worst);

@@ -13,11 +13,13 @@
  *         if (setting.changed) write setting.exposure_s and setting.gain to the camera;
  *         show the frame times setting.frame_digital;
  *
- * The promise: whatever happened before, in light that holds still, what is shown is within 0.1 stops of the aim
+ * What it is built and tested for: whatever happened before, in light that holds still, what is shown is within 0.1
+ * stops of the aim
  * (`key`, `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25 stops, or half the
  * camera's own step there, of the best setting that it has. Both hold after max(60, 12 x delay_frames) delivered
  * frames, on each camera on which more exposure or gain never makes the picture darker. Where the aim is out of reach,
- * `reason` or `limits` names the limit. docs/sensor.md says how, and what was tested.
+ * `reason` or `limits` names the limit. docs/sensor.md says how, what was tested, and how
+ * often it is not so.
  *
  * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it,
  * before frame_digital. A histogram (pupil_config.histogram) is needed for the highlights and to see clipped light.
@@ -38,8 +40,9 @@
  * moves to one side by its own speed. Highlights move the level by 0.025 stops a frame at most.
  *
  * Cameras: delays of both controls are found from the frames, and so are tone curves, gains and exposures that do more
- * or less than they should or nothing, lost writes and white below the top code. Nothing is found for ever. A setting
- * whose answer is not seen is written again: `changed` is then 1 with the same values.
+ * or less than they should or nothing, lost writes and white below the top code. Nothing is found for ever. To a camera
+ * that does nothing of what is asked, the setting is written again each second: `changed` is then 1 with the same
+ * values. docs/camera-answers.md has what an integrator configures, and what is found.
  *
  * Lamps: flicker of all light from frame to frame is taken out of the level and, by frame_digital, of each frame
  * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency
