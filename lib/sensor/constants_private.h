@@ -204,8 +204,8 @@
 #define SENSOR_UNPIN_EV 1.0
 /* A control that does nothing is asked again after so many frames, or twice the delay. */
 #define SENSOR_ASK_AGAIN_FRAMES 30
-/* Steps of a bisection of the path of settings: 2^-24 of 40 stops. */
-#define SENSOR_BISECT 28
+/* Steps of a bisection of the path of settings: 2^-48 of 40 stops is less than SENSOR_ROUND. */
+#define SENSOR_BISECT 48
 
 /* --- split --- */
 

@@ -206,20 +206,21 @@ void pupil_sensor_ends(const pupil_sensor_object *o, double darkest[SENSOR_CONTR
 uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
 {
     const pupil_sensor_config *c = &o->config;
-    double most_s, most;
+    double most_s, gain;
     uint32_t limits = 0;
-    end_of(o, SENSOR_TOTAL_END_EV, &most_s, &most);
+    end_of(o, SENSOR_TOTAL_END_EV, &most_s, &gain);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
-        limits |= o->setting.exposure_s <= c->exposure_min_s * (1.0 + SENSOR_STEP_SHARE)
-                      ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN
-                      : 0;
+        limits |=
+            o->setting.exposure_s <= c->exposure_min_s * (1.0 + SENSOR_ROUND) ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
         const int end = pupil_sensor_longest_exposure(c) < c->exposure_max_s ? PUPIL_SENSOR_AT_FRAME_PERIOD
                                                                              : PUPIL_SENSOR_AT_EXPOSURE_MAX;
-        limits |= o->setting.exposure_s * (1.0 + SENSOR_STEP_SHARE) >= most_s ? 1u << end : 0;
+        limits |= o->setting.exposure_s * (1.0 + SENSOR_ROUND) >= most_s ? 1u << end : 0;
     }
     if (c->gain_mode == PUPIL_SENSOR_AUTO) {
-        limits |= o->setting.gain <= c->gain_min * (1.0 + SENSOR_STEP_SHARE) ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
-        limits |= o->setting.gain * (1.0 + SENSOR_STEP_SHARE) >= most ? 1u << PUPIL_SENSOR_AT_GAIN_MAX : 0;
+        limits |= o->setting.gain <= c->gain_min * (1.0 + SENSOR_ROUND) ? 1u << PUPIL_SENSOR_AT_GAIN_MIN : 0;
+        limits |= o->setting.gain * (1.0 + SENSOR_ROUND) >= pupil_sensor_gain_of(c, c->gain_max)
+                      ? 1u << PUPIL_SENSOR_AT_GAIN_MAX
+                      : 0;
     }
     return limits;
 }
