@@ -146,8 +146,11 @@ static void light_rows(hostile_camera *camera)
         double light = 1.0;
         if (camera->lamp_hz > 0.0)
             light += camera->lamp_modulation * left * sin(2.0 * PI * camera->lamp_hz * t);
-        least = fmin(least, light);
-        most = fmax(most, light);
+        /* no fmin and fmax: gcc 12 for AArch64 fails at -O3 with an internal error on their reduction */
+        if (light < least)
+            least = light;
+        if (light > most)
+            most = light;
         camera->row_light[y] = (float)light;
     }
     camera->bands_ev = log2(most / least);
