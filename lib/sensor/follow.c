@@ -15,7 +15,8 @@ static int is_by_metadata(const sensor_estimate *a)
 static uint32_t wait_frames(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    const uint32_t longest = pupil_sensor_longest_delay(o), most = o->config.delay_frames + SENSOR_LATE_FRAMES;
+    const uint32_t longest = pupil_sensor_longest_delay(o), late = o->config.delay_frames + SENSOR_LATE_FRAMES;
+    const uint32_t most = late > 2 * SENSOR_LATE_FRAMES ? late : 2 * SENSOR_LATE_FRAMES;
     const uint32_t known = a->delay[0] > a->delay[1] ? a->delay[0] : a->delay[1];
     if (a->is_borne_out && known)
         return known > o->config.delay_frames ? known : o->config.delay_frames;

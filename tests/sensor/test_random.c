@@ -116,6 +116,6 @@ int main(int argc, char **argv)
     printf("random cameras: %ld of %ld swing; of the others the total wanders by %.3f EV at most\n", swinging, count,
            worst);
     /* cameras of the first seed with a dead gain, or with delays far beyond what is believed; may only fall */
-    CHECK(swinging * 1000 <= 11 * count);
+    CHECK(swinging * 1000 <= 2 * count);
     return check_end();
 }
