@@ -141,8 +141,8 @@ INLINE void store_vectors(const float *first, const float *second, const float *
 {
     const uint32_t *cell = e->cell;
     const ints base = v_all_ints(e->base_bits);
-    size_t i = 0;
-    for (; i + 8 <= n; i += 8) {
+    const uint32_t whole = n / 8 * 8;
+    for (size_t i = 0; i < whole; i += 8) {
         const uint16x8_t x = codes_of(first + i, cell, base), y = codes_of(second + i, cell, base);
         const uint16x8_t z = codes_of(third + i, cell, base);
         if (bytes == 4) {
@@ -153,7 +153,7 @@ INLINE void store_vectors(const float *first, const float *second, const float *
             vst3_u8(target + i * 3, ((uint8x8x3_t){{vmovn_u16(x), vmovn_u16(y), vmovn_u16(z)}}));
         }
     }
-    store_rest(first, second, third, (uint32_t)i, n, e, target, bytes);
+    store_rest(first, second, third, whole, n, e, target, bytes);
 }
 
 #include "vector_table.h"
