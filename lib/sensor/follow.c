@@ -383,7 +383,8 @@ static void report_total(pupil_sensor_object *o)
     t->limits = pupil_sensor_limits(o);
 }
 
-void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
+/* Another frame: what was seen gets older, and another light makes some of it worthless. */
+static void count_frame(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
@@ -398,38 +399,39 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         s->is_blunt = s->swaps = 0;
         s->blunt_wanted = o->plan.wanted;
     }
-    if (s->is_large && !is_on_its_way(o))
-        judge_answer(o, v);
-    if (is_in_force(o))
-        remember(o);
-    if (o->config.lock || pupil_sensor_is_pending(o)) {
-        report_total(o);
-        return;
-    }
-    doubt(o, v);
-    const double left = left_of(s->set, a->standing), need = o->plan.wanted - pupil_sensor_effect_asked(o);
-    const double moved = need - left;
-    if (s->is_resting && size_of(o->plan.wanted - s->rest_wanted) > SENSOR_OFF_EV)
-        s->is_resting = 0;
+}
+
+/* Whether a search goes on, and with which control: `need` is what the setting that was asked for lacks. */
+static void go_on_searching(pupil_sensor_object *o, double need)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double other_light = size_of(o->plan.wanted - s->rest_wanted);
+    s->is_resting &= other_light <= SENSOR_OFF_EV;
     s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
-    if (s->pinned_frames >= SENSOR_PINNED_FRAMES && size_of(o->plan.wanted - s->rest_wanted) > SENSOR_UNPIN_EV)
+    if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
     s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
     s->search_frames = s->is_searching && !s->is_resting ? s->search_frames + a->gap : 0;
-    const int is_pinned = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (is_pinned && s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->standing, need)) {
+    if (s->is_pinned[0] == s->is_pinned[1])
+        return;
+    const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
+    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->standing, need)) {
         move_only(o, other, a->standing); /* the control that moves does nothing */
         s->swaps++;
         s->unanswered = 0;
-    } else if (is_pinned && !s->is_resting && size_of(need) > SENSOR_OFF_EV &&
-               !has_room(o, (int)s->mover, a->standing, need)) {
+    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && !has_room(o, (int)s->mover, a->standing, need)) {
         s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
         forget_points(s);
     }
-    const int is_end = size_of(o->plan.beyond) > 0.0;
-    s->total = s->set + (s->is_searching ? 0.0 : moved);
-    /* never further than the frame itself says, and never where it says the opposite */
-    const double error = o->plan.goal - a->effect, large_ev = SENSOR_LARGE_EV;
+}
+
+/* Whether the setting is to change: never further than the frame itself says, and never where it says the opposite. */
+static int is_due(pupil_sensor_object *o, double need, double left)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double error = o->plan.goal - a->effect, large_ev = SENSOR_LARGE_EV, hold_ev = o->config.hold_ev;
     const int is_opposite = need * error < 0.0 && size_of(error) > o->config.far_ev;
     const int is_backward = is_opposite || (size_of(need) > large_ev && size_of(error) < 0.5 * size_of(need));
     /* of a camera that does not do small steps they are left to the digital factor */
@@ -437,23 +439,47 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         s->is_blunt = 1;
         s->blunt_wanted = o->plan.wanted;
     }
-    const double hold_ev = o->config.hold_ev;
-    const int is_held = size_of(need) <= hold_ev || (size_of(moved) <= hold_ev && size_of(left) < SENSOR_WRONG_EV);
-    const int is_small = s->is_blunt ? size_of(need) <= SENSOR_LARGE_EV : is_held;
-    if (!s->is_resting && !is_backward && (!is_small || is_end)) {
-        const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
-        const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];
-        double total = total_for(o, is_unknown ? 0.5 * need : need);
-        total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
-        total = s->is_searching ? narrow(o, total) : total;
-        if (s->is_searching && !s->is_resting && is_standing(o, total))
-            total = leave(o, need);
-        s->total = total;
-        ask(o, total);
-        if (s->is_large && !s->since) { /* how it looked before the step */
-            o->white.top = v->spike > 0.0 ? v->top : SENSOR_FAR_AWAY;
-            pupil_sensor_black_before(o, v);
-        }
+    const int is_as_chosen = size_of(need - left) <= hold_ev && size_of(left) < SENSOR_WRONG_EV;
+    const int is_held = size_of(need) <= hold_ev || is_as_chosen;
+    const int is_small = s->is_blunt ? size_of(need) <= large_ev : is_held;
+    return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0);
+}
+
+static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
+    const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];
+    double total = total_for(o, is_unknown ? 0.5 * need : need);
+    total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
+    total = s->is_searching ? narrow(o, total) : total;
+    if (s->is_searching && !s->is_resting && is_standing(o, total))
+        total = leave(o, need);
+    s->total = total;
+    ask(o, total);
+    if (s->is_large && !s->since) { /* how it looked before the step */
+        o->white.top = v->spike > 0.0 ? v->top : SENSOR_FAR_AWAY;
+        pupil_sensor_black_before(o, v);
+    }
+}
+
+void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_search *s = &o->search;
+    count_frame(o);
+    if (s->is_large && !is_on_its_way(o))
+        judge_answer(o, v);
+    if (is_in_force(o))
+        remember(o);
+    if (!o->config.lock && !pupil_sensor_is_pending(o)) {
+        doubt(o, v);
+        const double left = left_of(s->set, o->estimate.standing);
+        const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
+        go_on_searching(o, need);
+        s->total = s->set + (s->is_searching ? 0.0 : need - left);
+        if (is_due(o, need, left))
+            choose(o, v, need, left);
     }
     report_total(o);
 }

@@ -46,40 +46,52 @@ static void write_again(pupil_sensor_object *o)
     o->setting.changed = 1;
 }
 
+/* Why the level is not where the key alone would have it, or not to be trusted. */
+static uint32_t reason_of(const pupil_sensor_object *o)
+{
+    const double slope = o->setting.slope;
+    const int is_bent = o->config.linear && (slope < SENSOR_KNOWN_LEAST || slope > SENSOR_KNOWN_MOST);
+    if (o->setting.reason)
+        return o->setting.reason;
+    if (o->plan.held_back_ev > SENSOR_SETTLED_EV)
+        return PUPIL_SENSOR_HIGHLIGHTS;
+    return o->black.value > 0.0 || is_bent ? PUPIL_SENSOR_NONLINEAR : PUPIL_SENSOR_NO_REASON;
+}
+
+static int is_below_mains(const pupil_sensor_object *o)
+{
+    const pupil_sensor_config *c = &o->config;
+    return c->mains_hz > PUPIL_SENSOR_MAINS_AUTO &&
+           o->setting.exposure_s < 0.5 / c->mains_hz * SENSOR_HALF_PERIOD - c->exposure_step_s;
+}
+
 void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
 {
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
-    uint32_t reason = s->reason;
     if (o->plan.slow == PUPIL_SENSOR_FLASH && !c->lock && !is_manual) { /* the state is what it was */
         s->reason = PUPIL_SENSOR_FLASH;
         s->state = s->state == PUPIL_SENSOR_CONVERGED && is_off(o, v) ? PUPIL_SENSOR_SEARCHING : s->state;
         return;
     }
-    if (!reason && o->plan.held_back_ev > SENSOR_SETTLED_EV)
-        reason = PUPIL_SENSOR_HIGHLIGHTS;
-    if (!reason &&
-        (o->black.value > 0.0 || (c->linear && (s->slope < SENSOR_KNOWN_LEAST || s->slope > SENSOR_KNOWN_MOST))))
-        reason = PUPIL_SENSOR_NONLINEAR;
+    s->reason = reason_of(o);
     s->state = PUPIL_SENSOR_CONVERGED;
     if (c->lock || is_manual) {
         s->state = PUPIL_SENSOR_LOCKED;
-        reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_ALL_MANUAL;
+        s->reason = c->lock ? PUPIL_SENSOR_LOCK : PUPIL_SENSOR_ALL_MANUAL;
     } else if (is_ignored(o)) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = PUPIL_SENSOR_IGNORED;
+        s->reason = PUPIL_SENSOR_IGNORED;
         write_again(o);
     } else if (is_off(o, v) || pupil_sensor_is_pending(o)) {
         s->state = v->clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
-        reason = o->plan.slow ? o->plan.slow : reason;
+        s->reason = o->plan.slow ? o->plan.slow : s->reason;
     } else if (size_of(o->plan.beyond) > SENSOR_SETTLED_EV) {
         s->state = PUPIL_SENSOR_LIMITED;
-        reason = pupil_sensor_limit(o, o->plan.beyond > 0.0);
-    } else if (c->mains_hz > PUPIL_SENSOR_MAINS_AUTO &&
-               s->exposure_s < 0.5 / c->mains_hz * SENSOR_HALF_PERIOD - c->exposure_step_s) {
+        s->reason = pupil_sensor_limit(o, o->plan.beyond > 0.0);
+    } else if (is_below_mains(o)) {
         s->state = PUPIL_SENSOR_FLICKER;
-        reason = PUPIL_SENSOR_BELOW_MAINS;
+        s->reason = PUPIL_SENSOR_BELOW_MAINS;
     }
-    s->reason = reason;
 }

@@ -48,6 +48,8 @@ static const field fields[] = {
     COUNT(linear, 0, 1),
     COUNT(key_points, 0, 8),
     COUNT(reserved, 0, 0),
+    COUNT(reserved_too, 0, 0),
+    COUNT(exposure_count, 0, 64),
     COUNT(gain_law, 0, PUPIL_GAIN_LAW_COUNT - 1),
 };
 
@@ -68,17 +70,20 @@ static pupil_sensor_config wide_config(void)
         c.stage[i] = (pupil_sensor_stage){0.01, 2};
     for (int i = 0; i < PUPIL_SENSOR_KEY_POINTS; i++)
         c.key_at[i] = (pupil_sensor_key_point){i, 0.18};
+    for (int i = 0; i < PUPIL_SENSOR_EXPOSURE_TABLE; i++)
+        c.exposure_table[i] = 1e-3 * (i + 1);
     return c;
 }
 
 static void set(pupil_sensor_config *c, const field *f, double value)
 {
-    const uint32_t count = (uint32_t)value;
     void *to = (char *)c + f->at;
-    if (f->is_double)
+    if (f->is_double) {
         memcpy(to, &value, sizeof value);
-    else
+    } else {
+        const uint32_t count = (uint32_t)value;
         memcpy(to, &count, sizeof count);
+    }
 }
 
 static void refused(const pupil_sensor_config *c, const char *name, double value)
