@@ -91,12 +91,17 @@ for name in meter_only own_camera full; do
 done
 head -c 16 /dev/zero | "$work/meter_only" 4 2
 "$work/own_camera"
-"$work/full" "$work/none" 2>"$work/log" && { echo "check.sh: full takes a camera that is not there"; exit 1; }
-grep -qF "full: $work/none: " "$work/log" || { cat "$work/log"; exit 1; }
+no_camera() {
+    "$1" "$work/none" 2>"$work/log" && { echo "check.sh: $1 takes a camera that is not there"; exit 1; }
+    grep -qF "full: $work/none: " "$work/log" || { cat "$work/log"; exit 1; }
+}
+no_camera "$work/full"
 
 cmake -G Ninja -S "$here" -B "$work/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
     >"$work/log" && cmake --build "$work/build" >>"$work/log" || { cat "$work/log"; exit 1; }
 for program in c_shared c_static cxx_shared cxx_static; do
     "$work/build/$program"
 done
+no_camera "$work/build/c_camera"
+no_camera "$work/build/cxx_camera"
 echo "installed: $(cd "$prefix" && find . -type f | sort | tr '\n' ' ')"
