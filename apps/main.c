@@ -28,52 +28,93 @@ static void fill_standard_streams(void)
             (void)!open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY); /* the lowest free number: fd */
 }
 
-/* `pupil help ...`: of a command, the man page, or of all. */
-static int help(const char *what)
+/* What the program itself does, besides the commands. */
+static const char *const own[] = {"help", "version", "completion"};
+enum { OWN = sizeof own / sizeof own[0] };
+
+/* Of a command that there is not. */
+static int refuse(const char *name)
 {
+    option_near near;
+    option_near_begin(&near, name);
+    for (const option_command *const *c = pupil_commands; *c; c++)
+        option_near_try(&near, (*c)->name);
+    for (int n = 0; n < OWN; n++)
+        option_near_try(&near, own[n]);
+    fprintf(stderr, "pupil: %s: no such command%s%s; 'pupil help' lists them\n", name, near.name ? "; perhaps " : "",
+            near.name ? near.name : "");
+    return EXIT_USAGE;
+}
+
+/* `pupil help ...`: of a command, of a part of it, the man page, or of all. */
+static int help(int argc, char **argv)
+{
+    char what[64] = "";
+    for (int n = 0; n < argc; n++)
+        snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", n ? " " : "", argv[n]);
     const option_command *command = options_command(pupil_commands, what);
-    if (strcmp(what, "--man") == 0)
+    int all = !argc;
+    for (int n = 0; n < OWN; n++)
+        all |= strcmp(what, own[n]) == 0;
+    if (all)
+        put_help(stdout);
+    else if (strcmp(what, "--man") == 0)
         options_manual(pupil_commands, stdout);
-    else if (command && !command->groups) { /* it has more to say, or is not in this build */
+    else if (!command)
+        return refuse(what);
+    else if (!command->groups) { /* it has more to say, or is not in this build */
         char name[32];
         snprintf(name, sizeof name, "%s", command->name);
         char *asked[] = {name, "--help", NULL};
         return pupil_command_run(command, 2, asked);
-    } else if (command)
+    } else
         options_help(command, stdout);
-    else
-        put_help(stdout);
-    return 0;
+    return EXIT_DONE;
 }
 
-int main(int argc, char **argv)
+static int completion(int argc, char **argv)
 {
-    fill_standard_streams();
-    option_commands = pupil_commands;
+    if (!argc || strcmp(argv[0], "bash") != 0) {
+        fputs("pupil completion: name a shell: bash is the only one that is known\n", stderr);
+        return EXIT_USAGE;
+    }
+    if (argc > 1)
+        options_complete(pupil_commands, argc - 1, argv + 1, stdout);
+    else
+        options_completion(stdout);
+    return EXIT_DONE;
+}
+
+static int run(int argc, char **argv)
+{
     const char *name = argc > 1 ? argv[1] : "";
-    const char *what = argc > 2 ? argv[2] : "";
     const option_command *command = strchr(name, ' ') ? NULL : options_command(pupil_commands, name);
     if (command)
         return pupil_command_run(command, argc - 1, argv + 1);
     if (strcmp(name, "version") == 0 || strcmp(name, "--version") == 0) {
         printf("pupil %d.%d.%d (library %s)\n", PUPIL_VERSION_MAJOR, PUPIL_VERSION_MINOR, PUPIL_VERSION_PATCH,
                pupil_version());
-        return 0;
+        return EXIT_DONE;
     }
     if (strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
-        return help(what);
-    if (strcmp(name, "completion") == 0 && strcmp(what, "bash") == 0) {
-        if (argc > 3)
-            options_complete(pupil_commands, argc - 3, argv + 3, stdout);
-        else
-            options_completion(stdout);
-        return 0;
-    }
+        return help(argc - 2, argv + 2);
     if (strcmp(name, "completion") == 0)
-        fputs("pupil completion: name a shell: bash is the only one that is known\n", stderr);
-    else if (*name)
-        fprintf(stderr, "pupil: %s: no such command; 'pupil help' lists them\n", name);
-    else
-        put_help(stderr);
-    return 2;
+        return completion(argc - 2, argv + 2);
+    if (*name)
+        return refuse(name);
+    put_help(stderr);
+    return EXIT_USAGE;
+}
+
+int main(int argc, char **argv)
+{
+    fill_standard_streams();
+    option_commands = pupil_commands;
+    const int status = run(argc, argv);
+    const int failed = fflush(stdout) != 0 || ferror(stdout);
+    if (status == EXIT_DONE && failed) {
+        fputs("pupil: standard output cannot be written\n", stderr);
+        return EXIT_FAILED;
+    }
+    return status;
 }

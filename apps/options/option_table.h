@@ -112,6 +112,16 @@ int option_word(const char *text, const char *words);
 /* The command of a name, "bench" or "bench scene"; NULL. */
 const option_command *options_command(const option_command *const *commands, const char *name);
 
+/* The name nearest to a misspelt one: at most two letters off, and fewer than half of them; or one that begins with it.
+ */
+typedef struct option_near {
+    const char *given;
+    const char *name; /* NULL: none is near */
+    size_t distance;
+} option_near;
+void option_near_begin(option_near *near, const char *given);
+void option_near_try(option_near *near, const char *name);
+
 /* The row and the base of a command's n-th option; NULL behind the last. --help is the last one. */
 const option_row *options_row(const option_command *command, size_t n, size_t *base);
 

@@ -70,6 +70,19 @@ static void others(const option_command *const *commands, const char *name, size
     }
 }
 
+/* "; perhaps --metering", or nothing. */
+static void perhaps(const option_command *command, const char *name, char *text, size_t bytes)
+{
+    option_near near;
+    const option_row *row;
+    size_t base;
+    option_near_begin(&near, name);
+    for (size_t n = 0; (row = options_row(command, n, &base)); n++)
+        option_near_try(&near, row->name);
+    if (near.name)
+        snprintf(text, bytes, "; perhaps --%s", near.name);
+}
+
 /* Of an option that getopt_long did not take: `code` is its answer, optopt what it knows of the option. */
 static int refuse(const option_command *command, int code, const char *word, pupil_why *why)
 {
@@ -87,6 +100,8 @@ static int refuse(const option_command *command, int code, const char *word, pup
         return pupil_refuse(why, "%s: takes no value", name);
     const char *long_name = optopt ? "" : name + strspn(name, "-");
     others(option_commands, long_name, strlen(long_name), (char)optopt, also, sizeof also);
+    if (!*also)
+        perhaps(command, long_name, also, sizeof also);
     return pupil_refuse(why, "%s: no such option of pupil %s%s; 'pupil %s --help' lists them", name, command->name,
                         also, command->name);
 }

@@ -11,7 +11,7 @@ int option_refuse(const option_value *v, const char *right)
 {
     char own[512];
     option_right(v->row, own, sizeof own);
-    return pupil_refuse(v->why, "--%s %s: must be %s", v->row->name, v->text, right ? right : own);
+    return pupil_refuse(v->why, "--%s %s: must be %s", v->row->name, *v->text ? v->text : "\"\"", right ? right : own);
 }
 
 int option_number(const option_value *v, double low, double high, double *number)

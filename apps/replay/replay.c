@@ -182,7 +182,7 @@ int replay_main(int argc, char **argv)
     if (interrupted)
         fprintf(stderr, "pupil replay: interrupted; %s\n",
                 s->outputs.finished ? "some outputs were complete already, the others are not there"
-                                    : "nothing was written");
+                                    : "no output is complete");
     else if (failed)
         session_say(s, &s->why, "");
     else if (!r.options.quiet)

@@ -274,7 +274,7 @@ int study_main(int argc, char **argv)
     if (failed && s.made_folder)
         rmdir(s.options.out); /* stays where it holds something */
     if (failed && interrupt_came()) {
-        fputs("pupil study: interrupted; what was not written yet is not there\n", stderr);
+        fputs("pupil study: interrupted; complete outputs remain\n", stderr);
         return EXIT_INTERRUPTED;
     }
     if (failed) {

@@ -30,7 +30,7 @@ static void check_refused(const option_command *command, const option_row *row, 
 {
     pupil_why why;
     char begins[256];
-    snprintf(begins, sizeof begins, "--%s %s: must be ", row->name, text);
+    snprintf(begins, sizeof begins, "--%s %s: must be ", row->name, *text ? text : "\"\"");
     memset(scratch, 0, sizeof scratch);
     CHECK_MSG(take(row, scratch, text, &why) == OPTIONS_USAGE && strncmp(why.text, begins, strlen(begins)) == 0 &&
                   strstr(why.text, words),
@@ -226,7 +226,13 @@ static void test_lines(void)
 {
     frame_options o;
     pupil_why why;
-    says("replay x --metreing spot", "--metreing: no such option of pupil replay; 'pupil replay --help' lists them");
+    says("replay x --metreing spot", "--metreing: no such option of pupil replay; perhaps --metering; 'pupil replay");
+    says("replay x --tau-drk=3", "--tau-drk: no such option of pupil replay; perhaps --tau-dark;");
+    says("replay x --tau 3", "--tau: no such option of pupil replay; perhaps --tau-light;");
+    says("replay x --meter spot", "--meter: no such option of pupil replay; perhaps --meter");
+    says("replay x --moon 3", "--moon: no such option of pupil replay; 'pupil replay --help' lists them");
+    says("replay x --lo", "--lo: no such option of pupil replay; perhaps --lo");
+    says("replay x --xev 1", "--xev: no such option of pupil replay; 'pupil replay --help' lists them");
     says("replay x --shutter 10ms", "--shutter: no such option of pupil replay; it is of pupil run, pupil record;");
     if (bench_command.parts) /* this build has it */
         says("replay x --peers", "it is of pupil bench kernels;");

@@ -142,6 +142,7 @@ sleep 1
 kill -TERM $running
 wait $running
 [ $? = 130 ] || fail "a stalled reader: exit $?"
+grep -q "interrupted; no output is complete" said.err || fail "a stalled reader: $(cat said.err)"
 absent cfolder
 "$program" replay - -o c.mp4 <pipe >said.out 2>said.err &
 running=$!
@@ -162,7 +163,7 @@ while [ ! -s drawing ] && kill -0 $running 2>said.out; do sleep 0.1; done
 kill -INT $running
 wait $running
 [ $? = 130 ] || fail "Ctrl-C while gnuplot draws: exit $?"
-grep -q "nothing was written" said.err || fail "Ctrl-C while gnuplot draws: $(cat said.err)"
+grep -q "no output is complete" said.err || fail "Ctrl-C while gnuplot draws: $(cat said.err)"
 absent c.mp4 c.svg
 
 # nohup
