@@ -27,7 +27,7 @@ void pupil_sensor_black_before(pupil_sensor_object *o, const sensor_evidence *v)
 void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
 {
     sensor_black *b = &o->black;
-    const int is_clear = o->config.linear && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
+    const int is_clear = o->config.linear && b->wrong < 2 && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
                          size_of(ev) >= SENSOR_BLACK_STEP_EV && v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
     if (!is_clear)
         return;
@@ -40,9 +40,22 @@ void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, d
     const int is_one = most - least < SENSOR_BLACK_ALIKE * most && least > SENSOR_BLACK_SHARE * pupil_exp2(v->rank[1]);
     const int is_again = is_one && size_of(value[0] - b->candidate) < SENSOR_BLACK_ALIKE * value[0];
     b->candidate = is_one ? value[0] : 0.0;
+    if (is_again && b->value == 0.0) { /* what was learned of the controls was the black level's */
+        o->estimate.response[0] = o->estimate.response[1] = 1.0;
+        o->estimate.learned = 0;
+    }
     if (is_again)
         b->value = value[0];
     else if (!is_one && size_of(value[1]) < 0.5 * b->value)
+        b->value = 0.0;
+}
+
+/* A camera whose black level is known is linear. The first step may have been asked for before it was known. */
+void pupil_sensor_test_black(pupil_sensor_object *o, int is_wrong)
+{
+    sensor_black *b = &o->black;
+    b->wrong = is_wrong ? b->wrong + 1 : 0;
+    if (b->wrong > 1)
         b->value = 0.0;
 }
 

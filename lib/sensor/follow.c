@@ -187,6 +187,7 @@ static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
     s->wrong_times += s->wrong_times < SENSOR_WRONG_TIMES;
     s->wrong_frames = 0;
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
+    o->black.wrong = 0;
     forget_points(s);
     pupil_sensor_doubt(o);
 }
@@ -297,10 +298,13 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_estimate *a = &o->estimate;
     const double expected = pupil_sensor_effect(a, s->from, a->standing), seen = a->effect - s->effect_from;
     const double plain = a->standing[0] - s->from[0] + a->standing[1] - s->from[1], share = seen / expected;
+    const int had_black = o->black.value > 0.0;
     s->is_large = 0;
     if (size_of(plain) >= SENSOR_STEP_EV)
         pupil_sensor_find_white(o, v);
     pupil_sensor_find_black(o, v, plain);
+    if (!had_black && o->black.value > 0.0)
+        return; /* the step was asked for by another level */
     if ((o->plan.goal - a->effect) * expected < 0.0 && size_of(o->plan.goal - a->effect) > 0.5 * size_of(expected)) {
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
@@ -311,6 +315,8 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     s->unanswered = size_of(seen) < SENSOR_ANSWER_SHARE * size_of(plain)
                         ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)
                         : 0;
+    if (had_black)
+        pupil_sensor_test_black(o, is_wrong);
     if (is_wrong && !s->is_searching && size_of(o->plan.wanted - a->effect) > SENSOR_OFF_EV)
         begin_search(o, o->plan.wanted - a->effect);
     const double large = share < SENSOR_WEAK ? expected : plain; /* what is thought to do much goes in small steps */
@@ -347,7 +353,35 @@ static double leave(pupil_sensor_object *o, double need)
     return s->set;
 }
 
-static void ask(pupil_sensor_object *o, double total)
+/* Much of one control in exchange for the other goes in parts: between two delays a frame has the one and not yet the
+ * other, and the digital factor can make up for so much only. Whether this is a part, which replaces the setting. */
+static int is_part_of_exchange(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double *from = o->estimate.standing;
+    const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
+    const int smaller = size_of(move[0]) < size_of(move[1]) ? 0 : 1, larger = SENSOR_CONTROLS - 1 - smaller;
+    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= SENSOR_EXCHANGE_EV ||
+        c->exposure_mode != PUPIL_SENSOR_AUTO || c->gain_mode != PUPIL_SENSOR_AUTO)
+        return 0;
+    double part[SENSOR_CONTROLS];
+    part[smaller] = from[smaller] + (move[smaller] > 0.0 ? SENSOR_EXCHANGE_EV : -SENSOR_EXCHANGE_EV);
+    part[larger] = setting[larger] + setting[smaller] - part[smaller];
+    const double longest_s = pupil_sensor_longest_exposure(c);
+    const double exposure_s = pupil_sensor_exposure_of(c, clamp(pupil_exp2(part[0]), c->exposure_min_s, longest_s));
+    const double gain = pupil_sensor_gain_of(c, pupil_exp2(part[1]));
+    part[0] = pupil_log2(exposure_s);
+    part[1] = pupil_log2(gain);
+    if (size_of(part[smaller] - from[smaller]) < 0.5 * SENSOR_EXCHANGE_EV)
+        return 0; /* there are no such settings */
+    *e = exposure_s;
+    *g = gain;
+    setting[0] = part[0];
+    setting[1] = part[1];
+    return 1;
+}
+
+static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
 {
     sensor_search *s = &o->search;
     sensor_estimate *a = &o->estimate;
@@ -355,6 +389,7 @@ static void ask(pupil_sensor_object *o, double total)
     const double asked = pupil_sensor_effect_asked(o);
     (void)effect_of(o, total, setting);
     pupil_sensor_split(o, total, &e, &g);
+    s->is_exchanging = may_be_a_part && is_part_of_exchange(o, setting, &e, &g);
     s->set = total;
     if (e == o->setting.exposure_s && g == o->setting.gain)
         return;
@@ -442,7 +477,7 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     const int is_as_chosen = size_of(need - left) <= hold_ev && size_of(left) < SENSOR_WRONG_EV;
     const int is_held = size_of(need) <= hold_ev || is_as_chosen;
     const int is_small = s->is_blunt ? size_of(need) <= large_ev : is_held;
-    return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0);
+    return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
@@ -457,7 +492,7 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     if (s->is_searching && !s->is_resting && is_standing(o, total))
         total = leave(o, need);
     s->total = total;
-    ask(o, total);
+    ask(o, total, 1);
     if (s->is_large && !s->since) { /* how it looked before the step */
         o->white.top = v->spike > 0.0 ? v->top : SENSOR_FAR_AWAY;
         pupil_sensor_black_before(o, v);
@@ -498,7 +533,7 @@ void pupil_sensor_begin(pupil_sensor_object *o, double total)
     if (!(is_held && o->setting.frames && size_of(total - most) < 1.0))
         total = clamp(total, least, most);
     s->total = total;
-    ask(o, total);
+    ask(o, total, 0);
     o->plan.wanted = pupil_sensor_effect_asked(o) + left_of(total, o->estimate.standing);
     report_total(o);
 }

@@ -37,7 +37,8 @@ static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
 /* A camera that does not take its setting gets it again, for its own automatic may be back. */
 static void write_again(pupil_sensor_object *o)
 {
-    o->rewrite_s += o->setting.dt_s;
+    const double dt_s = o->setting.dt_s, most_s = 0.5 * SENSOR_REWRITE_S; /* not in two frames in a row */
+    o->rewrite_s += dt_s < most_s ? dt_s : most_s;
     if (o->setting.changed)
         o->rewrite_s = 0.0;
     if (o->rewrite_s < SENSOR_REWRITE_S)
@@ -90,6 +91,8 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     } else if (size_of(o->plan.beyond) > SENSOR_SETTLED_EV) {
         s->state = PUPIL_SENSOR_LIMITED;
         s->reason = pupil_sensor_limit(o, o->plan.beyond > 0.0);
+        if (size_of(o->plan.beyond) > SENSOR_WRONG_EV) /* at an end, an own automatic looks like a limit */
+            write_again(o);
     } else if (is_below_mains(o)) {
         s->state = PUPIL_SENSOR_FLICKER;
         s->reason = PUPIL_SENSOR_BELOW_MAINS;

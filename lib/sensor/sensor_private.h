@@ -51,6 +51,8 @@ typedef struct sensor_black {
     double value;                /* 0: nothing was found */
     double candidate;            /* what the last step says it is */
     double before[SENSOR_RANKS]; /* the ranks of the frame in which a large step was asked for */
+    uint32_t wrong;              /* steps that did not do what they should with it; at most 2 */
+    uint32_t reserved;
 } sensor_black;
 
 /* --- estimate --- */
@@ -144,10 +146,10 @@ typedef struct sensor_search {
     uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
     double blunt_wanted; /* the effect that was wanted then */
     uint32_t is_searching, is_resting;
-    uint32_t unanswered; /* large steps in a row that did nothing */
-    uint32_t weak;       /* ... or less than expected */
-    uint32_t next;       /* of point */
-    uint32_t reserved;
+    uint32_t unanswered;    /* large steps in a row that did nothing */
+    uint32_t weak;          /* ... or less than expected */
+    uint32_t next;          /* of point */
+    uint32_t is_exchanging; /* one control for the other, in parts */
     sensor_point point[SENSOR_POINTS];
 } sensor_search;
 
@@ -189,6 +191,8 @@ void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence 
 /* black_level.c: before and after a step of `ev` stops. */
 void pupil_sensor_black_before(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_find_black(pupil_sensor_object *object, const sensor_evidence *evidence, double ev);
+/* Whether a step with it did what it should. */
+void pupil_sensor_test_black(pupil_sensor_object *object, int is_wrong);
 /* log2 of a level without what is added to it. */
 double pupil_sensor_above_black(const pupil_sensor_object *object, double level);
 

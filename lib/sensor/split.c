@@ -125,6 +125,25 @@ static double next_gain(const pupil_sensor_config *c, double gain)
     return next > gain && next <= c->gain_max ? pupil_sensor_gain_of(c, next * (1.0 + SENSOR_ROUND)) : gain;
 }
 
+/* The gain is at its most. Of mains that nobody has seen nothing is kept: all exposure there is. Else, where gains do
+ * not reach from one multiple of a half period to the next, the nearer one is taken. */
+static void fit_dark_end(const pupil_sensor_config *c, double total, int is_fixed, double *exposure_s, double *gain)
+{
+    const double most_s = pupil_sensor_longest_exposure(c), left = pupil_log2(total / (*exposure_s * *gain));
+    if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO) {
+        *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s);
+        return;
+    }
+    if (left <= SENSOR_COARSE_EV || !c->mains_hz || is_fixed)
+        return;
+    const double next_s = pupil_sensor_exposure_of(c, *exposure_s + 0.5 / c->mains_hz + c->exposure_step_s);
+    const double least = pupil_sensor_gain_of(c, total / next_s);
+    if (next_s > *exposure_s && next_s <= most_s && size_of(pupil_log2(total / (next_s * least))) < left) {
+        *exposure_s = next_s;
+        *gain = least;
+    }
+}
+
 /* What rounding down both leaves is the digital factor's. Where gains are far apart that would be much of a stop: then
  * the next gain is taken, with a shorter exposure if there is one. */
 static void fit_coarse(const pupil_sensor_config *c, double total, int is_fixed, double *exposure_s, double *gain)
@@ -172,9 +191,9 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     e = is_fixed_s ? fixed_s : is_fine ? line_at_least(c, within) : pupil_sensor_exposure_of(c, within);
     *exposure_s = e;
     *gain = is_fixed ? fixed : pupil_sensor_gain_of(c, total / e);
-    if (is_auto && !is_fixed_s && *gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * *gain)
-        *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s); /* all, at the dark end */
-    else if (!is_fixed && total > e * *gain)
+    if (total > e * *gain && !is_fixed_s && *gain >= pupil_sensor_gain_of(c, c->gain_max))
+        fit_dark_end(c, total, is_fixed, exposure_s, gain);
+    else if (total > e * *gain && !is_fixed)
         fit_coarse(c, total, is_fixed_s, exposure_s, gain);
     if (!is_fixed_s)
         fit_lines(c, total, *gain, exposure_s);

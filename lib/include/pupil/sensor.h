@@ -41,8 +41,8 @@
  *
  * Cameras: delays of both controls are found from the frames, and so are tone curves, gains and exposures that do more
  * or less than they should or nothing, lost writes and white below the top code. Nothing is found for ever. To a camera
- * that does nothing of what is asked, the setting is written again each second: `changed` is then 1 with the same
- * values. docs/camera-answers.md has what an integrator configures, and what is found.
+ * that does nothing of what is asked, or whose aim is out of reach, the setting is written again each second: `changed`
+ * is then 1 with the same values. docs/camera-answers.md has what an integrator configures, and what is found.
  *
  * Lamps: flicker of all light from frame to frame is taken out of the level and, by frame_digital, of each frame
  * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency
