@@ -11,21 +11,14 @@ static const char *state_word(const run_sensor *s)
 {
     if (s->loop.steers && s->loop.refused)
         return "searching";
-    static const char *const words[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
-    const uint32_t state = s->loop.setting.state;
-    return !s->loop.steers ? "" : state < sizeof words / sizeof words[0] ? words[state] : "?";
+    return s->loop.steers ? pupil_sensor_state_name(s->loop.setting.state) : "";
 }
 
 static const char *reason_word(const run_sensor *s)
 {
-    static const char *const words[] = {"",         "waiting",    "exposure min", "exposure max", "frame period",
-                                        "gain min", "gain max",   "highlights",   "mains",        "lock",
-                                        "manual",   "dead frame", "same frame",   "clock back",   "flash",
-                                        "ignored",  "strange",    "unsteady"};
-    const uint32_t reason = s->loop.setting.reason;
     if (s->loop.refused)
         return "refused";
-    return !s->loop.steers ? "" : reason < sizeof words / sizeof words[0] ? words[reason] : "?";
+    return s->loop.steers && s->loop.setting.reason ? pupil_sensor_reason_name(s->loop.setting.reason) : "";
 }
 
 /* What keys can change while it runs; 1: they did. Where the picture is adapted to by itself, the sensor's own level is

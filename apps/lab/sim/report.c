@@ -104,8 +104,9 @@ void sim_summary(const sim_run *run, FILE *out)
     fprintf(out, "at last     %.6g s, gain %.4g, digital %.4f", last->truth.exposure_s, last->truth.gain,
             last->truth.digital);
     if (!o->loop.law->total)
-        fprintf(out, "; %s%s%s", pupil_sensor_state_name(last->setting.state), last->setting.reason ? ", " : "",
-                pupil_sensor_reason_name(last->setting.reason));
+        fprintf(out, "; %s", pupil_sensor_state_name(last->setting.state));
+    if (!o->loop.law->total && last->setting.reason)
+        fprintf(out, ", %s", pupil_sensor_reason_name(last->setting.reason));
     fputc('\n', out);
     if (!o->loop.law->total)
         fprintf(out, "found       slope %.3f, delay %u/%u (exposure/gain; 0: not seen yet), mains %u Hz%s\n",

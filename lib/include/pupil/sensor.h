@@ -125,13 +125,13 @@ typedef struct pupil_sensor_config {
     double highlight_ev;    /* ... at the price of at most so many stops; 1; 0 (never)..8 */
 
     /* how fast */
-    double far_ev;  /* further off than this is not converged (see Speed above); stops; 0.10; 0.02..2 */
-    double tau_s;   /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. While
-                     * the delays are not known, the weight of a frame is at most 0.39 / delay_frames: no delay up to
-                     * that makes it overshoot (largest k without overshoot of x' = x - k * (x of D - 1 frames before):
-                     * (D-1)^(D-1) / D^D) */
-    double hold_ev; /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
-                     * the digital factor follows alone; 0.05; 0..0.5 */
+    double far_ev;     /* further off than this is not converged (see Speed above); stops; 0.10; 0.02..2 */
+    double tau_s;      /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
+                        * weight of a frame is at most 0.35 where the delays are known. Until then it is at most
+                        * 0.39 / delay_frames: no delay up to that makes it overshoot (largest k without overshoot of
+                        * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
+    double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
+                        * the digital factor follows alone; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
 
     /* exposure time */

@@ -271,6 +271,11 @@ call 0 "300 frames" fake:sleep=6,5 -n 300 --stats hang.csv
 [ "$(column in_force_from hang.csv | sort -u | wc -l)" -le 2 ] || fail "the write did not hang"
 put_back "a write that hangs"
 
+# states and reasons are those of pupil/sensor.h
+call 0 "60 frames" fake:real fake:light=0.0001@1 -n 60 --stats dark.csv
+[ "$(last sensor dark.csv) $(last sensor_reason dark.csv)" = "limited gain_max" ] ||
+    fail "in the dark the sensor is $(last sensor dark.csv) by $(last sensor_reason dark.csv), not limited by gain_max"
+
 # a camera that is busy for a moment: the setting that it refused is asked for again, and what it was is put back
 call 0 "refused by the camera: " fake:real fake:flat=600 fake:light=4@15 fake:refuse=6,6,16 -n 110 --stats busy.csv
 [ "$(last exposure_s busy.csv)" = "$(last asked_exposure_s busy.csv)" ] || fail "a refused exposure is not asked for again"
