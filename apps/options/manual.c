@@ -195,10 +195,13 @@ void options_manual(const option_command *const *commands, FILE *out)
     put_usage(commands, out);
     fputs("\\fBpupil help\\fR [COMMAND]\n.br\n\\fBpupil version\\fR\n.br\n\\fBpupil completion bash\\fR\n", out);
     fputs(".SH DESCRIPTION\n", out);
-    put_prose("pupil takes HDR frames through metering, adaptation over time and mapping, as a camera's auto-exposure "
-              "does. pupil replay takes recorded frames, pupil run those of a live camera. Nothing has to be "
-              "configured.",
-              out);
+    put_prose(
+        "pupil takes HDR frames through metering, adaptation over time and mapping, as a camera's auto-exposure "
+        "does. pupil replay takes recorded frames, pupil run those of a live camera. Nothing has to be "
+        "configured.\n\n"
+        "pupil render, study, bench and sim are for work on pupil itself: only builds with PUPIL_LAB=ON have them.\n\n"
+        "An option that is given more than once has its last value, unless it is repeatable.",
+        out);
     fputs(".SH INPUTS\n", out);
     put_prose("Of pupil replay and pupil record:", out);
     put_entries(inputs, out);

@@ -1,4 +1,4 @@
-// A frame's statistics as a buffer (lib/gles/gles_meter.h: gles_statistics).
+// A frame's statistics as a buffer (lib/gles/gles_private.h: gles_statistics).
 
 #define BINS      512u
 #define PEAK_BINS 256u

@@ -250,6 +250,8 @@ static void test_lines(void)
     CHECK(o.overwrite && o.quiet && o.source.fps == 24.0 && o.most == 3 && !o.config.lock && o.input_count == 4);
     CHECK(strcmp(o.inputs[0], "a") == 0 && strcmp(o.inputs[1], "b") == 0 && strcmp(o.inputs[2], "--lock") == 0 &&
           strcmp(o.inputs[3], "-q") == 0);
+    CHECK(parse("replay a --fps 24 -n 3 --fps 25 -n 4", &o, &why) == OPTIONS_RUN && o.source.fps == 25.0 &&
+          o.most == 4);
     CHECK(parse("replay -o -- a", &o, &why) == OPTIONS_RUN && strcmp(o.out[0], "--") == 0 && o.input_count == 1);
     CHECK(parse("replay a --metering center", &o, &why) == OPTIONS_RUN && strcmp(o.metering, "centre") == 0);
 }
