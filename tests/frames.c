@@ -6,9 +6,20 @@
 
 #define GUARD 64
 
+int frame_is_rgb(uint32_t pixel)
+{
+    return pupil_pixel_planes(pixel) == 1 && !pupil_pixel_bits(pixel) && pixel != PUPIL_PIXEL_YUYV &&
+           pixel != PUPIL_PIXEL_UYVY;
+}
+
+int frame_blue_first(uint32_t pixel)
+{
+    return pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8;
+}
+
 void frame_fit(uint32_t pixel, uint32_t *width, uint32_t *height)
 {
-    if (pixel >= PUPIL_PIXEL_BAYER8) {
+    if (pupil_pixel_is_mosaic(pixel)) {
         *width = (*width + 3) / 4 * 4;
         *height = (*height + 1) / 2 * 2;
     }
@@ -31,12 +42,16 @@ frame frame_make(uint32_t width, uint32_t height, uint32_t pixel, size_t padding
     f.memory = filled(f.bytes);
     f.image.data = f.memory + GUARD + (upside_down ? stride * (height - 1) : 0);
     f.image.stride_bytes = upside_down ? -(ptrdiff_t)stride : (ptrdiff_t)stride;
-    if (pixel == PUPIL_PIXEL_NV12) {
-        const size_t chroma_stride = width + width % 2 + padding, rows = (height + 1) / 2;
-        f.chroma_bytes = chroma_stride * rows + 2 * GUARD;
-        f.chroma_memory = filled(f.chroma_bytes);
-        f.image.chroma = f.chroma_memory + GUARD + (upside_down ? chroma_stride * (rows - 1) : 0);
-        f.image.chroma_stride_bytes = upside_down ? -(ptrdiff_t)chroma_stride : (ptrdiff_t)chroma_stride;
+    const size_t chroma_stride = pupil_chroma_row_bytes(pixel, width) + padding;
+    const uint32_t rows = pupil_chroma_rows(pixel, height), planes = pupil_pixel_planes(pixel);
+    f.chroma_bytes = chroma_stride * rows + 2 * GUARD;
+    for (uint32_t plane = 1; plane < planes; plane++) {
+        unsigned char *memory = filled(f.chroma_bytes);
+        const unsigned char *top = memory + GUARD + (upside_down ? chroma_stride * (rows - 1) : 0);
+        const ptrdiff_t to_next = upside_down ? -(ptrdiff_t)chroma_stride : (ptrdiff_t)chroma_stride;
+        *(plane == 1 ? &f.chroma_memory : &f.cr_memory) = memory;
+        *(plane == 1 ? &f.image.chroma : &f.image.cr) = top;
+        *(plane == 1 ? &f.image.chroma_stride_bytes : &f.image.cr_stride_bytes) = to_next;
     }
     return f;
 }
@@ -45,7 +60,8 @@ void frame_free(frame *f)
 {
     free(f->memory);
     free(f->chroma_memory);
-    f->memory = f->chroma_memory = NULL;
+    free(f->cr_memory);
+    f->memory = f->chroma_memory = f->cr_memory = NULL;
 }
 
 pupil_image frame_writable(const frame *f)
@@ -56,7 +72,10 @@ pupil_image frame_writable(const frame *f)
                          .height = f->image.height,
                          .pixel = f->image.pixel,
                          .chroma_stride_bytes = f->image.chroma_stride_bytes,
-                         .coding = f->image.coding};
+                         .coding = f->image.coding,
+                         .cr_stride_bytes = f->image.cr_stride_bytes};
+    if (f->cr_memory)
+        image.cr = f->cr_memory + ((const unsigned char *)f->image.cr - f->cr_memory);
     if (f->chroma_memory)
         image.chroma = f->chroma_memory + ((const unsigned char *)f->image.chroma - f->chroma_memory);
     return image;
@@ -65,7 +84,8 @@ pupil_image frame_writable(const frame *f)
 int frame_equal(const frame *a, const frame *b)
 {
     return a->bytes == b->bytes && a->chroma_bytes == b->chroma_bytes && memcmp(a->memory, b->memory, a->bytes) == 0 &&
-           (!a->chroma_memory || memcmp(a->chroma_memory, b->chroma_memory, a->chroma_bytes) == 0);
+           (!a->chroma_memory || memcmp(a->chroma_memory, b->chroma_memory, a->chroma_bytes) == 0) &&
+           (!a->cr_memory || memcmp(a->cr_memory, b->cr_memory, a->chroma_bytes) == 0);
 }
 
 static int untouched(const unsigned char *memory, size_t bytes, ptrdiff_t stride_bytes, size_t row)
@@ -83,8 +103,10 @@ int frame_guards_intact(const frame *f)
 {
     const pupil_image_const *i = &f->image;
     return untouched(f->memory, f->bytes, i->stride_bytes, pupil_row_bytes(i->pixel, i->width)) &&
-           (!f->chroma_memory ||
-            untouched(f->chroma_memory, f->chroma_bytes, i->chroma_stride_bytes, i->width + i->width % 2));
+           (!f->chroma_memory || untouched(f->chroma_memory, f->chroma_bytes, i->chroma_stride_bytes,
+                                           pupil_chroma_row_bytes(i->pixel, i->width))) &&
+           (!f->cr_memory ||
+            untouched(f->cr_memory, f->chroma_bytes, i->cr_stride_bytes, pupil_chroma_row_bytes(i->pixel, i->width)));
 }
 
 uint16_t frame_half(double value)
@@ -122,14 +144,18 @@ static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, dou
     const pupil_image image = frame_writable(f);
     const uint32_t pixel = f->image.pixel;
     unsigned char *row = (unsigned char *)image.data + (ptrdiff_t)y * image.stride_bytes;
-    const double mine = pixel < PUPIL_PIXEL_BAYER8 ? (r + g + b) / 3 : x % 2 == y % 2 ? x % 2 ? b : r : g;
+    const double mine = !pupil_pixel_is_mosaic(pixel) ? (r + g + b) / 3 : x % 2 == y % 2 ? x % 2 ? b : r : g;
     const unsigned char colour = (unsigned char)to_code(0.5 + 0.4 * (x % 2 ? r - g : b - g) / (r + g + b), 255);
-    if (pixel == PUPIL_PIXEL_YUYV) {
-        row[2 * x] = (unsigned char)to_code(srgb(mine), 255);
-        row[2 * x + 1] = colour;
-    } else if (pixel == PUPIL_PIXEL_NV12) {
+    const ptrdiff_t chroma_row = pupil_chroma_row_of(pixel, y);
+    if (pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY) {
+        row[2 * x + (pixel == PUPIL_PIXEL_UYVY)] = (unsigned char)to_code(srgb(mine), 255);
+        row[2 * x + (pixel == PUPIL_PIXEL_YUYV)] = colour;
+    } else if (image.cr) {
         row[x] = (unsigned char)to_code(srgb(mine), 255);
-        ((unsigned char *)image.chroma)[(ptrdiff_t)(y / 2) * image.chroma_stride_bytes + x] = colour;
+        ((unsigned char *)(x % 2 ? image.cr : image.chroma))[chroma_row * image.chroma_stride_bytes + x / 2] = colour;
+    } else if (image.chroma) {
+        row[x] = (unsigned char)to_code(srgb(mine), 255);
+        ((unsigned char *)image.chroma)[chroma_row * image.chroma_stride_bytes + x] = colour;
     } else if (pixel == PUPIL_PIXEL_BAYER10P) {
         const unsigned code = to_code(mine, 1023), at = x / 4 * 5;
         row[at + x % 4] = (unsigned char)(code >> 2);
@@ -148,7 +174,7 @@ static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, dou
 
 void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, double a)
 {
-    if (f->image.pixel >= PUPIL_PIXEL_YUYV) {
+    if (!frame_is_rgb(f->image.pixel)) {
         set_sample(f, x, y, r, g, b);
         return;
     }
@@ -175,7 +201,8 @@ void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, d
             break;
         default:
             if (c < (int)pixel_bytes)
-                at[c] = (unsigned char)to_code(c < 3 ? srgb(value[c]) : value[c], 255);
+                at[c < 3 && frame_blue_first(f->image.pixel) ? 2 - c : c] =
+                    (unsigned char)to_code(c < 3 ? srgb(value[c]) : value[c], 255);
         }
     }
 }
@@ -255,6 +282,9 @@ void frame_bits(frame *f, frame_random *random)
     const pupil_image image = frame_writable(f);
     any_bits(image.data, image.stride_bytes, image.height, pupil_row_bytes(image.pixel, image.width), random);
     if (image.chroma)
-        any_bits(image.chroma, image.chroma_stride_bytes, (image.height + 1) / 2, image.width + image.width % 2,
-                 random);
+        any_bits(image.chroma, image.chroma_stride_bytes, pupil_chroma_rows(image.pixel, image.height),
+                 pupil_chroma_row_bytes(image.pixel, image.width), random);
+    if (image.cr)
+        any_bits(image.cr, image.cr_stride_bytes, pupil_chroma_rows(image.pixel, image.height),
+                 pupil_chroma_row_bytes(image.pixel, image.width), random);
 }

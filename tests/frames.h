@@ -12,8 +12,9 @@ typedef struct frame {
     pupil_image_const image;
     unsigned char *memory;        /* with 64 bytes of guard before and after */
     size_t bytes;                 /* of the memory, guards and all */
-    unsigned char *chroma_memory; /* NV12: of the second plane, the same */
-    size_t chroma_bytes;
+    unsigned char *chroma_memory; /* of the second plane, the same; NULL: none */
+    unsigned char *cr_memory;     /* of the third */
+    size_t chroma_bytes;          /* of each of both */
 } frame;
 
 typedef double frame_random(void); /* in [0, 1) */
@@ -23,6 +24,10 @@ typedef double frame_random(void); /* in [0, 1) */
 frame frame_make(uint32_t width, uint32_t height, uint32_t pixel, size_t padding, int upside_down);
 void frame_free(frame *f);
 pupil_image frame_writable(const frame *f);
+
+/* Red, green and blue in each pixel; and blue before red. */
+int frame_is_rgb(uint32_t pixel);
+int frame_blue_first(uint32_t pixel);
 
 /* The nearest size up from this one that the format can have. */
 void frame_fit(uint32_t pixel, uint32_t *width, uint32_t *height);

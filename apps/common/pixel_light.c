@@ -62,20 +62,44 @@ static double between(const pupil_image_const *image, double code)
     return (code - black) / (white - black);
 }
 
+/* Y', Cb and Cr of a pixel, as the format's comment in pupil/image.h has them. */
+static void yuv_at(const pupil_image_const *image, uint32_t x, uint32_t y, int code[3])
+{
+    const unsigned char *row = row_at(image, y), *cb, *cr;
+    const uint32_t chroma_y = image->pixel == PUPIL_PIXEL_NV16 ? y : y / 2;
+    if (image->pixel == PUPIL_PIXEL_YUYV || image->pixel == PUPIL_PIXEL_UYVY) {
+        const uint32_t luma_at = image->pixel == PUPIL_PIXEL_UYVY;
+        const unsigned char *pair = row + x / 2 * 4;
+        code[0] = pair[x % 2 * 2 + luma_at];
+        code[1] = pair[1 - luma_at];
+        code[2] = pair[3 - luma_at];
+        return;
+    }
+    cb = (const unsigned char *)image->chroma + (ptrdiff_t)chroma_y * image->chroma_stride_bytes;
+    if (image->pixel == PUPIL_PIXEL_I420) {
+        cr = (const unsigned char *)image->cr + (ptrdiff_t)chroma_y * image->cr_stride_bytes + x / 2;
+        cb += x / 2;
+    } else {
+        cb += x / 2 * 2;
+        cr = cb + 1;
+    }
+    code[0] = row[x];
+    code[1] = image->pixel == PUPIL_PIXEL_NV21 ? *cr : *cb;
+    code[2] = image->pixel == PUPIL_PIXEL_NV21 ? *cb : *cr;
+}
+
 static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, double rgb[3])
 {
     /* Kr and Kb of BT.601, BT.709 and BT.2020: coding.h */
     static const double kr_kb[PUPIL_MATRIX_COUNT][2] = {{0.299, 0.114}, {0.2126, 0.0722}, {0.2627, 0.0593}};
     const pupil_coding *c = coding_of(image);
     const double kr = kr_kb[c->matrix][0], kb = kr_kb[c->matrix][1];
-    const int full = c->range == PUPIL_RANGE_FULL, yuyv = image->pixel == PUPIL_PIXEL_YUYV;
-    const unsigned char *row = row_at(image, y), *pair = row + x / 2 * 4 + 1;
-    if (!yuyv)
-        pair = (const unsigned char *)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2;
-    const int luma = row[yuyv ? 2 * x : x], cb = pair[0], cr = pair[yuyv ? 2 : 1];
-    const double l = full ? luma / 255.0 : (luma - 16) / 219.0, chroma = full ? 255.0 : 224.0;
-    rgb[0] = l + 2.0 * (1.0 - kr) * (cr - 128) / chroma;
-    rgb[2] = l + 2.0 * (1.0 - kb) * (cb - 128) / chroma;
+    const int full = c->range == PUPIL_RANGE_FULL;
+    int code[3];
+    yuv_at(image, x, y, code);
+    const double l = full ? code[0] / 255.0 : (code[0] - 16) / 219.0, chroma = full ? 255.0 : 224.0;
+    rgb[0] = l + 2.0 * (1.0 - kr) * (code[2] - 128) / chroma;
+    rgb[2] = l + 2.0 * (1.0 - kb) * (code[1] - 128) / chroma;
     rgb[1] = (l - kr * rgb[0] - kb * rgb[2]) / (1.0 - kr - kb);
     for (int k = 0; k < 3; k++) {
         const double v = rgb[k] > 0.0 ? rgb[k] < 1.0 ? rgb[k] : 1.0 : 0.0;
@@ -155,11 +179,19 @@ static double component(uint32_t pixel, const unsigned char *row, size_t at, int
 
 static void rgb_light(const pupil_image_const *image, uint32_t x, uint32_t y, double rgba[4])
 {
-    const int is_rgb =
-        image->pixel == PUPIL_PIXEL_RGB32F || image->pixel == PUPIL_PIXEL_RGB16 || image->pixel == PUPIL_PIXEL_RGB8;
-    const int channels = is_rgb ? 3 : 4;
-    for (int c = 0; c < channels; c++)
-        rgba[c] = component(image->pixel, row_at(image, y), (size_t)x * (size_t)channels + (size_t)c, c == 3);
+    const uint32_t pixel = image->pixel;
+    const int is_rgb = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ||
+                       pixel == PUPIL_PIXEL_BGR8;
+    const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8;
+    const int ignored = pixel == PUPIL_PIXEL_BGRX8 || pixel == PUPIL_PIXEL_RGBX8;
+    const size_t channels = is_rgb ? 3 : 4;
+    for (size_t c = 0; c < (ignored ? 3 : channels); c++)
+        rgba[blue_first ? 2 - c : c] = component(pixel, row_at(image, y), x * channels + c, c == 3);
+}
+
+static int is_yuv(uint32_t pixel)
+{
+    return pupil_pixel_planes(pixel) > 1 || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
 }
 
 void pixel_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgba[4])
@@ -171,7 +203,7 @@ void pixel_light(const pupil_image_const *image, uint32_t x, uint32_t y, int qua
     else if (pupil_pixel_bits(image->pixel))
         rgba[0] = rgba[1] = rgba[2] =
             decoded(between(image, sample_at(image, x, y)), light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_LINEAR : light);
-    else if (image->pixel == PUPIL_PIXEL_YUYV || image->pixel == PUPIL_PIXEL_NV12)
+    else if (is_yuv(image->pixel))
         yuv_light(image, x, y, rgba);
     else
         rgb_light(image, x, y, rgba);

@@ -92,7 +92,10 @@ static size_t bytes_of(const pupil_frame *frame)
     const pupil_image_const *image = &frame->image;
     if (frame->coded)
         return frame->coded_bytes;
-    return pupil_row_bytes(image->pixel, image->width) * image->height * (image->pixel == PUPIL_PIXEL_NV12 ? 3 : 2) / 2;
+    const size_t planes = pupil_pixel_planes(image->pixel);
+    return pupil_row_bytes(image->pixel, image->width) * image->height +
+           (planes > 1 ? planes - 1 : 0) * pupil_chroma_row_bytes(image->pixel, image->width) *
+               pupil_chroma_rows(image->pixel, image->height);
 }
 
 static int open_recorder(record *r, const pupil_frame *first)

@@ -23,7 +23,8 @@ static void read_frame(int i)
 
 int main(void)
 {
-    const pupil_image_const image = {sizeof image, PUPIL_PIXEL_GREY12, pixels, WIDTH * 2, WIDTH, HEIGHT, 0, 0, 0, 0, 0};
+    const pupil_image_const image = {
+        .data = pixels, .stride_bytes = WIDTH * 2, .width = WIDTH, .height = HEIGHT, .pixel = PUPIL_PIXEL_GREY12};
     pupil_t pupil;
     pupil_config metering;
     pupil_stats stats;

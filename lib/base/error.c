@@ -19,7 +19,7 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_ALIGNMENT] = "data and stride must be multiples of the sample's size",
         [-PUPIL_ERR_PIXEL] = "this pixel format cannot be used on this side (input or output)",
         [-PUPIL_ERR_ROWS] =
-            "rows are outside the frame or cut a pair of NV12 or a mosaic, or the frame ended before each row came "
+            "rows are outside the frame or cut a pair of 4:2:0 or a mosaic, or the frame ended before each row came "
             "once",
         [-PUPIL_ERR_ORDER] = "calls out of order: begin a frame once, give its rows, then end it",
         [-PUPIL_ERR_NO_EXPOSURE] = "no frame has been adapted to yet, so there is no exposure to map with",

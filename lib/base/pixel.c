@@ -1,18 +1,44 @@
 /* The layout of each format's pixels in memory. */
 #include "pixel.h"
 
+/* In the order of the struct's fields: pixels one after another; samples of grey and mosaics. */
+#define PLAIN(BYTES, SAMPLE)                                                                                           \
+    {                                                                                                                  \
+        BYTES, 1, SAMPLE, 0, 0, 1, 0, 0, 0                                                                             \
+    }
+#define SAMPLES(BYTES, UNIT, SAMPLE, BITS, MOSAIC)                                                                     \
+    {                                                                                                                  \
+        BYTES, UNIT, SAMPLE, BITS, MOSAIC, 1, 0, 0, 0                                                                  \
+    }
+
 static const pupil_pixel_layout layouts[PUPIL_PIXEL_COUNT] = {
-    [PUPIL_PIXEL_RGBA32F] = {16, 1, 4, 0, 0},  [PUPIL_PIXEL_RGB32F] = {12, 1, 4, 0, 0},
-    [PUPIL_PIXEL_RGBA16F] = {8, 1, 2, 0, 0},   [PUPIL_PIXEL_RGBA16] = {8, 1, 2, 0, 0},
-    [PUPIL_PIXEL_RGB16] = {6, 1, 2, 0, 0},     [PUPIL_PIXEL_RGBA8] = {4, 1, 1, 0, 0},
-    [PUPIL_PIXEL_RGB8] = {3, 1, 1, 0, 0},      [PUPIL_PIXEL_BGRX8] = {4, 1, 1, 0, 0},
-    [PUPIL_PIXEL_YUYV] = {4, 2, 1, 0, 0},      [PUPIL_PIXEL_NV12] = {1, 1, 1, 0, 0},
-    [PUPIL_PIXEL_GREY8] = {1, 1, 1, 8, 0},     [PUPIL_PIXEL_GREY10] = {2, 1, 2, 10, 0},
-    [PUPIL_PIXEL_GREY12] = {2, 1, 2, 12, 0},   [PUPIL_PIXEL_GREY16] = {2, 1, 2, 16, 0},
-    [PUPIL_PIXEL_BAYER8] = {1, 1, 1, 8, 1},    [PUPIL_PIXEL_BAYER10] = {2, 1, 2, 10, 1},
-    [PUPIL_PIXEL_BAYER12] = {2, 1, 2, 12, 1},  [PUPIL_PIXEL_BAYER14] = {2, 1, 2, 14, 1},
-    [PUPIL_PIXEL_BAYER16] = {2, 1, 2, 16, 1},  [PUPIL_PIXEL_BAYER10P] = {5, 4, 1, 10, 1},
-    [PUPIL_PIXEL_BAYER12P] = {3, 2, 1, 12, 1},
+    [PUPIL_PIXEL_RGBA32F] = PLAIN(16, 4),
+    [PUPIL_PIXEL_RGB32F] = PLAIN(12, 4),
+    [PUPIL_PIXEL_RGBA16F] = PLAIN(8, 2),
+    [PUPIL_PIXEL_RGBA16] = PLAIN(8, 2),
+    [PUPIL_PIXEL_RGB16] = PLAIN(6, 2),
+    [PUPIL_PIXEL_RGBA8] = PLAIN(4, 1),
+    [PUPIL_PIXEL_RGB8] = PLAIN(3, 1),
+    [PUPIL_PIXEL_BGRX8] = PLAIN(4, 1),
+    [PUPIL_PIXEL_BGR8] = PLAIN(3, 1),
+    [PUPIL_PIXEL_RGBX8] = PLAIN(4, 1),
+    [PUPIL_PIXEL_YUYV] = {4, 2, 1, 0, 0, 1, 0, 0, 1},
+    [PUPIL_PIXEL_UYVY] = {4, 2, 1, 0, 0, 1, 0, 0, 1},
+    [PUPIL_PIXEL_NV12] = {1, 1, 1, 0, 0, 2, 2, 2, 1},
+    [PUPIL_PIXEL_NV21] = {1, 1, 1, 0, 0, 2, 2, 2, 1},
+    [PUPIL_PIXEL_NV16] = {1, 1, 1, 0, 0, 2, 2, 1, 1},
+    [PUPIL_PIXEL_I420] = {1, 1, 1, 0, 0, 3, 1, 2, 1},
+    [PUPIL_PIXEL_GREY8] = SAMPLES(1, 1, 1, 8, 0),
+    [PUPIL_PIXEL_GREY10] = SAMPLES(2, 1, 2, 10, 0),
+    [PUPIL_PIXEL_GREY12] = SAMPLES(2, 1, 2, 12, 0),
+    [PUPIL_PIXEL_GREY16] = SAMPLES(2, 1, 2, 16, 0),
+    [PUPIL_PIXEL_BAYER8] = SAMPLES(1, 1, 1, 8, 1),
+    [PUPIL_PIXEL_BAYER10] = SAMPLES(2, 1, 2, 10, 1),
+    [PUPIL_PIXEL_BAYER12] = SAMPLES(2, 1, 2, 12, 1),
+    [PUPIL_PIXEL_BAYER14] = SAMPLES(2, 1, 2, 14, 1),
+    [PUPIL_PIXEL_BAYER16] = SAMPLES(2, 1, 2, 16, 1),
+    [PUPIL_PIXEL_BAYER10P] = SAMPLES(5, 4, 1, 10, 1),
+    [PUPIL_PIXEL_BAYER12P] = SAMPLES(3, 2, 1, 12, 1),
 };
 
 pupil_pixel_layout pupil_pixel_layout_of(uint32_t pixel)
@@ -42,7 +68,24 @@ uint32_t pupil_pixel_bits(uint32_t pixel)
     return pupil_pixel_layout_of(pixel).bits;
 }
 
+uint32_t pupil_pixel_planes(uint32_t pixel)
+{
+    return pupil_pixel_layout_of(pixel).planes;
+}
+
+size_t pupil_chroma_row_bytes(uint32_t pixel, uint32_t width)
+{
+    return ((size_t)width + 1) / 2 * pupil_pixel_layout_of(pixel).chroma_bytes;
+}
+
+uint32_t pupil_chroma_rows(uint32_t pixel, uint32_t height)
+{
+    const uint32_t each = pupil_pixel_layout_of(pixel).chroma_rows;
+    return each ? (uint32_t)(((uint64_t)height + each - 1) / each) : 0;
+}
+
 uint32_t pupil_pixel_rows(uint32_t pixel)
 {
-    return pixel == PUPIL_PIXEL_NV12 || pupil_pixel_is_mosaic(pixel) ? 2 : 1;
+    const pupil_pixel_layout f = pupil_pixel_layout_of(pixel);
+    return f.mosaic || f.chroma_rows == 2 ? 2 : 1;
 }

@@ -9,11 +9,15 @@ typedef struct pupil_pixel_layout {
     uint8_t sample;      /* bytes that an address is a multiple of */
     uint8_t bits;        /* of a grey or mosaic format's samples; 0: others */
     uint8_t mosaic;
+    uint8_t planes;       /* 1; 2 with `chroma`; 3 with `cr`, too */
+    uint8_t chroma_bytes; /* of a pair of pixels in `chroma`, and in `cr`; 0: no such plane */
+    uint8_t chroma_rows;  /* rows of pixels for each of `chroma` */
+    uint8_t yuv;          /* Y'CbCr */
 } pupil_pixel_layout;
 
 pupil_pixel_layout pupil_pixel_layout_of(uint32_t pixel);
 
-/* How many rows belong together: 2 for NV12 and mosaics. */
+/* How many rows belong together: 2 for 4:2:0 and mosaics. */
 uint32_t pupil_pixel_rows(uint32_t pixel);
 
 #endif

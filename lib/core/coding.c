@@ -3,6 +3,7 @@
 
 #include "base/fault.h"
 #include "base/numeric.h"
+#include "base/pixel.h"
 #include "core/read.h"
 
 static int all_zero(const float *x, int count)
@@ -139,7 +140,7 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
 {
     static const float(*const curve[PUPIL_LIGHT_COUNT])[2] = {
         [PUPIL_LIGHT_SRGB] = pupil_srgb_light, [PUPIL_LIGHT_BT709] = pupil_bt709_light};
-    const int yuv = pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
+    const int yuv = pupil_pixel_layout_of(pixel).yuv;
     *c = (pupil_coder){0};
     coding = coding ? coding : &usual;
     c->light = yuv && coding->light == PUPIL_LIGHT_DEFAULT ? pupil_srgb_light : curve[coding->light];

@@ -18,13 +18,25 @@ static size_t magnitude(ptrdiff_t stride)
     return stride < 0 ? (size_t)0 - (size_t)stride : (size_t)stride;
 }
 
-/* NV12's second plane. */
+/* A plane of Cb and Cr, or of one of them. */
+static int check_plane(const pupil_image_const *image, const void *plane, ptrdiff_t stride_bytes)
+{
+    const size_t sample = pupil_pixel_layout_of(image->pixel).sample, stride = magnitude(stride_bytes);
+    if (!plane)
+        return PUPIL_ERR_NULL;
+    if (pupil_chroma_rows(image->pixel, image->height) > 1 &&
+        stride < pupil_chroma_row_bytes(image->pixel, image->width))
+        return PUPIL_ERR_STRIDE;
+    return (uintptr_t)plane % sample || stride % sample ? PUPIL_ERR_ALIGNMENT : PUPIL_OK;
+}
+
 static int check_chroma(const pupil_image_const *image)
 {
-    if (!image->chroma)
-        return PUPIL_ERR_NULL;
-    const size_t row = (size_t)image->width + image->width % 2;
-    return image->height > 2 && magnitude(image->chroma_stride_bytes) < row ? PUPIL_ERR_STRIDE : PUPIL_OK;
+    const uint32_t planes = pupil_pixel_planes(image->pixel);
+    int error = planes > 1 ? check_plane(image, image->chroma, image->chroma_stride_bytes) : PUPIL_OK;
+    if (!error && planes > 2)
+        error = check_plane(image, image->cr, image->cr_stride_bytes);
+    return error;
 }
 
 int pupil_image_check(const pupil_image_const *image, int out)
@@ -44,7 +56,7 @@ int pupil_image_check(const pupil_image_const *image, int out)
         return PUPIL_ERR_STRIDE;
     if ((uintptr_t)image->data % f.sample || stride % f.sample)
         return PUPIL_ERR_ALIGNMENT;
-    const int error = image->pixel == PUPIL_PIXEL_NV12 ? check_chroma(image) : PUPIL_OK;
+    const int error = check_chroma(image);
     return error || !image->coding ? error : pupil_coding_check(image->coding, image->pixel, 0);
 }
 

@@ -74,6 +74,7 @@ typedef struct work {
     pupil_chroma_coder chroma;
     pupil_row_job meter, map;
     uint32_t in_unit; /* rows of a mosaic's quad, or 1 */
+    uint32_t planes;  /* of in */
 } work;
 
 static const uint8_t *in_row(const work *w, uint32_t i)
@@ -91,8 +92,11 @@ static pupil_row row_of(const work *w, uint32_t i)
 {
     const pupil_image_const *in = w->in;
     pupil_row row = {.data = in_row(w, i), .width = in->width};
-    if (in->pixel == PUPIL_PIXEL_NV12)
-        row.chroma = (const uint8_t *)in->chroma + (ptrdiff_t)(i / 2) * in->chroma_stride_bytes;
+    const ptrdiff_t chroma_row = pupil_chroma_row_of(in->pixel, i);
+    if (w->planes > 1)
+        row.chroma = (const uint8_t *)in->chroma + chroma_row * in->chroma_stride_bytes;
+    if (w->planes > 2)
+        row.cr = (const uint8_t *)in->cr + chroma_row * in->cr_stride_bytes;
     if (w->in_unit == 2) {
         const int is_first = i == 0 && !in->rows_above;
         const int is_last = i + 1 == in->height && !in->rows_below;
@@ -202,6 +206,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     const int nv12 = out && out->pixel == PUPIL_PIXEL_NV12;
     w.frame_height = frame_height;
     w.in_unit = mosaic ? 2 : 1;
+    w.planes = pupil_pixel_planes(in->pixel);
     pupil_coder_make(in->coding, in->pixel, &w.coder);
     if (nv12)
         pupil_chroma_coder_make(out->coding, &w.chroma);

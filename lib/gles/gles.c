@@ -146,8 +146,10 @@ static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, 
     static const uint64_t somewhere; /* an address, never read */
     const pupil_image_const frame = {.data = &somewhere,
                                      .chroma = &somewhere,
+                                     .cr = &somewhere,
                                      .stride_bytes = PUPIL_MAX_SIDE_PX * 16,
                                      .chroma_stride_bytes = PUPIL_MAX_SIDE_PX * 16,
+                                     .cr_stride_bytes = PUPIL_MAX_SIDE_PX * 16,
                                      .width = c->width,
                                      .height = c->height,
                                      .pixel = c->pixel};
@@ -155,7 +157,10 @@ static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, 
     int error = pupil_image_check(&frame, 0);
     if (error)
         fault = pupil_error_string(error);
-    else
+    else if (!pupil_gles_reads(c->pixel)) {
+        error = PUPIL_ERR_PIXEL;
+        fault = "OpenGL ES does not read this pixel format; the CPU does (pupil/pupil.h)";
+    } else
         error = pupil_coding_check(coding, c->pixel, &fault);
     if (error)
         pupil_gles_say(why, (const char *const[]){fault, 0});

@@ -16,7 +16,7 @@ static const char precisions[] = "precision highp float;\n"
                                  "precision highp sampler2D;\n"
                                  "precision highp usampler2D;\n";
 
-/* Load of load.glsl, by format. */
+/* Load of load.glsl, by format; NULL: none. */
 static const char *load_of(const gles_variant *v)
 {
     if (v->source == PUPIL_GLES_EXTERNAL)
@@ -45,8 +45,14 @@ static const char *load_of(const gles_variant *v)
     case PUPIL_PIXEL_GREY16:
         return "#define LOAD_GREY\n";
     default:
-        return "#define LOAD_MOSAIC\n";
+        return pupil_pixel_is_mosaic(v->pixel) ? "#define LOAD_MOSAIC\n" : 0;
     }
+}
+
+int pupil_gles_reads(uint32_t pixel)
+{
+    const gles_variant v = {.pixel = pixel};
+    return load_of(&v) != 0;
 }
 
 static const char *samples_of(const gles_variant *v)

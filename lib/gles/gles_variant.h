@@ -31,6 +31,9 @@ typedef enum gles_shader {
     GLES_SHADER_COUNT
 } gles_shader;
 
+/* Whether there are shaders for an input format. */
+int pupil_gles_reads(uint32_t pixel);
+
 /* "meter.comp" and so on, for messages. */
 const char *pupil_gles_shader_name(uint32_t shader);
 

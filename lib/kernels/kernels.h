@@ -74,7 +74,7 @@ typedef struct pupil_chroma_coder {
 /* What kernels read of a frame: one row, or both rows of a mosaic's quads. */
 typedef struct pupil_row {
     const uint8_t *data;
-    const uint8_t *chroma;        /* NV12 */
+    const uint8_t *chroma, *cr;   /* Y'CbCr in planes */
     const uint8_t *above, *below; /* mosaics: the rows next to it; at the frame's edges the picture is mirrored */
     uint32_t width;               /* of the frame, pixels */
     uint32_t odd;                 /* mosaics: the second row of a quad */

@@ -54,31 +54,31 @@ static void codes_to_light(float *v, uint32_t n, const float (*light)[2])
 
 /* --- 8-bit RGB, through its table --- */
 
-static int load_rgba8(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)
+static inline void load_codes(const uint8_t *restrict s, uint32_t n, uint32_t bytes, uint32_t red, uint32_t blue,
+                              pupil_planes *restrict p)
 {
-    const uint8_t *restrict s = row->data + 4 * (size_t)x;
-    (void)coder;
     for (uint32_t i = 0; i < n; i++) {
-        p->r[i] = pupil_srgb8_to_linear[s[4 * i]];
-        p->g[i] = pupil_srgb8_to_linear[s[4 * i + 1]];
-        p->b[i] = pupil_srgb8_to_linear[s[4 * i + 2]];
+        p->r[i] = pupil_srgb8_to_linear[s[bytes * i + red]];
+        p->g[i] = pupil_srgb8_to_linear[s[bytes * i + 1]];
+        p->b[i] = pupil_srgb8_to_linear[s[bytes * i + blue]];
         ONE_BY_ONE;
     }
-    return 0;
 }
 
-static int load_rgb8(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)
-{
-    const uint8_t *restrict s = row->data + 3 * (size_t)x;
-    (void)coder;
-    for (uint32_t i = 0; i < n; i++) {
-        p->r[i] = pupil_srgb8_to_linear[s[3 * i]];
-        p->g[i] = pupil_srgb8_to_linear[s[3 * i + 1]];
-        p->b[i] = pupil_srgb8_to_linear[s[3 * i + 2]];
-        ONE_BY_ONE;
+/* A macro so that the layout is a constant in each. */
+#define LOAD_CODES(NAME, BYTES, RED, BLUE, OPAQUE)                                                                     \
+    static int NAME(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)      \
+    {                                                                                                                  \
+        (void)coder;                                                                                                   \
+        load_codes(row->data + BYTES * (size_t)x, n, BYTES, RED, BLUE, planes);                                        \
+        return OPAQUE;                                                                                                 \
     }
-    return 1;
-}
+
+LOAD_CODES(load_rgba8, 4, 0, 2, 0)
+LOAD_CODES(load_rgbx8, 4, 0, 2, 1)
+LOAD_CODES(load_bgrx8, 4, 2, 0, 1)
+LOAD_CODES(load_rgb8, 3, 0, 2, 1)
+LOAD_CODES(load_bgr8, 3, 2, 0, 1)
 
 /* --- Y'CbCr --- */
 
@@ -129,17 +129,57 @@ static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
-/* Whole pairs, taken apart to what NV12 has. */
-static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+/* The others are put in the order of NV12 first: cheap beside the look-ups of light. Whole pairs. */
+
+static int load_nv21(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    uint8_t chroma[PUPIL_BLOCK + 2];
+    const uint32_t odd = x % 2, pairs = (n + odd + 1) / 2;
+    const uint8_t *restrict s = row->chroma + x - odd;
+    for (uint32_t i = 0; i < pairs; i++) {
+        chroma[2 * i] = s[2 * i + 1];
+        chroma[2 * i + 1] = s[2 * i];
+    }
+    load_yuv(coder, row->data + x, chroma, odd, n, planes);
+    return 1;
+}
+
+static int load_i420(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    uint8_t chroma[PUPIL_BLOCK + 2];
+    const uint32_t odd = x % 2, pairs = (n + odd + 1) / 2;
+    const uint8_t *restrict cb = row->chroma + x / 2, *restrict cr = row->cr + x / 2;
+    for (uint32_t i = 0; i < pairs; i++) {
+        chroma[2 * i] = cb[i];
+        chroma[2 * i + 1] = cr[i];
+    }
+    load_yuv(coder, row->data + x, chroma, odd, n, planes);
+    return 1;
+}
+
+/* luma_at: 0 or 1, where Y' is in each two bytes. */
+static inline void load_packed_yuv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n,
+                                   uint32_t luma_at, pupil_planes *planes)
 {
     uint8_t luma[PUPIL_BLOCK + 2], chroma[PUPIL_BLOCK + 2];
     const uint32_t odd = x % 2, all = (n + odd + 1) / 2 * 2;
     const uint8_t *restrict s = row->data + 2 * (size_t)(x - odd);
     for (uint32_t i = 0; i < all; i++) {
-        luma[i] = s[2 * i];
-        chroma[i] = s[2 * i + 1];
+        luma[i] = s[2 * i + luma_at];
+        chroma[i] = s[2 * i + 1 - luma_at];
     }
     load_yuv(coder, luma + odd, chroma, odd, n, planes);
+}
+
+static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    load_packed_yuv(coder, row, x, n, 0, planes);
+    return 1;
+}
+
+static int load_uyvy(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    load_packed_yuv(coder, row, x, n, 1, planes);
     return 1;
 }
 
@@ -360,9 +400,11 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
 /* --- as entries of a level's table --- */
 
 #define LOADS_BY_FORMAT                                                                                                \
-    [PUPIL_PIXEL_RGBA8] = load_rgba8, [PUPIL_PIXEL_RGB8] = load_rgb8, [PUPIL_PIXEL_YUYV] = load_yuyv,                  \
-    [PUPIL_PIXEL_NV12] = load_nv12, [PUPIL_PIXEL_GREY8] = load_grey8, [PUPIL_PIXEL_GREY10] = load_grey16,              \
-    [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16
+    [PUPIL_PIXEL_RGBA8] = load_rgba8, [PUPIL_PIXEL_RGB8] = load_rgb8, [PUPIL_PIXEL_RGBX8] = load_rgbx8,                \
+    [PUPIL_PIXEL_BGRX8] = load_bgrx8, [PUPIL_PIXEL_BGR8] = load_bgr8, [PUPIL_PIXEL_YUYV] = load_yuyv,                  \
+    [PUPIL_PIXEL_UYVY] = load_uyvy, [PUPIL_PIXEL_NV12] = load_nv12, [PUPIL_PIXEL_NV16] = load_nv12,                    \
+    [PUPIL_PIXEL_NV21] = load_nv21, [PUPIL_PIXEL_I420] = load_i420, [PUPIL_PIXEL_GREY8] = load_grey8,                  \
+    [PUPIL_PIXEL_GREY10] = load_grey16, [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16
 
 #define CAMERA_PIECES                                                                                                  \
     .unpack =                                                                                                          \

@@ -256,6 +256,7 @@ static inline void store(const pupil_planes *p, uint32_t n, const pupil_encoder 
 STORE(store_rgba8, 4, 0, 2)
 STORE(store_bgrx8, 4, 2, 0)
 STORE(store_rgb8, 3, 0, 2)
+STORE(store_bgr8, 3, 2, 0)
 
 static inline uint8_t alpha_of_float(float a)
 {
@@ -300,6 +301,7 @@ const pupil_kernels pupil_kernels_scalar = {
             [PUPIL_PIXEL_RGBA8] = store_rgba8,
             [PUPIL_PIXEL_RGB8] = store_rgb8,
             [PUPIL_PIXEL_BGRX8] = store_bgrx8,
+            [PUPIL_PIXEL_BGR8] = store_bgr8,
         },
     .alpha =
         {

@@ -82,6 +82,11 @@ static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
     store_vectors(p->r, p->g, p->b, n, e, target, 3);
 }
 
+static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
+{
+    store_vectors(p->b, p->g, p->r, n, e, target, 3);
+}
+
 #define VECTOR_PIECES                                                                                                  \
     .load =                                                                                                            \
         {                                                                                                              \
@@ -107,6 +112,7 @@ static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_RGBA8] = store_rgba8,                                                                         \
             [PUPIL_PIXEL_RGB8] = store_rgb8,                                                                           \
             [PUPIL_PIXEL_BGRX8] = store_bgrx8,                                                                         \
+            [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
     },                                                                                                                 \
     CAMERA_PIECES
 

@@ -76,7 +76,9 @@ static pupil_image_const columns_of(pupil_image_const image, uint32_t x, uint32_
 {
     image.data = (const unsigned char *)image.data + pupil_row_bytes(image.pixel, x);
     if (image.chroma)
-        image.chroma = (const unsigned char *)image.chroma + x;
+        image.chroma = (const unsigned char *)image.chroma + pupil_chroma_row_bytes(image.pixel, x);
+    if (image.cr)
+        image.cr = (const unsigned char *)image.cr + pupil_chroma_row_bytes(image.pixel, x);
     image.width = width;
     return image;
 }

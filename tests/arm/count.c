@@ -38,7 +38,10 @@ static const struct format {
     {"bayer10", PUPIL_PIXEL_BAYER10, 1, WORDS, 10, 0},  {"bayer12", PUPIL_PIXEL_BAYER12, 1, WORDS, 12, 0},
     {"bayer14", PUPIL_PIXEL_BAYER14, 1, WORDS, 14, 0},  {"bayer16", PUPIL_PIXEL_BAYER16, 1, WORDS, 16, 0},
     {"bayer10p", PUPIL_PIXEL_BAYER10P, 1, BYTES, 8, 0}, /* whose bytes may be any */
-    {"bayer12p", PUPIL_PIXEL_BAYER12P, 1, BYTES, 8, 0},
+    {"bayer12p", PUPIL_PIXEL_BAYER12P, 1, BYTES, 8, 0}, {"i420", PUPIL_PIXEL_I420, 1, BYTES, 8, 0},
+    {"nv21", PUPIL_PIXEL_NV21, 1, BYTES, 8, 0},         {"nv16", PUPIL_PIXEL_NV16, 1, BYTES, 8, 0},
+    {"uyvy", PUPIL_PIXEL_UYVY, 2, BYTES, 8, 0},         {"bgr8", PUPIL_PIXEL_BGR8, 3, BYTES, 8, 0},
+    {"bgrx8", PUPIL_PIXEL_BGRX8, 4, BYTES, 8, 0},       {"rgbx8", PUPIL_PIXEL_RGBX8, 4, BYTES, 8, 0},
 };
 #define FORMATS (sizeof formats / sizeof *formats)
 
@@ -53,7 +56,7 @@ static const struct output {
 /* Middle grey of an average of 1/8; no pixel of an ordinary picture is beyond white. */
 static const pupil_curve curve = {.scale = 0.18f * 8};
 
-static _Alignas(16) uint8_t source[ROWS * WIDTH * 16], source_chroma[ROWS / 2 * WIDTH];
+static _Alignas(16) uint8_t source[ROWS * WIDTH * 16], source_chroma[ROWS * WIDTH];
 static _Alignas(16) uint8_t target[ROWS * WIDTH * 4], target_chroma[ROWS / 2 * WIDTH];
 static uint32_t state;
 
@@ -107,13 +110,15 @@ static void fill(const struct format *f, size_t bytes, int hard, uint32_t seed)
         else
             source[i] = (uint8_t)(v * all / 256);
     }
-    for (size_t i = 0; f->pixel == PUPIL_PIXEL_YUYV && i < bytes; i += 2) {
-        source[i] = (uint8_t)(16 + source[i] * 219 / 255);
-        source[i + 1] = (uint8_t)(128 + source[i + 1] % 8);
+    const int planar = pupil_pixel_planes(f->pixel) > 1;
+    const size_t luma_at = f->pixel == PUPIL_PIXEL_UYVY;
+    for (size_t i = 0; (f->pixel == PUPIL_PIXEL_YUYV || luma_at) && i < bytes; i += 2) {
+        source[i + luma_at] = (uint8_t)(16 + source[i + luma_at] * 219 / 255);
+        source[i + 1 - luma_at] = (uint8_t)(128 + source[i + 1 - luma_at] % 8);
     }
-    for (size_t i = 0; f->pixel == PUPIL_PIXEL_NV12 && i < bytes; i++)
+    for (size_t i = 0; planar && i < bytes; i++)
         source[i] = (uint8_t)(16 + source[i] * 219 / 255);
-    for (size_t i = 0; f->pixel == PUPIL_PIXEL_NV12 && i < sizeof source_chroma; i++)
+    for (size_t i = 0; planar && i < sizeof source_chroma; i++)
         source_chroma[i] = (uint8_t)(128 + source[i] % 8);
 }
 
@@ -141,7 +146,9 @@ static pupil_image_const image_of(const struct format *f, uint32_t width, uint32
                                .height = rows,
                                .pixel = f->pixel,
                                .chroma = source_chroma,
-                               .chroma_stride_bytes = (ptrdiff_t)width};
+                               .chroma_stride_bytes = (ptrdiff_t)width,
+                               .cr = source_chroma,
+                               .cr_stride_bytes = (ptrdiff_t)width};
 }
 
 static pupil_image target_of(const struct output *o, uint32_t width, uint32_t rows)
@@ -194,6 +201,7 @@ static void count(const char *what, const struct format *f, const struct output 
     const uint32_t rows = way == PUPIL_WAY_BINNED ? 2 : 1;
     const pupil_row row = {.data = source + stride,
                            .chroma = source_chroma,
+                           .cr = source_chroma,
                            .above = source,
                            .below = source + 2 * stride,
                            .width = WIDTH};

@@ -7,10 +7,11 @@
 #include "frames.h"
 #include "reference.h"
 
-static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,    PUPIL_PIXEL_GREY8,   PUPIL_PIXEL_GREY10,
-                                  PUPIL_PIXEL_GREY12,  PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,  PUPIL_PIXEL_BAYER10,
-                                  PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P,
-                                  PUPIL_PIXEL_BAYER12P};
+static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,     PUPIL_PIXEL_NV12,    PUPIL_PIXEL_GREY8,   PUPIL_PIXEL_GREY10,
+                                  PUPIL_PIXEL_GREY12,   PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,  PUPIL_PIXEL_BAYER10,
+                                  PUPIL_PIXEL_BAYER12,  PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P,
+                                  PUPIL_PIXEL_BAYER12P, PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,
+                                  PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8};
 #define FORMATS (sizeof camera / sizeof *camera)
 
 static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
@@ -27,7 +28,7 @@ static struct {
 
 static void check_metering(const pupil_t *pupil, const pupil_config *config, const frame *f, const char *what)
 {
-    const int mosaic = f->image.pixel >= PUPIL_PIXEL_BAYER8;
+    const int mosaic = pupil_pixel_is_mosaic(f->image.pixel);
     const uint32_t step = mosaic ? 2 : 1;
     long double sum = 0, weights[3];
     uint64_t pixels = 0;
@@ -59,7 +60,7 @@ static void check_mapping(const pupil_t *pupil, const pupil_config *config, cons
     const pupil_image to = frame_writable(&out);
     /* Half a code, what binary32 rounds, and where light comes from a coded value 7e-6 of light (coding.h), which make
      * the most codes in the dark: the encoder's slope is 12.92 there. */
-    const int coded = f->image.pixel < PUPIL_PIXEL_BAYER8 && f->image.coding->light != PUPIL_LIGHT_LINEAR;
+    const int coded = !pupil_pixel_is_mosaic(f->image.pixel) && f->image.coding->light != PUPIL_LIGHT_LINEAR;
     const long double limit = 0.51L + (coded ? 7e-6L * curve->scale * 12.92L * 255 : 0);
     CHECK(pupil_map_rows(pupil, curve, &f->image, &to) == PUPIL_OK);
     for (uint32_t y = 0; y < h; y++)
@@ -84,7 +85,7 @@ static pupil_coding a_coding(uint32_t pixel, unsigned n)
 {
     const uint32_t bits = pupil_pixel_bits(pixel) ? pupil_pixel_bits(pixel) : 8;
     pupil_coding c = {.matrix = n % PUPIL_MATRIX_COUNT, .range = n / 2 % 2, .bayer = n % PUPIL_BAYER_COUNT};
-    if (pixel < PUPIL_PIXEL_BAYER8)
+    if (!pupil_pixel_is_mosaic(pixel))
         c.light = n / 3 % PUPIL_LIGHT_COUNT;
     if (n % 3)
         c.black = (float)(4 << (bits - 8)) + (n % 3 == 2 ? 0.37f : 0);
@@ -127,7 +128,7 @@ static void against_the_formulas(void)
             CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
             check_metering(&pupil, &config, &f, what);
             check_mapping(&pupil, &config, &curve, &f, 0, what);
-            if (camera[i] >= PUPIL_PIXEL_BAYER8)
+            if (pupil_pixel_is_mosaic(camera[i]))
                 check_mapping(&pupil, &config, &curve, &f, 1, what);
             frame_free(&f);
         }
@@ -136,6 +137,131 @@ static void against_the_formulas(void)
 }
 
 /* --- what is exact --- */
+
+typedef struct twin {
+    uint32_t pixel, of;
+} twin;
+
+static unsigned char *at(const frame *f, uint32_t x, uint32_t y)
+{
+    const pupil_image image = frame_writable(f);
+    return (unsigned char *)image.data + (ptrdiff_t)y * image.stride_bytes + x * pupil_pixel_bytes(image.pixel);
+}
+
+static unsigned char *chroma_at(const frame *f, uint32_t y)
+{
+    const pupil_image image = frame_writable(f);
+    return (unsigned char *)image.chroma + pupil_chroma_row_of(image.pixel, y) * image.chroma_stride_bytes;
+}
+
+static unsigned char *cr_at(const frame *f, uint32_t y)
+{
+    const pupil_image image = frame_writable(f);
+    return (unsigned char *)image.cr + pupil_chroma_row_of(image.pixel, y) * image.cr_stride_bytes;
+}
+
+/* The pixel x, y of `to` becomes that of `from`, which is NV12, YUYV, RGB8 or RGBA8. */
+static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t y)
+{
+    const uint32_t pair = x / 2 * 2;
+    const unsigned char *rgb = at(from, x, y);
+    unsigned char *p = at(to, x, y);
+    switch (to->image.pixel) {
+    case PUPIL_PIXEL_I420:
+        *p = *rgb;
+        chroma_at(to, y)[x / 2] = chroma_at(from, y)[pair];
+        cr_at(to, y)[x / 2] = chroma_at(from, y)[pair + 1];
+        break;
+    case PUPIL_PIXEL_NV21:
+        *p = *rgb;
+        chroma_at(to, y)[pair] = chroma_at(from, y)[pair + 1];
+        chroma_at(to, y)[pair + 1] = chroma_at(from, y)[pair];
+        break;
+    case PUPIL_PIXEL_NV16:
+        *p = *rgb;
+        memcpy(chroma_at(to, y) + pair, chroma_at(from, y) + pair, 2);
+        break;
+    case PUPIL_PIXEL_UYVY:
+        p[0] = rgb[1];
+        p[1] = rgb[0];
+        if (x % 2 == 0) { /* an odd width's last pair is whole */
+            p[2] = rgb[3];
+            p[3] = rgb[2];
+        }
+        break;
+    case PUPIL_PIXEL_RGBX8:
+        memcpy(p, rgb, 3);
+        break;
+    default: /* blue first */
+        for (int k = 0; k < 3; k++)
+            p[k] = rgb[2 - k];
+    }
+}
+
+/* A format that holds the same codes as another, in another order, gives the same statistics and the same picture. */
+static void same_codes_same_bits(void)
+{
+    static const twin twins[] = {{PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12}, {PUPIL_PIXEL_NV21, PUPIL_PIXEL_NV12},
+                                 {PUPIL_PIXEL_NV16, PUPIL_PIXEL_NV12}, {PUPIL_PIXEL_UYVY, PUPIL_PIXEL_YUYV},
+                                 {PUPIL_PIXEL_BGR8, PUPIL_PIXEL_RGB8}, {PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8},
+                                 {PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB8}};
+    for (size_t i = 0; i < sizeof twins / sizeof *twins; i++)
+        for (unsigned n = 0; n < 40; n++) {
+            const uint32_t w = n < 20 ? 1 + n : 200 + 7 * n, h = 1 + n % 5;
+            const pupil_coding coding = {.matrix = n % 3, .range = n % 2, .light = n % PUPIL_LIGHT_COUNT};
+            const pupil_curve curve = {.scale = 0.5f, .inverse_white_squared = 0.05f, .gamut = 3.7f};
+            frame a = frame_make(w, h, twins[i].of, 4, n % 3 == 0), b = frame_make(w, h, twins[i].pixel, 8, n % 4 == 0);
+            frame to_a = frame_make(w, h, PUPIL_PIXEL_RGBA8, 0, 0), to_b = frame_make(w, h, PUPIL_PIXEL_RGBA8, 0, 0);
+            const pupil_image out_a = frame_writable(&to_a), out_b = frame_writable(&to_b);
+            pupil_config config;
+            pupil_t pupil;
+            pupil_stats stats_a, stats_b;
+            frame_bits(&a, check_uniform);
+            frame_bits(&b, check_uniform); /* what is ignored is not 0 */
+            for (uint32_t y = 0; y < h; y++)
+                for (uint32_t x = 0; x < w; x++)
+                    copy_pixel(&b, &a, x, y);
+            a.image.coding = b.image.coding = &coding;
+            pupil_config_default(&config);
+            pupil_metering_centre(&config); /* runs that begin at odd pixels */
+            CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+            pupil_stats_clear(&stats_a);
+            pupil_stats_clear(&stats_b);
+            CHECK(pupil_fused_rows(&pupil, &curve, &a.image, 0, h, &out_a, &stats_a) == PUPIL_OK);
+            CHECK(pupil_fused_rows(&pupil, &curve, &b.image, 0, h, &out_b, &stats_b) == PUPIL_OK);
+            CHECK_MSG(memcmp(&stats_a, &stats_b, sizeof stats_a) == 0 && frame_equal(&to_a, &to_b),
+                      "pixel %u, %u x %u: other bits than those of %u", twins[i].pixel, w, h, twins[i].of);
+            frame_free(&a);
+            frame_free(&b);
+            frame_free(&to_a);
+            frame_free(&to_b);
+        }
+}
+
+/* To BGR8: RGB8 in the other order. */
+static void bgr_out(void)
+{
+    for (uint32_t w = 1; w < 90; w++) {
+        const pupil_curve curve = {.scale = 0.7f, .inverse_white_squared = 0.05f, .gamut = 3.7f};
+        frame f = frame_make(w, 2, PUPIL_PIXEL_RGB32F, 0, 0);
+        frame rgb = frame_make(w, 2, PUPIL_PIXEL_RGB8, 0, 0), bgr = frame_make(w, 2, PUPIL_PIXEL_BGR8, 5, w % 2 != 0);
+        const pupil_image to_rgb = frame_writable(&rgb), to_bgr = frame_writable(&bgr);
+        pupil_config config;
+        pupil_t pupil;
+        frame_lognormal(&f, 0.5, 3, check_uniform);
+        pupil_config_default(&config);
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        CHECK(pupil_map_rows(&pupil, &curve, &f.image, &to_rgb) == PUPIL_OK);
+        CHECK(pupil_map_rows(&pupil, &curve, &f.image, &to_bgr) == PUPIL_OK && frame_guards_intact(&bgr));
+        for (uint32_t y = 0; y < 2; y++)
+            for (uint32_t x = 0; x < w; x++)
+                for (int k = 0; k < 3; k++)
+                    CHECK(at(&bgr, x, y)[k] == at(&rgb, x, y)[2 - k]);
+        frame_free(&f);
+        frame_free(&rgb);
+        frame_free(&bgr);
+    }
+}
 
 /* Full range without colour is sRGB grey: the codes of RGB8, bit for bit. */
 static void grey_is_grey(void)
@@ -276,5 +402,7 @@ int main(int argc, char **argv)
     full_is_white();
     white_is_clipped();
     nv12_out();
+    same_codes_same_bits();
+    bgr_out();
     return check_end();
 }

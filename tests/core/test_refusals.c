@@ -76,7 +76,7 @@ static void expect_images(const pupil_image_const *i, const pupil_image *o, int 
 
 static void check_images(void)
 {
-    static const uint32_t not_in[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_COUNT, 77, 0xffffffff};
+    static const uint32_t not_in[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_COUNT + 1, PUPIL_PIXEL_COUNT, 77, 0xffffffff};
     static const uint32_t not_out[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_COUNT,
                                        0xffffffff};
     static const uint32_t side[] = {0, PUPIL_MAX_SIDE_PX + 1, 0x10000, 0xffffffff};
@@ -371,6 +371,19 @@ static void check_cameras(void)
     i.chroma_stride_bytes = -8;
     rows = pupil_image_rows(i, 0, 3);
     expect(pupil_meter_rows(&pupil, &rows, 0, 8, &stats), PUPIL_ERR_ROWS, "NV12 cut within a pair");
+    i.pixel = PUPIL_PIXEL_NV16;
+    i.chroma_stride_bytes = 4;
+    const pupil_image_const two_rows = pupil_image_rows(i, 2, 2);
+    expect(pupil_meter_rows(&pupil, &two_rows, 2, 8, &stats), PUPIL_ERR_STRIDE, "NV16's two chroma rows overlap");
+    i.pixel = PUPIL_PIXEL_I420;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_NULL, "I420 without Cr");
+    i.cr = mosaic;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "rows of Cr that overlap");
+    i.cr_stride_bytes = 4;
+    rows = pupil_image_rows(i, 0, 3);
+    expect(pupil_meter_rows(&pupil, &rows, 0, 8, &stats), PUPIL_ERR_ROWS, "I420 cut within a pair");
+    i.pixel = PUPIL_PIXEL_NV12;
+    i.chroma_stride_bytes = -8;
     o = (pupil_image){.data = out_memory, .stride_bytes = 4, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_NV12};
     const pupil_image_const one = pupil_image_rows(in, 1, 1);
     expect(pupil_map_rows(&pupil, &curve, &one, &o), PUPIL_ERR_NULL, "to NV12 without chroma");
@@ -440,8 +453,10 @@ static void check_sentences(void)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     for (uint32_t pixel = 0; pixel < 300; pixel++) {
-        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2, 2, 2, 1, 2, 2, 2, 2, 0, 0};
-        static const uint32_t bits[] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 10, 12, 16, 8, 10, 12, 14, 16, 10, 12};
+        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2, 2,
+                                       2, 1,  2,  2, 2, 2, 0, 0, 1, 1, 1, 2, 3, 4};
+        static const uint32_t bits[] = {0,  0, 0,  0,  0,  0,  0,  0,  0, 0, 0, 8, 10, 12,
+                                        16, 8, 10, 12, 14, 16, 10, 12, 0, 0, 0, 0, 0,  0};
         CHECK(pupil_pixel_bytes(pixel) == (pixel < PUPIL_PIXEL_COUNT ? bytes[pixel] : 0));
         CHECK(pupil_pixel_bits(pixel) == (pixel < PUPIL_PIXEL_COUNT ? bits[pixel] : 0));
         CHECK(pupil_pixel_is_mosaic(pixel) == (pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P));
@@ -449,6 +464,12 @@ static void check_sentences(void)
     CHECK(pupil_pixel_bytes(0xffffffff) == 0 && pupil_row_bytes(0xffffffff, 4) == 0);
     CHECK(pupil_row_bytes(PUPIL_PIXEL_BAYER10P, 8) == 10 && pupil_row_bytes(PUPIL_PIXEL_BAYER12P, 8) == 12 &&
           pupil_row_bytes(PUPIL_PIXEL_YUYV, 3) == 8 && pupil_row_bytes(PUPIL_PIXEL_RGB16, 5) == 30);
+    CHECK(pupil_pixel_planes(PUPIL_PIXEL_RGB8) == 1 && pupil_pixel_planes(PUPIL_PIXEL_NV12) == 2 &&
+          pupil_pixel_planes(PUPIL_PIXEL_I420) == 3 && pupil_pixel_planes(0) == 0 && pupil_pixel_planes(300) == 0);
+    CHECK(pupil_chroma_row_bytes(PUPIL_PIXEL_NV12, 5) == 6 && pupil_chroma_row_bytes(PUPIL_PIXEL_I420, 5) == 3 &&
+          pupil_chroma_row_bytes(PUPIL_PIXEL_RGB8, 5) == 0);
+    CHECK(pupil_chroma_rows(PUPIL_PIXEL_NV21, 5) == 3 && pupil_chroma_rows(PUPIL_PIXEL_NV16, 5) == 5 &&
+          pupil_chroma_rows(PUPIL_PIXEL_YUYV, 5) == 0);
 }
 
 int main(int argc, char **argv)

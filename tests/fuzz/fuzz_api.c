@@ -120,7 +120,7 @@ static void check_refused(const run *before, const run *after, int error)
 /* How many rows of the input a group of them is a multiple of. */
 static uint32_t together(const picture *in, const picture *out)
 {
-    const uint32_t pair = out->image.pixel == PUPIL_PIXEL_NV12 || in->image.pixel == PUPIL_PIXEL_NV12 ? 2 : 1;
+    const uint32_t pair = pupil_pixel_planes(out->image.pixel) > 1 || pupil_pixel_planes(in->image.pixel) > 1 ? 2 : 1;
     const uint32_t smaller = in->image.width / out->image.width;
     return is_mosaic(in->image.pixel) && pair * smaller < 2 ? 2 : pair * smaller;
 }

@@ -58,13 +58,13 @@ typedef struct plane {
 
 typedef struct picture {
     pupil_image image;
-    plane data, chroma;
+    plane data, chroma, cr;
     int refused; /* the coding is */
 } picture;
 
 static int is_mosaic(uint32_t pixel)
 {
-    return pixel >= PUPIL_PIXEL_BAYER8;
+    return pupil_pixel_is_mosaic(pixel);
 }
 
 static size_t sample_bytes(uint32_t pixel)
@@ -116,9 +116,11 @@ static picture picture_make(uint32_t width, uint32_t height, uint32_t pixel, siz
     p.image.pixel = pixel;
     p.image.data = plane_make(&p.data, pupil_row_bytes(pixel, width), height, sample_bytes(pixel) * take_below(4),
                               guard, &p.image.stride_bytes);
-    if (pixel == PUPIL_PIXEL_NV12)
-        p.image.chroma = plane_make(&p.chroma, width + width % 2, (height + 1) / 2, take_below(4), guard,
-                                    &p.image.chroma_stride_bytes);
+    const size_t chroma_row = pupil_chroma_row_bytes(pixel, width), rows = pupil_chroma_rows(pixel, height);
+    if (pupil_pixel_planes(pixel) > 1)
+        p.image.chroma = plane_make(&p.chroma, chroma_row, rows, take_below(4), guard, &p.image.chroma_stride_bytes);
+    if (pupil_pixel_planes(pixel) > 2)
+        p.image.cr = plane_make(&p.cr, chroma_row, rows, take_below(4), guard, &p.image.cr_stride_bytes);
     return p;
 }
 
@@ -126,6 +128,7 @@ static void picture_free(picture *p)
 {
     free(p->data.memory);
     free(p->chroma.memory);
+    free(p->cr.memory);
 }
 
 static void picture_guarded(const picture *p)
@@ -160,17 +163,16 @@ static int picture_same(const picture *a, const picture *b)
 /* Mostly one that the format can have. */
 static pupil_coding take_coding(uint32_t pixel)
 {
-    static const uint8_t bits[PUPIL_PIXEL_COUNT] = {0, 0,  0,  0,  0, 0,  0,  0,  0,  0,  0,
-                                                    8, 10, 12, 16, 8, 10, 12, 14, 16, 10, 12};
+    const uint32_t bits = pupil_pixel_bits(pixel);
     pupil_coding c;
     memset(&c, 0, sizeof c);
     const int words = sample_bytes(pixel) == 2;
-    const double top = (double)(1u << bits[pixel]) - 1;
+    const double top = (double)(1u << bits) - 1;
     c.matrix = take_below(PUPIL_MATRIX_COUNT + !take_below(50));
     c.range = take_below(PUPIL_RANGE_COUNT + !take_below(50));
     c.light = take_below(is_mosaic(pixel) ? 2 + !take_below(50) : PUPIL_LIGHT_COUNT);
     c.bayer = take_below(PUPIL_BAYER_COUNT + !take_below(50));
-    c.shift = words && bits[pixel] ? take_below(17u - bits[pixel]) : !take_below(50);
+    c.shift = words && bits ? take_below(17u - bits) : !take_below(50);
     c.black = take_below(2) ? 0 : (float)take_double(0, top - 1);
     c.white = take_below(2) ? 0 : (float)take_double((double)c.black + 1, 65535);
     for (int i = 0; i < 3 && take_below(4); i++)
@@ -183,8 +185,7 @@ static pupil_coding take_coding(uint32_t pixel)
 /* Any input of about this size; the width is kept where its format can have it. */
 static picture picture_in(uint32_t width, uint32_t height)
 {
-    uint32_t pixel = PUPIL_PIXEL_RGBA32F + take_below(PUPIL_PIXEL_COUNT - 2);
-    pixel += pixel >= PUPIL_PIXEL_BGRX8; /* which is no input */
+    const uint32_t pixel = PUPIL_PIXEL_RGBA32F + take_below(PUPIL_PIXEL_COUNT - 1);
     if (is_mosaic(pixel)) {
         width = (width + 3) / 4 * 4;
         height = (height + 1) / 2 * 2;
@@ -193,15 +194,18 @@ static picture picture_in(uint32_t width, uint32_t height)
     plane_fill(&p.data);
     if (p.image.chroma)
         plane_fill(&p.chroma);
+    if (p.image.cr)
+        plane_fill(&p.cr);
     return p;
 }
 
 /* Any output for it, of half its size where that can be; and the codings of both, which stay where the pictures do. */
 static picture picture_out(picture *in)
 {
-    static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12};
+    static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12,
+                                     PUPIL_PIXEL_BGR8};
     const uint32_t smaller = is_mosaic(in->image.pixel) && take_below(2) ? 2 : 1;
-    picture out = picture_make(in->image.width / smaller, in->image.height / smaller, pixel[take_below(4)], GUARD);
+    picture out = picture_make(in->image.width / smaller, in->image.height / smaller, pixel[take_below(5)], GUARD);
     static pupil_coding coding[2]; /* of the last pictures made */
     coding[0] = take_coding(in->image.pixel);
     coding[1] = take_coding(PUPIL_PIXEL_NV12);

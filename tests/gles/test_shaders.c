@@ -66,7 +66,7 @@ static void keep(const gles_variant *v, uint32_t shader)
 
 static int is_mosaic(uint32_t pixel)
 {
-    return pixel >= PUPIL_PIXEL_BAYER8;
+    return pupil_pixel_is_mosaic(pixel);
 }
 
 static int is_grey(uint32_t pixel)
@@ -99,7 +99,7 @@ static void keep_all(const gles_variant *v)
 static void keep_every(void)
 {
     for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++)
-        for (uint32_t bits = 0; pixel != PUPIL_PIXEL_BGRX8 && bits < 128; bits++)
+        for (uint32_t bits = 0; pupil_gles_reads(pixel) && bits < 128; bits++)
             for (uint32_t source = 0; source < PUPIL_GLES_SOURCE_COUNT; source++) {
                 const gles_variant v = {.version = bits & 1 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30,
                                         .pixel = pixel,

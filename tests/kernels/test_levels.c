@@ -13,15 +13,18 @@
 
 static const char *const level_name[PUPIL_LEVEL_COUNT] = {"scalar", "NEON", "AVX2", "AVX-512"};
 static const char *const pixel_name[PUPIL_PIXEL_COUNT] = {
-    "none",    "rgba32f", "rgb32f",  "rgba16f", "rgba16",   "rgb16",   "rgba8",  "rgb8",
-    "bgrx8",   "yuyv",    "nv12",    "grey8",   "grey10",   "grey12",  "grey16", "bayer8",
-    "bayer10", "bayer12", "bayer14", "bayer16", "bayer10p", "bayer12p"};
+    "none",     "rgba32f",  "rgb32f", "rgba16f", "rgba16", "rgb16",  "rgba8",   "rgb8",    "bgrx8",   "yuyv",
+    "nv12",     "grey8",    "grey10", "grey12",  "grey16", "bayer8", "bayer10", "bayer12", "bayer14", "bayer16",
+    "bayer10p", "bayer12p", "i420",   "nv21",    "nv16",   "uyvy",   "bgr8",    "rgbx8"};
 static const uint32_t in_pixel[] = {
     PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,  PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGBA16,   PUPIL_PIXEL_RGB16,
     PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,    PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,     PUPIL_PIXEL_GREY8,
     PUPIL_PIXEL_GREY10,  PUPIL_PIXEL_GREY12,  PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,   PUPIL_PIXEL_BAYER10,
-    PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P, PUPIL_PIXEL_BAYER12P};
-static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12};
+    PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P, PUPIL_PIXEL_BAYER12P,
+    PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,    PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,
+    PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8};
+static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12,
+                                     PUPIL_PIXEL_BGR8};
 #define INS  (sizeof in_pixel / sizeof *in_pixel)
 #define OUTS (sizeof out_pixel / sizeof *out_pixel)
 
@@ -114,7 +117,7 @@ static pupil_coding any_coding(uint32_t pixel)
     pupil_coding c = {0};
     c.matrix = (uint32_t)(check_uniform() * PUPIL_MATRIX_COUNT);
     c.range = (uint32_t)(check_uniform() * PUPIL_RANGE_COUNT);
-    c.light = pixel < PUPIL_PIXEL_BAYER8 ? (uint32_t)(check_uniform() * PUPIL_LIGHT_COUNT) : 0;
+    c.light = !pupil_pixel_is_mosaic(pixel) ? (uint32_t)(check_uniform() * PUPIL_LIGHT_COUNT) : 0;
     c.bayer = (uint32_t)(check_uniform() * PUPIL_BAYER_COUNT);
     if (pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10 || pixel == PUPIL_PIXEL_BAYER12)
         c.shift = (uint32_t)(check_uniform() * 5);
@@ -178,8 +181,8 @@ static void one(uint32_t width, uint32_t height, size_t in, size_t out, int kind
     const char *what = fill(&f, kind);
     const pupil_config config = any_config();
     const pupil_curve curve = any_curve();
-    const int halved = in_pixel[in] >= PUPIL_PIXEL_BAYER8 && check_uniform() < 0.5;
-    f.image.coding = in_pixel[in] >= PUPIL_PIXEL_YUYV ? &coding : NULL;
+    const int halved = pupil_pixel_is_mosaic(in_pixel[in]) && check_uniform() < 0.5;
+    f.image.coding = !frame_is_rgb(in_pixel[in]) ? &coding : NULL;
     compare(&f, &config, &curve, out_pixel[out] | (halved ? HALVED : 0), (size_t)(check_uniform() * 7),
             check_uniform() < 0.3, what);
     frame_free(&f);
@@ -241,8 +244,8 @@ static unsigned char *last(const last_bytes *l, size_t bytes)
 /* The last byte of each plane, in and out, is the last before a page that cannot be read. */
 static void at_the_end_of_memory(void)
 {
-    const last_bytes in = last_bytes_make(), in_chroma = last_bytes_make(), out = last_bytes_make(),
-                     out_chroma = last_bytes_make();
+    const last_bytes in = last_bytes_make(), in_chroma = last_bytes_make(), in_cr = last_bytes_make(),
+                     out = last_bytes_make(), out_chroma = last_bytes_make();
     for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++)
         for (size_t i = 0; i < INS; i++)
             for (uint32_t w = 1; w <= 66; w++) {
@@ -258,7 +261,8 @@ static void at_the_end_of_memory(void)
                                                 .width = width,
                                                 .height = height,
                                                 .pixel = in_pixel[i],
-                                                .chroma = last(&in_chroma, width + width % 2),
+                                                .chroma = last(&in_chroma, pupil_chroma_row_bytes(in_pixel[i], width)),
+                                                .cr = last(&in_cr, pupil_chroma_row_bytes(in_pixel[i], width)),
                                                 .coding = &coding};
                 const pupil_image target = {.data = last(&out, height * out_row),
                                             .stride_bytes = (ptrdiff_t)out_row,
@@ -276,6 +280,7 @@ static void at_the_end_of_memory(void)
             }
     munmap(in.memory, in.size);
     munmap(in_chroma.memory, in_chroma.size);
+    munmap(in_cr.memory, in_cr.size);
     munmap(out.memory, out.size);
     munmap(out_chroma.memory, out_chroma.size);
 }
@@ -310,12 +315,12 @@ static void any_number_of_threads(void)
         const pupil_curve curve = any_curve();
         const uint32_t to = out_pixel[i % 3 ? 0 : 3];
         const int pairs =
-            to == PUPIL_PIXEL_NV12 || in_pixel[i] == PUPIL_PIXEL_NV12 || in_pixel[i] >= PUPIL_PIXEL_BAYER8;
+            to == PUPIL_PIXEL_NV12 || pupil_pixel_planes(in_pixel[i]) > 1 || pupil_pixel_is_mosaic(in_pixel[i]);
         uint32_t width = 333, height = 61;
         frame_fit(in_pixel[i], &width, &height);
         frame f = frame_make(width, height, in_pixel[i], 0, 0);
         fill(&f, (int)i % 3);
-        f.image.coding = in_pixel[i] >= PUPIL_PIXEL_YUYV ? &coding : NULL;
+        f.image.coding = !frame_is_rgb(in_pixel[i]) ? &coding : NULL;
         outcome expected;
         work(&f, &usual, &curve, PUPIL_LEVEL_SCALAR, to, 0, 0, &expected);
         for (uint32_t threads = 1; threads <= MOST; threads++) {

@@ -129,7 +129,9 @@ static pupil_image_const make_frame(const digest_case *c, unsigned number)
     image.height = c->height;
     image.pixel = c->in;
     image.chroma = input_chroma;
-    image.chroma_stride_bytes = (ptrdiff_t)(c->width + c->width % 2);
+    image.chroma_stride_bytes = (ptrdiff_t)pupil_chroma_row_bytes(c->in, c->width);
+    image.cr = input_chroma + pupil_chroma_row_bytes(c->in, c->width) * pupil_chroma_rows(c->in, c->height);
+    image.cr_stride_bytes = image.chroma_stride_bytes;
     image.coding = &c->coding;
     random_state = number + 1;
     for (uint32_t y = 0; y < c->height; y++) {
@@ -138,7 +140,8 @@ static pupil_image_const make_frame(const digest_case *c, unsigned number)
         for (size_t s = 0; s < samples; s++, to += sample_bytes(c->in))
             put_sample(to, c->in, level[number % 8] + (int)((s / 8 ^ y / 4) % 8) - 4, !(c->flags & DIGEST_PLAIN));
     }
-    for (size_t i = 0; c->in == PUPIL_PIXEL_NV12 && i < (c->width + 1) / 2 * 2 * ((c->height + 1) / 2); i++)
+    const size_t plane = pupil_chroma_row_bytes(c->in, c->width) * pupil_chroma_rows(c->in, c->height);
+    for (size_t i = 0; i < (pupil_pixel_planes(c->in) > 2 ? 2 * plane : plane); i++)
         input_chroma[i] = (unsigned char)random_bits(8);
     return image;
 }

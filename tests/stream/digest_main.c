@@ -66,9 +66,9 @@ static digest_case usual(void)
 /* --- the battery --- */
 
 static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {
-    "none",    "rgba32f", "rgb32f",  "rgba16f", "rgba16",   "rgb16",   "rgba8",  "rgb8",
-    "bgrx8",   "yuyv",    "nv12",    "grey8",   "grey10",   "grey12",  "grey16", "bayer8",
-    "bayer10", "bayer12", "bayer14", "bayer16", "bayer10p", "bayer12p"};
+    "none",     "rgba32f",  "rgb32f", "rgba16f", "rgba16", "rgb16",  "rgba8",   "rgb8",    "bgrx8",   "yuyv",
+    "nv12",     "grey8",    "grey10", "grey12",  "grey16", "bayer8", "bayer10", "bayer12", "bayer14", "bayer16",
+    "bayer10p", "bayer12p", "i420",   "nv21",    "nv16",   "uyvy",   "bgr8",    "rgbx8"};
 static const uint32_t out_pixels[3] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8};
 
 /* Every input format to every output format at every size, upright and upside down. Widths around 16, the number of
@@ -97,16 +97,16 @@ static void shapes(void)
             }
 }
 
-/* Every format of cameras, with codings that use all of it, to RGBA, NV12 and, of mosaics, to half the size. */
-static void cameras(void)
+/* Formats of cameras, with codings that use all of it, to RGBA, NV12 and, of mosaics, to half the size. */
+static void cameras(uint32_t first, uint32_t last)
 {
     static const uint32_t sizes[][2] = {{4, 2}, {20, 34}, {64, 48}, {516, 6}};
     static const uint32_t outs[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_RGB8};
-    for (uint32_t in = PUPIL_PIXEL_YUYV; in <= PUPIL_PIXEL_BAYER12P; in++)
+    for (uint32_t in = first; in <= last; in++)
         for (uint32_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
             for (uint32_t o = 0; o < 3; o++) {
                 digest_case c = usual();
-                const int mosaic = in >= PUPIL_PIXEL_BAYER8;
+                const int mosaic = pupil_pixel_is_mosaic(in);
                 const uint32_t n = in + s + o;
                 c.in = in;
                 c.out = outs[o];
@@ -324,8 +324,14 @@ int main(void)
         put(settings[i].name);
         run(&c);
     }
-    cameras();
+    cameras(PUPIL_PIXEL_YUYV, PUPIL_PIXEL_BAYER12P);
     put("row-gains");
     put_digest(digest_lamps());
+    cameras(PUPIL_PIXEL_I420, PUPIL_PIXEL_COUNT - 1);
+    cameras(PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_BGRX8);
+    digest_case bgr = usual();
+    bgr.out = PUPIL_PIXEL_BGR8;
+    put("rgb32f-bgr8");
+    run(&bgr);
     return 0;
 }

@@ -26,14 +26,21 @@
 static const pupil_coding video = {.matrix = PUPIL_MATRIX_BT709, .range = PUPIL_RANGE_LIMITED};
 static const pupil_coding sensor[5] = {SENSOR(8), SENSOR(10), SENSOR(12), SENSOR(14), SENSOR(16)};
 
-static int is_yuv(uint32_t pixel)
+static int is_packed_yuv(uint32_t pixel)
 {
-    return pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
+    return pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
+}
+
+int bench_is_yuv(uint32_t pixel)
+{
+    return pupil_pixel_planes(pixel) > 1 || is_packed_yuv(pixel);
 }
 
 const pupil_coding *bench_coding(uint32_t pixel)
 {
-    return pupil_pixel_is_mosaic(pixel) ? &sensor[pupil_pixel_bits(pixel) / 2 - 4] : is_yuv(pixel) ? &video : NULL;
+    return pupil_pixel_is_mosaic(pixel) ? &sensor[pupil_pixel_bits(pixel) / 2 - 4]
+           : bench_is_yuv(pixel)        ? &video
+                                        : NULL;
 }
 
 static double clamped(double value)
@@ -52,11 +59,28 @@ static unsigned char *row_of(const pupil_image_const *image, uint32_t y)
     return (unsigned char *)(uintptr_t)image->data + (ptrdiff_t)y * image->stride_bytes;
 }
 
-static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint32_t y)
+static unsigned char *luma_of(const pupil_image_const *image, uint32_t x, uint32_t y)
 {
-    if (image->pixel == PUPIL_PIXEL_YUYV)
-        return row_of(image, y) + x / 2 * 4 + 1;
-    return (unsigned char *)(uintptr_t)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes + x / 2 * 2;
+    unsigned char *row = row_of(image, y);
+    return is_packed_yuv(image->pixel) ? row + 2 * (size_t)x + (image->pixel == PUPIL_PIXEL_UYVY) : row + x;
+}
+
+/* Rows of a plane of chroma, 1: Cb, 2: Cr where it has its own. */
+static unsigned char *chroma_row_of(const pupil_image_const *image, uint32_t row, int plane)
+{
+    const ptrdiff_t stride = plane == 2 ? image->cr_stride_bytes : image->chroma_stride_bytes;
+    return (unsigned char *)(uintptr_t)(plane == 2 ? image->cr : image->chroma) + (ptrdiff_t)row * stride;
+}
+
+/* Cb (0) or Cr (1) of the pair that x is in. */
+static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint32_t y, uint32_t which)
+{
+    const uint32_t row = (uint32_t)pupil_chroma_row_of(image->pixel, y);
+    if (is_packed_yuv(image->pixel))
+        return row_of(image, y) + x / 2 * 4 + 2 * which + (image->pixel == PUPIL_PIXEL_YUYV);
+    if (image->pixel == PUPIL_PIXEL_I420)
+        return chroma_row_of(image, row, which ? 2 : 1) + x / 2;
+    return chroma_row_of(image, row, 1) + x / 2 * 2 + (image->pixel == PUPIL_PIXEL_NV21 ? 1 - which : which);
 }
 
 /* --- a frame like a camera's --- */
@@ -64,7 +88,7 @@ static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint
 /* BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.5): a pair's or a quad's chroma is that of its mean. */
 static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, const float rgba[4][4])
 {
-    const int yuyv = image->pixel == PUPIL_PIXEL_YUYV;
+    const int each_row = pupil_chroma_rows(image->pixel, 2) != 1; /* has chroma of its own */
     double blue = 0.0, red = 0.0;
     for (uint32_t i = 0; i < 4; i++) {
         const uint32_t at_x = x + i % 2, at_y = y + i / 2;
@@ -73,14 +97,13 @@ static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, co
         if (at_y >= image->height)
             break;
         if (at_x < image->width)
-            row_of(image, at_y)[yuyv ? 2 * at_x : at_x] = (unsigned char)(16.5 + 219.0 * luma);
+            *luma_of(image, at_x, at_y) = (unsigned char)(16.5 + 219.0 * luma);
         blue += (b - luma) / (2.0 * (1.0 - 0.0722));
         red += (r - luma) / (2.0 * (1.0 - 0.2126));
-        if (i % 2 && (yuyv || i == 3 || at_y + 1 == image->height)) {
-            const double samples = yuyv || i == 1 ? 2.0 : 4.0;
-            unsigned char *chroma = chroma_of(image, x, at_y);
-            chroma[0] = (unsigned char)(128.5 + 224.0 * blue / samples);
-            chroma[yuyv ? 2 : 1] = (unsigned char)(128.5 + 224.0 * red / samples);
+        if (i % 2 && (each_row || i == 3 || at_y + 1 == image->height)) {
+            const double samples = each_row || i == 1 ? 2.0 : 4.0;
+            *chroma_of(image, x, at_y, 0) = (unsigned char)(128.5 + 224.0 * blue / samples);
+            *chroma_of(image, x, at_y, 1) = (unsigned char)(128.5 + 224.0 * red / samples);
             blue = red = 0.0;
         }
     }
@@ -112,7 +135,7 @@ void bench_store_quad(const pupil_image_const *image, uint32_t x, uint32_t y, co
 {
     const pupil_coding *c = bench_coding(image->pixel);
     const double full = full_of(image->pixel);
-    if (is_yuv(image->pixel)) {
+    if (bench_is_yuv(image->pixel)) {
         store_yuv(image, x, y, rgba);
         return;
     }
@@ -149,19 +172,19 @@ static unsigned any_sample(uint32_t pixel, double (*random)(uint64_t *state), ui
 
 void bench_store_any(const pupil_image_const *image, double (*random)(uint64_t *state), uint64_t *state)
 {
-    const uint32_t rows = image->height + (image->chroma ? (image->height + 1) / 2 : 0);
+    const uint32_t chroma_rows = pupil_chroma_rows(image->pixel, image->height);
     const size_t row = pupil_row_bytes(image->pixel, image->width);
-    if (!is_yuv(image->pixel)) {
+    if (!bench_is_yuv(image->pixel)) {
         for (uint32_t y = 0; y < image->height; y++)
             for (uint32_t x = 0; x < image->width; x++)
                 store_sample(image, x, y, any_sample(image->pixel, random, state));
         return;
     }
-    for (uint32_t y = 0; y < rows; y++) {
-        const int below = y >= image->height;
-        unsigned char *at = below ? chroma_of(image, 0, 2 * (y - image->height)) : row_of(image, y);
-        const size_t bytes = below ? image->width + image->width % 2 : row;
-        for (size_t i = 0; i < bytes; i++)
-            at[i] = (unsigned char)(256.0 * random(state));
-    }
+    for (uint32_t y = 0; y < image->height; y++)
+        for (size_t i = 0; i < row; i++)
+            row_of(image, y)[i] = (unsigned char)(256.0 * random(state));
+    for (int plane = 1; plane < (int)pupil_pixel_planes(image->pixel); plane++)
+        for (uint32_t y = 0; y < chroma_rows; y++)
+            for (size_t i = 0; i < pupil_chroma_row_bytes(image->pixel, image->width); i++)
+                chroma_row_of(image, y, plane)[i] = (unsigned char)(256.0 * random(state));
 }

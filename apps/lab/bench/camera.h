@@ -4,6 +4,9 @@
 
 #include "pupil/image.h"
 
+/* Whether a format is Y'CbCr. */
+int bench_is_yuv(uint32_t pixel);
+
 /* What the samples of a format mean there; NULL: the usual. Constant. */
 const pupil_coding *bench_coding(uint32_t pixel);
 

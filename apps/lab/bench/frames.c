@@ -7,14 +7,20 @@
 #include "camera.h"
 #include "common/pixel_light.h"
 
-const bench_format bench_formats[] = {
-    {"rgba32f", PUPIL_PIXEL_RGBA32F},   {"rgb32f", PUPIL_PIXEL_RGB32F},     {"rgba16f", PUPIL_PIXEL_RGBA16F},
-    {"rgba16", PUPIL_PIXEL_RGBA16},     {"rgb16", PUPIL_PIXEL_RGB16},       {"rgba8", PUPIL_PIXEL_RGBA8},
-    {"rgb8", PUPIL_PIXEL_RGB8},         {"yuyv", PUPIL_PIXEL_YUYV},         {"nv12", PUPIL_PIXEL_NV12},
-    {"grey8", PUPIL_PIXEL_GREY8},       {"grey10", PUPIL_PIXEL_GREY10},     {"grey12", PUPIL_PIXEL_GREY12},
-    {"grey16", PUPIL_PIXEL_GREY16},     {"bayer8", PUPIL_PIXEL_BAYER8},     {"bayer10", PUPIL_PIXEL_BAYER10},
-    {"bayer12", PUPIL_PIXEL_BAYER12},   {"bayer14", PUPIL_PIXEL_BAYER14},   {"bayer16", PUPIL_PIXEL_BAYER16},
-    {"bayer10p", PUPIL_PIXEL_BAYER10P}, {"bayer12p", PUPIL_PIXEL_BAYER12P}, {NULL, PUPIL_PIXEL_NONE}};
+const bench_format bench_formats[] = {{"rgba32f", PUPIL_PIXEL_RGBA32F},   {"rgb32f", PUPIL_PIXEL_RGB32F},
+                                      {"rgba16f", PUPIL_PIXEL_RGBA16F},   {"rgba16", PUPIL_PIXEL_RGBA16},
+                                      {"rgb16", PUPIL_PIXEL_RGB16},       {"rgba8", PUPIL_PIXEL_RGBA8},
+                                      {"rgb8", PUPIL_PIXEL_RGB8},         {"yuyv", PUPIL_PIXEL_YUYV},
+                                      {"nv12", PUPIL_PIXEL_NV12},         {"grey8", PUPIL_PIXEL_GREY8},
+                                      {"grey10", PUPIL_PIXEL_GREY10},     {"grey12", PUPIL_PIXEL_GREY12},
+                                      {"grey16", PUPIL_PIXEL_GREY16},     {"bayer8", PUPIL_PIXEL_BAYER8},
+                                      {"bayer10", PUPIL_PIXEL_BAYER10},   {"bayer12", PUPIL_PIXEL_BAYER12},
+                                      {"bayer14", PUPIL_PIXEL_BAYER14},   {"bayer16", PUPIL_PIXEL_BAYER16},
+                                      {"bayer10p", PUPIL_PIXEL_BAYER10P}, {"bayer12p", PUPIL_PIXEL_BAYER12P},
+                                      {"i420", PUPIL_PIXEL_I420},         {"nv21", PUPIL_PIXEL_NV21},
+                                      {"nv16", PUPIL_PIXEL_NV16},         {"uyvy", PUPIL_PIXEL_UYVY},
+                                      {"bgr8", PUPIL_PIXEL_BGR8},         {"bgrx8", PUPIL_PIXEL_BGRX8},
+                                      {"rgbx8", PUPIL_PIXEL_RGBX8},       {NULL, PUPIL_PIXEL_NONE}};
 
 const char *bench_format_name(uint32_t pixel)
 {
@@ -107,13 +113,16 @@ static uint16_t half_of(float value)
 
 static void store(uint32_t pixel, const float rgba[4], void *target)
 {
-    const int samples = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ? 3 : 4;
-    for (int k = 0; k < samples; k++) {
-        const double code = clamped((double)rgba[k]);
+    const int is_rgb = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ||
+                       pixel == PUPIL_PIXEL_BGR8;
+    const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8;
+    for (int k = 0; k < (is_rgb ? 3 : 4); k++) {
+        const float value = rgba[blue_first && k < 3 ? 2 - k : k];
+        const double code = clamped((double)value);
         if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F)
-            ((float *)target)[k] = rgba[k];
+            ((float *)target)[k] = value;
         else if (pixel == PUPIL_PIXEL_RGBA16F)
-            ((uint16_t *)target)[k] = half_of(rgba[k]);
+            ((uint16_t *)target)[k] = half_of(value);
         else if (pixel == PUPIL_PIXEL_RGBA16 || pixel == PUPIL_PIXEL_RGB16)
             ((uint16_t *)target)[k] = (uint16_t)(code * 65535.0 + 0.5);
         else
@@ -121,14 +130,16 @@ static void store(uint32_t pixel, const float rgba[4], void *target)
     }
 }
 
-static size_t chroma_row(uint32_t pixel, uint32_t width)
+/* All planes but the first. */
+static size_t chroma_bytes(uint32_t pixel, uint32_t width, uint32_t height)
 {
-    return pixel == PUPIL_PIXEL_NV12 ? width + width % 2 : 0;
+    const size_t plane = pupil_chroma_row_bytes(pixel, width) * pupil_chroma_rows(pixel, height);
+    return pupil_pixel_planes(pixel) > 2 ? 2 * plane : plane;
 }
 
 size_t bench_frame_bytes(uint32_t pixel, uint32_t width, uint32_t height)
 {
-    return pupil_row_bytes(pixel, width) * height + chroma_row(pixel, width) * ((height + 1) / 2);
+    return pupil_row_bytes(pixel, width) * height + chroma_bytes(pixel, width, height);
 }
 
 pupil_image bench_room(uint32_t pixel, uint32_t width, uint32_t height)
@@ -140,10 +151,12 @@ pupil_image bench_room(uint32_t pixel, uint32_t width, uint32_t height)
     if (!data)
         return image;
     memset(data, 0, all);
-    if (chroma_row(pixel, width)) {
+    const size_t chroma_row = pupil_chroma_row_bytes(pixel, width);
+    image.chroma_stride_bytes = image.cr_stride_bytes = (ptrdiff_t)chroma_row;
+    if (pupil_pixel_planes(pixel) > 1)
         image.chroma = data + row * height;
-        image.chroma_stride_bytes = (ptrdiff_t)chroma_row(pixel, width);
-    }
+    if (pupil_pixel_planes(pixel) > 2)
+        image.cr = data + row * height + chroma_row * pupil_chroma_rows(pixel, height);
     image.coding = bench_coding(pixel);
     return image;
 }
@@ -183,7 +196,7 @@ static pupil_image_const make(uint32_t pixel, uint32_t width, uint32_t height, i
     uint64_t state = 1;
     if (!image.data)
         return frame;
-    if (pixel < PUPIL_PIXEL_YUYV)
+    if (!bench_is_yuv(pixel) && !pupil_pixel_bits(pixel))
         fill(image, hard, turn, &state);
     else if (hard)
         bench_store_any(&frame, random_of, &state);

@@ -48,8 +48,8 @@ static const option_row rows[] = {
      .more = "Choices: every row or some of them, fused or in two passes, ways to encode. Also prints the same."},
     {"format", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_format, .words = BENCH_FORMAT_WORDS,
      .help = "one input format (all; --peers, --worst and --plot: rgba32f)"},
-    {"out", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_out, .words = "rgba8|rgb8|bgrx8|nv12|half", .initial = "rgba8",
-     .help = "output format; half is RGBA8 of half a mosaic's width and height"},
+    {"out", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_out, .words = "rgba8|rgb8|bgrx8|bgr8|nv12|half",
+     .initial = "rgba8", .help = "output format; half is RGBA8 of half a mosaic's width and height"},
     {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = PUPIL_MAX_SIDE_PX, .initial = "1920x1080",
      .help = "of the frames"},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .high = BENCH_MOST_THREADS, .initial = "1",
@@ -73,8 +73,8 @@ const option_command bench_kernels_command = {
               "of the same bytes. Kernels: meter, map, fused (both in one pass), exact (meter, then map) and default "
               "(fused, with the histogram that the following white point needs). Errors are those of the log-average "
               "against long double, and of display samples against double, on an easy and on a hard frame.\n\n"
-              "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, nv12, grey8 to grey16, bayer8 to "
-              "bayer16, bayer10p, bayer12p).",
+              "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, uyvy, nv12, nv21, nv16, i420, grey8 to "
+              "grey16, bayer8 to bayer16, bayer10p, bayer12p).",
     .instead = "choose kernels by --format",
     .groups = groups,
 };

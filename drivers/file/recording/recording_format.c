@@ -31,6 +31,13 @@ static const kept formats[PUPIL_PIXEL_COUNT] = {
     [PUPIL_PIXEL_RGB8] = {"rgb8", FOUR('R', 'G', 'B', 24), 1, 0},
     [PUPIL_PIXEL_YUYV] = {"yuyv", FOUR('Y', 'U', 'Y', '2'), 1, 0},
     [PUPIL_PIXEL_NV12] = {"nv12", FOUR('N', 'V', '1', '2'), 1, 0},
+    [PUPIL_PIXEL_NV21] = {"nv21", FOUR('N', 'V', '2', '1'), 1, 0},
+    [PUPIL_PIXEL_NV16] = {"nv16", FOUR('N', 'V', '1', '6'), 1, 0},
+    [PUPIL_PIXEL_I420] = {"i420", FOUR('I', '4', '2', '0'), 1, 0},
+    [PUPIL_PIXEL_UYVY] = {"uyvy", FOUR('U', 'Y', 'V', 'Y'), 1, 0},
+    [PUPIL_PIXEL_BGR8] = {"bgr8", FOUR('B', 'G', 'R', 24), 1, 0},
+    [PUPIL_PIXEL_BGRX8] = {"bgrx8", FOUR('B', 'G', 'R', 0), 1, 0},
+    [PUPIL_PIXEL_RGBX8] = {"rgbx8", FOUR('R', 'G', 'B', 0), 1, 0},
     [PUPIL_PIXEL_GREY8] = {"grey8", FOUR('Y', '8', '0', '0'), 1, 0},
     [PUPIL_PIXEL_GREY10] = {"grey10", FOUR('Y', '1', 0, 10), 1, 0},
     [PUPIL_PIXEL_GREY12] = {"grey12", FOUR('Y', '1', 0, 12), 1, 0},
@@ -75,17 +82,12 @@ uint32_t pupil_recording_fourcc(const pupil_recording_about *about)
     return FOUR(0xba, colours[0], colours[1], f->fourcc); /* FFmpeg's: bayer_rggb8, bayer_rggb16le */
 }
 
-static size_t chroma_row(uint32_t width)
-{
-    return (size_t)width + width % 2;
-}
-
 size_t pupil_recording_bytes(const pupil_recording_about *about)
 {
-    size_t bytes = pupil_row_bytes(about->pixel, about->width) * about->height;
-    if (about->pixel == PUPIL_PIXEL_NV12)
-        bytes += chroma_row(about->width) * ((about->height + 1) / 2);
-    return bytes;
+    const size_t planes = pupil_pixel_planes(about->pixel);
+    const size_t chroma =
+        pupil_chroma_row_bytes(about->pixel, about->width) * pupil_chroma_rows(about->pixel, about->height);
+    return pupil_row_bytes(about->pixel, about->width) * about->height + (planes > 1 ? planes - 1 : 0) * chroma;
 }
 
 static unsigned char *pack_rows(unsigned char *to, const void *from, ptrdiff_t stride, size_t row, uint32_t rows)
@@ -103,9 +105,13 @@ static unsigned char *pack_rows(unsigned char *to, const void *from, ptrdiff_t s
 void pupil_recording_pack(const pupil_image_const *image, unsigned char *bytes)
 {
     const size_t row = pupil_row_bytes(image->pixel, image->width);
+    const size_t chroma_row = pupil_chroma_row_bytes(image->pixel, image->width);
+    const uint32_t planes = pupil_pixel_planes(image->pixel), rows = pupil_chroma_rows(image->pixel, image->height);
     unsigned char *end = pack_rows(bytes, image->data, image->stride_bytes, row, image->height);
-    if (image->pixel == PUPIL_PIXEL_NV12)
-        pack_rows(end, image->chroma, image->chroma_stride_bytes, chroma_row(image->width), (image->height + 1) / 2);
+    if (planes > 1)
+        end = pack_rows(end, image->chroma, image->chroma_stride_bytes, chroma_row, rows);
+    if (planes > 2)
+        pack_rows(end, image->cr, image->cr_stride_bytes, chroma_row, rows);
 }
 
 pupil_image_const pupil_recording_image(const pupil_recording_about *about, const unsigned char *bytes)
@@ -117,9 +123,15 @@ pupil_image_const pupil_recording_image(const pupil_recording_about *about, cons
     image.height = about->height;
     image.pixel = about->pixel;
     image.coding = &about->coding;
-    if (about->pixel == PUPIL_PIXEL_NV12) {
-        image.chroma = bytes + (size_t)image.stride_bytes * about->height;
-        image.chroma_stride_bytes = (ptrdiff_t)chroma_row(about->width);
+    const size_t chroma_row = pupil_chroma_row_bytes(about->pixel, about->width);
+    const unsigned char *chroma = bytes + (size_t)image.stride_bytes * about->height;
+    if (pupil_pixel_planes(about->pixel) > 1) {
+        image.chroma = chroma;
+        image.chroma_stride_bytes = (ptrdiff_t)chroma_row;
+    }
+    if (pupil_pixel_planes(about->pixel) > 2) {
+        image.cr = chroma + chroma_row * pupil_chroma_rows(about->pixel, about->height);
+        image.cr_stride_bytes = (ptrdiff_t)chroma_row;
     }
     return image;
 }

@@ -104,7 +104,9 @@ static void describe(AVCodecParameters *p, const pupil_recording_about *about)
     p->codec_tag = about->jpeg ? 0 : pupil_recording_fourcc(about);
     p->width = (int)about->width;
     p->height = (int)about->height;
-    if (!about->jpeg && (about->pixel == PUPIL_PIXEL_YUYV || about->pixel == PUPIL_PIXEL_NV12)) {
+    const int is_yuv =
+        pupil_pixel_planes(about->pixel) > 1 || about->pixel == PUPIL_PIXEL_YUYV || about->pixel == PUPIL_PIXEL_UYVY;
+    if (!about->jpeg && is_yuv) {
         p->color_space = matrices[about->coding.matrix];
         p->color_range = about->coding.range == PUPIL_RANGE_FULL ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
         p->color_trc = transfers[about->coding.light];

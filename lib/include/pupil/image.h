@@ -3,7 +3,7 @@
  * Shapes: `height` rows of `width` pixels; the first row is the top one. `stride_bytes` is the distance from one row to
  * the next in bytes. It is negative for a picture stored bottom-up: `data` points at its top row, which is the last in
  * memory. Samples of one pixel are adjacent, in the order of the format's name, in the machine's byte order.
- * `data` and `stride_bytes` are multiples of the sample's size (4, 2 or 1 bytes).
+ * `data` and `stride_bytes` are multiples of the sample's size (4, 2 or 1 bytes); so are those of the other planes.
  *
  * Threads: these are plain values; the library keeps no pointer to them after a call returns.
  */
@@ -36,7 +36,8 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_RGB16,   /* in: 3 x unsigned 16 bit, linear */
     PUPIL_PIXEL_RGBA8,   /* in: 4 x unsigned 8 bit, sRGB; out: in the configured transfer */
     PUPIL_PIXEL_RGB8,    /* in: 3 x unsigned 8 bit, sRGB; out: in the configured transfer */
-    PUPIL_PIXEL_BGRX8,   /* out only: blue, green, red, 255 (DRM XRGB8888, the usual frame buffer) */
+    PUPIL_PIXEL_BGRX8,   /* in: blue, green, red and a byte that is ignored, sRGB; out: 255 there (XR24, DRM XRGB8888,
+                          * the usual frame buffer) */
 
     PUPIL_PIXEL_YUYV,   /* in: two pixels in Y' Cb Y' Cr (YUYV). An odd width's last pixel has 4 bytes, too */
     PUPIL_PIXEL_NV12,   /* in and out: Y' in `data`; Cb Cr of each 2 x 2 pixels in `chroma` (NV12, NM12). If both
@@ -56,6 +57,14 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_BAYER10P, /* in: 4 pixels in 5 bytes, the lowest bits in the last (MIPI CSI-2 RAW10; pRAA ...); the
                            * width is a multiple of 4 */
     PUPIL_PIXEL_BAYER12P, /* in: 2 pixels in 3 bytes, the lowest bits in the last (MIPI CSI-2 RAW12; pRCC ...) */
+
+    PUPIL_PIXEL_I420, /* in: Y' in `data`; Cb of each 2 x 2 pixels in `chroma`, Cr in `cr` (YU12). YV12 is the same with
+                       * the pointers exchanged. Odd sizes as NV12 */
+    PUPIL_PIXEL_NV21, /* in: as NV12, with Cr before Cb (NV21) */
+    PUPIL_PIXEL_NV16, /* in: as NV12, with a row of Cb Cr for each row of Y' (NV16); rows do not come in pairs */
+    PUPIL_PIXEL_UYVY, /* in: two pixels in Cb Y' Cr Y' (UYVY); odd widths as YUYV */
+    PUPIL_PIXEL_BGR8, /* in: 3 x unsigned 8 bit, blue first, sRGB; out: in the configured transfer (BGR3; OpenCV) */
+    PUPIL_PIXEL_RGBX8, /* in: as RGBA8, and the fourth byte is ignored (XB24) */
     PUPIL_PIXEL_COUNT
 } pupil_pixel;
 
@@ -63,8 +72,9 @@ typedef enum pupil_pixel {
  * count quads as pixels. It is mapped to a picture of its own size by bilinear interpolation. To an `out` of half its
  * width and height it is mapped quad by quad.
  *
- * Rows of NV12 and of mosaics come in pairs. A group of rows begins at an even one. It has an odd number of rows only
- * at the end of an NV12 frame. To NV12 of half a mosaic's size they come in fours, which are a pair there.
+ * Rows of 4:2:0 (NV12, NV21, I420) and of mosaics come in pairs. A group of rows begins at an even one. It has an odd
+ * number of rows only at the end of a 4:2:0 frame. To NV12 of half a mosaic's size they come in fours, which are a pair
+ * there.
  *
  * To interpolate a mosaic, the rows next to the group are read too, if rows_above and rows_below are not 0. Where they
  * are 0, at the frame's edges, the picture is mirrored. pupil_image_rows sets both. */
@@ -75,8 +85,10 @@ typedef struct pupil_image {
     ptrdiff_t stride_bytes;        /* from one row to the next; may be negative */
     uint32_t width;                /* pixels, 1..PUPIL_MAX_SIDE_PX */
     uint32_t height;               /* rows, 1..PUPIL_MAX_SIDE_PX */
-    void *chroma;                  /* NV12: the top row of Cb and Cr */
-    ptrdiff_t chroma_stride_bytes; /* may be negative; a row has width + width % 2 bytes */
+    void *chroma;                  /* NV12, NV21, NV16: the top row of Cb and Cr; I420: of Cb */
+    ptrdiff_t chroma_stride_bytes; /* may be negative; pupil_chroma_row_bytes is its least */
+    void *cr;                      /* I420: the top row of Cr */
+    ptrdiff_t cr_stride_bytes;     /* as chroma_stride_bytes */
     const pupil_coding *coding;    /* NULL: all zero. NV12: its matrix and range */
 } pupil_image;
 
@@ -89,6 +101,8 @@ typedef struct pupil_image_const {
     uint32_t height;
     const void *chroma;
     ptrdiff_t chroma_stride_bytes;
+    const void *cr;
+    ptrdiff_t cr_stride_bytes;
     const pupil_coding *coding;
     uint32_t rows_above; /* mosaics: rows of the same picture in memory before the first, and after the last row */
     uint32_t rows_below;
@@ -110,8 +124,15 @@ typedef struct pupil_frame_info {
  * no whole number (the packed mosaics). */
 PUPIL_API size_t pupil_pixel_bytes(uint32_t pixel);
 
-/* Bytes of a row in `data`; 0 for anything that is no pupil_pixel. A row of NV12's chroma has width + width % 2. */
+/* Bytes of a row in `data`; 0 for anything that is no pupil_pixel. */
 PUPIL_API size_t pupil_row_bytes(uint32_t pixel, uint32_t width);
+
+/* How many planes a format has: 1; 2 with `chroma`; 3 with `chroma` and `cr`. 0 for anything that is no pupil_pixel. */
+PUPIL_API uint32_t pupil_pixel_planes(uint32_t pixel);
+
+/* Bytes of a row in `chroma`, and in `cr`, and how many rows these have; 0 for formats without them. */
+PUPIL_API size_t pupil_chroma_row_bytes(uint32_t pixel, uint32_t width);
+PUPIL_API uint32_t pupil_chroma_rows(uint32_t pixel, uint32_t height);
 
 /* Bits of a sample of a grey format or a mosaic, 8 to 16; 0 for all others. */
 PUPIL_API uint32_t pupil_pixel_bits(uint32_t pixel);
@@ -119,14 +140,23 @@ PUPIL_API uint32_t pupil_pixel_bits(uint32_t pixel);
 /* 1 for a mosaic, 0 for all others. */
 PUPIL_API int pupil_pixel_is_mosaic(uint32_t pixel);
 
+/* The row of `chroma` and `cr` for an image's row. */
+static inline ptrdiff_t pupil_chroma_row_of(uint32_t pixel, uint32_t row)
+{
+    return (ptrdiff_t)(pixel == PUPIL_PIXEL_NV16 ? row : row / 2);
+}
+
 /* The rows [first_row, first_row + rows) of an image, as an image. The caller keeps them inside the image. */
 static inline pupil_image_const pupil_image_rows(pupil_image_const image, uint32_t first_row, uint32_t rows)
 {
+    const ptrdiff_t chroma_row = pupil_chroma_row_of(image.pixel, first_row);
     image.rows_above += first_row;
     image.rows_below += image.height - first_row - rows;
     image.data = (const unsigned char *)image.data + (ptrdiff_t)first_row * image.stride_bytes;
     if (image.chroma)
-        image.chroma = (const unsigned char *)image.chroma + (ptrdiff_t)(first_row / 2) * image.chroma_stride_bytes;
+        image.chroma = (const unsigned char *)image.chroma + chroma_row * image.chroma_stride_bytes;
+    if (image.cr)
+        image.cr = (const unsigned char *)image.cr + chroma_row * image.cr_stride_bytes;
     image.height = rows;
     return image;
 }
@@ -134,9 +164,12 @@ static inline pupil_image_const pupil_image_rows(pupil_image_const image, uint32
 /* The same of an image to write to. */
 static inline pupil_image pupil_image_out_rows(pupil_image image, uint32_t first_row, uint32_t rows)
 {
+    const ptrdiff_t chroma_row = pupil_chroma_row_of(image.pixel, first_row);
     image.data = (unsigned char *)image.data + (ptrdiff_t)first_row * image.stride_bytes;
     if (image.chroma)
-        image.chroma = (unsigned char *)image.chroma + (ptrdiff_t)(first_row / 2) * image.chroma_stride_bytes;
+        image.chroma = (unsigned char *)image.chroma + chroma_row * image.chroma_stride_bytes;
+    if (image.cr)
+        image.cr = (unsigned char *)image.cr + chroma_row * image.cr_stride_bytes;
     image.height = rows;
     return image;
 }
@@ -155,6 +188,8 @@ static inline pupil_image_const pupil_image_as_const(pupil_image image)
     c.coding = image.coding;
     c.rows_above = 0;
     c.rows_below = 0;
+    c.cr = image.cr;
+    c.cr_stride_bytes = image.cr_stride_bytes;
     return c;
 }
 

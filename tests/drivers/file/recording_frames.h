@@ -21,7 +21,8 @@ typedef struct test_frames {
 /* Every field another than all zero, and right for the format. */
 static inline pupil_coding frames_coding(uint32_t pixel)
 {
-    const int mosaic = pixel >= PUPIL_PIXEL_BAYER8, words = pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10;
+    const int mosaic = pupil_pixel_is_mosaic(pixel),
+              words = pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10;
     pupil_coding c = {.matrix = (uint32_t)(check_random() % PUPIL_MATRIX_COUNT),
                       .range = (uint32_t)(check_random() % PUPIL_RANGE_COUNT),
                       .light = (uint32_t)(check_random() % (mosaic ? 2 : PUPIL_LIGHT_COUNT)),
@@ -51,17 +52,21 @@ static inline pupil_frame_info frames_info(int n)
 static inline pupil_image_const frames_image(uint32_t pixel, uint32_t width, uint32_t height, unsigned char **memory)
 {
     const size_t row = pupil_row_bytes(pixel, width), more = 16 * (size_t)(check_random() % 3);
-    const size_t chroma_row = width + width % 2, chroma_rows = (height + 1) / 2;
+    const size_t chroma_row = pupil_chroma_row_bytes(pixel, width), chroma_rows = pupil_chroma_rows(pixel, height);
     const size_t stride = (row + 15) / 16 * 16 + more, chroma_stride = (chroma_row + 15) / 16 * 16 + more;
-    const size_t bytes = stride * height + chroma_stride * chroma_rows;
+    const size_t bytes = stride * height + 2 * chroma_stride * chroma_rows;
     pupil_image_const image = {.width = width, .height = height, .pixel = pixel, .stride_bytes = (ptrdiff_t)stride};
     *memory = malloc(bytes);
     for (size_t i = 0; i < bytes; i++)
         (*memory)[i] = (unsigned char)check_random();
     image.data = *memory;
-    if (pixel == PUPIL_PIXEL_NV12) {
+    if (pupil_pixel_planes(pixel) > 1) {
         image.chroma = *memory + stride * height;
         image.chroma_stride_bytes = (ptrdiff_t)chroma_stride;
+    }
+    if (pupil_pixel_planes(pixel) > 2) {
+        image.cr = *memory + stride * height + chroma_stride * chroma_rows;
+        image.cr_stride_bytes = (ptrdiff_t)chroma_stride;
     }
     if (check_random() % 2) {
         image.data = *memory + stride * (height - 1);
@@ -119,11 +124,14 @@ static inline int frames_same_rows(const void *a, ptrdiff_t a_stride, const void
 static inline int frames_same_image(const pupil_image_const *a, const pupil_image_const *b)
 {
     const size_t row = pupil_row_bytes(a->pixel, a->width);
+    const size_t chroma_row = pupil_chroma_row_bytes(a->pixel, a->width);
+    const uint32_t chroma_rows = pupil_chroma_rows(a->pixel, a->height);
     return a->pixel == b->pixel && a->width == b->width && a->height == b->height &&
            frames_same_rows(a->data, a->stride_bytes, b->data, b->stride_bytes, row, a->height) &&
-           (a->pixel != PUPIL_PIXEL_NV12 ||
-            frames_same_rows(a->chroma, a->chroma_stride_bytes, b->chroma, b->chroma_stride_bytes,
-                             a->width + a->width % 2, (a->height + 1) / 2));
+           frames_same_rows(a->chroma, a->chroma_stride_bytes, b->chroma, b->chroma_stride_bytes, chroma_row,
+                            pupil_pixel_planes(a->pixel) > 1 ? chroma_rows : 0) &&
+           frames_same_rows(a->cr, a->cr_stride_bytes, b->cr, b->cr_stride_bytes, chroma_row,
+                            pupil_pixel_planes(a->pixel) > 2 ? chroma_rows : 0);
 }
 
 static inline int frames_same(const pupil_frame *a, const pupil_frame *b)

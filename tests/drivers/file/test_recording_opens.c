@@ -24,9 +24,11 @@ static const char *name_of(uint32_t pixel, uint32_t bayer)
         [PUPIL_PIXEL_RGBA16] = "rgba64le", [PUPIL_PIXEL_RGB16] = "rgb48le",   [PUPIL_PIXEL_RGBA8] = "rgba",
         [PUPIL_PIXEL_RGB8] = "rgb24",      [PUPIL_PIXEL_YUYV] = "yuyv422",    [PUPIL_PIXEL_NV12] = "nv12",
         [PUPIL_PIXEL_GREY8] = "gray",      [PUPIL_PIXEL_GREY10] = "gray10le", [PUPIL_PIXEL_GREY12] = "gray12le",
-        [PUPIL_PIXEL_GREY16] = "gray16le"};
+        [PUPIL_PIXEL_GREY16] = "gray16le", [PUPIL_PIXEL_I420] = "yuv420p",    [PUPIL_PIXEL_NV21] = "nv21",
+        [PUPIL_PIXEL_UYVY] = "uyvy422",    [PUPIL_PIXEL_BGR8] = "bgr24",      [PUPIL_PIXEL_BGRX8] = "bgr0",
+        [PUPIL_PIXEL_RGBX8] = "rgb0"};
     static char name[32];
-    if (pixel < PUPIL_PIXEL_BAYER8)
+    if (!pupil_pixel_is_mosaic(pixel))
         return names[pixel];
     if (pixel >= PUPIL_PIXEL_BAYER10P)
         return NULL;
@@ -37,12 +39,16 @@ static const char *name_of(uint32_t pixel, uint32_t bayer)
 /* A frame's bytes as a recording has them. */
 static size_t tight(const pupil_image_const *image, unsigned char *bytes)
 {
-    const size_t row = pupil_row_bytes(image->pixel, image->width), chroma_row = image->width + image->width % 2;
+    const size_t row = pupil_row_bytes(image->pixel, image->width),
+                 chroma_row = pupil_chroma_row_bytes(image->pixel, image->width);
+    const uint32_t chroma_rows = pupil_chroma_rows(image->pixel, image->height);
     unsigned char *to = bytes;
     for (uint32_t y = 0; y < image->height; y++, to += row)
         memcpy(to, (const char *)image->data + (ptrdiff_t)y * image->stride_bytes, row);
-    for (uint32_t y = 0; image->pixel == PUPIL_PIXEL_NV12 && y < (image->height + 1) / 2; y++, to += chroma_row)
+    for (uint32_t y = 0; y < chroma_rows; y++, to += chroma_row)
         memcpy(to, (const char *)image->chroma + (ptrdiff_t)y * image->chroma_stride_bytes, chroma_row);
+    for (uint32_t y = 0; image->cr && y < chroma_rows; y++, to += chroma_row)
+        memcpy(to, (const char *)image->cr + (ptrdiff_t)y * image->cr_stride_bytes, chroma_row);
     return (size_t)(to - bytes);
 }
 
@@ -109,7 +115,7 @@ static void test_formats(void)
     for (uint32_t pixel = 1; pixel < PUPIL_PIXEL_COUNT; pixel++)
         for (int odd = 0; odd < 2; odd++) {
             test_frames frames;
-            if (pixel == PUPIL_PIXEL_BGRX8 || (odd && pixel >= PUPIL_PIXEL_BAYER8))
+            if (odd && pupil_pixel_is_mosaic(pixel))
                 continue;
             frames_make(&frames, pixel, sizes[odd][0], sizes[odd][1], COUNT);
             for (int i = 0; i < COUNT; i++)

@@ -107,7 +107,7 @@ sed 's/.*"median_us":\([^,]*\),"p99_us":\([^,]*\),"p999_us":\([^,]*\),"max_us":\
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
 fields lamps.txt level format out width height threads cold strength meter_ns_per_px map_ns_per_px frame_ns_per_px \
     of_rows_us map_gains_ns_per_px ratio_meter ratio_map ratio_all
-[ "$(wc -l <lamps.txt)" = 20 ] || fail "not the 20 formats: $(cat lamps.txt)"
+[ "$(wc -l <lamps.txt)" = 27 ] || fail "not the 27 formats: $(cat lamps.txt)"
 sed 's/.*"strength":\([^,]*\),.*/\1/' lamps.txt | awk '!($1 > 0.9) { exit 1 }' || fail "no gains: $(cat lamps.txt)"
 "$program" bench kernels --row-gains --size 128x64 --rounds 2 --threads 3 --format bayer10p --out half >lamps.txt
 grep -q "^bayer10p " lamps.txt || fail "no row: $(cat lamps.txt)"
@@ -142,8 +142,8 @@ expect 2 "take rgba32f" bench kernels --worst --format rgb8
 expect 2 "one thread" bench kernels --peers --threads 2
 expect 2 "--json" bench kernels --plot a.svg --json
 expect 2 "rgb8 yuyv nv12" bench kernels --format rgba64f
-expect 2 "--format" bench kernels --format bgrx8
-expect 2 "rgba8 rgb8 bgrx8 nv12 half" bench kernels --out rgba32f
+expect 2 "--format" bench kernels --format rgb9
+expect 2 "rgba8 rgb8 bgrx8 bgr8 nv12 half" bench kernels --out rgba32f
 expect 2 "no mosaic" bench kernels --out half --format rgb8
 expect 2 "rgba8" bench kernels --out nv12 --worst
 expect 2 "multiple of 4" bench kernels --size 66x34 --format bayer10p
