@@ -111,7 +111,7 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
             size_t prefix = strncmp(input, "pan:", 4) == 0 ? 4 : 0;
             if (strcmp(input, "-") == 0 || strncmp(input, "synth:", 6) == 0)
                 continue; /* no file */
-            if (replaces(paths[i], i < o->out_count, input + prefix)) {
+            if (replaces(paths[i], i < o->out_count || paths[i] == o->record, input + prefix)) {
                 pupil_refuse(why, "%s: is also an input, and would be replaced", paths[i]);
                 return OPTIONS_USAGE;
             }

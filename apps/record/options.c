@@ -68,5 +68,7 @@ int record_options_parse(record_options *o, int argc, char **argv, pupil_why *wh
     o->run.shown.inputs = (const char *const *)words.word;
     o->run.shown.input_count = (size_t)words.count - 1;
     o->folder = words.word[words.count - 1];
-    return OPTIONS_RUN;
+    frame_options paths = o->run.shown;
+    paths.record = o->folder;
+    return frame_options_check_paths(&paths, why);
 }

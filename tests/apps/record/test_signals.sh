@@ -46,5 +46,16 @@ cmp a.txt b.txt || fail "a recording replays to other statistics"
 
 "$program" replay walk five.y4m -q -o - >said 2>&1 && fail "two inputs, one a recording"
 grep -q 'a recording must be the only input' said || fail "$(cat said)"
+# the recording that is read is not replaced
+cp -r walk before
+for input in walk walk/frames.mkv ./walk/; do
+    status=0
+    "$program" record "$input" walk -y -q 2>said || status=$?
+    [ $status = 2 ] && grep -q 'walk: is also an input, and would be replaced' said || fail "$input: $status, $(cat said)"
+done
+diff -r before walk || fail "a recording that was an input is changed"
+"$program" record walk other -q
+"$program" record walk other -y -q || fail "another recording is not replaced"
+
 "$program" help record | grep -q '^usage: pupil record' || fail "no help"
 end_test
