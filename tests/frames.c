@@ -14,7 +14,7 @@ int frame_is_rgb(uint32_t pixel)
 
 int frame_blue_first(uint32_t pixel)
 {
-    return pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8;
+    return pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8 || pixel == PUPIL_PIXEL_BGR32F;
 }
 
 void frame_fit(uint32_t pixel, uint32_t *width, uint32_t *height)
@@ -156,11 +156,11 @@ static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, dou
     } else if (image.chroma) {
         row[x] = (unsigned char)to_code(srgb(mine), 255);
         ((unsigned char *)image.chroma)[chroma_row * image.chroma_stride_bytes + x] = colour;
-    } else if (pixel == PUPIL_PIXEL_BAYER10P) {
+    } else if (pixel == PUPIL_PIXEL_BAYER10P || pixel == PUPIL_PIXEL_GREY10P) {
         const unsigned code = to_code(mine, 1023), at = x / 4 * 5;
         row[at + x % 4] = (unsigned char)(code >> 2);
         row[at + 4] = (unsigned char)((row[at + 4] & ~(3u << 2 * (x % 4))) | (code & 3) << 2 * (x % 4));
-    } else if (pixel == PUPIL_PIXEL_BAYER12P) {
+    } else if (pixel == PUPIL_PIXEL_BAYER12P || pixel == PUPIL_PIXEL_GREY12P) {
         const unsigned code = to_code(mine, 4095), at = x / 2 * 3;
         row[at + x % 2] = (unsigned char)(code >> 4);
         row[at + 2] = (unsigned char)((row[at + 2] & ~(15u << 4 * (x % 2))) | (code & 15) << 4 * (x % 2));
@@ -188,11 +188,14 @@ void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, d
         switch (f->image.pixel) {
         case PUPIL_PIXEL_RGBA32F:
         case PUPIL_PIXEL_RGB32F:
+        case PUPIL_PIXEL_BGR32F:
             if (c < (int)(pixel_bytes / 4))
-                memcpy(at + 4 * c, &single, 4);
+                memcpy(at + 4 * (frame_blue_first(f->image.pixel) ? 2 - c : c), &single, 4);
             break;
         case PUPIL_PIXEL_RGBA16F:
-            memcpy(at + 2 * c, &half, 2);
+        case PUPIL_PIXEL_RGB16F:
+            if (c < (int)(pixel_bytes / 2))
+                memcpy(at + 2 * c, &half, 2);
             break;
         case PUPIL_PIXEL_RGBA16:
         case PUPIL_PIXEL_RGB16:

@@ -30,9 +30,11 @@ static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y
     case PUPIL_PIXEL_GREY8:
     case PUPIL_PIXEL_BAYER8:
         return row[x];
+    case PUPIL_PIXEL_GREY10P:
     case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2 RAW10: the fifth byte has the lowest two bits of each, the first's first */
         group = row + x / 4 * 5;
         return (unsigned)group[x % 4] << 2 | (group[4] >> 2 * (x % 4) & 3u);
+    case PUPIL_PIXEL_GREY12P:
     case PUPIL_PIXEL_BAYER12P: /* RAW12: the third byte has the lowest four */
         group = row + x / 2 * 3;
         return (unsigned)group[x % 2] << 4 | (group[2] >> 4 * (x % 2) & 15u);
@@ -163,9 +165,11 @@ static double component(uint32_t pixel, const unsigned char *row, size_t at, int
     switch (pixel) {
     case PUPIL_PIXEL_RGBA32F:
     case PUPIL_PIXEL_RGB32F:
+    case PUPIL_PIXEL_BGR32F:
         memcpy(&f, row + 4 * at, sizeof f);
         return (double)f;
     case PUPIL_PIXEL_RGBA16F:
+    case PUPIL_PIXEL_RGB16F:
         memcpy(&word, row + 2 * at, sizeof word);
         return half_to_double(word);
     case PUPIL_PIXEL_RGBA16:
@@ -181,8 +185,8 @@ static void rgb_light(const pupil_image_const *image, uint32_t x, uint32_t y, do
 {
     const uint32_t pixel = image->pixel;
     const int is_rgb = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ||
-                       pixel == PUPIL_PIXEL_BGR8;
-    const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8;
+                       pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_RGB16F;
+    const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8 || pixel == PUPIL_PIXEL_BGR32F;
     const int ignored = pixel == PUPIL_PIXEL_BGRX8 || pixel == PUPIL_PIXEL_RGBX8;
     const size_t channels = is_rgb ? 3 : 4;
     for (size_t c = 0; c < (ignored ? 3 : channels); c++)

@@ -29,6 +29,7 @@ static const format rgb32f = {.bytes = 12, .vector = load8_rgb32f};
 static const format rgba16f = {.bytes = 8, .group = group_rgba16f};
 static const format rgba16 = {.bytes = 8, .group = group_rgba16};
 static const format rgb16 = {.bytes = 6, .vector = load8_rgb16};
+static const format rgb16f = {.bytes = 6, .vector = load8_rgb16f};
 
 #include "vector_table.h"
 

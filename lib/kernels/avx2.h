@@ -338,21 +338,40 @@ INLINE __m128i every_third(__m128i x, __m128i y, __m128i z, __m128i sx, __m128i 
     return _mm_or_si128(_mm_or_si128(_mm_shuffle_epi8(x, sx), _mm_shuffle_epi8(y, sy)), _mm_shuffle_epi8(z, sz));
 }
 
-INLINE void load8_rgb16(const void *source, floats *r, floats *g, floats *b, floats *a)
+INLINE void words_of_three(const void *source, __m128i *r, __m128i *g, __m128i *b)
 {
     const __m128i *s = source;
     const __m128i x = _mm_loadu_si128(s), y = _mm_loadu_si128(s + 1), z = _mm_loadu_si128(s + 2);
 #define NONE -1, -1
-    *r = from_16(every_third(x, y, z, _mm_setr_epi8(0, 1, 6, 7, 12, 13, NONE, NONE, NONE, NONE, NONE),
-                             _mm_setr_epi8(NONE, NONE, NONE, 2, 3, 8, 9, 14, 15, NONE, NONE),
-                             _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, NONE, 4, 5, 10, 11)));
-    *g = from_16(every_third(x, y, z, _mm_setr_epi8(2, 3, 8, 9, 14, 15, NONE, NONE, NONE, NONE, NONE),
-                             _mm_setr_epi8(NONE, NONE, NONE, 4, 5, 10, 11, NONE, NONE, NONE),
-                             _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, 0, 1, 6, 7, 12, 13)));
-    *b = from_16(every_third(x, y, z, _mm_setr_epi8(4, 5, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE),
-                             _mm_setr_epi8(NONE, NONE, 0, 1, 6, 7, 12, 13, NONE, NONE, NONE),
-                             _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, 2, 3, 8, 9, 14, 15)));
+    *r = every_third(x, y, z, _mm_setr_epi8(0, 1, 6, 7, 12, 13, NONE, NONE, NONE, NONE, NONE),
+                     _mm_setr_epi8(NONE, NONE, NONE, 2, 3, 8, 9, 14, 15, NONE, NONE),
+                     _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, NONE, 4, 5, 10, 11));
+    *g = every_third(x, y, z, _mm_setr_epi8(2, 3, 8, 9, 14, 15, NONE, NONE, NONE, NONE, NONE),
+                     _mm_setr_epi8(NONE, NONE, NONE, 4, 5, 10, 11, NONE, NONE, NONE),
+                     _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, 0, 1, 6, 7, 12, 13));
+    *b = every_third(x, y, z, _mm_setr_epi8(4, 5, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE),
+                     _mm_setr_epi8(NONE, NONE, 0, 1, 6, 7, 12, 13, NONE, NONE, NONE),
+                     _mm_setr_epi8(NONE, NONE, NONE, NONE, NONE, 2, 3, 8, 9, 14, 15));
 #undef NONE
+}
+
+INLINE void load8_rgb16(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    __m128i red, green, blue;
+    words_of_three(source, &red, &green, &blue);
+    *r = from_16(red);
+    *g = from_16(green);
+    *b = from_16(blue);
+    *a = v_all(1.0f);
+}
+
+INLINE void load8_rgb16f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    __m128i red, green, blue;
+    words_of_three(source, &red, &green, &blue);
+    *r = _mm256_cvtph_ps(red);
+    *g = _mm256_cvtph_ps(green);
+    *b = _mm256_cvtph_ps(blue);
     *a = v_all(1.0f);
 }
 

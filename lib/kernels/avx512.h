@@ -317,15 +317,32 @@ static const int16_t word_thirds[2][32] = {
      1, 4, 7, 10, 13, 16, 19, 22, 25, 28, 31, 34, 37, 40, 43, 46},
     {2, 5, 8, 11, 14, 17, 20, 23, 26, 29, 32, 35, 38, 41, 44, 47, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
 
-INLINE void load16_rgb16(const void *source, floats *r, floats *g, floats *b, floats *a)
+INLINE void words_of_three(const void *source, __m512i *rg, __m512i *b)
 {
     const __m512i p = _mm512_loadu_si512(source);
     const __m512i q =
         _mm512_castsi256_si512(_mm256_loadu_si256((const __m256i *)(const void *)((const char *)source + 64)));
-    const __m512i rg = _mm512_permutex2var_epi16(p, _mm512_loadu_si512(word_thirds[0]), q);
+    *rg = _mm512_permutex2var_epi16(p, _mm512_loadu_si512(word_thirds[0]), q);
+    *b = _mm512_permutex2var_epi16(p, _mm512_loadu_si512(word_thirds[1]), q);
+}
+
+INLINE void load16_rgb16(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    __m512i rg, blue;
+    words_of_three(source, &rg, &blue);
     *r = from_16(lower_words(rg));
     *g = from_16(upper_words(rg));
-    *b = from_16(lower_words(_mm512_permutex2var_epi16(p, _mm512_loadu_si512(word_thirds[1]), q)));
+    *b = from_16(lower_words(blue));
+    *a = v_all(1.0f);
+}
+
+INLINE void load16_rgb16f(const void *source, floats *r, floats *g, floats *b, floats *a)
+{
+    __m512i rg, blue;
+    words_of_three(source, &rg, &blue);
+    *r = _mm512_cvtph_ps(lower_words(rg));
+    *g = _mm512_cvtph_ps(upper_words(rg));
+    *b = _mm512_cvtph_ps(lower_words(blue));
     *a = v_all(1.0f);
 }
 

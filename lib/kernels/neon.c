@@ -115,6 +115,7 @@ INLINE void group_eights(const eights *f, const uint8_t *source, group *p)
 FORMAT_OF_EIGHTS(rgba16f, 8, load8_four, halves_to, opaque_halves, top_halves)
 FORMAT_OF_EIGHTS(rgba16, 8, load8_four, sixteens_to, all_ones, top_sixteens)
 FORMAT_OF_EIGHTS(rgb16, 6, load8_three, sixteens_to, all_ones, top_sixteens)
+FORMAT_OF_EIGHTS(rgb16f, 6, load8_three, halves_to, all_ones, top_halves)
 
 /* --- store --- */
 

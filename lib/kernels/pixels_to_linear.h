@@ -276,6 +276,33 @@ static void unpack_bayer12p(const uint8_t *row, uint32_t shift, uint32_t x, uint
         to[i] = sample_12p(row, x + i);
 }
 
+/* --- packed grey, unpacked as a mosaic --- */
+
+static void load_samples(const pupil_coder *c, const uint16_t *restrict s, uint32_t n, pupil_planes *restrict p)
+{
+    for (uint32_t i = 0; i < n; i++)
+        p->r[i] = ((float)s[i] - c->zero) * c->unit;
+    grey_to_planes(c, n, p);
+}
+
+static int load_grey10p(const pupil_coder *c, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *p)
+{
+    uint16_t samples[PUPIL_BLOCK];
+    unpack_bayer10p(row->data, 0, x, n, samples);
+    load_samples(c, samples, n, p);
+    return 1;
+}
+
+static int load_grey12p(const pupil_coder *c, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *p)
+{
+    uint16_t samples[PUPIL_BLOCK];
+    unpack_bayer12p(row->data, 0, x, n, samples);
+    load_samples(c, samples, n, p);
+    return 1;
+}
+
+/* --- mosaics to pixels --- */
+
 /* Four times a channel's sample, or the sum of four, to balanced light. */
 static inline float develop(uint32_t sum4, const pupil_coder *c, int channel)
 {
@@ -404,7 +431,8 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
     [PUPIL_PIXEL_BGRX8] = load_bgrx8, [PUPIL_PIXEL_BGR8] = load_bgr8, [PUPIL_PIXEL_YUYV] = load_yuyv,                  \
     [PUPIL_PIXEL_UYVY] = load_uyvy, [PUPIL_PIXEL_NV12] = load_nv12, [PUPIL_PIXEL_NV16] = load_nv12,                    \
     [PUPIL_PIXEL_NV21] = load_nv21, [PUPIL_PIXEL_I420] = load_i420, [PUPIL_PIXEL_GREY8] = load_grey8,                  \
-    [PUPIL_PIXEL_GREY10] = load_grey16, [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16
+    [PUPIL_PIXEL_GREY10] = load_grey16, [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16,        \
+    [PUPIL_PIXEL_GREY10P] = load_grey10p, [PUPIL_PIXEL_GREY12P] = load_grey12p
 
 #define CAMERA_PIECES                                                                                                  \
     .unpack =                                                                                                          \

@@ -8,15 +8,15 @@
 /* --- load: to planar linear floats --- */
 
 /* A macro because TYPE differs: one function for all would have to look at the format in its loop. */
-#define LOAD(NAME, TYPE, SAMPLES, CONVERT)                                                                             \
+#define LOAD(NAME, TYPE, SAMPLES, RED, BLUE, CONVERT)                                                                  \
     static int NAME(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)  \
     {                                                                                                                  \
         const TYPE *restrict s = (const TYPE *)(const void *)row->data + SAMPLES * (size_t)x;                          \
         (void)coder;                                                                                                   \
         for (uint32_t i = 0; i < n; i++) {                                                                             \
-            p->r[i] = CONVERT(s[SAMPLES * i]);                                                                         \
+            p->r[i] = CONVERT(s[SAMPLES * i + RED]);                                                                   \
             p->g[i] = CONVERT(s[SAMPLES * i + 1]);                                                                     \
-            p->b[i] = CONVERT(s[SAMPLES * i + 2]);                                                                     \
+            p->b[i] = CONVERT(s[SAMPLES * i + BLUE]);                                                                  \
         }                                                                                                              \
         return SAMPLES == 3;                                                                                           \
     }
@@ -36,11 +36,13 @@ static inline float half_to_float(uint16_t h)
 #define AS_IT_IS(x) (x)
 #define FROM_16(x)  ((float)(x) * (1.0f / 65535.0f))
 
-LOAD(load_rgba32f, float, 4, AS_IT_IS)
-LOAD(load_rgb32f, float, 3, AS_IT_IS)
-LOAD(load_rgba16f, uint16_t, 4, half_to_float)
-LOAD(load_rgba16, uint16_t, 4, FROM_16)
-LOAD(load_rgb16, uint16_t, 3, FROM_16)
+LOAD(load_rgba32f, float, 4, 0, 2, AS_IT_IS)
+LOAD(load_rgb32f, float, 3, 0, 2, AS_IT_IS)
+LOAD(load_bgr32f, float, 3, 2, 0, AS_IT_IS)
+LOAD(load_rgba16f, uint16_t, 4, 0, 2, half_to_float)
+LOAD(load_rgb16f, uint16_t, 3, 0, 2, half_to_float)
+LOAD(load_rgba16, uint16_t, 4, 0, 2, FROM_16)
+LOAD(load_rgb16, uint16_t, 3, 0, 2, FROM_16)
 
 /* --- meter --- */
 
@@ -287,7 +289,9 @@ const pupil_kernels pupil_kernels_scalar = {
         {
             [PUPIL_PIXEL_RGBA32F] = load_rgba32f,
             [PUPIL_PIXEL_RGB32F] = load_rgb32f,
+            [PUPIL_PIXEL_BGR32F] = load_bgr32f,
             [PUPIL_PIXEL_RGBA16F] = load_rgba16f,
+            [PUPIL_PIXEL_RGB16F] = load_rgb16f,
             [PUPIL_PIXEL_RGBA16] = load_rgba16,
             [PUPIL_PIXEL_RGB16] = load_rgb16,
             LOADS_BY_FORMAT,

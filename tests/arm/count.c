@@ -42,6 +42,8 @@ static const struct format {
     {"nv21", PUPIL_PIXEL_NV21, 1, BYTES, 8, 0},         {"nv16", PUPIL_PIXEL_NV16, 1, BYTES, 8, 0},
     {"uyvy", PUPIL_PIXEL_UYVY, 2, BYTES, 8, 0},         {"bgr8", PUPIL_PIXEL_BGR8, 3, BYTES, 8, 0},
     {"bgrx8", PUPIL_PIXEL_BGRX8, 4, BYTES, 8, 0},       {"rgbx8", PUPIL_PIXEL_RGBX8, 4, BYTES, 8, 0},
+    {"grey10p", PUPIL_PIXEL_GREY10P, 1, BYTES, 8, 0},   {"grey12p", PUPIL_PIXEL_GREY12P, 1, BYTES, 8, 0},
+    {"bgr32f", PUPIL_PIXEL_BGR32F, 3, FLOATS, 0, 0},    {"rgb16f", PUPIL_PIXEL_RGB16F, 3, HALVES, 0, 0},
 };
 #define FORMATS (sizeof formats / sizeof *formats)
 

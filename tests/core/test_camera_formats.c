@@ -11,7 +11,8 @@ static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,     PUPIL_PIXEL_NV12,    PUP
                                   PUPIL_PIXEL_GREY12,   PUPIL_PIXEL_GREY16,  PUPIL_PIXEL_BAYER8,  PUPIL_PIXEL_BAYER10,
                                   PUPIL_PIXEL_BAYER12,  PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P,
                                   PUPIL_PIXEL_BAYER12P, PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,
-                                  PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8};
+                                  PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8,
+                                  PUPIL_PIXEL_GREY10P,  PUPIL_PIXEL_GREY12P, PUPIL_PIXEL_BGR32F,  PUPIL_PIXEL_RGB16F};
 #define FORMATS (sizeof camera / sizeof *camera)
 
 static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
@@ -118,7 +119,8 @@ static void against_the_formulas(void)
                                        .gamut = n % 3 ? 3.7f : 0};
             frame_fit(camera[i], &width, &height);
             frame f = frame_make(width, height, camera[i], camera[i] == PUPIL_PIXEL_GREY12 ? 2 : 4, n % 7 == 0);
-            if (n % 4 == 0)
+            const int floats = camera[i] == PUPIL_PIXEL_BGR32F || camera[i] == PUPIL_PIXEL_RGB16F;
+            if (n % 4 == 0 && !floats)
                 frame_bits(&f, check_uniform);
             else
                 frame_lognormal(&f, 0.1, 2, check_uniform);
@@ -160,7 +162,7 @@ static unsigned char *cr_at(const frame *f, uint32_t y)
     return (unsigned char *)image.cr + pupil_chroma_row_of(image.pixel, y) * image.cr_stride_bytes;
 }
 
-/* The pixel x, y of `to` becomes that of `from`, which is NV12, YUYV, RGB8 or RGBA8. */
+/* The pixel x, y of `to` becomes that of `from`, which is of the format that has the same codes. */
 static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t y)
 {
     const uint32_t pair = x / 2 * 2;
@@ -192,6 +194,13 @@ static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t 
     case PUPIL_PIXEL_RGBX8:
         memcpy(p, rgb, 3);
         break;
+    case PUPIL_PIXEL_RGB16F: /* of RGBA16F */
+        memcpy(p, rgb, 6);
+        break;
+    case PUPIL_PIXEL_BGR32F:
+        for (int k = 0; k < 3; k++)
+            memcpy(p + 4 * k, rgb + 4 * (2 - k), 4);
+        break;
     default: /* blue first */
         for (int k = 0; k < 3; k++)
             p[k] = rgb[2 - k];
@@ -201,17 +210,18 @@ static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t 
 /* A format that holds the same codes as another, in another order, gives the same statistics and the same picture. */
 static void same_codes_same_bits(void)
 {
-    static const twin twins[] = {{PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12}, {PUPIL_PIXEL_NV21, PUPIL_PIXEL_NV12},
-                                 {PUPIL_PIXEL_NV16, PUPIL_PIXEL_NV12}, {PUPIL_PIXEL_UYVY, PUPIL_PIXEL_YUYV},
-                                 {PUPIL_PIXEL_BGR8, PUPIL_PIXEL_RGB8}, {PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8},
-                                 {PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB8}};
+    static const twin twins[] = {{PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12},     {PUPIL_PIXEL_NV21, PUPIL_PIXEL_NV12},
+                                 {PUPIL_PIXEL_NV16, PUPIL_PIXEL_NV12},     {PUPIL_PIXEL_UYVY, PUPIL_PIXEL_YUYV},
+                                 {PUPIL_PIXEL_BGR8, PUPIL_PIXEL_RGB8},     {PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8},
+                                 {PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB8},    {PUPIL_PIXEL_BGR32F, PUPIL_PIXEL_RGB32F},
+                                 {PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_RGBA16F}};
     for (size_t i = 0; i < sizeof twins / sizeof *twins; i++)
         for (unsigned n = 0; n < 40; n++) {
             const uint32_t w = n < 20 ? 1 + n : 200 + 7 * n, h = 1 + n % 5;
             const pupil_coding coding = {.matrix = n % 3, .range = n % 2, .light = n % PUPIL_LIGHT_COUNT};
             const pupil_curve curve = {.scale = 0.5f, .inverse_white_squared = 0.05f, .gamut = 3.7f};
             frame a = frame_make(w, h, twins[i].of, 4, n % 3 == 0), b = frame_make(w, h, twins[i].pixel, 8, n % 4 == 0);
-            frame to_a = frame_make(w, h, PUPIL_PIXEL_RGBA8, 0, 0), to_b = frame_make(w, h, PUPIL_PIXEL_RGBA8, 0, 0);
+            frame to_a = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0), to_b = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0);
             const pupil_image out_a = frame_writable(&to_a), out_b = frame_writable(&to_b);
             pupil_config config;
             pupil_t pupil;

@@ -453,16 +453,18 @@ static void check_sentences(void)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     for (uint32_t pixel = 0; pixel < 300; pixel++) {
-        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2, 2,
-                                       2, 1,  2,  2, 2, 2, 0, 0, 1, 1, 1, 2, 3, 4};
-        static const uint32_t bits[] = {0,  0, 0,  0,  0,  0,  0,  0,  0, 0, 0, 8, 10, 12,
-                                        16, 8, 10, 12, 14, 16, 10, 12, 0, 0, 0, 0, 0,  0};
+        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2, 2, 2,  1,
+                                       2, 2,  2,  2, 0, 0, 1, 1, 1, 2, 3, 4, 0, 0, 12, 6};
+        static const uint32_t bits[] = {
+            [PUPIL_PIXEL_GREY8] = 8,    10, 12, 16, 8, 10, 12, 14, 16, 10, 12, [PUPIL_PIXEL_GREY10P] = 10, 12,
+            [PUPIL_PIXEL_COUNT - 1] = 0};
         CHECK(pupil_pixel_bytes(pixel) == (pixel < PUPIL_PIXEL_COUNT ? bytes[pixel] : 0));
         CHECK(pupil_pixel_bits(pixel) == (pixel < PUPIL_PIXEL_COUNT ? bits[pixel] : 0));
         CHECK(pupil_pixel_is_mosaic(pixel) == (pixel >= PUPIL_PIXEL_BAYER8 && pixel <= PUPIL_PIXEL_BAYER12P));
     }
     CHECK(pupil_pixel_bytes(0xffffffff) == 0 && pupil_row_bytes(0xffffffff, 4) == 0);
     CHECK(pupil_row_bytes(PUPIL_PIXEL_BAYER10P, 8) == 10 && pupil_row_bytes(PUPIL_PIXEL_BAYER12P, 8) == 12 &&
+          pupil_row_bytes(PUPIL_PIXEL_GREY10P, 5) == 10 && pupil_row_bytes(PUPIL_PIXEL_GREY12P, 3) == 6 &&
           pupil_row_bytes(PUPIL_PIXEL_YUYV, 3) == 8 && pupil_row_bytes(PUPIL_PIXEL_RGB16, 5) == 30);
     CHECK(pupil_pixel_planes(PUPIL_PIXEL_RGB8) == 1 && pupil_pixel_planes(PUPIL_PIXEL_NV12) == 2 &&
           pupil_pixel_planes(PUPIL_PIXEL_I420) == 3 && pupil_pixel_planes(0) == 0 && pupil_pixel_planes(300) == 0);

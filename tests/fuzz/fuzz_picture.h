@@ -70,6 +70,10 @@ static int is_mosaic(uint32_t pixel)
 static size_t sample_bytes(uint32_t pixel)
 {
     static const uint8_t bytes[PUPIL_PIXEL_BAYER16 + 1] = {1, 4, 4, 2, 2, 2, 1, 1, 1, 1, 1, 1, 2, 2, 2, 1, 2, 2, 2, 2};
+    if (pixel == PUPIL_PIXEL_BGR32F)
+        return 4;
+    if (pixel == PUPIL_PIXEL_RGB16F)
+        return 2;
     return pixel <= PUPIL_PIXEL_BAYER16 ? bytes[pixel] : 1;
 }
 

@@ -70,10 +70,12 @@ static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
     switch (pixel) {
     case PUPIL_PIXEL_RGBA32F:
     case PUPIL_PIXEL_RGB32F:
+    case PUPIL_PIXEL_BGR32F:
         bits = is_odd ? odd_float[pick] : bits | (uint32_t)(127 + stops) << 23;
         __builtin_memcpy(to, &bits, 4);
         return;
     case PUPIL_PIXEL_RGBA16F:
+    case PUPIL_PIXEL_RGB16F:
         half = (uint16_t)(is_odd ? odd_half[pick] : (bits >> 13) | (uint32_t)(15 + stops) << 10);
         __builtin_memcpy(to, &half, 2);
         return;
@@ -99,11 +101,11 @@ static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
 
 static size_t sample_bytes(uint32_t pixel)
 {
-    if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F)
+    if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F)
         return 4;
     if (pixel <= PUPIL_PIXEL_BGRX8)
         return pixel >= PUPIL_PIXEL_RGBA8 ? 1 : 2;
-    return (pixel >= PUPIL_PIXEL_GREY10 && pixel <= PUPIL_PIXEL_GREY16) ||
+    return pixel == PUPIL_PIXEL_RGB16F || (pixel >= PUPIL_PIXEL_GREY10 && pixel <= PUPIL_PIXEL_GREY16) ||
                    (pixel >= PUPIL_PIXEL_BAYER10 && pixel <= PUPIL_PIXEL_BAYER16)
                ? 2
                : 1;

@@ -114,10 +114,10 @@ static void store_sample(const pupil_image_const *image, uint32_t x, uint32_t y,
 {
     unsigned char *row = row_of(image, y);
     const uint16_t word = (uint16_t)code;
-    if (image->pixel == PUPIL_PIXEL_BAYER10P) {
+    if (image->pixel == PUPIL_PIXEL_BAYER10P || image->pixel == PUPIL_PIXEL_GREY10P) {
         row[x / 4 * 5 + x % 4] = (unsigned char)(code >> 2);
         row[x / 4 * 5 + 4] |= (unsigned char)((code & 3u) << 2 * (x % 4));
-    } else if (image->pixel == PUPIL_PIXEL_BAYER12P) {
+    } else if (image->pixel == PUPIL_PIXEL_BAYER12P || image->pixel == PUPIL_PIXEL_GREY12P) {
         row[x / 2 * 3 + x % 2] = (unsigned char)(code >> 4);
         row[x / 2 * 3 + 2] |= (unsigned char)((code & 15u) << 4 * (x % 2));
     } else if (pupil_pixel_bits(image->pixel) == 8)

@@ -20,7 +20,9 @@ const bench_format bench_formats[] = {{"rgba32f", PUPIL_PIXEL_RGBA32F},   {"rgb3
                                       {"i420", PUPIL_PIXEL_I420},         {"nv21", PUPIL_PIXEL_NV21},
                                       {"nv16", PUPIL_PIXEL_NV16},         {"uyvy", PUPIL_PIXEL_UYVY},
                                       {"bgr8", PUPIL_PIXEL_BGR8},         {"bgrx8", PUPIL_PIXEL_BGRX8},
-                                      {"rgbx8", PUPIL_PIXEL_RGBX8},       {NULL, PUPIL_PIXEL_NONE}};
+                                      {"rgbx8", PUPIL_PIXEL_RGBX8},       {"grey10p", PUPIL_PIXEL_GREY10P},
+                                      {"grey12p", PUPIL_PIXEL_GREY12P},   {"bgr32f", PUPIL_PIXEL_BGR32F},
+                                      {"rgb16f", PUPIL_PIXEL_RGB16F},     {NULL, PUPIL_PIXEL_NONE}};
 
 const char *bench_format_name(uint32_t pixel)
 {
@@ -114,14 +116,14 @@ static uint16_t half_of(float value)
 static void store(uint32_t pixel, const float rgba[4], void *target)
 {
     const int is_rgb = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ||
-                       pixel == PUPIL_PIXEL_BGR8;
-    const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8;
+                       pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_RGB16F;
+    const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_BGRX8;
     for (int k = 0; k < (is_rgb ? 3 : 4); k++) {
         const float value = rgba[blue_first && k < 3 ? 2 - k : k];
         const double code = clamped((double)value);
-        if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F)
+        if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F)
             ((float *)target)[k] = value;
-        else if (pixel == PUPIL_PIXEL_RGBA16F)
+        else if (pixel == PUPIL_PIXEL_RGBA16F || pixel == PUPIL_PIXEL_RGB16F)
             ((uint16_t *)target)[k] = half_of(value);
         else if (pixel == PUPIL_PIXEL_RGBA16 || pixel == PUPIL_PIXEL_RGB16)
             ((uint16_t *)target)[k] = (uint16_t)(code * 65535.0 + 0.5);

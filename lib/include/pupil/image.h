@@ -65,6 +65,11 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_UYVY, /* in: two pixels in Cb Y' Cr Y' (UYVY); odd widths as YUYV */
     PUPIL_PIXEL_BGR8, /* in: 3 x unsigned 8 bit, blue first, sRGB; out: in the configured transfer (BGR3; OpenCV) */
     PUPIL_PIXEL_RGBX8, /* in: as RGBA8, and the fourth byte is ignored (XB24) */
+
+    PUPIL_PIXEL_GREY10P, /* in: 4 pixels in 5 bytes as BAYER10P (Y10P); any width, and whole groups of 5 bytes */
+    PUPIL_PIXEL_GREY12P, /* in: 2 pixels in 3 bytes as BAYER12P (Y12P); any width, and whole groups of 3 bytes */
+    PUPIL_PIXEL_BGR32F,  /* in: 3 x IEEE binary32, blue first, linear (OpenCV) */
+    PUPIL_PIXEL_RGB16F,  /* in: 3 x IEEE binary16, linear */
     PUPIL_PIXEL_COUNT
 } pupil_pixel;
 
@@ -121,7 +126,7 @@ typedef struct pupil_frame_info {
 } pupil_frame_info;
 
 /* Bytes of one pixel in `data` (16 for RGBA32F ... 1 for NV12); 0 for anything that is no pupil_pixel, and where it is
- * no whole number (the packed mosaics). */
+ * no whole number (packed samples). */
 PUPIL_API size_t pupil_pixel_bytes(uint32_t pixel);
 
 /* Bytes of a row in `data`; 0 for anything that is no pupil_pixel. */
