@@ -26,6 +26,8 @@ echo "$line"
     export PKG_CONFIG_PATH LD_LIBRARY_PATH
     eval "$line"
     "./${program:-a.out}"
+    # C++ has designated initializers in the order of the fields.
+    ! command -v g++ >/dev/null || g++ -std=c++20 -x c++ -fsyntax-only "$source" $(pkg-config --cflags pupil)
 ) || { echo "check.sh: the program of README.md does not compile or run"; exit 1; }
 echo "README.md's program of $(wc -l <"$work/block.c") lines compiles and runs"
 
