@@ -23,14 +23,18 @@ static void read_frame(int i)
 
 int main(void)
 {
-    const pupil_image_const image = {
-        .data = pixels, .stride_bytes = WIDTH * 2, .width = WIDTH, .height = HEIGHT, .pixel = PUPIL_PIXEL_GREY12};
+    static pupil_image_const image; /* static: all zero where nothing is said */
     pupil_t pupil;
     pupil_config metering;
     pupil_stats stats;
     pupil_sensor sensor;
     pupil_sensor_config config;
     pupil_sensor_setting setting;
+    image.pixel = PUPIL_PIXEL_GREY12;
+    image.data = pixels;
+    image.stride_bytes = WIDTH * 2;
+    image.width = WIDTH;
+    image.height = HEIGHT;
     pupil_config_default(&metering);
     metering.histogram = 1; /* without it the sensor does not see highlights */
     pupil_sensor_config_default(&config);
