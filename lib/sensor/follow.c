@@ -485,7 +485,7 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
-    const double most = size_of(need) * (double)(2u << s->unanswered), standing = a->standing[0] + a->standing[1];
+    const double most = size_of(need) * (double)(s->unanswered > 1 ? 1u << s->unanswered : 2u), standing = a->standing[0] + a->standing[1];
     double total = total_for(o, is_unknown ? 0.5 * need : need);
     total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
     total = s->is_searching ? narrow(o, total) : total;
