@@ -18,6 +18,19 @@ static int is_known(const sensor_evidence *v)
            v->rank[0] > -SENSOR_FAR_AWAY;
 }
 
+/* What is added to all pixels is in the darkest of them, too. Without this the steep part and the flat part of a
+ * companded picture look like it. */
+void pupil_sensor_black_frame(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_black *b = &o->black;
+    const double dark = pupil_exp2(v->rank[0]);
+    if (!(v->rank[0] > -SENSOR_FAR_AWAY))
+        return;
+    b->darkest = b->darkest > 0.0 && b->darkest < dark ? b->darkest : dark;
+    if (b->darkest < SENSOR_BLACK_NOISE * b->value)
+        b->value = 0.0;
+}
+
 void pupil_sensor_black_before(pupil_sensor_object *o, const sensor_evidence *v)
 {
     for (int i = 0; i < SENSOR_RANKS; i++)
@@ -37,7 +50,9 @@ void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, d
         least = value[i] < least ? value[i] : least;
         most = value[i] > most ? value[i] : most;
     }
-    const int is_one = most - least < SENSOR_BLACK_ALIKE * most && least > SENSOR_BLACK_SHARE * pupil_exp2(v->rank[1]);
+    const int is_one = most - least < SENSOR_BLACK_ALIKE * most &&
+                       least > SENSOR_BLACK_SHARE * pupil_exp2(v->rank[1]) &&
+                       b->darkest >= SENSOR_BLACK_NOISE * value[0];
     const int is_again = is_one && size_of(value[0] - b->candidate) < SENSOR_BLACK_ALIKE * value[0];
     b->candidate = is_one ? value[0] : 0.0;
     if (is_again && b->value == 0.0) { /* what was learned of the controls was the black level's */

@@ -73,6 +73,8 @@
 #define SENSOR_BLACK_SHARE     0.25
 #define SENSOR_BLACK_ALIKE     0.15
 #define SENSOR_BLACK_FLOOR     0.015625
+/* The darkest 2 % of a frame are no darker than this share of a black level: the rest is noise. */
+#define SENSOR_BLACK_NOISE 0.75
 
 /* Normal distribution: Abramowitz, Stegun, Handbook of Mathematical Functions, 1964, 26.2.23 (the quantile, error below
  * 4.5e-4) and 26.2.17 (the share above, error below 7.5e-8). */
@@ -217,6 +219,8 @@
 #define SENSOR_STEP_SHARE 1e-6
 #define SENSOR_STEPS_MOST 1e15
 #define SENSOR_LOG2_DB    0.16609640474436813 /* log2(10) / 20 */
+/* Of a half mains period: bands of an exposure so near to a multiple have at most 5 % of the lamps' modulation. */
+#define SENSOR_NEAR_MULTIPLE 0.05
 /* What rounding down leaves is not left to the digital factor from here on. */
 #define SENSOR_COARSE_EV 0.2
 /* Half a period of the mains that most of the world has, in s: exposures rest there while the mains are not known. */

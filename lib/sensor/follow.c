@@ -188,6 +188,7 @@ static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
     s->wrong_frames = 0;
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     o->black.wrong = 0;
+    o->black.darkest = 0.0;
     forget_points(s);
     pupil_sensor_doubt(o);
 }
@@ -485,7 +486,8 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
-    const double most = size_of(need) * (double)(s->unanswered > 1 ? 1u << s->unanswered : 2u), standing = a->standing[0] + a->standing[1];
+    const double most = size_of(need) * (double)(s->unanswered > 1 ? 1u << s->unanswered : 2u),
+                 standing = a->standing[0] + a->standing[1];
     double total = total_for(o, is_unknown ? 0.5 * need : need);
     total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
     total = s->is_searching ? narrow(o, total) : total;

@@ -113,11 +113,11 @@ static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
     const double dt_s = ((double)now - (double)last) * SENSOR_NS;
     const double period_s = (is_next ? (double)ahead : 1.0) * o->config.frame_s;
     uint32_t reason = PUPIL_SENSOR_NO_REASON;
-    if (o->has_time && now && now == last && sequence == o->last_sequence)
+    if (o->has_time && now && sequence && now == last && sequence == o->last_sequence)
         reason = PUPIL_SENSOR_REPEATED_FRAME;
     else if (o->has_time && dt_s < 0.0)
         reason = PUPIL_SENSOR_CLOCK_BACK;
-    if (!o->has_time || reason)
+    if (!o->has_time || (reason && !is_next))
         o->setting.dt_s = 0.0;
     else
         o->setting.dt_s = dt_s > 0.0 ? dt_s : period_s;
@@ -147,6 +147,7 @@ static void take_frame(pupil_sensor_object *o, sensor_evidence *v, const pupil_f
     s->reason = tick(o, info);
     if (s->reason == PUPIL_SENSOR_REPEATED_FRAME)
         return;
+    pupil_sensor_black_frame(o, v);
     pupil_sensor_estimate_frame(o, v, info);
     if (v->is_dead) {
         s->reason = PUPIL_SENSOR_INVALID_FRAME;

@@ -50,6 +50,7 @@ typedef struct sensor_white {
 typedef struct sensor_black {
     double value;                /* 0: nothing was found */
     double candidate;            /* what the last step says it is */
+    double darkest;              /* 2 % of a frame were once as dark as this; 0: no frame yet */
     double before[SENSOR_RANKS]; /* the ranks of the frame in which a large step was asked for */
     uint32_t wrong;              /* steps that did not do what they should with it; at most 2 */
     uint32_t reserved;
@@ -188,7 +189,8 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double me
 /* The white that this frame shows. */
 void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence *evidence);
 
-/* black_level.c: before and after a step of `ev` stops. */
+/* black_level.c: what each frame says against it; before and after a step of `ev` stops. */
+void pupil_sensor_black_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_black_before(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_find_black(pupil_sensor_object *object, const sensor_evidence *evidence, double ev);
 /* Whether a step with it did what it should. */

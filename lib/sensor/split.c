@@ -37,12 +37,27 @@ static double line_at_least(const pupil_sensor_config *c, double exposure_s)
     return e > c->exposure_min_s ? e : c->exposure_min_s;
 }
 
-/* In lines, and in half periods of the mains. */
+/* The exposure at or below one that a table has as a multiple of half a mains period; 0 where it has none. */
+static double multiple_in_table(const pupil_sensor_config *c, double half_s, double exposure_s)
+{
+    double found = 0.0;
+    for (uint32_t i = 0; i < c->exposure_count && c->exposure_table[i] <= exposure_s * (1.0 + SENSOR_ROUND); i++) {
+        const double entry_s = c->exposure_table[i], off_s = entry_s - multiple(entry_s + 0.5 * half_s, half_s);
+        found = entry_s >= 0.5 * half_s && size_of(off_s) < SENSOR_NEAR_MULTIPLE * half_s ? entry_s : found;
+    }
+    return found;
+}
+
+/* In lines, and in half periods of the mains. Of a table that has no such exposure any is taken: a shorter one would
+ * have bands, too. */
 static double exposure_of(const pupil_sensor_config *c, uint32_t hz, double exposure_s)
 {
     const double half_s = hz ? 0.5 / hz : 0.0;
     double e = in_lines(c, exposure_s);
-    if (half_s > 0.0 && e >= half_s - c->exposure_step_s) {
+    if (half_s > 0.0 && c->exposure_count) {
+        const double in_table = multiple_in_table(c, half_s, exposure_s);
+        e = in_table > 0.0 ? in_table : e;
+    } else if (half_s > 0.0 && e >= half_s - c->exposure_step_s) {
         /* a multiple that was rounded down to lines stays itself */
         const double up = in_lines(c, multiple(e + c->exposure_step_s, half_s));
         e = up <= exposure_s * (1.0 + SENSOR_ROUND) ? up : in_lines(c, multiple(e, half_s));
@@ -125,48 +140,51 @@ static double next_gain(const pupil_sensor_config *c, double gain)
     return next > gain && next <= c->gain_max ? pupil_sensor_gain_of(c, next * (1.0 + SENSOR_ROUND)) : gain;
 }
 
-/* The gain is at its most. Of mains that nobody has seen nothing is kept: all exposure there is. Else, where gains do
- * not reach from one multiple of a half period to the next, the nearer one is taken. */
-static void fit_dark_end(const pupil_sensor_config *c, double total, int is_fixed, double *exposure_s, double *gain)
+/* The next longer exposure that the camera has, or the same. */
+static double next_exposure(const pupil_sensor_config *c, uint32_t hz, double exposure_s)
 {
-    const double most_s = pupil_sensor_longest_exposure(c), left = pupil_log2(total / (*exposure_s * *gain));
-    if (c->mains_hz == PUPIL_SENSOR_MAINS_AUTO) {
-        *exposure_s = line_at_least(c, total / *gain < most_s ? total / *gain : most_s);
-        return;
+    const double above_s = exposure_s * (1.0 + SENSOR_ROUND), half_s = hz ? 0.5 / hz : 0.0;
+    double next_s = exposure_of(c, hz, above_s + c->exposure_step_s);
+    if (hz && next_s <= above_s)
+        next_s = exposure_of(c, hz, above_s + half_s + c->exposure_step_s);
+    for (uint32_t i = c->exposure_count; i > 0; i--) {
+        const double entry_s = exposure_of(c, hz, c->exposure_table[i - 1]);
+        next_s = entry_s > above_s ? entry_s : next_s;
     }
-    if (left <= SENSOR_COARSE_EV || !c->mains_hz || is_fixed)
-        return;
-    const double next_s = pupil_sensor_exposure_of(c, *exposure_s + 0.5 / c->mains_hz + c->exposure_step_s);
-    const double least = pupil_sensor_gain_of(c, total / next_s);
-    if (next_s > *exposure_s && next_s <= most_s && size_of(pupil_log2(total / (next_s * least))) < left) {
-        *exposure_s = next_s;
-        *gain = least;
-    }
+    return next_s > above_s && next_s <= pupil_sensor_longest_exposure(c) ? next_s : exposure_s;
 }
 
-/* What rounding down both leaves is the digital factor's. Where gains are far apart that would be much of a stop: then
- * the next gain is taken, with a shorter exposure if there is one. */
-static void fit_coarse(const pupil_sensor_config *c, double total, int is_fixed, double *exposure_s, double *gain)
+/* A setting, and by how many stops it is not the total. */
+typedef struct sensor_fit {
+    double exposure_s, gain, off_ev;
+} sensor_fit;
+
+static void take_nearer(sensor_fit *fit, double total, double exposure_s, double gain)
 {
-    const double left = pupil_log2(total / (*exposure_s * *gain)), next = next_gain(c, *gain);
-    if (left <= SENSOR_COARSE_EV || next <= *gain)
-        return;
-    const double shorter = is_fixed ? *exposure_s : pupil_sensor_exposure_of(c, total / next);
-    const double e = shorter * next >= total * pupil_exp2(-SENSOR_COARSE_EV) ? shorter : *exposure_s;
-    if (size_of(pupil_log2(total / (e * next))) >= left)
-        return;
-    *exposure_s = e;
-    *gain = next;
+    const double off_ev = size_of(pupil_log2(total / (exposure_s * gain)));
+    if (off_ev < fit->off_ev)
+        *fit = (sensor_fit){exposure_s, gain, off_ev};
 }
 
-/* Where only the exposure is left, and its steps are as far apart: the next one, if it is nearer. */
-static void fit_lines(const pupil_sensor_config *c, double total, double gain, double *exposure_s)
+/* What rounding down both leaves is the digital factor's. Where steps are far apart that would be much of a stop: then
+ * the nearest setting around the total is taken. Bands of lamps are worse than half a stop of digital gain. */
+static void fit_coarse(const pupil_sensor_config *c, uint32_t hz, double total, int is_fixed_s, int is_fixed,
+                       sensor_fit *fit)
 {
-    const double left = pupil_log2(total / (*exposure_s * gain));
-    const double longer = pupil_sensor_exposure_of(c, (*exposure_s + c->exposure_step_s) * (1.0 + SENSOR_ROUND));
-    if (left > SENSOR_COARSE_EV && longer <= pupil_sensor_longest_exposure(c) &&
-        size_of(pupil_log2(total / (longer * gain))) < left)
-        *exposure_s = longer;
+    const double e = fit->exposure_s, g = fit->gain, next = is_fixed ? g : next_gain(c, g);
+    const double banded_s = hz ? 0.5 / hz - c->exposure_step_s : 0.0;
+    if (fit->off_ev <= SENSOR_COARSE_EV)
+        return;
+    if (!is_fixed_s)
+        take_nearer(fit, total, next_exposure(c, hz, e), g);
+    if (next <= g)
+        return;
+    const double shorter = is_fixed_s ? e : exposure_of(c, hz, total / next);
+    const int has_bands = e >= banded_s && shorter < banded_s;
+    if (!is_fixed_s)
+        take_nearer(fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
+    if (!has_bands || fit->off_ev > 0.5)
+        take_nearer(fit, total, shorter, next);
 }
 
 /* is_pinned: which controls the search has pinned. */
@@ -189,14 +207,16 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     /* a search that has only the exposure left does not get on in half periods of mains that nobody has seen */
     const int is_fine = is_auto && is_pinned[1] && !is_held;
     e = is_fixed_s ? fixed_s : is_fine ? line_at_least(c, within) : pupil_sensor_exposure_of(c, within);
-    *exposure_s = e;
-    *gain = is_fixed ? fixed : pupil_sensor_gain_of(c, total / e);
-    if (total > e * *gain && !is_fixed_s && *gain >= pupil_sensor_gain_of(c, c->gain_max))
-        fit_dark_end(c, total, is_fixed, exposure_s, gain);
-    else if (total > e * *gain && !is_fixed)
-        fit_coarse(c, total, is_fixed_s, exposure_s, gain);
-    if (!is_fixed_s)
-        fit_lines(c, total, *gain, exposure_s);
+    sensor_fit fit = {e, is_fixed ? fixed : pupil_sensor_gain_of(c, total / e), 0.0};
+    uint32_t hz = is_auto ? SENSOR_USUAL_MAINS_HZ : c->mains_hz;
+    if (is_auto && !is_fixed_s && fit.gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * fit.gain) {
+        fit.exposure_s = line_at_least(c, total / fit.gain < most_s ? total / fit.gain : most_s);
+        hz = 0; /* at the dark end, all exposure there is */
+    }
+    fit.off_ev = pupil_log2(total / (fit.exposure_s * fit.gain));
+    fit_coarse(c, is_fine ? 0 : hz, total, is_fixed_s, is_fixed, &fit);
+    *exposure_s = fit.exposure_s;
+    *gain = fit.gain;
 }
 
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)

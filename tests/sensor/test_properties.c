@@ -304,7 +304,7 @@ static void frame(int odd)
     }
     if (odd != 6) {
         const int is_again = before.frames && info.timestamp_ns && info.timestamp_ns == last.timestamp_ns &&
-                             info.sequence == last.sequence;
+                             info.sequence && info.sequence == last.sequence;
         lit &= !is_again;
         last = info;
         CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);

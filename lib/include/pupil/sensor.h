@@ -222,8 +222,8 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_LOCK,           /* config.lock */
     PUPIL_SENSOR_ALL_MANUAL,     /* both controls are manual or held */
     PUPIL_SENSOR_INVALID_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
-    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's sequence and timestamp: nothing moved */
-    PUPIL_SENSOR_CLOCK_BACK,     /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's sequence, not 0, and timestamp: nothing moved */
+    PUPIL_SENSOR_CLOCK_BACK,     /* this frame's timestamp is before the last one's: dt is that of the sequence, or 0 */
     PUPIL_SENSOR_FLASH,          /* far off, but for no more than flash_frames so far: nothing moved */
     PUPIL_SENSOR_IGNORED, /* two large steps or more of exposure or gain were not seen in the frames: dead controls, or
                            * the camera's own automatic. They are asked again; each second `changed` is 1 */
