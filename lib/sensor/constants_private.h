@@ -140,6 +140,7 @@
 /* What a change of the setting leaves unexplained is the camera's from here on, or from so many times the noise. */
 #define SENSOR_UNEXPLAINED_EV    0.05
 #define SENSOR_MISMATCH_EV       0.15 /* ... that starts a search */
+#define SENSOR_ALIKE             0.25 /* two jumps of the picture are the same one */
 #define SENSOR_UNEXPLAINED_NOISE 3.0
 /* The coarsest step of exposures that is sold: webcams have powers of two. */
 #define SENSOR_COARSE_STEP_EV 1.0

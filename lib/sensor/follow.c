@@ -419,6 +419,24 @@ static void report_total(pupil_sensor_object *o)
     t->limits = pupil_sensor_limits(o);
 }
 
+/* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
+ * one amplifier hands over to another. What jumps up with a step up and down with one down is the camera. */
+static void find_jump(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double moved = a->answered - a->stepped;
+    if (size_of(s->set - s->jump_total) > SENSOR_WRONG_EV)
+        s->jump_ev = 0.0;
+    if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size_of(moved) || size_of(moved) < SENSOR_MISMATCH_EV)
+        return;
+    if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size_of(moved)) {
+        s->jump_ev = size_of(moved);
+        s->jump_total = s->set;
+    }
+    s->jumped_ev = moved;
+}
+
 /* Another frame: what was seen gets older, and another light makes some of it worthless. */
 static void count_frame(pupil_sensor_object *o)
 {
@@ -477,7 +495,8 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     }
     const int is_as_chosen = size_of(need - left) <= hold_ev && size_of(left) < SENSOR_WRONG_EV;
     const int is_held = size_of(need) <= hold_ev || is_as_chosen;
-    const int is_small = s->is_blunt ? size_of(need) <= large_ev : is_held;
+    const int is_near_jump = size_of(need) <= 0.5 * s->jump_ev + hold_ev;
+    const int is_small = (s->is_blunt ? size_of(need) <= large_ev : is_held) || is_near_jump;
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
@@ -505,6 +524,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
     count_frame(o);
+    find_jump(o);
     if (s->is_large && !is_on_its_way(o))
         judge_answer(o, v);
     if (is_in_force(o))

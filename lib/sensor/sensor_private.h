@@ -83,6 +83,8 @@ typedef struct sensor_estimate {
     double effect;                    /* of what is in force */
     double scene_moved_most;          /* by itself, since the frame before; what is clipped may have moved further */
     double scene_moved[SENSOR_RAMP_FRAMES]; /* by itself, as far as that is known; the latest first */
+    double stepped;                         /* stops of the controls that came into force in this frame */
+    double answered;                        /* ... and by how much the picture's level moved, where that is known */
     double unexplained;                     /* of a change of the setting, in this frame */
     uint64_t sequence;
     uint32_t frame; /* index into asked, of the next frame */
@@ -146,6 +148,9 @@ typedef struct sensor_search {
     uint32_t is_large;   /* that step is not judged yet */
     uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
     double blunt_wanted; /* the effect that was wanted then */
+    double jumped_ev;    /* in the last frame in which a small step went with a large one of the picture */
+    double jump_ev;      /* the camera jumps by so much near this total */
+    double jump_total;
     uint32_t is_searching, is_resting;
     uint32_t unanswered;    /* large steps in a row that did nothing */
     uint32_t weak;          /* ... or less than expected */
