@@ -207,6 +207,8 @@
 #define SENSOR_UNPIN_EV 1.0
 /* A part of an exchange of exposure for gain: from one half period of the mains to two, which digital_ev covers. */
 #define SENSOR_EXCHANGE_EV 1.0
+/* ... while it is not known which frames have the one and not yet the other: what is hardly seen. */
+#define SENSOR_BLIND_EXCHANGE_EV 0.1
 /* A control that does nothing is asked again after so many frames, or twice the delay. */
 #define SENSOR_ASK_AGAIN_FRAMES 30
 /* Steps of a bisection of the path of settings: 2^-48 of 40 stops is less than SENSOR_ROUND. */

@@ -360,20 +360,22 @@ static int is_part_of_exchange(const pupil_sensor_object *o, double setting[SENS
 {
     const pupil_sensor_config *c = &o->config;
     const double *from = o->estimate.standing;
+    const int is_timed = o->estimate.delay[0] && o->estimate.delay[1];
+    const double most_ev = is_timed ? SENSOR_EXCHANGE_EV : SENSOR_BLIND_EXCHANGE_EV;
     const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
     const int smaller = size_of(move[0]) < size_of(move[1]) ? 0 : 1, larger = SENSOR_CONTROLS - 1 - smaller;
-    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= SENSOR_EXCHANGE_EV ||
-        c->exposure_mode != PUPIL_SENSOR_AUTO || c->gain_mode != PUPIL_SENSOR_AUTO)
+    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= most_ev || c->exposure_mode != PUPIL_SENSOR_AUTO ||
+        c->gain_mode != PUPIL_SENSOR_AUTO)
         return 0;
     double part[SENSOR_CONTROLS];
-    part[smaller] = from[smaller] + (move[smaller] > 0.0 ? SENSOR_EXCHANGE_EV : -SENSOR_EXCHANGE_EV);
+    part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);
     part[larger] = setting[larger] + setting[smaller] - part[smaller];
     const double longest_s = pupil_sensor_longest_exposure(c);
     const double exposure_s = pupil_sensor_exposure_of(c, clamp(pupil_exp2(part[0]), c->exposure_min_s, longest_s));
     const double gain = pupil_sensor_gain_of(c, pupil_exp2(part[1]));
     part[0] = pupil_log2(exposure_s);
     part[1] = pupil_log2(gain);
-    if (size_of(part[smaller] - from[smaller]) < 0.5 * SENSOR_EXCHANGE_EV)
+    if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev)
         return 0; /* there are no such settings */
     *e = exposure_s;
     *g = gain;

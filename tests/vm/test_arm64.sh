@@ -14,14 +14,14 @@ done
 sh "$here/make_guest.sh" arm64 "$guest"
 
 build=$guest/build
-off=$(for part in INSTALL EXR PNG VIDEO JSON GLES EGL WINDOW SHARED; do echo "-DPUPIL_$part=OFF"; done)
+off=$(for part in INSTALL MEDIA GPU SHARED LAB; do echo "-DPUPIL_$part=OFF"; done)
 {
     # Words, on purpose.
     cmake -G Ninja -S "$tree" -B "$build" -DCMAKE_BUILD_TYPE=Release $off -DPUPIL_WERROR=OFF \
         -DCMAKE_EXE_LINKER_FLAGS=-static -DCMAKE_TOOLCHAIN_FILE="$tree/cmake/aarch64-linux-gnu.cmake" &&
         cmake --build "$build" --target pupil -j 2 &&
         aarch64-linux-gnu-gcc -O2 -std=gnu11 -D_GNU_SOURCE -Wall -Wextra -Werror -static -pthread \
-            -I"$tree/tests" -I"$tree/lib/include" -I"$tree/drivers" \
+            -I"$tree/tests" -I"$tree/lib/include" -I"$tree/drivers" -I"$tree/drivers/include" \
             "$here/capture.c" "$here/node.c" "$here/vgem.c" "$build/drivers/libpupil_drivers.a" \
             "$build/drivers/v4l2/controls/libpupil-camera.a" "$build/lib/libpupil.a" -lm -o "$guest/capture"
 } >"$guest/build.log" 2>&1 || {
