@@ -507,7 +507,7 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
-    const double most = size_of(need) * (double)(s->unanswered > 1 ? 1u << s->unanswered : 2u),
+    const double most = size_of(need) * (double)(2u << (s->unanswered - (s->unanswered > 1))),
                  standing = a->standing[0] + a->standing[1];
     double total = total_for(o, is_unknown ? 0.5 * need : need);
     total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));

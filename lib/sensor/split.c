@@ -175,15 +175,15 @@ static void fit_coarse(const pupil_sensor_config *c, uint32_t hz, double total, 
     const double banded_s = hz ? 0.5 / hz - c->exposure_step_s : 0.0;
     if (fit->off_ev <= SENSOR_COARSE_EV)
         return;
-    if (!is_fixed_s)
-        take_nearer(fit, total, next_exposure(c, hz, e), g);
-    if (next <= g)
-        return;
-    const double shorter = is_fixed_s ? e : exposure_of(c, hz, total / next);
+    const double shorter = is_fixed_s || next <= g ? e : exposure_of(c, hz, total / next);
     const int has_bands = e >= banded_s && shorter < banded_s;
-    if (!is_fixed_s)
-        take_nearer(fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
-    if (!has_bands || fit->off_ev > 0.5)
+    if (!has_bands)
+        take_nearer(fit, total, shorter, next);
+    if (is_fixed_s || fit->off_ev <= SENSOR_COARSE_EV)
+        return;
+    take_nearer(fit, total, next_exposure(c, hz, e), g);
+    take_nearer(fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
+    if (fit->off_ev > 0.5)
         take_nearer(fit, total, shorter, next);
 }
 

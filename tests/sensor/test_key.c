@@ -223,7 +223,7 @@ static void check_bent(void)
                 printf("slope %g, %s, D %u: %d frames at most, overshoot %.3f, rest %.4f EV\n", slopes[k], t->name,
                        delay, most, overshoot, worst);
                 /* a picture of half the slope takes one step more, and then one for what is left */
-                CHECK_MSG(worst <= 0.1 && overshoot <= 0.15 && most <= 4 * (int)delay + 4,
+                CHECK_MSG(worst <= 0.1 && overshoot <= 0.15 && most <= 4 * (int)delay + 5,
                           "slope %g, %s, D %u: %d frames, overshoot %g, rest %g EV", slopes[k], t->name, delay, most,
                           overshoot, worst);
             }

@@ -76,8 +76,9 @@ static void answered(const char *what, int law, uint32_t delay, const answer a[2
         most = lies ? most_lying : most;
         CHECK_MSG(a[lies].frames <= most, "%s, D %u, %s, lies %d: %d frames, %d allowed", law_name[law], delay, what,
                   lies, a[lies].frames, most);
-        CHECK_MSG(a[lies].overshoot <= 0.05, "%s, D %u, %s, lies %d: overshoot %g EV", law_name[law], delay, what, lies,
-                  a[lies].overshoot);
+        /* the nearest setting may be half a step above, for exposures below half a mains period would have bands */
+        CHECK_MSG(a[lies].overshoot <= (law == LAW_FINE ? 0.1 : 0.05), "%s, D %u, %s, lies %d: overshoot %g EV",
+                  law_name[law], delay, what, lies, a[lies].overshoot);
     }
     printf("%8d", a[0].frames);
 }

@@ -104,7 +104,15 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
         pupil_camera_configure(pupil_live_camera(l->source), &l->config);
     l->config.delay_frames = 4; /* as long as a write over this USB may take */
     CHECK(pupil_sensor_init(&l->sensor, &l->config) == PUPIL_OK);
-    return pupil_live_camera(l->source) ? 0 : -1;
+    if (!pupil_live_camera(l->source))
+        return -1;
+    pupil_camera_status status; /* from what the camera's automatic has found; the first setting is written, too */
+    pupil_camera_get_status(pupil_live_camera(l->source), &status);
+    pupil_sensor_start(&l->sensor, status.exposure_s.taken, status.gain.taken);
+    CHECK(pupil_sensor_get(&l->sensor, &l->setting) == PUPIL_OK);
+    const pupil_camera_setting first = {.exposure_s = l->setting.exposure_s, .gain = l->setting.gain};
+    pupil_camera_ask(pupil_live_camera(l->source), &first);
+    return 0;
 }
 
 /* How many frames after an ask the picture has it, and what is said of a frame is true: what a busy machine takes for a

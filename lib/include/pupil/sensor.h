@@ -11,15 +11,14 @@
  *         pupil_sensor_frame(&sensor, &stats, &info);
  *         pupil_sensor_get(&sensor, &setting);
  *         if (setting.changed) write setting.exposure_s and setting.gain to the camera;
- *         show the frame times setting.frame_digital;
+ *         show the frame times setting.frame_digital; (that is what "shown" means below)
  *
  * What it is built and tested for: whatever happened before, in light that holds still, what is shown is within 0.1
- * stops of the aim
- * (`key`, `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25 stops, or half the
- * camera's own step there, of the best setting that it has. Both hold after max(60, 12 x delay_frames) delivered
- * frames, on each camera on which more exposure or gain never makes the picture darker. Where the aim is out of reach,
- * `reason` or `limits` names the limit. docs/sensor.md says how, what was tested, and how
- * often it is not so.
+ * stops of the aim (`key`, `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25
+ * stops, or half the camera's own step there, of the setting whose level is nearest to the aim. Both hold from max(60,
+ * 12 x delay_frames) delivered frames after the last change of light or settings on, on each camera on which more
+ * exposure or gain never makes the picture darker. Where the aim is out of reach, `reason` or `limits` names the limit.
+ * docs/sensor.md says how, what was tested, and how often it is not so.
  *
  * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it,
  * before frame_digital. A histogram (pupil_config.histogram) is needed for the highlights and to see clipped light.
@@ -28,10 +27,11 @@
  *
  * Metadata: info.exposure_s and info.gain are those that this very frame was taken with, as far as the camera reports
  * them, as it reports them: another unit, a delay, rounding, or none at all are found. Do not put there what was asked
- * for last. info.sequence says whether a frame is new and how many were lost. Timestamps may be equal, stop or jump.
+ * for last: that would look like a camera without delay. info.sequence says whether a frame is new and how many were
+ * lost; it may restart. Timestamps may be equal, stop or jump.
  *
  * Settings: exposure_s and gain are ones that the camera has, by exposure_step_s or exposure_table and by gain_law,
- * rounded down, or to the nearest where gains are more than 0.2 stops apart. If the camera needs codes, convert to the
+ * rounded down, or to the nearest where they are more than 0.2 stops apart. If the camera needs codes, convert to the
  * nearest code. What is left is `digital`, so that total = exposure_s * gain * digital always. frame_digital is the
  * factor for the frame that was just given: shown with it, a step of the sensor cannot be seen.
  *
@@ -49,7 +49,8 @@
  * is found from the bands; until then exposures of 10 ms and more are multiples of 10 ms, where the light allows it.
  * docs/mains.md has the limits of both.
  *
- * Memory, determinism, threads: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
+ * Threads: one thread at a time may use an object; different objects do not share anything.
+ * Memory and determinism: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
  * pointers, the same frames give the same bits. A call takes bounded time: all loops are over histogram bins and over
  * tables of fixed or configured length.
  */
@@ -138,13 +139,15 @@ typedef struct pupil_sensor_config {
     double frame_s;               /* a frame's period; dt of unstamped frames; 1/30; 1e-6..1e6 */
     double exposure_min_s;        /* 1e-4; 1e-9..exposure_max_s; with frame_rate_priority at most frame_s */
     double exposure_max_s;        /* 1/30; 1e-9..1e4 */
-    double exposure_step_s;       /* exposures are multiples of it: a line; but for exposure_min_s, which is taken as it
-                                   * is and had better be one, too; 0: any; 0..1 */
-    uint32_t frame_rate_priority; /* 1: exposures stay within frame_s, but for those by hand or held; 0: in the dark,
+    double exposure_step_s;       /* exposures are multiples of it: a line; 0: any; 0..1. exposure_min_s is used as it
+                                   * is, so make it a multiple */
+    uint32_t frame_rate_priority; /* 1: exposures stay within frame_s, but for manual or held ones; 0: in the dark,
                                    * after the gain, they may go on up to exposure_max_s; 1 */
-    uint32_t mains_hz;      /* 50, 60, 0, or PUPIL_SENSOR_MAINS_AUTO: found, and 50 until then; that. From half a mains
-                             * period on, exposures are multiples of it (rounded down to a multiple of exposure_step_s);
-                             * manual or held ones only where it is 50 or 60, or found */
+    uint32_t mains_hz;      /* 50, 60, 0 (no lamps), or PUPIL_SENSOR_MAINS_AUTO, which is the default: found, and taken
+                             * to be 50 until then. From half a mains period on, exposures are multiples of half a
+                             * period (rounded down to a multiple of exposure_step_s), unless that would cost more than
+                             * half a stop; manual or held ones only where it is 50 or 60, or found. Of an
+                             * exposure_table the entries within 5 % of such a multiple are used, or all if none is */
     uint32_t exposure_mode; /* a pupil_sensor_mode */
     uint32_t gain_mode;     /* a pupil_sensor_mode */
     double manual_exposure_s; /* read with PUPIL_SENSOR_MANUAL: 1e-9..1e4; brought into the limits and steps */
@@ -153,10 +156,11 @@ typedef struct pupil_sensor_config {
     /* gain */
     double gain_min;     /* 1; 2^-10..gain_max */
     double gain_max;     /* 16; 2^-10..2^16 */
-    double gain_step;    /* of LINEAR (1e-6..64), DB (dB, 1e-6..64), RECIPROCAL (2..65536); 1/16 */
+    double gain_step;    /* of LINEAR (1e-6..64) and DB (dB, 1e-6..64); of RECIPROCAL its step, 2..65536, which has to
+                          * be set with the law, for the default is 1/16 */
     uint32_t gain_law;   /* a pupil_gain_law */
     uint32_t gain_count; /* entries of gain_table in use, 1..PUPIL_SENSOR_GAIN_TABLE */
-    double gain_table[PUPIL_SENSOR_GAIN_TABLE]; /* 2^-10..2^16 */
+    double gain_table[PUPIL_SENSOR_GAIN_TABLE]; /* 2^-10..2^16, never falling; equal entries are allowed */
 
     /* the profile: from the shortest exposure at gain_min, up to stage 0's exposure, then to its gain, then to stage
      * 1's exposure, ... none of which falls; after the last stage, up to frame_s, then gain_max, then exposure_max_s.
@@ -168,16 +172,16 @@ typedef struct pupil_sensor_config {
     /* what is known of the camera and the light */
     uint32_t flash_frames; /* light that is far_ev off must be so for more than this many frames before anything moves:
                             * strobes and lightning are shorter; 2; 0..8. Not while the first setting is looked for */
-    uint32_t linear;       /* 1: values are proportional to light, as of raw sensors; until frames say otherwise.
-                            * 0: not known, as of cameras with a tone curve: until the first step has shown how strongly
-                            * the picture answers, steps go half the way; 1 */
+    uint32_t linear;       /* 1: values are proportional to light, as of raw sensors. Set 0 for a tone curve, companding
+                            * or gamma: then nothing is taken for a wrong black level, and until the first step has
+                            * shown how strongly the picture answers, steps go half the way. Frames overrule both; 1 */
 
     /* exposures that the camera has, where they are no multiples of a step */
     uint32_t exposure_count; /* entries of exposure_table in use; 0 (exposure_step_s)..PUPIL_SENSOR_EXPOSURE_TABLE */
     uint32_t reserved_too;   /* 0 */
-    double exposure_table[PUPIL_SENSOR_EXPOSURE_TABLE]; /* seconds, rising; 1e-9..1e4. Exposures are the ones in it from
-                                                         * exposure_min_s to exposure_max_s, and exposure_min_s itself;
-                                                         * exposure_step_s is not read */
+    double exposure_table[PUPIL_SENSOR_EXPOSURE_TABLE]; /* seconds, never falling; 1e-9..1e4. Exposures are the ones in
+                                                         * it from exposure_min_s to exposure_max_s, and exposure_min_s
+                                                         * itself; exposure_step_s is not read */
 } pupil_sensor_config;
 
 /* Fills in every field with its default. */
@@ -252,12 +256,14 @@ typedef struct pupil_sensor_setting {
     double scene_ev;   /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
     double wanted_ev;  /* log2 of what that frame's mean was to be: key, or key_at's at its light, of clip, with
                         * ev_compensation */
-    double error_ev;   /* how far total_s was off before this frame, positive: too dark; limits allowed for */
+    double error_ev;   /* how far total_s was off before this frame, positive: too dark; limits allowed for. Not the
+                        * error of what is shown: state says whether that is within far_ev */
     double dt_s;
-    uint64_t frames;  /* frames with light since init */
-    uint32_t state;   /* a pupil_sensor_state */
-    uint32_t reason;  /* a pupil_sensor_reason */
-    uint32_t limits;  /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that a control which is auto stands at */
+    uint64_t frames; /* frames with light since init */
+    uint32_t state;  /* a pupil_sensor_state */
+    uint32_t reason; /* a pupil_sensor_reason */
+    uint32_t limits; /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that an automatic control is at, whatever the state:
+                      * gain is at its minimum in daylight */
     uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get: to be looked at
                        * after each of these. After init both are to be written, whatever the camera had */
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
@@ -283,8 +289,9 @@ PUPIL_API int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config 
  * delay_frames or `linear` forgets what was learned of the camera. */
 PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_config *config);
 
-/* Warm start, or after a pause: begins with the total of a setting saved before (total_s of pupil_sensor_setting, with
- * gain 1, is best). Brought into the limits. PUPIL_ERR_VALUE: not positive numbers from 2^-64 to 2^64. */
+/* Warm start, or after a pause: begins with the product of both, brought into the limits: total_s of a
+ * pupil_sensor_setting saved before, with gain 1; or what the camera has now. Write the first setting after it, too.
+ * PUPIL_ERR_VALUE: not positive numbers from 2^-64 to 2^64. */
 PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain);
 
 /* --- a frame --- */
