@@ -150,6 +150,12 @@ static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, dou
     if (pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY) {
         row[2 * x + (pixel == PUPIL_PIXEL_UYVY)] = (unsigned char)to_code(srgb(mine), 255);
         row[2 * x + (pixel == PUPIL_PIXEL_YUYV)] = colour;
+    } else if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10) {
+        const int up = pixel == PUPIL_PIXEL_P010 ? 6 : 0;
+        const uint16_t luma = (uint16_t)(to_code(srgb(mine), 1023) << up), word = (uint16_t)(4 * colour << up);
+        unsigned char *to = (unsigned char *)(image.cr && x % 2 ? image.cr : image.chroma);
+        memcpy(row + 2 * x, &luma, 2);
+        memcpy(to + chroma_row * image.chroma_stride_bytes + (image.cr ? x / 2 * 2 : 2 * x), &word, 2);
     } else if (image.cr) {
         row[x] = (unsigned char)to_code(srgb(mine), 255);
         ((unsigned char *)(x % 2 ? image.cr : image.chroma))[chroma_row * image.chroma_stride_bytes + x / 2] = colour;
@@ -182,6 +188,7 @@ void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, d
     const size_t pixel_bytes = pupil_pixel_bytes(f->image.pixel);
     unsigned char *at =
         (unsigned char *)frame_writable(f).data + (ptrdiff_t)y * f->image.stride_bytes + x * pixel_bytes;
+    uint32_t word = 0;
     for (int c = 0; c < 4; c++) {
         const float single = (float)value[c];
         const uint16_t half = frame_half(value[c]), code = (uint16_t)to_code(value[c], 65535);
@@ -191,6 +198,10 @@ void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, d
         case PUPIL_PIXEL_BGR32F:
             if (c < (int)(pixel_bytes / 4))
                 memcpy(at + 4 * (frame_blue_first(f->image.pixel) ? 2 - c : c), &single, 4);
+            break;
+        case PUPIL_PIXEL_RGB10A2: /* once for all four, of which alpha is the last */
+            word |= c < 3 ? (uint32_t)to_code(srgb(value[c]), 1023) << 10 * c : (uint32_t)to_code(value[3], 3) << 30;
+            memcpy(at, &word, 4);
             break;
         case PUPIL_PIXEL_RGBA16F:
         case PUPIL_PIXEL_RGB16F:

@@ -44,6 +44,22 @@ static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y
     }
 }
 
+/* SMPTE ST 2084 as in Rec. ITU-R BT.2100-2, table 4: 10000 cd/m2 at 1, and 100 cd/m2 are 1.0. */
+static double pq_light(double v)
+{
+    const double m1 = 2610.0 / 16384.0, m2 = 2523.0 / 4096.0 * 128.0;
+    const double c1 = 3424.0 / 4096.0, c2 = 2413.0 / 4096.0 * 32.0, c3 = 2392.0 / 4096.0 * 32.0;
+    const double p = pow(v, 1.0 / m2);
+    return 100.0 * pow(fmax(p - c1, 0.0) / (c2 - c3 * p), 1.0 / m1);
+}
+
+/* The inverse OETF of Rec. ITU-R BT.2100-2, table 5. */
+static double hlg_light(double v)
+{
+    const double a = 0.17883277, b = 1.0 - 4.0 * a, c = 0.5 - a * log(4.0 * a);
+    return v <= 0.5 ? v * v / 3.0 : fmin((exp((v - c) / a) + b) / 12.0, 1.0);
+}
+
 /* A coded value to light. The usual one is the caller's. */
 static double decoded(double v, uint32_t light)
 {
@@ -52,6 +68,10 @@ static double decoded(double v, uint32_t light)
     v = v > 0.0 ? v < 1.0 ? v : 1.0 : 0.0;
     if (light == PUPIL_LIGHT_BT709) /* Rec. ITU-R BT.709-6, item 1.2, backward */
         return v < 0.081 ? v / 4.5 : pow((v + 0.099) / 1.099, 1.0 / 0.45);
+    if (light == PUPIL_LIGHT_PQ)
+        return pq_light(v);
+    if (light == PUPIL_LIGHT_HLG)
+        return hlg_light(v);
     return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); /* IEC 61966-2-1 */
 }
 
@@ -62,6 +82,29 @@ static double between(const pupil_image_const *image, double code)
     const double black = (double)c->black;
     const double white = c->white > 0.0f ? (double)c->white : (double)((1u << pupil_pixel_bits(image->pixel)) - 1);
     return (code - black) / (white - black);
+}
+
+static int word_at(const void *plane, ptrdiff_t stride, uint32_t x, uint32_t y)
+{
+    uint16_t word;
+    memcpy(&word, (const unsigned char *)plane + (ptrdiff_t)y * stride + 2 * (size_t)x, sizeof word);
+    return word;
+}
+
+/* As yuv_at, of P010 and I420_10. */
+static void yuv10_at(const pupil_image_const *image, uint32_t x, uint32_t y, int code[3])
+{
+    const ptrdiff_t chroma_stride = image->chroma_stride_bytes;
+    code[0] = word_at(image->data, image->stride_bytes, x, y);
+    if (image->pixel == PUPIL_PIXEL_I420_10) {
+        code[1] = word_at(image->chroma, chroma_stride, x / 2, y / 2);
+        code[2] = word_at(image->cr, image->cr_stride_bytes, x / 2, y / 2);
+        return;
+    }
+    code[1] = word_at(image->chroma, chroma_stride, x / 2 * 2, y / 2);
+    code[2] = word_at(image->chroma, chroma_stride, x / 2 * 2 + 1, y / 2);
+    for (int k = 0; k < 3; k++)
+        code[k] >>= 6;
 }
 
 /* Y', Cb and Cr of a pixel, as the format's comment in pupil/image.h has them. */
@@ -98,10 +141,15 @@ static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, do
     const double kr = kr_kb[c->matrix][0], kb = kr_kb[c->matrix][1];
     const int full = c->range == PUPIL_RANGE_FULL;
     int code[3];
-    yuv_at(image, x, y, code);
-    const double l = full ? code[0] / 255.0 : (code[0] - 16) / 219.0, chroma = full ? 255.0 : 224.0;
-    rgb[0] = l + 2.0 * (1.0 - kr) * (code[2] - 128) / chroma;
-    rgb[2] = l + 2.0 * (1.0 - kb) * (code[1] - 128) / chroma;
+    const int ten = image->pixel == PUPIL_PIXEL_P010 || image->pixel == PUPIL_PIXEL_I420_10, one = ten ? 4 : 1;
+    if (ten)
+        yuv10_at(image, x, y, code);
+    else
+        yuv_at(image, x, y, code);
+    const double all = ten ? 1023.0 : 255.0, chroma = full ? all : 224.0 * one;
+    const double l = full ? code[0] / all : (code[0] - 16 * one) / (219.0 * one);
+    rgb[0] = l + 2.0 * (1.0 - kr) * (code[2] - 128 * one) / chroma;
+    rgb[2] = l + 2.0 * (1.0 - kb) * (code[1] - 128 * one) / chroma;
     rgb[1] = (l - kr * rgb[0] - kb * rgb[2]) / (1.0 - kr - kb);
     for (int k = 0; k < 3; k++) {
         const double v = rgb[k] > 0.0 ? rgb[k] < 1.0 ? rgb[k] : 1.0 : 0.0;
@@ -198,6 +246,16 @@ static int is_yuv(uint32_t pixel)
     return pupil_pixel_planes(pixel) > 1 || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
 }
 
+static void rgb10a2_light(const pupil_image_const *image, uint32_t x, uint32_t y, double rgba[4])
+{
+    const uint32_t light = coding_of(image)->light;
+    uint32_t word;
+    memcpy(&word, row_at(image, y) + 4 * (size_t)x, sizeof word);
+    for (int k = 0; k < 3; k++)
+        rgba[k] = decoded((word >> 10 * k & 1023) / 1023.0, light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_SRGB : light);
+    rgba[3] = (word >> 30) / 3.0;
+}
+
 void pixel_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgba[4])
 {
     const uint32_t light = coding_of(image)->light;
@@ -209,6 +267,8 @@ void pixel_light(const pupil_image_const *image, uint32_t x, uint32_t y, int qua
             decoded(between(image, sample_at(image, x, y)), light == PUPIL_LIGHT_DEFAULT ? PUPIL_LIGHT_LINEAR : light);
     else if (is_yuv(image->pixel))
         yuv_light(image, x, y, rgba);
+    else if (image->pixel == PUPIL_PIXEL_RGB10A2)
+        rgb10a2_light(image, x, y, rgba);
     else
         rgb_light(image, x, y, rgba);
 }

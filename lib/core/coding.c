@@ -76,21 +76,6 @@ static const float luma_of_matrix[PUPIL_MATRIX_COUNT][2] = {
     [PUPIL_MATRIX_BT2020] = {0.2627f, 0.0593f},
 };
 
-static void from_yuv(const pupil_coding *coding, pupil_coder *c)
-{
-    const float kr = luma_of_matrix[coding->matrix][0];
-    const float kb = luma_of_matrix[coding->matrix][1];
-    const float kg = 1.0f - kr - kb;
-    const int full = coding->range == PUPIL_RANGE_FULL;
-    const float chroma = full ? 1.0f : 255.0f / 224.0f;
-    c->y_zero = full ? 0.0f : 16.0f;
-    c->y_unit = full ? 1.0f : 255.0f / 219.0f;
-    c->red_v = 2.0f * (1.0f - kr) * chroma;
-    c->blue_u = 2.0f * (1.0f - kb) * chroma;
-    c->green_u = -c->blue_u * kb / kg;
-    c->green_v = -c->red_v * kr / kg;
-}
-
 /* The smallest factor from `about` on that takes span to at least `top`: full remains full with any rounding. */
 static float unit_to(float top, float span)
 {
@@ -98,6 +83,22 @@ static float unit_to(float top, float span)
     while (unit * span < top)
         unit = pupil_float_of_bits(pupil_bits_of_float(unit) + 1);
     return unit;
+}
+
+static void from_yuv(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
+{
+    const float kr = luma_of_matrix[coding->matrix][0];
+    const float kb = luma_of_matrix[coding->matrix][1];
+    const float kg = 1.0f - kr - kb;
+    const float one = (float)(1u << (bits - 8)), all = (float)((1u << bits) - 1); /* one of 8 bits; the largest code */
+    const int full = coding->range == PUPIL_RANGE_FULL;
+    const float chroma = c->top / (full ? all : 224.0f * one);
+    c->y_zero = full ? 0.0f : 16.0f * one;
+    c->y_unit = unit_to(c->top, full ? all : 219.0f * one);
+    c->red_v = 2.0f * (1.0f - kr) * chroma;
+    c->blue_u = 2.0f * (1.0f - kb) * chroma;
+    c->green_u = -c->blue_u * kb / kg;
+    c->green_v = -c->red_v * kr / kg;
 }
 
 /* The code of the largest light. */
@@ -136,16 +137,31 @@ static void from_mosaic(const pupil_coding *coding, uint32_t bits, pupil_coder *
 
 static const pupil_coding usual = {0};
 
+typedef struct curve {
+    const float (*table)[2];
+    float top, brightest;
+} curve;
+
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c)
 {
-    static const float(*const curve[PUPIL_LIGHT_COUNT])[2] = {
-        [PUPIL_LIGHT_SRGB] = pupil_srgb_light, [PUPIL_LIGHT_BT709] = pupil_bt709_light};
-    const int yuv = pupil_pixel_layout_of(pixel).yuv;
+    static const curve curves[PUPIL_LIGHT_COUNT] = {[PUPIL_LIGHT_DEFAULT] = {0, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_LINEAR] = {0, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_SRGB] = {pupil_srgb_light, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_BT709] = {pupil_bt709_light, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_PQ] = {pupil_pq_light, PUPIL_PQ_TOP, 100.0f},
+                                                    [PUPIL_LIGHT_HLG] = {pupil_hlg_light, PUPIL_HLG_TOP, 1.0f}};
+    const pupil_pixel_layout layout = pupil_pixel_layout_of(pixel);
+    const int coded = layout.yuv || pixel == PUPIL_PIXEL_RGB10A2;
     *c = (pupil_coder){0};
     coding = coding ? coding : &usual;
-    c->light = yuv && coding->light == PUPIL_LIGHT_DEFAULT ? pupil_srgb_light : curve[coding->light];
-    if (yuv)
-        from_yuv(coding, c);
+    const curve *light = &curves[coded && !coding->light ? (uint32_t)PUPIL_LIGHT_SRGB : coding->light];
+    c->light = light->table;
+    c->top = light->top;
+    c->brightest = coded || layout.bits ? light->brightest : 1.0f; /* RGB has no curve of the coding */
+    if (layout.yuv)
+        from_yuv(coding, layout.sample == 2 ? 10 : 8, c);
+    else if (pixel == PUPIL_PIXEL_RGB10A2)
+        c->unit = unit_to(c->top, 1023.0f);
     else if (pupil_pixel_is_mosaic(pixel))
         from_mosaic(coding, pupil_pixel_bits(pixel), c);
     else if (pupil_pixel_bits(pixel))

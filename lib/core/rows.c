@@ -1,8 +1,6 @@
 /* Rows of a frame through the kernels: each row in runs of equal metering weight. */
 #include "object.h"
 
-#include "base/pixel.h"
-
 /* The smallest x with (2x + 1) * 16 / (2 * width) >= cell. */
 uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width)
 {
@@ -21,8 +19,10 @@ float pupil_clip_of(const pupil_config *config, uint32_t pixel, const pupil_code
     if (pupil_pixel_is_mosaic(pixel))
         return coder->most;
     if (pixel == PUPIL_PIXEL_RGBA16F || pixel == PUPIL_PIXEL_RGB16F)
-        return 65504.0f;                                                    /* the largest binary16 */
-    return pupil_pixel_layout_of(pixel).sample == 4 ? PUPIL_CEILING : 1.0f; /* floats */
+        return 65504.0f; /* the largest binary16 */
+    if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F)
+        return PUPIL_CEILING;
+    return coder->brightest;
 }
 
 void pupil_metered_luma(const float luma[3], const pupil_coder *coder, float metered[3])

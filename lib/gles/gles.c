@@ -160,8 +160,13 @@ static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, 
     else if (!pupil_gles_reads(c->pixel)) {
         error = PUPIL_ERR_PIXEL;
         fault = "OpenGL ES does not read this pixel format; the CPU does (pupil/pupil.h)";
-    } else
+    } else {
         error = pupil_coding_check(coding, c->pixel, &fault);
+        if (!error && (coding->light == PUPIL_LIGHT_PQ || coding->light == PUPIL_LIGHT_HLG)) {
+            error = PUPIL_ERR_CODING;
+            fault = "OpenGL ES does not read PQ or HLG; the CPU does (pupil/pupil.h)";
+        }
+    }
     if (error)
         pupil_gles_say(why, (const char *const[]){fault, 0});
     return error;

@@ -52,11 +52,12 @@ typedef struct pupil_encoder {
 
 /* A pupil_coding (coding.h) as factors. */
 typedef struct pupil_coder {
-    /* Y'CbCr, to 0..255: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
-     * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 */
+    /* Y'CbCr, to 0..top: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
+     * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 (512 of 10 bits) */
     float y_zero, y_unit, red_v, green_u, green_v, blue_u;
-    const float (*light)[2];     /* light of a code 0..255, and how much more the next one's is; NULL: linear */
-    float zero, unit;            /* grey: (code - zero) * unit */
+    const float (*light)[2];     /* light of a code 0..top, and how much more the next one's is; NULL: linear */
+    float top, brightest;        /* the last code of `light` (NULL: 255), and its light */
+    float zero, unit;            /* grey: (code - zero) * unit; RGB10A2: unit, to 0..top */
     float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
     int32_t ordinary4[3]; /* up to which four times a sample is surely neither cut nor clipped; negative: never */
     uint32_t close_to_1;  /* no ordinary luminance is below 2^-15 or above 2^14; and zero4 is an integer */
@@ -182,6 +183,10 @@ const pupil_kernels *pupil_level_kernels(uint32_t level);
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
 /* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. */
 extern const float pupil_srgb_light[256][2], pupil_bt709_light[256][2];
+/* The same of PQ and HLG, at multiples of a quarter and of half a 10-bit code. */
+#define PUPIL_PQ_TOP  4092
+#define PUPIL_HLG_TOP 2046
+extern const float pupil_pq_light[PUPIL_PQ_TOP + 1][2], pupil_hlg_light[PUPIL_HLG_TOP + 1][2];
 /* The first of these alone: for where nothing is interpolated, a smaller table with a shorter way to its entries. */
 extern const float pupil_srgb8_to_linear[256];
 

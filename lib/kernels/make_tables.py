@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Writes lib/kernels/tables.c: the 8-bit transfer tables, from 60-digit decimal arithmetic.
+"""Writes lib/kernels/tables.c: the 8-bit transfer tables, from 60-digit decimal arithmetic. With "hdr" it writes
+tables_hdr.c: those of PQ and HLG.
 
-Run it by hand after a change (python3 lib/kernels/make_tables.py > lib/kernels/tables.c); the build never does.
+Run it by hand after a change (python3 lib/kernels/make_tables.py > lib/kernels/tables.c, the other likewise); the
+build never does.
 """
 import struct
 import sys
@@ -25,6 +27,19 @@ def gamma22_to_linear(c):
 
 def linear_to_linear(c):
     return c
+
+
+def pq_to_linear(c):  # SMPTE ST 2084, as in Rec. ITU-R BT.2100-2, table 4; 1.0 is 100 cd/m2
+    m1, m2 = D(2610) / 16384, D(2523) / 4096 * 128
+    c1, c2, c3 = D(3424) / 4096, D(2413) / 4096 * 32, D(2392) / 4096 * 32
+    p = c ** (1 / m2) if c else D(0)
+    return 100 * (max(p - c1, D(0)) / (c2 - c3 * p)) ** (1 / m1) if p > c1 else D(0)
+
+
+def hlg_to_linear(c):  # the inverse OETF of Rec. ITU-R BT.2100-2, table 5
+    a = D("0.17883277")
+    b, shift = 1 - 4 * a, D("0.5") - a * (4 * a).ln()
+    return min(c * c / 3 if c <= D("0.5") else (((c - shift) / a).exp() + b) / 12, D(1)) if c < 1 else D(1)
 
 
 def bits_of(f):
@@ -70,16 +85,32 @@ def encoder(name, to_linear):
     return base
 
 
+def light_table(name, curve, top, in_text):
+    light = [nearest_float(curve(D(k) / top)) for k in range(top + 1)]
+    step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]
+    pairs = [f"{{{in_text(a)}, {in_text(b)}}}" for a, b in zip(light, step)]
+    print(f"const float pupil_{name}_light[{top + 1}][2] = {{\n{rows(pairs, 3)}}};\n")
+
+
+def decimal_literal(f):  # nine digits are enough to name a float
+    return f"{f:.8e}f"
+
+
+if sys.argv[1:] == ["hdr"]:
+    print("/* Made by lib/kernels/make_tables.py hdr; do not edit. Transfer curves: coding.h names their sources. */")
+    print('#include "kernels.h"\n')
+    print("/* clang-format off */")
+    light_table("pq", pq_to_linear, 4092, decimal_literal)
+    light_table("hlg", hlg_to_linear, 2046, decimal_literal)
+    sys.exit()
+
 print("/* Made by lib/kernels/make_tables.py; do not edit. Transfer curves: config.h names their sources. */")
 print('#include "kernels.h"\n')
 print("/* clang-format off */")
 decode = [literal(nearest_float(srgb_to_linear(D(k) / 255))) for k in range(256)]
 print(f"const float pupil_srgb8_to_linear[256] = {{\n{rows(decode, 6)}}};\n")
 for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
-    light = [nearest_float(curve(D(k) / 255)) for k in range(256)]
-    step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]
-    pairs = [f"{{{literal(a)}, {literal(b)}}}" for a, b in zip(light, step)]
-    print(f"const float pupil_{name}_light[256][2] = {{\n{rows(pairs, 3)}}};\n")
+    light_table(name, curve, 255, literal)
 bases = [
     (n, encoder(n, f))
     for n, f in (("srgb", srgb_to_linear), ("gamma22", gamma22_to_linear), ("linear", linear_to_linear))

@@ -8,20 +8,20 @@
 
 /* --- codes to light --- */
 
-/* Coded values, clamped to 0..255 (NaN is impossible), to light: between two codes it is interpolated, on one it is the
+/* Coded values, clamped to 0..top (NaN is impossible), to light: between two codes it is interpolated, on one it is the
  * code's. With vectors the samples after n are computed too. */
-static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2])
+static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2], float top)
 {
 #if defined(WIDTH)
     for (uint32_t i = 0; i < n; i += WIDTH) {
-        const floats code = v_min(v_max(v_load(v + i), v_all(0.0f)), v_all(255.0f));
+        const floats code = v_min(v_max(v_load(v + i), v_all(0.0f)), v_all(top));
         const ints below = v_to_ints(code);
         v_store(v + i, v_interpolate(light, below, v_sub(code, v_from_ints(below))));
     }
 #else
     for (uint32_t i = 0; i < n; i++) {
         float code = v[i] > 0.0f ? v[i] : 0.0f;
-        code = code < 255.0f ? code : 255.0f;
+        code = code < top ? code : top;
         const int32_t below = (int32_t)code;
         v[i] = light[below][0] + (code - (float)below) * light[below][1];
     }
@@ -37,10 +37,10 @@ static void plain_light(float *restrict v, uint32_t n)
     }
 }
 
-static void codes_to_light(float *v, uint32_t n, const float (*light)[2])
+static void codes_to_light(const pupil_coder *c, float *v, uint32_t n)
 {
-    if (light)
-        look_up_light(v, n, light);
+    if (c->light)
+        look_up_light(v, n, c->light, c->top);
     else
         plain_light(v, n);
 }
@@ -118,9 +118,9 @@ static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *c
     pairs_of_yuv(c, luma + odd, chroma + 2 * odd, pairs, p->r + odd, p->g + odd, p->b + odd);
     if (last < n)
         pixel_of_yuv(c, luma[last], chroma + odd + last, p->r + last, p->g + last, p->b + last);
-    codes_to_light(p->r, n, c->light);
-    codes_to_light(p->g, n, c->light);
-    codes_to_light(p->b, n, c->light);
+    codes_to_light(c, p->r, n);
+    codes_to_light(c, p->g, n);
+    codes_to_light(c, p->b, n);
 }
 
 static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
@@ -183,14 +183,78 @@ static int load_uyvy(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
+/* --- 10 bits --- */
+
+/* Of each pixel its own Cb and Cr: words are doubled as they are put together. */
+static void load_yuv10(const pupil_coder *coder, const uint16_t *restrict luma, const uint16_t *restrict cb,
+                       const uint16_t *restrict cr, uint32_t n, pupil_planes *restrict p)
+{
+    const pupil_coder c = *coder;
+    for (uint32_t i = 0; i < n; i++) {
+        const float y = ((float)luma[i] - c.y_zero) * c.y_unit, u = (float)cb[i] - 512.0f, v = (float)cr[i] - 512.0f;
+        p->r[i] = y + c.red_v * v;
+        p->g[i] = (y + c.green_u * u) + c.green_v * v;
+        p->b[i] = y + c.blue_u * u;
+    }
+    codes_to_light(coder, p->r, n);
+    codes_to_light(coder, p->g, n);
+    codes_to_light(coder, p->b, n);
+}
+
+static int load_p010(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    uint16_t luma[PUPIL_BLOCK], cb[PUPIL_BLOCK + 2], cr[PUPIL_BLOCK + 2];
+    const uint32_t odd = x % 2, pairs = (n + odd + 1) / 2;
+    const uint16_t *restrict s = (const uint16_t *)(const void *)row->data + x;
+    const uint16_t *restrict uv = (const uint16_t *)(const void *)row->chroma + x - odd;
+    for (uint32_t i = 0; i < n; i++)
+        luma[i] = s[i] >> 6;
+    for (uint32_t i = 0; i < pairs; i++) {
+        cb[2 * i] = cb[2 * i + 1] = uv[2 * i] >> 6;
+        cr[2 * i] = cr[2 * i + 1] = uv[2 * i + 1] >> 6;
+    }
+    load_yuv10(coder, luma, cb + odd, cr + odd, n, planes);
+    return 1;
+}
+
+static int load_i420_10(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    uint16_t cb[PUPIL_BLOCK + 2], cr[PUPIL_BLOCK + 2];
+    const uint32_t odd = x % 2, pairs = (n + odd + 1) / 2;
+    const uint16_t *luma = (const uint16_t *)(const void *)row->data + x;
+    const uint16_t *restrict u = (const uint16_t *)(const void *)row->chroma + x / 2;
+    const uint16_t *restrict v = (const uint16_t *)(const void *)row->cr + x / 2;
+    for (uint32_t i = 0; i < pairs; i++) {
+        cb[2 * i] = cb[2 * i + 1] = u[i];
+        cr[2 * i] = cr[2 * i + 1] = v[i];
+    }
+    load_yuv10(coder, luma, cb + odd, cr + odd, n, planes);
+    return 1;
+}
+
+static int load_rgb10a2(const pupil_coder *c, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *restrict p)
+{
+    const uint32_t *restrict s = (const uint32_t *)(const void *)row->data + x;
+    const float unit = c->unit;
+    for (uint32_t i = 0; i < n; i++) {
+        p->r[i] = (float)(int32_t)(s[i] & 1023) * unit;
+        p->g[i] = (float)(int32_t)(s[i] >> 10 & 1023) * unit;
+        p->b[i] = (float)(int32_t)(s[i] >> 20 & 1023) * unit;
+    }
+    codes_to_light(c, p->r, n);
+    codes_to_light(c, p->g, n);
+    codes_to_light(c, p->b, n);
+    return 0;
+}
+
 /* --- grey --- */
 
 static inline void grey_to_planes(const pupil_coder *c, uint32_t n, pupil_planes *restrict p)
 {
     if (c->light) {
         for (uint32_t i = 0; i < n; i++)
-            p->r[i] *= 255.0f;
-        look_up_light(p->r, n, c->light);
+            p->r[i] *= c->top;
+        look_up_light(p->r, n, c->light, c->top);
     }
     for (uint32_t i = 0; i < n; i++)
         p->g[i] = p->b[i] = p->r[i];
@@ -428,9 +492,10 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
 
 #define LOADS_BY_FORMAT                                                                                                \
     [PUPIL_PIXEL_RGBA8] = load_rgba8, [PUPIL_PIXEL_RGB8] = load_rgb8, [PUPIL_PIXEL_RGBX8] = load_rgbx8,                \
-    [PUPIL_PIXEL_BGRX8] = load_bgrx8, [PUPIL_PIXEL_BGR8] = load_bgr8, [PUPIL_PIXEL_YUYV] = load_yuyv,                  \
-    [PUPIL_PIXEL_UYVY] = load_uyvy, [PUPIL_PIXEL_NV12] = load_nv12, [PUPIL_PIXEL_NV16] = load_nv12,                    \
-    [PUPIL_PIXEL_NV21] = load_nv21, [PUPIL_PIXEL_I420] = load_i420, [PUPIL_PIXEL_GREY8] = load_grey8,                  \
+    [PUPIL_PIXEL_BGRX8] = load_bgrx8, [PUPIL_PIXEL_BGR8] = load_bgr8, [PUPIL_PIXEL_RGB10A2] = load_rgb10a2,            \
+    [PUPIL_PIXEL_YUYV] = load_yuyv, [PUPIL_PIXEL_UYVY] = load_uyvy, [PUPIL_PIXEL_NV12] = load_nv12,                    \
+    [PUPIL_PIXEL_NV16] = load_nv12, [PUPIL_PIXEL_NV21] = load_nv21, [PUPIL_PIXEL_I420] = load_i420,                    \
+    [PUPIL_PIXEL_P010] = load_p010, [PUPIL_PIXEL_I420_10] = load_i420_10, [PUPIL_PIXEL_GREY8] = load_grey8,            \
     [PUPIL_PIXEL_GREY10] = load_grey16, [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16,        \
     [PUPIL_PIXEL_GREY10P] = load_grey10p, [PUPIL_PIXEL_GREY12P] = load_grey12p
 

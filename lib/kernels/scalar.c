@@ -284,6 +284,13 @@ ALPHA(alpha_rgba16f, uint16_t, ALPHA_OF_HALF)
 ALPHA(alpha_rgba16, uint16_t, ALPHA_OF_16)
 ALPHA(alpha_rgba8, uint8_t, AS_IT_IS)
 
+static void alpha_rgb10a2(const void *source, uint32_t n, uint8_t *rgba)
+{
+    const uint32_t *s = source;
+    for (uint32_t i = 0; i < n; i++)
+        rgba[4 * i + 3] = (uint8_t)((s[i] >> 30) * 85); /* 255 / 3 */
+}
+
 const pupil_kernels pupil_kernels_scalar = {
     .load =
         {
@@ -313,5 +320,6 @@ const pupil_kernels pupil_kernels_scalar = {
             [PUPIL_PIXEL_RGBA16F] = alpha_rgba16f,
             [PUPIL_PIXEL_RGBA16] = alpha_rgba16,
             [PUPIL_PIXEL_RGBA8] = alpha_rgba8,
+            [PUPIL_PIXEL_RGB10A2] = alpha_rgb10a2,
         },
 };

@@ -44,6 +44,8 @@ static const struct format {
     {"bgrx8", PUPIL_PIXEL_BGRX8, 4, BYTES, 8, 0},       {"rgbx8", PUPIL_PIXEL_RGBX8, 4, BYTES, 8, 0},
     {"grey10p", PUPIL_PIXEL_GREY10P, 1, BYTES, 8, 0},   {"grey12p", PUPIL_PIXEL_GREY12P, 1, BYTES, 8, 0},
     {"bgr32f", PUPIL_PIXEL_BGR32F, 3, FLOATS, 0, 0},    {"rgb16f", PUPIL_PIXEL_RGB16F, 3, HALVES, 0, 0},
+    {"p010", PUPIL_PIXEL_P010, 1, WORDS, 16, 0},        {"i420-10", PUPIL_PIXEL_I420_10, 1, WORDS, 10, 0},
+    {"rgb10a2", PUPIL_PIXEL_RGB10A2, 4, BYTES, 8, 0},
 };
 #define FORMATS (sizeof formats / sizeof *formats)
 
@@ -58,7 +60,7 @@ static const struct output {
 /* Middle grey of an average of 1/8; no pixel of an ordinary picture is beyond white. */
 static const pupil_curve curve = {.scale = 0.18f * 8};
 
-static _Alignas(16) uint8_t source[ROWS * WIDTH * 16], source_chroma[ROWS * WIDTH];
+static _Alignas(16) uint8_t source[ROWS * WIDTH * 16], source_chroma[ROWS * WIDTH * 2];
 static _Alignas(16) uint8_t target[ROWS * WIDTH * 4], target_chroma[ROWS / 2 * WIDTH];
 static uint32_t state;
 
@@ -112,16 +114,19 @@ static void fill(const struct format *f, size_t bytes, int hard, uint32_t seed)
         else
             source[i] = (uint8_t)(v * all / 256);
     }
-    const int planar = pupil_pixel_planes(f->pixel) > 1;
+    const int words = f->kind == WORDS, planar = pupil_pixel_planes(f->pixel) > 1;
     const size_t luma_at = f->pixel == PUPIL_PIXEL_UYVY;
     for (size_t i = 0; (f->pixel == PUPIL_PIXEL_YUYV || luma_at) && i < bytes; i += 2) {
         source[i + luma_at] = (uint8_t)(16 + source[i + luma_at] * 219 / 255);
         source[i + 1 - luma_at] = (uint8_t)(128 + source[i + 1 - luma_at] % 8);
     }
-    for (size_t i = 0; planar && i < bytes; i++)
+    for (size_t i = 0; planar && !words && i < bytes; i++)
         source[i] = (uint8_t)(16 + source[i] * 219 / 255);
-    for (size_t i = 0; planar && i < sizeof source_chroma; i++)
+    for (size_t i = 0; planar && !words && i < sizeof source_chroma; i++)
         source_chroma[i] = (uint8_t)(128 + source[i] % 8);
+    for (size_t i = 0; planar && words && i < sizeof source_chroma / 2; i++)
+        ((uint16_t *)(void *)source_chroma)[i] =
+            (uint16_t)((512 + source[i] % 32) << (f->pixel == PUPIL_PIXEL_P010 ? 6 : 0));
 }
 
 typedef enum option { NO_OPTION, HISTOGRAM, TRIMMED, FOLLOWING_WHITE, MASK, OPTIONS } option;
@@ -148,9 +153,9 @@ static pupil_image_const image_of(const struct format *f, uint32_t width, uint32
                                .height = rows,
                                .pixel = f->pixel,
                                .chroma = source_chroma,
-                               .chroma_stride_bytes = (ptrdiff_t)width,
+                               .chroma_stride_bytes = (ptrdiff_t)(width * 2),
                                .cr = source_chroma,
-                               .cr_stride_bytes = (ptrdiff_t)width};
+                               .cr_stride_bytes = (ptrdiff_t)(width * 2)};
 }
 
 static pupil_image target_of(const struct output *o, uint32_t width, uint32_t rows)

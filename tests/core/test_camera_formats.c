@@ -12,7 +12,8 @@ static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,     PUPIL_PIXEL_NV12,    PUP
                                   PUPIL_PIXEL_BAYER12,  PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P,
                                   PUPIL_PIXEL_BAYER12P, PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,
                                   PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8,
-                                  PUPIL_PIXEL_GREY10P,  PUPIL_PIXEL_GREY12P, PUPIL_PIXEL_BGR32F,  PUPIL_PIXEL_RGB16F};
+                                  PUPIL_PIXEL_GREY10P,  PUPIL_PIXEL_GREY12P, PUPIL_PIXEL_BGR32F,  PUPIL_PIXEL_RGB16F,
+                                  PUPIL_PIXEL_P010,     PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2};
 #define FORMATS (sizeof camera / sizeof *camera)
 
 static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
@@ -162,6 +163,33 @@ static unsigned char *cr_at(const frame *f, uint32_t y)
     return (unsigned char *)image.cr + pupil_chroma_row_of(image.pixel, y) * image.cr_stride_bytes;
 }
 
+static unsigned get_word(const unsigned char *at)
+{
+    uint16_t word;
+    memcpy(&word, at, sizeof word);
+    return word & 1023u;
+}
+
+static void set_word(unsigned char *at, unsigned value)
+{
+    const uint16_t word = (uint16_t)value;
+    memcpy(at, &word, sizeof word);
+}
+
+/* Words of 10 bits. */
+static void only_10_bits(const frame *f)
+{
+    const size_t row = pupil_chroma_row_bytes(f->image.pixel, f->image.width);
+    for (uint32_t y = 0; y < f->image.height; y++) {
+        for (uint32_t x = 0; x < f->image.width; x++)
+            set_word(at(f, x, y), get_word(at(f, x, y)));
+        for (size_t i = 0; i < row; i += 2) {
+            set_word(chroma_at(f, y) + i, get_word(chroma_at(f, y) + i));
+            set_word(cr_at(f, y) + i, get_word(cr_at(f, y) + i));
+        }
+    }
+}
+
 /* The pixel x, y of `to` becomes that of `from`, which is of the format that has the same codes. */
 static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t y)
 {
@@ -194,6 +222,11 @@ static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t 
     case PUPIL_PIXEL_RGBX8:
         memcpy(p, rgb, 3);
         break;
+    case PUPIL_PIXEL_P010: /* of I420_10 */
+        set_word(p, (get_word(rgb) << 6) | 63);
+        set_word(chroma_at(to, y) + 2 * pair, get_word(chroma_at(from, y) + pair) << 6);
+        set_word(chroma_at(to, y) + 2 * pair + 2, get_word(cr_at(from, y) + pair) << 6);
+        break;
     case PUPIL_PIXEL_RGB16F: /* of RGBA16F */
         memcpy(p, rgb, 6);
         break;
@@ -210,11 +243,11 @@ static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t 
 /* A format that holds the same codes as another, in another order, gives the same statistics and the same picture. */
 static void same_codes_same_bits(void)
 {
-    static const twin twins[] = {{PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12},     {PUPIL_PIXEL_NV21, PUPIL_PIXEL_NV12},
-                                 {PUPIL_PIXEL_NV16, PUPIL_PIXEL_NV12},     {PUPIL_PIXEL_UYVY, PUPIL_PIXEL_YUYV},
-                                 {PUPIL_PIXEL_BGR8, PUPIL_PIXEL_RGB8},     {PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8},
-                                 {PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB8},    {PUPIL_PIXEL_BGR32F, PUPIL_PIXEL_RGB32F},
-                                 {PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_RGBA16F}};
+    static const twin twins[] = {{PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12},      {PUPIL_PIXEL_NV21, PUPIL_PIXEL_NV12},
+                                 {PUPIL_PIXEL_NV16, PUPIL_PIXEL_NV12},      {PUPIL_PIXEL_UYVY, PUPIL_PIXEL_YUYV},
+                                 {PUPIL_PIXEL_BGR8, PUPIL_PIXEL_RGB8},      {PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8},
+                                 {PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB8},     {PUPIL_PIXEL_BGR32F, PUPIL_PIXEL_RGB32F},
+                                 {PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_RGBA16F}, {PUPIL_PIXEL_P010, PUPIL_PIXEL_I420_10}};
     for (size_t i = 0; i < sizeof twins / sizeof *twins; i++)
         for (unsigned n = 0; n < 40; n++) {
             const uint32_t w = n < 20 ? 1 + n : 200 + 7 * n, h = 1 + n % 5;
@@ -228,6 +261,8 @@ static void same_codes_same_bits(void)
             pupil_stats stats_a, stats_b;
             frame_bits(&a, check_uniform);
             frame_bits(&b, check_uniform); /* what is ignored is not 0 */
+            if (twins[i].of == PUPIL_PIXEL_I420_10)
+                only_10_bits(&a);
             for (uint32_t y = 0; y < h; y++)
                 for (uint32_t x = 0; x < w; x++)
                     copy_pixel(&b, &a, x, y);
@@ -246,6 +281,60 @@ static void same_codes_same_bits(void)
             frame_free(&to_a);
             frame_free(&to_b);
         }
+}
+
+static float light_of(const pupil_image_const *image)
+{
+    pupil_config config;
+    pupil_t pupil;
+    pupil_stats stats;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(&pupil, image, 0, 1, &stats) == PUPIL_OK);
+    return stats.peak;
+}
+
+/* On a code, light is the curve's to the nearest float: grey of each 10-bit code as RGB10A2 and as I420_10 of full
+ * range, in PQ and HLG. And P010 of limited range, whose codes are between the table's, within what coding.h says. */
+static void hdr_light(void)
+{
+    double most[2] = {0, 0};
+    for (uint32_t light = PUPIL_LIGHT_PQ; light <= PUPIL_LIGHT_HLG; light++)
+        for (uint32_t code = 0; code < 1024; code++) {
+            const uint32_t rgb = code | code << 10 | code << 20;
+            const uint16_t word = (uint16_t)code, high = (uint16_t)(code << 6), middle = 512;
+            const uint16_t middles[2] = {512 << 6, 512 << 6};
+            const pupil_coding full = {.light = light, .range = PUPIL_RANGE_FULL}, limited = {.light = light};
+            const pupil_image_const packed = {
+                .data = &rgb, .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB10A2, .coding = &full};
+            const pupil_image_const planar = {.data = &word,
+                                              .width = 1,
+                                              .height = 1,
+                                              .pixel = PUPIL_PIXEL_I420_10,
+                                              .chroma = &middle,
+                                              .cr = &middle,
+                                              .coding = &full};
+            const pupil_image_const p010 = {.data = &high,
+                                            .width = 1,
+                                            .height = 1,
+                                            .pixel = PUPIL_PIXEL_P010,
+                                            .chroma = middles,
+                                            .coding = &limited};
+            long double exact[4], of_p010[4];
+            ref_light(&packed, 0, 0, 0, exact);
+            ref_light(&p010, 0, 0, 0, of_p010);
+            if (exact[0] > 0x1p-14L) {
+                CHECK_MSG(fabsl(light_of(&packed) / exact[0] - 1) < 0x1p-24L * 1.01L,
+                          "light %u, code %u: %.9g, not %.9Lg", light, code, light_of(&packed), exact[0]);
+                CHECK(light_of(&packed) == light_of(&planar));
+            }
+            if (of_p010[0] > 0x1p-14L)
+                most[light - PUPIL_LIGHT_PQ] =
+                    fmax(most[light - PUPIL_LIGHT_PQ], (double)fabsl(light_of(&p010) / of_p010[0] - 1));
+        }
+    printf("grey of P010: PQ within %.3g of itself, HLG %.3g\n", most[0], most[1]);
+    CHECK(most[0] < 1.4e-4 && most[1] < 3.3e-4);
 }
 
 /* To BGR8: RGB8 in the other order. */
@@ -346,8 +435,8 @@ static void white_is_clipped(void)
         CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
         pupil_stats_clear(&stats);
         CHECK(pupil_meter_rows(&pupil, &image, 0, 1, &stats) == PUPIL_OK);
-        CHECK_MSG(stats.clipped == 1 && stats.peak == 1.0f, "coding %u: %u clipped, at most %g", n,
-                  (unsigned)stats.clipped, stats.peak);
+        CHECK_MSG(stats.clipped == 1 && stats.peak == (coding.light == PUPIL_LIGHT_PQ ? 100.0f : 1.0f),
+                  "coding %u: %u clipped, at most %g", n, (unsigned)stats.clipped, stats.peak);
     }
 }
 
@@ -413,6 +502,7 @@ int main(int argc, char **argv)
     white_is_clipped();
     nv12_out();
     same_codes_same_bits();
+    hdr_light();
     bgr_out();
     return check_end();
 }

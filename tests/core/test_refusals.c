@@ -382,6 +382,11 @@ static void check_cameras(void)
     i.cr_stride_bytes = 4;
     rows = pupil_image_rows(i, 0, 3);
     expect(pupil_meter_rows(&pupil, &rows, 0, 8, &stats), PUPIL_ERR_ROWS, "I420 cut within a pair");
+    i.pixel = PUPIL_PIXEL_P010;
+    i.chroma_stride_bytes = 17;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_ALIGNMENT, "P010's chroma rows at odd addresses");
+    i.chroma_stride_bytes = 14;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "P010's chroma rows overlap");
     i.pixel = PUPIL_PIXEL_NV12;
     i.chroma_stride_bytes = -8;
     o = (pupil_image){.data = out_memory, .stride_bytes = 4, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_NV12};
@@ -453,8 +458,8 @@ static void check_sentences(void)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     for (uint32_t pixel = 0; pixel < 300; pixel++) {
-        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2, 2, 2,  1,
-                                       2, 2,  2,  2, 0, 0, 1, 1, 1, 2, 3, 4, 0, 0, 12, 6};
+        static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2,  2, 2, 1, 2, 2,
+                                       2, 2,  0,  0, 1, 1, 1, 2, 3, 4, 0, 0, 12, 6, 2, 2, 4};
         static const uint32_t bits[] = {
             [PUPIL_PIXEL_GREY8] = 8,    10, 12, 16, 8, 10, 12, 14, 16, 10, 12, [PUPIL_PIXEL_GREY10P] = 10, 12,
             [PUPIL_PIXEL_COUNT - 1] = 0};

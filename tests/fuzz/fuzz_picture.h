@@ -70,9 +70,9 @@ static int is_mosaic(uint32_t pixel)
 static size_t sample_bytes(uint32_t pixel)
 {
     static const uint8_t bytes[PUPIL_PIXEL_BAYER16 + 1] = {1, 4, 4, 2, 2, 2, 1, 1, 1, 1, 1, 1, 2, 2, 2, 1, 2, 2, 2, 2};
-    if (pixel == PUPIL_PIXEL_BGR32F)
+    if (pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_RGB10A2)
         return 4;
-    if (pixel == PUPIL_PIXEL_RGB16F)
+    if (pixel == PUPIL_PIXEL_RGB16F || pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10)
         return 2;
     return pixel <= PUPIL_PIXEL_BAYER16 ? bytes[pixel] : 1;
 }
@@ -122,9 +122,11 @@ static picture picture_make(uint32_t width, uint32_t height, uint32_t pixel, siz
                               guard, &p.image.stride_bytes);
     const size_t chroma_row = pupil_chroma_row_bytes(pixel, width), rows = pupil_chroma_rows(pixel, height);
     if (pupil_pixel_planes(pixel) > 1)
-        p.image.chroma = plane_make(&p.chroma, chroma_row, rows, take_below(4), guard, &p.image.chroma_stride_bytes);
+        p.image.chroma = plane_make(&p.chroma, chroma_row, rows, sample_bytes(pixel) * take_below(4), guard,
+                                    &p.image.chroma_stride_bytes);
     if (pupil_pixel_planes(pixel) > 2)
-        p.image.cr = plane_make(&p.cr, chroma_row, rows, take_below(4), guard, &p.image.cr_stride_bytes);
+        p.image.cr =
+            plane_make(&p.cr, chroma_row, rows, sample_bytes(pixel) * take_below(4), guard, &p.image.cr_stride_bytes);
     return p;
 }
 

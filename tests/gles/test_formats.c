@@ -86,7 +86,7 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
 {
     *coding = (pupil_coding){.matrix = turn % PUPIL_MATRIX_COUNT,
                              .range = turn / 3 % PUPIL_RANGE_COUNT,
-                             .light = turn / 2 % PUPIL_LIGHT_COUNT,
+                             .light = turn / 2 % (PUPIL_LIGHT_BT709 + 1),
                              .bayer = turn % PUPIL_BAYER_COUNT,
                              .black = turn & 1 ? 16.0f : 0.0f};
     if (pixel >= PUPIL_PIXEL_BAYER8 && turn & 1) {

@@ -16,7 +16,8 @@ static union {
     unsigned char bytes[INPUT_BYTES];
 } input;
 static unsigned char output[OUTPUT_BYTES];
-static unsigned char input_chroma[MAX_PIXELS], output_chroma[MAX_PIXELS];
+static _Alignas(2) unsigned char input_chroma[MAX_PIXELS];
+static unsigned char output_chroma[MAX_PIXELS];
 
 /* --- digests and numbers --- */
 
@@ -94,6 +95,16 @@ static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
         half = (uint16_t)(is_odd ? (pick & 1) * 65535 : (bits >> 11) >> (12 - stops) / 3);
         __builtin_memcpy(to, &half, 2);
         return;
+    case PUPIL_PIXEL_RGB10A2:
+        bits = bits << 9 ^ bits;
+        __builtin_memcpy(to, &bits, 4);
+        return;
+    case PUPIL_PIXEL_P010:
+    case PUPIL_PIXEL_I420_10:
+        half = (uint16_t)(is_odd ? (pick & 1) * 65535 : (bits >> 13) >> (12 - stops) / 6);
+        half = (uint16_t)(pixel == PUPIL_PIXEL_P010 ? half << 6 : half);
+        __builtin_memcpy(to, &half, 2);
+        return;
     default:
         *to = (unsigned char)(is_odd ? (pick & 1) * 255 : (bits >> 15) >> (12 - stops) / 6);
     }
@@ -101,8 +112,11 @@ static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
 
 static size_t sample_bytes(uint32_t pixel)
 {
-    if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F)
+    if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F ||
+        pixel == PUPIL_PIXEL_RGB10A2)
         return 4;
+    if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10)
+        return 2;
     if (pixel <= PUPIL_PIXEL_BGRX8)
         return pixel >= PUPIL_PIXEL_RGBA8 ? 1 : 2;
     return pixel == PUPIL_PIXEL_RGB16F || (pixel >= PUPIL_PIXEL_GREY10 && pixel <= PUPIL_PIXEL_GREY16) ||

@@ -66,10 +66,10 @@ static digest_case usual(void)
 /* --- the battery --- */
 
 static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {
-    "none",    "rgba32f", "rgb32f",  "rgba16f", "rgba16",   "rgb16",    "rgba8",  "rgb8",
-    "bgrx8",   "yuyv",    "nv12",    "grey8",   "grey10",   "grey12",   "grey16", "bayer8",
-    "bayer10", "bayer12", "bayer14", "bayer16", "bayer10p", "bayer12p", "i420",   "nv21",
-    "nv16",    "uyvy",    "bgr8",    "rgbx8",   "grey10p",  "grey12p",  "bgr32f", "rgb16f"};
+    "none",    "rgba32f", "rgb32f",   "rgba16f",  "rgba16", "rgb16",  "rgba8",   "rgb8",    "bgrx8",
+    "yuyv",    "nv12",    "grey8",    "grey10",   "grey12", "grey16", "bayer8",  "bayer10", "bayer12",
+    "bayer14", "bayer16", "bayer10p", "bayer12p", "i420",   "nv21",   "nv16",    "uyvy",    "bgr8",
+    "rgbx8",   "grey10p", "grey12p",  "bgr32f",   "rgb16f", "p010",   "i420-10", "rgb10a2"};
 static const uint32_t out_pixels[3] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8};
 
 /* Every input format to every output format at every size, upright and upside down. Widths around 16, the number of
@@ -99,7 +99,7 @@ static void shapes(void)
 }
 
 /* Formats of cameras, with codings that use all of it, to RGBA, NV12 and, of mosaics, to half the size. */
-static void cameras(uint32_t first, uint32_t last)
+static void cameras(uint32_t first, uint32_t last, uint32_t lights)
 {
     static const uint32_t sizes[][2] = {{4, 2}, {20, 34}, {64, 48}, {516, 6}};
     static const uint32_t outs[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_RGB8};
@@ -120,7 +120,7 @@ static void cameras(uint32_t first, uint32_t last)
                            (s == 3 && !o ? DIGEST_UPSIDE_DOWN : 0) | (mosaic && o == 2 ? DIGEST_HALVED : 0);
                 c.coding.matrix = n % PUPIL_MATRIX_COUNT;
                 c.coding.range = n % PUPIL_RANGE_COUNT;
-                c.coding.light = mosaic ? 0 : n % PUPIL_LIGHT_COUNT;
+                c.coding.light = mosaic ? 0 : n % lights;
                 c.coding.bayer = n % PUPIL_BAYER_COUNT;
                 c.coding.shift = in == PUPIL_PIXEL_GREY12 || in == PUPIL_PIXEL_BAYER10 ? n % 5 : 0;
                 c.coding.black = (float)(n % 3 * 4);
@@ -325,15 +325,16 @@ int main(void)
         put(settings[i].name);
         run(&c);
     }
-    cameras(PUPIL_PIXEL_YUYV, PUPIL_PIXEL_BAYER12P);
+    cameras(PUPIL_PIXEL_YUYV, PUPIL_PIXEL_BAYER12P, PUPIL_LIGHT_BT709 + 1);
     put("row-gains");
     put_digest(digest_lamps());
-    cameras(PUPIL_PIXEL_I420, PUPIL_PIXEL_RGBX8);
-    cameras(PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_BGRX8);
+    cameras(PUPIL_PIXEL_I420, PUPIL_PIXEL_RGBX8, PUPIL_LIGHT_BT709 + 1);
+    cameras(PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_BGRX8, PUPIL_LIGHT_BT709 + 1);
     digest_case bgr = usual();
     bgr.out = PUPIL_PIXEL_BGR8;
     put("rgb32f-bgr8");
     run(&bgr);
-    cameras(PUPIL_PIXEL_GREY10P, PUPIL_PIXEL_COUNT - 1);
+    cameras(PUPIL_PIXEL_GREY10P, PUPIL_PIXEL_RGB16F, PUPIL_LIGHT_BT709 + 1);
+    cameras(PUPIL_PIXEL_P010, PUPIL_PIXEL_COUNT - 1, PUPIL_LIGHT_COUNT);
     return 0;
 }

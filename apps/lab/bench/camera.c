@@ -62,7 +62,8 @@ static unsigned char *row_of(const pupil_image_const *image, uint32_t y)
 static unsigned char *luma_of(const pupil_image_const *image, uint32_t x, uint32_t y)
 {
     unsigned char *row = row_of(image, y);
-    return is_packed_yuv(image->pixel) ? row + 2 * (size_t)x + (image->pixel == PUPIL_PIXEL_UYVY) : row + x;
+    return is_packed_yuv(image->pixel) ? row + 2 * (size_t)x + (image->pixel == PUPIL_PIXEL_UYVY)
+                                       : row + pupil_pixel_bytes(image->pixel) * x;
 }
 
 /* Rows of a plane of chroma, 1: Cb, 2: Cr where it has its own. */
@@ -78,12 +79,23 @@ static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint
     const uint32_t row = (uint32_t)pupil_chroma_row_of(image->pixel, y);
     if (is_packed_yuv(image->pixel))
         return row_of(image, y) + x / 2 * 4 + 2 * which + (image->pixel == PUPIL_PIXEL_YUYV);
-    if (image->pixel == PUPIL_PIXEL_I420)
-        return chroma_row_of(image, row, which ? 2 : 1) + x / 2;
-    return chroma_row_of(image, row, 1) + x / 2 * 2 + (image->pixel == PUPIL_PIXEL_NV21 ? 1 - which : which);
+    const size_t bytes = pupil_pixel_bytes(image->pixel);
+    if (pupil_pixel_planes(image->pixel) > 2)
+        return chroma_row_of(image, row, which ? 2 : 1) + x / 2 * bytes;
+    return chroma_row_of(image, row, 1) + (x / 2 * 2 + (image->pixel == PUPIL_PIXEL_NV21 ? 1 - which : which)) * bytes;
 }
 
 /* --- a frame like a camera's --- */
+
+/* A code of 8 bits, not yet rounded, or four times it in a word. */
+static void store_code(uint32_t pixel, unsigned char *at, double code)
+{
+    const uint16_t word = (uint16_t)((unsigned)(4.0 * code + 0.5) << (pixel == PUPIL_PIXEL_P010 ? 6 : 0));
+    if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10)
+        memcpy(at, &word, sizeof word);
+    else
+        *at = (unsigned char)(code + 0.5);
+}
 
 /* BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.5): a pair's or a quad's chroma is that of its mean. */
 static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, const float rgba[4][4])
@@ -97,13 +109,13 @@ static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, co
         if (at_y >= image->height)
             break;
         if (at_x < image->width)
-            *luma_of(image, at_x, at_y) = (unsigned char)(16.5 + 219.0 * luma);
+            store_code(image->pixel, luma_of(image, at_x, at_y), 16.0 + 219.0 * luma);
         blue += (b - luma) / (2.0 * (1.0 - 0.0722));
         red += (r - luma) / (2.0 * (1.0 - 0.2126));
         if (i % 2 && (each_row || i == 3 || at_y + 1 == image->height)) {
             const double samples = each_row || i == 1 ? 2.0 : 4.0;
-            *chroma_of(image, x, at_y, 0) = (unsigned char)(128.5 + 224.0 * blue / samples);
-            *chroma_of(image, x, at_y, 1) = (unsigned char)(128.5 + 224.0 * red / samples);
+            store_code(image->pixel, chroma_of(image, x, at_y, 0), 128.0 + 224.0 * blue / samples);
+            store_code(image->pixel, chroma_of(image, x, at_y, 1), 128.0 + 224.0 * red / samples);
             blue = red = 0.0;
         }
     }

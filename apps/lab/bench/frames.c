@@ -7,22 +7,41 @@
 #include "camera.h"
 #include "common/pixel_light.h"
 
-const bench_format bench_formats[] = {{"rgba32f", PUPIL_PIXEL_RGBA32F},   {"rgb32f", PUPIL_PIXEL_RGB32F},
-                                      {"rgba16f", PUPIL_PIXEL_RGBA16F},   {"rgba16", PUPIL_PIXEL_RGBA16},
-                                      {"rgb16", PUPIL_PIXEL_RGB16},       {"rgba8", PUPIL_PIXEL_RGBA8},
-                                      {"rgb8", PUPIL_PIXEL_RGB8},         {"yuyv", PUPIL_PIXEL_YUYV},
-                                      {"nv12", PUPIL_PIXEL_NV12},         {"grey8", PUPIL_PIXEL_GREY8},
-                                      {"grey10", PUPIL_PIXEL_GREY10},     {"grey12", PUPIL_PIXEL_GREY12},
-                                      {"grey16", PUPIL_PIXEL_GREY16},     {"bayer8", PUPIL_PIXEL_BAYER8},
-                                      {"bayer10", PUPIL_PIXEL_BAYER10},   {"bayer12", PUPIL_PIXEL_BAYER12},
-                                      {"bayer14", PUPIL_PIXEL_BAYER14},   {"bayer16", PUPIL_PIXEL_BAYER16},
-                                      {"bayer10p", PUPIL_PIXEL_BAYER10P}, {"bayer12p", PUPIL_PIXEL_BAYER12P},
-                                      {"i420", PUPIL_PIXEL_I420},         {"nv21", PUPIL_PIXEL_NV21},
-                                      {"nv16", PUPIL_PIXEL_NV16},         {"uyvy", PUPIL_PIXEL_UYVY},
-                                      {"bgr8", PUPIL_PIXEL_BGR8},         {"bgrx8", PUPIL_PIXEL_BGRX8},
-                                      {"rgbx8", PUPIL_PIXEL_RGBX8},       {"grey10p", PUPIL_PIXEL_GREY10P},
-                                      {"grey12p", PUPIL_PIXEL_GREY12P},   {"bgr32f", PUPIL_PIXEL_BGR32F},
-                                      {"rgb16f", PUPIL_PIXEL_RGB16F},     {NULL, PUPIL_PIXEL_NONE}};
+const bench_format bench_formats[] = {{"rgba32f", PUPIL_PIXEL_RGBA32F},
+                                      {"rgb32f", PUPIL_PIXEL_RGB32F},
+                                      {"rgba16f", PUPIL_PIXEL_RGBA16F},
+                                      {"rgba16", PUPIL_PIXEL_RGBA16},
+                                      {"rgb16", PUPIL_PIXEL_RGB16},
+                                      {"rgba8", PUPIL_PIXEL_RGBA8},
+                                      {"rgb8", PUPIL_PIXEL_RGB8},
+                                      {"yuyv", PUPIL_PIXEL_YUYV},
+                                      {"nv12", PUPIL_PIXEL_NV12},
+                                      {"grey8", PUPIL_PIXEL_GREY8},
+                                      {"grey10", PUPIL_PIXEL_GREY10},
+                                      {"grey12", PUPIL_PIXEL_GREY12},
+                                      {"grey16", PUPIL_PIXEL_GREY16},
+                                      {"bayer8", PUPIL_PIXEL_BAYER8},
+                                      {"bayer10", PUPIL_PIXEL_BAYER10},
+                                      {"bayer12", PUPIL_PIXEL_BAYER12},
+                                      {"bayer14", PUPIL_PIXEL_BAYER14},
+                                      {"bayer16", PUPIL_PIXEL_BAYER16},
+                                      {"bayer10p", PUPIL_PIXEL_BAYER10P},
+                                      {"bayer12p", PUPIL_PIXEL_BAYER12P},
+                                      {"i420", PUPIL_PIXEL_I420},
+                                      {"nv21", PUPIL_PIXEL_NV21},
+                                      {"nv16", PUPIL_PIXEL_NV16},
+                                      {"uyvy", PUPIL_PIXEL_UYVY},
+                                      {"bgr8", PUPIL_PIXEL_BGR8},
+                                      {"bgrx8", PUPIL_PIXEL_BGRX8},
+                                      {"rgbx8", PUPIL_PIXEL_RGBX8},
+                                      {"grey10p", PUPIL_PIXEL_GREY10P},
+                                      {"grey12p", PUPIL_PIXEL_GREY12P},
+                                      {"bgr32f", PUPIL_PIXEL_BGR32F},
+                                      {"rgb16f", PUPIL_PIXEL_RGB16F},
+                                      {"p010", PUPIL_PIXEL_P010},
+                                      {"i420-10", PUPIL_PIXEL_I420_10},
+                                      {"rgb10a2", PUPIL_PIXEL_RGB10A2},
+                                      {NULL, PUPIL_PIXEL_NONE}};
 
 const char *bench_format_name(uint32_t pixel)
 {
@@ -113,19 +132,33 @@ static uint16_t half_of(float value)
     return (uint16_t)(sign | ((uint32_t)(exponent + 14) * 1024u + (uint32_t)steps));
 }
 
+static void store_10(const float rgba[4], void *target)
+{
+    uint32_t word = 3u << 30;
+    for (int k = 0; k < 3; k++)
+        word |= (uint32_t)(srgb_code(clamped((double)rgba[k])) * 1023.0 / 255.0 + 0.5) << 10 * k;
+    memcpy(target, &word, sizeof word);
+}
+
 static void store(uint32_t pixel, const float rgba[4], void *target)
 {
-    const int is_rgb = pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16 || pixel == PUPIL_PIXEL_RGB8 ||
-                       pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_RGB16F;
+    const int floats = pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F;
+    const int halves = pixel == PUPIL_PIXEL_RGBA16F || pixel == PUPIL_PIXEL_RGB16F;
+    const int words = pixel == PUPIL_PIXEL_RGBA16 || pixel == PUPIL_PIXEL_RGB16;
     const int blue_first = pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_BGRX8;
-    for (int k = 0; k < (is_rgb ? 3 : 4); k++) {
+    const size_t sample = floats ? 4 : halves || words ? 2 : 1, samples = pupil_pixel_bytes(pixel) / sample;
+    if (pixel == PUPIL_PIXEL_RGB10A2) {
+        store_10(rgba, target);
+        return;
+    }
+    for (size_t k = 0; k < samples; k++) {
         const float value = rgba[blue_first && k < 3 ? 2 - k : k];
         const double code = clamped((double)value);
-        if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F)
+        if (floats)
             ((float *)target)[k] = value;
-        else if (pixel == PUPIL_PIXEL_RGBA16F || pixel == PUPIL_PIXEL_RGB16F)
+        else if (halves)
             ((uint16_t *)target)[k] = half_of(value);
-        else if (pixel == PUPIL_PIXEL_RGBA16 || pixel == PUPIL_PIXEL_RGB16)
+        else if (words)
             ((uint16_t *)target)[k] = (uint16_t)(code * 65535.0 + 0.5);
         else
             ((uint8_t *)target)[k] = (uint8_t)((k == 3 ? 255.0 * code : srgb_code(code)) + 0.5);

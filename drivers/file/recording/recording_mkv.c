@@ -98,7 +98,8 @@ static void describe(AVCodecParameters *p, const pupil_recording_about *about)
     static const enum AVColorSpace matrices[PUPIL_MATRIX_COUNT] = {AVCOL_SPC_SMPTE170M, AVCOL_SPC_BT709,
                                                                    AVCOL_SPC_BT2020_NCL};
     static const enum AVColorTransferCharacteristic transfers[PUPIL_LIGHT_COUNT] = {
-        AVCOL_TRC_IEC61966_2_1, AVCOL_TRC_LINEAR, AVCOL_TRC_IEC61966_2_1, AVCOL_TRC_BT709};
+        AVCOL_TRC_IEC61966_2_1, AVCOL_TRC_LINEAR,    AVCOL_TRC_IEC61966_2_1,
+        AVCOL_TRC_BT709,        AVCOL_TRC_SMPTE2084, AVCOL_TRC_ARIB_STD_B67};
     p->codec_type = AVMEDIA_TYPE_VIDEO;
     p->codec_id = about->jpeg ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_RAWVIDEO;
     p->codec_tag = about->jpeg ? 0 : pupil_recording_fourcc(about);

@@ -41,7 +41,7 @@ static const char *const formats[] = {"pupil recording"};
 static const char *const stored[] = {"raw", "jpeg"};
 static const char *const matrices[] = {"bt601", "bt709", "bt2020"};
 static const char *const ranges[] = {"limited", "full"};
-static const char *const lights[] = {"usual", "linear", "srgb", "bt709"};
+static const char *const lights[] = {"usual", "linear", "srgb", "bt709", "pq", "hlg"};
 static const char *const bayers[] = {"rggb", "grbg", "gbrg", "bggr"};
 
 #define AT(member) offsetof(whole_text, member)
@@ -55,7 +55,7 @@ static const field fields[] = {
     {"stored", "\"raw\" or \"jpeg\"", WORD, 2, stored, AT(about.jpeg)},
     {"matrix", "\"bt601\", \"bt709\" or \"bt2020\"", WORD, 3, matrices, AT(about.coding.matrix)},
     {"range", "\"limited\" or \"full\"", WORD, 2, ranges, AT(about.coding.range)},
-    {"light", "\"usual\", \"linear\", \"srgb\" or \"bt709\"", WORD, 4, lights, AT(about.coding.light)},
+    {"light", "\"usual\", \"linear\", \"srgb\", \"bt709\", \"pq\" or \"hlg\"", WORD, 6, lights, AT(about.coding.light)},
     {"bayer", "\"rggb\", \"grbg\", \"gbrg\" or \"bggr\"", WORD, 4, bayers, AT(about.coding.bayer)},
     {"shift", "a whole number", WHOLE, 1, NULL, AT(about.coding.shift)},
     {"black", "a number", FLOAT, 1, NULL, AT(about.coding.black)},

@@ -26,17 +26,20 @@ typedef enum pupil_matrix {
 
 /* V4L2: V4L2_QUANTIZATION_LIM_RANGE and _FULL_RANGE. */
 typedef enum pupil_range {
-    PUPIL_RANGE_LIMITED = 0, /* Y' 16..235, Cb and Cr 16..240 */
-    PUPIL_RANGE_FULL,        /* 0..255: JPEG, and what is decoded from it */
+    PUPIL_RANGE_LIMITED = 0, /* Y' 16..235, Cb and Cr 16..240; of 10 bits four times that */
+    PUPIL_RANGE_FULL,        /* 0..255: JPEG, and what is decoded from it; of 10 bits 0..1023 */
     PUPIL_RANGE_COUNT
 } pupil_range;
 
 /* How a coded value from 0 to 1 represents light. */
 typedef enum pupil_light {
-    PUPIL_LIGHT_DEFAULT = 0, /* Y'CbCr: sRGB; grey and mosaics: linear */
+    PUPIL_LIGHT_DEFAULT = 0, /* Y'CbCr and RGB10A2: sRGB; grey and mosaics: linear */
     PUPIL_LIGHT_LINEAR,
     PUPIL_LIGHT_SRGB,  /* IEC 61966-2-1 */
     PUPIL_LIGHT_BT709, /* inverse of the camera's curve of Rec. ITU-R BT.709-6, item 1.2 */
+    PUPIL_LIGHT_PQ,  /* SMPTE ST 2084 as in Rec. ITU-R BT.2100-2, table 4: display light; 1.0 is 100 cd/m2, the largest
+                      * code 100.0 */
+    PUPIL_LIGHT_HLG, /* Rec. ITU-R BT.2100-2, table 5: scene light from 0 to 1 */
     PUPIL_LIGHT_COUNT
 } pupil_light;
 
@@ -52,7 +55,9 @@ typedef enum pupil_bayer {
 
 /* How samples become light:
  *
- * - Y'CbCr: R'G'B' is clamped to 0..1. Light is interpolated between that of the 256 codes, within 7e-6 of the curve.
+ * - Y'CbCr and RGB10A2: R'G'B' is clamped to 0..1. Light is interpolated between that of the 256 codes, within 7e-6 of
+ *   the curve; PQ between 4093 and HLG between 2047 points, within 1.4e-4 (PQ) and 3.3e-4 (HLG) of the light itself
+ *   where it is at least 2^-14.
  * - Grey: (code - black) / (white - black). With a curve it is clamped to 0..1 and interpolated as Y'CbCr.
  * - Mosaics: as grey, then the balance, then the matrix. After the balance no channel is above the value at which the
  *   least amplified channel is full, so clipped highlights are white and not magenta.
@@ -62,6 +67,7 @@ typedef enum pupil_bayer {
  * Fields by format:
  *
  * - Y'CbCr: matrix and range, also of an output; light, of an input.
+ * - RGB10A2: light.
  * - Grey: light, shift, black and white.
  * - Mosaics: bayer, balance, rgb_from_camera, shift, black and white; light default or linear. */
 typedef struct pupil_coding {

@@ -70,6 +70,11 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_GREY12P, /* in: 2 pixels in 3 bytes as BAYER12P (Y12P); any width, and whole groups of 3 bytes */
     PUPIL_PIXEL_BGR32F,  /* in: 3 x IEEE binary32, blue first, linear (OpenCV) */
     PUPIL_PIXEL_RGB16F,  /* in: 3 x IEEE binary16, linear */
+
+    PUPIL_PIXEL_P010,    /* in: NV12 of 10 bits, in the upper ones of 16-bit words; the lower ones are ignored (P010) */
+    PUPIL_PIXEL_I420_10, /* in: I420 of 10 bits, in the lower ones of 16-bit words (yuv420p10, I420_10LE) */
+    PUPIL_PIXEL_RGB10A2, /* in: a 32-bit word, red in the lowest 10 bits, then green, blue, and 2 bits of alpha; sRGB
+                          * unless the coding says otherwise (DRM ABGR2101010, GL_RGB10_A2) */
     PUPIL_PIXEL_COUNT
 } pupil_pixel;
 
@@ -77,9 +82,9 @@ typedef enum pupil_pixel {
  * count quads as pixels. It is mapped to a picture of its own size by bilinear interpolation. To an `out` of half its
  * width and height it is mapped quad by quad.
  *
- * Rows of 4:2:0 (NV12, NV21, I420) and of mosaics come in pairs. A group of rows begins at an even one. It has an odd
- * number of rows only at the end of a 4:2:0 frame. To NV12 of half a mosaic's size they come in fours, which are a pair
- * there.
+ * Rows of 4:2:0 (NV12, NV21, I420, P010, I420_10) and of mosaics come in pairs. A group of rows begins at an even one.
+ * It has an odd number of rows only at the end of a 4:2:0 frame. To NV12 of half a mosaic's size they come in fours,
+ * which are a pair there.
  *
  * To interpolate a mosaic, the rows next to the group are read too, if rows_above and rows_below are not 0. Where they
  * are 0, at the frame's edges, the picture is mirrored. pupil_image_rows sets both. */
@@ -90,9 +95,9 @@ typedef struct pupil_image {
     ptrdiff_t stride_bytes;        /* from one row to the next; may be negative */
     uint32_t width;                /* pixels, 1..PUPIL_MAX_SIDE_PX */
     uint32_t height;               /* rows, 1..PUPIL_MAX_SIDE_PX */
-    void *chroma;                  /* NV12, NV21, NV16: the top row of Cb and Cr; I420: of Cb */
+    void *chroma;                  /* NV12, NV21, NV16, P010: the top row of Cb and Cr; I420, I420_10: of Cb */
     ptrdiff_t chroma_stride_bytes; /* may be negative; pupil_chroma_row_bytes is its least */
-    void *cr;                      /* I420: the top row of Cr */
+    void *cr;                      /* I420, I420_10: the top row of Cr */
     ptrdiff_t cr_stride_bytes;     /* as chroma_stride_bytes */
     const pupil_coding *coding;    /* NULL: all zero. NV12: its matrix and range */
 } pupil_image;

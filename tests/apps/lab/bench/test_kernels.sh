@@ -107,7 +107,7 @@ sed 's/.*"median_us":\([^,]*\),"p99_us":\([^,]*\),"p999_us":\([^,]*\),"max_us":\
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
 fields lamps.txt level format out width height threads cold strength meter_ns_per_px map_ns_per_px frame_ns_per_px \
     of_rows_us map_gains_ns_per_px ratio_meter ratio_map ratio_all
-[ "$(wc -l <lamps.txt)" = 31 ] || fail "not the 31 formats: $(cat lamps.txt)"
+[ "$(wc -l <lamps.txt)" = 34 ] || fail "not the 34 formats: $(cat lamps.txt)"
 sed 's/.*"strength":\([^,]*\),.*/\1/' lamps.txt | awk '!($1 > 0.9) { exit 1 }' || fail "no gains: $(cat lamps.txt)"
 "$program" bench kernels --row-gains --size 128x64 --rounds 2 --threads 3 --format bayer10p --out half >lamps.txt
 grep -q "^bayer10p " lamps.txt || fail "no row: $(cat lamps.txt)"
