@@ -1,5 +1,6 @@
 #!/bin/sh
-# check.sh: every public header compiles alone, twice included, as C11 and as C++11, by each compiler that is here.
+# check.sh: every public header compiles alone, twice included, as C11 and as C++11 to C++20, by each compiler that is
+# here.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
@@ -16,9 +17,11 @@ for header in lib/include/pupil/*.h drivers/include/pupil/*.h; do
     done
     for compiler in g++ clang++; do
         command -v "$compiler" >/dev/null || continue
-        "$compiler" -std=c++11 -Wall -Wextra -Wpedantic -Wshadow -Werror \
-            -Ilib/include -Idrivers/include -c "$work/alone.cpp" -o "$work/alone.o"
-        checked=$((checked + 1))
+        for standard in 11 14 17 20; do
+            "$compiler" -std=c++$standard -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror \
+                -Ilib/include -Idrivers/include -fsyntax-only "$work/alone.cpp"
+            checked=$((checked + 1))
+        done
     done
 done
 [ $checked -gt 0 ] || { echo "check.sh: no compiler found"; exit 1; }

@@ -203,6 +203,41 @@ static inline pupil_image_const pupil_image_as_const(pupil_image image)
     return c;
 }
 
+/* --- a picture without padding --- */
+
+/* Its bytes: rows without a gap, and the planes one after another, as decoders and pipes write them. */
+static inline size_t pupil_image_bytes(uint32_t pixel, uint32_t width, uint32_t height)
+{
+    const size_t chroma = pupil_chroma_row_bytes(pixel, width) * pupil_chroma_rows(pixel, height);
+    return pupil_row_bytes(pixel, width) * height + (pupil_pixel_planes(pixel) == 3 ? 2 * chroma : chroma);
+}
+
+/* Such a picture at `data`. What differs (padded rows, planes elsewhere, a coding) is set afterwards. */
+static inline pupil_image pupil_image_of(void *data, uint32_t width, uint32_t height, uint32_t pixel)
+{
+    const size_t row = pupil_row_bytes(pixel, width), chroma_row = pupil_chroma_row_bytes(pixel, width);
+    const uint32_t planes = data ? pupil_pixel_planes(pixel) : 0;
+    unsigned char *const top = (unsigned char *)data;
+    pupil_image image;
+    image.size_bytes = sizeof image;
+    image.pixel = pixel;
+    image.data = data;
+    image.stride_bytes = (ptrdiff_t)row;
+    image.width = width;
+    image.height = height;
+    image.chroma = planes > 1 ? top + row * height : NULL;
+    image.chroma_stride_bytes = (ptrdiff_t)chroma_row;
+    image.cr = planes > 2 ? top + row * height + chroma_row * pupil_chroma_rows(pixel, height) : NULL;
+    image.cr_stride_bytes = planes > 2 ? (ptrdiff_t)chroma_row : 0;
+    image.coding = NULL;
+    return image;
+}
+
+static inline pupil_image_const pupil_image_const_of(const void *data, uint32_t width, uint32_t height, uint32_t pixel)
+{
+    return pupil_image_as_const(pupil_image_of((void *)(uintptr_t)data, width, height, pixel)); /* never written to */
+}
+
 #ifdef __cplusplus
 }
 #endif
