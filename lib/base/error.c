@@ -17,7 +17,8 @@ const char *pupil_error_string(int code)
             "or twice the output's)",
         [-PUPIL_ERR_STRIDE] = "the stride must be at least as long as a row of pixels (either sign)",
         [-PUPIL_ERR_ALIGNMENT] = "data and stride must be multiples of the sample's size",
-        [-PUPIL_ERR_PIXEL] = "this pixel format cannot be used on this side (input or output)",
+        [-PUPIL_ERR_PIXEL] =
+            "the input's pixel format cannot be read here; on the CPU every format of pupil/image.h can",
         [-PUPIL_ERR_ROWS] =
             "rows are outside the frame or cut a pair of 4:2:0 or a mosaic, or the frame ended before each row came "
             "once",
@@ -40,6 +41,7 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_SIZE_BYTES] =
             "size_bytes of a struct is not one that any version has had, or it covers a field that is set and that "
             "this version of the library does not know",
+        [-PUPIL_ERR_PIXEL_OUT] = "the output's pixel format cannot be written; RGBA8, RGB8, BGRX8, BGR8 and NV12 can",
     };
     if (code > 0 || code <= -(int)(sizeof sentence / sizeof sentence[0]))
         return "not an error code of this version of the library";

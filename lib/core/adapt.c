@@ -9,6 +9,10 @@
 
 #define SETTLED_EV 0.05 /* from the target: pupil.h, PUPIL_STATE_SETTLED */
 
+/* pupil.h, PUPIL_REASON_CLOCK_UNIT: 10000 frames a second. From 10 frames a second on, us that are taken for ns are
+ * less than this apart; ms and seconds always are. */
+#define LEAST_STEP_S 1e-4
+
 /* A step of w of the way from s to t, at least one unit where w > 0. */
 static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)
 {
@@ -93,6 +97,13 @@ double pupil_adaptation_tick(const pupil_config *c, pupil_adaptation *a, const p
     a->last_timestamp_ns = info->timestamp_ns;
     a->stamped = 1;
     return dt_s;
+}
+
+static uint32_t clock_reason(int is_timed, double dt_s)
+{
+    if (dt_s < 0.0)
+        return PUPIL_REASON_CLOCK_BACK;
+    return is_timed && dt_s < LEAST_STEP_S ? PUPIL_REASON_CLOCK_UNIT : PUPIL_REASON_NONE;
 }
 
 double pupil_weight_of_step(const pupil_config *c, double dt_s, int more_light)
@@ -209,8 +220,9 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     pupil_adaptation *a = &object->adaptation;
     const pupil_config *c = &object->config;
     info = &own;
+    const int is_timed = a->stamped && (info->timestamp_ns || a->last_timestamp_ns);
     double dt_s = pupil_adaptation_tick(c, a, info);
-    uint32_t reason = dt_s < 0.0 ? PUPIL_REASON_CLOCK_BACK : PUPIL_REASON_NONE;
+    uint32_t reason = clock_reason(is_timed, dt_s);
     dt_s = dt_s > 0.0 ? dt_s : 0.0;
     a->turn++;
     a->result.dt_s = dt_s;

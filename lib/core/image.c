@@ -44,7 +44,7 @@ int pupil_image_check(const pupil_image_const *image, int out)
     if (!image->data)
         return PUPIL_ERR_NULL;
     if (!usable(image->pixel, out))
-        return PUPIL_ERR_PIXEL;
+        return out ? PUPIL_ERR_PIXEL_OUT : PUPIL_ERR_PIXEL;
     if (!image->width || !image->height || image->width > PUPIL_MAX_SIDE_PX || image->height > PUPIL_MAX_SIDE_PX)
         return PUPIL_ERR_SIZE;
     const pupil_pixel_layout f = pupil_pixel_layout_of(image->pixel);

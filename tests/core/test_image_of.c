@@ -85,6 +85,27 @@ static void check_output(pupil_t *pupil, uint32_t pixel, uint32_t width, uint32_
     frame_free(&back);
 }
 
+/* The sentence of PUPIL_ERR_PIXEL_OUT names the formats that can be written, and no others. */
+static void check_sentence(pupil_t *pupil)
+{
+#define NAME(pixel) [PUPIL_PIXEL_##pixel] = " " #pixel
+    static const char *const names[PUPIL_PIXEL_COUNT] = {
+        NAME(RGBA32F), NAME(RGB32F),  NAME(RGBA16F), NAME(RGBA16),  NAME(RGB16),   NAME(RGBA8),    NAME(RGB8),
+        NAME(BGRX8),   NAME(YUYV),    NAME(NV12),    NAME(GREY8),   NAME(GREY10),  NAME(GREY12),   NAME(GREY16),
+        NAME(BAYER8),  NAME(BAYER10), NAME(BAYER12), NAME(BAYER14), NAME(BAYER16), NAME(BAYER10P), NAME(BAYER12P),
+        NAME(I420),    NAME(NV21),    NAME(NV16),    NAME(UYVY),    NAME(BGR8),    NAME(RGBX8),    NAME(GREY10P),
+        NAME(GREY12P), NAME(BGR32F),  NAME(RGB16F),  NAME(P010),    NAME(I420_10), NAME(RGB10A2)};
+    static float in_memory[4 * 4 * 4], out_memory[4 * 4 * 4];
+    const pupil_image_const in = pupil_image_const_of(in_memory, 4, 4, PUPIL_PIXEL_RGB32F);
+    for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++) {
+        const pupil_image out = pupil_image_of(out_memory, 4, 4, pixel);
+        const int error = pupil_process(pupil, &in, NULL, &out);
+        const char *at = strstr(pupil_error_string(PUPIL_ERR_PIXEL_OUT), names[pixel]);
+        const int named = at && strchr(" ,", at[strlen(names[pixel])]);
+        CHECK_MSG(named ? error == PUPIL_OK : error == PUPIL_ERR_PIXEL_OUT, "%s: %d", names[pixel], error);
+    }
+}
+
 int main(int argc, char **argv)
 {
     static const uint32_t sizes[][2] = {{1, 1}, {7, 5}, {12, 4}};
@@ -101,6 +122,7 @@ int main(int argc, char **argv)
             check_output(&pupil, pixel, sizes[i][0], sizes[i][1], &outputs);
         }
     CHECK_MSG(outputs >= 15, "only %d", outputs); /* 5 formats */
+    check_sentence(&pupil);
     const pupil_image nothing = pupil_image_of(NULL, 4, 4, PUPIL_PIXEL_I420);
     CHECK(!nothing.data && !nothing.chroma && !nothing.cr);
     CHECK(pupil_image_bytes(PUPIL_PIXEL_COUNT, 4, 4) == 0);

@@ -97,7 +97,7 @@ static void check_images(void)
         expect_images(&i, &out, PUPIL_ERR_PIXEL, "input format");
         o = out;
         o.pixel = not_out[k];
-        expect_images(&in, &o, PUPIL_ERR_PIXEL, "output format");
+        expect_images(&in, &o, PUPIL_ERR_PIXEL_OUT, "output format");
     }
     for (unsigned k = 0; k < 4; k++) {
         i = in;

@@ -100,7 +100,7 @@ static void check_exposure(const run *r)
     pupil_exposure e;
     pupil_curve curve;
     MUST(pupil_get_exposure(&r->pupil, &e) == PUPIL_OK);
-    MUST(e.state <= PUPIL_STATE_LOCKED && e.reason <= PUPIL_REASON_LOCK && e.dt_s >= 0);
+    MUST(e.state <= PUPIL_STATE_LOCKED && e.reason <= PUPIL_REASON_CLOCK_UNIT && e.dt_s >= 0);
     const int error = pupil_get_curve(&r->pupil, NULL, &curve);
     MUST(error == (e.frames ? PUPIL_OK : PUPIL_ERR_NO_EXPOSURE));
     if (error)
@@ -113,7 +113,8 @@ static void check_exposure(const run *r)
 
 static void check_refused(const run *before, const run *after, int error)
 {
-    MUST(error == PUPIL_OK || (error < 0 && error >= PUPIL_ERR_CODING) || error == PUPIL_ERR_SIZE_BYTES);
+    MUST(error == PUPIL_OK || (error < 0 && error >= PUPIL_ERR_CODING) || error == PUPIL_ERR_SIZE_BYTES ||
+         error == PUPIL_ERR_PIXEL_OUT);
     MUST(error == PUPIL_OK || memcmp(&before->pupil, &after->pupil, sizeof after->pupil) == 0);
 }
 

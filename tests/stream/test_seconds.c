@@ -179,7 +179,7 @@ static void check_clocks(void)
     start(&pupil, 0.5, 0.5);
     adapt(&pupil, 0, 10 * SECOND);
     e = adapt(&pupil, 4, 10 * SECOND); /* the same moment */
-    CHECK(e.adapted_ev == 0 && e.dt_s == 0 && e.metered_ev == 4 && e.reason != PUPIL_REASON_CLOCK_BACK);
+    CHECK(e.adapted_ev == 0 && e.dt_s == 0 && e.metered_ev == 4 && e.reason == PUPIL_REASON_CLOCK_UNIT);
     e = adapt(&pupil, 4, 9 * SECOND); /* back in time */
     CHECK(e.adapted_ev == 0 && e.dt_s == 0 && e.reason == PUPIL_REASON_CLOCK_BACK);
     e = adapt(&pupil, 4, 9 * SECOND + SECOND / 2); /* and on from there */
@@ -193,6 +193,32 @@ static void check_clocks(void)
     CHECK(e.adapted_ev == -1 && e.dt_s == 0 && e.reason == PUPIL_REASON_CLOCK_BACK);
     e = adapt(&pupil, 5, INT64_MAX);
     CHECK_MSG(e.adapted_ev == 5 && e.dt_s > 1.8e10, "the longest step: %g s", e.dt_s);
+}
+
+/* 30 frames a second, whose timestamps are in another unit than ns. */
+static void check_units(void)
+{
+    static const struct {
+        int64_t per_second;
+        uint32_t reason;
+    } units[] = {{1, PUPIL_REASON_CLOCK_UNIT},
+                 {1000, PUPIL_REASON_CLOCK_UNIT},
+                 {1000000, PUPIL_REASON_CLOCK_UNIT},
+                 {SECOND, PUPIL_REASON_NONE}};
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        pupil_t pupil;
+        start(&pupil, 0.5, 0.5);
+        for (int64_t n = 0; n < 60; n++) {
+            const pupil_exposure e = adapt(&pupil, n ? 4 : 0, (1000 * 30 + n) * units[i].per_second / 30);
+            CHECK_MSG(e.reason == (n ? units[i].reason : PUPIL_REASON_NONE), "%lld a second, frame %lld: reason %u",
+                      (long long)units[i].per_second, (long long)n, e.reason);
+        }
+    }
+    pupil_t pupil;
+    start(&pupil, 0.5, 0.5);
+    CHECK(adapt(&pupil, 0, 0).reason == PUPIL_REASON_NONE && adapt(&pupil, 0, 0).reason == PUPIL_REASON_NONE);
+    CHECK(adapt(&pupil, 0, 100000).reason == PUPIL_REASON_NONE); /* 0.1 ms */
+    CHECK(adapt(&pupil, 0, 199999).reason == PUPIL_REASON_CLOCK_UNIT);
 }
 
 static void check_unstamped(void)
@@ -228,6 +254,7 @@ int main(int argc, char **argv)
     check_ode();
     check_directions();
     check_clocks();
+    check_units();
     check_unstamped();
     return check_end();
 }

@@ -24,7 +24,7 @@ enum {
                                * and out differ in size */
     PUPIL_ERR_STRIDE = -5,    /* rows would overlap: |stride| is smaller than one row of pixels */
     PUPIL_ERR_ALIGNMENT = -6, /* data or stride is not a multiple of the sample's size */
-    PUPIL_ERR_PIXEL = -7,     /* the pixel format cannot be used on this side (input or output) */
+    PUPIL_ERR_PIXEL = -7,     /* the input's pixel format cannot be read, or is not that of gles.h's config */
     PUPIL_ERR_ROWS = -8,      /* rows outside the frame, or that cut what belongs together (image.h), or a frame ended
                                * before each of its rows came once */
     PUPIL_ERR_ORDER = -9,     /* calls out of order: rows or end without a begin, or a second begin */
@@ -40,8 +40,9 @@ enum {
     PUPIL_ERR_GLES_CONTEXT = -19, /* ... no context is current, or another one than at init */
     PUPIL_ERR_GLES_LOST = -20,    /* ... the context is lost */
     PUPIL_ERR_GLES = -21,         /* ... any other error of GL */
-    PUPIL_ERR_SIZE_BYTES = -22    /* abi.h: size_bytes of a struct matches no version, or it covers a field that is
+    PUPIL_ERR_SIZE_BYTES = -22,   /* abi.h: size_bytes of a struct matches no version, or it covers a field that is
                                    * set and that this version does not know */
+    PUPIL_ERR_PIXEL_OUT = -23 /* the output's pixel format cannot be written; pupil_error_string has those that can */
 };
 
 /* A sentence that says why a call failed, for calls that return more than a code. It is English, without a full stop,

@@ -23,7 +23,19 @@ extern "C" {
 /* The largest width and height, so that every sum in pupil_stats provably fits its integer. */
 #define PUPIL_MAX_SIDE_PX 16384u
 
-/* Pixel formats. "linear": the sample is proportional to light. "sRGB": coded with the curve of IEC 61966-2-1.
+/* White: the light that a value of 1.0 represents. Levels and EV are relative to it where frames bring no exposure time
+ * and gain.
+ *
+ * - 8-bit RGB, RGB10A2 and Y'CbCr, coded with sRGB or BT.709: the code of white (255, 1023; Y' 235 or 940 in limited
+ *   range). Nothing is brighter.
+ * - PQ: 100 cd/m2. The largest code is 100.0, which is 10000 cd/m2.
+ * - HLG: the scene light of the largest code. Reference white, a signal of 75 %, is 0.265.
+ * - RGB of 16 bits: code 65535.
+ * - Grey and mosaics: coding.white, usually the sensor's clipping. A mosaic's balance and matrix come after it.
+ * - Float and half: the frame's own unit. Renderers and EXR files usually have diffuse white at 1, with light above it.
+ * - Outputs: the brightest that the display shows.
+ *
+ * Pixel formats. "linear": the sample is proportional to light. "sRGB": coded with the curve of IEC 61966-2-1.
  * Integer samples represent 0..1: code / (2^bits - 1), unless the image's coding says otherwise. Alpha is never light:
  * it is not metered. It is copied to outputs that have it: rounded, clamped to 0..1, NaN to 0, and 1 for inputs without
  * alpha. Names in parentheses are those of V4L2. */

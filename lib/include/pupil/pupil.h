@@ -132,7 +132,9 @@ typedef enum pupil_reason {
     PUPIL_REASON_EV_MAX,     /* the light is above ev_max */
     PUPIL_REASON_NO_LIGHT,   /* this frame's statistics carry no weight: the level was held */
     PUPIL_REASON_CLOCK_BACK, /* this frame's timestamp is before the last one's: dt was taken as 0 */
-    PUPIL_REASON_LOCK        /* config.lock */
+    PUPIL_REASON_LOCK,       /* config.lock */
+    PUPIL_REASON_CLOCK_UNIT  /* this frame's timestamp is less than 0.1 ms after the last one's: seconds, ms or us in
+                              * the place of ns? The level hardly moves */
 } pupil_reason;
 
 /* The state after the last pupil_adapt. All EV are log2 of scene luminance (relative unless frames bring exposure, gain
