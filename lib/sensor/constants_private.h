@@ -134,6 +134,8 @@
 #define SENSOR_STEEP_MOST  2.2
 #define SENSOR_KNOWN_LEAST 0.8
 #define SENSOR_KNOWN_MOST  1.25
+/* The longest queue of buffers that a slow program lets grow old: V4L2 programs take 4 to 8. */
+#define SENSOR_STILL_FRAMES 8
 /* Settings are the same within this; guesses differ from this on. */
 #define SENSOR_SAME_EV   0.05
 #define SENSOR_DIFFER_EV 0.01

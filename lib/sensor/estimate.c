@@ -20,6 +20,7 @@ void pupil_sensor_forget(pupil_sensor_object *o)
     a->noise_ev = 2.0 * SENSOR_QUANTILE_NOISE_EV;
     a->response[0] = a->response[1] = 1.0;
     a->unit[0] = a->unit[1] = 0.0;
+    a->still[0] = a->still[1] = 0;
     a->delay[0] = a->delay[1] = 0;
     a->is_borne_out = a->learned = a->seen = 0;
 }
@@ -81,7 +82,8 @@ static int has_metadata(const pupil_frame_info *info)
 
 /* The setting that the metadata of one control mean. Where they moved, that is the setting like it that was asked for;
  * where there is none, they are taken at their word. A camera with another unit, or that rounds, reports so much above
- * what was asked for; that is found where nothing is on its way. */
+ * what was asked for; that is found where nothing is on its way. Frames that waited in the
+ * driver, because the program is slow, are later than any delay: so many of them are let pass. */
 static void read_control(sensor_estimate *a, int c)
 {
     const double moved_by = a->said[c] - a->said_before[c];
@@ -96,7 +98,8 @@ static void read_control(sensor_estimate *a, int c)
     a->reported_before[c] = a->reported[c];
     if (moved_by != 0.0)
         a->reported[c] = like;
-    if (!is_still)
+    a->still[c] = is_still ? a->still[c] + (a->still[c] < SENSOR_STILL_FRAMES) : 0;
+    if (a->still[c] < SENSOR_STILL_FRAMES)
         return;
     a->unit[c] = a->said[c] - a->standing[c];
     a->reported_before[c] += a->standing[c] - a->reported[c];

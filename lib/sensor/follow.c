@@ -33,10 +33,11 @@ static int is_on_its_way(const pupil_sensor_object *o)
         is_there &= is_in;
         is_late |= !is_in && a->reports && !a->best[c];
     }
-    /* metadata that nothing contradicts say that it is not: the delay may be longer than was believed */
+    /* Metadata that nothing contradicts say that it is not: the delay may be longer than was believed. And where frames
+     * are lost because the program is slow, those that come have waited in the driver: they are counted. */
     const uint32_t usual = wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
-    const uint32_t wait = is_late && usual < least ? least : usual;
-    return o->search.since < wait && !(is_there && is_by_metadata(a));
+    const int is_waiting = o->search.since < usual || (is_late && o->search.looks < (usual > least ? usual : least));
+    return is_waiting && !(is_there && is_by_metadata(a));
 }
 
 /* The setting that was asked for last is in force beyond doubt. */
@@ -405,7 +406,7 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
         for (int c = 0; c < SENSOR_CONTROLS; c++)
             s->from[c] = a->standing[c];
     }
-    s->since = a->has_frame ? 0 : SENSOR_RING;
+    s->since = s->looks = a->has_frame ? 0 : SENSOR_RING;
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->standing[c] = setting[c];
     o->setting.exposure_s = e;
@@ -445,8 +446,9 @@ static void count_frame(pupil_sensor_object *o)
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     s->since = s->since + a->gap < SENSOR_RING ? s->since + a->gap : SENSOR_RING;
+    s->looks += s->looks < SENSOR_RING;
     if (o->setting.frames == 1 && (a->in_force[0] != a->standing[0] || a->in_force[1] != a->standing[1]))
-        s->since = 0; /* the camera began with another setting than it was asked for */
+        s->since = s->looks = 0; /* the camera began with another setting than it was asked for */
     for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
         p->age += a->gap;
         p->is_used &= p->age < SENSOR_POINT_FRAMES;

@@ -57,7 +57,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->white.top = SENSOR_FAR_AWAY;
     o->black.before[0] = -SENSOR_FAR_AWAY;
     o->plan.brighter = SENSOR_FAR_AWAY;
-    o->search.since = SENSOR_RING; /* nothing is on its way */
+    o->search.since = o->search.looks = SENSOR_RING; /* nothing is on its way */
     o->setting.exposure_s = SENSOR_FIRST_EXPOSURE_S;
     o->setting.gain = 1.0;
     o->setting.frame_digital = o->setting.slope = 1.0;

@@ -76,6 +76,7 @@ typedef struct sensor_estimate {
     double reported[SENSOR_CONTROLS];                           /* which of the asked settings the metadata say */
     double reported_before[SENSOR_CONTROLS];
     double unit[SENSOR_CONTROLS];     /* the metadata are so much above what was asked for */
+    uint32_t still[SENSOR_CONTROLS];  /* frames in which nothing was on its way, at most SENSOR_STILL_FRAMES */
     double in_force[SENSOR_CONTROLS]; /* in this frame, by the best guess */
     double low_before[SENSOR_ORDERS], high_before[SENSOR_ORDERS];
     double noise_ev;                  /* of the scene, from frame to frame */
@@ -145,6 +146,7 @@ typedef struct sensor_search {
     double wrong_wanted; /* the effect that was wanted then */
     uint32_t wrong_frames, wrong_times;
     uint32_t since;      /* frames since the last large step, at most SENSOR_RING */
+    uint32_t looks;      /* ... and those of them that came */
     uint32_t is_large;   /* that step is not judged yet */
     uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
     double blunt_wanted; /* the effect that was wanted then */

@@ -314,6 +314,7 @@ int main(int argc, char **argv)
     test_learned(1, 40);
     test_hidden_steps(4.0, 40);
     test_hidden_steps(4.0, 90);
+    test_hidden_steps(4.0, 200);
     test_settles(2.0);
     test_settles(0.5);
     test_settles(0.125);
