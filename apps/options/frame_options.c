@@ -105,6 +105,10 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .right = "above 0, up to 1", .help = "its weight of each new frame"},
     {"key", 0, OPTION_NUMBER, "K", AT(config.key), .initial = "0.18", .low = 0x1p-10, .high = 1.0,
      .right = "from 0.001 to 1", .help = "what the log-average luminance is mapped to"},
+    {"highlights", 0, OPTION_NUMBER, "STOPS", AT(config.highlight_ev), .initial = "2", .high = 8.0, .unit = "stops",
+     .help = "how far highlights may darken the picture, 0: not at all",
+     .more = "Where more than 5 % of the frame is over 4 stops brighter than its log-average, the picture is darker by "
+             "what is missing, at most so much: a lamp in a dark room, a lit meadow behind a tree."},
     {"ev", 0, OPTION_NUMBER, "STOPS", AT(config.ev_compensation), .initial = "0", .low = -16.0, .high = 16.0,
      .unit = "stops", .help = "exposure compensation", .more = "Positive is brighter."},
     {"lock", 0, OPTION_FLAG, NULL, AT(config.lock), .help = "hold the first level"},

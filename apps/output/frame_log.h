@@ -26,7 +26,8 @@ typedef struct frame_log_entry {
     double read_us;            /* microseconds spent on reading, on meter + adapt + map, on writing */
     double process_us;
     double write_us;
-    const char *state; /* "adapting", "settled", "limited", "locked", "empty" */
+    double held_back_ev; /* stops by which the highlights make the picture darker */
+    const char *state;   /* "adapting", "settled", "limited", "locked", "empty" */
 
     /* of a live camera; NaN: unknown */
     int live;

@@ -51,6 +51,7 @@ frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame
     pupil_get_exposure(&p->pupil, &e);
     entry.dt_s = e.dt_s;
     entry.metered_ev = e.metered_ev;
+    entry.held_back_ev = e.held_back_ev;
     entry.adapted_ev = e.adapted_ev;
     entry.state = state_word(e.state);
     pupil_stats_quantile(stats, 0.01, &entry.p01_ev); /* refused without light: the quantiles stay 0 */

@@ -8,6 +8,9 @@
 #include "core/read.h"
 
 #define SETTLED_EV 0.05 /* from the target: pupil.h, PUPIL_STATE_SETTLED */
+/* Between these times highlight_share the highlights begin to hold the level; docs/pictures.md. */
+#define HIGHLIGHT_LEAST 0.8
+#define HIGHLIGHT_MOST  1.6
 
 /* pupil.h, PUPIL_REASON_CLOCK_UNIT: 10000 frames a second. From 10 frames a second on, us that are taken for ns are
  * less than this apart; ms and seconds always are. */
@@ -183,6 +186,17 @@ static void judge(pupil_object *object, double target_ev, uint32_t reason)
         r->state = PUPIL_STATE_SETTLED;
 }
 
+/* By how much the level is to be above the log-average, so that all but a small share of the light is near enough. It
+ * is a mean over shares, not one quantile, so that a lamp which becomes a little larger cannot make the level jump. */
+static double held_back_ev(const pupil_config *c, const pupil_stats *stats, double mean_log2)
+{
+    if (!stats->has_histogram || !(c->highlight_ev > 0.0))
+        return 0.0;
+    return pupil_stats_excess(stats, 1.0 - HIGHLIGHT_MOST * c->highlight_share,
+                              1.0 - HIGHLIGHT_LEAST * c->highlight_share, mean_log2 + c->highlight_room_ev,
+                              c->highlight_ev);
+}
+
 /* Everything that can be refused, before anything is touched. */
 static int targets_of(const pupil_object *object, const pupil_stats *stats, double *mean_log2, double *white_log2)
 {
@@ -199,6 +213,29 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
 double pupil_scale_log2(const pupil_object *object)
 {
     return pupil_log2(object->config.key) + object->config.ev_compensation - object->adaptation.result.adapted_ev;
+}
+
+/* The level that this frame asks for, and why it is not the log-average. */
+static double target_of(pupil_object *object, const pupil_stats *stats, double mean_ev, const pupil_frame_info *info,
+                        uint32_t *reason)
+{
+    const pupil_config *c = &object->config;
+    pupil_exposure *r = &object->adaptation.result;
+    r->metered_ev = stops_of(pupil_level_of(mean_ev));
+    r->flicker_ev = 0.0;
+    if (c->flicker) {
+        pupil_flicker *f = &object->adaptation.flicker;
+        pupil_flicker_frame(f, r->metered_ev, info->exposure_s, info->timestamp_ns);
+        r->flicker_ev = pupil_flicker_at(f, info->timestamp_ns);
+    }
+    const double target_ev = r->metered_ev - r->flicker_ev + r->held_back_ev;
+    if (target_ev < c->ev_min || target_ev > c->ev_max)
+        *reason = target_ev < c->ev_min ? PUPIL_REASON_EV_MIN : PUPIL_REASON_EV_MAX;
+    else if (*reason == PUPIL_REASON_NONE && r->held_back_ev > SETTLED_EV)
+        *reason = PUPIL_REASON_HIGHLIGHTS;
+    else if (*reason == PUPIL_REASON_NONE && !stats->has_histogram && c->highlight_ev > 0.0)
+        *reason = PUPIL_REASON_NO_HISTOGRAM;
+    return clamp(target_ev, c->ev_min, c->ev_max);
 }
 
 int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info *info)
@@ -232,18 +269,8 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     }
     pupil_adaptation_learn_exposure(a, info);
     const double divisor_log2 = pupil_exposure_log2(c, a, info);
-    a->result.metered_ev = stops_of(pupil_level_of(mean - divisor_log2));
-    a->result.flicker_ev = 0.0;
-    if (c->flicker) {
-        pupil_flicker_frame(&a->flicker, a->result.metered_ev, info->exposure_s, info->timestamp_ns);
-        a->result.flicker_ev = pupil_flicker_at(&a->flicker, info->timestamp_ns);
-    }
-
-    double target_ev = a->result.metered_ev - a->result.flicker_ev;
-    if (target_ev < c->ev_min || target_ev > c->ev_max) {
-        reason = target_ev < c->ev_min ? PUPIL_REASON_EV_MIN : PUPIL_REASON_EV_MAX;
-        target_ev = target_ev < c->ev_min ? c->ev_min : c->ev_max;
-    }
+    a->result.held_back_ev = held_back_ev(c, stats, mean);
+    const double target_ev = target_of(object, stats, mean - divisor_log2, info, &reason);
     if (c->lock && a->seen) {
         reason = PUPIL_REASON_LOCK;
     } else {

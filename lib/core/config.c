@@ -24,6 +24,9 @@ static void fill_in_defaults(pupil_config *config)
         .key = 0.18, /* Reinhard et al. 2002, section 2.1 */
         .white = 1.0,
         .white_quantile = 0.995,
+        .highlight_share = 0.05,
+        .highlight_room_ev = 4.0,
+        .highlight_ev = 2.0,
     };
     *config = defaults;
     (void)pupil_metering_uniform(config);
@@ -102,6 +105,9 @@ static const char *adaptation_fault(const pupil_config *c)
         {within(c->calibration, 0x1p-64, 0x1p64), "calibration must be above 0 (from 2^-64 to 2^64)"},
         {within(c->key, 0x1p-10, 1.0), "key must be from 2^-10 to 1"},
         {within(c->ev_compensation, -16.0, 16.0), "ev_compensation must be from -16 to 16 stops"},
+        {within(c->highlight_share, 0.001, 0.5), "highlight_share must be from 0.001 to 0.5"},
+        {within(c->highlight_room_ev, 0.0, 32.0), "highlight_room_ev must be from 0 to 32 stops"},
+        {within(c->highlight_ev, 0.0, 8.0), "highlight_ev must be from 0 to 8 stops"},
     };
     return first_fault(rules, sizeof rules / sizeof rules[0]);
 }

@@ -102,6 +102,9 @@ int pupil_stats_check(const pupil_stats *stats);
 int pupil_stats_check_sums(const pupil_stats *stats);
 /* pupil_stats_quantile of several shares at once, of statistics that have been checked and have a weight and bins. */
 void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count, double *log2_luminance);
+/* The mean, over the weight between two shares, of the stops by which light is above `from_log2`, each at most `most`.
+ * They have a histogram and a weight, too. */
+double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most);
 
 /* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */
 double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);

@@ -220,6 +220,22 @@ static double histogram_mean(const pupil_stats *stats, double from, double to)
     return sum / (to - from);
 }
 
+double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most)
+{
+    const double from = low * (double)stats->weight, to = high * (double)stats->weight;
+    double end = 0.0, sum = 0.0;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
+        const double begin = end;
+        end += (double)stats->bin[i];
+        const double a = begin > from ? begin : from, b = end < to ? end : to;
+        if (b > a) {
+            const double middle = (0.5 * (a + b) - begin) / (end - begin);
+            sum += (b - a) * clamp(log2_within_bin(i, middle, PUPIL_HISTOGRAM_BINS_PER_STOP) - from_log2, 0.0, most);
+        }
+    }
+    return sum / (to - from);
+}
+
 int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance)
 {
     if (!stats || !log2_luminance)

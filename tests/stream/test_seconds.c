@@ -16,6 +16,7 @@ static void start(pupil_t *pupil, double tau_light, double tau_dark)
     config.tau_light_s = tau_light;
     config.tau_dark_s = tau_dark;
     config.white_mode = PUPIL_WHITE_NONE;
+    config.highlight_ev = 0;
     CHECK(pupil_init(pupil, &config) == PUPIL_OK);
 }
 

@@ -114,6 +114,16 @@ typedef struct pupil_config {
     double key;             /* what the log-average is mapped to, 2^-10..1; 0.18 */
     double ev_compensation; /* stops, positive is brighter; 0; -16..16 */
 
+    /* Highlights: where more than `highlight_share` of the weight is over `highlight_room_ev` brighter than the
+     * log-average, the level is higher, and the picture darker, by what is missing: by at most `highlight_ev`. So a
+     * lamp in a dark room, or a lit meadow behind a tree, keeps its colours. What is missing is the mean over the
+     * shares from 0.8 to 1.6 times `highlight_share`, so that it begins slowly. It needs a histogram: there is none
+     * where the white point does not follow, nothing is trimmed and `histogram` is 0. docs/pictures.md shows what it
+     * does. */
+    double highlight_share;   /* 0.05; 0.001..0.5 */
+    double highlight_room_ev; /* stops; 4; 0..32 */
+    double highlight_ev;      /* stops; 2; 0 (never)..8 */
+
     /* mapping */
     uint32_t order;        /* a pupil_order; exact */
     uint32_t white_mode;   /* a pupil_white; follow */

@@ -128,13 +128,15 @@ typedef enum pupil_state {
 
 typedef enum pupil_reason {
     PUPIL_REASON_NONE = 0,
-    PUPIL_REASON_EV_MIN,     /* the light is below ev_min */
-    PUPIL_REASON_EV_MAX,     /* the light is above ev_max */
-    PUPIL_REASON_NO_LIGHT,   /* this frame's statistics carry no weight: the level was held */
-    PUPIL_REASON_CLOCK_BACK, /* this frame's timestamp is before the last one's: dt was taken as 0 */
-    PUPIL_REASON_LOCK,       /* config.lock */
-    PUPIL_REASON_CLOCK_UNIT  /* this frame's timestamp is less than 0.1 ms after the last one's: seconds, ms or us in
-                              * the place of ns? The level hardly moves */
+    PUPIL_REASON_EV_MIN,      /* the light is below ev_min */
+    PUPIL_REASON_EV_MAX,      /* the light is above ev_max */
+    PUPIL_REASON_NO_LIGHT,    /* this frame's statistics carry no weight: the level was held */
+    PUPIL_REASON_CLOCK_BACK,  /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_REASON_LOCK,        /* config.lock */
+    PUPIL_REASON_CLOCK_UNIT,  /* this frame's timestamp is less than 0.1 ms after the last one's: seconds, ms or us in
+                               * the place of ns? The level hardly moves */
+    PUPIL_REASON_HIGHLIGHTS,  /* the highlights hold the level up (config.highlight_ev): held_back_ev */
+    PUPIL_REASON_NO_HISTOGRAM /* the highlights are not known, because the statistics have no histogram */
 } pupil_reason;
 
 /* The state after the last pupil_adapt. All EV are log2 of scene luminance (relative unless frames bring exposure, gain
@@ -142,15 +144,17 @@ typedef enum pupil_reason {
 typedef struct pupil_exposure {
     uint32_t size_bytes; /* abi.h */
     uint32_t reserved;
-    double metered_ev; /* the last frame's (trimmed) log-average */
-    double flicker_ev; /* how much of it is temporal flicker (config.flicker); 0: none known */
-    double adapted_ev; /* the adapted level */
-    double white_ev;   /* the adapted upper quantile of the brightest channel; 0 unless the white point follows */
-    double scale;      /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
-    double dt_s;       /* the time step of the last frame */
-    uint64_t frames;   /* frames adapted to since init or reset */
-    uint32_t state;    /* a pupil_state */
-    uint32_t reason;   /* a pupil_reason */
+    double metered_ev;   /* the last frame's (trimmed) log-average */
+    double flicker_ev;   /* how much of it is temporal flicker (config.flicker); 0: none known */
+    double held_back_ev; /* by how much the last frame's highlights hold the level above its log-average, and the
+                          * picture darker (config.highlight_ev); 0..8 */
+    double adapted_ev;   /* the adapted level */
+    double white_ev;     /* the adapted upper quantile of the brightest channel; 0 unless the white point follows */
+    double scale;        /* from scene luminance to scaled luminance: key * 2^(ev_compensation - adapted_ev) */
+    double dt_s;         /* the time step of the last frame */
+    uint64_t frames;     /* frames adapted to since init or reset */
+    uint32_t state;      /* a pupil_state */
+    uint32_t reason;     /* a pupil_reason */
 } pupil_exposure;
 
 PUPIL_API int pupil_get_exposure_sized(const pupil_t *pupil, pupil_exposure *exposure, size_t exposure_bytes);

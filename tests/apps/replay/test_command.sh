@@ -96,8 +96,8 @@ done
 # a pixel that no metering weight falls on: held, and time goes on
 printf 'PF\n1 1\n-1.0\n\0\0\0\77\0\0\0\77\0\0\0\77' >dot.pfm
 "$program" replay dot.pfm -q --roi 0,0,0.1,0.1 --hold 2 --stats dot.csv || fail "a frame without weight"
-[ "$(cut -d, -f4,22 dot.csv | tr -d '\r' | tr '\n' ' ')" = "dt_s,state 0,empty 0.033333333,empty " ] ||
-    fail "a frame without weight: $(cut -d, -f4,22 dot.csv)"
+[ "$(cut -d, -f4,23 dot.csv | tr -d '\r' | tr '\n' ' ')" = "dt_s,state 0,empty 0.033333333,empty " ] ||
+    fail "a frame without weight: $(cut -d, -f4,23 dot.csv)"
 
 # a report tells only what was compared: no log-average where the metering has weights
 "$program" $walk -n 2 --report even && "$program" $walk -n 2 --report spot --metering spot || fail "reports"

@@ -59,7 +59,12 @@ cmp -s gpu.y4m again.y4m || fail "another run, another picture"
 for options in "--fused" "--white 3 --ev 1 --metering spot" "--trim 5,95" "--formula 1 --key 0.3" "--lock --transfer gamma22" \
     "--reset-each" "--white none --gles-version 3.0" "--white 2 --fused --metering centre --gles-version 3.0"; do
     # shellcheck disable=SC2086
-    "$program" replay $walk ${options%--gles-version*} -o c.y4m --stats c.csv -q
+    case $options in
+    *3.0*) plain="${options%--gles-version*} --highlights 0" ;; # which a histogram would show
+    *) plain=$options ;;
+    esac
+    # shellcheck disable=SC2086
+    "$program" replay $walk $plain -o c.y4m --stats c.csv -q
     # shellcheck disable=SC2086
     "$program" replay $walk $options --gles -o g.y4m --stats g.csv 2>said.err || fail "$options: $(cat said.err)"
     grep -q "; GPU: .*OpenGL ES" said.err || fail "$options: not on the GPU: $(cat said.err)"
