@@ -80,9 +80,10 @@ typedef enum pupil_gles_adapt {
     PUPIL_GLES_ADAPT_CPU = 0, /* default: every law. A frame is mapped by the newest statistics that have come back,
                                * which are a frame old or more */
     PUPIL_GLES_ADAPT_GPU,     /* the frame's own light, without a round trip. PUPIL_LAW_SECONDS alone, no trimming, a
-                               * white that does not follow; temporal flicker is not removed, and highlights do not hold the
-                               * level. An integer state on the     GPU, within 2e-6 stops of the C with config.flicker 0
-                               * (docs/numerics.md). Statistics     still come back, so the pupil_t follows and can take over */
+                               * white that does not follow; temporal flicker is not removed, and highlights do not
+                               * hold the level. An integer state on the GPU, within 2e-6 stops of the C with
+                               * config.flicker 0 (docs/numerics.md). Statistics still come back, so the pupil_t
+                               * follows and can take over */
     PUPIL_GLES_ADAPT_COUNT
 } pupil_gles_adapt;
 
