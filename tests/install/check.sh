@@ -82,7 +82,7 @@ done
 # The examples, by the lines that they give themselves, and as C++.
 examples=$here/../../docs/examples
 for name in meter_only decoder_i420 mat_bgr mono_y10p own_camera full; do
-    packages=$(sed -n "s/.*cc $name\.c .(pkg-config --cflags --libs \([a-z -]*\))\( -lm\)* -o $name\( \*/\)*\$/\1/p" "$examples/$name.c")
+    packages=$(sed -n "s/.*cc $name\.c .(pkg-config --cflags --libs \([a-z -]*\))\( -lm\)* -o $name\( \*\/\)*\$/\1/p" "$examples/$name.c")
     [ -n "$packages" ] || { echo "check.sh: docs/examples/$name.c does not say how it is compiled"; exit 1; }
     for compiler in "gcc -std=gnu11" "g++ -std=c++11 -xc++"; do
         $compiler -Wall -Wextra -Wpedantic -Werror "$examples/$name.c" -xnone $(pkg-config --cflags --libs $packages) \
