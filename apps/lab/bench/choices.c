@@ -164,7 +164,7 @@ static int judge(choosing *c, uint32_t level, bench_choice *choice, size_t *coun
     static const char *const frame_name[FRAMES] = {"fused", "meter, then map", "map alone"};
     const bench_runner *r = c->runner;
     verify_figures figures;
-    if (bench_kernel_error(level, PUPIL_PIXEL_RGBA32F, 1, 0, &figures))
+    if (bench_kernel_error(level, PUPIL_PIXEL_RGBA32F, PUPIL_LIGHT_DEFAULT, 1, 0, &figures))
         return -1;
     for (int striped = 0; striped < 2; striped++) {
         if (striped)

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "bench.h"
+#include "camera.h"
 #include "clock.h"
 #include "common/interrupt.h"
 #include "common/pixel_light.h"
@@ -31,6 +32,15 @@ static int parse_format(const option_value *v)
     return bench_format_named(v->text) ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
+static int parse_light(const option_value *v)
+{
+    bench_options *o = v->options;
+    o->light = strcmp(v->text, "pq") == 0    ? PUPIL_LIGHT_PQ
+               : strcmp(v->text, "hlg") == 0 ? PUPIL_LIGHT_HLG
+                                             : PUPIL_LIGHT_DEFAULT; /* which is sRGB there */
+    return OPTIONS_RUN;
+}
+
 #define AT(field) offsetof(bench_options, field)
 
 static const option_row rows[] = {
@@ -48,6 +58,8 @@ static const option_row rows[] = {
      .more = "Choices: every row or some of them, fused or in two passes, ways to encode. Also prints the same."},
     {"format", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_format, .words = BENCH_FORMAT_WORDS,
      .help = "one input format (all; --peers, --worst and --plot: rgba32f)"},
+    {"light", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_light, .words = "srgb|pq|hlg", .initial = "srgb",
+     .help = "what the codes of --format p010, i420-10, rgb10a2 or another Y'CbCr format represent"},
     {"out", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_out, .words = "rgba8|rgb8|bgrx8|bgr8|nv12|half",
      .initial = "rgba8", .help = "output format; half is RGBA8 of half a mosaic's width and height"},
     {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = PUPIL_MAX_SIDE_PX, .initial = "1920x1080",
@@ -74,7 +86,7 @@ const option_command bench_kernels_command = {
               "(fused, with the histogram that the following white point needs). Errors are those of the log-average "
               "against long double, and of display samples against double, on an easy and on a hard frame.\n\n"
               "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, uyvy, nv12, nv21, nv16, i420, grey8 to "
-              "grey16, bayer8 to bayer16, bayer10p, bayer12p).",
+              "grey16, bayer8 to bayer16, bayer10p, bayer12p) among them.",
     .instead = "choose kernels by --format",
     .groups = groups,
 };
@@ -119,6 +131,10 @@ static int check(const bench_options *o)
         return fprintf(stderr, "pupil bench: --threads %u: --peers and --plot are of one thread\n", o->threads), -1;
     if (o->plot && o->json)
         return fputs("pupil bench: --json: --plot draws\n", stderr), -1;
+    const uint32_t pixel = o->format ? bench_format_named(o->format) : PUPIL_PIXEL_NONE;
+    if (o->light && !bench_is_yuv(pixel) && pixel != PUPIL_PIXEL_RGB10A2)
+        return fputs("pupil bench: --light: takes --format p010, i420-10, rgb10a2 or another Y'CbCr format\n", stderr),
+               -1;
     return modes ? 0 : check_formats(o);
 }
 

@@ -64,7 +64,7 @@ static int race(const bench_options *o, bench_subject *s, bench_kernel *k, const
         return interrupt_came() ? BENCH_INTERRUPTED : BENCH_FAILED;
     for (size_t i = 2; i < n; i++) {
         for (int hard = 0; hard < 2 && k[i].which == BENCH_METER; hard++) /* the others of a level share them */
-            if (bench_kernel_error(k[i].level, s->in.pixel, o->out->step, hard, &error[hard]))
+            if (bench_kernel_error(k[i].level, s->in.pixel, o->light, o->out->step, hard, &error[hard]))
                 return BENCH_FAILED;
         if (o->json)
             tell_json(o, workers_count(s->crew), &k[i], &runner[i], runner, error);

@@ -91,11 +91,22 @@ void bench_copy_run(void *context)
 
 /* --- opening --- */
 
+/* The same codes as other light. */
+static void set_light(pupil_image_const *in, pupil_coding *coding, uint32_t light)
+{
+    if (light == PUPIL_LIGHT_DEFAULT)
+        return;
+    *coding = in->coding ? *in->coding : (pupil_coding){0};
+    coding->light = light;
+    in->coding = coding;
+}
+
 int bench_subject_open(bench_subject *s, const bench_options *o, uint32_t pixel, workers *crew)
 {
     pupil_config c;
     pupil_t pupil;
     *s = (bench_subject){.crew = crew, .in = bench_frame(pixel, o->width, o->height, 0)};
+    set_light(&s->in, &s->coding, o->light);
     s->bytes = bench_frame_bytes(pixel, o->width, o->height);
     s->copy = aligned_alloc(64, (s->bytes + 63) / 64 * 64);
     s->out = bench_room(o->out->pixel, o->width / o->out->step, o->height / o->out->step);
@@ -144,8 +155,9 @@ uint32_t bench_best_level(void)
     return level;
 }
 
-int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t step, int hard, verify_figures *figures)
+int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t light, uint32_t step, int hard, verify_figures *figures)
 {
+    pupil_coding coding;
     pupil_config c;
     pupil_t pupil;
     pupil_stats stats;
@@ -153,6 +165,7 @@ int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t step, int hard, 
     pupil_image_const in = bench_frame(pixel, 480, 270, hard);
     pupil_image out = bench_room(PUPIL_PIXEL_RGB8, 480 / step, 270 / step);
     *figures = (verify_figures){0};
+    set_light(&in, &coding, light);
     configure(&c, BENCH_METER);
     c.levels = 1u << level;
     int failed = !in.data || !out.data || pupil_init(&pupil, &c);

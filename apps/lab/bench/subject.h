@@ -21,6 +21,7 @@ extern const bench_out bench_outs[]; /* ended by a NULL name; the first is the u
 
 typedef struct bench_options {
     const char *format; /* NULL: all */
+    uint32_t light;     /* a pupil_light, of that format's coding; PUPIL_LIGHT_DEFAULT: the usual */
     const bench_out *out;
     const char *plot; /* a file, or NULL */
     uint32_t width, height;
@@ -44,6 +45,7 @@ extern const char *const bench_level_names[PUPIL_LEVEL_COUNT];
 typedef struct bench_subject { /* what all of a format's runners share */
     workers *crew;
     pupil_image_const in;
+    pupil_coding coding; /* of in, where the light is not the usual */
     pupil_image out;
     unsigned char *copy; /* as large as `in` */
     size_t bytes;        /* of all its planes, which are contiguous */
@@ -77,8 +79,9 @@ void bench_read_run(void *context);
 void bench_copy_run(void *context);
 
 /* The errors of a level on a frame like the one that is timed, or on a hard one; small, for the reference is slow. Of
- * RGB8, at half the size where `step` is 2. */
-int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t step, int hard, verify_figures *figures);
+ * RGB8, at half the size where `step` is 2. light: as in the options. */
+int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t light, uint32_t step, int hard,
+                       verify_figures *figures);
 
 /* Whether bench_levels measures a format: the one that is named, or all that can have such an output. */
 int bench_is_measured(const bench_options *o, const bench_format *f);

@@ -4,10 +4,10 @@
  * RGB sources to 65535. So the same grey would differ by its pixel format. Here every sample is read as it is, chroma
  * is interpolated linearly at its true position, and the matrix is the standard's.
  *
- * Nor is a frame handed to the library as the Y'CbCr that it is, although the library reads it: there the four pixels of
- * a 4:2:0 block share Cb and Cr. Of the 28 frames of an HDR10 film of 640 x 360, 8 % of the samples then differ by more
- * than a code, at coloured edges by up to 94, and the level by 1.8e-4 EV. With constant chroma both are the same to a
- * code (drivers.file.video_library).
+ * Nor is a frame handed to the library as the Y'CbCr that it is, although the library reads it: there the four pixels
+ * of a 4:2:0 block share Cb and Cr. Of the 28 frames of an HDR10 film of 640 x 360, 8 % of the samples then differ by
+ * more than a code, at coloured edges by up to 94, and the level by 1.8e-4 EV. With constant chroma both are the same
+ * to a code (drivers.file.video_library).
  *
  * What an untagged frame is taken for: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are
  * BT.2020, else BT.709 from 720 rows on and BT.601 below, as players do. Primaries: BT.2020 with PQ, HLG or the BT.2020
