@@ -211,16 +211,79 @@ static long double fit(long double D, long double m, long double gamut)
     return fminl(1, k + (x - k) / (1 + gamut * (m / (1 - D) - k))) / x;
 }
 
+/* --- primaries: SMPTE RP 177 from the chromaticities, by Cramer's rule --- */
+
+static long double determinant(const long double m[9])
+{
+    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+/* x with m x = y */
+static void solve(const long double m[9], const long double y[3], long double x[3])
+{
+    const long double d = determinant(m);
+    for (int k = 0; k < 3; k++) {
+        long double with[9];
+        memcpy(with, m, sizeof with);
+        for (int i = 0; i < 3; i++)
+            with[3 * i + k] = y[i];
+        x[k] = determinant(with) / d;
+    }
+}
+
+static void xyz_of(uint32_t bt2020, long double m[9])
+{
+    static const long double xy[2][6] = {{0.64L, 0.33L, 0.30L, 0.60L, 0.15L, 0.06L},
+                                         {0.708L, 0.292L, 0.170L, 0.797L, 0.131L, 0.046L}};
+    const long double white[3] = {0.3127L / 0.3290L, 1, (1 - 0.3127L - 0.3290L) / 0.3290L};
+    long double amount[3];
+    for (int k = 0; k < 3; k++) {
+        const long double x = xy[bt2020][2 * k], y = xy[bt2020][2 * k + 1];
+        m[k] = x / y;
+        m[3 + k] = 1;
+        m[6 + k] = (1 - x - y) / y;
+    }
+    solve(m, white, amount);
+    for (int i = 0; i < 9; i++)
+        m[i] *= amount[i % 3];
+}
+
+/* light to that of config.output_primaries; config.h. 0: they are the input's. */
+static int to_picture(const pupil_config *config, long double light[3])
+{
+    long double in[9], out[9], xyz[3] = {0};
+    if (config->output_primaries == PUPIL_OUTPUT_AS_INPUT || config->output_primaries == config->primaries + 1)
+        return 0;
+    for (int c = 0; c < 3; c++)
+        light[c] = light[c] > 0x1p31L ? 0x1p31L : light[c] < -0x1p31L ? -0x1p31L : light[c];
+    if (config->primaries != PUPIL_PRIMARIES_MATRIX)
+        xyz_of(config->primaries == PUPIL_PRIMARIES_BT2020, in);
+    for (int i = 0; i < 9 && config->primaries == PUPIL_PRIMARIES_MATRIX; i++)
+        in[i] = config->rgb_to_xyz[i] /
+                ((long double)config->rgb_to_xyz[3] + config->rgb_to_xyz[4] + config->rgb_to_xyz[5]);
+    for (int i = 0; i < 9; i++)
+        xyz[i / 3] += in[i] * light[i % 3];
+    xyz_of(config->output_primaries == PUPIL_OUTPUT_BT2020, out);
+    solve(out, xyz, light);
+    for (int c = 0; c < 3; c++)
+        light[c] = light[c] > 0 ? light[c] : 0; /* NaN, too */
+    return 1;
+}
+
 void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3])
 {
     long double exact[3], light[3], most = 0, luminance;
     float rounded[3], rgb[3];
-    ref_weights(config, exact, rounded);
+    pupil_config picture = *config;
+    long double given[3] = {rgba[0], rgba[1], rgba[2]};
+    if (to_picture(config, given))
+        picture.primaries = config->output_primaries - 1;
+    ref_weights(&picture, exact, rounded);
     for (int c = 0; c < 3; c++) {
-        rgb[c] = (float)rgba[c];
-        light[c] = rgba[c] > 0 ? fminl(rgba[c], 0x1p31L) : 0; /* NaN goes to 0; pupil.h, pupil_curve */
+        rgb[c] = (float)given[c];
+        light[c] = given[c] > 0 ? fminl(given[c], 0x1p31L) : 0; /* NaN goes to 0; pupil.h, pupil_curve */
     }
-    luminance = exact[0] * rgba[0] + exact[1] * rgba[1] + exact[2] * rgba[2];
+    luminance = exact[0] * given[0] + exact[1] * given[1] + exact[2] * given[2];
     if (!isfinite(ref_luminance(rounded, rgb)))
         luminance = ref_luminance(rounded, rgb);
     if (isnan(luminance)) /* a pixel that is not a number in its luminance is black */

@@ -133,6 +133,11 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
              "operator. A number: a fixed white point in units of scaled luminance."},
     {"transfer", 0, OPTION_CHOICE, "srgb|gamma22|linear", AT(config.transfer), .initial = "srgb",
      .help = "display encoding"},
+    {"output-primaries", 0, OPTION_CHOICE, "input|bt709|bt2020", AT(config.output_primaries), .initial = "bt709",
+     .help = "the picture's primaries",
+     .more =
+         "Where the input has others, its colours are converted after metering. Components below 0, of colours that "
+         "these primaries cannot show, become 0. input: not converted."},
     {"fused", 0, OPTION_FLAG, NULL, AT(config.order),
      .help = "map with the state before the frame: one pass, one frame late",
      .more = "Each frame is mapped while it is metered."},
@@ -149,7 +154,7 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
 };
 
 _Static_assert(PUPIL_ORDER_FUSED == 1 && PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_LINEAR == 2 &&
-                   PUPIL_GLES_ES31 == PUPIL_GLES_ES30 + 1 &&
+                   PUPIL_OUTPUT_AS_INPUT == 0 && PUPIL_GLES_ES31 == PUPIL_GLES_ES30 + 1 &&
                    PUPIL_LAW_GEOMETRIC_LUMINANCE == PUPIL_LAW_ARITHMETIC_SCALE + 3,
                "a flag sets 1, and a choice its first value and its place");
 
@@ -159,6 +164,7 @@ void frame_options_begin(frame_options *o)
 {
     *o = (frame_options){.hold = 1, .metering = "uniform", .white = "follow"};
     pupil_config_default(&o->config);
+    o->config.output_primaries = PUPIL_OUTPUT_BT709;
     o->config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
 }
 

@@ -15,6 +15,27 @@ static const double *luma_of(const pupil_config *config)
     return config->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020 : bt709;
 }
 
+/* From the input's primaries to the picture's (config.h); the program has no matrix of its own. SMPTE RP 177-1993 from
+ * the chromaticities of BT.709 and BT.2020, to ten digits. */
+static const pupil_config *to_picture(const pupil_config *config, pupil_config *picture, double rgb[3])
+{
+    static const double m[2][9] = {{1.66049100211, -0.587641138789, -0.0728498633199, -0.124550474522, 1.13289989713,
+                                    -0.00834942260437, -0.0181507633549, -0.100578898008, 1.11872966136},
+                                   {0.627403895935, 0.329283038378, 0.0433130656874, 0.0690972893582, 0.919540395075,
+                                    0.0113623155663, 0.0163914388752, 0.0880133078772, 0.895595253248}};
+    const int to_bt2020 = config->output_primaries == PUPIL_OUTPUT_BT2020;
+    if (config->output_primaries == PUPIL_OUTPUT_AS_INPUT || config->primaries == (uint32_t)to_bt2020)
+        return config;
+    const double r = rgb[0], g = rgb[1], b = rgb[2];
+    for (int c = 0; c < 3; c++) {
+        const double *row = m[to_bt2020] + 3 * c;
+        rgb[c] = clamp(row[0] * r + row[1] * g + row[2] * b, 0.0, INFINITY);
+    }
+    *picture = *config;
+    picture->primaries = to_bt2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
+    return picture;
+}
+
 /* The display sample that the definitions give; config.h and pupil.h say each of them. */
 static int display_code(uint32_t transfer, double light)
 {
@@ -83,7 +104,9 @@ static long double compare(verify_figures *figures, const pupil_config *config, 
             pixel_light(in, x * step, y * step, step == 2, rgb);
             const long double luminance = luminance_of(config, rgb);
             sum += logarithm(config, luminance);
-            map_pixel(config, curve, rgb, (double)luminance, code);
+            pupil_config own;
+            const pupil_config *picture = to_picture(config, &own, rgb);
+            map_pixel(config, curve, rgb, (double)(picture == config ? luminance : luminance_of(picture, rgb)), code);
             for (int c = 0; c < 3; c++) {
                 int off = row[3 * x + (uint32_t)c] - code[c];
                 off = off < 0 ? -off : off;

@@ -58,6 +58,9 @@ static const char *primaries_fault(const pupil_config *c)
             return "rgb_to_xyz[3..5], luminance, must be from 0 to 1e6";
         sum += c->rgb_to_xyz[i];
     }
+    for (int i = 0; i < 9 && c->output_primaries != PUPIL_OUTPUT_AS_INPUT; i++)
+        if (!within((double)c->rgb_to_xyz[i], -1e6, 1e6))
+            return "rgb_to_xyz must be numbers from -1e6 to 1e6 where output_primaries names others than the input's";
     return sum > 1e-6f ? 0 : "rgb_to_xyz[3..5], the luminance row, must have a sum above 1e-6";
 }
 
@@ -95,7 +98,6 @@ static const char *adaptation_fault(const pupil_config *c)
         {c->law < PUPIL_LAW_COUNT, "law must be a pupil_law"},
         {c->lock <= 1, "lock must be 0 or 1"},
         {c->flicker <= 1, "flicker must be 0 or 1"},
-        {c->reserved == 0, "reserved must be 0"},
         {c->frame_weight > 0.0 && c->frame_weight <= 1.0, "frame_weight must be above 0, up to 1"},
         {within(c->tau_light_s, 0.0, 1e6), "tau_light_s must be from 0 to 1e6 seconds"},
         {within(c->tau_dark_s, 0.0, 1e6), "tau_dark_s must be from 0 to 1e6 seconds"},
@@ -119,6 +121,7 @@ static const char *mapping_fault(const pupil_config *c)
         {c->white_mode < PUPIL_WHITE_COUNT, "white_mode must be a pupil_white"},
         {within(c->white, 0x1p-8, 0x1p30), "white must be from 2^-8 to 2^30"},
         {within(c->white_quantile, 0.5, 1.0), "white_quantile must be from 0.5 to 1"},
+        {c->output_primaries < PUPIL_OUTPUT_COUNT, "output_primaries must be a pupil_output_primaries"},
         {c->transfer < PUPIL_TRANSFER_COUNT, "transfer must be a pupil_transfer"},
         {!(c->levels >> PUPIL_LEVEL_COUNT), "levels must be 0 or a mask of 1 << pupil_level"},
     };

@@ -44,6 +44,9 @@ typedef struct pupil_object {
     uint64_t magic;
     pupil_config config;
     float luma[3]; /* weights of luminance, from config.primaries */
+    float picture_luma[3]; /* the same of the picture, from config.output_primaries */
+    float to_picture[9];   /* from primaries to primaries, row by row; only where has_to_picture */
+    uint32_t has_to_picture;
     uint32_t histogram;
     uint32_t level; /* a pupil_level */
     /* pupil_reset clears from here to the end */
@@ -77,6 +80,9 @@ static inline int pupil_object_check(const pupil_t *pupil)
 
 /* The caller's configuration as one of this version: NULL, or a sentence. */
 const char *pupil_config_read(pupil_config *ours, const pupil_config *theirs);
+
+/* Fills in luma, picture_luma, to_picture and has_to_picture from the configuration. */
+void pupil_primaries_derive(pupil_object *object);
 
 /* coding may be NULL; it has been checked. */
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *coder);

@@ -7,18 +7,6 @@
 
 /* --- life --- */
 
-static void derive_luma(pupil_object *object)
-{
-    static const float bt709[3] = {0.2126f, 0.7152f, 0.0722f}, bt2020[3] = {0.2627f, 0.6780f, 0.0593f};
-    const pupil_config *c = &object->config;
-    const float *row = c->primaries == PUPIL_PRIMARIES_BT709    ? bt709
-                       : c->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020
-                                                                : c->rgb_to_xyz + 3;
-    double sum = c->primaries == PUPIL_PRIMARIES_MATRIX ? (double)row[0] + (double)row[1] + (double)row[2] : 1.0;
-    for (int i = 0; i < 3; i++)
-        object->luma[i] = (float)((double)row[i] / sum);
-}
-
 /* From a configuration that has been checked. */
 static void configure(pupil_object *object, const pupil_config *theirs)
 {
@@ -27,7 +15,7 @@ static void configure(pupil_object *object, const pupil_config *theirs)
     object->histogram = config->histogram || config->white_mode == PUPIL_WHITE_FOLLOW || config->trim_low > 0.0f ||
                         config->trim_high < 1.0f;
     object->level = pupil_level_choose(config->levels);
-    derive_luma(object);
+    pupil_primaries_derive(object);
 }
 
 static void forget(pupil_object *object)

@@ -236,6 +236,13 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     pupil_metered_luma(object->luma, &w.coder, w.meter.luma);
     if (mosaic)
         pupil_coder_find_ordinary(&w.coder, &w.meter);
+    pupil_row_job picture = w.map;
+    if (curve && object->has_to_picture) {
+        for (int i = 0; i < 3; i++)
+            picture.luma[i] = object->picture_luma[i];
+        w.map.to_picture = object->to_picture;
+        w.map.picture = &picture;
+    }
 
     if (mosaic || nv12)
         work_in_fours(&w);

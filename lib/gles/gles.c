@@ -190,8 +190,11 @@ static void take_settings(gles_object *o, const pupil_t *from)
     o->settings = pupil->config;
     o->histogram = pupil->histogram;
     for (int i = 0; i < 3; i++)
-        o->luma[i] = pupil->luma[i];
-    pupil_metered_luma(o->luma, &o->coder, o->metered_luma);
+        o->luma[i] = pupil->picture_luma[i];
+    for (int i = 0; i < 9; i++)
+        o->to_picture[i] = pupil->to_picture[i];
+    o->has_to_picture = pupil->has_to_picture;
+    pupil_metered_luma(pupil->luma, &o->coder, o->metered_luma);
     (void)pupil_curve_before_light(from, &o->curve);
 }
 

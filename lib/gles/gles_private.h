@@ -79,7 +79,9 @@ typedef struct gles_object {
 
     /* settings, from the pupil_t */
     pupil_config settings;
-    float luma[3], metered_luma[3];
+    float luma[3], metered_luma[3]; /* of the picture; of what is metered */
+    float to_picture[9];            /* as in pupil_object */
+    uint32_t has_to_picture;
     pupil_coder coder;
     uint32_t histogram;
     pupil_curve curve;       /* ADAPT_GPU: its white and gamut; the scale is 1 */

@@ -6,7 +6,8 @@
  *     meter                          (metering alone: nothing is stored)
  *     scale (meters too) -> store    (mapping: planar floats in between)
  *
- * Any other format, and any frame whose histogram is wanted, takes one step more, through planar floats:
+ * Any other format, and any frame whose histogram is wanted, or whose picture has other primaries, takes one step more,
+ * through planar floats:
  *
  *     load -> histogram -> meter of planes
  *     load -> histogram -> scale of planes (meters too) -> store
@@ -94,6 +95,9 @@ typedef struct pupil_row_job {
     const pupil_encoder *encoder;
     const pupil_coder *coder;
     const pupil_curve *curve; /* NULL: meter only */
+    const struct pupil_row_job
+        *picture;            /* what maps where the picture has other primaries: this job with its luma ... */
+    const float *to_picture; /* ... after this matrix; NULL, NULL: they are the input's */
     float luma[3];
     float floor, clip;
     uint32_t in_pixel, out_pixel;
@@ -121,7 +125,8 @@ typedef void pupil_binned_kernel(const pupil_coder *coder, const uint16_t *upper
  * pixel's column is one of red samples; `red_y`: whether its row is. */
 typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *const rows[3], int red_x, int red_y,
                                    uint32_t n, pupil_planes *planes);
-/* Camera RGB to the picture's. */
+/* matrix: camera RGB to that of the primaries. to_picture: from primaries to primaries; components are kept within
+ * -2^31 .. 2^31 before it, so that none becomes NaN that was a number, and negative ones and NaN are 0 after it. */
 typedef void pupil_matrix_kernel(const float matrix[9], uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
@@ -155,7 +160,7 @@ typedef struct pupil_kernels {
     pupil_quads_kernel *meter_quads[PUPIL_PIXEL_COUNT]; /* by input format; only where it is faster than its pieces */
     pupil_binned_kernel *binned;
     pupil_bilinear_kernel *bilinear;
-    pupil_matrix_kernel *matrix;
+    pupil_matrix_kernel *matrix, *to_picture;
     pupil_luma_kernel *luma_of_codes;
     pupil_chroma_kernel *chroma_of_codes;
     pupil_histogram_kernel *histogram;

@@ -431,6 +431,28 @@ static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
     }
 }
 
+/* A number far outside of what is mapped to the nearest of it; NaN remains. */
+static inline float within_brightest(float v)
+{
+    v = v > PUPIL_BRIGHTEST ? PUPIL_BRIGHTEST : v;
+    return v < -PUPIL_BRIGHTEST ? -PUPIL_BRIGHTEST : v;
+}
+
+static inline float not_negative(float v)
+{
+    return v > 0.0f ? v : 0.0f;
+}
+
+static void to_picture(const float m[9], uint32_t n, pupil_planes *restrict p)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float r = within_brightest(p->r[i]), g = within_brightest(p->g[i]), b = within_brightest(p->b[i]);
+        p->r[i] = not_negative((m[0] * r + m[1] * g) + m[2] * b);
+        p->g[i] = not_negative((m[3] * r + m[4] * g) + m[5] * b);
+        p->b[i] = not_negative((m[6] * r + m[7] * g) + m[8] * b);
+    }
+}
+
 /* --- display codes to Y' Cb Cr 4:2:0 --- */
 
 static inline uint32_t word_at(const uint8_t *p)
@@ -507,7 +529,7 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
             [PUPIL_PIXEL_BAYER16] = unpack_bayer16,   [PUPIL_PIXEL_BAYER10P] = unpack_bayer10p,                        \
             [PUPIL_PIXEL_BAYER12P] = unpack_bayer12p,                                                                  \
     },                                                                                                                 \
-    .binned = binned, .bilinear = bilinear, .matrix = matrix, .luma_of_codes = luma_of_codes,                          \
-    .chroma_of_codes = chroma_of_codes
+    .binned = binned, .bilinear = bilinear, .matrix = matrix, .to_picture = to_picture,                                \
+    .luma_of_codes = luma_of_codes, .chroma_of_codes = chroma_of_codes
 
 #endif

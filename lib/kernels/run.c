@@ -139,7 +139,7 @@ static inline mapper mapper_of(const pupil_row_job *job, int metered)
 {
     const pupil_kernels *k = job->kernels;
     const int histogram = metered && job->histogram;
-    return (mapper){.direct = histogram ? 0 : k->scale[job->in_pixel],
+    return (mapper){.direct = histogram || job->to_picture ? 0 : k->scale[job->in_pixel],
                     .planar = k->scale[PUPIL_PLANES],
                     .store = PUPIL_PIECE(k, store[job->out_pixel]),
                     .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
@@ -153,6 +153,13 @@ static int load_and_scale(const pupil_row_job *job, const mapper *with, const pu
     const int opaque = load(job, row, x, n, planes, stats);
     if (with->histogram)
         PUPIL_PIECE(job->kernels, histogram)(job, planes, n, weight, stats);
+    if (job->to_picture) {
+        if (run)
+            job->kernels->meter[PUPIL_PLANES](job, 0, planes, n, run);
+        PUPIL_PIECE(job->kernels, to_picture)(job->to_picture, n, planes);
+        with->planar(job->picture, 0, n, planes, 0);
+        return opaque;
+    }
     with->planar(job, 0, n, planes, run);
     return opaque;
 }

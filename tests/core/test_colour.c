@@ -24,13 +24,14 @@ static void check_grey(void)
                                         {.scale = 2, .inverse_white_squared = 4}};
     for (uint32_t pixel = PUPIL_PIXEL_RGBA32F; pixel <= PUPIL_PIXEL_RGB8; pixel++)
         for (unsigned i = 0; i < 5; i++)
-            for (uint32_t primaries = 0; primaries < 2; primaries++) {
+            for (uint32_t primaries = 0; primaries < 4; primaries++) {
                 frame in = frame_make(4096, 1, pixel, 0, 0), out = frame_make(4096, 1, PUPIL_PIXEL_RGB8, 0, 0);
                 const unsigned char *code = frame_writable(&out).data;
                 pupil_config config;
                 unsigned wrong = 0;
                 pupil_config_default(&config);
-                config.primaries = primaries;
+                config.primaries = primaries % 2;
+                config.output_primaries = primaries < 2 ? PUPIL_OUTPUT_AS_INPUT : 3 - primaries % 2 - 1;
                 config.transfer = i % PUPIL_TRANSFER_COUNT;
                 for (uint32_t x = 0; x < 4096; x++) {
                     const double light = exp2(x / 4096.0 * 30 - 20);
@@ -93,6 +94,36 @@ static void check_gamut(void)
     frame_free(&out);
 }
 
+/* Rec. ITU-R BT.2087-0, Annex 2, table of the matrix from BT.709 to BT.2020, in light of 8 bits; and back, where the
+ * colours of BT.2020 that BT.709 lacks have a component at 0. */
+static void check_primaries(void)
+{
+    static const double to_bt2020[3][3] = {
+        {0.6274, 0.0691, 0.0164}, {0.3293, 0.9195, 0.0880}, {0.0433, 0.0114, 0.8956}};
+    const pupil_curve as_it_is = {.scale = 1, .inverse_white_squared = 1}; /* (1 + u) / (1 + u) */
+    pupil_config config;
+    pupil_config_default(&config);
+    config.transfer = PUPIL_TRANSFER_LINEAR;
+    frame in = frame_make(3, 1, PUPIL_PIXEL_RGB32F, 0, 0), out = frame_make(3, 1, PUPIL_PIXEL_RGB8, 0, 0);
+    const unsigned char *code = frame_writable(&out).data;
+    for (uint32_t x = 0; x < 3; x++)
+        frame_set(&in, x, 0, x == 0, x == 1, x == 2, 1);
+    config.output_primaries = PUPIL_OUTPUT_BT2020;
+    map(&config, &as_it_is, &in, &out);
+    for (int x = 0; x < 3; x++)
+        for (int c = 0; c < 3; c++)
+            CHECK_MSG(fabs(code[3 * x + c] - 255 * to_bt2020[x][c]) <= 0.52, "%d %d: %d", x, c, code[3 * x + c]);
+    config.primaries = PUPIL_PRIMARIES_BT2020;
+    config.output_primaries = PUPIL_OUTPUT_BT709;
+    map(&config, &as_it_is, &in, &out);
+    for (int x = 0; x < 3; x++)
+        for (int c = 0; c < 3; c++)
+            CHECK(c == x ? code[3 * x + c] > 200 : code[3 * x + c] < code[4 * x]);
+    CHECK(code[1] == code[2]); /* moved toward grey, from two components that were set to 0 */
+    frame_free(&in);
+    frame_free(&out);
+}
+
 /* A frame that is already well exposed, white point 1: at most one code of change in any channel. With the default, a
  * white point that follows, too, regardless of the share of the frame that is clipped. */
 static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, double clipped)
@@ -145,6 +176,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     check_grey();
     check_gamut();
+    check_primaries();
     for (unsigned i = 0; i < 4; i++)
         for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++) {
             check_identity(pixel[i], PUPIL_WHITE_FIXED, order, 0.05);

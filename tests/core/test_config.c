@@ -44,6 +44,7 @@ static const struct range {
     {FIELD(highlight_ev), 'd', 0, 8, {-0.001, 8.001, INFINITY, -INFINITY}},
     {FIELD(white_quantile), 'd', 0.5, 1, {0.4999, 1.0001, 0, -INFINITY}},
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
+    {FIELD(output_primaries), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
     {FIELD(levels), 'u', 0, 15, {16, 32, 255, 4294967295.0}},
 };
 #define RANGES (sizeof range / sizeof *range)
@@ -149,7 +150,7 @@ static void check_defaults(void)
     CHECK(c.highlight_share == 0.05 && c.highlight_room_ev == 4 && c.highlight_ev == 2);
     CHECK(c.order == PUPIL_ORDER_EXACT && c.white_mode == PUPIL_WHITE_FOLLOW && c.white == 1 &&
           c.white_quantile == 0.995);
-    CHECK(c.transfer == PUPIL_TRANSFER_SRGB && c.levels == 0);
+    CHECK(c.transfer == PUPIL_TRANSFER_SRGB && c.levels == 0 && c.output_primaries == PUPIL_OUTPUT_AS_INPUT);
     for (int i = 0; i < 256; i++)
         CHECK(c.weight[i / 16][i % 16] == 1);
 }

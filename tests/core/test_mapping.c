@@ -77,6 +77,7 @@ static void check_all_formats(void)
                 config.transfer = (uint32_t)((i + from + to) % PUPIL_TRANSFER_COUNT);
                 if (check_random() % 4 == 0)
                     config.primaries = PUPIL_PRIMARIES_BT2020;
+                config.output_primaries = (uint32_t)((i + from) % PUPIL_OUTPUT_COUNT);
                 frame_lognormal(&in, 0.18 / curve[i].scale, 2.5, check_uniform);
                 compare("log-normal", &config, &curve[i], &in, &out);
                 frame_odd(&in, check_uniform);

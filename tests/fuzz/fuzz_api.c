@@ -26,6 +26,7 @@ static pupil_config take_config(void)
     c.primaries = take_below(20) ? take_below(3) : take_below(9);
     for (int i = 0; i < 9; i++)
         c.rgb_to_xyz[i] = (float)take_double(0.01, 1);
+    c.output_primaries = take_below(PUPIL_OUTPUT_COUNT + !take_below(30));
     c.floor = take_below(4) ? 0x1p-14f : (float)take_double(1e-9, 1);
     c.clip = take_below(4) ? 0 : (float)take_double(0, 10);
     c.trim_low = take_below(3) ? 0 : (float)take_double(0, 0.5);

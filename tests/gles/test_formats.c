@@ -79,6 +79,8 @@ static void configure(pupil_config *config, unsigned turn)
         config->clip = 0.75f;
         config->primaries = PUPIL_PRIMARIES_BT2020;
     }
+    config->primaries = turn % 7 == 3 ? PUPIL_PRIMARIES_BT2020 : config->primaries;
+    config->output_primaries = turn % 7 == 3 ? PUPIL_OUTPUT_BT709 : turn % 7 == 5 ? PUPIL_OUTPUT_BT2020 : 0;
 }
 
 /* Formats of cameras: every order, matrix, range, light, shift and level of black. */

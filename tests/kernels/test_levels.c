@@ -102,6 +102,13 @@ static pupil_config any_config(void)
     c.white_mode = c.histogram ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_NONE;
     c.transfer = (uint32_t)(check_uniform() * PUPIL_TRANSFER_COUNT);
     c.primaries = check_uniform() < 0.8 ? PUPIL_PRIMARIES_BT709 : PUPIL_PRIMARIES_BT2020;
+    c.output_primaries =
+        check_uniform() < 0.6 ? PUPIL_OUTPUT_AS_INPUT : (uint32_t)(check_uniform() * PUPIL_OUTPUT_COUNT);
+    if (check_uniform() < 0.1) {
+        c.primaries = PUPIL_PRIMARIES_MATRIX;
+        for (int i = 0; i < 9; i++)
+            c.rgb_to_xyz[i] = (float)(i / 3 == 1 ? 0.1 + check_uniform() : 2.0 * check_uniform() - 1.0);
+    }
     c.floor = (float)exp2(-30.0 * check_uniform());
     c.clip = check_uniform() < 0.5 ? 0.0f : (float)exp2(40.0 * check_uniform() - 20.0);
     if (check_uniform() < 0.1)

@@ -235,6 +235,19 @@ static void matrix(digest_case *c)
         c->config.rgb_to_xyz[i] = p3[i] / 256.0f;
 }
 
+static void to_bt709(digest_case *c)
+{
+    c->config.primaries = PUPIL_PRIMARIES_BT2020;
+    c->config.output_primaries = PUPIL_OUTPUT_BT709;
+}
+
+static void fused_to_bt2020(digest_case *c)
+{
+    matrix(c);
+    c->config.output_primaries = PUPIL_OUTPUT_BT2020;
+    c->config.order = PUPIL_ORDER_FUSED;
+}
+
 static void limits(digest_case *c)
 {
     c->config.ev_min = -1.5;
@@ -315,6 +328,8 @@ int main(void)
         {"unstamped", unstamped},
         {"weight-one", weight_one},
         {"some-rows", some_rows},
+        {"to-bt709", to_bt709},
+        {"fused-to-bt2020", fused_to_bt2020},
     };
     shapes();
     laws();

@@ -16,6 +16,9 @@ uniform ivec4 turn;
 uniform ivec2 shift;
 #endif
 
+uniform bool has_to_picture;
+uniform mat3 to_picture; // from the input's primaries to the picture's
+
 flat in float scale;
 layout(location = 0) out vec4 display;
 
@@ -49,10 +52,19 @@ float encode(float x)
     return float((texelFetch(encoder, ivec2(i & 255, i >> 8), 0).r + (bits & 0xffffu)) >> 16);
 }
 
+// As lib/kernels/pixels_to_linear.h: to_picture.
+vec3 in_picture(vec3 rgb)
+{
+    bool bad = is_nan(rgb.r) || is_nan(rgb.g) || is_nan(rgb.b);
+    rgb = to_picture * clamp(rgb, vec3(-BRIGHTEST), vec3(BRIGHTEST));
+    return bad ? vec3(0.0) : max(rgb, vec3(0.0));
+}
+
 // The picture's pixel as codes.
 vec4 codes_at(ivec2 at)
 {
-    vec3 rgb = tone(load(at));
+    vec3 rgb = load(at);
+    rgb = tone(has_to_picture ? in_picture(rgb) : rgb);
     vec4 codes = vec4(encode(rgb.r), encode(rgb.g), encode(rgb.b), 255.0);
 #ifdef ALPHA
     codes.a = opacity(at);

@@ -16,13 +16,28 @@
 extern "C" {
 #endif
 
-/* Which primaries the input's red, green and blue have. They set the weights of luminance, nothing else: the picture
- * keeps its primaries, as a display of the same primaries wants it. */
+/* Which primaries the input's red, green and blue have. They set the weights of luminance. The picture has the same
+ * ones unless output_primaries names others. */
 typedef enum pupil_primaries {
     PUPIL_PRIMARIES_BT709 = 0, /* also sRGB: Y = 0.2126 R + 0.7152 G + 0.0722 B (Rec. ITU-R BT.709-6, item 3.2) */
     PUPIL_PRIMARIES_BT2020,    /* Y = 0.2627 R + 0.6780 G + 0.0593 B (Rec. ITU-R BT.2020-2, table 4) */
     PUPIL_PRIMARIES_MATRIX     /* config.rgb_to_xyz; its second row, scaled to a sum of 1, gives the weights */
 } pupil_primaries;
+
+/* Which primaries the picture has: those of the display, or of the file that it is written to. Where they are others
+ * than the input's, a 3x3 matrix is applied after metering and before the curve, whose luminance is then that of the
+ * picture's primaries. It goes by way of CIE XYZ (SMPTE RP 177-1993, from the chromaticities of BT.709-6 item 1.3 and
+ * BT.2020-2 table 3, white D65); rgb_to_xyz is taken as it is, scaled, without adaptation to another white.
+ *
+ * Colours that the new primaries cannot show have negative components after the matrix: these are set to 0. So such a
+ * colour becomes a little brighter and less saturated, and its hue may turn. Rep. ITU-R BT.2407 describes better ways,
+ * which look up perceptual hues; they are not done here. */
+typedef enum pupil_output_primaries {
+    PUPIL_OUTPUT_AS_INPUT = 0,
+    PUPIL_OUTPUT_BT709, /* also sRGB */
+    PUPIL_OUTPUT_BT2020,
+    PUPIL_OUTPUT_COUNT
+} pupil_output_primaries;
 
 /* How the adapted level follows the metered one. The four formulas have their numbers from the study that pupil
  * grew from (docs/study.md). Their w is the weight of each new frame, at any frame rate. */
@@ -78,7 +93,8 @@ typedef struct pupil_config {
 
     /* metering */
     uint32_t primaries;  /* a pupil_primaries; BT.709 */
-    float rgb_to_xyz[9]; /* row by row; read only with PUPIL_PRIMARIES_MATRIX */
+    float rgb_to_xyz[9]; /* row by row, -1e6..1e6, the second row 0..1e6; read only with PUPIL_PRIMARIES_MATRIX, and
+                          * only its second row where output_primaries is as the input */
     float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1 */
     float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value
                           * (stats.h) */
@@ -96,19 +112,19 @@ typedef struct pupil_config {
                                                        * centre: (2x+1)*16 / (2*width). */
 
     /* adaptation */
-    uint32_t law;      /* a pupil_law; seconds */
-    uint32_t lock;     /* 1: the adapted level and white are held while metering continues (the first valid frame still
-                        * sets them); 0 */
-    uint32_t flicker;  /* 1: temporal flicker of lamps at 50 or 60 Hz is removed from the level and from each frame's
-                        * curve. It is found where frames have timestamps, and where it is periodic and nearly all
-                        * that changes; 1 */
-    uint32_t reserved; /* 0 */
-    double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
-    double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
-    double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
-    double nominal_frame_s; /* dt of frames that bring no timestamps, seconds, above 0, up to 1e6; 1/30 */
-    double ev_min;          /* lowest adapted level, log2 of scene luminance; -32; -64..ev_max */
-    double ev_max;          /* highest adapted level; 32; ev_min..64 */
+    uint32_t law;     /* a pupil_law; seconds */
+    uint32_t lock;    /* 1: the adapted level and white are held while metering continues (the first valid frame still
+                       * sets them); 0 */
+    uint32_t flicker; /* 1: temporal flicker of lamps at 50 or 60 Hz is removed from the level and from each frame's
+                       * curve. It is found where frames have timestamps, and where it is periodic and nearly all
+                       * that changes; 1 */
+    uint32_t output_primaries; /* of mapping: a pupil_output_primaries; as the input */
+    double frame_weight;       /* w of formulas 1..4, above 0, up to 1; 0.05 */
+    double tau_light_s;        /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
+    double tau_dark_s;         /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
+    double nominal_frame_s;    /* dt of frames that bring no timestamps, seconds, above 0, up to 1e6; 1/30 */
+    double ev_min;             /* lowest adapted level, log2 of scene luminance; -32; -64..ev_max */
+    double ev_max;             /* highest adapted level; 32; ev_min..64 */
     double calibration;     /* scene luminance = value / (exposure_s * gain) * calibration, where a frame brings them;
                              * 2^-64..2^64; 1 */
     double key;             /* what the log-average is mapped to, 2^-10..1; 0.18 */

@@ -1,0 +1,58 @@
+/* Weights of luminance, and the matrix from the input's primaries to the picture's. */
+#include "object.h"
+
+/* Linear RGB to CIE XYZ and back, white D65 (0.3127, 0.3290): SMPTE RP 177-1993 from the chromaticities of
+ * Rec. ITU-R BT.709-6, item 1.3, and BT.2020-2, table 3. */
+static const double xyz_of_bt709[9] = {0.412390799266,  0.357584339384,  0.180480788402, 0.212639005872, 0.715168678768,
+                                       0.0721923153607, 0.0193308187156, 0.119194779795, 0.95053215225};
+static const double xyz_of_bt2020[9] = {
+    0.636958048301,  0.144616903586, 0.168880975164, 0.262700212011, 0.677998071519, 0.0593017164699, 0.0,
+    0.0280726930491, 1.06098505771};
+static const double bt709_of_xyz[9] = {3.2409699419,    -1.53738317757, -0.498610760293, -0.969243636281, 1.87596750151,
+                                       0.0415550574072, 0.055630079697, -0.203976958889, 1.05697151424};
+static const double bt2020_of_xyz[9] = {1.71665118797,   -0.355670783776,  -0.253366281374,
+                                        -0.666684351832, 1.61648123663,    0.0157685458139,
+                                        0.0176398574453, -0.0427706132578, 0.942103121235};
+
+static const float luma_of_bt709[3] = {0.2126f, 0.7152f, 0.0722f}, luma_of_bt2020[3] = {0.2627f, 0.6780f, 0.0593f};
+
+/* Of the configuration's own matrix: scaled, so that RGB of 1 has the luminance 1. */
+static double own_luminance(const pupil_config *c)
+{
+    return (double)c->rgb_to_xyz[3] + (double)c->rgb_to_xyz[4] + (double)c->rgb_to_xyz[5];
+}
+
+static void derive_luma(pupil_object *object)
+{
+    const pupil_config *c = &object->config;
+    const double sum = own_luminance(c);
+    for (int i = 0; i < 3; i++) {
+        object->luma[i] = c->primaries == PUPIL_PRIMARIES_BT709    ? luma_of_bt709[i]
+                          : c->primaries == PUPIL_PRIMARIES_BT2020 ? luma_of_bt2020[i]
+                                                                   : (float)((double)c->rgb_to_xyz[3 + i] / sum);
+        object->picture_luma[i] = c->output_primaries == PUPIL_OUTPUT_BT709    ? luma_of_bt709[i]
+                                  : c->output_primaries == PUPIL_OUTPUT_BT2020 ? luma_of_bt2020[i]
+                                                                               : object->luma[i];
+    }
+}
+
+void pupil_primaries_derive(pupil_object *object)
+{
+    const pupil_config *c = &object->config;
+    const int same = (c->primaries == PUPIL_PRIMARIES_BT709 && c->output_primaries == PUPIL_OUTPUT_BT709) ||
+                     (c->primaries == PUPIL_PRIMARIES_BT2020 && c->output_primaries == PUPIL_OUTPUT_BT2020);
+    const double *to = c->output_primaries == PUPIL_OUTPUT_BT709 ? bt709_of_xyz : bt2020_of_xyz;
+    double from[9];
+    derive_luma(object);
+    object->has_to_picture = c->output_primaries != PUPIL_OUTPUT_AS_INPUT && !same;
+    if (!object->has_to_picture)
+        return;
+    for (int i = 0; i < 9; i++)
+        from[i] = c->primaries == PUPIL_PRIMARIES_BT709    ? xyz_of_bt709[i]
+                  : c->primaries == PUPIL_PRIMARIES_BT2020 ? xyz_of_bt2020[i]
+                                                           : (double)c->rgb_to_xyz[i] / own_luminance(c);
+    for (int i = 0; i < 9; i++) {
+        const double *row = to + i / 3 * 3, *column = from + i % 3;
+        object->to_picture[i] = (float)((row[0] * column[0] + row[1] * column[3]) + row[2] * column[6]);
+    }
+}
