@@ -43,7 +43,7 @@ typedef struct pupil_in_progress {
 typedef struct pupil_object {
     uint64_t magic;
     pupil_config config;
-    float luma[3]; /* weights of luminance, from config.primaries */
+    float luma[3];         /* weights of luminance, from config.primaries */
     float picture_luma[3]; /* the same of the picture, from config.output_primaries */
     float to_picture[9];   /* from primaries to primaries, row by row; only where has_to_picture */
     uint32_t has_to_picture;
