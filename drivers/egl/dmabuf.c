@@ -16,13 +16,19 @@
 #define FORMAT_R8          FOURCC('R', '8', ' ', ' ')
 #define FORMAT_R16         FOURCC('R', '1', '6', ' ')
 #define FORMAT_GR88        FOURCC('G', 'R', '8', '8')
+#define FORMAT_GR1616      FOURCC('G', 'R', '3', '2')
 #define FORMAT_ABGR8888    FOURCC('A', 'B', '2', '4')
+#define FORMAT_XBGR8888    FOURCC('X', 'B', '2', '4')
 #define FORMAT_XRGB8888    FOURCC('X', 'R', '2', '4')
+#define FORMAT_ABGR2101010 FOURCC('A', 'B', '3', '0')
 #define FORMAT_ABGR16F     FOURCC('A', 'B', '4', 'H')
 #define MODIFIER_LINEAR    0
 
+#define PLANES 3
+
 typedef struct plane {
     uint32_t format, width, height, texel_bytes; /* width and height in texels */
+    int exchanged;                               /* the first two channels are read in the other order */
     int fd;
     uint32_t offset_bytes, stride_bytes;
 } plane;
@@ -64,50 +70,49 @@ static void look_up(void)
     gl.delete_framebuffers = (PFNGLDELETEFRAMEBUFFERSPROC)eglGetProcAddress("glDeleteFramebuffers");
 }
 
-/* The planes of a buffer, as pupil_gles_use wants them; how many, or 0. */
-static int planes_of(const pupil_dmabuf *b, plane planes[2])
+/* RGB, which is one plane; 0: not imported. */
+static uint32_t rgb_format(uint32_t pixel)
 {
-    plane *p = planes;
-    p[0] = (plane){FORMAT_R8, b->width, b->height, 1, b->fd[0], b->offset_bytes[0], b->stride_bytes[0]};
-    switch (b->pixel) {
+    switch (pixel) {
     case PUPIL_PIXEL_RGBA8:
+        return FORMAT_ABGR8888;
+    case PUPIL_PIXEL_RGBX8:
+        return FORMAT_XBGR8888;
     case PUPIL_PIXEL_BGRX8:
-        p->format = b->pixel == PUPIL_PIXEL_RGBA8 ? FORMAT_ABGR8888 : FORMAT_XRGB8888;
-        p->texel_bytes = 4;
-        return 1;
+        return FORMAT_XRGB8888;
+    case PUPIL_PIXEL_RGB10A2:
+        return FORMAT_ABGR2101010;
     case PUPIL_PIXEL_RGBA16F:
-        p->format = FORMAT_ABGR16F;
-        p->texel_bytes = 8;
-        return 1;
-    case PUPIL_PIXEL_YUYV:
-        p->format = FORMAT_GR88;
-        p->texel_bytes = 2;
-        p->width += b->width % 2;
-        return 1;
-    case PUPIL_PIXEL_NV12:
-        p[1] = (plane){FORMAT_GR88,        b->width / 2 + b->width % 2, b->height / 2 + b->height % 2, 2, b->fd[1],
-                       b->offset_bytes[1], b->stride_bytes[1]};
-        return 2;
-    case PUPIL_PIXEL_GREY8:
-    case PUPIL_PIXEL_BAYER8:
-        return 1;
-    case PUPIL_PIXEL_BAYER10P:
-    case PUPIL_PIXEL_BAYER12P:
-        p->width = (uint32_t)pupil_row_bytes(b->pixel, b->width);
-        return 1;
-    case PUPIL_PIXEL_GREY10:
-    case PUPIL_PIXEL_GREY12:
-    case PUPIL_PIXEL_GREY16:
-    case PUPIL_PIXEL_BAYER10:
-    case PUPIL_PIXEL_BAYER12:
-    case PUPIL_PIXEL_BAYER14:
-    case PUPIL_PIXEL_BAYER16:
-        p->format = FORMAT_R16;
-        p->texel_bytes = 2;
-        return 1;
+        return FORMAT_ABGR16F;
     default:
         return 0;
     }
+}
+
+/* The planes of a buffer, as pupil_gles_use wants them; how many, or 0. */
+static int planes_of(const pupil_dmabuf *b, plane planes[PLANES])
+{
+    static const uint32_t formats[2][2] = {{FORMAT_R8, FORMAT_R16}, {FORMAT_GR88, FORMAT_GR1616}};
+    const int count = (int)pupil_pixel_planes(b->pixel);
+    const int packed_yuv = b->pixel == PUPIL_PIXEL_YUYV || b->pixel == PUPIL_PIXEL_UYVY;
+    const uint32_t rgb = rgb_format(b->pixel);
+    if (!rgb && !packed_yuv && count < 2 && !pupil_pixel_bits(b->pixel))
+        return 0;
+    for (int i = 0; i < count; i++) {
+        const size_t row = i ? pupil_chroma_row_bytes(b->pixel, b->width) : pupil_row_bytes(b->pixel, b->width);
+        const uint32_t channels = packed_yuv || (i && count == 2) ? 2 : 1;
+        uint32_t bytes = (uint32_t)(i ? row / ((b->width + 1) / 2) : pupil_pixel_bytes(b->pixel));
+        bytes = bytes ? bytes : 1; /* packed samples: texel by texel their bytes */
+        planes[i] = (plane){.format = rgb ? rgb : formats[channels - 1][bytes / channels - 1],
+                            .width = (uint32_t)(row / bytes),
+                            .height = i ? pupil_chroma_rows(b->pixel, b->height) : b->height,
+                            .texel_bytes = bytes,
+                            .exchanged = b->pixel == PUPIL_PIXEL_UYVY || (b->pixel == PUPIL_PIXEL_NV21 && i),
+                            .fd = b->fd[i],
+                            .offset_bytes = b->offset_bytes[i],
+                            .stride_bytes = b->stride_bytes[i]};
+    }
+    return count;
 }
 
 /* A plane that does not fit its buffer would be read beyond its end. What a modifier other than linear makes of rows
@@ -201,6 +206,10 @@ static int import_plane(EGLDisplay display, const pupil_dmabuf *b, const plane *
     gl.tex_parameter(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl.tex_parameter(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl.tex_parameter(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    if (p->exchanged) {
+        gl.tex_parameter(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R, GL_GREEN);
+        gl.tex_parameter(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_G, GL_RED);
+    }
     gl.bind_texture(GL_TEXTURE_2D, 0);
     GLenum error = gl.get_error();
     if (error != GL_NO_ERROR)
@@ -210,7 +219,7 @@ static int import_plane(EGLDisplay display, const pupil_dmabuf *b, const plane *
 
 int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, pupil_why *why)
 {
-    plane planes[2];
+    plane planes[PLANES];
     EGLDisplay display;
     memset(textures, 0, sizeof *textures);
     if (buffer->width < 1 || buffer->width > PUPIL_MAX_SIDE_PX || buffer->height < 1 ||
@@ -238,7 +247,7 @@ void pupil_dmabuf_release(pupil_dmabuf_textures *textures)
     EGLDisplay display = eglGetCurrentDisplay();
     if (textures->framebuffer)
         gl.delete_framebuffers(1, &textures->framebuffer);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < PLANES; i++) {
         if (textures->texture[i])
             gl.delete_textures(1, &textures->texture[i]);
         if (textures->image[i])

@@ -5,7 +5,8 @@
  *                            process -> pupil_fence_make -> when pupil_fence_done, the buffer goes back to its producer
  *
  * A plane is imported by itself, as R8, GR88, R16, ... and converted by pupil's own shader: the import of several
- * planes as one fails on some drivers, and leaves the matrix and range to them.
+ * planes as one fails on some drivers, and leaves the matrix and range to them. Channels are in the order that
+ * pupil_gles_use wants.
  *
  * GL state: the 2D binding of the active texture unit and the framebuffer binding are left 0.
  *
@@ -21,25 +22,26 @@
 #include "pupil/error.h"
 #include "pupil/gles.h"
 
-/* A frame in memory that the kernel shares. Both planes may be in one file descriptor. */
+/* A frame in memory that the kernel shares. All planes may be in one file descriptor. */
 typedef struct pupil_dmabuf {
-    uint32_t pixel; /* a pupil_pixel: RGBA8 (as AB24), BGRX8 (XR24: read as RGBA8), YUYV, NV12, GREY8 to GREY16, BAYER8
-                     * to BAYER16, the packed mosaics; RGBA16F (AB4H) */
+    uint32_t pixel; /* a pupil_pixel: RGBA8 (as AB24), RGBX8 (XB24), BGRX8 (XR24), RGB10A2 (AB30), RGBA16F (AB4H), every
+                     * Y'CbCr, grey and mosaic. The driver decides which of these it takes. BGRX8 and RGBX8 may be read
+                     * as RGBA8, too */
     uint32_t width, height; /* pixels */
-    int fd[2];              /* stay the caller's; [1]: NV12's chroma */
-    uint32_t offset_bytes[2], stride_bytes[2];
+    int fd[3];              /* stay the caller's; [1]: chroma, [2]: cr (pupil_image) */
+    uint32_t offset_bytes[3], stride_bytes[3];
     int has_modifier; /* modifier is known; else the driver's usual layout */
     uint64_t modifier;
 } pupil_dmabuf;
 
 typedef struct pupil_dmabuf_textures {
-    uint32_t texture[2];  /* GL names, for pupil_gles_use; 0: no such plane */
-    void *image[2];       /* EGLImages */
+    uint32_t texture[3];  /* GL names, for pupil_gles_use; 0: no such plane */
+    void *image[3];       /* EGLImages */
     uint32_t framebuffer; /* of pupil_dmabuf_framebuffer; else 0 */
 } pupil_dmabuf_textures;
 
-/* 0, or -1 and a sentence (the extension that is missing, the format and what the driver said). 16-bit formats are
- * imported as R16: pupil_gles_config.normalized_16 is 1 with them. */
+/* 0, or -1 and a sentence (the extension that is missing, the format and what the driver said). 16-bit samples are
+ * imported as R16 and GR32: pupil_gles_config.normalized_16 is 1 with them. */
 int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, pupil_why *why);
 /* Deletes what import or framebuffer made; twice is allowed. */
 void pupil_dmabuf_release(pupil_dmabuf_textures *textures);

@@ -1,4 +1,5 @@
 /* The object's life, and a frame at once. */
+#include "base/pixel.h"
 #include "core/image.h"
 #include "gles_private.h"
 
@@ -157,16 +158,8 @@ static int check_frames(const pupil_gles_config *c, const pupil_coding *coding, 
     int error = pupil_image_check(&frame, 0);
     if (error)
         fault = pupil_error_string(error);
-    else if (!pupil_gles_reads(c->pixel)) {
-        error = PUPIL_ERR_PIXEL;
-        fault = "OpenGL ES does not read this pixel format; the CPU does (pupil/pupil.h)";
-    } else {
+    else
         error = pupil_coding_check(coding, c->pixel, &fault);
-        if (!error && (coding->light == PUPIL_LIGHT_PQ || coding->light == PUPIL_LIGHT_HLG)) {
-            error = PUPIL_ERR_CODING;
-            fault = "OpenGL ES does not read PQ or HLG; the CPU does (pupil/pupil.h)";
-        }
-    }
     if (error)
         pupil_gles_say(why, (const char *const[]){fault, 0});
     return error;
@@ -182,6 +175,19 @@ static int check_settings(const gles_object *o, const pupil_object *pupil, uint3
         return refuse_config(why, "OpenGL ES 3.0 has no histogram, which a white point that follows, trimming and "
                                   "histogram = 1 need: choose PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE, trim 0 and 1");
     return PUPIL_OK;
+}
+
+/* External textures are R'G'B' of the coding's curve, as RGB10A2 is; 8-bit RGB is sRGB with any coding
+ * (pupil/image.h). */
+void pupil_gles_coder_set(gles_object *o)
+{
+    const int external = o->config.source == PUPIL_GLES_EXTERNAL;
+    const pupil_pixel_layout layout = pupil_pixel_layout_of(o->config.pixel);
+    const int rgb8 = layout.sample == 1 && !layout.yuv && !layout.bits;
+    pupil_coder_make(external || !rgb8 ? &o->coding : 0, rgb8 ? (uint32_t)PUPIL_PIXEL_RGB10A2 : o->config.pixel,
+                     &o->coder);
+    if (rgb8)
+        o->coder.unit = 1.0f; /* its codes are those of the table */
 }
 
 static void take_settings(gles_object *o, const pupil_t *from)
@@ -200,15 +206,15 @@ static void take_settings(gles_object *o, const pupil_t *from)
 
 static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, uint32_t version)
 {
-    const int yuv = o->config.pixel == PUPIL_PIXEL_YUYV || o->config.pixel == PUPIL_PIXEL_NV12;
-    const int external_linear = o->config.source == PUPIL_GLES_EXTERNAL && o->coding.light == PUPIL_LIGHT_LINEAR;
-    const int grey = pupil_pixel_bits(o->config.pixel) && !pupil_pixel_is_mosaic(o->config.pixel);
+    const pupil_pixel_layout layout = pupil_pixel_layout_of(o->config.pixel);
+    const int coded = layout.yuv || (layout.bits && !layout.mosaic) || o->config.pixel == PUPIL_PIXEL_RGB10A2 ||
+                      o->config.source == PUPIL_GLES_EXTERNAL;
     return (gles_variant){.version = version,
                           .pixel = o->config.pixel,
                           .source = o->config.source,
                           .normalized_16 = o->config.normalized_16,
                           .half_size = o->config.half_size,
-                          .is_linear = ((yuv || grey) && !o->coder.light) || external_linear,
+                          .is_linear = coded && !o->coder.light,
                           .has_matrix = o->coder.has_matrix,
                           .histogram = pupil->histogram,
                           .level_here = o->config.adapt == PUPIL_GLES_ADAPT_GPU};
@@ -286,7 +292,7 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
     const pupil_object *settings = pupil_object_of_const(pupil);
     gles_object *o = gles_object_of(gles);
     *o = (gles_object){.config = own, .coding = coding, .unit = pupil_pixel_is_mosaic(own.pixel) ? 2 : 1};
-    pupil_coder_make(&o->coding, own.pixel, &o->coder);
+    pupil_gles_coder_set(o);
     take_settings(o, pupil);
     o->region_rows = pupil_gles_regions_make(own.height / o->unit, o->region_row);
     uint32_t have = 0;

@@ -48,9 +48,9 @@ int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
     return PUPIL_ERR_GLES_ABSENT;
 }
 
-int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture)
+int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture, uint32_t cr_texture)
 {
-    (void)gles, (void)texture, (void)chroma_texture;
+    (void)gles, (void)texture, (void)chroma_texture, (void)cr_texture;
     return PUPIL_ERR_GLES_ABSENT;
 }
 

@@ -13,7 +13,7 @@ int pupil_gles_balance(pupil_gles *gles, const float balance[3])
     if ((error = pupil_coding_check(&coding, o->config.pixel, 0)))
         return error;
     o->coding = coding;
-    pupil_coder_make(&coding, o->config.pixel, &o->coder);
+    pupil_gles_coder_set(o);
     if (pupil_pixel_is_mosaic(o->config.pixel))
         pupil_gles_programs_balance(o);
     return pupil_gles_error(o);

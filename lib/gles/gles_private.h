@@ -16,6 +16,7 @@
 #define GLES_PARTS_X        8 /* meter.frag */
 #define GLES_PARTS_Y        4
 #define GLES_RING           3
+#define GLES_PLANES         3 /* pupil_image: data, chroma, cr */
 
 /* A row of regions, as the shaders take it. */
 typedef struct gles_region_row {
@@ -60,10 +61,19 @@ typedef struct gles_programs {
 } gles_programs;
 
 /* Texture units. */
-enum { GLES_UNIT_FRAME = 0, GLES_UNIT_CHROMA, GLES_UNIT_LIGHT, GLES_UNIT_ENCODER, GLES_UNIT_STATE, GLES_UNIT_COUNT };
+enum {
+    GLES_UNIT_FRAME = 0,
+    GLES_UNIT_CHROMA,
+    GLES_UNIT_CR,
+    GLES_UNIT_LIGHT,
+    GLES_UNIT_ENCODER,
+    GLES_UNIT_STATE,
+    GLES_UNIT_COUNT
+};
 
-/* Cells of an encoder's table: 32 octaves, more than any transfer needs. */
-enum { GLES_ENCODER_WIDTH = 256, GLES_ENCODER_HEIGHT = 16 };
+/* Both tables, of light and of an encoder, have rows of 256: ES 3.0 has textures of 2048. 16 rows are 32 octaves of an
+ * encoder, more than any transfer needs, and 4096 codes of light, more than any curve has. */
+enum { GLES_TABLE_WIDTH = 256, GLES_TABLE_HEIGHT = 16 };
 
 /* Targets of ES 3.0's chain. */
 enum { GLES_PARTS = 0, GLES_REGIONS, GLES_COLUMNS, GLES_STATE_0, GLES_STATE_1, GLES_TARGET_COUNT };
@@ -93,14 +103,14 @@ typedef struct gles_object {
     /* objects of GL */
     gles_programs programs;
     GLuint vertex_array, sampler, light, encoder;
-    GLuint frame[2][2]; /* MEMORY: two frames in turn, so that an upload need not wait for the one before */
+    GLuint frame[2][GLES_PLANES]; /* MEMORY: two frames in turn, so that an upload need not wait for the one before */
     GLuint target[GLES_TARGET_COUNT], framebuffer[GLES_TARGET_COUNT]; /* ES 3.0 */
     GLuint state;                                                     /* ES 3.1, ADAPT_GPU: a buffer */
     gles_slot slot[GLES_RING];
 
     /* as frames come */
-    GLuint source[2]; /* textures at hand; 0: none yet */
-    uint32_t turn;    /* of frame[] */
+    GLuint source[GLES_PLANES]; /* textures at hand; 0: none yet */
+    uint32_t turn;              /* of frame[] */
     uint32_t oldest, under_way;
     uint64_t metered, unmetered;
     int64_t level_q24;
@@ -130,6 +140,8 @@ static inline gles_object *gles_object_of(pupil_gles *gles)
 
 /* PUPIL_OK where the object is open and its context is current and not lost. */
 int pupil_gles_check(const pupil_gles *gles);
+/* The factors of o->coding, for frames of o->config. */
+void pupil_gles_coder_set(gles_object *o);
 /* What GL has to say of the calls since: PUPIL_OK or an error. */
 int pupil_gles_error(const gles_object *o);
 /* Puts sentences together, cut where the buffer ends; up to a NULL. */

@@ -1,4 +1,5 @@
 /* From texts to programs, and their uniforms. */
+#include "base/pixel.h"
 #include "gles_private.h"
 
 static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_t shader, pupil_why *why)
@@ -126,13 +127,18 @@ static void set_frame(const gles_object *o, uint32_t p)
 {
     const gl_functions *gl = &o->gl;
     const pupil_coder *c = &o->coder;
+    const pupil_pixel_layout layout = pupil_pixel_layout_of(o->config.pixel);
     gl->Uniform1i(uniform(o, p, "frame"), GLES_UNIT_FRAME);
     gl->Uniform1i(uniform(o, p, "chroma"), GLES_UNIT_CHROMA);
+    gl->Uniform1i(uniform(o, p, "cr"), GLES_UNIT_CR);
     gl->Uniform1i(uniform(o, p, "light"), GLES_UNIT_LIGHT);
+    gl->Uniform1f(uniform(o, p, "light_top"), c->top);
     gl->Uniform2i(uniform(o, p, "frame_size"), (GLint)o->config.width, (GLint)o->config.height);
-    gl->Uniform2f(uniform(o, p, "yuv_luma"), c->y_zero, c->y_unit);
+    gl->Uniform2f(uniform(o, p, "rgb_codes"), o->config.pixel == PUPIL_PIXEL_RGB10A2 ? 1023.0f : 255.0f, c->unit);
+    gl->Uniform3f(uniform(o, p, "yuv_luma"), c->y_zero, c->y_unit, layout.sample == 2 ? 512.0f : 128.0f);
     gl->Uniform4f(uniform(o, p, "yuv_chroma"), c->red_v, c->green_u, c->green_v, c->blue_u);
-    gl->Uniform1i(uniform(o, p, "sample_shift"), (GLint)c->shift);
+    gl->Uniform2i(uniform(o, p, "chroma_shift"), 1, layout.chroma_rows == 2);
+    gl->Uniform1i(uniform(o, p, "sample_shift"), o->config.pixel == PUPIL_PIXEL_P010 ? 6 : (GLint)c->shift);
     gl->Uniform2f(uniform(o, p, "grey"), c->zero, c->unit);
     gl->Uniform2f(uniform(o, p, "mosaic"), c->zero4, c->most);
     gl->Uniform3f(uniform(o, p, "unit4"), c->unit4[0], c->unit4[1], c->unit4[2]);

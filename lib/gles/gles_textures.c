@@ -1,39 +1,69 @@
 /* Textures: a frame's, where it comes from memory, the tables', and the targets of ES 3.0's chain. */
+#include "base/pixel.h"
 #include "core/image.h"
 #include "gles_private.h"
 
 /* OES_EGL_image_external's, which gl31.h does not have. */
 #define TEXTURE_EXTERNAL 0x8D65
 
-/* How a plane of a format is stored in a texture: of each pixel `texels` / `per` texels of `bytes` bytes. */
+/* How a plane of a format is stored in a texture; a texel has `bytes` bytes. */
 typedef struct layout {
     GLenum internal, format, type;
-    uint32_t bytes, texels, per;
+    uint32_t bytes;
 } layout;
 
-static const layout luma_layout[PUPIL_PIXEL_COUNT] = {
-    [PUPIL_PIXEL_RGBA32F] = {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16, 1, 1},
-    [PUPIL_PIXEL_RGB32F] = {GL_RGB32F, GL_RGB, GL_FLOAT, 12, 1, 1},
-    [PUPIL_PIXEL_RGBA16F] = {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8, 1, 1},
-    [PUPIL_PIXEL_RGBA16] = {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, 8, 1, 1},
-    [PUPIL_PIXEL_RGB16] = {GL_RGB16UI, GL_RGB_INTEGER, GL_UNSIGNED_SHORT, 6, 1, 1},
-    [PUPIL_PIXEL_RGBA8] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 1, 1},
-    [PUPIL_PIXEL_RGB8] = {GL_RGB8, GL_RGB, GL_UNSIGNED_BYTE, 3, 1, 1},
-    [PUPIL_PIXEL_YUYV] = {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2, 1, 1},
-    [PUPIL_PIXEL_NV12] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1, 1},
-    [PUPIL_PIXEL_GREY8] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1, 1},
-    [PUPIL_PIXEL_GREY10] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_GREY12] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_GREY16] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_BAYER8] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 1, 1},
-    [PUPIL_PIXEL_BAYER10] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_BAYER12] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_BAYER14] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_BAYER16] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2, 1, 1},
-    [PUPIL_PIXEL_BAYER10P] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 5, 4},
-    [PUPIL_PIXEL_BAYER12P] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1, 3, 2},
-};
-static const layout chroma_layout = {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2, 1, 2};
+static const layout r8 = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1}, rg8 = {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2};
+static const layout rgb8 = {GL_RGB8, GL_RGB, GL_UNSIGNED_BYTE, 3}, rgba8 = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4};
+static const layout r16 = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2};
+static const layout rg16 = {GL_RG16UI, GL_RG_INTEGER, GL_UNSIGNED_SHORT, 4};
+static const layout rgb16 = {GL_RGB16UI, GL_RGB_INTEGER, GL_UNSIGNED_SHORT, 6};
+static const layout rgba16 = {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, 8};
+static const layout rgb10a2 = {GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV, 4};
+static const layout rgb16f = {GL_RGB16F, GL_RGB, GL_HALF_FLOAT, 6}, rgba16f = {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8};
+static const layout rgb32f = {GL_RGB32F, GL_RGB, GL_FLOAT, 12}, rgba32f = {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16};
+
+static const layout *chroma_layout(const pupil_pixel_layout *of)
+{
+    if (of->sample == 2)
+        return of->chroma_bytes == 4 ? &rg16 : &r16;
+    return of->chroma_bytes == 2 ? &rg8 : &r8;
+}
+
+static const layout *layout_of(uint32_t pixel, int plane)
+{
+    const pupil_pixel_layout of = pupil_pixel_layout_of(pixel);
+    if (plane)
+        return chroma_layout(&of);
+    switch (pixel) {
+    case PUPIL_PIXEL_RGBA32F:
+        return &rgba32f;
+    case PUPIL_PIXEL_RGB32F:
+    case PUPIL_PIXEL_BGR32F:
+        return &rgb32f;
+    case PUPIL_PIXEL_RGBA16F:
+        return &rgba16f;
+    case PUPIL_PIXEL_RGB16F:
+        return &rgb16f;
+    case PUPIL_PIXEL_RGBA16:
+        return &rgba16;
+    case PUPIL_PIXEL_RGB16:
+        return &rgb16;
+    case PUPIL_PIXEL_RGB10A2:
+        return &rgb10a2;
+    case PUPIL_PIXEL_RGBA8:
+    case PUPIL_PIXEL_BGRX8:
+    case PUPIL_PIXEL_RGBX8:
+        return &rgba8;
+    case PUPIL_PIXEL_RGB8:
+    case PUPIL_PIXEL_BGR8:
+        return &rgb8;
+    case PUPIL_PIXEL_YUYV:
+    case PUPIL_PIXEL_UYVY:
+        return &rg8;
+    default: /* one sample a texel; of packed samples one byte */
+        return of.sample == 2 ? &r16 : &r8;
+    }
+}
 
 /* In texels. */
 typedef struct extent {
@@ -44,10 +74,8 @@ static extent extent_of(const gles_object *o, int plane)
 {
     const uint32_t width = o->config.width, height = o->config.height, pixel = o->config.pixel;
     if (plane)
-        return (extent){(GLsizei)((width + 1) / 2), (GLsizei)((height + 1) / 2)};
-    const layout *l = &luma_layout[pixel];
-    const uint32_t whole = pixel == PUPIL_PIXEL_YUYV ? width + width % 2 : width;
-    return (extent){(GLsizei)(whole * l->texels / l->per), (GLsizei)height};
+        return (extent){(GLsizei)((width + 1) / 2), (GLsizei)pupil_chroma_rows(pixel, height)};
+    return (extent){(GLsizei)(pupil_row_bytes(pixel, width) / layout_of(pixel, 0)->bytes), (GLsizei)height};
 }
 
 static GLuint make_texture(const gles_object *o, GLenum internal, GLsizei width, GLsizei height)
@@ -76,14 +104,25 @@ static void unpack_rows(const gles_object *o, GLint texels)
     o->gl.PixelStorei(GL_UNPACK_SKIP_PIXELS, 0);
 }
 
+/* Two channels of the texture that is bound change places when it is read. */
+static void exchange(const gles_object *o, GLenum a, GLenum b)
+{
+    o->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R + (a - GL_RED), (GLint)b);
+    o->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R + (b - GL_RED), (GLint)a);
+}
+
 static void make_frames(gles_object *o)
 {
-    const int planes = o->config.pixel == PUPIL_PIXEL_NV12 ? 2 : 1;
+    const uint32_t pixel = o->config.pixel;
+    const int planes = (int)pupil_pixel_planes(pixel);
     for (int turn = 0; turn < 2; turn++)
         for (int plane = 0; plane < planes; plane++) {
             const extent e = extent_of(o, plane);
-            o->frame[turn][plane] = make_texture(
-                o, plane ? chroma_layout.internal : luma_layout[o->config.pixel].internal, e.width, e.height);
+            o->frame[turn][plane] = make_texture(o, layout_of(pixel, plane)->internal, e.width, e.height);
+            if (pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8 || pixel == PUPIL_PIXEL_BGR32F)
+                exchange(o, GL_RED, GL_BLUE);
+            if (pixel == PUPIL_PIXEL_UYVY || (pixel == PUPIL_PIXEL_NV21 && plane))
+                exchange(o, GL_RED, GL_GREEN);
         }
 }
 
@@ -111,12 +150,15 @@ static int make_targets(gles_object *o, pupil_why *why)
     return PUPIL_OK;
 }
 
-/* The table that codes are looked up in; 8-bit RGB is sRGB with any coding (pupil/image.h). */
-static const float (*light_of(const gles_object *o))[2]
+/* Rows of GLES_TABLE_WIDTH, the last one not whole. */
+static void send_table(const gles_object *o, GLuint texture, GLsizei count, GLenum format, GLenum type, size_t bytes,
+                       const void *table)
 {
-    const int is_rgb8 = o->config.pixel == PUPIL_PIXEL_RGBA8 || o->config.pixel == PUPIL_PIXEL_RGB8;
-    const int by_coding = !is_rgb8 || o->config.source == PUPIL_GLES_EXTERNAL;
-    return by_coding && o->coder.light ? o->coder.light : pupil_srgb_light;
+    const GLsizei rows = count / GLES_TABLE_WIDTH, rest = count % GLES_TABLE_WIDTH;
+    const uint8_t *end = (const uint8_t *)table + (size_t)rows * GLES_TABLE_WIDTH * bytes;
+    send(o, texture, GLES_TABLE_WIDTH, rows, format, type, table);
+    if (rest)
+        o->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, rows, rest, 1, format, type, end);
 }
 
 int pupil_gles_textures_make(gles_object *o, pupil_why *why)
@@ -136,9 +178,11 @@ int pupil_gles_textures_make(gles_object *o, pupil_why *why)
     gl->SamplerParameteri(o->sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     if (o->config.source == PUPIL_GLES_MEMORY)
         make_frames(o);
-    o->light = make_texture(o, GL_RG32F, 256, 1);
-    send(o, o->light, 256, 1, GL_RG, GL_FLOAT, light_of(o));
-    o->encoder = make_texture(o, GL_R32UI, GLES_ENCODER_WIDTH, GLES_ENCODER_HEIGHT);
+    if (o->coder.light) {
+        o->light = make_texture(o, GL_RG32F, GLES_TABLE_WIDTH, GLES_TABLE_HEIGHT);
+        send_table(o, o->light, (GLsizei)o->coder.top + 1, GL_RG, GL_FLOAT, sizeof o->coder.light[0], o->coder.light);
+    }
+    o->encoder = make_texture(o, GL_R32UI, GLES_TABLE_WIDTH, GLES_TABLE_HEIGHT);
     return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o, why) : PUPIL_OK;
 }
 
@@ -146,7 +190,7 @@ void pupil_gles_textures_delete(gles_object *o)
 {
     const gl_functions *gl = &o->gl;
     gl->DeleteSamplers(1, &o->sampler);
-    gl->DeleteTextures(4, o->frame[0]);
+    gl->DeleteTextures(2 * GLES_PLANES, o->frame[0]);
     gl->DeleteTextures(1, &o->light);
     gl->DeleteTextures(1, &o->encoder);
     gl->DeleteTextures(GLES_TARGET_COUNT, o->target);
@@ -157,12 +201,9 @@ void pupil_gles_textures_set(const gles_object *o)
 {
     const pupil_encoder *e = &pupil_encoders[o->settings.transfer];
     const GLsizei cells = (GLsizei)((0x3f800000u - e->base_bits) >> 16) + 1; /* up to that of 1.0 */
-    const GLsizei rows = cells / GLES_ENCODER_WIDTH;
     o->gl.ActiveTexture(GL_TEXTURE0);
     unpack_rows(o, 0);
-    send(o, o->encoder, GLES_ENCODER_WIDTH, rows, GL_RED_INTEGER, GL_UNSIGNED_INT, e->cell);
-    o->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, rows, cells - rows * GLES_ENCODER_WIDTH, 1, GL_RED_INTEGER,
-                        GL_UNSIGNED_INT, e->cell + rows * GLES_ENCODER_WIDTH);
+    send_table(o, o->encoder, cells, GL_RED_INTEGER, GL_UNSIGNED_INT, sizeof e->cell[0], e->cell);
 }
 
 /* --- at work --- */
@@ -179,6 +220,7 @@ void pupil_gles_bind_frame(const gles_object *o)
     const GLenum target = o->config.source == PUPIL_GLES_EXTERNAL ? TEXTURE_EXTERNAL : GL_TEXTURE_2D;
     pupil_gles_bind(o, GLES_UNIT_FRAME, target, o->source[0]);
     pupil_gles_bind(o, GLES_UNIT_CHROMA, GL_TEXTURE_2D, o->source[1]);
+    pupil_gles_bind(o, GLES_UNIT_CR, GL_TEXTURE_2D, o->source[2]);
     pupil_gles_bind(o, GLES_UNIT_LIGHT, GL_TEXTURE_2D, o->light);
     pupil_gles_bind(o, GLES_UNIT_ENCODER, GL_TEXTURE_2D, o->encoder);
 }
@@ -232,26 +274,30 @@ int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
         return error;
     image = &own;
     const GLuint *texture = o->frame[o->turn ^= 1];
+    const void *const data[GLES_PLANES] = {image->data, image->chroma, image->cr};
+    const ptrdiff_t stride[GLES_PLANES] = {image->stride_bytes, image->chroma_stride_bytes, image->cr_stride_bytes};
+    const int planes = (int)pupil_pixel_planes(image->pixel);
     o->gl.ActiveTexture(GL_TEXTURE0);
-    send_plane(o, texture[0], &luma_layout[image->pixel], extent_of(o, 0), image->data, image->stride_bytes);
-    if (image->pixel == PUPIL_PIXEL_NV12)
-        send_plane(o, texture[1], &chroma_layout, extent_of(o, 1), image->chroma, image->chroma_stride_bytes);
-    o->source[0] = texture[0];
-    o->source[1] = texture[1];
+    for (int i = 0; i < planes; i++)
+        send_plane(o, texture[i], layout_of(image->pixel, i), extent_of(o, i), data[i], stride[i]);
+    for (int i = 0; i < GLES_PLANES; i++)
+        o->source[i] = texture[i];
     return pupil_gles_error(o);
 }
 
-int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture)
+int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture, uint32_t cr_texture)
 {
     const int error = pupil_gles_check(gles);
     if (error)
         return error;
     gles_object *o = gles_object_of(gles);
+    const uint32_t planes = pupil_pixel_planes(o->config.pixel);
     if (o->config.source == PUPIL_GLES_MEMORY)
         return PUPIL_ERR_ORDER;
-    if (!texture || (o->config.pixel == PUPIL_PIXEL_NV12) != (chroma_texture != 0))
+    if (!texture || (planes > 1) != (chroma_texture != 0) || (planes > 2) != (cr_texture != 0))
         return PUPIL_ERR_VALUE;
     o->source[0] = texture;
     o->source[1] = chroma_texture;
+    o->source[2] = cr_texture;
     return PUPIL_OK;
 }

@@ -1,5 +1,6 @@
 #include "gles_variant.h"
 
+#include "base/pixel.h"
 #include "gles_shader_texts.h"
 
 const char *pupil_gles_shader_name(uint32_t shader)
@@ -16,7 +17,7 @@ static const char precisions[] = "precision highp float;\n"
                                  "precision highp sampler2D;\n"
                                  "precision highp usampler2D;\n";
 
-/* Load of load.glsl, by format; NULL: none. */
+/* Load of load.glsl, by format. */
 static const char *load_of(const gles_variant *v)
 {
     if (v->source == PUPIL_GLES_EXTERNAL)
@@ -26,62 +27,49 @@ static const char *load_of(const gles_variant *v)
     case PUPIL_PIXEL_RGBA16F:
         return "#define LOAD_FLOAT\n#define ALPHA\n";
     case PUPIL_PIXEL_RGB32F:
+    case PUPIL_PIXEL_BGR32F:
+    case PUPIL_PIXEL_RGB16F:
         return "#define LOAD_FLOAT\n";
     case PUPIL_PIXEL_RGBA16:
         return "#define LOAD_RGB16\n#define ALPHA\n";
     case PUPIL_PIXEL_RGB16:
         return "#define LOAD_RGB16\n";
     case PUPIL_PIXEL_RGBA8:
-        return "#define LOAD_RGB8\n#define ALPHA\n";
+    case PUPIL_PIXEL_RGB10A2:
+        return "#define LOAD_RGB_CODES\n#define ALPHA\n";
     case PUPIL_PIXEL_RGB8:
-        return "#define LOAD_RGB8\n";
+    case PUPIL_PIXEL_BGR8:
+    case PUPIL_PIXEL_BGRX8:
+    case PUPIL_PIXEL_RGBX8:
+        return "#define LOAD_RGB_CODES\n";
     case PUPIL_PIXEL_YUYV:
+    case PUPIL_PIXEL_UYVY:
         return "#define LOAD_YUYV\n";
-    case PUPIL_PIXEL_NV12:
-        return "#define LOAD_NV12\n";
-    case PUPIL_PIXEL_GREY8:
-    case PUPIL_PIXEL_GREY10:
-    case PUPIL_PIXEL_GREY12:
-    case PUPIL_PIXEL_GREY16:
-        return "#define LOAD_GREY\n";
     default:
-        return pupil_pixel_is_mosaic(v->pixel) ? "#define LOAD_MOSAIC\n" : 0;
+        break;
     }
-}
-
-int pupil_gles_reads(uint32_t pixel)
-{
-    const gles_variant v = {.pixel = pixel};
-    return load_of(&v) != 0;
+    if (pupil_pixel_is_mosaic(v->pixel))
+        return "#define LOAD_MOSAIC\n";
+    if (pupil_pixel_bits(v->pixel))
+        return "#define LOAD_GREY\n";
+    return pupil_pixel_planes(v->pixel) == 3 ? "#define LOAD_PLANES\n#define CR_PLANE\n" : "#define LOAD_PLANES\n";
 }
 
 static const char *samples_of(const gles_variant *v)
 {
-    switch (v->pixel) {
-    case PUPIL_PIXEL_GREY8:
-    case PUPIL_PIXEL_BAYER8:
-        return "#define SAMPLES_8\n";
-    case PUPIL_PIXEL_BAYER10P:
-        return "#define SAMPLES_10P\n";
-    case PUPIL_PIXEL_BAYER12P:
-        return "#define SAMPLES_12P\n";
-    case PUPIL_PIXEL_GREY10:
-    case PUPIL_PIXEL_GREY12:
-    case PUPIL_PIXEL_GREY16:
-    case PUPIL_PIXEL_BAYER10:
-    case PUPIL_PIXEL_BAYER12:
-    case PUPIL_PIXEL_BAYER14:
-    case PUPIL_PIXEL_BAYER16:
-        return v->normalized_16 ? "#define SAMPLES_NORMALIZED_16\n" : "#define SAMPLES_16\n";
-    default:
+    const pupil_pixel_layout layout = pupil_pixel_layout_of(v->pixel);
+    if (!layout.yuv && !layout.bits)
         return "";
-    }
+    if (layout.sample == 2)
+        return v->normalized_16 ? "#define SAMPLES_NORMALIZED_16\n" : "#define SAMPLES_16\n";
+    return layout.bits == 10   ? "#define SAMPLES_10P\n"
+           : layout.bits == 12 ? "#define SAMPLES_12P\n"
+                               : "#define SAMPLES_8\n";
 }
 
 static int is_grey(uint32_t pixel)
 {
-    return pixel == PUPIL_PIXEL_GREY8 || pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_GREY12 ||
-           pixel == PUPIL_PIXEL_GREY16;
+    return pupil_pixel_bits(pixel) && !pupil_pixel_is_mosaic(pixel);
 }
 
 /* What reads the frame. */
@@ -98,6 +86,7 @@ static uint32_t add_load(const gles_variant *v, uint32_t n, const char *texts[GL
     if (v->half_size)
         texts[n++] = "#define QUADS\n";
     texts[n++] = text_load_glsl;
+    texts[n++] = text_load_yuv_glsl;
     texts[n++] = text_load_samples_glsl;
     texts[n++] = text_light_glsl;
     return n;

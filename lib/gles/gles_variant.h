@@ -10,7 +10,7 @@ typedef struct gles_variant {
     uint32_t pixel;   /* a pupil_pixel that can be an input */
     uint32_t source;  /* a pupil_gles_source */
     uint32_t normalized_16, half_size;
-    uint32_t is_linear; /* Y'CbCr: coded values are light; grey: no curve is looked up */
+    uint32_t is_linear; /* Y'CbCr and RGB10A2: coded values are light; grey: no curve is looked up */
     uint32_t has_matrix;
     uint32_t histogram;
     uint32_t level_here; /* the level is on the GPU */
@@ -30,9 +30,6 @@ typedef enum gles_shader {
     GLES_MAP_SCALED_FRAG,
     GLES_SHADER_COUNT
 } gles_shader;
-
-/* Whether there are shaders for an input format. */
-int pupil_gles_reads(uint32_t pixel);
 
 /* "meter.comp" and so on, for messages. */
 const char *pupil_gles_shader_name(uint32_t shader);

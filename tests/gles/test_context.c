@@ -189,7 +189,8 @@ static void refused(const pupil_dmabuf *buffer, const char *words)
     why.text[0] = 0;
     CHECK(pupil_dmabuf_import(buffer, &textures, &why) == -1);
     CHECK_MSG(strstr(why.text, words) != NULL, "\"%s\" does not say \"%s\"", why.text, words);
-    CHECK(!textures.texture[0] && !textures.texture[1] && !textures.image[0] && !textures.image[1]);
+    for (int i = 0; i < 3; i++)
+        CHECK(!textures.texture[i] && !textures.image[i]);
     pupil_dmabuf_release(&textures);
 }
 
@@ -217,6 +218,21 @@ static void check_dmabuf(int memory)
     refused(&b, "plane 1 ends at byte 4609 of a buffer of 4608");
     b = good, b.offset_bytes[0] = 0x80000000u;
     refused(&b, "plane 0");
+    b = (pupil_dmabuf){.pixel = PUPIL_PIXEL_I420,
+                       .width = 64,
+                       .height = 48,
+                       .fd = {memory, memory, memory},
+                       .offset_bytes = {0, 64 * 48, 64 * 48 + 32 * 24 + 1},
+                       .stride_bytes = {64, 32, 32}};
+    refused(&b, "plane 2 ends at byte 4609 of a buffer of 4608");
+    b.stride_bytes[2] = 31;
+    refused(&b, "plane 2 has rows of 32 bytes, more than its stride of 31");
+    b.pixel = PUPIL_PIXEL_P010;
+    refused(&b, "plane 0 has rows of 128 bytes, more than its stride of 64");
+    b = good, b.pixel = PUPIL_PIXEL_NV16;
+    refused(&b, "plane 1 ends at byte 6144 of a buffer of 4608");
+    b = good, b.pixel = PUPIL_PIXEL_GREY10P;
+    refused(&b, "plane 0 has rows of 80 bytes, more than its stride of 64");
     CHECK(pupil_dmabuf_framebuffer(&good, &textures, &framebuffer, &why) == -1 && framebuffer == 0);
     CHECK(strstr(why.text, "RGBA8 and BGRX8 can") != NULL);
     if (strstr(eglQueryString(eglGetCurrentDisplay(), EGL_EXTENSIONS), "EGL_EXT_image_dma_buf_import "))

@@ -1,5 +1,5 @@
 /* An external texture, as camera stacks hand out: its driver makes RGB of it, which is then metered and mapped as RGBA8
- * is by the CPU. Here it is an EGLImage of an ordinary texture. */
+ * is by the CPU, or as RGB10A2 with PQ. Here it is an EGLImage of an ordinary texture. */
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GLES3/gl32.h>
@@ -20,9 +20,11 @@ static EGLImageKHR make_image(const pupil_image_const *picture)
     PFNEGLCREATEIMAGEKHRPROC create = (PFNEGLCREATEIMAGEKHRPROC)eglGetProcAddress("eglCreateImageKHR");
     glGenTextures(1, &texture);
     glBindTexture(GL_TEXTURE_2D, texture);
-    glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, WIDTH, HEIGHT);
+    const int is_10 = picture->pixel == PUPIL_PIXEL_RGB10A2;
+    glTexStorage2D(GL_TEXTURE_2D, 1, is_10 ? GL_RGB10_A2 : GL_RGBA8, WIDTH, HEIGHT);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE, picture->data);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA,
+                    is_10 ? GL_UNSIGNED_INT_2_10_10_10_REV : GL_UNSIGNED_BYTE, picture->data);
     return create ? create(eglGetCurrentDisplay(), eglGetCurrentContext(), EGL_GL_TEXTURE_2D_KHR,
                            (EGLClientBuffer)(uintptr_t)texture, NULL)
                   : EGL_NO_IMAGE_KHR;
@@ -55,7 +57,7 @@ static void compare(gl_test *test, pupil_gles *gles, const pupil_t *pupil, const
     CHECK(pupil_meter_rows(pupil, picture, 0, HEIGHT, &cpu_stats) == PUPIL_OK);
     CHECK(pupil_stats_mean(&stats, 0, 1, &mean) == PUPIL_OK && pupil_stats_mean(&cpu_stats, 0, 1, &cpu_mean) == 0);
     CHECK_MSG(fabs(exp2(mean - cpu_mean) - 1.0) <= 1e-5, "%g and %g", mean, cpu_mean);
-    CHECK(stats.pixels == WIDTH * HEIGHT);
+    CHECK(stats.pixels == WIDTH * HEIGHT && stats.clipped == cpu_stats.clipped);
 
     CHECK(pupil_map_rows(pupil, &curve, picture, &out) == PUPIL_OK);
     CHECK(pupil_gles_map(gles, &curve, &target) == PUPIL_OK);
@@ -70,22 +72,20 @@ static void compare(gl_test *test, pupil_gles *gles, const pupil_t *pupil, const
     CHECK(most <= 1 && off <= 1);
 }
 
-int main(int argc, char **argv)
+/* 0, or a sentence: the driver has none. */
+static const char *test_picture(gl_test *test, uint32_t pixel, uint32_t light)
 {
-    static gl_test test;
     static pupil_gles gles;
     static pupil_t pupil;
+    const pupil_coding coding = {.light = light};
     pupil_config settings;
     pupil_gles_config config;
     pupil_why why = {""};
-    check_begin(argc, argv);
-    const int status = gl_test_open(&test, PUPIL_GLES_BEST);
-    if (status)
-        return status;
-    frame f = frame_make(WIDTH, HEIGHT, PUPIL_PIXEL_RGBA8, 0, 0);
+    frame f = frame_make(WIDTH, HEIGHT, pixel, 0, 0);
+    f.image.coding = &coding;
     for (uint32_t y = 0; y < HEIGHT; y++)
         for (uint32_t x = 0; x < WIDTH; x++)
-            frame_set(&f, x, y, check_uniform(), check_uniform(), check_uniform(), 1.0);
+            frame_set(&f, x, y, 1.1 * check_uniform(), check_uniform(), check_uniform(), 1.0); /* some are clipped */
 
     pupil_config_default(&settings);
     settings.white_mode = PUPIL_WHITE_NONE;
@@ -93,6 +93,7 @@ int main(int argc, char **argv)
     pupil_gles_config_default(&config);
     config.source = PUPIL_GLES_EXTERNAL;
     config.pixel = PUPIL_PIXEL_RGBA8;
+    config.coding = &coding;
     config.width = WIDTH;
     config.height = HEIGHT;
     const int error = pupil_gles_init(&gles, &config, &pupil, pupil_egl_get_proc, &why);
@@ -100,17 +101,31 @@ int main(int argc, char **argv)
     if (error == PUPIL_ERR_GLES_VERSION || (!error && image == EGL_NO_IMAGE_KHR)) {
         CHECK_MSG(!error || strstr(why.text, "GL_OES_EGL_image_external_essl3"), "%s", why.text);
         pupil_gles_close(&gles);
-        gl_test_close(&test);
-        return check_end() ? 1 : check_cannot("the driver has no external textures");
+        frame_free(&f);
+        return "the driver has no external textures";
     }
     CHECK_MSG(error == PUPIL_OK, "%s", why.text);
     const GLuint texture = external_of(image);
-    CHECK(pupil_gles_use(&gles, texture, 0) == PUPIL_OK);
-    compare(&test, &gles, &pupil, &f.image);
+    CHECK(pupil_gles_use(&gles, texture, 0, 0) == PUPIL_OK);
+    compare(test, &gles, &pupil, &f.image);
     pupil_gles_close(&gles);
     glDeleteTextures(1, &texture);
     ((PFNEGLDESTROYIMAGEKHRPROC)eglGetProcAddress("eglDestroyImageKHR"))(eglGetCurrentDisplay(), image);
     frame_free(&f);
+    return NULL;
+}
+
+int main(int argc, char **argv)
+{
+    static gl_test test;
+    check_begin(argc, argv);
+    const int status = gl_test_open(&test, PUPIL_GLES_BEST);
+    if (status)
+        return status;
+    const char *none = test_picture(&test, PUPIL_PIXEL_RGBA8, PUPIL_LIGHT_DEFAULT);
+    if (!none)
+        none = test_picture(&test, PUPIL_PIXEL_RGB10A2, PUPIL_LIGHT_PQ);
     gl_test_close(&test);
-    return check_end();
+    const int failed = check_end();
+    return failed || !none ? failed : check_cannot(none);
 }

@@ -185,7 +185,7 @@ static void check_uploads(void)
     CHECK(pupil_gles_upload(&s.gles, &image) == PUPIL_ERR_ALIGNMENT);
     image = s.frame[0].image, image.data = NULL;
     CHECK(pupil_gles_upload(&s.gles, &image) == PUPIL_ERR_NULL);
-    CHECK(pupil_gles_use(&s.gles, 1, 0) == PUPIL_ERR_ORDER); /* of an object for memory */
+    CHECK(pupil_gles_use(&s.gles, 1, 0, 0) == PUPIL_ERR_ORDER); /* of an object for memory */
     CHECK(shim.total == calls);
 }
 
@@ -303,7 +303,8 @@ static void check_callers(int kind)
     CHECK(pupil_gles_meter(&s.gles, NULL) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_collect(&s.gles, 0, &stats, NULL) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_map(&s.gles, NULL, &s.target) == PUPIL_ERR_OBJECT);
-    CHECK(pupil_gles_upload(NULL, &s.frame[0].image) == PUPIL_ERR_NULL && pupil_gles_use(NULL, 1, 0) == PUPIL_ERR_NULL);
+    CHECK(pupil_gles_upload(NULL, &s.frame[0].image) == PUPIL_ERR_NULL &&
+          pupil_gles_use(NULL, 1, 0, 0) == PUPIL_ERR_NULL);
     CHECK(pupil_gles_meter(NULL, NULL) == PUPIL_ERR_NULL && pupil_gles_map(NULL, NULL, NULL) == PUPIL_ERR_NULL);
 }
 

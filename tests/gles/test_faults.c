@@ -84,13 +84,6 @@ static void check_config(void)
         {offsetof(pupil_gles_config, source), PUPIL_GLES_EXTERNAL, PUPIL_ERR_CONFIG, "EXTERNAL must be"},
         {offsetof(pupil_gles_config, adapt), PUPIL_GLES_ADAPT_COUNT, PUPIL_ERR_CONFIG, "adapt"},
         {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_NONE, PUPIL_ERR_PIXEL, "pixel format"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_BGRX8, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_I420, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_NV16, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_BGR8, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_GREY10P, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_P010, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
-        {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_RGB10A2, PUPIL_ERR_PIXEL, "OpenGL ES does not read"},
         {offsetof(pupil_gles_config, pixel), PUPIL_PIXEL_COUNT, PUPIL_ERR_PIXEL, "pixel format"},
         {offsetof(pupil_gles_config, width), 0, PUPIL_ERR_SIZE, "width and height"},
         {offsetof(pupil_gles_config, height), PUPIL_MAX_SIDE_PX + 1, PUPIL_ERR_SIZE, "width and height"},
@@ -108,13 +101,6 @@ static void check_config(void)
         set_kind(0);
         s.config.coding = &wrong_coding[i];
         refused(PUPIL_ERR_CODING, i ? "size_bytes" : "light", "coding");
-        CHECK(shim.total == 0);
-    }
-    for (uint32_t light = PUPIL_LIGHT_PQ; light <= PUPIL_LIGHT_HLG; light++) {
-        const pupil_coding hdr = {.light = light};
-        set_kind(0);
-        s.config.coding = &hdr;
-        refused(PUPIL_ERR_CODING, "PQ or HLG", "PQ and HLG");
         CHECK(shim.total == 0);
     }
     set_kind(0);

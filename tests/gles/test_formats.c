@@ -61,7 +61,12 @@ static const char *const formats[PUPIL_PIXEL_COUNT] = {
     [PUPIL_PIXEL_GREY8] = "GREY8",       [PUPIL_PIXEL_GREY10] = "GREY10",     [PUPIL_PIXEL_GREY12] = "GREY12",
     [PUPIL_PIXEL_GREY16] = "GREY16",     [PUPIL_PIXEL_BAYER8] = "BAYER8",     [PUPIL_PIXEL_BAYER10] = "BAYER10",
     [PUPIL_PIXEL_BAYER12] = "BAYER12",   [PUPIL_PIXEL_BAYER14] = "BAYER14",   [PUPIL_PIXEL_BAYER16] = "BAYER16",
-    [PUPIL_PIXEL_BAYER10P] = "BAYER10P", [PUPIL_PIXEL_BAYER12P] = "BAYER12P",
+    [PUPIL_PIXEL_BAYER10P] = "BAYER10P", [PUPIL_PIXEL_BAYER12P] = "BAYER12P", [PUPIL_PIXEL_BGRX8] = "BGRX8",
+    [PUPIL_PIXEL_I420] = "I420",         [PUPIL_PIXEL_NV21] = "NV21",         [PUPIL_PIXEL_NV16] = "NV16",
+    [PUPIL_PIXEL_UYVY] = "UYVY",         [PUPIL_PIXEL_BGR8] = "BGR8",         [PUPIL_PIXEL_RGBX8] = "RGBX8",
+    [PUPIL_PIXEL_GREY10P] = "GREY10P",   [PUPIL_PIXEL_GREY12P] = "GREY12P",   [PUPIL_PIXEL_BGR32F] = "BGR32F",
+    [PUPIL_PIXEL_RGB16F] = "RGB16F",     [PUPIL_PIXEL_P010] = "P010",         [PUPIL_PIXEL_I420_10] = "I420_10",
+    [PUPIL_PIXEL_RGB10A2] = "RGB10A2",
 };
 
 /* As the frame's number goes round: the usual one, and one with a grid, a clip, a curve, primaries of its own. */
@@ -88,17 +93,17 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
 {
     *coding = (pupil_coding){.matrix = turn % PUPIL_MATRIX_COUNT,
                              .range = turn / 3 % PUPIL_RANGE_COUNT,
-                             .light = turn / 2 % (PUPIL_LIGHT_BT709 + 1),
+                             .light = turn / 2 % PUPIL_LIGHT_COUNT,
                              .bayer = turn % PUPIL_BAYER_COUNT,
                              .black = turn & 1 ? 16.0f : 0.0f};
-    if (pixel >= PUPIL_PIXEL_BAYER8 && turn & 1) {
+    if (pupil_pixel_is_mosaic(pixel) && turn & 1) {
         const float matrix[9] = {1.5f, -0.3f, -0.2f, -0.2f, 1.4f, -0.2f, 0.0f, -0.5f, 1.5f};
         memcpy(coding->rgb_from_camera, matrix, sizeof matrix);
         coding->balance[0] = 1.9f;
         coding->balance[1] = 1.0f;
         coding->balance[2] = 1.6f;
     }
-    if (pixel >= PUPIL_PIXEL_BAYER8)
+    if (pupil_pixel_is_mosaic(pixel))
         coding->light = PUPIL_LIGHT_LINEAR;
     if ((pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10) && turn & 2)
         coding->shift = 6;
@@ -145,8 +150,7 @@ int main(int argc, char **argv)
         return status;
     for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++) {
         same_figures figures = {0};
-        if (!formats[pixel])
-            continue;
+        CHECK_MSG(formats[pixel], "format %u has no name here", pixel);
         for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
             for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++, turn++) {
                 uint32_t width = sizes[k][0], height = sizes[k][1];

@@ -1,6 +1,7 @@
 /* Every text that lib/gles can put together for a shader, checked by glslangValidator: one driver's compiler forgives
  * what another's does not. */
 #include "check.h"
+#include "frames.h"
 #include "gles/gles_variant.h"
 #include "scratch.h"
 
@@ -69,19 +70,14 @@ static int is_mosaic(uint32_t pixel)
     return pupil_pixel_is_mosaic(pixel);
 }
 
-static int is_grey(uint32_t pixel)
-{
-    return pixel >= PUPIL_PIXEL_GREY8 && pixel <= PUPIL_PIXEL_GREY16;
-}
-
 /* Whether pupil_gles_init can come to this one. */
 static int makes_sense(const gles_variant *v)
 {
-    const int external = v->source == PUPIL_GLES_EXTERNAL,
-              yuv = v->pixel == PUPIL_PIXEL_YUYV || v->pixel == PUPIL_PIXEL_NV12;
+    const int external = v->source == PUPIL_GLES_EXTERNAL;
+    const int coded = !is_mosaic(v->pixel) && (!frame_is_rgb(v->pixel) || v->pixel == PUPIL_PIXEL_RGB10A2);
     return (!external || v->pixel == PUPIL_PIXEL_RGBA8) && (!v->normalized_16 || v->source == PUPIL_GLES_TEXTURES) &&
-           (!(v->half_size || v->has_matrix) || is_mosaic(v->pixel)) &&
-           (!v->is_linear || yuv || is_grey(v->pixel) || external) && (!v->histogram || v->version == PUPIL_GLES_ES31);
+           (!(v->half_size || v->has_matrix) || is_mosaic(v->pixel)) && (!v->is_linear || coded || external) &&
+           (!v->histogram || v->version == PUPIL_GLES_ES31);
 }
 
 static void keep_all(const gles_variant *v)
@@ -99,7 +95,7 @@ static void keep_all(const gles_variant *v)
 static void keep_every(void)
 {
     for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++)
-        for (uint32_t bits = 0; pupil_gles_reads(pixel) && bits < 128; bits++)
+        for (uint32_t bits = 0; bits < 128; bits++)
             for (uint32_t source = 0; source < PUPIL_GLES_SOURCE_COUNT; source++) {
                 const gles_variant v = {.version = bits & 1 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30,
                                         .pixel = pixel,

@@ -1,5 +1,9 @@
 /* Where the picture comes to lie: orientations, windows and memory, letterbox, fill, stretch, split screens, scaling,
  * half size, and the caller's own textures. */
+#include <GLES3/gl32.h>
+
+#include <GLES2/gl2ext.h> /* wants gl32.h before it */
+
 #include "frames.h"
 #include "gl_test.h"
 #include "pupil/gles.h"
@@ -247,44 +251,100 @@ static void test_half_size(gl_test *test)
     free(seen.rgba);
 }
 
+/* How a caller makes the textures of a format. */
+typedef struct own_textures {
+    uint32_t pixel, normalized_16;
+    struct {
+        GLint internal;
+        GLenum format, type;
+        uint32_t texel_bytes;
+    } plane[3];
+    GLint red, blue; /* what the first plane's swizzle makes of them; 0, 0: none */
+} own_textures;
+
+static void make_texture(const own_textures *own, int i, GLsizei width, GLsizei height, ptrdiff_t stride,
+                         const void *data)
+{
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)(stride / (ptrdiff_t)own->plane[i].texel_bytes));
+    glTexImage2D(GL_TEXTURE_2D, 0, own->plane[i].internal, width, height, 0, own->plane[i].format, own->plane[i].type,
+                 data);
+    if (i == 0 && own->red) {
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R, own->red);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_B, own->blue);
+    }
+}
+
 /* The caller's textures, whose filters are GL's first ones. */
-static void test_own_textures(gl_test *test)
+static void test_own_textures(gl_test *test, const own_textures *own)
 {
     static pupil_gles gles;
     pupil_gles_config config;
-    frame f = frame_make(31, 17, PUPIL_PIXEL_NV12, 0, 0);
+    const pupil_coding pq = {.light = PUPIL_LIGHT_PQ};
+    frame f = frame_make(31, 17, own->pixel, 0, 0);
+    f.image.coding = &pq; /* 8-bit RGB does not read it */
     frame_lognormal(&f, 0.2, 1.0, check_uniform);
     view picture = mapped_by_cpu(&f.image, 0), seen = view_make(31, 17);
     pupil_gles_target t = {.width = 31, .height = 17, .top_first = 1};
-    GLuint texture[2];
-    glGenTextures(2, texture);
+    const GLsizei chroma_height = (GLsizei)pupil_chroma_rows(own->pixel, 17);
+    const uint32_t planes = pupil_pixel_planes(own->pixel);
+    GLuint texture[3] = {0};
+    glGenTextures((GLsizei)planes, texture);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glPixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)f.image.stride_bytes);
     glBindTexture(GL_TEXTURE_2D, texture[0]);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, 31, 17, 0, GL_RED, GL_UNSIGNED_BYTE, f.image.data);
-    glPixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)f.image.chroma_stride_bytes / 2);
-    glBindTexture(GL_TEXTURE_2D, texture[1]);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RG8, 16, 9, 0, GL_RG, GL_UNSIGNED_BYTE, f.image.chroma);
+    make_texture(own, 0, 31, 17, f.image.stride_bytes, f.image.data);
+    for (uint32_t i = 1; i < planes; i++) {
+        glBindTexture(GL_TEXTURE_2D, texture[i]);
+        make_texture(own, (int)i, 16, chroma_height, i == 1 ? f.image.chroma_stride_bytes : f.image.cr_stride_bytes,
+                     i == 1 ? f.image.chroma : f.image.cr);
+    }
 
     pupil_gles_config_default(&config);
-    config.pixel = PUPIL_PIXEL_NV12;
+    config.pixel = own->pixel;
+    config.normalized_16 = own->normalized_16;
     config.width = 31;
     config.height = 17;
     config.source = PUPIL_GLES_TEXTURES;
+    config.coding = &pq;
     CHECK(pupil_gles_init(&gles, &config, &pupil, pupil_egl_get_proc, NULL) == PUPIL_OK);
     CHECK(pupil_gles_map(&gles, &curve, &t) == PUPIL_ERR_ORDER);
-    CHECK(pupil_gles_use(&gles, texture[0], 0) == PUPIL_ERR_VALUE);
+    CHECK(pupil_gles_use(&gles, 0, texture[1], texture[2]) == PUPIL_ERR_VALUE);
+    CHECK(pupil_gles_use(&gles, texture[0], planes > 1 ? 0 : texture[0], texture[2]) == PUPIL_ERR_VALUE);
+    CHECK(pupil_gles_use(&gles, texture[0], texture[1], planes > 2 ? 0 : texture[0]) == PUPIL_ERR_VALUE);
     CHECK(pupil_gles_upload(&gles, &f.image) == PUPIL_ERR_ORDER);
-    CHECK(pupil_gles_use(&gles, texture[0], texture[1]) == PUPIL_OK);
+    CHECK(pupil_gles_use(&gles, texture[0], texture[1], texture[2]) == PUPIL_OK);
     wipe(test, &seen, &t);
     CHECK(pupil_gles_map(&gles, &curve, &t) == PUPIL_OK);
     gl_test_read(test, seen.rgba);
     check_picture(&picture, &seen, &t, 0, 31, 1);
     pupil_gles_close(&gles);
-    glDeleteTextures(2, texture);
+    glDeleteTextures((GLsizei)planes, texture);
     frame_free(&f);
     free(picture.rgba);
     free(seen.rgba);
+}
+
+static void test_all_own_textures(gl_test *test)
+{
+    static const own_textures own[] = {
+        {PUPIL_PIXEL_NV12, 0, {{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1}, {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2}}, 0, 0},
+        {PUPIL_PIXEL_BGRX8, 0, {{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4}}, GL_BLUE, GL_RED},
+        {PUPIL_PIXEL_I420_10,
+         0,
+         {{GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
+          {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
+          {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2}},
+         0,
+         0},
+        {PUPIL_PIXEL_P010,
+         1,
+         {{GL_R16_EXT, GL_RED, GL_UNSIGNED_SHORT, 2}, {GL_RG16_EXT, GL_RG, GL_UNSIGNED_SHORT, 4}},
+         0,
+         0},
+    };
+    const int has_norm16 = strstr((const char *)glGetString(GL_EXTENSIONS), "GL_EXT_texture_norm16") != NULL;
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++)
+        if (!own[i].normalized_16 || has_norm16)
+            test_own_textures(test, &own[i]);
 }
 
 int main(int argc, char **argv)
@@ -302,7 +362,7 @@ int main(int argc, char **argv)
     test_fits(&test);
     test_halving(&test);
     test_half_size(&test);
-    test_own_textures(&test);
+    test_all_own_textures(&test);
     gl_test_close(&test);
     return check_end();
 }

@@ -18,21 +18,28 @@ typedef struct figures {
     int most;              /* by how many codes at most */
 } figures;
 
-/* How many of a texture's channels differ from the codes in memory: `channels` of one or two bytes side by side. */
+/* What a texture has of a plane: `channels` side by side in memory, of which the first `compared` are read, and of
+ * these the first `turned` in the other order. Codes up to `largest`, 255 or 65535. */
+typedef struct texel_kind {
+    uint32_t channels, compared, turned, largest;
+} texel_kind;
+
+/* How many of a texture's channels differ from the codes in memory. */
 static unsigned long texels_off(uint32_t texture, const void *data, ptrdiff_t stride_bytes, uint32_t width,
-                                uint32_t height, uint32_t channels, uint32_t largest)
+                                uint32_t height, texel_kind kind)
 {
     uint32_t *codes = malloc((size_t)width * height * 4 * sizeof *codes);
     unsigned long off = 0;
-    if (!codes || read_texels(texture, width, height, largest, codes) != 0) {
+    if (!codes || read_texels(texture, width, height, kind.largest, codes) != 0) {
         free(codes);
         return ~0ul;
     }
     for (uint32_t y = 0; y < height; y++) {
         const unsigned char *row = (const unsigned char *)data + (ptrdiff_t)y * stride_bytes;
-        for (uint32_t i = 0; i < width * channels; i++) {
-            uint32_t code = largest > 255 ? (uint32_t)(row[2 * i] | row[2 * i + 1] << 8) : row[i];
-            off += codes[((size_t)y * width + i / channels) * 4 + i % channels] != code;
+        for (uint32_t i = 0; i < width * kind.channels; i++) {
+            const uint32_t code = kind.largest > 255 ? (uint32_t)(row[2 * i] | row[2 * i + 1] << 8) : row[i];
+            const uint32_t at = i % kind.channels, channel = at < kind.turned ? kind.turned - 1 - at : at;
+            off += at < kind.compared && codes[((size_t)y * width + i / kind.channels) * 4 + channel] != code;
         }
     }
     free(codes);
@@ -41,18 +48,29 @@ static unsigned long texels_off(uint32_t texture, const void *data, ptrdiff_t st
 
 static void check_texels(const pupil_dmabuf_textures *textures, const pupil_image_const *image, const char *what)
 {
-    uint32_t bytes = (uint32_t)pupil_pixel_bytes(image->pixel), channels = bytes, largest = 255;
-    if (image->pixel == PUPIL_PIXEL_GREY16 ||
-        (image->pixel >= PUPIL_PIXEL_BAYER10 && image->pixel <= PUPIL_PIXEL_BAYER16))
-        channels = 1, largest = 65535;
-    unsigned long off = texels_off(textures->texture[0], image->data, image->stride_bytes, image->width, image->height,
-                                   channels, largest);
+    const uint32_t pixel = image->pixel, planes = pupil_pixel_planes(pixel), bits = pupil_pixel_bits(pixel);
+    const uint32_t channels = bits ? 1 : (uint32_t)pupil_pixel_bytes(pixel);
+    const texel_kind first = {
+        .channels = channels,
+        .compared = pixel == PUPIL_PIXEL_BGRX8 || pixel == PUPIL_PIXEL_RGBX8 ? 3 : channels,
+        .turned = pixel == PUPIL_PIXEL_UYVY    ? 2
+                  : pixel == PUPIL_PIXEL_BGRX8 ? 3
+                                               : 0,
+        .largest = bits > 8 ? 65535 : 255,
+    };
+    const texel_kind chroma = {.channels = planes == 2 ? 2 : 1,
+                               .compared = planes == 2 ? 2 : 1,
+                               .turned = pixel == PUPIL_PIXEL_NV21 ? 2 : 0,
+                               .largest = 255};
+    unsigned long off =
+        texels_off(textures->texture[0], image->data, image->stride_bytes, image->width, image->height, first);
     CHECK_MSG(off == 0, "%s: %lu samples of the texture are not those of the buffer", what, off);
-    if (!image->chroma)
-        return;
-    off = texels_off(textures->texture[1], image->chroma, image->chroma_stride_bytes, image->width / 2,
-                     image->height / 2, 2, 255);
-    CHECK_MSG(off == 0, "%s: %lu samples of the chroma's texture are not those of the buffer", what, off);
+    for (uint32_t i = 1; i < planes; i++) {
+        off = texels_off(textures->texture[i], i == 1 ? image->chroma : image->cr,
+                         i == 1 ? image->chroma_stride_bytes : image->cr_stride_bytes, image->width / 2,
+                         pupil_chroma_rows(pixel, image->height), chroma);
+        CHECK_MSG(off == 0, "%s: %lu samples of the chroma's texture are not those of the buffer", what, off);
+    }
 }
 
 /* Waits for what GL was given, so that the CPU may read what it wrote, and the camera write what it read. */

@@ -31,22 +31,26 @@ enum { PATTERN_SQUARES = 4, PATTERN_NOISE = 20 };
 typedef struct format {
     const char *name;
     uint32_t fourcc, pixel;
-    uint32_t import; /* where textures are imported as another pupil_pixel than they are read as; 0: the same */
     uint32_t padding_bytes;
 } format;
 
 static const format formats[] = {
-    {"YUYV, padded rows", V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 64},
-    {"NV12, padded rows", V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 64},
-    {"NV12 in two buffers", V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0, 0},
-    {"RGBA8", V4L2_PIX_FMT_RGBA32, PUPIL_PIXEL_RGBA8, 0, 0},
-    {"BGRX8 as RGBA8", V4L2_PIX_FMT_XBGR32, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, 0},
-    {"GREY8", V4L2_PIX_FMT_GREY, PUPIL_PIXEL_GREY8, 0, 0},
-    {"GREY16, padded rows", V4L2_PIX_FMT_Y16, PUPIL_PIXEL_GREY16, 0, 64},
-    {"BAYER8", V4L2_PIX_FMT_SRGGB8, PUPIL_PIXEL_BAYER8, 0, 0},
-    {"BAYER10", V4L2_PIX_FMT_SRGGB10, PUPIL_PIXEL_BAYER10, 0, 0},
-    {"BAYER12", V4L2_PIX_FMT_SRGGB12, PUPIL_PIXEL_BAYER12, 0, 0},
-    {"BAYER16", V4L2_PIX_FMT_SRGGB16, PUPIL_PIXEL_BAYER16, 0, 0},
+    {"YUYV, padded rows", V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 64},
+    {"NV12, padded rows", V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 64},
+    {"NV12 in two buffers", V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0},
+    {"RGBA8", V4L2_PIX_FMT_RGBA32, PUPIL_PIXEL_RGBA8, 0},
+    {"BGRX8", V4L2_PIX_FMT_XBGR32, PUPIL_PIXEL_BGRX8, 0},
+    {"RGBX8", V4L2_PIX_FMT_RGBX32, PUPIL_PIXEL_RGBX8, 0},
+    {"UYVY, padded rows", V4L2_PIX_FMT_UYVY, PUPIL_PIXEL_UYVY, 64},
+    {"NV21", V4L2_PIX_FMT_NV21, PUPIL_PIXEL_NV21, 0},
+    {"NV16, padded rows", V4L2_PIX_FMT_NV16, PUPIL_PIXEL_NV16, 64},
+    {"I420, padded rows", V4L2_PIX_FMT_YUV420, PUPIL_PIXEL_I420, 64},
+    {"GREY8", V4L2_PIX_FMT_GREY, PUPIL_PIXEL_GREY8, 0},
+    {"GREY16, padded rows", V4L2_PIX_FMT_Y16, PUPIL_PIXEL_GREY16, 64},
+    {"BAYER8", V4L2_PIX_FMT_SRGGB8, PUPIL_PIXEL_BAYER8, 0},
+    {"BAYER10", V4L2_PIX_FMT_SRGGB10, PUPIL_PIXEL_BAYER10, 0},
+    {"BAYER12", V4L2_PIX_FMT_SRGGB12, PUPIL_PIXEL_BAYER12, 0},
+    {"BAYER16", V4L2_PIX_FMT_SRGGB16, PUPIL_PIXEL_BAYER16, 0},
 };
 
 /* Where the mapped picture goes: a dma-buf that GL renders into. */
@@ -69,8 +73,10 @@ static pupil_dmabuf frame_dmabuf(const vivid_node *node, int index, uint32_t pix
     const vgem_buffer *b = node->buffer[index];
     pupil_dmabuf d = {.pixel = pixel, .width = node->width, .height = node->height};
     d.fd[0] = b[0].fd, d.stride_bytes[0] = node->stride_bytes[0];
-    d.fd[1] = b[0].fd, d.stride_bytes[1] = node->stride_bytes[0];
+    d.fd[1] = d.fd[2] = b[0].fd;
+    d.stride_bytes[1] = d.stride_bytes[2] = node->stride_bytes[0] / (pixel == PUPIL_PIXEL_I420 ? 2 : 1);
     d.offset_bytes[1] = node->stride_bytes[0] * node->height;
+    d.offset_bytes[2] = d.offset_bytes[1] + d.stride_bytes[1] * pupil_chroma_rows(pixel, node->height);
     if (node->planes == 2)
         d.fd[1] = b[1].fd, d.stride_bytes[1] = node->stride_bytes[1], d.offset_bytes[1] = 0;
     return d;
@@ -84,9 +90,14 @@ static pupil_image_const frame_image(const vivid_node *node, int index, uint32_t
                                .width = node->width,
                                .height = node->height,
                                .pixel = pixel};
-    if (pixel == PUPIL_PIXEL_NV12) {
-        image.chroma = node->planes == 2 ? b[1].data : b[0].data + (size_t)node->stride_bytes[0] * node->height;
-        image.chroma_stride_bytes = node->stride_bytes[node->planes - 1];
+    const pupil_dmabuf d = frame_dmabuf(node, index, pixel);
+    if (pupil_pixel_planes(pixel) > 1) {
+        image.chroma = b[node->planes - 1].data + d.offset_bytes[1];
+        image.chroma_stride_bytes = d.stride_bytes[1];
+    }
+    if (pupil_pixel_planes(pixel) > 2) {
+        image.cr = b[0].data + d.offset_bytes[2];
+        image.cr_stride_bytes = d.stride_bytes[2];
     }
     return image;
 }
@@ -111,18 +122,6 @@ static void canvas_close(canvas *c)
 {
     pupil_dmabuf_release(&c->textures);
     vgem_free(&c->memory);
-}
-
-/* BGRX8 is none of the CPU's inputs: the same frame as RGBA8. Its fourth byte is nothing, which reads as opaque. */
-static unsigned char *as_rgba8(pupil_image_const *image)
-{
-    size_t bytes = (size_t)image->stride_bytes * image->height;
-    unsigned char *copy = malloc(bytes);
-    const unsigned char *from = image->data;
-    for (size_t i = 0; i < bytes; i++)
-        copy[i] = i % 4 == 3 ? 255 : from[i % 4 == 1 ? i : i ^ 2];
-    image->data = copy;
-    return copy;
 }
 
 /* FNV-1a (Fowler, Noll, Vo): whether a buffer has a new picture. */
@@ -196,22 +195,19 @@ static void test_frame(const format *f, int number, const pupil_dmabuf_textures 
     if (index < 0)
         return;
     pupil_image_const image = frame_image(&camera, index, f->pixel);
-    unsigned char *copy = NULL;
     for (uint32_t p = 0; p < camera.planes; p++)
         vgem_begin(&camera.buffer[index][p]);
     const uint64_t now = hash(&camera.buffer[index][0]);
     CHECK_MSG(now != seen[index], "%s: buffer %d has the picture that it had", f->name, index);
     seen[index] = now;
-    if (f->import == PUPIL_PIXEL_BGRX8)
-        copy = as_rgba8(&image);
     check_texels(&textures[index], &image, f->name);
-    CHECK(pupil_gles_use(&gles, textures[index].texture[0], textures[index].texture[1]) == PUPIL_OK);
+    CHECK(pupil_gles_use(&gles, textures[index].texture[0], textures[index].texture[1], textures[index].texture[2]) ==
+          PUPIL_OK);
     if (number % 2 == 0) /* once for each pattern */
         compare_metering(&gles, &pupil, &image, all, f->name);
     compare_mapping(&image, &canvases[f->pixel == PUPIL_PIXEL_RGBA8 && number % 2], all, f->name);
     for (uint32_t p = 0; p < camera.planes; p++)
         vgem_end(&camera.buffer[index][p]);
-    free(copy);
     CHECK(vivid_queue(&camera, (uint32_t)index) == 0);
 }
 
@@ -225,7 +221,7 @@ static void test_format(const format *f)
     int failed = vivid_start(&camera, vgem, f->fourcc, WIDTH, HEIGHT, f->padding_bytes);
     CHECK_MSG(camera.stride_bytes[0] == pupil_row_bytes(f->pixel, WIDTH) + f->padding_bytes, "%s: rows of %u bytes",
               f->name, camera.stride_bytes[0]);
-    failed |= import_all(f->import ? f->import : f->pixel, textures);
+    failed |= import_all(f->pixel, textures);
     if (opened != f->pixel) {
         pupil_gles_close(&gles);
         failed |= open_gles(f->pixel, WIDTH, HEIGHT);
@@ -284,7 +280,7 @@ static int fill_monitor(void)
         pupil_gles_target target = {.width = VGA_WIDTH, .height = VGA_HEIGHT, .top_first = 1};
         const pupil_dmabuf d = frame_dmabuf(&monitor, i, PUPIL_PIXEL_BGRX8);
         CHECK_MSG(pupil_dmabuf_framebuffer(&d, &out, &target.framebuffer, &why) == 0, "%s", why.text);
-        CHECK(pupil_gles_use(&gles, textures[index].texture[0], 0) == PUPIL_OK);
+        CHECK(pupil_gles_use(&gles, textures[index].texture[0], 0, 0) == PUPIL_OK);
         CHECK(pupil_gles_map(&gles, &curve, &target) == PUPIL_OK);
         wait_for_gl("the monitor's picture");
         compare_pictures(&monitor.buffer[i][0], &cpu, &all, "the monitor's picture");

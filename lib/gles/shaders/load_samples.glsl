@@ -60,7 +60,7 @@ vec3 load(ivec2 at)
 {
     float v = (float(sample_at(at)) - grey.x) * grey.y;
 #ifdef GREY_LIGHT
-    v = light_of(v * 255.0);
+    v = light_of(v * light_top);
 #endif
     return vec3(v);
 }

@@ -88,14 +88,21 @@ typedef enum pupil_gles_adapt {
 } pupil_gles_adapt;
 
 /* Textures that pupil_gles_use takes for a format (init makes the same for memory). 8-bit formats are normalised:
- *     RGBA32F, RGB32F, RGBA16F   float, as named
+ *     RGBA32F, RGB32F, BGR32F    float: RGBA32F, RGB32F
+ *     RGBA16F, RGB16F            float, as named
  *     RGBA16, RGB16              RGBA16UI, RGB16UI
- *     RGBA8, RGB8                RGBA8, RGB8; not the SRGB8 kinds
- *     YUYV                       RG8, width + width % 2 texels wide
- *     NV12                       R8, and RG8 of (width + 1) / 2 by (height + 1) / 2
+ *     RGBA8, RGBX8, BGRX8        RGBA8; not the SRGB8 kinds
+ *     RGB8, BGR8                 RGB8
+ *     RGB10A2                    RGB10_A2
+ *     YUYV, UYVY                 RG8, width + width % 2 texels wide
+ *     NV12, NV21, NV16           R8, and RG8 of (width + 1) / 2 by pupil_chroma_rows
+ *     P010                       as NV12, with R16UI and RG16UI; with config.normalized_16, R16 and RG16
+ *     I420, I420_10              as NV12 and P010, with one channel for Cb and one for Cr
  *     GREY8, BAYER8              R8
  *     GREY10..16, BAYER10..16    R16UI; with config.normalized_16, R16
- *     BAYER10P, BAYER12P         R8, pupil_row_bytes texels wide
+ *     GREY10P..BAYER12P          R8, pupil_row_bytes texels wide
+ * Shaders read red from r, Y' of YUYV and UYVY from r, and Cb from r: where memory has another order (BGR8, BGRX8,
+ * BGR32F, UYVY, NV21), set GL_TEXTURE_SWIZZLE_R and so on of the texture. dma-bufs come in that order.
  */
 typedef struct pupil_gles_config {
     uint32_t size_bytes;    /* abi.h; filled in by pupil_gles_config_default */
@@ -104,7 +111,7 @@ typedef struct pupil_gles_config {
     uint32_t adapt;         /* a pupil_gles_adapt; CPU */
     uint32_t pixel;         /* a pupil_pixel that can be an input; to be chosen */
     uint32_t width, height; /* of every frame, pixels; to be chosen */
-    uint32_t normalized_16; /* 1: textures of 16-bit grey and mosaics are R16 (GL_EXT_texture_norm16, dma-bufs); 0 */
+    uint32_t normalized_16; /* 1: textures of 16-bit samples are R16 and RG16 (GL_EXT_texture_norm16, dma-bufs); 0 */
     uint32_t half_size;     /* 1: a mosaic is mapped quad by quad, to a picture of half its size; 0 */
     uint32_t scaled;        /* 1: targets may have another size than the picture; 0 */
     const pupil_coding *coding; /* of every frame, copied by pupil_gles_init; NULL: all zero */
@@ -190,9 +197,9 @@ PUPIL_API void pupil_gles_close(pupil_gles *gles);
  * _PIXEL, _STRIDE, _ALIGNMENT. */
 PUPIL_API int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image);
 
-/* PUPIL_GLES_TEXTURES and _EXTERNAL: textures that the calls from now on read, one for each plane (a second one only
- * with NV12; else 0). They stay the caller's. */
-PUPIL_API int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture);
+/* PUPIL_GLES_TEXTURES and _EXTERNAL: textures that the calls from now on read, one for each plane (pupil_pixel_planes;
+ * else 0). They stay the caller's. */
+PUPIL_API int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture, uint32_t cr_texture);
 
 /* --- a frame at once --- */
 
