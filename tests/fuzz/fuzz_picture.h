@@ -189,7 +189,7 @@ static pupil_coding take_coding(uint32_t pixel)
 }
 
 /* Any input of about this size; the width is kept where its format can have it. */
-static picture picture_in(uint32_t width, uint32_t height)
+static inline picture picture_in(uint32_t width, uint32_t height)
 {
     const uint32_t pixel = PUPIL_PIXEL_RGBA32F + take_below(PUPIL_PIXEL_COUNT - 1);
     if (is_mosaic(pixel)) {
@@ -206,7 +206,7 @@ static picture picture_in(uint32_t width, uint32_t height)
 }
 
 /* Any output for it, of half its size where that can be; and the codings of both, which stay where the pictures do. */
-static picture picture_out(picture *in)
+static inline picture picture_out(picture *in)
 {
     static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12,
                                      PUPIL_PIXEL_BGR8};
