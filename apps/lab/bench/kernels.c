@@ -34,11 +34,12 @@ static int parse_format(const option_value *v)
 
 static int parse_light(const option_value *v)
 {
+    static const char *const names[PUPIL_LIGHT_COUNT] = {"srgb", [PUPIL_LIGHT_PQ] = "pq", [PUPIL_LIGHT_HLG] = "hlg"};
     bench_options *o = v->options;
-    o->light = strcmp(v->text, "pq") == 0    ? PUPIL_LIGHT_PQ
-               : strcmp(v->text, "hlg") == 0 ? PUPIL_LIGHT_HLG
-                                             : PUPIL_LIGHT_DEFAULT; /* which is sRGB there */
-    return OPTIONS_RUN;
+    for (o->light = PUPIL_LIGHT_DEFAULT; o->light < PUPIL_LIGHT_COUNT; o->light++) /* the default is sRGB there */
+        if (names[o->light] && strcmp(v->text, names[o->light]) == 0)
+            return OPTIONS_RUN;
+    return option_refuse(v, NULL);
 }
 
 #define AT(field) offsetof(bench_options, field)
