@@ -9,7 +9,8 @@ const char *pupil_error_string(int code)
 {
     static const char *const sentence[] = {
         [-PUPIL_OK] = "no error",
-        [-PUPIL_ERR_NULL] = "a required pointer is NULL: the object, an image, its data, chroma or cr, or where a result goes",
+        [-PUPIL_ERR_NULL] =
+            "a required pointer is NULL: the object, an image, its data, chroma or cr, or where a result goes",
         [-PUPIL_ERR_CONFIG] = "the configuration is refused; pupil_config_check names the field",
         [-PUPIL_ERR_OBJECT] = "the object was not made by pupil_init of this version of the library",
         [-PUPIL_ERR_SIZE] =
