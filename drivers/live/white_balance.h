@@ -8,10 +8,10 @@
  *
  * Automatic balance: factors that make the average of a frame grey (pupil_stats_grey_world), at most
  * PUPIL_WHITE_BALANCE_MOST each. The first frame with light sets them for the second one; from then on they follow with
- * a time constant of PUPIL_WHITE_BALANCE_TAU_S, whatever the frame rate. A frame without light, or clipped all over,
+ * a time constant of PUPIL_WHITE_BALANCE_TAU_S, at any frame rate. A frame without light, or clipped all over,
  * moves nothing. The same frames give the same factors, bit for bit, so a recording of raw frames is balanced again as
- * it was. Of large frames one row of quads in eight is looked at, another one each time, so that it costs little beside
- * a GPU that does the rest.
+ * it was. Of large frames one row of quads in eight is looked at, another one each time, so that it costs little
+ * compared with a GPU that does the rest.
  *
  * Formats that are no mosaics keep the coding that they came with, but for the black level of grey.
  */

@@ -3,7 +3,7 @@
 
 #include "base/numeric.h"
 
-/* x that a share p of a normal distribution lies above. */
+/* x above which there is a share p of a normal distribution. */
 static double normal_quantile(double p)
 {
     static const double up[] = SENSOR_QUANTILE_UP, down[] = SENSOR_QUANTILE_DOWN;
@@ -30,7 +30,7 @@ static double share_above(double z)
     return density(z) * sum;
 }
 
-/* Of a normal distribution (mu, sigma) cut at C, what lies above counting as C, the share above C is c and the mean m:
+/* Of a normal distribution (mu, sigma) cut at C, what is above counting as C, the share above C is c and the mean m:
  *     z = (C - mu) / sigma,   c = 1 - Phi(z),   m = C - sigma (z Phi(z) + phi(z))
  * which is solved for sigma, then mu. */
 void pupil_sensor_guess(const pupil_sensor_config *config, const sensor_evidence *v, double wanted, double *mean,

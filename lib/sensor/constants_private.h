@@ -3,7 +3,8 @@
 #ifndef PUPIL_SENSOR_CONSTANTS_PRIVATE_H
 #define PUPIL_SENSOR_CONSTANTS_PRIVATE_H
 
-/* Delays that are told apart, in frames. V4L2 and MIPI sensors have 1 to 4; libcamera's delayed controls allow 16. */
+/* Delays that are distinguished, in frames. V4L2 and MIPI sensors have 1 to 4; libcamera's delayed controls allow 16.
+ */
 #define SENSOR_DELAYS 16
 /* A guess is a delay of 1..16 frames, or what the metadata say (0). */
 #define SENSOR_GUESSES (SENSOR_DELAYS + 1)
@@ -220,7 +221,8 @@
 
 /* A total that came from its logarithm is off by a few 2^-52 of these. */
 #define SENSOR_ROUND 1e-9
-/* A millionth of a step is forgiven, so that a multiple stays itself; beyond 10^15 steps a double cannot tell them. */
+/* A millionth of a step is forgiven, so that a multiple stays itself; beyond 10^15 steps a double has no room for them.
+ */
 #define SENSOR_STEP_SHARE 1e-6
 #define SENSOR_STEPS_MOST 1e15
 #define SENSOR_LOG2_DB    0.16609640474436813 /* log2(10) / 20 */

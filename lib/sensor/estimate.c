@@ -81,7 +81,7 @@ static int has_metadata(const pupil_frame_info *info)
 }
 
 /* The setting that the metadata of one control mean. Where they moved, that is the setting like it that was asked for;
- * where there is none, they are taken at their word. A camera with another unit, or that rounds, reports so much above
+ * where there is none, they are believed. A camera with another unit, or that rounds, reports so much above
  * what was asked for; that is found where nothing is on its way. Frames that waited in the
  * driver, because the program is slow, are later than any delay: so many of them are let pass. */
 static void read_control(sensor_estimate *a, int c)
@@ -91,7 +91,7 @@ static void read_control(sensor_estimate *a, int c)
     int is_still = 1;
     for (uint32_t h = 1; h <= SENSOR_DELAYS; h++) {
         const double asked = in_force(a, c, h, 0), off = size_of(a->said[c] - a->unit[c] - asked);
-        is_still &= asked == a->standing[c];
+        is_still &= asked == a->requested[c];
         like = off < nearest ? asked : like;
         nearest = off < nearest ? off : nearest;
     }
@@ -101,9 +101,9 @@ static void read_control(sensor_estimate *a, int c)
     a->still[c] = is_still ? a->still[c] + (a->still[c] < SENSOR_STILL_FRAMES) : 0;
     if (a->still[c] < SENSOR_STILL_FRAMES)
         return;
-    a->unit[c] = a->said[c] - a->standing[c];
-    a->reported_before[c] += a->standing[c] - a->reported[c];
-    a->reported[c] = a->standing[c];
+    a->unit[c] = a->said[c] - a->requested[c];
+    a->reported_before[c] += a->requested[c] - a->reported[c];
+    a->reported[c] = a->requested[c];
 }
 
 static void read_metadata(sensor_estimate *a, const pupil_frame_info *info)
@@ -327,7 +327,7 @@ static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
     return least;
 }
 
-/* The delay of a control, once the frames have told it from each other one, whatever was believed at first; until it is
+/* The delay of a control, once the frames fit no other one, regardless of what was believed at first; until it is
  * contradicted. Else 0. */
 static uint32_t delay_of(const pupil_sensor_object *o, int control)
 {
@@ -349,7 +349,7 @@ static uint32_t delay_of(const pupil_sensor_object *o, int control)
                                                                                                      : 0;
 }
 
-/* What was asked for since the frame before is standing in all that were lost. */
+/* What was asked for since the frame before holds for all that were lost. */
 static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
     const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;
@@ -358,7 +358,7 @@ static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
     for (uint32_t i = 0; i < a->gap; i++) {
         a->past[(a->frame + i + 1) % SENSOR_RING].gap = 0;
         for (int c = 0; c < SENSOR_CONTROLS; c++)
-            a->asked[(a->frame + i) % SENSOR_RING][c] = a->standing[c];
+            a->asked[(a->frame + i) % SENSOR_RING][c] = a->requested[c];
     }
     a->frame = (a->frame + a->gap) % SENSOR_RING;
 }
@@ -366,7 +366,7 @@ static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
 /* What the first frame was taken with was in force for some time. */
 static void begin_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
-    double first[SENSOR_CONTROLS] = {a->standing[0], a->standing[1]};
+    double first[SENSOR_CONTROLS] = {a->requested[0], a->requested[1]};
     if (has_metadata(info)) {
         first[0] = pupil_log2(info->exposure_s);
         first[1] = pupil_log2(info->gain);
@@ -374,7 +374,7 @@ static void begin_frames(sensor_estimate *a, const pupil_frame_info *info)
     for (uint32_t i = 0; i < SENSOR_RING; i++)
         for (int c = 0; c < SENSOR_CONTROLS; c++)
             a->asked[i][c] = a->past[i].reported[c] = a->reported[c] = a->in_force[c] = a->said[c] = first[c];
-    a->effect += pupil_sensor_effect(a, a->standing, first);
+    a->effect += pupil_sensor_effect(a, a->requested, first);
     a->sequence = info ? info->sequence : 0;
     a->gap = 1;
     a->has_frame = 1;
@@ -411,18 +411,18 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
     return o->config.delay_frames;
 }
 
-/* The change of the setting from one to the one that stands did so much of what was expected of it. Of both controls
+/* The change of the setting from one to the requested one did so much of what was expected of it. Of both controls
  * the one that moved further has the larger part in it (normalised least mean squares). */
 void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROLS], double expected, double seen)
 {
     sensor_estimate *a = &o->estimate;
-    const double e = a->standing[0] - from[0], g = a->standing[1] - from[1], off = seen - expected;
+    const double e = a->requested[0] - from[0], g = a->requested[1] - from[1], off = seen - expected;
     a->response[0] = clamp(a->response[0] + off * e / (e * e + g * g), SENSOR_RESPONSE_LEAST, SENSOR_RESPONSE_MOST);
     a->response[1] = clamp(a->response[1] + off * g / (e * e + g * g), SENSOR_RESPONSE_LEAST, SENSOR_RESPONSE_MOST);
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         if (size_of(a->response[c] - 1.0) < SENSOR_STRAIGHT)
             a->response[c] = 1.0;
-        a->seen |= size_of(a->standing[c] - from[c]) >= SENSOR_STEP_EV ? 1u << c : 0;
+        a->seen |= size_of(a->requested[c] - from[c]) >= SENSOR_STEP_EV ? 1u << c : 0;
     }
     for (int c = 0; c < SENSOR_CONTROLS; c++) { /* a tone curve is the same for both */
         const double other = a->response[SENSOR_CONTROLS - 1 - c];

@@ -22,8 +22,8 @@ static double weight_from(const pupil_stats *stats, int bin, int count)
     return (double)sum / (double)stats->weight;
 }
 
-/* A spike at the top with nothing above it is clipped light, at whatever code the sensor saturates: two bins, for white
- * may be noisy, and may lie at the edge of two. */
+/* A spike at the top with nothing above it is clipped light, at any code at which the sensor saturates: two bins, for
+ * white may be noisy, and may be at the edge of two. */
 static void find_top(const pupil_stats *stats, sensor_evidence *v)
 {
     int bin = PUPIL_HISTOGRAM_BINS - 1;
@@ -43,7 +43,7 @@ static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
     v->white = is_found ? o->white.level : white;
     if (v->clipped_share < 0.5 * v->spike && v->top >= v->white - SENSOR_WHITE_EV)
         v->clipped_share = v->spike; /* the sensor is full below the code that counts as clipped */
-    /* whatever its code: a flat top far above the key may be clipped light, and shows no more than "at least so bright"
+    /* at any code: a flat top far above the key may be clipped light, and shows no more than "at least so bright"
      */
     const int is_bright = v->top > white + pupil_log2(o->config.key) + SENSOR_BRIGHT_EV;
     v->full_share = is_bright && v->spike > v->clipped_share ? v->spike : v->clipped_share;

@@ -1,6 +1,6 @@
 /* Which setting gives the picture that is wanted. A camera that answers as its numbers say has it at once. Of one that
  * answers otherwise it is found by a search on the path of settings, from the points that were seen: on a camera on
- * which more never makes the picture darker the wanted effect lies between a point below and one above it. */
+ * which more never makes the picture darker the wanted effect is between a point below and one above it. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -11,7 +11,7 @@ static int is_by_metadata(const sensor_estimate *a)
     return a->reports && ((a->alive[0] == 1 && a->alive[1] == 1) || a->is_borne_out);
 }
 
-/* Frames after which a setting is taken to be in force, whatever the delay is. */
+/* Frames after which a setting is taken to be in force, with any delay. */
 static uint32_t wait_frames(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
@@ -29,7 +29,7 @@ static int is_on_its_way(const pupil_sensor_object *o)
     const sensor_estimate *a = &o->estimate;
     int is_there = 1, is_late = 0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
-        const int is_in = size_of(a->in_force[c] - a->standing[c]) < SENSOR_DIFFER_EV;
+        const int is_in = size_of(a->in_force[c] - a->requested[c]) < SENSOR_DIFFER_EV;
         is_there &= is_in;
         is_late |= !is_in && a->reports && !a->best[c];
     }
@@ -56,10 +56,10 @@ int pupil_sensor_is_pending(const pupil_sensor_object *o)
 double pupil_sensor_effect_asked(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    return a->effect + (is_on_its_way(o) ? pupil_sensor_effect(a, a->in_force, a->standing) : 0.0);
+    return a->effect + (is_on_its_way(o) ? pupil_sensor_effect(a, a->in_force, a->requested) : 0.0);
 }
 
-/* The effect of a total beyond that of the setting that stands; and its setting. What the setting lacks of the total is
+/* The effect of a total beyond that of the requested setting; and its setting. What the setting lacks of the total is
  * the digital factor's. */
 static double effect_of(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS])
 {
@@ -67,7 +67,7 @@ static double effect_of(const pupil_sensor_object *o, double total, double setti
     pupil_sensor_split(o, total, &e, &g);
     setting[0] = pupil_log2(e);
     setting[1] = pupil_log2(g);
-    return pupil_sensor_effect(&o->estimate, o->estimate.standing, setting);
+    return pupil_sensor_effect(&o->estimate, o->estimate.requested, setting);
 }
 
 static double left_of(double total, const double setting[SENSOR_CONTROLS])
@@ -84,8 +84,8 @@ void pupil_sensor_reach(const pupil_sensor_object *o, double *least, double *mos
         return;
     }
     pupil_sensor_ends(o, darkest, brightest);
-    *least = asked + pupil_sensor_effect(&o->estimate, o->estimate.standing, darkest);
-    *most = asked + pupil_sensor_effect(&o->estimate, o->estimate.standing, brightest);
+    *least = asked + pupil_sensor_effect(&o->estimate, o->estimate.requested, darkest);
+    *most = asked + pupil_sensor_effect(&o->estimate, o->estimate.requested, brightest);
 }
 
 /* The ends of the path of settings. */
@@ -98,14 +98,14 @@ static void path_ends(const pupil_sensor_object *o, double *least, double *most)
     *most = setting[0] + setting[1];
 }
 
-/* The total whose effect is so much beyond that of the setting that stands, by what the controls are known to do. */
+/* The total whose effect is so much beyond that of the requested setting, by what the controls are known to do. */
 static double total_for(const pupil_sensor_object *o, double need)
 {
     const sensor_estimate *a = &o->estimate;
     double setting[SENSOR_CONTROLS], low, high;
     path_ends(o, &low, &high);
     if (a->response[0] == 1.0 && a->response[1] == 1.0)
-        return clamp(a->standing[0] + a->standing[1] + need, low, high);
+        return clamp(a->requested[0] + a->requested[1] + need, low, high);
     for (int i = 0; i < SENSOR_BISECT; i++) {
         const double middle = 0.5 * (low + high);
         const double effect = effect_of(o, middle, setting);
@@ -125,13 +125,13 @@ static void forget_points(sensor_search *s)
         s->point[i].is_used = 0;
 }
 
-/* The setting that stands and what it does. Points that contradict it are of another time: more never makes darker. */
+/* The requested setting and what it does. Points that contradict it are of another time: more never makes darker. */
 static void remember(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const sensor_point now = {
-        .total = s->set, .setting = {a->standing[0], a->standing[1]}, .effect = a->effect, .is_used = 1};
+        .total = s->set, .setting = {a->requested[0], a->requested[1]}, .effect = a->effect, .is_used = 1};
     sensor_point *place = 0;
     for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
         const int is_same = p->setting[0] == now.setting[0] && p->setting[1] == now.setting[1];
@@ -225,13 +225,13 @@ static void move_only(pupil_sensor_object *o, int control, const double setting[
 static void begin_search(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
-    const double *standing = o->estimate.standing;
+    const double *requested = o->estimate.requested;
     s->is_searching = 1;
     s->swaps = s->narrowed = 0;
-    if (has_room(o, SENSOR_GAIN, standing, need))
-        move_only(o, SENSOR_GAIN, standing);
-    else if (has_room(o, SENSOR_EXPOSURE, standing, need))
-        move_only(o, SENSOR_EXPOSURE, standing);
+    if (has_room(o, SENSOR_GAIN, requested, need))
+        move_only(o, SENSOR_GAIN, requested);
+    else if (has_room(o, SENSOR_EXPOSURE, requested, need))
+        move_only(o, SENSOR_EXPOSURE, requested);
     remember(o);
 }
 
@@ -298,8 +298,8 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
     sensor_estimate *a = &o->estimate;
-    const double expected = pupil_sensor_effect(a, s->from, a->standing), seen = a->effect - s->effect_from;
-    const double plain = a->standing[0] - s->from[0] + a->standing[1] - s->from[1], share = seen / expected;
+    const double expected = pupil_sensor_effect(a, s->from, a->requested), seen = a->effect - s->effect_from;
+    const double plain = a->requested[0] - s->from[0] + a->requested[1] - s->from[1], share = seen / expected;
     const int had_black = o->black.value > 0.0;
     s->is_large = 0;
     if (size_of(plain) >= SENSOR_STEP_EV)
@@ -330,25 +330,25 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
-static int is_standing(const pupil_sensor_object *o, double total)
+static int is_requested(const pupil_sensor_object *o, double total)
 {
     double setting[SENSOR_CONTROLS];
     (void)effect_of(o, total, setting);
-    return setting[0] == o->estimate.standing[0] && setting[1] == o->estimate.standing[1];
+    return setting[0] == o->estimate.requested[0] && setting[1] == o->estimate.requested[1];
 }
 
-/* The control that moves has no better setting than the one that stands: the other one does the rest, or the search
+/* The control that moves has no better setting than the requested one: the other one does the rest, or the search
  * ends. */
 static double leave(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
-    const double *standing = o->estimate.standing;
+    const double *requested = o->estimate.requested;
     const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (is_one && s->swaps < SENSOR_SWAPS && has_room(o, other, standing, need)) {
-        move_only(o, other, standing);
+    if (is_one && s->swaps < SENSOR_SWAPS && has_room(o, other, requested, need)) {
+        move_only(o, other, requested);
         s->swaps++;
         s->narrowed = 0;
-        return standing[0] + standing[1] + need;
+        return requested[0] + requested[1] + need;
     }
     s->is_resting = 1;
     s->rest_wanted = o->plan.wanted;
@@ -360,7 +360,7 @@ static double leave(pupil_sensor_object *o, double need)
 static int is_part_of_exchange(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
 {
     const pupil_sensor_config *c = &o->config;
-    const double *from = o->estimate.standing;
+    const double *from = o->estimate.requested;
     const int is_timed = o->estimate.delay[0] && o->estimate.delay[1];
     const double most_ev = is_timed ? SENSOR_EXCHANGE_EV : SENSOR_BLIND_EXCHANGE_EV;
     const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
@@ -398,17 +398,17 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
     if (e == o->setting.exposure_s && g == o->setting.gain)
         return;
     if (!a->has_frame) /* it is taken to be in force in the first one */
-        a->effect += pupil_sensor_effect(a, a->standing, setting);
-    const double moves = size_of(setting[0] - a->standing[0]) + size_of(setting[1] - a->standing[1]);
+        a->effect += pupil_sensor_effect(a, a->requested, setting);
+    const double moves = size_of(setting[0] - a->requested[0]) + size_of(setting[1] - a->requested[1]);
     if ((moves > SENSOR_LARGE_EV || s->is_searching) && a->has_frame) {
         s->is_large = 1;
         s->effect_from = asked;
         for (int c = 0; c < SENSOR_CONTROLS; c++)
-            s->from[c] = a->standing[c];
+            s->from[c] = a->requested[c];
     }
     s->since = s->looks = a->has_frame ? 0 : SENSOR_RING;
     for (int c = 0; c < SENSOR_CONTROLS; c++)
-        a->standing[c] = setting[c];
+        a->requested[c] = setting[c];
     o->setting.exposure_s = e;
     o->setting.gain = g;
     o->setting.changed = 1;
@@ -447,7 +447,7 @@ static void count_frame(pupil_sensor_object *o)
     const sensor_estimate *a = &o->estimate;
     s->since = s->since + a->gap < SENSOR_RING ? s->since + a->gap : SENSOR_RING;
     s->looks += s->looks < SENSOR_RING;
-    if (o->setting.frames == 1 && (a->in_force[0] != a->standing[0] || a->in_force[1] != a->standing[1]))
+    if (o->setting.frames == 1 && (a->in_force[0] != a->requested[0] || a->in_force[1] != a->requested[1]))
         s->since = s->looks = 0; /* the camera began with another setting than it was asked for */
     for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
         p->age += a->gap;
@@ -474,11 +474,11 @@ static void go_on_searching(pupil_sensor_object *o, double need)
     if (s->is_pinned[0] == s->is_pinned[1])
         return;
     const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->standing, need)) {
-        move_only(o, other, a->standing); /* the control that moves does nothing */
+    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->requested, need)) {
+        move_only(o, other, a->requested); /* the control that moves does nothing */
         s->swaps++;
         s->unanswered = 0;
-    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && !has_room(o, (int)s->mover, a->standing, need)) {
+    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && !has_room(o, (int)s->mover, a->requested, need)) {
         s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
         forget_points(s);
     }
@@ -510,11 +510,11 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     const sensor_estimate *a = &o->estimate;
     const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
     const double most = size_of(need) * (double)(2u << (s->unanswered - (s->unanswered > 1))),
-                 standing = a->standing[0] + a->standing[1];
+                 requested = a->requested[0] + a->requested[1];
     double total = total_for(o, is_unknown ? 0.5 * need : need);
-    total = clamp(total, standing - most - size_of(left), standing + most + size_of(left));
+    total = clamp(total, requested - most - size_of(left), requested + most + size_of(left));
     total = s->is_searching ? narrow(o, total) : total;
-    if (s->is_searching && !s->is_resting && is_standing(o, total))
+    if (s->is_searching && !s->is_resting && is_requested(o, total))
         total = leave(o, need);
     s->total = total;
     ask(o, total, 1);
@@ -535,7 +535,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         remember(o);
     if (!o->config.lock && !pupil_sensor_is_pending(o)) {
         doubt(o, v);
-        const double left = left_of(s->set, o->estimate.standing);
+        const double left = left_of(s->set, o->estimate.requested);
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
         go_on_searching(o, need);
         s->total = s->set + (s->is_searching ? 0.0 : need - left);
@@ -560,6 +560,6 @@ void pupil_sensor_begin(pupil_sensor_object *o, double total)
         total = clamp(total, least, most);
     s->total = total;
     ask(o, total, 0);
-    o->plan.wanted = pupil_sensor_effect_asked(o) + left_of(total, o->estimate.standing);
+    o->plan.wanted = pupil_sensor_effect_asked(o) + left_of(total, o->estimate.requested);
     report_total(o);
 }

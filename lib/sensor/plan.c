@@ -36,7 +36,7 @@ static double held_back(const pupil_sensor_config *c, const sensor_evidence *v, 
 
 /* The effect that this frame asks for.
  *
- * A clipped frame's mean is too low, so its goal lies between the frame's own effect and the right one: one such step
+ * A clipped frame's mean is too low, so its goal is between the frame's own effect and the right one: one such step
  * after another comes nearer from one side. Only where this says "far too bright" a guess may go further, and too far;
  * what comes after it comes from the dark side, without guesses. So guesses cannot make it swing. */
 static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)

@@ -25,7 +25,7 @@ static int is_ignored(const pupil_sensor_object *o)
     return o->search.unanswered > 1 && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV;
 }
 
-/* What is shown, or what is wanted, is not where it should be; beyond a limit nobody can tell. */
+/* What is shown, or what is wanted, is not where it should be; beyond a limit that is not known. */
 static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
 {
     const sensor_plan *p = &o->plan;

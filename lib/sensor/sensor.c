@@ -62,7 +62,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->setting.gain = 1.0;
     o->setting.frame_digital = o->setting.slope = 1.0;
     o->search.total = pupil_log2(SENSOR_FIRST_EXPOSURE_S);
-    o->estimate.standing[0] = o->estimate.in_force[0] = o->estimate.effect = o->search.total;
+    o->estimate.requested[0] = o->estimate.in_force[0] = o->estimate.effect = o->search.total;
     pupil_sensor_forget(o);
     configure(o, config);
     return PUPIL_OK;
@@ -102,8 +102,8 @@ int pupil_sensor_get_sized(const pupil_sensor *sensor, pupil_sensor_setting *set
     return pupil_versioned_write(setting, setting_bytes, &now, sizeof now);
 }
 
-/* Seconds since the frame before, and whether it is one. A sequence that rises says that it is a new frame, whatever
- * its timestamp; where clocks stand still or go back, frames are a period apart. */
+/* Seconds since the frame before, and whether it is one. A sequence that rises says that it is a new frame, with any
+ * timestamp; where clocks stop or go back, frames are a period apart. */
 static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
 {
     const int64_t now = info ? info->timestamp_ns : 0, last = o->last_timestamp_ns;
@@ -133,7 +133,7 @@ static void find_flicker(pupil_sensor_object *o, sensor_evidence *v)
     double *moved = &o->estimate.scene_moved[0];
     pupil_flicker_frame(&o->flicker, v->middle - o->estimate.effect, exposure_s, o->last_timestamp_ns);
     o->setting.flicker_ev = pupil_flicker_at(&o->flicker, o->last_timestamp_ns);
-    if (*moved != 0.0) /* the beat's own way up or down is no ramp of the light */
+    if (*moved != 0.0) /* the flicker's own way up or down is no ramp of the light */
         *moved -= o->setting.flicker_ev - before_ev;
     v->mean -= o->setting.flicker_ev;
     v->highlight -= o->setting.flicker_ev;

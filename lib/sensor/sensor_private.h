@@ -71,7 +71,7 @@ typedef struct sensor_past {
 typedef struct sensor_estimate {
     sensor_past past[SENSOR_RING];
     double asked[SENSOR_RING][SENSOR_CONTROLS];                 /* after frame i */
-    double standing[SENSOR_CONTROLS];                           /* asked for last */
+    double requested[SENSOR_CONTROLS];                          /* asked for last */
     double said[SENSOR_CONTROLS], said_before[SENSOR_CONTROLS]; /* by the metadata */
     double reported[SENSOR_CONTROLS];                           /* which of the asked settings the metadata say */
     double reported_before[SENSOR_CONTROLS];
@@ -147,7 +147,7 @@ typedef struct sensor_search {
     uint32_t wrong_frames, wrong_times;
     uint32_t since;      /* frames since the last large step, at most SENSOR_RING */
     uint32_t looks;      /* ... and those of them that came */
-    uint32_t is_large;   /* that step is not judged yet */
+    uint32_t is_large;   /* that step is not evaluated yet */
     uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
     double blunt_wanted; /* the effect that was wanted then */
     double jumped_ev;    /* in the last frame in which a small step went with a large one of the picture */
@@ -189,7 +189,7 @@ static inline double size_of(double x)
 /* The caller's configuration as one of this version: NULL, or a sentence. */
 const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sensor_config *theirs);
 
-/* evidence.c: from statistics, which are whole; or from a level that somebody else has metered. */
+/* evidence.c: from statistics, which are whole; or from a level that another program has metered. */
 int pupil_sensor_evidence(const pupil_sensor_object *object, const pupil_stats *stats, sensor_evidence *evidence);
 void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double mean, double clipped_share,
                                     sensor_evidence *evidence);
@@ -241,7 +241,7 @@ void pupil_sensor_reach(const pupil_sensor_object *object, double *least, double
 
 /* split.c: the exposure and gain that the camera has for a total of at most so much. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);
-/* The darkest and the brightest setting, log2, whatever a search has pinned. */
+/* The darkest and the brightest setting, log2, regardless of what a search has pinned. */
 void pupil_sensor_ends(const pupil_sensor_object *object, double darkest[SENSOR_CONTROLS],
                        double brightest[SENSOR_CONTROLS]);
 double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposure_s);

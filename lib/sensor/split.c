@@ -7,7 +7,7 @@
 static double multiple(double x, double step)
 {
     const double steps = x / step + SENSOR_STEP_SHARE;
-    if (!(steps < SENSOR_STEPS_MOST)) /* steps that a double of x cannot tell apart */
+    if (!(steps < SENSOR_STEPS_MOST)) /* steps that a double of x has no room for */
         return x;
     const double whole = (double)(int64_t)steps;
     return step * (whole > steps ? whole - 1.0 : whole);
