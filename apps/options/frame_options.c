@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "key_at.h"
 #include "refuse.h"
 
 /* --- values that no kind fits --- */
@@ -59,6 +60,12 @@ static int parse_trim(const option_value *v)
     return OPTIONS_RUN;
 }
 
+static int parse_key_at(const option_value *v)
+{
+    frame_options *o = v->options;
+    return key_at_parse(v->text, o->config.key_at, &o->config.key_points) ? option_refuse(v, NULL) : OPTIONS_RUN;
+}
+
 static int parse_meter_rows(const option_value *v)
 {
     frame_options *o = v->options;
@@ -104,7 +111,13 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
     {"weight", 0, OPTION_NUMBER, "W", AT(config.frame_weight), .initial = "0.05", .low = 0x1p-1022, .high = 1.0,
      .right = "above 0, up to 1", .help = "its weight of each new frame"},
     {"key", 0, OPTION_NUMBER, "K", AT(config.key), .initial = "0.18", .low = 0x1p-10, .high = 1.0,
-     .right = "from 0.001 to 1", .help = "what the log-average luminance is mapped to"},
+     .right = "from 0.001 to 1", .help = "mid-grey", .more = "What the log-average luminance is mapped to."},
+    {"key-at", 0, OPTION_TEXT, "EV:KEY,...", 0, .parse = parse_key_at, .right = key_at_right,
+     .help = "key by scene light",
+     .more =
+         "So that night stays dark. At most 8 points, EV rising, KEY rising by at most a stop for two of EV. Between "
+         "two points the logarithm of the key is linear, beyond them the key is constant. EV is adapted_ev of --stats, "
+         "and scene_ev of pupil run --mode sensor; docs/sensor.md gives it in lux."},
     {"highlights", 0, OPTION_NUMBER, "STOPS", AT(config.highlight_ev), .initial = "2", .high = 8.0, .unit = "stops",
      .help = "how far highlights may darken the picture, 0: not at all",
      .more = "Where more than 5 % of the frame is over 4 stops brighter than its log-average, the picture is darker by "
@@ -168,12 +181,14 @@ void frame_options_begin(frame_options *o)
     o->config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
 }
 
-int frame_options_check(frame_options *o, int weight_given, pupil_why *why)
+int frame_options_check(frame_options *o, int weight_given, int key_given, pupil_why *why)
 {
     o->source.threads = o->threads;
     if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
         return pupil_refuse(why, "--weight: is a weight a frame, of --formula 1..4; the default law takes --tau-light "
                                  "and --tau-dark");
+    if (key_given && o->config.key_points)
+        return pupil_refuse(why, "--key and --key-at: one of them; --key is the same in any light");
     if (o->gles_version && !o->gles && !o->view)
         return pupil_refuse(why, "--gles-version: is of --gles and --view");
     return OPTIONS_RUN;

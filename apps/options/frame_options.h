@@ -29,7 +29,7 @@ typedef struct frame_options {
 
 /* The rows that replay and run share, by title. Offsets are those of frame_options. */
 #define FRAME_OUTPUT_ROWS   3
-#define FRAME_EXPOSURE_ROWS 12
+#define FRAME_EXPOSURE_ROWS 13
 #define FRAME_MAPPING_ROWS  7
 extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
 extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];
@@ -39,7 +39,7 @@ extern const option_row frame_mapping_rows[FRAME_MAPPING_ROWS];
 void frame_options_begin(frame_options *options);
 
 /* What the shared options require of each other. OPTIONS_RUN, or OPTIONS_USAGE and a sentence. */
-int frame_options_check(frame_options *options, int weight_given, pupil_why *why);
+int frame_options_check(frame_options *options, int weight_given, int key_given, pupil_why *why);
 
 /* Refuses outputs that are named twice, that are inside one another or are also an input. */
 int frame_options_check_paths(const frame_options *options, pupil_why *why);

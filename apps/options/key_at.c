@@ -1,19 +1,20 @@
 #include "key_at.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 const char key_at_right[] =
     "EV:KEY,EV:KEY,..., at most 8, for example -4:0.06,2:0.18: EV from -256 to 256, rising; KEY "
     "from 0.001 to 1, rising by at most a stop for two of EV";
 
-int key_at_parse(const char *text, pupil_sensor_config *config)
+int key_at_parse(const char *text, pupil_key_point key_at[PUPIL_KEY_POINTS], uint32_t *key_points)
 {
-    pupil_sensor_config c = *config;
+    pupil_config c;
     char *end;
-    c.key_points = 0;
+    pupil_config_default(&c);
     do {
-        pupil_sensor_key_point p;
-        if (c.key_points == PUPIL_SENSOR_KEY_POINTS)
+        pupil_key_point p;
+        if (c.key_points == PUPIL_KEY_POINTS)
             return -1;
         p.scene_ev = strtod(text, &end);
         if (end == text || *end != ':')
@@ -25,8 +26,9 @@ int key_at_parse(const char *text, pupil_sensor_config *config)
         c.key_at[c.key_points++] = p;
         text = end + 1;
     } while (*end);
-    if (pupil_sensor_config_check(&c, NULL))
+    if (pupil_config_check(&c, NULL))
         return -1;
-    *config = c;
+    memcpy(key_at, c.key_at, sizeof c.key_at);
+    *key_points = c.key_points;
     return 0;
 }

@@ -2,12 +2,12 @@
 #ifndef PUPIL_APPS_OPTIONS_KEY_AT_H
 #define PUPIL_APPS_OPTIONS_KEY_AT_H
 
-#include "pupil/sensor.h"
+#include "pupil/config.h"
 
 extern const char key_at_right[]; /* what would be right, for a sentence */
 
-/* "EV:KEY,EV:KEY,..." into key_at of a config that is otherwise right. 0; -1: it is not as key_at_right says, and the
- * config is as it was. */
-int key_at_parse(const char *text, pupil_sensor_config *config);
+/* "EV:KEY,EV:KEY,..." into the points of a configuration. 0; -1: it is not as key_at_right says, and nothing is
+ * written. */
+int key_at_parse(const char *text, pupil_key_point key_at[PUPIL_KEY_POINTS], uint32_t *key_points);
 
 #endif

@@ -90,5 +90,6 @@ int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why
                                  "has more");
     if (check_loop(o, why))
         return OPTIONS_USAGE;
-    return frame_options_check(o, options_given(&replay_command, &words, "weight"), why);
+    return frame_options_check(o, options_given(&replay_command, &words, "weight"),
+                               options_given(&replay_command, &words, "key"), why);
 }

@@ -5,7 +5,6 @@
 
 #include "options/colour_options.h"
 #include "options/commands.h"
-#include "options/key_at.h"
 #include "refuse.h"
 #include "v4l2/format.h"
 
@@ -39,15 +38,6 @@ static int parse_period(const option_value *v)
         return OPTIONS_USAGE;
     r->live.mains_hz = fabs(s - 0.01) < 1e-5 ? 50 : fabs(s - 1.0 / 120.0) < 1e-5 ? 60 : 0;
     return r->live.mains_hz ? OPTIONS_RUN : option_refuse(v, NULL);
-}
-
-static int parse_key_at(const option_value *v)
-{
-    run_options *r = v->options;
-    pupil_sensor_config tried;
-    pupil_sensor_config_default(&tried);
-    r->key_at = v->text;
-    return key_at_parse(v->text, &tried) ? option_refuse(v, key_at_right) : OPTIONS_RUN;
 }
 
 static int parse_resume(const option_value *v)
@@ -153,13 +143,6 @@ static const option_row control_rows[] = {
      .more = "linear: the first step of the exposure is a whole one. unknown: it goes half way and shows how strongly "
              "the picture answers. auto: linear for mosaics, for grey, and where the driver says so; unknown for other "
              "formats, and for grey of a USB camera (uvcvideo) whose driver does not say."},
-    {"key-at", 0, OPTION_TEXT, "EV:KEY,...", AT(key_at), .parse = parse_key_at, .right = key_at_right,
-     .help = "of --mode sensor: key by scene luminance",
-     .more =
-         "So that night stays dark. At most 8 points, EV rising, KEY rising by at most a stop for two of EV. Between "
-         "two points the logarithm "
-         "of the key is linear, beyond them the key is constant. EV is scene_ev of --stats; docs/sensor.md gives it "
-         "in lux."},
     {"resume", 0, OPTION_PATH, "FILE", AT(resume), .parse = parse_resume,
      .help = "begin with the exposure of this camera's last run",
      .more = "The exposure time times gain at which the camera (by driver, bus and card) was at rest. FILE has a line "
@@ -239,18 +222,13 @@ static int check_flicker(const run_options *r, pupil_why *why)
     return OPTIONS_RUN;
 }
 
-/* Of --key-at, --resume, --curve and --control-delay, which are about what is controlled. */
-static int check_control(const run_options *r, int key_given, pupil_why *why)
+/* Of --resume, --curve and --control-delay, which are about what is controlled. */
+static int check_control(const run_options *r, pupil_why *why)
 {
     const int manual = (r->exposure_s > 0.0) + (r->gain > 0.0);
-    if (r->key_at && r->mode != RUN_SENSOR)
-        return pupil_refuse(why, "--key-at: is of --mode sensor, which shows the camera's own picture; the other modes "
-                                 "adapt it");
     if (r->resume && (r->mode == RUN_DIGITAL || manual == 2))
         return pupil_refuse(why, "--resume: is of what is steered, which nothing is with --mode digital, or with "
                                  "both --shutter and --gain");
-    if (r->key_at && key_given)
-        return pupil_refuse(why, "--key and --key-at: one of them; --key is the same in any light");
     if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !manual)))
         return pupil_refuse(why, "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and "
                                  "both; digital controls nothing");
@@ -265,11 +243,12 @@ int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
     const int parsed = options_parse(&run_command, r, argc, argv, &words, why);
     if (parsed)
         return parsed;
-    if (frame_options_check(&r->shown, options_given(&run_command, &words, "weight"), why))
+    if (frame_options_check(&r->shown, options_given(&run_command, &words, "weight"),
+                            options_given(&run_command, &words, "key"), why))
         return OPTIONS_USAGE;
     if (r->mode == RUN_SENSOR && r->shown.config.order == PUPIL_ORDER_FUSED)
         return pupil_refuse(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
     if (check_flicker(r, why))
         return OPTIONS_USAGE;
-    return check_control(r, options_given(&run_command, &words, "key"), why);
+    return check_control(r, why);
 }

@@ -28,7 +28,6 @@ typedef struct run_options {
     uint32_t mode, curve;
     double exposure_s, gain; /* manual; 0: not */
     const char *resume;      /* a file with the exposure to begin with; NULL: with what the camera has */
-    const char *key_at;      /* the key by scene luminance; NULL: one key */
     double seconds;          /* to run; 0: until it is stopped */
     int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */
     int any_frame_rate;      /* in the dark the exposure may be longer than a frame */

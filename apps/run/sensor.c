@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "options/key_at.h"
 #include "refuse.h"
 
 static const char *state_word(const run_sensor *s)
@@ -30,6 +29,8 @@ static int follow_keys(const run_sensor *s, pupil_sensor_config *config)
     if (s->options->mode != RUN_SENSOR)
         return 0;
     config->key = shown->key;
+    config->key_points = shown->key_points;
+    memcpy(config->key_at, shown->key_at, sizeof config->key_at);
     config->ev_compensation = shown->ev_compensation;
     config->lock = shown->lock;
     return config->key != before.key || config->ev_compensation != before.ev_compensation ||
@@ -47,8 +48,6 @@ static void configure(const run_sensor *s, pupil_sensor_config *c)
     c->linear = o->curve == RUN_CURVE_AUTO ? (uint32_t)pupil_live_is_linear(s->source) : o->curve == RUN_CURVE_LINEAR;
     c->trim_low = (double)o->shown.config.trim_low;
     c->trim_high = (double)o->shown.config.trim_high;
-    if (o->key_at)
-        key_at_parse(o->key_at, c); /* it was right when it was read */
     if (o->exposure_s > 0.0) {
         c->exposure_mode = PUPIL_SENSOR_MANUAL;
         c->manual_exposure_s = o->exposure_s;

@@ -3,6 +3,7 @@
  * step is rounded away from the old value) and never past it. */
 #include "object.h"
 
+#include "base/key.h"
 #include "base/numeric.h"
 #include "base/versioned.h"
 #include "core/read.h"
@@ -212,7 +213,9 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
 
 double pupil_scale_log2(const pupil_object *object)
 {
-    return pupil_log2(object->config.key) + object->config.ev_compensation - object->adaptation.result.adapted_ev;
+    const pupil_config *c = &object->config;
+    const double ev = object->adaptation.result.adapted_ev;
+    return pupil_key_log2(c->key, c->key_at, c->key_points, ev) + c->ev_compensation - ev;
 }
 
 /* The level that this frame asks for, and why it is not the log-average. */

@@ -1,10 +1,11 @@
 #include "object.h"
 
 #include "base/fault.h"
+#include "base/key.h"
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, levels)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, reserved)
 
 static void fill_in_defaults(pupil_config *config)
 {
@@ -98,6 +99,7 @@ static const char *adaptation_fault(const pupil_config *c)
         {c->law < PUPIL_LAW_COUNT, "law must be a pupil_law"},
         {c->lock <= 1, "lock must be 0 or 1"},
         {c->flicker <= 1, "flicker must be 0 or 1"},
+        {c->key_points <= PUPIL_KEY_POINTS, "key_points must be from 0 to 8"},
         {c->frame_weight > 0.0 && c->frame_weight <= 1.0, "frame_weight must be above 0, up to 1"},
         {within(c->tau_light_s, 0.0, 1e6), "tau_light_s must be from 0 to 1e6 seconds"},
         {within(c->tau_dark_s, 0.0, 1e6), "tau_dark_s must be from 0 to 1e6 seconds"},
@@ -111,7 +113,8 @@ static const char *adaptation_fault(const pupil_config *c)
         {within(c->highlight_room_ev, 0.0, 32.0), "highlight_room_ev must be from 0 to 32 stops"},
         {within(c->highlight_ev, 0.0, 8.0), "highlight_ev must be from 0 to 8 stops"},
     };
-    return first_fault(rules, sizeof rules / sizeof rules[0]);
+    const char *fault = first_fault(rules, sizeof rules / sizeof rules[0]);
+    return fault ? fault : pupil_key_fault(c->key_at, c->key_points);
 }
 
 static const char *mapping_fault(const pupil_config *c)
@@ -124,6 +127,7 @@ static const char *mapping_fault(const pupil_config *c)
         {c->output_primaries < PUPIL_OUTPUT_COUNT, "output_primaries must be a pupil_output_primaries"},
         {c->transfer < PUPIL_TRANSFER_COUNT, "transfer must be a pupil_transfer"},
         {!(c->levels >> PUPIL_LEVEL_COUNT), "levels must be 0 or a mask of 1 << pupil_level"},
+        {c->reserved == 0, "reserved must be 0"},
     };
     return first_fault(rules, sizeof rules / sizeof rules[0]);
 }

@@ -2,6 +2,7 @@
  * one side. */
 #include "sensor_private.h"
 
+#include "base/key.h"
 #include "base/numeric.h"
 
 /* Stops of the picture for one of light: of both controls, for a tone curve bends both alike. */
@@ -16,9 +17,7 @@ static double aim_of(const pupil_sensor_object *o, double mean)
     const pupil_sensor_config *c = &o->config;
     const double clip = pupil_log2(c->clip), grey = pupil_log2(c->key) + clip, slope = slope_of(o);
     const double ev = (mean - grey) / slope + grey - o->estimate.in_force[0] - o->estimate.in_force[1];
-    double key = c->key_points ? pupil_log2(c->key_at[0].key) + clip : grey;
-    for (const pupil_sensor_key_point *p = c->key_at + 1; p < c->key_at + c->key_points; p++)
-        key += clamp((ev - p[-1].scene_ev) / (p->scene_ev - p[-1].scene_ev), 0.0, 1.0) * pupil_log2(p->key / p[-1].key);
+    const double key = pupil_key_log2(c->key, c->key_at, c->key_points, ev) + clip;
     return grey + slope * (key - grey) + c->ev_compensation;
 }
 

@@ -1,5 +1,6 @@
 #include "sensor_private.h"
 
+#include "base/key.h"
 #include "base/numeric.h"
 #include "base/versioned.h"
 
@@ -109,14 +110,10 @@ static const char *fault_of_ranges(const pupil_sensor_config *c)
 
 static const char *fault_of_key(const pupil_sensor_config *c)
 {
-    for (const pupil_sensor_key_point *p = c->key_at; p < c->key_at + c->key_points; p++)
-        if (!(p->scene_ev >= -256.0 && p->scene_ev <= 256.0 && p->key >= 0x1p-10 && p->key <= 1.0) ||
-            (p > c->key_at && !(p->scene_ev > p[-1].scene_ev && p->key >= p[-1].key && /* a stop for two, or rounded */
-                                pupil_log2(p->key / p[-1].key) <= 0.5 * (p->scene_ev - p[-1].scene_ev) + 1e-9)))
-            return "key_at must rise: scene_ev in -256..256, key in 2^-10..1 by at most a stop for two of light";
-    if (!(c->trim_high > c->trim_low && c->trim_high <= 1.0))
-        return "trim_high must be above trim_low, up to 1";
-    return 0;
+    const char *fault = pupil_key_fault(c->key_at, c->key_points);
+    if (!fault && !(c->trim_high > c->trim_low && c->trim_high <= 1.0))
+        fault = "trim_high must be above trim_low, up to 1";
+    return fault;
 }
 
 static const char *fault_of_exposure(const pupil_sensor_config *c)

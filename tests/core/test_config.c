@@ -45,6 +45,7 @@ static const struct range {
     {FIELD(white_quantile), 'd', 0.5, 1, {0.4999, 1.0001, 0, -INFINITY}},
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
     {FIELD(output_primaries), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
+    {FIELD(reserved), 'u', 0, 0, {1, 2, 255, 4294967295.0}},
     {FIELD(levels), 'u', 0, 15, {16, 32, 255, 4294967295.0}},
 };
 #define RANGES (sizeof range / sizeof *range)
@@ -133,6 +134,16 @@ static void check_the_rest(void)
     refused(&config, "ev_m", NULL);
     config.ev_min = config.ev_max;
     CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
+    pupil_config_default(&config);
+    config.key_points = PUPIL_KEY_POINTS + 1;
+    refused(&config, "key_points", NULL);
+    config.key_points = 2; /* of no key */
+    refused(&config, "key_at", NULL);
+    config.key_at[0] = (pupil_key_point){0, 0.1};
+    config.key_at[1] = (pupil_key_point){1, 0.2}; /* a stop for one of light */
+    refused(&config, "key_at", NULL);
+    config.key_at[1].scene_ev = 2;
+    CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
     CHECK(pupil_config_check(NULL, &why) == PUPIL_ERR_NULL);
     pupil_config_default(NULL); /* says nothing, does nothing */
 }
@@ -146,7 +157,8 @@ static void check_defaults(void)
     CHECK(c.trim_low == 0 && c.trim_high == 1 && c.histogram == 0 && c.law == PUPIL_LAW_SECONDS && c.lock == 0 &&
           c.flicker == 1);
     CHECK(c.frame_weight == 0.05 && c.tau_light_s == 0.3 && c.tau_dark_s == 0.9 && c.nominal_frame_s == 1.0 / 30);
-    CHECK(c.ev_min == -32 && c.ev_max == 32 && c.calibration == 1 && c.key == 0.18 && c.ev_compensation == 0);
+    CHECK(c.ev_min == -32 && c.ev_max == 32 && c.calibration == 1 && c.key == 0.18 && c.key_points == 0 &&
+          c.ev_compensation == 0);
     CHECK(c.highlight_share == 0.05 && c.highlight_room_ev == 4 && c.highlight_ev == 2);
     CHECK(c.order == PUPIL_ORDER_EXACT && c.white_mode == PUPIL_WHITE_FOLLOW && c.white == 1 &&
           c.white_quantile == 0.995);

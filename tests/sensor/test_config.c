@@ -132,12 +132,12 @@ static void check_laws(void)
 
 static void check_key(void)
 {
-    static const pupil_sensor_key_point bad[][2] = {
+    static const pupil_key_point bad[][2] = {
         {{0, 0.05}, {0, 0.05}}, {{1, 0.05}, {0, 0.05}},  {{0, 0.1}, {1, 0.09}},       {{0, 0.1}, {1, 0.15}},
         {{0, 0}, {1, 0}},       {{0, 0.5}, {9, 1.1}},    {{-257, 0.1}, {0, 0.1}},     {{0, 0.1}, {257, 0.1}},
         {{NAN, 0.1}, {0, 0.1}}, {{0, 0.1}, {NAN, 0.18}}, {{0, NAN}, {4, 0.1}},        {{0, 0.1}, {4, NAN}},
         {{0, 0.1}, {8, 1.61}},  {{0, -0.1}, {8, 0.1}},   {{-INFINITY, 0.1}, {0, 0.1}}};
-    static const pupil_sensor_key_point good[][2] = {
+    static const pupil_key_point good[][2] = {
         {{0, 0.1}, {2, 0.2}}, {{-256, 0x1p-10}, {256, 1}}, {{0, 0.18}, {1e-300, 0.18}}, {{-3.3, 0.09}, {-1.3, 0.18}}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad + sizeof good / sizeof *good; i++) {
         const size_t k = i - sizeof bad / sizeof *bad;

@@ -9,7 +9,7 @@ static pupil_sensor_setting s;
 typedef struct table {
     const char *name;
     uint32_t points;
-    pupil_sensor_key_point at[PUPIL_SENSOR_KEY_POINTS];
+    pupil_key_point at[PUPIL_KEY_POINTS];
 } table;
 
 enum { NONE, FLAT, NIGHT, STEEP, TABLES };
@@ -138,9 +138,9 @@ static void check_off(void)
     for (int points = 0; points < 2; points++) {
         pupil_sensor_config c = config_of(&tables[STEEP]);
         c.key_points = (uint32_t)points;
-        c.key_at[0] = (pupil_sensor_key_point){NAN, 1e9};
+        c.key_at[0] = (pupil_key_point){NAN, 1e9};
         if (points)
-            c.key_at[0] = (pupil_sensor_key_point){3, 0.18}, c.key = 0.5;
+            c.key_at[0] = (pupil_key_point){3, 0.18}, c.key = 0.5;
         c.highlight_ev = 1;
         again(11);
         CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);

@@ -71,10 +71,10 @@ static pupil_sensor_config random_config(void)
     for (uint32_t i = 0; i < r.stages; i++)
         r.stage[i] = (pupil_sensor_stage){i ? r.stage[i - 1].exposure_s * between(1, 4) : between(1e-4, 0.02),
                                           i ? r.stage[i - 1].gain * between(1, 4) : between(0.5, 3)};
-    r.key_points = one_in(3) ? (uint32_t)(check_random() % (PUPIL_SENSOR_KEY_POINTS + 1)) : 0;
-    r.key_at[0] = (pupil_sensor_key_point){12 * check_uniform() - 6, between(0.02, 0.2)};
+    r.key_points = one_in(3) ? (uint32_t)(check_random() % (PUPIL_KEY_POINTS + 1)) : 0;
+    r.key_at[0] = (pupil_key_point){12 * check_uniform() - 6, between(0.02, 0.2)};
     for (uint32_t i = 1; i < r.key_points; i++) {
-        const pupil_sensor_key_point *before = &r.key_at[i - 1];
+        const pupil_key_point *before = &r.key_at[i - 1];
         const double more_ev = between(0.01, 3);
         r.key_at[i].scene_ev = before->scene_ev + more_ev;
         r.key_at[i].key = fmin(1, before->key * exp2(0.5 * more_ev * check_uniform()));

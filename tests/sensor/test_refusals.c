@@ -68,8 +68,8 @@ static pupil_sensor_config wide_config(void)
     c.gain_table[0] = 1;
     for (int i = 0; i < PUPIL_SENSOR_STAGES; i++)
         c.stage[i] = (pupil_sensor_stage){0.01, 2};
-    for (int i = 0; i < PUPIL_SENSOR_KEY_POINTS; i++)
-        c.key_at[i] = (pupil_sensor_key_point){i, 0.18};
+    for (int i = 0; i < PUPIL_KEY_POINTS; i++)
+        c.key_at[i] = (pupil_key_point){i, 0.18};
     for (int i = 0; i < PUPIL_SENSOR_EXPOSURE_TABLE; i++)
         c.exposure_table[i] = 1e-3 * (i + 1);
     return c;

@@ -87,7 +87,8 @@ static int parse_key_at(const option_value *v)
 {
     sim_options *o = v->options;
     o->key_at = v->text;
-    return key_at_parse(v->text, &o->loop.sensor) ? option_refuse(v, NULL) : OPTIONS_RUN;
+    return key_at_parse(v->text, o->loop.sensor.key_at, &o->loop.sensor.key_points) ? option_refuse(v, NULL)
+                                                                                    : OPTIONS_RUN;
 }
 
 #define AT(field) offsetof(sim_options, field)

@@ -85,6 +85,14 @@ typedef enum pupil_level {
     PUPIL_LEVEL_COUNT
 } pupil_level;
 
+#define PUPIL_KEY_POINTS 8
+
+/* A point of a key that depends on the light. Frozen: elements of arrays in pupil_config and pupil_sensor_config. */
+typedef struct pupil_key_point {
+    double scene_ev; /* log2 of scene luminance; -256..256, rising */
+    double key;      /* 2^-10..1; never falls */
+} pupil_key_point;
+
 /* Side of the metering grid: the frame is cut into this many columns and rows of cells. */
 #define PUPIL_GRID_SIDE 16
 
@@ -118,17 +126,21 @@ typedef struct pupil_config {
     uint32_t flicker; /* 1: temporal flicker of lamps at 50 or 60 Hz is removed from the level and from each frame's
                        * curve. It is found where frames have timestamps, and where it is periodic and nearly all
                        * that changes; 1 */
-    uint32_t output_primaries; /* of mapping: a pupil_output_primaries; as the input */
-    double frame_weight;       /* w of formulas 1..4, above 0, up to 1; 0.05 */
-    double tau_light_s;        /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
-    double tau_dark_s;         /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
-    double nominal_frame_s;    /* dt of frames that bring no timestamps, seconds, above 0, up to 1e6; 1/30 */
-    double ev_min;             /* lowest adapted level, log2 of scene luminance; -32; -64..ev_max */
-    double ev_max;             /* highest adapted level; 32; ev_min..64 */
+    uint32_t key_points;    /* of key_at, in use; 0 (key)..PUPIL_KEY_POINTS */
+    double frame_weight;    /* w of formulas 1..4, above 0, up to 1; 0.05 */
+    double tau_light_s;     /* time constant toward more light, seconds, 0 (at once) ..1e6; 0.3 */
+    double tau_dark_s;      /* time constant toward less light, seconds, 0 (at once) ..1e6; 0.9 */
+    double nominal_frame_s; /* dt of frames that bring no timestamps, seconds, above 0, up to 1e6; 1/30 */
+    double ev_min;          /* lowest adapted level, log2 of scene luminance; -32; -64..ev_max */
+    double ev_max;          /* highest adapted level; 32; ev_min..64 */
     double calibration;     /* scene luminance = value / (exposure_s * gain) * calibration, where a frame brings them;
                              * 2^-64..2^64; 1 */
     double key;             /* what the log-average is mapped to, 2^-10..1; 0.18 */
-    double ev_compensation; /* stops, positive is brighter; 0; -16..16 */
+    /* Night that looks like night: key_at in place of key. Between two points log2 of the key is linear in scene_ev,
+     * beyond the ends it stays. From one point to the next the key may rise by at most a stop for two of light.
+     * scene_ev is the adapted level, so it is absolute where frames bring exposure and gain. */
+    pupil_key_point key_at[PUPIL_KEY_POINTS];
+    double ev_compensation; /* stops, positive is brighter; with key_at, too; 0; -16..16 */
 
     /* Highlights: where more than `highlight_share` of the weight is over `highlight_room_ev` brighter than the
      * log-average, the level is higher, and the picture darker, by what is missing: by at most `highlight_ev`. So a
@@ -141,14 +153,16 @@ typedef struct pupil_config {
     double highlight_ev;      /* stops; 2; 0 (never)..8 */
 
     /* mapping */
-    uint32_t order;        /* a pupil_order; exact */
-    uint32_t white_mode;   /* a pupil_white; follow */
-    double white;          /* W for PUPIL_WHITE_FIXED, 2^-8..2^30; 1 */
-    double white_quantile; /* for PUPIL_WHITE_FOLLOW, 0.5..1; 0.995 */
-    uint32_t transfer;     /* a pupil_transfer; sRGB */
+    uint32_t order;            /* a pupil_order; exact */
+    uint32_t white_mode;       /* a pupil_white; follow */
+    double white;              /* W for PUPIL_WHITE_FIXED, 2^-8..2^30; 1 */
+    double white_quantile;     /* for PUPIL_WHITE_FOLLOW, 0.5..1; 0.995 */
+    uint32_t transfer;         /* a pupil_transfer; sRGB */
+    uint32_t output_primaries; /* a pupil_output_primaries; as the input */
 
     uint32_t levels; /* mask of the levels of kernels that may be used, 1 << pupil_level; 0: all. The best one that the
                       * CPU has is taken, scalar where there is none; all have the same bits; 0 */
+    uint32_t reserved; /* 0 */
 } pupil_config;
 
 /* Fills in every field with its default. */

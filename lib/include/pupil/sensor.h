@@ -57,6 +57,7 @@
 #ifndef PUPIL_SENSOR_H
 #define PUPIL_SENSOR_H
 
+#include "pupil/config.h"
 #include "pupil/error.h"
 #include "pupil/image.h"
 #include "pupil/stats.h"
@@ -89,18 +90,11 @@ typedef enum pupil_sensor_mode {
 #define PUPIL_SENSOR_STAGES         8
 #define PUPIL_SENSOR_GAIN_TABLE     64
 #define PUPIL_SENSOR_EXPOSURE_TABLE 64
-#define PUPIL_SENSOR_KEY_POINTS     8
 
 /* Frozen: elements of an array in pupil_sensor_config. */
 typedef struct pupil_sensor_stage {
     double exposure_s, gain;
 } pupil_sensor_stage;
-
-/* What the key is to be where the scene has this light. Frozen: elements of an array in pupil_sensor_config. */
-typedef struct pupil_sensor_key_point {
-    double scene_ev; /* log2 of value / (exposure_s * gain), as scene_ev of pupil_sensor_setting; -256..256, rising */
-    double key;      /* 2^-10..1; never falls */
-} pupil_sensor_key_point;
 
 typedef struct pupil_sensor_config {
     uint32_t size_bytes;   /* abi.h; filled in by pupil_sensor_config_default */
@@ -112,9 +106,9 @@ typedef struct pupil_sensor_config {
     /* Night that looks like night: key_at in place of key. Between two points log2 of the key is linear in scene_ev,
      * beyond the ends it stays. From one point to the next the key may rise by at most a stop for two of light, so that
      * a wrong scene_ev cannot make the loop swing. */
-    uint32_t key_points; /* in use; 0 (key)..PUPIL_SENSOR_KEY_POINTS */
+    uint32_t key_points; /* in use; 0 (key)..PUPIL_KEY_POINTS */
     uint32_t reserved;   /* 0 */
-    pupil_sensor_key_point key_at[PUPIL_SENSOR_KEY_POINTS];
+    pupil_key_point key_at[PUPIL_KEY_POINTS];
     double ev_compensation; /* stops, positive is brighter; with key_at, too; 0; -16..16 */
     double clip;            /* the value of a frame at which a channel is full; 2^-16..2^16; 1, as integer formats have
                              * it, of which pupil_coding.white says at which code they are full */

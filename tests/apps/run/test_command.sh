@@ -41,7 +41,7 @@ for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutte
     "--no-frame-rate-priority --mode digital" "--control-delay 2 --mode digital" "--curve linear --mode digital" \
     "--curve srgb" "--key-at 4 --mode sensor" "--key-at 4:0.1,x --mode sensor" "--key-at 0:0.1,1:0.2 --mode sensor" \
     "--key-at 0:0.1,0:0.1 --mode sensor" "--key-at 0:1,1:1,2:1,3:1,4:1,5:1,6:1,7:1,8:1 --mode sensor" \
-    "--key-at 0:0.1" "--key-at 0:0.1 --mode both" "--key 0.1 --key-at 0:0.1 --mode sensor" \
+    "--key-at 0:0.1,5:2" "--key 0.1 --key-at 0:0.1" \
     "--readout 0 --row-gains" "--readout 2s --row-gains" "--readout 25" "--row-gains --gles" \
     "--row-gains --view --gles-version 3.1" "--row-gains --fused" "--row-gains --mains off"; do
     # shellcheck disable=SC2086 # words
