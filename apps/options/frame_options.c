@@ -118,12 +118,13 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
          "So that night stays dark. At most 8 points, EV rising, KEY rising by at most a stop for two of EV. Between "
          "two points the logarithm of the key is linear, beyond them the key is constant. EV is adapted_ev of --stats, "
          "and scene_ev of pupil run --mode sensor; docs/sensor.md gives it in lux."},
-    {"highlights", 0, OPTION_NUMBER, "STOPS", AT(config.highlight_ev), .initial = "2", .high = 8.0, .unit = "stops",
-     .help = "how far highlights may darken the picture, 0: not at all",
-     .more = "Where more than 5 % of the frame is over 4 stops brighter than its log-average, the picture is darker by "
-             "what is missing, at most so much: a lamp in a dark room, a lit meadow behind a tree."},
     {"ev", 0, OPTION_NUMBER, "STOPS", AT(config.ev_compensation), .initial = "0", .low = -16.0, .high = 16.0,
      .unit = "stops", .help = "exposure compensation", .more = "Positive is brighter."},
+    {"highlights", 0, OPTION_NUMBER, "STOPS", AT(config.highlight_ev), .initial = "2", .high = 8.0, .unit = "stops",
+     .help = "darken at most by this",
+     .more = "0: not at all. Where more than 5 % of the frame is over 4 stops brighter than its log-average, the "
+             "picture is darker by "
+             "what is missing, at most so much: a lamp in a dark room, a lit meadow behind a tree."},
     {"lock", 0, OPTION_FLAG, NULL, AT(config.lock), .help = "hold the first level"},
     {"metering", 0, OPTION_CHOICE, "uniform|centre|spot", 0, .initial = "uniform", .parse = parse_metering,
      .help = "which part of the frame counts most"},
