@@ -81,7 +81,15 @@ static double between(const pupil_image_const *image, double code)
     const pupil_coding *c = coding_of(image);
     const double black = (double)c->black;
     const double white = c->white > 0.0f ? (double)c->white : (double)((1u << pupil_pixel_bits(image->pixel)) - 1);
-    return (code - black) / (white - black);
+    double from = black, light = 0.0;
+    for (uint32_t k = 0; k < c->knees; k++) {
+        const double to = (double)c->knee_code[k], there = (double)c->knee_light[k];
+        if (code < to)
+            return light + (code - from) * (there - light) / (to - from);
+        from = to;
+        light = there;
+    }
+    return light + (code - from) * (1.0 - light) / (white - from);
 }
 
 static int word_at(const void *plane, ptrdiff_t stride, uint32_t x, uint32_t y)
@@ -157,24 +165,25 @@ static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, do
     }
 }
 
-/* The mean of a colour's samples: in the quad, or in the nine around a pixel that has another colour; outside the frame
- * it is mirrored. */
+/* The mean light of a colour's samples: in the quad, or in the nine around a pixel that has another colour; outside the
+ * frame it is mirrored. */
 static double mean_of(const pupil_image_const *image, uint32_t x, uint32_t y, unsigned colour, int quad)
 {
     const uint32_t bayer = coding_of(image)->bayer;
-    unsigned sum = 0, count = 0;
+    double sum = 0.0;
+    unsigned count = 0;
     if (!quad && pixel_colour(bayer, x, y) == colour)
-        return sample_at(image, x, y);
+        return between(image, sample_at(image, x, y));
     for (int64_t sy = (int64_t)y - !quad; sy <= (int64_t)y + 1; sy++)
         for (int64_t sx = (int64_t)x - !quad; sx <= (int64_t)x + 1; sx++) {
             const uint32_t inside_x = (uint32_t)(sx < 0 ? 1 : sx < image->width ? sx : image->width - 2);
             const uint32_t inside_y = (uint32_t)(sy < 0 ? 1 : sy < image->height ? sy : image->height - 2);
             if (pixel_colour(bayer, inside_x, inside_y) == colour) {
-                sum += sample_at(image, inside_x, inside_y);
+                sum += between(image, sample_at(image, inside_x, inside_y));
                 count++;
             }
         }
-    return (double)sum / count;
+    return sum / count;
 }
 
 static void mosaic_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, double rgb[3])
@@ -187,7 +196,7 @@ static void mosaic_light(const pupil_image_const *image, uint32_t x, uint32_t y,
         balance[k] = (double)c->balance[k];
     const double most = fmin(fmin(balance[0], balance[1]), balance[2]);
     for (unsigned k = 0; k < 3; k++)
-        v[k] = fmin(between(image, mean_of(image, x, y, k, quad)) * balance[k], most);
+        v[k] = fmin(mean_of(image, x, y, k, quad) * balance[k], most);
     for (int k = 0; k < 9; k++)
         matrix |= m[k] < 0.0f || m[k] > 0.0f;
     for (int k = 0; k < 3; k++)

@@ -1,5 +1,8 @@
 #include "colour_options.h"
 
+#include <stdio.h>
+#include <string.h>
+
 /* One of the two words, or `count` numbers within a range. */
 static int take(const option_value *v, uint32_t *choice, float *given, int count, double low, double high)
 {
@@ -49,4 +52,24 @@ int colour_option_black(const option_value *v)
 {
     pupil_colour_options *o = options_of(v);
     return take(v, &o->black, &o->given_black, 1, 0.0, 65534.0);
+}
+
+int colour_option_knees(const option_value *v)
+{
+    pupil_colour_options *o = options_of(v);
+    pupil_coding tried = {.size_bytes = sizeof tried};
+    const char *p = v->text;
+    for (uint32_t k = 0; *p && k < PUPIL_KNEES; k++) {
+        int used = 0;
+        if (sscanf(p, "%f:%f%n", &tried.knee_code[k], &tried.knee_light[k], &used) != 2 || (p[used] && p[used] != ','))
+            return option_refuse(v, NULL);
+        tried.knees = k + 1;
+        p += used + (p[used] == ',');
+    }
+    if (*p || !tried.knees || pupil_coding_check(&tried, PUPIL_PIXEL_GREY16, NULL) != PUPIL_OK)
+        return option_refuse(v, NULL);
+    o->knees = tried.knees;
+    memcpy(o->knee_code, tried.knee_code, sizeof o->knee_code);
+    memcpy(o->knee_light, tried.knee_light, sizeof o->knee_light);
+    return OPTIONS_RUN;
 }

@@ -1,4 +1,4 @@
-/* apps/options/colour_options.h: --white-balance, --matrix and --black-level: the colour of raw frames. */
+/* apps/options/colour_options.h: --white-balance, --matrix, --black-level and --knees: the colour of raw frames. */
 #ifndef PUPIL_APPS_OPTIONS_COLOUR_OPTIONS_H
 #define PUPIL_APPS_OPTIONS_COLOUR_OPTIONS_H
 
@@ -9,5 +9,6 @@
 int colour_option_balance(const option_value *value);
 int colour_option_matrix(const option_value *value);
 int colour_option_black(const option_value *value);
+int colour_option_knees(const option_value *value);
 
 #endif

@@ -130,6 +130,10 @@ static const option_row control_rows[] = {
     {"black-level", 0, OPTION_TEXT, "auto|off|CODE", AT(colour), .parse = colour_option_black, .initial = "auto",
      .right = "auto, off, or the code of no light in the camera's format, from 0 to 65534, for example 64 of 10 bits",
      .help = "of raw formats: the sensor's, none, a code"},
+    {"knees", 0, OPTION_TEXT, "CODE:LIGHT,...", AT(colour), .parse = colour_option_knees,
+     .right = "up to 8 points CODE:LIGHT, both rising, LIGHT above 0 and below 1, for example 1024:0.0156,2048:0.125",
+     .help = "of companded raw formats: from code to light",
+     .more = "Light is 0 at the black level, 1 at the largest code, and on straight lines between these points."},
     {"matrix", 0, OPTION_TEXT, "auto|off|M", AT(colour), .parse = colour_option_matrix, .initial = "auto",
      .right = "auto, off, or 9 numbers from -16 to 16, row by row, with commas between, that convert the sensor's red, "
               "green and blue to those of the picture",

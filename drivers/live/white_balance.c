@@ -16,6 +16,15 @@ static void choose_black(pupil_coding *c, const pupil_colour_options *o, uint32_
         c->black = (float)(sensor->black / (double)(UINT32_C(1) << (16 - bits))); /* 4096 is 64 of 10 bits */
 }
 
+static void choose_knees(pupil_coding *c, const pupil_colour_options *o)
+{
+    if (!o->knees)
+        return;
+    c->knees = o->knees;
+    memcpy(c->knee_code, o->knee_code, sizeof c->knee_code);
+    memcpy(c->knee_light, o->knee_light, sizeof c->knee_light);
+}
+
 static void choose_colours(pupil_coding *c, const pupil_colour_options *o, const pupil_camera_sensor *sensor)
 {
     if (o->balance == PUPIL_COLOUR_GIVEN)
@@ -54,8 +63,13 @@ int pupil_white_balance_begin(pupil_white_balance *colour, const pupil_colour_op
                  "already (--black-level auto or off)");
     if (coding)
         colour->coding = *coding;
-    if (bits)
+    if (!bits && options->knees)
+        return pupil_refuse(why, "knees were given, and are of raw formats and grey; this camera's frames have colours "
+                                 "already (leave --knees out)");
+    if (bits) {
         choose_black(&colour->coding, options, bits, sensor);
+        choose_knees(&colour->coding, options);
+    }
     if (mosaic)
         choose_colours(&colour->coding, options, sensor);
     colour->follows = mosaic && options->balance == PUPIL_COLOUR_AUTO;

@@ -41,6 +41,8 @@ typedef struct pupil_colour_options {
     float given_balance[3];          /* of R, G, B, as coding.balance; not all 0 */
     float given_matrix[9];           /* as coding.rgb_from_camera; not all 0 */
     float given_black;               /* code of the frames' format */
+    uint32_t knees;                  /* 0: as the frames came; others: as coding.knees */
+    float knee_code[PUPIL_KNEES], knee_light[PUPIL_KNEES];
 } pupil_colour_options;
 
 typedef struct pupil_white_balance {

@@ -22,6 +22,23 @@ static int all_within(const float *x, int count, double low, double high)
     return 1;
 }
 
+/* Of knees whose number is right. White 0 is that of some format: fault_for looks at it. */
+static const char *knee_fault(const pupil_coding *c)
+{
+    double code = (double)c->black, light = 0x1p-30;
+    for (uint32_t i = 0; i < c->knees; i++) {
+        if (!((double)c->knee_code[i] >= code + 1.0))
+            return "knee_code must rise by at least 1 from black and from knee to knee";
+        if (!((double)c->knee_light[i] > light && c->knee_light[i] < 1.0f))
+            return "knee_light must rise from knee to knee, from above 2^-30 to below 1";
+        code = (double)c->knee_code[i];
+        light = (double)c->knee_light[i];
+    }
+    if (c->knees && (code > 65534.0 || (c->white != 0.0f && (double)c->white < code + 1.0)))
+        return "knee_code must be at least 1 below white";
+    return 0;
+}
+
 /* What is wrong for any format. */
 static const char *fault_of(const pupil_coding *c)
 {
@@ -37,8 +54,10 @@ static const char *fault_of(const pupil_coding *c)
         {all_zero(c->balance, 3) || all_within(c->balance, 3, 0x1p-10, 0x1p10),
          "balance must be all 0, or each factor from 2^-10 to 2^10"},
         {all_within(c->rgb_from_camera, 9, -16.0, 16.0), "rgb_from_camera must be numbers from -16 to 16"},
+        {c->knees <= PUPIL_KNEES, "knees must be from 0 to 8"},
     };
-    return first_fault(rules, sizeof rules / sizeof rules[0]);
+    const char *fault = first_fault(rules, sizeof rules / sizeof rules[0]);
+    return fault ? fault : knee_fault(c);
 }
 
 /* What is wrong for grey and mosaics. */
@@ -50,6 +69,10 @@ static const char *fault_for(const pupil_coding *c, uint32_t pixel, uint32_t bit
         return "black must be at least 1 below the format's largest code, where white is 0";
     if (pupil_pixel_is_mosaic(pixel) && c->light > PUPIL_LIGHT_LINEAR)
         return "light of a mosaic must be PUPIL_LIGHT_DEFAULT or PUPIL_LIGHT_LINEAR";
+    if (c->knees && c->light > PUPIL_LIGHT_LINEAR)
+        return "light must be PUPIL_LIGHT_DEFAULT or PUPIL_LIGHT_LINEAR where there are knees";
+    if (c->knees && c->white == 0.0f && c->knee_code[c->knees - 1] > (float)((1u << bits) - 2))
+        return "knee_code must be at least 1 below the format's largest code, where white is 0";
     return 0;
 }
 
@@ -107,11 +130,35 @@ static float white_of(const pupil_coding *coding, uint32_t bits)
     return coding->white != 0.0f ? coding->white : (float)((1u << bits) - 1);
 }
 
+/* The lines between knees. The last one reaches white: full remains full. */
+static void from_knees(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
+{
+    pupil_line *line = c->line;
+    float from = coding->black, light = 0.0f;
+    c->lines = coding->knees ? coding->knees + 1 : 0;
+    for (uint32_t i = 0; i < coding->knees; i++) {
+        const float slope = (coding->knee_light[i] - light) / (coding->knee_code[i] - from);
+        line[i] = (pupil_line){from, light, slope};
+        from = coding->knee_code[i];
+        light = coding->knee_light[i];
+    }
+    const float span = white_of(coding, bits) - from;
+    float slope = (1.0f - light) / span;
+    while (light + span * slope < 1.0f)
+        slope = pupil_float_of_bits(pupil_bits_of_float(slope) + 1);
+    line[coding->knees] = (pupil_line){from, light, slope};
+}
+
 static void from_grey(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
 {
+    c->shift = coding->shift;
+    c->unit = 1.0f; /* codes, where there are knees */
+    if (coding->knees) {
+        from_knees(coding, bits, c);
+        return;
+    }
     c->zero = coding->black;
     c->unit = unit_to(1.0f, white_of(coding, bits) - coding->black);
-    c->shift = coding->shift;
 }
 
 static void from_mosaic(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
@@ -126,6 +173,11 @@ static void from_mosaic(const pupil_coding *coding, uint32_t bits, pupil_coder *
     for (int i = 0; i < 3; i++) {
         c->unit4[i] = unit_to(balance[i], c->full4 - c->zero4);
         c->most = balance[i] < c->most ? balance[i] : c->most;
+    }
+    if (coding->knees) { /* factors of light: no code is multiplied */
+        from_knees(coding, bits, c);
+        for (int i = 0; i < 3; i++)
+            c->unit4[i] = balance[i];
     }
     c->shift = coding->shift;
     c->red_x = coding->bayer == PUPIL_BAYER_GRBG || coding->bayer == PUPIL_BAYER_BGGR;

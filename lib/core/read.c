@@ -40,7 +40,7 @@ int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs)
 const char *pupil_coding_read(pupil_coding *ours, const pupil_coding *theirs)
 {
     *ours = (pupil_coding){0};
-    return read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_coding, rgb_from_camera), theirs);
+    return read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_coding, knee_light), theirs);
 }
 
 int pupil_image_read(pupil_image_const *ours, const pupil_image_const *theirs)

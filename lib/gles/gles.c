@@ -216,6 +216,7 @@ static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, 
                           .half_size = o->config.half_size,
                           .is_linear = coded && !o->coder.light,
                           .has_matrix = o->coder.has_matrix,
+                          .has_knees = o->coder.lines != 0,
                           .histogram = pupil->histogram,
                           .level_here = o->config.adapt == PUPIL_GLES_ADAPT_GPU};
 }

@@ -123,6 +123,16 @@ static GLint uniform(const gles_object *o, uint32_t program, const char *name)
 
 /* --- uniforms that stay; GL ignores those that a program does not have --- */
 
+/* Of four samples; of four times the light, where there are knees. */
+static void set_mosaic(const gles_object *o, uint32_t p)
+{
+    const gl_functions *gl = &o->gl;
+    const pupil_coder *c = &o->coder;
+    const float part = c->lines ? 0.25f : 1.0f;
+    gl->Uniform2f(uniform(o, p, "mosaic"), c->lines ? 0.0f : c->zero4, c->most);
+    gl->Uniform3f(uniform(o, p, "unit4"), part * c->unit4[0], part * c->unit4[1], part * c->unit4[2]);
+}
+
 static void set_frame(const gles_object *o, uint32_t p)
 {
     const gl_functions *gl = &o->gl;
@@ -140,8 +150,12 @@ static void set_frame(const gles_object *o, uint32_t p)
     gl->Uniform2i(uniform(o, p, "chroma_shift"), 1, layout.chroma_rows == 2);
     gl->Uniform1i(uniform(o, p, "sample_shift"), o->config.pixel == PUPIL_PIXEL_P010 ? 6 : (GLint)c->shift);
     gl->Uniform2f(uniform(o, p, "grey"), c->zero, c->unit);
-    gl->Uniform2f(uniform(o, p, "mosaic"), c->zero4, c->most);
-    gl->Uniform3f(uniform(o, p, "unit4"), c->unit4[0], c->unit4[1], c->unit4[2]);
+    set_mosaic(o, p);
+    gl->Uniform1i(uniform(o, p, "lines"), (GLint)c->lines);
+    for (uint32_t i = 0; i < c->lines; i++) {
+        const char name[] = {'l', 'i', 'n', 'e', '[', (char)('0' + i), ']', 0};
+        gl->Uniform3f(uniform(o, p, name), c->line[i].from, c->line[i].light, c->line[i].slope);
+    }
     gl->Uniform2i(uniform(o, p, "red_at"), (GLint)c->red_x, (GLint)c->red_y);
     gl->UniformMatrix3fv(uniform(o, p, "camera_matrix"), 1, GL_TRUE, c->matrix);
 }
@@ -156,8 +170,7 @@ void pupil_gles_programs_balance(gles_object *o)
         if (!o->programs.name[p])
             continue;
         gl->UseProgram(o->programs.name[p]);
-        gl->Uniform2f(uniform(o, p, "mosaic"), c->zero4, c->most);
-        gl->Uniform3f(uniform(o, p, "unit4"), c->unit4[0], c->unit4[1], c->unit4[2]);
+        set_mosaic(o, p);
         if (p == GLES_METER)
             gl->Uniform1f(uniform(o, p, "clip_value"), pupil_clip_of(&o->settings, o->config.pixel, c));
     }

@@ -81,6 +81,8 @@ static uint32_t add_load(const gles_variant *v, uint32_t n, const char *texts[GL
         texts[n++] = "#define GREY_LIGHT\n";
     if (v->is_linear)
         texts[n++] = "#define LIGHT_LINEAR\n";
+    if (v->has_knees)
+        texts[n++] = "#define KNEES\n";
     if (v->has_matrix)
         texts[n++] = "#define MATRIX\n";
     if (v->half_size)

@@ -11,7 +11,7 @@ typedef struct gles_variant {
     uint32_t source;  /* a pupil_gles_source */
     uint32_t normalized_16, half_size;
     uint32_t is_linear; /* Y'CbCr and RGB10A2: coded values are light; grey: no curve is looked up */
-    uint32_t has_matrix;
+    uint32_t has_matrix, has_knees;
     uint32_t histogram;
     uint32_t level_here; /* the level is on the GPU */
 } gles_variant;

@@ -51,6 +51,11 @@ typedef struct pupil_encoder {
     uint32_t transfer;    /* a pupil_transfer */
 } pupil_encoder;
 
+/* Companded codes from `from` on: light + (code - from) * slope. */
+typedef struct pupil_line {
+    float from, light, slope;
+} pupil_line;
+
 /* A pupil_coding (coding.h) as factors. */
 typedef struct pupil_coder {
     /* Y'CbCr, to 0..top: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
@@ -65,6 +70,9 @@ typedef struct pupil_coder {
     float full4;          /* mosaics: four times the code of the largest light ... */
     int32_t black4;       /* ... and that of no light, to the nearest */
     float matrix[9];
+    uint32_t
+        lines; /* grey and mosaics: those between knees; 0: linear. Then zero, unit are 0, 1 and unit4 is balance */
+    pupil_line line[PUPIL_KNEES + 1];
     uint32_t has_matrix, shift, red_x, red_y; /* which pixel of a quad is red */
 } pupil_coder;
 
@@ -125,6 +133,13 @@ typedef void pupil_binned_kernel(const pupil_coder *coder, const uint16_t *upper
  * pixel's column is one of red samples; `red_y`: whether its row is. */
 typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *const rows[3], int red_x, int red_y,
                                    uint32_t n, pupil_planes *planes);
+/* The same of companded samples, which became light before: n up to PUPIL_BLOCK quads to planes from pixel `at` on; n
+ * pixels. expand: n samples to light; writes up to the next multiple of PUPIL_LANES. */
+typedef void pupil_expand_kernel(const pupil_coder *coder, const uint16_t *samples, uint32_t n, float *light);
+typedef void pupil_binned_light_kernel(const pupil_coder *coder, const float *upper, const float *lower, uint32_t at,
+                                       uint32_t n, pupil_planes *planes);
+typedef void pupil_bilinear_light_kernel(const pupil_coder *coder, const float *const rows[3], int red_x, int red_y,
+                                         uint32_t n, pupil_planes *planes);
 /* matrix: camera RGB to that of the primaries. to_picture: from primaries to primaries; components are kept within
  * -2^31 .. 2^31 before it, so that none becomes NaN that was a number, and negative ones and NaN are 0 after it. */
 typedef void pupil_matrix_kernel(const float matrix[9], uint32_t n, pupil_planes *planes);
@@ -160,6 +175,9 @@ typedef struct pupil_kernels {
     pupil_quads_kernel *meter_quads[PUPIL_PIXEL_COUNT]; /* by input format; only where it is faster than its pieces */
     pupil_binned_kernel *binned;
     pupil_bilinear_kernel *bilinear;
+    pupil_expand_kernel *expand;
+    pupil_binned_light_kernel *binned_light;
+    pupil_bilinear_light_kernel *bilinear_light;
     pupil_matrix_kernel *matrix, *to_picture;
     pupil_luma_kernel *luma_of_codes;
     pupil_chroma_kernel *chroma_of_codes;

@@ -45,6 +45,32 @@ static void codes_to_light(const pupil_coder *c, float *v, uint32_t n)
         plain_light(v, n);
 }
 
+/* Companded codes to light. With vectors the samples after n are computed too. */
+static void expand_codes(const pupil_coder *c, float *restrict v, uint32_t n)
+{
+    const uint32_t lines = c->lines;
+#if defined(WIDTH)
+    for (uint32_t i = 0; i < n; i += WIDTH) {
+        const floats code = v_load(v + i);
+        floats from = v_all(c->line[0].from), light = v_all(c->line[0].light), slope = v_all(c->line[0].slope);
+        for (uint32_t k = 1; k < lines; k++) {
+            const mask on = v_at_least(code, v_all(c->line[k].from));
+            from = v_select(on, v_all(c->line[k].from), from);
+            light = v_select(on, v_all(c->line[k].light), light);
+            slope = v_select(on, v_all(c->line[k].slope), slope);
+        }
+        v_store(v + i, v_add(light, v_mul(v_sub(code, from), slope)));
+    }
+#else
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t k = 0;
+        while (k + 1 < lines && v[i] >= c->line[k + 1].from)
+            k++;
+        v[i] = c->line[k].light + (v[i] - c->line[k].from) * c->line[k].slope;
+    }
+#endif
+}
+
 /* In a loop of look-ups: gcc would put vectors together out of single loads, which takes half as long again. */
 #if defined(__clang__)
 #define ONE_BY_ONE (void)0
@@ -251,6 +277,8 @@ static int load_rgb10a2(const pupil_coder *c, const pupil_row *row, uint32_t x, 
 
 static inline void grey_to_planes(const pupil_coder *c, uint32_t n, pupil_planes *restrict p)
 {
+    if (c->lines)
+        expand_codes(c, p->r, n);
     if (c->light) {
         for (uint32_t i = 0; i < n; i++)
             p->r[i] *= c->top;
@@ -421,6 +449,54 @@ static void bilinear(const pupil_coder *c, const uint16_t *const rows[3], int re
         interpolate(c, up, at, down, red_x != 0, 1, n, p);
 }
 
+/* --- companded mosaics to pixels: the same of light --- */
+
+static void expand(const pupil_coder *c, const uint16_t *restrict samples, uint32_t n, float *restrict light)
+{
+    for (uint32_t i = 0; i < n; i++)
+        light[i] = (float)samples[i];
+    for (uint32_t i = n; i % PUPIL_LANES; i++)
+        light[i] = 0.0f;
+    expand_codes(c, light, n);
+}
+
+static inline float balanced(float light, const pupil_coder *c, int channel)
+{
+    const float v = light * c->unit4[channel];
+    return v < c->most ? v : c->most;
+}
+
+static void binned_light(const pupil_coder *c, const float *upper, const float *lower, uint32_t at, uint32_t n,
+                         pupil_planes *restrict p)
+{
+    const float *red_row = c->red_y ? lower : upper, *blue_row = c->red_y ? upper : lower;
+    const float *restrict red = red_row + c->red_x, *restrict green_r = red_row + 1 - c->red_x;
+    const float *restrict green_b = blue_row + c->red_x, *restrict blue = blue_row + 1 - c->red_x;
+    for (uint32_t i = 0; i < n; i++) {
+        p->r[at + i] = balanced(red[2 * i], c, 0);
+        p->g[at + i] = balanced(0.5f * (green_r[2 * i] + green_b[2 * i]), c, 1);
+        p->b[at + i] = balanced(blue[2 * i], c, 2);
+    }
+}
+
+/* As interpolate; `own_first`: the row's colour is in the first pixel, the third and so on. */
+static void bilinear_light(const pupil_coder *c, const float *const rows[3], int red_x, int red_y, uint32_t n,
+                           pupil_planes *restrict p)
+{
+    const float *restrict up = rows[0] + 1, *restrict at = rows[1] + 1, *restrict down = rows[2] + 1;
+    float *restrict mine = red_y ? p->r : p->b, *restrict other = red_y ? p->b : p->r, *restrict green = p->g;
+    const int mine_channel = red_y ? 0 : 2, other_channel = 2 - mine_channel;
+    const uint32_t own_odd = (red_x != 0) != (red_y != 0);
+    for (uint32_t i = 0; i < n; i++) {
+        const int is_own = (i & 1) == own_odd;
+        const float across = at[(int64_t)i - 1] + at[i + 1], along = up[i] + down[i], here = at[i];
+        const float corners = (up[(int64_t)i - 1] + up[i + 1]) + (down[(int64_t)i - 1] + down[i + 1]);
+        mine[i] = balanced(is_own ? here : 0.5f * across, c, mine_channel);
+        green[i] = balanced(is_own ? 0.25f * (across + along) : here, c, 1);
+        other[i] = balanced(is_own ? 0.25f * corners : 0.5f * along, c, other_channel);
+    }
+}
+
 static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
 {
     for (uint32_t i = 0; i < n; i++) {
@@ -529,7 +605,8 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
             [PUPIL_PIXEL_BAYER16] = unpack_bayer16,   [PUPIL_PIXEL_BAYER10P] = unpack_bayer10p,                        \
             [PUPIL_PIXEL_BAYER12P] = unpack_bayer12p,                                                                  \
     },                                                                                                                 \
-    .binned = binned, .bilinear = bilinear, .matrix = matrix, .to_picture = to_picture,                                \
-    .luma_of_codes = luma_of_codes, .chroma_of_codes = chroma_of_codes
+    .binned = binned, .bilinear = bilinear, .expand = expand, .binned_light = binned_light,                            \
+    .bilinear_light = bilinear_light, .matrix = matrix, .to_picture = to_picture, .luma_of_codes = luma_of_codes,      \
+    .chroma_of_codes = chroma_of_codes
 
 #endif

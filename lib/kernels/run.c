@@ -74,6 +74,63 @@ static __attribute__((noinline)) void load_bilinear(const pupil_row_job *job, co
     (job->coder, rows, (x & 1) == job->coder->red_x, row->odd == job->coder->red_y, n, planes);
 }
 
+/* --- companded mosaics: samples become light before they become pixels --- */
+
+/* Room for a vector's last samples, which are computed too. */
+#define LIGHT_OF(SAMPLES) ((SAMPLES) + PUPIL_LANES)
+
+static __attribute__((noinline)) void load_bilinear_light(const pupil_row_job *job, const pupil_row *row, uint32_t x,
+                                                          uint32_t n, pupil_planes *planes)
+{
+    float light[3][LIGHT_OF(PUPIL_BLOCK + 2)];
+    uint16_t samples[PUPIL_BLOCK + 2];
+    const float *const rows[3] = {light[0], light[1], light[2]};
+    const uint8_t *const data[3] = {row->above, row->data, row->below};
+    for (int i = 0; i < 3; i++) {
+        unpack_around(job, data[i], row->width, x, n, samples);
+        PUPIL_PIECE(job->kernels, expand)(job->coder, samples, n + 2, light[i]);
+    }
+    PUPIL_PIECE(job->kernels, bilinear_light)
+    (job->coder, rows, (x & 1) == job->coder->red_x, row->odd == job->coder->red_y, n, planes);
+}
+
+/* As add_grey_world, in 1/65535 of the largest light. */
+static void add_grey_world_light(const pupil_coder *c, const float *upper, const float *lower, uint32_t n,
+                                 pupil_stats *stats)
+{
+    const float *red_row = c->red_y ? lower : upper, *blue_row = c->red_y ? upper : lower;
+    for (uint32_t i = 0; i < 2 * n; i += 2) {
+        const float rgb[3] = {red_row[i + c->red_x], 0.5f * (red_row[i + 1 - c->red_x] + blue_row[i + c->red_x]),
+                              blue_row[i + 1 - c->red_x]};
+        if (rgb[0] >= 1.0f || rgb[1] >= 1.0f || rgb[2] >= 1.0f)
+            continue;
+        for (int k = 0; k < 3; k++)
+            stats->channel_sum[k] += (int32_t)((rgb[k] > -1.0f ? rgb[k] : -1.0f) * 262140.0f);
+        stats->channel_quads++;
+    }
+}
+
+/* In parts, whose light is small enough for the stack. */
+static __attribute__((noinline)) void load_binned_light(const pupil_row_job *job, const pupil_row *row, uint32_t x,
+                                                        uint32_t n, pupil_planes *planes, pupil_stats *stats)
+{
+    enum { PART = PUPIL_BLOCK / 2 };
+    float upper[LIGHT_OF(2 * PART)], lower[LIGHT_OF(2 * PART)];
+    uint16_t samples[2 * PART];
+    pupil_unpack_kernel *unpack = PUPIL_PIECE(job->kernels, unpack[job->in_pixel]);
+    pupil_expand_kernel *expand = PUPIL_PIECE(job->kernels, expand);
+    for (uint32_t done = 0; done < n; done += PART) {
+        const uint32_t part = n - done < PART ? n - done : PART;
+        unpack(row->data, job->coder->shift, 2 * (x + done), 2 * part, samples);
+        expand(job->coder, samples, 2 * part, upper);
+        unpack(row->below, job->coder->shift, 2 * (x + done), 2 * part, samples);
+        expand(job->coder, samples, 2 * part, lower);
+        PUPIL_PIECE(job->kernels, binned_light)(job->coder, upper, lower, done, part, planes);
+        if (job->grey_world)
+            add_grey_world_light(job->coder, upper, lower, part, stats);
+    }
+}
+
 /* From the samples, so that the balance has no part in it: neither in the sums nor in what counts as full. */
 static void add_grey_world(const pupil_coder *c, const uint16_t *upper, const uint16_t *lower, uint32_t n,
                            pupil_stats *stats)
@@ -108,7 +165,12 @@ static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint
 {
     if (job->way == PUPIL_WAY_PIXELS)
         return PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, row, x, n, planes);
-    if (job->way == PUPIL_WAY_BINNED)
+    const int binned = job->way == PUPIL_WAY_BINNED;
+    if (job->coder->lines && binned)
+        load_binned_light(job, row, x, n, planes, stats);
+    else if (job->coder->lines)
+        load_bilinear_light(job, row, x, n, planes);
+    else if (binned)
         load_binned(job, row, x, n, planes, stats);
     else
         load_bilinear(job, row, x, n, planes);
@@ -185,7 +247,7 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
 static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run)
 {
     const pupil_kernels *k = job->kernels;
-    if (job->histogram || job->grey_world)
+    if (job->histogram || job->grey_world || job->coder->lines)
         return 0;
     if (job->way == PUPIL_WAY_BINNED)
         return k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);

@@ -103,6 +103,15 @@ static pupil_coding a_coding(uint32_t pixel, unsigned n)
         if (n % 4 == 3)
             memcpy(c.rgb_from_camera, matrix, sizeof matrix);
     }
+    if (pupil_pixel_bits(pixel) && n % 5 == 2) {
+        static const float code[3] = {0.25f, 0.4f, 0.75f}, light[3] = {0.004f, 0.03f, 0.3f};
+        c.light = PUPIL_LIGHT_DEFAULT;
+        c.knees = 1 + n % 3;
+        for (uint32_t k = 0; k < c.knees; k++) {
+            c.knee_code[k] = code[k] * (float)((1u << bits) - 1);
+            c.knee_light[k] = light[k];
+        }
+    }
     return c;
 }
 

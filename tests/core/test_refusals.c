@@ -415,7 +415,19 @@ static void check_cameras(void)
                  {"white", {.white = __builtin_nanf("")}},
                  {"balance", {.balance = {1, 1, 0}}},
                  {"balance", {.balance = {1, 2000, 1}}},
-                 {"rgb_from_camera", {.rgb_from_camera = {[4] = 17}}}};
+                 {"rgb_from_camera", {.rgb_from_camera = {[4] = 17}}},
+                 {"knees", {.knees = PUPIL_KNEES + 1}},
+                 {"knee_code", {.knees = 1, .knee_light = {0.5f}}},
+                 {"knee_code", {.black = 64, .knees = 1, .knee_code = {64.5f}, .knee_light = {0.5f}}},
+                 {"knee_code", {.knees = 2, .knee_code = {90, 90}, .knee_light = {0.1f, 0.5f}}},
+                 {"knee_code", {.knees = 2, .knee_code = {90, 80}, .knee_light = {0.1f, 0.5f}}},
+                 {"knee_code", {.knees = 1, .knee_code = {__builtin_nanf("")}, .knee_light = {0.5f}}},
+                 {"knee_code", {.white = 400, .knees = 1, .knee_code = {399.5f}, .knee_light = {0.5f}}},
+                 {"knee_light", {.knees = 1, .knee_code = {90}}},
+                 {"knee_light", {.knees = 1, .knee_code = {90}, .knee_light = {1}}},
+                 {"knee_light", {.knees = 2, .knee_code = {80, 90}, .knee_light = {0.5f, 0.5f}}},
+                 {"knee_light", {.knees = 2, .knee_code = {80, 90}, .knee_light = {0.5f, 0.4f}}},
+                 {"knee_light", {.knees = 1, .knee_code = {90}, .knee_light = {__builtin_nanf("")}}}};
     for (unsigned k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         const char *why = "";
         CHECK(pupil_coding_check(&wrong[k].coding, i.pixel, &why) == PUPIL_ERR_CODING);
@@ -437,7 +449,15 @@ static void check_cameras(void)
                  {"shift", PUPIL_PIXEL_GREY16, PUPIL_PIXEL_GREY12, {.shift = 4}},
                  {"black", PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, {.black = 16383}},
                  {"black", PUPIL_PIXEL_GREY8, PUPIL_PIXEL_GREY10, {.black = 254.5f}},
-                 {"light", PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_GREY12, {.light = PUPIL_LIGHT_SRGB}}};
+                 {"light", PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_GREY12, {.light = PUPIL_LIGHT_SRGB}},
+                 {"light",
+                  PUPIL_PIXEL_GREY12,
+                  PUPIL_PIXEL_YUYV,
+                  {.light = PUPIL_LIGHT_SRGB, .knees = 1, .knee_code = {90}, .knee_light = {0.5f}}},
+                 {"knee_code",
+                  PUPIL_PIXEL_GREY10,
+                  PUPIL_PIXEL_BAYER12,
+                  {.knees = 1, .knee_code = {1022.5f}, .knee_light = {0.5f}}}};
     for (unsigned k = 0; k < sizeof unfit / sizeof *unfit; k++) {
         const char *why = "";
         CHECK(pupil_coding_check(&unfit[k].coding, unfit[k].but, &why) == PUPIL_OK && !*why);

@@ -185,6 +185,15 @@ static pupil_coding take_coding(uint32_t pixel)
         c.balance[0] = c.balance[0] > 0 ? c.balance[0] : 1, c.balance[i] = (float)take_double(1, 4);
     for (int i = 0; i < 9 && take_below(4); i++)
         c.rgb_from_camera[i] = (float)take_double(-16, 16);
+    if (bits && take_below(4) == 0) {
+        double code = (double)c.black, light = 0.001;
+        c.light = take_below(8) ? c.light % 2 : c.light;
+        c.knees = take_below(PUPIL_KNEES + 1 + !take_below(50));
+        for (uint32_t i = 0; i < c.knees && i < PUPIL_KNEES; i++) {
+            c.knee_code[i] = (float)(code = take_double(code + 1, code + top / 9));
+            c.knee_light[i] = (float)(light = take_double(light, light + 0.12));
+        }
+    }
     return c;
 }
 

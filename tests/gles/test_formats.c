@@ -107,6 +107,15 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
         coding->light = PUPIL_LIGHT_LINEAR;
     if ((pixel == PUPIL_PIXEL_GREY10 || pixel == PUPIL_PIXEL_BAYER10) && turn & 2)
         coding->shift = 6;
+    if (pupil_pixel_bits(pixel) && turn % 5 == 2) {
+        const float top = (float)((1u << pupil_pixel_bits(pixel)) - 1);
+        coding->light = PUPIL_LIGHT_DEFAULT;
+        coding->knees = 2;
+        coding->knee_code[0] = 0.3f * top;
+        coding->knee_code[1] = 0.7f * top;
+        coding->knee_light[0] = 0.01f;
+        coding->knee_light[1] = 0.2f;
+    }
 }
 
 /* The largest size is for two formats. Where shaders are interpreted, and under the sanitizers, a third of the rest is

@@ -139,6 +139,18 @@ static pupil_coding any_coding(uint32_t pixel)
     if (check_uniform() < 0.5)
         for (int i = 0; i < 9; i++)
             c.rgb_from_camera[i] = (float)((i % 4 == 0 ? 1.6 : -0.3) * (0.5 + check_uniform()));
+    if (pupil_pixel_bits(pixel) && check_uniform() < 0.3) {
+        const float white = c.white > 0.0f ? c.white : (float)((1u << pupil_pixel_bits(pixel)) - 1);
+        const uint32_t most = (uint32_t)((white - c.black) / 2.0f) - 1;
+        c.light = PUPIL_LIGHT_DEFAULT;
+        c.knees = 1 + (uint32_t)(check_uniform() * PUPIL_KNEES);
+        c.knees = c.knees < most ? c.knees : most;
+        for (uint32_t k = 0; k < c.knees; k++) {
+            const float before = k ? c.knee_light[k - 1] : 0.0f;
+            c.knee_code[k] = c.black + (white - c.black) * (float)(k + 1) / (float)(c.knees + 1);
+            c.knee_light[k] = before + (0.99f - before) * (float)(0.01 + 0.5 * check_uniform());
+        }
+    }
     CHECK(pupil_coding_check(&c, pixel, NULL) == PUPIL_OK);
     return c;
 }

@@ -145,6 +145,26 @@ static void cameras(uint32_t first, uint32_t last, uint32_t lights)
             }
 }
 
+/* Companded grey and mosaics, as cameras() otherwise. */
+static void companded(uint32_t in, uint32_t flags)
+{
+    digest_case c = usual();
+    c.in = in;
+    c.flags |= flags;
+    c.config.grey_world = 1;
+    c.coding = (pupil_coding){.black = 16, .knees = 3, .bayer = in % PUPIL_BAYER_COUNT};
+    for (uint32_t k = 0; k < 3; k++) {
+        const uint32_t light[3] = {8, 64, 400};
+        c.coding.knee_code[k] = (float)((k + 1) << (pupil_pixel_bits(in) - 2));
+        c.coding.knee_light[k] = (float)light[k] / 1024.0f;
+    }
+    c.coding.balance[0] = 1.5f;
+    c.coding.balance[1] = c.coding.balance[2] = 1.0f;
+    put("companded-");
+    put(pixel_names[in]);
+    run(&c);
+}
+
 static void some_rows(digest_case *c)
 {
     c->config.meter_rows = 4;
@@ -351,5 +371,9 @@ int main(void)
     run(&bgr);
     cameras(PUPIL_PIXEL_GREY10P, PUPIL_PIXEL_RGB16F, PUPIL_LIGHT_BT709 + 1);
     cameras(PUPIL_PIXEL_P010, PUPIL_PIXEL_COUNT - 1, PUPIL_LIGHT_COUNT);
+    companded(PUPIL_PIXEL_GREY10, 0);
+    companded(PUPIL_PIXEL_GREY12P, DIGEST_ROWS);
+    companded(PUPIL_PIXEL_BAYER12, DIGEST_SEAM);
+    companded(PUPIL_PIXEL_BAYER10P, DIGEST_HALVED);
     return 0;
 }

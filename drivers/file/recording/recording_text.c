@@ -62,8 +62,12 @@ static const field fields[] = {
     {"white", "a number", FLOAT, 1, NULL, AT(about.coding.white)},
     {"balance", "a list of three numbers", FLOAT, 3, NULL, AT(about.coding.balance)},
     {"rgb_from_camera", "a list of nine numbers", FLOAT, 9, NULL, AT(about.coding.rgb_from_camera)},
+    {"knees", "a whole number", WHOLE, 1, NULL, AT(about.coding.knees)},
+    {"knee_code", "a list of eight numbers", FLOAT, PUPIL_KNEES, NULL, AT(about.coding.knee_code)},
+    {"knee_light", "a list of eight numbers", FLOAT, PUPIL_KNEES, NULL, AT(about.coding.knee_light)},
 };
 #define FIELDS (sizeof fields / sizeof *fields)
+#define ALWAYS (FIELDS - 3) /* the last three are of companded sensors alone */
 
 static const char *word(const field *f, uint32_t number)
 {
@@ -110,7 +114,7 @@ char *pupil_recording_about_text(const pupil_recording_about *about, const char 
     char *name = utf8_of(camera ? camera : ""), *text = NULL;
     cJSON *object = name ? cJSON_CreateObject() : NULL;
     int whole = object != NULL;
-    for (size_t i = 0; whole && i < FIELDS; i++) {
+    for (size_t i = 0; whole && i < (about->coding.knees ? FIELDS : ALWAYS); i++) {
         whole = cJSON_AddItemToObject(object, fields[i].name, item_of(&fields[i], &t));
         if (whole && i == 0) /* behind "format" */
             whole = cJSON_AddNumberToObject(object, "version", PUPIL_RECORDING_VERSION) &&
@@ -179,6 +183,8 @@ static int take_all(const char *path, const cJSON *object, whole_text *t, pupil_
     for (size_t i = 0; i < FIELDS; i++) {
         const field *f = &fields[i];
         const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, f->name);
+        if (!item && i >= ALWAYS)
+            continue;
         if (!item || take(f, item, t))
             return pupil_refuse(why, "%s: \"%s\" %s %s", path, f->name, item ? "must be" : "is missing; it must be",
                                 f->right);

@@ -53,12 +53,34 @@ uint sample_at(ivec2 at)
 #endif
 #endif
 
+// What is added up, four of it a pixel: codes, or the light of companded ones.
+#ifdef KNEES
+uniform int lines;
+uniform vec3 line[9]; // lib/kernels/kernels.h: pupil_line
+
+#define VALUE  float
+#define VALUES vec3
+
+float value_at(ivec2 at)
+{
+    float code = float(sample_at(at));
+    vec3 on = line[0];
+    for (int k = 1; k < lines; k++)
+        on = code >= line[k].x ? line[k] : on;
+    return on.y + (code - on.x) * on.z;
+}
+#elif defined(LOAD_GREY) || defined(LOAD_MOSAIC)
+#define VALUE  uint
+#define VALUES uvec3
+#define value_at sample_at
+#endif
+
 #ifdef LOAD_GREY
 uniform vec2 grey; // zero, unit
 
 vec3 load(ivec2 at)
 {
-    float v = (float(sample_at(at)) - grey.x) * grey.y;
+    float v = (float(value_at(at)) - grey.x) * grey.y;
 #ifdef GREY_LIGHT
     v = light_of(v * light_top);
 #endif
@@ -75,7 +97,7 @@ uniform mat3 camera_matrix;
 #endif
 
 // Four times each channel's sample, or the sum of four, to balanced light.
-vec3 develop(uvec3 sum4)
+vec3 develop(VALUES sum4)
 {
     vec3 v = (vec3(sum4) - mosaic.x) * unit4;
     return min(v, vec3(mosaic.y));
@@ -84,31 +106,31 @@ vec3 develop(uvec3 sum4)
 vec3 load_quad(ivec2 quad)
 {
     ivec2 at = 2 * quad, blue_at = 1 - red_at;
-    uint greens = sample_at(at + ivec2(blue_at.x, red_at.y)) + sample_at(at + ivec2(red_at.x, blue_at.y));
-    return develop(uvec3(4u * sample_at(at + red_at), 2u * greens, 4u * sample_at(at + blue_at)));
+    VALUE greens = value_at(at + ivec2(blue_at.x, red_at.y)) + value_at(at + ivec2(red_at.x, blue_at.y));
+    return develop(VALUES(VALUE(4) * value_at(at + red_at), VALUE(2) * greens, VALUE(4) * value_at(at + blue_at)));
 }
 
 // Beyond the frame's edges the picture is mirrored.
-uint mirrored(ivec2 at)
+VALUE mirrored(ivec2 at)
 {
     at = abs(at);
-    return sample_at(min(at, 2 * (frame_size - 1) - at));
+    return value_at(min(at, 2 * (frame_size - 1) - at));
 }
 
 // Bilinear: the mean of the neighbours of a colour, two or four.
 vec3 load_bilinear(ivec2 at)
 {
     ivec2 own = (at & 1) ^ red_at; // 0: a column, a row, of red samples
-    uint here = 4u * sample_at(at);
-    uint beside = mirrored(at - ivec2(1, 0)) + mirrored(at + ivec2(1, 0));
-    uint above_below = mirrored(at - ivec2(0, 1)) + mirrored(at + ivec2(0, 1));
+    VALUE here = VALUE(4) * value_at(at);
+    VALUE beside = mirrored(at - ivec2(1, 0)) + mirrored(at + ivec2(1, 0));
+    VALUE above_below = mirrored(at - ivec2(0, 1)) + mirrored(at + ivec2(0, 1));
     if (own.x != own.y) // green
-        return develop(own.y == 0 ? uvec3(2u * beside, here, 2u * above_below)
-                                  : uvec3(2u * above_below, here, 2u * beside));
-    uint corners = mirrored(at + ivec2(-1, -1)) + mirrored(at + ivec2(1, -1)) + mirrored(at + ivec2(-1, 1)) +
+        return develop(own.y == 0 ? VALUES(VALUE(2) * beside, here, VALUE(2) * above_below)
+                                  : VALUES(VALUE(2) * above_below, here, VALUE(2) * beside));
+    VALUE corners = mirrored(at + ivec2(-1, -1)) + mirrored(at + ivec2(1, -1)) + mirrored(at + ivec2(-1, 1)) +
                    mirrored(at + ivec2(1, 1));
-    uint cross4 = beside + above_below;
-    return develop(own.x == 0 ? uvec3(here, cross4, corners) : uvec3(corners, cross4, here));
+    VALUE cross4 = beside + above_below;
+    return develop(own.x == 0 ? VALUES(here, cross4, corners) : VALUES(corners, cross4, here));
 }
 
 vec3 load(ivec2 at)

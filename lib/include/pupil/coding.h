@@ -53,6 +53,9 @@ typedef enum pupil_bayer {
     PUPIL_BAYER_COUNT
 } pupil_bayer;
 
+/* Most knees of a companded sensor. */
+#define PUPIL_KNEES 8
+
 /* How samples become light:
  *
  * - Y'CbCr and RGB10A2: R'G'B' is clamped to 0..1. Light is interpolated between that of the 256 codes, within 7e-6 of
@@ -62,14 +65,21 @@ typedef enum pupil_bayer {
  * - Mosaics: as grey, then the balance, then the matrix. After the balance no channel is above the value at which the
  *   least amplified channel is full, so clipped highlights are white and not magenta.
  *
+ * - Grey and mosaics of a companding sensor (knees above 0), which squeezes the light of 16 to 24 bits into codes of 10
+ *   to 16: instead of (code - black) / (white - black) light is on straight lines from (black, 0) through the knees to
+ *   (white, 1), of each sample before anything is interpolated. The first line goes on below black, the last one above
+ *   white. So sensors that merge several exposures themselves can be read where they send one companded frame, as those
+ *   of car cameras do. Sensors that send the exposures line by line or frame by frame (line-interleaved, staggered or
+ *   DOL HDR) are not supported: their rows differ in exposure, and nothing here merges them.
+ *
  * Linear light below black is negative, as the noise of a dark sensor is. Light above white is above 1 in grey.
  *
  * Fields by format:
  *
  * - Y'CbCr: matrix and range, also of an output; light, of an input.
  * - RGB10A2: light.
- * - Grey: light, shift, black and white.
- * - Mosaics: bayer, balance, rgb_from_camera, shift, black and white; light default or linear. */
+ * - Grey: light, shift, black, white and knees; light default or linear where there are knees.
+ * - Mosaics: bayer, balance, rgb_from_camera, shift, black, white and knees; light default or linear. */
 typedef struct pupil_coding {
     uint32_t size_bytes; /* abi.h; or 0 */
     uint32_t matrix;     /* a pupil_matrix */
@@ -84,6 +94,11 @@ typedef struct pupil_coding {
     float balance[3]; /* white balance: factors of R, G, B, 2^-10..2^10; all 0: 1, 1, 1 */
     float rgb_from_camera[9]; /* row by row, -16..16; from the balanced camera's RGB to that of config.primaries; all 0:
                                * none. A mosaic is metered before it, with the luminance that it leads to. */
+    uint32_t knees;           /* how many of the next are used, 0..PUPIL_KNEES; 0: linear from black to white */
+    float knee_code[PUPIL_KNEES];  /* codes after the shift, each at least 1 above the one before; the first is above
+                                    * black, the last below white by as much */
+    float knee_light[PUPIL_KNEES]; /* their light, of 1 at white: above 2^-30, rising, below 1. A data sheet gives codes
+                                    * of so many bits: divide by that of white */
 } pupil_coding;
 
 /* Whether images of the format `pixel` (a pupil_pixel, image.h) can have this coding. Fields that the format does not

@@ -305,6 +305,26 @@ static void test_texts(void)
     frames_free(&frames);
 }
 
+/* The knees of a companded sensor. */
+static void test_knees(void)
+{
+    test_frames frames;
+    const char *folder = scratch("knees");
+    frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 2);
+    frames.coding.knees = 2;
+    for (int k = 0; k < 2; k++) {
+        frames.coding.knee_code[k] = (float)(1000.5 + 1000 * k);
+        frames.coding.knee_light[k] = 0.01f + 0.1f * (float)k;
+    }
+    CHECK(frames_record(&frames, folder, &waiting, &why) == 2);
+    CHECK_MSG(frames_replay(&frames, folder, &why) == 2, "%s", why.text);
+    check_text(folder, "recording.json", "\"knee_light\":\t[", "\"knee_light\":\t[1, ",
+               "must be a list of eight numbers");
+    check_text(folder, "recording.json", "1000.5", "3000.5", "knee_code must rise");
+    scratch_clear(folder);
+    frames_free(&frames);
+}
+
 /* White balance that follows the frames: each has its own, and those of the first one's have none in their line. */
 static void test_balance(void)
 {
@@ -341,6 +361,7 @@ int main(int argc, char **argv)
     test_full();
     test_texts();
     test_balance();
+    test_knees();
     scratch_clear(scratch_folder);
     return check_end();
 }
