@@ -58,15 +58,16 @@ int colour_option_knees(const option_value *v)
 {
     pupil_colour_options *o = options_of(v);
     pupil_coding tried = {.size_bytes = sizeof tried};
-    const char *p = v->text;
-    for (uint32_t k = 0; *p && k < PUPIL_KNEES; k++) {
+    const char *p = v->text, *end = "";
+    do {
+        const uint32_t k = tried.knees++;
         int used = 0;
-        if (sscanf(p, "%f:%f%n", &tried.knee_code[k], &tried.knee_light[k], &used) != 2 || (p[used] && p[used] != ','))
+        if (k == PUPIL_KNEES || sscanf(p, "%f:%f%n", &tried.knee_code[k], &tried.knee_light[k], &used) != 2)
             return option_refuse(v, NULL);
-        tried.knees = k + 1;
-        p += used + (p[used] == ',');
-    }
-    if (*p || !tried.knees || pupil_coding_check(&tried, PUPIL_PIXEL_GREY16, NULL) != PUPIL_OK)
+        end = p + used;
+        p = end + 1;
+    } while (*end == ',');
+    if (*end || pupil_coding_check(&tried, PUPIL_PIXEL_GREY16, NULL) != PUPIL_OK)
         return option_refuse(v, NULL);
     o->knees = tried.knees;
     memcpy(o->knee_code, tried.knee_code, sizeof o->knee_code);

@@ -58,8 +58,15 @@ int main(int argc, char **argv)
         refused("black-level", blacks[i], "0 to 65534");
     CHECK(take("knees", "1024:0.0156,2048.5:0.125", &o, &why) == 0 && o.knees == 2 && o.knee_code[1] == 2048.5f &&
           o.knee_light[0] == 0.0156f && o.knee_light[1] == 0.125f);
-    static const char *const knees[] = {"", "1024", "1024,0.5", "1024:0.5,", "1024:0.5,1000:0.6", "1024:0.5,2000:0.4",
-                                        "1024:1.5", "1024:nan", "1024:0.5x",
+    static const char *const knees[] = {"",
+                                        "1024",
+                                        "1024,0.5",
+                                        "1024:0.5,",
+                                        "1024:0.5,1000:0.6",
+                                        "1024:0.5,2000:0.4",
+                                        "1024:1.5",
+                                        "1024:nan",
+                                        "1024:0.5x",
                                         "1:.1,2:.2,3:.3,4:.4,5:.5,6:.6,7:.7,8:.8,9:.9"};
     for (size_t i = 0; i < sizeof knees / sizeof knees[0]; i++)
         refused("knees", knees[i], "up to 8 points CODE:LIGHT");
