@@ -9,58 +9,75 @@
 
 typedef struct native {
     uint32_t fourcc;
-    uint8_t pixel, bayer, buffers;
+    uint8_t pixel, bayer, buffers, cr_first;
 } native;
 
 /* Kernels older than a format's name have its number all the same. */
 #define FOUR(a, b, c, d) v4l2_fourcc(a, b, c, d)
 
 static const native natives[] = {
-    {V4L2_PIX_FMT_SRGGB8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_RGGB, 1},
-    {V4L2_PIX_FMT_SGRBG8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_GRBG, 1},
-    {V4L2_PIX_FMT_SGBRG8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_GBRG, 1},
-    {V4L2_PIX_FMT_SBGGR8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_BGGR, 1},
-    {V4L2_PIX_FMT_SRGGB10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_RGGB, 1},
-    {V4L2_PIX_FMT_SGRBG10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_GRBG, 1},
-    {V4L2_PIX_FMT_SGBRG10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_GBRG, 1},
-    {V4L2_PIX_FMT_SBGGR10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_BGGR, 1},
-    {V4L2_PIX_FMT_SRGGB12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_RGGB, 1},
-    {V4L2_PIX_FMT_SGRBG12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_GRBG, 1},
-    {V4L2_PIX_FMT_SGBRG12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_GBRG, 1},
-    {V4L2_PIX_FMT_SBGGR12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_BGGR, 1},
-    {FOUR('R', 'G', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_RGGB, 1},
-    {FOUR('G', 'R', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_GRBG, 1},
-    {FOUR('G', 'B', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_GBRG, 1},
-    {FOUR('B', 'G', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_BGGR, 1},
-    {V4L2_PIX_FMT_SRGGB16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_RGGB, 1},
-    {V4L2_PIX_FMT_SGRBG16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_GRBG, 1},
-    {V4L2_PIX_FMT_SGBRG16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_GBRG, 1},
-    {V4L2_PIX_FMT_SBGGR16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_BGGR, 1},
-    {V4L2_PIX_FMT_SRGGB10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_RGGB, 1},
-    {V4L2_PIX_FMT_SGRBG10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_GRBG, 1},
-    {V4L2_PIX_FMT_SGBRG10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_GBRG, 1},
-    {V4L2_PIX_FMT_SBGGR10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_BGGR, 1},
-    {FOUR('p', 'R', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_RGGB, 1},
-    {FOUR('p', 'g', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_GRBG, 1},
-    {FOUR('p', 'G', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_GBRG, 1},
-    {FOUR('p', 'B', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_BGGR, 1},
-    {V4L2_PIX_FMT_GREY, PUPIL_PIXEL_GREY8, 0, 1},
-    {V4L2_PIX_FMT_Y10, PUPIL_PIXEL_GREY10, 0, 1},
-    {V4L2_PIX_FMT_Y12, PUPIL_PIXEL_GREY12, 0, 1},
-    {V4L2_PIX_FMT_Y16, PUPIL_PIXEL_GREY16, 0, 1},
-    {V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 1},
-    {V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 1},
-    {V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0, 2},
-    {V4L2_PIX_FMT_RGB24, PUPIL_PIXEL_RGB8, 0, 1},
-    {FOUR('A', 'B', '2', '4'), PUPIL_PIXEL_RGBA8, 0, 1},
-    {V4L2_PIX_FMT_MJPEG, PUPIL_PIXEL_NONE, 0, 1},
-    {V4L2_PIX_FMT_JPEG, PUPIL_PIXEL_NONE, 0, 1},
+    {V4L2_PIX_FMT_SRGGB8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_RGGB, 1, 0},
+    {V4L2_PIX_FMT_SGRBG8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_GRBG, 1, 0},
+    {V4L2_PIX_FMT_SGBRG8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_GBRG, 1, 0},
+    {V4L2_PIX_FMT_SBGGR8, PUPIL_PIXEL_BAYER8, PUPIL_BAYER_BGGR, 1, 0},
+    {V4L2_PIX_FMT_SRGGB10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_RGGB, 1, 0},
+    {V4L2_PIX_FMT_SGRBG10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_GRBG, 1, 0},
+    {V4L2_PIX_FMT_SGBRG10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_GBRG, 1, 0},
+    {V4L2_PIX_FMT_SBGGR10, PUPIL_PIXEL_BAYER10, PUPIL_BAYER_BGGR, 1, 0},
+    {V4L2_PIX_FMT_SRGGB12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_RGGB, 1, 0},
+    {V4L2_PIX_FMT_SGRBG12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_GRBG, 1, 0},
+    {V4L2_PIX_FMT_SGBRG12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_GBRG, 1, 0},
+    {V4L2_PIX_FMT_SBGGR12, PUPIL_PIXEL_BAYER12, PUPIL_BAYER_BGGR, 1, 0},
+    {FOUR('R', 'G', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_RGGB, 1, 0},
+    {FOUR('G', 'R', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_GRBG, 1, 0},
+    {FOUR('G', 'B', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_GBRG, 1, 0},
+    {FOUR('B', 'G', '1', '4'), PUPIL_PIXEL_BAYER14, PUPIL_BAYER_BGGR, 1, 0},
+    {V4L2_PIX_FMT_SRGGB16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_RGGB, 1, 0},
+    {V4L2_PIX_FMT_SGRBG16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_GRBG, 1, 0},
+    {V4L2_PIX_FMT_SGBRG16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_GBRG, 1, 0},
+    {V4L2_PIX_FMT_SBGGR16, PUPIL_PIXEL_BAYER16, PUPIL_BAYER_BGGR, 1, 0},
+    {V4L2_PIX_FMT_SRGGB10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_RGGB, 1, 0},
+    {V4L2_PIX_FMT_SGRBG10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_GRBG, 1, 0},
+    {V4L2_PIX_FMT_SGBRG10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_GBRG, 1, 0},
+    {V4L2_PIX_FMT_SBGGR10P, PUPIL_PIXEL_BAYER10P, PUPIL_BAYER_BGGR, 1, 0},
+    {FOUR('p', 'R', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_RGGB, 1, 0},
+    {FOUR('p', 'g', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_GRBG, 1, 0},
+    {FOUR('p', 'G', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_GBRG, 1, 0},
+    {FOUR('p', 'B', 'C', 'C'), PUPIL_PIXEL_BAYER12P, PUPIL_BAYER_BGGR, 1, 0},
+    {V4L2_PIX_FMT_GREY, PUPIL_PIXEL_GREY8, 0, 1, 0},
+    {V4L2_PIX_FMT_Y10, PUPIL_PIXEL_GREY10, 0, 1, 0},
+    {V4L2_PIX_FMT_Y12, PUPIL_PIXEL_GREY12, 0, 1, 0},
+    {V4L2_PIX_FMT_Y16, PUPIL_PIXEL_GREY16, 0, 1, 0},
+    {FOUR('Y', '1', '0', 'P'), PUPIL_PIXEL_GREY10P, 0, 1, 0},
+    {FOUR('Y', '1', '2', 'P'), PUPIL_PIXEL_GREY12P, 0, 1, 0},
+    {V4L2_PIX_FMT_YUYV, PUPIL_PIXEL_YUYV, 0, 1, 0},
+    {V4L2_PIX_FMT_UYVY, PUPIL_PIXEL_UYVY, 0, 1, 0},
+    {V4L2_PIX_FMT_NV12, PUPIL_PIXEL_NV12, 0, 1, 0},
+    {V4L2_PIX_FMT_NV21, PUPIL_PIXEL_NV21, 0, 1, 0},
+    {V4L2_PIX_FMT_NV16, PUPIL_PIXEL_NV16, 0, 1, 0},
+    {V4L2_PIX_FMT_NV12M, PUPIL_PIXEL_NV12, 0, 2, 0},
+    {V4L2_PIX_FMT_NV21M, PUPIL_PIXEL_NV21, 0, 2, 0},
+    {V4L2_PIX_FMT_NV16M, PUPIL_PIXEL_NV16, 0, 2, 0},
+    {V4L2_PIX_FMT_YUV420, PUPIL_PIXEL_I420, 0, 1, 0},
+    {V4L2_PIX_FMT_YVU420, PUPIL_PIXEL_I420, 0, 1, 1},
+    {V4L2_PIX_FMT_YUV420M, PUPIL_PIXEL_I420, 0, 3, 0},
+    {V4L2_PIX_FMT_YVU420M, PUPIL_PIXEL_I420, 0, 3, 1},
+    {FOUR('P', '0', '1', '0'), PUPIL_PIXEL_P010, 0, 1, 0},
+    {V4L2_PIX_FMT_RGB24, PUPIL_PIXEL_RGB8, 0, 1, 0},
+    {V4L2_PIX_FMT_BGR24, PUPIL_PIXEL_BGR8, 0, 1, 0},
+    {FOUR('A', 'B', '2', '4'), PUPIL_PIXEL_RGBA8, 0, 1, 0},
+    {FOUR('X', 'B', '2', '4'), PUPIL_PIXEL_RGBX8, 0, 1, 0},
+    {V4L2_PIX_FMT_XBGR32, PUPIL_PIXEL_BGRX8, 0, 1, 0},
+    {V4L2_PIX_FMT_ABGR32, PUPIL_PIXEL_BGRX8, 0, 1, 0},
+    {V4L2_PIX_FMT_MJPEG, PUPIL_PIXEL_NONE, 0, 1, 0},
+    {V4L2_PIX_FMT_JPEG, PUPIL_PIXEL_NONE, 0, 1, 0},
 };
 
 #define LEAST_JPEG_BYTES 4 /* its first and its last marker */
 
 const char pupil_v4l2_natives[] = "RGGB, RG10, RG12, RG14, RG16, pRAA, pRCC and their three other orders, GREY, Y10, "
-                                  "Y12, Y16, YUYV, NV12, NM12, RGB3, AB24, MJPG, JPEG";
+                                  "Y12, Y16, Y10P, Y12P, YUYV, UYVY, NV12, NV21, NV16, NM12, NM21, NM16, YU12, YV12, "
+                                  "YM12, YM21, P010, RGB3, BGR3, AB24, XB24, XR24, AR24, MJPG, JPEG";
 
 static const native *find(uint32_t fourcc)
 {
@@ -115,17 +132,17 @@ uint32_t pupil_v4l2_fourcc(const char *name)
 
 static int is_yuv(uint32_t pixel)
 {
-    return pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
+    return pupil_pixel_planes(pixel) > 1 || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
 }
 
 static int is_grey(uint32_t pixel)
 {
-    return pixel >= PUPIL_PIXEL_GREY8 && pixel <= PUPIL_PIXEL_GREY16;
+    return pupil_pixel_bits(pixel) && !pupil_pixel_is_mosaic(pixel);
 }
 
 static int is_rgb(uint32_t pixel)
 {
-    return pixel == PUPIL_PIXEL_RGB8 || pixel == PUPIL_PIXEL_RGBA8;
+    return !is_yuv(pixel) && !pupil_pixel_bits(pixel);
 }
 
 static const char *const xfer_names[] = {"default",    "Rec. 709", "sRGB",   "opRGB",
@@ -139,8 +156,10 @@ static int read_light(uint32_t xfer_func, pupil_coding *coding, pupil_why *why)
         coding->light = PUPIL_LIGHT_BT709;
     else if (xfer_func == V4L2_XFER_FUNC_NONE)
         coding->light = PUPIL_LIGHT_LINEAR;
+    else if (xfer_func == V4L2_XFER_FUNC_SMPTE2084)
+        coding->light = PUPIL_LIGHT_PQ;
     else {
-        return pupil_refuse(why, "its transfer function is %s; sRGB, Rec. 709 or none can be read",
+        return pupil_refuse(why, "its transfer function is %s; sRGB, Rec. 709, SMPTE 2084 (PQ) or none can be read",
                             xfer_func < sizeof xfer_names / sizeof xfer_names[0] ? xfer_names[xfer_func] : "unknown");
     }
     return 0;
@@ -172,8 +191,7 @@ static int read_matrix(uint32_t ycbcr_enc, pupil_coding *coding, pupil_why *why)
 /* Y' 16..235 of 8 bits, and as much of more (Rec. ITU-R BT.2100-2, table 9). */
 static void limit_grey(uint32_t pixel, pupil_coding *coding)
 {
-    const uint32_t more_bits = pixel == PUPIL_PIXEL_GREY8 ? 0 : pixel == PUPIL_PIXEL_GREY10 ? 2 : 4;
-    const uint32_t unit = pixel == PUPIL_PIXEL_GREY16 ? 256 : 1u << more_bits;
+    const uint32_t unit = 1u << (pupil_pixel_bits(pixel) - 8);
     coding->black = (float)(16 * unit);
     coding->white = (float)(235 * unit);
 }
@@ -223,42 +241,55 @@ static int read_colour(pupil_v4l2_format *f, pupil_why *why)
 
 /* --- layout --- */
 
+static int read_jpeg_layout(pupil_v4l2_format *f, pupil_why *why)
+{
+    for (int i = 0; i < PUPIL_V4L2_MOST_AREAS; i++)
+        f->stride_bytes[i] = 0;
+    f->needs_bytes[0] = LEAST_JPEG_BYTES;
+    if (f->size_bytes[0] < LEAST_JPEG_BYTES)
+        return pupil_refuse(why, "its driver says that a frame of %s has %u bytes at most",
+                            pupil_v4l2_fourcc_name(f->fourcc).text, f->size_bytes[0]);
+    return 0;
+}
+
+/* What the driver does not say of its strides: some of tightly packed frames leave them empty. In one area chroma has
+ * the stride of data, or each of two planes half of it ("Image Formats", Planar YUV Formats). */
+static void complete_strides(pupil_v4l2_format *f)
+{
+    const uint32_t planes = pupil_pixel_planes(f->pixel), one_area = f->buffers == 1;
+    const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width);
+    if (!f->stride_bytes[0])
+        f->stride_bytes[0] = row + (planes == 3 && one_area ? row % 2 : 0);
+    for (uint32_t i = 1; i < PUPIL_V4L2_MOST_AREAS; i++)
+        if (i >= planes)
+            f->stride_bytes[i] = 0;
+        else if (one_area || !f->stride_bytes[i])
+            f->stride_bytes[i] = f->stride_bytes[0] / (planes == 3 ? 2 : 1);
+}
+
 static int read_layout(pupil_v4l2_format *f, pupil_why *why)
 {
-    const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width);
-    const uint32_t chroma_row = f->width + f->width % 2, chroma_rows = (f->height + 1) / 2;
-    const int nv12 = f->pixel == PUPIL_PIXEL_NV12;
-    if (f->compressed) {
-        f->stride_bytes[0] = f->stride_bytes[1] = 0;
-        f->needs_bytes[0] = LEAST_JPEG_BYTES;
-        if (f->size_bytes[0] < LEAST_JPEG_BYTES)
-            pupil_refuse(why, "its driver says that a frame of %s has %u bytes at most",
-                         pupil_v4l2_fourcc_name(f->fourcc).text, f->size_bytes[0]);
-        return f->size_bytes[0] < LEAST_JPEG_BYTES ? -1 : 0;
-    }
-    if (!f->stride_bytes[0])
-        f->stride_bytes[0] = row; /* some drivers of tightly packed frames leave it empty */
-    if (f->buffers == 1 || !f->stride_bytes[1])
-        f->stride_bytes[1] = nv12 ? f->stride_bytes[0] : 0;
-    const int odd = pupil_pixel_bytes(f->pixel) == 2 && f->stride_bytes[0] % 2;
-    if (f->stride_bytes[0] < row || (nv12 && f->stride_bytes[1] < chroma_row) || odd)
-        return pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u%s",
-                            f->stride_bytes[0], f->width, pupil_v4l2_fourcc_name(f->fourcc).text, row,
-                            odd ? ", and an even number" : "");
-    uint64_t needs[2] = {(uint64_t)f->stride_bytes[0] * (f->height - 1) + row, 0};
-    const uint64_t chroma = (uint64_t)f->stride_bytes[1] * (chroma_rows - 1) + chroma_row;
-    if (nv12 && f->buffers == 1) {
-        f->chroma_bytes = f->stride_bytes[0] * f->height;
-        needs[0] = (uint64_t)f->stride_bytes[0] * f->height + chroma;
-    } else if (nv12) {
-        needs[1] = chroma;
-    }
-    for (int i = 0; i < 2; i++) {
-        if (needs[i] > f->size_bytes[i])
+    const uint32_t planes = pupil_pixel_planes(f->pixel);
+    const int even = pupil_pixel_bytes(f->pixel) == 2;
+    uint64_t end[PUPIL_V4L2_MOST_AREAS] = {0}; /* of what is in each area so far, and behind its last row */
+    complete_strides(f);
+    for (uint32_t i = 0; i < planes; i++) {
+        const uint32_t row =
+            (uint32_t)(i ? pupil_chroma_row_bytes(f->pixel, f->width) : pupil_row_bytes(f->pixel, f->width));
+        const uint32_t rows = i ? pupil_chroma_rows(f->pixel, f->height) : f->height, area = f->buffers > 1 ? i : 0;
+        const int odd = even && f->stride_bytes[i] % 2;
+        if (f->stride_bytes[i] < row || odd)
+            return pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u%s",
+                                f->stride_bytes[i], f->width, pupil_v4l2_fourcc_name(f->fourcc).text, row,
+                                odd ? ", and an even number" : "");
+        const uint64_t needs = end[area] + (uint64_t)f->stride_bytes[i] * (rows - 1) + row;
+        if (needs > f->size_bytes[area])
             return pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s need %llu",
-                                f->size_bytes[i], f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text,
-                                (unsigned long long)needs[i]);
-        f->needs_bytes[i] = (uint32_t)needs[i];
+                                f->size_bytes[area], f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text,
+                                (unsigned long long)needs);
+        f->plane_bytes[i] = (uint32_t)end[area];
+        f->needs_bytes[area] = (uint32_t)needs;
+        end[area] += (uint64_t)f->stride_bytes[i] * rows;
     }
     return 0;
 }
@@ -299,7 +330,7 @@ static int take_multi(const struct v4l2_pix_format_mplane *pix, pupil_v4l2_forma
     f->fourcc = pix->pixelformat;
     f->width = pix->width;
     f->height = pix->height;
-    for (int i = 0; i < 2 && i < pix->num_planes; i++) {
+    for (int i = 0; i < PUPIL_V4L2_MOST_AREAS && i < pix->num_planes; i++) {
         f->stride_bytes[i] = pix->plane_fmt[i].bytesperline;
         f->size_bytes[i] = pix->plane_fmt[i].sizeimage;
     }
@@ -330,8 +361,10 @@ int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *
                             field);
     f.pixel = n->pixel;
     f.compressed = n->pixel == PUPIL_PIXEL_NONE;
+    f.cr_first = n->cr_first;
     f.coding.bayer = n->bayer;
-    if (check_size(&f, why) || read_layout(&f, why) || read_colour(&f, why))
+    if (check_size(&f, why) || (f.compressed ? read_jpeg_layout(&f, why) : read_layout(&f, why)) ||
+        read_colour(&f, why))
         return -1;
     *format = f;
     return 0;

@@ -4,7 +4,10 @@
  * V4L2_MAP_COLORSPACE_DEFAULT and its sisters in <linux/videodev2.h>. Two liberties, both about grey: its range is full
  * and its light linear unless the driver names another quantization or transfer function. The defaults, limited and
  * sRGB, are those of a picture's luma, and drivers of sensors leave the fields empty. And one about JPEG: it is as JFIF
- * has it (BT.601 of full range) unless the driver names another; what is said of its colour space is not asked. */
+ * has it (BT.601 of full range) unless the driver names another; what is said of its colour space is not asked.
+ *
+ * V4L2_XFER_FUNC_SMPTE2084 is PUPIL_LIGHT_PQ. V4L2 has no number for HLG: a driver that captures it names another
+ * function, and the light is that one's. */
 #ifndef PUPIL_DRIVERS_V4L2_FORMAT_H
 #define PUPIL_DRIVERS_V4L2_FORMAT_H
 
@@ -16,18 +19,22 @@
 
 struct v4l2_format; /* <linux/videodev2.h> */
 
-/* What a frame looks like in its buffer, or, with NM12, in its two. */
+/* Memory areas of a frame: one, or one for each plane. */
+#define PUPIL_V4L2_MOST_AREAS 3
+
+/* What a frame looks like in its buffer, or, with NM12, YM12 and their like, in its two or three. */
 typedef struct pupil_v4l2_format {
     uint32_t fourcc;
-    uint32_t pixel;           /* a pupil_pixel; of a JPEG NONE: which one is known of each frame */
-    uint32_t compressed;      /* 1: frames are JPEGs, of any number of bytes */
-    uint32_t width, height;   /* pixels */
-    uint32_t buffers;         /* memory areas of a frame: 1 or 2 */
-    uint32_t stride_bytes[2]; /* of data, and of NV12's chroma */
-    uint32_t size_bytes[2];   /* of each area, as the driver says */
-    uint32_t needs_bytes[2];  /* of each area up to the last pixel: a frame of fewer is cut short */
-    uint32_t chroma_bytes;    /* where chroma begins, of NV12 in one area */
-    uint32_t primaries;       /* a pupil_primaries, BT.709 or BT.2020, for pupil_config */
+    uint32_t pixel;                               /* a pupil_pixel; of a JPEG NONE: which one is known of each frame */
+    uint32_t compressed;                          /* 1: frames are JPEGs, of any number of bytes */
+    uint32_t width, height;                       /* pixels */
+    uint32_t buffers;                             /* memory areas of a frame */
+    uint32_t cr_first;                            /* 1: of three planes the second one is Cr (YV12) */
+    uint32_t stride_bytes[PUPIL_V4L2_MOST_AREAS]; /* of each plane */
+    uint32_t plane_bytes[PUPIL_V4L2_MOST_AREAS];  /* where each plane begins in its area */
+    uint32_t size_bytes[PUPIL_V4L2_MOST_AREAS];   /* of each area, as the driver says */
+    uint32_t needs_bytes[PUPIL_V4L2_MOST_AREAS];  /* of each area up to the last pixel: a frame of fewer is cut short */
+    uint32_t primaries;                           /* a pupil_primaries, BT.709 or BT.2020, for pupil_config */
     pupil_coding coding;
     uint32_t colorspace, ycbcr_enc, quantization, xfer_func; /* V4L2's, without any DEFAULT */
 } pupil_v4l2_format;

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "pupil/image.h"
+#include "v4l2/format.h"
+
 /* Smooth ramps that move, and some noise; whole numbers, so the same everywhere. */
 uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel)
 {
@@ -28,7 +31,7 @@ typedef struct drawing {
     const fake_v4l2_picture *p;
     uint32_t first, end; /* rows */
     double lamp;         /* the light on them */
-    unsigned char *data, *chroma;
+    unsigned char *data, *chroma, *cr;
     uint32_t code[3][1024];  /* of a channel's value of the scene */
     double encoded[3][1024]; /* the same before it is rounded, 0..1 */
     uint32_t bits, red_x, red_y;
@@ -40,6 +43,10 @@ static double encode(uint32_t xfer_func, double light)
         return light;
     if (xfer_func == V4L2_XFER_FUNC_709) /* Rec. ITU-R BT.709-6, item 1.2 */
         return light < 0.018 ? 4.5 * light : 1.099 * pow(light, 0.45) - 0.099;
+    if (xfer_func == V4L2_XFER_FUNC_SMPTE2084) { /* Rec. ITU-R BT.2100-2, table 4; 1.0 is 100 of 10000 cd/m2 */
+        const double power = pow(light / 100.0, 2610.0 / 16384.0);
+        return pow((3424.0 / 4096.0 + 2413.0 / 128.0 * power) / (1.0 + 2392.0 / 128.0 * power), 2523.0 / 32.0);
+    }
     return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055; /* IEC 61966-2-1 */
 }
 
@@ -92,7 +99,7 @@ static void draw_samples(const drawing *d, int colours, int packed)
     }
 }
 
-static void to_yuv(const drawing *d, uint32_t x, uint32_t y, unsigned char yuv[3])
+static void to_yuv(const drawing *d, uint32_t x, uint32_t y, uint32_t yuv[3])
 {
     const fake_v4l2_picture *p = d->p;
     const double kr = p->ycbcr_enc == V4L2_YCBCR_ENC_709      ? 0.2126
@@ -102,46 +109,68 @@ static void to_yuv(const drawing *d, uint32_t x, uint32_t y, unsigned char yuv[3
                       : p->ycbcr_enc == V4L2_YCBCR_ENC_BT2020 ? 0.0593
                                                               : 0.114;
     const int full = p->quantization == V4L2_QUANTIZATION_FULL_RANGE;
+    const double one = 1u << (d->bits - 8), all = (1u << d->bits) - 1; /* one of 8 bits; the largest code */
     double rgb[3];
     for (uint32_t c = 0; c < 3; c++)
         rgb[c] = d->encoded[c][at(d, x, y, c)];
     const double luma = kr * rgb[0] + (1 - kr - kb) * rgb[1] + kb * rgb[2];
     const double cb = (rgb[2] - luma) / (2 * (1 - kb)), cr = (rgb[0] - luma) / (2 * (1 - kr));
-    yuv[0] = (unsigned char)(full ? 255 * luma + 0.5 : 16 + 219 * luma + 0.5);
-    yuv[1] = (unsigned char)fmin(255, 128 + (full ? 255 : 224) * cb + 0.5);
-    yuv[2] = (unsigned char)fmin(255, 128 + (full ? 255 : 224) * cr + 0.5);
+    yuv[0] = (uint32_t)(full ? all * luma + 0.5 : one * (16 + 219 * luma) + 0.5);
+    yuv[1] = (uint32_t)fmin(all, 128 * one + (full ? all : 224 * one) * cb + 0.5);
+    yuv[2] = (uint32_t)fmin(all, 128 * one + (full ? all : 224 * one) * cr + 0.5);
 }
 
-static void draw_yuv(const drawing *d, int is_yuyv)
+/* Y' in the first of each two bytes, or in the second one. */
+static void draw_packed_yuv(const drawing *d, uint32_t luma_at)
 {
     for (uint32_t y = d->first; y < d->end; y++) {
         unsigned char *row = row_of(d, y);
-        unsigned char *chroma = is_yuyv ? NULL : d->chroma + (size_t)(y / 2) * d->p->stride_bytes[1];
         for (uint32_t x = 0; x < d->p->width; x++) {
-            unsigned char yuv[3];
+            uint32_t yuv[3];
             to_yuv(d, x, y, yuv);
-            if (is_yuyv) {
-                row[2 * x] = yuv[0];
-                row[x / 2 * 4 + 1] = yuv[1];
-                row[x / 2 * 4 + 3] = yuv[2];
-                if (x % 2 == 0) /* of an odd width the last pixel is used for two */
-                    row[2 * x + 2] = yuv[0];
-            } else {
-                row[x] = yuv[0];
-                chroma[x / 2 * 2] = yuv[1];
-                chroma[x / 2 * 2 + 1] = yuv[2];
-            }
+            row[2 * x + luma_at] = (unsigned char)yuv[0];
+            row[x / 2 * 4 + 1 - luma_at] = (unsigned char)yuv[1];
+            row[x / 2 * 4 + 3 - luma_at] = (unsigned char)yuv[2];
+            if (x % 2 == 0) /* of an odd width the last pixel is used for two */
+                row[2 * x + 2 + luma_at] = (unsigned char)yuv[0];
         }
     }
 }
 
-static void draw_rgb(const drawing *d, uint32_t bytes)
+/* A sample in a byte, or in the upper bits of a word. */
+static void put(const drawing *d, unsigned char *row, uint32_t i, uint32_t code)
+{
+    const uint16_t word = (uint16_t)(code << (16 - d->bits));
+    if (d->bits == 8)
+        row[i] = (unsigned char)code;
+    else
+        memcpy(row + 2 * i, &word, 2);
+}
+
+static void draw_planes(const drawing *d, uint32_t pixel)
+{
+    const int planar = pupil_pixel_planes(pixel) == 3, turned = pixel == PUPIL_PIXEL_NV21;
+    for (uint32_t y = d->first; y < d->end; y++) {
+        const size_t chroma_row = (size_t)pupil_chroma_row_of(pixel, y);
+        unsigned char *chroma = d->chroma + chroma_row * d->p->stride_bytes[1];
+        unsigned char *cr = planar ? d->cr + chroma_row * d->p->stride_bytes[2] : chroma;
+        for (uint32_t x = 0; x < d->p->width; x++) {
+            uint32_t yuv[3];
+            to_yuv(d, x, y, yuv);
+            put(d, row_of(d, y), x, yuv[0]);
+            put(d, chroma, planar ? x / 2 : x / 2 * 2 + turned, yuv[1]);
+            put(d, cr, planar ? x / 2 : x / 2 * 2 + !turned, yuv[2]);
+        }
+    }
+}
+
+static void draw_rgb(const drawing *d, uint32_t bytes, uint32_t red)
 {
     for (uint32_t y = d->first; y < d->end; y++)
         for (uint32_t x = 0; x < d->p->width; x++) {
             unsigned char *pixel = row_of(d, y) + bytes * x;
             for (uint32_t c = 0; c < 3; c++)
-                pixel[c] = (unsigned char)d->code[c][at(d, x, y, c)];
+                pixel[red ? 2 - c : c] = (unsigned char)d->code[c][at(d, x, y, c)];
             if (bytes == 4)
                 pixel[3] = 255;
         }
@@ -187,39 +216,28 @@ static void draw_mosaic(drawing *d, uint32_t fourcc)
 
 static void draw_rows(drawing *d)
 {
-    const fake_v4l2_picture *picture = d->p;
-    switch (picture->fourcc) {
-    case V4L2_PIX_FMT_YUYV:
-    case V4L2_PIX_FMT_NV12:
-    case V4L2_PIX_FMT_NV12M:
-        make_codes(d, 8, picture->xfer_func);
-        draw_yuv(d, picture->fourcc == V4L2_PIX_FMT_YUYV);
-        break;
-    case V4L2_PIX_FMT_RGB24:
-    case v4l2_fourcc('A', 'B', '2', '4'):
+    const uint32_t pixel = pupil_v4l2_pixel_of(d->p->fourcc), bits = pupil_pixel_bits(pixel);
+    if (pupil_pixel_is_mosaic(pixel)) {
+        draw_mosaic(d, d->p->fourcc);
+    } else if (bits) {
+        make_codes(d, bits, d->p->xfer_func);
+        draw_samples(d, 0, pixel == PUPIL_PIXEL_GREY10P || pixel == PUPIL_PIXEL_GREY12P);
+    } else if (pupil_pixel_planes(pixel) > 1) {
+        make_codes(d, pixel == PUPIL_PIXEL_P010 ? 10 : 8, d->p->xfer_func);
+        draw_planes(d, pixel);
+    } else if (pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY) {
+        make_codes(d, 8, d->p->xfer_func);
+        draw_packed_yuv(d, pixel == PUPIL_PIXEL_UYVY);
+    } else {
         make_codes(d, 8, V4L2_XFER_FUNC_SRGB);
-        draw_rgb(d, picture->fourcc == V4L2_PIX_FMT_RGB24 ? 3 : 4);
-        break;
-    case V4L2_PIX_FMT_GREY:
-    case V4L2_PIX_FMT_Y10:
-    case V4L2_PIX_FMT_Y12:
-    case V4L2_PIX_FMT_Y16:
-        make_codes(d,
-                   picture->fourcc == V4L2_PIX_FMT_GREY  ? 8
-                   : picture->fourcc == V4L2_PIX_FMT_Y10 ? 10
-                   : picture->fourcc == V4L2_PIX_FMT_Y12 ? 12
-                                                         : 16,
-                   picture->xfer_func);
-        draw_samples(d, 0, 0);
-        break;
-    default:
-        draw_mosaic(d, picture->fourcc);
+        draw_rgb(d, (uint32_t)pupil_pixel_bytes(pixel),
+                 pixel == PUPIL_PIXEL_BGR8 || pixel == PUPIL_PIXEL_BGRX8 ? 2 : 0);
     }
 }
 
-void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma)
+void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma, void *cr)
 {
-    drawing d = {.p = picture, .end = picture->height, .lamp = 1.0, .data = data, .chroma = chroma};
+    drawing d = {.p = picture, .end = picture->height, .lamp = 1.0, .data = data, .chroma = chroma, .cr = cr};
     if (!(picture->lamp_hz > 0.0))
         draw_rows(&d);
     for (uint32_t y = 0; y < picture->height && picture->lamp_hz > 0.0; y++) {

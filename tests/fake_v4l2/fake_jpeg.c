@@ -23,7 +23,7 @@ static int fill(const fake_v4l2_picture *picture, AVFrame *frame)
         free(yuyv);
         return -1;
     }
-    fake_v4l2_draw(&p, yuyv, NULL);
+    fake_v4l2_draw(&p, yuyv, NULL, NULL);
     for (uint32_t y = 0; y < p.height; y++)
         for (uint32_t x = 0; x < p.width; x++) {
             const unsigned char *from = yuyv + (size_t)y * p.stride_bytes[0] + x / 2 * 4;

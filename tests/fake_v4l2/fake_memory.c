@@ -58,7 +58,7 @@ int fake_heap_ioctl(fake_v4l2 *f, int kind, unsigned long request, void *argumen
 static int arrive(const fake_v4l2 *f, int fd)
 {
     for (uint32_t i = 0; i < f->buffers; i++)
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < PUPIL_V4L2_MOST_AREAS; k++) {
             const fake_buffer *b = &f->buffer[i];
             if (f->memory == V4L2_MEMORY_DMABUF && b->dmabuf[k] == fd && b->memory[k] &&
                 pwrite(fd, b->memory[k], b->bytes[k], 0) != (ssize_t)b->bytes[k])
@@ -97,7 +97,7 @@ int fake_import(fake_v4l2 *f, fake_buffer *own, uint32_t area, int fd, uint32_t 
 
 void fake_note_map(fake_v4l2 *f, void *memory)
 {
-    for (int i = 0; f->config.slow && !f->cached && i < FAKE_MOST_BUFFERS * 2; i++)
+    for (int i = 0; f->config.slow && !f->cached && i < FAKE_MOST_BUFFERS * PUPIL_V4L2_MOST_AREAS; i++)
         if (!f->slow[i]) {
             f->slow[i] = memory;
             return;
@@ -106,7 +106,7 @@ void fake_note_map(fake_v4l2 *f, void *memory)
 
 void fake_forget_map(fake_v4l2 *f, const void *memory)
 {
-    for (int i = 0; i < FAKE_MOST_BUFFERS * 2; i++)
+    for (int i = 0; i < FAKE_MOST_BUFFERS * PUPIL_V4L2_MOST_AREAS; i++)
         f->slow[i] = f->slow[i] == memory ? NULL : f->slow[i];
 }
 
@@ -115,7 +115,7 @@ int64_t fake_read_ns(void *context, const void *memory, size_t bytes)
     fake_v4l2 *f = context;
     int slow = 0;
     pthread_mutex_lock(&f->lock);
-    for (int i = 0; i < FAKE_MOST_BUFFERS * 2; i++)
+    for (int i = 0; i < FAKE_MOST_BUFFERS * PUPIL_V4L2_MOST_AREAS; i++)
         slow |= f->slow[i] && f->slow[i] == memory;
     pthread_mutex_unlock(&f->lock);
     return (int64_t)bytes / 8 * (slow ? SLOW_TIMES : 1); /* 8 GB/s */

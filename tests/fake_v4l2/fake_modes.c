@@ -11,17 +11,20 @@
 #define FOUR(a, b, c, d) v4l2_fourcc(a, b, c, d)
 
 static const uint32_t formats[] = {
-    V4L2_PIX_FMT_MJPEG,       V4L2_PIX_FMT_YUYV,        V4L2_PIX_FMT_NV12,        V4L2_PIX_FMT_GREY,
-    V4L2_PIX_FMT_Y10,         V4L2_PIX_FMT_Y12,         V4L2_PIX_FMT_Y16,         V4L2_PIX_FMT_RGB24,
-    FOUR('A', 'B', '2', '4'), V4L2_PIX_FMT_SRGGB8,      V4L2_PIX_FMT_SGRBG8,      V4L2_PIX_FMT_SGBRG8,
-    V4L2_PIX_FMT_SBGGR8,      V4L2_PIX_FMT_SRGGB10,     V4L2_PIX_FMT_SGRBG10,     V4L2_PIX_FMT_SGBRG10,
-    V4L2_PIX_FMT_SBGGR10,     V4L2_PIX_FMT_SRGGB12,     V4L2_PIX_FMT_SGRBG12,     V4L2_PIX_FMT_SGBRG12,
-    V4L2_PIX_FMT_SBGGR12,     FOUR('R', 'G', '1', '4'), FOUR('G', 'R', '1', '4'), FOUR('G', 'B', '1', '4'),
-    FOUR('B', 'G', '1', '4'), V4L2_PIX_FMT_SRGGB16,     V4L2_PIX_FMT_SGRBG16,     V4L2_PIX_FMT_SGBRG16,
-    V4L2_PIX_FMT_SBGGR16,     V4L2_PIX_FMT_SRGGB10P,    V4L2_PIX_FMT_SGRBG10P,    V4L2_PIX_FMT_SGBRG10P,
-    V4L2_PIX_FMT_SBGGR10P,    FOUR('p', 'R', 'C', 'C'), FOUR('p', 'g', 'C', 'C'), FOUR('p', 'G', 'C', 'C'),
-    FOUR('p', 'B', 'C', 'C'), V4L2_PIX_FMT_NV12M, /* the last one: multi-planar only */
-};
+    V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_Y12,
+    V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_RGB24, FOUR('A', 'B', '2', '4'), V4L2_PIX_FMT_SRGGB8, V4L2_PIX_FMT_SGRBG8,
+    V4L2_PIX_FMT_SGBRG8, V4L2_PIX_FMT_SBGGR8, V4L2_PIX_FMT_SRGGB10, V4L2_PIX_FMT_SGRBG10, V4L2_PIX_FMT_SGBRG10,
+    V4L2_PIX_FMT_SBGGR10, V4L2_PIX_FMT_SRGGB12, V4L2_PIX_FMT_SGRBG12, V4L2_PIX_FMT_SGBRG12, V4L2_PIX_FMT_SBGGR12,
+    FOUR('R', 'G', '1', '4'), FOUR('G', 'R', '1', '4'), FOUR('G', 'B', '1', '4'), FOUR('B', 'G', '1', '4'),
+    V4L2_PIX_FMT_SRGGB16, V4L2_PIX_FMT_SGRBG16, V4L2_PIX_FMT_SGBRG16, V4L2_PIX_FMT_SBGGR16, V4L2_PIX_FMT_SRGGB10P,
+    V4L2_PIX_FMT_SGRBG10P, V4L2_PIX_FMT_SGBRG10P, V4L2_PIX_FMT_SBGGR10P, FOUR('p', 'R', 'C', 'C'),
+    FOUR('p', 'g', 'C', 'C'), FOUR('p', 'G', 'C', 'C'), FOUR('p', 'B', 'C', 'C'), FOUR('Y', '1', '0', 'P'),
+    FOUR('Y', '1', '2', 'P'), V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_NV21, V4L2_PIX_FMT_NV16, V4L2_PIX_FMT_YUV420,
+    V4L2_PIX_FMT_YVU420, FOUR('P', '0', '1', '0'), V4L2_PIX_FMT_BGR24, FOUR('X', 'B', '2', '4'), V4L2_PIX_FMT_XBGR32,
+    V4L2_PIX_FMT_ABGR32,
+    /* multi-planar only, from here on */
+    V4L2_PIX_FMT_NV12M, V4L2_PIX_FMT_NV21M, V4L2_PIX_FMT_NV16M, V4L2_PIX_FMT_YUV420M, V4L2_PIX_FMT_YVU420M};
+#define MULTI_ONLY 5
 
 static const struct {
     uint32_t width, height;
@@ -31,7 +34,7 @@ static const double slower[] = {1.0, 0.5, 1.0 / 6.0}; /* of config.fps */
 
 static uint32_t format_count(const fake_v4l2 *f)
 {
-    return f->config.only_format ? 1 : sizeof formats / sizeof formats[0] - !f->config.multiplanar;
+    return f->config.only_format ? 1 : sizeof formats / sizeof formats[0] - (f->config.multiplanar ? 0 : MULTI_ONLY);
 }
 
 static uint32_t format_at(const fake_v4l2 *f, uint32_t index)
@@ -120,29 +123,36 @@ double fake_rate(const fake_v4l2 *f)
 
 uint32_t fake_areas(const fake_v4l2 *f)
 {
-    return f->fourcc == V4L2_PIX_FMT_NV12M ? 2 : 1;
+    const uint32_t count = sizeof formats / sizeof formats[0];
+    for (uint32_t i = count - MULTI_ONLY; i < count; i++)
+        if (formats[i] == f->fourcc)
+            return pupil_pixel_planes(pupil_v4l2_pixel_of(f->fourcc));
+    return 1;
 }
 
-void fake_layout(const fake_v4l2 *f, uint32_t stride[2], uint32_t size[2])
+void fake_layout(const fake_v4l2 *f, uint32_t stride[PUPIL_V4L2_MOST_AREAS], uint32_t size[PUPIL_V4L2_MOST_AREAS])
 {
     const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), extra = (uint32_t)f->config.extra_bytes;
-    const uint32_t chroma_rows = (f->height + 1) / 2;
-    const int nv12 = pixel == PUPIL_PIXEL_NV12;
-    stride[0] = (uint32_t)pupil_row_bytes(pixel, f->width) + extra;
-    stride[1] = nv12 ? fake_areas(f) == 2 ? f->width + f->width % 2 + extra : stride[0] : 0;
-    size[0] = stride[0] * f->height + (nv12 && fake_areas(f) == 1 ? stride[1] * chroma_rows : 0);
-    size[1] = fake_areas(f) == 2 ? stride[1] * chroma_rows : 0;
+    const uint32_t planes = pupil_pixel_planes(pixel), areas = fake_areas(f);
+    for (uint32_t i = 0; i < PUPIL_V4L2_MOST_AREAS; i++)
+        stride[i] = size[i] = 0;
+    for (uint32_t i = 0; i < planes; i++) {
+        const uint32_t row = (uint32_t)(i ? pupil_chroma_row_bytes(pixel, f->width) : pupil_row_bytes(pixel, f->width));
+        const uint32_t rows = i ? pupil_chroma_rows(pixel, f->height) : f->height;
+        stride[i] = i && areas == 1 ? stride[0] / (planes == 3 ? 2 : 1) : row + extra;
+        size[areas > 1 ? i : 0] += stride[i] * rows;
+    }
     if (f->fourcc == V4L2_PIX_FMT_MJPEG) { /* noise can be larger than it was */
         stride[0] = 0;
         size[0] = 4096 + f->width * f->height * 4;
     }
-    for (int i = 0; i < 2; i++)
+    for (uint32_t i = 0; i < PUPIL_V4L2_MOST_AREAS; i++)
         size[i] += size[i] ? (uint32_t)f->config.data_offset : 0;
 }
 
 static void describe_multi(const fake_v4l2 *f, struct v4l2_pix_format_mplane *p)
 {
-    uint32_t stride[2], size[2];
+    uint32_t stride[PUPIL_V4L2_MOST_AREAS], size[PUPIL_V4L2_MOST_AREAS];
     fake_layout(f, stride, size);
     memset(p, 0, sizeof *p);
     p->width = f->width;
@@ -162,7 +172,7 @@ static void describe_multi(const fake_v4l2 *f, struct v4l2_pix_format_mplane *p)
 
 static void describe_single(const fake_v4l2 *f, struct v4l2_pix_format *p)
 {
-    uint32_t stride[2], size[2];
+    uint32_t stride[PUPIL_V4L2_MOST_AREAS], size[PUPIL_V4L2_MOST_AREAS];
     fake_layout(f, stride, size);
     *p = (struct v4l2_pix_format){.width = f->width,
                                   .height = f->height,

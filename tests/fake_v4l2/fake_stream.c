@@ -36,9 +36,9 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence, int64_t end_ns
     const double gain = f->config.coarse_gain ? exp2(floor(log2(asked))) : asked;
     const uint32_t pixel = pupil_v4l2_pixel_of(f->fourcc), colorspace = f->config.colorspace;
     const int jpeg = f->fourcc == V4L2_PIX_FMT_MJPEG;
-    const int yuv = jpeg || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_NV12;
+    const int yuv = jpeg || pupil_pixel_planes(pixel) > 1 || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
     const uint32_t offset = (uint32_t)f->config.data_offset;
-    uint32_t size[2];
+    uint32_t size[PUPIL_V4L2_MOST_AREAS];
     fake_v4l2_picture p = {.seed = f->config.seed,
                            .sequence = sequence,
                            .fourcc = f->fourcc,
@@ -72,12 +72,17 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence, int64_t end_ns
     unsigned char *data = (unsigned char *)b->memory[0] + offset;
     if (jpeg)
         size[0] = offset + fake_jpeg(&p, data, size[0] - offset);
-    else
-        fake_v4l2_draw(&p, data,
-                       fake_areas(f) == 2 ? (unsigned char *)b->memory[1] + offset
-                                          : data + (size_t)p.stride_bytes[0] * f->height);
-    b->used[0] = size[0];
-    b->used[1] = size[1];
+    else {
+        const uint32_t rows = pupil_chroma_rows(pupil_v4l2_pixel_of(f->fourcc), f->height), areas = fake_areas(f);
+        unsigned char *second =
+            areas > 1 ? (unsigned char *)b->memory[1] + offset : data + (size_t)p.stride_bytes[0] * f->height;
+        unsigned char *third =
+            areas > 2 ? (unsigned char *)b->memory[2] + offset : second + (size_t)p.stride_bytes[1] * rows;
+        const int cr_first = f->fourcc == V4L2_PIX_FMT_YVU420 || f->fourcc == V4L2_PIX_FMT_YVU420M;
+        fake_v4l2_draw(&p, data, cr_first ? third : second, cr_first ? second : third);
+    }
+    for (int k = 0; k < PUPIL_V4L2_MOST_AREAS; k++)
+        b->used[k] = size[k];
 }
 
 /* A frame goes into the buffer that waits longest. */
@@ -161,7 +166,7 @@ void fake_free_buffers(fake_v4l2 *f)
 {
     stop(f);
     for (uint32_t i = 0; i < f->buffers; i++)
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < PUPIL_V4L2_MOST_AREAS; k++) {
             fake_buffer *b = &f->buffer[i];
             if (f->memory == V4L2_MEMORY_MMAP && b->memory[k])
                 munmap(b->memory[k], b->bytes[k]);
@@ -177,7 +182,7 @@ void fake_free_buffers(fake_v4l2 *f)
 
 static int make_buffer(fake_v4l2 *f, fake_buffer *b)
 {
-    uint32_t stride[2], size[2];
+    uint32_t stride[PUPIL_V4L2_MOST_AREAS], size[PUPIL_V4L2_MOST_AREAS];
     fake_layout(f, stride, size);
     *b = (fake_buffer){0};
     for (uint32_t k = 0; k < fake_areas(f); k++) {
@@ -222,7 +227,7 @@ static int query_buffer(const fake_v4l2 *f, struct v4l2_buffer *b)
 {
     if (b->type != f->type || b->index >= f->buffers)
         return fake_fail(EINVAL);
-    const uint32_t first = b->index * 2;
+    const uint32_t first = b->index * PUPIL_V4L2_MOST_AREAS;
     if (f->type == V4L2_BUF_TYPE_VIDEO_CAPTURE) {
         b->length = f->buffer[b->index].bytes[0];
         b->m.offset = first << 16;
@@ -240,7 +245,7 @@ static int query_buffer(const fake_v4l2 *f, struct v4l2_buffer *b)
 
 static int queue_buffer(fake_v4l2 *f, const struct v4l2_buffer *b)
 {
-    uint32_t stride[2], size[2];
+    uint32_t stride[PUPIL_V4L2_MOST_AREAS], size[PUPIL_V4L2_MOST_AREAS];
     const int multi = f->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
     if (b->type != f->type || b->memory != f->memory || b->index >= f->buffers || f->buffer[b->index].queued ||
         f->buffer[b->index].done || (multi && b->length < fake_areas(f)))

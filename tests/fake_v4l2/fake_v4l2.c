@@ -175,7 +175,8 @@ static void *fake_mmap(void *context, size_t bytes, int fd, off_t offset)
 {
     fake_v4l2 *f = context;
     pthread_mutex_lock(&f->lock);
-    const uint32_t index = (uint32_t)(offset >> 16) / 2, area = (uint32_t)(offset >> 16) % 2;
+    const uint32_t index = (uint32_t)(offset >> 16) / PUPIL_V4L2_MOST_AREAS;
+    const uint32_t area = (uint32_t)(offset >> 16) % PUPIL_V4L2_MOST_AREAS;
     void *memory = NULL;
     errno = EINVAL;
     if (fd == f->owner && index < f->buffers && area < fake_areas(f) && bytes <= f->buffer[index].bytes[area]) {

@@ -116,7 +116,7 @@ typedef struct fake_v4l2_picture {
     uint64_t seed;
     uint32_t sequence;
     uint32_t fourcc, width, height;
-    uint32_t stride_bytes[2];                    /* of the rows, and of NV12's chroma */
+    uint32_t stride_bytes[3];                    /* of the rows, of Cb (and Cr), and of Cr alone */
     uint32_t ycbcr_enc, quantization, xfer_func; /* without DEFAULT */
     double scale;                                /* light * exposure / 10 ms * gain */
     double black;                                /* the configuration's; the next ones, too */
@@ -130,8 +130,8 @@ typedef struct fake_v4l2_picture {
 double fake_v4l2_lamp(const fake_v4l2_picture *picture, uint32_t y);
 
 uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel);
-/* chroma: NV12's second plane, wherever it is. */
-void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma);
+/* chroma: the plane of Cb, or of both, and cr: of Cr, wherever they are. */
+void fake_v4l2_draw(const fake_v4l2_picture *picture, void *data, void *chroma, void *cr);
 
 /* --- faults --- */
 /* A system whose n-th call fails, on top of another one. Closing and unmapping are done all the same. */

@@ -6,6 +6,7 @@
 #include <pthread.h>
 
 #include "fake_v4l2.h"
+#include "v4l2/format.h"
 
 #define FAKE_MOST_FILES   96
 #define FAKE_MOST_BUFFERS 32
@@ -33,12 +34,13 @@ typedef struct fake_file {
 } fake_file;
 
 typedef struct fake_buffer {
-    int memfd[2];
-    void *memory[2]; /* the fake's own mapping, or the user's memory, or what a dma-buf will have once it is synced */
-    int dmabuf[2];
-    uint32_t bytes[2];
+    int memfd[PUPIL_V4L2_MOST_AREAS];
+    void *memory[PUPIL_V4L2_MOST_AREAS]; /* the fake's own mapping, or the user's memory, or what a dma-buf will have
+                                            once it is synced */
+    int dmabuf[PUPIL_V4L2_MOST_AREAS];
+    uint32_t bytes[PUPIL_V4L2_MOST_AREAS];
     int queued, done;
-    uint32_t sequence, flags, used[2];
+    uint32_t sequence, flags, used[PUPIL_V4L2_MOST_AREAS];
     int64_t stamp_ns;
 } fake_buffer;
 
@@ -85,8 +87,8 @@ struct fake_v4l2 {
     uint32_t type;
     fake_buffer buffer[FAKE_MOST_BUFFERS];
     uint32_t buffers, memory;
-    int cached;                        /* they were allocated as NON_COHERENT */
-    void *slow[FAKE_MOST_BUFFERS * 2]; /* maps that are read slowly */
+    int cached;                                            /* they were allocated as NON_COHERENT */
+    void *slow[FAKE_MOST_BUFFERS * PUPIL_V4L2_MOST_AREAS]; /* maps that are read slowly */
     int unsynced;
     int owner;                                      /* the fd that has the buffers; -1 */
     uint32_t order[FAKE_MOST_BUFFERS], waiting;     /* queued, the first to be filled first */
@@ -112,7 +114,8 @@ int fake_enum_intervals(const fake_v4l2 *f, struct v4l2_frmivalenum *i);
 int fake_format(fake_v4l2 *f, struct v4l2_format *format, int set);
 int fake_parm(fake_v4l2 *f, struct v4l2_streamparm *p, int set);
 uint32_t fake_areas(const fake_v4l2 *f);
-void fake_layout(const fake_v4l2 *f, uint32_t stride[2], uint32_t size[2]);
+/* Strides of planes, sizes of areas. */
+void fake_layout(const fake_v4l2 *f, uint32_t stride[PUPIL_V4L2_MOST_AREAS], uint32_t size[PUPIL_V4L2_MOST_AREAS]);
 double fake_rate(const fake_v4l2 *f);
 
 /* fake_stream.c */

@@ -26,17 +26,17 @@ static const uint32_t memory_asked[] = {PUPIL_V4L2_MEMORY_MMAP, PUPIL_V4L2_MEMOR
                                         PUPIL_V4L2_MEMORY_DMABUF};
 static const uint32_t memory_used[] = {V4L2_MEMORY_MMAP, V4L2_MEMORY_MMAP, V4L2_MEMORY_USERPTR, V4L2_MEMORY_DMABUF};
 
-/* Memory of another device (vgem) for frames: of two areas at most, each large enough for every size here. */
+/* Memory of another device (vgem) for frames: of three areas at most, each large enough for every size here. */
 #define IMPORTED       3u
 #define IMPORTED_BYTES (1024u * 1024 * 2)
-static int imported[2 * IMPORTED];
+static int imported[PUPIL_V4L2_MOST_AREAS * IMPORTED];
 
 static void make_imported(void)
 {
-    static vgem_buffer buffer[2 * IMPORTED];
+    static vgem_buffer buffer[PUPIL_V4L2_MOST_AREAS * IMPORTED];
     const int vgem = vgem_open();
     CHECK(vgem >= 0);
-    for (uint32_t i = 0; i < 2 * IMPORTED; i++) {
+    for (uint32_t i = 0; i < PUPIL_V4L2_MOST_AREAS * IMPORTED; i++) {
         CHECK(vgem >= 0 && vgem_make(vgem, IMPORTED_BYTES, &buffer[i]) == 0);
         imported[i] = buffer[i].fd;
     }
@@ -176,12 +176,16 @@ int main(int argc, char **argv)
     if (!smoke) {
         CHECK(node_find("vivid", 0, 1, path[1]) == 0 && node_find("vivid", 1, 0, monitor) == 0);
         const int fd = node_open(path[1]);
-        const pupil_v4l2_options vga = {
-            .fourcc = V4L2_PIX_FMT_NV12M, .width = 640, .height = 480, .buffers = 2, .timeout_s = 20};
+        static const uint32_t in_areas[] = {V4L2_PIX_FMT_NV12M, V4L2_PIX_FMT_NV21M, V4L2_PIX_FMT_NV16M,
+                                            V4L2_PIX_FMT_YUV420M, V4L2_PIX_FMT_YVU420M};
+        pupil_v4l2_options vga = {.width = 640, .height = 480, .buffers = 2, .timeout_s = 20};
         CHECK(fd >= 0 && node_set(fd, "OSD Text Mode", 2) == 0 && node_input(fd, 3) == 0 &&
               node_timings(fd, 640, 480, 60) == 0);
-        for (memory_mode mode = MEMORY_MMAP; mode < MEMORY_MODES; mode++)
-            check_format(path[1], fd, &vga, mode, "HDMI, multi-planar");
+        for (size_t i = 0; i < sizeof in_areas / sizeof in_areas[0]; i++)
+            for (memory_mode mode = MEMORY_MMAP; mode < MEMORY_MODES; mode++) {
+                vga.fourcc = in_areas[i];
+                check_format(path[1], fd, &vga, mode, "HDMI, multi-planar");
+            }
         close(fd);
         check_loop(path[0], monitor);
     }

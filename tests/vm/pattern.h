@@ -49,19 +49,16 @@ static int pattern_yuv(const pupil_v4l2_format *f, int pattern, uint32_t x, uint
     return (int)floor(128 + (limited ? 224 : 255) * off * 255 / 256 + 1e-9);
 }
 
-static uint32_t pattern_bits(uint32_t pixel)
+static int pattern_is_yuv(uint32_t pixel)
 {
-    static const uint32_t bits[PUPIL_PIXEL_COUNT] = {
-        [PUPIL_PIXEL_GREY8] = 8,  [PUPIL_PIXEL_GREY10] = 10,  [PUPIL_PIXEL_GREY12] = 12,  [PUPIL_PIXEL_GREY16] = 16,
-        [PUPIL_PIXEL_BAYER8] = 8, [PUPIL_PIXEL_BAYER10] = 10, [PUPIL_PIXEL_BAYER12] = 12, [PUPIL_PIXEL_BAYER16] = 16};
-    return bits[pixel];
+    return pupil_pixel_planes(pixel) > 1 || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
 }
 
 /* Of a format with one sample a pixel. */
 static int pattern_mono(const pupil_v4l2_format *f, int pattern, uint32_t x, uint32_t y)
 {
-    const uint32_t bits = pattern_bits(f->pixel);
-    if (f->pixel < PUPIL_PIXEL_BAYER8)
+    const uint32_t bits = pupil_pixel_bits(f->pixel);
+    if (!pupil_pixel_is_mosaic(f->pixel))
         return (int)(pattern_luma(pattern, x, y, 1) * 255 * 255 / 256) << (bits - 8);
     const uint32_t red_x = f->coding.bayer == PUPIL_BAYER_GRBG || f->coding.bayer == PUPIL_BAYER_BGGR;
     const uint32_t red_y = f->coding.bayer == PUPIL_BAYER_GBRG || f->coding.bayer == PUPIL_BAYER_BGGR;
@@ -69,50 +66,68 @@ static int pattern_mono(const pupil_v4l2_format *f, int pattern, uint32_t x, uin
     return pattern_at(pattern, x, y, channel) * ((1 << bits) - 1);
 }
 
-/* Sample i of a row, as it is in memory; of NV12, Y' and Cb Cr by turns. */
-static int pattern_sample(const pupil_v4l2_format *f, int pattern, uint32_t i, uint32_t y)
+/* Sample i of a row of 8-bit RGB; -1: alpha, which is vivid's own affair. */
+static int pattern_rgb(const pupil_v4l2_format *f, int pattern, uint32_t i, uint32_t y)
 {
-    switch (f->pixel) {
-    case PUPIL_PIXEL_YUYV:
-        return i % 2 ? pattern_yuv(f, pattern, i / 4 * 2, y, i % 4 == 1 ? 1 : 2) : pattern_yuv(f, pattern, i / 2, y, 0);
-    case PUPIL_PIXEL_NV12:
-        return i % 2 ? pattern_yuv(f, pattern, i / 4 * 2, y, i % 4 == 1 ? 1 : 2) : pattern_yuv(f, pattern, i / 2, y, 0);
-    case PUPIL_PIXEL_RGB8:
-        return 255 * pattern_at(pattern, i / 3, y, i % 3);
-    case PUPIL_PIXEL_RGBA8: /* alpha is vivid's own affair */
-        return i % 4 == 3 ? -1 : 255 * pattern_at(pattern, i / 4, y, i % 4);
-    default:
-        return pattern_mono(f, pattern, i, y);
-    }
+    const uint32_t bytes = (uint32_t)pupil_pixel_bytes(f->pixel), channel = i % bytes;
+    const int blue_first = f->pixel == PUPIL_PIXEL_BGR8 || f->pixel == PUPIL_PIXEL_BGRX8;
+    return channel == 3 ? -1 : 255 * pattern_at(pattern, i / bytes, y, blue_first ? 2 - channel : channel);
 }
 
-/* How far the farthest sample of a frame is from the pattern's, in codes of 8 bits. Rows repeat after 32;
- * from first_row on. */
-static double pattern_off(const pupil_image_const *image, const pupil_v4l2_format *f, int pattern, uint32_t first_row)
+/* Sample i of a row of a plane (0 data, 1 chroma, 2 cr), as it is in memory; y is the row of the picture. */
+static int pattern_sample(const pupil_v4l2_format *f, int pattern, uint32_t plane, uint32_t i, uint32_t y)
+{
+    const uint32_t luma_at = f->pixel == PUPIL_PIXEL_UYVY, turned = f->pixel == PUPIL_PIXEL_NV21;
+    if (!pattern_is_yuv(f->pixel))
+        return pupil_pixel_bits(f->pixel) ? pattern_mono(f, pattern, i, y) : pattern_rgb(f, pattern, i, y);
+    if (pupil_pixel_planes(f->pixel) == 1) {
+        const int what = i % 2 == luma_at ? 0 : i % 4 < 2 ? 1 : 2;
+        return pattern_yuv(f, pattern, what ? i / 4 * 2 : i / 2, y, what);
+    }
+    if (plane == 0)
+        return pattern_yuv(f, pattern, i, y, 0);
+    if (pupil_pixel_planes(f->pixel) == 3)
+        return pattern_yuv(f, pattern, 2 * i, y, (int)plane);
+    return pattern_yuv(f, pattern, i / 2 * 2, y, i % 2 == turned ? 1 : 2);
+}
+
+/* How far the farthest sample of a plane is from the pattern's; rows of the picture repeat after 32. */
+static int pattern_plane_off(const pupil_image_const *image, const pupil_v4l2_format *f, int pattern,
+                             uint32_t first_row, uint32_t plane)
 {
     static int expected[32][PUPIL_MAX_SIDE_PX * 4];
-    const int nv12 = f->pixel == PUPIL_PIXEL_NV12, yuyv = f->pixel == PUPIL_PIXEL_YUYV;
-    const uint32_t samples = image->width * (nv12 || yuyv                    ? 2
-                                             : f->pixel == PUPIL_PIXEL_RGB8  ? 3
-                                             : f->pixel == PUPIL_PIXEL_RGBA8 ? 4
-                                                                             : 1);
-    const uint32_t bits = pattern_bits(f->pixel);
+    const uint32_t is_word = pupil_pixel_bits(f->pixel) > 8;
+    const size_t row_bytes =
+        plane ? pupil_chroma_row_bytes(f->pixel, image->width) : pupil_row_bytes(f->pixel, image->width);
+    const uint32_t samples = (uint32_t)row_bytes >> is_word;
+    const unsigned char *data = plane == 0 ? image->data : plane == 1 ? image->chroma : image->cr;
+    const ptrdiff_t stride = plane == 0   ? image->stride_bytes
+                             : plane == 1 ? image->chroma_stride_bytes
+                                          : image->cr_stride_bytes;
     int most = 0;
     for (uint32_t y = 0; y < 32; y++)
         for (uint32_t i = 0; i < samples; i++)
-            expected[y][i] =
-                y < 2 || y % 16 == 0 || y == 17 ? pattern_sample(f, pattern, i, y) : expected[y / 16 * 16 + y % 2][i];
+            expected[y][i] = y < 2 || y % 16 == 0 || y == 17 ? pattern_sample(f, pattern, plane, i, y)
+                                                             : expected[y / 16 * 16 + y % 2][i];
     for (uint32_t y = first_row; y < image->height; y++) {
-        const unsigned char *row = (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes;
-        const unsigned char *chroma =
-            nv12 ? (const unsigned char *)image->chroma + (ptrdiff_t)(y / 2) * image->chroma_stride_bytes : row;
+        const unsigned char *row = data + (plane ? pupil_chroma_row_of(f->pixel, y) : (ptrdiff_t)y) * stride;
         for (uint32_t i = 0; i < samples; i++) {
-            const int code = bits > 8 ? row[2 * i] | row[2 * i + 1] << 8
-                             : nv12   ? i % 2 ? chroma[i / 2] : row[i / 2]
-                                      : row[i];
+            const int code = is_word ? row[2 * i] | row[2 * i + 1] << 8 : row[i];
             const int want = expected[y % 32][i], off = abs(code - want);
             most = want >= 0 && off > most ? off : most;
         }
+    }
+    return most;
+}
+
+/* The farthest sample of a frame, in codes of 8 bits; from first_row on. */
+static double pattern_off(const pupil_image_const *image, const pupil_v4l2_format *f, int pattern, uint32_t first_row)
+{
+    const uint32_t bits = pupil_pixel_bits(f->pixel);
+    int most = 0;
+    for (uint32_t plane = 0; plane < pupil_pixel_planes(f->pixel); plane++) {
+        const int off = pattern_plane_off(image, f, pattern, first_row, plane);
+        most = off > most ? off : most;
     }
     return (double)most / (1u << (bits > 8 ? bits - 8 : 0));
 }
@@ -120,9 +135,8 @@ static double pattern_off(const pupil_image_const *image, const pupil_v4l2_forma
 /* Black and white are exact; so is what comes from no matrix. Its factors are vivid's own integers. */
 static double pattern_tolerance(const pupil_v4l2_format *f, int pattern)
 {
-    const int exact = pattern == PATTERN_CHECKERS || f->pixel == PUPIL_PIXEL_RGB8 || f->pixel == PUPIL_PIXEL_RGBA8 ||
-                      f->pixel >= PUPIL_PIXEL_BAYER8;
-    return exact ? 0.0 : 1.0;
+    const int grey = pupil_pixel_bits(f->pixel) && !pupil_pixel_is_mosaic(f->pixel);
+    return pattern != PATTERN_CHECKERS && (grey || pattern_is_yuv(f->pixel)) ? 1.0 : 0.0;
 }
 
 #endif

@@ -283,7 +283,7 @@ int pupil_v4l2_buffers_make(pupil_v4l2_capture *c, pupil_why *why)
 
 int pupil_v4l2_buffer_queue(pupil_v4l2_capture *c, uint32_t index)
 {
-    struct v4l2_plane planes[2] = {{0}};
+    struct v4l2_plane planes[PUPIL_V4L2_MOST_AREAS] = {{0}};
     struct v4l2_buffer b = {.type = c->device.type, .memory = c->memory, .index = index};
     pupil_v4l2_buffer *buffer = &c->buffer[index];
     const int own = c->memory == V4L2_MEMORY_USERPTR, dmabuf = c->memory == V4L2_MEMORY_DMABUF;
@@ -326,7 +326,7 @@ int pupil_v4l2_buffer_read(pupil_v4l2_capture *c, uint32_t index)
 void pupil_v4l2_buffer_unread(pupil_v4l2_capture *c, uint32_t index)
 {
     pupil_v4l2_buffer *b = &c->buffer[index];
-    for (uint32_t k = 0; k < 2; k++)
+    for (uint32_t k = 0; k < PUPIL_V4L2_MOST_AREAS; k++)
         if (b->read >> k & 1)
             pupil_v4l2_sync(c->device.system, b->dmabuf[k], 0); /* only writing could be lost by it */
     b->read = 0;
@@ -338,7 +338,7 @@ void pupil_v4l2_buffers_free(pupil_v4l2_capture *c)
     for (uint32_t i = 0; i < PUPIL_V4L2_MOST_BUFFERS; i++) {
         pupil_v4l2_buffer *b = &c->buffer[i];
         pupil_v4l2_buffer_unread(c, i);
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < PUPIL_V4L2_MOST_AREAS; k++)
             if (b->memory[k] && c->memory != V4L2_MEMORY_USERPTR)
                 system->munmap(system->context, b->memory[k], b->bytes[k]);
     }
@@ -347,14 +347,14 @@ void pupil_v4l2_buffers_free(pupil_v4l2_capture *c)
         pupil_v4l2_ask(&c->device, VIDIOC_REQBUFS, &none);   /* closing does it too, where this fails */
     for (uint32_t i = 0; i < PUPIL_V4L2_MOST_BUFFERS; i++) { /* after the driver has let go of it */
         pupil_v4l2_buffer *b = &c->buffer[i];
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < PUPIL_V4L2_MOST_AREAS; k++) {
             if (b->dmabuf[k] >= 0 && c->reading != PUPIL_V4L2_READS_CALLERS)
                 system->close(system->context, b->dmabuf[k]);
             if (c->memory == V4L2_MEMORY_USERPTR)
                 free(b->memory[k]);
             free(b->copy[k]);
         }
-        *b = (pupil_v4l2_buffer){.dmabuf = {-1, -1}};
+        *b = (pupil_v4l2_buffer){.dmabuf = {-1, -1, -1}};
     }
     c->buffers = 0;
     c->reading = PUPIL_V4L2_READS_MAPPED;

@@ -71,7 +71,8 @@ int pupil_v4l2_capture_open(pupil_v4l2_capture *c, const char *which, const pupi
     memset(c, 0, sizeof *c);
     c->options = *options;
     for (int i = 0; i < PUPIL_V4L2_MOST_BUFFERS; i++)
-        c->buffer[i].dmabuf[0] = c->buffer[i].dmabuf[1] = -1;
+        for (int k = 0; k < PUPIL_V4L2_MOST_AREAS; k++)
+            c->buffer[i].dmabuf[k] = -1;
     if (pupil_v4l2_device_open(&c->device, options->system, which, why))
         return PUPIL_V4L2_FAILED;
     int error = pupil_v4l2_negotiate(c, why);
@@ -181,14 +182,20 @@ static uint32_t count_lost(pupil_v4l2_capture *c, uint32_t sequence)
     return lost;
 }
 
+static const void *plane_at(const pupil_v4l2_capture *c, const pupil_v4l2_frame *frame, uint32_t plane)
+{
+    const pupil_v4l2_buffer *buffer = &c->buffer[frame->index];
+    const uint32_t area = c->format.buffers > 1 ? plane : 0;
+    const unsigned char *memory = buffer->copy[area] ? buffer->copy[area] : buffer->memory[area];
+    return memory + frame->offset_bytes[area] + c->format.plane_bytes[plane];
+}
+
 static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *frame)
 {
     const pupil_v4l2_format *f = &c->format;
-    const pupil_v4l2_buffer *buffer = &c->buffer[d->b.index];
-    const unsigned char *const area[2] = {buffer->copy[0] ? buffer->copy[0] : buffer->memory[0],
-                                          buffer->copy[1] ? buffer->copy[1] : buffer->memory[1]};
-    const unsigned char *data = area[0] + frame->offset_bytes[0];
+    const uint32_t planes = pupil_pixel_planes(f->pixel);
     frame->index = d->b.index;
+    const void *data = plane_at(c, frame, 0);
     frame->image = (pupil_image_const){.data = data,
                                        .stride_bytes = (ptrdiff_t)f->stride_bytes[0],
                                        .width = f->width,
@@ -200,9 +207,15 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
         frame->coded = data;
         frame->image.data = NULL;
     }
-    if (f->pixel == PUPIL_PIXEL_NV12) {
-        frame->image.chroma = f->buffers == 2 ? area[1] + frame->offset_bytes[1] : data + f->chroma_bytes;
-        frame->image.chroma_stride_bytes = (ptrdiff_t)f->stride_bytes[1];
+    if (planes > 1) {
+        const uint32_t chroma = f->cr_first ? 2 : 1;
+        frame->image.chroma = plane_at(c, frame, chroma);
+        frame->image.chroma_stride_bytes = (ptrdiff_t)f->stride_bytes[chroma];
+    }
+    if (planes > 2) {
+        const uint32_t cr = f->cr_first ? 1 : 2;
+        frame->image.cr = plane_at(c, frame, cr);
+        frame->image.cr_stride_bytes = (ptrdiff_t)f->stride_bytes[cr];
     }
 }
 
@@ -253,9 +266,13 @@ static int judge(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *
     const int flagged = (d->b.flags & V4L2_BUF_FLAG_ERROR) != 0;
     c->last |= last;
     frame->lost += count_lost(c, d->b.sequence);
-    size_t of_chroma = 0;
-    if (!flagged && find_area(c, d, 0, &frame->offset_bytes[0], &frame->coded_bytes) &&
-        (c->format.buffers == 1 || find_area(c, d, 1, &frame->offset_bytes[1], &of_chroma)))
+    int whole = !flagged;
+    for (uint32_t i = 0; i < c->format.buffers && whole; i++) {
+        size_t bytes = 0;
+        whole = find_area(c, d, i, &frame->offset_bytes[i], &bytes);
+        frame->coded_bytes = i ? frame->coded_bytes : bytes;
+    }
+    if (whole)
         return PUPIL_V4L2_FRAME;
     c->counts.flagged += flagged;
     c->counts.cut += !flagged && !last; /* the last one may be empty */

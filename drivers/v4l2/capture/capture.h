@@ -60,13 +60,14 @@ typedef struct pupil_v4l2_options {
 } pupil_v4l2_options;
 
 typedef struct pupil_v4l2_buffer {
-    void *memory[2];
-    size_t bytes[2];
-    int dmabuf[2];  /* a file descriptor of each area: what it is, or (options.share) an export; -1: none */
-    void *copy[2];  /* PUPIL_V4L2_READS_COPIED: of each area; NULL: none */
-    size_t used[2]; /* bytes of the frame in each area */
-    unsigned read;  /* bit k: area k is between its two syncs */
-    int queued;     /* the driver's */
+    void *memory[PUPIL_V4L2_MOST_AREAS];
+    size_t bytes[PUPIL_V4L2_MOST_AREAS];
+    int dmabuf[PUPIL_V4L2_MOST_AREAS];  /* a file descriptor of each area: what it is, or (options.share) an export; -1:
+                                           none */
+    void *copy[PUPIL_V4L2_MOST_AREAS];  /* PUPIL_V4L2_READS_COPIED: of each area; NULL: none */
+    size_t used[PUPIL_V4L2_MOST_AREAS]; /* bytes of the frame in each area */
+    unsigned read;                      /* bit k: area k is between its two syncs */
+    int queued;                         /* the driver's */
 } pupil_v4l2_buffer;
 
 /* What was not handed out, and why. */
@@ -112,13 +113,13 @@ typedef struct pupil_v4l2_frame {
     pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_live decodes it */
     const void *coded;       /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
     size_t coded_bytes;
-    uint32_t index;           /* of its buffer */
-    uint32_t offset_bytes[2]; /* where its pixels begin in each area */
-    uint32_t sequence;        /* the driver's number */
-    uint32_t lost;            /* frames missing before it */
-    uint32_t stamp;           /* a pupil_v4l2_stamp */
-    int64_t stamp_ns;         /* CLOCK_MONOTONIC */
-    int64_t taken_ns;         /* when it came from the driver */
+    uint32_t index;                               /* of its buffer */
+    uint32_t offset_bytes[PUPIL_V4L2_MOST_AREAS]; /* where its pixels begin in each area */
+    uint32_t sequence;                            /* the driver's number */
+    uint32_t lost;                                /* frames missing before it */
+    uint32_t stamp;                               /* a pupil_v4l2_stamp */
+    int64_t stamp_ns;                             /* CLOCK_MONOTONIC */
+    int64_t taken_ns;                             /* when it came from the driver */
 } pupil_v4l2_frame;
 
 enum {

@@ -39,7 +39,7 @@ static uint32_t look_over(const pupil_v4l2_device *d, int all, char *names, size
 
 static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *set, pupil_why *why)
 {
-    char names[256];
+    char names[400];
     const uint32_t asked = c->options.fourcc;
     if (asked && !pupil_v4l2_is_read(asked)) {
         pupil_refuse(why, "%s: format %s is not read; what is: %s", c->device.path, pupil_v4l2_fourcc_name(asked).text,
@@ -70,7 +70,7 @@ static void offers(const pupil_v4l2_capture *c, uint32_t fourcc, char *text, siz
 
 static int refuse(const pupil_v4l2_capture *c, const char *wanted, const char *instead, uint32_t fourcc, pupil_why *why)
 {
-    char text[600], names[256];
+    char text[600], names[400];
     offers(c, fourcc, text, sizeof text);
     look_over(&c->device, 0, names, sizeof names);
     pupil_refuse(why, "%s: %s offers no %s (%s instead); it has %s%s%s", c->device.path, c->device.name, wanted,

@@ -98,7 +98,7 @@ static void test_json(void)
     const cJSON *camera = cJSON_GetArrayItem(list, 0), *formats = cJSON_GetObjectItem(camera, "formats");
     CHECK(strcmp(text_of(camera, "path"), "/dev/video0") == 0 && strcmp(text_of(camera, "name"), "Fake Camera") == 0);
     CHECK(strcmp(text_of(camera, "driver"), "fake") == 0 && strcmp(text_of(camera, "bus"), "fake:1") == 0);
-    CHECK(cJSON_GetArraySize(formats) == 37);
+    CHECK(cJSON_GetArraySize(formats) == 49);
     const cJSON *format;
     cJSON_ArrayForEach(format, formats)
     {

@@ -89,7 +89,7 @@ static void test_modes(void)
     char text[256], little[12];
     CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "0", &why) == 0);
     CHECK(strcmp(d.name, FAKE_V4L2_NAME) == 0 && strcmp(d.driver, "fake") == 0 && strcmp(d.bus, "fake:1") == 0);
-    CHECK(pupil_v4l2_modes_read(&d, &modes, &why) == 0 && modes.count == 37);
+    CHECK(pupil_v4l2_modes_read(&d, &modes, &why) == 0 && modes.count == 49);
     const pupil_v4l2_mode *yuyv = find(&modes, V4L2_PIX_FMT_YUYV), *any = find(&modes, V4L2_PIX_FMT_Y16);
     const pupil_v4l2_mode *mjpg = find(&modes, V4L2_PIX_FMT_MJPEG);
     CHECK(yuyv && yuyv->sizes == 3 && yuyv->read && !yuyv->compressed);
@@ -125,6 +125,7 @@ static void test_agreement(void)
          0,
          0,
          "/dev/video0: Fake Camera offers no 640x480 of YUYV (320x240 of YUYV instead); it has MJPG, YUYV, NV12, "},
+        {{.width = 640, .height = 480}, 0, 0, 0, ", XB24, XR24, AR24: 64x48@30"},
         {{.width = 640, .height = 480}, 0, 0, 0, ": 64x48@30,15,5 32x24@30,15,5 320x240@30,15,5"},
         {{.fps = 25}, 0, 0, 0, "offers no 25 frames a second at 64x48 (30 instead)"},
         {{.fps = -1}, 0, 0, 0, "-1 frames a second; it must be from 0.001"},
@@ -172,8 +173,9 @@ static void test_refusals(void)
     c.only_format = V4L2_PIX_FMT_H264;
     check_refused(&c, "Fake Camera offers H264, which is not read; what is: RGGB, RG10");
     c = usual();
-    c.xfer_func = V4L2_XFER_FUNC_SMPTE2084;
-    check_refused(&c, "/dev/video0: Fake Camera: its transfer function is SMPTE 2084 (PQ); sRGB, Rec. 709 or none");
+    c.xfer_func = V4L2_XFER_FUNC_DCI_P3;
+    check_refused(&c, "/dev/video0: Fake Camera: its transfer function is DCI-P3; sRGB, Rec. 709, SMPTE 2084 (PQ) or "
+                      "none can be read");
 
     /* Two programs. */
     c = usual();

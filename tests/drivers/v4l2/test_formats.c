@@ -39,36 +39,42 @@ static void close_subject(subject *s)
 static unsigned differing(const pupil_source *source, const pupil_frame *frame, double scale)
 {
     const pupil_v4l2_format *f = &pupil_live_capture(source)->format;
-    const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width), chroma_row = f->width + f->width % 2;
-    static unsigned char data[320 * 240 * 4], chroma[320 * 240];
+    const uint32_t row = (uint32_t)pupil_row_bytes(f->pixel, f->width);
+    const uint32_t chroma_row = (uint32_t)pupil_chroma_row_bytes(f->pixel, f->width);
+    static unsigned char data[320 * 240 * 4], chroma[320 * 240], cr[320 * 240];
     const fake_v4l2_picture picture = {.seed = 1,
                                        .sequence = pupil_live_frame(source)->sequence,
                                        .fourcc = f->fourcc,
                                        .width = f->width,
                                        .height = f->height,
-                                       .stride_bytes = {row, chroma_row},
+                                       .stride_bytes = {row, chroma_row, chroma_row},
                                        .ycbcr_enc = f->ycbcr_enc,
                                        .quantization = f->quantization,
                                        .xfer_func =
                                            f->coding.light == PUPIL_LIGHT_DEFAULT ? V4L2_XFER_FUNC_NONE : f->xfer_func,
                                        .scale = scale};
     unsigned wrong = 0;
-    fake_v4l2_draw(&picture, data, chroma);
+    fake_v4l2_draw(&picture, data, chroma, cr);
     for (uint32_t y = 0; y < f->height; y++) {
         const unsigned char *got = (const unsigned char *)frame->image.data + (ptrdiff_t)y * frame->image.stride_bytes;
         wrong += memcmp(got, data + (size_t)row * y, row) != 0;
-        if (frame->image.chroma)
-            wrong += memcmp((const unsigned char *)frame->image.chroma +
-                                (ptrdiff_t)(y / 2) * frame->image.chroma_stride_bytes,
-                            chroma + (size_t)chroma_row * (y / 2), chroma_row) != 0;
     }
+    for (ptrdiff_t y = 0; y < (ptrdiff_t)pupil_chroma_rows(f->pixel, f->height); y++) {
+        const pupil_image_const *i = &frame->image;
+        const size_t at = (size_t)y * chroma_row;
+        wrong += memcmp((const unsigned char *)i->chroma + y * i->chroma_stride_bytes, chroma + at, chroma_row) != 0;
+        if (i->cr)
+            wrong += memcmp((const unsigned char *)i->cr + y * i->cr_stride_bytes, cr + at, chroma_row) != 0;
+    }
+    CHECK((frame->image.chroma != NULL) == (pupil_pixel_planes(f->pixel) > 1));
+    CHECK((frame->image.cr != NULL) == (pupil_pixel_planes(f->pixel) > 2));
     return wrong;
 }
 
 /* What the light of the frame's scene is, without any camera: its mean log2 luminance. */
 static double scene_ev(const pupil_v4l2_format *f, uint32_t sequence, double scale)
 {
-    const int grey = f->pixel >= PUPIL_PIXEL_GREY8 && f->pixel <= PUPIL_PIXEL_GREY16;
+    const int grey = pupil_pixel_bits(f->pixel) && !pupil_pixel_is_mosaic(f->pixel);
     const double weight[3] = {grey ? 0 : 0.2126, grey ? 1 : 0.7152, grey ? 0 : 0.0722};
     double sum = 0;
     for (uint32_t y = 0; y < f->height; y += 2)
@@ -144,7 +150,7 @@ static void test_pixels(void)
                 check_format(&config, modes.mode[i].fourcc, coarse ? 0.01 : 0.005);
                 checked++;
             }
-        CHECK_MSG(checked == (config.multiplanar ? 37u : 36u), "%u formats", checked);
+        CHECK_MSG(checked == (config.multiplanar ? 53u : 48u), "%u formats", checked);
         pupil_v4l2_modes_free(&modes);
         pupil_v4l2_device_close(&device);
         fake_v4l2_free(fake);
@@ -166,9 +172,17 @@ static void test_colour(void)
                 config.quantization = q;
                 check_format(&config, V4L2_PIX_FMT_YUYV, transfers[x] == V4L2_XFER_FUNC_NONE ? 0.015 : 0.005);
                 check_format(&config, V4L2_PIX_FMT_NV12, transfers[x] == V4L2_XFER_FUNC_NONE ? 0.015 : 0.005);
+                check_format(&config, V4L2_PIX_FMT_UYVY, transfers[x] == V4L2_XFER_FUNC_NONE ? 0.015 : 0.005);
+                check_format(&config, V4L2_PIX_FMT_YVU420, transfers[x] == V4L2_XFER_FUNC_NONE ? 0.015 : 0.005);
+                check_format(&config, v4l2_fourcc('P', '0', '1', '0'), 0.005);
                 if (q == V4L2_QUANTIZATION_FULL_RANGE)
                     check_format(&config, V4L2_PIX_FMT_Y12, 0.005);
             }
+    /* HDR10: 1.0 of the scene is 100 cd/m2. */
+    config.colorspace = V4L2_COLORSPACE_BT2020;
+    config.ycbcr_enc = config.quantization = 0;
+    config.xfer_func = V4L2_XFER_FUNC_SMPTE2084;
+    check_format(&config, v4l2_fourcc('P', '0', '1', '0'), 0.005);
 }
 
 typedef struct said { /* by a driver, and what is made of it */
@@ -196,7 +210,15 @@ static void test_defaults(void)
         {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_BT2020, V4L2_YCBCR_ENC_BT2020_CONST_LUM, 0, 0, 0, 0, 0, 0,
          "constant luminance"},
         {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_SMPTE240M, 0, 0, 0, 0, 0, 0, 0, "SMPTE 240M"},
-        {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_BT2020, 0, 0, V4L2_XFER_FUNC_SMPTE2084, 0, 0, 0, 0, "PQ"},
+        {v4l2_fourcc('P', '0', '1', '0'), V4L2_COLORSPACE_BT2020, 0, 0, V4L2_XFER_FUNC_SMPTE2084, PUPIL_MATRIX_BT2020,
+         PUPIL_RANGE_LIMITED, PUPIL_LIGHT_PQ, PUPIL_PRIMARIES_BT2020, NULL},
+        {V4L2_PIX_FMT_UYVY, V4L2_COLORSPACE_REC709, 0, 0, 0, PUPIL_MATRIX_BT709, PUPIL_RANGE_LIMITED, PUPIL_LIGHT_BT709,
+         0, NULL},
+        {V4L2_PIX_FMT_YUV420, V4L2_COLORSPACE_JPEG, 0, 0, 0, PUPIL_MATRIX_BT601, PUPIL_RANGE_FULL, PUPIL_LIGHT_SRGB, 0,
+         NULL},
+        {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_DCI_P3, 0, 0, 0, 0, 0, 0, 0, "DCI-P3; sRGB, Rec. 709, SMPTE 2084 (PQ)"},
+        {V4L2_PIX_FMT_XBGR32, V4L2_COLORSPACE_SRGB, 0, V4L2_QUANTIZATION_LIM_RANGE, 0, 0, 0, 0, 0, "limited range"},
+        {V4L2_PIX_FMT_BGR24, V4L2_COLORSPACE_BT2020, 0, 0, V4L2_XFER_FUNC_SMPTE2084, 0, 0, 0, 0, "transfer function"},
         {V4L2_PIX_FMT_YUYV, V4L2_COLORSPACE_OPRGB, 0, 0, 0, 0, 0, 0, 0, "opRGB"},
         {V4L2_PIX_FMT_GREY, V4L2_COLORSPACE_SRGB, 0, 0, 0, 0, 0, PUPIL_LIGHT_DEFAULT, 0, NULL},
         {V4L2_PIX_FMT_GREY, V4L2_COLORSPACE_SRGB, 0, 0, V4L2_XFER_FUNC_SRGB, 0, 0, PUPIL_LIGHT_SRGB, 0, NULL},
@@ -234,7 +256,8 @@ static void test_defaults(void)
         if (error || c->refusal)
             continue;
         CHECK_MSG(f.coding.light == c->light && f.primaries == c->primaries, "case %zu: light %u", i, f.coding.light);
-        if (f.pixel == PUPIL_PIXEL_YUYV || f.pixel == PUPIL_PIXEL_NV12 || f.compressed)
+        if (pupil_pixel_planes(f.pixel) > 1 || f.pixel == PUPIL_PIXEL_YUYV || f.pixel == PUPIL_PIXEL_UYVY ||
+            f.compressed)
             CHECK_MSG(f.coding.matrix == c->matrix && f.coding.range == c->range, "case %zu: matrix %u, range %u", i,
                       f.coding.matrix, f.coding.range);
         CHECK(pupil_coding_check(&f.coding, f.pixel, NULL) == PUPIL_OK);
@@ -250,8 +273,10 @@ static void test_limited_grey(void)
     } cases[] = {{V4L2_PIX_FMT_GREY, 16, 235},
                  {V4L2_PIX_FMT_Y10, 64, 940},
                  {V4L2_PIX_FMT_Y12, 256, 3760},
-                 {V4L2_PIX_FMT_Y16, 4096, 60160}};
-    for (int i = 0; i < 4; i++) {
+                 {V4L2_PIX_FMT_Y16, 4096, 60160},
+                 {v4l2_fourcc('Y', '1', '0', 'P'), 64, 940},
+                 {v4l2_fourcc('Y', '1', '2', 'P'), 256, 3760}};
+    for (int i = 0; i < 6; i++) {
         pupil_v4l2_format f;
         struct v4l2_format answer = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
         answer.fmt.pix = (struct v4l2_pix_format){.width = 64,
@@ -278,6 +303,11 @@ static void test_nonsense(void)
         {V4L2_PIX_FMT_YUYV, 64, 48, 127, 1 << 20, 0, "a row has 127 bytes"},
         {V4L2_PIX_FMT_YUYV, 64, 48, 128, 6143, 0, "a frame has 6143 bytes; 64x48 of YUYV need 6144"},
         {V4L2_PIX_FMT_NV12, 64, 48, 64, 64 * 72 - 1, 0, "a frame has 4607 bytes"},
+        {V4L2_PIX_FMT_YUV420, 64, 48, 63, 1 << 20, 0, "a row has 63 bytes; 64 pixels of YU12 need 64"},
+        {V4L2_PIX_FMT_YUV420, 63, 48, 63, 1 << 20, 0, "a row has 31 bytes; 63 pixels of YU12 need 32"},
+        {V4L2_PIX_FMT_YVU420, 64, 48, 64, 64 * 72 - 1, 0, "64x48 of YV12 need 4608"},
+        {V4L2_PIX_FMT_NV16, 64, 48, 64, 64 * 96 - 1, 0, "64x48 of NV16 need 6144"},
+        {v4l2_fourcc('P', '0', '1', '0'), 64, 48, 129, 1 << 20, 0, "an even number"},
         {V4L2_PIX_FMT_YUYV, 0, 48, 128, 1 << 20, 0, "0x48"},
         {V4L2_PIX_FMT_YUYV, 16385, 48, 0, UINT32_MAX, 0, "16385x48"},
         {V4L2_PIX_FMT_GREY, 16384, 16384, UINT32_MAX, UINT32_MAX, 0, "a frame has"},

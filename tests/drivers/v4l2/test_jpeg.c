@@ -29,7 +29,7 @@ static void check_picture(const pupil_frame *frame, uint32_t seed, uint32_t sequ
     unsigned off = 0, most = 0;
     if (!want)
         abort();
-    fake_v4l2_draw(&p, want, NULL);
+    fake_v4l2_draw(&p, want, NULL, NULL);
     for (uint32_t y = 0; y < p.height; y++)
         for (uint32_t x = 0; x < 2 * p.width; x++) {
             const int one = ((const unsigned char *)image->data)[(ptrdiff_t)y * image->stride_bytes + x];

@@ -24,7 +24,7 @@ static unsigned differing_rows(const void *a, ptrdiff_t a_stride, const void *b,
 /* Of YUYV and NM12: the frame is what the fake draws. */
 static void check_frame(const fake_source *s, const pupil_frame *frame)
 {
-    static unsigned char data[320 * 240 * 2], chroma[320 * 240];
+    static unsigned char data[320 * 240 * 2], chroma[320 * 240], cr[320 * 240];
     const pupil_v4l2_format *f = &pupil_live_capture(s->source)->format;
     const pupil_image_const *image = &frame->image;
     fake_v4l2_picture p = {.seed = 1,
@@ -37,11 +37,15 @@ static void check_frame(const fake_source *s, const pupil_frame *frame)
                            .xfer_func = V4L2_XFER_FUNC_SRGB,
                            .scale = 1.0};
     const uint32_t row = p.stride_bytes[0] = (uint32_t)pupil_row_bytes(f->pixel, f->width);
-    p.stride_bytes[1] = f->width;
-    fake_v4l2_draw(&p, data, chroma);
+    const uint32_t chroma_row = p.stride_bytes[1] = p.stride_bytes[2] =
+        (uint32_t)pupil_chroma_row_bytes(f->pixel, f->width);
+    const uint32_t rows = pupil_chroma_rows(f->pixel, f->height);
+    fake_v4l2_draw(&p, data, chroma, cr);
     unsigned wrong = differing_rows(data, row, image->data, image->stride_bytes, f->height, row);
-    if (f->pixel == PUPIL_PIXEL_NV12)
-        wrong += differing_rows(chroma, f->width, image->chroma, image->chroma_stride_bytes, f->height / 2, f->width);
+    if (image->chroma)
+        wrong += differing_rows(chroma, chroma_row, image->chroma, image->chroma_stride_bytes, rows, chroma_row);
+    if (image->cr)
+        wrong += differing_rows(cr, chroma_row, image->cr, image->cr_stride_bytes, rows, chroma_row);
     CHECK_MSG(wrong == 0, "frame %u: %u rows differ", p.sequence, wrong);
 }
 
@@ -100,13 +104,13 @@ static fake_v4l2_config config_of(const memory_case *m)
 
 static void test_kinds(void)
 {
-    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12M, V4L2_PIX_FMT_MJPEG};
+    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12M, V4L2_PIX_FMT_YUV420M, V4L2_PIX_FMT_MJPEG};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 8; k++) {
             const memory_case *m = &cases[i];
             const pupil_v4l2_options options = {.fourcc = formats[k / 2], .memory = m->asked, .newest = k & 1};
             fake_v4l2_config config = config_of(m);
-            config.multiplanar = k == 2 || k == 3;
+            config.multiplanar = k >= 2 && k < 6;
             config.data_offset = config.multiplanar ? 96 : 0;
             fake_source s = fake_source_open("/dev/video0", &config, &options);
             CHECK_MSG(s.result == 0, "%s: %s", m->name, s.why.text);
@@ -128,13 +132,13 @@ static void test_kinds(void)
 /* The caller's own, which stay open. */
 static void test_callers(void)
 {
-    for (int multiplanar = 0; multiplanar < 2; multiplanar++) {
+    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12M, V4L2_PIX_FMT_YVU420M};
+    for (uint32_t areas = 1; areas <= 3; areas++) {
         fake_v4l2_config config = usual();
-        const uint32_t areas = multiplanar ? 2 : 1;
-        int fds[6];
+        int fds[9];
         config.heaps = 1;
         config.slow = 1;
-        config.multiplanar = multiplanar;
+        config.multiplanar = areas > 1;
         fake_source s = {.fake = fake_v4l2_new(&config)};
         const pupil_v4l2_system *system = fake_v4l2_system(s.fake);
         const int heap = system->open(system->context, "/dev/dma_heap/system");
@@ -143,7 +147,7 @@ static void test_callers(void)
         CHECK(heap >= 0 && fds[3 * areas - 1] >= 0);
         const pupil_v4l2_options options = {.system = system,
                                             .memory = PUPIL_V4L2_MEMORY_DMABUF,
-                                            .fourcc = multiplanar ? V4L2_PIX_FMT_NV12M : V4L2_PIX_FMT_YUYV,
+                                            .fourcc = formats[areas - 1],
                                             .dmabuf = fds,
                                             .dmabufs = 3};
         s.result =
