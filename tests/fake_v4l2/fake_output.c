@@ -7,8 +7,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-static const uint32_t formats[] = {V4L2_PIX_FMT_RGB24, V4L2_PIX_FMT_BGR24, V4L2_PIX_FMT_XBGR32, V4L2_PIX_FMT_YUYV,
-                                   V4L2_PIX_FMT_NV12};
+static const uint32_t formats[] = {V4L2_PIX_FMT_RGB24, V4L2_PIX_FMT_BGR24,  V4L2_PIX_FMT_XBGR32, V4L2_PIX_FMT_YUYV,
+                                   V4L2_PIX_FMT_NV12,  V4L2_PIX_FMT_YUV420, V4L2_PIX_FMT_UYVY,   V4L2_PIX_FMT_NV21,
+                                   V4L2_PIX_FMT_NV16,  V4L2_PIX_FMT_YVU420, V4L2_PIX_FMT_RGBX32, V4L2_PIX_FMT_ABGR32,
+                                   V4L2_PIX_FMT_RGBA32};
 #define FORMATS (sizeof formats / sizeof formats[0])
 
 static uint32_t format_at(const fake_v4l2 *f, uint32_t index) /* 0: none */
@@ -20,16 +22,15 @@ static uint32_t format_at(const fake_v4l2 *f, uint32_t index) /* 0: none */
 
 static uint32_t stride_of(const fake_output *o)
 {
-    const uint32_t row = o->fourcc == V4L2_PIX_FMT_NV12     ? o->width + o->width % 2
-                         : o->fourcc == V4L2_PIX_FMT_YUYV   ? (o->width + 1) / 2 * 4
-                         : o->fourcc == V4L2_PIX_FMT_XBGR32 ? o->width * 4
-                                                            : o->width * 3;
-    return row + o->extra_bytes;
+    const uint32_t pixel = pupil_v4l2_pixel_of(o->fourcc), row = (uint32_t)pupil_row_bytes(pixel, o->width);
+    return row + (pupil_pixel_planes(pixel) > 1 ? row % 2 : 0) + o->extra_bytes;
 }
 
 static uint32_t size_of(const fake_output *o)
 {
-    return stride_of(o) * (o->height + (o->fourcc == V4L2_PIX_FMT_NV12 ? (o->height + 1) / 2 : 0));
+    const uint32_t pixel = pupil_v4l2_pixel_of(o->fourcc), chroma = pupil_chroma_rows(pixel, o->height);
+    return stride_of(o) * (o->height + (pupil_pixel_planes(pixel) == 2 ? chroma : 0)) +
+           (pupil_pixel_planes(pixel) == 3 ? 2 * chroma * (stride_of(o) / 2) : 0);
 }
 
 static int set_format(fake_v4l2 *f, struct v4l2_format *format, int set)

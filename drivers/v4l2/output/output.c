@@ -8,12 +8,29 @@
 
 #define SHIFT 18 /* the factors' unit is 2^-18: a sum of four pixels' products stays below 2^28 */
 
-const char pupil_v4l2_written[] = "RGB3, BGR3, XR24, YUYV, NV12";
+const uint32_t pupil_v4l2_outputs[PUPIL_V4L2_OUTPUTS] = {
+    V4L2_PIX_FMT_RGB24,  V4L2_PIX_FMT_BGR24,  V4L2_PIX_FMT_XBGR32, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12,
+    V4L2_PIX_FMT_YUV420, V4L2_PIX_FMT_UYVY,   V4L2_PIX_FMT_NV21,   V4L2_PIX_FMT_NV16, V4L2_PIX_FMT_YVU420,
+    V4L2_PIX_FMT_RGBX32, V4L2_PIX_FMT_ABGR32, V4L2_PIX_FMT_RGBA32};
+
+const char pupil_v4l2_written[] = "RGB3, BGR3, XR24, YUYV, NV12, YU12, UYVY, NV21, NV16, YV12, XB24, AR24, AB24";
 
 int pupil_v4l2_is_written(uint32_t fourcc)
 {
-    return fourcc == V4L2_PIX_FMT_RGB24 || fourcc == V4L2_PIX_FMT_BGR24 || fourcc == V4L2_PIX_FMT_XBGR32 ||
-           fourcc == V4L2_PIX_FMT_YUYV || fourcc == V4L2_PIX_FMT_NV12;
+    for (int i = 0; i < PUPIL_V4L2_OUTPUTS; i++)
+        if (pupil_v4l2_outputs[i] == fourcc)
+            return 1;
+    return 0;
+}
+
+static int is_packed_yuv(const pupil_v4l2_output *o)
+{
+    return o->pixel == PUPIL_PIXEL_YUYV || o->pixel == PUPIL_PIXEL_UYVY;
+}
+
+static int is_rgb(const pupil_v4l2_output *o)
+{
+    return pupil_pixel_planes(o->pixel) == 1 && !is_packed_yuv(o);
 }
 
 /* --- what a driver says --- */
@@ -60,7 +77,7 @@ static void set_row(int32_t row[3], double red, double blue, int32_t sum)
 
 static int read_colour(colour c, pupil_v4l2_output *o, pupil_why *why)
 {
-    const int rgb = o->fourcc != V4L2_PIX_FMT_YUYV && o->fourcc != V4L2_PIX_FMT_NV12;
+    const int rgb = is_rgb(o);
     if (!c.colorspace)
         c.colorspace = V4L2_COLORSPACE_SRGB;
     if (!c.ycbcr_enc)
@@ -87,20 +104,22 @@ static int read_colour(colour c, pupil_v4l2_output *o, pupil_why *why)
     return 0;
 }
 
+/* Chroma follows the rows, with their stride, or each of two planes with half of it. */
 static int read_layout(pupil_v4l2_output *o, pupil_why *why)
 {
-    const uint32_t pixel = pupil_v4l2_pixel_of(o->fourcc);
-    const uint32_t row =
-        pixel ? (uint32_t)pupil_row_bytes(pixel, o->width) : o->width * (o->fourcc == V4L2_PIX_FMT_BGR24 ? 3 : 4);
-    const int nv12 = o->fourcc == V4L2_PIX_FMT_NV12;
-    const uint32_t widest = nv12 ? o->width + o->width % 2 : row;
-    const uint32_t rows = o->height + (nv12 ? (o->height + 1) / 2 : 0);
+    const uint32_t planes = pupil_pixel_planes(o->pixel), rows = pupil_chroma_rows(o->pixel, o->height);
+    const uint32_t row = (uint32_t)pupil_row_bytes(o->pixel, o->width), widest = planes > 1 ? row + row % 2 : row;
     if (!o->stride_bytes)
         o->stride_bytes = widest;
     if (o->stride_bytes < widest)
         return pupil_refuse(why, "its driver says that a row has %u bytes; %u pixels of %s need %u", o->stride_bytes,
                             o->width, pupil_v4l2_fourcc_name(o->fourcc).text, widest);
-    const uint64_t needs = (uint64_t)o->stride_bytes * (rows - 1) + widest;
+    o->chroma_stride_bytes = planes > 1 ? o->stride_bytes / (planes - 1) : 0;
+    uint64_t needs = (uint64_t)o->stride_bytes * (o->height - 1) + row;
+    if (planes > 1)
+        needs = (uint64_t)o->stride_bytes * o->height +
+                (uint64_t)o->chroma_stride_bytes * ((uint64_t)rows * (planes - 1) - 1) +
+                pupil_chroma_row_bytes(o->pixel, o->width);
     if (needs > o->size_bytes)
         return pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s need %llu", o->size_bytes,
                             o->width, o->height, pupil_v4l2_fourcc_name(o->fourcc).text, (unsigned long long)needs);
@@ -116,6 +135,7 @@ int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *
     if (!pupil_v4l2_is_written(o.fourcc) || (multi && answer->fmt.pix_mp.num_planes != 1))
         return pupil_refuse(why, "it takes %s%s; what can be written: %s", pupil_v4l2_fourcc_name(o.fourcc).text,
                             pupil_v4l2_is_written(o.fourcc) ? " in several memory areas" : "", pupil_v4l2_written);
+    o.pixel = pupil_v4l2_pixel_of(o.fourcc);
     if (!o.width || !o.height || o.width > PUPIL_MAX_SIDE_PX || o.height > PUPIL_MAX_SIDE_PX)
         return pupil_refuse(why, "it takes %ux%u; each side that can be written is 1 to %u", o.width, o.height,
                             PUPIL_MAX_SIDE_PX);
@@ -131,8 +151,8 @@ int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *
 
 static void fill_rgb(const pupil_v4l2_output *o, const uint8_t *rgb, unsigned char *to)
 {
-    const uint32_t bytes = o->fourcc == V4L2_PIX_FMT_XBGR32 ? 4 : 3;
-    const int red = o->fourcc == V4L2_PIX_FMT_RGB24 ? 0 : 2;
+    const uint32_t bytes = (uint32_t)pupil_pixel_bytes(o->pixel);
+    const int red = o->pixel == PUPIL_PIXEL_BGR8 || o->pixel == PUPIL_PIXEL_BGRX8 ? 2 : 0;
     for (uint32_t x = 0; x < o->width; x++, rgb += 3, to += bytes) {
         to[red] = o->level[rgb[0]];
         to[1] = o->level[rgb[1]];
@@ -163,41 +183,56 @@ static void chroma_of(const pupil_v4l2_output *o, const uint8_t *const rgb[4], u
     }
 }
 
-static void fill_yuyv(const pupil_v4l2_output *o, const uint8_t *rgb, unsigned char *to)
+static void fill_packed_yuv(const pupil_v4l2_output *o, const uint8_t *rgb, unsigned char *to)
 {
+    const uint32_t luma_at = o->pixel == PUPIL_PIXEL_UYVY;
     for (uint32_t x = 0; x < o->width; x += 2, to += 4) {
         const uint8_t *left = rgb + (size_t)3 * x, *right = x + 1 < o->width ? left + 3 : left;
         const uint8_t *const pair[4] = {left, right, left, right};
-        to[0] = luma_of(o, left);
-        to[2] = luma_of(o, right);
-        chroma_of(o, pair, &to[1], &to[3]);
+        to[luma_at] = luma_of(o, left);
+        to[2 + luma_at] = luma_of(o, right);
+        chroma_of(o, pair, &to[1 - luma_at], &to[3 - luma_at]);
     }
 }
 
-static void fill_nv12_chroma(const pupil_v4l2_output *o, const uint8_t *top, const uint8_t *bottom, unsigned char *to)
+/* A row of Cb and Cr, in one plane or in two, of two rows of pixels or twice the same. */
+static void fill_chroma(const pupil_v4l2_output *o, const uint8_t *top, const uint8_t *bottom, unsigned char *to,
+                        uint32_t row)
 {
-    for (uint32_t x = 0; x < o->width; x += 2, to += 2) {
+    const size_t planar = pupil_pixel_planes(o->pixel) == 3, rows = pupil_chroma_rows(o->pixel, o->height);
+    const int cr_first = o->pixel == PUPIL_PIXEL_NV21 || o->fourcc == V4L2_PIX_FMT_YVU420;
+    unsigned char *first = to + (size_t)row * o->chroma_stride_bytes;
+    unsigned char *second = first + (planar ? rows * o->chroma_stride_bytes : 1);
+    unsigned char *cb = cr_first ? second : first, *cr = cr_first ? first : second;
+    const size_t step = planar ? 1 : 2;
+    for (uint32_t x = 0; x < o->width; x += 2, cb += step, cr += step) {
         const size_t left = (size_t)3 * x, right = x + 1 < o->width ? left + 3 : left;
         const uint8_t *const quad[4] = {top + left, top + right, bottom + left, bottom + right};
-        chroma_of(o, quad, &to[0], &to[1]);
+        chroma_of(o, quad, cb, cr);
     }
+}
+
+static void fill_planes(const pupil_v4l2_output *o, const pupil_image_const *rgb8, uint32_t y, unsigned char *to)
+{
+    const uint8_t *row = (const uint8_t *)rgb8->data + (ptrdiff_t)y * rgb8->stride_bytes;
+    unsigned char *out = to + (size_t)y * o->stride_bytes, *chroma = to + (size_t)o->height * o->stride_bytes;
+    for (uint32_t x = 0; x < o->width; x++)
+        out[x] = luma_of(o, row + (size_t)3 * x);
+    if (o->pixel == PUPIL_PIXEL_NV16)
+        fill_chroma(o, row, row, chroma, y);
+    else if (y % 2 == 0)
+        fill_chroma(o, row, y + 1 < o->height ? row + rgb8->stride_bytes : row, chroma, y / 2);
 }
 
 void pupil_v4l2_output_fill(const pupil_v4l2_output *o, const pupil_image_const *rgb8, unsigned char *to)
 {
     for (uint32_t y = 0; y < o->height; y++) {
         const uint8_t *row = (const uint8_t *)rgb8->data + (ptrdiff_t)y * rgb8->stride_bytes;
-        const uint8_t *below = y + 1 < o->height ? row + rgb8->stride_bytes : row;
-        unsigned char *out = to + (size_t)y * o->stride_bytes;
-        if (o->fourcc == V4L2_PIX_FMT_YUYV)
-            fill_yuyv(o, row, out);
-        else if (o->fourcc != V4L2_PIX_FMT_NV12)
-            fill_rgb(o, row, out);
-        else {
-            for (uint32_t x = 0; x < o->width; x++)
-                out[x] = luma_of(o, row + (size_t)3 * x);
-            if (y % 2 == 0)
-                fill_nv12_chroma(o, row, below, to + (size_t)(o->height + y / 2) * o->stride_bytes);
-        }
+        if (is_packed_yuv(o))
+            fill_packed_yuv(o, row, to + (size_t)y * o->stride_bytes);
+        else if (is_rgb(o))
+            fill_rgb(o, row, to + (size_t)y * o->stride_bytes);
+        else
+            fill_planes(o, rgb8, y, to);
     }
 }

@@ -18,16 +18,22 @@
 struct v4l2_format; /* <linux/videodev2.h> */
 
 typedef struct pupil_v4l2_output {
-    uint32_t fourcc;        /* RGB24, BGR24, XBGR32 ("XR24"), YUYV or NV12 */
+    uint32_t fourcc;        /* one of pupil_v4l2_outputs */
+    uint32_t pixel;         /* its pupil_pixel */
     uint32_t width, height; /* pixels */
-    uint32_t stride_bytes;  /* of NV12's chroma, too, which follows the rows */
-    uint32_t size_bytes;    /* as the driver says */
-    uint32_t needs_bytes;   /* up to the last pixel */
-    uint32_t field;         /* V4L2's */
-    uint8_t level[256];     /* of RGB's codes */
-    int32_t factor[3][3];   /* of red, green and blue in Y', Cb and Cr */
-    int32_t luma_offset;    /* the code of black */
+    uint32_t stride_bytes;  /* of the rows, which planes of chroma follow */
+    uint32_t chroma_stride_bytes;
+    uint32_t size_bytes;  /* as the driver says */
+    uint32_t needs_bytes; /* up to the last pixel */
+    uint32_t field;       /* V4L2's */
+    uint8_t level[256];   /* of RGB's codes */
+    int32_t factor[3][3]; /* of red, green and blue in Y', Cb and Cr */
+    int32_t luma_offset;  /* the code of black */
 } pupil_v4l2_output;
+
+/* What frames can be written as, what is simplest first. */
+#define PUPIL_V4L2_OUTPUTS 13
+extern const uint32_t pupil_v4l2_outputs[PUPIL_V4L2_OUTPUTS];
 
 /* 1: frames can be written in this format. */
 int pupil_v4l2_is_written(uint32_t fourcc);

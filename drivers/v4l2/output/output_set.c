@@ -79,10 +79,10 @@ static int set_format(const pupil_v4l2_device *d, const pupil_sink_options *o, p
                       pupil_why *why)
 {
     struct v4l2_format set = {.type = d->type};
-    uint32_t order[] = {
-        0, V4L2_PIX_FMT_RGB24, V4L2_PIX_FMT_BGR24, V4L2_PIX_FMT_XBGR32, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12};
+    uint32_t order[1 + PUPIL_V4L2_OUTPUTS] = {0};
     pupil_why words;
     pupil_why size_words = {""};
+    memcpy(order + 1, pupil_v4l2_outputs, sizeof pupil_v4l2_outputs);
     if (pupil_v4l2_ask(d, VIDIOC_G_FMT, &set) == 0 && pupil_v4l2_is_written(fourcc_of(&set)))
         order[0] = fourcc_of(&set);
     for (size_t i = order[0] ? 0 : 1; i < sizeof order / sizeof order[0]; i++) {

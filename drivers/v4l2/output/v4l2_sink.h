@@ -1,7 +1,7 @@
 /* drivers/v4l2/output/v4l2_sink.h: display frames into a video output node: v4l2loopback, an HDMI output, vivid's.
  *
- * Written as the format that the node is set to, if that is one of RGB24, BGR24, XR24 (BGRX), YUYV and NV12 ('v4l2-ctl
- * -d NODE --set-fmt-video-out pixelformat=YUYV'). Else it is the first of these that it takes. The driver is given
+ * Written as the format that the node is set to, if that is one of pupil_v4l2_outputs (output.h; 'v4l2-ctl -d NODE
+ * --set-fmt-video-out pixelformat=YUYV'). Else it is the first of these that it takes. The driver is given
  * colour space sRGB; what it answers (601 or 709, full or limited range) is what is written. Frames go through the
  * driver's own buffers where it has some, else through write(). The rate is given, too; a node may have one of its own.
  *

@@ -14,11 +14,17 @@ static pupil_why why;
 static const struct {
     uint32_t fourcc;
     const char *name;
-} formats[] = {{V4L2_PIX_FMT_RGB24, "RGB3"},
-               {V4L2_PIX_FMT_BGR24, "BGR3"},
-               {V4L2_PIX_FMT_XBGR32, "XR24"},
-               {V4L2_PIX_FMT_YUYV, "YUYV"},
-               {V4L2_PIX_FMT_NV12, "NV12"}};
+} formats[] = {{V4L2_PIX_FMT_RGB24, "RGB3"},  {V4L2_PIX_FMT_BGR24, "BGR3"},  {V4L2_PIX_FMT_XBGR32, "XR24"},
+               {V4L2_PIX_FMT_YUYV, "YUYV"},   {V4L2_PIX_FMT_NV12, "NV12"},   {V4L2_PIX_FMT_YUV420, "YU12"},
+               {V4L2_PIX_FMT_UYVY, "UYVY"},   {V4L2_PIX_FMT_NV21, "NV21"},   {V4L2_PIX_FMT_NV16, "NV16"},
+               {V4L2_PIX_FMT_YVU420, "YV12"}, {V4L2_PIX_FMT_RGBX32, "XB24"}, {V4L2_PIX_FMT_ABGR32, "AR24"},
+               {V4L2_PIX_FMT_RGBA32, "AB24"}};
+
+static int is_rgb(uint32_t fourcc)
+{
+    return fourcc == V4L2_PIX_FMT_RGB24 || fourcc == V4L2_PIX_FMT_BGR24 || fourcc == V4L2_PIX_FMT_XBGR32 ||
+           fourcc == V4L2_PIX_FMT_RGBX32 || fourcc == V4L2_PIX_FMT_ABGR32 || fourcc == V4L2_PIX_FMT_RGBA32;
+}
 
 /* --- a frame, and what must come of it --- */
 
@@ -73,34 +79,65 @@ static long double chroma(const rule *r, const frame *f, uint32_t x, uint32_t y,
     return fminl(255, 128 + (r->limited ? 224 : 255) * sum / 255 / (2 * rows));
 }
 
-/* The sample at a byte of a row of the screen. */
-static long double expected(const fake_v4l2_screen *s, const rule *r, const frame *f, uint32_t x_byte, uint32_t row)
+static long double rgb_code(const fake_v4l2_screen *s, const rule *r, const frame *f, uint32_t x_byte, uint32_t y)
 {
-    const uint32_t pixel = s->fourcc == V4L2_PIX_FMT_XBGR32 ? 4 : 3;
-    if (s->fourcc == V4L2_PIX_FMT_YUYV)
-        return x_byte % 2 ? chroma(r, f, x_byte / 4 * 2, row, 1, x_byte % 4 == 3) : luma(r, f, x_byte / 2, row);
-    if (s->fourcc == V4L2_PIX_FMT_NV12)
-        return row < f->height ? luma(r, f, x_byte, row)
-                               : chroma(r, f, x_byte / 2 * 2, (row - f->height) * 2, 2, x_byte % 2);
-    if (x_byte % pixel == 3)
+    const uint32_t bytes = s->fourcc == V4L2_PIX_FMT_RGB24 || s->fourcc == V4L2_PIX_FMT_BGR24 ? 3 : 4;
+    const int red_first =
+        s->fourcc == V4L2_PIX_FMT_RGB24 || s->fourcc == V4L2_PIX_FMT_RGBX32 || s->fourcc == V4L2_PIX_FMT_RGBA32;
+    const uint32_t channel = x_byte % bytes;
+    if (channel == 3)
         return 255;
-    const long double code =
-        at(f, x_byte / pixel, row, (int)(s->fourcc == V4L2_PIX_FMT_RGB24 ? x_byte % 3 : 2 - x_byte % pixel));
+    const long double code = at(f, x_byte / bytes, y, (int)(red_first ? channel : 2 - channel));
     return r->limited ? 16 + 219 * code / 255 : code;
+}
+
+/* The farthest sample of rows of a plane. kind: 0 RGB, 1 Y', 2 YUYV, 3 UYVY, 4 Cb, 5 Cr, 6 Cb Cr, 7 Cr Cb. rows_each:
+ * rows of pixels for one of the plane. */
+static long double plane_off(const fake_v4l2_screen *s, const rule *r, const frame *f, size_t first, uint32_t stride,
+                             int kind, uint32_t rows_each)
+{
+    const uint32_t pairs = (f->width + 1) / 2;
+    const uint32_t rgb_bytes = f->width * (s->fourcc == V4L2_PIX_FMT_RGB24 || s->fourcc == V4L2_PIX_FMT_BGR24 ? 3 : 4);
+    const uint32_t bytes[] = {rgb_bytes, f->width, 4 * pairs, 4 * pairs, pairs, pairs, 2 * pairs, 2 * pairs};
+    long double most = 0;
+    for (uint32_t y = 0; y < f->height; y += rows_each)
+        for (uint32_t x = 0; x < bytes[kind]; x++) {
+            const uint32_t odd = (x + (kind == 3)) % 2;
+            long double want = 0;
+            if (kind == 0)
+                want = rgb_code(s, r, f, x, y);
+            else if (kind == 1 || ((kind == 2 || kind == 3) && !odd))
+                want = luma(r, f, kind == 1 ? x : x / 2, y);
+            else if (kind == 2 || kind == 3)
+                want = chroma(r, f, x / 4 * 2, y, 1, x % 4 > 1);
+            else if (kind < 6)
+                want = chroma(r, f, 2 * x, y, rows_each, kind == 5);
+            else
+                want = chroma(r, f, x / 2 * 2, y, rows_each, x % 2 != (kind == 7));
+            most = fmaxl(most, fabsl(s->data[first + (size_t)(y / rows_each) * stride + x] - want));
+        }
+    return most;
 }
 
 static void check_screen(const fake_v4l2_screen *s, const rule *r, const frame *f, const char *what)
 {
-    const int yuyv = s->fourcc == V4L2_PIX_FMT_YUYV, nv12 = s->fourcc == V4L2_PIX_FMT_NV12;
-    const uint32_t even = f->width + f->width % 2, rows = f->height + (nv12 ? (f->height + 1) / 2 : 0);
-    const uint32_t rgb_bytes = f->width * (s->fourcc == V4L2_PIX_FMT_XBGR32 ? 4 : 3);
+    const uint32_t stride = s->stride_bytes, chroma_rows = (f->height + 1) / 2;
+    const size_t second = (size_t)stride * f->height, third = second + (size_t)(stride / 2) * chroma_rows;
+    const int planar = s->fourcc == V4L2_PIX_FMT_YUV420, turned = s->fourcc == V4L2_PIX_FMT_YVU420;
     long double most = 0;
     CHECK_MSG(s->width == f->width && s->height == f->height, "%s: %ux%u", what, s->width, s->height);
-    for (uint32_t y = 0; y < rows; y++) {
-        const uint32_t bytes = yuyv ? 2 * even : !nv12 ? rgb_bytes : y < f->height ? f->width : even;
-        for (uint32_t x = 0; x < bytes; x++) {
-            const long double off = s->data[(size_t)y * s->stride_bytes + x] - expected(s, r, f, x, y);
-            most = fmaxl(most, fabsl(off));
+    if (is_rgb(s->fourcc)) {
+        most = plane_off(s, r, f, 0, stride, 0, 1);
+    } else if (s->fourcc == V4L2_PIX_FMT_YUYV || s->fourcc == V4L2_PIX_FMT_UYVY) {
+        most = plane_off(s, r, f, 0, stride, s->fourcc == V4L2_PIX_FMT_YUYV ? 2 : 3, 1);
+    } else {
+        most = plane_off(s, r, f, 0, stride, 1, 1);
+        if (planar || turned) {
+            most = fmaxl(most, plane_off(s, r, f, second, stride / 2, planar ? 4 : 5, 2));
+            most = fmaxl(most, plane_off(s, r, f, third, stride / 2, planar ? 5 : 4, 2));
+        } else {
+            most = fmaxl(most, plane_off(s, r, f, second, stride, s->fourcc == V4L2_PIX_FMT_NV21 ? 7 : 6,
+                                         s->fourcc == V4L2_PIX_FMT_NV16 ? 1 : 2));
         }
     }
     CHECK_MSG(most <= 0.51L, "%s: a sample is %Lg codes off", what, most); /* rounding, and the factors' own */
@@ -148,7 +185,7 @@ static void test_formats(void)
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
         for (int way = 0; way < 5; way++) {
             fake_v4l2_config c;
-            const int yuv = i >= 3;
+            const int yuv = !is_rgb(formats[i].fourcc);
             char what[64];
             fake_v4l2_config_default(&c);
             c.out_format = formats[i].fourcc;
@@ -255,7 +292,7 @@ static void test_refusals(void)
     c.out_format = V4L2_PIX_FMT_GREY;
     refused(&c, "/dev/video2", 32,
             "/dev/video2: Fake Monitor: it takes GREY; what can be written: RGB3, BGR3, XR24, "
-            "YUYV, NV12");
+            "YUYV, NV12, YU12, UYVY, NV21, NV16, YV12, XB24, AR24, AB24");
     c = usual;
     c.out_format = V4L2_PIX_FMT_YUYV;
     c.out_ycbcr_enc = V4L2_YCBCR_ENC_BT2020;
