@@ -39,8 +39,8 @@ static const bus_format bus_formats[] = {
     BUS(SGBRG14_1X14, FOUR('G', 'B', '1', '4'), 0),
     BUS(SBGGR14_1X14, FOUR('B', 'G', '1', '4'), 0),
     BUS(Y8_1X8, V4L2_PIX_FMT_GREY, 0),
-    BUS(Y10_1X10, V4L2_PIX_FMT_Y10, 0),
-    BUS(Y12_1X12, V4L2_PIX_FMT_Y12, 0),
+    BUS(Y10_1X10, V4L2_PIX_FMT_Y10, FOUR('Y', '1', '0', 'P')),
+    BUS(Y12_1X12, V4L2_PIX_FMT_Y12, FOUR('Y', '1', '2', 'P')),
     BUS(RGB888_1X24, V4L2_PIX_FMT_RGB24, 0),
     BUS(UYVY8_1X16, 0, 0), /* in memory as the last chip makes it */
     BUS(YUYV8_1X16, 0, 0),

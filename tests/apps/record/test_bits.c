@@ -265,8 +265,23 @@ static void test_usage(void)
 
 int main(int argc, char **argv)
 {
-    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV,     V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_SRGGB10,
-                                       V4L2_PIX_FMT_SRGGB10P, V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_MJPEG};
+    static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV,
+                                       V4L2_PIX_FMT_NV12,
+                                       V4L2_PIX_FMT_SRGGB10,
+                                       V4L2_PIX_FMT_SRGGB10P,
+                                       V4L2_PIX_FMT_GREY,
+                                       V4L2_PIX_FMT_MJPEG,
+                                       V4L2_PIX_FMT_YUV420,
+                                       V4L2_PIX_FMT_YVU420,
+                                       V4L2_PIX_FMT_UYVY,
+                                       V4L2_PIX_FMT_NV21,
+                                       V4L2_PIX_FMT_NV16,
+                                       v4l2_fourcc('P', '0', '1', '0'),
+                                       v4l2_fourcc('Y', '1', '0', 'P'),
+                                       v4l2_fourcc('Y', '1', '2', 'P'),
+                                       V4L2_PIX_FMT_BGR24,
+                                       V4L2_PIX_FMT_XBGR32,
+                                       V4L2_PIX_FMT_RGBX32};
     check_begin(argc, argv);
     scratch_begin();
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
