@@ -9,7 +9,7 @@ static int usable(uint32_t pixel, int out)
     if (pixel >= PUPIL_PIXEL_COUNT)
         return 0;
     if (out)
-        return pupil_kernels_scalar.store[pixel] || pixel == PUPIL_PIXEL_NV12;
+        return pupil_kernels_scalar.store[pixel] || pixel == PUPIL_PIXEL_NV12 || pixel == PUPIL_PIXEL_I420;
     return pupil_kernels_scalar.load[pixel] || pupil_kernels_scalar.unpack[pixel];
 }
 

@@ -107,7 +107,7 @@ static int check_place(const pupil_object *object, const pupil_image_const *rows
     if (first_row >= frame_height || rows->height > frame_height - first_row)
         return PUPIL_ERR_ROWS;
     uint32_t together = pupil_pixel_rows(rows->pixel);
-    if (out && out->pixel == PUPIL_PIXEL_NV12)
+    if (out && pupil_pixel_planes(out->pixel) > 1)
         together = 2 * (rows->height / out->height); /* pairs of out's rows, of which a mosaic may have half as many */
     if (first_row % together || (rows->height % together && first_row + rows->height != frame_height))
         return PUPIL_ERR_ROWS;

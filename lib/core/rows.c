@@ -75,8 +75,8 @@ typedef struct work {
     pupil_coder coder;
     pupil_chroma_coder chroma;
     pupil_row_job meter, map;
-    uint32_t in_unit; /* rows of a mosaic's quad, or 1 */
-    uint32_t planes;  /* of in */
+    uint32_t in_unit;            /* rows of a mosaic's quad, or 1 */
+    uint32_t planes, planes_out; /* of in; of out */
 } work;
 
 static const uint8_t *in_row(const work *w, uint32_t i)
@@ -164,21 +164,24 @@ static pupil_row source_of(const work *w, uint32_t i)
     return row_of(w, w->map.way == PUPIL_WAY_BINNED ? 2 * i : i);
 }
 
-/* Rows i and i + 1 (or the last alone) of an NV12 picture. */
-static void map_nv12_rows(const work *w, uint32_t i)
+/* Rows i and i + 1 (or the last alone) of a picture in NV12 or I420. */
+static void map_yuv_rows(const work *w, uint32_t i)
 {
     const int two = i + 1 < w->out->height;
     const pupil_row upper = source_of(w, i), lower = source_of(w, two ? i + 1 : i);
-    uint8_t *chroma = (uint8_t *)w->out->chroma + (ptrdiff_t)(i / 2) * w->out->chroma_stride_bytes;
-    pupil_map_nv12(&w->map, &w->chroma, &upper, two ? &lower : 0, w->out->width, out_row(w, i),
-                   two ? out_row(w, i + 1) : 0, chroma);
+    const pupil_yuv_rows to = {
+        .upper = out_row(w, i),
+        .lower = two ? out_row(w, i + 1) : 0,
+        .chroma = (uint8_t *)w->out->chroma + (ptrdiff_t)(i / 2) * w->out->chroma_stride_bytes,
+        .cr = w->planes_out > 2 ? (uint8_t *)w->out->cr + (ptrdiff_t)(i / 2) * w->out->cr_stride_bytes : 0};
+    pupil_map_yuv(&w->map, &w->chroma, &upper, &lower, w->out->width, &to);
 }
 
 /* Rows i to end of out. */
 static void map_rows(const work *w, uint32_t i, uint32_t end)
 {
-    for (; i < end && w->out->pixel == PUPIL_PIXEL_NV12; i += 2)
-        map_nv12_rows(w, i);
+    for (; i < end && w->planes_out > 1; i += 2)
+        map_yuv_rows(w, i);
     for (; i < end; i++) {
         const pupil_row row = source_of(w, i);
         pupil_work_run(&w->map, &row, 0, w->out->width, out_row(w, i), 0, 0, 0);
@@ -186,7 +189,7 @@ static void map_rows(const work *w, uint32_t i, uint32_t end)
 }
 
 /* Where rows are not mapped one by one as they are metered: four at a time, which are whole quads, and whole pairs of
- * NV12 also in a picture of half the size. They stay in the cache from the one to the other. */
+ * 4:2:0 also in a picture of half the size. They stay in the cache from the one to the other. */
 static void work_in_fours(const work *w)
 {
     const uint32_t halved = w->map.way == PUPIL_WAY_BINNED ? 2 : 1;
@@ -205,12 +208,13 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     work w = {.object = object, .in = in, .out = out, .stats = stats, .first_row = first_row};
     const int mosaic = pupil_pixel_is_mosaic(in->pixel);
     const int halved = out && out->width != in->width;
-    const int nv12 = out && out->pixel == PUPIL_PIXEL_NV12;
+    const int yuv = out && pupil_pixel_planes(out->pixel) > 1;
     w.frame_height = frame_height;
     w.in_unit = mosaic ? 2 : 1;
     w.planes = pupil_pixel_planes(in->pixel);
+    w.planes_out = out ? pupil_pixel_planes(out->pixel) : 0;
     pupil_coder_make(in->coding, in->pixel, &w.coder);
-    if (nv12)
+    if (yuv)
         pupil_chroma_coder_make(out->coding, &w.chroma);
     w.map = (pupil_row_job){
         .kernels = pupil_level_kernels(object->level),
@@ -221,7 +225,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         .floor = object->config.floor,
         .clip = pupil_clip_of(&object->config, in->pixel, &w.coder),
         .in_pixel = in->pixel,
-        .out_pixel = nv12  ? (uint32_t)PUPIL_PIXEL_RGBA8
+        .out_pixel = yuv   ? (uint32_t)PUPIL_PIXEL_RGBA8
                      : out ? out->pixel
                            : (uint32_t)PUPIL_PIXEL_NONE,
         .way = !mosaic  ? PUPIL_WAY_PIXELS
@@ -244,7 +248,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         w.map.picture = &picture;
     }
 
-    if (mosaic || nv12)
+    if (mosaic || yuv)
         work_in_fours(&w);
     else
         for (uint32_t i = 0; i < in->height; i++)

@@ -13,8 +13,8 @@
  *     load -> histogram -> scale of planes (meters too) -> store
  *
  * To load a mosaic is three pieces: unpack (by format) to 16-bit samples, row by row; then binned, a pixel for each
- * quad, or bilinear, for each sample. A row of NV12 goes out as RGBA first, and its codes are then made into Y', Cb and
- * Cr.
+ * quad, or bilinear, for each sample. A row of NV12 or I420 goes out as RGBA first, and its codes are then made into
+ * Y', Cb and Cr.
  *
  * Each type is written once, here; every level has the same bits (no fused multiply-add, 16 fixed lanes). The scalar
  * level is the reference, and has every piece that exists; the others have what is faster than it.
@@ -158,6 +158,9 @@ typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes
 typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
 /* Writes the fourth byte of RGBA8 pixels. */
 typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
+/* The same from 0 to 1; and these to the pixels of a format with float or half alpha. */
+typedef void pupil_alpha_light_kernel(const void *source, uint32_t n, float *alpha);
+typedef void pupil_store_alpha_kernel(const float *alpha, uint32_t n, void *target);
 
 /* Of n RGBA codes. */
 typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *rgba, uint32_t n, uint8_t *luma);
@@ -182,8 +185,10 @@ typedef struct pupil_kernels {
     pupil_luma_kernel *luma_of_codes;
     pupil_chroma_kernel *chroma_of_codes;
     pupil_histogram_kernel *histogram;
-    pupil_store_kernel *store[PUPIL_PIXEL_COUNT]; /* by output format */
-    pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT]; /* by input format; scalar NULL: opaque */
+    pupil_store_kernel *store[PUPIL_PIXEL_COUNT];             /* by output format */
+    pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT];             /* by input format; scalar NULL: opaque */
+    pupil_alpha_light_kernel *alpha_light[PUPIL_PIXEL_COUNT]; /* the same formats */
+    pupil_store_alpha_kernel *store_alpha[PUPIL_PIXEL_COUNT]; /* by output format */
 } pupil_kernels;
 
 #define PUPIL_PLANES PUPIL_PIXEL_NONE
@@ -218,8 +223,14 @@ extern const float pupil_srgb8_to_linear[256];
 void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                     uint32_t weight, uint32_t band, pupil_stats *stats);
 
-/* Two rows (or one: lower and y_lower NULL) of n pixels to Y' and their common Cb and Cr; not metered. */
-void pupil_map_nv12(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_row *upper,
-                    const pupil_row *lower, uint32_t n, uint8_t *y_upper, uint8_t *y_lower, uint8_t *chroma);
+/* Where a pair of rows of NV12 or I420 goes. */
+typedef struct pupil_yuv_rows {
+    uint8_t *upper, *lower; /* lower NULL: there is none */
+    uint8_t *chroma, *cr;   /* cr NULL: Cb and Cr are both in chroma */
+} pupil_yuv_rows;
+
+/* Two rows (or one) of n pixels to Y' and their common Cb and Cr; not metered. */
+void pupil_map_yuv(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_row *upper,
+                   const pupil_row *lower, uint32_t n, const pupil_yuv_rows *to);
 
 #endif

@@ -6,6 +6,8 @@
 
 #include "kernels.h"
 
+#include "base/numeric.h"
+
 /* --- codes to light --- */
 
 /* Coded values, clamped to 0..top (NaN is impossible), to light: between two codes it is interpolated, on one it is the
@@ -529,6 +531,43 @@ static void to_picture(const float m[9], uint32_t n, pupil_planes *restrict p)
     }
 }
 
+/* --- display light, as floats and halves --- */
+
+/* Of what scale leaves; no zero is negative. */
+static inline float display_light(float v)
+{
+    v = v > 0.0f ? v : 0.0f;
+    return v < 1.0f ? v : 1.0f;
+}
+
+/* From 0 to 1, to nearest even. In [0.5, 1) an ulp is that of the smallest halves: the sum rounds those. */
+static inline uint16_t half_of_light(float v)
+{
+    const uint32_t bits = pupil_bits_of_float(v), small = pupil_bits_of_float(v + 0.5f) - pupil_bits_of_float(0.5f);
+    const uint32_t rounded = (bits + 0xfff + (bits >> 13 & 1)) >> 13;
+    return (uint16_t)(v < 0x1p-14f ? small : rounded - ((127 - 15) << 10));
+}
+
+#define FLOAT_OF_LIGHT(x) (x)
+#define STORE_LIGHT(NAME, TYPE, SAMPLES, CONVERT, ONE)                                                                 \
+    static void NAME(const pupil_planes *restrict p, uint32_t n, const pupil_encoder *encoder, void *target)           \
+    {                                                                                                                  \
+        TYPE *restrict t = target;                                                                                     \
+        (void)encoder;                                                                                                 \
+        for (uint32_t i = 0; i < n; i++) {                                                                             \
+            t[SAMPLES * i] = CONVERT(display_light(p->r[i]));                                                          \
+            t[SAMPLES * i + 1] = CONVERT(display_light(p->g[i]));                                                      \
+            t[SAMPLES * i + 2] = CONVERT(display_light(p->b[i]));                                                      \
+            if (SAMPLES == 4)                                                                                          \
+                t[SAMPLES * i + SAMPLES - 1] = ONE;                                                                    \
+        }                                                                                                              \
+    }
+
+STORE_LIGHT(store_rgba32f, float, 4, FLOAT_OF_LIGHT, 1.0f)
+STORE_LIGHT(store_rgb32f, float, 3, FLOAT_OF_LIGHT, 1.0f)
+STORE_LIGHT(store_rgba16f, uint16_t, 4, half_of_light, 0x3c00)
+STORE_LIGHT(store_rgb16f, uint16_t, 3, half_of_light, 0x3c00)
+
 /* --- display codes to Y' Cb Cr 4:2:0 --- */
 
 static inline uint32_t word_at(const uint8_t *p)
@@ -596,6 +635,10 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
     [PUPIL_PIXEL_P010] = load_p010, [PUPIL_PIXEL_I420_10] = load_i420_10, [PUPIL_PIXEL_GREY8] = load_grey8,            \
     [PUPIL_PIXEL_GREY10] = load_grey16, [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16,        \
     [PUPIL_PIXEL_GREY10P] = load_grey10p, [PUPIL_PIXEL_GREY12P] = load_grey12p
+
+#define STORES_OF_LIGHT                                                                                                \
+    [PUPIL_PIXEL_RGBA32F] = store_rgba32f, [PUPIL_PIXEL_RGB32F] = store_rgb32f, [PUPIL_PIXEL_RGBA16F] = store_rgba16f, \
+    [PUPIL_PIXEL_RGB16F] = store_rgb16f
 
 #define CAMERA_PIECES                                                                                                  \
     .unpack =                                                                                                          \

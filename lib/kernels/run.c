@@ -194,6 +194,8 @@ typedef struct mapper {
     pupil_scale_kernel *direct, *planar; /* from the format, where there is such a piece; from planes */
     pupil_store_kernel *store;
     pupil_alpha_kernel *alpha;
+    pupil_alpha_light_kernel *alpha_light;
+    pupil_store_alpha_kernel *store_alpha;
     int histogram;
 } mapper;
 
@@ -205,6 +207,8 @@ static inline mapper mapper_of(const pupil_row_job *job, int metered)
                     .planar = k->scale[PUPIL_PLANES],
                     .store = PUPIL_PIECE(k, store[job->out_pixel]),
                     .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
+                    .alpha_light = PUPIL_PIECE(k, alpha_light[job->in_pixel]),
+                    .store_alpha = PUPIL_PIECE(k, store_alpha[job->out_pixel]),
                     .histogram = histogram};
 }
 
@@ -240,6 +244,10 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
         with.store(planes, n, job->encoder, target);
         if (with.alpha && !opaque)
             with.alpha(source, n, target);
+        if (with.store_alpha && with.alpha_light && !opaque) {
+            with.alpha_light(source, n, planes->grey);
+            with.store_alpha(planes->grey, n, target);
+        }
     }
 }
 

@@ -291,6 +291,46 @@ static void alpha_rgb10a2(const void *source, uint32_t n, uint8_t *rgba)
         rgba[4 * i + 3] = (uint8_t)((s[i] >> 30) * 85); /* 255 / 3 */
 }
 
+/* --- alpha as a number from 0 to 1 --- */
+
+#define ALPHA_LIGHT(NAME, TYPE, CONVERT)                                                                               \
+    static void NAME(const void *source, uint32_t n, float *alpha)                                                     \
+    {                                                                                                                  \
+        const TYPE *s = source;                                                                                        \
+        for (uint32_t i = 0; i < n; i++)                                                                               \
+            alpha[i] = CONVERT(s[4 * i + 3]);                                                                          \
+    }
+
+#define LIGHT_OF_HALF(h) display_light(half_to_float(h))
+#define LIGHT_OF_16(a)   ((float)(a) / 65535.0f)
+#define LIGHT_OF_8(a)    ((float)(a) / 255.0f)
+
+ALPHA_LIGHT(alpha_light_rgba32f, float, display_light)
+ALPHA_LIGHT(alpha_light_rgba16f, uint16_t, LIGHT_OF_HALF)
+ALPHA_LIGHT(alpha_light_rgba16, uint16_t, LIGHT_OF_16)
+ALPHA_LIGHT(alpha_light_rgba8, uint8_t, LIGHT_OF_8)
+
+static void alpha_light_rgb10a2(const void *source, uint32_t n, float *alpha)
+{
+    const uint32_t *s = source;
+    for (uint32_t i = 0; i < n; i++)
+        alpha[i] = (float)(int32_t)(s[i] >> 30) / 3.0f;
+}
+
+static void store_alpha_32f(const float *alpha, uint32_t n, void *target)
+{
+    float *t = target;
+    for (uint32_t i = 0; i < n; i++)
+        t[4 * i + 3] = alpha[i];
+}
+
+static void store_alpha_16f(const float *alpha, uint32_t n, void *target)
+{
+    uint16_t *t = target;
+    for (uint32_t i = 0; i < n; i++)
+        t[4 * i + 3] = half_of_light(alpha[i]);
+}
+
 const pupil_kernels pupil_kernels_scalar = {
     .load =
         {
@@ -313,6 +353,7 @@ const pupil_kernels pupil_kernels_scalar = {
             [PUPIL_PIXEL_RGB8] = store_rgb8,
             [PUPIL_PIXEL_BGRX8] = store_bgrx8,
             [PUPIL_PIXEL_BGR8] = store_bgr8,
+            STORES_OF_LIGHT,
         },
     .alpha =
         {
@@ -321,5 +362,18 @@ const pupil_kernels pupil_kernels_scalar = {
             [PUPIL_PIXEL_RGBA16] = alpha_rgba16,
             [PUPIL_PIXEL_RGBA8] = alpha_rgba8,
             [PUPIL_PIXEL_RGB10A2] = alpha_rgb10a2,
+        },
+    .alpha_light =
+        {
+            [PUPIL_PIXEL_RGBA32F] = alpha_light_rgba32f,
+            [PUPIL_PIXEL_RGBA16F] = alpha_light_rgba16f,
+            [PUPIL_PIXEL_RGBA16] = alpha_light_rgba16,
+            [PUPIL_PIXEL_RGBA8] = alpha_light_rgba8,
+            [PUPIL_PIXEL_RGB10A2] = alpha_light_rgb10a2,
+        },
+    .store_alpha =
+        {
+            [PUPIL_PIXEL_RGBA32F] = store_alpha_32f,
+            [PUPIL_PIXEL_RGBA16F] = store_alpha_16f,
         },
 };

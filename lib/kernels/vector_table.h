@@ -127,6 +127,7 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_RGB8] = store_rgb8,                                                                           \
             [PUPIL_PIXEL_BGRX8] = store_bgrx8,                                                                         \
             [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
+            STORES_OF_LIGHT,                                                                                           \
     },                                                                                                                 \
     CAMERA_PIECES
 

@@ -9,10 +9,10 @@
 /* Rows of `rows` that get one gain. */
 static uint32_t rows_together(const pupil_image_const *rows, const pupil_image *out)
 {
-    const int nv12 = out->pixel == PUPIL_PIXEL_NV12;
-    if (nv12 && out->width != rows->width)
+    const int pairs = pupil_pixel_planes(out->pixel) > 1;
+    if (pairs && out->width != rows->width)
         return 4;
-    return nv12 ? 2 : pupil_pixel_rows(rows->pixel);
+    return pairs ? 2 : pupil_pixel_rows(rows->pixel);
 }
 
 /* Of one, two or four, so that the parts are exact; the largest floats have no sum. */

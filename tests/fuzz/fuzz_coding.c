@@ -78,12 +78,13 @@ static void check_levels(const picture *in, const picture *out, uint32_t choices
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const uint32_t outputs[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_BGR8};
+    static const uint32_t outputs[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_NV12,    PUPIL_PIXEL_BGR8,
+                                       PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB16F};
     input = data;
     input_left = size;
     const uint32_t pixel = PUPIL_PIXEL_RGBA32F + take_below(PUPIL_PIXEL_COUNT - 1);
     const pupil_coding coding = take_coding(pixel);
-    const uint32_t choices = take_below(512), output = outputs[take_below(3)];
+    const uint32_t choices = take_below(512), output = outputs[take_below(6)];
     picture in = any_picture(pixel), out = picture_make(in.image.width, in.image.height, output, GUARD);
     in.image.coding = &coding;
     in.refused = pupil_coding_check(&coding, pixel, NULL) != PUPIL_OK;

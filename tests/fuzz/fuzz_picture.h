@@ -163,7 +163,8 @@ static picture picture_like(const picture *p)
 static int picture_same(const picture *a, const picture *b)
 {
     return memcmp(a->data.memory, b->data.memory, plane_bytes(&a->data)) == 0 &&
-           (!a->image.chroma || memcmp(a->chroma.memory, b->chroma.memory, plane_bytes(&a->chroma)) == 0);
+           (!a->image.chroma || memcmp(a->chroma.memory, b->chroma.memory, plane_bytes(&a->chroma)) == 0) &&
+           (!a->image.cr || memcmp(a->cr.memory, b->cr.memory, plane_bytes(&a->cr)) == 0);
 }
 
 /* Mostly one that the format can have. */
@@ -217,10 +218,12 @@ static inline picture picture_in(uint32_t width, uint32_t height)
 /* Any output for it, of half its size where that can be; and the codings of both, which stay where the pictures do. */
 static inline picture picture_out(picture *in)
 {
-    static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12,
-                                     PUPIL_PIXEL_BGR8};
+    static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,  PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
+                                     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
+                                     PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F};
     const uint32_t smaller = is_mosaic(in->image.pixel) && take_below(2) ? 2 : 1;
-    picture out = picture_make(in->image.width / smaller, in->image.height / smaller, pixel[take_below(5)], GUARD);
+    picture out = picture_make(in->image.width / smaller, in->image.height / smaller,
+                               pixel[take_below(sizeof pixel / sizeof *pixel)], GUARD);
     static pupil_coding coding[2]; /* of the last pictures made */
     coding[0] = take_coding(in->image.pixel);
     coding[1] = take_coding(PUPIL_PIXEL_NV12);

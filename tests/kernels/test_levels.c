@@ -25,8 +25,9 @@ static const uint32_t in_pixel[] = {
     PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,    PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,
     PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8,   PUPIL_PIXEL_GREY10P, PUPIL_PIXEL_GREY12P,  PUPIL_PIXEL_BGR32F,
     PUPIL_PIXEL_RGB16F,  PUPIL_PIXEL_P010,    PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2};
-static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12,
-                                     PUPIL_PIXEL_BGR8};
+static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,  PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
+                                     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
+                                     PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F};
 #define INS  (sizeof in_pixel / sizeof *in_pixel)
 #define OUTS (sizeof out_pixel / sizeof *out_pixel)
 
@@ -54,7 +55,7 @@ static void work(const frame *in, const pupil_config *usual, const pupil_curve *
     o->mapped = frame_make(in->image.width / smaller, h / smaller, pixel, padding, upside_down);
     o->fused_to = frame_make(in->image.width / smaller, h / smaller, pixel, padding, upside_down);
     o->mapped.image.coding = o->fused_to.image.coding = in->image.coding;
-    if (pixel != PUPIL_PIXEL_NV12)
+    if (pixel != PUPIL_PIXEL_NV12 && pixel != PUPIL_PIXEL_I420)
         o->mapped.image.coding = o->fused_to.image.coding = NULL;
     const pupil_image mapped = frame_writable(&o->mapped), fused = frame_writable(&o->fused_to);
     pupil_stats_clear(&o->metered);
@@ -204,8 +205,8 @@ static void one(uint32_t width, uint32_t height, size_t in, size_t out, int kind
     const pupil_curve curve = any_curve();
     const int halved = pupil_pixel_is_mosaic(in_pixel[in]) && check_uniform() < 0.5;
     f.image.coding = !frame_is_rgb(in_pixel[in]) ? &coding : NULL;
-    compare(&f, &config, &curve, out_pixel[out] | (halved ? HALVED : 0), (size_t)(check_uniform() * 7),
-            check_uniform() < 0.3, what);
+    compare(&f, &config, &curve, out_pixel[out] | (halved ? HALVED : 0),
+            sample_bytes(out_pixel[out]) * (size_t)(check_uniform() * 7), check_uniform() < 0.3, what);
     frame_free(&f);
 }
 
@@ -266,7 +267,7 @@ static unsigned char *last(const last_bytes *l, size_t bytes)
 static void at_the_end_of_memory(void)
 {
     const last_bytes in = last_bytes_make(), in_chroma = last_bytes_make(), in_cr = last_bytes_make(),
-                     out = last_bytes_make(), out_chroma = last_bytes_make();
+                     out = last_bytes_make(), out_chroma = last_bytes_make(), out_cr = last_bytes_make();
     for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++)
         for (size_t i = 0; i < INS; i++)
             for (uint32_t w = 1; w <= 66; w++) {
@@ -290,7 +291,8 @@ static void at_the_end_of_memory(void)
                                             .width = width,
                                             .height = height,
                                             .pixel = to,
-                                            .chroma = last(&out_chroma, width + width % 2)};
+                                            .chroma = last(&out_chroma, pupil_chroma_row_bytes(to, width)),
+                                            .cr = last(&out_cr, pupil_chroma_row_bytes(to, width))};
                 pupil_stats stats;
                 pupil_t pupil;
                 config.levels = 1u << level;
@@ -304,6 +306,7 @@ static void at_the_end_of_memory(void)
     munmap(in_cr.memory, in_cr.size);
     munmap(out.memory, out.size);
     munmap(out_chroma.memory, out_chroma.size);
+    munmap(out_cr.memory, out_cr.size);
 }
 
 /* --- threads --- */

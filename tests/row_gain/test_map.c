@@ -48,7 +48,7 @@ static void check_pair(uint32_t from, uint32_t to, int halved)
         gain[i] = (float)exp2(2 * check_uniform() - 1);
         one[i] = 1;
     }
-    const uint32_t together = to == PUPIL_PIXEL_NV12 && halved ? 4 : to == PUPIL_PIXEL_NV12 || pairs ? 2 : 1;
+    const uint32_t together = pupil_pixel_planes(to) > 1 && halved ? 4 : pupil_pixel_planes(to) > 1 || pairs ? 2 : 1;
     map_by_hand(&pupil, &in.image, gain, &to_a, together);
     CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to_b) == PUPIL_OK);
     CHECK_MSG(frame_equal(&a, &b), "format %u to %u, halved %d, %u x %u", from, to, halved, width, height);
@@ -156,8 +156,9 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     for (uint32_t from = PUPIL_PIXEL_RGBA32F; from < PUPIL_PIXEL_COUNT; from++) {
         check_metering(from);
-        for (int i = 0; i < 4; i++) {
-            static const uint32_t to[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_BGR8};
+        for (int i = 0; i < 6; i++) {
+            static const uint32_t to[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_NV12,
+                                          PUPIL_PIXEL_BGR8,  PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA16F};
             check_pair(from, to[i], 0);
             if (pupil_pixel_is_mosaic(from))
                 check_pair(from, to[i], 1);

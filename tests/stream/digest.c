@@ -1,6 +1,6 @@
 /* A battery of frames and settings through the public interface, one line a case: its name and a digest of every bit
  * that came out. The frames are made of integers alone, so that any difference between two machines is the library's.
- * Runs without a C library: 100 KiB of memory, memcpy and a function that prints text.
+ * Runs without a C library: 150 KiB of memory, memcpy and a function that prints text.
  */
 #include "digest.h"
 
@@ -9,15 +9,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { MAX_PIXELS = 64 * 48 + 2 * 48 + 1500, INPUT_BYTES = MAX_PIXELS * 16, OUTPUT_BYTES = MAX_PIXELS * 4 };
+enum {
+    MAX_PIXELS = 64 * 48 + 2 * 48 + 1500,
+    INPUT_BYTES = MAX_PIXELS * 16,
+    OUTPUT_BYTES = MAX_PIXELS * 4,
+    MOST_OUTPUT_BYTES = MAX_PIXELS * 16
+};
 
 static union {
     uint64_t aligned;
     unsigned char bytes[INPUT_BYTES];
 } input;
-static unsigned char output[OUTPUT_BYTES];
+static _Alignas(4) unsigned char output[MOST_OUTPUT_BYTES];
 static _Alignas(2) unsigned char input_chroma[MAX_PIXELS];
-static unsigned char output_chroma[MAX_PIXELS];
+static unsigned char output_chroma[MAX_PIXELS], output_cr[MAX_PIXELS];
 
 /* --- digests and numbers --- */
 
@@ -181,7 +186,7 @@ static pupil_frame_info make_info(const digest_case *c, unsigned number)
 /* How many rows there are in a group of about `about`: whole pairs, where rows come in pairs. */
 static uint32_t group_of(const pupil_image_const *in, const pupil_image *out, uint32_t about)
 {
-    const int pairs = in->pixel >= PUPIL_PIXEL_NV12 || out->pixel == PUPIL_PIXEL_NV12;
+    const int pairs = in->pixel >= PUPIL_PIXEL_NV12 || pupil_pixel_planes(out->pixel) > 1;
     return pairs ? about + about % 2 : about;
 }
 
@@ -299,13 +304,19 @@ uint64_t digest_run(const digest_case *c)
         out.pixel = c->out;
         out.chroma = output_chroma;
         out.chroma_stride_bytes = (ptrdiff_t)(out.width + out.width % 2);
-        out.coding = c->out == PUPIL_PIXEL_NV12 ? &c->coding : NULL;
-        for (size_t i = 0; i < OUTPUT_BYTES; i++)
+        out.cr = output_cr;
+        out.cr_stride_bytes = out.chroma_stride_bytes;
+        const int yuv = pupil_pixel_planes(c->out) > 1;
+        const size_t bytes = pupil_pixel_bytes(c->out) > 4 ? MOST_OUTPUT_BYTES : OUTPUT_BYTES;
+        out.coding = yuv ? &c->coding : NULL;
+        for (size_t i = 0; i < bytes; i++)
             output[i] = 0xa5;
         digest = fnv_u64(digest, (uint64_t)(int64_t)one_frame(&pupil, c, &in, &info, &out));
-        digest = fnv(digest, output, OUTPUT_BYTES);
-        if (c->out == PUPIL_PIXEL_NV12)
+        digest = fnv(digest, output, bytes);
+        if (yuv)
             digest = fnv(digest, output_chroma, out.width * (size_t)(out.height + 1) / 2);
+        if (c->out == PUPIL_PIXEL_I420)
+            digest = fnv(digest, output_cr, out.width * (size_t)(out.height + 1) / 2);
         digest = digest_state(digest, &pupil, &info);
     }
     return digest;

@@ -165,6 +165,29 @@ static void companded(uint32_t in, uint32_t flags)
     run(&c);
 }
 
+/* To I420, and to linear light: at sizes that are odd, and with alpha. */
+static void outputs(void)
+{
+    static const uint32_t outs[] = {PUPIL_PIXEL_I420, PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F, PUPIL_PIXEL_RGBA16F,
+                                    PUPIL_PIXEL_RGB16F};
+    static const uint32_t ins[] = {PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BAYER10, PUPIL_PIXEL_RGB10A2};
+    for (uint32_t o = 0; o < 5; o++)
+        for (uint32_t i = 0; i < 4; i++) {
+            digest_case c = usual();
+            c.in = ins[i];
+            c.out = outs[o];
+            c.width = i == 2 ? 64 : 37;
+            c.height = i == 2 ? 48 : 21;
+            c.frames = 2;
+            c.flags |= i == 1 ? DIGEST_UPSIDE_DOWN : i == 2 ? DIGEST_HALVED : 0;
+            put("out-");
+            put(pixel_names[c.in]);
+            put("-");
+            put(pixel_names[c.out]);
+            run(&c);
+        }
+}
+
 static void some_rows(digest_case *c)
 {
     c->config.meter_rows = 4;
@@ -375,5 +398,6 @@ int main(void)
     companded(PUPIL_PIXEL_GREY12P, DIGEST_ROWS);
     companded(PUPIL_PIXEL_BAYER12, DIGEST_SEAM);
     companded(PUPIL_PIXEL_BAYER10P, DIGEST_HALVED);
+    outputs();
     return 0;
 }

@@ -9,10 +9,11 @@
 
 const char *const bench_kernel_names[BENCH_KERNELS] = {"meter", "map", "fused", "exact", "default"};
 const char *const bench_level_names[PUPIL_LEVEL_COUNT] = {"scalar", "neon", "avx2", "avx512"};
-const bench_out bench_outs[] = {{"rgba8", PUPIL_PIXEL_RGBA8, 1}, {"rgb8", PUPIL_PIXEL_RGB8, 1},
-                                {"bgrx8", PUPIL_PIXEL_BGRX8, 1}, {"bgr8", PUPIL_PIXEL_BGR8, 1},
-                                {"nv12", PUPIL_PIXEL_NV12, 1},   {"half", PUPIL_PIXEL_RGBA8, 2},
-                                {NULL, PUPIL_PIXEL_NONE, 0}};
+const bench_out bench_outs[] = {
+    {"rgba8", PUPIL_PIXEL_RGBA8, 1},     {"rgb8", PUPIL_PIXEL_RGB8, 1},       {"bgrx8", PUPIL_PIXEL_BGRX8, 1},
+    {"bgr8", PUPIL_PIXEL_BGR8, 1},       {"nv12", PUPIL_PIXEL_NV12, 1},       {"half", PUPIL_PIXEL_RGBA8, 2},
+    {"i420", PUPIL_PIXEL_I420, 1},       {"rgba32f", PUPIL_PIXEL_RGBA32F, 1}, {"rgb32f", PUPIL_PIXEL_RGB32F, 1},
+    {"rgba16f", PUPIL_PIXEL_RGBA16F, 1}, {"rgb16f", PUPIL_PIXEL_RGB16F, 1},   {NULL, PUPIL_PIXEL_NONE, 0}};
 
 static void configure(pupil_config *c, bench_which which)
 {

@@ -33,7 +33,9 @@ extern "C" {
  * - RGB of 16 bits: code 65535.
  * - Grey and mosaics: coding.white, usually the sensor's clipping. A mosaic's balance and matrix come after it.
  * - Float and half: the frame's own unit. Renderers and EXR files usually have diffuse white at 1, with light above it.
- * - Outputs: the brightest that the display shows.
+ * - Outputs: the brightest that the display shows. Float and half outputs are linear display light from 0 to 1, before
+ *   config.transfer, which is for 8 bits: with it, the floats become the 8-bit output's codes; halves, which are
+ *   rounded, may be one off. There is no output of 10 bits, PQ or HLG.
  *
  * Pixel formats. "linear": the sample is proportional to light. "sRGB": coded with the curve of IEC 61966-2-1.
  * Integer samples represent 0..1: code / (2^bits - 1), unless the image's coding says otherwise. Alpha is never light:
@@ -41,9 +43,9 @@ extern "C" {
  * alpha. Names in parentheses are those of V4L2. */
 typedef enum pupil_pixel {
     PUPIL_PIXEL_NONE = 0,
-    PUPIL_PIXEL_RGBA32F, /* in: 4 x IEEE binary32, linear */
-    PUPIL_PIXEL_RGB32F,  /* in: 3 x IEEE binary32, linear */
-    PUPIL_PIXEL_RGBA16F, /* in: 4 x IEEE binary16, linear */
+    PUPIL_PIXEL_RGBA32F, /* in and out: 4 x IEEE binary32, linear */
+    PUPIL_PIXEL_RGB32F,  /* in and out: 3 x IEEE binary32, linear */
+    PUPIL_PIXEL_RGBA16F, /* in and out: 4 x IEEE binary16, linear */
     PUPIL_PIXEL_RGBA16,  /* in: 4 x unsigned 16 bit, linear */
     PUPIL_PIXEL_RGB16,   /* in: 3 x unsigned 16 bit, linear */
     PUPIL_PIXEL_RGBA8,   /* in: 4 x unsigned 8 bit, sRGB; out: in the configured transfer */
@@ -70,18 +72,18 @@ typedef enum pupil_pixel {
                            * width is a multiple of 4 */
     PUPIL_PIXEL_BAYER12P, /* in: 2 pixels in 3 bytes, the lowest bits in the last (MIPI CSI-2 RAW12; pRCC ...) */
 
-    PUPIL_PIXEL_I420, /* in: Y' in `data`; Cb of each 2 x 2 pixels in `chroma`, Cr in `cr` (YU12). YV12 is the same with
-                       * the pointers exchanged. Odd sizes as NV12 */
-    PUPIL_PIXEL_NV21, /* in: as NV12, with Cr before Cb (NV21) */
-    PUPIL_PIXEL_NV16, /* in: as NV12, with a row of Cb Cr for each row of Y' (NV16); rows do not come in pairs */
-    PUPIL_PIXEL_UYVY, /* in: two pixels in Cb Y' Cr Y' (UYVY); odd widths as YUYV */
-    PUPIL_PIXEL_BGR8, /* in: 3 x unsigned 8 bit, blue first, sRGB; out: in the configured transfer (BGR3; OpenCV) */
+    PUPIL_PIXEL_I420,  /* in and out: Y' in `data`; Cb of each 2 x 2 pixels in `chroma`, Cr in `cr` (YU12). YV12 is the
+                        * same with  the pointers exchanged. Odd sizes as NV12 */
+    PUPIL_PIXEL_NV21,  /* in: as NV12, with Cr before Cb (NV21) */
+    PUPIL_PIXEL_NV16,  /* in: as NV12, with a row of Cb Cr for each row of Y' (NV16); rows do not come in pairs */
+    PUPIL_PIXEL_UYVY,  /* in: two pixels in Cb Y' Cr Y' (UYVY); odd widths as YUYV */
+    PUPIL_PIXEL_BGR8,  /* in: 3 x unsigned 8 bit, blue first, sRGB; out: in the configured transfer (BGR3; OpenCV) */
     PUPIL_PIXEL_RGBX8, /* in: as RGBA8, and the fourth byte is ignored (XB24) */
 
     PUPIL_PIXEL_GREY10P, /* in: 4 pixels in 5 bytes as BAYER10P (Y10P); any width, and whole groups of 5 bytes */
     PUPIL_PIXEL_GREY12P, /* in: 2 pixels in 3 bytes as BAYER12P (Y12P); any width, and whole groups of 3 bytes */
     PUPIL_PIXEL_BGR32F,  /* in: 3 x IEEE binary32, blue first, linear (OpenCV) */
-    PUPIL_PIXEL_RGB16F,  /* in: 3 x IEEE binary16, linear */
+    PUPIL_PIXEL_RGB16F,  /* in and out: 3 x IEEE binary16, linear */
 
     PUPIL_PIXEL_P010,    /* in: NV12 of 10 bits, in the upper ones of 16-bit words; the lower ones are ignored (P010) */
     PUPIL_PIXEL_I420_10, /* in: I420 of 10 bits, in the lower ones of 16-bit words (yuv420p10, I420_10LE) */
@@ -95,8 +97,8 @@ typedef enum pupil_pixel {
  * width and height it is mapped quad by quad.
  *
  * Rows of 4:2:0 (NV12, NV21, I420, P010, I420_10) and of mosaics come in pairs. A group of rows begins at an even one.
- * It has an odd number of rows only at the end of a 4:2:0 frame. To NV12 of half a mosaic's size they come in fours,
- * which are a pair there.
+ * It has an odd number of rows only at the end of a 4:2:0 frame. To NV12 and I420 of half a mosaic's size they come in
+ * fours, which are a pair there.
  *
  * To interpolate a mosaic, the rows next to the group are read too, if rows_above and rows_below are not 0. Where they
  * are 0, at the frame's edges, the picture is mirrored. pupil_image_rows sets both. */
@@ -111,7 +113,7 @@ typedef struct pupil_image {
     ptrdiff_t chroma_stride_bytes; /* may be negative; pupil_chroma_row_bytes is its least */
     void *cr;                      /* I420, I420_10: the top row of Cr */
     ptrdiff_t cr_stride_bytes;     /* as chroma_stride_bytes */
-    const pupil_coding *coding;    /* NULL: all zero. NV12: its matrix and range */
+    const pupil_coding *coding;    /* NULL: all zero. NV12 and I420: its matrix and range */
 } pupil_image;
 
 typedef struct pupil_image_const {
