@@ -261,8 +261,11 @@ int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *
 {
     memset(textures, 0, sizeof *textures);
     *framebuffer = 0;
-    if (buffer->pixel != PUPIL_PIXEL_RGBA8 && buffer->pixel != PUPIL_PIXEL_BGRX8)
-        return pupil_refuse(why, "dma-buf: pixel format %u cannot be drawn to; RGBA8 and BGRX8 can", buffer->pixel);
+    if (buffer->pixel != PUPIL_PIXEL_RGBA8 && buffer->pixel != PUPIL_PIXEL_RGBX8 && buffer->pixel != PUPIL_PIXEL_BGRX8)
+        return pupil_refuse(why,
+                            "dma-buf: pixel format %u cannot be drawn to; RGBA8, RGBX8 and BGRX8 can, and the CPU "
+                            "writes more (pupil/image.h)",
+                            buffer->pixel);
     if (pupil_dmabuf_import(buffer, textures, why) != 0)
         return -1;
     gl.gen_framebuffers(1, &textures->framebuffer);

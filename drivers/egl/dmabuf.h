@@ -46,8 +46,8 @@ int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textu
 /* Deletes what import or framebuffer made; twice is allowed. */
 void pupil_dmabuf_release(pupil_dmabuf_textures *textures);
 
-/* The same for an output: a framebuffer that renders into the buffer (RGBA8 or BGRX8), for pupil_gles_target. It is
- * pupil_dmabuf_release's to delete, too. */
+/* The same for an output: a framebuffer that renders into the buffer (RGBA8, RGBX8 or BGRX8), for pupil_gles_target. It
+ * is pupil_dmabuf_release's to delete, too. */
 int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
                              pupil_why *why);
 

@@ -289,8 +289,8 @@ int pupil_live_is_linear(const pupil_source *source)
     const pupil_v4l2_capture *capture = &of(source)->capture;
     const uint32_t pixel = capture->format.pixel;
     const uint32_t light = capture->format.coding.light;
-    const int is_grey = pixel >= PUPIL_PIXEL_GREY8 && pixel <= PUPIL_PIXEL_GREY16;
     const int is_raw = pupil_pixel_is_mosaic(pixel);
+    const int is_grey = pupil_pixel_bits(pixel) && !is_raw;
     if (light != PUPIL_LIGHT_DEFAULT || capture->format.compressed)
         return light == PUPIL_LIGHT_LINEAR;
     return is_raw || (is_grey && strcmp(capture->device.driver, "uvcvideo") != 0);

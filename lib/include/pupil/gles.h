@@ -70,7 +70,7 @@ typedef enum pupil_gles_source {
     PUPIL_GLES_MEMORY = 0, /* default: pupil_gles_upload copies images into textures made by init */
     PUPIL_GLES_TEXTURES,   /* pupil_gles_use names the caller's GL_TEXTURE_2D, for instance dma-bufs */
     PUPIL_GLES_EXTERNAL, /* pupil_gles_use names one GL_TEXTURE_EXTERNAL_OES, whose driver converts its content to RGB.
-                          * config.pixel is RGBA8; coding.light says how it is coded (default: sRGB). Needs
+                          * config.pixel is RGBA8; coding.light says how it is coded, as of RGB10A2. Needs
                           * GL_OES_EGL_image_external_essl3 */
     PUPIL_GLES_SOURCE_COUNT
 } pupil_gles_source;

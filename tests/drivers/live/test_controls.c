@@ -137,13 +137,21 @@ static void test_linear(void)
     static const struct {
         uint32_t fourcc, transfer;
         int linear, of_uvc;
-    } cases[] = {
-        {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_DEFAULT, 0, 0},   {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_709, 0, 0},
-        {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_NONE, 1, 1},      {V4L2_PIX_FMT_NV12, V4L2_XFER_FUNC_SRGB, 0, 0},
-        {V4L2_PIX_FMT_MJPEG, V4L2_XFER_FUNC_DEFAULT, 0, 0},  {V4L2_PIX_FMT_RGB24, V4L2_XFER_FUNC_DEFAULT, 0, 0},
-        {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_DEFAULT, 1, 0},   {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_NONE, 1, 1},
-        {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_SRGB, 0, 0},      {V4L2_PIX_FMT_Y12, V4L2_XFER_FUNC_DEFAULT, 1, 0},
-        {V4L2_PIX_FMT_SRGGB10, V4L2_XFER_FUNC_DEFAULT, 1, 1}};
+    } cases[] = {{V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_DEFAULT, 0, 0},
+                 {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_709, 0, 0},
+                 {V4L2_PIX_FMT_YUYV, V4L2_XFER_FUNC_NONE, 1, 1},
+                 {V4L2_PIX_FMT_NV12, V4L2_XFER_FUNC_SRGB, 0, 0},
+                 {V4L2_PIX_FMT_MJPEG, V4L2_XFER_FUNC_DEFAULT, 0, 0},
+                 {V4L2_PIX_FMT_RGB24, V4L2_XFER_FUNC_DEFAULT, 0, 0},
+                 {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_DEFAULT, 1, 0},
+                 {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_NONE, 1, 1},
+                 {V4L2_PIX_FMT_GREY, V4L2_XFER_FUNC_SRGB, 0, 0},
+                 {V4L2_PIX_FMT_Y12, V4L2_XFER_FUNC_DEFAULT, 1, 0},
+                 {v4l2_fourcc('Y', '1', '0', 'P'), V4L2_XFER_FUNC_DEFAULT, 1, 0},
+                 {v4l2_fourcc('Y', '1', '2', 'P'), V4L2_XFER_FUNC_709, 0, 0},
+                 {v4l2_fourcc('P', '0', '1', '0'), V4L2_XFER_FUNC_SMPTE2084, 0, 0},
+                 {V4L2_PIX_FMT_BGR24, V4L2_XFER_FUNC_DEFAULT, 0, 0},
+                 {V4L2_PIX_FMT_SRGGB10, V4L2_XFER_FUNC_DEFAULT, 1, 1}};
     for (size_t i = 0; i < 2 * sizeof cases / sizeof cases[0]; i++) {
         fake_v4l2_config config = usual();
         config.only_format = cases[i / 2].fourcc;
