@@ -252,6 +252,23 @@ int pupil_get_stats_sized(const pupil_t *pupil, pupil_stats *stats, size_t stats
 
 /* --- a frame at once --- */
 
+int pupil_meter(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info)
+{
+    pupil_input from;
+    pupil_frame_info own;
+    int error = read_in(pupil, &from, in);
+    if (!error)
+        error = pupil_info_read(&own, info);
+    if (error)
+        return error;
+    pupil_object *object = pupil_object_of(pupil);
+    if (object->progress.active)
+        return PUPIL_ERR_ORDER;
+    pupil_stats_clear(&object->stats);
+    pupil_work_rows(object, &from.image, 0, from.image.height, &object->stats, 0, 0);
+    return pupil_adapt(pupil, &object->stats, info ? &own : 0);
+}
+
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     pupil_input from;

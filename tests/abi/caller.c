@@ -172,6 +172,7 @@ static void whole_frames(void)
     pupil_exposure *exposure = room(sizeof *exposure);
     CALL(pupil_coding_check, coding, PUPIL_PIXEL_GREY8, NULL);
     CALL(pupil_process, pupil, in, info, out);
+    CALL(pupil_meter, pupil, in, info);
     CALL(pupil_get_exposure, pupil, exposure);
     CHECK_OUTPUT(exposure, pupil_exposure);
     CALL(pupil_frame_begin, pupil, SIDE, SIDE, info);

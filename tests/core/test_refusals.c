@@ -58,6 +58,8 @@ static void expect_images(const pupil_image_const *i, const pupil_image *o, int 
 {
     remember();
     expect(pupil_process(&pupil, i, NULL, o), wanted, what);
+    if (o == &out)
+        expect(pupil_meter(&pupil, i, NULL), wanted, what);
     expect(pupil_map_rows(&pupil, &curve, i, o), wanted, what);
     pupil_image_const row = i ? *i : in;
     row.height = row.height != 0;
@@ -209,6 +211,7 @@ static void check_order(void)
     expect(pupil_frame_begin(&pupil, 4, 3, NULL), PUPIL_ERR_ORDER, "a second begin");
     expect(pupil_retune(&pupil, &config), PUPIL_ERR_ORDER, "retune within a frame");
     expect(pupil_process(&pupil, &in, NULL, &out), PUPIL_ERR_ORDER, "process within a frame");
+    expect(pupil_meter(&pupil, &in, NULL), PUPIL_ERR_ORDER, "meter within a frame");
     expect(pupil_frame_rows(&pupil, &narrow, 0, NULL), PUPIL_ERR_SIZE, "rows of another width");
     expect(pupil_frame_rows(&pupil, &one, 3, NULL), PUPIL_ERR_ROWS, "a row outside");
     expect(pupil_frame_rows(&pupil, &in, 0, NULL), PUPIL_ERR_ROWS, "more rows than the frame has");
@@ -313,6 +316,7 @@ static void check_objects(void)
         expect(pupil_retune(p, &config), wanted, "retune");
         expect(pupil_reset(p), wanted, "reset");
         expect(pupil_process(p, &in, NULL, &out), wanted, "process");
+        expect(pupil_meter(p, &in, NULL), wanted, "meter");
         expect(pupil_frame_begin(p, 4, 3, NULL), wanted, "frame_begin");
         expect(pupil_frame_rows(p, &in, 0, NULL), wanted, "frame_rows");
         expect(pupil_frame_end(p), wanted, "frame_end");

@@ -187,8 +187,12 @@ static void do_process(run *r)
     const int error = pupil_process(&r->pupil, &good, &info, &out.image);
     MUST(error == (in.refused ? PUPIL_ERR_CODING : r->in_frame ? PUPIL_ERR_ORDER : PUPIL_OK));
     check_refused(&before, r, error);
-    if (!error)
+    if (!error) {
+        static pupil_t metered;
+        metered = before.pupil;
+        MUST(pupil_meter(&metered, &good, &info) == PUPIL_OK && memcmp(&metered, &r->pupil, sizeof metered) == 0);
         check_pieces(&before, r, &in, &out, &info);
+    }
     picture_guarded(&out);
     check_exposure(r);
     picture_free(&in);

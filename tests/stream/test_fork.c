@@ -40,6 +40,33 @@ static void same_results(const pupil_t *a, const pupil_t *b)
     CHECK(memcmp(&curve[0], &curve[1], sizeof *curve) == 0);
 }
 
+/* pupil_meter leaves the object as pupil_process does, byte for byte; frames of both kinds may alternate. */
+static void check_meter(uint32_t law, uint32_t order, uint32_t pixel)
+{
+    static pupil_t processed, metered;
+    pupil_config config;
+    uint32_t width = WIDTH, height = HEIGHT;
+    frame_fit(pixel, &width, &height);
+    frame in = frame_make(width, height, pixel, 0, 0), out = frame_make(width, height, PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_image to = frame_writable(&out);
+    pupil_config_default(&config);
+    config.law = law;
+    config.order = order;
+    config.grey_world = 1;
+    CHECK(pupil_init(&processed, &config) == PUPIL_OK && pupil_init(&metered, &config) == PUPIL_OK);
+    for (int i = 0; i < 9; i++) {
+        const pupil_frame_info info = info_of(i), *known = i % 4 == 2 ? NULL : &info;
+        draw(&in, i);
+        CHECK(pupil_process(&processed, &in.image, known, &to) == PUPIL_OK);
+        CHECK((i % 3 == 1 ? pupil_process(&metered, &in.image, known, &to) : pupil_meter(&metered, &in.image, known)) ==
+              PUPIL_OK);
+        CHECK_MSG(memcmp(&processed, &metered, sizeof processed) == 0, "law %u, order %u, format %u, frame %d", law,
+                  order, pixel, i);
+    }
+    frame_free(&in);
+    frame_free(&out);
+}
+
 static void check_fork(uint32_t law, uint32_t order)
 {
     pupil_config config;
@@ -149,6 +176,10 @@ int main(int argc, char **argv)
     for (uint32_t law = 0; law < PUPIL_LAW_COUNT; law++)
         for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++)
             check_fork(law, order);
+    for (uint32_t law = 0; law < PUPIL_LAW_COUNT; law++)
+        for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++)
+            for (uint32_t pixel = PUPIL_PIXEL_RGBA32F; pixel < PUPIL_PIXEL_COUNT; pixel += 1 + law)
+                check_meter(law, order, pixel);
     check_lag();
     check_reset();
     return check_end();

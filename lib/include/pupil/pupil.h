@@ -68,6 +68,13 @@ PUPIL_API int pupil_reset(pupil_t *pupil);
 PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
                             const pupil_image *out);
 
+/* pupil_process without a picture: meters the whole frame and adapts to it. The state is then the same to the bit, so
+ * pupil_get_exposure, pupil_get_stats and pupil_get_curve answer as after pupil_process. For a camera whose exposure is
+ * controlled, a level that is only displayed, or a picture that something else maps. Metering alone, without
+ * adaptation, is pupil_meter_rows with all rows. As every call that takes a `pupil_t *`, it must be the only one on its
+ * object. PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
+PUPIL_API int pupil_meter(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info);
+
 /* --- a frame as its rows arrive --- */
 
 /* begin; then each row exactly once, in groups of any size and order (of NV12 and mosaics in pairs: image.h); then end,
@@ -182,7 +189,7 @@ static inline int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *cu
     return pupil_curve_before_light_sized(pupil, curve, sizeof *curve);
 }
 
-/* The statistics of the last frame that pupil_process or pupil_frame_end metered; none where it was dropped. Between
+/* The statistics of the last frame that pupil_process, pupil_meter or pupil_frame_end metered; none where it was dropped. Between
  * pupil_frame_begin and pupil_frame_end: of the rows so far. */
 PUPIL_API int pupil_get_stats_sized(const pupil_t *pupil, pupil_stats *stats, size_t stats_bytes);
 static inline int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
