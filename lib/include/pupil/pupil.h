@@ -189,8 +189,8 @@ static inline int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *cu
     return pupil_curve_before_light_sized(pupil, curve, sizeof *curve);
 }
 
-/* The statistics of the last frame that pupil_process, pupil_meter or pupil_frame_end metered; none where it was dropped. Between
- * pupil_frame_begin and pupil_frame_end: of the rows so far. */
+/* The statistics of the last frame that pupil_process, pupil_meter or pupil_frame_end metered; none where it was
+ * dropped. Between pupil_frame_begin and pupil_frame_end: of the rows so far. */
 PUPIL_API int pupil_get_stats_sized(const pupil_t *pupil, pupil_stats *stats, size_t stats_bytes);
 static inline int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
 {
