@@ -141,6 +141,7 @@ static void picture_guarded(const picture *p)
 {
     plane_guarded(&p->data);
     plane_guarded(&p->chroma);
+    plane_guarded(&p->cr);
 }
 
 /* Another one of the same shape, empty. */
@@ -149,6 +150,7 @@ static picture picture_like(const picture *p)
     picture q = *p;
     q.data.memory = malloc(plane_bytes(&q.data));
     q.chroma.memory = malloc(plane_bytes(&q.chroma));
+    q.cr.memory = malloc(plane_bytes(&q.cr));
     MUST(q.data.memory != NULL);
     memset(q.data.memory, 0xee, plane_bytes(&q.data));
     q.image.data = q.data.memory + ((uint8_t *)p->image.data - p->data.memory);
@@ -156,6 +158,11 @@ static picture picture_like(const picture *p)
         MUST(q.chroma.memory != NULL);
         memset(q.chroma.memory, 0xee, plane_bytes(&q.chroma));
         q.image.chroma = q.chroma.memory + ((uint8_t *)p->image.chroma - p->chroma.memory);
+    }
+    if (p->image.cr) {
+        MUST(q.cr.memory != NULL);
+        memset(q.cr.memory, 0xee, plane_bytes(&q.cr));
+        q.image.cr = q.cr.memory + ((uint8_t *)p->image.cr - p->cr.memory);
     }
     return q;
 }
