@@ -141,7 +141,7 @@ static void check_formats(const char *path, int fd, const pupil_v4l2_options *o,
         }
     }
     pupil_v4l2_modes_free(&modes);
-    CHECK_MSG(n >= 20, "%s: only %u formats", input, n);
+    CHECK_MSG(n >= 33, "%s: only %u formats", input, n); /* of the 33 that vivid of Linux 6.1 has in one area */
     printf("%s, %s: %u formats, %u streams\n", path, input, n, formats_seen - before);
 }
 
