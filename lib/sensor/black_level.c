@@ -37,24 +37,31 @@ void pupil_sensor_black_before(pupil_sensor_object *o, const sensor_evidence *v)
         o->black.before[i] = is_known(v) ? v->rank[i] : -SENSOR_FAR_AWAY;
 }
 
-void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
+/* The black level by each rank; whether they agree on one, which is large and is in the darkest pixels, too. */
+static int is_one_level(const sensor_black *b, const sensor_evidence *v, double ev, double value[SENSOR_RANKS])
 {
-    sensor_black *b = &o->black;
-    const int is_clear = o->config.linear && b->wrong < 2 && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
-                         size_of(ev) >= SENSOR_BLACK_STEP_EV && v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
-    if (!is_clear)
-        return;
-    double value[SENSOR_RANKS], least = SENSOR_FAR_AWAY, most = -SENSOR_FAR_AWAY;
+    double least = SENSOR_FAR_AWAY, most = -SENSOR_FAR_AWAY;
     for (int i = 0; i < SENSOR_RANKS; i++) {
         value[i] = fixed_value(b->before[i], v->rank[i], ev);
         least = value[i] < least ? value[i] : least;
         most = value[i] > most ? value[i] : most;
     }
-    const int is_one = most - least < SENSOR_BLACK_ALIKE * most &&
-                       least > SENSOR_BLACK_SHARE * pupil_exp2(v->rank[1]) &&
-                       b->darkest >= SENSOR_BLACK_NOISE * value[0];
+    return most - least < SENSOR_BLACK_ALIKE * most && least > SENSOR_BLACK_SHARE * pupil_exp2(v->rank[1]) &&
+           b->darkest >= SENSOR_BLACK_NOISE * value[0];
+}
+
+void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
+{
+    sensor_black *b = &o->black;
+    const int is_clear = o->config.linear && b->wrong < 2 && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
+                         size_of(ev) >= SENSOR_BLACK_STEP_EV && v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
+    double value[SENSOR_RANKS];
+    if (!is_clear)
+        return;
+    const int is_one = is_one_level(b, v, ev, value);
     const int is_again = is_one && size_of(value[0] - b->candidate) < SENSOR_BLACK_ALIKE * value[0];
-    b->candidate = is_one ? value[0] : 0.0;
+    if (is_one || size_of(ev) >= 2.0 * SENSOR_BLACK_STEP_EV) /* small steps are the least sure */
+        b->candidate = is_one ? value[0] : 0.0;
     if (is_again && b->value == 0.0) { /* what was learned of the controls was the black level's */
         o->estimate.response[0] = o->estimate.response[1] = 1.0;
         o->estimate.learned = 0;

@@ -16,6 +16,7 @@ typedef struct camera {
     double jump_gain, jump; /* from this gain on it does so many times more */
     double knee, slope;     /* values above the knee rise so much more slowly */
     int has_powers_of_two;  /* exposures are rounded to them */
+    double black;           /* is added to all values, and nobody knows */
     int clock;              /* timestamps: 0 right, 1 stopped, 2 in whole seconds; without a sequence */
     double step_ev;         /* between settings */
 } camera;
@@ -38,7 +39,7 @@ static camera camera_of(double light_ev)
 static double value_of(const camera *c, double light, double exposure_s, double gain)
 {
     const double x = light * exposure_s * gain * (gain >= c->jump_gain ? c->jump : 1.0);
-    return fmin(x > c->knee ? c->knee + (x - c->knee) * c->slope : x, 1.0);
+    return fmin((x > c->knee ? c->knee + (x - c->knee) * c->slope : x) + c->black, 1.0);
 }
 
 static void read_frame(const camera *c, uint16_t *pixels, double light, double exposure_s, double gain)
@@ -174,13 +175,74 @@ static void faulty(double light_ev)
     }
 }
 
+/* A black level that was not subtracted, in light that changes every 40 frames. Once two steps
+ * have shown it, the picture without it is at the key: whether it is so after 160 frames. Where the camera's black is
+ * right from then on, it is forgotten again. */
+static int black_level(double light_ev)
+{
+    camera c = camera_of(light_ev);
+    pupil_sensor sensor;
+    pupil_sensor_setting s;
+    pupil_t pupil;
+    pupil_config metering;
+    double worst_found_ev = 0.0, worst_ev = 0.0;
+    int named = 0;
+    static uint16_t pixels[WIDTH];
+    const pupil_image_const image = {.size_bytes = sizeof image,
+                                     .pixel = PUPIL_PIXEL_GREY12,
+                                     .data = pixels,
+                                     .stride_bytes = WIDTH * 2,
+                                     .width = WIDTH,
+                                     .height = 1};
+    c.config.linear = 1;
+    c.config.mains_hz = 0;
+    pupil_config_default(&metering);
+    metering.histogram = 1;
+    CHECK(pupil_init(&pupil, &metering) == PUPIL_OK && pupil_sensor_init(&sensor, &c.config) == PUPIL_OK);
+    double e[3] = {0.01, 0.01, 0.01}, g[3] = {1.0, 1.0, 1.0};
+    for (int i = 0; i < 480; i++) {
+        const double ev = light_ev - (i / 40 & 1 ? 1.5 : 0.0);
+        pupil_stats stats;
+        CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+        for (int k = 0; k < 2; k++) {
+            e[k] = e[k + 1];
+            g[k] = g[k + 1];
+        }
+        e[2] = s.exposure_s;
+        g[2] = s.gain;
+        c.black = i < 240 ? 0.07 : 0.0;
+        const pupil_frame_info info = info_of(&c, i, e[0], g[0]);
+        read_frame(&c, pixels, exp2(ev), e[0], g[0]);
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &image, 0, 1, &stats) == PUPIL_OK);
+        CHECK(pupil_sensor_frame(&sensor, &stats, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+        const double off_ev = fabs(ev + log2(e[0] * g[0]) - log2(c.config.key));
+        if (i < 240)
+            named |= s.reason == PUPIL_SENSOR_NONLINEAR;
+        if (i % 40 < 30)
+            continue;
+        worst_ev = i < 240 ? fmax(worst_ev, off_ev) : worst_ev;
+        worst_found_ev = i > 160 && i < 240 ? fmax(worst_found_ev, off_ev) : worst_found_ev;
+        CHECK_MSG(i < 360 || off_ev < 0.1, "light %g EV, the black level is right, frame %d: %.3f EV off", light_ev, i,
+                  off_ev);
+    }
+    CHECK_MSG(named && worst_ev < 1.3, "light %g EV: named %d, %.3f EV off", light_ev, named, worst_ev);
+    return worst_found_ev < 0.15;
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     const double step_ev = CHECK_SANITIZED ? 0.7 : 0.1;
+    int lights = 0, found = 0;
     for (double light_ev = 1.0; light_ev < 9.0; light_ev += step_ev)
         coarse(light_ev > 3.5 ? light_ev : light_ev + 2.5);
     for (double light_ev = -0.5; light_ev < 2.0; light_ev += step_ev)
         faulty(light_ev + 3.0);
+    for (double light_ev = 2.0; light_ev < 7.0; light_ev += step_ev) {
+        lights++;
+        found += black_level(light_ev);
+    }
+    CHECK_MSG(found >= 0.8 * lights, "a black level was found in %d of %d lights", found, lights);
     return check_end();
 }
