@@ -171,7 +171,8 @@ static void test_full(void)
 /* Nothing is looked at, and no bit of the coding is another. */
 static void test_off(void)
 {
-    const pupil_colour_options off = {PUPIL_COLOUR_OFF, PUPIL_COLOUR_OFF, PUPIL_COLOUR_OFF, {0}, {0}, 0};
+    const pupil_colour_options off = {
+        .balance = PUPIL_COLOUR_OFF, .matrix = PUPIL_COLOUR_OFF, .black = PUPIL_COLOUR_OFF};
     const pupil_colour_options automatic = {0};
     fake_v4l2_config config = mosaic(V4L2_PIX_FMT_SGRBG10);
     scene s = open_scene(&config, &off, "imx219");
