@@ -6,7 +6,8 @@
  * Rules for every source:
  * - Memory is taken at open, or at the first frame of a new size; none per frame in a steady stream.
  * - A frame handed out by next stays valid until done (or close). One frame is out at a time.
- * - Light is linear, Rec.709 primaries, D65 white; the source converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
+ * - Light has Rec.709 primaries and D65 white, or (live cameras, recordings) those of source.primaries; the source
+ *   converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
  * - Timestamps are in ns. A source without a clock starts at 0 and adds the frame period.
  * - Every failure is a code and one sentence in the caller's buffer. The sentence names the file (or device) and, where
  *   there is one, the field or line, and says what would be right. No trailing newline, no prefix.
@@ -19,6 +20,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pupil/config.h"
 #include "pupil/error.h"
 #include "pupil/image.h"
 
@@ -61,8 +63,9 @@ typedef struct pupil_source_ops {
 /* The first member of every source. */
 struct pupil_source {
     const pupil_source_ops *ops;
-    double fps;      /* nominal frames a second, above 0 */
-    uint64_t frames; /* how many frames it expects to hand out; 0: unknown */
+    double fps;         /* nominal frames a second, above 0 */
+    uint64_t frames;    /* how many frames it expects to hand out; 0: unknown */
+    uint32_t primaries; /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
 };
 
 static inline int pupil_source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)

@@ -102,6 +102,7 @@ static int open_recorder(record *r, const pupil_frame *first)
 {
     const pupil_recorder_options options = {.camera = r->camera ? r->camera->device.name : r->name,
                                             .fps = r->source->fps,
+                                            .primaries = r->source->primaries,
                                             .overwrite = r->options.run.shown.overwrite,
                                             .wait = !r->camera,
                                             .give_up = interrupt_again};

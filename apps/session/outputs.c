@@ -33,11 +33,20 @@ static int record_frame(session_outputs *o, const pupil_frame *frame, pupil_why 
         return 0;
     const pupil_recorder_options options = {.camera = pupil_live_capture(o->source)->device.name,
                                             .fps = o->source->fps,
+                                            .primaries = o->source->primaries,
                                             .overwrite = o->options->overwrite,
                                             .give_up = interrupt_again};
     if (!o->recorder && pupil_recorder_open(&o->recorder, o->options->record, frame, &options, why))
         return -1;
     return pupil_recorder_write(o->recorder, frame, why);
+}
+
+/* Those of the picture, a pupil_primaries. */
+static uint32_t shown_primaries(const pupil_config *config)
+{
+    if (config->output_primaries == PUPIL_OUTPUT_AS_INPUT)
+        return config->primaries;
+    return config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
 }
 
 static int open_all(session_outputs *o, const pupil_image_const *first, pupil_why *why)
@@ -47,6 +56,7 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
                                         .height = first->height,
                                         .fps = o->source->fps,
                                         .overwrite = options->overwrite,
+                                        .primaries = shown_primaries(&options->config),
                                         .keep_time = o->live};
     o->is_open = 1;
     o->width = first->width;

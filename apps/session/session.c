@@ -21,6 +21,7 @@ int session_check(session *s)
 
 int session_begin(session *s, int live)
 {
+    s->options->config.primaries = s->source->primaries;
     session_outputs_begin(&s->outputs, s->options, s->source, live);
     if (frame_pipeline_open(&s->pipeline, &s->options->config, s->options->threads))
         return pupil_refuse(&s->why, "not enough memory");

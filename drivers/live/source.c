@@ -226,6 +226,7 @@ static int open_frames(live_source *s, pupil_why *why)
     const double asked_fps = s->options.capture.fps;
     snprintf(s->name, sizeof s->name, "%s", s->capture.device.name);
     snprintf(s->bus, sizeof s->bus, "%s", s->capture.device.bus);
+    s->base.primaries = s->capture.format.primaries;
     s->base.fps = s->capture.fps > 0.0 ? s->capture.fps : asked_fps > 0.0 ? asked_fps : NOMINAL_FPS;
     return 0;
 }

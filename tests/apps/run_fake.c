@@ -3,17 +3,17 @@
  *     run_fake [fake:KEY=VALUE ...] [options of pupil run]
  *     run_fake [fake:KEY=VALUE ...] probe [options of pupil probe]
  *
- * Keys: size=WxH, format=FOURCC (that alone), fps=N, delay=FRAMES (of controls), flat=N (a scene of one value),
- * colour=R,G,B (of the light),
- * drop=SHARE, flag=SHARE, unplug=FRAME, back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls),
- * black=SHARE (of full scale), deaf=exposure or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's,
- * whatever is said), slow=1,HINTS,HEAPS (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls),
- * write=SECONDS (each takes so long), work=SECONDS (each takes so much of the processor's time), exposure=LEAST,MOST
- * and gain=LEAST,MOST (what the driver says of these controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of
- * the clock; 0: none), sequence=FIRST, change=FRAME, lamps=HZ,MODULATION,SECONDS (their light, and the readout),
- * lines=PIXEL_RATE,HBLANK (what the driver reports of it), again=WxH@FRAME (the size once it was unplugged),
- * light=FACTOR@FRAME (repeatable), real (the machine's clock), absent, media, no-controls, crash=FRAME, hasty. At its
- * end it says on standard error where its controls were left: "fake: auto 3, exposure 77, gain 40".
+ * Keys: size=WxH, format=FOURCC (that alone), bt2020 (the driver reports its colorspace), fps=N, delay=FRAMES (of
+ * controls), flat=N (a scene of one value), colour=R,G,B (of the light), drop=SHARE, flag=SHARE, unplug=FRAME,
+ * back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls), black=SHARE (of full scale), deaf=exposure
+ * or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's, whatever is said), slow=1,HINTS,HEAPS (memory;
+ * fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls), write=SECONDS (each takes so long), work=SECONDS
+ * (each takes so much of the processor's time), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these
+ * controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
+ * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver reports of it),
+ * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
+ * absent, media, no-controls, crash=FRAME, hasty. At its end it says on standard error where its controls were left:
+ * "fake: auto 3, exposure 77, gain 40".
  *
  * The camera's clock (not with real) is stopped while any other thread of the program is busy. Otherwise hundreds of
  * frames could pass until a busy machine lets the thread run that writes controls. A thread that sleeps is not waited
@@ -174,6 +174,8 @@ static int take(const char *text, fake_v4l2_config *c)
     double x = 0.0, y = 0.0;
     if (strcmp(text, "real") == 0)
         c->real_time = 1;
+    else if (strcmp(text, "bt2020") == 0)
+        c->colorspace = V4L2_COLORSPACE_BT2020;
     else if (strcmp(text, "hasty") == 0)
         rig.hasty = 1;
     else if (strcmp(text, "absent") == 0)

@@ -20,6 +20,7 @@ typedef struct pupil_recorder pupil_recorder;
 typedef struct pupil_recorder_options {
     const char *camera;   /* whose frames these are, for people; NULL */
     double fps;           /* nominal, above 0 */
+    uint32_t primaries;   /* as pupil_source.primaries */
     int overwrite;        /* 1: a recording (or empty folder) that is there is replaced; 0: it is refused */
     unsigned room;        /* frames that wait for the disk at most; 0: 16 */
     int wait;             /* 1: write waits for room instead: of sources that can wait (files, scenes) */

@@ -23,6 +23,7 @@ typedef struct pupil_recording_about {
     uint32_t pixel, width, height; /* pixel: a pupil_pixel */
     uint32_t jpeg;                 /* 1: frames.mkv has the camera's JPEGs, of which such frames are made */
     double fps;
+    uint32_t primaries; /* a pupil_primaries, BT.709 or BT.2020 */
     pupil_coding coding;
 } pupil_recording_about;
 

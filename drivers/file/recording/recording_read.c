@@ -198,6 +198,7 @@ int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *w
         memcpy(r->usual_balance, r->about.coding.balance, sizeof r->usual_balance);
         if (open_files(r, folder) == 0) {
             r->base.fps = r->about.fps;
+            r->base.primaries = r->about.primaries;
             r->base.frames = count_lines(r->lines);
             *source = &r->base;
             return 0;

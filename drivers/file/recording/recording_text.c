@@ -42,6 +42,7 @@ static const char *const stored[] = {"raw", "jpeg"};
 static const char *const matrices[] = {"bt601", "bt709", "bt2020"};
 static const char *const ranges[] = {"limited", "full"};
 static const char *const lights[] = {"usual", "linear", "srgb", "bt709", "pq", "hlg"};
+static const char *const primaries[] = {"bt709", "bt2020"};
 static const char *const bayers[] = {"rggb", "grbg", "gbrg", "bggr"};
 
 #define AT(member) offsetof(whole_text, member)
@@ -65,9 +66,10 @@ static const field fields[] = {
     {"knees", "a whole number", WHOLE, 1, NULL, AT(about.coding.knees)},
     {"knee_code", "a list of eight numbers", FLOAT, PUPIL_KNEES, NULL, AT(about.coding.knee_code)},
     {"knee_light", "a list of eight numbers", FLOAT, PUPIL_KNEES, NULL, AT(about.coding.knee_light)},
+    {"primaries", "\"bt709\" or \"bt2020\"", WORD, 2, primaries, AT(about.primaries)},
 };
 #define FIELDS (sizeof fields / sizeof *fields)
-#define ALWAYS (FIELDS - 3) /* the last three are of companded sensors alone */
+#define ALWAYS (FIELDS - 4) /* then those of companded sensors alone, and primaries, which else are BT.709 */
 
 static const char *word(const field *f, uint32_t number)
 {
@@ -114,7 +116,9 @@ char *pupil_recording_about_text(const pupil_recording_about *about, const char 
     char *name = utf8_of(camera ? camera : ""), *text = NULL;
     cJSON *object = name ? cJSON_CreateObject() : NULL;
     int whole = object != NULL;
-    for (size_t i = 0; whole && i < (about->coding.knees ? FIELDS : ALWAYS); i++) {
+    for (size_t i = 0; whole && i < FIELDS; i++) {
+        if (i >= ALWAYS && !(i + 1 < FIELDS ? about->coding.knees : about->primaries))
+            continue;
         whole = cJSON_AddItemToObject(object, fields[i].name, item_of(&fields[i], &t));
         if (whole && i == 0) /* behind "format" */
             whole = cJSON_AddNumberToObject(object, "version", PUPIL_RECORDING_VERSION) &&

@@ -315,6 +315,7 @@ static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_re
     a->height = first->image.height;
     a->jpeg = first->coded != NULL;
     a->fps = options->fps;
+    a->primaries = options->primaries;
     if (first->image.coding)
         a->coding = *first->image.coding;
 }

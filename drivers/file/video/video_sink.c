@@ -177,7 +177,7 @@ static void describe(video_sink *v, AVCodecContext *c)
     c->chroma_sample_location = AVCHROMA_LOC_LEFT;
     c->color_range = AVCOL_RANGE_MPEG;
     c->colorspace = AVCOL_SPC_BT709;
-    c->color_primaries = AVCOL_PRI_BT709;
+    c->color_primaries = v->options.primaries == PUPIL_PRIMARIES_BT2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709;
     /* sRGB, which is what the pixels are. Tagged BT.709, QuickTime, Safari and mpv would take them for a camera's or a
      * television's curve and show them lighter or darker. Players that know no transfer show both alike (the ASWF
      * Encoding Guidelines measured browsers and say the same). */

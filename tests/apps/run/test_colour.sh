@@ -35,6 +35,23 @@ set -- $(shown matrix --white-balance off --matrix 0,0,1,0,0,1,0,0,1)
 set -- $(shown black --mode digital --white-balance 1,2,1.33333 --black-level 1022)
 [ "$*" = "16 128 128" ] || fail "all is below black: $*"
 
+# BT.2020 is more saturated in BT.709's numbers; recorded, its replay has the same statistics
+wide() {
+    "$program" fake:format=NV12 fake:bt2020 fake:flat=120 fake:colour=1.2,0.8,0.8 --mode digital "$@" -n 20 -o wide.y4m \
+        --stats wide.csv -q >said.out 2>said.err || fail "BT.2020, $*: $(cat said.err)"
+    tail -c 1 wide.y4m | od -A n -t u1
+}
+kept=$(wide --output-primaries input) converted=$(wide --record wide)
+[ "$converted" -gt "$kept" ] || fail "Cr of BT.2020 is $kept as it is, and $converted in BT.709"
+grep -q '"primaries":[[:space:]]*"bt2020"' wide/recording.json || fail "a recording does not say BT.2020"
+if [ -n "${PUPIL_PROGRAM:-}" ]; then
+    "$PUPIL_PROGRAM" replay wide --stats replay.csv -q -o replay.y4m 2>said.err || fail "BT.2020: $(cat said.err)"
+    cut -d, -f3-6 wide.csv >wide.cut
+    cut -d, -f3-6 replay.csv >replay.cut
+    cmp -s wide.cut replay.cut || fail "a recording of BT.2020 replays to other statistics"
+    rm -f replay.csv
+fi
+
 for mode in digital sensor both; do
     "$program" fake:real fake:format=BG12 fake:colour=0.7,1,0.5 fake:light=3@20 --mode $mode -n 60 --record "$mode" \
         --stats "$mode.csv" -q >said.out 2>said.err || fail "$mode: $(cat said.err)"

@@ -118,10 +118,13 @@ static int decode(const char *path, decoded *d, const pupil_image *image)
     return d->frames;
 }
 
+static uint32_t tagged_primaries = PUPIL_PRIMARIES_BT709;
+
 /* Writes `frames` waves; times_ns NULL: without timestamps. */
 static void record(const char *path, const pupil_image *image, double fps, int frames, const int64_t *times_ns)
 {
-    const pupil_sink_options options = {.width = image->width, .height = image->height, .fps = fps};
+    const pupil_sink_options options = {
+        .width = image->width, .height = image->height, .fps = fps, .primaries = tagged_primaries};
     const pupil_image_const in = pupil_image_as_const(*image);
     pupil_sink *sink;
     why.text[0] = 0;
@@ -158,7 +161,8 @@ static void check_tags(const decoded *d)
     CHECK(d->tags->codec_id == AV_CODEC_ID_H264);
     CHECK(d->tags->color_range == AVCOL_RANGE_MPEG);
     CHECK(d->tags->color_space == AVCOL_SPC_BT709);
-    CHECK(d->tags->color_primaries == AVCOL_PRI_BT709);
+    CHECK(d->tags->color_primaries ==
+          (tagged_primaries == PUPIL_PRIMARIES_BT2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709));
     CHECK(d->tags->color_trc == AVCOL_TRC_IEC61966_2_1);
     CHECK(d->tags->chroma_location == AVCHROMA_LOC_LEFT);
     CHECK(d->tags->format == AV_PIX_FMT_YUV420P);
@@ -185,6 +189,7 @@ static void test_containers(void)
         uint8_t *memory;
         const pupil_image image = scratch_image(320, 180, i % 2 == 0, &memory);
         decoded d;
+        tagged_primaries = i % 2 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
         record(path, &image, 30000.0 / 1001, 30, NULL);
         decode(path, &d, &image);
         CHECK_MSG(d.frames == 30, "%d", d.frames);
