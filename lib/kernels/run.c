@@ -194,9 +194,8 @@ typedef struct mapper {
     pupil_scale_kernel *direct, *planar; /* from the format, where there is such a piece; from planes */
     pupil_store_kernel *store;
     pupil_alpha_kernel *alpha;
-    pupil_alpha_light_kernel *alpha_light;
-    pupil_store_alpha_kernel *store_alpha;
     int histogram;
+    int to_light; /* alpha is a float or a half */
 } mapper;
 
 static inline mapper mapper_of(const pupil_row_job *job, int metered)
@@ -207,8 +206,8 @@ static inline mapper mapper_of(const pupil_row_job *job, int metered)
                     .planar = k->scale[PUPIL_PLANES],
                     .store = PUPIL_PIECE(k, store[job->out_pixel]),
                     .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
-                    .alpha_light = PUPIL_PIECE(k, alpha_light[job->in_pixel]),
-                    .store_alpha = PUPIL_PIECE(k, store_alpha[job->out_pixel]),
+                    .to_light = pupil_kernels_scalar.store_alpha[job->out_pixel] &&
+                                pupil_kernels_scalar.alpha_light[job->in_pixel],
                     .histogram = histogram};
 }
 
@@ -230,6 +229,13 @@ static int load_and_scale(const pupil_row_job *job, const mapper *with, const pu
     return opaque;
 }
 
+static __attribute__((noinline)) void store_alpha(const pupil_row_job *job, const void *source, uint32_t n,
+                                                  float *alpha, void *target)
+{
+    PUPIL_PIECE(job->kernels, alpha_light[job->in_pixel])(source, n, alpha);
+    PUPIL_PIECE(job->kernels, store_alpha[job->out_pixel])(alpha, n, target);
+}
+
 /* run NULL: not metered. */
 static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                               pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
@@ -242,12 +248,12 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
         const int opaque = with.direct ? with.direct(job, source, n, planes, run)
                                        : load_and_scale(job, &with, row, x, n, planes, weight, run, stats);
         with.store(planes, n, job->encoder, target);
-        if (with.alpha && !opaque)
+        if (opaque)
+            continue;
+        if (with.alpha)
             with.alpha(source, n, target);
-        if (with.store_alpha && with.alpha_light && !opaque) {
-            with.alpha_light(source, n, planes->grey);
-            with.store_alpha(planes->grey, n, target);
-        }
+        else if (with.to_light)
+            store_alpha(job, source, n, planes->grey, target);
     }
 }
 
