@@ -64,8 +64,10 @@ mapped_to nv12
 has_bytes 1.5
 measure bayer10p 68x34 1e-6 1e-4 --out nv12 --threads 3
 has_bytes 1.25
-measure rgba32f 67x33 1e-7 1e-4 --out bgrx8
-mapped_to bgrx8
+for out in bgrx8 i420 rgba32f rgb16f; do
+    measure rgba32f 67x33 1e-7 1e-4 --out $out
+    mapped_to $out
+done
 # of all formats those that can have the output
 "$program" bench kernels --out half --size 16x8 --rounds 1 --json >lines.txt
 [ "$(grep -o '"format":"[a-z0-9]*"' lines.txt | sort -u | wc -l)" = 7 ] || fail "not the mosaics: $(cat lines.txt)"
@@ -146,7 +148,8 @@ expect 2 "one thread" bench kernels --peers --threads 2
 expect 2 "--json" bench kernels --plot a.svg --json
 expect 2 "rgb8 yuyv nv12" bench kernels --format rgba64f
 expect 2 "--format" bench kernels --format rgb9
-expect 2 "rgba8 rgb8 bgrx8 bgr8 nv12 half" bench kernels --out rgba32f
+expect 2 "rgba8 rgb8 bgrx8 bgr8 nv12 half" bench kernels --out yuyv
+expect 2 "--light" bench kernels --format rgb8 --light pq
 expect 2 "no mosaic" bench kernels --out half --format rgb8
 expect 2 "rgba8" bench kernels --out nv12 --worst
 expect 2 "multiple of 4" bench kernels --size 66x34 --format bayer10p
