@@ -48,7 +48,8 @@ frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame
         .output_white_share = d.white_share,
     };
     pupil_get_exposure(&p->pupil, &e);
-    entry.key = e.frames ? e.scale * exp2(e.adapted_ev) : p->config.key * exp2(p->config.ev_compensation);
+    entry.key =
+        e.frames ? e.scale * exp2(e.adapted_ev - e.held_back_ev) : p->config.key * exp2(p->config.ev_compensation);
     entry.dt_s = e.dt_s;
     entry.metered_ev = e.metered_ev;
     entry.held_back_ev = e.held_back_ev;

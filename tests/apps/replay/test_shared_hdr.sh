@@ -26,8 +26,8 @@ judge() {
             u = $at["scale"] * 2 ^ $at["metered_ev"]
             w = $at["white"]
             mapped = u * (1 + (w > 0 ? u / (w * w) : 0)) / (1 + u)
-            off += log(mapped / 0.18) / log(2)
-            level += log($at["output_level"] / 0.18) / log(2)
+            off += log(mapped / $at["key"]) / log(2) # which highlights make darker
+            level += log($at["output_level"] / $at["key"]) / log(2)
             black += $at["output_black_share"] - $at["black_share"] - $at["bad_share"]
             white += $at["output_white_share"] - $at["clipped_share"] - $at["bad_share"]
             n++
