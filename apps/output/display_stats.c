@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#define LOWEST (0.5 / 255.0 / 12.92) /* linear light of half the lowest sRGB code (IEC 61966-2-1) */
-
 static void make_decoder(double linear[256])
 {
     for (int i = 0; i < 256; i++) {
@@ -21,7 +19,7 @@ display_stats display_stats_measure(const pupil_image_const *image)
         const uint8_t *p = pupil_image_rows(*image, y, 1).data;
         for (uint32_t x = 0; x < image->width; x++, p += 3) {
             double luminance = 0.2126 * linear[p[0]] + 0.7152 * linear[p[1]] + 0.0722 * linear[p[2]];
-            sum += log2(luminance > LOWEST ? luminance : LOWEST);
+            sum += log2(luminance > DISPLAY_STATS_LOWEST ? luminance : DISPLAY_STATS_LOWEST);
             for (int c = 0; c < 3; c++) {
                 black += p[c] == 0;
                 white += p[c] == 255;

@@ -4,6 +4,8 @@
 
 #include "pupil/image.h"
 
+#define DISPLAY_STATS_LOWEST (0.5 / 255.0 / 12.92) /* linear light of half the lowest sRGB code (IEC 61966-2-1) */
+
 typedef struct display_stats {
     double level;       /* log-average luminance, linear 0..1; a black pixel counts as half of the lowest code */
     double black_share; /* of the 8-bit samples, 0..1: at code 0 */

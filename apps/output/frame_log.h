@@ -17,7 +17,7 @@ typedef struct frame_log_entry {
     double white;                  /* W of that curve; 0: none */
     double p01_ev, p50_ev, p99_ev; /* quantiles of log2 luminance */
     double output_level;           /* log-average of the display frame's luminance, linear 0..1 */
-    double key;                    /* what that was to be, with the compensation */
+    double key;                    /* the scaled log-average that is aimed at, with the compensation */
     double black_share;            /* of the metered pixels, 0..1 */
     double clipped_share;
     double bad_share;
@@ -27,6 +27,7 @@ typedef struct frame_log_entry {
     double process_us;
     double write_us;
     double held_back_ev; /* stops by which the highlights make the picture darker */
+    double aimed_level;  /* what output_level was to be: the frame's light as its curve shows it, once adapted */
     const char *state;   /* "adapting", "settled", "limited", "locked", "empty" */
 
     /* of a live camera; NaN: unknown */

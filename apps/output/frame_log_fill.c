@@ -25,6 +25,29 @@ static double light_of(const frame_pipeline *p, double scale)
     return log2((double)adapted / scale);
 }
 
+/* As the picture's own figures count it: a display cannot show less than code 0, nor more than white. */
+static double log2_shown(const pupil_curve *curve, double scaled)
+{
+    const double shown = scaled * (1.0 + scaled * (double)curve->inverse_white_squared) / (1.0 + scaled);
+    return log2(fmin(fmax(shown, DISPLAY_STATS_LOWEST), 1.0));
+}
+
+double frame_log_aimed_level(const frame_pipeline *p, double key)
+{
+    double mean, sum = 0.0;
+    const pupil_stats *stats = &p->stats;
+    if (!stats->has_histogram ||
+        pupil_stats_mean(stats, (double)p->config.trim_low, (double)p->config.trim_high, &mean))
+        return exp2(log2_shown(&p->curve, key));
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
+        const double step = (i % PUPIL_HISTOGRAM_BINS_PER_STOP + 0.5) / PUPIL_HISTOGRAM_BINS_PER_STOP;
+        const double light = ldexp(1.0 + step, i / PUPIL_HISTOGRAM_BINS_PER_STOP + PUPIL_HISTOGRAM_MIN_EV);
+        if (stats->bin[i])
+            sum += (double)stats->bin[i] * log2_shown(&p->curve, light * key * exp2(-mean));
+    }
+    return exp2(sum / (double)stats->weight);
+}
+
 frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame, int with_figures)
 {
     pupil_exposure e;
@@ -50,6 +73,8 @@ frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame
     pupil_get_exposure(&p->pupil, &e);
     entry.key =
         e.frames ? e.scale * exp2(e.adapted_ev - e.held_back_ev) : p->config.key * exp2(p->config.ev_compensation);
+    if (with_figures)
+        entry.aimed_level = frame_log_aimed_level(p, entry.key);
     entry.dt_s = e.dt_s;
     entry.metered_ev = e.metered_ev;
     entry.held_back_ev = e.held_back_ev;

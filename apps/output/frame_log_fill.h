@@ -9,4 +9,8 @@
  * and how long things took are left at 0. */
 frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame, int with_figures);
 
+/* The log-average that the display would have of the last frame if its light had a scaled log-average of `key`, through
+ * the frame's own curve. Without a histogram: as if all of the light were at the log-average. */
+double frame_log_aimed_level(const frame_pipeline *p, double key);
+
 #endif

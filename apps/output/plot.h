@@ -13,9 +13,9 @@
 int pupil_plot_check(const char *path, pupil_why *why);
 
 /* Draws the records into an .svg or .png file: metered and adapted EV with the frame's range of light, the level of the
- * display with the key, the shares of clipped, black and white. Of a camera under control: its exposure and gain, and
- * how far off the key its frames and what is shown of them are, in place of the level. Complete or absent. 0, or -1 and
- * a sentence. */
+ * display with the one aimed at, the shares of clipped, black and white. Of a camera under control: its exposure and
+ * gain, and how far off what is aimed at its frames and what is shown of them are, in place of the level. Complete or
+ * absent. 0, or -1 and a sentence. */
 int pupil_plot_write(const char *path, const frame_log_entry *records, size_t count, const char *title, pupil_why *why);
 
 /* The same for any script: `script` writes what gnuplot is given, with a terminal for the kind of file and no output.

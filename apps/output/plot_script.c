@@ -16,7 +16,7 @@
 
 /* --- what is drawn --- */
 
-/* How far off their keys the log-averages are of what the camera gave, and of what is shown of it. */
+/* How far off what is aimed at the log-averages are of what the camera gave, and of what is shown of it. */
 static double camera_error(const frame_log_entry *r)
 {
     return r->scene_ev + log2(r->exposure_s * r->gain / r->camera_key);
@@ -24,7 +24,7 @@ static double camera_error(const frame_log_entry *r)
 
 static double shown_error(const frame_log_entry *r)
 {
-    return log2(r->output_level / r->key);
+    return log2(r->output_level / r->aimed_level);
 }
 
 #define MEMBER(name) offsetof(frame_log_entry, name)
@@ -36,6 +36,7 @@ enum {
     METERED,
     ADAPTED,
     LEVEL,
+    AIMED,
     CLIPPED,
     BLACK,
     WHITE,
@@ -66,7 +67,8 @@ static const struct {
     [ASKED_EXPOSURE] = {"asked_exposure", {.offset = MEMBER(asked_exposure_s), .factor = 1e3}},
     [GAIN] = {"gain", {.offset = MEMBER(gain)}},
     [ASKED_GAIN] = {"asked_gain", {.offset = MEMBER(asked_gain)}},
-    [KEY] = {"key", {.offset = MEMBER(key)}},
+    [AIMED] = {"aimed", {.offset = MEMBER(aimed_level)}},
+    [KEY] = {NULL, {.offset = MEMBER(key)}},
     [CAMERA_ERROR] = {"camera_error", {.derived = camera_error}},
     [SHOWN_ERROR] = {"shown_error", {.derived = shown_error}},
 };
@@ -145,15 +147,16 @@ static void camera_panel(FILE *out, int index, const char *label, int value, int
             series[asked].name, series[value].name);
 }
 
-/* Of error: 0; with its number, where it was the same all the time. */
-static void key_line(FILE *out, const frame_log_entry *records, size_t count, int of_error)
+/* What is aimed at is below the key, for the tone curve compresses. The number of the key is given where it was the
+ * same all the time. */
+static void aimed_line(FILE *out, const frame_log_entry *records, size_t count, const char *line)
 {
     double low = INFINITY, high = -INFINITY;
     range(records, count, KEY, &low, &high);
-    if (low == high)
-        fprintf(out, "plot %.9g w lines dt 2 lw 1.4 lc '#555555' t 'key %g'", of_error ? 0.0 : low, low);
-    else
-        fprintf(out, "plot %s w lines dt 2 lw 1.4 lc '#555555' t 'key'", of_error ? "0" : "$key");
+    fprintf(out, "plot %s w lines dt 2 lw 1.4 lc '#555555' t 'aimed at", line);
+    if (low <= high && high - low < 1e-9) /* it comes from a scale, which is rounded */
+        fprintf(out, ": key %g", low);
+    fputc('\'', out);
 }
 
 static void error_panel(FILE *out, const char *style, const frame_log_entry *records, size_t count)
@@ -163,7 +166,7 @@ static void error_panel(FILE *out, const char *style, const frame_log_entry *rec
     range(records, count, SHOWN_ERROR, &low, &high);
     panel(out, camera_edges, 3, "error, EV");
     axis(out, 'y', low, high, 0.06, 0.5);
-    key_line(out, records, count, 1);
+    aimed_line(out, records, count, "0");
     fprintf(out,
             ", $camera_error w %s lw 2.2 lc '" VERMILION "' t 'camera', "
             "$shown_error w %s lw 1.2 lc '#000000' t 'as shown'\n",
@@ -189,13 +192,14 @@ static void light_panel(FILE *out, const double *edges, const char *style, const
 static void level_panel(FILE *out, const char *style, const frame_log_entry *records, size_t count)
 {
     double level = 0x1p-10, nothing = 0.0;
-    range(records, count, KEY, &nothing, &level);
+    range(records, count, AIMED, &nothing, &level);
     level *= 2.0;
     range(records, count, LEVEL, &nothing, &level);
     panel(out, plain_edges, 1, "display, linear");
     axis(out, 'y', 0.0, 1.05 * level, 0.0, 0.0);
-    key_line(out, records, count, 0);
-    fprintf(out, ", $level w %s lw 1.8 lc '" GREEN "' t 'log-average'\n", style);
+    fputs("set label 2 'through the tone curve' at graph 1.02, 0.6 tc '#555555'\n", out);
+    aimed_line(out, records, count, "$aimed");
+    fprintf(out, ", $level w %s lw 1.8 lc '" GREEN "' t 'log-average'\nunset label 2\n", style);
 }
 
 static void share_panel(FILE *out, const double *edges, int index, const char *style, const frame_log_entry *records,

@@ -31,6 +31,7 @@ const pupil_stats_field pupil_stats_fields[] = {
     NUMBER(process_us),
     NUMBER(write_us),
     NUMBER(held_back_ev),
+    NUMBER(aimed_level),
     {"state", STATS_TEXT, offsetof(frame_log_entry, state)},
     {"sequence", STATS_COUNT, offsetof(frame_log_entry, sequence)},
     {"lost", STATS_COUNT, offsetof(frame_log_entry, lost)},

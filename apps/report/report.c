@@ -271,7 +271,10 @@ static int put_plot(const pupil_report *r, FILE *out, pupil_why *why)
         "level and shares over time\" src=\"",
         out);
     int failed = embed(out, "image/svg+xml", r->plot, UINT64_MAX, why);
-    fputs("\"></div>\n", out);
+    fputs("\"></div>\n<p class=\"hint\">Aimed at: the display's log-average once the level has settled. It is below "
+          "the key, "
+          "because the tone curve makes bright light darker.</p>\n",
+          out);
     return failed;
 }
 

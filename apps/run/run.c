@@ -10,6 +10,7 @@
 #include "common/camera.h"
 #include "common/interrupt.h"
 #include "options/commands.h"
+#include "output/frame_log_fill.h"
 #include "refuse.h"
 #include "resume.h"
 #include "row_gains.h"
@@ -68,6 +69,8 @@ static void describe_camera(run *r, const pupil_frame *frame, int64_t mapped_ns,
     entry->latency_us = entry->read_us + (double)(mapped_ns - f->taken_ns) * 1e-3;
     r->counts = *now;
     run_sensor_describe(&r->sensor, &frame->info, entry);
+    if (r->options.mode == RUN_SENSOR && entry->aimed_level > 0.0) /* the camera's key, not that of the level */
+        entry->aimed_level = frame_log_aimed_level(&r->session.pipeline, entry->key);
 }
 
 /* Between metering and mapping: the camera's next setting, and of RUN_SENSOR the curve of its own picture. */

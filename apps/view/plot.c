@@ -21,17 +21,26 @@ typedef struct panel { /* where one of the two diagrams is, and what its edges r
 } panel;
 
 /* A member of view_plot_point. */
-typedef enum plotted { METERED, ADAPTED, LEVEL } plotted;
+typedef enum plotted { METERED, ADAPTED, LEVEL, AIMED } plotted;
 
 static double value_of(const view_plot_point *point, plotted of)
 {
-    return of == METERED ? point->metered_ev : of == ADAPTED ? point->adapted_ev : point->level;
+    switch (of) {
+    case METERED:
+        return point->metered_ev;
+    case ADAPTED:
+        return point->adapted_ev;
+    case LEVEL:
+        return point->level;
+    default:
+        return point->aimed_level;
+    }
 }
 
 void view_plot_add(view_plot *plot, const frame_log_entry *record)
 {
-    plot->point[plot->next] =
-        (view_plot_point){record->time_s, record->metered_ev, record->adapted_ev, record->output_level};
+    plot->point[plot->next] = (view_plot_point){record->time_s, record->metered_ev, record->adapted_ev,
+                                                record->output_level, record->aimed_level};
     plot->next = (plot->next + 1) % VIEW_PLOT_MOST;
     plot->count += plot->count < VIEW_PLOT_MOST;
 }
@@ -108,7 +117,7 @@ static void legend(view_paint *p, float x, float y, float scale)
     static const struct {
         const char *name;
         view_colour colour;
-    } line[] = {{"metered EV", BLUE}, {"adapted EV", VERMILION}, {"output level", GREEN}, {"key", GREY}};
+    } line[] = {{"metered EV", BLUE}, {"adapted EV", VERMILION}, {"output level", GREEN}, {"aimed at", GREY}};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         view_paint_box(p, x, y + 2.0f * scale, 12.0f * scale, 3.0f * scale, line[i].colour);
         view_paint_text(p, x + 16.0f * scale, y, scale, WHITE, line[i].name);
@@ -137,6 +146,7 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     widen(plot, &ev, METERED);
     widen(plot, &ev, ADAPTED);
     widen(plot, &out, LEVEL);
+    widen(plot, &out, AIMED);
     if (!(ev.low <= ev.high))
         ev.low = ev.high = 0.0;
     const double more = ev.high - ev.low < 2.0 ? 0.5 * (2.0 - (ev.high - ev.low)) : 0.05 * (ev.high - ev.low);
@@ -151,6 +161,6 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     edges(p, &out, scale, "%.2f");
     curve(plot, p, &ev, METERED, 1.4f * scale, BLUE);
     curve(plot, p, &ev, ADAPTED, 1.8f * scale, VERMILION);
-    view_paint_box(p, out.x, floorf(height_of(&out, key)), out.width, hair(scale), GREY);
+    curve(plot, p, &out, AIMED, hair(scale), GREY);
     curve(plot, p, &out, LEVEL, 1.4f * scale, GREEN);
 }

@@ -8,7 +8,7 @@
 enum { VIEW_PLOT_MOST = 4096 }; /* ten seconds at 400 frames a second; of faster ones it shows less */
 
 typedef struct view_plot_point {
-    double time_s, metered_ev, adapted_ev, level;
+    double time_s, metered_ev, adapted_ev, level, aimed_level;
 } view_plot_point;
 
 typedef struct view_plot {

@@ -17,7 +17,8 @@ static frame_log_entry record(size_t i)
     r.metered_ev = sin((double)i * 0.01);
     r.p01_ev = r.metered_ev - 3.0;
     r.p99_ev = r.metered_ev + 3.0;
-    r.output_level = r.key = 0.18;
+    r.key = 0.18;
+    r.output_level = r.aimed_level = 0.15;
     return r;
 }
 
@@ -118,12 +119,12 @@ static void check_drawing(void)
     drawn("a.PNG", records, 300, "");
     CHECK(holds(scratch("a.PNG"), "\x89PNG") && holds(scratch("a.PNG"), "IEND"));
     CHECK(!holds(scratch("a.svg"), "exposure, ms"));
-    CHECK(holds(scratch("a.svg"), ">key 0.18<"));
+    CHECK(holds(scratch("a.svg"), ">aimed at: key 0.18<") && holds(scratch("a.svg"), "through the tone curve"));
     drawn("one.svg", records, 1, "one frame");
     check_camera(records);
     records[200].key = 0.09;
     drawn("keys.svg", records, 300, "two keys");
-    CHECK(holds(scratch("keys.svg"), ">key<") && !holds(scratch("keys.svg"), ">key 0"));
+    CHECK(holds(scratch("keys.svg"), ">aimed at<") && !holds(scratch("keys.svg"), "key 0"));
     for (size_t i = 0; i < 300; i++)
         records[i].metered_ev = records[i].adapted_ev = records[i].p01_ev = records[i].p99_ev = -3.0;
     drawn("flat.svg", records, 300, "nothing happens");

@@ -93,11 +93,22 @@ done
 "$program" replay video.mkv -q --reset-each --stats each.csv || fail "--reset-each"
 [ "$(grep -c settled each.csv)" = 100 ] || fail "--reset-each of a video: only $(grep -c settled each.csv) of 100 settled"
 
+# what is aimed at is what a settled picture has, whatever the key, within what codes and the gamut leave
+for option in "" "--ev -2" "--key 0.4" "--white none" "--trim 10,90"; do
+    # shellcheck disable=SC2086
+    "$program" replay synth:room --size 128x72 -q -n 30 $option --stats aimed.csv || fail "aimed: $option"
+    awk -F, -v option="$option" '
+        NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { off = log($at["output_level"] / $at["aimed_level"]) / log(2); most = off * off > most * most ? off : most }
+        END { printf "synth:room %s: the display level is %+.4f stop from the one aimed at\n", option, most; exit !(NR == 31 && most * most < 0.03 ^ 2) }
+    ' aimed.csv || fail "aimed: $option"
+done
+
 # a pixel that no metering weight falls on: held, and time goes on
 printf 'PF\n1 1\n-1.0\n\0\0\0\77\0\0\0\77\0\0\0\77' >dot.pfm
 "$program" replay dot.pfm -q --roi 0,0,0.1,0.1 --hold 2 --stats dot.csv || fail "a frame without weight"
-[ "$(cut -d, -f4,23 dot.csv | tr -d '\r' | tr '\n' ' ')" = "dt_s,state 0,empty 0.033333333,empty " ] ||
-    fail "a frame without weight: $(cut -d, -f4,23 dot.csv)"
+[ "$(cut -d, -f4,24 dot.csv | tr -d '\r' | tr '\n' ' ')" = "dt_s,state 0,empty 0.033333333,empty " ] ||
+    fail "a frame without weight: $(cut -d, -f4,24 dot.csv)"
 
 # a report tells only what was compared: no log-average where the metering has weights
 "$program" $walk -n 2 --report even && "$program" $walk -n 2 --report spot --metering spot || fail "reports"
