@@ -156,6 +156,13 @@ static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, dou
         unsigned char *to = (unsigned char *)(image.cr && x % 2 ? image.cr : image.chroma);
         memcpy(row + 2 * x, &luma, 2);
         memcpy(to + chroma_row * image.chroma_stride_bytes + (image.cr ? x / 2 * 2 : 2 * x), &word, 2);
+    } else if (pixel == PUPIL_PIXEL_I444_16) {
+        const uint16_t luma = (uint16_t)to_code(srgb(mine), 65535);
+        const uint16_t cb = (uint16_t)to_code(0.5 + 0.4 * (b - g) / (r + g + b), 65535);
+        const uint16_t cr = (uint16_t)to_code(0.5 + 0.4 * (r - g) / (r + g + b), 65535);
+        memcpy(row + 2 * x, &luma, 2);
+        memcpy((unsigned char *)image.chroma + chroma_row * image.chroma_stride_bytes + 2 * x, &cb, 2);
+        memcpy((unsigned char *)image.cr + chroma_row * image.cr_stride_bytes + 2 * x, &cr, 2);
     } else if (image.cr) {
         row[x] = (unsigned char)to_code(srgb(mine), 255);
         ((unsigned char *)(x % 2 ? image.cr : image.chroma))[chroma_row * image.chroma_stride_bytes + x / 2] = colour;

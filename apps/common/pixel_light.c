@@ -99,11 +99,16 @@ static int word_at(const void *plane, ptrdiff_t stride, uint32_t x, uint32_t y)
     return word;
 }
 
-/* As yuv_at, of P010 and I420_10. */
-static void yuv10_at(const pupil_image_const *image, uint32_t x, uint32_t y, int code[3])
+/* As yuv_at, of formats of 10 and 16 bits. */
+static void yuv_words_at(const pupil_image_const *image, uint32_t x, uint32_t y, int code[3])
 {
     const ptrdiff_t chroma_stride = image->chroma_stride_bytes;
     code[0] = word_at(image->data, image->stride_bytes, x, y);
+    if (image->pixel == PUPIL_PIXEL_I444_16) {
+        code[1] = word_at(image->chroma, chroma_stride, x, y);
+        code[2] = word_at(image->cr, image->cr_stride_bytes, x, y);
+        return;
+    }
     if (image->pixel == PUPIL_PIXEL_I420_10) {
         code[1] = word_at(image->chroma, chroma_stride, x / 2, y / 2);
         code[2] = word_at(image->cr, image->cr_stride_bytes, x / 2, y / 2);
@@ -149,12 +154,13 @@ static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, do
     const double kr = kr_kb[c->matrix][0], kb = kr_kb[c->matrix][1];
     const int full = c->range == PUPIL_RANGE_FULL;
     int code[3];
-    const int ten = image->pixel == PUPIL_PIXEL_P010 || image->pixel == PUPIL_PIXEL_I420_10, one = ten ? 4 : 1;
-    if (ten)
-        yuv10_at(image, x, y, code);
+    const int ten = image->pixel == PUPIL_PIXEL_P010 || image->pixel == PUPIL_PIXEL_I420_10;
+    const int one = image->pixel == PUPIL_PIXEL_I444_16 ? 256 : ten ? 4 : 1; /* of 8 bits */
+    if (one > 1)
+        yuv_words_at(image, x, y, code);
     else
         yuv_at(image, x, y, code);
-    const double all = ten ? 1023.0 : 255.0, chroma = full ? all : 224.0 * one;
+    const double all = 256.0 * one - 1.0, chroma = full ? all : 224.0 * one;
     const double l = full ? code[0] / all : (code[0] - 16 * one) / (219.0 * one);
     rgb[0] = l + 2.0 * (1.0 - kr) * (code[2] - 128 * one) / chroma;
     rgb[2] = l + 2.0 * (1.0 - kb) * (code[1] - 128 * one) / chroma;

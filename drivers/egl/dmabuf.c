@@ -101,7 +101,7 @@ static int planes_of(const pupil_dmabuf *b, plane planes[PLANES])
     for (int i = 0; i < count; i++) {
         const size_t row = i ? pupil_chroma_row_bytes(b->pixel, b->width) : pupil_row_bytes(b->pixel, b->width);
         const uint32_t channels = packed_yuv || (i && count == 2) ? 2 : 1;
-        uint32_t bytes = (uint32_t)(i ? row / ((b->width + 1) / 2) : pupil_pixel_bytes(b->pixel));
+        uint32_t bytes = (uint32_t)pupil_pixel_bytes(b->pixel) * (i ? channels : 1);
         bytes = bytes ? bytes : 1; /* packed samples: texel by texel their bytes */
         planes[i] = (plane){.format = rgb ? rgb : formats[channels - 1][bytes / channels - 1],
                             .width = (uint32_t)(row / bytes),

@@ -9,10 +9,10 @@ typedef struct pupil_pixel_layout {
     uint8_t sample;      /* bytes that an address is a multiple of */
     uint8_t bits;        /* of a grey or mosaic format's samples; 0: others */
     uint8_t mosaic;
-    uint8_t planes;       /* 1; 2 with `chroma`; 3 with `cr`, too */
-    uint8_t chroma_bytes; /* of a pair of pixels in `chroma`, and in `cr`; 0: no such plane */
-    uint8_t chroma_rows;  /* rows of pixels for each of `chroma` */
-    uint8_t yuv;          /* Y'CbCr */
+    uint8_t planes;                      /* 1; 2 with `chroma`; 3 with `cr`, too */
+    uint8_t chroma_bytes;                /* of a sample in `chroma` (both of Cb Cr), and in `cr`; 0: no such plane */
+    uint8_t chroma_columns, chroma_rows; /* of pixels for each of these samples */
+    uint8_t yuv;                         /* Y'CbCr: bits of Y'; 0: others */
 } pupil_pixel_layout;
 
 pupil_pixel_layout pupil_pixel_layout_of(uint32_t pixel);

@@ -211,7 +211,7 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
     c->top = light->top;
     c->brightest = coded || layout.bits ? light->brightest : 1.0f; /* RGB has no curve of the coding */
     if (layout.yuv)
-        from_yuv(coding, layout.sample == 2 ? 10 : 8, c);
+        from_yuv(coding, layout.yuv, c);
     else if (pixel == PUPIL_PIXEL_RGB10A2)
         c->unit = unit_to(c->top, 1023.0f);
     else if (pupil_pixel_is_mosaic(pixel))

@@ -145,9 +145,9 @@ static void set_frame(const gles_object *o, uint32_t p)
     gl->Uniform1f(uniform(o, p, "light_top"), c->top);
     gl->Uniform2i(uniform(o, p, "frame_size"), (GLint)o->config.width, (GLint)o->config.height);
     gl->Uniform2f(uniform(o, p, "rgb_codes"), o->config.pixel == PUPIL_PIXEL_RGB10A2 ? 1023.0f : 255.0f, c->unit);
-    gl->Uniform3f(uniform(o, p, "yuv_luma"), c->y_zero, c->y_unit, layout.sample == 2 ? 512.0f : 128.0f);
+    gl->Uniform3f(uniform(o, p, "yuv_luma"), c->y_zero, c->y_unit, (float)(1u << (layout.yuv ? layout.yuv - 1 : 0)));
     gl->Uniform4f(uniform(o, p, "yuv_chroma"), c->red_v, c->green_u, c->green_v, c->blue_u);
-    gl->Uniform2i(uniform(o, p, "chroma_shift"), 1, layout.chroma_rows == 2);
+    gl->Uniform2i(uniform(o, p, "chroma_shift"), layout.chroma_columns == 2, layout.chroma_rows == 2);
     gl->Uniform1i(uniform(o, p, "sample_shift"), o->config.pixel == PUPIL_PIXEL_P010 ? 6 : (GLint)c->shift);
     gl->Uniform2f(uniform(o, p, "grey"), c->zero, c->unit);
     set_mosaic(o, p);

@@ -74,7 +74,8 @@ static extent extent_of(const gles_object *o, int plane)
 {
     const uint32_t width = o->config.width, height = o->config.height, pixel = o->config.pixel;
     if (plane)
-        return (extent){(GLsizei)((width + 1) / 2), (GLsizei)pupil_chroma_rows(pixel, height)};
+        return (extent){(GLsizei)(pupil_chroma_row_bytes(pixel, width) / layout_of(pixel, plane)->bytes),
+                        (GLsizei)pupil_chroma_rows(pixel, height)};
     return (extent){(GLsizei)(pupil_row_bytes(pixel, width) / layout_of(pixel, 0)->bytes), (GLsizei)height};
 }
 

@@ -59,7 +59,7 @@ typedef struct pupil_line {
 /* A pupil_coding (coding.h) as factors. */
 typedef struct pupil_coder {
     /* Y'CbCr, to 0..top: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
-     * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 (512 of 10 bits) */
+     * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 (512 of 10, 32768 of 16 bits) */
     float y_zero, y_unit, red_v, green_u, green_v, blue_u;
     const float (*light)[2];     /* light of a code 0..top, and how much more the next one's is; NULL: linear */
     float top, brightest;        /* the last code of `light` (NULL: 255), and its light */

@@ -211,15 +211,16 @@ static int load_uyvy(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
-/* --- 10 bits --- */
+/* --- 10 and 16 bits --- */
 
-/* Of each pixel its own Cb and Cr: words are doubled as they are put together. */
-static void load_yuv10(const pupil_coder *coder, const uint16_t *restrict luma, const uint16_t *restrict cb,
-                       const uint16_t *restrict cr, uint32_t n, pupil_planes *restrict p)
+/* Of each pixel its own Cb and Cr: words of 4:2:0 are doubled as they are put together. `none`: the code of no colour.
+ */
+static void load_yuv_words(const pupil_coder *coder, const uint16_t *restrict luma, const uint16_t *restrict cb,
+                           const uint16_t *restrict cr, float none, uint32_t n, pupil_planes *restrict p)
 {
     const pupil_coder c = *coder;
     for (uint32_t i = 0; i < n; i++) {
-        const float y = ((float)luma[i] - c.y_zero) * c.y_unit, u = (float)cb[i] - 512.0f, v = (float)cr[i] - 512.0f;
+        const float y = ((float)luma[i] - c.y_zero) * c.y_unit, u = (float)cb[i] - none, v = (float)cr[i] - none;
         p->r[i] = y + c.red_v * v;
         p->g[i] = (y + c.green_u * u) + c.green_v * v;
         p->b[i] = y + c.blue_u * u;
@@ -241,7 +242,7 @@ static int load_p010(const pupil_coder *coder, const pupil_row *row, uint32_t x,
         cb[2 * i] = cb[2 * i + 1] = uv[2 * i] >> 6;
         cr[2 * i] = cr[2 * i + 1] = uv[2 * i + 1] >> 6;
     }
-    load_yuv10(coder, luma, cb + odd, cr + odd, n, planes);
+    load_yuv_words(coder, luma, cb + odd, cr + odd, 512.0f, n, planes);
     return 1;
 }
 
@@ -256,7 +257,16 @@ static int load_i420_10(const pupil_coder *coder, const pupil_row *row, uint32_t
         cb[2 * i] = cb[2 * i + 1] = u[i];
         cr[2 * i] = cr[2 * i + 1] = v[i];
     }
-    load_yuv10(coder, luma, cb + odd, cr + odd, n, planes);
+    load_yuv_words(coder, luma, cb + odd, cr + odd, 512.0f, n, planes);
+    return 1;
+}
+
+static int load_i444_16(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
+{
+    const uint16_t *luma = (const uint16_t *)(const void *)row->data + x;
+    const uint16_t *cb = (const uint16_t *)(const void *)row->chroma + x;
+    const uint16_t *cr = (const uint16_t *)(const void *)row->cr + x;
+    load_yuv_words(coder, luma, cb, cr, 32768.0f, n, planes);
     return 1;
 }
 
@@ -634,7 +644,7 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
     [PUPIL_PIXEL_NV16] = load_nv12, [PUPIL_PIXEL_NV21] = load_nv21, [PUPIL_PIXEL_I420] = load_i420,                    \
     [PUPIL_PIXEL_P010] = load_p010, [PUPIL_PIXEL_I420_10] = load_i420_10, [PUPIL_PIXEL_GREY8] = load_grey8,            \
     [PUPIL_PIXEL_GREY10] = load_grey16, [PUPIL_PIXEL_GREY12] = load_grey16, [PUPIL_PIXEL_GREY16] = load_grey16,        \
-    [PUPIL_PIXEL_GREY10P] = load_grey10p, [PUPIL_PIXEL_GREY12P] = load_grey12p
+    [PUPIL_PIXEL_GREY10P] = load_grey10p, [PUPIL_PIXEL_GREY12P] = load_grey12p, [PUPIL_PIXEL_I444_16] = load_i444_16
 
 #define STORES_OF_LIGHT                                                                                                \
     [PUPIL_PIXEL_RGBA32F] = store_rgba32f, [PUPIL_PIXEL_RGB32F] = store_rgb32f, [PUPIL_PIXEL_RGBA16F] = store_rgba16f, \

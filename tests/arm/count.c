@@ -45,7 +45,7 @@ static const struct format {
     {"grey10p", PUPIL_PIXEL_GREY10P, 1, BYTES, 8, 0},   {"grey12p", PUPIL_PIXEL_GREY12P, 1, BYTES, 8, 0},
     {"bgr32f", PUPIL_PIXEL_BGR32F, 3, FLOATS, 0, 0},    {"rgb16f", PUPIL_PIXEL_RGB16F, 3, HALVES, 0, 0},
     {"p010", PUPIL_PIXEL_P010, 1, WORDS, 16, 0},        {"i420-10", PUPIL_PIXEL_I420_10, 1, WORDS, 10, 0},
-    {"rgb10a2", PUPIL_PIXEL_RGB10A2, 4, BYTES, 8, 0},
+    {"rgb10a2", PUPIL_PIXEL_RGB10A2, 4, BYTES, 8, 0},   {"i444-16", PUPIL_PIXEL_I444_16, 1, WORDS, 16, 0},
 };
 #define FORMATS (sizeof formats / sizeof *formats)
 
@@ -124,9 +124,9 @@ static void fill(const struct format *f, size_t bytes, int hard, uint32_t seed)
         source[i] = (uint8_t)(16 + source[i] * 219 / 255);
     for (size_t i = 0; planar && !words && i < sizeof source_chroma; i++)
         source_chroma[i] = (uint8_t)(128 + source[i] % 8);
+    const int in_upper_bits = f->pixel == PUPIL_PIXEL_P010 || f->pixel == PUPIL_PIXEL_I444_16;
     for (size_t i = 0; planar && words && i < sizeof source_chroma / 2; i++)
-        ((uint16_t *)(void *)source_chroma)[i] =
-            (uint16_t)((512 + source[i] % 32) << (f->pixel == PUPIL_PIXEL_P010 ? 6 : 0));
+        ((uint16_t *)(void *)source_chroma)[i] = (uint16_t)((512 + source[i] % 32) << (in_upper_bits ? 6 : 0));
 }
 
 typedef enum option { NO_OPTION, HISTOGRAM, TRIMMED, FOLLOWING_WHITE, MASK, OPTIONS } option;

@@ -13,7 +13,7 @@ static const uint32_t camera[] = {PUPIL_PIXEL_YUYV,     PUPIL_PIXEL_NV12,    PUP
                                   PUPIL_PIXEL_BAYER12P, PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,
                                   PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8,
                                   PUPIL_PIXEL_GREY10P,  PUPIL_PIXEL_GREY12P, PUPIL_PIXEL_BGR32F,  PUPIL_PIXEL_RGB16F,
-                                  PUPIL_PIXEL_P010,     PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2};
+                                  PUPIL_PIXEL_P010,     PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2, PUPIL_PIXEL_I444_16};
 #define FORMATS (sizeof camera / sizeof *camera)
 
 static const unsigned char *row_at(const pupil_image_const *image, uint32_t y)
@@ -211,6 +211,11 @@ static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t 
         chroma_at(to, y)[x / 2] = chroma_at(from, y)[pair];
         cr_at(to, y)[x / 2] = chroma_at(from, y)[pair + 1];
         break;
+    case PUPIL_PIXEL_I444_16:
+        set_word(p, get_word(rgb) << 6);
+        set_word(chroma_at(to, y) + 2 * (size_t)x, get_word(chroma_at(from, y) + pair) << 6);
+        set_word(cr_at(to, y) + 2 * (size_t)x, get_word(cr_at(from, y) + pair) << 6);
+        break;
     case PUPIL_PIXEL_NV21:
         *p = *rgb;
         chroma_at(to, y)[pair] = chroma_at(from, y)[pair + 1];
@@ -256,11 +261,13 @@ static void same_codes_same_bits(void)
                                  {PUPIL_PIXEL_NV16, PUPIL_PIXEL_NV12},      {PUPIL_PIXEL_UYVY, PUPIL_PIXEL_YUYV},
                                  {PUPIL_PIXEL_BGR8, PUPIL_PIXEL_RGB8},      {PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8},
                                  {PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB8},     {PUPIL_PIXEL_BGR32F, PUPIL_PIXEL_RGB32F},
-                                 {PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_RGBA16F}, {PUPIL_PIXEL_P010, PUPIL_PIXEL_I420_10}};
+                                 {PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_RGBA16F}, {PUPIL_PIXEL_P010, PUPIL_PIXEL_I420_10},
+                                 {PUPIL_PIXEL_I444_16, PUPIL_PIXEL_I420_10}};
     for (size_t i = 0; i < sizeof twins / sizeof *twins; i++)
         for (unsigned n = 0; n < 40; n++) {
             const uint32_t w = n < 20 ? 1 + n : 200 + 7 * n, h = 1 + n % 5;
-            const pupil_coding coding = {.matrix = n % 3, .range = n % 2, .light = n % PUPIL_LIGHT_COUNT};
+            const int is_444 = twins[i].pixel == PUPIL_PIXEL_I444_16; /* in full range its codes are no multiples */
+            const pupil_coding coding = {.matrix = n % 3, .range = is_444 ? 0 : n % 2, .light = n % PUPIL_LIGHT_COUNT};
             const pupil_curve curve = {.scale = 0.5f, .inverse_white_squared = 0.05f, .gamut = 3.7f};
             frame a = frame_make(w, h, twins[i].of, 4, n % 3 == 0), b = frame_make(w, h, twins[i].pixel, 8, n % 4 == 0);
             frame to_a = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0), to_b = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0);

@@ -94,7 +94,7 @@ static void check_sentence(pupil_t *pupil)
         NAME(BGRX8),   NAME(YUYV),    NAME(NV12),    NAME(GREY8),   NAME(GREY10),  NAME(GREY12),   NAME(GREY16),
         NAME(BAYER8),  NAME(BAYER10), NAME(BAYER12), NAME(BAYER14), NAME(BAYER16), NAME(BAYER10P), NAME(BAYER12P),
         NAME(I420),    NAME(NV21),    NAME(NV16),    NAME(UYVY),    NAME(BGR8),    NAME(RGBX8),    NAME(GREY10P),
-        NAME(GREY12P), NAME(BGR32F),  NAME(RGB16F),  NAME(P010),    NAME(I420_10), NAME(RGB10A2)};
+        NAME(GREY12P), NAME(BGR32F),  NAME(RGB16F),  NAME(P010),    NAME(I420_10), NAME(RGB10A2),  NAME(I444_16)};
     static float in_memory[4 * 4 * 4], out_memory[4 * 4 * 4];
     const pupil_image_const in = pupil_image_const_of(in_memory, 4, 4, PUPIL_PIXEL_RGB32F);
     for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++) {
@@ -126,6 +126,7 @@ int main(int argc, char **argv)
     const pupil_image nothing = pupil_image_of(NULL, 4, 4, PUPIL_PIXEL_I420);
     CHECK(!nothing.data && !nothing.chroma && !nothing.cr);
     CHECK(pupil_image_bytes(PUPIL_PIXEL_COUNT, 4, 4) == 0);
-    CHECK(pupil_image_bytes(PUPIL_PIXEL_I420, 5, 3) == 15 + 2 * 6 && pupil_image_bytes(PUPIL_PIXEL_P010, 4, 4) == 48);
+    CHECK(pupil_image_bytes(PUPIL_PIXEL_I420, 5, 3) == 15 + 2 * 6 && pupil_image_bytes(PUPIL_PIXEL_P010, 4, 4) == 48 &&
+          pupil_image_bytes(PUPIL_PIXEL_I444_16, 5, 3) == 90);
     return check_end();
 }

@@ -391,6 +391,9 @@ static void check_cameras(void)
     expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_ALIGNMENT, "P010's chroma rows at odd addresses");
     i.chroma_stride_bytes = 14;
     expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "P010's chroma rows overlap");
+    i.pixel = PUPIL_PIXEL_I444_16;
+    i.chroma_stride_bytes = i.cr_stride_bytes = 14;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "I444_16's rows of Cb overlap");
     i.pixel = PUPIL_PIXEL_NV12;
     i.chroma_stride_bytes = -8;
     o = (pupil_image){.data = out_memory, .stride_bytes = 4, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_NV12};
@@ -483,7 +486,7 @@ static void check_sentences(void)
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     for (uint32_t pixel = 0; pixel < 300; pixel++) {
         static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2,  2, 2, 1, 2, 2,
-                                       2, 2,  0,  0, 1, 1, 1, 2, 3, 4, 0, 0, 12, 6, 2, 2, 4};
+                                       2, 2,  0,  0, 1, 1, 1, 2, 3, 4, 0, 0, 12, 6, 2, 2, 4, 2};
         static const uint32_t bits[] = {
             [PUPIL_PIXEL_GREY8] = 8,    10, 12, 16, 8, 10, 12, 14, 16, 10, 12, [PUPIL_PIXEL_GREY10P] = 10, 12,
             [PUPIL_PIXEL_COUNT - 1] = 0};
@@ -498,6 +501,7 @@ static void check_sentences(void)
     CHECK(pupil_pixel_planes(PUPIL_PIXEL_RGB8) == 1 && pupil_pixel_planes(PUPIL_PIXEL_NV12) == 2 &&
           pupil_pixel_planes(PUPIL_PIXEL_I420) == 3 && pupil_pixel_planes(0) == 0 && pupil_pixel_planes(300) == 0);
     CHECK(pupil_chroma_row_bytes(PUPIL_PIXEL_NV12, 5) == 6 && pupil_chroma_row_bytes(PUPIL_PIXEL_I420, 5) == 3 &&
+          pupil_chroma_row_bytes(PUPIL_PIXEL_I444_16, 5) == 10 && pupil_chroma_rows(PUPIL_PIXEL_I444_16, 5) == 5 &&
           pupil_chroma_row_bytes(PUPIL_PIXEL_RGB8, 5) == 0);
     CHECK(pupil_chroma_rows(PUPIL_PIXEL_NV21, 5) == 3 && pupil_chroma_rows(PUPIL_PIXEL_NV16, 5) == 5 &&
           pupil_chroma_rows(PUPIL_PIXEL_YUYV, 5) == 0);

@@ -72,7 +72,8 @@ static size_t sample_bytes(uint32_t pixel)
     static const uint8_t bytes[PUPIL_PIXEL_BAYER16 + 1] = {1, 4, 4, 2, 2, 2, 1, 1, 1, 1, 1, 1, 2, 2, 2, 1, 2, 2, 2, 2};
     if (pixel == PUPIL_PIXEL_BGR32F || pixel == PUPIL_PIXEL_RGB10A2)
         return 4;
-    if (pixel == PUPIL_PIXEL_RGB16F || pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10)
+    if (pixel == PUPIL_PIXEL_RGB16F || pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10 ||
+        pixel == PUPIL_PIXEL_I444_16)
         return 2;
     return pixel <= PUPIL_PIXEL_BAYER16 ? bytes[pixel] : 1;
 }

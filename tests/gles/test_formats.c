@@ -66,7 +66,7 @@ static const char *const formats[PUPIL_PIXEL_COUNT] = {
     [PUPIL_PIXEL_UYVY] = "UYVY",         [PUPIL_PIXEL_BGR8] = "BGR8",         [PUPIL_PIXEL_RGBX8] = "RGBX8",
     [PUPIL_PIXEL_GREY10P] = "GREY10P",   [PUPIL_PIXEL_GREY12P] = "GREY12P",   [PUPIL_PIXEL_BGR32F] = "BGR32F",
     [PUPIL_PIXEL_RGB16F] = "RGB16F",     [PUPIL_PIXEL_P010] = "P010",         [PUPIL_PIXEL_I420_10] = "I420_10",
-    [PUPIL_PIXEL_RGB10A2] = "RGB10A2",
+    [PUPIL_PIXEL_RGB10A2] = "RGB10A2",   [PUPIL_PIXEL_I444_16] = "I444_16",
 };
 
 /* As the frame's number goes round: the usual one, and one with a grid, a clip, a curve, primaries of its own. */

@@ -294,7 +294,8 @@ static void test_own_textures(gl_test *test, const own_textures *own)
     make_texture(own, 0, 31, 17, f.image.stride_bytes, f.image.data);
     for (uint32_t i = 1; i < planes; i++) {
         glBindTexture(GL_TEXTURE_2D, texture[i]);
-        make_texture(own, (int)i, 16, chroma_height, i == 1 ? f.image.chroma_stride_bytes : f.image.cr_stride_bytes,
+        make_texture(own, (int)i, own->pixel == PUPIL_PIXEL_I444_16 ? 31 : 16, chroma_height,
+                     i == 1 ? f.image.chroma_stride_bytes : f.image.cr_stride_bytes,
                      i == 1 ? f.image.chroma : f.image.cr);
     }
 
@@ -329,6 +330,13 @@ static void test_all_own_textures(gl_test *test)
         {PUPIL_PIXEL_NV12, 0, {{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1}, {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2}}, 0, 0},
         {PUPIL_PIXEL_BGRX8, 0, {{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4}}, GL_BLUE, GL_RED},
         {PUPIL_PIXEL_I420_10,
+         0,
+         {{GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
+          {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
+          {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2}},
+         0,
+         0},
+        {PUPIL_PIXEL_I444_16,
          0,
          {{GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
           {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},

@@ -16,7 +16,7 @@ static const char *const pixel_name[PUPIL_PIXEL_COUNT] = {
     "none",    "rgba32f", "rgb32f",   "rgba16f",  "rgba16", "rgb16",  "rgba8",   "rgb8",    "bgrx8",
     "yuyv",    "nv12",    "grey8",    "grey10",   "grey12", "grey16", "bayer8",  "bayer10", "bayer12",
     "bayer14", "bayer16", "bayer10p", "bayer12p", "i420",   "nv21",   "nv16",    "uyvy",    "bgr8",
-    "rgbx8",   "grey10p", "grey12p",  "bgr32f",   "rgb16f", "p010",   "i420-10", "rgb10a2"};
+    "rgbx8",   "grey10p", "grey12p",  "bgr32f",   "rgb16f", "p010",   "i420-10", "rgb10a2", "i444-16"};
 static const uint32_t in_pixel[] = {
     PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,  PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGBA16,   PUPIL_PIXEL_RGB16,
     PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,    PUPIL_PIXEL_YUYV,    PUPIL_PIXEL_NV12,     PUPIL_PIXEL_GREY8,
@@ -24,7 +24,7 @@ static const uint32_t in_pixel[] = {
     PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER14, PUPIL_PIXEL_BAYER16, PUPIL_PIXEL_BAYER10P, PUPIL_PIXEL_BAYER12P,
     PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,    PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,
     PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8,   PUPIL_PIXEL_GREY10P, PUPIL_PIXEL_GREY12P,  PUPIL_PIXEL_BGR32F,
-    PUPIL_PIXEL_RGB16F,  PUPIL_PIXEL_P010,    PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2};
+    PUPIL_PIXEL_RGB16F,  PUPIL_PIXEL_P010,    PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2,  PUPIL_PIXEL_I444_16};
 static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,  PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
                                      PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
                                      PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F};
@@ -190,7 +190,8 @@ static size_t sample_bytes(uint32_t pixel)
 {
     const size_t bytes = pupil_pixel_bytes(pixel);
     const int words = (pixel >= PUPIL_PIXEL_GREY10 && pixel <= PUPIL_PIXEL_GREY16) || pixel == PUPIL_PIXEL_P010 ||
-                      pixel == PUPIL_PIXEL_I420_10 || (pixel >= PUPIL_PIXEL_BAYER10 && pixel <= PUPIL_PIXEL_BAYER16);
+                      pixel == PUPIL_PIXEL_I420_10 || pixel == PUPIL_PIXEL_I444_16 ||
+                      (pixel >= PUPIL_PIXEL_BAYER10 && pixel <= PUPIL_PIXEL_BAYER16);
     return bytes > 8 || pixel == PUPIL_PIXEL_RGB10A2 ? 4 : bytes > 4 || words ? 2 : 1;
 }
 

@@ -21,7 +21,7 @@ static union {
     unsigned char bytes[INPUT_BYTES];
 } input;
 static _Alignas(4) unsigned char output[MOST_OUTPUT_BYTES];
-static _Alignas(2) unsigned char input_chroma[MAX_PIXELS];
+static _Alignas(2) unsigned char input_chroma[4 * MAX_PIXELS];
 static unsigned char output_chroma[MAX_PIXELS], output_cr[MAX_PIXELS];
 
 /* --- digests and numbers --- */
@@ -88,6 +88,7 @@ static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
     case PUPIL_PIXEL_RGBA16:
     case PUPIL_PIXEL_RGB16:
     case PUPIL_PIXEL_GREY16:
+    case PUPIL_PIXEL_I444_16:
     case PUPIL_PIXEL_BAYER16:
         half = (uint16_t)(is_odd ? (pick & 1) * 65535 : (bits >> 7) >> (12 - stops) / 2);
         __builtin_memcpy(to, &half, 2);
@@ -120,7 +121,7 @@ static size_t sample_bytes(uint32_t pixel)
     if (pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F ||
         pixel == PUPIL_PIXEL_RGB10A2)
         return 4;
-    if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10)
+    if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10 || pixel == PUPIL_PIXEL_I444_16)
         return 2;
     if (pixel <= PUPIL_PIXEL_BGRX8)
         return pixel >= PUPIL_PIXEL_RGBA8 ? 1 : 2;

@@ -69,7 +69,7 @@ static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {
     "none",    "rgba32f", "rgb32f",   "rgba16f",  "rgba16", "rgb16",  "rgba8",   "rgb8",    "bgrx8",
     "yuyv",    "nv12",    "grey8",    "grey10",   "grey12", "grey16", "bayer8",  "bayer10", "bayer12",
     "bayer14", "bayer16", "bayer10p", "bayer12p", "i420",   "nv21",   "nv16",    "uyvy",    "bgr8",
-    "rgbx8",   "grey10p", "grey12p",  "bgr32f",   "rgb16f", "p010",   "i420-10", "rgb10a2"};
+    "rgbx8",   "grey10p", "grey12p",  "bgr32f",   "rgb16f", "p010",   "i420-10", "rgb10a2", "i444-16"};
 static const uint32_t out_pixels[3] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8};
 
 /* Every input format to every output format at every size, upright and upside down. Widths around 16, the number of

@@ -80,6 +80,8 @@ static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint
     if (is_packed_yuv(image->pixel))
         return row_of(image, y) + x / 2 * 4 + 2 * which + (image->pixel == PUPIL_PIXEL_YUYV);
     const size_t bytes = pupil_pixel_bytes(image->pixel);
+    if (image->pixel == PUPIL_PIXEL_I444_16)
+        return chroma_row_of(image, row, which ? 2 : 1) + x * bytes;
     if (pupil_pixel_planes(image->pixel) > 2)
         return chroma_row_of(image, row, which ? 2 : 1) + x / 2 * bytes;
     return chroma_row_of(image, row, 1) + (x / 2 * 2 + (image->pixel == PUPIL_PIXEL_NV21 ? 1 - which : which)) * bytes;
@@ -87,11 +89,13 @@ static unsigned char *chroma_of(const pupil_image_const *image, uint32_t x, uint
 
 /* --- a frame like a camera's --- */
 
-/* A code of 8 bits, not yet rounded, or four times it in a word. */
+/* A code of 8 bits, not yet rounded, or 4 or 256 times it in a word. */
 static void store_code(uint32_t pixel, unsigned char *at, double code)
 {
-    const uint16_t word = (uint16_t)((unsigned)(4.0 * code + 0.5) << (pixel == PUPIL_PIXEL_P010 ? 6 : 0));
-    if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10)
+    const int is_16 = pixel == PUPIL_PIXEL_I444_16;
+    const unsigned up = pixel == PUPIL_PIXEL_P010 ? 6 : 0;
+    const uint16_t word = (uint16_t)((unsigned)((is_16 ? 256.0 : 4.0) * code + 0.5) << up);
+    if (pixel == PUPIL_PIXEL_P010 || pixel == PUPIL_PIXEL_I420_10 || is_16)
         memcpy(at, &word, sizeof word);
     else
         *at = (unsigned char)(code + 0.5);
@@ -100,7 +104,8 @@ static void store_code(uint32_t pixel, unsigned char *at, double code)
 /* BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.5): a pair's or a quad's chroma is that of its mean. */
 static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, const float rgba[4][4])
 {
-    const int each_row = pupil_chroma_rows(image->pixel, 2) != 1; /* has chroma of its own */
+    const int each = image->pixel == PUPIL_PIXEL_I444_16; /* pixel has chroma of its own */
+    const int each_row = pupil_chroma_rows(image->pixel, 2) != 1;
     double blue = 0.0, red = 0.0;
     for (uint32_t i = 0; i < 4; i++) {
         const uint32_t at_x = x + i % 2, at_y = y + i / 2;
@@ -112,10 +117,12 @@ static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, co
             store_code(image->pixel, luma_of(image, at_x, at_y), 16.0 + 219.0 * luma);
         blue += (b - luma) / (2.0 * (1.0 - 0.0722));
         red += (r - luma) / (2.0 * (1.0 - 0.2126));
-        if (i % 2 && (each_row || i == 3 || at_y + 1 == image->height)) {
-            const double samples = each_row || i == 1 ? 2.0 : 4.0;
-            store_code(image->pixel, chroma_of(image, x, at_y, 0), 128.0 + 224.0 * blue / samples);
-            store_code(image->pixel, chroma_of(image, x, at_y, 1), 128.0 + 224.0 * red / samples);
+        if (each || (i % 2 && (each_row || i == 3 || at_y + 1 == image->height))) {
+            const double samples = each ? 1.0 : each_row || i == 1 ? 2.0 : 4.0;
+            if (!each || at_x < image->width) {
+                store_code(image->pixel, chroma_of(image, at_x, at_y, 0), 128.0 + 224.0 * blue / samples);
+                store_code(image->pixel, chroma_of(image, at_x, at_y, 1), 128.0 + 224.0 * red / samples);
+            }
             blue = red = 0.0;
         }
     }

@@ -60,7 +60,7 @@ static const option_row rows[] = {
     {"format", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_format, .words = BENCH_FORMAT_WORDS,
      .help = "one input format (all; --peers, --worst and --plot: rgba32f)"},
     {"light", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_light, .words = "srgb|pq|hlg", .initial = "srgb",
-     .help = "what the codes of --format p010, i420-10, rgb10a2 or another Y'CbCr format represent"},
+     .help = "what the codes of --format p010, i420-10, i444-16, rgb10a2 or another Y'CbCr format represent"},
     {"out", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_out,
      .words = "rgba8|rgb8|bgrx8|bgr8|nv12|half|i420|rgba32f|rgb32f|rgba16f|rgb16f", .initial = "rgba8",
      .help = "output format; half is RGBA8 of half a mosaic's width and height"},
@@ -135,7 +135,8 @@ static int check(const bench_options *o)
         return fputs("pupil bench: --json: --plot draws\n", stderr), -1;
     const uint32_t pixel = o->format ? bench_format_named(o->format) : PUPIL_PIXEL_NONE;
     if (o->light && !bench_is_yuv(pixel) && pixel != PUPIL_PIXEL_RGB10A2)
-        return fputs("pupil bench: --light: takes --format p010, i420-10, rgb10a2 or another Y'CbCr format\n", stderr),
+        return fputs("pupil bench: --light: takes --format p010, i420-10, i444-16, rgb10a2 or another Y'CbCr format\n",
+                     stderr),
                -1;
     return modes ? 0 : check_formats(o);
 }

@@ -44,6 +44,7 @@ static const kept formats[PUPIL_PIXEL_COUNT] = {
     [PUPIL_PIXEL_GREY12P] = {"grey12p", FOUR('Y', '1', '2', 'P'), 1, 0},
     [PUPIL_PIXEL_P010] = {"p010", FOUR('P', '0', '1', '0'), 1, 0},
     [PUPIL_PIXEL_I420_10] = {"i420-10", FOUR('Y', '3', 11, 10), 1, 0},
+    [PUPIL_PIXEL_I444_16] = {"i444-16", FOUR('Y', '3', 0, 16), 1, 0},
     [PUPIL_PIXEL_RGB10A2] = {"rgb10a2", FOUR('A', 'B', '3', '0'), 1, 0},
     [PUPIL_PIXEL_GREY8] = {"grey8", FOUR('Y', '8', '0', '0'), 1, 0},
     [PUPIL_PIXEL_GREY10] = {"grey10", FOUR('Y', '1', 0, 10), 1, 0},

@@ -26,8 +26,8 @@ typedef enum pupil_matrix {
 
 /* V4L2: V4L2_QUANTIZATION_LIM_RANGE and _FULL_RANGE. */
 typedef enum pupil_range {
-    PUPIL_RANGE_LIMITED = 0, /* Y' 16..235, Cb and Cr 16..240; of 10 bits four times that */
-    PUPIL_RANGE_FULL,        /* 0..255: JPEG, and what is decoded from it; of 10 bits 0..1023 */
+    PUPIL_RANGE_LIMITED = 0, /* Y' 16..235, Cb and Cr 16..240; of 10 bits 4, of 16 bits 256 times that */
+    PUPIL_RANGE_FULL,        /* 0..255: JPEG, and what is decoded from it; of 10 bits 0..1023, of 16 bits 0..65535 */
     PUPIL_RANGE_COUNT
 } pupil_range;
 

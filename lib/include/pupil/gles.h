@@ -98,6 +98,7 @@ typedef enum pupil_gles_adapt {
  *     NV12, NV21, NV16           R8, and RG8 of (width + 1) / 2 by pupil_chroma_rows
  *     P010                       as NV12, with R16UI and RG16UI; with config.normalized_16, R16 and RG16
  *     I420, I420_10              as NV12 and P010, with one channel for Cb and one for Cr
+ *     I444_16                    R16UI for each plane, of the frame's size; with config.normalized_16, R16
  *     GREY8, BAYER8              R8
  *     GREY10..16, BAYER10..16    R16UI; with config.normalized_16, R16
  *     GREY10P..BAYER12P          R8, pupil_row_bytes texels wide

@@ -89,6 +89,8 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_I420_10, /* in: I420 of 10 bits, in the lower ones of 16-bit words (yuv420p10, I420_10LE) */
     PUPIL_PIXEL_RGB10A2, /* in: a 32-bit word, red in the lowest 10 bits, then green, blue, and 2 bits of alpha; sRGB
                           * unless the coding says otherwise (DRM ABGR2101010, GL_RGB10_A2) */
+    PUPIL_PIXEL_I444_16, /* in: Y' in `data`, Cb in `chroma`, Cr in `cr`, of every pixel, in 16-bit words (yuv444p16,
+                          * Y444_16LE). No V4L2 name */
     PUPIL_PIXEL_COUNT
 } pupil_pixel;
 
@@ -109,9 +111,9 @@ typedef struct pupil_image {
     ptrdiff_t stride_bytes;        /* from one row to the next; may be negative */
     uint32_t width;                /* pixels, 1..PUPIL_MAX_SIDE_PX */
     uint32_t height;               /* rows, 1..PUPIL_MAX_SIDE_PX */
-    void *chroma;                  /* NV12, NV21, NV16, P010: the top row of Cb and Cr; I420, I420_10: of Cb */
+    void *chroma;                  /* NV12, NV21, NV16, P010: the top row of Cb and Cr; I420, I420_10, I444_16: of Cb */
     ptrdiff_t chroma_stride_bytes; /* may be negative; pupil_chroma_row_bytes is its least */
-    void *cr;                      /* I420, I420_10: the top row of Cr */
+    void *cr;                      /* I420, I420_10, I444_16: the top row of Cr */
     ptrdiff_t cr_stride_bytes;     /* as chroma_stride_bytes */
     const pupil_coding *coding;    /* NULL: all zero. NV12 and I420: its matrix and range */
 } pupil_image;
@@ -167,7 +169,7 @@ PUPIL_API int pupil_pixel_is_mosaic(uint32_t pixel);
 /* The row of `chroma` and `cr` for an image's row. */
 static inline ptrdiff_t pupil_chroma_row_of(uint32_t pixel, uint32_t row)
 {
-    return (ptrdiff_t)(pixel == PUPIL_PIXEL_NV16 ? row : row / 2);
+    return (ptrdiff_t)(pixel == PUPIL_PIXEL_NV16 || pixel == PUPIL_PIXEL_I444_16 ? row : row / 2);
 }
 
 /* The rows [first_row, first_row + rows) of an image, as an image. The caller keeps them inside the image. */

@@ -26,7 +26,7 @@ static const char *name_of(uint32_t pixel, uint32_t bayer)
         [PUPIL_PIXEL_GREY8] = "gray",      [PUPIL_PIXEL_GREY10] = "gray10le", [PUPIL_PIXEL_GREY12] = "gray12le",
         [PUPIL_PIXEL_GREY16] = "gray16le", [PUPIL_PIXEL_I420] = "yuv420p",    [PUPIL_PIXEL_I420_10] = "yuv420p10le",
         [PUPIL_PIXEL_NV21] = "nv21",       [PUPIL_PIXEL_UYVY] = "uyvy422",    [PUPIL_PIXEL_BGR8] = "bgr24",
-        [PUPIL_PIXEL_BGRX8] = "bgr0",      [PUPIL_PIXEL_RGBX8] = "rgb0"};
+        [PUPIL_PIXEL_BGRX8] = "bgr0",      [PUPIL_PIXEL_RGBX8] = "rgb0",      [PUPIL_PIXEL_I444_16] = "yuv444p16le"};
     static char name[32];
     if (!pupil_pixel_is_mosaic(pixel))
         return names[pixel];

@@ -57,6 +57,7 @@ done
 # light interpolated between points, of PQ within 1.4e-4 and of HLG within 3.3e-4 of itself (coding.h)
 measure p010 67x33 1e-4 2e-3 --light pq
 measure i420-10 67x33 1e-4 2e-3 --light hlg
+measure i444-16 67x33 1e-4 2e-3 --light pq
 measure bayer14 68x34 1e-6 1e-4 --out half
 mapped_to half
 measure nv12 68x34 1e-4 2e-3 --out nv12 --threads 3
@@ -112,7 +113,7 @@ sed 's/.*"median_us":\([^,]*\),"p99_us":\([^,]*\),"p999_us":\([^,]*\),"max_us":\
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
 fields lamps.txt level format out width height threads cold strength meter_ns_per_px map_ns_per_px frame_ns_per_px \
     of_rows_us map_gains_ns_per_px ratio_meter ratio_map ratio_all
-[ "$(wc -l <lamps.txt)" = 34 ] || fail "not the 34 formats: $(cat lamps.txt)"
+[ "$(wc -l <lamps.txt)" = 35 ] || fail "not the 35 formats: $(cat lamps.txt)"
 sed 's/.*"strength":\([^,]*\),.*/\1/' lamps.txt | awk '!($1 > 0.9) { exit 1 }' || fail "no gains: $(cat lamps.txt)"
 "$program" bench kernels --row-gains --size 128x64 --rounds 2 --threads 3 --format bayer10p --out half >lamps.txt
 grep -q "^bayer10p " lamps.txt || fail "no row: $(cat lamps.txt)"
