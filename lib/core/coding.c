@@ -118,6 +118,9 @@ static void from_yuv(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
     const float chroma = c->top / (full ? all : 224.0f * one);
     c->y_zero = full ? 0.0f : 16.0f * one;
     c->y_unit = unit_to(c->top, full ? all : 219.0f * one);
+    const double unit = (double)c->top / (full ? (double)all : 219.0 * (double)one);
+    c->y_coarse = pupil_float_of_bits(pupil_bits_of_float((float)unit) & 0xfffe0000u); /* 7 bits; codes have 16 */
+    c->y_fine = (float)(unit - (double)c->y_coarse);
     c->red_v = 2.0f * (1.0f - kr) * chroma;
     c->blue_u = 2.0f * (1.0f - kb) * chroma;
     c->green_u = -c->blue_u * kb / kg;

@@ -61,6 +61,7 @@ typedef struct pupil_coder {
     /* Y'CbCr, to 0..top: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
      * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 (512 of 10, 32768 of 16 bits) */
     float y_zero, y_unit, red_v, green_u, green_v, blue_u;
+    float y_coarse, y_fine;      /* y_unit, to 32 bits, as a sum; a code times the first one is exact */
     const float (*light)[2];     /* light of a code 0..top, and how much more the next one's is; NULL: linear */
     float top, brightest;        /* the last code of `light` (NULL: 255), and its light */
     float zero, unit;            /* grey: (code - zero) * unit; RGB10A2: unit, to 0..top */
@@ -211,7 +212,8 @@ const pupil_kernels *pupil_level_kernels(uint32_t level);
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
 /* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. */
 extern const float pupil_srgb_light[256][2], pupil_bt709_light[256][2];
-/* The same of PQ and HLG, at multiples of a quarter and of half a 10-bit code. */
+/* The same of PQ and HLG, at multiples of a quarter and of half a 10-bit code. The difference leads to a little below
+ * the next one's: the mean error is 0 (make_tables.py). */
 #define PUPIL_PQ_TOP  4092
 #define PUPIL_HLG_TOP 2046
 extern const float pupil_pq_light[PUPIL_PQ_TOP + 1][2], pupil_hlg_light[PUPIL_HLG_TOP + 1][2];

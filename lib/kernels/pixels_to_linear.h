@@ -214,13 +214,16 @@ static int load_uyvy(const pupil_coder *coder, const pupil_row *row, uint32_t x,
 /* --- 10 and 16 bits --- */
 
 /* Of each pixel its own Cb and Cr: words of 4:2:0 are doubled as they are put together. `none`: the code of no colour.
+ * y_unit alone, rounded, would move the level of PQ, where a change of code by 1e-7 of itself is ten times that of
+ * light.
  */
 static void load_yuv_words(const pupil_coder *coder, const uint16_t *restrict luma, const uint16_t *restrict cb,
                            const uint16_t *restrict cr, float none, uint32_t n, pupil_planes *restrict p)
 {
     const pupil_coder c = *coder;
     for (uint32_t i = 0; i < n; i++) {
-        const float y = ((float)luma[i] - c.y_zero) * c.y_unit, u = (float)cb[i] - none, v = (float)cr[i] - none;
+        const float code = (float)luma[i] - c.y_zero, u = (float)cb[i] - none, v = (float)cr[i] - none;
+        const float y = code * c.y_coarse + code * c.y_fine;
         p->r[i] = y + c.red_v * v;
         p->g[i] = (y + c.green_u * u) + c.green_v * v;
         p->b[i] = y + c.blue_u * u;
