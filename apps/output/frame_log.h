@@ -29,6 +29,7 @@ typedef struct frame_log_entry {
     double held_back_ev; /* stops by which the highlights make the picture darker */
     double aimed_level;  /* what output_level was to be: the frame's light as its curve shows it, once adapted */
     const char *state;   /* "adapting", "settled", "limited", "locked", "empty" */
+    const char *reason;  /* of the state, or "" */
 
     /* of a live camera; NaN: unknown */
     int live;

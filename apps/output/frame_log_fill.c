@@ -10,6 +10,23 @@ static const char *state_word(uint32_t state)
     return state < sizeof words / sizeof words[0] ? words[state] : "?";
 }
 
+static const char *reason_word(uint32_t reason)
+{
+    static const char *const words[] = {
+        [PUPIL_REASON_NONE] = "",
+        [PUPIL_REASON_EV_MIN] = "ev_min",
+        [PUPIL_REASON_EV_MAX] = "ev_max",
+        [PUPIL_REASON_NO_LIGHT] = "no_light",
+        [PUPIL_REASON_CLOCK_BACK] = "clock_back",
+        [PUPIL_REASON_LOCK] = "lock",
+        [PUPIL_REASON_CLOCK_UNIT] = "clock_unit",
+        [PUPIL_REASON_HIGHLIGHTS] = "highlights",
+        [PUPIL_REASON_NO_HISTOGRAM] = "no_histogram",
+        [PUPIL_REASON_AMPLIFICATION] = "amplification",
+    };
+    return reason < sizeof words / sizeof words[0] ? words[reason] : "?";
+}
+
 /* W; 0 where there is no white point. */
 static double white_of(const pupil_curve *curve)
 {
@@ -80,6 +97,7 @@ frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame
     entry.held_back_ev = e.held_back_ev;
     entry.adapted_ev = e.adapted_ev;
     entry.state = state_word(e.state);
+    entry.reason = reason_word(e.reason);
     pupil_stats_quantile(stats, 0.01, &entry.p01_ev); /* refused without light: the quantiles stay 0 */
     pupil_stats_quantile(stats, 0.50, &entry.p50_ev);
     pupil_stats_quantile(stats, 0.99, &entry.p99_ev);

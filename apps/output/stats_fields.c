@@ -33,6 +33,7 @@ const pupil_stats_field pupil_stats_fields[] = {
     NUMBER(held_back_ev),
     NUMBER(aimed_level),
     {"state", STATS_TEXT, offsetof(frame_log_entry, state)},
+    {"reason", STATS_TEXT, offsetof(frame_log_entry, reason)},
     {"sequence", STATS_COUNT, offsetof(frame_log_entry, sequence)},
     {"lost", STATS_COUNT, offsetof(frame_log_entry, lost)},
     {"flagged", STATS_COUNT, offsetof(frame_log_entry, flagged)},

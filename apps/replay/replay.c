@@ -158,7 +158,7 @@ int replay_main(int argc, char **argv)
 {
     static replay r; /* one run a process; pupil_t and pupil_stats are large for a stack */
     session *s = &r.session;
-    char command[4096], by[640];
+    char command[4096], by[800];
     s->command = "pupil replay";
     s->options = &r.options;
     command_line(command, sizeof command, argc, argv); /* before parsing moves argv about */

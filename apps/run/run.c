@@ -241,7 +241,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
 {
     static run r; /* pupil_t and pupil_stats are large for a stack */
     session *s = &r.session;
-    char more[900] = "";
+    char more[1100] = "";
     memset(&r, 0, sizeof r);
     r.system = system;
     s->command = "pupil run";

@@ -1,5 +1,8 @@
 #include "session.h"
 
+#include <stdio.h>
+#include <string.h>
+
 #include "common/report_error.h"
 #include "output/frame_log_fill.h"
 #include "output/plot.h"
@@ -28,12 +31,20 @@ int session_begin(session *s, int live)
     return 0;
 }
 
+static void describe_frames(const session *s, char *text, size_t text_bytes)
+{
+    if (s->too_dark)
+        snprintf(text, text_bytes, "; %llu of %llu frames are too dark to be brightened further (--amplification)",
+                 (unsigned long long)s->too_dark, (unsigned long long)s->frames);
+}
+
 void session_end(session *s, char *by, size_t by_bytes)
 {
     *by = 0;
     session_outputs_discard(&s->outputs);
     if (s->pipeline.frames && (s->options->gles || s->options->view))
         frame_pipeline_describe(&s->pipeline, by, by_bytes);
+    describe_frames(s, by + strlen(by), by_bytes - strlen(by));
     frame_pipeline_close(&s->pipeline); /* before its window, whose context it may use */
     view_close(s->view);
     s->view = NULL;
@@ -85,6 +96,7 @@ int session_map(session *s, const pupil_frame *frame, frame_log_entry *entry)
     warn(s);
     *entry = frame_log_fill(&s->pipeline, frame, session_outputs_want_figures(s->options));
     entry->frame = s->frames;
+    s->too_dark += !s->pipeline.own_curve && strcmp(entry->reason, "amplification") == 0;
     entry->process_us = process_us;
     return 0;
 }

@@ -20,10 +20,11 @@ typedef struct session {
     session_outputs outputs;
     view *view; /* NULL: no window (yet) */
     progress progress;
-    uint64_t frames;  /* shown */
-    int ended;        /* the window was closed, or the reader of an output has ended */
-    double metered_s; /* progress_now_s, when metering began */
-    pupil_why why;    /* why it failed */
+    uint64_t frames;   /* shown */
+    uint64_t too_dark; /* of them: their codes are mostly noise, so they are left dark */
+    int ended;         /* the window was closed, or the reader of an output has ended */
+    double metered_s;  /* progress_now_s, when metering began */
+    pupil_why why;     /* why it failed */
 } session;
 
 /* Before anything is opened: settings, and what would fail at the very end. 0, or -1 and session.why. */
@@ -47,8 +48,8 @@ int session_goes_on(const session *s);
 /* A sentence for the user, on a line of its own; it loses what would steer a terminal. */
 void session_say(session *s, pupil_why *why, const char *end);
 
-/* Discards what is not finished, and closes all but the source. Afterwards `by`: "; GPU: ...", where it was asked for.
- */
+/* Discards what is not finished, and closes all but the source. Afterwards `by`: "; GPU: ...", where it was asked for,
+ * and which frames the settings do not suit. */
 void session_end(session *s, char *by, size_t by_bytes);
 
 #endif

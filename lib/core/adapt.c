@@ -13,6 +13,11 @@
 #define HIGHLIGHT_LEAST 0.8
 #define HIGHLIGHT_MOST  1.6
 
+/* config.h, amplification_ev: log2 of 0.18, which the level is to be at least so many stops below; and of the code that
+ * has no more stops than those, the first of 12 bits of linear light, which the first of 8-bit sRGB is near. */
+#define MID_GREY_EV  (-2.473931188332412)
+#define FULL_CODE_EV (-12.0)
+
 /* pupil.h, PUPIL_REASON_CLOCK_UNIT: 10000 frames a second. From 10 frames a second on, us that are taken for ns are
  * less than this apart; ms and seconds always are. */
 #define LEAST_STEP_S 1e-4
@@ -181,7 +186,7 @@ static void judge(pupil_object *object, double target_ev, uint32_t reason)
         r->state = PUPIL_STATE_LOCKED;
     else if (off_ev > SETTLED_EV || off_ev < -SETTLED_EV)
         r->state = PUPIL_STATE_ADAPTING;
-    else if (reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX)
+    else if (reason == PUPIL_REASON_EV_MIN || reason == PUPIL_REASON_EV_MAX || reason == PUPIL_REASON_AMPLIFICATION)
         r->state = PUPIL_STATE_LIMITED;
     else
         r->state = PUPIL_STATE_SETTLED;
@@ -196,6 +201,14 @@ static double held_back_ev(const pupil_config *c, const pupil_stats *stats, doub
     return pupil_stats_excess(stats, 1.0 - HIGHLIGHT_MOST * c->highlight_share,
                               1.0 - HIGHLIGHT_LEAST * c->highlight_share, mean_log2 + c->highlight_room_ev,
                               c->highlight_ev);
+}
+
+double pupil_least_level_log2(const pupil_config *c, float code_light)
+{
+    if (!(code_light > 0.0f))
+        return -1e3; /* below any */
+    const double finer_ev = FULL_CODE_EV - pupil_log2((double)code_light);
+    return MID_GREY_EV - c->amplification_ev - (finer_ev > 0.0 ? finer_ev : 0.0);
 }
 
 /* Everything that can be refused, before anything is touched. */
@@ -219,21 +232,26 @@ double pupil_scale_log2(const pupil_object *object)
 }
 
 /* The level that this frame asks for, and why it is not the log-average. */
-static double target_of(pupil_object *object, const pupil_stats *stats, double mean_ev, const pupil_frame_info *info,
-                        uint32_t *reason)
+static double target_of(pupil_object *object, const pupil_stats *stats, double mean_log2, double divisor_log2,
+                        const pupil_frame_info *info, uint32_t *reason)
 {
     const pupil_config *c = &object->config;
     pupil_exposure *r = &object->adaptation.result;
-    r->metered_ev = stops_of(pupil_level_of(mean_ev));
+    r->metered_ev = stops_of(pupil_level_of(mean_log2 - divisor_log2));
     r->flicker_ev = 0.0;
     if (c->flicker) {
         pupil_flicker *f = &object->adaptation.flicker;
         pupil_flicker_frame(f, r->metered_ev, info->exposure_s, info->timestamp_ns);
         r->flicker_ev = pupil_flicker_at(f, info->timestamp_ns);
     }
-    const double target_ev = r->metered_ev - r->flicker_ev + r->held_back_ev;
+    double target_ev = r->metered_ev - r->flicker_ev + r->held_back_ev;
+    const double least_ev = pupil_least_level_log2(c, stats->code_light) - divisor_log2;
+    const int too_dark = target_ev < least_ev - SETTLED_EV;
+    target_ev = target_ev < least_ev ? least_ev : target_ev;
     if (target_ev < c->ev_min || target_ev > c->ev_max)
         *reason = target_ev < c->ev_min ? PUPIL_REASON_EV_MIN : PUPIL_REASON_EV_MAX;
+    else if (too_dark)
+        *reason = PUPIL_REASON_AMPLIFICATION;
     else if (*reason == PUPIL_REASON_NONE && r->held_back_ev > SETTLED_EV)
         *reason = PUPIL_REASON_HIGHLIGHTS;
     else if (*reason == PUPIL_REASON_NONE && !stats->has_histogram && c->highlight_ev > 0.0)
@@ -273,7 +291,7 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     pupil_adaptation_learn_exposure(a, info);
     const double divisor_log2 = pupil_exposure_log2(c, a, info);
     a->result.held_back_ev = held_back_ev(c, stats, mean);
-    const double target_ev = target_of(object, stats, mean - divisor_log2, info, &reason);
+    const double target_ev = target_of(object, stats, mean, divisor_log2, info, &reason);
     if (c->lock && a->seen) {
         reason = PUPIL_REASON_LOCK;
     } else {

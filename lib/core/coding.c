@@ -223,6 +223,39 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
         from_grey(coding, pupil_pixel_bits(pixel), c);
 }
 
+/* Of a value 0..top of the coder's curve. */
+static float light_at(const pupil_coder *c, float value)
+{
+    const int below = (int)value;
+    if (!c->light)
+        return value / c->top;
+    return c->light[below][0] + (value - (float)below) * c->light[below][1];
+}
+
+static float code_light(const pupil_coder *c, uint32_t pixel)
+{
+    const pupil_pixel_layout layout = pupil_pixel_layout_of(pixel);
+    if (layout.yuv)
+        return light_at(c, c->y_unit);
+    if (pixel == PUPIL_PIXEL_RGB10A2)
+        return light_at(c, c->unit);
+    if (c->lines)
+        return c->line[0].slope;
+    if (layout.mosaic)
+        return 4.0f / (c->full4 - c->zero4);
+    if (layout.bits)
+        return light_at(c, c->unit * c->top);
+    if (layout.sample == 1)
+        return pupil_srgb8_to_linear[1];
+    return pixel == PUPIL_PIXEL_RGBA16 || pixel == PUPIL_PIXEL_RGB16 ? 1.0f / 65535.0f : 0.0f;
+}
+
+float pupil_code_light(const pupil_coder *c, uint32_t pixel)
+{
+    const float light = code_light(c, pixel);
+    return light < 1.0f ? light : 1.0f; /* the only code of PQ may be far above */
+}
+
 static float magnitude(float x)
 {
     return x < 0.0f ? -x : x;

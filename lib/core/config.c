@@ -28,6 +28,7 @@ static void fill_in_defaults(pupil_config *config)
         .highlight_share = 0.05,
         .highlight_room_ev = 4.0,
         .highlight_ev = 2.0,
+        .amplification_ev = 4.0,
     };
     *config = defaults;
     (void)pupil_metering_uniform(config);
@@ -112,6 +113,7 @@ static const char *adaptation_fault(const pupil_config *c)
         {within(c->highlight_share, 0.001, 0.5), "highlight_share must be from 0.001 to 0.5"},
         {within(c->highlight_room_ev, 0.0, 32.0), "highlight_room_ev must be from 0 to 32 stops"},
         {within(c->highlight_ev, 0.0, 8.0), "highlight_ev must be from 0 to 8 stops"},
+        {within(c->amplification_ev, 0.0, 32.0), "amplification_ev must be from 0 to 32 stops"},
     };
     const char *fault = first_fault(rules, sizeof rules / sizeof rules[0]);
     return fault ? fault : pupil_key_fault(c->key_at, c->key_points);

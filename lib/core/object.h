@@ -97,6 +97,8 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
 /* The metering grid: the first x whose pixel is in column `cell` of it or right of that; the row that y is in. */
 uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width);
 uint32_t pupil_grid_cell_of(uint32_t y, uint32_t height);
+/* Light of a format's first code above black; 0: it has no codes. */
+float pupil_code_light(const pupil_coder *coder, uint32_t pixel);
 /* The value at which a channel counts as clipped. */
 float pupil_clip_of(const pupil_config *config, uint32_t pixel, const pupil_coder *coder);
 /* The weights of luminance for samples that are metered before a mosaic's matrix: those that it leads to. */
@@ -120,6 +122,8 @@ double pupil_adaptation_tick(const pupil_config *config, pupil_adaptation *a, co
 void pupil_adaptation_learn_exposure(pupil_adaptation *a, const pupil_frame_info *info);
 /* Weight of the new frame on the way to it. */
 double pupil_weight_of_step(const pupil_config *config, double dt_s, int more_light);
+/* The lowest level that config.amplification_ev allows for frames of such codes, log2 in frame units. */
+double pupil_least_level_log2(const pupil_config *config, float code_light);
 /* Stops as a level, to the nearest. */
 pupil_level_q52 pupil_level_of(double stops);
 

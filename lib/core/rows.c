@@ -257,5 +257,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         stats->rows += in->height;
         stats->frame_height = frame_height;
         stats->has_histogram = object->histogram;
+        const float code_light = pupil_code_light(&w.coder, in->pixel);
+        stats->code_light = code_light > stats->code_light ? code_light : stats->code_light;
     }
 }

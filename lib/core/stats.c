@@ -14,7 +14,7 @@ static size_t bytes_of(const pupil_stats *stats)
 int pupil_stats_check_bytes(const pupil_stats *stats)
 {
     const char *fault = pupil_versioned_fault(stats, bytes_of(stats), sizeof *stats, FIRST_BYTES);
-    return fault || stats->reserved ? PUPIL_ERR_SIZE_BYTES : PUPIL_OK;
+    return fault ? PUPIL_ERR_SIZE_BYTES : PUPIL_OK;
 }
 
 void pupil_stats_clear_sized(pupil_stats *stats, size_t stats_bytes)
@@ -54,6 +54,7 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     sum->rows += more->rows;
     sum->frame_height = more->frame_height;
     sum->has_histogram = more->has_histogram;
+    sum->code_light = more->code_light > sum->code_light ? more->code_light : sum->code_light;
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
         sum->bin[i] += more->bin[i];
     for (int i = 0; i < PUPIL_PEAK_BINS; i++)
@@ -133,7 +134,8 @@ int pupil_stats_check_sums(const pupil_stats *s)
 {
     if (pupil_stats_check_bytes(s))
         return PUPIL_ERR_SIZE_BYTES;
-    return counts_fit(s) && log2_fits(s) && channels_fit(s) && peak_fits(s) ? PUPIL_OK : PUPIL_ERR_STATS;
+    const int code_fits = s->code_light >= 0.0f && s->code_light <= 1.0f; /* false for NaN */
+    return counts_fit(s) && log2_fits(s) && channels_fit(s) && peak_fits(s) && code_fits ? PUPIL_OK : PUPIL_ERR_STATS;
 }
 
 int pupil_stats_check(const pupil_stats *s)

@@ -188,6 +188,7 @@ void pupil_gles_coder_set(gles_object *o)
                      &o->coder);
     if (rgb8)
         o->coder.unit = 1.0f; /* its codes are those of the table */
+    o->code_light = pupil_code_light(&o->coder, o->config.pixel);
 }
 
 static void take_settings(gles_object *o, const pupil_t *from)

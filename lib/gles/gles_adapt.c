@@ -75,11 +75,9 @@ static uint32_t sum_shift(const gles_object *o)
     return shift;
 }
 
-void pupil_gles_adapt_set(const gles_object *o, GLint shift, GLint level_limits, GLint is_locked)
+void pupil_gles_adapt_set(const gles_object *o, GLint shift, GLint is_locked)
 {
-    const int64_t least = q56(o->settings.ev_min), most = q56(o->settings.ev_max);
     o->gl.Uniform1ui(shift, sum_shift(o));
-    o->gl.Uniform4ui(level_limits, low(least), high(least), low(most), high(most));
     o->gl.Uniform1i(is_locked, o->settings.lock != 0);
 }
 
@@ -90,7 +88,11 @@ void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info)
     double dt_s = pupil_adaptation_tick(c, a, info);
     dt_s = dt_s > 0.0 ? dt_s : 0.0;
     pupil_adaptation_learn_exposure(a, info);
-    const int64_t divisor = -q56(pupil_exposure_log2(c, a, info)), given = q56(a->result.adapted_ev);
+    const double divisor_log2 = pupil_exposure_log2(c, a, info);
+    const int64_t divisor = -q56(divisor_log2), given = q56(a->result.adapted_ev);
+    const double least_ev = pupil_least_level_log2(c, o->code_light) - divisor_log2;
+    const int64_t least = q56(least_ev > c->ev_min ? least_ev : c->ev_min), most = q56(c->ev_max);
+    o->gl.Uniform4ui(o->programs.adapt.level_limits, low(least), high(least), low(most), high(most));
     o->gl.Uniform2ui(o->programs.adapt.minus_divisor, low(divisor), high(divisor));
     const uint32_t light = weight_q32(c, dt_s, 1, &o->weight_rest[0]);
     o->gl.Uniform2ui(o->programs.adapt.step_weight, light, weight_q32(c, dt_s, 0, &o->weight_rest[1]));

@@ -53,7 +53,7 @@ typedef enum gles_program_name {
 typedef struct gles_programs {
     GLuint name[GLES_PROGRAM_COUNT];
     struct {
-        GLint step_weight, minus_divisor, given;
+        GLint step_weight, minus_divisor, level_limits, given;
     } adapt;
     struct {
         GLint scale, inverse_white_squared, gamut, turn, shift;
@@ -93,6 +93,7 @@ typedef struct gles_object {
     float to_picture[9];            /* as in pupil_object */
     uint32_t has_to_picture;
     pupil_coder coder;
+    float code_light; /* of stats */
     uint32_t histogram;
     pupil_curve curve;       /* ADAPT_GPU: its white and gamut; the scale is 1 */
     uint32_t unit;           /* rows of a mosaic's quad, or 1 */
@@ -201,7 +202,7 @@ int pupil_gles_adapt_check(const pupil_config *settings, pupil_why *why);
 /* The level of a pupil_t is that of the GPU from the next frame on. */
 void pupil_gles_adapt_take(gles_object *o, const pupil_object *pupil);
 /* Uniforms of GLES_ADAPT, which is current: those that stay, and those of a frame's step. */
-void pupil_gles_adapt_set(const gles_object *o, GLint sum_shift, GLint level_limits, GLint is_locked);
+void pupil_gles_adapt_set(const gles_object *o, GLint sum_shift, GLint is_locked);
 void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info);
 /* For map.vert: key, compensation and exposure in 2^-24. */
 int32_t pupil_gles_adapt_scale_base(const gles_object *o);

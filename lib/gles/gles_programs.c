@@ -64,6 +64,7 @@ static GLint at(const gles_object *o, GLuint program, const char *name)
 static void find_uniforms(const gles_object *o, const gles_variant *variant, gles_programs *p)
 {
     p->adapt.step_weight = at(o, p->name[GLES_ADAPT], "step_weight");
+    p->adapt.level_limits = at(o, p->name[GLES_ADAPT], "level_limits");
     p->adapt.minus_divisor = at(o, p->name[GLES_ADAPT], "minus_divisor");
     p->adapt.given = at(o, p->name[GLES_ADAPT], "given");
     for (int i = 0; i < 2; i++) {
@@ -232,8 +233,7 @@ void pupil_gles_programs_set(gles_object *o)
         if (p == GLES_WEIGH)
             o->gl.Uniform1i(uniform(o, p, "regions"), GLES_UNIT_FRAME);
         if (p == GLES_WEIGH || p == GLES_ADAPT)
-            pupil_gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "level_limits"),
-                                 uniform(o, p, "is_locked"));
+            pupil_gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "is_locked"));
         if (p == GLES_ADAPT) {
             o->gl.Uniform1i(uniform(o, p, "columns"), GLES_UNIT_FRAME);
             o->gl.Uniform1i(uniform(o, p, "state_before"), GLES_UNIT_STATE);

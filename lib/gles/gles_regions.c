@@ -59,6 +59,7 @@ void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from
     }
     stats->rows = stats->frame_height = o->config.height;
     stats->has_histogram = o->histogram;
+    stats->code_light = o->code_light;
     if (!o->histogram)
         return;
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)

@@ -42,6 +42,7 @@ static const struct range {
     {FIELD(highlight_share), 'd', 0.001, 0.5, {0.0009, 0.5001, 0, -INFINITY}},
     {FIELD(highlight_room_ev), 'd', 0, 32, {-0.001, 32.001, INFINITY, -INFINITY}},
     {FIELD(highlight_ev), 'd', 0, 8, {-0.001, 8.001, INFINITY, -INFINITY}},
+    {FIELD(amplification_ev), 'd', 0, 32, {-0.001, 32.001, INFINITY, -INFINITY}},
     {FIELD(white_quantile), 'd', 0.5, 1, {0.4999, 1.0001, 0, -INFINITY}},
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
     {FIELD(output_primaries), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
@@ -159,7 +160,7 @@ static void check_defaults(void)
     CHECK(c.frame_weight == 0.05 && c.tau_light_s == 0.3 && c.tau_dark_s == 0.9 && c.nominal_frame_s == 1.0 / 30);
     CHECK(c.ev_min == -32 && c.ev_max == 32 && c.calibration == 1 && c.key == 0.18 && c.key_points == 0 &&
           c.ev_compensation == 0);
-    CHECK(c.highlight_share == 0.05 && c.highlight_room_ev == 4 && c.highlight_ev == 2);
+    CHECK(c.highlight_share == 0.05 && c.highlight_room_ev == 4 && c.highlight_ev == 2 && c.amplification_ev == 4);
     CHECK(c.order == PUPIL_ORDER_EXACT && c.white_mode == PUPIL_WHITE_FOLLOW && c.white == 1 &&
           c.white_quantile == 0.995);
     CHECK(c.transfer == PUPIL_TRANSFER_SRGB && c.levels == 0 && c.output_primaries == PUPIL_OUTPUT_AS_INPUT);

@@ -50,6 +50,7 @@ static pupil_config take_config(void)
     c.highlight_share = take_double(0.001, 0.5);
     c.highlight_room_ev = take_double(0, 32);
     c.highlight_ev = take_below(3) ? 0 : take_double(0, 8);
+    c.amplification_ev = take_double(0, 32);
     c.order = take_below(2);
     c.white_mode = take_below(3);
     c.white = take_double(0.01, 100);
@@ -104,7 +105,7 @@ static void check_exposure(const run *r)
     pupil_exposure e;
     pupil_curve curve;
     MUST(pupil_get_exposure(&r->pupil, &e) == PUPIL_OK);
-    MUST(e.state <= PUPIL_STATE_LOCKED && e.reason <= PUPIL_REASON_NO_HISTOGRAM && e.dt_s >= 0);
+    MUST(e.state <= PUPIL_STATE_LOCKED && e.reason <= PUPIL_REASON_AMPLIFICATION && e.dt_s >= 0);
     const int error = pupil_get_curve(&r->pupil, NULL, &curve);
     MUST(error == (e.frames ? PUPIL_OK : PUPIL_ERR_NO_EXPOSURE));
     if (error)

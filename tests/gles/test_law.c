@@ -29,20 +29,26 @@ static pupil_config usual(void)
     return config;
 }
 
-static void begin(const pupil_config *config)
+static void begin_with(uint32_t pixel, const pupil_config *config)
 {
     pupil_gles_config gles_config;
     pupil_why why = {""};
     pupil_gles_config_default(&gles_config);
-    gles_config.pixel = PUPIL_PIXEL_RGB32F;
+    gles_config.pixel = pixel;
     gles_config.width = gles_config.height = SIDE;
     gles_config.adapt = PUPIL_GLES_ADAPT_GPU;
     CHECK(pupil_init(&b.pupil, config) == PUPIL_OK);
     b.now_ns = 1;
     const int error = pupil_gles_init(&b.gles, &gles_config, &b.pupil, pupil_egl_get_proc, &why);
     CHECK_MSG(error == PUPIL_OK, "%s", why.text);
-    if (!b.frame.memory)
-        b.frame = frame_make(SIDE, SIDE, PUPIL_PIXEL_RGB32F, 0, 0);
+    if (b.frame.memory)
+        frame_free(&b.frame);
+    b.frame = frame_make(SIDE, SIDE, pixel, 0, 0);
+}
+
+static void begin(const pupil_config *config)
+{
+    begin_with(PUPIL_PIXEL_RGB32F, config);
 }
 
 static void meter(double light, double dt_s, double exposure_s, double gain)
@@ -109,6 +115,31 @@ static void test_exposures(gl_test *test)
                     CHECK_MSG(off <= 2e-6, "%s: %g stops off", what, off);
                     compare_pictures(test, NULL, what);
                 }
+        pupil_gles_close(&b.gles);
+    }
+}
+
+/* Codes that are too dark: the limit of amplification, wherever the exposure takes it; not in light. */
+static void test_dark_codes(gl_test *test)
+{
+    static const uint32_t pixels[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_RGB10A2, PUPIL_PIXEL_GREY10};
+    static const double lights[] = {0.0, 0.0005, 0.005, 0.02, 0.18};
+    char what[96];
+    for (int i = 0; i < 4; i++) {
+        pupil_config config = usual();
+        config.tau_light_s = config.tau_dark_s = 0.0;
+        begin_with(pixels[i], &config);
+        for (int gain = -4; gain <= 4; gain += 4)
+            for (int j = 0; j < 5; j++) {
+                pupil_exposure e;
+                snprintf(what, sizeof what, "format %u, light %g, gain 2^%d", pixels[i], lights[j], gain);
+                const double off = step(lights[j], 1.0, 1.0, ldexp(1.0, gain));
+                CHECK_MSG(off <= 2e-6, "%s: %g stops off", what, off);
+                CHECK(pupil_get_exposure(&b.pupil, &e) == PUPIL_OK);
+                CHECK_MSG((e.reason == PUPIL_REASON_AMPLIFICATION) == (j < (i == 2 ? 2 : 3)), "%s: reason %u", what,
+                          e.reason);
+                compare_pictures(test, NULL, what);
+            }
         pupil_gles_close(&b.gles);
     }
 }
@@ -195,6 +226,7 @@ int main(int argc, char **argv)
     if (status)
         return status;
     test_exposures(&test);
+    test_dark_codes(&test);
     test_slow(1.0 / 240.0, 60.0, 200);
     test_slow(1.0 / 1000.0, 9.5e5, 1000); /* 4.5 of 2^32: rounded each time, it would be 11 % off */
     test_no_room();

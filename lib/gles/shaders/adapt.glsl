@@ -3,7 +3,7 @@
 
 uniform uint sum_shift;      // by how much sums are shortened, so that those of the largest frames fit 64 bits
 uniform uvec2 minus_divisor; // from the frame's values to scene luminance
-uniform uvec4 level_limits;  // ev_min, ev_max
+uniform uvec4 level_limits;  // the lowest target, the highest
 uniform uvec2 step_weight;   // toward more light, toward less: 1 - exp(-dt / tau) in 2^-32; all bits: at once
 uniform uvec4 given;         // the state to begin with, where w is 1
 uniform bool is_locked;

@@ -48,19 +48,19 @@ extern "C" {
 /* Widths: 2^28 pixels (16384 x 16384) x weight 255 x 32 stops < 2^41, so log2_sum and each bin have room for eight
  * million of the largest frames. A band holds at most 2^22 pixels x 32 stops x 2^24 = 2^51. */
 typedef struct pupil_stats {
-    uint32_t size_bytes;                /* abi.h; filled in by pupil_stats_clear; or 0 */
-    uint32_t reserved;                  /* 0 */
-    uint64_t pixels;                    /* metered pixels (weight above 0) */
-    uint64_t weight;                    /* sum of their weights */
-    uint64_t black;                     /* pixels, unweighted; see above */
-    uint64_t clipped;                   /* pixels */
-    uint64_t bad;                       /* pixels */
-    int64_t log2_sum;                   /* sum of weight x log2 L, whole stops, rounded down ... */
-    uint64_t log2_frac;                 /* ... and the rest in 2^-40 stops, below 2^40 */
-    uint32_t rows;                      /* rows metered so far, and those that config.meter_rows left out of them */
-    uint32_t frame_height;              /* rows of the whole frame; 0 while empty */
-    uint32_t has_histogram;             /* 1 where bins were gathered */
-    float peak;                         /* the brightest channel of any metered pixel; 0 without a histogram */
+    uint32_t size_bytes;    /* abi.h; filled in by pupil_stats_clear; or 0 */
+    float code_light;       /* light of the first code above black, as exact as a binary32; 0: no codes (float, half) */
+    uint64_t pixels;        /* metered pixels (weight above 0) */
+    uint64_t weight;        /* sum of their weights */
+    uint64_t black;         /* pixels, unweighted; see above */
+    uint64_t clipped;       /* pixels */
+    uint64_t bad;           /* pixels */
+    int64_t log2_sum;       /* sum of weight x log2 L, whole stops, rounded down ... */
+    uint64_t log2_frac;     /* ... and the rest in 2^-40 stops, below 2^40 */
+    uint32_t rows;          /* rows metered so far, and those that config.meter_rows left out of them */
+    uint32_t frame_height;  /* rows of the whole frame; 0 while empty */
+    uint32_t has_histogram; /* 1 where bins were gathered */
+    float peak;             /* the brightest channel of any metered pixel; 0 without a histogram */
     uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
     uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel */
     int64_t channel_sum[3]; /* mosaics, with config.grey_world: of red, green and blue, sums of four times the samples

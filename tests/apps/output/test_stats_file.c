@@ -27,7 +27,8 @@ static const char awkward[] = "a \"quoted\", name\nwith a line \xff and \xc3\xa9
 /* Every double is a different number without a short decimal form. */
 static frame_log_entry sample_record(uint64_t frame)
 {
-    frame_log_entry r = {.frame = frame, .name = frame == 1 ? awkward : "plain.exr", .state = "adapting"};
+    frame_log_entry r = {
+        .frame = frame, .name = frame == 1 ? awkward : "plain.exr", .state = "adapting", .reason = "highlights"};
     for (size_t i = 0; i < pupil_stats_field_count; i++)
         if (pupil_stats_fields[i].kind == STATS_NUMBER) {
             double value = (check_uniform() - 0.5) * exp2((double)(check_random() % 200) - 100.0);
@@ -104,7 +105,7 @@ static void check_json(void)
     CHECK(strstr(text, "\"frame\":2,\"name\":\"\"") != NULL);
     CHECK(strstr(text, "\"name\":\"a \\\"quoted\\\", name\\nwith a line \xef\xbf\xbd and \xc3\xa9\\u0001.exr\"") !=
           NULL);
-    CHECK(strstr(text, "\"state\":\"adapting\"}") != NULL);
+    CHECK(strstr(text, "\"state\":\"adapting\",\"reason\":\"highlights\"}") != NULL);
     free(text);
 }
 
@@ -113,7 +114,7 @@ static void check_csv(void)
     frame_log_entry records[3];
     write_three(scratch("s.CSV"), records);
     char *text = slurp(scratch("s.CSV"));
-    CHECK(strncmp(text, "frame,name,time_s,", 18) == 0 && strstr(text, ",state\r\n0,plain.exr,") != NULL);
+    CHECK(strncmp(text, "frame,name,time_s,", 18) == 0 && strstr(text, ",state,reason\r\n0,plain.exr,") != NULL);
     CHECK(strstr(text, "\r\n1,\"a \"\"quoted\"\", name\nwith a line \xff and \xc3\xa9\x01.exr\",") != NULL);
     char *at = strstr(text, "\r\n2,,");
     CHECK(at != NULL);
@@ -125,7 +126,7 @@ static void check_csv(void)
         double want = pupil_stats_number(&records[2], f), got = strtod(at + 1, NULL);
         CHECK_MSG(isfinite(want) ? memcmp(&want, &got, 8) == 0 : at[1] == ',', "%s %a %a", f->name, want, got);
     }
-    CHECK(at && strcmp(at, ",adapting\r\n") == 0);
+    CHECK(at && strcmp(at, ",adapting,highlights\r\n") == 0);
     free(text);
 }
 
@@ -144,9 +145,10 @@ static void check_live(const char *path)
     CHECK(pupil_stats_file_finish(file, &why) == 0);
     char *text = slurp(scratch(path));
     const int csv = strstr(path, ".csv") != NULL;
-    CHECK_MSG(strstr(text, csv ? ",adapting,18446744073709551615,3,0,0," : "\"state\":\"adapting\",\"sequence\":1844"),
+    CHECK_MSG(strstr(text, csv ? ",adapting,highlights,18446744073709551615,3,0,0,"
+                               : "\"reason\":\"highlights\",\"sequence\":1844"),
               "%s", text);
-    CHECK(strstr(text, csv ? ",state,sequence,lost,flagged,late," : "\"lost\":3,") != NULL);
+    CHECK(strstr(text, csv ? ",state,reason,sequence,lost,flagged,late," : "\"lost\":3,") != NULL);
     CHECK(strstr(text, csv ? ",converged,\r\n" : "\"sensor\":\"converged\",\"sensor_reason\":\"\"}\n") != NULL);
     CHECK(csv || strstr(text, "\"asked_gain\":null") != NULL);
     free(text);
