@@ -127,9 +127,8 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
              "what is missing, at most so much: a lamp in a dark room, a lit meadow behind a tree."},
     {"amplification", 0, OPTION_NUMBER, "STOPS", AT(config.amplification_ev), .initial = "4", .high = 32.0,
      .unit = "stops", .help = "brighten dark frames of 8 to 16 bits at most by this",
-     .more =
-         "So that noise remains dark, as behind a lens cap. Formats that tell more than 12 bits of linear light are "
-         "brightened by as many stops more; float and half are not limited."},
+     .more = "So that noise remains dark, as behind a lens cap. Formats finer than 12 bits of linear light are "
+             "brightened by as many stops more; float and half are not limited."},
     {"lock", 0, OPTION_FLAG, NULL, AT(config.lock), .help = "hold the first level"},
     {"metering", 0, OPTION_CHOICE, "uniform|centre|spot", 0, .initial = "uniform", .parse = parse_metering,
      .help = "which part of the frame counts most"},

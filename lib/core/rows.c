@@ -202,6 +202,15 @@ static void work_in_fours(const work *w)
     }
 }
 
+static void count_rows(const work *w)
+{
+    const float code_light = pupil_code_light(&w->coder, w->in->pixel);
+    w->stats->rows += w->in->height;
+    w->stats->frame_height = w->frame_height;
+    w->stats->has_histogram = w->object->histogram;
+    w->stats->code_light = code_light > w->stats->code_light ? code_light : w->stats->code_light;
+}
+
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out)
 {
@@ -253,11 +262,6 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     else
         for (uint32_t i = 0; i < in->height; i++)
             work_plain_row(&w, i);
-    if (stats) {
-        stats->rows += in->height;
-        stats->frame_height = frame_height;
-        stats->has_histogram = object->histogram;
-        const float code_light = pupil_code_light(&w.coder, in->pixel);
-        stats->code_light = code_light > stats->code_light ? code_light : stats->code_light;
-    }
+    if (stats)
+        count_rows(&w);
 }

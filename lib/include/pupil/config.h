@@ -154,7 +154,7 @@ typedef struct pupil_config {
 
     /* Noise stays dark: the level of frames of codes (8 to 16 bits) is at least 0.18 * 2^-amplification_ev in frame
      * units, so a frame behind a lens cap is black, and its state is PUPIL_STATE_LIMITED. Codes of which the first is
-     * below 2^-12 can tell more: the level may be lower by as many stops as it is. Float and half frames are without
+     * below 2^-12 are finer: the level may be lower by as many stops as it is. Float and half frames are without
      * noise, and have no such limit. The default shows 8-bit video that is 4 stops too dark as bright as any, and the
      * noise of a camera in the dark as nearly black: docs/pictures.md has the measurements. */
     double amplification_ev; /* stops; 4; 0..32 (in effect never) */
