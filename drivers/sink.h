@@ -27,7 +27,7 @@ typedef struct pupil_sink_options {
     uint32_t width, height; /* of every frame */
     double fps;             /* nominal frames a second, above 0 */
     int overwrite;      /* a folder that is there and not empty is replaced; else it is refused. Files are replaced. */
-    uint32_t primaries; /* a pupil_primaries, BT.709 or BT.2020: what .mp4, .mkv and .mov are tagged with */
+    uint32_t primaries; /* a pupil_primaries, BT.709 or BT.2020: what .mp4, .mkv, .mov and .png are tagged with */
     int keep_time;      /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
                          * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
                          * seconds are left out. Other formats store the timestamps */

@@ -155,8 +155,8 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
      .help = "the picture's primaries",
      .more =
          "Where the input has others, its colours are converted after metering. Components below 0, of colours that "
-         "these primaries cannot show, become 0. input: not converted. .mp4, .mkv and .mov say which they have; the "
-         "other outputs do not."},
+         "these primaries cannot show, become 0. input: not converted. .mp4, .mkv, .mov and .png say which they have; "
+         "the other outputs do not."},
     {"fused", 0, OPTION_FLAG, NULL, AT(config.order),
      .help = "map with the state before the frame: one pass, one frame late",
      .more = "Each frame is mapped while it is metered."},

@@ -27,6 +27,7 @@ typedef struct pupil_report_page {
     size_t setting_count;
     const pupil_report_row *figures; /* besides those that the records give */
     size_t figure_count;
+    uint32_t primaries; /* of the pictures, a pupil_primaries */
 } pupil_report_page;
 
 /* A frame that the page shows. */

@@ -28,6 +28,7 @@ struct replay_report {
     void *copy; /* of a frame: what a memcpy costs */
     size_t copy_bytes;
     uint64_t frames;
+    uint32_t primaries; /* of the pictures */
     verify_figures figures;
     double process_us, memcpy_us, pixels; /* over the verified frames */
 };
@@ -39,6 +40,7 @@ int replay_report_open(replay_report **report, const frame_options *options, con
     if (!r)
         return pupil_refuse(why, "not enough memory");
     r->options = options;
+    r->primaries = video->primaries;
     if (pupil_report_begin(&r->page, options->report, options->overwrite, options->reset_each, why)) {
         free(r);
         return -1;
@@ -237,6 +239,7 @@ int replay_report_finish(replay_report *r, const frame_log_entry *records, size_
         .setting_count = settings.count,
         .figures = figures.row,
         .figure_count = figures.count,
+        .primaries = r->primaries,
     };
     int error = pupil_report_finish(r->page, &page, why);
     close_report(r);

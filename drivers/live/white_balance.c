@@ -75,7 +75,8 @@ int pupil_white_balance_begin(pupil_white_balance *colour, const pupil_colour_op
     colour->follows = mosaic && options->balance == PUPIL_COLOUR_AUTO;
     colour->first = colour->coding;
     if (pupil_coding_check(&colour->coding, pixel, &fault))
-        return pupil_refuse(why, "the colours of the frames: %s", fault);
+        return pupil_refuse(why, "--black-level, --knees, --white-balance or --matrix does not suit these frames: %s",
+                            fault);
     return 0;
 }
 

@@ -14,10 +14,14 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_CONFIG] = "the configuration is refused; pupil_config_check names the field",
         [-PUPIL_ERR_OBJECT] = "the object was not made by pupil_init of this version of the library",
         [-PUPIL_ERR_SIZE] =
-            "width and height must be 1 to 16384 pixels, equal for input and output (of a mosaic even, and equal "
-            "or twice the output's)",
-        [-PUPIL_ERR_STRIDE] = "the stride must be at least as long as a row of pixels (either sign)",
-        [-PUPIL_ERR_ALIGNMENT] = "data and stride must be multiples of the sample's size",
+            "width and height must be 1 to 16384 pixels, equal for input and output (of a mosaic even, of packed "
+            "10 bits a width of a multiple of 4, and equal or twice the output's)",
+        [-PUPIL_ERR_STRIDE] =
+            "stride_bytes must be at least pupil_row_bytes, chroma_stride_bytes and cr_stride_bytes at least "
+            "pupil_chroma_row_bytes (either sign)",
+        [-PUPIL_ERR_ALIGNMENT] =
+            "data, chroma, cr and their strides must be multiples of the sample's size (float and RGB10A2 4 bytes, "
+            "half and more than 8 bits 2)",
         [-PUPIL_ERR_PIXEL] =
             "the input's pixel format cannot be read here; on the CPU every format of pupil/image.h can",
         [-PUPIL_ERR_ROWS] =

@@ -48,6 +48,19 @@ const char *pupil_config_read(pupil_config *ours, const pupil_config *theirs)
     return pupil_versioned_read(ours, sizeof *ours, FIRST_BYTES, theirs, theirs->size_bytes);
 }
 
+/* Whether rgb_to_xyz is a whole matrix. Scaled to a luminance of 1, the determinant is 0.2 for BT.709 and 0.7 for ACES
+ * AP0; of a luminance row alone it is 0. */
+static int leads_to_xyz(const pupil_config *c, double sum)
+{
+    double m[9];
+    for (int i = 0; i < 9; i++)
+        m[i] = (double)c->rgb_to_xyz[i];
+    const double determinant =
+        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+    const double scaled = determinant / (sum * sum * sum);
+    return scaled > 1e-6 || scaled < -1e-6;
+}
+
 static const char *primaries_fault(const pupil_config *c)
 {
     float sum = 0.0f;
@@ -63,7 +76,12 @@ static const char *primaries_fault(const pupil_config *c)
     for (int i = 0; i < 9 && c->output_primaries != PUPIL_OUTPUT_AS_INPUT; i++)
         if (!within((double)c->rgb_to_xyz[i], -1e6, 1e6))
             return "rgb_to_xyz must be numbers from -1e6 to 1e6 where output_primaries names others than the input's";
-    return sum > 1e-6f ? 0 : "rgb_to_xyz[3..5], the luminance row, must have a sum above 1e-6";
+    if (!(sum > 1e-6f))
+        return "rgb_to_xyz[3..5], the luminance row, must have a sum above 1e-6";
+    if (c->output_primaries != PUPIL_OUTPUT_AS_INPUT && !leads_to_xyz(c, (double)sum))
+        return "rgb_to_xyz must have all three rows, and a determinant other than 0, where output_primaries is not "
+               "PUPIL_OUTPUT_AS_INPUT";
+    return 0;
 }
 
 static const char *weight_fault(const pupil_config *c)

@@ -125,6 +125,19 @@ static void check_the_rest(void)
         config.primaries = PUPIL_PRIMARIES_MATRIX;
         refused(&config, "rgb_to_xyz", NULL);
     }
+    pupil_config_default(&config); /* the luminance row alone leads to no other primaries */
+    memcpy(config.rgb_to_xyz + 3, (const float[3]){0.2f, 0.7f, 0.1f}, 3 * sizeof(float));
+    config.primaries = PUPIL_PRIMARIES_MATRIX;
+    CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
+    config.output_primaries = PUPIL_OUTPUT_BT709;
+    refused(&config, "rgb_to_xyz", NULL);
+    config.rgb_to_xyz[0] = config.rgb_to_xyz[8] = 100.0f; /* large numbers of a singular matrix */
+    config.rgb_to_xyz[6] = config.rgb_to_xyz[7] = 0.0f;
+    memcpy(config.rgb_to_xyz, (const float[3]){200.0f, 700.0f, 100.0f}, 3 * sizeof(float));
+    memcpy(config.rgb_to_xyz + 3, config.rgb_to_xyz, 3 * sizeof(float));
+    refused(&config, "rgb_to_xyz", NULL);
+    config.rgb_to_xyz[0] = 400.0f;
+    CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
     pupil_config_default(&config);
     config.trim_low = 0.6f;
     config.trim_high = 0.4f;

@@ -484,6 +484,11 @@ static void check_sentences(void)
     for (int a = PUPIL_ERR_CODING - 5; a < 6; a++)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
+    static const char *const fields[] = {"stride_bytes", "chroma_stride_bytes", "cr_stride_bytes"};
+    for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) /* any plane's stride may be the one that is refused */
+        CHECK(strstr(pupil_error_string(PUPIL_ERR_STRIDE), fields[k]));
+    CHECK(strstr(pupil_error_string(PUPIL_ERR_ALIGNMENT), "chroma") &&
+          strstr(pupil_error_string(PUPIL_ERR_SIZE), "multiple of 4"));
     for (uint32_t pixel = 0; pixel < 300; pixel++) {
         static const size_t bytes[] = {0, 16, 12, 8, 8, 6, 4, 3, 4, 2, 1, 1, 2,  2, 2, 1, 2, 2,
                                        2, 2,  0,  0, 1, 1, 1, 2, 3, 4, 0, 0, 12, 6, 2, 2, 4, 2};

@@ -64,7 +64,8 @@ static int picture_write(pupil_sink *sink, const pupil_image_const *image, const
         path = s->file;
         name = s->name;
     }
-    if (s->write ? write_file(s->write, path, name, image, why) : pupil_png_write(path, name, image, why))
+    if (s->write ? write_file(s->write, path, name, image, why)
+                 : pupil_png_write(path, name, image, s->options.primaries, why))
         return PUPIL_SINK_FAILED;
     s->frames++;
     return PUPIL_SINK_OK;

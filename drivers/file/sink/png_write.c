@@ -2,6 +2,7 @@
 
 #include "sink_common.h"
 
+#include "pupil/config.h"
 #include "refuse.h"
 #include <errno.h>
 #include <png.h>
@@ -19,6 +20,7 @@ typedef struct png_job {
     FILE *file;
     png_structp png;
     png_infop info;
+    uint32_t primaries;
     char problem[256];
 } png_job;
 
@@ -47,6 +49,24 @@ static void on_flush(png_structp png)
     (void)png; /* fclose flushes, and says whether it could */
 }
 
+/* The chunks that say what the samples mean. cICP (PNG third edition, 11.3.2.6) has the numbers of Rec. ITU-T H.273:
+ * primaries 9 (BT.2020), transfer 13 (sRGB), RGB, full range. libpng before 1.6.46 has no call for it; it comes before
+ * IDAT. gAMA is what an sRGB chunk is replaced by (11.3.2.5). */
+static void write_colour(png_job *job)
+{
+    static const png_byte cicp[4] = {9, 13, 0, 1};
+    const int wide = job->primaries == PUPIL_PRIMARIES_BT2020;
+    if (wide) {
+        png_set_cHRM(job->png, job->info, 0.3127, 0.3290, 0.708, 0.292, 0.170, 0.797, 0.131, 0.046);
+        png_set_gAMA(job->png, job->info, 0.45455);
+    } else {
+        png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    }
+    png_write_info(job->png, job->info);
+    if (wide)
+        png_write_chunk(job->png, (png_const_bytep) "cICP", cicp, sizeof cicp);
+}
+
 static int encode(png_job *job, const pupil_image_const *image)
 {
     if (setjmp(png_jmpbuf(job->png)))
@@ -54,19 +74,19 @@ static int encode(png_job *job, const pupil_image_const *image)
     png_set_write_fn(job->png, job, on_write, on_flush);
     png_set_IHDR(job->png, job->info, image->width, image->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_set_compression_level(job->png, ZLIB_LEVEL);
     png_set_filter(job->png, PNG_FILTER_TYPE_BASE, FILTERS);
-    png_write_info(job->png, job->info);
+    write_colour(job);
     for (uint32_t y = 0; y < image->height; y++)
         png_write_row(job->png, (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes);
     png_write_end(job->png, job->info);
     return 0;
 }
 
-int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, pupil_why *why)
+int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
+                    pupil_why *why)
 {
-    png_job job = {.problem = "out of memory"};
+    png_job job = {.primaries = primaries, .problem = "out of memory"};
     int failed = -1;
     job.file = fopen(path, "wbe");
     if (!job.file)

@@ -4,8 +4,9 @@
 #include "refuse.h"
 #include <stdio.h>
 
-int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, pupil_why *why)
+int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
+                    pupil_why *why)
 {
-    (void)path, (void)image;
+    (void)path, (void)image, (void)primaries;
     return pupil_refuse(why, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
 }

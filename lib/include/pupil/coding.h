@@ -59,8 +59,9 @@ typedef enum pupil_bayer {
 /* How samples become light:
  *
  * - Y'CbCr and RGB10A2: R'G'B' is clamped to 0..1. Light is interpolated between that of the 256 codes, within 7e-6 of
- *   the curve; PQ between 4093 and HLG between 2047 points, within 7e-5 (PQ) and 3.3e-4 (HLG) of the light itself
- *   where it is at least 2^-14, and without an error in the mean.
+ *   the curve (BT.709: 3.6e-5 at 0.081, where the standard's curve itself has a step of 5.5e-5); PQ between 4093 and
+ *   HLG between 2047 points, within 7e-5 (PQ) and 3.3e-4 (HLG) of the light itself where it is at least 2^-14, and
+ *   without an error in the mean.
  * - Grey: (code - black) / (white - black). With a curve it is clamped to 0..1 and interpolated as Y'CbCr.
  * - Mosaics: as grey, then the balance, then the matrix. After the balance no channel is above the value at which the
  *   least amplified channel is full, so clipped highlights are white and not magenta.

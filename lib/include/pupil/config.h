@@ -29,6 +29,8 @@ typedef enum pupil_primaries {
  * picture's primaries. It goes by way of CIE XYZ (SMPTE RP 177-1993, from the chromaticities of BT.709-6 item 1.3 and
  * BT.2020-2 table 3, white D65); rgb_to_xyz is taken as it is, scaled, without adaptation to another white.
  *
+ * Before the matrix a component counts as -2^31..2^31, so +Inf stays bright.
+ *
  * Colours that the new primaries cannot show have negative components after the matrix: these are set to 0. So such a
  * colour becomes a little brighter and less saturated, and its hue may turn. Rep. ITU-R BT.2407 describes better ways,
  * which look up perceptual hues; they are not done here. */
@@ -102,7 +104,8 @@ typedef struct pupil_config {
     /* metering */
     uint32_t primaries;  /* a pupil_primaries; BT.709 */
     float rgb_to_xyz[9]; /* row by row, -1e6..1e6, the second row 0..1e6; read only with PUPIL_PRIMARIES_MATRIX, and
-                          * only its second row where output_primaries is as the input */
+                          * only its second row where output_primaries is as the input. Elsewhere its determinant is
+                          * not 0 */
     float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1 */
     float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value
                           * (stats.h) */

@@ -86,7 +86,8 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_RGB16F,  /* in and out: 3 x IEEE binary16, linear */
 
     PUPIL_PIXEL_P010,    /* in: NV12 of 10 bits, in the upper ones of 16-bit words; the lower ones are ignored (P010) */
-    PUPIL_PIXEL_I420_10, /* in: I420 of 10 bits, in the lower ones of 16-bit words (yuv420p10, I420_10LE) */
+    PUPIL_PIXEL_I420_10, /* in: I420 of 10 bits, in the lower ones of 16-bit words, the upper ones 0 (yuv420p10,
+                          * I420_10LE) */
     PUPIL_PIXEL_RGB10A2, /* in: a 32-bit word, red in the lowest 10 bits, then green, blue, and 2 bits of alpha; sRGB
                           * unless the coding says otherwise (DRM ABGR2101010, GL_RGB10_A2) */
     PUPIL_PIXEL_I444_16, /* in: Y' in `data`, Cb in `chroma`, Cr in `cr`, of every pixel, in 16-bit words (yuv444p16,

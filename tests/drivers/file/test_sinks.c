@@ -3,9 +3,11 @@
 
 #include "file/file_sink.h"
 #include "file/sink/sink_common.h"
+#include "file/still/still.h"
 #include "file/video/yuv709.h"
 
 #include <fcntl.h>
+#include <math.h>
 #include <png.h>
 
 static pupil_why why;
@@ -81,6 +83,32 @@ static void test_png(void)
     size_t size;
     char *bytes = slurp(path, &size);
     CHECK(memmem(bytes, size, "\0\0\0\1sRGB\0", 9) != NULL);
+    free(bytes);
+    remove(path);
+}
+
+/* A PNG of BT.2020 says so, and not that it is sRGB's: read again, its colours are those of BT.2020. */
+static void test_png_bt2020(void)
+{
+    static const uint8_t red[3] = {255, 0, 0};
+    const pupil_sink_options options = {.width = 1, .height = 1, .fps = 30, .primaries = PUPIL_PRIMARIES_BT2020};
+    const char *path = scratch("wide.png");
+    pupil_image image = {.width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB8, .stride_bytes = 3, .data = (void *)red};
+    pupil_sink *sink;
+    pupil_still still = {0};
+    size_t size;
+    CHECK_MSG(pupil_file_sink_open(path, &options, &sink, &why) == 0, "%s", why.text);
+    CHECK(put(sink, image) == 0);
+    CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
+    CHECK(png_is(path, &image));
+    char *bytes = slurp(path, &size);
+    CHECK(memmem(bytes, size, "sRGB", 4) == NULL && memmem(bytes, size, "\0\0\0\4cICP\11\15\0\1", 12) != NULL);
+    CHECK(memmem(bytes, size, "cHRM", 4) != NULL && memmem(bytes, size, "gAMA", 4) != NULL);
+    CHECK_MSG(pupil_read_png(&still, (const uint8_t *)bytes, size, &why) == 0, "%s", why.text);
+    const float *light = still.pixels; /* BT.2020's red in BT.709: Rep. ITU-R BT.2407-0, 2.2 */
+    CHECK(still.pixel == PUPIL_PIXEL_RGB32F && fabsf(light[0] - 1.6605f) < 1e-3f && fabsf(light[1] + 0.1246f) < 1e-3f &&
+          fabsf(light[2] + 0.0182f) < 1e-3f);
+    pupil_still_free(&still);
     free(bytes);
     remove(path);
 }
@@ -361,6 +389,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     scratch_begin();
     test_png();
+    test_png_bt2020();
     test_folder();
     test_yuv709();
     test_chroma420();

@@ -223,7 +223,7 @@ static void test_known(void)
     pupil_colour_options wrong = given;
     wrong.given_black = 1023;
     CHECK(pupil_white_balance_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
-    CHECK_MSG(strstr(why.text, "black must be"), "%s", why.text);
+    CHECK_MSG(strstr(why.text, "black must be") && strstr(why.text, "--black-level"), "%s", why.text);
     wrong = given;
     wrong.given_balance[1] = 0;
     CHECK(pupil_white_balance_begin(&c, &wrong, NULL, PUPIL_PIXEL_BAYER10, NULL, &why) == -1);
