@@ -5,7 +5,7 @@
  * Rules for every sink:
  * - The output is written under another name in the same folder, and renamed in finish. After discard nothing is left.
  *   So an output is complete or absent. (Streams, such as standard output, cannot take anything back.)
- * - Frames are PUPIL_PIXEL_RGB8 in sRGB, all of the size that open was given.
+ * - Frames are PUPIL_PIXEL_RGB8 in the options' primaries and transfer, all of the size that open was given.
  * - Every failure is PUPIL_SINK_FAILED and one sentence in the caller's buffer: it names the path and says what would
  * be right. After a failed write or finish the caller still calls discard.
  *
@@ -28,6 +28,7 @@ typedef struct pupil_sink_options {
     double fps;             /* nominal frames a second, above 0 */
     int overwrite;      /* a folder that is there and not empty is replaced; else it is refused. Files are replaced. */
     uint32_t primaries; /* a pupil_primaries, BT.709 or BT.2020: what .mp4, .mkv, .mov and .png are tagged with */
+    uint32_t transfer;  /* a pupil_transfer; the same */
     int keep_time;      /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
                          * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
                          * seconds are left out. Other formats store the timestamps */

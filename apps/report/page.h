@@ -27,7 +27,7 @@ typedef struct pupil_report_page {
     size_t setting_count;
     const pupil_report_row *figures; /* besides those that the records give */
     size_t figure_count;
-    uint32_t primaries; /* of the pictures, a pupil_primaries */
+    uint32_t primaries, transfer; /* of the pictures: a pupil_primaries, a pupil_transfer */
 } pupil_report_page;
 
 /* A frame that the page shows. */

@@ -240,6 +240,7 @@ int replay_report_finish(replay_report *r, const frame_log_entry *records, size_
         .figures = figures.row,
         .figure_count = figures.count,
         .primaries = r->primaries,
+        .transfer = r->options->config.transfer,
     };
     int error = pupil_report_finish(r->page, &page, why);
     close_report(r);

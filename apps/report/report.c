@@ -203,11 +203,11 @@ static int embed(FILE *out, const char *type, const char *path, uint64_t most, p
     return failed;
 }
 
-static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, const char *what, uint32_t primaries,
-                       pupil_why *why)
+static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, const char *what,
+                       const pupil_report_page *page, pupil_why *why)
 {
     pupil_image_const image = thumbnail_image(t);
-    if (pupil_png_write(r->picture, r->folder, &image, primaries, why))
+    if (pupil_png_write(r->picture, r->folder, &image, page->primaries, page->transfer, why))
         return -1;
     fprintf(out, "<img alt=\"%s\" width=\"%lu\" height=\"%lu\" src=\"", what, (unsigned long)t->width,
             (unsigned long)t->height);
@@ -217,7 +217,7 @@ static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, con
     return 0;
 }
 
-static int put_strip(const pupil_report *r, FILE *out, uint32_t primaries, pupil_why *why)
+static int put_strip(const pupil_report *r, FILE *out, const pupil_report_page *page, pupil_why *why)
 {
     size_t most = r->stills ? REPORT_MOST_STILLS : REPORT_MOST_FRAMES, n = r->count < most ? r->count : most;
     if (!n)
@@ -233,8 +233,8 @@ static int put_strip(const pupil_report *r, FILE *out, uint32_t primaries, pupil
     for (size_t i = 0; i < n; i++) {
         const report_picture *p = &r->kept[n > 1 ? (i * (r->count - 1) + (n - 1) / 2) / (n - 1) : 0];
         fputs("<figure>", out);
-        if (put_picture(r, out, &p->shown, "adapted", primaries, why) ||
-            (p->fixed.rgb && put_picture(r, out, &p->fixed, "fixed exposure", primaries, why)))
+        if (put_picture(r, out, &p->shown, "adapted", page, why) ||
+            (p->fixed.rgb && put_picture(r, out, &p->fixed, "fixed exposure", page, why)))
             return -1;
         report_caption(out, p, r->stills);
         fputs("</figure>\n", out);
@@ -282,7 +282,7 @@ static int put_plot(const pupil_report *r, FILE *out, pupil_why *why)
 static int put_page(const pupil_report *r, const pupil_report_page *page, FILE *out, pupil_why *why)
 {
     report_head(out, page, &r->sums);
-    if (put_video(r, out, why) || put_strip(r, out, page->primaries, why) || put_plot(r, out, why))
+    if (put_video(r, out, why) || put_strip(r, out, page, why) || put_plot(r, out, why))
         return -1;
     report_tables(out, page, &r->sums);
     fputs("</main>\n<footer>Made by pupil ", out);

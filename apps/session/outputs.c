@@ -57,6 +57,7 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
                                         .fps = o->source->fps,
                                         .overwrite = options->overwrite,
                                         .primaries = shown_primaries(&options->config),
+                                        .transfer = options->config.transfer,
                                         .keep_time = o->live};
     o->is_open = 1;
     o->width = first->width;

@@ -65,7 +65,7 @@ static int picture_write(pupil_sink *sink, const pupil_image_const *image, const
         name = s->name;
     }
     if (s->write ? write_file(s->write, path, name, image, why)
-                 : pupil_png_write(path, name, image, s->options.primaries, why))
+                 : pupil_png_write(path, name, image, s->options.primaries, s->options.transfer, why))
         return PUPIL_SINK_FAILED;
     s->frames++;
     return PUPIL_SINK_OK;

@@ -20,7 +20,7 @@ typedef struct png_job {
     FILE *file;
     png_structp png;
     png_infop info;
-    uint32_t primaries;
+    uint32_t primaries, transfer;
     char problem[256];
 } png_job;
 
@@ -51,19 +51,21 @@ static void on_flush(png_structp png)
 
 /* The chunks that say what the samples mean. cICP (PNG third edition, 11.3.2.6) has the numbers of Rec. ITU-T H.273:
  * primaries 9 (BT.2020), transfer 13 (sRGB), RGB, full range. libpng before 1.6.46 has no call for it; it comes before
- * IDAT. gAMA is what an sRGB chunk is replaced by (11.3.2.5). */
+ * IDAT. Programs that do not know it use cHRM and gAMA; sRGB's curve has the gAMA of 11.3.2.5, which is that of 2.2. */
 static void write_colour(png_job *job)
 {
     static const png_byte cicp[4] = {9, 13, 0, 1};
-    const int wide = job->primaries == PUPIL_PRIMARIES_BT2020;
-    if (wide) {
-        png_set_cHRM(job->png, job->info, 0.3127, 0.3290, 0.708, 0.292, 0.170, 0.797, 0.131, 0.046);
-        png_set_gAMA(job->png, job->info, 0.45455);
-    } else {
-        png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
-    }
-    png_write_info(job->png, job->info);
+    const int wide = job->primaries == PUPIL_PRIMARIES_BT2020, srgb = job->transfer == PUPIL_TRANSFER_SRGB;
     if (wide)
+        png_set_cHRM(job->png, job->info, 0.3127, 0.3290, 0.708, 0.292, 0.170, 0.797, 0.131, 0.046);
+    else if (!srgb)
+        png_set_cHRM(job->png, job->info, 0.3127, 0.3290, 0.640, 0.330, 0.300, 0.600, 0.150, 0.060);
+    if (wide || !srgb)
+        png_set_gAMA(job->png, job->info, job->transfer == PUPIL_TRANSFER_LINEAR ? 1.0 : 0.45455);
+    else
+        png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(job->png, job->info);
+    if (wide && srgb)
         png_write_chunk(job->png, (png_const_bytep) "cICP", cicp, sizeof cicp);
 }
 
@@ -84,9 +86,9 @@ static int encode(png_job *job, const pupil_image_const *image)
 }
 
 int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
-                    pupil_why *why)
+                    uint32_t transfer, pupil_why *why)
 {
-    png_job job = {.primaries = primaries, .problem = "out of memory"};
+    png_job job = {.primaries = primaries, .transfer = transfer, .problem = "out of memory"};
     int failed = -1;
     job.file = fopen(path, "wbe");
     if (!job.file)

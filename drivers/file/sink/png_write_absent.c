@@ -5,8 +5,8 @@
 #include <stdio.h>
 
 int pupil_png_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
-                    pupil_why *why)
+                    uint32_t transfer, pupil_why *why)
 {
-    (void)path, (void)image, (void)primaries;
+    (void)path, (void)image, (void)primaries, (void)transfer;
     return pupil_refuse(why, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
 }

@@ -178,10 +178,14 @@ static void describe(video_sink *v, AVCodecContext *c)
     c->color_range = AVCOL_RANGE_MPEG;
     c->colorspace = AVCOL_SPC_BT709;
     c->color_primaries = v->options.primaries == PUPIL_PRIMARIES_BT2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709;
-    /* sRGB, which is what the pixels are. Tagged BT.709, QuickTime, Safari and mpv would take them for a camera's or a
-     * television's curve and show them lighter or darker. Players that know no transfer show both alike (the ASWF
+    /* What the pixels are, sRGB by default. Tagged BT.709, QuickTime, Safari and mpv would take them for a camera's or
+     * a television's curve and show them lighter or darker. Players that know no transfer show both alike (the ASWF
      * Encoding Guidelines measured browsers and say the same). */
-    c->color_trc = AVCOL_TRC_IEC61966_2_1;
+    static const enum AVColorTransferCharacteristic curves[PUPIL_TRANSFER_COUNT] = {
+        [PUPIL_TRANSFER_SRGB] = AVCOL_TRC_IEC61966_2_1,
+        [PUPIL_TRANSFER_GAMMA22] = AVCOL_TRC_GAMMA22,
+        [PUPIL_TRANSFER_LINEAR] = AVCOL_TRC_LINEAR};
+    c->color_trc = curves[v->options.transfer];
     if (v->muxer->oformat->flags & AVFMT_GLOBALHEADER)
         c->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
 }

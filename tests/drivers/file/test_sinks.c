@@ -113,6 +113,34 @@ static void test_png_bt2020(void)
     remove(path);
 }
 
+/* A PNG in another transfer than sRGB's does not say that it is sRGB. */
+static void test_png_transfer(void)
+{
+    static const uint8_t grey[3] = {51, 51, 51};
+    pupil_image image = {.width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB8, .stride_bytes = 3, .data = (void *)grey};
+    const double light[PUPIL_TRANSFER_COUNT] = {
+        [PUPIL_TRANSFER_GAMMA22] = pow(0.2, 2.2), [PUPIL_TRANSFER_LINEAR] = 0.2};
+    for (uint32_t i = 0; i < 4; i++) {
+        const uint32_t transfer = i % 2 ? PUPIL_TRANSFER_GAMMA22 : PUPIL_TRANSFER_LINEAR;
+        const pupil_sink_options options = {
+            .width = 1, .height = 1, .fps = 30, .transfer = transfer, .primaries = i / 2};
+        pupil_sink *sink;
+        pupil_still still = {0};
+        size_t size;
+        CHECK_MSG(pupil_file_sink_open(scratch("curve.png"), &options, &sink, &why) == 0, "%s", why.text);
+        CHECK(put(sink, image) == 0);
+        CHECK_MSG(pupil_sink_finish(sink, &why) == 0, "%s", why.text);
+        char *bytes = slurp(scratch("curve.png"), &size);
+        CHECK_MSG(pupil_read_png(&still, (const uint8_t *)bytes, size, &why) == 0, "%s", why.text);
+        const float *at = still.pixels;
+        CHECK(still.pixel == PUPIL_PIXEL_RGB32F && fabs((double)at[0] - light[transfer]) < 1e-5 &&
+              fabs((double)at[2] - light[transfer]) < 1e-5);
+        pupil_still_free(&still);
+        free(bytes);
+        remove(scratch("curve.png"));
+    }
+}
+
 static void test_folder(void)
 {
     const char *path = scratch("out");
@@ -390,6 +418,7 @@ int main(int argc, char **argv)
     scratch_begin();
     test_png();
     test_png_bt2020();
+    test_png_transfer();
     test_folder();
     test_yuv709();
     test_chroma420();

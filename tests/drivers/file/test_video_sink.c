@@ -118,13 +118,16 @@ static int decode(const char *path, decoded *d, const pupil_image *image)
     return d->frames;
 }
 
-static uint32_t tagged_primaries = PUPIL_PRIMARIES_BT709;
+static uint32_t tagged_primaries = PUPIL_PRIMARIES_BT709, tagged_transfer = PUPIL_TRANSFER_SRGB;
 
 /* Writes `frames` waves; times_ns NULL: without timestamps. */
 static void record(const char *path, const pupil_image *image, double fps, int frames, const int64_t *times_ns)
 {
-    const pupil_sink_options options = {
-        .width = image->width, .height = image->height, .fps = fps, .primaries = tagged_primaries};
+    const pupil_sink_options options = {.width = image->width,
+                                        .height = image->height,
+                                        .fps = fps,
+                                        .primaries = tagged_primaries,
+                                        .transfer = tagged_transfer};
     const pupil_image_const in = pupil_image_as_const(*image);
     pupil_sink *sink;
     why.text[0] = 0;
@@ -163,7 +166,9 @@ static void check_tags(const decoded *d)
     CHECK(d->tags->color_space == AVCOL_SPC_BT709);
     CHECK(d->tags->color_primaries ==
           (tagged_primaries == PUPIL_PRIMARIES_BT2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709));
-    CHECK(d->tags->color_trc == AVCOL_TRC_IEC61966_2_1);
+    CHECK(d->tags->color_trc == (tagged_transfer == PUPIL_TRANSFER_SRGB      ? AVCOL_TRC_IEC61966_2_1
+                                 : tagged_transfer == PUPIL_TRANSFER_GAMMA22 ? AVCOL_TRC_GAMMA22
+                                                                             : AVCOL_TRC_LINEAR));
     CHECK(d->tags->chroma_location == AVCHROMA_LOC_LEFT);
     CHECK(d->tags->format == AV_PIX_FMT_YUV420P);
     CHECK(d->tags->sample_aspect_ratio.num == d->tags->sample_aspect_ratio.den);
@@ -190,6 +195,7 @@ static void test_containers(void)
         const pupil_image image = scratch_image(320, 180, i % 2 == 0, &memory);
         decoded d;
         tagged_primaries = i % 2 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
+        tagged_transfer = (uint32_t)i % PUPIL_TRANSFER_COUNT;
         record(path, &image, 30000.0 / 1001, 30, NULL);
         decode(path, &d, &image);
         CHECK_MSG(d.frames == 30, "%d", d.frames);
