@@ -200,17 +200,6 @@ long double ref_encode(uint32_t transfer, long double light)
     return 255 * light;
 }
 
-/* How much of the way from the grey of its luminance D a colour with the largest component m keeps; pupil.h,
- * pupil_curve.
- */
-static long double fit(long double D, long double m, long double gamut)
-{
-    const long double k = gamut > 0 ? PUPIL_GAMUT_KNEE : 1, x = (m - D) / (1 - D);
-    if (D >= 1 || x <= k)
-        return 1;
-    return fminl(1, k + (x - k) / (1 + gamut * (m / (1 - D) - k))) / x;
-}
-
 /* --- primaries: SMPTE RP 177 from the chromaticities, by Cramer's rule --- */
 
 static long double determinant(const long double m[9])
@@ -248,6 +237,56 @@ static void xyz_of(uint32_t bt2020, long double m[9])
         m[i] *= amount[i % 3];
 }
 
+/* --- beyond the gamut: pupil.h, pupil_curve --- */
+
+/* Ottosson 2020, M1, of RGB in the picture's primaries; scaled, so that white is 1, 1, 1. */
+static void cones_of(const pupil_config *picture, long double cones[9])
+{
+    static const long double of_xyz[9] = {0.8189330101L, 0.3618667424L, -0.1288597137L, 0.0329845436L, 0.9293118715L,
+                                          0.0361456387L, 0.0482003018L, 0.2643662691L,  0.6338517070L};
+    long double xyz[9];
+    xyz_of(picture->primaries == PUPIL_PRIMARIES_BT2020, xyz);
+    for (int i = 0; i < 9 && picture->primaries == PUPIL_PRIMARIES_MATRIX; i++)
+        xyz[i] = picture->rgb_to_xyz[i];
+    for (int i = 0; i < 9; i += 3) {
+        for (int j = 0; j < 3; j++)
+            cones[i + j] = of_xyz[i] * xyz[j] + of_xyz[i + 1] * xyz[3 + j] + of_xyz[i + 2] * xyz[6 + j];
+        const long double white = cones[i] + cones[i + 1] + cones[i + 2];
+        for (int j = 0; j < 3; j++)
+            cones[i + j] /= white;
+    }
+}
+
+static long double largest_of(const long double v[3])
+{
+    return fmaxl(v[0], fmaxl(v[1], v[2]));
+}
+
+/* D: its display luminance. */
+static void fit(const pupil_config *picture, long double D, long double gamut, long double light[3])
+{
+    const long double k = gamut > 0 ? PUPIL_GAMUT_KNEE : 1, m = largest_of(light), x = (m - D) / (1 - D);
+    if (D >= 1)
+        light[0] = light[1] = light[2] = 1;
+    if (D >= 1 || x <= k)
+        return;
+    const long double most = fminl(1, D + (1 - D) * (k + (x - k) / (1 + gamut * (m / (1 - D) - k))));
+    const long double part = fminl(1, D * D * D * (m - most) / (most * (m - D)));
+    long double cones[9], response[3];
+    cones_of(picture, cones);
+    for (int i = 0; i < 3; i++) {
+        const long double *row = cones + 3 * i;
+        response[i] = cbrtl(row[0] * light[0] + row[1] * light[1] + row[2] * light[2]);
+    }
+    const long double grey = response[1];
+    for (int i = 0; i < 3; i++)
+        response[i] = powl((1 - part) * response[i] + part * grey, 3);
+    solve(cones, response, light);
+    const long double reached = largest_of(light);
+    for (int c = 0; c < 3; c++)
+        light[c] = fmaxl(0, light[c] * most / reached);
+}
+
 /* light to that of config.output_primaries; config.h. 0: they are the input's. */
 static int to_picture(const pupil_config *config, long double light[3])
 {
@@ -272,7 +311,7 @@ static int to_picture(const pupil_config *config, long double light[3])
 
 void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3])
 {
-    long double exact[3], light[3], most = 0, luminance;
+    long double exact[3], light[3], luminance;
     float rounded[3], rgb[3];
     pupil_config picture = *config;
     long double given[3] = {rgba[0], rgba[1], rgba[2]};
@@ -292,13 +331,12 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
     const long double u = curve->scale * luminance;
     const long double gain = curve->scale * (1 + u * curve->inverse_white_squared) / (1 + u);
     const long double display = luminance * gain;
-    for (int c = 0; c < 3; c++) {
-        light[c] *= gain;
-        most = fmaxl(most, light[c]);
-    }
-    const long double fitted = fit(display, most, curve->gamut);
     for (int c = 0; c < 3; c++)
-        code[c] = ref_encode(config->transfer, display >= 1 ? 1 : display + (light[c] - display) * fitted);
+        light[c] *= gain;
+    if (largest_of(light) > 0)
+        fit(&picture, display, curve->gamut, light);
+    for (int c = 0; c < 3; c++)
+        code[c] = ref_encode(config->transfer, light[c]);
 }
 
 long double ref_alpha(const long double rgba[4])

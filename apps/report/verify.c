@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "common/gamut.h"
 #include "common/pixel_light.h"
 
 static double clamp(double v, double low, double high)
@@ -51,22 +52,13 @@ static int display_code(uint32_t transfer, double light)
 static void map_pixel(const pupil_config *config, const pupil_curve *curve, const double in[3], double luminance,
                       int code[3])
 {
-    double y = clamp(luminance, 0.0, 0x1p30), u = (double)curve->scale * y, out[3], largest = 0.0;
+    double y = clamp(luminance, 0.0, 0x1p30), u = (double)curve->scale * y, out[3];
     double s = luminance != luminance
                    ? 0.0
                    : (double)curve->scale * (1.0 + u * (double)curve->inverse_white_squared) / (1.0 + u);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         out[c] = clamp(in[c], 0.0, 0x1p31) * s;
-        largest = out[c] > largest ? out[c] : largest;
-    }
-    double grey = clamp(y * s, 0.0, 1.0), knee = curve->gamut > 0.0f ? (double)PUPIL_GAMUT_KNEE : 1.0;
-    double x = grey < 1.0 ? (largest - grey) / (1.0 - grey) : INFINITY;
-    if (largest > grey && x > knee) {
-        double fitted = knee + (x - knee) / (1.0 + (double)curve->gamut * (largest / (1.0 - grey) - knee));
-        double t = grey < 1.0 ? (fitted < 1.0 ? fitted : 1.0) / x : 0.0;
-        for (int c = 0; c < 3; c++)
-            out[c] = grey + (out[c] - grey) * t;
-    }
+    gamut_fit(config->primaries == PUPIL_PRIMARIES_BT2020, (double)curve->gamut, y * s, out);
     for (int c = 0; c < 3; c++)
         code[c] = display_code(config->transfer, out[c]);
 }

@@ -47,6 +47,7 @@ typedef struct pupil_object {
     float picture_luma[3]; /* the same of the picture, from config.output_primaries */
     float to_picture[9];   /* from primaries to primaries, row by row; only where has_to_picture */
     uint32_t has_to_picture;
+    pupil_cones cones; /* of the picture's primaries */
     uint32_t histogram;
     uint32_t level; /* a pupil_level */
     /* pupil_reset clears from here to the end */

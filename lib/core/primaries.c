@@ -1,4 +1,4 @@
-/* Weights of luminance, and the matrix from the input's primaries to the picture's. */
+/* Weights of luminance, the matrix from the input's primaries to the picture's, and the cones of the picture's. */
 #include "object.h"
 
 /* Linear RGB to CIE XYZ and back, white D65 (0.3127, 0.3290): SMPTE RP 177-1993 from the chromaticities of
@@ -15,6 +15,11 @@ static const double bt2020_of_xyz[9] = {1.71665118797,   -0.355670783776,  -0.25
                                         0.0176398574453, -0.0427706132578, 0.942103121235};
 
 static const float luma_of_bt709[3] = {0.2126f, 0.7152f, 0.0722f}, luma_of_bt2020[3] = {0.2627f, 0.6780f, 0.0593f};
+
+/* CIE XYZ to the responses of Oklab's cones, M1 of Ottosson 2020 (bottosson.github.io, "A perceptual color space for
+ * image processing"). */
+static const double cones_of_xyz[9] = {0.8189330101, 0.3618667424, -0.1288597137, 0.0329845436, 0.9293118715,
+                                       0.0361456387, 0.0482003018, 0.2643662691,  0.6338517070};
 
 /* Of the configuration's own matrix: scaled, so that RGB of 1 has the luminance 1. */
 static double own_luminance(const pupil_config *c)
@@ -36,6 +41,50 @@ static void derive_luma(pupil_object *object)
     }
 }
 
+/* Whether m has an inverse that binary32 can use. */
+static int invert(const double m[9], double inverse[9])
+{
+    for (int i = 0; i < 9; i++) { /* the cofactor of the element across the diagonal */
+        const int row = i % 3, column = i / 3, a = (row + 1) % 3 * 3, b = (row + 2) % 3 * 3;
+        const int x = (column + 1) % 3, y = (column + 2) % 3;
+        inverse[i] = m[a + x] * m[b + y] - m[a + y] * m[b + x];
+    }
+    const double determinant = (m[0] * inverse[0] + m[1] * inverse[3]) + m[2] * inverse[6];
+    if (!(determinant > 1e-3 || determinant < -1e-3))
+        return 0;
+    for (int i = 0; i < 9; i++)
+        inverse[i] /= determinant;
+    return 1;
+}
+
+/* 0: a primary that no cone, or not each of them, responds to. */
+static int derive_cones(const double xyz[9], pupil_cones *cones)
+{
+    double from[9], to[9];
+    for (int i = 0; i < 9; i += 3) {
+        double white = 0.0;
+        for (int j = 0; j < 3; j++) {
+            const double *row = cones_of_xyz + i;
+            from[i + j] = (row[0] * xyz[j] + row[1] * xyz[3 + j]) + row[2] * xyz[6 + j];
+            white += from[i + j];
+        }
+        if (!(white > 1e-3 && white < 1e3))
+            return 0;
+        for (int j = 0; j < 3; j++) {
+            from[i + j] /= white;
+            if (!(from[i + j] >= 1.0 / 256.0)) /* so that no light is too little to divide by */
+                return 0;
+        }
+    }
+    if (!invert(from, to))
+        return 0;
+    for (int i = 0; i < 9; i++) {
+        cones->from_rgb[i] = (float)from[i];
+        cones->to_rgb[i] = (float)to[i];
+    }
+    return 1;
+}
+
 void pupil_primaries_derive(pupil_object *object)
 {
     const pupil_config *c = &object->config;
@@ -45,13 +94,16 @@ void pupil_primaries_derive(pupil_object *object)
     double from[9];
     derive_luma(object);
     object->has_to_picture = c->output_primaries != PUPIL_OUTPUT_AS_INPUT && !same;
-    if (!object->has_to_picture)
-        return;
     for (int i = 0; i < 9; i++)
         from[i] = c->primaries == PUPIL_PRIMARIES_BT709    ? xyz_of_bt709[i]
                   : c->primaries == PUPIL_PRIMARIES_BT2020 ? xyz_of_bt2020[i]
                                                            : (double)c->rgb_to_xyz[i] / own_luminance(c);
-    for (int i = 0; i < 9; i++) {
+    const double *picture = c->output_primaries == PUPIL_OUTPUT_BT709    ? xyz_of_bt709
+                            : c->output_primaries == PUPIL_OUTPUT_BT2020 ? xyz_of_bt2020
+                                                                         : from;
+    if (!derive_cones(picture, &object->cones)) /* or only the luminance row is given */
+        (void)derive_cones(xyz_of_bt709, &object->cones);
+    for (int i = 0; i < 9 && object->has_to_picture; i++) {
         const double *row = to + i / 3 * 3, *column = from + i % 3;
         object->to_picture[i] = (float)((row[0] * column[0] + row[1] * column[3]) + row[2] * column[6]);
     }

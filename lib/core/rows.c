@@ -230,6 +230,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         .encoder = &pupil_encoders[object->config.transfer],
         .coder = &w.coder,
         .curve = curve,
+        .cones = &object->cones,
         .luma = {object->luma[0], object->luma[1], object->luma[2]},
         .floor = object->config.floor,
         .clip = pupil_clip_of(&object->config, in->pixel, &w.coder),

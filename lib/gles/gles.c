@@ -201,6 +201,7 @@ static void take_settings(gles_object *o, const pupil_t *from)
     for (int i = 0; i < 9; i++)
         o->to_picture[i] = pupil->to_picture[i];
     o->has_to_picture = pupil->has_to_picture;
+    o->cones = pupil->cones;
     pupil_metered_luma(pupil->luma, &o->coder, o->metered_luma);
     (void)pupil_curve_before_light(from, &o->curve);
 }

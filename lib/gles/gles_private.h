@@ -92,6 +92,7 @@ typedef struct gles_object {
     float luma[3], metered_luma[3]; /* of the picture; of what is metered */
     float to_picture[9];            /* as in pupil_object */
     uint32_t has_to_picture;
+    pupil_cones cones;
     pupil_coder coder;
     float code_light; /* of stats */
     uint32_t histogram;

@@ -207,6 +207,8 @@ static void set_mapping(const gles_object *o, uint32_t p)
     gl->Uniform3f(uniform(o, p, "luma"), o->luma[0], o->luma[1], o->luma[2]);
     gl->Uniform1i(uniform(o, p, "has_to_picture"), (GLint)o->has_to_picture);
     gl->UniformMatrix3fv(uniform(o, p, "to_picture"), 1, GL_TRUE, o->to_picture);
+    gl->UniformMatrix3fv(uniform(o, p, "cones_of_rgb"), 1, GL_TRUE, o->cones.from_rgb);
+    gl->UniformMatrix3fv(uniform(o, p, "rgb_of_cones"), 1, GL_TRUE, o->cones.to_rgb);
     gl->Uniform1i(uniform(o, p, "encoder"), GLES_UNIT_ENCODER);
     gl->Uniform1ui(uniform(o, p, "encoder_base"), pupil_encoders[o->settings.transfer].base_bits);
     gl->Uniform1i(uniform(o, p, "adapted"), GLES_UNIT_STATE);

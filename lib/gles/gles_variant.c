@@ -155,6 +155,7 @@ uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const c
         if (shader == GLES_MAP_SCALED_FRAG)
             texts[n++] = "#define SCALED\n";
         n = add_load(v, n, texts);
+        texts[n++] = text_gamut_glsl;
         texts[n++] = text_map_frag;
         break;
     case GLES_MAP_VERT:

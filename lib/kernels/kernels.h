@@ -33,6 +33,18 @@
 /* A channel's bound before it is mapped: above PUPIL_CEILING, so that the largest channel is never below Ld. */
 #define PUPIL_BRIGHTEST 0x1p31f
 
+/* --- constants of gamut.h and vector_scale.h --- */
+
+/* x^(-1/3), first from the float's bits: their third from a constant, which leaves x y^3 in 0.66..0.79. There a
+ * polynomial of degree 2 (minimax by weighted least squares) leaves 2.7e-5. */
+#define ROOT_BITS  0x548e0000u
+#define ROOT_THIRD 0.333333343f
+#define ROOT_0     1.73338342f
+#define ROOT_1     1.19775796f
+#define ROOT_2     0.472088337f
+/* A largest component is seen as beyond grey by no less. */
+#define LEAST_DIVISOR 0x1p-24f
+
 /* What metering a run of pixels leaves: pixel i of the run is in lane i % 16; log2 of lane = exponent + log2 product.
  */
 typedef struct pupil_run {
@@ -98,12 +110,18 @@ typedef enum pupil_way {
     PUPIL_WAY_BILINEAR    /* mosaics: one for each sample */
 } pupil_way;
 
+/* Linear RGB to the responses of Oklab's cones, which are 1 for white, and back; row by row. */
+typedef struct pupil_cones {
+    float from_rgb[9], to_rgb[9];
+} pupil_cones;
+
 /* What a row of a frame is worked with; constant over the frame. */
 typedef struct pupil_row_job {
     const struct pupil_kernels *kernels;
     const pupil_encoder *encoder;
     const pupil_coder *coder;
     const pupil_curve *curve; /* NULL: meter only */
+    const pupil_cones *cones; /* of the picture */
     const struct pupil_row_job
         *picture;            /* what maps where the picture has other primaries: this job with its luma ... */
     const float *to_picture; /* ... after this matrix; NULL, NULL: they are the input's */

@@ -1,5 +1,6 @@
 /* The reference level: plain C. Loops over planar floats, so that a compiler may use any vectors that it has; without
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
+#include "gamut.h"
 #include "kernels.h"
 #include "pixels_to_linear.h"
 
@@ -157,42 +158,10 @@ static inline float clamp_channel(float v)
     return v < PUPIL_BRIGHTEST ? v : PUPIL_BRIGHTEST;
 }
 
-/* The largest component that stays as it is, for a pixel of the display luminance `grey`. */
-static inline float gamut_limit(float grey, float gamut)
-{
-    float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f;
-    return knee + (1.0f - knee) * grey;
-}
-
-/* A result beyond the display's gamut is moved toward the grey of its own display luminance until it fits: luminance
- * and hue stay, saturation gives way. Clamping each channel by itself would turn the hue. Where the white point leaves
- * room above 1 the way is compressed from a knee on, so that bright colours keep their differences (pupil.h:
- * pupil_curve). */
-static void fit_gamut(pupil_planes *restrict p, const float *restrict display, uint32_t n, float gamut)
-{
-    float *r = p->r, *g = p->g, *b = p->b;
-    for (uint32_t i = 0; i < n; i++) {
-        float m = max3(r[i], g[i], b[i]), grey = display[i];
-        if (!(m > gamut_limit(grey, gamut)))
-            continue;
-        if (!(grey < 1.0f)) {
-            r[i] = g[i] = b[i] = 1.0f;
-            continue;
-        }
-        float knee = gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f, room = 1.0f - grey;
-        float x = (m - grey) / room;
-        float fitted = knee + (x - knee) / (1.0f + gamut * (m / room - knee));
-        fitted = gamut > 0.0f && fitted < 1.0f ? fitted : 1.0f;
-        float t = fitted / x;
-        r[i] = grey + (r[i] - grey) * t;
-        g[i] = grey + (g[i] - grey) * t;
-        b[i] = grey + (b[i] - grey) * t;
-    }
-}
-
 /* l becomes the display luminance. */
-static void tone(pupil_planes *restrict p, float *restrict l, uint32_t n, const pupil_curve *curve)
+static void tone(pupil_planes *restrict p, float *restrict l, uint32_t n, const pupil_row_job *job)
 {
+    const pupil_curve *curve = job->curve;
     const float x = curve->scale, iw2 = curve->inverse_white_squared, gamut = curve->gamut;
     float *restrict r = p->r, *restrict g = p->g, *restrict b = p->b;
     uint32_t over = 0;
@@ -210,7 +179,7 @@ static void tone(pupil_planes *restrict p, float *restrict l, uint32_t n, const 
         over |= (uint32_t)(max3(r[i], g[i], b[i]) > gamut_limit(l[i], gamut));
     }
     if (over)
-        fit_gamut(p, l, n, gamut);
+        fit_gamut(p, l, n, gamut, job->cones);
 }
 
 static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
@@ -222,7 +191,7 @@ static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil
         count(l, planes, n, job->floor, job->clip, run);
         meter_luminance(l, n, job->floor, run);
     }
-    tone(planes, l, n, job->curve);
+    tone(planes, l, n, job);
     return 0;
 }
 
@@ -260,11 +229,15 @@ STORE(store_bgrx8, 4, 2, 0)
 STORE(store_rgb8, 3, 0, 2)
 STORE(store_bgr8, 3, 2, 0)
 
+/* By its bits, without a branch: a frame's alphas may be as unlike as noise, and half of the branches would be
+ * mispredicted. NaN, what is negative and what is below 2^-10, a quarter of a code, is 0: a denormal factor is slow. */
 static inline uint8_t alpha_of_float(float a)
 {
-    a = a > 0.0f ? a : 0.0f;
-    a = a < 1.0f ? a : 1.0f;
-    return (uint8_t)(a * 255.0f + 0.5f);
+    const uint32_t least = 0x3a800000u, one = 0x3f800000u, infinity = 0x7f800000u;
+    uint32_t bits = pupil_bits_of_float(a);
+    bits &= 0u - (uint32_t)(bits - least <= infinity - least);
+    bits = bits < one ? bits : one;
+    return (uint8_t)(pupil_float_of_bits(bits) * 255.0f + 0.5f);
 }
 
 /* As LOAD. */

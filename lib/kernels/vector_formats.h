@@ -253,7 +253,7 @@ INLINE int scale_groups(const format *f, const pupil_row_job *job, const uint8_t
         scale_hard(&p, &d, i, planes, &over);
     }
     if (over.any)
-        fit_listed(&over, n, &d, planes);
+        fit_listed(&over, n, &d, job->cones, planes);
     return v_every(opaque);
 }
 

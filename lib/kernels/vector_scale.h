@@ -1,5 +1,5 @@
-/* lib/kernels/vector_scale.h: Reinhard by luminance in vectors, as scalar.c's tone() and fit_gamut(); the codes of
- * pixels that are too few for a vector. */
+/* lib/kernels/vector_scale.h: Reinhard by luminance in vectors, as scalar.c's tone() and gamut.h's fit_colour(); the
+ * codes of pixels that are too few for a vector. */
 #ifndef PUPIL_KERNELS_VECTOR_SCALE_H
 #define PUPIL_KERNELS_VECTOR_SCALE_H
 
@@ -7,7 +7,6 @@
 
 typedef struct scale_constants {
     floats scale, inverse_white_squared, gamut, knee, above_knee;
-    mask has_gamut;
 } scale_constants;
 
 INLINE scale_constants scale_constants_of(const pupil_curve *curve)
@@ -18,7 +17,6 @@ INLINE scale_constants scale_constants_of(const pupil_curve *curve)
     c.gamut = v_all(curve->gamut);
     c.knee = v_all(curve->gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f);
     c.above_knee = v_sub(v_all(1.0f), c.knee);
-    c.has_gamut = v_greater(c.gamut, v_all(0.0f));
     return c;
 }
 
@@ -27,27 +25,60 @@ INLINE floats clamp_channel(floats v)
     return v_min(v_max(v, v_all(0.0f)), v_all(PUPIL_BRIGHTEST));
 }
 
-INLINE floats fit_channel(floats v, floats grey, floats t, mask over, mask white)
+INLINE floats cube_root(floats x)
 {
-    const floats one = v_all(1.0f);
-    const floats fitted = v_add(grey, v_mul(v_sub(v, grey), t));
-    return v_select(over, v_select(white, one, fitted), v);
+    const ints third = v_to_ints(v_mul(v_from_ints(v_bits(x)), v_all(ROOT_THIRD)));
+    floats y = v_of_bits(v_minus(v_all_ints(ROOT_BITS), third));
+    const floats c = v_mul(v_mul(v_mul(x, y), y), y);
+    y = v_mul(y, v_sub(v_all(ROOT_0), v_mul(c, v_sub(v_all(ROOT_1), v_mul(v_all(ROOT_2), c)))));
+    const floats root = v_mul(v_mul(x, y), y);
+    return v_mul(root, v_sub(v_all(5.0f / 3.0f), v_mul(v_all(2.0f / 3.0f), v_mul(root, y))));
 }
 
-/* WIDTH pixels, some of which are beyond the display's gamut. */
-INLINE void fit_gamut(float *r_at, float *g_at, float *b_at, const float *grey_at, const scale_constants *c)
+INLINE floats toward_grey(floats response, floats part)
+{
+    const floats p = cube_root(response), q = v_add(p, v_mul(part, v_sub(v_all(1.0f), p)));
+    return v_mul(v_mul(q, q), q);
+}
+
+INLINE floats row_times(const float row[3], floats a, floats b, floats c)
+{
+    return v_add(v_add(v_mul(v_all(row[0]), a), v_mul(v_all(row[1]), b)), v_mul(v_all(row[2]), c));
+}
+
+/* The same where b is 1. */
+INLINE floats row_times_cone(const float row[3], floats a, floats c)
+{
+    return v_add(v_add(v_mul(v_all(row[0]), a), v_all(row[1])), v_mul(v_all(row[2]), c));
+}
+
+/* WIDTH pixels, some of which are beyond the display's gamut: gamut.h's fit_gamut. Where grey is white, room is 0,
+ * `most` and `part` are 1, and so is the result, but for its rounding: that is what `least` is for. */
+INLINE void fit_gamut(float *r_at, float *g_at, float *b_at, const float *grey_at, const scale_constants *c,
+                      const pupil_cones *cones)
 {
     const floats one = v_all(1.0f), r = v_load(r_at), g = v_load(g_at), b = v_load(b_at), grey = v_load(grey_at);
-    const floats m = max_of_3(r, g, b), room = v_sub(one, grey);
-    const mask over = v_greater(m, v_add(c->knee, v_mul(c->above_knee, grey))), white = v_not(v_less(grey, one));
-    const floats x = v_div(v_sub(m, grey), room);
-    const floats below = v_add(one, v_mul(c->gamut, v_sub(v_div(m, room), c->knee)));
-    floats fitted = v_add(c->knee, v_div(v_sub(x, c->knee), below));
-    fitted = v_select(v_both(c->has_gamut, v_less(fitted, one)), fitted, one);
-    const floats t = v_div(fitted, x);
-    v_store(r_at, fit_channel(r, grey, t, over, white));
-    v_store(g_at, fit_channel(g, grey, t, over, white));
-    v_store(b_at, fit_channel(b, grey, t, over, white));
+    const floats largest = max_of_3(r, g, b), room = v_max(v_sub(one, grey), v_all(0.0f));
+    const floats limit = v_add(c->knee, v_mul(c->above_knee, grey));
+    const floats below = v_add(room, v_mul(c->gamut, v_sub(largest, v_mul(c->knee, room))));
+    const floats most = v_min(v_add(limit, v_div(v_mul(v_sub(largest, limit), room), below)), one);
+
+    const floats way = v_mul(most, v_max(v_sub(largest, grey), v_all(LEAST_DIVISOR)));
+    const floats excess = v_div(v_sub(largest, most), way);
+    const floats part = v_min(v_mul(v_mul(v_mul(grey, grey), grey), excess), one);
+
+    const floats unit = v_div(one, row_times(cones->from_rgb + 3, r, g, b));
+    const floats l = toward_grey(v_mul(row_times(cones->from_rgb, r, g, b), unit), part);
+    const floats s = toward_grey(v_mul(row_times(cones->from_rgb + 6, r, g, b), unit), part);
+    const floats red = row_times_cone(cones->to_rgb, l, s), green = row_times_cone(cones->to_rgb + 3, l, s);
+    const floats blue = row_times_cone(cones->to_rgb + 6, l, s);
+
+    const floats scale = v_div(most, max_of_3(red, green, blue));
+    const floats least = v_where(v_not(v_less(grey, one)), one);
+    const mask over = v_greater(largest, limit);
+    v_store(r_at, v_select(over, v_max(v_mul(red, scale), least), r));
+    v_store(g_at, v_select(over, v_max(v_mul(green, scale), least), g));
+    v_store(b_at, v_select(over, v_max(v_mul(blue, scale), least), b));
 }
 
 /* The vectors of a block that want a second look, which they get after the loop: a call or an unforeseen branch inside
@@ -104,12 +135,13 @@ static __attribute__((noinline)) void scale_hard(const group *p, const scale_con
     over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
 }
 
-static void fit_listed(const group_list *over, uint32_t n, const scale_constants *c, pupil_planes *planes)
+static void fit_listed(const group_list *over, uint32_t n, const scale_constants *c, const pupil_cones *cones,
+                       pupil_planes *planes)
 {
     for (uint32_t j = 0; j < n; j += PUPIL_LANES)
         for (uint64_t vectors = over->vectors[j / PUPIL_LANES]; vectors;) {
             const uint32_t k = (uint32_t)__builtin_ctzll(vectors) / (64 / WAYS), i = j + k * WIDTH;
-            fit_gamut(planes->r + i, planes->g + i, planes->b + i, planes->grey + i, c);
+            fit_gamut(planes->r + i, planes->g + i, planes->b + i, planes->grey + i, c, cones);
             vectors &= WAYS == 1 ? 0 : ~(((UINT64_C(1) << (64 / WAYS) % 64) - 1) << k * (64 / WAYS));
         }
 }

@@ -1,4 +1,4 @@
-/* What mapping keeps: grey, hue, luminance, order of brightness; and frames that were already well exposed.
+/* What mapping keeps: grey, order of brightness; and frames that were already well exposed.
  */
 #include "check.h"
 #include "frames.h"
@@ -48,52 +48,6 @@ static void check_grey(void)
             }
 }
 
-/* Out of gamut: the colour keeps its luminance and, seen from grey, its direction (hue). */
-static void check_gamut(void)
-{
-    double worst_luminance = 0, worst_hue = 0;
-    unsigned out_of_gamut = 0;
-    const pupil_curve curve = {.scale = 1, .inverse_white_squared = 0.02f};
-    pupil_config config;
-    pupil_config_default(&config);
-    config.transfer = PUPIL_TRANSFER_LINEAR;
-    frame in = frame_make(400, 100, PUPIL_PIXEL_RGB32F, 0, 0), out = frame_make(400, 100, PUPIL_PIXEL_RGB8, 0, 0);
-    for (uint32_t i = 0; i < 40000; i++) {
-        const double light = exp2(8 * check_uniform() - 3);
-        frame_set(&in, i % 400, i / 400, light * pow(check_uniform(), 3), light * pow(check_uniform(), 3),
-                  light * pow(check_uniform(), 3), 1);
-    }
-    map(&config, &curve, &in, &out);
-    for (uint32_t i = 0; i < 40000; i++) {
-        const unsigned char *code = (unsigned char *)frame_writable(&out).data + 3 * i;
-        long double rgba[4], a[3], b[3];
-        ref_light(&in.image, i % 400, i / 400, 0, rgba);
-        const long double l = 0.2126L * rgba[0] + 0.7152L * rgba[1] + 0.0722L * rgba[2];
-        const long double gain = (1 + l * 0.02L) / (1 + l), display = l * gain;
-        if (fmaxl(rgba[0], fmaxl(rgba[1], rgba[2])) * gain <= 1.01L || display >= 0.97L)
-            continue;
-        out_of_gamut++;
-        const double shown = (0.2126 * code[0] + 0.7152 * code[1] + 0.0722 * code[2]) / 255;
-        worst_luminance = fmax(worst_luminance, fabs(shown - (double)display));
-        for (int c = 0; c < 3; c++) {
-            a[c] = rgba[c] * gain - display;
-            b[c] = code[c] / 255.0L - display;
-        }
-        /* the sine of the angle between the two directions, times the length of the shown one: in units of light */
-        const long double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-        const long double aside = sqrtl(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) /
-                                  sqrtl(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-        worst_hue = fmax(worst_hue, (double)aside);
-    }
-    printf("%u colours out of gamut: luminance within %.2g, hue within %.2g of full scale (half a code is 0.002)\n",
-           out_of_gamut, worst_luminance, worst_hue);
-    CHECK(out_of_gamut > 2000);
-    CHECK(worst_luminance <= 0.5 / 255 + 1e-5); /* the weights sum to 1: at most the rounding of one code */
-    CHECK(worst_hue <= sqrt(3) * 0.5 / 255 + 1e-5);
-    frame_free(&in);
-    frame_free(&out);
-}
-
 /* Rec. ITU-R BT.2087-0, Annex 2, table of the matrix from BT.709 to BT.2020, in light of 8 bits; and back, where the
  * colours of BT.2020 that BT.709 lacks have a component at 0. */
 static void check_primaries(void)
@@ -119,7 +73,6 @@ static void check_primaries(void)
     for (int x = 0; x < 3; x++)
         for (int c = 0; c < 3; c++)
             CHECK(c == x ? code[3 * x + c] > 200 : code[3 * x + c] < code[4 * x]);
-    CHECK(code[1] == code[2]); /* moved toward grey, from two components that were set to 0 */
     frame_free(&in);
     frame_free(&out);
 }
@@ -175,7 +128,6 @@ int main(int argc, char **argv)
     static const uint32_t pixel[] = {PUPIL_PIXEL_RGB8, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_RGBA16};
     check_begin(argc, argv);
     check_grey();
-    check_gamut();
     check_primaries();
     for (unsigned i = 0; i < 4; i++)
         for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++) {

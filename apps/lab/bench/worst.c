@@ -11,15 +11,19 @@
 #include "frames.h"
 #include "subject.h"
 
-enum { ROUNDS = 2000, CASES = 7, FRESH = CASES - 2, READ = CASES - 1 };
+enum { ROUNDS = 2000, CASES = 10, HARD = 1, DARK, DENORMAL, ODD, SATURATED, DEFAULT, LAMPS, FRESH, READ };
 
-static const char *const case_name[CASES] = {"ordinary", "hard", "dark", "denormal", "nan-inf", "fresh", "read"};
+static const char *const case_name[CASES] = {"ordinary",  "hard",    "dark",      "denormal", "nan-inf",
+                                             "saturated", "default", "default-s", "fresh",    "read"};
 static const char *const case_says[CASES] = {
     "the easy frame, memory in use",
     "of 16 samples one odd, one denormal, one black; 40 stops",
     "every second pixel is black: 1e-20 or so",
     "the same, 1e-41 or so: denormal",
     "every second pixel has a NaN, +Inf or -Inf",
+    "coloured lamps, 10 stops, every pixel beyond the gamut",
+    "the easy frame, with the histogram of a white point that follows",
+    "the coloured lamps, with it",
     "the easy frame, output never touched before: page faults",
     "no kernel: a plain read of the easy frame, for what the machine itself does"};
 
@@ -64,6 +68,20 @@ static void plant(pupil_image_const in, const float *odd, unsigned count)
             rgba[4 * i + k] = odd[(i / 2 + k) % count];
 }
 
+/* Lamps of every hue, with 2 to 10 % of the others' light in the weakest channels, from 1 to 1000 times white. */
+static void plant_lamps(pupil_image_const in)
+{
+    static const float lamp[][3] = {{1.0f, 0.02f, 0.05f}, {1.0f, 0.5f, 0.1f},  {0.1f, 1.0f, 0.05f},
+                                    {0.05f, 0.6f, 1.0f},  {0.03f, 0.1f, 1.0f}, {1.0f, 0.1f, 0.8f}};
+    float *rgba = (float *)(uintptr_t)in.data;
+    const size_t pixels = (size_t)in.width * in.height;
+    for (size_t i = 0; i < pixels; i++) {
+        const float light = (float)exp2(10.0 * (double)(i % 997) / 997.0);
+        for (size_t k = 0; k < 3; k++)
+            rgba[4 * i + k] = light * lamp[i / 7 % 6][k];
+    }
+}
+
 static int open_case(worst_case *w, int which, const bench_options *o, workers *crew, uint32_t level)
 {
     static const float denormal[] = {1e-41f, 1e-39f, 1e-45f}, dark[] = {1e-20f, 1e-18f, 1e-24f},
@@ -72,20 +90,23 @@ static int open_case(worst_case *w, int which, const bench_options *o, workers *
         return -1;
     free(w->s.copy); /* nothing is copied here */
     w->s.copy = NULL;
-    if (which == 1) {
+    if (which == HARD) {
         free((void *)(uintptr_t)w->s.in.data);
         w->s.in = bench_frame(PUPIL_PIXEL_RGBA32F, o->width, o->height, 1);
     }
     w->own_out = w->s.out.data;
     w->bytes = (size_t)o->width * o->height * 4;
-    if (!w->s.in.data || bench_kernel_open(&w->kernel, &w->s, BENCH_FUSED, level))
+    if (!w->s.in.data ||
+        bench_kernel_open(&w->kernel, &w->s, which == DEFAULT || which == LAMPS ? BENCH_DEFAULT : BENCH_FUSED, level))
         return fputs("pupil bench: not enough memory\n", stderr), -1;
-    if (which == 2)
+    if (which == DARK)
         plant(w->s.in, dark, 3);
-    if (which == 3)
+    if (which == DENORMAL)
         plant(w->s.in, denormal, 3);
-    if (which == 4)
+    if (which == ODD)
         plant(w->s.in, odd, 4);
+    if (which == SATURATED || which == LAMPS)
+        plant_lamps(w->s.in);
     bench_kernel_run(&w->kernel); /* the memory that is in use */
     return 0;
 }

@@ -11,32 +11,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/gamut.h"
+
 /* Rec. ITU-R BT.709-6, item 3.2 */
 static double luminance(const float *v)
 {
     return 0.2126 * (double)v[0] + 0.7152 * (double)v[1] + 0.0722 * (double)v[2];
 }
 
-/* Display light of a pixel at scale x: Reinhard's L / (1 + L), and beyond the gamut's knee toward its own grey, as
- * pupil_curve defines it for no white point. Each component rises with x. */
+/* Display light of a pixel at scale x: Reinhard's L / (1 + L), and what is beyond the gamut's knee as pupil_curve
+ * defines it for no white point. */
 static void display(const float *v, double x, double gamut, double light[3])
 {
-    const double knee = (double)PUPIL_GAMUT_KNEE;
     double l = luminance(v);
     l = l > 0.0 ? l : 0.0;
-    const double room = 1.0 / (1.0 + x * l), s = x * room, grey = l * s;
-    double most = 0.0;
-    for (unsigned k = 0; k < 3; k++) {
+    const double s = x / (1.0 + x * l);
+    for (unsigned k = 0; k < 3; k++)
         light[k] = v[k] > 0.0f ? (double)v[k] * s : 0.0;
-        most = light[k] > most ? light[k] : most;
-    }
-    if (most > grey + knee * room) {
-        double from_grey = (most - grey) / room;
-        double fitted = knee + (from_grey - knee) / (1.0 + gamut * (most / room - knee));
-        double t = (fitted < 1.0 ? fitted : 1.0) / from_grey;
-        for (unsigned k = 0; k < 3; k++)
-            light[k] = grey + (light[k] - grey) * t;
-    }
+    gamut_fit(0, gamut, l * s, light);
 }
 
 static uint8_t code_from(const double *bound, double light, unsigned code)

@@ -1,10 +1,9 @@
 // Reinhard's operator by luminance, fitted to the display's gamut, encoded to 8 bits (pupil/pupil.h: pupil_curve). The
-// same steps as lib/kernels/scalar.c: tone, fit_gamut, encode.
+// same steps as lib/kernels/scalar.c: tone and encode.
 
 #define BRIGHTEST  2147483648.0 // 2^31
-#define GAMUT_KNEE 0.75
 
-uniform float inverse_white_squared, gamut;
+uniform float inverse_white_squared;
 uniform highp usampler2D encoder; // lib/kernels/kernels.h: pupil_encoder, 256 cells a row
 uniform uint encoder_base;
 uniform ivec2 picture_size;
@@ -22,17 +21,6 @@ uniform mat3 to_picture; // from the input's primaries to the picture's
 flat in float scale;
 layout(location = 0) out vec4 display;
 
-vec3 fit_gamut(vec3 rgb, float m, float grey)
-{
-    if (!(grey < 1.0))
-        return vec3(1.0);
-    float knee = gamut > 0.0 ? GAMUT_KNEE : 1.0, room = 1.0 - grey;
-    float x = (m - grey) / room;
-    float fitted = knee + (x - knee) / (1.0 + gamut * (m / room - knee));
-    fitted = gamut > 0.0 && fitted < 1.0 ? fitted : 1.0;
-    return grey + (rgb - grey) * (fitted / x);
-}
-
 vec3 tone(vec3 rgb)
 {
     float l = luminance(rgb), y = l > 0.0 ? min(l, CEILING) : 0.0, u = scale * y;
@@ -41,7 +29,9 @@ vec3 tone(vec3 rgb)
         return vec3(0.0);
     rgb = min(mix(vec3(0.0), rgb, greaterThan(rgb, vec3(0.0))), vec3(BRIGHTEST)) * s;
     float grey = y * s, m = largest(rgb), knee = gamut > 0.0 ? GAMUT_KNEE : 1.0;
-    return m > knee + (1.0 - knee) * grey ? fit_gamut(rgb, m, grey) : rgb;
+    if (!(m > knee + (1.0 - knee) * grey))
+        return rgb;
+    return grey < 1.0 ? fit_colour(rgb, grey) : vec3(1.0);
 }
 
 float encode(float x)

@@ -94,11 +94,16 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
  *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
  * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.)
  * Lv counts as 0..2^30 and a component of v as 0..2^31 here; where Lv is NaN the pixel is black.
- * A result beyond the display's gamut is moved toward the grey of its own luminance D until it fits. With m its largest
- * component and x = (m - D) / (1 - D) its distance from that grey (1: the gamut's surface), where x > k it becomes
- *     min(1, k + (x - k) / (1 + gamut * (m / (1 - D) - k))),   k = PUPIL_GAMUT_KNEE
- * and where gamut is 0, min(1, x): nothing inside the gamut moves. From D = 1 on the pixel is white. */
-#define PUPIL_GAMUT_KNEE 0.75f
+ *
+ * A result beyond the display's gamut becomes darker and paler until it fits; its hue stays. D is its luminance, m its
+ * largest component, x = (m - D) / (1 - D) its distance from the grey of D (1: the gamut's surface). Where x > k its
+ * largest component becomes
+ *     M = min(1, D + (1 - D) * (k + (x - k) / (1 + gamut * (m / (1 - D) - k)))),   k = PUPIL_GAMUT_KNEE
+ * and where gamut is 0 and m > 1, 1: nothing inside the gamut moves. For that the cube roots of the responses of
+ * Oklab's cones (Ottosson 2020; 1 for white) go toward their middle one's, by this part of the way, and then all
+ * components are scaled: min(1, D^3 * (m - M) / (M * (m - D))) Components below 0 become 0. From D = 1 on the pixel is
+ * white. */
+#define PUPIL_GAMUT_KNEE 0.85f
 typedef struct pupil_curve {
     uint32_t size_bytes;         /* abi.h; or 0 */
     float scale;                 /* X: from frame values to scaled luminance; 0..2^60 */

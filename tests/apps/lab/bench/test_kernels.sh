@@ -100,7 +100,7 @@ grep -E '"kernel":"(fused|plain)"' peers.txt | sed 's/.*"mean_code":\([^,]*\),.*
 fields worst.txt frame kernel level format out width height threads frames median_us p99_us p999_us max_us \
     ratio_p999_median ratio_ordinary
 "$program" bench kernels --worst --size 64x64 --rounds 20 --threads 2 >worst_table.txt
-for frame in ordinary hard dark denormal nan-inf fresh read; do
+for frame in ordinary hard dark denormal nan-inf saturated default default-s fresh read; do
     grep -q "\"frame\":\"$frame\"" worst.txt || fail "no $frame: $(cat worst.txt)"
     grep -q "^$frame " worst_table.txt || fail "no $frame: $(cat worst_table.txt)"
 done
