@@ -105,6 +105,8 @@ static void describe(AVCodecParameters *p, const pupil_recording_about *about)
     p->codec_tag = about->jpeg ? 0 : pupil_recording_fourcc(about);
     p->width = (int)about->width;
     p->height = (int)about->height;
+    if (about->primaries == PUPIL_PRIMARIES_BT2020) /* BT.709 is also what a driver that reports nothing has */
+        p->color_primaries = AVCOL_PRI_BT2020;
     const int is_yuv =
         pupil_pixel_planes(about->pixel) > 1 || about->pixel == PUPIL_PIXEL_YUYV || about->pixel == PUPIL_PIXEL_UYVY;
     if (!about->jpeg && is_yuv) {

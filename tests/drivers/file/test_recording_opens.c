@@ -71,7 +71,7 @@ static void check_decoded(AVStream *stream, AVPacket *packet, const char *name, 
 }
 
 /* How many frames it finds. */
-static int check_open(const test_frames *frames, const char *folder, int decode)
+static int check_open(const test_frames *frames, const char *folder, uint32_t primaries, int decode)
 {
     static unsigned char bytes[1 << 16];
     char path[1100];
@@ -87,6 +87,8 @@ static int check_open(const test_frames *frames, const char *folder, int decode)
     CHECK(stream->codecpar->codec_id == AV_CODEC_ID_RAWVIDEO && stream->codecpar->width == (int)image->width &&
           stream->codecpar->height == (int)image->height);
     CHECK(av_cmp_q(stream->avg_frame_rate, (AVRational){30, 1}) == 0);
+    CHECK(stream->codecpar->color_primaries ==
+          (primaries == PUPIL_PRIMARIES_BT2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_UNSPECIFIED));
     if (name && !strcmp(name, "yuyv422"))
         CHECK(stream->codecpar->color_range ==
                   (frames->coding.range == PUPIL_RANGE_FULL ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG) &&
@@ -110,10 +112,11 @@ static int check_open(const test_frames *frames, const char *folder, int decode)
 
 static void test_formats(void)
 {
-    const pupil_recorder_options options = {.fps = 30, .wait = 1};
     static const uint32_t sizes[][2] = {{32, 16}, {5, 3}};
     for (uint32_t pixel = 1; pixel < PUPIL_PIXEL_COUNT; pixel++)
         for (int odd = 0; odd < 2; odd++) {
+            const uint32_t primaries = odd ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
+            const pupil_recorder_options options = {.fps = 30, .wait = 1, .primaries = primaries};
             test_frames frames;
             if (odd && pupil_pixel_is_mosaic(pixel))
                 continue;
@@ -122,13 +125,13 @@ static void test_formats(void)
                 frames.frame[i].info.timestamp_ns = i * INT64_C(33333000);
             const char *folder = scratch("opens");
             CHECK(frames_record(&frames, folder, &options, &why) == COUNT);
-            CHECK_MSG(check_open(&frames, folder, 1) == COUNT, "pixel %u", pixel);
+            CHECK_MSG(check_open(&frames, folder, primaries, 1) == COUNT, "pixel %u", pixel);
             /* without what close writes, and with half a frame at the end, as after a kill */
             char path[1100];
             snprintf(path, sizeof path, "%s/opens/frames.mkv", scratch_folder);
             struct stat s;
             CHECK(stat(path, &s) == 0 && truncate(path, s.st_size / 2) == 0);
-            const int half = check_open(&frames, folder, 0);
+            const int half = check_open(&frames, folder, primaries, 0);
             CHECK_MSG(half > 0 && half < COUNT, "%d frames of the half", half);
             scratch_clear(folder);
             frames_free(&frames);
