@@ -53,7 +53,7 @@ const option_command replay_command = {
     .usage = "INPUT... [options]",
     .about = "Adapts recorded HDR frames; writes a display video and what the exposure did.\n"
              "  INPUT  .exr .hdr .pfm .png, a folder, a 'glob*', a video, - (stdin),\n"
-             "         pan:PANORAMA[,key=value...], synth:walk, synth:room,\n"
+             "         pan:PANORAMA[,key=value...], synth:walk, synth:room, ...,\n"
              "         synth:RECIPE.scene, v4l2:CAMERA (a path, a number, a name)",
     .exits = "0 done, 1 failed, 2 usage, 3 done but frames were skipped, 130 interrupted",
     .manual =

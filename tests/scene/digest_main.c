@@ -103,6 +103,7 @@ static void scene(const char *name, const char *recipe, uint32_t side, uint64_t 
 int main(int argc, char **argv)
 {
     static const char *const names[] = {"solids", "meshes", "bayer", "three", "walls"};
+    static const char *const stills[] = {"table", "candle", "stars", "meadow", "leds"};
     static const unsigned threads[] = {1, 2, 7};
     if (argc != 2)
         fail("its argument is the folder of the recipes");
@@ -115,5 +116,8 @@ int main(int argc, char **argv)
         }
     scene("room", "room", 24, 400, 2);
     scene("walk", "walk", 24, 60, 2);
+    for (size_t i = 0; i < sizeof stills / sizeof stills[0]; i++)
+        for (size_t k = 0; k < sizeof threads / sizeof threads[0]; k++)
+            scene(stills[i], stills[i], 24, 4, threads[k]);
     return 0;
 }

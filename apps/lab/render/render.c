@@ -93,7 +93,8 @@ const option_command render_command = {
     .summary = "the frames of a scene: linear pictures, or mapped for a display",
     .usage = "SCENE [options] -o PATH",
     .about = "Renders the frames of a scene: linear light, or mapped for a display as by pupil replay.\n"
-             "  SCENE  a recipe by its path, or one that is built in: room, walk",
+             "  SCENE  a recipe by its path, or one that is built in: room, walk, table, candle,\n"
+             "         stars, meadow, leds, room-radiosity",
     .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
     .manual = "Renders the frames of a scene: rays from a pinhole, soft shadows, the same bits on every machine. SCENE "
               "is as in synth:SCENE.",

@@ -1,4 +1,5 @@
-/* synth:walk: its pinned frames, the light that it promises, any size, and sentences for wrong options. */
+/* synth:walk: its pinned frames, the light that it promises, any size, and sentences for wrong options. The light of
+ * scenes of low key. */
 #include "synth/synth_source.h"
 
 #include <math.h>
@@ -41,11 +42,11 @@ static facts look(const pupil_image_const *image)
     return f;
 }
 
-static pupil_source *opened(pupil_source_options options)
+static pupil_source *opened(const char *name, pupil_source_options options)
 {
     pupil_why why = {""};
     pupil_source *source = NULL;
-    CHECK_MSG(pupil_synth_source_open("walk", &options, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_synth_source_open(name, &options, &source, &why) == 0, "%s", why.text);
     return source;
 }
 
@@ -78,7 +79,8 @@ static uint64_t next_digest(pupil_source *source)
 static void check_digests(void)
 {
     for (size_t i = 0; i < sizeof pinned / sizeof *pinned; i++) {
-        pupil_source *source = opened((pupil_source_options){.first = pinned[i].frame, .threads = (unsigned)i + 1});
+        pupil_source *source =
+            opened("walk", (pupil_source_options){.first = pinned[i].frame, .threads = (unsigned)i + 1});
         if (!source)
             return;
         CHECK(source->frames == 300 - pinned[i].frame && source->fps == 30.0);
@@ -96,7 +98,7 @@ static void check_clip(void)
     pupil_why why;
     pupil_frame frame;
     uint64_t n = 0;
-    pupil_source *source = opened((pupil_source_options){.width = 80, .height = 45});
+    pupil_source *source = opened("walk", (pupil_source_options){.width = 80, .height = 45});
     if (!source)
         return;
     while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME && n < 300) {
@@ -136,8 +138,9 @@ static void check_sizes(void)
     for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
         pupil_frame frame;
         uint64_t n = 0;
-        pupil_source *source = opened((pupil_source_options){
-            .width = size[i][0], .height = size[i][1], .frames = size[i][2], .fps = 24000.0 / 1001.0});
+        pupil_source *source = opened(
+            "walk", (pupil_source_options){
+                        .width = size[i][0], .height = size[i][1], .frames = size[i][2], .fps = 24000.0 / 1001.0});
         if (!source)
             continue;
         while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME && n++ < size[i][2]) {
@@ -149,6 +152,48 @@ static void check_sizes(void)
         CHECK(frame.info.timestamp_ns == (n == 5 ? INT64_C(166833333) : 0)); /* 4 x 1001 / 24000 s */
         pupil_source_close(source);
     }
+}
+
+/* Where the light of a low-key scene is: the log-average and the brightest light, in EV, and how much of the frame is
+ * `above_ev` brighter than the log-average. Its second frame is the first, but for a sensor's noise. */
+static void check_still(const char *name, double log_average_ev, double brightest_ev, double above_ev, double share)
+{
+    static float first[96 * 64 * 3];
+    pupil_why why = {""};
+    pupil_frame frame;
+    int same = 0;
+    pupil_source *source = opened(name, (pupil_source_options){.width = 96, .height = 64, .frames = 2});
+    for (int n = 0; source && n < 2; n++) {
+        CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
+        same = n && memcmp(first, frame.image.data, sizeof first) == 0;
+        memcpy(first, frame.image.data, sizeof first);
+        pupil_source_done(source, &frame);
+    }
+    pupil_source_close(source);
+    double sum = 0.0, most = 0.0, above = 0.0, ev[96 * 64];
+    for (int i = 0; i < 96 * 64; i++) {
+        const float *p = &first[3 * i];
+        const double light = fmax(0x1p-14, 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]);
+        ev[i] = log2(light);
+        sum += ev[i] / (96 * 64);
+        most = fmax(most, light);
+    }
+    for (int i = 0; i < 96 * 64; i++)
+        above += (ev[i] > sum + above_ev) / (96.0 * 64.0);
+    CHECK_MSG(fabs(sum - log_average_ev) < 0.5 && fabs(log2(most) - brightest_ev) < 1.0, "%s: %.2f EV, at most %.2f",
+              name, sum, log2(most));
+    CHECK_MSG(above > 0.7 * share && above < 1.4 * share, "%s: %.4f of it is brighter by %g stops", name, above,
+              above_ev);
+    CHECK(same == (strcmp(name, "stars") != 0));
+}
+
+static void check_stills(void)
+{
+    check_still("table", -8.5, 9.35, 4, 0.132);
+    check_still("candle", -12.4, 8.1, 4, 0.056);
+    check_still("stars", -8.7, -2.8, 1, 0.0067);
+    check_still("meadow", -3.1, 0.5, 2, 0.42);
+    check_still("leds", -4.7, 6.5, 2, 0.169);
 }
 
 static void refused(const char *name, pupil_source_options options, const char *word)
@@ -166,6 +211,7 @@ int main(int argc, char **argv)
     check_digests();
     check_clip();
     check_sizes();
+    check_stills();
     refused("run", (pupil_source_options){0}, "synth:walk");
     refused("walk", (pupil_source_options){.first = 300}, "no frame 300; it has the frames 0 to 299");
     refused("walk", (pupil_source_options){.fps = NAN}, "frames a second");
