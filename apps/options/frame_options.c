@@ -60,6 +60,16 @@ static int parse_trim(const option_value *v)
     return OPTIONS_RUN;
 }
 
+static int parse_floor(const option_value *v)
+{
+    frame_options *o = v->options;
+    double floor;
+    if (option_number(v, v->row->low, v->row->high, &floor))
+        return OPTIONS_USAGE;
+    o->config.floor = (float)floor;
+    return OPTIONS_RUN;
+}
+
 static int parse_key_at(const option_value *v)
 {
     frame_options *o = v->options;
@@ -125,6 +135,10 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .more = "0: not at all. Where more than 5 % of the frame is over 4 stops brighter than its log-average, the "
              "picture is darker by "
              "what is missing, at most so much: a lamp in a dark room, a lit meadow behind a tree."},
+    {"floor", 0, OPTION_NUMBER, "L", 0, .initial = "6.1e-5", .low = 0x1p-30, .high = 1.0, .right = "from 9.4e-10 to 1",
+     .parse = parse_floor, .help = "luminance that everything darker counts as",
+     .more =
+         "In the input's units; of float input that is far too dark or bright, after its scale (docs/pictures.md)."},
     {"amplification", 0, OPTION_NUMBER, "STOPS", AT(config.amplification_ev), .initial = "4", .high = 32.0,
      .unit = "stops", .help = "brighten dark frames of 8 to 16 bits at most by this",
      .more = "So that noise remains dark, as behind a lens cap. Formats finer than 12 bits of linear light are "

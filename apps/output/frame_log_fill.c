@@ -23,6 +23,7 @@ static const char *reason_word(uint32_t reason)
         [PUPIL_REASON_HIGHLIGHTS] = "highlights",
         [PUPIL_REASON_NO_HISTOGRAM] = "no_histogram",
         [PUPIL_REASON_AMPLIFICATION] = "amplification",
+        [PUPIL_REASON_RANGE] = "range",
     };
     return reason < sizeof words / sizeof words[0] ? words[reason] : "?";
 }

@@ -1,9 +1,11 @@
 /* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
+#include <math.h>
 #include <stdio.h>
 
 #include "common/command_line.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
+#include "frame/any_scale.h"
 #include "options.h"
 #include "options/commands.h"
 #include "refuse.h"
@@ -12,6 +14,7 @@
 typedef struct replay {
     frame_options options;
     session session;
+    any_scale scale;
     int64_t last_ns; /* the last frame's moment */
     int64_t loop_ns; /* how much later than its file says this pass of --loop is */
     uint64_t skipped;
@@ -38,6 +41,7 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
     if (session_meter(&r->session, frame) || session_map(&r->session, frame, &entry))
         return -1;
     entry.read_us = read_us;
+    entry.scale = ldexp(entry.scale, r->scale.stops); /* of the file's values */
     if (session_show(&r->session, frame, &entry))
         return -1;
     show_progress(r, &entry);
@@ -50,12 +54,17 @@ static int goes_on(const replay *r)
 }
 
 /* A frame as often as --hold says, each with its own moment. */
-static int take(replay *r, pupil_frame *frame, double read_us)
+static int take(replay *r, const pupil_frame *read, double read_us)
 {
     const frame_options *o = &r->options;
     session *s = &r->session;
-    if (o->reset_each)
+    pupil_frame scaled = *read, *frame = &scaled;
+    if (o->reset_each) {
         pupil_reset(&s->pipeline.pupil);
+        any_scale_forget(&r->scale);
+    }
+    if (any_scale_take(&r->scale, frame, &s->why))
+        return -1;
     frame->info.timestamp_ns += r->loop_ns;
     for (uint64_t i = 0; i < o->hold && goes_on(r); i++) {
         if (o->hold > 1)
@@ -179,6 +188,7 @@ int replay_main(int argc, char **argv)
     const int interrupted = failed && interrupt_came();
     session_end(s, by, sizeof by);
     pupil_source_close(s->source);
+    any_scale_close(&r.scale);
     if (interrupted)
         fprintf(stderr, "pupil replay: interrupted; %s\n",
                 s->outputs.finished ? "some outputs were complete already, the others are not there"

@@ -168,6 +168,16 @@ static void share(FILE *out, const char *label, double mean, double most)
     row(out, &(pupil_report_row){label, text, "%", NULL});
 }
 
+/* How many frames had a reason, if any. */
+static void reason(FILE *out, const pupil_report_page *page, const char *label, const char *word)
+{
+    size_t frames = 0;
+    for (size_t i = 0; i < page->record_count; i++)
+        frames += page->records[i].reason && strcmp(page->records[i].reason, word) == 0;
+    if (frames)
+        number(out, label, "", "%.0f", (double)frames);
+}
+
 static void own_figures(FILE *out, const pupil_report_page *page, const report_sums *sums)
 {
     figures f = measure(page);
@@ -178,6 +188,9 @@ static void own_figures(FILE *out, const pupil_report_page *page, const report_s
     number(out, "display log-average, mean", "linear", "%.4f", exp2(f.level));
     share(out, "display samples at 0: mean / worst frame", f.zero, f.most_zero);
     share(out, "display samples at 255: mean / worst frame", f.full, f.most_full);
+    reason(out, page, "frames that highlights make darker (--highlights)", "highlights");
+    reason(out, page, "frames too dark to be brightened further (--amplification)", "amplification");
+    reason(out, page, "frames mostly at or below the floor (--floor)", "range");
     number(out, "input pixels counted as black", "%", "%.3g", 100.0 * f.black);
     number(out, "input pixels counted as clipped", "%", "%.3g", 100.0 * f.clipped);
     number(out, "input pixels NaN or infinite", "%", "%.3g", 100.0 * f.bad);

@@ -33,9 +33,13 @@ int session_begin(session *s, int live)
 
 static void describe_frames(const session *s, char *text, size_t text_bytes)
 {
-    if (s->too_dark)
+    const unsigned long long frames = s->frames, too_dark = s->too_dark, out_of_range = s->out_of_range;
+    if (too_dark)
         snprintf(text, text_bytes, "; %llu of %llu frames are too dark to be brightened further (--amplification)",
-                 (unsigned long long)s->too_dark, (unsigned long long)s->frames);
+                 too_dark, frames);
+    else if (out_of_range)
+        snprintf(text, text_bytes, "; in %llu of %llu frames most light is at or below %.2g (--floor), or above 1e9",
+                 out_of_range, frames, (double)s->options->config.floor);
 }
 
 void session_end(session *s, char *by, size_t by_bytes)
@@ -96,6 +100,8 @@ int session_map(session *s, const pupil_frame *frame, frame_log_entry *entry)
     warn(s);
     *entry = frame_log_fill(&s->pipeline, frame, session_outputs_want_figures(s->options));
     entry->frame = s->frames;
+    s->out_of_range +=
+        !s->pipeline.own_curve && s->pipeline.stats.code_light == 0.0f && strcmp(entry->reason, "range") == 0;
     s->too_dark += !s->pipeline.own_curve && strcmp(entry->reason, "amplification") == 0;
     entry->process_us = process_us;
     return 0;

@@ -20,11 +20,12 @@ typedef struct session {
     session_outputs outputs;
     view *view; /* NULL: no window (yet) */
     progress progress;
-    uint64_t frames;   /* shown */
-    uint64_t too_dark; /* of them: their codes are mostly noise, so they are left dark */
-    int ended;         /* the window was closed, or the reader of an output has ended */
-    double metered_s;  /* progress_now_s, when metering began */
-    pupil_why why;     /* why it failed */
+    uint64_t frames;       /* shown */
+    uint64_t too_dark;     /* of them: their codes are mostly noise, so they are left dark */
+    uint64_t out_of_range; /* of them: more than half at or below --floor, or at the largest luminance */
+    int ended;             /* the window was closed, or the reader of an output has ended */
+    double metered_s;      /* progress_now_s, when metering began */
+    pupil_why why;         /* why it failed */
 } session;
 
 /* Before anything is opened: settings, and what would fail at the very end. 0, or -1 and session.why. */

@@ -17,6 +17,8 @@
  * has no more stops than those, the first of 12 bits of linear light, which the first of 8-bit sRGB is near. */
 #define MID_GREY_EV  (-2.473931188332412)
 #define FULL_CODE_EV (-12.0)
+/* A stop below the largest luminance, stats.h: about half of the frame is there. */
+#define MOST_MEAN_EV 29.0
 
 /* pupil.h, PUPIL_REASON_CLOCK_UNIT: 10000 frames a second. From 10 frames a second on, us that are taken for ns are
  * less than this apart; ms and seconds always are. */
@@ -252,6 +254,8 @@ static double target_of(pupil_object *object, const pupil_stats *stats, double m
         *reason = target_ev < c->ev_min ? PUPIL_REASON_EV_MIN : PUPIL_REASON_EV_MAX;
     else if (too_dark)
         *reason = PUPIL_REASON_AMPLIFICATION;
+    else if (*reason == PUPIL_REASON_NONE && (stats->black > stats->pixels / 2 || mean_log2 > MOST_MEAN_EV))
+        *reason = PUPIL_REASON_RANGE;
     else if (*reason == PUPIL_REASON_NONE && r->held_back_ev > SETTLED_EV)
         *reason = PUPIL_REASON_HIGHLIGHTS;
     else if (*reason == PUPIL_REASON_NONE && !stats->has_histogram && c->highlight_ev > 0.0)

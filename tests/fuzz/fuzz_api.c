@@ -105,7 +105,7 @@ static void check_exposure(const run *r)
     pupil_exposure e;
     pupil_curve curve;
     MUST(pupil_get_exposure(&r->pupil, &e) == PUPIL_OK);
-    MUST(e.state <= PUPIL_STATE_LOCKED && e.reason <= PUPIL_REASON_AMPLIFICATION && e.dt_s >= 0);
+    MUST(e.state <= PUPIL_STATE_LOCKED && e.reason <= PUPIL_REASON_RANGE && e.dt_s >= 0);
     const int error = pupil_get_curve(&r->pupil, NULL, &curve);
     MUST(error == (e.frames ? PUPIL_OK : PUPIL_ERR_NO_EXPOSURE));
     if (error)

@@ -106,7 +106,10 @@ typedef struct pupil_config {
     float rgb_to_xyz[9]; /* row by row, -1e6..1e6, the second row 0..1e6; read only with PUPIL_PRIMARIES_MATRIX, and
                           * only its second row where output_primaries is as the input. Elsewhere its determinant is
                           * not 0 */
-    float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1 */
+    float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1. Light
+                          * whose brightest 5 % are below 2^-6 or above 2^16: multiply the frame by a power of two, and
+                          * its gain (pupil_frame_info) too, with exposure_s 1 where it is unknown. The level is then
+                          * that of the light before. PUPIL_REASON_RANGE shows where that is needed */
     float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value
                           * (stats.h) */
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */

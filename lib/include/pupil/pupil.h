@@ -140,17 +140,19 @@ typedef enum pupil_state {
 
 typedef enum pupil_reason {
     PUPIL_REASON_NONE = 0,
-    PUPIL_REASON_EV_MIN,       /* the light is below ev_min */
-    PUPIL_REASON_EV_MAX,       /* the light is above ev_max */
-    PUPIL_REASON_NO_LIGHT,     /* this frame's statistics carry no weight: the level was held */
-    PUPIL_REASON_CLOCK_BACK,   /* this frame's timestamp is before the last one's: dt was taken as 0 */
-    PUPIL_REASON_LOCK,         /* config.lock */
-    PUPIL_REASON_CLOCK_UNIT,   /* this frame's timestamp is less than 0.1 ms after the last one's: seconds, ms or us in
-                                * the place of ns? The level hardly moves */
-    PUPIL_REASON_HIGHLIGHTS,   /* the highlights hold the level up (config.highlight_ev): held_back_ev */
-    PUPIL_REASON_NO_HISTOGRAM, /* the highlights are not known, because the statistics have no histogram */
-    PUPIL_REASON_AMPLIFICATION /* the frame is so dark that its codes are mostly noise: it remains dark
-                                * (config.amplification_ev) */
+    PUPIL_REASON_EV_MIN,        /* the light is below ev_min */
+    PUPIL_REASON_EV_MAX,        /* the light is above ev_max */
+    PUPIL_REASON_NO_LIGHT,      /* this frame's statistics carry no weight: the level was held */
+    PUPIL_REASON_CLOCK_BACK,    /* this frame's timestamp is before the last one's: dt was taken as 0 */
+    PUPIL_REASON_LOCK,          /* config.lock */
+    PUPIL_REASON_CLOCK_UNIT,    /* this frame's timestamp is less than 0.1 ms after the last one's: seconds, ms or us in
+                                 * the place of ns? The level hardly moves */
+    PUPIL_REASON_HIGHLIGHTS,    /* the highlights hold the level up (config.highlight_ev): held_back_ev */
+    PUPIL_REASON_NO_HISTOGRAM,  /* the highlights are not known, because the statistics have no histogram */
+    PUPIL_REASON_AMPLIFICATION, /* the frame is so dark that its codes are mostly noise: it remains dark
+                                 * (config.amplification_ev) */
+    PUPIL_REASON_RANGE /* more than half of the frame's pixels are at or below config.floor, or about half at the
+                        * largest luminance (stats.h): the level is that of the others */
 } pupil_reason;
 
 /* The state after the last pupil_adapt. All EV are log2 of scene luminance (relative unless frames bring exposure, gain

@@ -108,6 +108,7 @@ static void page_of(const char *folder, int overwrite, run how)
                                        .metered_ev = (double)i,
                                        .adapted_ev = i ? 1.5 : NAN,
                                        .output_level = 0.18,
+                                       .reason = i < 2 ? "amplification" : "",
                                        .process_us = 12.0,
                                        .output_white_share = i == 1 ? 0.5 : 0.0};
         memset(rgb, (int)(i % 256), sizeof rgb);
@@ -148,6 +149,10 @@ static void check_page(run how, size_t pictures)
     CHECK_MSG(occurrences(text, "src=\"data:image/png;base64,iVBOR") == pictures * (how.fixed ? 2 : 1), "%zu of %zu",
               occurrences(text, "src=\"data:image/png"), pictures);
     CHECK(occurrences(text, "<figure>") == pictures);
+    CHECK((strstr(text, how.frames > 1 ? "further (--amplification)</td><td class=\"v\">2<"
+                                       : "further (--amplification)</td><td class=\"v\">1<") != NULL) ==
+          (how.frames > 0));
+    CHECK(strstr(text, "(--floor)") == NULL && strstr(text, "(--highlights)") == NULL);
     CHECK((strstr(text, "data:video/mp4;base64,bm8gcmVhbCB2aWRlbw==\"") != NULL) == how.video);
     CHECK((strstr(text, "data:image/svg+xml;base64,") != NULL) == how.video);
     if (how.frames)

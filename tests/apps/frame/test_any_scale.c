@@ -1,0 +1,139 @@
+/* Light of any unit: the same picture from 1e-8 to 1e8, levels in the frame's own units, and ordinary light left alone.
+ */
+#include "frame/any_scale.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "check.h"
+#include "frame/pipeline.h"
+
+enum { WIDTH = 240, HEIGHT = 135 };
+
+static float scene[HEIGHT][WIDTH][4], light[HEIGHT][WIDTH][4];
+
+/* A room of 12 stops with a window, and a lamp in it of 6 stops more: log-average near 2^-4. */
+static void make_scene(void)
+{
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            const double ev = -4.0 + 3.0 * sin(0.05 * x) * sin(0.07 * y) + 2.0 * check_uniform() - 1.0;
+            const double more = x > 180 && y < 60 ? 6.0 : hypot(x - 60, y - 40) < 4.0 ? 12.0 : 0.0;
+            for (int c = 0; c < 3; c++)
+                scene[y][x][c] = (float)exp2(ev + more + 0.2 * c);
+            scene[y][x][3] = 1.0f;
+        }
+}
+
+static pupil_frame frame_at(double scale)
+{
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++)
+            for (int c = 0; c < 4; c++)
+                light[y][x][c] = c == 3 ? 1.0f : (float)((double)scene[y][x][c] * scale);
+    return (pupil_frame){.image = {.data = light,
+                                   .stride_bytes = sizeof light[0],
+                                   .width = WIDTH,
+                                   .height = HEIGHT,
+                                   .pixel = PUPIL_PIXEL_RGBA32F},
+                         .info = {.timestamp_ns = 1},
+                         .name = "made"};
+}
+
+/* What becomes of the frame; its picture is in p->display until the pipeline is closed. */
+static pupil_exposure map(frame_pipeline *p, any_scale *a, pupil_frame *frame)
+{
+    pupil_why why = {""};
+    pupil_config config;
+    pupil_exposure e = {0};
+    pupil_config_default(&config);
+    CHECK(any_scale_take(a, frame, &why) == 0);
+    CHECK(frame_pipeline_open(p, &config, 1) == 0);
+    CHECK(frame_pipeline_meter(p, frame, &why) == 0 && frame_pipeline_map(p, frame, 1, &why) == 0);
+    CHECK(pupil_get_exposure(&p->pupil, &e) == PUPIL_OK);
+    return e;
+}
+
+static void check_pictures(void)
+{
+    static uint8_t usual[HEIGHT * WIDTH * 3];
+    static const double scales[] = {1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8,   0x1p-24, 0x1p-40,
+                                    1e1, 1e2,  1e4,  1e5,  1e6,  1e8,  0x1p20, 0x1p27};
+    double usual_ev = 0.0;
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        frame_pipeline p;
+        any_scale a = {0};
+        pupil_frame frame = frame_at(scales[i]);
+        const pupil_exposure e = map(&p, &a, &frame);
+        const uint8_t *codes = p.display.data;
+        int most = 0;
+        size_t differ = 0;
+        if (i == 0) {
+            memcpy(usual, codes, sizeof usual);
+            usual_ev = e.adapted_ev;
+            CHECK(a.stops == 0);
+        }
+        for (size_t k = 0; k < sizeof usual; k++) {
+            const int off = abs(codes[k] - usual[k]);
+            most = off > most ? off : most;
+            differ += off > 0;
+        }
+        const double off_ev = e.adapted_ev - usual_ev - log2(scales[i]);
+        printf("light x %-8g times 2^%-3d  level %+.5f EV off, %.3f %% of the codes off, at most %d\n", scales[i],
+               a.stops, off_ev, 100.0 * (double)differ / sizeof usual, most);
+        const int beyond = usual_ev + log2(scales[i]) < -32.0;
+        CHECK_MSG(beyond ? e.reason == PUPIL_REASON_EV_MIN : most <= 1 && fabs(off_ev) < 2e-3, "x %g", scales[i]);
+        frame_pipeline_close(&p);
+        any_scale_close(&a);
+    }
+}
+
+/* Ordinary light, codes and halves are let be, with their data; so is the alpha of what is multiplied. */
+static void check_left_alone(void)
+{
+    any_scale a = {0};
+    pupil_why why = {""};
+    pupil_frame frame = frame_at(1.0);
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && frame.image.data == light && a.known && !a.stops);
+    CHECK(frame.info.gain == 0.0 && frame.info.exposure_s == 0.0);
+    frame = frame_at(1e-6); /* of the same source: the scale stays that of its first frame */
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && frame.image.data == light);
+    any_scale_forget(&a);
+    frame.image.pixel = PUPIL_PIXEL_RGBA16F;
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && frame.image.data == light && !a.known);
+    frame = frame_at(1e-6);
+    frame.info.exposure_s = 0.5;
+    frame.info.gain = 3.0;
+    light[7][9][3] = 0.25f;
+    light[7][9][0] = NAN;
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && frame.image.data == a.memory && a.stops > 10);
+    CHECK(frame.info.exposure_s == 0.5 && frame.info.gain == ldexp(3.0, a.stops));
+    const float *pixel = a.memory + (size_t)4 * (7 * WIDTH + 9);
+    CHECK(isnan(pixel[0]) && pixel[1] == ldexpf(light[7][9][1], a.stops) && pixel[3] == 0.25f);
+    any_scale_close(&a);
+}
+
+/* Frames without light set no scale; the first with light does. */
+static void check_black(void)
+{
+    any_scale a = {0};
+    pupil_why why = {""};
+    pupil_frame frame = frame_at(0.0);
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && !a.known && frame.image.data == light);
+    frame = frame_at(1e-5);
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && a.known && a.stops > 0);
+    const int stops = a.stops;
+    frame = frame_at(0.0);
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && a.stops == stops && frame.image.data == a.memory);
+    any_scale_close(&a);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    make_scene();
+    check_pictures();
+    check_left_alone();
+    check_black();
+    return check_end();
+}
