@@ -135,15 +135,15 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .more = "0: not at all. Where more than 5 % of the frame is over 4 stops brighter than its log-average, the "
              "picture is darker by "
              "what is missing, at most so much: a lamp in a dark room, a lit meadow behind a tree."},
+    {"lock", 0, OPTION_FLAG, NULL, AT(config.lock), .help = "hold the first level"},
+    {"amplification", 0, OPTION_NUMBER, "STOPS", AT(config.amplification_ev), .initial = "4", .high = 32.0,
+     .unit = "stops", .help = "brighten at most by this",
+     .more = "Frames of 8 to 16 bits, so that noise remains dark, as behind a lens cap. Formats finer than 12 bits of "
+             "linear light are brightened by as many stops more; float and half are not limited."},
     {"floor", 0, OPTION_NUMBER, "L", 0, .initial = "6.1e-5", .low = 0x1p-30, .high = 1.0, .right = "from 9.4e-10 to 1",
-     .parse = parse_floor, .help = "luminance that everything darker counts as",
+     .parse = parse_floor, .help = "least light",
      .more =
          "In the input's units; of float input that is far too dark or bright, after its scale (docs/pictures.md)."},
-    {"amplification", 0, OPTION_NUMBER, "STOPS", AT(config.amplification_ev), .initial = "4", .high = 32.0,
-     .unit = "stops", .help = "brighten dark frames of 8 to 16 bits at most by this",
-     .more = "So that noise remains dark, as behind a lens cap. Formats finer than 12 bits of linear light are "
-             "brightened by as many stops more; float and half are not limited."},
-    {"lock", 0, OPTION_FLAG, NULL, AT(config.lock), .help = "hold the first level"},
     {"metering", 0, OPTION_CHOICE, "uniform|centre|spot", 0, .initial = "uniform", .parse = parse_metering,
      .help = "which part of the frame counts most"},
     {"roi", 0, OPTION_TEXT, "X,Y,W,H", 0,
@@ -179,8 +179,7 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
          "OpenGL ES 3.1 or 3.0, without a window. The outputs are the CPU's within one display code. Where the GPU is "
          "missing or fails, a sentence says why, and the CPU continues from the same level. --meter-rows is not used: "
          "every row is metered."},
-    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", AT(gles_version), .low = PUPIL_GLES_ES30,
-     .help = "of --gles and --view",
+    {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", AT(gles_version), .low = PUPIL_GLES_ES30, .help = "of GLES",
      .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim."},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
      .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
