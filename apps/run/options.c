@@ -78,7 +78,7 @@ const option_row run_manual_rows[RUN_MANUAL_ROWS] = {
 
 const option_row run_end_rows[RUN_END_ROWS] = {
     {"frames", 'n', OPTION_COUNT, "N", AT(shown.most), .low = 1, .high = 0x1p40, .unit = "a whole number of frames",
-     .help = "end after N frames"},
+     .help = "at most N frames"},
     {"timeout", 't', OPTION_TIME, "TIME", AT(seconds), .low = 1e-3, .high = 1e9, .unit_s = 1.0,
      .right = "seconds above 0, or 500ms, 10min", .help = "run this long: 10 (s), 500ms, 10min"},
 };
