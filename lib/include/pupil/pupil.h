@@ -100,9 +100,9 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
  * largest component becomes
  *     M = min(1, D + (1 - D) * (k + (x - k) / (1 + gamut * (m / (1 - D) - k)))),   k = PUPIL_GAMUT_KNEE
  * and where gamut is 0 and m > 1, 1: nothing inside the gamut moves. For that the cube roots of the responses of
- * Oklab's cones (Ottosson 2020; 1 for white) go toward their middle one's, by this part of the way, and then all
- * components are scaled: min(1, D^3 * (m - M) / (M * (m - D))) Components below 0 become 0. From D = 1 on the pixel is
- * white. */
+ * Oklab's cones (Ottosson 2020; 1 for white; BT.709's where config.rgb_to_xyz has none) go toward that of the second
+ * cone, of middle wavelengths, by min(1, D^3 * (m - M) / (M * (m - D))) of the way. Then all components are scaled so
+ * that the largest is M. Components below 0 become 0. From D = 1 on the pixel is white. */
 #define PUPIL_GAMUT_KNEE 0.85f
 typedef struct pupil_curve {
     uint32_t size_bytes;         /* abi.h; or 0 */
