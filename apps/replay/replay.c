@@ -30,8 +30,10 @@ static void show_progress(replay *r, const frame_log_entry *e)
     fprintf(stderr, "frame %llu", (unsigned long long)e->frame + 1);
     if (p->total)
         fprintf(stderr, " of %llu", (unsigned long long)p->total);
-    fprintf(stderr, "   metered %+.2f EV, adapted %+.2f EV, %s   %.0f frames/s", e->metered_ev, e->adapted_ev, e->state,
-            (double)(e->frame + 1) / (p->last_s - p->began_s));
+    fprintf(stderr, "   metered %+.2f EV, adapted %+.2f EV, %s", e->metered_ev, e->adapted_ev, e->state);
+    if (*e->reason)
+        fprintf(stderr, " (%s)", e->reason);
+    fprintf(stderr, "   %.0f frames/s", (double)(e->frame + 1) / (p->last_s - p->began_s));
     fflush(stderr);
 }
 

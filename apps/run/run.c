@@ -89,6 +89,7 @@ static int show(run *r, pupil_frame *frame)
     frame_log_entry entry;
     if (run_colour_take(&r->colour, &r->options.colour, s->source, frame, &s->why))
         return -1;
+    run_sensor_limit(&r->sensor, &frame->info, &s->pipeline);
     cpu_engine_row_gains(s->pipeline.cpu, run_row_gains_take(&r->lamps, &r->sensor, frame));
     if (session_meter(s, frame))
         return -1;

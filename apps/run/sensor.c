@@ -93,6 +93,28 @@ int run_sensor_take(run_sensor *s, pupil_why *why)
     return 0;
 }
 
+/* Stops by which the camera's largest setting is above the frame's. 0: they are not known. */
+static double spare_ev(const run_sensor *s, const pupil_frame_info *info)
+{
+    const pupil_sensor_config *c = &s->loop.config;
+    const double longest_s = c->frame_rate_priority ? fmin(c->frame_s, c->exposure_max_s) : c->exposure_max_s;
+    const double exposure_s = c->exposure_mode == PUPIL_SENSOR_MANUAL ? c->manual_exposure_s : longest_s;
+    const double gain = c->gain_mode == PUPIL_SENSOR_MANUAL ? c->manual_gain : c->gain_max;
+    if (!s->loop.steers || !(info->exposure_s > 0.0 && info->gain > 0.0))
+        return 0.0;
+    return fmax(0.0, log2(exposure_s * gain / (info->exposure_s * info->gain)));
+}
+
+void run_sensor_limit(const run_sensor *s, const pupil_frame_info *info, frame_pipeline *p)
+{
+    pupil_config config = p->config;
+    if (s->options->mode != RUN_BOTH)
+        return;
+    config.amplification_ev = fmin(32.0, s->options->shown.config.amplification_ev + spare_ev(s, info));
+    if (config.amplification_ev != p->config.amplification_ev)
+        frame_pipeline_retune(p, &config);
+}
+
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve)
 {
     if (s->options->mode != RUN_SENSOR)

@@ -2,6 +2,7 @@
 #ifndef PUPIL_APPS_RUN_SENSOR_H
 #define PUPIL_APPS_RUN_SENSOR_H
 
+#include "frame/pipeline.h"
 #include "options.h"
 #include "output/frame_log.h"
 #include "pupil/camera_loop.h"
@@ -21,6 +22,10 @@ void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *s
 /* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
  * have, or first_total_s. -1 and a sentence: they cannot be steered. */
 int run_sensor_take(run_sensor *s, pupil_why *why);
+
+/* Before each frame is metered: with RUN_BOTH the limit of amplification is that of the camera's largest setting, so
+ * that its steps remain hidden in a picture that it will be able to brighten. */
+void run_sensor_limit(const run_sensor *s, const pupil_frame_info *info, frame_pipeline *p);
 
 /* A frame's statistics, between metering and mapping: the setting follows, and is asked for where it has changed. With
  * RUN_SENSOR the curve becomes the one that shows the camera's own picture. */

@@ -54,8 +54,9 @@ void run_status_frame(run_status *s, const frame_log_entry *r)
     if (isfinite(r->gain))
         fprintf(stderr, "   gain %.2f", r->gain);
     fprintf(stderr, "   %s", *r->sensor ? r->sensor : r->state);
-    if (*r->sensor_reason)
-        fprintf(stderr, " (%s)", r->sensor_reason);
+    const char *reason = *r->sensor ? r->sensor_reason : r->reason;
+    if (*reason)
+        fprintf(stderr, " (%s)", reason);
     fprintf(stderr, "   lost %llu", (unsigned long long)s->lost);
     fflush(stderr);
     s->since = 0;

@@ -290,6 +290,10 @@ static void same_codes_same_bits(void)
             pupil_stats_clear(&stats_b);
             CHECK(pupil_fused_rows(&pupil, &curve, &a.image, 0, h, &out_a, &stats_a) == PUPIL_OK);
             CHECK(pupil_fused_rows(&pupil, &curve, &b.image, 0, h, &out_b, &stats_b) == PUPIL_OK);
+            if (is_444) { /* the first code of 16 bits: less than that of 10 by 2^6, or with a curve more */
+                CHECK(stats_b.code_light > 0.0f && stats_b.code_light < stats_a.code_light / 32);
+                stats_b.code_light = stats_a.code_light;
+            }
             CHECK_MSG(memcmp(&stats_a, &stats_b, sizeof stats_a) == 0 && frame_equal(&to_a, &to_b),
                       "pixel %u, %u x %u: other bits than those of %u", twins[i].pixel, w, h, twins[i].of);
             frame_free(&a);

@@ -18,9 +18,10 @@ head -c 5 "$work/i420" | cat "$work/i420" "$work/i420" - | "$PUPIL_EXAMPLES/deco
 got=$(codes 3 <"$work/out")
 [ "$got" = " 12 142 112 88;" ] || fail "I420: $got"
 
-# Its upper pixels are B 10 G 20 R 30, the lower ones 20 10 40: 75.9 113.4 150.8 and 113.4 75.9 188.2.
+# Its upper pixels are B 10 G 20 R 30, the lower ones 20 10 40. They are darker than 4 stops below the key, where codes are
+# brightened no further (amplification_ev): light times 16, which is 62.3 94.0 125.7 and 94.0 62.3 157.5.
 got=$("$PUPIL_EXAMPLES/mat_bgr" | tr '\n' ';')
-[ "$got" = "76 113 151;76 113 151;113 76 188;113 76 188;" ] || fail "BGR: $got"
+[ "$got" = "62 94 126;62 94 126;94 62 157;94 62 157;" ] || fail "BGR: $got"
 
 # 4 x 1 pixels of the codes 265 265 565 565, of which 64 is black: 94.8 and 145.2.
 printf '\102\102\215\215\125' | "$PUPIL_EXAMPLES/mono_y10p" 4 1 >"$work/out"

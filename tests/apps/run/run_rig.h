@@ -86,6 +86,7 @@ static void step(live_run *r)
     CHECK_MSG(pupil_source_next(r->source, &r->frame, &r->why) == PUPIL_SOURCE_FRAME, "%s", r->why.text);
     CHECK(run_sensor_take(&r->sensor, &r->why) == 0);
     CHECK(run_colour_take(&r->colour, &r->options.colour, r->source, &r->frame, &r->why) == 0);
+    run_sensor_limit(&r->sensor, &r->frame.info, &r->pipeline);
     cpu_engine_row_gains(r->pipeline.cpu, run_row_gains_take(&r->lamps, &r->sensor, &r->frame));
     CHECK_MSG(frame_pipeline_meter(&r->pipeline, &r->frame, &r->why) == 0, "%s", r->why.text);
     run_sensor_frame(&r->sensor, &r->pipeline.stats, &r->frame.info, &r->pipeline.curve);
