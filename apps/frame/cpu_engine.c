@@ -73,19 +73,22 @@ static void work_share(void *context, unsigned worker, unsigned count)
         return;
     pupil_image_const in = pupil_image_rows(*e->in, first, rows);
     pupil_image out = {0};
+    pupil_curve curve = {0};
     if (e->out) {
         out = *e->out;
+        curve = *e->curve;
+        curve.first_row = first;
         out.data = (unsigned char *)out.data + (ptrdiff_t)first * out.stride_bytes;
         out.height = rows;
     }
     if (e->meter && e->out)
-        e->error[worker] = pupil_fused_rows(e->pupil, e->curve, &in, first, height, &out, &e->own[worker]);
+        e->error[worker] = pupil_fused_rows(e->pupil, &curve, &in, first, height, &out, &e->own[worker]);
     else if (e->meter)
         e->error[worker] = pupil_meter_rows(e->pupil, &in, first, height, &e->own[worker]);
     else if (e->gain)
-        e->error[worker] = pupil_map_rows_with_gains(e->pupil, e->curve, &in, e->gain + first, &out);
+        e->error[worker] = pupil_map_rows_with_gains(e->pupil, &curve, &in, e->gain + first, &out);
     else
-        e->error[worker] = pupil_map_rows(e->pupil, e->curve, &in, &out);
+        e->error[worker] = pupil_map_rows(e->pupil, &curve, &in, &out);
 }
 
 /* --- a frame --- */

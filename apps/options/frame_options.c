@@ -183,6 +183,10 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
      .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim."},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
      .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
+    {"dither", 0, OPTION_CHOICE, "off|on", AT(dither), .low = 1, .help = "of 8 bits",
+     .more =
+         "Ordered dither of 8 x 8 pixels, so that smooth ramps have no bands. Without this option, of windows and of "
+         "runs whose --out are videos, and not with --report, which measures codes."},
 };
 
 _Static_assert(PUPIL_ORDER_FUSED == 1 && PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_LINEAR == 2 &&
@@ -200,6 +204,25 @@ void frame_options_begin(frame_options *o)
     o->config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
 }
 
+static int is_video(const char *path)
+{
+    static const char *const ends[] = {".mp4", ".mkv", ".mov", ".y4m"};
+    const size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        if (length > 4 && strcmp(path + length - 4, ends[i]) == 0)
+            return 1;
+    return strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0;
+}
+
+/* What is looked at in motion; not what may be measured. */
+static int wants_dither(const frame_options *o)
+{
+    for (size_t i = 0; i < o->out_count; i++)
+        if (!is_video(o->out[i]))
+            return 0;
+    return !o->report && (o->view || o->out_count);
+}
+
 int frame_options_check(frame_options *o, int weight_given, int key_given, pupil_why *why)
 {
     o->source.threads = o->threads;
@@ -210,5 +233,8 @@ int frame_options_check(frame_options *o, int weight_given, int key_given, pupil
         return pupil_refuse(why, "--key and --key-at: one of them; --key is the same in any light");
     if (o->gles_version && !o->gles && !o->view)
         return pupil_refuse(why, "--gles-version: is of --gles and --view");
+    if (o->dither == 2 && o->report)
+        return pupil_refuse(why, "--dither on: a report measures codes without it");
+    o->config.dither = o->dither ? o->dither == 2 : wants_dither(o);
     return OPTIONS_RUN;
 }

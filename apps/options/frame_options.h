@@ -23,6 +23,7 @@ typedef struct frame_options {
     int reset_each, overwrite, keep_going, quiet;
     int gles, view, loop;         /* on the GPU; in a window; from the beginning again at the end */
     uint32_t gles_version;        /* a pupil_gles_version */
+    uint32_t dither;              /* 0: by the outputs; 1 off, 2 on. frame_options_check sets config.dither */
     char metering[64], white[64]; /* as the user wrote them, for the report */
     const char *command;          /* the whole command line, for the report; set by the caller */
 } frame_options;
@@ -30,7 +31,7 @@ typedef struct frame_options {
 /* The rows that replay and run share, by title. Offsets are those of frame_options. */
 #define FRAME_OUTPUT_ROWS   3
 #define FRAME_EXPOSURE_ROWS 15
-#define FRAME_MAPPING_ROWS  7
+#define FRAME_MAPPING_ROWS  8
 extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
 extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];
 extern const option_row frame_mapping_rows[FRAME_MAPPING_ROWS];

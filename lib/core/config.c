@@ -5,7 +5,7 @@
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, reserved)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, dither)
 
 static void fill_in_defaults(pupil_config *config)
 {
@@ -103,6 +103,7 @@ static const char *metering_fault(const pupil_config *c)
         {c->histogram <= 1, "histogram must be 0 or 1"},
         {c->meter_rows <= 8 && !(c->meter_rows & (c->meter_rows - 1)), "meter_rows must be 0, 1, 2, 4 or 8"},
         {c->grey_world <= 1, "grey_world must be 0 or 1"},
+        {c->dither <= 1, "dither must be 0 or 1"},
     };
     const char *fault = primaries_fault(c);
     if (!fault)
@@ -147,7 +148,6 @@ static const char *mapping_fault(const pupil_config *c)
         {c->output_primaries < PUPIL_OUTPUT_COUNT, "output_primaries must be a pupil_output_primaries"},
         {c->transfer < PUPIL_TRANSFER_COUNT, "transfer must be a pupil_transfer"},
         {!(c->levels >> PUPIL_LEVEL_COUNT), "levels must be 0 or a mask of 1 << pupil_level"},
-        {c->reserved == 0, "reserved must be 0"},
     };
     return first_fault(rules, sizeof rules / sizeof rules[0]);
 }

@@ -27,7 +27,8 @@ int pupil_curve_before_light_sized(const pupil_t *pupil, pupil_curve *curve, siz
         return error;
     const pupil_config *c = &pupil_object_of_const(pupil)->config;
     const double white_log2 = c->white_mode == PUPIL_WHITE_FIXED ? pupil_log2(c->white) : 0.0;
-    const pupil_curve found = curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
+    pupil_curve found = curve_of(0.0, c->white_mode != PUPIL_WHITE_NONE, white_log2);
+    found.dither = c->dither;
     return pupil_versioned_write(curve, curve_bytes, &found, sizeof found);
 }
 
@@ -58,5 +59,6 @@ int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pu
         found = curve_of(frame_log2, 1, clamp(scale_log2 + a->result.white_ev, 0.0, 30.0));
     else
         found = curve_of(frame_log2, 0, 0.0);
+    found.dither = c->dither;
     return pupil_versioned_write(curve, curve_bytes, &found, sizeof found);
 }

@@ -145,7 +145,7 @@ int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_i
     if (!error)
         error = pupil_curve_read(&by, curve);
     if (!error)
-        pupil_work_rows(pupil_object_of_const(pupil), &in.image, 0, in.image.height, 0, &by, &to.image);
+        pupil_work_rows(pupil_object_of_const(pupil), &in.image, by.first_row, in.image.height, 0, &by, &to.image);
     return error;
 }
 

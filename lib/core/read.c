@@ -23,7 +23,8 @@ int pupil_info_read(pupil_frame_info *ours, const pupil_frame_info *theirs)
 static int check_curve(const pupil_curve *curve)
 {
     int right = curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
-                curve->inverse_white_squared <= 0x1p16f && curve->gamut >= 0.0f && curve->gamut <= 16.0f;
+                curve->inverse_white_squared <= 0x1p16f && curve->gamut >= 0.0f && curve->gamut <= 16.0f &&
+                curve->dither <= 1 && curve->first_row < PUPIL_MAX_SIDE_PX;
     return right ? PUPIL_OK : PUPIL_ERR_VALUE;
 }
 
@@ -32,7 +33,7 @@ int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs)
     *ours = (pupil_curve){0};
     if (!theirs)
         return PUPIL_ERR_NULL;
-    if (read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_curve, gamut), theirs))
+    if (read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_curve, first_row), theirs))
         return PUPIL_ERR_SIZE_BYTES;
     return check_curve(ours);
 }

@@ -93,7 +93,8 @@ static uint8_t *out_row(const work *w, uint32_t i)
 static pupil_row row_of(const work *w, uint32_t i)
 {
     const pupil_image_const *in = w->in;
-    pupil_row row = {.data = in_row(w, i), .width = in->width};
+    const uint32_t y = (w->first_row + i) / (w->map.way == PUPIL_WAY_BINNED ? 2 : 1);
+    pupil_row row = {.data = in_row(w, i), .width = in->width, .y = y};
     const ptrdiff_t chroma_row = pupil_chroma_row_of(in->pixel, i);
     if (w->planes > 1)
         row.chroma = (const uint8_t *)in->chroma + chroma_row * in->chroma_stride_bytes;

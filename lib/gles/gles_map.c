@@ -141,6 +141,7 @@ static void set_curve(const gles_object *o, int scaled, const pupil_curve *curve
         o->gl.Uniform1f(o->programs.map[scaled].scale, curve->scale);
     o->gl.Uniform1f(o->programs.map[scaled].inverse_white_squared, curve->inverse_white_squared);
     o->gl.Uniform1f(o->programs.map[scaled].gamut, curve->gamut);
+    o->gl.Uniform1i(o->programs.map[scaled].dither, (GLint)curve->dither);
 }
 
 static void draw(gles_object *o, const pupil_curve *curve, const pupil_gles_target *t)

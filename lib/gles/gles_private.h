@@ -56,7 +56,7 @@ typedef struct gles_programs {
         GLint step_weight, minus_divisor, level_limits, given;
     } adapt;
     struct {
-        GLint scale, inverse_white_squared, gamut, turn, shift;
+        GLint scale, inverse_white_squared, gamut, dither, turn, shift;
     } map[2]; /* GLES_MAP, GLES_MAP_SCALED */
 } gles_programs;
 

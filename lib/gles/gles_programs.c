@@ -72,6 +72,7 @@ static void find_uniforms(const gles_object *o, const gles_variant *variant, gle
         p->map[i].scale = at(o, name, variant->level_here ? "scale_base" : "given_scale");
         p->map[i].inverse_white_squared = at(o, name, "inverse_white_squared");
         p->map[i].gamut = at(o, name, "gamut");
+        p->map[i].dither = at(o, name, "dither");
         p->map[i].turn = at(o, name, "turn");
         p->map[i].shift = at(o, name, "shift");
     }
@@ -212,6 +213,9 @@ static void set_mapping(const gles_object *o, uint32_t p)
     gl->Uniform1i(uniform(o, p, "encoder"), GLES_UNIT_ENCODER);
     gl->Uniform1ui(uniform(o, p, "encoder_base"), pupil_encoders[o->settings.transfer].base_bits);
     gl->Uniform1i(uniform(o, p, "adapted"), GLES_UNIT_STATE);
+    const pupil_code_width *light = &pupil_code_widths[o->settings.transfer];
+    gl->Uniform3f(uniform(o, p, "code_light"), light->power, light->scale, light->least);
+    gl->Uniform1ui(uniform(o, p, "code_light_offset"), light->offset);
     gl->Uniform2i(uniform(o, p, "picture_size"), (GLint)o->config.width / halved, (GLint)o->config.height / halved);
 }
 

@@ -156,6 +156,7 @@ uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const c
             texts[n++] = "#define SCALED\n";
         n = add_load(v, n, texts);
         texts[n++] = text_gamut_glsl;
+        texts[n++] = text_dither_glsl;
         texts[n++] = text_map_frag;
         break;
     case GLES_MAP_VERT:

@@ -100,6 +100,7 @@ typedef struct pupil_row {
     const uint8_t *chroma, *cr;   /* Y'CbCr in planes */
     const uint8_t *above, *below; /* mosaics: the rows next to it; at the frame's edges the picture is mirrored */
     uint32_t width;               /* of the frame, pixels */
+    uint32_t y;                   /* of the picture: which row it becomes */
     uint32_t odd;                 /* mosaics: the second row of a quad */
 } pupil_row;
 
@@ -173,6 +174,8 @@ typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uin
 /* Adds to the bins, the peak bins and the peak. */
 typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
                                     pupil_stats *stats);
+/* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
+typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
 /* Of what scale leaves: nothing negative, no NaN. */
 typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
 /* Writes the fourth byte of RGBA8 pixels. */
@@ -204,6 +207,7 @@ typedef struct pupil_kernels {
     pupil_luma_kernel *luma_of_codes;
     pupil_chroma_kernel *chroma_of_codes;
     pupil_histogram_kernel *histogram;
+    pupil_dither_kernel *dither;
     pupil_store_kernel *store[PUPIL_PIXEL_COUNT];             /* by output format */
     pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT];             /* by input format; scalar NULL: opaque */
     pupil_alpha_light_kernel *alpha_light[PUPIL_PIXEL_COUNT]; /* the same formats */
@@ -226,6 +230,14 @@ extern const pupil_kernels pupil_kernels_neon;
 uint32_t pupil_level_choose(uint32_t mask);
 /* NULL: this build has no such level. */
 const pupil_kernels *pupil_level_kernels(uint32_t level);
+
+/* How much light a code is at light x: scale * x^power, and at least `least`: the derivative of the transfer's inverse.
+ * The power is by the float's bits, bits * power + offset, to 3 %: offset = (1 - power) (127 - 0.045) 2^23. */
+typedef struct pupil_code_width {
+    float power, scale, least;
+    uint32_t offset;
+} pupil_code_width;
+extern const pupil_code_width pupil_code_widths[PUPIL_TRANSFER_COUNT];
 
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
 /* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. */

@@ -195,6 +195,7 @@ typedef struct mapper {
     pupil_store_kernel *store;
     pupil_alpha_kernel *alpha;
     int histogram;
+    int dither;
     int to_light; /* alpha is a float or a half */
 } mapper;
 
@@ -202,13 +203,14 @@ static inline mapper mapper_of(const pupil_row_job *job, int metered)
 {
     const pupil_kernels *k = job->kernels;
     const int histogram = metered && job->histogram;
-    return (mapper){.direct = histogram || job->to_picture ? 0 : k->scale[job->in_pixel],
-                    .planar = k->scale[PUPIL_PLANES],
-                    .store = PUPIL_PIECE(k, store[job->out_pixel]),
-                    .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
-                    .to_light = pupil_kernels_scalar.store_alpha[job->out_pixel] &&
-                                pupil_kernels_scalar.alpha_light[job->in_pixel],
-                    .histogram = histogram};
+    return (mapper){
+        .direct = histogram || job->to_picture ? 0 : k->scale[job->in_pixel],
+        .planar = k->scale[PUPIL_PLANES],
+        .store = PUPIL_PIECE(k, store[job->out_pixel]),
+        .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
+        .to_light = pupil_kernels_scalar.store_alpha[job->out_pixel] && pupil_kernels_scalar.alpha_light[job->in_pixel],
+        .histogram = histogram,
+        .dither = job->curve->dither && pupil_pixel_bytes(job->out_pixel) <= 4}; /* codes: light takes 6 or more */
 }
 
 /* A block's planes, scaled, by way of planes as they were loaded. 1: opaque. */
@@ -247,6 +249,8 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
         const uint8_t *source = row->data + x * in_bytes;
         const int opaque = with.direct ? with.direct(job, source, n, planes, run)
                                        : load_and_scale(job, &with, row, x, n, planes, weight, run, stats);
+        if (with.dither)
+            PUPIL_PIECE(job->kernels, dither)(job->encoder->transfer, x, row->y, n, planes);
         with.store(planes, n, job->encoder, target);
         if (opaque)
             continue;

@@ -1,5 +1,6 @@
 /* The reference level: plain C. Loops over planar floats, so that a compiler may use any vectors that it has; without
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
+#include "dither.h"
 #include "gamut.h"
 #include "kernels.h"
 #include "pixels_to_linear.h"
@@ -195,6 +196,25 @@ static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil
     return 0;
 }
 
+/* IEC 61966-2-1: 2.4 / (255 * 1.055) x^(1.4 / 2.4), and 1 / (255 * 12.92); 2.2 / 255 x^(1.2 / 2.2); 1 / 255. */
+const pupil_code_width pupil_code_widths[PUPIL_TRANSFER_COUNT] = {
+    [PUPIL_TRANSFER_SRGB] = {0.583333313f, 0.00892110029f, 0.000303526991f, 443739887u},
+    [PUPIL_TRANSFER_GAMMA22] = {0.545454562f, 0.00862745103f, 0.0f, 484079877u},
+    [PUPIL_TRANSFER_LINEAR] = {0.0f, 0.0f, 0.00392156886f, 0u}};
+
+static void dither(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes)
+{
+    const pupil_code_width of = pupil_code_widths[transfer];
+    float threshold[8];
+    for (uint32_t i = 0; i < 8; i++)
+        threshold[i] = dither_threshold(x + i, y);
+    for (uint32_t i = 0; i < n; i++) {
+        planes->r[i] = dithered(planes->r[i], threshold[i % 8], &of);
+        planes->g[i] = dithered(planes->g[i], threshold[i % 8], &of);
+        planes->b[i] = dithered(planes->b[i], threshold[i % 8], &of);
+    }
+}
+
 /* --- store: to 8-bit codes --- */
 
 static inline uint8_t encode(const pupil_encoder *e, float x)
@@ -320,6 +340,7 @@ const pupil_kernels pupil_kernels_scalar = {
     .meter = {[PUPIL_PLANES] = meter},
     .scale = {[PUPIL_PLANES] = scale},
     .histogram = histogram,
+    .dither = dither,
     .store =
         {
             [PUPIL_PIXEL_RGBA8] = store_rgba8,

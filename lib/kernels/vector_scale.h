@@ -3,6 +3,7 @@
 #ifndef PUPIL_KERNELS_VECTOR_SCALE_H
 #define PUPIL_KERNELS_VECTOR_SCALE_H
 
+#include "dither.h"
 #include "vector.h"
 
 typedef struct scale_constants {
@@ -79,6 +80,30 @@ INLINE void fit_gamut(float *r_at, float *g_at, float *b_at, const float *grey_a
     v_store(r_at, v_select(over, v_max(v_mul(red, scale), least), r));
     v_store(g_at, v_select(over, v_max(v_mul(green, scale), least), g));
     v_store(b_at, v_select(over, v_max(v_mul(blue, scale), least), b));
+}
+
+/* --- dither, as dither.h's --- */
+
+INLINE floats dither_vector(floats x, floats threshold, const pupil_code_width *of)
+{
+    const ints power = v_to_ints(v_mul(v_from_ints(v_bits(x)), v_all(of->power)));
+    const floats step = v_mul(v_of_bits(v_plus(power, v_all_ints(of->offset))), v_all(of->scale));
+    return v_max(v_add(x, v_mul(threshold, v_max(step, v_all(of->least)))), v_all(0.0f));
+}
+
+/* Up to the end of the last vector: planes have room. */
+static void dither(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes)
+{
+    const pupil_code_width of = pupil_code_widths[transfer];
+    float thresholds[8 + PUPIL_LANES];
+    for (uint32_t i = 0; i < 8 + PUPIL_LANES; i++)
+        thresholds[i] = dither_threshold(x + i, y);
+    for (uint32_t i = 0; i < n; i += WIDTH) {
+        const floats t = v_load(thresholds + i % 8);
+        v_store(planes->r + i, dither_vector(v_load(planes->r + i), t, &of));
+        v_store(planes->g + i, dither_vector(v_load(planes->g + i), t, &of));
+        v_store(planes->b + i, dither_vector(v_load(planes->b + i), t, &of));
+    }
 }
 
 /* The vectors of a block that want a second look, which they get after the loop: a call or an unforeseen branch inside

@@ -66,6 +66,7 @@ int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, co
         pupil_curve scaled = by;
         const double scale = (double)by.scale * mean_of(gain + y, count);
         scaled.scale = scale < 0x1p60 ? (float)scale : 0x1p60f;
+        scaled.first_row = by.first_row + y;
         error = pupil_map_rows(pupil, &scaled, &part, &part_out);
     }
     return error;

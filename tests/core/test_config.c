@@ -46,7 +46,7 @@ static const struct range {
     {FIELD(white_quantile), 'd', 0.5, 1, {0.4999, 1.0001, 0, -INFINITY}},
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
     {FIELD(output_primaries), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
-    {FIELD(reserved), 'u', 0, 0, {1, 2, 255, 4294967295.0}},
+    {FIELD(dither), 'u', 0, 1, {2, 3, 255, 4294967295.0}},
     {FIELD(levels), 'u', 0, 15, {16, 32, 255, 4294967295.0}},
 };
 #define RANGES (sizeof range / sizeof *range)

@@ -158,13 +158,15 @@ static pupil_coding any_coding(uint32_t pixel)
 
 static pupil_curve any_curve(void)
 {
-    pupil_curve c = {.scale = (float)exp2(24.0 * check_uniform() - 12.0), .gamut = 4.0f};
+    pupil_curve c = {.size_bytes = sizeof c, .scale = (float)exp2(24.0 * check_uniform() - 12.0), .gamut = 4.0f};
     if (check_uniform() < 0.1)
         c.scale = check_uniform() < 0.5 ? 0.0f : (float)exp2(120.0 * check_uniform() - 60.0);
     if (check_uniform() < 0.7) {
         c.inverse_white_squared = (float)exp2(20.0 * check_uniform() - 16.0);
         c.gamut = check_uniform() < 0.3 ? 0.0f : (float)(4.0 * check_uniform());
     }
+    c.dither = check_uniform() < 0.3;
+    c.first_row = (uint32_t)(check_uniform() * 16);
     return c;
 }
 

@@ -50,11 +50,15 @@ vec3 in_picture(vec3 rgb)
     return bad ? vec3(0.0) : max(rgb, vec3(0.0));
 }
 
-// The picture's pixel as codes.
+// The picture's pixel as codes. Those that are interpolated are not dithered.
 vec4 codes_at(ivec2 at)
 {
     vec3 rgb = load(at);
     rgb = tone(has_to_picture ? in_picture(rgb) : rgb);
+#ifndef SCALED
+    if (dither)
+        rgb = dithered(rgb, at);
+#endif
     vec4 codes = vec4(encode(rgb.r), encode(rgb.g), encode(rgb.b), 255.0);
 #ifdef ALPHA
     codes.a = opacity(at);

@@ -175,7 +175,9 @@ typedef struct pupil_config {
 
     uint32_t levels; /* mask of the levels of kernels that may be used, 1 << pupil_level; 0: all. The best one that the
                       * CPU has is taken, scalar where there is none; all have the same bits; 0 */
-    uint32_t reserved; /* 0 */
+    uint32_t dither; /* 1: 8-bit pictures have ordered dither, by the pixel's place: a smooth ramp has no bands. What is
+                      * an sRGB code or linear code already does not change. Any split into rows has the same bits; for
+                      * video and windows, not for measuring; 0 */
 } pupil_config;
 
 /* Fills in every field with its default. */

@@ -110,6 +110,9 @@ typedef struct pupil_curve {
     float inverse_white_squared; /* 1 / W^2; 0: no white point; 0..2^16 */
     float gamut;                 /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 becomes 1; 0 where W <= 1;
                                   * 0..16 */
+    uint32_t dither;             /* config.dither */
+    uint32_t first_row;          /* for pupil_map_rows: which of the frame's rows its first one is, so that dither is
+                                  * the same in parts as in the whole; 0..PUPIL_MAX_SIDE_PX - 1 */
 } pupil_curve;
 
 /* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to

@@ -80,6 +80,15 @@ done
 cmp -s f1.y4m f5.y4m || fail "fused: threads give another picture"
 cmp -s t1.y4m f1.y4m && fail "fused and exact are the same picture, which 40 frames of a walk cannot be"
 
+# dither: of videos, not of stills, not with a report
+"$program" $walk -n 2 --dither on -o on.y4m -o on && "$program" $walk -n 2 --dither off -o off.y4m -o off &&
+    "$program" $walk -n 2 -o video.y4m && "$program" $walk -n 2 -o still || fail "dither"
+cmp -s on.y4m off.y4m && fail "--dither on changes nothing"
+cmp -s on.y4m video.y4m || fail "a video is not dithered"
+cmp -s off/frame_000001.png still/frame_000001.png || fail "a still is dithered"
+cmp -s on/frame_000001.png still/frame_000001.png && fail "--dither on does not reach stills"
+expect 2 "a report measures codes" $walk -n 2 --dither on --report measured
+
 # options reach the picture
 for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" "--roi 0,0,0.3,0.3" "--trim 5,95" "--meter-rows 8" "--formula 2" \
     "--formula 1 --weight 0.5" "--tau-light 0 --tau-dark 0" "--transfer linear" "--lock"; do
