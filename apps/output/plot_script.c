@@ -155,7 +155,7 @@ static void aimed_line(FILE *out, const frame_log_entry *records, size_t count, 
     range(records, count, KEY, &low, &high);
     fprintf(out, "plot %s w lines dt 2 lw 1.4 lc '#555555' t 'aimed at", line);
     if (low <= high && high - low < 1e-9) /* it comes from a scale, which is rounded */
-        fprintf(out, ": key %g", low);
+        fprintf(out, ": key %.3g", low);
     fputc('\'', out);
 }
 
