@@ -287,8 +287,7 @@ static void fit(const pupil_config *picture, long double D, long double gamut, l
         light[c] = fmaxl(0, light[c] * most / reached);
 }
 
-/* light to that of config.output_primaries; config.h. 0: they are the input's. */
-static int to_picture(const pupil_config *config, long double light[3])
+int ref_to_picture(const pupil_config *config, long double light[3])
 {
     long double in[9], out[9], xyz[3] = {0};
     if (config->output_primaries == PUPIL_OUTPUT_AS_INPUT || config->output_primaries == config->primaries + 1)
@@ -315,7 +314,7 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
     float rounded[3], rgb[3];
     pupil_config picture = *config;
     long double given[3] = {rgba[0], rgba[1], rgba[2]};
-    if (to_picture(config, given))
+    if (ref_to_picture(config, given))
         picture.primaries = config->output_primaries - 1;
     ref_weights(&picture, exact, rounded);
     for (int c = 0; c < 3; c++) {

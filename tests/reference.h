@@ -12,6 +12,9 @@
 /* apps/common/pixel_light.h, which is to the nearest double: linear light of one pixel, or of a mosaic's quad. */
 void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgba[4]);
 
+/* light to that of config.output_primaries; config.h. 0: they are the input's. */
+int ref_to_picture(const pupil_config *config, long double light[3]);
+
 /* Luminance weights, as real numbers and as the nearest binary32. */
 void ref_weights(const pupil_config *config, long double exact[3], float rounded[3]);
 

@@ -212,6 +212,24 @@ static void count_rows(const work *w)
     w->stats->code_light = code_light > w->stats->code_light ? code_light : w->stats->code_light;
 }
 
+/* The picture has other primaries than the input: it is mapped by a job of its own, and has brightest channels of its
+ * own.
+ */
+static void convert_to_picture(work *w, pupil_row_job *picture)
+{
+    const pupil_object *object = w->object;
+    *picture = w->map;
+    for (int i = 0; i < 3; i++)
+        picture->luma[i] = object->picture_luma[i];
+    if (w->out) {
+        w->map.to_picture = object->to_picture;
+        w->map.picture = picture;
+    }
+    if (object->histogram && w->in_unit == 1) /* no mosaic */
+        w->map.to_peak = object->to_picture;
+    w->meter.to_peak = w->map.to_peak;
+}
+
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_curve *curve, const pupil_image *out)
 {
@@ -251,13 +269,9 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     pupil_metered_luma(object->luma, &w.coder, w.meter.luma);
     if (mosaic)
         pupil_coder_find_ordinary(&w.coder, &w.meter);
-    pupil_row_job picture = w.map;
-    if (curve && object->has_to_picture) {
-        for (int i = 0; i < 3; i++)
-            picture.luma[i] = object->picture_luma[i];
-        w.map.to_picture = object->to_picture;
-        w.map.picture = &picture;
-    }
+    pupil_row_job picture;
+    if (object->has_to_picture)
+        convert_to_picture(&w, &picture);
 
     if (mosaic || yuv)
         work_in_fours(&w);

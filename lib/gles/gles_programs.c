@@ -152,6 +152,8 @@ static void set_frame(const gles_object *o, uint32_t p)
     gl->Uniform2i(uniform(o, p, "chroma_shift"), layout.chroma_columns == 2, layout.chroma_rows == 2);
     gl->Uniform1i(uniform(o, p, "sample_shift"), o->config.pixel == PUPIL_PIXEL_P010 ? 6 : (GLint)c->shift);
     gl->Uniform2f(uniform(o, p, "grey"), c->zero, c->unit);
+    gl->Uniform1i(uniform(o, p, "has_to_picture"), (GLint)o->has_to_picture);
+    gl->UniformMatrix3fv(uniform(o, p, "to_picture"), 1, GL_TRUE, o->to_picture);
     set_mosaic(o, p);
     gl->Uniform1i(uniform(o, p, "lines"), (GLint)c->lines);
     for (uint32_t i = 0; i < c->lines; i++) {
@@ -206,8 +208,6 @@ static void set_mapping(const gles_object *o, uint32_t p)
     const gl_functions *gl = &o->gl;
     const GLint halved = o->config.half_size ? 2 : 1;
     gl->Uniform3f(uniform(o, p, "luma"), o->luma[0], o->luma[1], o->luma[2]);
-    gl->Uniform1i(uniform(o, p, "has_to_picture"), (GLint)o->has_to_picture);
-    gl->UniformMatrix3fv(uniform(o, p, "to_picture"), 1, GL_TRUE, o->to_picture);
     gl->UniformMatrix3fv(uniform(o, p, "cones_of_rgb"), 1, GL_TRUE, o->cones.from_rgb);
     gl->UniformMatrix3fv(uniform(o, p, "rgb_of_cones"), 1, GL_TRUE, o->cones.to_rgb);
     gl->Uniform1i(uniform(o, p, "encoder"), GLES_UNIT_ENCODER);

@@ -126,6 +126,7 @@ typedef struct pupil_row_job {
     const struct pupil_row_job
         *picture;            /* what maps where the picture has other primaries: this job with its luma ... */
     const float *to_picture; /* ... after this matrix; NULL, NULL: they are the input's */
+    const float *to_peak; /* for the histogram of the brightest channel: as to_picture, also where nothing is mapped */
     float luma[3];
     float floor, clip;
     uint32_t in_pixel, out_pixel;
@@ -171,9 +172,9 @@ typedef int pupil_quads_kernel(const pupil_row_job *job, const pupil_row *row, u
  * load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
                                pupil_run *run);
-/* Adds to the bins, the peak bins and the peak. */
-typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
-                                    pupil_stats *stats);
+/* Adds to the bins, and of the brightest channel in `picture` (often the same planes) to the peak bins and the peak. */
+typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
+                                    uint32_t n, uint32_t weight, pupil_stats *stats);
 /* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
 typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
 /* Of what scale leaves: nothing negative, no NaN. */

@@ -179,13 +179,36 @@ static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint
     return 1;
 }
 
+/* What a white point follows is the brightest channel that the curve will have. */
+static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_planes *planes,
+                                                          uint32_t n, uint32_t weight, pupil_stats *stats)
+{
+    pupil_planes picture;
+    for (uint32_t i = 0; i < n; i++) {
+        picture.r[i] = planes->r[i];
+        picture.g[i] = planes->g[i];
+        picture.b[i] = planes->b[i];
+    }
+    PUPIL_PIECE(job->kernels, to_picture)(job->to_peak, n, &picture);
+    PUPIL_PIECE(job->kernels, histogram)(job, planes, &picture, n, weight, stats);
+}
+
+static inline void add_bins_of(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
+                               pupil_stats *stats)
+{
+    if (job->to_peak)
+        add_bins_of_picture(job, planes, n, weight, stats);
+    else
+        PUPIL_PIECE(job->kernels, histogram)(job, planes, planes, n, weight, stats);
+}
+
 static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes,
                         uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
     const pupil_kernels *k = job->kernels;
     (void)load(job, row, x, n, planes, stats);
     if (job->histogram)
-        PUPIL_PIECE(k, histogram)(job, planes, n, weight, stats);
+        add_bins_of(job, planes, n, weight, stats);
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
 }
 
@@ -219,7 +242,7 @@ static int load_and_scale(const pupil_row_job *job, const mapper *with, const pu
 {
     const int opaque = load(job, row, x, n, planes, stats);
     if (with->histogram)
-        PUPIL_PIECE(job->kernels, histogram)(job, planes, n, weight, stats);
+        add_bins_of(job, planes, n, weight, stats);
     if (job->to_picture) {
         if (run)
             job->kernels->meter[PUPIL_PLANES](job, 0, planes, n, run);

@@ -131,10 +131,10 @@ static inline float max3(float a, float b, float c)
 #define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
 
 /* A float's exponent and top fraction bits are its bin: three of them for luminance, two for the brightest channel. */
-static void histogram(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
-                      pupil_stats *stats)
+static void histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture, uint32_t n,
+                      uint32_t weight, pupil_stats *stats)
 {
-    const float *r = planes->r, *g = planes->g, *b = planes->b;
+    const float *r = picture->r, *g = picture->g, *b = picture->b;
     const float floor = job->floor;
     float l[PUPIL_BLOCK];
     uint32_t peak_bits = pupil_bits_of_float(stats->peak);

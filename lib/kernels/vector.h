@@ -180,28 +180,24 @@ INLINE void add_bins(uint64_t *bin, ints index, uint32_t n, uint32_t weight)
         bin[at[j]] += weight;
 }
 
-static void histogram(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
-                      pupil_stats *stats)
+static void histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture, uint32_t n,
+                      uint32_t weight, pupil_stats *stats)
 {
     const meter_constants c = meter_constants_of(job);
     floats peak = v_all(stats->peak);
     for (uint32_t i = 0; i < n; i += WIDTH) {
         const uint32_t m = n - i < WIDTH ? n - i : WIDTH;
-        float rest[3][WIDTH];
-        const float *r_at = planes->r + i, *g_at = planes->g + i, *b_at = planes->b + i;
-        if (m < WIDTH) { /* repeats its first pixel, so that the peak does not change */
-            for (uint32_t j = 0; j < WIDTH; j++) {
-                rest[0][j] = r_at[j < m ? j : 0];
-                rest[1][j] = g_at[j < m ? j : 0];
-                rest[2][j] = b_at[j < m ? j : 0];
-            }
-            r_at = rest[0];
-            g_at = rest[1];
-            b_at = rest[2];
+        float rest[6][WIDTH];
+        const float *at[6] = {planes->r + i,  planes->g + i,  planes->b + i,
+                              picture->r + i, picture->g + i, picture->b + i};
+        for (int k = 0; k < 6 && m < WIDTH; k++) { /* repeats its first pixel, so that the peak does not change */
+            for (uint32_t j = 0; j < WIDTH; j++)
+                rest[k][j] = at[k][j < m ? j : 0];
+            at[k] = rest[k];
         }
-        const floats r = v_load(r_at), g = v_load(g_at), b = v_load(b_at);
+        const floats r = v_load(at[0]), g = v_load(at[1]), b = v_load(at[2]);
         const floats l = v_add(v_add(v_mul(c.weight[0], r), v_mul(c.weight[1], g)), v_mul(c.weight[2], b));
-        const floats largest = v_select(v_is_number(l), max_of_3(r, g, b), c.floor);
+        const floats largest = v_select(v_is_number(l), max_of_3(v_load(at[3]), v_load(at[4]), v_load(at[5])), c.floor);
         const floats brightest = v_min(v_max(largest, c.floor), c.ceiling);
         const ints bits = v_bits(v_min(v_max(l, c.floor), c.ceiling));
         peak = v_max(brightest, peak);

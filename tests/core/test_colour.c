@@ -5,6 +5,7 @@
 #include "reference.h"
 
 #include <math.h>
+#include <string.h>
 
 static void map(const pupil_config *config, const pupil_curve *curve, const frame *in, frame *out)
 {
@@ -77,6 +78,51 @@ static void check_primaries(void)
     frame_free(&out);
 }
 
+/* The brightest channel of the statistics is that of the picture, by whichever way they come; all else of them is what
+ * it is without output_primaries. */
+static void check_peak(uint32_t pixel, uint32_t primaries, uint32_t output_primaries)
+{
+    const pupil_coding pq = {.light = PUPIL_LIGHT_PQ, .matrix = PUPIL_MATRIX_BT2020, .range = PUPIL_RANGE_FULL};
+    const pupil_curve curve = {.scale = 0.5f};
+    frame in = frame_make(300, 40, pixel, 0, 0), out = frame_make(300, 40, PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_image to = frame_writable(&out);
+    pupil_stats as_input, metered, fused;
+    pupil_config config;
+    pupil_t pupil;
+    long double most = 0;
+    in.image.coding = &pq;
+    for (uint32_t y = 0; y < 40; y++)
+        for (uint32_t x = 0; x < 300; x++)
+            frame_set(&in, x, y, check_uniform(), 0.1 * check_uniform(), check_uniform(), 1);
+    pupil_config_default(&config);
+    config.primaries = primaries;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    pupil_stats_clear(&as_input);
+    CHECK(pupil_meter_rows(&pupil, &in.image, 0, 40, &as_input) == PUPIL_OK);
+    config.output_primaries = output_primaries;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    pupil_stats_clear(&metered);
+    pupil_stats_clear(&fused);
+    CHECK(pupil_meter_rows(&pupil, &in.image, 0, 40, &metered) == PUPIL_OK);
+    CHECK(pupil_fused_rows(&pupil, &curve, &in.image, 0, 40, &to, &fused) == PUPIL_OK);
+    CHECK(memcmp(&metered, &fused, sizeof fused) == 0);
+    for (uint32_t y = 0; y < 40; y++)
+        for (uint32_t x = 0; x < 300; x++) {
+            long double light[4];
+            ref_light(&in.image, x, y, 0, light);
+            CHECK(ref_to_picture(&config, light));
+            for (int c = 0; c < 3; c++)
+                most = light[c] > most ? light[c] : most;
+        }
+    CHECK_MSG(fabsl(metered.peak / most - 1) < 4e-6L, "format %u: %g, not %Lg", pixel, metered.peak, most);
+    CHECK(fabs((double)(as_input.peak / metered.peak) - 1) > 0.01);
+    metered.peak = as_input.peak;
+    memcpy(metered.peak_bin, as_input.peak_bin, sizeof metered.peak_bin);
+    CHECK(memcmp(&metered, &as_input, sizeof metered) == 0);
+    frame_free(&in);
+    frame_free(&out);
+}
+
 /* A frame that is already well exposed, white point 1: at most one code of change in any channel. With the default, a
  * white point that follows, too, regardless of the share of the frame that is clipped. */
 static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, double clipped)
@@ -129,6 +175,11 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     check_grey();
     check_primaries();
+    static const uint32_t wide[] = {PUPIL_PIXEL_RGB32F, PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_I444_16};
+    for (unsigned i = 0; i < 3; i++) {
+        check_peak(wide[i], PUPIL_PRIMARIES_BT2020, PUPIL_OUTPUT_BT709);
+        check_peak(wide[i], PUPIL_PRIMARIES_BT709, PUPIL_OUTPUT_BT2020);
+    }
     for (unsigned i = 0; i < 4; i++)
         for (uint32_t order = 0; order < PUPIL_ORDER_COUNT; order++) {
             check_identity(pixel[i], PUPIL_WHITE_FIXED, order, 0.05);

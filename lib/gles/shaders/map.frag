@@ -1,8 +1,6 @@
 // Reinhard's operator by luminance, fitted to the display's gamut, encoded to 8 bits (pupil/pupil.h: pupil_curve). The
 // same steps as lib/kernels/scalar.c: tone and encode.
 
-#define BRIGHTEST  2147483648.0 // 2^31
-
 uniform float inverse_white_squared;
 uniform highp usampler2D encoder; // lib/kernels/kernels.h: pupil_encoder, 256 cells a row
 uniform uint encoder_base;
@@ -14,9 +12,6 @@ uniform vec2 shift;
 uniform ivec4 turn;
 uniform ivec2 shift;
 #endif
-
-uniform bool has_to_picture;
-uniform mat3 to_picture; // from the input's primaries to the picture's
 
 flat in float scale;
 layout(location = 0) out vec4 display;
@@ -40,14 +35,6 @@ float encode(float x)
     uint bits = floatBitsToUint(x > lowest ? min(x, 1.0) : lowest);
     int i = int((bits - encoder_base) >> 16);
     return float((texelFetch(encoder, ivec2(i & 255, i >> 8), 0).r + (bits & 0xffffu)) >> 16);
-}
-
-// As lib/kernels/pixels_to_linear.h: to_picture.
-vec3 in_picture(vec3 rgb)
-{
-    bool bad = is_nan(rgb.r) || is_nan(rgb.g) || is_nan(rgb.b);
-    rgb = to_picture * clamp(rgb, vec3(-BRIGHTEST), vec3(BRIGHTEST));
-    return bad ? vec3(0.0) : max(rgb, vec3(0.0));
 }
 
 // The picture's pixel as codes. Those that are interpolated are not dithered.

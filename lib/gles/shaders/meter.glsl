@@ -14,6 +14,15 @@ struct run {
     uint black, clipped, bad;
 };
 
+// The brightest channel, which a white point follows: in the picture's primaries, except of mosaics.
+float brightest(vec3 rgb)
+{
+#if defined(HISTOGRAM) && !defined(LOAD_MOSAIC)
+    rgb = has_to_picture ? in_picture(rgb) : rgb;
+#endif
+    return largest(rgb);
+}
+
 // L of a pixel, clamped, and its brightest channel, clamped, for the histogram.
 vec2 meter_pixel(vec3 rgb, inout run r)
 {
@@ -27,7 +36,7 @@ vec2 meter_pixel(vec3 rgb, inout run r)
     uint bits = floatBitsToUint(r.product * counted);
     r.exponent += int(bits >> 23) - 127;
     r.product = uintBitsToFloat((bits & 0x007fffffu) | 0x3f800000u);
-    return vec2(counted, nan ? floor_luminance : clamp_luminance(largest(rgb)));
+    return vec2(counted, nan ? floor_luminance : clamp_luminance(brightest(rgb)));
 }
 
 // log2 of the product in 2^-24. That of 1 may come out below 0 (by 2^-21, says GLSL), of which there is no uint.

@@ -27,7 +27,8 @@ typedef enum pupil_primaries {
 /* Which primaries the picture has: those of the display, or of the file that it is written to. Where they are others
  * than the input's, a 3x3 matrix is applied after metering and before the curve, whose luminance is then that of the
  * picture's primaries. It goes by way of CIE XYZ (SMPTE RP 177-1993, from the chromaticities of BT.709-6 item 1.3 and
- * BT.2020-2 table 3, white D65); rgb_to_xyz is taken as it is, scaled, without adaptation to another white.
+ * BT.2020-2 table 3, white D65); rgb_to_xyz is taken as it is, scaled, without adaptation to another white. The
+ * brightest channel of the statistics, which a white point follows, is that after the matrix, too, except of mosaics.
  *
  * Before the matrix a component counts as -2^31..2^31, so +Inf stays bright.
  *

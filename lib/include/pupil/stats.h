@@ -62,7 +62,7 @@ typedef struct pupil_stats {
     uint32_t has_histogram; /* 1 where bins were gathered */
     float peak;             /* the brightest channel of any metered pixel; 0 without a histogram */
     uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
-    uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel */
+    uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel (config.h, pupil_output_primaries: whose) */
     int64_t channel_sum[3]; /* mosaics, with config.grey_world: of red, green and blue, sums of four times the samples
                              * above black (rounded to a quarter of a code), over ... */
     uint64_t channel_quads; /* ... the quads of a weight above 0 with each channel below the coding's white; unweighted,
