@@ -6,8 +6,8 @@
  * Rules for every source:
  * - Memory is taken at open, or at the first frame of a new size; none per frame in a steady stream.
  * - A frame handed out by next stays valid until done (or close). One frame is out at a time.
- * - Light has Rec.709 primaries and D65 white, or (live cameras, recordings) those of source.primaries; the source
- *   converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
+ * - Light has Rec.709 primaries and D65 white, or (live cameras, recordings, video of PQ and HLG) those of
+ *   source.primaries; the source converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
  * - Timestamps are in ns. A source without a clock starts at 0 and adds the frame period.
  * - Every failure is a code and one sentence in the caller's buffer. The sentence names the file (or device) and, where
  *   there is one, the field or line, and says what would be right. No trailing newline, no prefix.

@@ -2,6 +2,7 @@
 #include "drivers/file/clip.h"
 
 #include "file/video/video_source.h"
+#include "pupil/pupil.h"
 
 #include <unistd.h>
 
@@ -61,6 +62,18 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     return 0;
 }
 
+/* PQ and HLG: codes that the library takes, each of them there. */
+static void abort_unless_metered(const pupil_image_const *image)
+{
+    static pupil_stats stats;
+    pupil_config config;
+    pupil_t pupil;
+    pupil_config_default(&config);
+    pupil_stats_clear(&stats);
+    if (pupil_init(&pupil, &config) || pupil_meter_rows(&pupil, image, 0, image->height, &stats) || stats.bad)
+        abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     pupil_why why;
@@ -77,7 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         if (rc == PUPIL_SOURCE_DAMAGED)
             continue;
         const float *p = f.image.data;
-        size_t count = (size_t)f.image.width * f.image.height * 3;
+        size_t count = f.image.pixel == PUPIL_PIXEL_RGB32F ? (size_t)f.image.width * f.image.height * 3 : 0;
         if (frames++ && (f.image.width != width || f.image.height != height))
             abort(); /* sizes stay */
         width = f.image.width;
@@ -85,6 +98,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (size_t i = 0; i < count; i++)
             if (!(p[i] > -100 && p[i] <= 200))
                 abort(); /* light of any table through any matrix */
+        if (!count)
+            abort_unless_metered(&f.image);
         pupil_source_done(source, &f);
     }
     pupil_source_close(source);

@@ -1,4 +1,4 @@
-/* drivers/file/video/video_light.c: transfer curves and primaries of Rec. ITU-T H.273, to linear Rec.709. */
+/* drivers/file/video/video_light.c: SDR transfer curves and primaries of Rec. ITU-T H.273, to linear Rec.709. */
 #include "video_light.h"
 
 #include <math.h>
@@ -9,23 +9,6 @@
 static double srgb_light(double code)
 {
     return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
-}
-
-/* SMPTE ST 2084 as in Rec. ITU-R BT.2100-2, table 4: 10000 cd/m2 at code 1. Here 1.0 is 100 cd/m2. */
-static double pq_light(double code)
-{
-    const double m1 = 2610.0 / 16384, m2 = 2523.0 / 4096 * 128;
-    const double c1 = 3424.0 / 4096, c2 = 2413.0 / 4096 * 32, c3 = 2392.0 / 4096 * 32;
-    double p = pow(code, 1 / m2);
-    double above = p > c1 ? p - c1 : 0;
-    return 100 * pow(above / (c2 - c3 * p), 1 / m1);
-}
-
-/* The inverse OETF of Rec. ITU-R BT.2100-2, table 5: scene light in 0..1. */
-static double hlg_light(double code)
-{
-    const double a = 0.17883277, b = 1 - 4 * a, c = 0.5 - a * log(4 * a);
-    return code <= 0.5 ? code * code / 3 : (exp((code - c) / a) + b) / 12;
 }
 
 static double gamma22_light(double code)
@@ -68,12 +51,6 @@ int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharac
         break;
     case AVCOL_TRC_LINEAR:
         light = linear_light;
-        break;
-    case AVCOL_TRC_SMPTE2084:
-        light = pq_light;
-        break;
-    case AVCOL_TRC_ARIB_STD_B67:
-        light = hlg_light;
         break;
     default:
         return -1;

@@ -1,13 +1,10 @@
-/* drivers/file/video/video_light.h: what a video's tags say about light: transfer curves and primaries, to linear
- * Rec.709.
+/* drivers/file/video/video_light.h: what an SDR video's tags say about light: transfer curves and primaries, to linear
+ * Rec.709. PQ and HLG are the library's (video_codes.h).
  *
- * Tags are libav's, whose numbers are those of Rec. ITU-T H.273. What a table's 1.0 means:
- *   PQ   display light, 1.0 is 100 cd/m2, so that its peak (10000 cd/m2) is 100.0;
- *   HLG  scene light as Rec. ITU-R BT.2100 normalises it: 1.0 is the peak (HDR reference white, 75 %, is 0.265);
- *   SDR  display light, 1.0 is peak white. BT.709, BT.601, BT.2020 SDR, sRGB and untagged video all go through the
- *        inverse of the sRGB curve. Not BT.1886: pupil's outputs are coded with the sRGB curve, and a well exposed clip
- *        that is passed through keeps its codes only if both sides use one curve. Gamma 2.2, gamma 2.8 and linear
- *        video is decoded as tagged.
+ * Tags are libav's, whose numbers are those of Rec. ITU-T H.273. A table's 1.0 is peak white. BT.709, BT.601, BT.2020
+ * SDR, sRGB and untagged video all go through the inverse of the sRGB curve. Not BT.1886: pupil's outputs are coded
+ * with the sRGB curve, and a well exposed clip that is passed through keeps its codes only if both sides use one curve.
+ * Gamma 2.2, gamma 2.8 and linear video is decoded as tagged.
  *
  * Threads: pure functions.
  */

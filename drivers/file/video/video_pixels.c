@@ -1,4 +1,4 @@
-/* drivers/file/video/video_pixels.c: one decoded video frame to linear Rec.709 float, exactly. */
+/* drivers/file/video/video_pixels.c: one decoded video frame as an image; SDR to linear Rec.709 float, exactly. */
 #include "video_pixels.h"
 
 #include <math.h>
@@ -7,7 +7,8 @@
 #include <string.h>
 
 #include "refuse.h"
-#include <libavcodec/avcodec.h>
+#include "video_codes.h"
+#include "video_rows.h"
 
 /* Largest entry of the light table: the unit in which signals are worked on here. */
 #define FULL (PUPIL_LIGHT_CODES - 1)
@@ -20,23 +21,31 @@ void pupil_video_pixels_free(pupil_video_pixels *p)
         free(p->rows[i]);
     for (int i = 0; i < 2; i++)
         free(p->chroma_rows[i]);
+    for (int i = 0; i < 3; i++)
+        free(p->wide_rows[i]);
+    free(p->planes);
     free(p->chroma_left);
-    free(p->chroma_share);
+    free(p->chroma_eighths);
     memset(p, 0, sizeof *p);
 }
 
-static int reserve(pupil_video_pixels *p, size_t width, size_t height)
+static int reserve_chroma(pupil_video_pixels *p, size_t width)
+{
+    p->codes = malloc(width * sizeof *p->codes);
+    p->chroma_left = malloc(width * sizeof *p->chroma_left);
+    p->chroma_eighths = malloc(width * sizeof *p->chroma_eighths);
+    return !p->codes || !p->chroma_left || !p->chroma_eighths ? -1 : 0;
+}
+
+static int reserve_light(pupil_video_pixels *p, size_t width, size_t height)
 {
     int missing = 0;
     p->pixels = malloc(width * height * 3 * sizeof *p->pixels);
-    p->codes = malloc(width * sizeof *p->codes);
     for (int i = 0; i < 3; i++)
         missing |= !(p->rows[i] = malloc(width * sizeof **p->rows));
     for (int i = 0; i < 2; i++)
         missing |= !(p->chroma_rows[i] = malloc((width + 1) * sizeof **p->chroma_rows));
-    p->chroma_left = malloc(width * sizeof *p->chroma_left);
-    p->chroma_share = malloc(width * sizeof *p->chroma_share);
-    return missing || !p->pixels || !p->codes || !p->chroma_left || !p->chroma_share ? -1 : 0;
+    return missing || !p->pixels ? -1 : 0;
 }
 
 /* Rec. ITU-R BT.709-6 item 4.6, BT.2100-2 table 9: limited range is 219 (luma) and 224 (chroma) steps of 8 bits above
@@ -94,28 +103,6 @@ static int set_light(pupil_video_pixels *p, int transfer, int primaries, pupil_w
     return 0;
 }
 
-/* Offset of the first chroma sample from the first luma sample, in luma samples: half of what is between two chroma
- * samples where it sits in the centre (position 128 in libav's terms). */
-static double chroma_offset(int position, int shift)
-{
-    return position / 128.0 * (ldexp(1, shift) - 1) / 2;
-}
-
-static void set_chroma(pupil_video_pixels *p, int location)
-{
-    int x_position = 0, y_position = 0;
-    if (avcodec_enum_to_chroma_pos(&x_position, &y_position, (enum AVChromaLocation)location))
-        x_position = 0;
-    int shift = p->format->log2_chroma_w;
-    double offset = chroma_offset(x_position, shift);
-    for (int x = 0; x < p->kind.width; x++) {
-        double at = ldexp(x - offset, -shift);
-        at = at > 0 ? at : 0;
-        p->chroma_left[x] = (uint32_t)at;
-        p->chroma_share[x] = (float)(at - floor(at));
-    }
-}
-
 static int is_readable(const AVPixFmtDescriptor *d, int format)
 {
     const uint64_t odd = AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_HWACCEL |
@@ -135,80 +122,100 @@ static int is_yuvj(int format)
 }
 
 /* What is not tagged is filled in as the header says. */
-static void resolve(const pupil_video_pixels *p, const AVFrame *f, int *space, int *primaries, int *is_full)
+static int is_open(int primaries)
 {
-    int is_hdr = f->color_trc == AVCOL_TRC_SMPTE2084 || f->color_trc == AVCOL_TRC_ARIB_STD_B67;
-    *space = f->colorspace;
-    *primaries = f->color_primaries;
-    if (*space == AVCOL_SPC_UNSPECIFIED || *space == AVCOL_SPC_RESERVED || *space == AVCOL_SPC_RGB) {
-        if (is_hdr || *primaries == AVCOL_PRI_BT2020)
-            *space = AVCOL_SPC_BT2020_NCL;
+    return primaries == AVCOL_PRI_UNSPECIFIED || primaries == AVCOL_PRI_RESERVED0 || primaries == AVCOL_PRI_RESERVED;
+}
+
+static int filled_in(int transfer, int primaries, int space)
+{
+    const int is_2020 = pupil_video_is_coded(transfer) || space == AVCOL_SPC_BT2020_NCL;
+    return !is_open(primaries) ? primaries : is_2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709;
+}
+
+uint32_t pupil_video_primaries(int transfer, int primaries, int space)
+{
+    const int is_2020 = filled_in(transfer, primaries, space) == AVCOL_PRI_BT2020;
+    return pupil_video_is_coded(transfer) && is_2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
+}
+
+static pupil_video_tags resolve(const pupil_video_pixels *p, const AVFrame *f)
+{
+    pupil_video_tags t = {.space = f->colorspace, .transfer = f->color_trc, .primaries = f->color_primaries};
+    if (t.space == AVCOL_SPC_UNSPECIFIED || t.space == AVCOL_SPC_RESERVED || t.space == AVCOL_SPC_RGB) {
+        if (pupil_video_is_coded(t.transfer) || t.primaries == AVCOL_PRI_BT2020)
+            t.space = AVCOL_SPC_BT2020_NCL;
         else
-            *space = f->height >= 720 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+            t.space = f->height >= 720 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
     }
-    if (*primaries == AVCOL_PRI_UNSPECIFIED || *primaries == AVCOL_PRI_RESERVED0 || *primaries == AVCOL_PRI_RESERVED)
-        *primaries = is_hdr || f->colorspace == AVCOL_SPC_BT2020_NCL ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709;
-    *is_full = p->is_rgb || is_yuvj(f->format) || f->color_range == AVCOL_RANGE_JPEG ||
-               (p->is_grey && f->color_range != AVCOL_RANGE_MPEG);
+    t.primaries = filled_in(t.transfer, t.primaries, f->colorspace);
+    t.is_full = p->is_rgb || is_yuvj(f->format) || f->color_range == AVCOL_RANGE_JPEG ||
+                (p->is_grey && f->color_range != AVCOL_RANGE_MPEG);
+    return t;
+}
+
+static int set_pixels(pupil_video_pixels *p, const pupil_video_tags *tags, pupil_why *why)
+{
+    if (reserve_light(p, (size_t)p->kind.width, (size_t)p->kind.height))
+        return pupil_refuse(why, "not enough memory for a frame of %d x %d", p->kind.width, p->kind.height);
+    set_range(p, tags->is_full);
+    if (set_matrix(p, tags->space, why) || set_light(p, tags->transfer, tags->primaries, why))
+        return -1;
+    p->image = pupil_image_const_of(p->pixels, (uint32_t)p->kind.width, (uint32_t)p->kind.height, PUPIL_PIXEL_RGB32F);
+    return 0;
 }
 
 static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const AVFrame *f, pupil_why *why)
 {
-    int space, primaries, is_full;
     pupil_video_pixels_free(p);
     p->format = av_pix_fmt_desc_get((enum AVPixelFormat)f->format);
     if (!is_readable(p->format, f->format))
         return pupil_refuse(why, "its pixel format %s cannot be read; RGB, grey and YUV of up to 16 bits can",
                             p->format ? p->format->name : "(unknown)");
-    if (reserve(p, (size_t)f->width, (size_t)f->height)) {
-        pupil_video_pixels_free(p);
-        return pupil_refuse(why, "not enough memory for a frame of %d x %d", f->width, f->height);
-    }
     p->is_rgb = (p->format->flags & AV_PIX_FMT_FLAG_RGB) != 0;
     p->is_grey = p->format->nb_components < 3;
     p->kind = *kind;
-    resolve(p, f, &space, &primaries, &is_full);
-    set_range(p, is_full);
-    set_chroma(p, f->chroma_location);
-    if (set_matrix(p, space, why) || set_light(p, f->color_trc, primaries, why)) {
-        pupil_video_pixels_free(p);
-        return -1;
+    const pupil_video_tags tags = resolve(p, f);
+    int failed = reserve_chroma(p, (size_t)f->width);
+    p->is_coded = pupil_video_is_coded(tags.transfer);
+    p->primaries = pupil_video_primaries(tags.transfer, tags.primaries, tags.space);
+    if (failed) {
+        pupil_refuse(why, "not enough memory for a frame of %d x %d", f->width, f->height);
+    } else {
+        pupil_video_set_chroma(p, f->chroma_location);
+        failed = p->is_coded ? pupil_video_codes_set(p, &tags, why) : set_pixels(p, &tags, why);
     }
-    return 0;
+    if (failed)
+        pupil_video_pixels_free(p);
+    return failed;
 }
 
 /* One row of one component, in table units. */
 static void read_row(pupil_video_pixels *p, const AVFrame *f, int component, int y, int width, float *out)
 {
     float offset = p->offset[component], gain = p->gain[component];
-    av_read_image_line2(p->codes, (const uint8_t **)(uintptr_t)f->data, f->linesize, p->format, 0, y, component, width,
-                        0, sizeof *p->codes);
+    const uint16_t *codes = pupil_video_read_codes(p, f, component, y, width);
     for (int x = 0; x < width; x++)
-        out[x] = ((float)p->codes[x] - offset) * gain;
+        out[x] = ((float)codes[x] - offset) * gain;
 }
 
 /* Chroma for the luma row y: linear between the two rows of chroma around it, then between the two samples. */
 static void read_chroma(pupil_video_pixels *p, const AVFrame *f, int component, int y)
 {
-    int x_shift = p->format->log2_chroma_w, y_shift = p->format->log2_chroma_h, x_position = 0, y_position = 128;
-    int width = AV_CEIL_RSHIFT(f->width, x_shift), height = AV_CEIL_RSHIFT(f->height, y_shift);
+    int width = AV_CEIL_RSHIFT(f->width, p->format->log2_chroma_w);
     float *top = p->chroma_rows[0], *bottom = p->chroma_rows[1], *out = p->rows[component];
-    if (f->chroma_location != AVCHROMA_LOC_UNSPECIFIED)
-        avcodec_enum_to_chroma_pos(&x_position, &y_position, f->chroma_location);
-    double at = ldexp(y - chroma_offset(y_position, y_shift), -y_shift);
-    int first = (int)floor(at);
-    float share = (float)(at - first);
-    int above = first < 0 ? 0 : first, below = first + 1 < height ? first + 1 : height - 1;
-    read_row(p, f, component, above, width, top);
-    if (share > 0 && below != above) {
-        read_row(p, f, component, below, width, bottom);
+    const pupil_video_chroma_rows rows = pupil_video_chroma_rows_at(p, f, y);
+    const float share = (float)rows.eighths / 8;
+    read_row(p, f, component, rows.upper, width, top);
+    if (share > 0 && rows.lower != rows.upper) {
+        read_row(p, f, component, rows.lower, width, bottom);
         for (int x = 0; x < width; x++)
             top[x] += share * (bottom[x] - top[x]);
     }
     top[width] = top[width - 1];
     for (int x = 0; x < f->width; x++) {
         const float *c = top + p->chroma_left[x];
-        out[x] = c[0] + p->chroma_share[x] * (c[1] - c[0]);
+        out[x] = c[0] + (float)p->chroma_eighths[x] / 8 * (c[1] - c[0]);
     }
 }
 
@@ -257,7 +264,9 @@ int pupil_video_pixels_convert(pupil_video_pixels *p, const AVFrame *f, pupil_wh
                                    f->color_range, f->color_trc, f->color_primaries, f->chroma_location};
     if (memcmp(&kind, &p->kind, sizeof kind) && set_kind(p, &kind, f, why))
         return -1;
-    for (int y = 0; y < f->height; y++) {
+    if (p->is_coded)
+        pupil_video_codes_convert(p, f);
+    for (int y = 0; y < f->height && !p->is_coded; y++) {
         float *row = p->pixels + (size_t)y * (size_t)f->width * 3;
         convert_row(p, f, y, row);
         if (!p->has_709_primaries)

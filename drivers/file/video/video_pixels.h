@@ -1,18 +1,19 @@
-/* drivers/file/video/video_pixels.h: one decoded video frame to linear Rec.709 float, exactly.
+/* drivers/file/video/video_pixels.h: one decoded video frame as an image for the library: SDR as linear Rec.709 float,
+ * exactly; PQ and HLG as Y'CbCr 4:4:4 (video_codes.h).
  *
  * swscale is not used on purpose. Its YUV to 16-bit RGB maps white to 65283 of 65535 (0.4 % short, 0.9 % of light), but
  * RGB sources to 65535. So the same grey would differ by its pixel format. Here every sample is read as it is, chroma
  * is interpolated linearly at its true position, and the matrix is the standard's.
  *
- * Nor is a frame handed to the library as the Y'CbCr that it is, although the library reads it: there the four pixels
- * of a 4:2:0 block share Cb and Cr. Of a colourful photograph as HDR10, 31 % of the samples then differ by more than a
- * code, and the level by 0.0014 EV (drivers.file.video_hdr10). Without chroma both are the same to a code.
+ * Nor does the library get the 4:2:0 that a frame is, although it reads that: there the four pixels of a block share Cb
+ * and Cr. Of a colourful photograph as HDR10, 31 % of the samples then differ by more than a code, and the level by
+ * 0.0014 EV (drivers.file.video_hdr10). Without chroma both are the same to a code.
  *
  * What an untagged frame is taken for: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are
  * BT.2020, else BT.709 from 720 rows on and BT.601 below, as players do. Primaries: BT.2020 with PQ, HLG or the BT.2020
  * matrix, else BT.709. Range: limited for YUV, full for grey and for the old "yuvj" formats; RGB is always full range.
  * Chroma: co-sited with the left luma sample. Signals outside 0..1 are clamped before the transfer curve, light is not:
- * BT.2020 colours outside Rec.709 come out negative.
+ * SDR colours outside Rec.709 come out negative.
  *
  * Threads: one thread at a time on an object.
  */
@@ -25,6 +26,7 @@
 #include <libavutil/frame.h>
 #include <libavutil/pixdesc.h>
 
+#include "pupil/config.h"
 #include "pupil/error.h"
 #include "pupil/image.h"
 #include "video_light.h"
@@ -34,26 +36,42 @@ typedef struct pupil_video_kind {
     int width, height, format, space, range, transfer, primaries, chroma;
 } pupil_video_kind;
 
+/* libav's, with what a frame leaves open filled in. */
+typedef struct pupil_video_tags {
+    int space, transfer, primaries, is_full;
+} pupil_video_tags;
+
 typedef struct pupil_video_pixels {
-    pupil_video_kind kind; /* of the tables; all zero before the first frame */
+    pupil_video_kind kind;   /* of the tables; all zero before the first frame */
+    pupil_image_const image; /* the result */
+    uint32_t primaries;      /* its, a pupil_primaries */
     const AVPixFmtDescriptor *format;
-    int is_rgb, is_grey, has_709_primaries;
-    float *pixels;         /* width x height x 3: the result */
-    uint16_t *codes;       /* one row as stored */
-    float *rows[3];        /* one row, in units of the light table's entries: luma and two chroma, or R, G and B */
-    float *chroma_rows[2]; /* two rows of chroma, to interpolate between */
-    uint32_t *chroma_left; /* for each x the chroma sample at or left of it, and the share of the next one */
-    float *chroma_share;
-    float offset[3], gain[3];              /* unit = (code - offset) * gain */
+    int is_rgb, is_grey, is_coded, has_709_primaries;
+    uint16_t *codes;          /* one row as stored */
+    uint32_t *chroma_left;    /* for each x the chroma sample at or left of it, and the share of the next one */
+    uint32_t *chroma_eighths; /* in eighths */
+    /* PQ and HLG */
+    uint16_t *planes;       /* Y', Cb and Cr, width x height each */
+    pupil_coding coding;    /* of the result */
+    uint32_t *wide_rows[3]; /* rows of chroma in 8ths and 64ths of a code, or of R, G and B */
+    float to_16[2][2];      /* of luma and chroma: from 64ths of a code to one of 16 bits and a half, factor and sum */
+    /* SDR */
+    float *pixels;            /* width x height x 3 */
+    float *rows[3];           /* one row, in units of the light table's entries: luma and two chroma, or R, G and B */
+    float *chroma_rows[2];    /* two rows of chroma, to interpolate between */
+    float offset[3], gain[3]; /* unit = (code - offset) * gain */
     float red_v, green_u, green_v, blue_u; /* the matrix */
     float to_709[3][3];
     float light[PUPIL_LIGHT_CODES];
 } pupil_video_pixels;
 
-/* Converts the frame into pixels->pixels (packed rows). Memory is taken and tables are made when the kind of frame
- * changes. 0, or -1 and a sentence without a file name; the object stays usable. */
+/* Converts the frame into pixels->image. Memory is taken and tables are made when the kind of frame changes. 0, or -1
+ * and a sentence without a file name; the object stays usable. */
 int pupil_video_pixels_convert(pupil_video_pixels *pixels, const AVFrame *frame, pupil_why *why);
 
 void pupil_video_pixels_free(pupil_video_pixels *pixels);
+
+/* The primaries, a pupil_primaries, of the images of frames with these tags (libav's). */
+uint32_t pupil_video_primaries(int transfer, int primaries, int space);
 
 #endif

@@ -37,6 +37,9 @@ typedef struct video_source {
     AVPacket *packet;
     AVFrame *frame;
     pupil_video_pixels pixels;
+    pupil_frame first; /* what next hands out first: it is decoded at open, because it says which primaries they have */
+    int is_open, has_first, first_code;
+    pupil_why first_why;
     int has_packet;    /* read, and not yet taken by the decoder */
     int is_draining;   /* the demuxer has ended */
     int state;         /* PUPIL_SOURCE_FRAME while frames come; END or FAILED for good */
@@ -190,16 +193,16 @@ static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
                       (unsigned long long)v->sequence, f->width, f->height, v->width, v->height);
     if (pupil_video_pixels_convert(&v->pixels, f, &words))
         return failed(v, why, "%s", words.text);
+    if (v->is_open && v->pixels.primaries != v->base.primaries)
+        return failed(v, why, "frame %llu has other primaries than the video before it; they must not change",
+                      (unsigned long long)v->sequence);
+    v->base.primaries = v->pixels.primaries;
     v->width = (uint32_t)f->width;
     v->height = (uint32_t)f->height;
     v->last_ns = time_ns(v, f->best_effort_timestamp);
     v->damaged_in_a_row = 0;
     memset(out, 0, sizeof *out);
-    out->image.data = v->pixels.pixels;
-    out->image.stride_bytes = (ptrdiff_t)v->width * 3 * (ptrdiff_t)sizeof(float);
-    out->image.width = v->width;
-    out->image.height = v->height;
-    out->image.pixel = PUPIL_PIXEL_RGB32F;
+    out->image = v->pixels.image;
     out->info.timestamp_ns = v->last_ns;
     out->info.sequence = v->sequence++;
     out->name = v->name;
@@ -216,9 +219,8 @@ static int finish(video_source *v, pupil_why *why)
     return v->state = PUPIL_SOURCE_END;
 }
 
-static int video_next(pupil_source *source, pupil_frame *out, pupil_why *why)
+static int decode_next(video_source *v, pupil_frame *out, pupil_why *why)
 {
-    video_source *v = (video_source *)source;
     char words[AV_ERROR_MAX_STRING_SIZE];
     while (v->state == PUPIL_SOURCE_FRAME) {
         pupil_video_log_clear();
@@ -236,6 +238,18 @@ static int video_next(pupil_source *source, pupil_frame *out, pupil_why *why)
     if (v->state == PUPIL_SOURCE_FAILED)
         pupil_refuse(why, "%s", v->last.text);
     return v->state;
+}
+
+static int video_next(pupil_source *source, pupil_frame *out, pupil_why *why)
+{
+    video_source *v = (video_source *)source;
+    if (!v->has_first)
+        return decode_next(v, out, why);
+    v->has_first = 0;
+    *out = v->first;
+    if (why)
+        *why = v->first_why;
+    return v->first_code;
 }
 
 /* Buffers are the source's own: the next frame overwrites them. */
@@ -362,6 +376,11 @@ static int open_video(video_source *v, int64_t max_pixels, int threads, const pu
     v->base.fps = nominal_fps(v, options);
     v->base.frames = expected_frames(v);
     v->period_ns = (int64_t)(1e9 / v->base.fps + 0.5);
+    const AVCodecParameters *tags = v->stream->codecpar; /* for where the first frame is damaged */
+    v->base.primaries = pupil_video_primaries(tags->color_trc, tags->color_primaries, tags->color_space);
+    v->first_code = decode_next(v, &v->first, &v->first_why);
+    v->is_open = 1;
+    v->has_first = 1;
     *source = &v->base;
     return 0;
 }

@@ -1,5 +1,7 @@
-/* Video codes come out as the light that their standard says, checked in long double. */
+/* Video codes come out as the light that their standard says, checked in long double: SDR as floats, PQ and HLG as
+ * codes of the library. */
 #include "clip.h"
+#include "reference.h"
 #include "scratch.h"
 
 #include "file/video/video_light.h"
@@ -33,8 +35,8 @@ static void test_tables(void)
     static const struct {
         enum AVColorTransferCharacteristic transfer;
         real (*light)(real);
-    } curves[] = {{AVCOL_TRC_SMPTE2084, pq}, {AVCOL_TRC_ARIB_STD_B67, hlg}, {AVCOL_TRC_BT709, srgb}};
-    for (int k = 0; k < 3; k++) {
+    } curves[] = {{AVCOL_TRC_BT709, srgb}, {AVCOL_TRC_IEC61966_2_1, srgb}};
+    for (int k = 0; k < 2; k++) {
         CHECK(pupil_light_table(table, curves[k].transfer) == 0);
         for (int i = 0; i < PUPIL_LIGHT_CODES; i += 5) { /* 65535 is a multiple of 5 */
             real want = curves[k].light(i / 65535.0L);
@@ -43,11 +45,9 @@ static void test_tables(void)
         }
     }
     /* Anchors from outside: BT.2408 puts 203 cd/m2 at 58 % PQ; HLG's 75 % is 0.265; 100 cd/m2 is 50.8 % PQ. */
-    CHECK(pupil_light_table(table, AVCOL_TRC_SMPTE2084) == 0 && table[65535] == 100);
-    CHECK(fabsf(table[(int)(0.5806 * 65535)] - 2.03f) < 0.005f && fabsf(table[(int)(0.50808 * 65535)] - 1) < 1e-3f);
-    CHECK(pupil_light_table(table, AVCOL_TRC_ARIB_STD_B67) == 0 && fabsf(table[49151] - 0.26496f) < 2e-5f);
-    CHECK(fabsf(table[65535] - 1) < 1e-6f);
-    CHECK(pupil_light_table(table, AVCOL_TRC_LOG) == -1);
+    CHECK(pq(1) == 100 && fabsl(pq(0.5806L) - 2.03L) < 0.005L && fabsl(pq(0.50808L) - 1) < 1e-3L);
+    CHECK(fabsl(hlg(0.75L) - 0.26496L) < 2e-5L && fabsl(hlg(1) - 1) < 1e-6L);
+    CHECK(pupil_light_table(table, AVCOL_TRC_SMPTE2084) == -1 && pupil_light_table(table, AVCOL_TRC_LOG) == -1);
 }
 
 /* Rec. ITU-R BT.2087-0, annex 1, gives this matrix with four digits. */
@@ -73,7 +73,19 @@ static int from_list(const clip *c, int frame, int component, int x, int y)
     return codes[frame][component];
 }
 
-/* What a frame of constant codes must be, and by how much the 65536 steps of the light table may move it. */
+static int is_coded(const clip *c)
+{
+    return c->transfer == AVCOL_TRC_SMPTE2084 || c->transfer == AVCOL_TRC_ARIB_STD_B67;
+}
+
+/* By how much a signal may be off, of 65535: half a step of the light table, or half a code of Y' and of Cb or Cr,
+ * which counts up to 1.4746 times; codes of limited range are exact. */
+static real signal_slack(const clip *c)
+{
+    return !is_coded(c) ? 0.51L : c->range == AVCOL_RANGE_MPEG ? 1e-3L : 0.5L + 0.5L * 1.8814L + 0.01L;
+}
+
+/* What a frame of constant codes must be, in Rec.709 or as PQ and HLG in its own primaries, and the slack. */
 static void expected(const clip *c, const int code[3], real (*light)(real), real want[3], real slack[3])
 {
     const AVPixFmtDescriptor *d = av_pix_fmt_desc_get(c->format);
@@ -91,11 +103,11 @@ static void expected(const clip *c, const int code[3], real (*light)(real), real
         e[2] = y + 2 * (1 - blue) * u;
         e[1] = (y - red * e[0] - blue * e[2]) / (1 - red - blue);
     }
-    CHECK(pupil_light_to_rec709(m, c->primaries) == 0);
+    CHECK(pupil_light_to_rec709(m, is_coded(c) ? AVCOL_PRI_BT709 : c->primaries) == 0);
     for (int i = 0; i < 3; i++) {
         e[i] = e[i] < 0 ? 0 : e[i] > 1 ? 1 : e[i];
         linear[i] = light(e[i]);
-        near[i] = light(e[i] + 0.51L / 65535) - linear[i] + 1e-6L * linear[i];
+        near[i] = light(e[i] + signal_slack(c) / 65535) - linear[i] + 1e-6L * linear[i];
     }
     for (int i = 0; i < 3; i++) {
         want[i] = slack[i] = 0;
@@ -112,6 +124,17 @@ static const int codes10[][3] = {{64, 512, 512},  {509, 512, 512}, {940, 512, 51
 static const int codes12[][3] = {{256, 2048, 2048}, {4095, 2048, 2048}, {2000, 1500, 2500}};
 static const int codes16[][3] = {{0, 0, 0}, {65535, 65535, 65535}, {33298, 33298, 33298}, {12000, 50000, 31000}};
 static const int greys[][3] = {{0, 0, 0}, {128, 0, 0}, {255, 0, 0}};
+static const int greys10[][3] = {{0, 512, 512}, {400, 512, 512}, {1023, 512, 512}};
+
+/* Grey stays grey, to the bit. */
+static void check_grey(const pupil_image_const *image)
+{
+    const float *p = image->data;
+    if (image->pixel == PUPIL_PIXEL_I444_16)
+        CHECK(*(const uint16_t *)image->chroma == 32768 && *(const uint16_t *)image->cr == 32768);
+    else
+        CHECK(p[0] == p[1] && p[1] == p[2]);
+}
 
 static void test_light(void)
 {
@@ -133,6 +156,7 @@ static void test_light(void)
         CLIP(YUV410P, codes8, BT709, BT709, BT709, MPEG, srgb),
         CLIP(YUV444P12, codes12, BT2020_NCL, SMPTE2084, BT2020, JPEG, pq),
         CLIP(GBRP16, codes16, RGB, SMPTE2084, BT2020, JPEG, pq),
+        CLIP(GRAY10, greys10, BT2020_NCL, ARIB_STD_B67, BT2020, JPEG, hlg),
         CLIP(GBRP16, codes16, RGB, BT709, BT709, JPEG, srgb),
         CLIP(GRAY8, greys, BT709, BT709, BT709, JPEG, srgb),
 #undef CLIP
@@ -149,16 +173,20 @@ static void test_light(void)
             int rc = pupil_source_next(source, &f, &why), worst_i = 0;
             CHECK_MSG(rc == PUPIL_SOURCE_FRAME, "clip %zu: %s", k, why.text);
             expected(c, code, clips[k].light, want, slack);
-            const float *p = f.image.data;
-            for (int i = 0; i < 40 * 24 * 3; i++)
-                if (fabsl(p[i] - want[i % 3]) - slack[i % 3] > worst) {
-                    worst = fabsl(p[i] - want[i % 3]) - slack[i % 3];
-                    worst_i = i;
+            CHECK(f.image.pixel == (is_coded(c) ? PUPIL_PIXEL_I444_16 : PUPIL_PIXEL_RGB32F));
+            CHECK(source->primaries == (is_coded(c) ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709));
+            real p[4];
+            for (int i = 0; i < 40 * 24 * 3; i++) {
+                ref_light(&f.image, (uint32_t)i / 3 % 40, (uint32_t)i / 120, 0, p);
+                if (fabsl(p[i % 3] - want[i % 3]) - slack[i % 3] > worst) {
+                    worst = fabsl(p[i % 3] - want[i % 3]) - slack[i % 3];
+                    worst_i = i % 3;
                 }
-            CHECK_MSG(worst <= 0, "clip %zu frame %d: %g, not %Lg +- %Lg", k, n, p[worst_i], want[worst_i % 3],
-                      slack[worst_i % 3]);
+            }
+            CHECK_MSG(worst <= 0, "clip %zu frame %d: %Lg, not %Lg +- %Lg", k, n, p[worst_i], want[worst_i],
+                      slack[worst_i]);
             if (code[1] == code[2] && (code[1] == code[0] || code[1] == 512 || code[1] == 2048 || code[1] == 128))
-                CHECK(p[0] == p[1] && p[1] == p[2]); /* grey stays grey, to the bit */
+                check_grey(&f.image);
             CHECK(f.info.timestamp_ns == n * INT64_C(40000000) && f.info.sequence == (uint64_t)n);
             pupil_source_done(source, &f);
         }
@@ -186,22 +214,64 @@ static void test_chroma(void)
                  {AVCHROMA_LOC_CENTER, 0.5L, 0.5L},
                  {AVCHROMA_LOC_TOPLEFT, 0, 0},
                  {AVCHROMA_LOC_UNSPECIFIED, 0, 0.5L}};
-    for (size_t k = 0; k < sizeof sites / sizeof *sites; k++) {
+    for (size_t n = 0; n < 2 * sizeof sites / sizeof *sites; n++) {
+        const size_t k = n / 2;
         clip c = {
             "matroska",      "ffv1",           AV_PIX_FMT_YUV420P10, 33,   17,   1,   AVCOL_SPC_BT709, AVCOL_TRC_LINEAR,
             AVCOL_PRI_BT709, AVCOL_RANGE_MPEG, sites[k].location,    NULL, ramp, NULL};
         pupil_source *source;
         pupil_frame f;
+        c.transfer = n % 2 ? AVCOL_TRC_SMPTE2084 : AVCOL_TRC_LINEAR;
         CHECK(clip_write(&c, scratch("chroma.mkv")) == 0);
         CHECK_MSG(pupil_video_source_open(scratch("chroma.mkv"), NULL, &source, &why) == 0, "%s", why.text);
         CHECK_MSG(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
         for (int y = 1; y < 15; y++)
             for (int x = 1; x < 31; x++) { /* off the edges, where there is nothing to interpolate to */
-                real u = (440 + 3 * (x - sites[k].x) + (y - sites[k].y) - 512) / 896;
-                real want = (600 - 64) / 876.0L + 1.8556L * u,
-                     got = ((const float *)f.image.data)[(y * 33 + x) * 3 + 2];
+                real code = 440 + 3 * (x - sites[k].x) + (y - sites[k].y), u = (code - 512) / 896;
+                real want = (600 - 64) / 876.0L + 1.8556L * u;
+                if (n % 2) { /* exactly */
+                    const uint16_t cb = ((const uint16_t *)f.image.chroma)[y * 33 + x];
+                    CHECK_MSG(cb == 64 * code, "site %zu (%d, %d): %u, not %Lg", k, x, y, cb, 64 * code);
+                    continue;
+                }
+                real got = ((const float *)f.image.data)[(y * 33 + x) * 3 + 2];
                 CHECK_MSG(fabsl(got - want) < 1e-5L, "site %zu (%d, %d): %Lg, not %Lg", k, x, y, got, want);
             }
+        pupil_source_close(source);
+    }
+}
+
+/* What the library has no words for is refused with its name. */
+static void test_refused(void)
+{
+    static const struct {
+        enum AVColorSpace space;
+        enum AVColorPrimaries primaries;
+        const char *said;
+    } refused[] = {{AVCOL_SPC_BT2020_NCL, AVCOL_PRI_SMPTE432, "primaries smpte432 cannot be read with PQ and HLG"},
+                   {AVCOL_SPC_SMPTE240M, AVCOL_PRI_BT2020, "matrix smpte240m cannot be read with PQ and HLG"}};
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+        const clip c = {"matroska",
+                        "ffv1",
+                        AV_PIX_FMT_YUV420P10,
+                        32,
+                        16,
+                        1,
+                        refused[k].space,
+                        AVCOL_TRC_SMPTE2084,
+                        refused[k].primaries,
+                        AVCOL_RANGE_MPEG,
+                        AVCHROMA_LOC_LEFT,
+                        NULL,
+                        ramp,
+                        NULL};
+        pupil_source *source;
+        pupil_frame f;
+        CHECK(clip_write(&c, scratch("refused.mkv")) == 0);
+        CHECK_MSG(pupil_video_source_open(scratch("refused.mkv"), NULL, &source, &why) == 0, "%s", why.text);
+        CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FAILED);
+        CHECK_MSG(strstr(why.text, refused[k].said) && strstr(why.text, "refused.mkv"), "%s", why.text);
+        CHECK(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FAILED && strstr(why.text, refused[k].said));
         pupil_source_close(source);
     }
 }
@@ -214,6 +284,7 @@ int main(int argc, char **argv)
     test_matrix();
     test_light();
     test_chroma();
+    test_refused();
     scratch_clear(scratch_folder);
     return check_end();
 }
