@@ -212,9 +212,7 @@ static void count_rows(const work *w)
     w->stats->code_light = code_light > w->stats->code_light ? code_light : w->stats->code_light;
 }
 
-/* The picture has other primaries than the input: it is mapped by a job of its own, and has brightest channels of its
- * own.
- */
+/* To a picture of other primaries than the input's: by a job of its own, with its own brightest channels. */
 static void convert_to_picture(work *w, pupil_row_job *picture)
 {
     const pupil_object *object = w->object;
