@@ -199,6 +199,12 @@ static void print_work(const char *what, const struct format *f, const struct ou
     fflush(stdout);
 }
 
+/* Oklab's cones of BT.709 and back (Ottosson 2020), as pupil_init derives them. */
+static const pupil_cones bt709 = {.from_rgb = {0.412221462f, 0.536332548f, 0.0514459908f, 0.211903498f, 0.680699527f,
+                                               0.107396953f, 0.0883024633f, 0.281718850f, 0.629978716f},
+                                  .to_rgb = {4.07674170f, -3.30771160f, 0.230969921f, -1.26843798f, 2.60975742f,
+                                             -0.341319382f, -0.00419608410f, -0.703418612f, 1.70761466f}};
+
 /* One row, or both of a mosaic's quads; what it adds to the statistics is included. output NULL: not mapped. */
 static void count(const char *what, const struct format *f, const struct output *output, int hard, int meters,
                   int histogram, pupil_way way)
@@ -218,6 +224,7 @@ static void count(const char *what, const struct format *f, const struct output 
                                .encoder = &pupil_encoders[PUPIL_TRANSFER_SRGB],
                                .coder = &coder,
                                .curve = output ? &curve : 0,
+                               .cones = &bt709,
                                .luma = {0.2126f, 0.7152f, 0.0722f},
                                .floor = 0x1p-14f,
                                .clip = 1.0f,
@@ -302,8 +309,12 @@ static void bare(const struct format *f, int maps, uint32_t n)
     static pupil_planes planes;
     static pupil_run run;
     const pupil_kernels *k = &pupil_kernels_neon;
-    const pupil_row_job job = {
-        .kernels = k, .curve = &curve, .luma = {0.2126f, 0.7152f, 0.0722f}, .floor = 0x1p-14f, .clip = 1.0f};
+    const pupil_row_job job = {.kernels = k,
+                               .curve = &curve,
+                               .cones = &bt709,
+                               .luma = {0.2126f, 0.7152f, 0.0722f},
+                               .floor = 0x1p-14f,
+                               .clip = 1.0f};
     const size_t bytes = pupil_pixel_bytes(f->pixel);
     for (int i = 0; i < PUPIL_LANES; i++)
         run.product[i] = 1.0f;
