@@ -80,12 +80,20 @@ static int has_metadata(const pupil_frame_info *info)
            info->gain >= SENSOR_POSITIVE && info->gain <= 1.0 / SENSOR_POSITIVE;
 }
 
+static int is_possible(const pupil_sensor_config *config, int control, double setting)
+{
+    const double least = control == SENSOR_GAIN ? config->gain_min : config->exposure_min_s;
+    const double most = control == SENSOR_GAIN ? config->gain_max : pupil_sensor_longest_exposure(config);
+    return setting > pupil_log2(least) - SENSOR_SAME_EV && setting < pupil_log2(most) + SENSOR_SAME_EV;
+}
+
 /* The setting that the metadata of one control mean. Where they moved, that is the setting like it that was asked for;
  * where there is none, they are believed. A camera with another unit, or that rounds, reports so much above
  * what was asked for; that is found where nothing is on its way. Frames that waited in the
  * driver, because the program is slow, are later than any delay: so many of them are let pass. */
-static void read_control(sensor_estimate *a, int c)
+static void read_control(pupil_sensor_object *o, int c)
 {
+    sensor_estimate *a = &o->estimate;
     const double moved_by = a->said[c] - a->said_before[c];
     double nearest = SENSOR_SAME_EV, like = a->reported[c] + moved_by;
     int is_still = 1;
@@ -96,6 +104,10 @@ static void read_control(sensor_estimate *a, int c)
         nearest = off < nearest ? off : nearest;
     }
     a->reported_before[c] = a->reported[c];
+    if (!is_possible(&o->config, c, like)) { /* the unit was that of a control that did not do what it was asked */
+        a->unit[c] = 0.0;
+        like = a->said[c];
+    }
     if (moved_by != 0.0)
         a->reported[c] = like;
     a->still[c] = is_still ? a->still[c] + (a->still[c] < SENSOR_STILL_FRAMES) : 0;
@@ -106,14 +118,15 @@ static void read_control(sensor_estimate *a, int c)
     a->reported[c] = a->requested[c];
 }
 
-static void read_metadata(sensor_estimate *a, const pupil_frame_info *info)
+static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
 {
+    sensor_estimate *a = &o->estimate;
     a->reports = has_metadata(info);
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         a->said_before[c] = a->said[c];
         if (a->reports) {
             a->said[c] = pupil_log2(c == SENSOR_GAIN ? info->gain : info->exposure_s);
-            read_control(a, c);
+            read_control(o, c);
         } else {
             a->reported_before[c] = a->reported[c];
             a->reported[c] = a->in_force[c];
@@ -387,7 +400,7 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
         count_frames(a, info);
     else
         begin_frames(a, info);
-    read_metadata(a, info);
+    read_metadata(o, info);
     if (a->has_level && !v->is_dead) {
         compare(o, v);
     } else {
@@ -444,4 +457,10 @@ void pupil_sensor_overshot(sensor_estimate *a)
 {
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->response[c] = a->response[c] < 1.0 ? 1.0 : a->response[c];
+}
+
+void pupil_sensor_undershot(sensor_estimate *a)
+{
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        a->response[c] = a->response[c] > 1.0 ? 1.0 : a->response[c];
 }

@@ -166,17 +166,18 @@ static void surround(const pupil_sensor_object *o, const sensor_point **low, con
 }
 
 /* Where the error is large and does not shrink, what was learned of the camera is wrong: it is forgotten. */
-static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
+static void doubt(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const double error = o->plan.wanted - o->estimate.effect, size = size_of(error);
-    if (size_of(o->plan.wanted - s->wrong_wanted) > SENSOR_WRONG_EV) {
-        s->wrong_wanted = o->plan.wanted;
+    const double other_light = size_of(o->plan.wanted - s->wrong_wanted);
+    if (other_light > SENSOR_UNPIN_EV || (size < SENSOR_WRONG_EV && !s->is_searching))
         s->wrong_times = 0;
-        s->wrong_frames = 0;
-        s->wrong_ev = size;
+    if (other_light > SENSOR_WRONG_EV) {
+        s->wrong_wanted = o->plan.wanted;
+        s->wrong_ev = SENSOR_FAR_AWAY;
     }
-    if (size < SENSOR_WRONG_EV || size < SENSOR_SHRINK * s->wrong_ev || !v->is_number) {
+    if (size < SENSOR_WRONG_EV || size < SENSOR_SHRINK * s->wrong_ev) {
         s->wrong_frames = 0;
         s->wrong_ev = size;
         return;
@@ -188,6 +189,7 @@ static void doubt(pupil_sensor_object *o, const sensor_evidence *v)
     s->wrong_times += s->wrong_times < SENSOR_WRONG_TIMES;
     s->wrong_frames = 0;
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
+    s->is_blunt = 0;
     o->black.wrong = 0;
     o->black.darkest = 0.0;
     forget_points(s);
@@ -289,6 +291,7 @@ static double narrow(pupil_sensor_object *o, double total)
     }
     s->is_resting = 1;
     s->rest_wanted = wanted;
+    s->rest_ev = size_of(wanted - near->effect);
     return nearest;
 }
 
@@ -311,6 +314,8 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
     }
+    if (!v->is_number)
+        pupil_sensor_undershot(a);
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
     const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
@@ -352,12 +357,25 @@ static double leave(pupil_sensor_object *o, double need)
     }
     s->is_resting = 1;
     s->rest_wanted = o->plan.wanted;
+    s->rest_ev = size_of(need);
     return s->set;
+}
+
+/* To what the camera has. */
+static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double longest_s = pupil_sensor_longest_exposure(c);
+    *e = pupil_sensor_exposure_of(c, clamp(pupil_exp2(setting[0]), c->exposure_min_s, longest_s));
+    *g = pupil_sensor_gain_of(c, pupil_exp2(setting[1]));
+    setting[0] = pupil_log2(*e);
+    setting[1] = pupil_log2(*g);
 }
 
 /* Much of one control in exchange for the other goes in parts: between two delays a frame has the one and not yet the
  * other, and the digital factor can make up for so much only. Whether this is a part, which replaces the setting. */
-static int is_part_of_exchange(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
+static int is_part_of_exchange(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS], double *e,
+                               double *g)
 {
     const pupil_sensor_config *c = &o->config;
     const double *from = o->estimate.requested;
@@ -371,15 +389,15 @@ static int is_part_of_exchange(const pupil_sensor_object *o, double setting[SENS
     double part[SENSOR_CONTROLS];
     part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);
     part[larger] = setting[larger] + setting[smaller] - part[smaller];
-    const double longest_s = pupil_sensor_longest_exposure(c);
-    const double exposure_s = pupil_sensor_exposure_of(c, clamp(pupil_exp2(part[0]), c->exposure_min_s, longest_s));
-    const double gain = pupil_sensor_gain_of(c, pupil_exp2(part[1]));
-    part[0] = pupil_log2(exposure_s);
-    part[1] = pupil_log2(gain);
-    if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev)
-        return 0; /* there are no such settings */
-    *e = exposure_s;
-    *g = gain;
+    round_setting(o, part, e, g);
+    if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev ||
+        size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */
+        part[0] = from[0]; /* gain will do until it is known which frames have what */
+        part[1] = size_of(total - from[0] - from[1]) > SENSOR_COARSE_EV ? total - from[0] : from[1];
+        round_setting(o, part, e, g);
+        if (is_timed || size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV)
+            return 0;
+    }
     setting[0] = part[0];
     setting[1] = part[1];
     return 1;
@@ -393,7 +411,14 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
     const double asked = pupil_sensor_effect_asked(o);
     (void)effect_of(o, total, setting);
     pupil_sensor_split(o, total, &e, &g);
-    s->is_exchanging = may_be_a_part && is_part_of_exchange(o, setting, &e, &g);
+    double part[SENSOR_CONTROLS] = {setting[0], setting[1]}, part_e, part_g;
+    s->is_exchanging = may_be_a_part && is_part_of_exchange(o, total, part, &part_e, &part_g);
+    if (s->is_exchanging) {
+        e = part_e;
+        g = part_g;
+        setting[0] = part[0];
+        setting[1] = part[1];
+    }
     s->set = total;
     if (e == o->setting.exposure_s && g == o->setting.gain)
         return;
@@ -431,10 +456,12 @@ static void find_jump(pupil_sensor_object *o)
     const double moved = a->answered - a->stepped;
     if (size_of(s->set - s->jump_total) > SENSOR_WRONG_EV)
         s->jump_ev = 0.0;
-    if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size_of(moved) || size_of(moved) < SENSOR_MISMATCH_EV)
+    const double size = size_of(moved);
+    if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size || size < SENSOR_MISMATCH_EV ||
+        size > SENSOR_COARSE_STEP_EV)
         return;
-    if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size_of(moved)) {
-        s->jump_ev = size_of(moved);
+    if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size) {
+        s->jump_ev = size;
         s->jump_total = s->set;
     }
     s->jumped_ev = moved;
@@ -465,7 +492,7 @@ static void go_on_searching(pupil_sensor_object *o, double need)
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const double other_light = size_of(o->plan.wanted - s->rest_wanted);
-    s->is_resting &= other_light <= SENSOR_OFF_EV;
+    s->is_resting &= other_light <= SENSOR_OFF_EV && size_of(need) <= s->rest_ev + SENSOR_WRONG_EV;
     s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
     if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
@@ -533,13 +560,16 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         judge_answer(o, v);
     if (is_in_force(o))
         remember(o);
+    if (!o->config.lock)
+        doubt(o);
     if (!o->config.lock && !pupil_sensor_is_pending(o)) {
-        doubt(o, v);
         const double left = left_of(s->set, o->estimate.requested);
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
         go_on_searching(o, need);
         s->total = s->set + (s->is_searching ? 0.0 : need - left);
-        if (is_due(o, need, left))
+        /* the plan waits for steps; a search of more than two goes on from what is wanted now: in the next frame */
+        const int is_old = s->is_searching && o->plan.waited_frames > 2 * wait_frames(o);
+        if (!is_old && is_due(o, need, left))
             choose(o, v, need, left);
     }
     report_total(o);

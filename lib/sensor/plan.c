@@ -159,6 +159,7 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
     p->far_frames = is_off ? p->far_frames : 0;
     const int is_far = p->is_looking ? is_off : size_of(off) > SENSOR_FAR_TIMES * c->far_ev;
     const int is_waiting = pupil_sensor_is_pending(o) && (is_far || !o->search.is_searching);
+    p->waited_frames = is_waiting ? p->waited_frames + o->estimate.gap : 0;
     if ((is_far && is_new) || is_waiting) {
         p->slow = is_far && is_new ? PUPIL_SENSOR_FLASH : PUPIL_SENSOR_WAITING;
         return;

@@ -112,9 +112,10 @@ typedef struct sensor_plan {
     double far_ev;       /* the least that the last far frames were off by */
     double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
                                                   * how much its highlights were above the mean */
-    double brighter;     /* the scene has become since then, at most, by the quantiles that are not clipped */
-    uint32_t far_frames; /* in a row that are far off on one side */
-    uint32_t is_looking; /* what is known is a guess: the next frame counts at once */
+    double brighter;        /* the scene has become since then, at most, by the quantiles that are not clipped */
+    uint32_t far_frames;    /* in a row that are far off on one side */
+    uint32_t waited_frames; /* in a row, for a step */
+    uint32_t is_looking;    /* what is known is a guess: the next frame counts at once */
     uint32_t is_guess;
     uint32_t slow; /* a pupil_sensor_reason for not moving */
 } sensor_plan;
@@ -142,6 +143,7 @@ typedef struct sensor_search {
     uint32_t search_frames;
     uint32_t narrowed;   /* steps between two points since then */
     double rest_wanted;  /* the effect that was wanted when the search ended, or a control was pinned */
+    double rest_ev;      /* what the best setting of a search that ended lacks */
     double wrong_ev;     /* the error when it was last seen to shrink */
     double wrong_wanted; /* the effect that was wanted then */
     uint32_t wrong_frames, wrong_times;
@@ -222,6 +224,8 @@ double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SE
 double pupil_sensor_unrest(const sensor_estimate *estimate);
 /* A step went too far: no control does less than it should. */
 void pupil_sensor_overshot(sensor_estimate *estimate);
+/* A step left the picture clipped or black: no control does more than it should. */
+void pupil_sensor_undershot(sensor_estimate *estimate);
 /* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 /* What a step of the setting did: `expected` and `seen`, stops. */

@@ -154,11 +154,14 @@ void abstract_loop_print(const abstract_loop *loop)
     if (pupil_sensor_get(&loop->sensor, &s) != PUPIL_OK)
         return;
     const double off_ev = abstract_camera_off_ev(camera);
+    pupil_sensor_config config;
+    abstract_camera_config(&config, loop->believed);
+    const abstract_reach reach = abstract_camera_reach(camera, &config);
     printf("%4u  level %u  faults %2x  has %8.3f ms x %6.3f, %+7.3f EV, shown %+7.3f  asked %8.3f ms x %6.3f  "
-           "error %+7.3f  state %u reason %2u  %s\n",
+           "error %+7.3f  state %u reason %2u  possible %+.3f %+.3f  %s\n",
            camera->frame, camera->level, camera->faults, 1e3 * camera->in_force[0], camera->in_force[1], off_ev,
-           off_ev + log2(s.frame_digital), 1e3 * s.exposure_s, s.gain, s.error_ev, s.state, s.reason,
-           abstract_verdict_name[abstract_loop_judge(loop)]);
+           off_ev + log2(s.frame_digital), 1e3 * s.exposure_s, s.gain, s.error_ev, s.state, s.reason, reach.below_ev,
+           reach.above_ev, abstract_verdict_name[abstract_loop_judge(loop)]);
 }
 
 /* What is inside the object is not known here. A word of it that reads as a double of ordinary size is taken for one

@@ -1,10 +1,10 @@
 /* The sensor's loop around a camera that misbehaves, judged by the picture: how far what is shown, and the sensor, are
  * from the key. Each row has the figures that libcamera's real code had in the same place, and this loop in 2026-11.
  *
- *     test_sensor_hostile [--all] [--table]
+ *     test_sensor_hostile [--all] [--table] [--row TEXT]
  *
  * --all checks the rows in which real code was ahead of the loop, too. --table prints what was measured; CONV. is the
- * worst error of what is shown in a frame that was called converged. */
+ * worst error of what is shown in a frame that was called converged. --row: only rows with this text in their names. */
 #include <math.h>
 
 #include "check.h"
@@ -122,10 +122,12 @@ static const hostile_row behind[] = {
     {"CONVERGED while this is shown wrong", converged_while_wrong, 0, 0, 0, 0.15, "EV", "", "", ""},
 };
 
-static void walk(const hostile_row *rows, size_t count, int is_printed)
+static void walk(const hostile_row *rows, size_t count, int is_printed, const char *text)
 {
     for (size_t i = 0; i < count; i++) {
         const hostile_row *row = &rows[i];
+        if (!strstr(row->name, text))
+            continue;
         hostile.converged_ev = 0.0;
         const double value = row->measure(row);
         worst_converged_ev = fmax(worst_converged_ev, hostile.converged_ev);
@@ -148,12 +150,15 @@ static int has_option(int argc, char **argv, const char *option)
 int main(int argc, char **argv)
 {
     const int is_printed = has_option(argc, argv, "--table");
+    const char *text = "";
+    for (int i = 1; i + 1 < argc; i++)
+        text = strcmp(argv[i], "--row") == 0 ? argv[i + 1] : text;
     check_begin(1, argv);
     if (is_printed)
         printf("%-44s %8s %8s %-6s %-4s %6s %8s %12s %8s\n", "row", "limit", "measured", "", "", "CONV.", "2026-11",
                "rpi", "libipa");
-    walk(ahead, sizeof ahead / sizeof *ahead, is_printed);
+    walk(ahead, sizeof ahead / sizeof *ahead, is_printed, text);
     if (has_option(argc, argv, "--all"))
-        walk(behind, sizeof behind / sizeof *behind, is_printed);
+        walk(behind, sizeof behind / sizeof *behind, is_printed, text);
     return check_end();
 }
