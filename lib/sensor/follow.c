@@ -295,6 +295,16 @@ static double narrow(pupil_sensor_object *o, double total)
     return nearest;
 }
 
+/* What the picture of a step by `ev` shows of the camera's white, and of its black level; whether that is known now. */
+static int finds_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
+{
+    const int had_black = o->black.value > 0.0;
+    if (size_of(ev) >= SENSOR_STEP_EV)
+        pupil_sensor_find_white(o, v);
+    pupil_sensor_find_black(o, v, ev);
+    return !had_black && o->black.value > 0.0;
+}
+
 /* Once a large step is in force: what it did. A weak answer is believed the second time, for the scene may have moved
  * against it; but for the first of a camera of which nothing is known. */
 static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
@@ -305,10 +315,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     const double plain = a->requested[0] - s->from[0] + a->requested[1] - s->from[1], share = seen / expected;
     const int had_black = o->black.value > 0.0;
     s->is_large = 0;
-    if (size_of(plain) >= SENSOR_STEP_EV)
-        pupil_sensor_find_white(o, v);
-    pupil_sensor_find_black(o, v, plain);
-    if (!had_black && o->black.value > 0.0)
+    if (finds_black(o, v, plain))
         return; /* the step was asked for by another level */
     if ((o->plan.goal - a->effect) * expected < 0.0 && size_of(o->plan.goal - a->effect) > 0.5 * size_of(expected)) {
         pupil_sensor_overshot(a); /* the controls do more than was believed */
@@ -392,11 +399,11 @@ static int is_part_of_exchange(const pupil_sensor_object *o, double total, doubl
     round_setting(o, part, e, g);
     if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev ||
         size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */
-        part[0] = from[0]; /* gain will do until it is known which frames have what */
-        part[1] = size_of(total - from[0] - from[1]) > SENSOR_COARSE_EV ? total - from[0] : from[1];
-        round_setting(o, part, e, g);
-        if (is_timed || size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV)
+        if (is_timed || size_of(total - from[0] - from[1]) > SENSOR_COARSE_EV)
             return 0;
+        part[0] = from[0]; /* what was asked for will do until it is known which frames have what */
+        part[1] = from[1];
+        round_setting(o, part, e, g);
     }
     setting[0] = part[0];
     setting[1] = part[1];
