@@ -6,7 +6,7 @@
  * is interpolated linearly at its true position, and the matrix is the standard's.
  *
  * Nor does the library get the 4:2:0 that a frame is, although it reads that: there the four pixels of a block share Cb
- * and Cr. Of a colourful photograph as HDR10, 31 % of the samples then differ by more than a code, and the level by
+ * and Cr. Of a colourful photograph as HDR10, 32 % of the samples then differ by more than a code, and the level by
  * 0.0014 EV (drivers.file.video_hdr10). Without chroma both are the same to a code.
  *
  * What an untagged frame is taken for: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are
