@@ -458,9 +458,3 @@ void pupil_sensor_overshot(sensor_estimate *a)
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->response[c] = a->response[c] < 1.0 ? 1.0 : a->response[c];
 }
-
-void pupil_sensor_undershot(sensor_estimate *a)
-{
-    for (int c = 0; c < SENSOR_CONTROLS; c++)
-        a->response[c] = a->response[c] > 1.0 ? 1.0 : a->response[c];
-}

@@ -182,7 +182,9 @@ static void doubt(pupil_sensor_object *o)
         s->wrong_ev = size;
         return;
     }
-    s->wrong_frames += o->estimate.gap;
+    /* what is a little off and was asked for again once waits for steps that are on their way: calm at rest */
+    const int is_calm = s->wrong_times || size < SENSOR_UNPIN_EV;
+    s->wrong_frames += pupil_sensor_is_pending(o) && is_calm ? 0 : o->estimate.gap;
     const uint32_t most = wait_frames(o) + (s->is_resting ? SENSOR_REST_FRAMES : SENSOR_WRONG_FRAMES);
     if (s->wrong_frames < most << s->wrong_times)
         return;
@@ -321,8 +323,6 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
     }
-    if (!v->is_number)
-        pupil_sensor_undershot(a);
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
     const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
@@ -465,7 +465,7 @@ static void find_jump(pupil_sensor_object *o)
         s->jump_ev = 0.0;
     const double size = size_of(moved);
     if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size || size < SENSOR_MISMATCH_EV ||
-        size > SENSOR_COARSE_STEP_EV)
+        size > 2.0 * SENSOR_COARSE_STEP_EV)
         return;
     if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size) {
         s->jump_ev = size;

@@ -224,8 +224,6 @@ double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SE
 double pupil_sensor_unrest(const sensor_estimate *estimate);
 /* A step went too far: no control does less than it should. */
 void pupil_sensor_overshot(sensor_estimate *estimate);
-/* A step left the picture clipped or black: no control does more than it should. */
-void pupil_sensor_undershot(sensor_estimate *estimate);
 /* The longest delay that is not ruled out. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 /* What a step of the setting did: `expected` and `seen`, stops. */

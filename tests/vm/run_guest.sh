@@ -83,7 +83,7 @@ run 0 "" replay rec.killed -q --stats again.csv
 [ "$(rows again.csv)" -le "$(wc -l <rec.killed/frames.jsonl)" ] || fail "killed: frames without a line"
 
 "$node" set "$webcam" "OSD Text Mode" 2 || fail "the camera's text"
-# into an output node, which another reader has: a still picture, the same codes that a file gets
+# into an output node, which another reader has: a still picture, the same codes that a file gets without dither
 "$node" set "$webcam" "Test Pattern" 1 || fail "bars"
 for end in "$hdmi" "$monitor"; do
     [ "$end" = "$monitor" ] || "$node" input "$end" 3 || fail "HDMI"
@@ -94,7 +94,7 @@ done
 still="--width 640 --height 480 --framerate 25 --mode digital --lock -q"
 run 0 "" run -d "$webcam" $still -n 1 -o one.png
 run 0 "" replay one.png -q --stats file.csv
-"$pupil" run -d "$webcam" $still -o "$monitor" --stats - >wrote.jsonl 2>out.said &
+"$pupil" run -d "$webcam" $still --dither off -o "$monitor" --stats - >wrote.jsonl 2>out.said &
 writer=$!
 until_lines 3 wrote.jsonl
 run 0 "" run -d "$hdmi" --mode digital --format RGB3 -n 4 -q --stats screen.csv
