@@ -14,19 +14,6 @@ void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad,
         rgba[c] = light[c];
 }
 
-void ref_weights(const pupil_config *config, long double exact[3], float rounded[3])
-{
-    static const long double bt709[3] = {0.2126L, 0.7152L, 0.0722L}, bt2020[3] = {0.2627L, 0.6780L, 0.0593L};
-    const float *y = config->rgb_to_xyz + 3;
-    const long double sum = (long double)y[0] + y[1] + y[2];
-    for (int c = 0; c < 3; c++) {
-        exact[c] = config->primaries == PUPIL_PRIMARIES_BT709    ? bt709[c]
-                   : config->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020[c]
-                                                                 : y[c] / sum;
-        rounded[c] = (float)exact[c];
-    }
-}
-
 float ref_luminance(const float weight[3], const float rgb[3])
 {
     /* volatile: each product and sum is rounded to binary32, even where the compiler would like to fuse */
@@ -235,6 +222,27 @@ static void xyz_of(uint32_t bt2020, long double m[9])
     solve(m, white, amount);
     for (int i = 0; i < 9; i++)
         m[i] *= amount[i % 3];
+}
+
+/* Of BT.709, as given; of BT.2020, what they are of the same light. */
+void ref_weights(const pupil_config *config, long double exact[3], float rounded[3])
+{
+    static const long double bt709[3] = {0.2126L, 0.7152L, 0.0722L};
+    const float *y = config->rgb_to_xyz + 3;
+    const long double sum = (long double)y[0] + y[1] + y[2];
+    long double in[9], out[9];
+    xyz_of(1, in);
+    xyz_of(0, out);
+    for (int c = 0; c < 3; c++) {
+        const long double primary[3] = {in[c], in[3 + c], in[6 + c]};
+        long double light[3];
+        solve(out, primary, light);
+        exact[c] = config->primaries == PUPIL_PRIMARIES_BT709 ? bt709[c]
+                   : config->primaries == PUPIL_PRIMARIES_BT2020
+                       ? bt709[0] * light[0] + bt709[1] * light[1] + bt709[2] * light[2]
+                       : y[c] / sum;
+        rounded[c] = (float)exact[c];
+    }
 }
 
 /* --- beyond the gamut: pupil.h, pupil_curve --- */

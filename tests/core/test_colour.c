@@ -78,6 +78,36 @@ static void check_primaries(void)
     frame_free(&out);
 }
 
+/* The same light in BT.709 and in BT.2020 has one level. */
+static void check_same_light(void)
+{
+    static const double to_bt2020[9] = {0.627403895935,  0.329283038378,  0.0433130656875,
+                                        0.0690972893582, 0.919540395075,  0.0113623155665,
+                                        0.0163914388751, 0.0880133078772, 0.895595253248}; /* RP 177 */
+    double level[2];
+    for (uint32_t primaries = 0; primaries < 2; primaries++) {
+        frame in = frame_make(64, 1, PUPIL_PIXEL_RGB32F, 0, 0);
+        pupil_config config;
+        pupil_stats stats;
+        pupil_t pupil;
+        for (uint32_t x = 0; x < 64; x++) {
+            const double at[3] = {x % 4 / 3.0 + 1e-3, x / 4 % 4 / 3.0 + 1e-3, x / 16 / 3.0 + 1e-3}, *m = to_bt2020;
+            double to[3];
+            for (int c = 0; c < 3; c++)
+                to[c] = primaries ? m[3 * c] * at[0] + m[3 * c + 1] * at[1] + m[3 * c + 2] * at[2] : at[c];
+            frame_set(&in, x, 0, to[0], to[1], to[2], 1);
+        }
+        pupil_config_default(&config);
+        config.primaries = primaries;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &in.image, 0, 1, &stats) == PUPIL_OK);
+        level[primaries] = ((double)stats.log2_sum + (double)stats.log2_frac * 0x1p-40) / (double)stats.weight;
+        frame_free(&in);
+    }
+    CHECK_MSG(fabs(level[1] - level[0]) <= 1e-7, "%.9f and %.9f", level[0], level[1]);
+}
+
 /* The brightest channel of the statistics is that of the picture, by whichever way they come; all else of them is what
  * it is without output_primaries. */
 static void check_peak(uint32_t pixel, uint32_t primaries, uint32_t output_primaries)
@@ -175,6 +205,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     check_grey();
     check_primaries();
+    check_same_light();
     static const uint32_t wide[] = {PUPIL_PIXEL_RGB32F, PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_I444_16};
     for (unsigned i = 0; i < 3; i++) {
         check_peak(wide[i], PUPIL_PRIMARIES_BT2020, PUPIL_OUTPUT_BT709);

@@ -116,7 +116,7 @@ static void map(uint32_t primaries, const pupil_curve *curve, const frame *in, f
 
 static double luminance_of(uint32_t primaries, const double rgb[3])
 {
-    static const double luma[2][3] = {{0.2126, 0.7152, 0.0722}, {0.2627, 0.6780, 0.0593}};
+    static const double luma[2][3] = {{0.2126, 0.7152, 0.0722}, {0.262631403, 0.678055704, 0.0593128936}};
     return luma[primaries][0] * rgb[0] + luma[primaries][1] * rgb[1] + luma[primaries][2] * rgb[2];
 }
 

@@ -20,8 +20,9 @@ extern "C" {
  * ones unless output_primaries names others. */
 typedef enum pupil_primaries {
     PUPIL_PRIMARIES_BT709 = 0, /* also sRGB: Y = 0.2126 R + 0.7152 G + 0.0722 B (Rec. ITU-R BT.709-6, item 3.2) */
-    PUPIL_PRIMARIES_BT2020,    /* Y = 0.2627 R + 0.6780 G + 0.0593 B (Rec. ITU-R BT.2020-2, table 4) */
-    PUPIL_PRIMARIES_MATRIX     /* config.rgb_to_xyz; its second row, scaled to a sum of 1, gives the weights */
+    PUPIL_PRIMARIES_BT2020, /* Y = 0.262631 R + 0.678056 G + 0.059313 B: that of BT.709 for the same light, within 7e-5
+                             * of Rec. ITU-R BT.2020-2, table 4 */
+    PUPIL_PRIMARIES_MATRIX  /* config.rgb_to_xyz; its second row, scaled to a sum of 1, gives the weights */
 } pupil_primaries;
 
 /* Which primaries the picture has: those of the display, or of the file that it is written to. Where they are others
