@@ -13,23 +13,24 @@ typedef struct first_camera {
     pupil_why why; /* the first node that could not be asked */
 } first_camera;
 
-static int seen(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
+static int seen(void *closure, const pupil_live_identity *is, pupil_live_modes *modes, const char *why)
 {
     first_camera *first = closure;
-    if (device)
-        snprintf(first->path, first->bytes, "%s", path);
+    (void)modes;
+    if (is)
+        snprintf(first->path, first->bytes, "%s", is->path);
     else if (!*first->why.text)
         pupil_refuse(&first->why, "%s", why);
-    return device != NULL;
+    return is != NULL;
 }
 
-int camera_choose(const pupil_v4l2_system *system, const char *asked, char *device, size_t device_bytes, pupil_why *why)
+int camera_choose(const pupil_live_system *system, const char *asked, char *device, size_t device_bytes, pupil_why *why)
 {
     first_camera first = {.path = device, .bytes = device_bytes};
     snprintf(device, device_bytes, "%s", asked ? asked : "");
     if (asked)
         return 0;
-    if (pupil_v4l2_devices(system, seen, &first, why) < 0)
+    if (pupil_live_cameras(system, 0, seen, &first, why))
         return -1;
     if (*device)
         return 0;

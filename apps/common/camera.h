@@ -5,7 +5,7 @@
 #include "live/live.h"
 
 /* The camera that is asked for, or (NULL) the first that is there. 0, or -1 and a sentence. */
-int camera_choose(const pupil_v4l2_system *system, const char *asked, char *device, size_t device_bytes,
+int camera_choose(const pupil_live_system *system, const char *asked, char *device, size_t device_bytes,
                   pupil_why *why);
 
 /* Where the program dies of a fault of its own, the controls of this live source are put back first. NULL: no longer.

@@ -18,7 +18,7 @@ static int starts_with(const char *text, const char *prefix)
 
 int input_is_camera(const char *input)
 {
-    return starts_with(input, PUPIL_V4L2_PREFIX) || starts_with(input, "/dev/video") || starts_with(input, "/dev/v4l/");
+    return pupil_live_is_camera(input);
 }
 
 /* What one input is that must be alone; NULL: a file, of which there can be several. */

@@ -6,7 +6,6 @@
 
 #include "options/commands.h"
 #include "source.h"
-#include "v4l2/format.h"
 
 typedef struct list {
     list_camera *camera;
@@ -15,15 +14,13 @@ typedef struct list {
     FILE *err;
 } list;
 
-static int add(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
+static int add(void *closure, const pupil_live_identity *is, pupil_live_modes *modes, const char *why)
 {
     list *l = closure;
-    pupil_why words;
-    (void)path;
-    if (!device) {
+    if (*why)
+        fprintf(l->err, "pupil list: %s\n", why); /* of a camera: what was read before is listed */
+    if (!is) {
         l->refused |= *why != 0;
-        if (*why)
-            fprintf(l->err, "pupil list: %s\n", why);
         return 0;
     }
     list_camera *more = realloc(l->camera, (l->count + 1) * sizeof *more);
@@ -32,34 +29,34 @@ static int add(void *closure, const pupil_v4l2_device *device, const char *path,
         return 1;
     }
     l->camera = more;
-    more[l->count].device = *device;
-    if (pupil_v4l2_modes_read(device, &more[l->count].modes, &words))
-        fprintf(l->err, "pupil list: %s\n", words.text); /* what was read before is listed */
+    more[l->count].is = *is;
+    more[l->count].modes = *modes;
+    *modes = (pupil_live_modes){0}; /* kept here */
     l->count++;
     return 0;
 }
 
 static void print_line(const list_camera *camera, FILE *out)
 {
-    const pupil_v4l2_device *d = &camera->device;
+    const pupil_live_identity *d = &camera->is;
     fprintf(out, "%s  %s  %s  %s", d->path, d->name, d->driver, d->bus);
     for (uint32_t i = 0; i < camera->modes.count; i++) {
-        const pupil_v4l2_mode *mode = &camera->modes.mode[i];
+        const pupil_live_mode *mode = &camera->modes.mode[i];
         char sizes[4096];
         const int read = mode->read;
-        pupil_v4l2_mode_text(mode, sizes, sizeof sizes);
-        fprintf(out, "%s%s%s%s%s%s", i ? "; " : "  ", read ? "" : "[", pupil_v4l2_fourcc_name(mode->fourcc).text,
-                *sizes ? " " : "", sizes, read ? "" : "]");
+        pupil_live_mode_text(mode, sizes, sizeof sizes);
+        fprintf(out, "%s%s%s%s%s%s", i ? "; " : "  ", read ? "" : "[", mode->name, *sizes ? " " : "", sizes,
+                read ? "" : "]");
     }
     fputc('\n', out);
 }
 
-int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err)
+int list_cameras(const pupil_live_system *system, int json, FILE *out, FILE *err)
 {
     list l = {.err = err};
     pupil_why why = {"not enough memory"};
     char *text = NULL;
-    int failed = pupil_v4l2_devices(system, add, &l, &why) < 0 || l.failed;
+    int failed = pupil_live_cameras(system, 1, add, &l, &why) || l.failed;
     if (!failed && json) {
         text = list_json(l.camera, l.count);
         failed = !text;
@@ -75,7 +72,7 @@ int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err
     if (failed)
         fprintf(err, "pupil list: %s\n", why.text);
     for (size_t i = 0; i < l.count; i++)
-        pupil_v4l2_modes_free(&l.camera[i].modes);
+        pupil_live_modes_free(&l.camera[i].modes);
     free(l.camera);
     return failed ? EXIT_FAILED : EXIT_DONE;
 }

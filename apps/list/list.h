@@ -4,17 +4,16 @@
 
 #include <stdio.h>
 
-#include "v4l2/device.h"
-#include "v4l2/modes.h"
+#include "live/live.h"
 
 typedef struct list_camera {
-    pupil_v4l2_device device; /* closed again */
-    pupil_v4l2_modes modes;
+    pupil_live_identity is;
+    pupil_live_modes modes;
 } list_camera;
 
 /* Writes the list to `out`, and to `err` a sentence for each node that could not be asked. The program's exit status.
  */
-int list_cameras(const pupil_v4l2_system *system, int json, FILE *out, FILE *err);
+int list_cameras(const pupil_live_system *system, int json, FILE *out, FILE *err);
 
 /* All of them as one array of JSON; to be freed; NULL: out of memory. */
 char *list_json(const list_camera *cameras, size_t count);

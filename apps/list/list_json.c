@@ -5,7 +5,6 @@
 
 #include "file/common/utf8.h"
 #include "list.h"
-#include "v4l2/format.h"
 
 const char *list_json_refusal(void)
 {
@@ -20,7 +19,7 @@ int list_json_text(cJSON *object, const char *name, const char *text)
     return added;
 }
 
-static int add_size(cJSON *sizes, const pupil_v4l2_size *size)
+static int add_size(cJSON *sizes, const pupil_live_size *size)
 {
     cJSON *object = cJSON_CreateObject(), *fps = NULL;
     if (!object || !cJSON_AddItemToArray(sizes, object))
@@ -38,25 +37,24 @@ static int add_size(cJSON *sizes, const pupil_v4l2_size *size)
     return added;
 }
 
-static int add_mode(cJSON *formats, const pupil_v4l2_mode *mode)
+static int add_mode(cJSON *formats, const pupil_live_mode *mode)
 {
     cJSON *object = cJSON_CreateObject(), *sizes = NULL;
     if (!object || !cJSON_AddItemToArray(formats, object))
         return 0;
-    int added = list_json_text(object, "fourcc", pupil_v4l2_fourcc_name(mode->fourcc).text) &&
-                list_json_text(object, "description", mode->description) &&
-                cJSON_AddBoolToObject(object, "read", mode->read) &&
-                (sizes = cJSON_AddArrayToObject(object, "sizes")) != NULL;
+    int added =
+        list_json_text(object, "fourcc", mode->name) && list_json_text(object, "description", mode->description) &&
+        cJSON_AddBoolToObject(object, "read", mode->read) && (sizes = cJSON_AddArrayToObject(object, "sizes")) != NULL;
     for (uint32_t i = 0; added && i < mode->sizes; i++)
         added = add_size(sizes, &mode->size[i]);
     return added;
 }
 
-int list_json_camera(cJSON *object, const pupil_v4l2_device *device, const pupil_v4l2_modes *modes)
+int list_json_camera(cJSON *object, const pupil_live_identity *is, const pupil_live_modes *modes)
 {
     cJSON *formats = NULL;
-    int added = list_json_text(object, "path", device->path) && list_json_text(object, "name", device->name) &&
-                list_json_text(object, "driver", device->driver) && list_json_text(object, "bus", device->bus) &&
+    int added = list_json_text(object, "path", is->path) && list_json_text(object, "name", is->name) &&
+                list_json_text(object, "driver", is->driver) && list_json_text(object, "bus", is->bus) &&
                 (formats = cJSON_AddArrayToObject(object, "formats")) != NULL;
     for (uint32_t i = 0; added && i < modes->count; i++)
         added = add_mode(formats, &modes->mode[i]);
@@ -68,7 +66,7 @@ static int add_camera(cJSON *list, const list_camera *camera)
     cJSON *object = cJSON_CreateObject();
     if (!object || !cJSON_AddItemToArray(list, object))
         return 0;
-    return list_json_camera(object, &camera->device, &camera->modes);
+    return list_json_camera(object, &camera->is, &camera->modes);
 }
 
 char *list_json(const list_camera *cameras, size_t count)

@@ -5,10 +5,10 @@
 
 #include <cjson/cJSON.h>
 
-#include "v4l2/modes.h"
+#include "live_source.h"
 
 int list_json_text(cJSON *object, const char *name, const char *text);
 /* "path", "name", "driver", "bus" and "formats". */
-int list_json_camera(cJSON *object, const pupil_v4l2_device *device, const pupil_v4l2_modes *modes);
+int list_json_camera(cJSON *object, const pupil_live_identity *is, const pupil_live_modes *modes);
 
 #endif

@@ -4,12 +4,11 @@
 
 #include "common/reader.h"
 #include "file/file_sink.h"
-#include "v4l2/output/v4l2_sink.h"
 
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why)
 {
     pupil_sink **sink = &o->sink[o->count];
-    const int error = pupil_is_v4l2_output(path) ? pupil_v4l2_sink_open(sink, path, options, o->system, why)
+    const int error = pupil_live_is_output(path) ? pupil_live_output_open(sink, path, options, o->system, why)
                                                  : pupil_file_sink_open(path, options, sink, why);
     if (!error)
         o->path[o->count++] = path;

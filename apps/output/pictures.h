@@ -2,14 +2,14 @@
 #ifndef PUPIL_APPS_OUTPUT_PICTURES_H
 #define PUPIL_APPS_OUTPUT_PICTURES_H
 
+#include "live/live.h"
 #include "pupil/error.h"
 #include "sink.h"
-#include "v4l2/system.h"
 
 #define PICTURES_MOST 17 /* those of the command line, and the video of a report */
 
 typedef struct pictures {
-    const pupil_v4l2_system *system; /* of output nodes; NULL: the kernel */
+    const pupil_live_system *system; /* of output nodes; NULL: the machine's */
     pupil_sink *sink[PICTURES_MOST];
     const char *path[PICTURES_MOST]; /* the caller's */
     size_t count;

@@ -3,7 +3,6 @@
 
 #include "list/list_json.h"
 #include "probe.h"
-#include "v4l2/format.h"
 
 /* NaN and infinities become null. */
 static int add_number(cJSON *object, const char *name, double value)
@@ -25,34 +24,31 @@ static int add_known(cJSON *object, const probe_known *is)
 
 static int add_stream(cJSON *root, const probe_report *r)
 {
-    const pupil_v4l2_format *f = &r->format;
+    const pupil_live_stream *s = &r->stream;
     cJSON *stream = cJSON_AddObjectToObject(root, "stream"), *colour = cJSON_AddObjectToObject(root, "colour");
     cJSON *memory = cJSON_AddObjectToObject(root, "memory");
     const double none = (double)NAN;
-    return stream && colour && memory && list_json_text(stream, "fourcc", pupil_v4l2_fourcc_name(f->fourcc).text) &&
-           add_number(stream, "width", f->width) && add_number(stream, "height", f->height) &&
-           add_number(stream, "fps", r->fps) && add_number(stream, "buffers", r->buffers) &&
-           list_json_text(colour, "colorspace", probe_colorspace(f->colorspace)) &&
-           list_json_text(colour, "transfer", probe_transfer(f->xfer_func)) &&
-           list_json_text(colour, "encoding", probe_encoding(f->ycbcr_enc)) &&
-           list_json_text(colour, "range", probe_range(f->quantization)) &&
-           list_json_text(memory, "reading", pupil_v4l2_reading_name(r->reading)) &&
-           list_json_text(memory, "heap", r->heap) &&
-           add_number(memory, "read_bytes_per_s", r->speed.bytes_s > 0.0 ? r->speed.bytes_s : none) &&
-           add_number(memory, "ordinary_bytes_per_s", r->speed.ordinary > 0.0 ? r->speed.ordinary : none);
+    return stream && colour && memory && list_json_text(stream, "fourcc", s->format) &&
+           add_number(stream, "width", s->width) && add_number(stream, "height", s->height) &&
+           add_number(stream, "fps", r->fps) && add_number(stream, "buffers", s->buffers) &&
+           list_json_text(colour, "colorspace", s->colorspace) && list_json_text(colour, "transfer", s->transfer) &&
+           list_json_text(colour, "encoding", s->encoding) && list_json_text(colour, "range", s->range) &&
+           list_json_text(memory, "reading", s->reading) && list_json_text(memory, "heap", s->heap) &&
+           add_number(memory, "read_bytes_per_s", s->read_bytes_s > 0.0 ? s->read_bytes_s : none) &&
+           add_number(memory, "ordinary_bytes_per_s", s->ordinary_bytes_s > 0.0 ? s->ordinary_bytes_s : none);
 }
 
 static int add_sensor(cJSON *root, const probe_report *r)
 {
-    const pupil_camera_sensor *s = &r->sensor;
+    const pupil_camera_sensor *s = &r->offers.sensor;
     char law[96];
-    if (!r->has_entity)
+    if (!r->offers.has_entity)
         return cJSON_AddNullToObject(root, "sensor") != NULL;
     cJSON *sensor = cJSON_AddObjectToObject(root, "sensor"), *known = NULL;
-    if (!sensor || !list_json_text(sensor, "entity", r->entity.entity) ||
-        !list_json_text(sensor, "path", r->entity.path))
+    if (!sensor || !list_json_text(sensor, "entity", r->offers.entity) ||
+        !list_json_text(sensor, "path", r->offers.entity_path))
         return 0;
-    if (!r->has_sensor)
+    if (!r->offers.has_sensor)
         return cJSON_AddNullToObject(sensor, "table") != NULL;
     probe_law_text(&s->gain, law, sizeof law);
     known = cJSON_AddObjectToObject(sensor, "table");
@@ -64,16 +60,16 @@ static int add_sensor(cJSON *root, const probe_report *r)
            add_bool(known, "has_matrix", (int)s->has_matrix) && list_json_text(known, "source", s->source);
 }
 
-static int add_control(cJSON *controls, const probe_control *c)
+static int add_control(cJSON *controls, const pupil_live_control *c)
 {
     cJSON *object = cJSON_CreateObject();
     if (!object || !cJSON_AddItemToArray(controls, object))
         return 0;
     return list_json_text(object, "name", c->name) && add_number(object, "id", c->id) &&
-           add_number(object, "value", (double)c->value) && add_number(object, "least", (double)c->least) &&
-           add_number(object, "most", (double)c->most) && add_number(object, "step", (double)c->step) &&
-           add_number(object, "default", (double)c->usual) && (!*c->item || list_json_text(object, "item", c->item)) &&
-           add_bool(object, "on_sensor", c->on_subdevice) && add_bool(object, "automatic", c->automatic);
+           add_number(object, "value", c->value) && add_number(object, "least", c->least) &&
+           add_number(object, "most", c->most) && add_number(object, "step", c->step) &&
+           add_number(object, "default", c->usual) && (!*c->item || list_json_text(object, "item", c->item)) &&
+           add_bool(object, "on_sensor", c->on_sensor) && add_bool(object, "automatic", c->automatic);
 }
 
 static int add_limits(cJSON *root, const probe_report *r)
@@ -155,10 +151,10 @@ static int add_times(cJSON *measured, const probe_report *r)
 static int add_all(cJSON *root, const probe_report *r)
 {
     cJSON *camera = cJSON_AddObjectToObject(root, "camera"), *controls = NULL, *measured = NULL;
-    int added = camera && list_json_camera(camera, &r->device, &r->modes) && add_stream(root, r) &&
+    int added = camera && list_json_camera(camera, &r->offers.is, &r->offers.modes) && add_stream(root, r) &&
                 add_sensor(root, r) && (controls = cJSON_AddArrayToObject(root, "controls")) != NULL;
-    for (unsigned i = 0; added && i < r->controls; i++)
-        added = add_control(controls, &r->control[i]);
+    for (unsigned i = 0; added && i < r->offers.controls; i++)
+        added = add_control(controls, &r->offers.control[i]);
     return added && add_limits(root, r) && (measured = cJSON_AddObjectToObject(root, "measured")) != NULL &&
            add_number(measured, "seconds", r->seconds) && add_times(measured, r) &&
            add_delay(measured, "exposure_delay", &r->exposure_delay) &&

@@ -1,5 +1,4 @@
 /* Whether the picture's level follows exposure and gain, and where black is. */
-#include <linux/videodev2.h>
 #include <math.h>
 
 #include "stream.h"
@@ -14,13 +13,10 @@
 
 static int64_t code_of(const probe_report *r, double gain)
 {
-    const probe_control *found = NULL;
-    for (unsigned i = 0; i < r->controls; i++) {
-        const probe_control *c = &r->control[i];
-        if (c->id == V4L2_CID_ANALOGUE_GAIN || (c->id == V4L2_CID_GAIN && !found))
-            found = c;
-    }
-    const pupil_camera_range range = {found ? found->least : 0, found ? found->most : 0, found ? found->step : 1, 0};
+    const unsigned place = r->offers.gain_place;
+    const pupil_live_control *found = place ? &r->offers.control[place - 1] : NULL;
+    const pupil_camera_range range = {found ? (int64_t)found->least : 0, found ? (int64_t)found->most : 0,
+                                      found ? (int64_t)found->step : 1, 0};
     return found ? pupil_camera_code_of_gain(&r->limits.gain, gain, &range) : 0;
 }
 

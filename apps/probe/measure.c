@@ -16,19 +16,6 @@ static void say(const probe_stream *s, const char *what)
         s->options->say(what);
 }
 
-static void describe(probe_stream *s)
-{
-    const pupil_v4l2_capture *c = pupil_live_capture(s->source);
-    probe_report *r = s->report;
-    r->format = c->format;
-    r->fps = s->source->fps;
-    r->reading = c->reading;
-    r->buffers = c->buffers;
-    r->speed = c->speed;
-    snprintf(r->heap, sizeof r->heap, "%s", c->heap ? c->heap : "");
-    snprintf(r->device.path, sizeof r->device.path, "%s", c->device.path);
-}
-
 static void unknown_all(probe_report *r, const char *why)
 {
     probe_known *const all[] = {&r->exposure_delay.is, &r->gain_delay.is, &r->exposure.is, &r->gain.is, &r->black.is};
@@ -75,11 +62,10 @@ static void measure_controls(probe_stream *s)
 static void measure(probe_stream *s)
 {
     probe_report *r = s->report;
-    const pupil_v4l2_system *system = pupil_live_capture(s->source)->device.system;
     say(s, "the first frame");
     if (probe_frame(s)) /* which has had its own time: drivers take up to seconds to it */
         return;
-    const int64_t began_ns = system->now_ns(system->context);
+    const int64_t began_ns = pupil_live_now_ns(s->source);
     s->camera = pupil_live_camera(s->source);
     r->has_controls.known = s->camera != NULL;
     if (!s->camera)
@@ -94,30 +80,31 @@ static void measure(probe_stream *s)
         while (probe_frame(s) == 0)
             ;
     }
-    r->seconds = (double)(system->now_ns(system->context) - began_ns) * 1e-9;
+    r->seconds = (double)(pupil_live_now_ns(s->source) - began_ns) * 1e-9;
 }
 
-static int open_stream(probe_stream *s, const pupil_v4l2_system *system)
+static int open_stream(probe_stream *s, const pupil_live_system *system)
 {
-    pupil_live_options live = {.capture = {.system = system, .stop = s->options->stop}};
+    pupil_live_options live = {.system = system, .capture = {.stop = s->options->stop}};
     pupil_config config;
-    if (pupil_live_open(s->report->device.path, NULL, &live, &s->source, s->why))
+    if (pupil_live_open(s->report->offers.is.path, NULL, &live, &s->source, s->why))
         return -1;
     pupil_config_default(&config);
     config.histogram = 1;
     config.floor = 0x1p-20f; /* below a code of 16 bits */
     s->period_s = 1.0 / s->source->fps;
     pupil_init(&s->pupil, &config);
-    describe(s);
+    s->report->stream = pupil_live_get(s->source)->stream;
+    s->report->fps = s->source->fps;
     return 0;
 }
 
-int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, pupil_why *why)
+int probe_measure(probe_report *report, const pupil_live_system *system, const probe_options *options, pupil_why *why)
 {
     pupil_why back;
     probe_stream *s = calloc(1, sizeof *s);
     if (!s)
-        return pupil_refuse(why, "%s: not enough memory", report->device.path);
+        return pupil_refuse(why, "%s: not enough memory", report->offers.is.path);
     *s = (probe_stream){.report = report, .options = options, .why = why};
     if (open_stream(s, system)) {
         free(s);

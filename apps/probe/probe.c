@@ -105,13 +105,13 @@ static int print(const probe_report *report, pupil_why *why)
     return pupil_refuse(why, "standard output cannot be written");
 }
 
-static int probe(probe_report *report, const pupil_v4l2_system *system)
+static int probe(probe_report *report, const pupil_live_system *system)
 {
-    char device[256];
+    char device[272];
     pupil_why why;
     int result = -1;
     if (camera_choose(system, run.device, device, sizeof device, &why) == 0 &&
-        probe_offers(report, system, device, &why) == 0) {
+        pupil_live_offers_read(&report->offers, system, device, &why) == 0) {
         result = probe_measure(report, system, &run.options, &why);
     }
     if (result == 1) {
@@ -126,7 +126,7 @@ static int probe(probe_report *report, const pupil_v4l2_system *system)
     return result ? EXIT_FAILED : EXIT_DONE;
 }
 
-int probe_on(const pupil_v4l2_system *system, int argc, char **argv)
+int probe_on(const pupil_live_system *system, int argc, char **argv)
 {
     const int parsed = parse(argc, argv);
     if (parsed >= 0)
@@ -143,7 +143,7 @@ int probe_on(const pupil_v4l2_system *system, int argc, char **argv)
         return EXIT_FAILED;
     }
     const int status = probe(report, system);
-    probe_free(report);
+    pupil_live_modes_free(&report->offers.modes);
     free(report);
     return status;
 }

@@ -6,22 +6,9 @@
 
 #include "live/live.h"
 #include "pupil/error.h"
-#include "v4l2/media/media.h"
-#include "v4l2/modes.h"
 
-#define PROBE_CONTROLS 96
-#define PROBE_POINTS   8
-#define PROBE_WORDS    192
-
-/* A control as the driver has it, before anything is touched. */
-typedef struct probe_control {
-    uint32_t id;
-    char name[32];
-    int64_t value, least, most, step, usual;
-    char item[32];    /* of a menu: what the value is called; "" */
-    int on_subdevice; /* the sensor's */
-    int automatic;    /* it steers by itself now, and is turned off while it is measured */
-} probe_control;
+#define PROBE_POINTS 8
+#define PROBE_WORDS  192
 
 /* A measured quantity: known, or why it is not. */
 typedef struct probe_known {
@@ -72,23 +59,13 @@ typedef struct probe_interval {
 typedef struct probe_latency {
     probe_known is;
     double median_s, most_s;
-    uint32_t stamp; /* a pupil_v4l2_stamp */
+    uint32_t stamp; /* a pupil_live_stamp */
 } probe_latency;
 
 typedef struct probe_report {
-    pupil_v4l2_device device; /* closed again */
-    pupil_v4l2_modes modes;
-    probe_control control[PROBE_CONTROLS];
-    unsigned controls;
-    int has_entity, has_sensor; /* something feeds the node; and the table knows it */
-    pupil_v4l2_sensor entity;
-    pupil_camera_sensor sensor;
-
-    pupil_v4l2_format format; /* that it was measured with */
+    pupil_live_offers offers;
+    pupil_live_stream stream; /* that it was measured with */
     double fps;
-    uint32_t reading, buffers;
-    pupil_v4l2_speed speed;
-    char heap[64];
 
     probe_known has_controls; /* why: the sentence of pupil_live_no_controls */
     pupil_camera_limits limits;
@@ -101,10 +78,6 @@ typedef struct probe_report {
     probe_black black;
 } probe_report;
 
-/* What is asked, and not measured. 0, or -1 and a sentence. Free what it filled in, after a failure too. */
-int probe_offers(probe_report *report, const pupil_v4l2_system *system, const char *which, pupil_why *why);
-void probe_free(probe_report *report);
-
 typedef struct probe_options {
     int quick;                                /* half the steps and points */
     double seconds;                           /* at most, of the stream */
@@ -115,21 +88,17 @@ typedef struct probe_options {
 
 /* What only the stream says: opens the camera, takes its controls, and gives them back. 0; 1: stopped; -1 and a
  * sentence: no stream, or a control that could not be put back. What cannot be measured is said in the report. */
-int probe_measure(probe_report *report, const pupil_v4l2_system *system, const probe_options *options, pupil_why *why);
+int probe_measure(probe_report *report, const pupil_live_system *system, const probe_options *options, pupil_why *why);
 
 void probe_text(const probe_report *report, FILE *out);
 /* To be freed; NULL: out of memory. */
 char *probe_json(const probe_report *report);
 
-/* Names, of V4L2's numbers and of the table's laws. */
-const char *probe_colorspace(uint32_t value);
-const char *probe_transfer(uint32_t value);
-const char *probe_encoding(uint32_t value);
-const char *probe_range(uint32_t value);
+/* Names, of numbers and of the table's laws. */
 const char *probe_stamp(uint32_t stamp);
 void probe_law_text(const pupil_camera_gain *law, char *text, size_t text_bytes);
 
-/* The command on a system of calls; NULL: the kernel's. The program's exit status. */
-int probe_on(const pupil_v4l2_system *system, int argc, char **argv);
+/* The command on a system of cameras; NULL: the machine's. The program's exit status. */
+int probe_on(const pupil_live_system *system, int argc, char **argv);
 
 #endif

@@ -12,16 +12,6 @@
 #define LOW_SIDE     64
 #define MOST_WAIT_MS 2000 /* for a write of controls, on the machine's clock */
 
-static const pupil_v4l2_system *system_of(const probe_stream *s)
-{
-    return pupil_live_capture(s->source)->device.system;
-}
-
-static int64_t now_ns(const probe_stream *s)
-{
-    return system_of(s)->now_ns(system_of(s)->context);
-}
-
 void probe_unknown(probe_known *is, const char *format, ...)
 {
     va_list arguments;
@@ -102,7 +92,7 @@ static int meter(probe_stream *s, const pupil_frame *frame)
 
 static void time_it(probe_stream *s, const pupil_frame *frame)
 {
-    const pupil_v4l2_frame *f = pupil_live_frame(s->source);
+    const pupil_live_times *f = &pupil_live_get(s->source)->times;
     const double passed_s = (double)(f->stamp_ns - s->stamp_ns) * 1e-9;
     probe_interval *i = &s->report->interval;
     if (s->any && frame->info.sequence == s->sequence + 1) {
@@ -114,7 +104,7 @@ static void time_it(probe_stream *s, const pupil_frame *frame)
     }
     if (!s->after_wait) /* else frames have waited for us */
         s->latency_s[s->latencies++ % PROBE_LATENCIES] = (double)(f->taken_ns - f->stamp_ns) * 1e-9;
-    s->after_wait = now_ns(s) - f->stamp_ns > (int64_t)(s->period_s * 1e9);
+    s->after_wait = pupil_live_now_ns(s->source) - f->stamp_ns > (int64_t)(s->period_s * 1e9);
     s->sequence = frame->info.sequence;
     s->stamp_ns = f->stamp_ns;
     s->report->latency.stamp = f->stamp;
@@ -127,13 +117,13 @@ int probe_frame(probe_stream *s)
     pupil_frame frame;
     if (s->state)
         return s->state;
-    if (s->end_ns && now_ns(s) >= s->end_ns)
+    if (s->end_ns && pupil_live_now_ns(s->source) >= s->end_ns)
         return s->state = PROBE_OVER_TIME;
     const int got = pupil_source_next(s->source, &frame, s->why);
     if (s->options->stop && s->options->stop())
         return s->state = PROBE_STOPPED;
     if (got == PUPIL_SOURCE_END)
-        pupil_refuse(s->why, "%s: its stream ended", s->report->device.path);
+        pupil_refuse(s->why, "%s: its stream ended", s->report->offers.is.path);
     if (got != PUPIL_SOURCE_FRAME)
         return s->state = -1;
     time_it(s, &frame);
@@ -189,13 +179,13 @@ int probe_set(probe_stream *s, double exposure_s, double gain, uint64_t *under_w
         pupil_camera_get_status(s->camera, &status);
     }
     if (status.written < number) {
-        pupil_refuse(s->why, "%s: a write of its controls takes longer than %d seconds", s->report->device.path,
+        pupil_refuse(s->why, "%s: a write of its controls takes longer than %d seconds", s->report->offers.is.path,
                      MOST_WAIT_MS / 1000);
         return s->state = -1;
     }
     /* Frames that ended meanwhile, by the clock, though they were not taken yet. */
-    const int from_start = s->report->latency.stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE;
-    const double passed = (double)(now_ns(s) - s->stamp_ns) * 1e-9 / s->period_s - from_start;
+    const int from_start = s->report->latency.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE;
+    const double passed = (double)(pupil_live_now_ns(s->source) - s->stamp_ns) * 1e-9 / s->period_s - from_start;
     *under_way = s->sequence + 1 + (passed >= 1.0 ? (uint64_t)fmin(passed, 1000.0) : 0);
     s->after_wait |= passed >= 1.0;
     return 0;
@@ -290,7 +280,7 @@ void probe_stream_tell(probe_stream *s)
 {
     probe_interval *i = &s->report->interval;
     probe_latency *l = &s->report->latency;
-    const pupil_v4l2_counts *counts = &pupil_live_capture(s->source)->counts;
+    const pupil_live_counts *counts = &pupil_live_get(s->source)->counts;
     const unsigned kept = s->latencies < PROBE_LATENCIES ? s->latencies : PROBE_LATENCIES;
     i->frames = s->frames;
     i->lost = counts->lost;
@@ -304,7 +294,7 @@ void probe_stream_tell(probe_stream *s)
         probe_unknown(&i->is, "no two frames came one after the other");
     }
     qsort(s->latency_s, kept, sizeof s->latency_s[0], compare);
-    if (l->stamp == PUPIL_V4L2_STAMP_NONE || !kept) {
+    if (l->stamp == PUPIL_LIVE_STAMP_NONE || !kept) {
         probe_unknown(&l->is, "%s", kept ? "its driver does not stamp frames" : "no frame was taken at once");
         return;
     }

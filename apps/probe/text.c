@@ -4,57 +4,55 @@
 #include <string.h>
 
 #include "probe.h"
-#include "v4l2/format.h"
 
 /* Formats with the same sizes on one line. */
 static void print_camera(const probe_report *r, FILE *out)
 {
-    const pupil_v4l2_device *d = &r->device;
+    const pupil_live_identity *d = &r->offers.is;
     fprintf(out, "camera     %s (driver %s, at %s), %s\n", d->name, d->driver, d->bus, d->path);
-    for (uint32_t i = 0; i < r->modes.count; i++) {
+    for (uint32_t i = 0; i < r->offers.modes.count; i++) {
         char sizes[4096], next[4096] = "";
-        const pupil_v4l2_mode *mode = &r->modes.mode[i];
-        pupil_v4l2_mode_text(mode, sizes, sizeof sizes);
-        fprintf(out, "%s%s%s", i ? "" : "formats    ", pupil_v4l2_fourcc_name(mode->fourcc).text,
-                mode->read ? "" : " (not read)");
-        const int last = i + 1 == r->modes.count;
+        const pupil_live_mode *mode = &r->offers.modes.mode[i];
+        pupil_live_mode_text(mode, sizes, sizeof sizes);
+        fprintf(out, "%s%s%s", i ? "" : "formats    ", mode->name, mode->read ? "" : " (not read)");
+        const int last = i + 1 == r->offers.modes.count;
         if (!last)
-            pupil_v4l2_mode_text(mode + 1, next, sizeof next);
+            pupil_live_mode_text(mode + 1, next, sizeof next);
         if (!last && strcmp(sizes, next) == 0)
             fputs(" ", out);
         else
             fprintf(out, "%s%s\n%s", *sizes ? ": " : "", sizes, last ? "" : "           ");
     }
-    if (!r->modes.count)
+    if (!r->offers.modes.count)
         fputs("formats    none reported\n", out);
 }
 
 static void print_stream(const probe_report *r, FILE *out)
 {
-    const pupil_v4l2_format *f = &r->format;
-    fprintf(out, "stream     %s %ux%u, %.4g frames a second, %u buffers\n", pupil_v4l2_fourcc_name(f->fourcc).text,
-            f->width, f->height, r->fps, r->buffers);
-    fprintf(out, "colour     colorspace %s, transfer %s, encoding %s, %s range\n", probe_colorspace(f->colorspace),
-            probe_transfer(f->xfer_func), probe_encoding(f->ycbcr_enc), probe_range(f->quantization));
-    fprintf(out, "memory     %s", pupil_v4l2_reading_name(r->reading));
-    if (*r->heap)
-        fprintf(out, " %s", r->heap);
-    if (r->speed.bytes_s > 0.0)
-        fprintf(out, "; the CPU reads it at %.3g GB/s, ordinary memory at %.3g GB/s", r->speed.bytes_s * 1e-9,
-                r->speed.ordinary * 1e-9);
+    const pupil_live_stream *s = &r->stream;
+    fprintf(out, "stream     %s %ux%u, %.4g frames a second, %u buffers\n", s->format, s->width, s->height, r->fps,
+            s->buffers);
+    fprintf(out, "colour     colorspace %s, transfer %s, encoding %s, %s range\n", s->colorspace, s->transfer,
+            s->encoding, s->range);
+    fprintf(out, "memory     %s", s->reading);
+    if (*s->heap)
+        fprintf(out, " %s", s->heap);
+    if (s->read_bytes_s > 0.0)
+        fprintf(out, "; the CPU reads it at %.3g GB/s, ordinary memory at %.3g GB/s", s->read_bytes_s * 1e-9,
+                s->ordinary_bytes_s * 1e-9);
     fputc('\n', out);
 }
 
 static void print_sensor(const probe_report *r, FILE *out)
 {
-    const pupil_camera_sensor *s = &r->sensor;
+    const pupil_camera_sensor *s = &r->offers.sensor;
     char law[96];
-    if (!r->has_entity) {
+    if (!r->offers.has_entity) {
         fputs("sensor     none of its own: the controls are the node's, as a webcam's\n", out);
         return;
     }
-    fprintf(out, "sensor     %s (%s)", r->entity.entity, r->entity.path);
-    if (!r->has_sensor) {
+    fprintf(out, "sensor     %s (%s)", r->offers.entity, r->offers.entity_path);
+    if (!r->offers.has_sensor) {
         fputs(", of which the table knows nothing\n", out);
         return;
     }
@@ -69,20 +67,20 @@ static void print_sensor(const probe_report *r, FILE *out)
 
 static void print_controls(const probe_report *r, FILE *out)
 {
-    for (unsigned i = 0; i < r->controls; i++) {
-        const probe_control *c = &r->control[i];
-        fprintf(out, "%s%s%s: ", i ? "           " : "controls   ", c->on_subdevice ? "sensor's " : "", c->name);
+    for (unsigned i = 0; i < r->offers.controls; i++) {
+        const pupil_live_control *c = &r->offers.control[i];
+        fprintf(out, "%s%s%s: ", i ? "           " : "controls   ", c->on_sensor ? "sensor's " : "", c->name);
         if (*c->item)
             fprintf(out, "%s", c->item);
         else
-            fprintf(out, "%lld", (long long)c->value);
+            fprintf(out, "%.15g", c->value);
         if (!*c->item)
-            fprintf(out, " of %lld..%lld", (long long)c->least, (long long)c->most);
-        if (c->step > 1)
-            fprintf(out, " by %lld", (long long)c->step);
+            fprintf(out, " of %.15g..%.15g", c->least, c->most);
+        if (c->step > 1.0)
+            fprintf(out, " by %.15g", c->step);
         fprintf(out, "%s\n", c->automatic ? " (automatic: turned off while pupil steers)" : "");
     }
-    if (!r->controls)
+    if (!r->offers.controls)
         fputs("controls   none\n", out);
 }
 

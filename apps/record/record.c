@@ -22,9 +22,9 @@
 typedef struct record {
     record_options options;
     pupil_source *source;
-    char device[PATH_MAX];            /* of the camera */
-    const char *name;                 /* of the input */
-    const pupil_v4l2_capture *camera; /* NULL: the source is no camera */
+    char device[PATH_MAX];    /* of the camera */
+    const char *name;         /* of the input */
+    const pupil_live *camera; /* NULL: the source is no camera */
     pupil_recorder *recorder;
     int64_t first_ns;
     uint64_t taken, bytes; /* frames from the source; bytes of them */
@@ -100,7 +100,7 @@ static size_t bytes_of(const pupil_frame *frame)
 
 static int open_recorder(record *r, const pupil_frame *first)
 {
-    const pupil_recorder_options options = {.camera = r->camera ? r->camera->device.name : r->name,
+    const pupil_recorder_options options = {.camera = r->camera ? r->camera->is.name : r->name,
                                             .fps = r->source->fps,
                                             .primaries = r->source->primaries,
                                             .overwrite = r->options.run.shown.overwrite,
@@ -158,7 +158,7 @@ static int run(record *r)
 
 /* --- begin and end --- */
 
-static int open_source(record *r, const pupil_v4l2_system *system)
+static int open_source(record *r, const pupil_live_system *system)
 {
     const record_options *o = &r->options;
     r->options.run.shown.source.stop = interrupt_came;
@@ -168,11 +168,11 @@ static int open_source(record *r, const pupil_v4l2_system *system)
     if (camera_choose(system, o->run.shown.input_count ? o->run.shown.inputs[0] : o->run.device, r->device,
                       sizeof r->device, &r->why))
         return -1;
-    const pupil_live_options live = {.capture = {.system = system, .fourcc = o->run.live.capture.fourcc},
-                                     .hands_off = !is_steered(o)};
+    const pupil_live_options live = {
+        .system = system, .capture = {.fourcc = o->run.live.capture.fourcc}, .hands_off = !is_steered(o)};
     if (pupil_live_open(r->device, &o->run.shown.source, &live, &r->source, &r->why))
         return -1;
-    r->camera = pupil_live_capture(r->source);
+    r->camera = pupil_live_get(r->source);
     return begin_exposure(r);
 }
 
@@ -204,7 +204,7 @@ static int end(record *r, int failed)
     return failed;
 }
 
-int record_on(const pupil_v4l2_system *system, int argc, char **argv)
+int record_on(const pupil_live_system *system, int argc, char **argv)
 {
     static record r; /* one run at a time; pupil_t and pupil_stats are large for a stack */
     memset(&r, 0, sizeof r);

@@ -2,9 +2,9 @@
 #ifndef PUPIL_APPS_RECORD_RECORD_H
 #define PUPIL_APPS_RECORD_RECORD_H
 
-#include "v4l2/system.h"
+#include "live/live.h"
 
 /* The whole command, with the cameras of `system` (NULL: the kernel's). The program's exit status. */
-int record_on(const pupil_v4l2_system *system, int argc, char **argv);
+int record_on(const pupil_live_system *system, int argc, char **argv);
 
 #endif

@@ -126,8 +126,8 @@ int run_resume_check(const char *path, pupil_why *why)
 
 static void name_camera(run_resume *r, const pupil_source *source)
 {
-    const pupil_v4l2_capture *capture = pupil_live_capture(source);
-    const char *const names[] = {capture->device.driver, capture->device.bus, capture->device.name};
+    const pupil_live_identity *is = &pupil_live_get(source)->is;
+    const char *const names[] = {is->driver, is->bus, is->name};
     char *to = r->camera;
     for (int i = 0; i < 3; i++) {
         if (i)
@@ -136,7 +136,7 @@ static void name_camera(run_resume *r, const pupil_source *source)
             *to++ = iscntrl((unsigned char)*c) ? '?' : *c;
     }
     *to = 0;
-    r->reopened = capture->counts.reopened;
+    r->reopened = pupil_live_get(source)->counts.reopened;
 }
 
 void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, pupil_why *warning)
@@ -189,7 +189,7 @@ void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sen
     const uint32_t state = setting->state;
     if (!r->path)
         return;
-    if (r->reopened != pupil_live_capture(source)->counts.reopened) { /* it may be another camera */
+    if (r->reopened != pupil_live_get(source)->counts.reopened) { /* it may be another camera */
         join(r);
         name_camera(r, source);
         r->rest_s = r->kept_s = 0.0;

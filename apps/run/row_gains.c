@@ -80,7 +80,7 @@ static int ready(run_row_gains *l, const run_sensor *sensor)
 /* The lamps are followed by the middle of the exposure, which moves against the driver's stamp with its length. */
 static pupil_frame_info middle_of(const pupil_source *source, const pupil_frame_info *info)
 {
-    const int starts = pupil_live_frame(source)->stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE;
+    const int starts = pupil_live_get(source)->times.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE;
     pupil_frame_info middle = *info;
     if (info->exposure_s > 0.0 && info->exposure_s < 1.0)
         middle.timestamp_ns += (int64_t)((starts ? 0.5e9 : -0.5e9) * info->exposure_s);

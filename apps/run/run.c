@@ -20,8 +20,8 @@
 
 typedef struct run {
     run_options options;
-    const pupil_v4l2_system *system; /* NULL: the kernel */
-    char device[256];
+    const pupil_live_system *system; /* NULL: the machine's */
+    char device[272];
     const char *input; /* device: the name of the only input */
     session session;
     run_sensor sensor;
@@ -29,7 +29,7 @@ typedef struct run {
     run_colour colour;
     run_row_gains lamps;
     run_status status;
-    pupil_v4l2_counts counts; /* at the last frame */
+    pupil_live_counts counts; /* at the last frame */
     int failed;               /* session.why has the sentence */
     pupil_why unused;
 } run;
@@ -57,15 +57,15 @@ static pupil_why *why_of(run *r)
 static void describe_camera(run *r, const pupil_frame *frame, int64_t mapped_ns, frame_log_entry *entry)
 {
     const pupil_source *source = r->session.source;
-    const pupil_v4l2_counts before = r->counts;
-    const pupil_v4l2_counts *now = &pupil_live_capture(source)->counts;
-    const pupil_v4l2_frame *f = pupil_live_frame(source);
+    const pupil_live_counts before = r->counts;
+    const pupil_live_counts *now = &pupil_live_get(source)->counts;
+    const pupil_live_times *f = &pupil_live_get(source)->times;
     entry->live = 1;
     entry->sequence = frame->info.sequence;
     entry->lost = now->lost - before.lost;
     entry->flagged = now->flagged - before.flagged + now->cut - before.cut;
     entry->late = now->late - before.late;
-    entry->read_us = f->stamp == PUPIL_V4L2_STAMP_NONE ? (double)NAN : (double)(f->taken_ns - f->stamp_ns) * 1e-3;
+    entry->read_us = f->stamp == PUPIL_LIVE_STAMP_NONE ? (double)NAN : (double)(f->taken_ns - f->stamp_ns) * 1e-3;
     entry->latency_us = entry->read_us + (double)(mapped_ns - f->taken_ns) * 1e-3;
     r->counts = *now;
     run_sensor_describe(&r->sensor, &frame->info, entry);
@@ -114,7 +114,7 @@ static int take(run *r, pupil_frame *frame)
     if (run_resume_leaves_out(&r->resume, s->source, &frame->info))
         return 0;
     if (!s->frames && r->options.seconds > 0.0)
-        end_of_run.at_ns = pupil_live_frame(s->source)->taken_ns + (int64_t)(r->options.seconds * 1e9);
+        end_of_run.at_ns = pupil_live_get(s->source)->times.taken_ns + (int64_t)(r->options.seconds * 1e9);
     return show(r, frame);
 }
 
@@ -156,7 +156,7 @@ static int open_camera(run *r)
     o->shown.input_count = 1;
     r->input = r->device;
     o->shown.source.stop = is_over;
-    o->live.capture.system = r->system;
+    o->live.system = r->system;
     o->live.hands_off = o->mode == RUN_DIGITAL && !(o->exposure_s > 0.0) && !(o->gain > 0.0);
     if (pupil_live_open(r->device, &o->shown.source, &o->live, &s->source, &s->why))
         return -1;
@@ -238,7 +238,7 @@ static int parse(run *r, int argc, char **argv)
     return parsed;
 }
 
-int run_on(const pupil_v4l2_system *system, int argc, char **argv)
+int run_on(const pupil_live_system *system, int argc, char **argv)
 {
     static run r; /* pupil_t and pupil_stats are large for a stack */
     session *s = &r.session;
@@ -255,7 +255,7 @@ int run_on(const pupil_v4l2_system *system, int argc, char **argv)
     progress_clear(&s->progress);
     finish(&r);
     const int given_up = interrupt_again();
-    const uint64_t reopened = s->source ? pupil_live_capture(s->source)->counts.reopened : 0;
+    const uint64_t reopened = s->source ? pupil_live_get(s->source)->counts.reopened : 0;
     end(&r, more, sizeof more);
     add_findings(&r, more, sizeof more);
     if (r.failed)

@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #include "live/live.h"
-#include "v4l2/format.h"
 
 #define EVERY_S 0.2
 
@@ -12,14 +11,13 @@ static const char *const modes[] = {"digital", "sensor", "both"};
 
 void run_status_begin(run_status *s, session *of, uint32_t mode)
 {
-    const pupil_v4l2_capture *c = pupil_live_capture(of->source);
+    const pupil_live *c = pupil_live_get(of->source);
     *s = (run_status){.quiet = of->options->quiet, .line = &of->progress};
     progress_begin(s->line, s->quiet, 0);
     s->line->last_s = s->line->began_s;
     if (!s->quiet)
-        fprintf(stderr, "%s, %s: %s %ux%u at %.4g frames/s, mode %s\n", c->device.path, c->device.name,
-                pupil_v4l2_fourcc_name(c->format.fourcc).text, c->format.width, c->format.height, of->source->fps,
-                modes[mode]);
+        fprintf(stderr, "%s, %s: %s %ux%u at %.4g frames/s, mode %s\n", c->is.path, c->is.name, c->stream.format,
+                c->stream.width, c->stream.height, of->source->fps, modes[mode]);
 }
 
 static void print_time(double s)

@@ -22,7 +22,7 @@ void session_outputs_begin(session_outputs *o, frame_options *options, const pup
 {
     *o = (session_outputs){.options = options, .source = source, .live = live};
     if (live)
-        o->pictures.system = pupil_live_capture(source)->device.system;
+        o->pictures.system = pupil_live_get(source)->system;
 }
 
 /* --- a frame --- */
@@ -31,7 +31,7 @@ static int record_frame(session_outputs *o, const pupil_frame *frame, pupil_why 
 {
     if (!o->options->record)
         return 0;
-    const pupil_recorder_options options = {.camera = pupil_live_capture(o->source)->device.name,
+    const pupil_recorder_options options = {.camera = pupil_live_get(o->source)->is.name,
                                             .fps = o->source->fps,
                                             .primaries = o->source->primaries,
                                             .overwrite = o->options->overwrite,

@@ -28,7 +28,7 @@ int live_change_done(live_change **change, pupil_camera **camera, pupil_why *why
 void live_change_end(live_change *change);
 
 typedef struct live_source {
-    pupil_source base;
+    pupil_live live;
     pupil_live_options options;
     char which[256], name[32], bus[32]; /* of the camera that was opened first */
 
@@ -45,9 +45,8 @@ typedef struct live_source {
     int64_t stamp_ns; /* of the last frame */
     char label[320];
 
+    uint64_t described; /* counts.reopened when live.stream was filled in */
     live_which controls_of;
-    pupil_camera *camera; /* NULL: no controls (now), and why */
-    pupil_why why;
     live_change *change;        /* NULL: the controls are those of the camera that streams */
     uint64_t controls_reopened; /* counts.reopened when the controls were opened */
     int told;                   /* the camera knows that the stream has started */

@@ -22,7 +22,7 @@ static int is_same(void *closure, const pupil_v4l2_device *device, const char *p
 static int try_again(live_source *s, pupil_why *why)
 {
     const pupil_v4l2_system *system = s->capture.device.system;
-    const pupil_v4l2_counts counts = s->capture.counts;
+    const pupil_live_counts counts = s->capture.counts;
     pupil_why unused;
     *s->label = 0; /* where it is found now */
     pupil_v4l2_devices(system, is_same, s, &unused);
@@ -67,17 +67,17 @@ void live_name_controls(live_source *s)
 void live_follow_controls(live_source *s)
 {
     const uint64_t reopened = s->capture.counts.reopened;
-    if (s->change && live_change_done(&s->change, &s->camera, &s->why))
+    if (s->change && live_change_done(&s->change, &s->live.camera, &s->live.no_controls))
         s->told = 0;
     if (reopened == s->controls_reopened || s->change || s->options.hands_off)
         return;
-    pupil_camera *old = s->camera;
-    s->camera = NULL;
+    pupil_camera *old = s->live.camera;
+    s->live.camera = NULL;
     s->controls_reopened = reopened;
     s->period_ns = 0.0;
     live_name_controls(s);
-    pupil_refuse(&s->why, "%s: its controls are being opened again", s->controls_of.path);
+    pupil_refuse(&s->live.no_controls, "%s: its controls are being opened again", s->controls_of.path);
     s->change = live_change_start(old, &s->controls_of);
     if (!s->change)
-        pupil_refuse(&s->why, "%s: not enough memory for its controls", s->controls_of.path);
+        pupil_refuse(&s->live.no_controls, "%s: not enough memory for its controls", s->controls_of.path);
 }

@@ -1,12 +1,15 @@
-/* A live camera: frames and controls of one device, in step. */
+/* A live camera of V4L2: frames and controls of one device, in step. */
 #include "live.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "kinds_private.h"
 #include "live_private.h"
 #include "refuse.h"
+#include "v4l2/media/media.h"
+#include "v4l2/offers/offers.h"
 
 #define NOMINAL_FPS 30.0 /* of a camera that does not report its rate */
 
@@ -131,18 +134,43 @@ static void measure_period(live_source *s, uint64_t sequence, int64_t stamp_ns)
     if (s->period_ns > 0.0 && s->sequence > sequence && passed_ns > 0.0)
         s->period_ns = passed_ns / (double)(s->sequence - sequence);
     else
-        s->period_ns = 1e9 / s->base.fps;
+        s->period_ns = 1e9 / s->live.base.fps;
 }
 
-void pupil_live_mark(pupil_source *source)
+static void mark(pupil_source *source)
 {
     const live_source *s = of(source);
-    if (!s->camera || !(s->period_ns > 0.0)) /* before the first frame none is in progress */
+    if (!s->live.camera || !(s->period_ns > 0.0)) /* before the first frame none is in progress */
         return;
     int64_t end_ns = s->stamp_ns;
-    if (s->frame.stamp == PUPIL_V4L2_STAMP_START_OF_EXPOSURE)
+    if (s->frame.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE)
         end_ns += (int64_t)s->period_ns;
-    pupil_camera_frame(s->camera, pupil_camera_newest(s->sequence, end_ns, live_now_ns(s), s->period_ns * 1e-9), 0);
+    pupil_camera_frame(s->live.camera, pupil_camera_newest(s->sequence, end_ns, live_now_ns(s), s->period_ns * 1e-9),
+                       0);
+}
+
+/* What its users see of it. */
+static void show(live_source *s)
+{
+    s->live.counts = s->capture.counts;
+    s->live.times = (pupil_live_times){s->frame.stamp, s->frame.stamp_ns, s->frame.taken_ns};
+}
+
+static void describe_stream(live_source *s)
+{
+    const pupil_v4l2_capture *c = &s->capture;
+    pupil_live_stream *stream = &s->live.stream;
+    pupil_v4l2_identify(&c->device, &s->live.is);
+    snprintf(stream->format, sizeof stream->format, "%s", pupil_v4l2_fourcc_name(c->format.fourcc).text);
+    stream->width = c->format.width;
+    stream->height = c->format.height;
+    stream->buffers = c->buffers;
+    pupil_v4l2_colour_names(&c->format, stream);
+    stream->reading = pupil_v4l2_reading_name(c->reading);
+    snprintf(stream->heap, sizeof stream->heap, "%s", c->heap ? c->heap : "");
+    stream->read_bytes_s = c->speed.bytes_s;
+    stream->ordinary_bytes_s = c->speed.ordinary;
+    s->described = c->counts.reopened;
 }
 
 static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
@@ -152,17 +180,20 @@ static int source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     const int64_t stamp_ns = s->stamp_ns;
     take_back(s);
     const int got = next_whole(s, frame, why);
+    show(s);
     if (got != PUPIL_SOURCE_FRAME)
         return got;
+    if (s->described != s->capture.counts.reopened)
+        describe_stream(s);
     live_follow_controls(s);
     measure_period(s, sequence, stamp_ns);
-    if (!s->camera)
+    if (!s->live.camera)
         return got;
     if (!s->told) /* some drivers set their controls again at STREAMON, or with the first frame */
-        pupil_camera_reapply(s->camera);
+        pupil_camera_reapply(s->live.camera);
     s->told = 1;
-    pupil_live_mark(source);
-    pupil_camera_in_force(s->camera, frame->info.sequence, &frame->info);
+    mark(source);
+    pupil_camera_in_force(s->live.camera, frame->info.sequence, &frame->info);
     return got;
 }
 
@@ -174,14 +205,14 @@ static void source_done(pupil_source *source, pupil_frame *frame)
 
 /* ---- begin and end ---- */
 
-int pupil_live_give_back(pupil_source *source, pupil_why *why)
+static int give_back(pupil_source *source, pupil_why *why)
 {
     live_source *s = of(source);
     pupil_why reason;
-    pupil_camera *camera = s->camera;
-    s->camera = NULL;
+    pupil_camera *camera = s->live.camera;
+    s->live.camera = NULL;
     s->options.hands_off = 1;
-    pupil_refuse(&s->why, "%s: its controls were given back", s->controls_of.path);
+    pupil_refuse(&s->live.no_controls, "%s: its controls were given back", s->controls_of.path);
     live_change_end(s->change);
     s->change = NULL;
     if (pupil_camera_close(camera, &reason) >= 0)
@@ -193,7 +224,7 @@ static void source_close(pupil_source *source)
 {
     live_source *s = of(source);
     pupil_why unused;
-    pupil_live_give_back(source, &unused);
+    give_back(source, &unused);
     take_back(s);
     pupil_v4l2_capture_close(&s->capture);
     pupil_jpeg_close(s->jpeg);
@@ -201,19 +232,6 @@ static void source_close(pupil_source *source)
 }
 
 static const pupil_source_ops source_ops = {source_next, source_done, source_close};
-
-static void take_options(live_source *s, const pupil_source_options *options, const pupil_live_options *more)
-{
-    if (more)
-        s->options = *more;
-    if (!options)
-        return;
-    pupil_v4l2_options *capture = &s->options.capture;
-    capture->fps = options->fps != 0.0 ? options->fps : capture->fps;
-    capture->width = options->width ? options->width : capture->width;
-    capture->height = options->height ? options->height : capture->height;
-    capture->stop = options->stop ? options->stop : capture->stop;
-}
 
 static int open_frames(live_source *s, pupil_why *why)
 {
@@ -226,49 +244,12 @@ static int open_frames(live_source *s, pupil_why *why)
     const double asked_fps = s->options.capture.fps;
     snprintf(s->name, sizeof s->name, "%s", s->capture.device.name);
     snprintf(s->bus, sizeof s->bus, "%s", s->capture.device.bus);
-    s->base.primaries = s->capture.format.primaries;
-    s->base.fps = s->capture.fps > 0.0 ? s->capture.fps : asked_fps > 0.0 ? asked_fps : NOMINAL_FPS;
-    return 0;
-}
-
-int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
-                    pupil_source **source, pupil_why *why)
-{
-    const size_t prefix = sizeof PUPIL_V4L2_PREFIX - 1;
-    which += strncmp(which, PUPIL_V4L2_PREFIX, prefix) == 0 ? prefix : 0;
-    live_source *s = calloc(1, sizeof *s);
-    if (!s) {
-        pupil_refuse(why, "%s: not enough memory", which);
-        return PUPIL_SOURCE_FAILED;
-    }
-    take_options(s, options, more);
-    snprintf(s->which, sizeof s->which, "%s", which);
-    if (open_frames(s, why)) {
-        free(s);
-        return PUPIL_SOURCE_FAILED;
-    }
-    s->base.ops = &source_ops;
-    s->controls_of.mains_hz = s->options.mains_hz;
-    s->controls_of.delay = s->options.delay;
-    live_name_controls(s);
-    pupil_refuse(&s->why, "%s: its controls are left alone", s->controls_of.path);
-    if (!s->options.hands_off)
-        s->camera = live_controls_open(&s->controls_of, &s->why);
-    *source = &s->base;
+    s->live.base.primaries = s->capture.format.primaries;
+    s->live.base.fps = s->capture.fps > 0.0 ? s->capture.fps : asked_fps > 0.0 ? asked_fps : NOMINAL_FPS;
     return 0;
 }
 
 /* ---- what is known ---- */
-
-pupil_camera *pupil_live_camera(const pupil_source *source)
-{
-    return of(source)->camera;
-}
-
-const char *pupil_live_no_controls(const pupil_source *source)
-{
-    return of(source)->why.text;
-}
 
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
 {
@@ -280,12 +261,20 @@ const pupil_v4l2_frame *pupil_live_frame(const pupil_source *source)
     return &of(source)->frame;
 }
 
-int64_t pupil_live_now_ns(const pupil_source *source)
+static int64_t now_ns(const pupil_source *source)
 {
     return live_now_ns(of(source));
 }
 
-int pupil_live_is_linear(const pupil_source *source)
+static int find_sensor(const pupil_source *source, pupil_camera_sensor *known)
+{
+    pupil_v4l2_sensor sensor;
+    pupil_why unused;
+    return pupil_v4l2_media_sensor(&of(source)->capture.device, &sensor, &unused) == 0 &&
+           pupil_camera_find_sensor(NULL, sensor.entity, known, &unused) == 1;
+}
+
+static int is_linear(const pupil_source *source)
 {
     const pupil_v4l2_capture *capture = &of(source)->capture;
     const uint32_t pixel = capture->format.pixel;
@@ -297,7 +286,37 @@ int pupil_live_is_linear(const pupil_source *source)
     return is_raw || (is_grey && strcmp(capture->device.driver, "uvcvideo") != 0);
 }
 
-void pupil_live_restore(const pupil_source *source)
+static void restore(const pupil_source *source)
 {
-    pupil_camera_restore(of(source)->camera);
+    pupil_camera_restore(of(source)->live.camera);
+}
+
+static const pupil_live_ops live_ops = {now_ns, is_linear, find_sensor, mark, give_back, restore};
+
+/* ---- open ---- */
+
+int live_v4l2_open(const char *which, const pupil_live_options *options, pupil_source **source, pupil_why *why)
+{
+    live_source *s = calloc(1, sizeof *s);
+    if (!s) {
+        pupil_refuse(why, "%s: not enough memory", which);
+        return PUPIL_SOURCE_FAILED;
+    }
+    s->options = *options;
+    snprintf(s->which, sizeof s->which, "%s", which);
+    if (open_frames(s, why)) {
+        free(s);
+        return PUPIL_SOURCE_FAILED;
+    }
+    s->live.base.ops = &source_ops;
+    s->live.ops = &live_ops;
+    s->controls_of.mains_hz = s->options.mains_hz;
+    s->controls_of.delay = s->options.delay;
+    live_name_controls(s);
+    describe_stream(s);
+    pupil_refuse(&s->live.no_controls, "%s: its controls are left alone", s->controls_of.path);
+    if (!s->options.hands_off)
+        s->live.camera = live_controls_open(&s->controls_of, &s->live.no_controls);
+    *source = &s->live.base;
+    return 0;
 }

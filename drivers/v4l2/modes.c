@@ -2,9 +2,7 @@
 
 #include <errno.h>
 #include <linux/videodev2.h>
-#include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "format.h"
@@ -18,7 +16,7 @@ static double rate_of(struct v4l2_fract interval)
     return interval.numerator ? (double)interval.denominator / interval.numerator : 0.0;
 }
 
-static void add_rate(pupil_v4l2_size *size, double fps)
+static void add_rate(pupil_live_size *size, double fps)
 {
     uint32_t i = size->rates;
     if (!(fps > 0.0))
@@ -26,7 +24,7 @@ static void add_rate(pupil_v4l2_size *size, double fps)
     for (uint32_t k = 0; k < size->rates; k++)
         if (size->fps[k] == fps)
             return;
-    if (size->rates == PUPIL_V4L2_MOST_RATES)
+    if (size->rates == PUPIL_LIVE_MOST_RATES)
         return;
     for (; i > 0 && size->fps[i - 1] > fps; i--)
         size->fps[i] = size->fps[i - 1];
@@ -34,9 +32,9 @@ static void add_rate(pupil_v4l2_size *size, double fps)
     size->rates++;
 }
 
-static void read_rates(const pupil_v4l2_device *device, uint32_t fourcc, pupil_v4l2_size *size)
+static void read_rates(const pupil_v4l2_device *device, uint32_t fourcc, pupil_live_size *size)
 {
-    for (uint32_t i = 0; i < 4 * PUPIL_V4L2_MOST_RATES; i++) {
+    for (uint32_t i = 0; i < 4 * PUPIL_LIVE_MOST_RATES; i++) {
         struct v4l2_frmivalenum interval = {
             .index = i, .pixel_format = fourcc, .width = size->max_width, .height = size->max_height};
         if (pupil_v4l2_ask(device, VIDIOC_ENUM_FRAMEINTERVALS, &interval) != 0)
@@ -52,21 +50,19 @@ static void read_rates(const pupil_v4l2_device *device, uint32_t fourcc, pupil_v
     }
 }
 
-static int read_sizes(const pupil_v4l2_device *device, pupil_v4l2_mode *mode)
+static int read_sizes(const pupil_v4l2_device *device, pupil_live_mode *mode)
 {
     for (uint32_t i = 0; i < MOST_SIZES; i++) {
         struct v4l2_frmsizeenum s = {.index = i, .pixel_format = mode->fourcc};
         if (pupil_v4l2_ask(device, VIDIOC_ENUM_FRAMESIZES, &s) != 0)
             return 0; /* the end, or a driver that does not report it */
-        pupil_v4l2_size *more = realloc(mode->size, (mode->sizes + 1) * sizeof *more);
-        if (!more)
+        pupil_live_size *size = pupil_live_mode_add_size(mode);
+        if (!size)
             return -1;
-        mode->size = more;
-        pupil_v4l2_size *size = &more[mode->sizes++];
-        *size = (pupil_v4l2_size){.width = s.discrete.width, .height = s.discrete.height};
+        *size = (pupil_live_size){.width = s.discrete.width, .height = s.discrete.height};
         if (s.type != V4L2_FRMSIZE_TYPE_DISCRETE) {
             const struct v4l2_frmsize_stepwise *w = &s.stepwise;
-            *size = (pupil_v4l2_size){.width = w->min_width,
+            *size = (pupil_live_size){.width = w->min_width,
                                       .height = w->min_height,
                                       .max_width = w->max_width,
                                       .max_height = w->max_height,
@@ -83,9 +79,9 @@ static int read_sizes(const pupil_v4l2_device *device, pupil_v4l2_mode *mode)
     return 0;
 }
 
-int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *modes, pupil_why *why)
+int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_live_modes *modes, pupil_why *why)
 {
-    *modes = (pupil_v4l2_modes){0};
+    *modes = (pupil_live_modes){0};
     for (uint32_t i = 0; i < MOST_MODES; i++) {
         struct v4l2_fmtdesc d = {.index = i, .type = device->type};
         if (pupil_v4l2_ask(device, VIDIOC_ENUM_FMT, &d) != 0) {
@@ -93,51 +89,16 @@ int pupil_v4l2_modes_read(const pupil_v4l2_device *device, pupil_v4l2_modes *mod
                 return 0;
             return pupil_v4l2_failed(device, "does not report its formats", errno, why);
         }
-        pupil_v4l2_mode *more = realloc(modes->mode, (modes->count + 1) * sizeof *more);
-        if (more) {
-            modes->mode = more;
-            more[modes->count] = (pupil_v4l2_mode){.fourcc = d.pixelformat,
-                                                   .read = pupil_v4l2_is_read(d.pixelformat),
-                                                   .compressed = (d.flags & V4L2_FMT_FLAG_COMPRESSED) != 0};
-            snprintf(more[modes->count].description, sizeof more->description, "%.31s", (const char *)d.description);
-            modes->count++;
+        pupil_live_mode *mode = pupil_live_modes_add(modes);
+        if (mode) {
+            mode->fourcc = d.pixelformat;
+            mode->read = pupil_v4l2_is_read(d.pixelformat);
+            mode->compressed = (d.flags & V4L2_FMT_FLAG_COMPRESSED) != 0;
+            snprintf(mode->name, sizeof mode->name, "%s", pupil_v4l2_fourcc_name(d.pixelformat).text);
+            snprintf(mode->description, sizeof mode->description, "%.31s", (const char *)d.description);
         }
-        if (!more || read_sizes(device, &more[modes->count - 1]))
+        if (!mode || read_sizes(device, mode))
             return pupil_v4l2_failed(device, "its list of formats", ENOMEM, why);
     }
     return 0;
-}
-
-void pupil_v4l2_modes_free(pupil_v4l2_modes *modes)
-{
-    for (uint32_t i = 0; i < modes->count; i++)
-        free(modes->mode[i].size);
-    free(modes->mode);
-    *modes = (pupil_v4l2_modes){0};
-}
-
-static void __attribute__((format(printf, 3, 4))) append(char *text, size_t text_bytes, const char *format, ...)
-{
-    const size_t used = strlen(text);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text + used, text_bytes - used, format, arguments);
-    va_end(arguments);
-}
-
-void pupil_v4l2_mode_text(const pupil_v4l2_mode *mode, char *text, size_t text_bytes)
-{
-    *text = 0;
-    for (uint32_t i = 0; i < mode->sizes; i++) {
-        const pupil_v4l2_size *s = &mode->size[i];
-        append(text, text_bytes, "%s%ux%u", i ? " " : "", s->width, s->height);
-        if (s->step_width || s->step_height)
-            append(text, text_bytes, "..%ux%u", s->max_width, s->max_height);
-        for (uint32_t k = s->rates; k-- > 0;) /* the fastest first */
-            append(text, text_bytes, "%s%.6g",
-                   k + 1 == s->rates ? "@"
-                   : s->fps_between  ? ".."
-                                     : ",",
-                   s->fps[s->fps_between ? s->rates - 1 - k : k]);
-    }
 }

@@ -302,7 +302,8 @@ int main(int argc, char **argv)
         rig.writes = 0;
     }
     const int probes = kept > 1 && strcmp(argv[1], "probe") == 0;
-    const int status = probes ? probe_on(&rig.system, kept - 1, argv + 1) : run_on(&rig.system, kept, argv);
+    const pupil_live_system live = {.v4l2 = &rig.system};
+    const int status = probes ? probe_on(&live, kept - 1, argv + 1) : run_on(&live, kept, argv);
     const struct timespec moment = {0, 10000000};
     if (fake_v4l2_holds(rig.fake).files)
         fprintf(stderr, "fake: files are left as it ends, which a program would take with it\n");

@@ -47,6 +47,11 @@ plant drivers/live/live.c scene.h
 expect "drivers/live/live.c -> fixtures/scene.h: drivers does not see fixtures"
 plant drivers/live/live.c file/still_private.h
 expect "drivers/live/live.c -> drivers/file/still_private.h: a private header of another folder"
+plant drivers/v4l2/device.h
+plant drivers/v4l2/format.h
+plant apps/run/options.c v4l2/format.h
+plant apps/run/run.c v4l2/device.h
+expect "apps/run/run.c -> drivers/v4l2/device.h: cameras are reached through drivers/live"
 plant tests/run/test_run.c file/still_private.h
 expect "tests/run/test_run.c -> drivers/file/still_private.h: a private header of another folder"
 plant drivers/file/sink/sink.h file/still.h

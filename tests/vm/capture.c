@@ -107,7 +107,7 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
     CHECK_MSG(c->memory == memory_used[mode], "%s: memory %u", what, c->memory);
     for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++)
         check_pattern(source, fd, patterns[i], mode, what);
-    const pupil_v4l2_counts *counts = &c->counts;
+    const pupil_live_counts *counts = &c->counts;
     CHECK_MSG(counts->flagged == 0 && counts->cut == 0 && counts->unstamped == 0, "%s: %llu flagged, %llu cut", what,
               (unsigned long long)counts->flagged, (unsigned long long)counts->cut);
     pupil_source_close(source);
@@ -121,7 +121,7 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
 static void check_formats(const char *path, int fd, const pupil_v4l2_options *o, const char *input, int smoke)
 {
     pupil_v4l2_device device;
-    pupil_v4l2_modes modes;
+    pupil_live_modes modes;
     unsigned n = 0;
     const unsigned before = formats_seen;
     CHECK_MSG(pupil_v4l2_device_open(&device, NULL, path, &why) == 0, "%s", why.text);
@@ -140,7 +140,7 @@ static void check_formats(const char *path, int fd, const pupil_v4l2_options *o,
             n++;
         }
     }
-    pupil_v4l2_modes_free(&modes);
+    pupil_live_modes_free(&modes);
     CHECK_MSG(n >= 33, "%s: only %u formats", input, n); /* of the 33 that vivid of Linux 6.1 has in one area */
     printf("%s, %s: %u formats, %u streams\n", path, input, n, formats_seen - before);
 }

@@ -50,7 +50,7 @@ typedef struct play {
     const char *sentence; /* that the stream ends with, or a part; NULL: it continues */
     uint64_t got;         /* frames that came */
     uint64_t hash[MOST];
-    pupil_v4l2_counts counts;
+    pupil_live_counts counts;
     uint64_t first_sequence, last_sequence;
     uint32_t memory;
 } play;

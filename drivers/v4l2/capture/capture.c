@@ -157,11 +157,11 @@ static void stamp(pupil_v4l2_capture *c, const struct v4l2_buffer *b, pupil_v4l2
     frame->taken_ns = now_ns(c);
     frame->stamp_ns = (int64_t)b->timestamp.tv_sec * 1000000000 + (int64_t)b->timestamp.tv_usec * 1000;
     frame->stamp = (b->flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE
-                       ? PUPIL_V4L2_STAMP_START_OF_EXPOSURE
-                       : PUPIL_V4L2_STAMP_END_OF_FRAME;
+                       ? PUPIL_LIVE_STAMP_START_OF_EXPOSURE
+                       : PUPIL_LIVE_STAMP_END_OF_FRAME;
     if ((b->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC ||
         !is_of_our_clock(frame->stamp_ns, frame->taken_ns)) {
-        frame->stamp = PUPIL_V4L2_STAMP_NONE;
+        frame->stamp = PUPIL_LIVE_STAMP_NONE;
         frame->stamp_ns = frame->taken_ns;
         c->counts.unstamped++;
     }

@@ -10,6 +10,7 @@
 #ifndef PUPIL_DRIVERS_V4L2_CAPTURE_CAPTURE_H
 #define PUPIL_DRIVERS_V4L2_CAPTURE_CAPTURE_H
 
+#include "live_source.h"
 #include "memory.h"
 #include "pupil/error.h"
 #include "v4l2/device.h"
@@ -70,19 +71,6 @@ typedef struct pupil_v4l2_buffer {
     int queued;                         /* the driver's */
 } pupil_v4l2_buffer;
 
-/* What was not handed out, and why. */
-typedef struct pupil_v4l2_counts {
-    uint64_t frames;    /* handed out */
-    uint64_t lost;      /* missing in the driver's numbers */
-    uint64_t repeated;  /* with the number of the frame before (drivers that do not count) */
-    uint64_t flagged;   /* damaged, as the driver says */
-    uint64_t cut;       /* with fewer bytes than the format has */
-    uint64_t damaged;   /* pupil_live only: JPEGs that cannot be decoded */
-    uint64_t late;      /* left out for a newer one (options.newest) */
-    uint64_t unstamped; /* without a monotonic timestamp: the moment they were taken from the driver is used */
-    uint64_t reopened;  /* times that the camera was opened again */
-} pupil_v4l2_counts;
-
 typedef struct pupil_v4l2_capture {
     pupil_v4l2_device device;
     pupil_v4l2_options options;
@@ -99,15 +87,8 @@ typedef struct pupil_v4l2_capture {
     int last;  /* the driver has said that no more will come */
     int began; /* last_sequence is valid */
     uint32_t last_sequence;
-    pupil_v4l2_counts counts;
+    pupil_live_counts counts;
 } pupil_v4l2_capture;
-
-/* What stamped a frame, and when in its life. */
-typedef enum pupil_v4l2_stamp {
-    PUPIL_V4L2_STAMP_NONE = 0,     /* nobody, or by another clock: the moment it was taken from the driver */
-    PUPIL_V4L2_STAMP_END_OF_FRAME, /* its last byte had arrived */
-    PUPIL_V4L2_STAMP_START_OF_EXPOSURE
-} pupil_v4l2_stamp;
 
 typedef struct pupil_v4l2_frame {
     pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_live decodes it */
@@ -117,7 +98,7 @@ typedef struct pupil_v4l2_frame {
     uint32_t offset_bytes[PUPIL_V4L2_MOST_AREAS]; /* where its pixels begin in each area */
     uint32_t sequence;                            /* the driver's number */
     uint32_t lost;                                /* frames missing before it */
-    uint32_t stamp;                               /* a pupil_v4l2_stamp */
+    uint32_t stamp;                               /* a pupil_live_stamp */
     int64_t stamp_ns;                             /* CLOCK_MONOTONIC */
     int64_t taken_ns;                             /* when it came from the driver */
 } pupil_v4l2_frame;

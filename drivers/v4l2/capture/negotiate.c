@@ -58,14 +58,14 @@ static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *se
 /* The sizes or rates of a format, for a sentence; empty where the driver does not report them. */
 static void offers(const pupil_v4l2_capture *c, uint32_t fourcc, char *text, size_t text_bytes)
 {
-    pupil_v4l2_modes modes;
+    pupil_live_modes modes;
     pupil_why unused;
     *text = 0;
     pupil_v4l2_modes_read(&c->device, &modes, &unused);
     for (uint32_t i = 0; i < modes.count && !*text; i++)
         if (modes.mode[i].fourcc == fourcc)
-            pupil_v4l2_mode_text(&modes.mode[i], text, text_bytes);
-    pupil_v4l2_modes_free(&modes);
+            pupil_live_mode_text(&modes.mode[i], text, text_bytes);
+    pupil_live_modes_free(&modes);
 }
 
 static int refuse(const pupil_v4l2_capture *c, const char *wanted, const char *instead, uint32_t fourcc, pupil_why *why)

@@ -62,17 +62,17 @@ static int try_format(const pupil_v4l2_device *d, const pupil_sink_options *o, u
 /* The sizes that a driver lists behind the sentence that one was refused. */
 static void add_sizes(const pupil_v4l2_device *d, pupil_why *why)
 {
-    pupil_v4l2_modes modes;
+    pupil_live_modes modes;
     pupil_why unused;
     pupil_v4l2_modes_read(d, &modes, &unused);
     for (uint32_t i = 0; i < modes.count; i++)
         if (modes.mode[i].sizes && pupil_v4l2_is_written(modes.mode[i].fourcc)) {
             char text[400];
-            pupil_v4l2_mode_text(&modes.mode[i], text, sizeof text);
+            pupil_live_mode_text(&modes.mode[i], text, sizeof text);
             pupil_refuse_add(why, "; it has %s", text);
             break;
         }
-    pupil_v4l2_modes_free(&modes);
+    pupil_live_modes_free(&modes);
 }
 
 static int set_format(const pupil_v4l2_device *d, const pupil_sink_options *o, pupil_v4l2_output *output,

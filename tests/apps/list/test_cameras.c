@@ -20,7 +20,7 @@ static listing list_of(const pupil_v4l2_system *system, int json)
     FILE *out = open_memstream(&l.out, &l.out_bytes), *err = open_memstream(&l.err, &l.err_bytes);
     if (!out || !err)
         abort();
-    l.status = list_cameras(system, json, out, err);
+    l.status = list_cameras(&(pupil_live_system){.v4l2 = system}, json, out, err);
     fclose(out);
     fclose(err);
     return l;

@@ -73,15 +73,15 @@ static inline void probe(probed *p, const fake_v4l2_config *config, int quick, d
     for (int i = 0; i < 4; i++)
         control(fake, ids[i], 1, left_at[i]);
     pupil_v4l2_system moved = *fake_v4l2_system(fake);
-    const pupil_v4l2_system *system = &moved;
+    const pupil_live_system live = {.v4l2 = &moved};
     moved.ioctl = move_ioctl;
     moving = fake;
     moved_frames = 0;
     moved_light = light;
-    CHECK_MSG(probe_offers(&p->report, system, "/dev/video0", &p->why) == 0, "%s", p->why.text);
+    CHECK_MSG(pupil_live_offers_read(&p->report.offers, &live, "/dev/video0", &p->why) == 0, "%s", p->why.text);
     for (int i = 0; i < 4; i++)
         CHECK(control(fake, ids[i], 0, 0) == left_at[i]); /* only asked */
-    p->result = probe_measure(&p->report, system, &options, &p->why);
+    p->result = probe_measure(&p->report, &live, &options, &p->why);
     for (int i = 0; i < 4 && !config->unplug_at; i++)
         CHECK_MSG(control(fake, ids[i], 0, 0) == left_at[i], "control %d is left at %d", i,
                   control(fake, ids[i], 0, 0));

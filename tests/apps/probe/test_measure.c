@@ -40,7 +40,7 @@ static void test_delays(void)
                 CHECK(p.report.exposure_delay.is.known && p.report.gain_delay.is.known);
                 CHECK(p.report.exposure_delay.frames - p.report.gain_delay.frames == earlier);
             }
-            probe_free(&p.report);
+            pupil_live_modes_free(&p.report.offers.modes);
         }
 }
 
@@ -66,8 +66,8 @@ static void test_laws(void)
                   "black %g of %g: %s", r->black.share, c.black, r->black.is.why.text);
         CHECK(r->interval.is.known && fabs(r->interval.mean_s * 30 - 1) < 1e-4 && r->interval.jitter_s < 2e-6);
         CHECK(r->interval.frames > 100 && r->interval.lost == 0 && r->interval.damaged == 0);
-        CHECK(r->latency.is.known && r->latency.most_s < 1e-3 && r->latency.stamp == PUPIL_V4L2_STAMP_END_OF_FRAME);
-        probe_free(&p.report);
+        CHECK(r->latency.is.known && r->latency.most_s < 1e-3 && r->latency.stamp == PUPIL_LIVE_STAMP_END_OF_FRAME);
+        pupil_live_modes_free(&p.report.offers.modes);
     }
 }
 
@@ -90,7 +90,7 @@ static void test_lies(void)
     check_unknown(&r->gain_delay.is, "does not follow within 16 frames, though the driver says that it has the value");
     CHECK(r->gain.is.known && !r->gain.obeyed && !r->gain.as_told);
     CHECK_MSG(fabs(r->gain.slope) < 0.1, "slope %g", r->gain.slope); /* far from 1: dark codes of 8 bits */
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 
     c = usual();
     c.deaf_exposure = 1;
@@ -100,7 +100,7 @@ static void test_lies(void)
     CHECK(r->exposure.is.known && !r->exposure.obeyed);
     check_unknown(&r->gain.is, "its exposure does not obey");
     check_unknown(&r->black.is, "the picture does not follow the exposure");
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 
     c = usual(); /* a gain in steps that are not reported */
     c.coarse_gain = 1;
@@ -108,7 +108,7 @@ static void test_lies(void)
     check_delay(&r->gain_delay, 2, "gain");
     CHECK_MSG(r->gain.is.known && r->gain.obeyed && !r->gain.as_told && r->gain.off_ev > 0.5 && r->gain.off_ev < 1.05,
               "%g off, slope %g", r->gain.off_ev, r->gain.slope);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 
     c = usual(); /* grey that is called linear, and has sRGB's curve */
     c.only_format = V4L2_PIX_FMT_Y12;
@@ -118,7 +118,7 @@ static void test_lies(void)
     /* 1 below 0.0031 and falling to 0.5 at 0.03 (IEC 61966-2-1, its derivative): about where the points are */
     CHECK_MSG(r->exposure.is.known && r->exposure.obeyed && !r->exposure.as_told && r->exposure.slope < 0.85,
               "slope %g", r->exposure.slope);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 }
 
 /* Pictures in which nothing can be measured say so. */
@@ -131,16 +131,16 @@ static void test_light(void)
     check_unknown(&p.report.exposure_delay.is, "the picture is too bright");
     check_unknown(&p.report.gain.is, "the picture is too bright");
     CHECK(!p.report.black.is.known || p.report.black.at_most);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
     probe(&p, &c, 1, 1e-6);
     check_unknown(&p.report.exposure_delay.is, "the picture is too dark");
     check_unknown(&p.report.exposure.is, "the picture is too dark");
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
     for (double light = 0.02; light < 30; light *= 3) { /* a camera has to find its level first */
         probe(&p, &c, 1, light);
         check_delay(&p.report.exposure_delay, 2, "exposure");
         check_delay(&p.report.gain_delay, 2, "gain");
-        probe_free(&p.report);
+        pupil_live_modes_free(&p.report.offers.modes);
     }
 }
 
@@ -158,7 +158,7 @@ static void test_trouble(void)
         p.report.exposure_delay.is.known && p.report.exposure_delay.least >= 2 && p.report.exposure_delay.most <= 4,
         "%u..%u: %s", p.report.exposure_delay.least, p.report.exposure_delay.most, p.report.exposure_delay.is.why.text);
     check_law(&p.report.exposure);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 
     c = usual();
     c.flat = 0;
@@ -168,13 +168,13 @@ static void test_trouble(void)
     check_delay(&p.report.exposure_delay, 2, "exposure");
     check_delay(&p.report.gain_delay, 2, "gain");
     CHECK(p.report.exposure.as_told && p.report.gain.as_told);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 
     c = usual();
     c.unplug_at = 100;
     probe(&p, &c, 0, 1.0);
     CHECK_MSG(p.result == -1 && strstr(p.why.text, "the camera was unplugged"), "%s", p.why.text);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 }
 
 static double amount, speed, from;
@@ -237,7 +237,7 @@ static unsigned check_moving(double (*how)(unsigned long), int quick)
     CHECK_MSG(!r->black.is.known || r->black.at_most || r->black.share < 0.01, "black %g", r->black.share);
     known_things += known;
     unknown_things += 4 - known;
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
     return known;
 }
 
@@ -255,7 +255,7 @@ static void test_moving(void)
     check_unknown(&p.report.gain_delay.is, "the picture moves by itself");
     check_unknown(&p.report.exposure.is, "the picture moves by itself");
     check_unknown(&p.report.gain.is, "the picture moves by itself");
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 
     for (amount = 0.5; amount < 3; amount *= 2)
         for (speed = 7; speed < 200; speed *= 3)
@@ -284,7 +284,7 @@ static void test_stop(void)
         stops_left = at;
         probe(&p, &c, 0, 1.0);
         CHECK_MSG(p.result == 1 || at > 250 || at == 1, "stopped at %d: %d %s", at, p.result, p.why.text);
-        probe_free(&p.report);
+        pupil_live_modes_free(&p.report.offers.modes);
     }
     stops_left = -1;
 }

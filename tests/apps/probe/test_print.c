@@ -146,7 +146,7 @@ static void test_print(void)
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
         CHECK_MSG(strstr(text, lines[i]), "'%s' is not in:\n%s", lines[i], text);
     free(text);
-    probe_free(&p.report);
+    pupil_live_modes_free(&p.report.offers.modes);
 }
 
 static void test_laws_text(void)

@@ -41,7 +41,8 @@ static int record(fake_v4l2 *fake, const char *words, ...)
     const int kept = dup(2);
     if (!freopen(scratch("said"), "w", stderr))
         abort();
-    const int status = record_on(fake ? fake_v4l2_system(fake) : NULL, argc, argv);
+    const pupil_live_system system = {.v4l2 = fake ? fake_v4l2_system(fake) : NULL};
+    const int status = record_on(&system, argc, argv);
     fflush(stderr);
     dup2(kept, 2);
     close(kept);

@@ -130,7 +130,7 @@ static void happen(void)
 /* Every frame is handed out or counted. A stream that begins again counts again. */
 static void check_counts(const pupil_frame *frame)
 {
-    const pupil_v4l2_counts *c = &pupil_live_capture(day.source)->counts;
+    const pupil_live_counts *c = &pupil_live_capture(day.source)->counts;
     const uint64_t left_out = c->lost + c->flagged + c->cut;
     if (day.frames && c->reopened == day.reopened)
         CHECK_MSG(frame->info.sequence - day.last_sequence - 1 == left_out - day.left_out, "frame %llu after %llu",

@@ -36,7 +36,7 @@ static inline int fake_source_next(fake_source *s, pupil_frame *frame)
     return pupil_source_next(s->source, frame, &s->why);
 }
 
-static inline const pupil_v4l2_counts *fake_source_counts(const fake_source *s)
+static inline const pupil_live_counts *fake_source_counts(const fake_source *s)
 {
     return &pupil_live_capture(s->source)->counts;
 }

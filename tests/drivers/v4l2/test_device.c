@@ -72,7 +72,7 @@ static void test_which(void)
     fake_v4l2_free(fake);
 }
 
-static const pupil_v4l2_mode *find(const pupil_v4l2_modes *modes, uint32_t fourcc)
+static const pupil_live_mode *find(const pupil_live_modes *modes, uint32_t fourcc)
 {
     for (uint32_t i = 0; i < modes->count; i++)
         if (modes->mode[i].fourcc == fourcc)
@@ -85,23 +85,23 @@ static void test_modes(void)
     fake_v4l2_config config = usual();
     fake_v4l2 *fake = fake_v4l2_new(&config);
     pupil_v4l2_device d;
-    pupil_v4l2_modes modes;
+    pupil_live_modes modes;
     char text[256], little[12];
     CHECK(pupil_v4l2_device_open(&d, fake_v4l2_system(fake), "0", &why) == 0);
     CHECK(strcmp(d.name, FAKE_V4L2_NAME) == 0 && strcmp(d.driver, "fake") == 0 && strcmp(d.bus, "fake:1") == 0);
     CHECK(pupil_v4l2_modes_read(&d, &modes, &why) == 0 && modes.count == 49);
-    const pupil_v4l2_mode *yuyv = find(&modes, V4L2_PIX_FMT_YUYV), *any = find(&modes, V4L2_PIX_FMT_Y16);
-    const pupil_v4l2_mode *mjpg = find(&modes, V4L2_PIX_FMT_MJPEG);
+    const pupil_live_mode *yuyv = find(&modes, V4L2_PIX_FMT_YUYV), *any = find(&modes, V4L2_PIX_FMT_Y16);
+    const pupil_live_mode *mjpg = find(&modes, V4L2_PIX_FMT_MJPEG);
     CHECK(yuyv && yuyv->sizes == 3 && yuyv->read && !yuyv->compressed);
     CHECK(yuyv && yuyv->size[0].rates == 3 && yuyv->size[0].fps[0] == 5.0 && yuyv->size[0].fps[2] == 30.0);
     CHECK(mjpg && mjpg->compressed && mjpg->read);
-    pupil_v4l2_mode_text(yuyv, text, sizeof text);
+    pupil_live_mode_text(yuyv, text, sizeof text);
     CHECK_MSG(strcmp(text, "64x48@30,15,5 32x24@30,15,5 320x240@30,15,5") == 0, "%s", text);
-    pupil_v4l2_mode_text(any, text, sizeof text);
+    pupil_live_mode_text(any, text, sizeof text);
     CHECK_MSG(strcmp(text, "32x24..320x240@30,15,5") == 0, "%s", text);
-    pupil_v4l2_mode_text(yuyv, little, sizeof little);
+    pupil_live_mode_text(yuyv, little, sizeof little);
     CHECK(strcmp(little, "64x48@30,15") == 0);
-    pupil_v4l2_modes_free(&modes);
+    pupil_live_modes_free(&modes);
     pupil_v4l2_device_close(&d);
     fake_v4l2_free(fake);
 }

@@ -58,7 +58,7 @@ static void play_source(const scenario *s, fake_faults *f)
 static void play_questions(const scenario *s, fake_faults *f)
 {
     pupil_v4l2_device device;
-    pupil_v4l2_modes modes;
+    pupil_live_modes modes;
     pupil_v4l2_sensor sensor;
     why.text[0] = 0;
     if (pupil_v4l2_device_open(&device, &f->system, s->which, &why)) {
@@ -67,7 +67,7 @@ static void play_questions(const scenario *s, fake_faults *f)
     }
     if (pupil_v4l2_modes_read(&device, &modes, &why))
         check_why(f);
-    pupil_v4l2_modes_free(&modes);
+    pupil_live_modes_free(&modes);
     why.text[0] = 0;
     if (pupil_v4l2_media_sensor(&device, &sensor, &why))
         check_why(f);

@@ -131,7 +131,7 @@ static void test_pixels(void)
 {
     for (int layout = 0; layout < 8; layout++) {
         fake_v4l2_config config;
-        pupil_v4l2_modes modes;
+        pupil_live_modes modes;
         pupil_v4l2_device device;
         unsigned checked = 0;
         fake_v4l2_config_default(&config);
@@ -151,7 +151,7 @@ static void test_pixels(void)
                 checked++;
             }
         CHECK_MSG(checked == (config.multiplanar ? 53u : 48u), "%u formats", checked);
-        pupil_v4l2_modes_free(&modes);
+        pupil_live_modes_free(&modes);
         pupil_v4l2_device_close(&device);
         fake_v4l2_free(fake);
     }

@@ -117,7 +117,7 @@ static void test_damaged(void)
         last = frame.info.sequence;
         pupil_source_done(s.source, &frame);
     }
-    const pupil_v4l2_counts *c = fake_source_counts(&s);
+    const pupil_live_counts *c = fake_source_counts(&s);
     CHECK_MSG(c->damaged == missing && missing > 15 && missing < 90 && c->lost == 0, "%llu damaged, %llu missing",
               (unsigned long long)c->damaged, (unsigned long long)missing);
     fake_source_close(&s);

@@ -36,9 +36,9 @@ static void test_times(void)
                 const pupil_v4l2_frame *f = pupil_live_frame(s.source);
                 CHECK(frame.info.sequence == UINT32_MAX - 2 + i); /* continues where 32 bits end */
                 CHECK(f->sequence == UINT32_MAX - 2 + (uint32_t)i);
-                CHECK(f->stamp == (stamp == FAKE_STAMP_NONE           ? PUPIL_V4L2_STAMP_NONE
-                                   : stamp == FAKE_STAMP_END_OF_FRAME ? PUPIL_V4L2_STAMP_END_OF_FRAME
-                                                                      : PUPIL_V4L2_STAMP_START_OF_EXPOSURE));
+                CHECK(f->stamp == (stamp == FAKE_STAMP_NONE           ? PUPIL_LIVE_STAMP_NONE
+                                   : stamp == FAKE_STAMP_END_OF_FRAME ? PUPIL_LIVE_STAMP_END_OF_FRAME
+                                                                      : PUPIL_LIVE_STAMP_START_OF_EXPOSURE));
                 CHECK(f->taken_ns >= f->stamp_ns && f->taken_ns - f->stamp_ns < 1000000);
                 CHECK(i || frame.info.timestamp_ns == (monotonic ? f->stamp_ns : 0));
                 const int64_t step = frame.info.timestamp_ns - last_ns;
@@ -69,7 +69,7 @@ static void test_other_clock(void)
             pupil_frame frame;
             CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
             const pupil_v4l2_frame *f = pupil_live_frame(s.source);
-            CHECK((f->stamp == PUPIL_V4L2_STAMP_NONE) == !ours);
+            CHECK((f->stamp == PUPIL_LIVE_STAMP_NONE) == !ours);
             CHECK(ours || f->stamp_ns == f->taken_ns);
             CHECK(llabs(frame.info.timestamp_ns - f->taken_ns) < 10000000);
             pupil_source_done(s.source, &frame);
@@ -90,7 +90,7 @@ static void test_losses(void)
         config.flagged = 0.1;
         config.cut = 0.1;
         fake_source s = fake_source_open("/dev/video0", &config, NULL);
-        const pupil_v4l2_counts *c = fake_source_counts(&s);
+        const pupil_live_counts *c = fake_source_counts(&s);
         uint64_t last = 0, missing = 0, lost = 0, before = 0;
         for (int i = 0; i < 2000; i++) {
             pupil_frame frame;

@@ -1,0 +1,145 @@
+/* Live cameras of any kind: which one a name calls, and what their tables have. */
+#include "live.h"
+
+#include <string.h>
+
+#include "kinds_private.h"
+#include "v4l2/modes.h"
+#include "v4l2/offers/offers.h"
+#include "v4l2/output/v4l2_sink.h"
+
+static int starts_with(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+static const pupil_v4l2_system *v4l2_of(const pupil_live_system *system)
+{
+    return system ? system->v4l2 : NULL;
+}
+
+static const char *without_prefix(const char *which)
+{
+    return which + (starts_with(which, PUPIL_V4L2_PREFIX) ? strlen(PUPIL_V4L2_PREFIX) : 0);
+}
+
+int pupil_live_is_camera(const char *name)
+{
+    return starts_with(name, PUPIL_V4L2_PREFIX) || starts_with(name, "/dev/video") || starts_with(name, "/dev/v4l/");
+}
+
+/* What is asked of any source goes before what is asked of a camera. */
+static void merge(pupil_live_options *to, const pupil_source_options *options)
+{
+    pupil_v4l2_options *capture = &to->capture;
+    if (v4l2_of(to->system))
+        capture->system = to->system->v4l2;
+    if (!options)
+        return;
+    capture->fps = options->fps != 0.0 ? options->fps : capture->fps;
+    capture->width = options->width ? options->width : capture->width;
+    capture->height = options->height ? options->height : capture->height;
+    capture->stop = options->stop ? options->stop : capture->stop;
+}
+
+int pupil_live_open(const char *which, const pupil_source_options *options, const pupil_live_options *more,
+                    pupil_source **source, pupil_why *why)
+{
+    pupil_live_options all = more ? *more : (pupil_live_options){0};
+    merge(&all, options);
+    const int error = live_v4l2_open(without_prefix(which), &all, source, why);
+    if (!error)
+        ((pupil_live *)*source)->system = all.system;
+    return error;
+}
+
+/* ---- what there is ---- */
+
+typedef struct walk {
+    int with_modes;
+    pupil_live_seen *seen;
+    void *closure;
+} walk;
+
+static int seen_node(void *closure, const pupil_v4l2_device *device, const char *path, const char *why)
+{
+    const walk *w = closure;
+    pupil_live_identity is;
+    pupil_live_modes modes = {0};
+    pupil_why words = {""};
+    (void)path;
+    if (!device)
+        return w->seen(w->closure, NULL, NULL, why);
+    pupil_v4l2_identify(device, &is);
+    if (w->with_modes)
+        pupil_v4l2_modes_read(device, &modes, &words);
+    const int ends = w->seen(w->closure, &is, &modes, words.text);
+    pupil_live_modes_free(&modes);
+    return ends;
+}
+
+int pupil_live_cameras(const pupil_live_system *system, int with_modes, pupil_live_seen *seen, void *closure,
+                       pupil_why *why)
+{
+    walk w = {with_modes, seen, closure};
+    return pupil_v4l2_devices(v4l2_of(system), seen_node, &w, why) < 0 ? -1 : 0;
+}
+
+int pupil_live_offers_read(pupil_live_offers *offers, const pupil_live_system *system, const char *which,
+                           pupil_why *why)
+{
+    return pupil_v4l2_offers_read(offers, v4l2_of(system), without_prefix(which), why);
+}
+
+int pupil_live_is_output(const char *path)
+{
+    return pupil_is_v4l2_output(path);
+}
+
+int pupil_live_output_open(pupil_sink **sink, const char *path, const pupil_sink_options *options,
+                           const pupil_live_system *system, pupil_why *why)
+{
+    return pupil_v4l2_sink_open(sink, path, options, v4l2_of(system), why);
+}
+
+/* ---- of a source ---- */
+
+pupil_camera *pupil_live_camera(const pupil_source *source)
+{
+    return pupil_live_get(source)->camera;
+}
+
+const char *pupil_live_no_controls(const pupil_source *source)
+{
+    return pupil_live_get(source)->no_controls.text;
+}
+
+int64_t pupil_live_now_ns(const pupil_source *source)
+{
+    return pupil_live_get(source)->ops->now_ns(source);
+}
+
+int pupil_live_is_linear(const pupil_source *source)
+{
+    return pupil_live_get(source)->ops->is_linear(source);
+}
+
+int pupil_live_find_sensor(const pupil_source *source, pupil_camera_sensor *sensor)
+{
+    return pupil_live_get(source)->ops->find_sensor(source, sensor);
+}
+
+void pupil_live_mark(pupil_source *source)
+{
+    pupil_live_get(source)->ops->mark(source);
+}
+
+int pupil_live_give_back(pupil_source *source, pupil_why *why)
+{
+    return pupil_live_get(source)->ops->give_back(source, why);
+}
+
+void pupil_live_restore(const pupil_source *source)
+{
+    pupil_live_get(source)->ops->restore(source);
+}
