@@ -46,7 +46,8 @@ xvfb is the screen that windows open on
 xdotool types their keys
 imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
-python3 prints the tables again, to compare them, and checks the shape of functions"
+python3 prints the tables again, to compare them, and checks the shape of functions
+python3-numpy has the arrays of the module pupil_ae"
 
 echo "== building into build/dev"
 mkdir -p build

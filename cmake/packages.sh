@@ -55,4 +55,5 @@ libegl1 finds the driver of OpenGL ES
 libgles2 OpenGL ES itself
 libgl1-mesa-dri its drivers, and one for the CPU
 gnuplot-nox draws the plots
+python3 builds the module pupil_ae
 '

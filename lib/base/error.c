@@ -47,7 +47,7 @@ const char *pupil_error_string(int code)
             "size_bytes of a struct is not one that any version has had, or it covers a field that is set and that "
             "this version of the library does not know",
         [-PUPIL_ERR_PIXEL_OUT] = "the output's pixel format cannot be written; RGBA8, RGB8, BGRX8, BGR8, NV12, I420, "
-                                 "RGBA32F, RGB32F, RGBA16F and RGB16F can",
+                                 "RGBA32F, RGB32F, BGR32F, RGBA16F and RGB16F can",
     };
     if (code > 0 || code <= -(int)(sizeof sentence / sizeof sentence[0]))
         return "not an error code of this version of the library";

@@ -562,24 +562,25 @@ static inline uint16_t half_of_light(float v)
 }
 
 #define FLOAT_OF_LIGHT(x) (x)
-#define STORE_LIGHT(NAME, TYPE, SAMPLES, CONVERT, ONE)                                                                 \
+#define STORE_LIGHT(NAME, TYPE, SAMPLES, RED, BLUE, CONVERT, ONE)                                                      \
     static void NAME(const pupil_planes *restrict p, uint32_t n, const pupil_encoder *encoder, void *target)           \
     {                                                                                                                  \
         TYPE *restrict t = target;                                                                                     \
         (void)encoder;                                                                                                 \
         for (uint32_t i = 0; i < n; i++) {                                                                             \
-            t[SAMPLES * i] = CONVERT(display_light(p->r[i]));                                                          \
+            t[SAMPLES * i + RED] = CONVERT(display_light(p->r[i]));                                                    \
             t[SAMPLES * i + 1] = CONVERT(display_light(p->g[i]));                                                      \
-            t[SAMPLES * i + 2] = CONVERT(display_light(p->b[i]));                                                      \
+            t[SAMPLES * i + BLUE] = CONVERT(display_light(p->b[i]));                                                   \
             if (SAMPLES == 4)                                                                                          \
                 t[SAMPLES * i + SAMPLES - 1] = ONE;                                                                    \
         }                                                                                                              \
     }
 
-STORE_LIGHT(store_rgba32f, float, 4, FLOAT_OF_LIGHT, 1.0f)
-STORE_LIGHT(store_rgb32f, float, 3, FLOAT_OF_LIGHT, 1.0f)
-STORE_LIGHT(store_rgba16f, uint16_t, 4, half_of_light, 0x3c00)
-STORE_LIGHT(store_rgb16f, uint16_t, 3, half_of_light, 0x3c00)
+STORE_LIGHT(store_rgba32f, float, 4, 0, 2, FLOAT_OF_LIGHT, 1.0f)
+STORE_LIGHT(store_rgb32f, float, 3, 0, 2, FLOAT_OF_LIGHT, 1.0f)
+STORE_LIGHT(store_bgr32f, float, 3, 2, 0, FLOAT_OF_LIGHT, 1.0f)
+STORE_LIGHT(store_rgba16f, uint16_t, 4, 0, 2, half_of_light, 0x3c00)
+STORE_LIGHT(store_rgb16f, uint16_t, 3, 0, 2, half_of_light, 0x3c00)
 
 /* --- display codes to Y' Cb Cr 4:2:0 --- */
 
@@ -651,7 +652,7 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
 
 #define STORES_OF_LIGHT                                                                                                \
     [PUPIL_PIXEL_RGBA32F] = store_rgba32f, [PUPIL_PIXEL_RGB32F] = store_rgb32f, [PUPIL_PIXEL_RGBA16F] = store_rgba16f, \
-    [PUPIL_PIXEL_RGB16F] = store_rgb16f
+    [PUPIL_PIXEL_RGB16F] = store_rgb16f, [PUPIL_PIXEL_BGR32F] = store_bgr32f
 
 #define CAMERA_PIECES                                                                                                  \
     .unpack =                                                                                                          \

@@ -121,7 +121,7 @@ int main(int argc, char **argv)
             check_input(&pupil, pixel, sizes[i][0], sizes[i][1]);
             check_output(&pupil, pixel, sizes[i][0], sizes[i][1], &outputs);
         }
-    CHECK_MSG(outputs == 30, "%d", outputs); /* 10 formats, 3 sizes */
+    CHECK_MSG(outputs == 33, "%d", outputs); /* 11 formats, 3 sizes */
     check_sentence(&pupil);
     const pupil_image nothing = pupil_image_of(NULL, 4, 4, PUPIL_PIXEL_I420);
     CHECK(!nothing.data && !nothing.chroma && !nothing.cr);

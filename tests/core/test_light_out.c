@@ -10,8 +10,11 @@
 static frame mapped(const frame *in, const pupil_config *config, const pupil_curve *curve, uint32_t pixel,
                     int upside_down)
 {
-    static const uint32_t sample[PUPIL_PIXEL_COUNT] = {
-        [PUPIL_PIXEL_RGBA32F] = 4, [PUPIL_PIXEL_RGB32F] = 4, [PUPIL_PIXEL_RGBA16F] = 2, [PUPIL_PIXEL_RGB16F] = 2};
+    static const uint32_t sample[PUPIL_PIXEL_COUNT] = {[PUPIL_PIXEL_RGBA32F] = 4,
+                                                       [PUPIL_PIXEL_RGB32F] = 4,
+                                                       [PUPIL_PIXEL_BGR32F] = 4,
+                                                       [PUPIL_PIXEL_RGBA16F] = 2,
+                                                       [PUPIL_PIXEL_RGB16F] = 2};
     frame out =
         frame_make(in->image.width, in->image.height, pixel, 3 * (sample[pixel] ? sample[pixel] : 1), upside_down);
     const pupil_image to = frame_writable(&out);
@@ -43,14 +46,17 @@ static void check_light(const frame *in, const pupil_config *config, const pupil
     const frame codes = mapped(in, config, curve, PUPIL_PIXEL_RGBA8, turn);
     const frame floats = mapped(in, config, curve, PUPIL_PIXEL_RGBA32F, !turn);
     const frame three = mapped(in, config, curve, PUPIL_PIXEL_RGB32F, turn);
+    const frame blue_first = mapped(in, config, curve, PUPIL_PIXEL_BGR32F, !turn);
     const frame halves = mapped(in, config, curve, PUPIL_PIXEL_RGBA16F, turn);
     const frame three_halves = mapped(in, config, curve, PUPIL_PIXEL_RGB16F, !turn);
     for (uint32_t y = 0; y < in->image.height; y++)
         for (uint32_t x = 0; x < in->image.width; x++) {
             const unsigned char *code = pixel_at(&codes, x, y);
-            const float *light = pixel_at(&floats, x, y);
+            const float *light = pixel_at(&floats, x, y), *blue = pixel_at(&blue_first, x, y);
+            const float turned[3] = {blue[2], blue[1], blue[0]};
             const uint16_t *half = pixel_at(&halves, x, y);
             CHECK(memcmp(light, pixel_at(&three, x, y), 12) == 0);
+            CHECK(memcmp(light, turned, 12) == 0);
             CHECK(memcmp(half, pixel_at(&three_halves, x, y), 6) == 0);
             for (int c = 0; c < 4; c++) {
                 CHECK_MSG(light[c] >= 0.0f && light[c] <= 1.0f && !signbit(light[c]), "%g", light[c]);
@@ -69,8 +75,8 @@ static void check_light(const frame *in, const pupil_config *config, const pupil
             CHECK_MSG(fabs(255.0 * (double)light[3] - code[3]) <= 0.5 + 0x1p-15, "alpha %g, code %d", light[3],
                       code[3]);
         }
-    const frame *const all[] = {&codes, &floats, &three, &halves, &three_halves};
-    for (int i = 0; i < 5; i++) {
+    const frame *const all[] = {&codes, &floats, &three, &blue_first, &halves, &three_halves};
+    for (int i = 0; i < 6; i++) {
         frame f = *all[i];
         frame_free(&f);
     }

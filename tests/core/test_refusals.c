@@ -79,7 +79,7 @@ static void expect_images(const pupil_image_const *i, const pupil_image *o, int 
 static void check_images(void)
 {
     static const uint32_t not_in[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_COUNT + 1, PUPIL_PIXEL_COUNT, 77, 0xffffffff};
-    static const uint32_t not_out[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_BGR32F, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_COUNT,
+    static const uint32_t not_out[] = {PUPIL_PIXEL_NONE, PUPIL_PIXEL_RGBX8, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_COUNT,
                                        0xffffffff};
     static const uint32_t side[] = {0, PUPIL_MAX_SIDE_PX + 1, 0x10000, 0xffffffff};
     fresh();

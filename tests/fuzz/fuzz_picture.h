@@ -226,9 +226,9 @@ static inline picture picture_in(uint32_t width, uint32_t height)
 /* Any output for it, of half its size where that can be; and the codings of both, which stay where the pictures do. */
 static inline picture picture_out(picture *in)
 {
-    static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,  PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
-                                     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
-                                     PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F};
+    static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,   PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
+                                     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,   PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
+                                     PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_BGR32F};
     const uint32_t smaller = is_mosaic(in->image.pixel) && take_below(2) ? 2 : 1;
     picture out = picture_make(in->image.width / smaller, in->image.height / smaller,
                                pixel[take_below(sizeof pixel / sizeof *pixel)], GUARD);

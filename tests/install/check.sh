@@ -28,6 +28,14 @@ if [ -x "$prefix/bin/pupil" ]; then
     done
 fi
 
+# The Python module finds the library that was installed with it, and is where Python looks below this prefix.
+module=$(find "$prefix" -type d -name pupil_ae)
+if [ -n "$module" ] && python3 -c 'import numpy' 2>/dev/null; then
+    PYTHONPATH=$(dirname "$module") PYTHONDONTWRITEBYTECODE=1 python3 -c 'import sys, pupil_ae
+print(pupil_ae._library.lib._name)
+sys.exit(not pupil_ae._library.lib._name.startswith(sys.argv[1]))' "$(realpath "$prefix")" || exit 1
+fi
+
 PKG_CONFIG_PATH=$libdir/pkgconfig
 LD_LIBRARY_PATH=$libdir
 export PKG_CONFIG_PATH LD_LIBRARY_PATH

@@ -25,9 +25,9 @@ static const uint32_t in_pixel[] = {
     PUPIL_PIXEL_I420,    PUPIL_PIXEL_NV21,    PUPIL_PIXEL_NV16,    PUPIL_PIXEL_UYVY,     PUPIL_PIXEL_BGR8,
     PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_RGBX8,   PUPIL_PIXEL_GREY10P, PUPIL_PIXEL_GREY12P,  PUPIL_PIXEL_BGR32F,
     PUPIL_PIXEL_RGB16F,  PUPIL_PIXEL_P010,    PUPIL_PIXEL_I420_10, PUPIL_PIXEL_RGB10A2,  PUPIL_PIXEL_I444_16};
-static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,  PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
-                                     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,  PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
-                                     PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F};
+static const uint32_t out_pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,   PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,
+                                     PUPIL_PIXEL_BGR8,    PUPIL_PIXEL_I420,   PUPIL_PIXEL_RGBA32F, PUPIL_PIXEL_RGB32F,
+                                     PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB16F, PUPIL_PIXEL_BGR32F};
 #define INS  (sizeof in_pixel / sizeof *in_pixel)
 #define OUTS (sizeof out_pixel / sizeof *out_pixel)
 

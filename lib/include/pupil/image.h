@@ -82,7 +82,7 @@ typedef enum pupil_pixel {
 
     PUPIL_PIXEL_GREY10P, /* in: 4 pixels in 5 bytes as BAYER10P (Y10P); any width, and whole groups of 5 bytes */
     PUPIL_PIXEL_GREY12P, /* in: 2 pixels in 3 bytes as BAYER12P (Y12P); any width, and whole groups of 3 bytes */
-    PUPIL_PIXEL_BGR32F,  /* in: 3 x IEEE binary32, blue first, linear (OpenCV) */
+    PUPIL_PIXEL_BGR32F,  /* in and out: 3 x IEEE binary32, blue first, linear (OpenCV) */
     PUPIL_PIXEL_RGB16F,  /* in and out: 3 x IEEE binary16, linear */
 
     PUPIL_PIXEL_P010,    /* in: NV12 of 10 bits, in the upper ones of 16-bit words; the lower ones are ignored (P010) */
