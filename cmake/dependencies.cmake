@@ -57,6 +57,23 @@ if(PUPIL_PROGRAM)
   mark_as_advanced(PUPIL_LIBM)
 endif()
 
+# What pupil/opencv.hpp is tested with; the header itself needs nothing here.
+if(PUPIL_PROGRAM AND PUPIL_TESTS AND NOT CMAKE_CROSSCOMPILING)
+  include(CheckLanguage)
+  check_language(CXX)
+  if(CMAKE_CXX_COMPILER)
+    enable_language(CXX)
+    find_package(OpenCV 4 QUIET COMPONENTS core photo imgcodecs videoio)
+  endif()
+  # Sanitizers' options are those of the C compiler.
+  if(OpenCV_FOUND AND (NOT PUPIL_SANITIZE OR CMAKE_CXX_COMPILER_ID STREQUAL CMAKE_C_COMPILER_ID))
+    set(PUPIL_TEST_OPENCV ON)
+  else()
+    message(STATUS "pupil/opencv.hpp is not tested: no OpenCV 4, or no C++ compiler that goes with the C compiler "
+      "(on Debian: apt-get install libopencv-dev g++)")
+  endif()
+endif()
+
 # What the benchmark stands beside: pupil_peer_NAME exists where it is found.
 if(PUPIL_PROGRAM AND PUPIL_LAB AND PUPIL_BENCH_PEERS)
   find_package(PkgConfig REQUIRED)

@@ -56,7 +56,7 @@ def files_of(root):
                                stdout=subprocess.PIPE, check=True).stdout.splitlines()
     else:
         names = [str(f.relative_to(root)) for f in root.rglob("*")]
-    return sorted(n for n in names if re.search(r"\.(c|h|cpp)$", n) and n.split("/")[0] in HOUSES
+    return sorted(n for n in names if re.search(r"\.(c|h|[ch]pp)$", n) and n.split("/")[0] in HOUSES
                   and (root / n).is_file())
 
 

@@ -8,9 +8,9 @@ if [ -e .git ]; then
 else
     files=$(find . -type f -not -path './build*' | sed 's|^\./||')
 fi
-sources=$(echo "$files" | grep -E '\.([ch]|cpp)$' | grep -v 'lib/kernels/tables\.c$')
+sources=$(echo "$files" | grep -E '\.([ch]|[ch]pp)$' | grep -v 'lib/kernels/tables\.c$')
 long=$(grep -nE '^.{121,}' $(echo "$files" | grep -v 'lib/kernels/tables\.c$' |
-    grep -E '\.([ch]|cpp|cmake|py|in)$|CMakeLists.txt$') || :)
+    grep -E '\.([ch]|[ch]pp|cmake|py|in)$|CMakeLists.txt$') || :)
 if [ -n "$long" ]; then
     echo "style.sh: lines over 120 characters:"
     echo "$long" | cut -c1-140

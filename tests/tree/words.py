@@ -103,7 +103,7 @@ def prose(name, text, all_comments):
         return of_markdown(text, not all_comments)
     if re.search(r"\.\d$", name):
         return of_manual(text)
-    if not name.endswith((".c", ".h", ".cpp")):
+    if not name.endswith((".c", ".h", ".cpp", ".hpp")):
         return []
     pieces = of_c(text, True) if all_comments or is_public(name) else []
     if name.startswith(HOUSES) and not all_comments:
@@ -240,7 +240,7 @@ def figures(root, pages):
         name = file.relative_to(root).as_posix()
         if name in ("lib/include/pupil/sensor.h", "docs/glossary.md"):
             continue  # the sensor's header is a work of its own; the glossary has the words
-        if not name.endswith((".c", ".h", ".cpp", ".md")) and not re.search(r"\.\d$", name):
+        if not name.endswith((".c", ".h", ".cpp", ".hpp", ".md")) and not re.search(r"\.\d$", name):
             continue
         room = name if pages and name.endswith((".md", ".1")) else room_of(name)
         for _, piece in prose(name, file.read_text(), True):

@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""opencv_video INPUT OUTPUT.avi: what cv2.VideoCapture reads (a camera's number, a video, shot%03d.png), well exposed.
+
+    apt-get install python3-numpy python3-opencv      # and pupil: docs/guide.md, Building
+    python3 opencv_video.py 0 out.avi
+
+VideoCapture reports neither frame numbers nor the exposure time and gain of a frame. To control a camera's exposure use
+`pupil run`, or the library pupil-camera, on the same node."""
+import sys
+
+import cv2
+import numpy as np
+import pupil_ae
+
+if len(sys.argv) != 3:
+    sys.exit(__doc__)
+capture = cv2.VideoCapture(int(sys.argv[1]) if sys.argv[1].isdigit() else sys.argv[1])
+pupil, picture, writer, count = pupil_ae.Pupil(), None, None, 0
+while count < 3000:
+    taken, frame = capture.read()  # uint8, blue first
+    if not taken:
+        break
+    if writer is None:
+        rate = capture.get(cv2.CAP_PROP_FPS) or 30
+        writer = cv2.VideoWriter(sys.argv[2], cv2.VideoWriter_fourcc(*"MJPG"), rate, frame.shape[1::-1])
+        picture = np.empty_like(frame)
+    # Of a file its own time, of V4L2 the driver's.
+    time_ns = int(capture.get(cv2.CAP_PROP_POS_MSEC) * 1e6)
+    pupil.process(frame, pixel="BGR8", out=picture, timestamp_ns=time_ns)
+    writer.write(picture)
+    count += 1
+if writer is None:
+    sys.exit(f"opencv_video: {sys.argv[1]} has no frames")
+writer.release()
+print(f"{count} frames, the last one adapted to {pupil.exposure.adapted_ev:+.2f} EV")
