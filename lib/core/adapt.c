@@ -12,6 +12,12 @@
 /* Between these times highlight_share the highlights begin to hold the level; docs/pictures.md. */
 #define HIGHLIGHT_LEAST 0.8
 #define HIGHLIGHT_MOST  1.6
+/* What no white point keeps below white: the last sRGB code begins at 0.99554 = 223 / 224, so Reinhard's curve has it
+ * from light of 223 on, 10.275 stops over a key of 0.18. Up to 1 % of the frame may be so bright; half of that is above
+ * the white point, too. */
+#define WHITE_ROOM_EV 10.275
+#define WHITE_LEAST   0.005
+#define WHITE_MOST    0.01
 
 /* config.h, amplification_ev: log2 of 0.18, which the level is to be at least so many stops below; and of the code that
  * has no more stops than those, the first of 12 bits of linear light, which the first of 8-bit sRGB is near. */
@@ -194,15 +200,19 @@ static void judge(pupil_object *object, double target_ev, uint32_t reason)
         r->state = PUPIL_STATE_SETTLED;
 }
 
-/* By how much the level is to be above the log-average, so that all but a small share of the light is near enough. It
- * is a mean over shares, not one quantile, so that a lamp which becomes a little larger cannot make the level jump. */
+/* By how much the level is to be above the log-average, so that the bright part of the frame is not pale and no large
+ * part of it white. Means over shares, not quantiles, so that a lamp which becomes a little larger cannot make the
+ * level jump. */
 static double held_back_ev(const pupil_config *c, const pupil_stats *stats, double mean_log2)
 {
     if (!stats->has_histogram || !(c->highlight_ev > 0.0))
         return 0.0;
-    return pupil_stats_excess(stats, 1.0 - HIGHLIGHT_MOST * c->highlight_share,
-                              1.0 - HIGHLIGHT_LEAST * c->highlight_share, mean_log2 + c->highlight_room_ev,
-                              c->highlight_ev);
+    const double pale =
+        pupil_stats_excess(stats, 1.0 - HIGHLIGHT_MOST * c->highlight_share, 1.0 - HIGHLIGHT_LEAST * c->highlight_share,
+                           mean_log2 + c->highlight_room_ev, c->highlight_ev);
+    const double white =
+        pupil_stats_excess(stats, 1.0 - WHITE_MOST, 1.0 - WHITE_LEAST, mean_log2 + WHITE_ROOM_EV, c->highlight_ev);
+    return pale > white ? pale : white;
 }
 
 double pupil_least_level_log2(const pupil_config *c, float code_light)

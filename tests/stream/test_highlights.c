@@ -58,7 +58,27 @@ static void check_amount(void)
         CHECK(e.reason == (e.held_back_ev > 0.05 ? PUPIL_REASON_HIGHLIGHTS : PUPIL_REASON_NONE));
     }
     CHECK(first(8.0, -5.0, 15.0, 1000).held_back_ev == 8.0 && first(0.0, -5.0, 15.0, 1000).held_back_ev == 0.0);
-    CHECK(first(2.0, -5.0, 15.0, 400).held_back_ev == 0.0); /* 4 % of the frame are let be */
+    CHECK(first(2.0, -5.0, 5.0, 400).held_back_ev == 0.0); /* 4 % of the frame are let be */
+}
+
+/* Of a window of 1 to 4 % of the frame: what it is over 10.275 stops above the log-average, where the curve is white.
+ * The brightest 0.5 % are let be. */
+static void check_white(void)
+{
+    for (double above = 9.0; above < 16.0; above += 0.25) {
+        const pupil_exposure e = first(2.0, -5.0, -5.0 + above, 200);
+        const double missing = fmin(fmax(0.98 * above - 10.275, 0.0), 2.0);
+        CHECK_MSG(fabs(e.held_back_ev - missing) < 0.17, "a window %g stops above: held back %g, and %g is missing",
+                  above, e.held_back_ev, missing);
+        CHECK(first(2.0, -5.0, -5.0 + above, 50).held_back_ev == 0.0);
+    }
+    double before = 0.0;
+    for (int pixels = 40; pixels <= 110; pixels++) {
+        const double held = first(2.0, -5.0, 15.0, pixels).held_back_ev;
+        CHECK(held >= before && held <= before + 2.0 / 50 + 1e-9);
+        before = held;
+    }
+    CHECK(before == 2.0);
 }
 
 /* The same light at any scale: the same amount. */
@@ -153,6 +173,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_amount();
+    check_white();
     check_scale();
     check_no_jump();
     check_in_time();

@@ -153,9 +153,10 @@ typedef struct pupil_config {
     /* Highlights: where more than `highlight_share` of the weight is over `highlight_room_ev` brighter than the
      * log-average, the level is higher, and the picture darker, by what is missing: by at most `highlight_ev`. So a
      * lamp in a dark room, or a lit meadow behind a tree, keeps its colours. What is missing is the mean over the
-     * shares from 0.8 to 1.6 times `highlight_share`, so that it begins slowly. It needs a histogram: there is none
-     * where the white point does not follow, nothing is trimmed and `histogram` is 0. docs/pictures.md shows what it
-     * does. */
+     * shares from 0.8 to 1.6 times `highlight_share`, so that it begins slowly. The same over the shares from
+     * 0.5 to 1 % for light over 10.275 stops brighter, which the curve shows as white; the larger of the two counts. It
+     * needs a histogram: there is none where the white point does not follow, nothing is trimmed and `histogram` is 0.
+     * docs/pictures.md shows what it does. */
     double highlight_share;   /* 0.05; 0.001..0.5 */
     double highlight_room_ev; /* stops; 4; 0..32 */
     double highlight_ev;      /* stops; 2; 0 (never)..8 */
