@@ -63,7 +63,7 @@ if(PUPIL_PROGRAM AND PUPIL_TESTS AND NOT CMAKE_CROSSCOMPILING)
   check_language(CXX)
   if(CMAKE_CXX_COMPILER)
     enable_language(CXX)
-    find_package(OpenCV 4 QUIET COMPONENTS core photo imgcodecs videoio)
+    find_package(OpenCV 4 QUIET COMPONENTS core imgproc photo imgcodecs videoio)
   endif()
   # Sanitizers' options are those of the C compiler.
   if(OpenCV_FOUND AND (NOT PUPIL_SANITIZE OR CMAKE_CXX_COMPILER_ID STREQUAL CMAKE_C_COMPILER_ID))

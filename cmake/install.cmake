@@ -8,8 +8,8 @@ endif()
 install(TARGETS ${pupil_installed} EXPORT pupil
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES ${pupil_headers} ${PROJECT_SOURCE_DIR}/drivers/include/pupil/opencv.hpp
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pupil)
+file(GLOB pupil_opencv_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/drivers/include/pupil/*.hpp)
+install(FILES ${pupil_headers} ${pupil_opencv_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pupil)
 
 # Both files find the tree from where they lie, so that it can be moved.
 cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} OUTPUT_VARIABLE libdir)

@@ -24,8 +24,8 @@ while count < 3000:
         rate = capture.get(cv2.CAP_PROP_FPS) or 30
         writer = cv2.VideoWriter(sys.argv[2], cv2.VideoWriter_fourcc(*"MJPG"), rate, frame.shape[1::-1])
         picture = np.empty_like(frame)
-    # Of a file its own time, of V4L2 the driver's.
-    time_ns = int(capture.get(cv2.CAP_PROP_POS_MSEC) * 1e6)
+    position_ms = capture.get(cv2.CAP_PROP_POS_MSEC)  # of a file its own time, of V4L2 the driver's; of stills anything
+    time_ns = int(position_ms * 1e6) if 0 < position_ms < 1e12 else 0  # 0: frames are 1/30 s apart
     pupil.process(frame, pixel="BGR8", out=picture, timestamp_ns=time_ns)
     writer.write(picture)
     count += 1

@@ -2,12 +2,13 @@
  * padding; what cannot be read throws and says what would be right; and Mats as people have them. */
 #include "pupil/opencv.hpp"
 
+#include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
 
-static unsigned long checks, failures;
+static std::atomic<unsigned long> checks, failures;
 
 static void check(bool holds, int line, const std::string &what)
 {
@@ -199,6 +200,8 @@ static void check_odd()
     THROWS("has no 9 pixels a row", pupil_cv::view(cv::Mat(4, 10, CV_8UC1), PUPIL_PIXEL_BAYER10P, nullptr, 9));
     THROWS("can be CV_8UC3, CV_8UC4 or CV_32FC3, not CV_16UC3", pupil_cv::Given given; given.type = CV_16UC3;
            pupil.process(cv::Mat::ones(4, 4, CV_8UC3), picture, given));
+    THROWS("only mosaics", pupil_cv::Given given; given.half = true;
+           pupil.process(cv::Mat::ones(4, 4, CV_8UC3), picture, given));
     THROWS("key", pupil_config config = pupil_cv::defaults(); config.key = 7; pupil_cv::Pupil wrong(config));
     THROWS("key", pupil_config config = pupil_cv::defaults(); config.key = 7; pupil.retune(config));
     THROWS("output", cv::Mat grey = cv::Mat::zeros(4, 4, CV_8UC1); const pupil_image to = pupil_cv::view_out(grey);
@@ -274,6 +277,69 @@ static void check_odd()
     first.reset();
     first.process(light, one);
     CHECK(same(one, wanted));
+}
+
+/* --- threads --- */
+
+/* Three frames, of which the second is dark, by a program in C. */
+static std::vector<cv::Mat> three_in_c(const cv::Mat &mat, uint32_t pixel, const pupil_config &config,
+                                       pupil_exposure *exposure)
+{
+    const cv::Mat plain = mat.clone(), dark = cv::Mat::zeros(mat.size(), mat.type());
+    std::vector<cv::Mat> pictures;
+    pupil_t pupil;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    for (int i = 0; i < 3; i++) {
+        pictures.push_back(cv::Mat(260, 320, CV_8UC3));
+        const pupil_image_const from = pupil_image_const_of(i == 1 ? dark.data : plain.data, 320, 260, pixel);
+        const pupil_image to = pupil_image_of(pictures.back().data, 320, 260, PUPIL_PIXEL_BGR8);
+        const pupil_frame_info info = {sizeof info, 0, 40000000 * (i + 1), 0, 0.01 * (i + 1), 2};
+        CHECK(pupil_process(&pupil, &from, &info, &to) == PUPIL_OK);
+    }
+    CHECK(pupil_get_exposure(&pupil, exposure) == PUPIL_OK);
+    return pictures;
+}
+
+static void check_threads()
+{
+    pupil_config config = pupil_cv::defaults();
+    config.dither = 1;
+    for (int threads = 1; threads <= 4; threads++)
+        for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++) {
+            const pupil_cv::detail::Layout layout = pupil_cv::detail::layout_of(pixel);
+            const bool packed = pupil_pixel_bits(pixel) && !pupil_pixel_bytes(pixel);
+            const int columns = packed ? static_cast<int>(pupil_row_bytes(pixel, 320)) : 320;
+            const cv::Mat mat = random_mat(260 * layout.rows / layout.of, columns, layout.type);
+            pupil_exposure wanted_exposure;
+            config.order = threads == 4 ? PUPIL_ORDER_FUSED : PUPIL_ORDER_EXACT;
+            config.meter_rows = threads == 3 ? 4 : 1;
+            const std::vector<cv::Mat> wanted = three_in_c(mat, pixel, config, &wanted_exposure);
+            pupil_cv::Pupil pupil(config);
+            cv::setNumThreads(threads);
+            for (int i = 0; i < 3; i++) {
+                const pupil_frame_info info = {sizeof info, 0, 40000000 * (i + 1), 0, 0.01 * (i + 1), 2};
+                pupil_cv::Given given;
+                cv::Mat picture;
+                given.pixel = pixel;
+                given.info = &info;
+                pupil.process(i == 1 ? cv::Mat(cv::Mat::zeros(mat.size(), mat.type())) : mat, picture, given);
+                CHECK_MSG(same(picture, wanted[static_cast<size_t>(i)]),
+                          "format " + std::to_string(pixel) + ", " + std::to_string(threads) + " threads");
+            }
+            const pupil_exposure exposure = pupil.exposure();
+            CHECK(std::memcmp(&exposure, &wanted_exposure, sizeof exposure) == 0);
+        }
+    cv::setNumThreads(-1);
+    cv::parallel_for_(
+        cv::Range(0, 4),
+        [](const cv::Range &range) { /* objects of their own */
+                                     for (int i = range.start; i < range.end; i++) {
+                                         cv::Mat picture;
+                                         pupil_cv::Pupil().process(cv::Mat::ones(200, 200, CV_32FC3), picture);
+                                         check(picture.at<cv::Vec3b>(100, 100)[1] == picture.at<cv::Vec3b>(0, 0)[1],
+                                               __LINE__, "in a thread");
+                                     }
+        });
 }
 
 /* --- as one of OpenCV's operators --- */
@@ -359,8 +425,9 @@ int main()
         check_format(pixel);
     check_guesses();
     check_odd();
+    check_threads();
     check_tonemap();
     check_video();
-    std::printf("%lu checks, %lu failed\n", checks, failures);
+    std::printf("%lu checks, %lu failed\n", checks.load(), failures.load());
     return failures != 0;
 }

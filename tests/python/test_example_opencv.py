@@ -37,6 +37,10 @@ with tempfile.TemporaryDirectory() as folder:
     check.that(abs(adapted - -2.41) < 0.25, ended.stdout)
     capture = cv2.VideoCapture(str(result))
     check.that(int(capture.get(cv2.CAP_PROP_FRAME_COUNT)) == 50, "frames in the result")
+    still = pathlib.Path(folder, "still.png")
+    cv2.imwrite(str(still), np.full((48, 64, 3), 60, np.uint8))
+    ended = run(still, result)  # its position is a number without a meaning
+    check.that(ended.returncode == 0 and "1 frames" in ended.stdout, ended.stdout)
     check.that("no frames" in run(pathlib.Path(folder, "none.avi"), result).stdout, "a file that is not there")
     check.that(run().returncode == 1 and "opencv_video INPUT" in run().stdout, "no arguments")
 
