@@ -47,9 +47,7 @@ xdotool types their keys
 imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
 python3 prints the tables again, to compare them, and checks the shape of functions
-python3-numpy has the arrays of the module pupil_ae
-python3-opencv reads video for its example
-libopencv-dev is what pupil/opencv.hpp is compiled with"
+$packages_of_integrations"
 
 echo "== building into build/dev"
 mkdir -p build

@@ -57,3 +57,10 @@ libgl1-mesa-dri its drivers, and one for the CPU
 gnuplot-nox draws the plots
 python3 builds the module pupil_ae
 '
+
+# What the examples and tests of pupil/opencv.hpp and pupil_ae need; those who use them have it.
+packages_of_integrations='
+python3-numpy has the arrays of the module pupil_ae
+python3-opencv reads video for its example
+libopencv-dev is what pupil/opencv.hpp is compiled with
+'

@@ -5,6 +5,7 @@ import gc
 import multiprocessing
 import os
 import pickle
+import signal
 import threading
 
 import numpy as np
@@ -58,10 +59,14 @@ check.raises(pupil_ae.Error, "black", pupil.process, np.zeros((4, 4), np.uint16)
              coding={"black": 70000})
 check.raises(TypeError, "'blakc' is no setting: is 'black' meant?", pupil.process, np.zeros((4, 4), np.uint16),
              pixel="GREY16", coding={"blakc": 1})
+check.raises(TypeError, "coding must be a dict", pupil.process, np.zeros((4, 4), np.uint16), coding="BT709")
+check.raises(TypeError, "pupil_ae.Curve", pupil.map, frames[0], (1.0,))
 check.raises(TypeError, "timestamp_ns must be a whole number", pupil.process, frames[0], timestamp_ns=1.5)
 check.raises(ValueError, "timestamp_ns must be from", pupil.process, frames[0], timestamp_ns=2**63)
-check.raises(TypeError, "", pupil.process, frames[0], exposure_s="1/60")
-check.raises(TypeError, "", pupil.process, frames[0], timestamp=1)
+check.raises(TypeError, "exposure_s must be a number, not '1/60'", pupil.process, frames[0], exposure_s="1/60")
+check.raises(TypeError, "gain must be a number, not None", pupil.process, frames[0], gain=None)
+check.raises(AttributeError, "key", setattr, pupil, "key", 0.2)
+check.raises(TypeError, "'timestamp'", pupil.process, frames[0], timestamp=1)
 
 # --- what is reported ---
 pupil = Pupil()
@@ -142,10 +147,39 @@ for _ in range(10):
         busy.process(frames[0])
         os._exit(0 if busy.exposure.frames else 1)
     check.that(os.waitpid(child, 0)[1] == 0, "the child uses the object")
+made = []
+
+
+def keep_making():
+    while not stop.is_set():
+        made.append(Pupil())
+        del made[:-50]
+
+
+maker = threading.Thread(target=keep_making)
+maker.start()
+for _ in range(10):
+    child = os.fork()
+    if not child:
+        made[-1].process(frames[0])
+        Pupil().process(frames[0])
+        os._exit(0)
+    check.that(os.waitpid(child, 0)[1] == 0, "the child uses an object that was made meanwhile")
 stop.set()
 thread.join()
+maker.join()
+made.clear()
+check.that(str(pickle.loads(pickle.dumps(pupil_ae.Error(-12, "a sentence")))) == "a sentence", "errors can be pickled")
 with multiprocessing.get_context("fork").Pool(1) as pool:
     check.that(pool.apply(run, (Pupil(), frames[:2])) == run(Pupil(), frames[:2]), "in another process")
+
+# --- a signal's handler that uses the object, in the middle of its calls ---
+handled = []
+signal.signal(signal.SIGALRM, lambda *_: handled.append(shared.exposure.frames) or shared.process(frames[0]))
+signal.setitimer(signal.ITIMER_REAL, 0.001, 0.001)
+run(shared, frames * 10)
+signal.setitimer(signal.ITIMER_REAL, 0)
+check.that(handled, "a signal came")
 
 # --- memory: temporaries that nothing else holds, objects that go ---
 for i in range(200):

@@ -48,6 +48,10 @@ def pixel_of(value):
     return pixel
 
 
+def is_planar(value):
+    return lib.pupil_pixel_planes(pixel_of(value)) > 1
+
+
 def _guess(array, what):
     """The format of a picture whose dtype and channels leave no doubt; blue first is never guessed."""
     kind = f"{array.dtype.kind.upper()}{array.dtype.itemsize}"
@@ -105,7 +109,7 @@ class View:
     def __init__(self, struct, frame, pixel, coding, width, what, writable):
         self.writable, self.what, self.arrays = writable, what, []
         self.image = struct(size_bytes=ctypes.sizeof(struct))
-        if isinstance(frame, tuple):
+        if isinstance(frame, tuple) or isinstance(frame, list) and pixel is not None and is_planar(pixel):
             self._planes(frame, pixel, width)
         else:
             self._one(_array_of(frame, what), pixel, width)
@@ -192,8 +196,9 @@ class View:
             raise TypeError(f"{self.what} is a tuple of planes: name their format, pixel=\"I420\" for example")
         self.pixel = pixel = pixel_of(pixel)
         count, sample = lib.pupil_pixel_planes(pixel), SAMPLE[pixel]
-        if count < 2 or len(planes) != count:
-            raise TypeError(f"{self.what} as {pixel.name} must be {count} plane(s), not {len(planes)}")
+        if len(planes) != count or count < 2:
+            wanted = f"{count} planes" if count > 1 else "one array"
+            raise TypeError(f"{self.what} as {pixel.name} must be {wanted}, not a tuple of {len(planes)}")
         arrays = [_array_of(plane, f"plane {index} of {self.what}") for index, plane in enumerate(planes)]
         arrays = [array.reshape(array.shape[0], -1) if array.ndim == 3 and array.flags.c_contiguous else array
                   for array in arrays]
@@ -217,6 +222,8 @@ def coding_of(coding, pixel):
     """A pupil_coding from a dict of its fields."""
     if coding is None:
         return None
+    if not isinstance(coding, dict):
+        raise TypeError(f"coding must be a dict of pupil_coding's fields, not a {type(coding).__name__}")
     struct = _abi.pupil_coding(size_bytes=ctypes.sizeof(_abi.pupil_coding))
     apply(struct, coding)
     return checked(struct, lib.pupil_coding_check, pixel)

@@ -24,23 +24,30 @@ class Locked:
     """An object of the library and its lock: a call that changes it must be the only one. fork() waits for calls in
     other threads, so that a child has whole objects."""
 
+    __slots__ = ("_lock", "_config", "__weakref__")  # so that pupil.key = 1 is an error: retune(key=1) is meant
     _all = weakref.WeakSet()
+    _guard = threading.RLock()  # of _all
+    _held = []
 
     def __init__(self):
-        self._lock = threading.Lock()
-        Locked._all.add(self)
+        # A signal's handler may come between two lines of this thread's own call, and may use the object.
+        self._lock = threading.RLock()
+        with Locked._guard:
+            Locked._all.add(self)
 
     @staticmethod
     def _before_fork():
+        Locked._guard.acquire()
         Locked._held = list(Locked._all)
         for each in Locked._held:
             each._lock.acquire()
 
     @staticmethod
     def _after_fork():
-        for each in Locked.__dict__["_held"]:
+        for each in Locked._held:
             each._lock.release()
         Locked._held = []
+        Locked._guard.release()
 
 
 if hasattr(os, "register_at_fork"):
@@ -161,8 +168,9 @@ class Pupil(Locked):
     Threads: calls on one object wait for each other; calls on different objects run at the same time. Objects can be
     copied (copy.copy), pickled and forked: a copy continues with the same bits.
 
-    Settings:
+    Settings, which retune() changes:
 """
+    __slots__ = ("_pupil",)
 
     def __init__(self, *, metering=None, **settings):
         super().__init__()
@@ -235,6 +243,8 @@ class Pupil(Locked):
     def map(self, frame, curve, *, out=None, pixel=None, coding=None, width=None, out_pixel=None, out_coding=None,
             half=False):
         """Maps a frame with a Curve; nothing adapts. As process() otherwise."""
+        if not isinstance(curve, Curve):
+            raise TypeError(f"curve must be a pupil_ae.Curve (Pupil.curve), not a {type(curve).__name__}")
         source = view(frame, pixel, coding, width)
         picture, target = out_view(source, out, out_pixel, half, out_coding)
         struct = _abi.pupil_curve(ctypes.sizeof(_abi.pupil_curve), *curve)

@@ -29,8 +29,9 @@ class Sensor(Locked):
     then.
     Threads, copies and pickling: as Pupil.
 
-    Settings:
+    Settings, which retune() changes:
 """
+    __slots__ = ("_sensor",)
 
     def __init__(self, **settings):
         super().__init__()

@@ -21,15 +21,24 @@ def enum_of(struct, name):
     return _abi.ENUM_OF.get(f"{struct.__name__}.{name}")
 
 
+def number(name, value):
+    try:
+        if isinstance(value, (str, bytes)):  # float() would read "0.5"
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, not {value!r}") from None
+
+
 def integer(name, value, low, high):
     """Refuses what ctypes would cut silently."""
     try:
-        number = operator.index(value)
+        whole = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} must be a whole number, not {value!r}") from None
-    if not low <= number <= high:
-        raise ValueError(f"{name} must be from {low} to {high}, not {number}")
-    return number
+    if not low <= whole <= high:
+        raise ValueError(f"{name} must be from {low} to {high}, not {whole}")
+    return whole
 
 
 def enumerated(name, enum, value):
@@ -89,10 +98,7 @@ def apply(struct, values):
         elif issubclass(kind, ctypes.Array):
             _set_array(struct, name, kind, value)
         elif kind in (ctypes.c_float, ctypes.c_double):
-            try:
-                setattr(struct, name, float(value))
-            except (TypeError, ValueError):
-                raise TypeError(f"{name} must be a number, not {value!r}") from None
+            setattr(struct, name, number(name, value))
         else:
             enum = enum_of(type(struct), name)
             setattr(struct, name, enumerated(name, enum, value) if enum else integer(name, value, 0, 2**32 - 1))
@@ -143,6 +149,6 @@ def frame_info(timestamp_ns, sequence, exposure_s, gain):
     info.size_bytes = ctypes.sizeof(info)
     info.timestamp_ns = integer("timestamp_ns", timestamp_ns, -2**63, 2**63 - 1)
     info.sequence = integer("sequence", sequence, 0, 2**64 - 1)
-    info.exposure_s = exposure_s
-    info.gain = gain
+    info.exposure_s = number("exposure_s", exposure_s)
+    info.gain = number("gain", gain)
     return info
