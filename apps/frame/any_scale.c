@@ -1,6 +1,7 @@
 #include "any_scale.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* The share of the pixels with light that is darker than what the scale is chosen by: the bright part of the picture,
@@ -13,6 +14,13 @@
 #define WANTED_EV  4
 #define MOST_STOPS 60  /* pupil.h: gain is from 2^-64 to 2^64 */
 #define SAMPLES    256 /* rows, and pixels of a row, that are looked at */
+/* A frame is noise where so many of its pixels are dark in each channel: half of them are behind a lens cap. The pixels
+ * that so many are darker than are put there. The standard deviation is 2 to 4 times that: a 64th to a 32nd of the
+ * default floor, so as dark as 8-bit noise at the limit of amplification (docs/pictures.md). */
+#define NOISE_SHARE 0.25
+#define NOISE_EV    (-21)
+
+enum { LOWEST = -149, EXPONENTS = 278 }; /* of floats */
 
 /* Floats of a pixel; 0: not a format of floats. */
 static size_t floats_of(uint32_t pixel)
@@ -22,36 +30,68 @@ static size_t floats_of(uint32_t pixel)
     return pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F ? 3 : 0;
 }
 
-/* Whole stops of the light that BRIGHT_SHARE of the pixels with light are below. 0: there is no light. */
-static int find_bright(const pupil_image_const *image, size_t floats, int *bright_ev)
+/* What a frame's samples say of its unit. */
+typedef struct sight {
+    size_t stops[EXPONENTS]; /* pixels, by the exponent of their brightest channel, where that is above 0 */
+    size_t lit, pixels;
+    size_t dark[3]; /* per channel: below 0, or 0 while another one is above */
+} sight;
+
+static void look_at(sight *s, const float rgb[3])
 {
-    enum { LOWEST = -149, EXPONENTS = 278 };
-    size_t count[EXPONENTS] = {0}, pixels = 0, below = 0;
+    const float most = fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
+    if (!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))
+        return;
+    s->pixels++;
+    for (int c = 0; c < 3; c++)
+        s->dark[c] += rgb[c] < 0.0f || (rgb[c] == 0.0f && most > 0.0f);
+    if (most > 0.0f) {
+        s->stops[ilogbf(most) - LOWEST]++;
+        s->lit++;
+    }
+}
+
+static sight look(const pupil_image_const *image, size_t floats)
+{
+    sight s = {0};
     const uint32_t step_x = (image->width + SAMPLES - 1) / SAMPLES, step_y = (image->height + SAMPLES - 1) / SAMPLES;
     for (uint32_t y = 0; y < image->height; y += step_y) {
         const float *row = pupil_image_rows(*image, y, 1).data;
-        for (uint32_t x = 0; x < image->width; x += step_x) {
-            const float *p = row + x * floats;
-            const float most = fmaxf(p[0], fmaxf(p[1], p[2]));
-            if (!(most > 0.0f && isfinite(most)))
-                continue;
-            count[ilogbf(most) - LOWEST]++;
-            pixels++;
-        }
+        for (uint32_t x = 0; x < image->width; x += step_x)
+            look_at(&s, row + x * floats);
     }
-    int i = 0;
-    while (pixels && (double)(below += count[i]) < BRIGHT_SHARE * (double)pixels)
-        i++;
-    *bright_ev = i + LOWEST;
-    return pixels > 0;
+    return s;
 }
 
-static int stops_for(int bright_ev)
+/* Whole stops of the light that a share of the pixels with light are below. */
+static int quantile(const sight *s, double share)
 {
-    if (bright_ev >= LEAST_EV && bright_ev <= MOST_EV)
-        return 0;
-    const int stops = WANTED_EV - bright_ev;
-    return stops < -MOST_STOPS ? -MOST_STOPS : stops > MOST_STOPS ? MOST_STOPS : stops;
+    size_t below = 0;
+    int i = 0;
+    while ((double)(below += s->stops[i]) < share * (double)s->lit)
+        i++;
+    return i + LOWEST;
+}
+
+/* Light is not below 0, and a wider gamut's colours are so in one channel. In all three it is a sensor's noise. */
+static int is_noise(const sight *s)
+{
+    const double least = NOISE_SHARE * (double)s->pixels;
+    return (double)s->dark[0] >= least && (double)s->dark[1] >= least && (double)s->dark[2] >= least;
+}
+
+static int stops_for(const sight *s)
+{
+    const int bright_ev = quantile(s, BRIGHT_SHARE);
+    return bright_ev >= LEAST_EV && bright_ev <= MOST_EV ? 0 : WANTED_EV - bright_ev;
+}
+
+static void choose(any_scale *a, const sight *s)
+{
+    a->known = 1;
+    a->noise = is_noise(s);
+    const int stops = a->noise ? NOISE_EV - quantile(s, NOISE_SHARE) : stops_for(s);
+    a->stops = stops < -MOST_STOPS ? -MOST_STOPS : stops > MOST_STOPS ? MOST_STOPS : stops;
 }
 
 static int make_room(any_scale *a, size_t bytes, pupil_why *why)
@@ -85,12 +125,12 @@ int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why)
 {
     const size_t floats = floats_of(frame->image.pixel);
     pupil_frame_info *info = &frame->info;
-    int bright_ev;
     if (!floats)
         return 0;
-    if (!a->known && find_bright(&frame->image, floats, &bright_ev)) {
-        a->stops = stops_for(bright_ev);
-        a->known = 1;
+    if (!a->known) {
+        const sight s = look(&frame->image, floats);
+        if (s.lit)
+            choose(a, &s);
     }
     if (!a->stops)
         return 0;
@@ -99,9 +139,20 @@ int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why)
     return multiply(a, &frame->image, floats, why);
 }
 
+void any_scale_describe(const any_scale *a, char *text, size_t text_bytes)
+{
+    *text = 0;
+    if (a->noise)
+        snprintf(text, text_bytes, "; the light is multiplied by 2^%d: the first frame is noise, and stays dark",
+                 a->stops);
+    else if (a->stops)
+        snprintf(text, text_bytes, "; the light is multiplied by 2^%d: it is far from 1", a->stops);
+}
+
 void any_scale_forget(any_scale *a)
 {
     a->known = 0;
+    a->noise = 0;
     a->stops = 0;
 }
 

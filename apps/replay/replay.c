@@ -1,6 +1,7 @@
 /* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "common/command_line.h"
 #include "common/interrupt.h"
@@ -189,6 +190,7 @@ int replay_main(int argc, char **argv)
     failed = failed || interrupt_came() || finish(&r);
     const int interrupted = failed && interrupt_came();
     session_end(s, by, sizeof by);
+    any_scale_describe(&r.scale, by + strlen(by), sizeof by - strlen(by));
     pupil_source_close(s->source);
     any_scale_close(&r.scale);
     if (interrupted)

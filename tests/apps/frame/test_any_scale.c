@@ -1,4 +1,5 @@
-/* Light of any unit: the same picture from 1e-8 to 1e8, levels in the frame's own units, and ordinary light left alone.
+/* Light of any unit: the same picture from 1e-8 to 1e8, levels in the frame's own units, ordinary light left alone, and
+ * noise dark.
  */
 #include "frame/any_scale.h"
 
@@ -128,6 +129,87 @@ static void check_black(void)
     any_scale_close(&a);
 }
 
+/* Normal, by twelve uniform ones. */
+static double normal(void)
+{
+    double sum = -6.0;
+    for (int i = 0; i < 12; i++)
+        sum += check_uniform();
+    return sum;
+}
+
+/* Behind a lens cap: noise around 0, or cut off there, and hot pixels, one in a thousand. */
+static pupil_frame lens_cap(double sigma, int cut, int grey)
+{
+    pupil_frame frame = frame_at(1.0);
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            const double hot = check_uniform() < 1e-3 ? 1000.0 : 0.0;
+            for (int c = 0; c < 3; c++) {
+                const double noise = grey && c ? light[y][x][0] : sigma * (hot + normal());
+                light[y][x][c] = (float)(cut ? fmax(noise, 0.0) : noise);
+            }
+        }
+    return frame;
+}
+
+/* Noise is dark, in any unit: its codes are those of 8-bit noise at the limit of amplification, and the reason says
+ * that the light is at the floor. */
+static void check_noise(void)
+{
+    static const double sigmas[] = {1e-8, 1e-4, 1.0, 1e5};
+    for (int i = 0; i < 12; i++) {
+        const int cut = i / 4 == 1, grey = i / 4 == 2;
+        frame_pipeline p;
+        any_scale a = {0};
+        pupil_frame frame = lens_cap(sigmas[i % 4], cut, grey);
+        const pupil_exposure e = map(&p, &a, &frame);
+        const uint8_t *codes = p.display.data;
+        size_t count[256] = {0}, below = 0;
+        for (size_t k = 0; k < (size_t)HEIGHT * WIDTH * 3; k++)
+            count[codes[k]]++;
+        int median = 0, most = 0; /* most: of 99 % */
+        for (int code = 0; code < 256; code++) {
+            below += count[code];
+            median += 2 * below < (size_t)HEIGHT * WIDTH * 3;
+            most += (double)below < 0.99 * HEIGHT * WIDTH * 3;
+        }
+        printf("noise of %g%s%s: times 2^%d, codes of half %d, of 99 %% %d\n", sigmas[i % 4],
+               cut ? ", cut off at 0" : "", grey ? ", grey" : "", a.stops, median, most);
+        char text[200];
+        any_scale_describe(&a, text, sizeof text);
+        CHECK(median <= 1 && most <= 40 && e.reason == PUPIL_REASON_RANGE);
+        CHECK(strstr(text, "noise") != NULL);
+        frame_pipeline_close(&p);
+        any_scale_close(&a);
+    }
+}
+
+/* Light is no noise: colours beyond the gamut, with a negative channel; a black frame around a picture; one pure lamp.
+ */
+static void check_no_noise(void)
+{
+    any_scale a = {0};
+    pupil_why why = {""};
+    for (int kind = 0; kind < 3; kind++) {
+        pupil_frame frame = frame_at(1.0);
+        for (int y = 0; y < HEIGHT; y++)
+            for (int x = 0; x < WIDTH; x++) {
+                if (kind == 0)
+                    light[y][x][x % 2] *= -0.1f;
+                else if (kind == 1 && y > HEIGHT / 4)
+                    memset(light[y][x], 0, 3 * sizeof(float));
+                else if (kind == 2)
+                    light[y][x][1] = light[y][x][2] = 0.0f;
+            }
+        CHECK(any_scale_take(&a, &frame, &why) == 0 && a.known && a.stops == 0 && frame.image.data == light);
+        char text[200];
+        any_scale_describe(&a, text, sizeof text);
+        CHECK(!a.noise && *text == 0);
+        any_scale_forget(&a);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -135,5 +217,7 @@ int main(int argc, char **argv)
     check_pictures();
     check_left_alone();
     check_black();
+    check_noise();
+    check_no_noise();
     return check_end();
 }
