@@ -35,6 +35,12 @@ static void find_top(const pupil_stats *stats, sensor_evidence *v)
     v->spike = share > SENSOR_SPIKE_SHARE && share > SENSOR_SPIKE_TIMES * below ? share : 0.0;
 }
 
+/* Far enough above the key to be clipped light. */
+static int is_bright(const pupil_sensor_config *c, double top)
+{
+    return top > pupil_log2(c->clip) + pupil_log2(c->key) + SENSOR_BRIGHT_EV;
+}
+
 /* Which light counts as clipped. */
 static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
 {
@@ -45,8 +51,7 @@ static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
         v->clipped_share = v->spike; /* the sensor is full below the code that counts as clipped */
     /* at any code: a flat top far above the key may be clipped light, and shows no more than "at least so bright"
      */
-    const int is_bright = v->top > white + pupil_log2(o->config.key) + SENSOR_BRIGHT_EV;
-    v->full_share = is_bright && v->spike > v->clipped_share ? v->spike : v->clipped_share;
+    v->full_share = is_bright(&o->config, v->top) && v->spike > v->clipped_share ? v->spike : v->clipped_share;
     v->is_number = v->full_share < SENSOR_BLIND_CLIPPED && v->black_share < 0.5 && v->mean > white - SENSOR_DARK_EV;
 }
 
@@ -130,10 +135,17 @@ void pupil_sensor_find_white(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_white *w = &o->white;
     if (w->is_found && v->top > w->level + SENSOR_STUCK_EV)
         w->is_found = 0;
-    if (v->spike <= 0.0)
+    if (v->spike <= 0.0 || !is_bright(&o->config, v->top))
         return;
     if (size_of(v->top - w->top) < SENSOR_STUCK_EV) {
         w->level = v->top;
         w->is_found = 1;
     }
+}
+
+/* Where the top moves before the setting does, light moves: at the end of the step it may be where it was by chance. */
+void pupil_sensor_watch_white(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    if (size_of(v->top - o->white.top) > SENSOR_WHITE_EV)
+        o->white.top = SENSOR_FAR_AWAY;
 }

@@ -565,6 +565,8 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     find_jump(o);
     if (s->is_large && !is_on_its_way(o))
         judge_answer(o, v);
+    else if (s->is_large)
+        pupil_sensor_watch_white(o, v);
     if (is_in_force(o))
         remember(o);
     if (!o->config.lock)

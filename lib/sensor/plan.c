@@ -93,10 +93,19 @@ static int is_flash(pupil_sensor_object *o, double off)
     return !p->is_looking && p->far_frames <= o->config.flash_frames;
 }
 
-/* Both delays are known: what is in force in a frame is not in doubt. */
+/* The control was asked for one thing only, for longer than any delay. */
+static int is_idle(const sensor_estimate *a, int control)
+{
+    for (uint32_t h = 1; h <= SENSOR_DELAYS; h++)
+        if (a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][control] != a->requested[control])
+            return 0;
+    return 1;
+}
+
+/* The delays are known, or that of the only control that moves: what is in force in a frame is not in doubt. */
 static int is_timed(const sensor_estimate *a)
 {
-    return a->is_borne_out || (a->delay[0] && a->delay[1]);
+    return a->is_borne_out || (a->delay[0] && (a->delay[1] || is_idle(a, 1))) || (a->delay[1] && is_idle(a, 0));
 }
 
 /* The largest share of the way that may be gone in a frame. */

@@ -198,6 +198,9 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double me
 /* The white that this frame shows. */
 void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence *evidence);
 
+/* A frame while a large step is on its way. */
+void pupil_sensor_watch_white(pupil_sensor_object *object, const sensor_evidence *evidence);
+
 /* black_level.c: what each frame says against it; before and after a step of `ev` stops. */
 void pupil_sensor_black_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_black_before(pupil_sensor_object *object, const sensor_evidence *evidence);

@@ -43,6 +43,22 @@ tail -1 lamp.jsonl | grep -q '"band_ev":0.0[01]' || fail "bands with the mains t
 "$program" sim --key-at -1:0.05,5.5:0.18 --light '2s step -4ev' --json >said.out
 grep -q '"settle_frames":5,"overshoot_ev":0.0000[0-9]*,"aim_ev":-\?0.00' said.out || fail "--key-at: $(cat said.out)"
 
+# cameras with which the loop of before stood wrong
+# A wall in light that moves as fast as the loop follows: its level is where it was, and is not white.
+"$program" sim -q --check --delay 4 \
+    --camera "seed=18653,fps=9.92030184,readout=0ms,line=62.9999466us,shortest=188.99984us,\
+longest=100.803384ms,gain=14.1996488,law=third,delay=1/4,size=16x32,black=256,\
+noise=0.0094574355ev,scene=flat:2.11358,light=-0.743566161ev,off=1" \
+    --light "0s -1.856ev; 1.0080s 2.064ev; 3.0241s 4.026ev; 6.8546s ramp -0.5122ev/s 3.7297s; 10.5844s 2.116ev; 11.1892s -0.330ev" >again.txt ||
+    fail "$(grep verdict again.txt)"
+# Only one control moves, and its delay is known: the filter is as quick as with both.
+"$program" sim -q --check --delay 4 \
+    --camera "seed=18492,fps=13.3505848,readout=38.641058ms,line=22.8069968us,shortest=68.4209905us,\
+longest=74.9030857ms,gain=36.4075736,law=sixteenth,delay=2/4,size=16x32,black=256,\
+curve=gamma:0.951846,scene=window:1.86951,light=10.466174ev,black_off=-23.1950731%" \
+    --light "0s -2.689ev; 2.0973s -24.000ev; 3.8950s -9.911ev; 5.9173s -9.714ev; 7.6401s -9.911ev" >again.txt ||
+    fail "$(grep verdict again.txt)"
+
 if command -v gnuplot >/dev/null; then
     "$program" sim --plot run.svg >/dev/null
     grep -q '<svg' run.svg || fail "no plot"
