@@ -94,7 +94,7 @@ if(PUPIL_PROGRAM AND PUPIL_LAB AND PUPIL_BENCH_PEERS)
   foreach(peer IN ITEMS opencv ffmpeg)
     if(NOT TARGET pupil_peer_${peer})
       message(STATUS "PUPIL_BENCH_PEERS=ON, but ${peer} is not found: the benchmark does without "
-        "(on Debian: apt-get install libopencv-photo-dev libavfilter-dev g++)")
+        "(on Debian: apt-get install libopencv-dev libavfilter-dev g++)")
     endif()
   endforeach()
 endif()

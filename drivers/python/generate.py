@@ -11,8 +11,8 @@ import re
 import sys
 
 HEADERS = ("abi.h", "error.h", "coding.h", "image.h", "config.h", "stats.h", "pupil.h", "sensor.h")
-SCALARS = {"char": "c_char", "uint8_t": "c_uint8", "uint32_t": "c_uint32", "uint64_t": "c_uint64",
-           "int64_t": "c_int64", "int": "c_int",
+SCALARS = {"char": "c_char", "uint8_t": "c_uint8", "uint16_t": "c_uint16", "uint32_t": "c_uint32",
+           "uint64_t": "c_uint64", "int32_t": "c_int32", "int64_t": "c_int64", "int": "c_int",
            "float": "c_float", "double": "c_double", "size_t": "c_size_t", "ptrdiff_t": "c_ssize_t",
            "const char *": "c_char_p", "const char **": "POINTER(c_char_p)", "void *": "c_void_p", "void": "None",
            "const void *": "c_void_p", "float *": "POINTER(c_float)", "double *": "POINTER(c_double)",
@@ -66,14 +66,17 @@ class Abi:
         return eval(expression.replace("/", "//"))
 
     def fields(self, body):
-        """(C type, name, lengths, comment) of each field: the comment that follows it or, where none does, the last one
-        before it."""
-        before = ""
+        """(C type, name, lengths, comment) of each field: the comment that follows it, after a paragraph before it; or
+        the last paragraph, where none follows."""
+        before, is_new = "", False
         for token in re.finditer(r"/\*(.*?)\*/|([^;/]+(?:/ ?\d+[^;]*)?);(?:[ \n]*/\*(.*?)\*/)?", body, re.S):
             if token.group(1) is not None:
-                before = words_of(token.group(1))
+                before, is_new = words_of(token.group(1)), True
                 continue
-            comment = words_of(token.group(3)) if token.group(3) else before
+            own = words_of(token.group(3) or "")
+            is_head = is_new and len(before) > 40 and own  # shorter: the title of a group
+            comment = f"{before.rstrip('.')}. {own}" if is_head else own or before
+            is_new = False
             declaration = " ".join(token.group(2).split())
             base, rest = re.fullmatch(r"((?:const )?\w+ \*?)(.*)", declaration).groups()
             for declarator in rest.split(","):
@@ -132,7 +135,7 @@ def module(abi, places):
         lines += ["", f"class {struct}(Structure):", "    _fields_ = ["]
         for c_type, name, lengths, comment in fields:
             lines.append(f"        ({name!r}, {python_type(abi, c_type, lengths)}),")
-            named = re.match(r"a (pupil_\w+)", comment)
+            named = re.search(r"(?:^|\. )a (pupil_\w+)", comment)
             if named and named.group(1) in abi.enums and c_type == "uint32_t":
                 enum_of[f"{struct}.{name}"] = class_name(named.group(1))
             about[f"{struct}.{name}"] = comment

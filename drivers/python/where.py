@@ -6,7 +6,7 @@ import site
 import sys
 
 prefix = pathlib.Path(sys.argv[1])
-for folder in site.getsitepackages() + sys.path:
+for folder in site.getsitepackages() + [site.getusersitepackages()] + sys.path:
     path = pathlib.Path(folder)
     # Not /usr/local for /usr.
     if prefix in path.parents and path.relative_to(prefix).parts[0].startswith("lib"):

@@ -97,6 +97,12 @@ for name in meter_only decoder_i420 mat_bgr mono_y10p own_camera full; do
             -lm -o "$work/$name"
     done
 done
+if pkg-config --exists opencv4; then
+    line=$(sed -n 's/^ \*  *\(c++ opencv_still.cpp .* -o opencv_still\).*/\1/p' "$examples/opencv_still.cpp")
+    [ -n "$line" ] || { echo "check.sh: opencv_still.cpp does not say how it is compiled"; exit 1; }
+    cp "$examples/opencv_still.cpp" "$work"
+    (cd "$work" && eval "$line")
+fi
 head -c 16 /dev/zero | "$work/meter_only" 4 2
 "$work/own_camera"
 no_camera() {

@@ -140,7 +140,7 @@ def about(struct):
         words = _abi.ABOUT[f"{struct.__name__}.{name}"]
         if enum:
             words = f"{', '.join(enum.__members__)}. {words}"
-        lines.append(textwrap.fill(f"{name}: {words}", 110, initial_indent="    ", subsequent_indent="        "))
+        lines.append(textwrap.fill(f"{name}: {words}", 110, initial_indent=" " * 8, subsequent_indent=" " * 12))
     return "\n".join(lines)
 
 
