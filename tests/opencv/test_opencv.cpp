@@ -234,9 +234,10 @@ static void check_odd()
     in_place = light.clone();
     pupil_cv::Pupil().process(in_place, in_place); /* to another type */
     CHECK(same(in_place, wanted));
-    cv::Mat shifted = wide(cv::Rect(1, 0, 40, 30)); /* overlaps with `left` */
-    const cv::Mat before = left.clone();
-    pupil_cv::Pupil().process(left, shifted, floats);
+    /* longer rows than the library's buffer, and the picture a pixel further on */
+    cv::Mat both = random_mat(8, 3001, CV_32FC3), here = both.colRange(0, 3000), shifted = both.colRange(1, 3001);
+    const cv::Mat before = here.clone();
+    pupil_cv::Pupil().process(here, shifted, floats);
     pupil_cv::Pupil().process(before, as_floats, floats);
     CHECK(same(shifted, as_floats));
 
