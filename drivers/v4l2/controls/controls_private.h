@@ -5,11 +5,12 @@
 #include <linux/videodev2.h>
 #include <pthread.h>
 
+#include "camera_history.h"
 #include "pupil/camera_controls.h"
 #include "pupil/error.h"
 #include "refuse.h"
 
-enum { CAMERA_SAVED = 16, CAMERA_HISTORY = 16, CAMERA_USUAL_DELAY = 3 };
+enum { CAMERA_SAVED = 16 };
 
 /* A control and where it is. fd -1: there is none. */
 typedef struct camera_control {
@@ -17,22 +18,6 @@ typedef struct camera_control {
     uint32_t id;
     pupil_camera_range range;
 } camera_control;
-
-/* What the driver took. */
-typedef struct camera_entry {
-    uint64_t under_way; /* the frame that was then */
-    uint32_t in_stream; /* 0: before the first frame, so it was in force with that one */
-    double value;
-} camera_entry;
-
-typedef struct camera_history {
-    camera_entry entry[CAMERA_HISTORY];
-    uint32_t count;             /* of all that were ever written */
-    uint32_t delay;             /* frames from the one in progress to the first that was taken with it */
-    uint32_t learned;           /* what frames showed when `delay` was made from it; 0: it is believed */
-    uint64_t late, late_before; /* frames from the one that was measured to the one in progress, when the last value was
-                                 * written, and the one before; 0: not known */
-} camera_history;
 
 typedef struct v4l2_camera {
     pupil_camera base;
@@ -63,11 +48,9 @@ typedef struct v4l2_camera {
     pthread_mutex_t lock; /* of all that follows, and of exposure.range; never held while the driver is called */
     double now_frame_s;   /* by VBLANK, as last written */
     pthread_cond_t wake, idle;
-    uint32_t closing, abandoned, running, frame_started, any_frame, again;
-    uint64_t under_way; /* sequence of the frame that is exposed now */
-    uint64_t measured,
-        measured_mask;      /* the last frame that was asked about; bit k: the one so many before it was, too */
-    uint64_t pending_after; /* `measured` when `pending` was asked for ... */
+    uint32_t closing, abandoned, running, frame_started, again;
+    camera_timeline time;
+    uint64_t pending_after; /* `time.measured` when `pending` was asked for ... */
     uint32_t pending_is;    /* ... if there was one */
     pupil_camera_setting pending;
     pupil_camera_status status;
@@ -95,8 +78,6 @@ int pupil_camera_write(v4l2_camera *camera, const pupil_camera_setting *setting,
 int pupil_camera_writer_start(v4l2_camera *camera);
 int pupil_camera_writer_stop(v4l2_camera *camera);
 
-/* From which frame on the latest entry is in force. The lock is held. */
-uint64_t pupil_camera_acts_from(const camera_history *h);
 void pupil_camera_free(v4l2_camera *camera);
 
 /* The table of pupil/camera_controls.h, function by function. */

@@ -17,24 +17,12 @@ static struct timespec later(long ms)
     return t;
 }
 
-/* The driver has taken `value`, asked for after frame `after`, if that is known. */
-static void took(v4l2_camera *camera, camera_history *h, pupil_camera_value *v, double value, const uint64_t *after)
-{
-    if (!(value > 0.0) || (h->count && value == v->taken))
-        return;
-    h->entry[h->count++ % CAMERA_HISTORY] = (camera_entry){camera->under_way, camera->any_frame, value};
-    h->late_before = h->late;
-    h->late = after && camera->any_frame && camera->under_way > *after ? camera->under_way - *after : 0;
-    v->taken = value;
-    v->from_frame = pupil_camera_acts_from(h);
-}
-
 /* Waits for something to write; 0: closing. The lock is held. */
 static int wait_for_work(v4l2_camera *camera)
 {
     while (!camera->closing && camera->status.written == camera->status.asks)
         pthread_cond_wait(&camera->wake, &camera->lock);
-    if (camera->at_frame_start && camera->any_frame) {
+    if (camera->at_frame_start && camera->time.any_frame) {
         const struct timespec until = later(FRAME_START_WAIT_MS);
         camera->frame_started = 0;
         while (!camera->closing && !camera->frame_started)
@@ -68,8 +56,8 @@ static void *writer(void *of)
             camera->status.failed++;
             camera->status.error = -error;
         }
-        took(camera, &camera->exposures, &camera->status.exposure_s, exposure_s, known);
-        took(camera, &camera->gains, &camera->status.gain, gain, known);
+        pupil_camera_history_take(&camera->exposures, &camera->time, &camera->status.exposure_s, exposure_s, known);
+        pupil_camera_history_take(&camera->gains, &camera->time, &camera->status.gain, gain, known);
     }
     camera->running = 0;
     const int abandoned = (int)camera->abandoned;
@@ -93,11 +81,13 @@ int pupil_camera_writer_start(v4l2_camera *camera)
     pthread_cond_init(&camera->idle, &monotonic);
     pthread_condattr_destroy(&monotonic);
     if (!pupil_camera_get_control(camera, camera->exposure.fd, camera->exposure.id, &code))
-        took(camera, &camera->exposures, &camera->status.exposure_s, (double)code * camera->unit_s, NULL);
+        pupil_camera_history_take(&camera->exposures, &camera->time, &camera->status.exposure_s,
+                                  (double)code * camera->unit_s, NULL);
     if (camera->gain.fd < 0)
-        took(camera, &camera->gains, &camera->status.gain, 1.0, NULL);
+        pupil_camera_history_take(&camera->gains, &camera->time, &camera->status.gain, 1.0, NULL);
     else if (!pupil_camera_get_control(camera, camera->gain.fd, camera->gain.id, &code))
-        took(camera, &camera->gains, &camera->status.gain, pupil_camera_gain_of_code(&camera->law, code), NULL);
+        pupil_camera_history_take(&camera->gains, &camera->time, &camera->status.gain,
+                                  pupil_camera_gain_of_code(&camera->law, code), NULL);
     camera->running = 1;
     return -pthread_create(&camera->thread, NULL, writer, camera);
 }
@@ -137,8 +127,8 @@ uint64_t pupil_camera_v4l2_ask(pupil_camera *of, const pupil_camera_setting *set
     camera->pending.frame_s = s.frame_s > 0.0 ? s.frame_s : camera->pending.frame_s;
     camera->status.exposure_s.asked = s.exposure_s > 0.0 ? s.exposure_s : camera->status.exposure_s.asked;
     camera->status.gain.asked = s.gain > 0.0 ? s.gain : camera->status.gain.asked;
-    camera->pending_after = camera->measured;
-    camera->pending_is = camera->measured_mask != 0;
+    camera->pending_after = camera->time.measured;
+    camera->pending_is = camera->time.measured_mask != 0;
     const uint64_t number = ++camera->status.asks;
     pthread_cond_broadcast(&camera->wake);
     pthread_mutex_unlock(&camera->lock);
@@ -162,10 +152,7 @@ void pupil_camera_v4l2_frame(pupil_camera *of, uint64_t sequence, int started)
 {
     v4l2_camera *camera = (v4l2_camera *)of;
     pthread_mutex_lock(&camera->lock);
-    const uint64_t now = started ? sequence : sequence + 1;
-    if (!camera->any_frame || now > camera->under_way)
-        camera->under_way = now;
-    camera->any_frame = 1;
+    pupil_camera_timeline_frame(&camera->time, sequence, started);
     if (started) {
         camera->frame_started = 1;
         pthread_cond_broadcast(&camera->wake);
