@@ -37,6 +37,7 @@ qemu-system-arm runs what was built for Cortex-M7, and boots 64-bit ARM
 qemu-system-x86 boots the virtual machine of tests/vm
 cpio packs what it boots from
 kmod finds the drivers that it needs
+udev announces cameras there, as libcamera needs it
 strace tells which system calls a program makes there
 xz-utils unpacks its kernel
 make builds a driver that Debian does not ship

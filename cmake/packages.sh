@@ -50,6 +50,8 @@ libavutil-dev goes with the two above
 libcjson-dev writes statistics as JSON, and what a recording says of its frames
 libegl-dev makes contexts of OpenGL ES without a window
 libgles-dev the headers of OpenGL ES
+libcamera-dev the cameras of libcamera
+g++ compiles the file that calls libcamera
 libsdl2-dev opens the window of --view
 libegl1 finds the driver of OpenGL ES
 libgles2 OpenGL ES itself

@@ -91,7 +91,8 @@ const option_command list_command = {
     .usage = "[--json]",
     .about = "The cameras that are present: a line each with its path, name, driver and bus, and its\n"
              "formats with their sizes and frames a second (in brackets those that pupil does not\n"
-             "read). Any of path, number and name can follow v4l2: as an input.",
+             "read). Any of path, number and name can follow v4l2: as an input. Cameras of libcamera\n"
+             "follow; their path is the input as it is.",
     .exits = "0 done, with or without a camera, 1 failed, 2 usage",
     .manual = "Lists the cameras, a line each: path, name, driver, bus, and formats with their sizes and frames a "
               "second. Formats that pupil does not read are in brackets.",

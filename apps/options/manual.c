@@ -27,6 +27,8 @@ static const entry inputs[] = {
                     "table, walk), or a recipe by its path. fixtures/scenes/README.md describes recipes."},
     {"v4l2:CAMERA", "A camera, by its path, its number or its name (pupil list shows them). A path /dev/video* or "
                     "/dev/v4l/* needs no v4l2: in front."},
+    {"libcamera:CAMERA", "A camera of libcamera, by its id or a part of that, by its model, or by its number from 0; "
+                         "empty: the first one. Raw frames where it has them."},
     {NULL, NULL},
 };
 

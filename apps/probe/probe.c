@@ -40,8 +40,9 @@ static void complain(pupil_why *why)
 }
 
 static const option_row rows[] = {
-    {"device", 'd', OPTION_PATH, "CAMERA", offsetof(probe_run, device), .right = "a path, a number or a camera's name",
-     .help = "a path, a number or a name (the first camera; 'pupil list')"},
+    {"device", 'd', OPTION_PATH, "CAMERA", offsetof(probe_run, device),
+     .right = "a path, a number, a camera's name or libcamera:ID",
+     .help = "path, number, name, libcamera:ID (the first: 'pupil list')"},
     OPTION_ROW_JSON(probe_run, json, "the same as JSON, with units in its names"),
     {"quick", 0, OPTION_FLAG, NULL, offsetof(probe_run, options.quick), .help = "fewer steps: at most 8 seconds"},
     {"quiet", 'q', OPTION_FLAG, NULL, offsetof(probe_run, quiet), .help = "no line that shows the progress"},

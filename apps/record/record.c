@@ -173,6 +173,10 @@ static int open_source(record *r, const pupil_live_system *system)
     if (pupil_live_open(r->device, &o->run.shown.source, &live, &r->source, &r->why))
         return -1;
     r->camera = pupil_live_get(r->source);
+    if (is_steered(o) && !o->run.shown.quiet && *r->camera->remark.text) {
+        r->why = r->camera->remark;
+        say(r);
+    }
     return begin_exposure(r);
 }
 

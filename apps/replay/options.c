@@ -54,7 +54,7 @@ const option_command replay_command = {
     .about = "Adapts recorded HDR frames; writes a display video and what the exposure did.\n"
              "  INPUT  .exr .hdr .pfm .png, a folder, a 'glob*', a video, - (stdin),\n"
              "         pan:PANORAMA[,key=value...], synth:walk, synth:room, ...,\n"
-             "         synth:RECIPE.scene, v4l2:CAMERA (a path, a number, a name)",
+             "         synth:RECIPE.scene, v4l2:CAMERA (a path, a number, a name), libcamera:CAMERA",
     .exits = "0 done, 1 failed, 2 usage, 3 done but frames were skipped, 130 interrupted",
     .manual =
         "Recorded HDR frames are metered, adapted to over time, and mapped by Reinhard's operator. Without options "

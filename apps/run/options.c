@@ -50,8 +50,8 @@ static int parse_resume(const option_value *v)
 #define AT(field) offsetof(run_options, field)
 
 const option_row run_device_rows[RUN_DEVICE_ROWS] = {
-    {"device", 'd', OPTION_PATH, "CAMERA", AT(device), .right = "a path, a number or a camera's name",
-     .help = "a path, a number or a name (the first camera; 'pupil list')"},
+    {"device", 'd', OPTION_PATH, "CAMERA", AT(device), .right = "a path, a number, a camera's name or libcamera:ID",
+     .help = "path, number, name, libcamera:ID (the first: 'pupil list')"},
 };
 
 const option_row run_request_rows[RUN_REQUEST_ROWS] = {

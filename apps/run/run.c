@@ -175,6 +175,8 @@ static int begin(run *r)
         run_choose_mode(o, s->source, &words, &s->why))
         return -1;
     remark(r, &words, !o->shown.quiet);
+    words = pupil_live_get(s->source)->remark;
+    remark(r, &words, !o->shown.quiet);
     run_sensor_begin(&r->sensor, o, s->source);
     run_resume_begin(&r->resume, o->resume, s->source, &words);
     remark(r, &words, 1);

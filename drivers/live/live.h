@@ -3,7 +3,7 @@
  *
  *     open -> next -> (use the frame, ask) -> done -> ... -> close
  *
- * Which kind of camera it is shows in its name: "libcamera:ID" is libcamera's (drivers/libcamera), all else V4L2's.
+ * Which kind of camera it is shows in its name: "libcamera:ID" is libcamera's (libcamera/libcamera.h), all else V4L2's.
  *
  * Frames are in the kernel's buffers; nothing is copied. JPEGs are decoded, and handed out both ways. Damaged frames
  * are left out and counted. info.sequence is the driver's number, made of 64 bits. It continues over a wrap and over a
@@ -34,7 +34,8 @@
 
 /* What cameras and output nodes are reached through, so that fakes can take its place. NULL: the machine's own. */
 typedef struct pupil_live_system {
-    const pupil_v4l2_system *v4l2;
+    const pupil_v4l2_system *v4l2;                 /* NULL: the kernel */
+    const struct pupil_libcamera_layer *libcamera; /* NULL: none */
 } pupil_live_system;
 
 typedef struct pupil_live_options {
@@ -46,7 +47,7 @@ typedef struct pupil_live_options {
     int hands_off;  /* 1: no control is read or touched */
 } pupil_live_options;
 
-/* 1: a name that calls a camera: "v4l2:...", "/dev/video...", "/dev/v4l/...". */
+/* 1: a name that calls a camera: "libcamera:...", "v4l2:...", "/dev/video...", "/dev/v4l/...". */
 int pupil_live_is_camera(const char *name);
 
 /* which: as pupil_v4l2_device_open has it, with or without "v4l2:" before it. What `options` says (fps, width, height,

@@ -1,5 +1,6 @@
-/* uvc_camera.c: uvc_camera linear|display [hard]: the camera of uvc_camera.h, until SIGTERM. `hard`: a write of a
- * control takes HARD_WRITE_NS, and the camera is not ready for some of them.
+/* uvc_camera.c: uvc_camera linear|display [hard|slow]: the camera of uvc_camera.h, until SIGTERM. `hard`: a write of a
+ * control takes HARD_WRITE_NS, and the camera is not ready for some of them. `slow`: 5 frames a second, whatever is
+ * asked for; libcamera cannot ask.
  *
  * Sources: the kernel's Documentation/usb/usbip_protocol.rst; Universal Serial Bus 2.0, chapter 9; USB Device Class
  * Definition for Video Devices 1.1, and its Uncompressed Payload. */
@@ -42,7 +43,7 @@ enum {
     GET_DEF = 0x87
 };
 
-static int link_fd, display, hard;
+static int link_fd, display, hard, slow;
 static volatile sig_atomic_t light = 8, ended;
 
 /* --- controls --- */
@@ -266,7 +267,7 @@ static int answer_standard(uint8_t request, uint32_t value, uvc_text *out)
 
 static uint32_t interval_for(uint32_t asked)
 {
-    return asked > 4 * INTERVAL ? UVC_LONGEST : asked > INTERVAL + INTERVAL / 2 ? 2 * INTERVAL : INTERVAL;
+    return slow || asked > 4 * INTERVAL ? UVC_LONGEST : asked > INTERVAL + INTERVAL / 2 ? 2 * INTERVAL : INTERVAL;
 }
 
 static int answer_stream(uint8_t request, const uint8_t *data, uint32_t bytes, uvc_text *out)
@@ -406,8 +407,9 @@ int main(int argc, char **argv)
     const struct sigaction action = {.sa_sigaction = on_signal, .sa_flags = SA_SIGINFO};
     display = argc > 1 && strcmp(argv[1], "display") == 0;
     hard = argc > 2 && strcmp(argv[2], "hard") == 0;
-    if (argc < 2 || (!display && strcmp(argv[1], "linear") != 0) || (argc > 2 && !hard)) {
-        fprintf(stderr, "usage: uvc_camera linear|display [hard]\n");
+    slow = argc > 2 && strcmp(argv[2], "slow") == 0;
+    if (argc < 2 || (!display && strcmp(argv[1], "linear") != 0) || (argc > 2 && !hard && !slow)) {
+        fprintf(stderr, "usage: uvc_camera linear|display [hard|slow]\n");
         return 2;
     }
     sigaction(UVC_SET_LIGHT, &action, NULL);
