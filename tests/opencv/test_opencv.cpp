@@ -173,6 +173,10 @@ static void check_guesses()
            pupil_cv::view(cv::Mat::zeros(2, 2, CV_16FC4)));
     THROWS("mat.convertTo(mat, CV_32F) with a factor", pupil_cv::view(cv::Mat::zeros(2, 2, CV_64FC3)));
     THROWS("one, three or four channels", pupil_cv::view(cv::Mat::zeros(2, 2, CV_64FC2)));
+    const cv::Mat large = cv::Mat::ones(100, 100, CV_32FC3), region = large(cv::Rect(20, 30, 40, 50));
+    const pupil_image_const image = pupil_cv::view(region); /* no copy */
+    CHECK(image.data == large.ptr<cv::Vec3f>(30) + 20 && image.stride_bytes == 1200 && image.width == 40 &&
+          image.height == 50);
     /* blue is in front: the same scene with the channels exchanged has another luminance */
     cv::Mat blue(4, 4, CV_8UC3, cv::Scalar(255, 0, 0)), red(4, 4, CV_8UC3, cv::Scalar(0, 0, 255));
     pupil_cv::Pupil a, b;

@@ -25,6 +25,10 @@ def same(frame, plain, what, **keywords):
 large = np.zeros((200, 300, 3), np.float32)
 large[33:73, 111:171] = light
 same(large[33:73, 111:171], light, "a region")
+for array, what in ((large[33:73, 111:171], "a region"), (light[::-1], "upside down"), (light[::3], "each third row"),
+                    (codes[:, :, 0].copy(), "grey"), (codes[:1, :1], "one pixel")):
+    image = pupil_ae._image.view(array).image
+    check.that(image.data == array.ctypes.data and image.height == len(array), f"{what} is copied")
 same(np.ascontiguousarray(light[::-1])[::-1], light, "negative row stride")
 same(np.ascontiguousarray(light[:, ::-1])[:, ::-1], light, "negative column stride")
 same(np.ascontiguousarray(light[:, :, ::-1])[:, :, ::-1], light, "negative channel stride")
