@@ -48,7 +48,8 @@ def main():
         turned = abs((new_hue - hue + 180) % 360 - 180)
         by_hue = (f"{word} {np.median((new_chroma / chroma)[(hue >= low) & (hue < high)]):.2f}"
                   for word, (low, high) in HUES.items())
-        print(f"{name}: {np.median(turned):.1f}, {np.percentile(turned, 90):.1f}, {turned.max():.1f};", ", ".join(by_hue))
+        median, most_of_them = np.percentile(turned, [50, 90])
+        print(f"{name}: {median:.1f}, {most_of_them:.1f}, {turned.max():.1f};", ", ".join(by_hue))
 
 
 if __name__ == "__main__":
