@@ -86,6 +86,22 @@ if(PUPIL_PROGRAM)
   mark_as_advanced(PUPIL_LIBM)
 endif()
 
+# The plugin is left out, and says so, where GStreamer is not installed. 1.20 has custom metas.
+if(PUPIL_PROGRAM AND PUPIL_GSTREAMER)
+  set(modules gstreamer-1.0>=1.20 gstreamer-video-1.0>=1.20 gstreamer-base-1.0>=1.20)
+  find_package(PkgConfig QUIET)
+  if(PKG_CONFIG_FOUND)
+    pkg_check_modules(PUPIL_PC_GSTREAMER IMPORTED_TARGET QUIET ${modules})
+  endif()
+  if(PUPIL_PC_GSTREAMER_FOUND)
+    add_library(pupil_dep_GSTREAMER INTERFACE)
+    target_link_libraries(pupil_dep_GSTREAMER INTERFACE PkgConfig::PUPIL_PC_GSTREAMER)
+  else()
+    message(STATUS "PUPIL_GSTREAMER=ON, but pkg-config does not find GStreamer 1.20: the plugin is left out "
+      "(on Debian: apt-get install libgstreamer-plugins-base1.0-dev)")
+  endif()
+endif()
+
 # What pupil/opencv.hpp is tested with; the header itself needs nothing here.
 if(PUPIL_PROGRAM AND PUPIL_TESTS AND NOT CMAKE_CROSSCOMPILING)
   if(PUPIL_CXX)

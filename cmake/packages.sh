@@ -58,11 +58,17 @@ libgles2 OpenGL ES itself
 libgl1-mesa-dri its drivers, and one for the CPU
 gnuplot-nox draws the plots
 python3 builds the module pupil_ae
+libgstreamer-plugins-base1.0-dev is what the GStreamer plugin is built with
 '
 
-# What the examples and tests of pupil/opencv.hpp and pupil_ae need; those who use them have it.
+# What the examples and tests of pupil/opencv.hpp, pupil_ae and the GStreamer plugin need; those who use them have it.
 packages_of_integrations='
 python3-numpy has the arrays of the module pupil_ae
 python3-opencv reads video for its example
 libopencv-dev is what pupil/opencv.hpp is compiled with
+gstreamer1.0-tools has gst-launch-1.0 and gst-inspect-1.0
+gstreamer1.0-plugins-base has the elements around pupilae in tests
+gstreamer1.0-plugins-good has v4l2src and pngenc
+gstreamer1.0-plugins-ugly has x264enc
+valgrind looks for memory that the plugin does not free
 '

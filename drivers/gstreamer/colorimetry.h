@@ -1,0 +1,27 @@
+/* drivers/gstreamer/colorimetry.h: what caps say of a stream's colours, as pupil has it.
+ *
+ * In: range, matrix, transfer and primaries are obeyed. Unknown: the range of the format, BT.601 up to 576 rows and
+ * BT.709 above, sRGB's curve (GRAY16_LE: linear light), BT.709's primaries.
+ * Out: the picture is coded as sRGB, with the primaries of BT.709, or of BT.2020 where downstream asks for those.
+ */
+#ifndef PUPIL_DRIVERS_GSTREAMER_COLORIMETRY_H
+#define PUPIL_DRIVERS_GSTREAMER_COLORIMETRY_H
+
+#include <gst/video/video.h>
+
+#include "pupil/coding.h"
+#include "pupil/config.h"
+#include "pupil/error.h"
+
+/* Sets `coding`, and of `config` the primaries of the input. 0; -1 and a sentence: pupil has no such colours. */
+int colorimetry_in(const GstVideoInfo *info, pupil_coding *coding, pupil_config *config, pupil_why *why);
+
+/* Sets `coding`, and of `config` those of the output. 0; -1 and a sentence: a picture cannot be made so. */
+int colorimetry_out(const GstVideoInfo *info, pupil_coding *coding, pupil_config *config, pupil_why *why);
+
+/* What the picture of this format is said to be where downstream leaves it open: for caps, to be freed. */
+gchar *colorimetry_of_picture(GstVideoFormat format);
+/* 1: colorimetry_out takes it, in some format. */
+gboolean colorimetry_is_of_picture(const gchar *colorimetry);
+
+#endif
