@@ -38,6 +38,7 @@ qemu-system-x86 boots the virtual machine of tests/vm
 cpio packs what it boots from
 kmod finds the drivers that it needs
 udev announces cameras there, as libcamera needs it
+libcamera-ipa has what libcamera needs of the simulated sensor there
 strace tells which system calls a program makes there
 xz-utils unpacks its kernel
 make builds a driver that Debian does not ship

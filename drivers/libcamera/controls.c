@@ -26,20 +26,47 @@ static double positive(double x)
 
 /* ---- the table of pupil/camera_controls.h ---- */
 
+/* As the camera can have it, where that is known. */
+static double exposure_of(const libcamera_controls *c, double s)
+{
+    const double within = fmin(fmax(s, c->can.exposure_s.least), c->can.exposure_s.most);
+    return c->is_webcam ? fmax(floor(within / WEBCAM_STEP_S + 1e-3), 1.0) * WEBCAM_STEP_S : within;
+}
+
+static int has_gain(const libcamera_controls *c)
+{
+    return !c->is_webcam && c->can.controls & PUPIL_LIBCAMERA_CAN_GAIN && c->can.gain.most > 0.0;
+}
+
+static double gain_of(const libcamera_controls *c, double gain)
+{
+    return fmin(fmax(gain, c->can.gain.least), c->can.gain.most);
+}
+
 static uint64_t ask(pupil_camera *camera, const pupil_camera_setting *setting)
 {
     libcamera_controls *c = of(camera);
+    pupil_camera_status *status = &c->status;
     const pupil_camera_setting s = {positive(setting->exposure_s), positive(setting->gain), positive(setting->frame_s)};
     pthread_mutex_lock(&c->lock);
-    c->pending.exposure_s = s.exposure_s > 0.0 ? s.exposure_s : c->pending.exposure_s;
-    c->pending.gain = s.gain > 0.0 ? s.gain : c->pending.gain;
+    if (!c->waits)
+        c->before = (pupil_camera_setting){.exposure_s = status->exposure_s.taken, .gain = status->gain.taken};
+    if (s.exposure_s > 0.0) {
+        c->pending.exposure_s = status->exposure_s.asked = s.exposure_s;
+        status->exposure_s.taken = exposure_of(c, s.exposure_s);
+        status->exposure_s.from_frame = c->time.under_way + c->exposures.delay;
+    }
+    if (s.gain > 0.0)
+        c->pending.gain = status->gain.asked = s.gain;
+    if (s.gain > 0.0 && has_gain(c)) {
+        status->gain.taken = gain_of(c, s.gain);
+        status->gain.from_frame = c->time.under_way + c->gains.delay;
+    }
     c->pending.frame_s = s.frame_s > 0.0 ? s.frame_s : c->pending.frame_s;
-    c->status.exposure_s.asked = s.exposure_s > 0.0 ? s.exposure_s : c->status.exposure_s.asked;
-    c->status.gain.asked = s.gain > 0.0 ? s.gain : c->status.gain.asked;
     c->pending_after = c->time.measured;
     c->pending_is = c->time.measured_mask != 0;
     c->waits = 1;
-    const uint64_t number = ++c->status.asks;
+    const uint64_t number = status->written = ++status->asks; /* handed over: it goes with the next request */
     pthread_mutex_unlock(&c->lock);
     return number;
 }
@@ -91,11 +118,6 @@ static void get_status(pupil_camera *camera, pupil_camera_status *status)
     pthread_mutex_lock(&c->lock);
     *status = c->status;
     pthread_mutex_unlock(&c->lock);
-}
-
-static int has_gain(const libcamera_controls *c)
-{
-    return !c->is_webcam && c->can.controls & PUPIL_LIBCAMERA_CAN_GAIN && c->can.gain.most > 0.0;
 }
 
 static void get_limits(pupil_camera *camera, pupil_camera_limits *limits)
@@ -179,13 +201,6 @@ libcamera_controls *libcamera_controls_open(const pupil_libcamera_can *can, cons
     return c;
 }
 
-/* As the camera can have it, where that is known. */
-static double exposure_of(const libcamera_controls *c, double s)
-{
-    const double within = fmin(fmax(s, c->can.exposure_s.least), c->can.exposure_s.most);
-    return c->is_webcam ? fmax(floor(within / WEBCAM_STEP_S + 1e-3), 1.0) * WEBCAM_STEP_S : within;
-}
-
 /* The frame's own period; longer where the exposure is. */
 static void choose_frame(const libcamera_controls *c, pupil_libcamera_ask *a)
 {
@@ -200,24 +215,25 @@ static void choose_frame(const libcamera_controls *c, pupil_libcamera_ask *a)
     }
 }
 
-/* Frames that say nothing: what is asked for is taken to be what is taken, from the usual delay on. */
+/* It is queued now. Frames that say nothing are taken to have it after the usual delay, or the one that was learned. */
 static void take(libcamera_controls *c, const pupil_libcamera_ask *a)
 {
     const uint64_t *const after = c->pending_is ? &c->pending_after : NULL;
+    pupil_camera_value *exposure = &c->status.exposure_s, *gain = &c->status.gain;
     if (c->told) {
-        c->status.exposure_s.from_frame = c->time.under_way + c->exposures.delay;
-        c->status.gain.from_frame = c->time.under_way + c->gains.delay;
+        exposure->from_frame = c->time.under_way + c->exposures.delay;
+        gain->from_frame = c->time.under_way + c->gains.delay;
         return;
     }
-    c->before = (pupil_camera_setting){.exposure_s = c->status.exposure_s.taken, .gain = c->status.gain.taken};
-    pupil_camera_history_take(&c->exposures, &c->time, &c->status.exposure_s, a->exposure_s, after);
-    pupil_camera_history_take(&c->gains, &c->time, &c->status.gain, a->gain, after);
+    exposure->taken = c->before.exposure_s;
+    gain->taken = c->before.gain;
+    pupil_camera_history_take(&c->exposures, &c->time, exposure, a->exposure_s, after);
+    pupil_camera_history_take(&c->gains, &c->time, gain, a->gain, after);
 }
 
-pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c, uint64_t *number)
+pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c)
 {
     pupil_libcamera_ask a = {0};
-    *number = 0;
     pthread_mutex_lock(&c->lock);
     if (c->takes_over) { /* alone: some pipelines refuse an exposure time until it is done */
         a.automatic = -1;
@@ -225,11 +241,9 @@ pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c, uint64_t *num
         c->takes_over = 0;
     } else if (c->waits) {
         a.exposure_s = c->pending.exposure_s > 0.0 ? exposure_of(c, c->pending.exposure_s) : 0.0;
-        if (has_gain(c) && c->pending.gain > 0.0)
-            a.gain = fmin(fmax(c->pending.gain, c->can.gain.least), c->can.gain.most);
+        a.gain = has_gain(c) && c->pending.gain > 0.0 ? gain_of(c, c->pending.gain) : 0.0;
         choose_frame(c, &a);
         take(c, &a);
-        *number = c->status.written = c->status.asks;
         c->pending = (pupil_camera_setting){0};
         c->waits = 0;
     }

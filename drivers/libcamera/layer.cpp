@@ -249,8 +249,7 @@ Device::~Device()
 
 int Device::add_modes(pupil_live_modes *modes, lc::StreamRole role) const
 {
-    const lc::StreamRoles roles{role};
-    const std::unique_ptr<lc::CameraConfiguration> config = camera_->generateConfiguration(roles);
+    const std::unique_ptr<lc::CameraConfiguration> config = camera_->generateConfiguration({role});
     if (!config || config->empty())
         return 0;
     const lc::StreamFormats &of = config->at(0).formats();
@@ -328,8 +327,7 @@ int Device::offers(pupil_live_offers *offers, pupil_libcamera_can *can) const
 // Into config_; false: this role has nothing of what is wanted.
 bool Device::choose(lc::StreamRole role, const pupil_libcamera_wanted *wanted)
 {
-    const lc::StreamRoles roles{role};
-    config_ = camera_->generateConfiguration(roles);
+    config_ = camera_->generateConfiguration({role});
     if (!config_ || config_->empty())
         return false;
     lc::StreamConfiguration &stream = config_->at(0);

@@ -59,4 +59,8 @@ int pupil_libcamera_cameras(const pupil_libcamera_layer *layer, pupil_libcamera_
 int pupil_libcamera_offers_read(pupil_live_offers *offers, const pupil_libcamera_layer *layer, const char *which,
                                 pupil_why *why);
 
+/* Of a source that was opened here: the buffer of the frame that is out, whose dma-bufs OpenGL ES can take
+ * (pupil/gles.h). NULL: it is another kind of source, or no frame is out. */
+const pupil_libcamera_buffer *pupil_libcamera_frame(const pupil_source *source);
+
 #endif

@@ -50,7 +50,7 @@ typedef struct libcamera_controls {
     pupil_camera_setting pending;
     uint64_t pending_after;      /* time.measured when it was asked for ... */
     uint32_t pending_is;         /* ... if there was one */
-    pupil_camera_setting before; /* what was taken before the last setting was queued */
+    pupil_camera_setting before; /* what was taken before `pending`, or what was queued last */
     pupil_camera_status status;
     camera_timeline time;
     camera_history exposures, gains; /* of cameras whose frames do not say it */
@@ -64,8 +64,8 @@ typedef struct libcamera_controls {
 libcamera_controls *libcamera_controls_open(const pupil_libcamera_can *can, const char *id,
                                             const pupil_libcamera_options *options, uint32_t buffers, double frame_s,
                                             pupil_why *why);
-/* What the next request asks for; `number` of the ask in it, or 0. */
-pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c, uint64_t *number);
+/* What the next request asks for. */
+pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c);
 /* A request with this ask was cancelled, or refused at once. */
 void libcamera_controls_refused(libcamera_controls *c, const pupil_libcamera_ask *ask);
 /* A frame's metadata, before in_force is asked. 0: it has none. */

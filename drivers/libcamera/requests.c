@@ -42,11 +42,10 @@ void libcamera_mark(libcamera_source *s)
 void libcamera_queue(libcamera_source *s, uint32_t index, int asks)
 {
     libcamera_request *r = &s->request[index];
-    uint64_t number = 0;
     r->ask = (pupil_libcamera_ask){0};
     if (asks && s->controls) {
         libcamera_mark(s); /* the frame's use took its time */
-        r->ask = libcamera_controls_next(s->controls, &number);
+        r->ask = libcamera_controls_next(s->controls);
     } else if (asks && s->wants_rate) {
         r->ask.frame_least_s = r->ask.frame_most_s = 1.0 / s->options.fps;
         s->wants_rate = 0;

@@ -327,6 +327,12 @@ static const pupil_source_ops source_ops = {source_next, source_done, source_clo
 
 /* ---- what is known ---- */
 
+const pupil_libcamera_buffer *pupil_libcamera_frame(const pupil_source *source)
+{
+    const libcamera_source *s = of(source);
+    return source->ops == &source_ops && s->is_out ? s->layer->buffer(s->camera, s->index) : NULL;
+}
+
 static int64_t now_ns(const pupil_source *source)
 {
     return libcamera_now_ns(of(source));
