@@ -1,5 +1,5 @@
 #!/bin/sh
-# vm.libcamera: test_libcamera.sh SHIM TEST CAMERA: boots the guest and runs libcamera.c there.
+# vm.libcamera: test_libcamera.sh SHIM TEST CAMERA EXAMPLE: boots the guest and runs libcamera.c and the example there.
 set -eu
 . "$(dirname "$0")/amd64.sh"
 [ -x /lib/systemd/systemd-udevd ] || {
