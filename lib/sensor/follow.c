@@ -576,8 +576,9 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
         go_on_searching(o, need);
         s->total = s->set + (s->is_searching ? 0.0 : need - left);
-        /* the plan waits for steps; a search of more than two goes on from what is wanted now: in the next frame */
-        const int is_old = s->is_searching && o->plan.waited_frames > 2 * wait_frames(o);
+        /* the plan waits for steps; a search or an exchange of more than two goes on from what is wanted now: in the
+         * next frame */
+        const int is_old = o->plan.waited_frames > 2 * wait_frames(o);
         if (!is_old && is_due(o, need, left))
             choose(o, v, need, left);
     }

@@ -73,10 +73,12 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     /* of a picture that is far off, little is known of its highlights */
     const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
     const double off = v->has_highlight ? held_back(c, v, goal, highlight) - p->held_back_ev : -p->held_back_ev;
+    p->moved = 0.0;
     if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !pupil_sensor_is_pending(o)) {
         const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -SENSOR_HIGHLIGHT_FAST_EV, SENSOR_HIGHLIGHT_FAST_EV);
         p->held_back_ev += move;
-        p->wanted -= c->lock ? 0.0 : move;
+        p->moved = c->lock ? 0.0 : -move;
+        p->wanted += p->moved;
     }
     p->goal = effect + goal - p->held_back_ev;
 }
@@ -146,7 +148,7 @@ static void filter(pupil_sensor_object *o, double off)
     } else if (is_timed(&o->estimate) && p->beyond == 0.0) {
         move -= ramp_of(&o->estimate); /* brighter light, less effect */
     }
-    p->wanted += clamp(move, -most_ev, most_ev);
+    p->wanted += clamp(move, -most_ev - p->moved, most_ev - p->moved); /* with the highlights no more than that */
 }
 
 void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)

@@ -109,6 +109,7 @@ typedef struct sensor_plan {
     double beyond;       /* goal, less what the camera can reach of it */
     double aim;          /* what the frame's mean is to be */
     double held_back_ev; /* by the highlights */
+    double moved;        /* `wanted`, for the highlights in this frame */
     double far_ev;       /* the least that the last far frames were off by */
     double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
                                                   * how much its highlights were above the mean */

@@ -131,7 +131,7 @@ static void walk(const hostile_row *rows, size_t count, int is_printed, const ch
         hostile.converged_ev = 0.0;
         const double value = row->measure(row);
         worst_converged_ev = fmax(worst_converged_ev, hostile.converged_ev);
-        const int is_good = value <= row->limit;
+        const int is_good = value <= row->limit + 1e-12; /* the rounding of logarithms */
         if (is_printed)
             printf("%-44s %8.4g %8.4g %-6s %-4s %6.3f %8s %12s %8s\n", row->name, row->limit, value, row->unit,
                    is_good ? "" : "FAIL", hostile.converged_ev, row->before, row->rpi, row->libipa);
