@@ -14,7 +14,8 @@ import pupil_ae
 
 if len(sys.argv) != 3:
     sys.exit(__doc__)
-capture = cv2.VideoCapture(int(sys.argv[1]) if sys.argv[1].isdigit() else sys.argv[1])
+# OpenCV would take GStreamer for a camera, which has no times of its frames.
+capture = cv2.VideoCapture(int(sys.argv[1]), cv2.CAP_V4L2) if sys.argv[1].isdigit() else cv2.VideoCapture(sys.argv[1])
 pupil, picture, writer, count = pupil_ae.Pupil(), None, None, 0
 while count < 3000:
     taken, frame = capture.read()  # uint8, blue first

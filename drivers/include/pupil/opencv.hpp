@@ -251,7 +251,7 @@ inline cv::Ptr<TonemapPupil> createTonemapPupil(float gamma = 1.0f, const pupil_
 
 /* A loop around cv::VideoCapture:
  *
- *     cv::VideoCapture capture(0);
+ *     cv::VideoCapture capture(0, cv::CAP_V4L2); // with GStreamer, OpenCV's default, frames have no times
  *     pupil_cv::Video<cv::VideoCapture> video(capture);
  *     while (video.read(picture)) cv::imshow("pupil", picture);
  *
