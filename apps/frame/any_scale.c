@@ -12,8 +12,10 @@
 #define MOST_EV  16
 /* Where it is else: 18 stops above the default floor, 26 below the largest luminance. */
 #define WANTED_EV  4
-#define MOST_STOPS 60  /* pupil.h: gain is from 2^-64 to 2^64 */
-#define SAMPLES    256 /* rows, and pixels of a row, that are looked at */
+#define MOST_STOPS 60 /* pupil.h: gain is from 2^-64 to 2^64 */
+/* Rows, and pixels of a row, that are looked at: for the unit; and in each later frame, for noise alone. */
+#define SAMPLES       256
+#define LATER_SAMPLES 64
 /* A frame is noise where so many of its pixels are dark in each channel: half of them are behind a lens cap. The pixels
  * that so many are darker than are put there. The standard deviation is 2 to 4 times that: a 64th to a 32nd of the
  * default floor, so as dark as 8-bit noise at the limit of amplification (docs/pictures.md). */
@@ -51,10 +53,10 @@ static void look_at(sight *s, const float rgb[3])
     }
 }
 
-static sight look(const pupil_image_const *image, size_t floats)
+static sight look(const pupil_image_const *image, size_t floats, uint32_t samples)
 {
     sight s = {0};
-    const uint32_t step_x = (image->width + SAMPLES - 1) / SAMPLES, step_y = (image->height + SAMPLES - 1) / SAMPLES;
+    const uint32_t step_x = (image->width + samples - 1) / samples, step_y = (image->height + samples - 1) / samples;
     for (uint32_t y = 0; y < image->height; y += step_y) {
         const float *row = pupil_image_rows(*image, y, 1).data;
         for (uint32_t x = 0; x < image->width; x += step_x)
@@ -86,12 +88,25 @@ static int stops_for(const sight *s)
     return bright_ev >= LEAST_EV && bright_ev <= MOST_EV ? 0 : WANTED_EV - bright_ev;
 }
 
+static int bounded(int stops)
+{
+    return stops < -MOST_STOPS ? -MOST_STOPS : stops > MOST_STOPS ? MOST_STOPS : stops;
+}
+
+/* The unit is that of the first frame that is no noise, and the noise that of the first that is: it is a sensor's. */
 static void choose(any_scale *a, const sight *s)
 {
-    a->known = 1;
-    a->noise = is_noise(s);
-    const int stops = a->noise ? NOISE_EV - quantile(s, NOISE_SHARE) : stops_for(s);
-    a->stops = stops < -MOST_STOPS ? -MOST_STOPS : stops > MOST_STOPS ? MOST_STOPS : stops;
+    const int noise = is_noise(s);
+    if (noise && !a->noise_known) {
+        a->noise_known = 1;
+        a->noise_stops = bounded(NOISE_EV - quantile(s, NOISE_SHARE));
+    }
+    if (!noise && !a->known) {
+        a->known = 1;
+        a->unit_stops = bounded(stops_for(s));
+    }
+    a->stops = noise ? a->noise_stops : a->unit_stops;
+    a->noise_frames += (unsigned)noise;
 }
 
 static int make_room(any_scale *a, size_t bytes, pupil_why *why)
@@ -127,32 +142,30 @@ int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why)
     pupil_frame_info *info = &frame->info;
     if (!floats)
         return 0;
-    if (!a->known) {
-        const sight s = look(&frame->image, floats);
-        if (s.lit)
-            choose(a, &s);
-    }
-    if (!a->stops)
-        return 0;
+    const sight s = look(&frame->image, floats, a->known ? LATER_SAMPLES : SAMPLES);
+    if (s.lit)
+        choose(a, &s);
+    if (!a->stops && !a->noise_known)
+        return 0; /* after a frame with a gain each has one: where there is none, the library takes the last one's */
     info->exposure_s = info->exposure_s > 0.0 ? info->exposure_s : 1.0;
     info->gain = ldexp(info->gain > 0.0 ? info->gain : 1.0, a->stops);
-    return multiply(a, &frame->image, floats, why);
+    return a->stops ? multiply(a, &frame->image, floats, why) : 0;
 }
 
 void any_scale_describe(const any_scale *a, char *text, size_t text_bytes)
 {
     *text = 0;
-    if (a->noise)
-        snprintf(text, text_bytes, "; the light is multiplied by 2^%d: the first frame is noise, and stays dark",
-                 a->stops);
-    else if (a->stops)
-        snprintf(text, text_bytes, "; the light is multiplied by 2^%d: it is far from 1", a->stops);
+    if (a->noise_frames)
+        snprintf(text, text_bytes, "; %llu frames are noise, and stay dark", a->noise_frames);
+    else if (a->unit_stops)
+        snprintf(text, text_bytes, "; the light is multiplied by 2^%d: it is far from 1", a->unit_stops);
 }
 
 void any_scale_forget(any_scale *a)
 {
     a->known = 0;
-    a->noise = 0;
+    a->noise_known = 0;
+    a->unit_stops = 0;
     a->stops = 0;
 }
 

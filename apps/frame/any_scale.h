@@ -1,5 +1,5 @@
 /* apps/frame/any_scale.h: float light of any unit. Metering has a floor and a largest luminance, which suit light
- * around 1; light that is far from it is multiplied by a power of two, and its gain says so. A first frame that is a
+ * around 1; light that is far from it is multiplied by a power of two, and its gain says so. A frame that is a
  * sensor's noise is put below the floor: noise stays dark.
  */
 #ifndef PUPIL_APPS_FRAME_ANY_SCALE_H
@@ -11,9 +11,10 @@
 #include "source.h"
 
 typedef struct any_scale {
-    int known; /* a frame with light has set `stops` */
-    int stops; /* all frames are multiplied by 2 to the power of it; 0: they are left alone */
-    int noise; /* that frame was noise */
+    int stops;              /* the last frame was multiplied by 2 to the power of it; 0: it was left alone */
+    int known, noise_known; /* a frame with light has set unit_stops; one that is noise, noise_stops */
+    int unit_stops, noise_stops;
+    unsigned long long noise_frames;
     float *memory;
     size_t bytes;
 } any_scale;
@@ -21,10 +22,10 @@ typedef struct any_scale {
 /* The frame in memory of its own, where it has to be multiplied; else it is left alone. -1 and a sentence. */
 int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why);
 
-/* "; the light ...", where it is multiplied: for the user. */
+/* "; the light ...", where it is multiplied or noise: for the user. */
 void any_scale_describe(const any_scale *a, char *text, size_t text_bytes);
 
-/* The next frame sets the scale. */
+/* The next frame sets the scale, and nothing is known of noise. */
 void any_scale_forget(any_scale *a);
 
 void any_scale_close(any_scale *a);

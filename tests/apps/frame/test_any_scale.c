@@ -205,8 +205,49 @@ static void check_no_noise(void)
         CHECK(any_scale_take(&a, &frame, &why) == 0 && a.known && a.stops == 0 && frame.image.data == light);
         char text[200];
         any_scale_describe(&a, text, sizeof text);
-        CHECK(!a.noise && *text == 0);
+        CHECK(!a.noise_frames && *text == 0);
         any_scale_forget(&a);
+    }
+}
+
+/* The next frame of a source, with a law that adapts at once. */
+static pupil_exposure next(frame_pipeline *p, any_scale *a, pupil_frame frame)
+{
+    static int64_t now_ns;
+    pupil_why why = {""};
+    pupil_exposure e = {0};
+    frame.info.timestamp_ns = now_ns += 1000000000;
+    CHECK(any_scale_take(a, &frame, &why) == 0 && frame_pipeline_meter(p, &frame, &why) == 0);
+    CHECK(pupil_get_exposure(&p->pupil, &e) == PUPIL_OK);
+    return e;
+}
+
+/* A cap that comes and goes: noise is dark wherever it comes, light keeps its own scale, and the levels are the file's.
+ */
+static void check_cap_comes(void)
+{
+    static const double units[] = {1.0, 1e-6};
+    for (int i = 0; i < 2; i++) {
+        const double sigma = 1e-5 * units[i];
+        any_scale a = {0};
+        frame_pipeline p;
+        pupil_config config;
+        pupil_config_default(&config);
+        config.tau_light_s = config.tau_dark_s = 0.0;
+        CHECK(frame_pipeline_open(&p, &config, 1) == 0);
+        const pupil_exposure lit = next(&p, &a, frame_at(units[i]));
+        const int stops = a.stops;
+        CHECK(i == 0 ? stops == 0 : stops > 0);
+        const pupil_exposure dark = next(&p, &a, lens_cap(sigma, 0, 0));
+        const double sigmas = exp2(dark.adapted_ev) / sigma;
+        CHECK_MSG(sigmas > 31.0 && sigmas < 65.0 && dark.reason == PUPIL_REASON_RANGE, "a level of %g", sigmas);
+        const pupil_exposure again = next(&p, &a, frame_at(units[i]));
+        CHECK_MSG(a.stops == stops && fabs(again.adapted_ev - lit.adapted_ev) < 1e-9, "%.12f and then %.12f",
+                  lit.adapted_ev, again.adapted_ev);
+        next(&p, &a, lens_cap(1.5 * sigma, 0, 0)); /* the sensor's noise is known */
+        CHECK(a.noise_frames == 2 && a.stops == a.noise_stops);
+        frame_pipeline_close(&p);
+        any_scale_close(&a);
     }
 }
 
@@ -218,6 +259,7 @@ int main(int argc, char **argv)
     check_left_alone();
     check_black();
     check_noise();
+    check_cap_comes();
     check_no_noise();
     return check_end();
 }
