@@ -54,10 +54,10 @@ void pupil_live_mode_text(const pupil_live_mode *mode, char *text, size_t text_b
 typedef struct pupil_live_control {
     uint32_t id;
     char name[32];
-    double value, least, most, step, usual;
-    char item[32]; /* of a menu: what the value is called; "" */
-    int on_sensor; /* the sensor's own */
-    int automatic; /* it steers by itself now, and is turned off while pupil steers */
+    double value, least, most, step, usual; /* value NaN: the camera does not say it */
+    char item[32];                          /* of a menu: what the value is called; "" */
+    int on_sensor;                          /* the sensor's own */
+    int automatic;                          /* it steers by itself now, and is turned off while pupil steers */
 } pupil_live_control;
 
 /* What a camera says of itself. Nothing is set. */

@@ -72,6 +72,8 @@ static void print_controls(const probe_report *r, FILE *out)
         fprintf(out, "%s%s%s: ", i ? "           " : "controls   ", c->on_sensor ? "sensor's " : "", c->name);
         if (*c->item)
             fprintf(out, "%s", c->item);
+        else if (isnan(c->value))
+            fprintf(out, "%.15g by default,", c->usual);
         else
             fprintf(out, "%.15g", c->value);
         if (!*c->item)

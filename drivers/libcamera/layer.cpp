@@ -2,6 +2,7 @@
 // newer. Controls of 0.5 and later are looked up by name in what the camera lists, so that no newer header is needed.
 #include "layer.h"
 
+#include <cmath>
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
@@ -305,8 +306,9 @@ int Device::offers(pupil_live_offers *offers, pupil_libcamera_can *can) const
         std::snprintf(c->name, sizeof c->name, "%.31s", id->name().c_str());
         c->least = number_of(info.min());
         c->most = number_of(info.max());
-        c->value = c->usual = number_of(info.def());
-        c->automatic = n == lc::controls::AeEnable.id();
+        c->usual = number_of(info.def());
+        c->value = static_cast<double>(NAN); // libcamera does not say what it is now
+        c->automatic = n == lc::controls::AeEnable.id() && c->usual > 0.0;
         if (n == lc::controls::AnalogueGain.id())
             offers->gain_place = offers->controls;
     }

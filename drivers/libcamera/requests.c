@@ -33,9 +33,13 @@ void libcamera_pause_ms(int ms)
 
 void libcamera_mark(libcamera_source *s)
 {
-    if (s->controls && s->period_ns > 0.0)
-        pupil_camera_frame(&s->controls->base,
-                           pupil_camera_newest(s->sequence, s->stamp_ns, libcamera_now_ns(s), s->period_ns * 1e-9), 0);
+    int64_t end_ns = s->stamp_ns;
+    if (!s->controls || !(s->period_ns > 0.0)) /* before the first frame none is in progress */
+        return;
+    if (s->live.times.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE)
+        end_ns += (int64_t)s->period_ns;
+    pupil_camera_frame(&s->controls->base,
+                       pupil_camera_newest(s->sequence, end_ns, libcamera_now_ns(s), s->period_ns * 1e-9), 0);
 }
 
 /* `asks`: with what is asked for now. */
@@ -60,8 +64,7 @@ int libcamera_start(libcamera_source *s, pupil_why *why)
 {
     if (s->layer->start(s->camera, why))
         return -1;
-    s->wants_rate =
-        !s->controls && !s->options.hands_off && s->options.fps > 0.0 && s->can.controls & PUPIL_LIBCAMERA_CAN_FRAME;
+    s->wants_rate = !s->controls && s->options.fps > 0.0 && s->can.controls & PUPIL_LIBCAMERA_CAN_FRAME;
     for (uint32_t i = 0; i < s->stream.buffers; i++)
         if (!s->is_out || i != s->index)
             libcamera_queue(s, i, 1);
@@ -74,6 +77,7 @@ static int restart(libcamera_source *s, pupil_why *why)
     s->layer->stop(s->camera);
     memset(s->request, 0, sizeof s->request);
     s->live.counts.restarted++;
+    s->reopened = 1; /* the driver counts from 0 again */
     if (s->controls)
         libcamera_controls_restart(s->controls);
     return libcamera_start(s, why);
@@ -103,7 +107,8 @@ static int is_frame(libcamera_source *s, const pupil_libcamera_done *done)
         return 0;
     }
     s->cancelled = 0;
-    if (done->damaged || done->used[0] < s->format.needs_bytes[0] / (done->used[1] ? 2 : 1)) {
+    const uint32_t needs_bytes = s->format.needs_bytes[0] / (done->used[1] ? 2 : 1);
+    if (done->damaged || (done->used[0] && done->used[0] < needs_bytes)) {
         s->live.counts.flagged += done->damaged != 0;
         s->live.counts.cut += !done->damaged;
         libcamera_queue(s, done->index, 1);

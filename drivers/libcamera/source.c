@@ -88,6 +88,12 @@ static void describe(libcamera_source *s, const pupil_libcamera_done *done, pupi
     frame->info.sequence = s->sequence;
 }
 
+/* uvcvideo stamps when a frame begins to be exposed. Of others libcamera does not say it: when it was there. */
+static uint32_t stamp_of(const libcamera_source *s)
+{
+    return libcamera_is_webcam(s->id) ? PUPIL_LIVE_STAMP_START_OF_EXPOSURE : PUPIL_LIVE_STAMP_END_OF_FRAME;
+}
+
 static void take_frame(libcamera_source *s, const pupil_libcamera_done *done, pupil_frame *frame)
 {
     const uint64_t sequence = s->sequence;
@@ -100,8 +106,7 @@ static void take_frame(libcamera_source *s, const pupil_libcamera_done *done, pu
     number(s, done);
     describe(s, done, frame);
     measure_period(s, sequence, stamp_ns);
-    s->live.times = (pupil_live_times){done->stamp_ns ? PUPIL_LIVE_STAMP_END_OF_FRAME : PUPIL_LIVE_STAMP_NONE,
-                                       s->stamp_ns, taken_ns};
+    s->live.times = (pupil_live_times){!done->stamp_ns ? PUPIL_LIVE_STAMP_NONE : stamp_of(s), s->stamp_ns, taken_ns};
     if (!s->controls)
         return;
     libcamera_controls_told(s->controls, s->sequence, done->exposure_s, done->gain);
@@ -130,7 +135,12 @@ static int read_format(libcamera_source *s, pupil_why *why)
 {
     const pupil_libcamera_stream *from = &s->stream;
     struct v4l2_format answer = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
+    const uint32_t width = s->options.width ? s->options.width : from->width;
+    const uint32_t height = s->options.height ? s->options.height : from->height;
     pupil_why words;
+    if (width != from->width || height != from->height)
+        return pupil_refuse(why, "%s: has no frames of %ux%u; the nearest are of %ux%u ('pupil list' shows its sizes)",
+                            s->live.is.path, width, height, from->width, from->height);
     answer.fmt.pix = (struct v4l2_pix_format){.width = from->width,
                                               .height = from->height,
                                               .pixelformat = from->fourcc,

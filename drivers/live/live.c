@@ -120,7 +120,10 @@ int pupil_live_cameras(const pupil_live_system *system, int with_modes, pupil_li
     walk w = {with_modes, seen, closure, 0};
     if (pupil_v4l2_devices(v4l2_of(system), seen_node, &w, why) < 0)
         return -1;
-    return w.ended ? 0 : pupil_libcamera_cameras(libcamera_of(system), seen, closure, why);
+    pupil_why words;
+    if (!w.ended && pupil_libcamera_cameras(libcamera_of(system), seen, closure, &words))
+        seen(closure, NULL, NULL, words.text); /* V4L2's are there all the same */
+    return 0;
 }
 
 int pupil_live_offers_read(pupil_live_offers *offers, const pupil_live_system *system, const char *which,

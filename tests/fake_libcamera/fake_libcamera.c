@@ -45,6 +45,12 @@ static int64_t period_ns(const fake_libcamera *f)
     return (int64_t)(1e9 / f->config.fps);
 }
 
+/* The machine has run for a second by then. */
+static int64_t end_of(const fake_libcamera *f, uint64_t frame)
+{
+    return INT64_C(1000000000) + (int64_t)(frame + 1) * period_ns(f);
+}
+
 /* ---- pictures ---- */
 
 static uint32_t row_bytes(const fake_libcamera *f)
@@ -84,7 +90,7 @@ static void back(fake_libcamera *f, uint32_t index, int cancelled, uint64_t fram
     const int says = c->sensor && !c->no_metadata && !cancelled;
     pupil_libcamera_done d = {.index = index, .cancelled = cancelled, .black = -1.0};
     d.sequence = (uint32_t)frame;
-    d.stamp_ns = (int64_t)(frame + 1) * period_ns(f);
+    d.stamp_ns = end_of(f, frame) - (c->sensor ? 0 : period_ns(f)); /* webcams: of its start */
     d.used[0] = (size_t)row_bytes(f) * c->height;
     d.used[1] = c->fourcc == V4L2_PIX_FMT_NV12 ? f->buffer[index].bytes[1] : 0;
     if (says) {
@@ -109,7 +115,7 @@ static void complete(fake_libcamera *f)
 {
     const fake_libcamera_config *c = &f->config;
     const uint64_t frame = f->frame++;
-    f->now_ns = (int64_t)(frame + 1) * period_ns(f);
+    f->now_ns = end_of(f, frame);
     if (f->automatic) { /* its own idea, in any light */
         f->exposure_s[(frame + 2) % FRAMES] = 0.01 / f->light;
     }
@@ -134,7 +140,7 @@ static int64_t now_ns(void *context)
 void fake_libcamera_pass(fake_libcamera *f, double s)
 {
     const int64_t until = f->now_ns + (int64_t)(s * 1e9);
-    while ((int64_t)(f->frame + 1) * period_ns(f) <= until)
+    while (end_of(f, f->frame) <= until)
         complete(f);
     f->now_ns = until;
     if (f->unplugged && f->config.back_s > 0.0 && f->now_ns - f->gone_ns > (int64_t)(f->config.back_s * 1e9)) {
@@ -194,7 +200,7 @@ static int wait_for(void *context, pupil_libcamera_done *done, int timeout_ms)
 {
     fake_libcamera *f = context;
     const int64_t until = f->now_ns + (int64_t)timeout_ms * 1000000;
-    while (!f->unplugged && !f->done_count && (int64_t)(f->frame + 1) * period_ns(f) <= until)
+    while (!f->unplugged && !f->done_count && end_of(f, f->frame) <= until)
         complete(f);
     if (f->unplugged)
         return -1;
@@ -215,7 +221,10 @@ static int list(void *context, void (*found)(void *closure, const char *id, cons
                 pupil_why *why)
 {
     const fake_libcamera *f = context;
-    (void)why;
+    if (f->config.no_list) {
+        snprintf(why->text, sizeof why->text, "libcamera does not start: the fake does not");
+        return -1;
+    }
     if (!f->unplugged)
         found(closure, f->config.sensor ? SENSOR : WEBCAM, f->config.sensor ? "imx219" : "Fake Webcam");
     return 0;
@@ -256,8 +265,8 @@ static int offers(void *context, pupil_live_offers *o, pupil_libcamera_can *can)
     if (!o)
         return 0;
     snprintf(o->is.name, sizeof o->is.name, c->sensor ? "imx219" : "Fake Webcam");
-    o->control[o->controls++] =
-        (pupil_live_control){.id = 7, .name = "ExposureTime", .least = 100, .most = 1e6, .value = 1e4, .usual = 1e4};
+    o->control[o->controls++] = (pupil_live_control){
+        .id = 7, .name = "ExposureTime", .least = 100, .most = 1e6, .value = (double)NAN, .usual = 1e4};
     pupil_live_mode *mode = pupil_live_modes_add(&o->modes);
     pupil_live_size *size = mode ? pupil_live_mode_add_size(mode) : NULL;
     if (!size)
@@ -328,6 +337,7 @@ fake_libcamera *fake_libcamera_new(const fake_libcamera_config *config)
         abort();
     f->config = *config;
     f->light = 1.0;
+    f->now_ns = end_of(f, 0) - period_ns(f);
     f->automatic = 1;
     for (int i = 0; i < FRAMES; i++) {
         f->exposure_s[i] = 0.01;

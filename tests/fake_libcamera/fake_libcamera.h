@@ -26,6 +26,7 @@ typedef struct fake_libcamera_config {
     uint64_t lose;      /* ... and how many do not; what stop gives back is no longer lost */
     uint64_t unplug_at; /* after so many frames; 0: never */
     double back_s;      /* it is there again so long after; 0: never */
+    int no_list;        /* libcamera does not start */
     int cancels;        /* every request is cancelled */
     int dead;           /* no frame comes */
 } fake_libcamera_config;

@@ -40,7 +40,9 @@ typedef struct outcome {
     char *out, *err;
 } outcome;
 
-/* In a process of its own, with the sensor, or the webcam. */
+#define NO_LIBCAMERA 2
+
+/* In a process of its own, with the sensor (1), the webcam (0), or a libcamera that does not start (2). */
 static outcome run_command(command *of, int sensor, const char *const *words)
 {
     char *argv[16];
@@ -56,6 +58,7 @@ static outcome run_command(command *of, int sensor, const char *const *words)
         fake_v4l2_config none;
         fake_libcamera_config_default(&c);
         c.sensor = sensor;
+        c.no_list = sensor == NO_LIBCAMERA;
         c.fourcc = sensor ? V4L2_PIX_FMT_SRGGB10 : V4L2_PIX_FMT_GREY;
         c.black = sensor ? 4096 : 0;
         c.delay = sensor ? 2 : 3;
@@ -93,6 +96,16 @@ static void test_list(void)
     done(&o);
 }
 
+/* Where libcamera does not start, V4L2's cameras are listed all the same. */
+static void test_no_libcamera(void)
+{
+    outcome o = run_command(list_on, NO_LIBCAMERA, (const char *const[]){"list", NULL});
+    CHECK_MSG(o.status == 0 && strcmp(o.out, "no camera that can be asked\n") == 0 &&
+                  strcmp(o.err, "pupil list: libcamera does not start: the fake does not\n") == 0,
+              "%d: %s%s", o.status, o.out, o.err);
+    done(&o);
+}
+
 /* Without -d it is the one that is there. */
 static void test_probe(void)
 {
@@ -106,6 +119,7 @@ static void test_probe(void)
             strstr(o.out, sensor ? "exposure   from 100 us to 1 s by 1 us" : "exposure   from 100 us to 1 s by 100 us"),
             "%s", o.out);
         CHECK_MSG(strstr(o.out, "  exposure proportional, linear light: 1.0"), "%s", o.out);
+        CHECK_MSG(strstr(o.out, "controls   ExposureTime: 10000 by default, of 100..1000000\n"), "%s", o.out);
         CHECK_MSG(strstr(o.out, sensor ? "gain       from 1 to 16" : "gain       none"), "%s", o.out);
         CHECK_MSG(strstr(o.out, "  delay of exposure "), "%s", o.out);
         done(&o);
@@ -169,6 +183,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     scratch_begin();
     test_list();
+    test_no_libcamera();
     test_probe();
     test_run();
     test_record();

@@ -169,10 +169,16 @@ static void test_layout(void)
         CHECK(pupil_source_next(r.source, &frame, &why) == PUPIL_SOURCE_FRAME);
         const unsigned char *chroma = frame.image.chroma;
         CHECK(chroma[0] == (frame.info.sequence & 255) && chroma[64 * 24 - 1] == (frame.info.sequence & 255));
-        CHECK(frame.info.timestamp_ns >= 0 && pupil_live_get(r.source)->times.stamp == PUPIL_LIVE_STAMP_END_OF_FRAME);
+        CHECK(frame.info.timestamp_ns == (int64_t)(frame.info.sequence) * 33333333 &&
+              pupil_live_get(r.source)->times.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE);
         pupil_source_done(r.source, &frame);
     }
     rig_close(&r);
+
+    CHECK(rig_open(&r, &c, &(pupil_live_options){.capture = {.width = 65}}) == PUPIL_SOURCE_FAILED);
+    CHECK_MSG(strstr(why.text, "has no frames of 65x48; the nearest are of 64x48"), "%s", why.text);
+    CHECK(fake_libcamera_opened(r.fake) == 0);
+    fake_libcamera_free(r.fake);
 
     c.fourcc = V4L2_PIX_FMT_MJPEG;
     CHECK(rig_open(&r, &c, NULL) == PUPIL_SOURCE_FAILED);
@@ -220,6 +226,24 @@ static void test_names(void)
     CHECK_MSG(strstr(why.text, "built without libcamera (PUPIL_LIBCAMERA=OFF"), "%s", why.text);
 }
 
+/* Frames alone, at a rate; and a camera that cannot have one. */
+static void test_hands_off_rate(void)
+{
+    fake_libcamera_config c;
+    rig r;
+    const fake_libcamera_log *log;
+    fake_libcamera_config_default(&c);
+    const pupil_live_options options = {.capture = {.fps = 15.0}, .hands_off = 1};
+    CHECK(rig_open(&r, &c, &options) == PUPIL_SOURCE_FAILED);
+    CHECK_MSG(strstr(why.text, "cannot set the frame rate"), "%s", why.text);
+    fake_libcamera_free(r.fake);
+    c.sensor = 1;
+    CHECK(rig_open(&r, &c, &options) == 0 && r.source->fps == 15.0);
+    CHECK(fake_libcamera_logged(r.fake, &log) == 4 && fabs(log[0].ask.frame_most_s - 1.0 / 15) < 1e-9);
+    CHECK(log[0].ask.automatic == 0 && log[1].ask.frame_most_s == 0.0);
+    rig_close(&r);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -231,5 +255,6 @@ int main(int argc, char **argv)
     test_hands_off();
     test_layout();
     test_names();
+    test_hands_off_rate();
     return check_end();
 }
