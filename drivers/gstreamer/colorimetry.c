@@ -184,7 +184,8 @@ int colorimetry_out(const GstVideoInfo *info, pupil_coding *coding, pupil_config
     return 0;
 }
 
-gchar *colorimetry_of_picture(GstVideoFormat format)
+/* What the picture of this format is where downstream leaves it open; to be freed. */
+static gchar *own_colorimetry(GstVideoFormat format)
 {
     const GstVideoFormatInfo *info = gst_video_format_get_info(format);
     const GstVideoColorimetry rgb = {GST_VIDEO_COLOR_RANGE_0_255, GST_VIDEO_COLOR_MATRIX_RGB, GST_VIDEO_TRANSFER_SRGB,
@@ -194,8 +195,24 @@ gchar *colorimetry_of_picture(GstVideoFormat format)
     return gst_video_colorimetry_to_string(GST_VIDEO_FORMAT_INFO_IS_RGB(info) ? &rgb : &yuv);
 }
 
-gboolean colorimetry_is_of_picture(const gchar *colorimetry)
+void colorimetry_fixate(GstStructure *structure, GstVideoFormat format)
 {
-    GstVideoColorimetry c;
-    return gst_video_colorimetry_from_string(&c, colorimetry) && is_picture(&c);
+    const GValue *list = gst_structure_get_value(structure, "colorimetry");
+    if (!list) {
+        gchar *own = own_colorimetry(format);
+        gst_structure_set(structure, "colorimetry", G_TYPE_STRING, own, NULL);
+        g_free(own);
+        return;
+    }
+    for (guint i = 0; GST_VALUE_HOLDS_LIST(list) && i < gst_value_list_get_size(list); i++) {
+        const GValue *one = gst_value_list_get_value(list, i);
+        GstVideoColorimetry c;
+        if (G_VALUE_HOLDS_STRING(one) && gst_video_colorimetry_from_string(&c, g_value_get_string(one)) &&
+            is_picture(&c)) {
+            gchar *chosen = g_value_dup_string(one);
+            gst_structure_set(structure, "colorimetry", G_TYPE_STRING, chosen, NULL);
+            g_free(chosen);
+            return;
+        }
+    }
 }

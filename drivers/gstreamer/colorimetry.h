@@ -19,9 +19,8 @@ int colorimetry_in(const GstVideoInfo *info, pupil_coding *coding, pupil_config 
 /* Sets `coding`, and of `config` those of the output. 0; -1 and a sentence: a picture cannot be made so. */
 int colorimetry_out(const GstVideoInfo *info, pupil_coding *coding, pupil_config *config, pupil_why *why);
 
-/* What the picture of this format is said to be where downstream leaves it open: for caps, to be freed. */
-gchar *colorimetry_of_picture(GstVideoFormat format);
-/* 1: colorimetry_out takes it, in some format. */
-gboolean colorimetry_is_of_picture(const gchar *colorimetry);
+/* Of the caps of a picture of this format: its own colorimetry where it is open, the first that a picture can have
+ * where it is a list. */
+void colorimetry_fixate(GstStructure *structure, GstVideoFormat format);
 
 #endif

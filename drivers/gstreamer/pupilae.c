@@ -12,8 +12,8 @@
 #include "colorimetry.h"
 #include "elements.h"
 #include "frame_numbers.h"
-#include "metering.h"
 #include "picture_format.h"
+#include "picture_properties.h"
 #include "pupil/pupil.h"
 
 GST_DEBUG_CATEGORY_STATIC(pupilae_debug);
@@ -23,8 +23,7 @@ typedef struct GstPupilAe {
     GstVideoFilter parent;
 
     /* under the object's lock */
-    pupil_config wanted; /* of the properties */
-    metering metered;
+    picture_properties wanted;
     gboolean is_changed;
     pupil_exposure exposure; /* of the last frame */
 
@@ -53,90 +52,33 @@ static GstStaticPadTemplate src_template =
 
 /* --- properties --- */
 
-enum {
-    PROP_AE_LOCK = 1,
-    PROP_AE_METERING,
-    PROP_ROI,
-    PROP_EXPOSURE_VALUE,
-    PROP_KEY,
-    PROP_TAU_LIGHT,
-    PROP_TAU_DARK,
-    PROP_HIGHLIGHTS,
-    PROP_AMPLIFICATION,
-    PROP_DITHER,
-    PROP_STATE,
-    PROP_METERED_EV,
-    PROP_ADAPTED_EV
-};
-
-/* The number of the configuration that a property is; NULL: it is none. */
-static double *number_of(GstPupilAe *self, guint id)
-{
-    switch (id) {
-    case PROP_EXPOSURE_VALUE:
-        return &self->wanted.ev_compensation;
-    case PROP_KEY:
-        return &self->wanted.key;
-    case PROP_TAU_LIGHT:
-        return &self->wanted.tau_light_s;
-    case PROP_TAU_DARK:
-        return &self->wanted.tau_dark_s;
-    case PROP_HIGHLIGHTS:
-        return &self->wanted.highlight_ev;
-    case PROP_AMPLIFICATION:
-        return &self->wanted.amplification_ev;
-    default:
-        return NULL;
-    }
-}
+enum { PROP_STATE = PICTURE_PROPERTIES_END, PROP_METERED_EV, PROP_ADAPTED_EV };
 
 static void set_property(GObject *object, guint id, const GValue *value, GParamSpec *spec)
 {
     GstPupilAe *self = PUPIL_AE(object);
+    const gchar *refused;
     GST_OBJECT_LOCK(self);
-    double *number = number_of(self, id);
-    int failed = 0;
+    const gboolean is_known = picture_properties_set(&self->wanted, id, value, &refused);
     self->is_changed = TRUE;
-    if (number)
-        *number = g_value_get_double(value);
-    else if (id == PROP_AE_LOCK)
-        self->wanted.lock = g_value_get_boolean(value) ? 1 : 0;
-    else if (id == PROP_DITHER)
-        self->wanted.dither = g_value_get_boolean(value) ? 1 : 0;
-    else if (id == PROP_AE_METERING)
-        self->metered.pattern = (metering_pattern)g_value_get_enum(value);
-    else if (id == PROP_ROI)
-        failed = metering_roi_set(&self->metered, g_value_get_string(value));
-    else
-        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
     GST_OBJECT_UNLOCK(self);
-    if (failed)
-        g_warning("roi=%s: is to be x,y,width,height inside the frame, from 0 to 1; it stays as it was",
-                  g_value_get_string(value));
+    if (!is_known)
+        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    else if (refused)
+        g_warning("%s=%s is not %s; it stays as it was", spec->name, g_value_get_string(value), refused);
 }
 
 static void get_property(GObject *object, guint id, GValue *value, GParamSpec *spec)
 {
     GstPupilAe *self = PUPIL_AE(object);
     GST_OBJECT_LOCK(self);
-    const double *number = number_of(self, id);
-    if (number)
-        g_value_set_double(value, *number);
-    else if (id == PROP_AE_LOCK)
-        g_value_set_boolean(value, self->wanted.lock != 0);
-    else if (id == PROP_DITHER)
-        g_value_set_boolean(value, self->wanted.dither != 0);
-    else if (id == PROP_AE_METERING)
-        g_value_set_enum(value, (gint)self->metered.pattern);
-    else if (id == PROP_ROI)
-        g_value_take_string(value, metering_roi_text(&self->metered));
-    else if (id == PROP_STATE)
+    if (id == PROP_STATE)
         g_value_set_enum(value, (gint)self->exposure.state);
     else if (id == PROP_METERED_EV)
         g_value_set_double(value, self->exposure.metered_ev);
     else if (id == PROP_ADAPTED_EV)
         g_value_set_double(value, self->exposure.adapted_ev);
-    else
+    else if (!picture_properties_get(&self->wanted, id, value))
         G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
     GST_OBJECT_UNLOCK(self);
 }
@@ -157,8 +99,7 @@ static void take_properties(GstPupilAe *self)
     pupil_config config;
     GST_OBJECT_LOCK(self);
     const gboolean is_changed = self->is_changed;
-    config = self->wanted;
-    metering_write(&self->metered, &config);
+    picture_properties_write(&self->wanted, &config);
     self->is_changed = FALSE;
     GST_OBJECT_UNLOCK(self);
     if (!is_changed)
@@ -289,25 +230,6 @@ static GstCaps *transform_caps(GstBaseTransform *base, GstPadDirection direction
     return gst_caps_simplify(other);
 }
 
-/* The first one of a list that a picture can have; else its own where the caps leave it open. */
-static void fixate_colorimetry(GstStructure *structure, GstVideoFormat format)
-{
-    const GValue *list = gst_structure_get_value(structure, "colorimetry");
-    gchar *own = colorimetry_of_picture(format);
-    if (!list)
-        gst_structure_set(structure, "colorimetry", G_TYPE_STRING, own, NULL);
-    for (guint i = 0; list && GST_VALUE_HOLDS_LIST(list) && i < gst_value_list_get_size(list); i++) {
-        const GValue *one = gst_value_list_get_value(list, i);
-        if (G_VALUE_HOLDS_STRING(one) && colorimetry_is_of_picture(g_value_get_string(one))) {
-            gchar *chosen = g_value_dup_string(one);
-            gst_structure_set(structure, "colorimetry", G_TYPE_STRING, chosen, NULL);
-            g_free(chosen);
-            break;
-        }
-    }
-    g_free(own);
-}
-
 /* Where downstream has no preference: the input's own format, or RGBA for RGB, or NV12. */
 static const gchar *usual_format(const GstCaps *in_caps)
 {
@@ -330,51 +252,16 @@ static GstCaps *fixate_caps(GstBaseTransform *base, GstPadDirection direction, G
     gst_structure_fixate_field_string(structure, "format", usual_format(caps));
     const gchar *name = gst_structure_get_string(structure, "format");
     if (name)
-        fixate_colorimetry(structure, gst_video_format_from_string(name));
+        colorimetry_fixate(structure, gst_video_format_from_string(name));
     return gst_caps_fixate(other);
 }
 
 /* --- the class --- */
 
-static void install_number(GObjectClass *klass, guint id, const gchar *name, const gchar *nick, const gchar *blurb,
-                           double least, double most, double usual)
-{
-    g_object_class_install_property(
-        klass, id,
-        g_param_spec_double(name, nick, blurb, least, most, usual,
-                            G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING));
-}
-
-static void install_switch(GObjectClass *klass, guint id, const gchar *name, const gchar *nick, const gchar *blurb,
-                           gboolean usual)
-{
-    g_object_class_install_property(
-        klass, id,
-        g_param_spec_boolean(name, nick, blurb, usual,
-                             G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING));
-}
-
 static void install_properties(GObjectClass *klass)
 {
     const GParamFlags result = G_PARAM_READABLE | G_PARAM_STATIC_STRINGS;
-    pupil_config c;
-    pupil_config_default(&c);
-    install_switch(klass, PROP_AE_LOCK, "ae-lock", "Lock", "Hold the level", FALSE);
-    metering_install(klass, PROP_AE_METERING, PROP_ROI);
-    install_number(klass, PROP_EXPOSURE_VALUE, "exposure-value", "Compensation", "Stops; positive is brighter", -16.0,
-                   16.0, c.ev_compensation);
-    install_number(klass, PROP_KEY, "key", "Key", "What the log-average of the light becomes in the picture, of white",
-                   0x1p-10, 1.0, c.key);
-    install_number(klass, PROP_TAU_LIGHT, "tau-light", "Time constant, brighter",
-                   "Seconds in which the level follows more light; 0: at once", 0.0, 1e6, c.tau_light_s);
-    install_number(klass, PROP_TAU_DARK, "tau-dark", "Time constant, darker",
-                   "Seconds in which the level follows less light; 0: at once", 0.0, 1e6, c.tau_dark_s);
-    install_number(klass, PROP_HIGHLIGHTS, "highlights", "Highlights",
-                   "Stops by which bright parts may make the picture darker; 0: never", 0.0, 8.0, c.highlight_ev);
-    install_number(klass, PROP_AMPLIFICATION, "amplification", "Largest amplification",
-                   "Stops by which dark video is made brighter at most; beyond them it is mostly noise", 0.0, 32.0,
-                   c.amplification_ev);
-    install_switch(klass, PROP_DITHER, "dither", "Dither", "Ordered dither, so that smooth ramps have no bands", TRUE);
+    picture_properties_install(klass);
     g_object_class_install_property(klass, PROP_STATE,
                                     g_param_spec_enum("state", "State", "The state after the last frame",
                                                       frame_state_type(), PUPIL_STATE_EMPTY, result));
@@ -413,9 +300,8 @@ static void gst_pupil_ae_class_init(GstPupilAeClass *klass)
 
 static void gst_pupil_ae_init(GstPupilAe *self)
 {
-    pupil_config_default(&self->wanted);
-    self->wanted.dither = 1;
-    self->config = self->wanted;
+    picture_properties_begin(&self->wanted);
+    self->config = self->wanted.config;
     pupil_init(&self->pupil, &self->config);
     self->last = GST_CLOCK_TIME_NONE;
 }
