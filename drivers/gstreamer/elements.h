@@ -4,6 +4,12 @@
 
 #include <gst/gst.h>
 
+#include "live/live.h"
+
 GST_ELEMENT_REGISTER_DECLARE(pupilae)
+GST_ELEMENT_REGISTER_DECLARE(pupilsrc)
+
+/* What pupilsrc reaches cameras through, so that a fake can take its place. NULL: the machine's own. */
+extern const pupil_live_system *pupilsrc_system;
 
 #endif
