@@ -7,6 +7,6 @@ suppressions=/usr/share/glib-2.0/valgrind/glib.supp
 own=$(dirname "$0")/valgrind.supp
 [ -e $suppressions ] || { echo "skipped: no $suppressions: libglib2.0-dev has it"; exit 77; }
 for program; do
-    valgrind -q --leak-check=full --show-leak-kinds=definite,indirect --errors-for-leak-kinds=definite,indirect \
+    valgrind -q --num-callers=40 --leak-check=full --show-leak-kinds=definite,indirect --errors-for-leak-kinds=definite,indirect \
         --error-exitcode=3 --suppressions=$suppressions --suppressions="$own" "$program"
 done
