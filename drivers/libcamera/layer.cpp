@@ -439,6 +439,8 @@ int Device::configure(const pupil_libcamera_wanted *wanted, pupil_libcamera_stre
             return fail(why, id, "its requests cannot be made", ENOMEM);
         requests_.push_back(std::move(request));
     }
+    if (requests_.empty())
+        return fail(why, id, "it has no memory for frames", ENOMEM);
     *stream = {};
     stream->fourcc = fourcc_of(from.pixelFormat);
     stream->width = from.size.width;

@@ -137,7 +137,7 @@ int libcamera_next_done(libcamera_source *s, pupil_libcamera_done *done, pupil_w
     for (int restarts = 0;;) {
         if (s->options.stop && s->options.stop())
             return PUPIL_SOURCE_END;
-        const int is_short = alive(s) < LEAST_ALIVE;
+        const int is_short = alive(s) < (s->stream.buffers < LEAST_ALIVE ? s->stream.buffers : LEAST_ALIVE);
         const int got = is_short ? 0 : s->layer->wait(s->camera, done, WAIT_MS);
         if (got < 0) {
             pupil_refuse(why, "%s: the camera was unplugged", s->live.is.path);

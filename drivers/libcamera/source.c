@@ -1,5 +1,6 @@
 /* A camera of libcamera as a source: its stream and its frames. */
 #include <linux/videodev2.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -185,7 +186,9 @@ static void describe_stream(libcamera_source *s)
 static void choose_rate(libcamera_source *s)
 {
     const pupil_libcamera_range *r = &s->can.frame_s;
-    double frame_s = s->can.controls & PUPIL_LIBCAMERA_CAN_FRAME ? r->usual > 0.0 ? r->usual : r->least : 0.0;
+    double frame_s = s->can.controls & PUPIL_LIBCAMERA_CAN_FRAME ? r->usual : 0.0;
+    if (!(frame_s > 0.0) && r->most > 0.0)
+        frame_s = fmin(fmax(1.0 / NOMINAL_FPS, r->least), r->most);
     if (s->options.fps > 0.0)
         frame_s = 1.0 / s->options.fps;
     s->live.base.fps = frame_s > 0.0 ? 1.0 / frame_s : NOMINAL_FPS;

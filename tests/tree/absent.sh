@@ -42,6 +42,7 @@ refuses PUPIL_MEDIA replay "$work/a.mkv" -q -o "$work/out.y4m"
 refuses PUPIL_MEDIA replay synth:walk --frames 1 -q -o "$work/out.png"
 refuses PUPIL_MEDIA replay synth:walk --frames 1 -q -o "$work/out.mp4"
 refuses PUPIL_MEDIA replay synth:walk --frames 1 -q --stats "$work/out.jsonl"
+refuses PUPIL_V4L2 run -d libcamera:0
 refuses PUPIL_V4L2 replay v4l2:0 -q -o "$work/out.y4m"
 refuses PUPIL_V4L2 replay /dev/video0 -q -o "$work/out.y4m"
 refuses PUPIL_MEDIA record synth:walk -n 1 "$work/out"

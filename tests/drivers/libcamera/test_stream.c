@@ -32,6 +32,18 @@ static void test_lost(void)
         }
 }
 
+/* A pipeline with one buffer alone. */
+static void test_one_buffer(void)
+{
+    fake_libcamera_config c;
+    rig r;
+    fake_libcamera_config_default(&c);
+    c.buffers = 1;
+    CHECK(rig_open(&r, &c, NULL) == 0);
+    CHECK(frames_of(&r, 50) == 50 && rig_counts(&r)->restarted == 0);
+    rig_close(&r);
+}
+
 /* No frame, or none but cancelled ones: a sentence, after the stream was started once more. */
 static void test_stalled(void)
 {
@@ -248,6 +260,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_lost();
+    test_one_buffer();
     test_stalled();
     test_unplugged();
     test_stopped();
