@@ -189,7 +189,7 @@ const option_command run_command = {
     .name = "run",
     .summary = "live frames of a camera, with its exposure under control",
     .usage = "[options]",
-    .about = "Controls the exposure of a V4L2 camera; shows, writes or pipes its picture.",
+    .about = "Controls the exposure of a camera; shows, writes or pipes its picture.",
     .exits = "0 ended (Ctrl-C too), 1 failed, 2 usage, 3 not all recorded, 130 second Ctrl-C",
     .manual =
         "Takes live frames of a V4L2 camera, controls its exposure, and shows, writes or pipes the picture. Ctrl-C, "
