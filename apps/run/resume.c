@@ -17,7 +17,13 @@
 
 #define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"
 
-enum { MOST_CAMERAS = 64, MOST_LEFT_OUT = 30, LOCK_TRIES = 20, LOCK_PAUSE_US = 100000 };
+enum {
+    MOST_LINE = 64 + sizeof(pupil_live_identity),
+    MOST_CAMERAS = 64,
+    MOST_LEFT_OUT = 30,
+    LOCK_TRIES = 20,
+    LOCK_PAUSE_US = 100000
+};
 #define EVERY_NS   INT64_C(60000000000)
 #define CHANGED_EV 0.05 /* what a person would not see at the start is not worth a write */
 
@@ -38,7 +44,7 @@ static int split_line(char *line, double *total_s, const char **camera)
 static int read_kept(const char *path, const char *camera, double *total_s, FILE *others, unsigned *damaged,
                      pupil_why *why)
 {
-    char line[256];
+    char line[MOST_LINE];
     FILE *in = fopen(path, "re");
     *total_s = 0.0;
     *damaged = 0;

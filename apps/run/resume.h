@@ -11,19 +11,19 @@
 #include "pupil/error.h"
 
 typedef struct run_resume {
-    const char *path;   /* NULL: nothing is read or written, and all calls do nothing */
-    char camera[112];   /* driver, bus and card, as they are in the file */
-    uint64_t reopened;  /* times, when it was that */
-    double total_s;     /* of the last run; 0: none */
-    uint32_t left_out;  /* frames, while that was not in force yet */
-    int waits;          /* ... and it is not */
-    double rest_s;      /* of this run, at rest; 0: not yet */
-    double kept_s;      /* that was written last; 0: none */
-    int64_t kept_ns;    /* when; at first when the run began */
-    pthread_t thread;   /* that writes, for a disk may take long */
-    atomic_int is_busy; /* it does */
-    int has_thread;     /* to be joined */
-    double write_s;     /* its own */
+    const char *path;                         /* NULL: nothing is read or written, and all calls do nothing */
+    char camera[sizeof(pupil_live_identity)]; /* driver, bus and card, as they are in the file */
+    uint64_t reopened;                        /* times, when it was that */
+    double total_s;                           /* of the last run; 0: none */
+    uint32_t left_out;                        /* frames, while that was not in force yet */
+    int waits;                                /* ... and it is not */
+    double rest_s;                            /* of this run, at rest; 0: not yet */
+    double kept_s;                            /* that was written last; 0: none */
+    int64_t kept_ns;                          /* when; at first when the run began */
+    pthread_t thread;                         /* that writes, for a disk may take long */
+    atomic_int is_busy;                       /* it does */
+    int has_thread;                           /* to be joined */
+    double write_s;                           /* its own */
 } run_resume;
 
 /* Before a camera is touched: whether such a file is there or can be. 0, or -1 and a sentence. */

@@ -40,6 +40,11 @@ void fake_libcamera_config_default(fake_libcamera_config *config)
         .fourcc = V4L2_PIX_FMT_GREY, .width = 64, .height = 48, .buffers = 4, .fps = 30.0, .delay = 3};
 }
 
+static const char *id_of(const fake_libcamera *f)
+{
+    return f->config.id ? f->config.id : f->config.sensor ? SENSOR : WEBCAM;
+}
+
 static int64_t period_ns(const fake_libcamera *f)
 {
     return (int64_t)(1e9 / f->config.fps);
@@ -226,7 +231,7 @@ static int list(void *context, void (*found)(void *closure, const char *id, cons
         return -1;
     }
     if (!f->unplugged)
-        found(closure, f->config.sensor ? SENSOR : WEBCAM, f->config.sensor ? "imx219" : "Fake Webcam");
+        found(closure, id_of(f), f->config.sensor ? "imx219" : "Fake Webcam");
     return 0;
 }
 
@@ -235,7 +240,7 @@ static void *open_camera(void *context, const char *id, pupil_why *why)
     fake_libcamera *f = context;
     if (f->unplugged)
         fake_libcamera_pass(f, 0.25);
-    if (f->unplugged || strcmp(id, f->config.sensor ? SENSOR : WEBCAM) != 0) {
+    if (f->unplugged || strcmp(id, id_of(f)) != 0) {
         snprintf(why->text, sizeof why->text, "libcamera:%s: there is no such camera", id);
         return NULL;
     }

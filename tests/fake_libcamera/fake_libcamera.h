@@ -13,7 +13,8 @@
 #include "libcamera/layer.h"
 
 typedef struct fake_libcamera_config {
-    int sensor; /* 0: a webcam */
+    int sensor;     /* 0: a webcam */
+    const char *id; /* NULL: one of its kind */
     uint32_t fourcc, width, height, padding_bytes, buffers;
     double fps;
     uint32_t delay;     /* frames from the one in progress (sensors: the request's turn) to the first with a setting */

@@ -42,6 +42,8 @@ typedef struct outcome {
 
 #define NO_LIBCAMERA 2
 
+static const char *long_id; /* NULL: as it is */
+
 /* In a process of its own, with the sensor (1), the webcam (0), or a libcamera that does not start (2). */
 static outcome run_command(command *of, int sensor, const char *const *words)
 {
@@ -58,6 +60,7 @@ static outcome run_command(command *of, int sensor, const char *const *words)
         fake_v4l2_config none;
         fake_libcamera_config_default(&c);
         c.sensor = sensor;
+        c.id = long_id;
         c.no_list = sensor == NO_LIBCAMERA;
         c.fourcc = sensor ? V4L2_PIX_FMT_SRGGB10 : V4L2_PIX_FMT_GREY;
         c.black = sensor ? 4096 : 0;
@@ -160,6 +163,29 @@ static void test_run(void)
     done(&o);
 }
 
+/* The longest id that there is room for, in a file with what the last run ended with. */
+static void test_resume(void)
+{
+    static char id[256];
+    const char *kept = scratch("kept.txt");
+    memset(id, 'i', sizeof id - 1);
+    long_id = id;
+    for (int i = 0; i < 2; i++) {
+        outcome o = run_command(
+            run_on, 1, (const char *const[]){"run", "-d", "libcamera:0", "-n", "60", "--resume", kept, "-q", NULL});
+        CHECK_MSG(o.status == 0 && !*o.err, "%d: %s", o.status, o.err);
+        done(&o);
+    }
+    long_id = NULL;
+    char *text = slurp(kept);
+    CHECK_MSG(strstr(text, id) && strstr(text, "\tlibcamera\t") && strstr(text, "\timx219\n"), "%s", text);
+    int lines = 0;
+    for (const char *c = text; *c; c++)
+        lines += *c == '\n';
+    CHECK_MSG(lines == 2, "%s", text);
+    free(text);
+}
+
 static void test_record(void)
 {
     const char *folder = scratch("shots");
@@ -186,6 +212,7 @@ int main(int argc, char **argv)
     test_no_libcamera();
     test_probe();
     test_run();
+    test_resume();
     test_record();
     scratch_clear(scratch_folder);
     return check_end();
