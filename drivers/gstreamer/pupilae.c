@@ -33,6 +33,7 @@ typedef struct GstPupilAe {
     pupil_coding in, out;
     GstClockTime last; /* running time of the last frame; none: GST_CLOCK_TIME_NONE */
     uint32_t posted;   /* the state of the last message */
+    pupil_why refused; /* why the last caps were; "" */
 } GstPupilAe;
 
 typedef struct GstPupilAeClass {
@@ -120,6 +121,7 @@ static gboolean start(GstBaseTransform *base)
     pupil_init(&self->pupil, &self->config);
     self->last = GST_CLOCK_TIME_NONE;
     self->posted = PUPIL_STATE_EMPTY;
+    self->refused.text[0] = 0;
     GST_OBJECT_LOCK(self);
     self->is_changed = TRUE;
     memset(&self->exposure, 0, sizeof self->exposure);
@@ -136,9 +138,12 @@ static gboolean set_info(GstVideoFilter *filter, GstCaps *in_caps, GstVideoInfo 
     pupil_why why = {""};
     (void)in_caps, (void)out_caps;
     if (colorimetry_in(in, &self->in, &self->config, &why) || colorimetry_out(out, &self->out, &self->config, &why)) {
-        GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("%s", why.text), (NULL));
+        if (strcmp(why.text, self->refused.text) != 0) /* once: caps come again before each buffer */
+            GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("%s", why.text), (NULL));
+        self->refused = why;
         return FALSE;
     }
+    self->refused.text[0] = 0;
     self->config.nominal_frame_s =
         GST_VIDEO_INFO_FPS_N(in) > 0 ? (double)GST_VIDEO_INFO_FPS_D(in) / (double)GST_VIDEO_INFO_FPS_N(in) : 1.0 / 30.0;
     GST_OBJECT_LOCK(self);
