@@ -1,9 +1,10 @@
-// libcamera_frames.h: the first camera of libcamera as YUYV, its requests in turn; what any program has, without error
-// messages. completed() has each request that brought a frame, in libcamera's thread; it may set controls for the next.
+// libcamera_frames.h: the first camera of libcamera as YUYV, its requests in turn; what any program has. completed() has
+// each request that brought a frame, in libcamera's thread; it may set controls for the next.
 #ifndef LIBCAMERA_FRAMES_H
 #define LIBCAMERA_FRAMES_H
 
 #include <atomic>
+#include <cstdio>
 #include <functional>
 #include <libcamera/libcamera.h>
 #include <pupil/image.h>
@@ -19,6 +20,14 @@ class Frames
     libcamera::StreamConfiguration stream;
 
     bool open(unsigned width, unsigned height)
+    {
+        const bool opened = set_up(width, height);
+        if (!opened)
+            fputs("libcamera has no camera with YUYV\n", stderr);
+        return opened;
+    }
+
+    bool set_up(unsigned width, unsigned height)
     {
         if (manager.start() || manager.cameras().empty())
             return false;
