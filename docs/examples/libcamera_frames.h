@@ -1,5 +1,5 @@
-// libcamera_frames.h: the first camera of libcamera as YUYV, its requests in turn; what any program has. completed() has
-// each request that brought a frame, in libcamera's thread; it may set controls for the next.
+// libcamera_frames.h: the first camera of libcamera as YUYV, its requests in turn; what any program has.
+// completed() has each request that brought a frame, in libcamera's thread; it may set controls for the next.
 #ifndef LIBCAMERA_FRAMES_H
 #define LIBCAMERA_FRAMES_H
 
