@@ -144,8 +144,9 @@ static gboolean set_info(GstVideoFilter *filter, GstCaps *in_caps, GstVideoInfo 
         return FALSE;
     }
     self->refused.text[0] = 0;
-    self->config.nominal_frame_s =
-        GST_VIDEO_INFO_FPS_N(in) > 0 ? (double)GST_VIDEO_INFO_FPS_D(in) / (double)GST_VIDEO_INFO_FPS_N(in) : 1.0 / 30.0;
+    self->config.nominal_frame_s = 1.0 / 30.0;
+    if (GST_VIDEO_INFO_FPS_N(in) > 0) /* at most what pupil/config.h takes: a picture in eleven days */
+        self->config.nominal_frame_s = MIN((double)GST_VIDEO_INFO_FPS_D(in) / (double)GST_VIDEO_INFO_FPS_N(in), 1e6);
     GST_OBJECT_LOCK(self);
     self->is_changed = TRUE; /* before the next frame */
     GST_OBJECT_UNLOCK(self);
@@ -162,12 +163,14 @@ static gboolean sink_event(GstBaseTransform *base, GstEvent *event)
     return GST_BASE_TRANSFORM_CLASS(gst_pupil_ae_parent_class)->sink_event(base, event);
 }
 
-/* Running time. Of a buffer without a timestamp: a frame after the last one. */
+/* Running time; the timestamp itself where the stream's segment is not one of time, as appsrc's usually is. Of a buffer
+ * without a timestamp: a frame after the last one. */
 static GstClockTime time_of(GstPupilAe *self, GstBuffer *buffer)
 {
-    guint64 time = GST_CLOCK_TIME_NONE;
-    if (GST_BUFFER_PTS_IS_VALID(buffer))
-        time = gst_segment_to_running_time(&GST_BASE_TRANSFORM(self)->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    const GstSegment *segment = &GST_BASE_TRANSFORM(self)->segment;
+    GstClockTime time = GST_BUFFER_PTS(buffer);
+    if (GST_CLOCK_TIME_IS_VALID(time) && segment->format == GST_FORMAT_TIME)
+        time = gst_segment_to_running_time(segment, GST_FORMAT_TIME, time);
     if (GST_CLOCK_TIME_IS_VALID(time))
         return time;
     return GST_CLOCK_TIME_IS_VALID(self->last)

@@ -311,13 +311,10 @@ static void take_properties(GstPupilSrc *self)
 
 /* The frame's moment in running time, by any clock; negative: before the pipeline played. Both clocks are read at the
  * same moment: again where this thread was interrupted in between. */
-static GstClockTimeDiff stamp_of(GstPupilSrc *self, const pupil_frame_info *info)
+static GstClockTimeDiff moment_of(GstPupilSrc *self, GstClock *clock, const pupil_frame_info *info)
 {
-    GstClock *clock = gst_element_get_clock(GST_ELEMENT(self));
-    GstClockTime before, after;
-    GstClockTimeDiff age;
-    if (!clock)
-        return 0;
+    GstClockTime before = 0, after = 0;
+    GstClockTimeDiff age = 0;
     for (int i = 0; i < 4; i++) {
         before = gst_clock_get_time(clock);
         age = pupil_live_now_ns(self->camera.source) - info->timestamp_ns;
@@ -325,16 +322,30 @@ static GstClockTimeDiff stamp_of(GstPupilSrc *self, const pupil_frame_info *info
         if (after - before < 100 * GST_USECOND)
             break;
     }
-    gst_object_unref(clock);
     return GST_CLOCK_DIFF(gst_element_get_base_time(GST_ELEMENT(self)), before + (after - before) / 2) - age;
 }
 
+/* The timestamp of a frame; none where the pipeline has no clock. FALSE: it is old, from before the pipeline played or
+ * from a pause. At most `patience` frames in a row are old: a clock that stands still has no newer ones. */
+static gboolean stamp(GstPupilSrc *self, const pupil_frame_info *info, int patience, GstClockTime *at)
+{
+    GstClock *clock = gst_element_get_clock(GST_ELEMENT(self));
+    *at = GST_CLOCK_TIME_NONE;
+    if (!clock)
+        return TRUE;
+    const GstClockTimeDiff moment = moment_of(self, clock, info);
+    const GstClockTimeDiff least = GST_CLOCK_TIME_IS_VALID(self->last) ? (GstClockTimeDiff)self->last + 1 : 0;
+    gst_object_unref(clock);
+    *at = (GstClockTime)MAX(moment, least);
+    return moment >= least || patience <= 0;
+}
+
 /* The next frame that is new. */
-static GstFlowReturn take_frame(GstPupilSrc *self, pupil_frame *frame, GstClockTime *stamp)
+static GstFlowReturn take_frame(GstPupilSrc *self, pupil_frame *frame, GstClockTime *at)
 {
     pupil_why why = {""};
     waiting = self;
-    for (;;) {
+    for (int patience = BUFFERS;; patience--) {
         const int got = pupil_source_next(self->camera.source, frame, &why);
         if (got == PUPIL_SOURCE_END)
             return is_unlocked() ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
@@ -345,11 +356,8 @@ static GstFlowReturn take_frame(GstPupilSrc *self, pupil_frame *frame, GstClockT
             GST_ELEMENT_ERROR(self, RESOURCE, READ, ("%s", why.text), (NULL));
             return GST_FLOW_EOS;
         }
-        const GstClockTimeDiff at = stamp_of(self, &frame->info);
-        if (at >= 0 && (!GST_CLOCK_TIME_IS_VALID(self->last) || (GstClockTime)at > self->last)) {
-            *stamp = (GstClockTime)at;
+        if (stamp(self, &frame->info, patience, at))
             return GST_FLOW_OK;
-        }
         pupil_source_done(self->camera.source, frame);
     }
 }
@@ -363,7 +371,7 @@ static void write_numbers(const GstPupilSrc *self, GstStructure *to)
                       "gain", G_TYPE_DOUBLE, c->info.gain, "sequence", G_TYPE_UINT64, c->info.sequence, NULL);
 }
 
-static void publish(GstPupilSrc *self, GstBuffer *buffer, GstClockTime stamp)
+static void publish(GstPupilSrc *self, GstBuffer *buffer)
 {
     const camera_stream *c = &self->camera;
     const char *state = camera_stream_state(c);
@@ -375,7 +383,8 @@ static void publish(GstPupilSrc *self, GstBuffer *buffer, GstClockTime stamp)
     write_numbers(self, frame_numbers_of(buffer));
     if (self->posted && strcmp(self->posted, state) == 0)
         return;
-    GstStructure *structure = gst_structure_new("pupilsrc", "running-time", G_TYPE_UINT64, (guint64)stamp, NULL);
+    GstStructure *structure =
+        gst_structure_new("pupilsrc", "running-time", G_TYPE_UINT64, (guint64)GST_BUFFER_PTS(buffer), NULL);
     write_numbers(self, structure);
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), structure));
     self->posted = state;
@@ -403,22 +412,22 @@ static GstFlowReturn fill(GstPushSrc *base, GstBuffer *buffer)
 {
     GstPupilSrc *self = PUPIL_SRC(base);
     pupil_frame frame;
-    GstClockTime stamp;
+    GstClockTime at;
     take_properties(self);
-    GstFlowReturn flow = take_frame(self, &frame, &stamp);
+    GstFlowReturn flow = take_frame(self, &frame, &at);
     if (flow != GST_FLOW_OK)
         return flow;
     flow = show(self, &frame, buffer);
     pupil_source_done(self->camera.source, &frame);
     if (flow != GST_FLOW_OK)
         return flow;
-    GST_BUFFER_PTS(buffer) = stamp;
+    GST_BUFFER_PTS(buffer) = at;
     GST_BUFFER_DTS(buffer) = GST_CLOCK_TIME_NONE;
     GST_BUFFER_DURATION(buffer) = self->frame_time;
     GST_BUFFER_OFFSET(buffer) = self->camera.info.sequence;
     GST_BUFFER_OFFSET_END(buffer) = self->camera.info.sequence + 1;
-    self->last = stamp;
-    publish(self, buffer, stamp);
+    self->last = at;
+    publish(self, buffer);
     return GST_FLOW_OK;
 }
 

@@ -276,6 +276,95 @@ static void test_states(void)
     unplug(&c);
 }
 
+/* Downstream wants another size while it plays: the camera is opened again. */
+static void test_another_size(void)
+{
+    static const gint widths[] = {320, 64, 32, 320};
+    camera c;
+    const fake_v4l2_config config = usual();
+    plug(&c, &config);
+    gst_harness_set_sink_caps_str(c.h, "video/x-raw, format=NV12, width=64, height=48");
+    gst_harness_play(c.h);
+    gst_buffer_unref(gst_harness_pull(c.h));
+    for (size_t i = 0; i < G_N_ELEMENTS(widths); i++) {
+        gchar *wanted = g_strdup_printf("video/x-raw, format=I420, width=%d", widths[i]);
+        gst_harness_set_sink_caps_str(c.h, wanted);
+        gint width = 0;
+        for (int frames = 0; width != widths[i] && frames < 60; frames++) {
+            gst_buffer_unref(gst_harness_pull(c.h));
+            GstCaps *caps = gst_pad_get_current_caps(c.h->sinkpad);
+            gst_structure_get_int(gst_caps_get_structure(caps, 0), "width", &width);
+            gst_caps_unref(caps);
+        }
+        CHECK_MSG(width == widths[i], "%d in place of %d", width, widths[i]);
+        g_free(wanted);
+    }
+    unplug(&c);
+}
+
+/* Without a clock there are no timestamps, and a clock that stands still stops nothing. */
+static void test_clocks(void)
+{
+    camera c;
+    const fake_v4l2_config config = usual();
+    for (int still = 0; still < 2; still++) {
+        GstClockTime last = GST_CLOCK_TIME_NONE;
+        plug(&c, &config);
+        gst_element_set_clock(c.h->element, NULL);
+        if (still)
+            gst_harness_use_testclock(c.h);
+        gst_harness_set_sink_caps_str(c.h, "video/x-raw, format=NV12, width=32, height=24");
+        gst_harness_play(c.h);
+        for (int i = 0; i < 5; i++) {
+            GstBuffer *got = gst_harness_pull(c.h);
+            CHECK(still == GST_BUFFER_PTS_IS_VALID(got));
+            CHECK(!still || !GST_CLOCK_TIME_IS_VALID(last) || GST_BUFFER_PTS(got) > last);
+            last = GST_BUFFER_PTS(got);
+            gst_buffer_unref(got);
+        }
+        unplug(&c);
+    }
+}
+
+/* Controls that are not to be touched, are not. Of two elements on one camera the second is refused. */
+static void test_hands_off(void)
+{
+    camera c;
+    const fake_v4l2_config config = usual();
+    plug(&c, &config);
+    control(&c, V4L2_CID_EXPOSURE_AUTO, 1, V4L2_EXPOSURE_APERTURE_PRIORITY);
+    g_object_set(c.h->element, "ae-enable", FALSE, NULL);
+    gst_harness_set_sink_caps_str(c.h, "video/x-raw, format=NV12, width=320, height=240");
+    gst_harness_play(c.h);
+    gchar *state = NULL;
+    for (int i = 0; i < 10; i++)
+        gst_buffer_unref(gst_harness_pull(c.h));
+    CHECK(control(&c, V4L2_CID_EXPOSURE_AUTO, 0, 0) == V4L2_EXPOSURE_APERTURE_PRIORITY);
+    g_object_get(c.h->element, "state", &state, NULL);
+    CHECK_MSG(strcmp(state, "settled") == 0 || strcmp(state, "adapting") == 0, "%s", state);
+    g_free(state);
+    GstHarness *second = gst_harness_new("pupilsrc");
+    GstBus *bus = gst_bus_new();
+    gst_element_set_bus(second->element, bus);
+    gst_harness_set_sink_caps_str(second, "video/x-raw, format=NV12");
+    gst_element_set_state(second->element, GST_STATE_PLAYING);
+    GstMessage *message = gst_bus_timed_pop_filtered(bus, 20 * GST_SECOND, GST_MESSAGE_ERROR);
+    GError *error = NULL;
+    if (message)
+        gst_message_parse_error(message, &error, NULL);
+    CHECK_MSG(error && strstr(error->message, "another program is using the camera"), "%s",
+              error ? error->message : "no message");
+    g_clear_error(&error);
+    if (message)
+        gst_message_unref(message);
+    gst_element_set_state(second->element, GST_STATE_NULL);
+    gst_element_set_bus(second->element, NULL);
+    gst_object_unref(bus);
+    gst_harness_teardown(second);
+    gst_buffer_unref(gst_harness_pull(c.h));
+    unplug(&c);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -287,5 +376,8 @@ int main(int argc, char **argv)
     test_range();
     test_threads();
     test_states();
+    test_another_size();
+    test_clocks();
+    test_hands_off();
     return check_end();
 }

@@ -118,6 +118,19 @@ static void test_no_time(void)
     stream_close(&s);
 }
 
+/* appsrc's segment is one of bytes unless it is told otherwise. */
+static void test_bytes(void)
+{
+    stream s = stream_open();
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_BYTES);
+    gst_harness_push_event(s.h, gst_event_new_segment(&segment));
+    show(&s, 50, GST_SECOND, 0);
+    show(&s, 50, GST_SECOND + GST_SECOND / 10, 0);
+    CHECK(fabs(s.dt - 0.1) < 1e-6);
+    stream_close(&s);
+}
+
 static void test_messages(void)
 {
     stream s = stream_open();
@@ -251,6 +264,55 @@ static void test_caps_change(void)
     stream_close(&s);
 }
 
+/* Frames that are not as their caps say are an error; one that is too short is a warning of GstVideoFilter's own.
+ * Nothing outside the buffer is touched. */
+static void test_wrong_buffers(void)
+{
+    static const gint strides[] = {65, 63, 1, 0};
+    for (size_t i = 0; i < G_N_ELEMENTS(strides); i++) {
+        GstHarness *h = gst_harness_new("pupilae");
+        gst_harness_set_src_caps_str(h, "video/x-raw, format=P010_10LE, width=32, height=16, framerate=30/1");
+        GstBuffer *buffer = gst_buffer_new_allocate(NULL, (gsize)MAX(strides[i] * 24, 8), NULL);
+        gst_buffer_memset(buffer, 0, 7, gst_buffer_get_size(buffer));
+        gsize offset[GST_VIDEO_MAX_PLANES] = {0, (gsize)strides[i] * 16};
+        gint stride[GST_VIDEO_MAX_PLANES] = {strides[i], strides[i]};
+        if (strides[i])
+            gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_P010_10LE, 32, 16, 2,
+                                           offset, stride);
+        CHECK_MSG((gst_harness_push(h, buffer) != GST_FLOW_OK) == (strides[i] != 0), "a stride of %d", strides[i]);
+        gst_harness_teardown(h);
+    }
+}
+
+/* From state to state, and sent somewhere else again and again, forwards and backwards. */
+static void test_storms(void)
+{
+    GstElement *pipeline = gst_pipeline_new(NULL);
+    gst_bin_add(GST_BIN(pipeline), gst_element_factory_make("pupilae", NULL));
+    for (int i = 0; i < 100; i++) {
+        CHECK(gst_element_set_state(pipeline, GST_STATE_PAUSED) != GST_STATE_CHANGE_FAILURE);
+        CHECK(gst_element_set_state(pipeline, i % 2 ? GST_STATE_READY : GST_STATE_NULL) != GST_STATE_CHANGE_FAILURE);
+    }
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(pipeline);
+    stream s = stream_open();
+    for (int i = 0; i < 200; i++) {
+        const GstClockTime at = check_random() % (100 * GST_SECOND);
+        GstSegment segment;
+        gst_segment_init(&segment, GST_FORMAT_TIME);
+        segment.rate = i % 3 ? 1.0 : -2.0;
+        segment.start = i % 3 ? at : 0;
+        segment.stop = i % 3 ? GST_CLOCK_TIME_NONE : at + GST_SECOND;
+        segment.time = segment.start;
+        gst_harness_push_event(s.h, gst_event_new_flush_start());
+        gst_harness_push_event(s.h, gst_event_new_flush_stop(TRUE));
+        gst_harness_push_event(s.h, gst_event_new_segment(&segment));
+        const unsigned code = 20 + (unsigned)i;
+        CHECK(show(&s, code, at, GST_BUFFER_FLAG_DISCONT) && is_at(&s, code));
+    }
+    stream_close(&s);
+}
+
 /* --- threads --- */
 
 static gint is_over;
@@ -288,11 +350,14 @@ int main(int argc, char **argv)
     gst_init(NULL, NULL);
     test_forgets();
     test_no_time();
+    test_bytes();
     test_messages();
     test_properties();
     test_colorimetry_of_src();
     test_refused();
     test_caps_change();
+    test_wrong_buffers();
+    test_storms();
     test_threads();
     return check_end();
 }
