@@ -5,7 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/report_error.h"
 #include "pupil/pupil.h"
+#include "refuse.h"
 
 static void put_help(FILE *out)
 {
@@ -41,8 +43,10 @@ static int refuse(const char *name)
         option_near_try(&near, (*c)->name);
     for (int n = 0; n < OWN; n++)
         option_near_try(&near, own[n]);
-    fprintf(stderr, "pupil: %s: no such command%s%s; 'pupil help' lists them\n", name, near.name ? "; perhaps " : "",
-            near.name ? near.name : "");
+    pupil_why why;
+    pupil_refuse(&why, "%s: no such command%s%s; 'pupil help' lists them", name, near.name ? "; perhaps " : "",
+                 near.name ? near.name : "");
+    report_error("pupil", &why, "");
     return EXIT_USAGE;
 }
 

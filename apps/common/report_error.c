@@ -1,12 +1,11 @@
 #include "report_error.h"
 
-#include <ctype.h>
 #include <stdio.h>
+
+#include "plain_text.h"
 
 void report_error(const char *command, pupil_why *why, const char *end)
 {
-    for (char *c = why->text; *c; c++)
-        if (iscntrl((unsigned char)*c))
-            *c = '?';
+    pupil_plain_text(why->text);
     fprintf(stderr, "%s: %s%s\n", command, why->text, end);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "options/commands.h"
+#include "plain_text.h"
 #include "source.h"
 
 typedef struct list {
@@ -30,6 +31,8 @@ static int add(void *closure, const pupil_live_identity *is, pupil_live_modes *m
     }
     l->camera = more;
     more[l->count].is = *is;
+    pupil_plain_text(more[l->count].is.name); /* a device says what it is called */
+    pupil_plain_text(more[l->count].is.bus);
     more[l->count].modes = *modes;
     *modes = (pupil_live_modes){0}; /* kept here */
     l->count++;

@@ -130,18 +130,18 @@ static FILE *in_memory(void)
 }
 
 /* gnuplot does not say that a disk is full, so its picture is written by this program, which notices. */
-static int save(FILE *picture, const char *temporary, const char *path, pupil_why *why)
+static int save(FILE *picture, const pupil_pending *pending, pupil_why *why)
 {
     char block[65536];
     size_t bytes;
-    FILE *file = fopen(temporary, "we");
+    FILE *file = pupil_pending_stream(pending);
     int failed = !file || fseek(picture, 0, SEEK_SET) != 0;
     while (!failed && (bytes = fread(block, 1, sizeof block, picture)) > 0)
         failed = fwrite(block, 1, bytes, file) != bytes;
     failed |= ferror(picture) != 0;
     if (file && fclose(file) != 0)
         failed = 1;
-    return failed ? pupil_refuse(why, "%s: the plot cannot be written: %s", path, strerror(errno)) : 0;
+    return failed ? pupil_refuse(why, "%s: the plot cannot be written: %s", pending->path, strerror(errno)) : 0;
 }
 
 int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, pupil_why *why)
@@ -160,7 +160,7 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
         failed = fflush(input) != 0 || fseek(input, 0, SEEK_SET) != 0
                      ? pupil_refuse(why, "%s: the plot cannot be drawn: %s", path, strerror(errno))
                      : draw(path, input, errors, fileno(picture), why);
-        failed = failed ? failed : save(picture, pending.temporary, path, why);
+        failed = failed ? failed : save(picture, &pending, why);
     }
     FILE *const files[] = {input, errors, picture};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)

@@ -91,7 +91,7 @@ static int begin(pupil_stats_file *f, const char *path, pupil_why *why)
     }
     if (pupil_pending_file(&f->pending, path, why))
         return -1;
-    f->file = fopen(f->pending.temporary, "wbe");
+    f->file = pupil_pending_stream(&f->pending);
     if (!f->file)
         return cannot_write(f, why);
     return 0;

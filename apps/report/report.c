@@ -20,6 +20,7 @@
 
 struct pupil_report {
     pupil_pending page;
+    pupil_pending parts; /* a folder that is never put in place: what the page is made of lies in it */
     char *folder, *video, *plot, *picture;
     int made_folder, stills;
     report_picture kept[KEPT];
@@ -59,32 +60,35 @@ static int make_folder(pupil_report *r, pupil_why *why)
                         strerror(error == EEXIST ? ENOTDIR : error));
 }
 
-/* "folder/name", a hidden name with the number of the process in it; NULL: out of memory. */
-static char *beside(const char *folder, const char *format) __attribute__((format(printf, 2, 0)));
-
-static char *beside(const char *folder, const char *format)
+/* "folder/name"; NULL: out of memory. */
+static char *inside(const char *folder, const char *name)
 {
-    char name[64], *path;
-    snprintf(name, sizeof name, format, (long)getpid());
+    char *path;
     return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
+}
+
+static int name_parts(pupil_report *r, pupil_why *why)
+{
+    r->video = inside(r->parts.temporary, "video.mp4");
+    r->plot = inside(r->parts.temporary, "plot.svg");
+    r->picture = inside(r->parts.temporary, "picture.png");
+    return r->video && r->plot && r->picture ? 0 : pupil_refuse(why, "%s: not enough memory", r->folder);
 }
 
 static int begin(pupil_report *r, const char *folder, int overwrite, pupil_why *why)
 {
-    char *index = beside(folder, "index.html");
+    char *index = inside(folder, "index.html"), *parts = inside(folder, ".parts");
     int failed = -1;
     r->folder = strdup(folder);
-    r->video = beside(folder, ".video.%ld.mp4");
-    r->plot = beside(folder, ".plot.%ld.svg");
-    r->picture = beside(folder, ".picture.%ld.png");
-    if (!index || !r->folder || !r->video || !r->plot || !r->picture)
+    if (!index || !parts || !r->folder)
         pupil_refuse(why, "%s: not enough memory", folder);
     else if (!*folder)
         pupil_refuse(why, "\"\": a report needs the name of a folder");
     else if (!make_folder(r, why) && !may_replace(index, overwrite, why))
-        failed = pupil_pending_file(&r->page, index, why);
+        failed = pupil_pending_file(&r->page, index, why) || pupil_pending_folder(&r->parts, parts, 0, why);
     free(index);
-    return failed;
+    free(parts);
+    return failed ? -1 : name_parts(r, why);
 }
 
 int pupil_report_begin(pupil_report **report, const char *folder, int overwrite, int stills, pupil_why *why)
@@ -127,12 +131,7 @@ void pupil_report_discard(pupil_report *r)
     for (size_t i = 0; i < r->count; i++)
         forget(&r->kept[i]);
     pupil_pending_discard(&r->page);
-    if (r->video)
-        unlink(r->video);
-    if (r->plot)
-        unlink(r->plot);
-    if (r->picture)
-        unlink(r->picture);
+    pupil_pending_discard(&r->parts);
     if (r->made_folder)
         rmdir(r->folder); /* stays where it holds something */
     free(r->folder);
@@ -293,7 +292,7 @@ static int put_page(const pupil_report *r, const pupil_report_page *page, FILE *
 
 int pupil_report_finish(pupil_report *r, const pupil_report_page *page, pupil_why *why)
 {
-    FILE *out = fopen(r->page.temporary, "wbe");
+    FILE *out = pupil_pending_stream(&r->page);
     int failed = -1;
     if (!out) {
         pupil_refuse(why, "%s: cannot be written: %s", r->page.path, strerror(errno));

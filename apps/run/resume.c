@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "file/common/pending.h"
+#include "file/common/regular.h"
 #include "refuse.h"
 
 #define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"
@@ -45,11 +46,12 @@ static int read_kept(const char *path, const char *camera, double *total_s, FILE
                      pupil_why *why)
 {
     char line[MOST_LINE];
-    FILE *in = fopen(path, "re");
+    pupil_why words;
+    FILE *in = pupil_regular_open(path, &words);
     *total_s = 0.0;
     *damaged = 0;
     if (!in)
-        return errno == ENOENT ? 0 : pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
+        return errno == ENOENT ? 0 : pupil_refuse(why, "%s", words.text);
     const int is_empty = !fgets(line, sizeof line, in);
     if (!is_empty && strcmp(line, HEADER) != 0) {
         fclose(in);
@@ -94,7 +96,7 @@ static int replace(const char *path, const char *camera, double total_s, pupil_w
     if (pupil_pending_file(&pending, path, why))
         return -1;
     errno = 0;
-    FILE *out = fopen(pending.temporary, "we");
+    FILE *out = pupil_pending_stream(&pending);
     int failed = 0;
     if (out) {
         fprintf(out, HEADER "%.9g\t%s\n", total_s, camera);

@@ -1,5 +1,6 @@
 #include "device.h"
 
+#include "plain_text.h"
 #include "refuse.h"
 #include <ctype.h>
 #include <errno.h>
@@ -33,8 +34,9 @@ static void copy_text(char *to, size_t to_bytes, const unsigned char *from, size
 {
     size_t i = 0;
     for (; i < to_bytes - 1 && i < from_bytes && from[i]; i++)
-        to[i] = iscntrl(from[i]) ? '?' : (char)from[i];
+        to[i] = (char)from[i];
     to[i] = 0;
+    pupil_plain_text(to);
 }
 
 static int identify(pupil_v4l2_device *d, pupil_why *why)

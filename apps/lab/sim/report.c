@@ -33,7 +33,7 @@ int sim_stats(const sim_run *run, pupil_why *why)
     if (!standard) {
         if (pupil_pending_file(&pending, path, why))
             return -1;
-        out = fopen(pending.temporary, "we");
+        out = pupil_pending_stream(&pending);
     }
     for (size_t i = 0; out && i < run->frames; i++)
         line(out, run, &run->frame[i]);

@@ -171,7 +171,7 @@ int study_write(const char *path, study_writer *writer, const study_result *resu
     pupil_pending pending;
     if (pupil_pending_file(&pending, path, why))
         return -1;
-    FILE *f = fopen(pending.temporary, "we");
+    FILE *f = pupil_pending_stream(&pending);
     int failed = !f;
     if (f) {
         writer(f, result);

@@ -3,14 +3,15 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "folder.h"
 #include "refuse.h"
 
 /* So much of the name goes into the temporary one that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
@@ -18,24 +19,40 @@
 /* Temporary names tried: leavings of killed processes of the same number, and outputs asked for twice. */
 #define ATTEMPTS 100
 
+/* Its descriptor, held with a lock that ends with this process: a temporary without one was left by a process that was
+ * killed. -1, with errno EEXIST: another name is to be tried, for a run that sweeps has just taken this one. */
+static int make_locked(const char *made, int is_folder)
+{
+    struct stat s;
+    int fd;
+    if (is_folder)
+        fd = mkdir(made, 0777) ? -1 : open(made, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    else
+        fd = open(made, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return -1;
+    if ((flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) || fstat(fd, &s) != 0 || s.st_nlink == 0) {
+        close(fd);
+        errno = EEXIST;
+        return -1;
+    }
+    return fd; /* on a file system without locks, too: nobody sweeps there */
+}
+
 /* "folder/.name.pid.ending", made as an empty file or folder that was not there before. NULL: errno says why. */
-static char *make_beside(const char *path, int is_folder, const char *ending)
+static char *make_beside(const char *path, int is_folder, const char *ending, int *fd)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     for (int i = 0; i < ATTEMPTS; i++) {
         char number[16] = "", *made;
-        int fd;
         if (i > 0)
             snprintf(number, sizeof number, "-%d", i);
         if (asprintf(&made, "%.*s.%.*s.%ld%s.%s", (int)(name - path), path, NAME_PART, name, (long)getpid(), number,
                      ending) < 0)
             return NULL;
-        fd = is_folder ? mkdir(made, 0777) : open(made, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd >= 0) {
-            if (!is_folder)
-                close(fd);
+        *fd = make_locked(made, is_folder);
+        if (*fd >= 0)
             return made;
-        }
         free(made);
         if (errno != EEXIST)
             return NULL;
@@ -43,34 +60,41 @@ static char *make_beside(const char *path, int is_folder, const char *ending)
     return NULL;
 }
 
-static int remove_entry(const char *path, const struct stat *s, int type, struct FTW *level)
+/* The ending of an entry called ".name.PID.ending" or ".name.PID-N.ending"; NULL: it is called otherwise. */
+static const char *ending_of(const char *entry, const char *name)
 {
-    (void)s;
-    (void)type;
-    (void)level;
-    return remove(path) ? errno : 0;
+    const int length = (int)strnlen(name, NAME_PART);
+    if (entry[0] != '.' || strncmp(entry + 1, name, (size_t)length) != 0 || entry[1 + length] != '.')
+        return NULL;
+    const char *number = entry + 2 + length, *end = number + strspn(number, "0123456789");
+    if (end == number)
+        return NULL;
+    if (*end == '-')
+        end += 1 + strspn(end + 1, "0123456789");
+    return *end == '.' ? end + 1 : NULL;
 }
 
-/* Only ever called on what make_beside made, or on a folder that holds_only_frames has looked through. 0 or an errno.
- */
-static int remove_tree(const char *path)
+/* Removes what runs that were killed have left of this output. ".old" is what an output has replaced: it is kept where
+ * there is nothing in its place. */
+static void sweep(const char *path)
 {
-    return nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-}
-
-static int flush_entry(const char *path, const struct stat *s, int type, struct FTW *level)
-{
-    int fd, error = 0;
-    (void)level;
-    if (type == FTW_SL || !(S_ISREG(s->st_mode) || S_ISDIR(s->st_mode)))
-        return 0;
-    fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return errno;
-    if (fsync(fd) != 0 && errno != EINVAL && errno != EROFS) /* these two: a file system that cannot sync */
-        error = errno;
-    close(fd);
-    return error;
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    char *parent = folder_of(path);
+    DIR *folder = parent ? opendir(parent) : NULL;
+    struct dirent *entry;
+    while (folder && (entry = readdir(folder)) != NULL) {
+        const char *ending = ending_of(entry->d_name, name);
+        if (!ending || (strcmp(ending, "part") != 0 && (strcmp(ending, "old") != 0 || access(path, F_OK) != 0)))
+            continue;
+        const int fd = openat(dirfd(folder), entry->d_name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
+            folder_remove_entry(dirfd(folder), entry->d_name);
+        if (fd >= 0)
+            close(fd);
+    }
+    if (folder)
+        closedir(folder);
+    free(parent);
 }
 
 static int is_frame_name(const char *name)
@@ -140,17 +164,10 @@ static char *final_path(const char *path)
     return real;
 }
 
-/* The folder that `path` is in. NULL: no memory. */
-static char *parent_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
-}
-
 /* Its stat. */
 static int check_parent(const char *path, struct stat *parent, pupil_why *why)
 {
-    char *folder = parent_of(path);
+    char *folder = folder_of(path);
     int failed = 0;
     if (!folder)
         return pupil_refuse(why, "%s: out of memory", path);
@@ -203,7 +220,8 @@ static int prepare(pupil_pending *p, const char *path, pupil_why *why)
         return pupil_refuse(why, "%s: cannot be replaced; name a %s", path, p->is_folder ? "folder inside it" : "file");
     if (check_parent(p->path, &parent, why) || check_there(p, &parent, why))
         return -1;
-    p->temporary = make_beside(p->path, p->is_folder, "part");
+    sweep(p->path);
+    p->temporary = make_beside(p->path, p->is_folder, "part", &p->fd);
     if (!p->temporary)
         return pupil_refuse(why, "%s: cannot be written there: %s", p->path, strerror(errno));
     return 0;
@@ -211,7 +229,7 @@ static int prepare(pupil_pending *p, const char *path, pupil_why *why)
 
 static int begin(pupil_pending *pending, const char *path, int is_folder, int overwrite, pupil_why *why)
 {
-    *pending = (pupil_pending){.is_folder = is_folder, .overwrite = overwrite};
+    *pending = (pupil_pending){.is_folder = is_folder, .overwrite = overwrite, .fd = -1};
     if (prepare(pending, path, why) == 0)
         return 0;
     pupil_pending_discard(pending);
@@ -232,8 +250,8 @@ int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite
  * through again once it is aside, where nobody puts anything into it any more. */
 static int swap_folders(pupil_pending *p, pupil_why *why)
 {
-    char *aside = make_beside(p->path, 1, "old");
-    int failed = 0;
+    int failed = 0, fd = -1;
+    char *aside = make_beside(p->path, 1, "old", &fd);
     if (!aside || rename(p->path, aside) != 0) {
         failed = pupil_refuse(why, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
         if (aside)
@@ -247,10 +265,12 @@ static int swap_folders(pupil_pending *p, pupil_why *why)
     } else {
         free(p->temporary); /* in place; nothing to take back */
         p->temporary = NULL;
-        if (remove_tree(aside) != 0)
+        if (folder_remove(aside) != 0)
             failed =
                 pupil_refuse(why, "%s: is in place, but the old folder, now %s, cannot be removed", p->path, aside);
     }
+    if (fd >= 0)
+        close(fd);
     free(aside);
     return failed;
 }
@@ -258,7 +278,7 @@ static int swap_folders(pupil_pending *p, pupil_why *why)
 /* The renames survive a power cut once the folder's own entries are on the disk. A failure here loses nothing now. */
 static void flush_parent(const char *path)
 {
-    char *folder = parent_of(path);
+    char *folder = folder_of(path);
     const int fd = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     if (fd >= 0) {
         fsync(fd);
@@ -267,11 +287,41 @@ static void flush_parent(const char *path)
     free(folder);
 }
 
-int pupil_pending_commit(pupil_pending *pending, pupil_why *why)
+FILE *pupil_pending_stream(const pupil_pending *pending)
 {
-    const int error = nftw(pending->temporary, flush_entry, 16, FTW_PHYS);
-    if (error)
-        return pupil_refuse(why, "%s: cannot be written: %s", pending->path, strerror(error > 0 ? error : errno));
+    const int fd = fcntl(pending->fd, F_DUPFD_CLOEXEC, 0);
+    FILE *file = fd >= 0 ? fdopen(fd, "w") : NULL;
+    if (!file && fd >= 0)
+        close(fd);
+    return file;
+}
+
+/* Whether the temporary name is still that of what was made. */
+static int check_ours(const pupil_pending *p, pupil_why *why)
+{
+    struct stat made, now;
+    if (fstat(p->fd, &made) != 0 || lstat(p->temporary, &now) != 0)
+        return pupil_refuse(why, "%s: cannot be put in place: %s: %s", p->path, p->temporary, strerror(errno));
+    if (made.st_dev != now.st_dev || made.st_ino != now.st_ino)
+        return pupil_refuse(why, "%s: cannot be put in place: %s was replaced by another file", p->path, p->temporary);
+    return 0;
+}
+
+int pupil_pending_show(pupil_pending *pending, pupil_why *why)
+{
+    if (check_ours(pending, why))
+        return -1;
+    if (rename(pending->temporary, pending->path) != 0)
+        return pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
+    free(pending->temporary);
+    pending->temporary = NULL;
+    return 0;
+}
+
+static int put_in_place(pupil_pending *pending, pupil_why *why)
+{
+    if (check_ours(pending, why))
+        return -1;
     if (rename(pending->temporary, pending->path) != 0) {
         const int there = errno == ENOTEMPTY || errno == EEXIST;
         if (!pending->is_folder || !there)
@@ -283,6 +333,16 @@ int pupil_pending_commit(pupil_pending *pending, pupil_why *why)
     }
     free(pending->temporary);
     pending->temporary = NULL;
+    return 0;
+}
+
+int pupil_pending_commit(pupil_pending *pending, pupil_why *why)
+{
+    const int error = pending->is_folder ? folder_flush(pending->fd) : folder_flush_file(pending->fd);
+    if (error)
+        return pupil_refuse(why, "%s: cannot be written: %s", pending->path, strerror(error));
+    if (pending->temporary && put_in_place(pending, why))
+        return -1;
     flush_parent(pending->path);
     pupil_pending_discard(pending);
     return 0;
@@ -290,9 +350,14 @@ int pupil_pending_commit(pupil_pending *pending, pupil_why *why)
 
 void pupil_pending_discard(pupil_pending *pending)
 {
-    if (pending->temporary)
-        remove_tree(pending->temporary);
+    if (pending->temporary && pending->is_folder)
+        folder_remove(pending->temporary);
+    else if (pending->temporary)
+        unlink(pending->temporary);
+    if (pending->path && pending->fd >= 0) /* all 0: never begun */
+        close(pending->fd);
     free(pending->temporary);
     free(pending->path);
     memset(pending, 0, sizeof *pending);
+    pending->fd = -1;
 }

@@ -1,15 +1,19 @@
 /* drivers/file/common/pending.h: outputs that are complete or absent. A pending file (or folder) is written under a
- * name next to its place and renamed to its place by commit; discard, or a signal, leaves nothing.
+ * name next to its place and renamed to its place by commit; discard, or a signal, leaves nothing. What a process that
+ * was killed has left is removed when the same output is begun again: it is recognised by its name, and by a lock that
+ * nobody holds.
  */
 #ifndef PUPIL_DRIVERS_FILE_COMMON_PENDING_H
 #define PUPIL_DRIVERS_FILE_COMMON_PENDING_H
 
 #include "pupil/error.h"
 #include <stddef.h>
+#include <stdio.h>
 
 typedef struct pupil_pending {
     char *path;      /* where it will be */
     char *temporary; /* where it is written: ".NAME.PID.part" (or ".NAME.PID-1.part" ...) in the same folder */
+    int fd;          /* of that file or folder, locked (flock) until commit or discard */
     int is_folder;
     int overwrite;
 } pupil_pending;
@@ -21,6 +25,14 @@ int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why)
 /* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
  * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png or .exr. */
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
+
+/* A file's stream at its beginning, for the caller to close. It is not opened by its name again, which might be that of
+ * another file by now. NULL: errno says why. */
+FILE *pupil_pending_stream(const pupil_pending *pending);
+
+/* A file takes its place now and is written further there: of a live run what is written stays, though the process be
+ * killed. From then on discard leaves it where it is. */
+int pupil_pending_show(pupil_pending *pending, pupil_why *why);
 
 /* Flushes to the disk (fsync), renames into place and frees. After a failure the caller discards. */
 int pupil_pending_commit(pupil_pending *pending, pupil_why *why);

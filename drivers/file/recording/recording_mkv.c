@@ -13,9 +13,10 @@
 #include "file/video/video_io.h"
 #include "refuse.h"
 
-#define ERRNO_MOST      4095 /* of Linux; libav's codes of its own are beyond it */
-#define BUFFER_BYTES    4096 /* heads; frames go past it */
-#define HEAD_MOST_BYTES 4096 /* what is before the first frame; ours has about 600 */
+#define ERRNO_MOST        4095      /* of Linux; libav's codes of its own are beyond it */
+#define BUFFER_BYTES      4096      /* heads; frames go past it */
+#define SEARCH_MOST_BYTES (1 << 28) /* beside the frame: what libavformat may look through for the next one */
+#define HEAD_MOST_BYTES   4096      /* what is before the first frame; ours has about 600 */
 /* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
 #define GAP_MAX_NS (UINT64_C(3600) * 1000000000)
 
@@ -86,7 +87,8 @@ static int take_back(pupil_mkv_writer *w, int code)
 /* To the kernel. */
 static int flush(pupil_mkv_writer *w, int code)
 {
-    avio_flush(w->io);
+    if (w->io) /* else there was no memory for it */
+        avio_flush(w->io);
     if (code < 0 || w->error)
         return take_back(w, code);
     w->end = avio_tell(w->io);
@@ -207,6 +209,7 @@ void pupil_mkv_free(pupil_mkv_writer *w)
 struct pupil_mkv_reader {
     pupil_video_io io;
     AVFormatContext *format; /* NULL: the file ends before its first frame */
+    size_t frame_bytes;
     AVPacket *packet;
     mkv_clock clock;
 };
@@ -248,6 +251,7 @@ static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
     r->format = avformat_alloc_context();
     if (!r->packet || !r->format)
         return pupil_refuse(why, "%s: not enough memory", path);
+    r->io.read_most = (int64_t)r->frame_bytes + SEARCH_MOST_BYTES;
     r->io.context->seekable = 0; /* from the front to the end: the index is for others */
     r->format->pb = r->io.context;
     r->format->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN; /* bytes as they are */
@@ -257,13 +261,14 @@ static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
     return fault ? pupil_refuse(why, "%s: is no Matroska that can be read: %s", path, fault) : 0;
 }
 
-int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, pupil_why *why)
+int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, size_t frame_bytes, pupil_why *why)
 {
     pupil_mkv_reader *r = *reader = calloc(1, sizeof *r);
     if (!r)
         return pupil_refuse(why, "%s: not enough memory", path);
     r->io.fd = -1;
     r->clock = clock_of(fps);
+    r->frame_bytes = frame_bytes;
     if (open_format(r, path, why) == 0)
         return 0;
     pupil_mkv_close(r);
@@ -279,6 +284,7 @@ int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned cha
         return 0;
     pupil_video_log_clear();
     av_packet_unref(r->packet);
+    r->io.read = 0;
     const int code = av_read_frame(r->format, r->packet);
     const char *fault = code < 0 ? trouble(r, code, words) : NULL;
     if (fault)

@@ -24,7 +24,7 @@ void pupil_mkv_free(pupil_mkv_writer *writer); /* NULL is allowed */
 typedef struct pupil_mkv_reader pupil_mkv_reader;
 
 /* 0, or -1 and a sentence that begins with the path. A file that ends before its first frame is no failure. */
-int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, pupil_why *why);
+int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, size_t frame_bytes, pupil_why *why);
 /* The next frame, which is the one of this timestamp; its bytes are good until the next call. 1; 0: the file ends, here
  * or in the middle of it; -1 and a sentence without the path. */
 int pupil_mkv_read(pupil_mkv_reader *reader, int64_t timestamp_ns, const unsigned char **bytes, size_t *size,

@@ -3,11 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file/common/regular.h"
 #include "file/video/jpeg_frame.h"
 #include "recording.h"
 #include "recording_format.h"
 #include "recording_mkv.h"
 #include "refuse.h"
+
+#define LINE_MOST_BYTES 4096 /* ours have about 150 */
 
 typedef struct recording {
     pupil_source base;
@@ -38,7 +41,7 @@ __attribute__((format(printf, 2, 3))) static int failed(recording *r, const char
 /* The next line. PUPIL_SOURCE_FRAME; _END where there is none with its newline: it was being written. */
 static int next_line(recording *r, pupil_frame_info *info)
 {
-    char line[4096];
+    char line[LINE_MOST_BYTES];
     pupil_why words;
     const unsigned long long number = r->frame + 1;
     uint64_t frame;
@@ -155,12 +158,13 @@ static void recording_close(pupil_source *source)
 
 static const pupil_source_ops recording_ops = {recording_next, recording_done, recording_close};
 
+/* To the first that cannot be read: a sparse file may have terabytes of it. */
 static uint64_t count_lines(FILE *lines)
 {
     uint64_t count = 0;
-    int c;
-    while ((c = getc_unlocked(lines)) != EOF)
-        count += c == '\n';
+    char line[LINE_MOST_BYTES];
+    while (fgets(line, sizeof line, lines) && strchr(line, '\n'))
+        count++;
     rewind(lines);
     return count;
 }
@@ -172,10 +176,10 @@ static int open_files(recording *r, const char *folder)
         pupil_recording_path(r->lines_path, folder, PUPIL_RECORDING_LINES))
         return failed(r, "%s: the name is too long", folder);
     r->folder_length = (int)strlen(folder);
-    r->lines = fopen(r->lines_path, "re");
+    r->lines = pupil_regular_open(r->lines_path, &r->why);
     if (!r->lines)
-        return failed(r, "%s: cannot be read: %s", r->lines_path, strerror(errno));
-    if (pupil_mkv_open(&r->mkv, r->frames_path, r->about.fps, &r->why))
+        return -1;
+    if (pupil_mkv_open(&r->mkv, r->frames_path, r->about.fps, pupil_recording_bytes(&r->about), &r->why))
         return -1;
     if (r->about.jpeg && pupil_jpeg_open(&r->jpeg, r->about.width, r->about.height, &r->about.coding, &words))
         return failed(r, "%s: %s", r->frames_path, words.text);

@@ -8,6 +8,7 @@
 
 #include <cjson/cJSON.h>
 
+#include "file/common/regular.h"
 #include "file/common/utf8.h"
 #include "recording_format.h"
 #include "refuse.h"
@@ -229,18 +230,19 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
     pupil_why words;
     if (pupil_recording_path(path, folder, PUPIL_RECORDING_ABOUT))
         return pupil_refuse(why, "%s: the name is too long", folder);
-    FILE *file = fopen(path, "re");
+    FILE *file = pupil_regular_open(path, why);
+    if (!file)
+        return -1;
     char *text = calloc(1, ABOUT_MOST_BYTES);
-    const size_t length = file && text ? fread(text, 1, ABOUT_MOST_BYTES, file) : 0;
+    const size_t length = text ? fread(text, 1, ABOUT_MOST_BYTES, file) : 0;
     int failed = 0;
-    if (!file || !text || ferror(file))
+    if (!text || ferror(file))
         failed = pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     else if (length == ABOUT_MOST_BYTES || strlen(text) != length)
         failed = pupil_refuse(why, "%s: that is no recording.json: too long, or no text", path);
     else
         failed = parse(path, text, about, why);
-    if (file)
-        fclose(file);
+    fclose(file);
     free(text);
     if (!failed && pupil_recording_check(about, &words))
         failed = pupil_refuse(why, "%s: %s", path, words.text);

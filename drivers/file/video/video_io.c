@@ -51,11 +51,20 @@ static int read_some(void *opaque, uint8_t *buffer, int wanted)
         io->position += take;
         return take ? (int)take : AVERROR_EOF;
     }
+    if (io->stop && io->stop()) {
+        io->error = EINTR;
+        return AVERROR_EXIT;
+    }
+    if (io->read_most && io->read > io->read_most) {
+        io->error = EFBIG;
+        return AVERROR(EFBIG);
+    }
     ssize_t got = read(io->fd, buffer, (size_t)wanted);
     if (got < 0) { /* EINTR too: a writer that has stopped must not keep the program from ending */
         io->error = errno;
         return AVERROR(errno);
     }
+    io->read += got;
     return got ? (int)got : AVERROR_EOF;
 }
 

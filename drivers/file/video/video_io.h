@@ -14,11 +14,15 @@
 
 typedef struct pupil_video_io {
     AVIOContext *context;
-    int fd, close_fd; /* -1: the bytes below */
-    int error;        /* errno of a read that failed */
+    int fd, close_fd;  /* -1: the bytes below */
+    int error;         /* errno of a read that failed */
+    int (*stop)(void); /* asked before each read, which fails where it says so; NULL: never. Demuxers look for their
+                        * marks in all that there is, and a sparse file of a disk's size costs its maker nothing */
     const uint8_t *bytes;
     size_t size, position;
-    int64_t total; /* bytes of the whole file; -1 where that cannot be known (a pipe) */
+    int64_t read, read_most; /* bytes since the caller set `read` to 0, and how many there may be: libav keeps all of a
+                              * packet in memory, and of damage a packet's end is the end of the file. 0: no limit */
+    int64_t total;           /* bytes of the whole file; -1 where that cannot be known (a pipe) */
 } pupil_video_io;
 
 /* Opens a file, or standard input for "-". 0, or -1 and a sentence without the path. */

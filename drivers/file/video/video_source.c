@@ -24,6 +24,9 @@
 /* How often in a row a demuxer may ask to be called again; reads here block, so that it has no reason to. */
 #define MAX_AGAIN 1000
 
+/* Bytes that are read for a packet, and to find out what a video is: 8 for each pixel of the largest frame. */
+#define PACKET_MOST_BYTES ((int64_t)PUPIL_STILL_MAX_PIXELS * 8)
+
 /* Latest timestamp believed (about 146 years in ns); a later one is damage. */
 #define MAX_TIME_NS (INT64_C(1) << 62)
 
@@ -129,6 +132,7 @@ static void note_end(video_source *v, int code)
 /* The next packet of the stream into v->packet. 1, 0 at the end, -1 for a packet that is not whole. */
 static int read_packet(video_source *v)
 {
+    v->io.read = 0;
     for (int again = 0;;) {
         pupil_video_log_clear();
         int code = av_read_frame(v->format, v->packet);
@@ -275,6 +279,12 @@ static void video_close(pupil_source *source)
 
 /* --- open --- */
 
+static int asks_to_stop(void *opaque)
+{
+    const video_source *v = opaque;
+    return v->io.stop && v->io.stop();
+}
+
 static int open_format(video_source *v, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
@@ -283,6 +293,7 @@ static int open_format(video_source *v, pupil_why *why)
         return failed(v, why, "not enough memory");
     v->format->pb = v->io.context;
     v->format->flags |= AVFMT_FLAG_CUSTOM_IO;
+    v->format->interrupt_callback = (AVIOInterruptCB){asks_to_stop, v};
     /* No protocol of this name exists: a playlist opens nothing. */
     v->format->protocol_whitelist = av_strdup("none");
     /* Probed by content, not by name: by its name any text is a film to libav (its "tty" format). */
@@ -407,6 +418,8 @@ int pupil_video_source_open(const char *path, const pupil_source_options *option
         video_close(&v->base);
         return PUPIL_SOURCE_FAILED;
     }
+    v->io.stop = options ? options->stop : NULL;
+    v->io.read_most = PACKET_MOST_BYTES;
     return open_video(v, (int64_t)PUPIL_STILL_MAX_PIXELS, 0, options, source, why);
 }
 

@@ -167,7 +167,7 @@ static int y4m_begin(y4m_sink *s, const char *path, pupil_why *why)
     }
     if (pupil_pending_file(&s->pending, path, why))
         return PUPIL_SINK_FAILED;
-    s->fd = open(s->pending.temporary, O_WRONLY | O_TRUNC | O_CLOEXEC);
+    s->fd = fcntl(s->pending.fd, F_DUPFD_CLOEXEC, 0);
     if (s->fd < 0)
         return pupil_refuse(why, "%s: cannot be written: %s", path, strerror(errno));
     return PUPIL_SINK_OK;

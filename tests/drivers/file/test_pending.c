@@ -117,8 +117,8 @@ static void test_refused_places(void)
 
 static void put_in(const char *folder, const char *name, const char *text)
 {
-    char path[1024];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    char path[2048];
+    snprintf(path, sizeof path, "%.1024s/%.1000s", folder, name);
     scratch_put(path, text);
 }
 
@@ -244,6 +244,99 @@ static void test_permission(void)
     rmdir(scratch("closed"));
 }
 
+/* A child begins an output and stops, or is killed. */
+static pid_t begin_in_child(const char *path, int is_folder, int is_killed)
+{
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        pupil_pending p;
+        if (is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why))
+            _exit(1);
+        if (is_folder)
+            put_in(p.temporary, "frame_000000.png", "half");
+        raise(is_killed ? SIGKILL : SIGSTOP);
+        _exit(1);
+    }
+    int status = -1;
+    CHECK(child > 0 && waitpid(child, &status, WUNTRACED) == child);
+    CHECK(is_killed ? WIFSIGNALED(status) : WIFSTOPPED(status));
+    return child;
+}
+
+/* What a killed run has left goes when the same output is begun; not that of a live run, nor of other names. */
+static void test_swept(void)
+{
+    for (int is_folder = 0; is_folder <= 1; is_folder++) {
+        const char *path = scratch("swept.x"), *other = scratch("swept"), *old = scratch(".swept.x.1.old");
+        pupil_pending p;
+        begin_in_child(path, is_folder, 1);
+        begin_in_child(path, is_folder, 1);
+        begin_in_child(other, is_folder, 1);
+        CHECK(scratch_entries(scratch_folder) == 2); /* the second has swept the first away */
+        const pid_t there = begin_in_child(path, is_folder, 0);
+        CHECK(scratch_entries(scratch_folder) == 2); /* its own begin has swept */
+        scratch_put(scratch(".swept.x.1a.part"), "");
+        scratch_put(scratch(".swept.x.1.part.png"), "");
+        CHECK(mkdir(old, 0777) == 0);
+        put_in(old, "frame_000000.png", "replaced");
+        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why)) == 0);
+        CHECK(scratch_exists(old) && scratch_entries(scratch_folder) == 6); /* nothing is in its place */
+        CHECK(pupil_pending_commit(&p, &why) == 0);
+        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why)) == 0);
+        CHECK(!scratch_exists(old) && scratch_entries(scratch_folder) == 6);
+        pupil_pending_discard(&p);
+        CHECK(kill(there, SIGKILL) == 0 && waitpid(there, NULL, 0) == there);
+        CHECK((is_folder ? pupil_pending_folder(&p, other, 0, &why) : pupil_pending_file(&p, other, &why)) == 0);
+        pupil_pending_discard(&p);
+        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why)) == 0);
+        pupil_pending_discard(&p);
+        CHECK(scratch_entries(scratch_folder) == 3);
+        remove(scratch(".swept.x.1a.part"));
+        remove(scratch(".swept.x.1.part.png"));
+        remove(path);
+        CHECK(scratch_entries(scratch_folder) == 0);
+    }
+}
+
+/* A stream writes into what was made, whatever has its name now; and such a name is not put in place. */
+static void test_stream(void)
+{
+    pupil_pending p;
+    const char *path = scratch("a"), *victim = scratch("victim");
+    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    FILE *file = pupil_pending_stream(&p);
+    CHECK(file && fputs("text", file) >= 0 && fclose(file) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0 && scratch_holds(path, "text"));
+    remove(path);
+
+    scratch_put(victim, "precious");
+    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(unlink(p.temporary) == 0 && symlink(victim, p.temporary) == 0);
+    file = pupil_pending_stream(&p);
+    CHECK(file && fputs("text", file) >= 0 && fclose(file) == 0);
+    CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), path, "another file");
+    pupil_pending_discard(&p);
+    CHECK(scratch_holds(victim, "precious") && scratch_entries(scratch_folder) == 1);
+    remove(victim);
+}
+
+/* In its place before it is complete. */
+static void test_show(void)
+{
+    pupil_pending p;
+    const char *path = scratch("a");
+    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    FILE *file = pupil_pending_stream(&p);
+    CHECK(pupil_pending_show(&p, &why) == 0 && scratch_holds(path, "") && scratch_entries(scratch_folder) == 1);
+    CHECK(file && fputs("text", file) >= 0 && fclose(file) == 0);
+    CHECK(pupil_pending_commit(&p, &why) == 0 && scratch_holds(path, "text"));
+    CHECK(pupil_pending_file(&p, path, &why) == 0 && pupil_pending_show(&p, &why) == 0);
+    pupil_pending_discard(&p);
+    CHECK(scratch_holds(path, "") && scratch_entries(scratch_folder) == 1);
+    remove(path);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -256,6 +349,9 @@ int main(int argc, char **argv)
     test_precious_folder();
     test_taken_away();
     test_permission();
+    test_swept();
+    test_stream();
+    test_show();
     CHECK(scratch_entries(scratch_folder) == 0);
     scratch_clear(scratch_folder);
     return check_end();
