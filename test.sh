@@ -44,6 +44,7 @@ xz-utils unpacks its kernel
 make builds a driver that Debian does not ship
 libelf1 goes with what builds it
 glslang-tools checks the shaders
+ffmpeg makes clips of all kinds, and judges them
 xvfb is the screen that windows open on
 xdotool types their keys
 imagemagick takes and reads pictures of that screen

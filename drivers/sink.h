@@ -23,6 +23,12 @@
 
 enum { PUPIL_SINK_OK = 0, PUPIL_SINK_FAILED = -1 };
 
+/* The sound that goes with the frames: that of a file. */
+typedef struct pupil_sink_sound {
+    const char *path; /* NULL: none; "-": of standard input, which cannot be read again */
+    int64_t begin_ns; /* the file's time of the first frame */
+} pupil_sink_sound;
+
 typedef struct pupil_sink_options {
     uint32_t width, height; /* of every frame */
     double fps;             /* nominal frames a second, above 0 */
@@ -32,6 +38,8 @@ typedef struct pupil_sink_options {
     int keep_time;      /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
                          * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
                          * seconds are left out. Other formats store the timestamps */
+    pupil_sink_sound sound; /* copied into .mp4, .mkv and .mov, as it is */
+    pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
 } pupil_sink_options;
 
 typedef struct pupil_sink pupil_sink;

@@ -23,6 +23,7 @@
 #include "pupil/config.h"
 #include "pupil/error.h"
 #include "pupil/image.h"
+#include "sink.h"
 
 enum {
     PUPIL_SOURCE_END = 0,   /* next: no more frames */
@@ -49,6 +50,7 @@ typedef struct pupil_source_options {
     uint64_t first;    /* the frame to begin with, of scenes from a recipe (synth) */
     uint64_t seed;     /* of sources that draw random numbers (pan); 0: the default seed */
     unsigned threads;  /* of sources that compute their frames (synth); 0: one for each processor */
+    int as_stored;     /* of video and JPEG: not turned upright */
     int (*stop)(void); /* asked during long work, which is given up where it says so; NULL: never */
 } pupil_source_options;
 
@@ -63,9 +65,10 @@ typedef struct pupil_source_ops {
 /* The first member of every source. */
 struct pupil_source {
     const pupil_source_ops *ops;
-    double fps;         /* nominal frames a second, above 0 */
-    uint64_t frames;    /* how many frames it expects to hand out; 0: unknown */
-    uint32_t primaries; /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
+    double fps;             /* nominal frames a second, above 0 */
+    uint64_t frames;        /* how many frames it expects to hand out; 0: unknown */
+    uint32_t primaries;     /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
+    pupil_sink_sound sound; /* that goes with the frames, known with the first one; the path lives as long */
 };
 
 static inline int pupil_source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)

@@ -1,5 +1,6 @@
 #include "pictures.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "common/reader.h"
@@ -7,12 +8,19 @@
 
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why)
 {
+    pupil_why without = {""};
+    pupil_sink_options of_sink = *options;
     pupil_sink **sink = &o->sink[o->count];
-    const int error = pupil_live_is_output(path) ? pupil_live_output_open(sink, path, options, o->system, why)
-                                                 : pupil_file_sink_open(path, options, sink, why);
-    if (!error)
-        o->path[o->count++] = path;
-    return error;
+    of_sink.without = &without;
+    const int error = pupil_live_is_output(path) ? pupil_live_output_open(sink, path, &of_sink, o->system, why)
+                                                 : pupil_file_sink_open(path, &of_sink, sink, why);
+    if (error)
+        return error;
+    o->path[o->count++] = path;
+    const size_t used = strlen(o->silent);
+    if (*without.text)
+        snprintf(o->silent + used, sizeof o->silent - used, "; %s is without its sound: %s", path, without.text);
+    return PUPIL_SINK_OK;
 }
 
 int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why)

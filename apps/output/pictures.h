@@ -13,7 +13,8 @@ typedef struct pictures {
     pupil_sink *sink[PICTURES_MOST];
     const char *path[PICTURES_MOST]; /* the caller's */
     size_t count;
-    size_t failed; /* which one, after a write or finish that failed */
+    char silent[512]; /* "; PATH is without its sound: ...", of each video that has not got it */
+    size_t failed;    /* which one, after a write or finish that failed */
 } pictures;
 
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why);

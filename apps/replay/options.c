@@ -30,6 +30,8 @@ static const option_row frame_rows[] = {
      .more = "Each time one frame period later."},
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
      .more = "For a contact sheet of unrelated pictures."},
+    {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
+     .more = "Not turned upright, which phones leave to the player."},
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
     {"keep-going", 0, OPTION_FLAG, NULL, AT(keep_going), .help = "skip bad frames",
      .more = "Damaged and missing ones. They are counted, and the exit status is 3."},

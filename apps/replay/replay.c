@@ -121,6 +121,8 @@ static int run(replay *r)
             r->skipped++;
             continue;
         }
+        if (got == PUPIL_SOURCE_DAMAGED)
+            pupil_refuse_add(&s->why, "; --keep-going skips such frames");
         if (got != PUPIL_SOURCE_FRAME)
             return -1;
         const int failed = take(r, &frame, read_us);

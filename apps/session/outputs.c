@@ -49,6 +49,15 @@ static uint32_t shown_primaries(const pupil_config *config)
     return config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
 }
 
+/* In the pace of the frames; --hold has another. */
+static pupil_sink_sound sound_of(session_outputs *o)
+{
+    if (o->options->hold <= 1)
+        return o->source->sound;
+    o->held_sound = o->options->out_count && o->source->sound.path;
+    return (pupil_sink_sound){0};
+}
+
 static int open_all(session_outputs *o, const pupil_image_const *first, pupil_why *why)
 {
     const frame_options *options = o->options;
@@ -58,7 +67,8 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
                                         .overwrite = options->overwrite,
                                         .primaries = shown_primaries(&options->config),
                                         .transfer = options->config.transfer,
-                                        .keep_time = o->live};
+                                        .keep_time = o->live,
+                                        .sound = sound_of(o)};
     o->is_open = 1;
     o->width = first->width;
     o->height = first->height;
@@ -271,4 +281,7 @@ void session_outputs_name(const session_outputs *o)
             fprintf(stderr, "; %s", others[i]);
     if (options->report)
         fprintf(stderr, "; %s/index.html", options->report);
+    if (o->held_sound)
+        fprintf(stderr, "; without sound: --hold changes the pace");
+    fputs(o->pictures.silent, stderr);
 }

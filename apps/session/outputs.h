@@ -19,6 +19,7 @@ typedef struct session_outputs {
     const pupil_source *source;
     int live;
     int is_open;
+    int held_sound;         /* the sound is left out, for --hold changes the pace */
     uint64_t frames;        /* written to all */
     uint32_t width, height; /* of the pictures */
     pictures pictures;

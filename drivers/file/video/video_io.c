@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -15,31 +16,63 @@
 
 #define BUFFER_BYTES 65536
 
-static _Thread_local char kept[256];
+static _Thread_local pupil_video_words kept;
+static pthread_mutex_t words_lock = PTHREAD_MUTEX_INITIALIZER; /* of all words that belong to a codec */
 
-static void keep(void *context, int level, const char *format, va_list arguments)
+static void put(pupil_video_words *words, const char *format, va_list arguments)
 {
-    (void)context;
-    if (level > AV_LOG_ERROR || kept[0])
+    if (words->text[0])
         return;
-    vsnprintf(kept, sizeof kept, format, arguments);
-    size_t length = strlen(kept);
-    while (length && (kept[length - 1] == '\n' || kept[length - 1] == '.'))
-        kept[--length] = 0;
-    for (char *c = kept; *c; c++)
+    vsnprintf(words->text, sizeof words->text, format, arguments);
+    size_t length = strlen(words->text);
+    while (length && (words->text[length - 1] == '\n' || words->text[length - 1] == '.'))
+        words->text[--length] = 0;
+    for (char *c = words->text; *c; c++)
         if ((unsigned char)*c < ' ' || (unsigned char)*c > '~')
             *c = '?'; /* a file's own bytes, quoted by libav: never into a terminal */
+}
+
+/* Decoders report from the threads of their slices, too; all of them name the one codec. */
+static void keep(void *context, int level, const char *format, va_list arguments)
+{
+    pupil_video_words *own = NULL;
+    if (level > AV_LOG_ERROR)
+        return;
+    if (context && *(const AVClass **)context == avcodec_get_class())
+        own = ((AVCodecContext *)context)->opaque;
+    if (!own) {
+        put(&kept, format, arguments);
+        return;
+    }
+    pthread_mutex_lock(&words_lock);
+    put(own, format, arguments);
+    pthread_mutex_unlock(&words_lock);
+}
+
+void pupil_video_words_of(AVCodecContext *codec, pupil_video_words *words)
+{
+    av_log_set_callback(keep);
+    codec->opaque = words;
+}
+
+int pupil_video_words_take(pupil_video_words *words, char text[256])
+{
+    pthread_mutex_lock(&words_lock);
+    memcpy(text, words->text, sizeof words->text);
+    words->text[0] = 0;
+    pthread_mutex_unlock(&words_lock);
+    return text[0] != 0;
 }
 
 void pupil_video_log_clear(void)
 {
     av_log_set_callback(keep);
-    kept[0] = 0;
+    kept.text[0] = 0;
 }
 
 const char *pupil_video_log_text(void)
 {
-    return kept;
+    return kept.text;
 }
 
 static int read_some(void *opaque, uint8_t *buffer, int wanted)

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "pupil/error.h"
+#include <libavcodec/avcodec.h>
 #include <libavformat/avio.h>
 
 typedef struct pupil_video_io {
@@ -34,10 +35,21 @@ int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, 
 void pupil_video_io_close(pupil_video_io *io);
 
 /* libav prints nothing any more (for the whole process: its log has one hook); the first error that it reports on this
- * thread is kept instead, until the next clear. */
+ * thread is kept instead, until the next clear. Not those of a codec that has words of its own. */
 void pupil_video_log_clear(void);
 
 /* What was kept, without its newline; "" for none. Valid until the next clear on this thread. */
 const char *pupil_video_log_text(void);
+
+/* The first error that a codec reports, on whichever of its threads. */
+typedef struct pupil_video_words {
+    char text[256]; /* "" for none */
+} pupil_video_words;
+
+/* From now on the codec's errors go there, until its opaque is NULL. */
+void pupil_video_words_of(AVCodecContext *codec, pupil_video_words *words);
+
+/* Copies them to text, and clears them. Whether there are any. */
+int pupil_video_words_take(pupil_video_words *words, char text[256]);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "file/common/pending.h"
 #include "file/sink/sink_common.h"
+#include "video_sound.h"
 #include "yuv709.h"
 
 #include "refuse.h"
@@ -17,6 +18,7 @@
 
 /* H.264 (2021) table A-1: MaxFS, the largest frame of the highest level (6.2), 139264 macroblocks of 16 x 16. */
 #define PIXELS_MAX (139264u * 256u)
+#define NS         ((AVRational){1, 1000000000})
 /* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
 #define GAP_MAX_NS (INT64_C(3600) * 1000000000)
 
@@ -28,7 +30,8 @@ typedef struct video_sink {
     AVCodecContext *encoder;
     AVFrame *frame;
     AVPacket *packet;
-    int frame_ticks; /* the nominal frame, in the encoder's time base */
+    pupil_video_sound *sound; /* NULL: none */
+    int frame_ticks;          /* the nominal frame, in the encoder's time base */
     uint64_t frames;
     uint64_t base_frame; /* the last frame whose time came from timestamps, or the first, */
     int64_t base_ns;     /* and its time in the video; frames without timestamps count from it */
@@ -94,7 +97,10 @@ static int encode(video_sink *v, const AVFrame *frame, pupil_why *why)
             v->packet->duration = v->frame_ticks;
         av_packet_rescale_ts(v->packet, v->encoder->time_base, v->muxer->streams[0]->time_base);
         v->packet->stream_index = 0;
+        const int64_t time_ns = av_rescale_q(v->packet->dts, v->muxer->streams[0]->time_base, NS);
         error = av_interleaved_write_frame(v->muxer, v->packet);
+        if (error >= 0)
+            error = pupil_video_sound_write(v->sound, time_ns);
         if (error >= 0)
             error = v->muxer->pb->error; /* writes are buffered: a full disk shows here first */
         if (error < 0)
@@ -124,6 +130,7 @@ static void video_discard(pupil_sink *sink)
     avcodec_free_context(&v->encoder);
     av_frame_free(&v->frame);
     av_packet_free(&v->packet);
+    pupil_video_sound_close(v->sound);
     if (v->muxer)
         avio_closep(&v->muxer->pb);
     avformat_free_context(v->muxer);
@@ -139,7 +146,9 @@ static int video_finish(pupil_sink *sink, pupil_why *why)
         return pupil_refuse(why, "%s: nothing was written, for the input has no frame", v->pending.path);
     if (encode(v, NULL, why))
         return PUPIL_SINK_FAILED;
-    error = av_write_trailer(v->muxer);
+    error = pupil_video_sound_write(v->sound, av_rescale_q(v->last_tick + v->frame_ticks, v->encoder->time_base, NS));
+    if (error >= 0)
+        error = av_write_trailer(v->muxer);
     if (error >= 0)
         error = v->muxer->pb->error;
     close_error = avio_closep(&v->muxer->pb);
@@ -219,6 +228,17 @@ static int open_encoder(video_sink *v, const char *name)
     return error;
 }
 
+static void open_sound(video_sink *v)
+{
+    const pupil_sink_sound *sound = &v->options.sound;
+    pupil_why unused, *without = v->options.without ? v->options.without : &unused;
+    without->text[0] = 0;
+    if (sound->path && strcmp(sound->path, "-") == 0)
+        pupil_refuse(without, "standard input is read once; name the file");
+    else if (sound->path)
+        v->sound = pupil_video_sound_open(v->muxer, sound, without);
+}
+
 static int open_muxer(video_sink *v, pupil_why *why)
 {
     AVDictionary *more = NULL;
@@ -228,6 +248,7 @@ static int open_muxer(video_sink *v, pupil_why *why)
         stream->time_base = v->encoder->time_base;
         stream->avg_frame_rate = v->encoder->framerate;
         stream->sample_aspect_ratio = v->encoder->sample_aspect_ratio;
+        open_sound(v);
         error = avio_open(&v->muxer->pb, v->muxer->url, AVIO_FLAG_WRITE);
     }
     if (error >= 0) {

@@ -6,15 +6,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
+#include <libavutil/display.h>
 #include <libavutil/opt.h>
 
 #include "file/still/still.h"
 #include "refuse.h"
+#include "video_damage.h"
+#include "video_format.h"
 #include "video_io.h"
 #include "video_pixels.h"
+#include "video_turn.h"
 
 #define DEFAULT_FPS 30.0
 
@@ -43,12 +46,15 @@ typedef struct video_source {
     pupil_frame first; /* what next hands out first: it is decoded at open, because it says which primaries they have */
     int is_open, has_first, first_code;
     pupil_why first_why;
-    int has_packet;    /* read, and not yet taken by the decoder */
-    int is_draining;   /* the demuxer has ended */
-    int state;         /* PUPIL_SOURCE_FRAME while frames come; END or FAILED for good */
-    char suspect[256]; /* what the decoder said of the frame that it will hand out next; "" for nothing */
-    char early[384];   /* why the demuxer ended before the video did; "" if it did not */
-    pupil_why last;    /* the sentence of FAILED */
+    int has_packet;  /* read, and not yet taken by the decoder */
+    int is_draining; /* the demuxer has ended */
+    int state;       /* PUPIL_SOURCE_FRAME while frames come; END or FAILED for good */
+    pupil_video_damage damage;
+    pupil_video_turn turn;
+    int as_stored;                 /* not turned */
+    const int32_t *display_matrix; /* the stream's; NULL: none */
+    char early[384];               /* why the demuxer ended before the video did; "" if it did not */
+    pupil_why last;                /* the sentence of FAILED */
     uint64_t handed, sequence;
     int damaged_in_a_row;
     int64_t packets_end;  /* where the demuxer was after the last packet */
@@ -56,15 +62,6 @@ typedef struct video_source {
     int64_t first_pts, last_ns, period_ns;
     uint32_t width, height;
 } video_source;
-
-/* A code of libav's in words: what its log said, else its name. */
-static const char *libav_words(int code, char buffer[AV_ERROR_MAX_STRING_SIZE])
-{
-    if (pupil_video_log_text()[0])
-        return pupil_video_log_text();
-    av_strerror(code, buffer, AV_ERROR_MAX_STRING_SIZE);
-    return buffer;
-}
 
 __attribute__((format(printf, 3, 4))) static int failed(video_source *v, pupil_why *why, const char *format, ...)
 {
@@ -95,6 +92,8 @@ static int64_t time_ns(video_source *v, int64_t pts)
     int64_t after, ns = -1;
     if (!v->handed) {
         v->first_pts = pts;
+        if (pts != AV_NOPTS_VALUE)
+            v->base.sound.begin_ns = av_rescale_q(pts, v->stream->time_base, (AVRational){1, 1000000000});
         return 0;
     }
     if (pts != AV_NOPTS_VALUE && v->first_pts != AV_NOPTS_VALUE && !__builtin_sub_overflow(pts, v->first_pts, &after))
@@ -121,7 +120,7 @@ static void note_end(video_source *v, int code)
     if (v->io.error)
         snprintf(v->early, sizeof v->early, "cannot be read on: %s", strerror(v->io.error));
     else if (code != AVERROR_EOF || pupil_video_log_text()[0])
-        snprintf(v->early, sizeof v->early, "damaged or cut short: %s", libav_words(code, words));
+        snprintf(v->early, sizeof v->early, "damaged or cut short: %s", pupil_libav_words(code, words));
     else if (!strcmp(name, "yuv4mpegpipe") && avio_tell(v->format->pb) > v->packets_end)
         snprintf(v->early, sizeof v->early, "cut short: its last frame is not whole");
     else if (!strcmp(name, "avi") && v->stream->nb_frames > v->packets_time)
@@ -148,8 +147,10 @@ static int read_packet(video_source *v)
     }
     v->packets_end = avio_tell(v->format->pb);
     v->packets_time = v->packet->dts != AV_NOPTS_VALUE ? v->packet->dts + 1 : INT64_MAX;
-    if (!(v->packet->flags & AV_PKT_FLAG_CORRUPT))
+    if (!(v->packet->flags & AV_PKT_FLAG_CORRUPT)) {
+        pupil_video_damage_of_next(&v->damage, pupil_video_log_text());
         return 1;
+    }
     av_packet_unref(v->packet);
     return -1;
 }
@@ -157,7 +158,9 @@ static int read_packet(video_source *v)
 /* One step toward a frame: gives the decoder a packet, or the news that there are no more. 0, or a code of next. */
 static int feed(video_source *v, pupil_why *why)
 {
-    char words[AV_ERROR_MAX_STRING_SIZE];
+    char words[AV_ERROR_MAX_STRING_SIZE], text[256];
+    if (pupil_video_damage_left(&v->damage, 0, text))
+        return damaged(v, why, text);
     if (!v->has_packet && !v->is_draining) {
         int got = read_packet(v);
         if (got < 0)
@@ -166,7 +169,7 @@ static int feed(video_source *v, pupil_why *why)
         v->is_draining = !got;
     }
     pupil_video_log_clear();
-    int code = avcodec_send_packet(v->codec, v->has_packet ? v->packet : NULL);
+    int code = pupil_video_damage_send(&v->damage, v->codec, v->has_packet ? v->packet : NULL);
     if (code == AVERROR(EAGAIN))
         return 0; /* frames are to be taken out first; they are, next */
     if (v->has_packet)
@@ -174,21 +177,32 @@ static int feed(video_source *v, pupil_why *why)
     v->has_packet = 0;
     if (code == AVERROR(ENOMEM))
         return failed(v, why, "not enough memory to decode frame %llu", (unsigned long long)v->sequence);
-    if (code < 0 && code != AVERROR_EOF)
-        return damaged(v, why, libav_words(code, words));
-    /* FFV1 covers up a slice whose checksum is wrong and marks nothing: its log is the only sign. Other decoders also
-     * log what does no harm, and mark their frames. */
-    if (v->codec->codec_id == AV_CODEC_ID_FFV1)
-        snprintf(v->suspect, sizeof v->suspect, "%s", pupil_video_log_text());
-    return 0;
+    if (code >= 0 || code == AVERROR_EOF)
+        return 0;
+    pupil_video_damage_refused(&v->damage, text);
+    return damaged(v, why, text[0] ? text : pupil_libav_words(code, words));
+}
+
+/* Upright, unless it is to stay as it is stored: by the matrix of the frame, or else of the stream. */
+static int turn(video_source *v, pupil_why *why)
+{
+    const AVFrameSideData *of_frame = av_frame_get_side_data(v->frame, AV_FRAME_DATA_DISPLAYMATRIX);
+    const int32_t *matrix = of_frame ? (const int32_t *)(const void *)of_frame->data : v->display_matrix;
+    if (v->as_stored || !matrix)
+        return 0;
+    return pupil_video_turn_set(&v->turn, matrix, why);
 }
 
 static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
 {
     AVFrame *f = v->frame;
     pupil_why words;
-    if (v->suspect[0] || f->decode_error_flags || f->flags & AV_FRAME_FLAG_CORRUPT)
-        return damaged(v, why, v->suspect[0] ? v->suspect : "its decoder marks it so");
+    char text[256] = "";
+    const int found = pupil_video_damage_of_frame(&v->damage, f, text);
+    if (found < 0)
+        return 0;
+    if (found || f->decode_error_flags || f->flags & AV_FRAME_FLAG_CORRUPT)
+        return damaged(v, why, text[0] ? text : "its decoder marks it so");
     if (f->width <= 0 || f->height <= 0 || f->width > (int)PUPIL_MAX_SIDE_PX || f->height > (int)PUPIL_MAX_SIDE_PX)
         return failed(v, why, "frames of %d x %d pixels; 1 to %u a side can be read", f->width, f->height,
                       PUPIL_MAX_SIDE_PX);
@@ -200,13 +214,15 @@ static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
     if (v->is_open && v->pixels.primaries != v->base.primaries)
         return failed(v, why, "frame %llu has other primaries than the video before it; they must not change",
                       (unsigned long long)v->sequence);
+    memset(out, 0, sizeof *out);
+    out->image = v->pixels.image;
+    if (turn(v, &words) || pupil_video_turn_image(&v->turn, &out->image, &words))
+        return failed(v, why, "%s", words.text);
     v->base.primaries = v->pixels.primaries;
     v->width = (uint32_t)f->width;
     v->height = (uint32_t)f->height;
     v->last_ns = time_ns(v, f->best_effort_timestamp);
     v->damaged_in_a_row = 0;
-    memset(out, 0, sizeof *out);
-    out->image = v->pixels.image;
     out->info.timestamp_ns = v->last_ns;
     out->info.sequence = v->sequence++;
     out->name = v->name;
@@ -216,6 +232,9 @@ static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
 
 static int finish(video_source *v, pupil_why *why)
 {
+    char text[256];
+    if (pupil_video_damage_left(&v->damage, 1, text))
+        return damaged(v, why, text);
     if (v->early[0])
         return failed(v, why, "ends after %llu frames: %s", (unsigned long long)v->sequence, v->early);
     if (!v->handed)
@@ -225,19 +244,22 @@ static int finish(video_source *v, pupil_why *why)
 
 static int decode_next(video_source *v, pupil_frame *out, pupil_why *why)
 {
-    char words[AV_ERROR_MAX_STRING_SIZE];
+    char words[AV_ERROR_MAX_STRING_SIZE], text[256];
     while (v->state == PUPIL_SOURCE_FRAME) {
         pupil_video_log_clear();
-        int code = avcodec_receive_frame(v->codec, v->frame);
-        if (code == 0)
-            return hand_out(v, out, why);
-        if (code == AVERROR_EOF)
+        int code = pupil_video_damage_receive(&v->damage, v->codec, v->frame), result;
+        if (code == 0) {
+            result = hand_out(v, out, why);
+        } else if (code == AVERROR_EOF) {
             return finish(v, why);
-        if (code != AVERROR(EAGAIN))
-            return damaged(v, why, libav_words(code, words));
-        code = feed(v, why);
-        if (code)
-            return code;
+        } else if (code == AVERROR(EAGAIN)) {
+            result = feed(v, why);
+        } else {
+            pupil_video_damage_refused(&v->damage, text);
+            result = damaged(v, why, text[0] ? text : pupil_libav_words(code, words));
+        }
+        if (result)
+            return result;
     }
     if (v->state == PUPIL_SOURCE_FAILED)
         pupil_refuse(why, "%s", v->last.text);
@@ -273,63 +295,37 @@ static void video_close(pupil_source *source)
     av_packet_free(&v->packet);
     av_frame_free(&v->frame);
     pupil_video_pixels_free(&v->pixels);
+    pupil_video_turn_free(&v->turn);
     free(v->name);
     free(v);
 }
 
 /* --- open --- */
 
-static int asks_to_stop(void *opaque)
+static void note_sound(video_source *v, const char *path)
 {
-    const video_source *v = opaque;
-    return v->io.stop && v->io.stop();
+    for (unsigned i = 0; i < v->format->nb_streams && !v->base.sound.path; i++)
+        if (v->format->streams[i]->codecpar->codec_type == AVMEDIA_TYPE_AUDIO)
+            v->base.sound.path = path;
 }
 
-static int open_format(video_source *v, pupil_why *why)
+static int find_stream(video_source *v, const AVCodec **decoder, pupil_why *why)
 {
-    char words[AV_ERROR_MAX_STRING_SIZE];
-    v->format = avformat_alloc_context();
-    if (!v->format)
-        return failed(v, why, "not enough memory");
-    v->format->pb = v->io.context;
-    v->format->flags |= AVFMT_FLAG_CUSTOM_IO;
-    v->format->interrupt_callback = (AVIOInterruptCB){asks_to_stop, v};
-    /* No protocol of this name exists: a playlist opens nothing. */
-    v->format->protocol_whitelist = av_strdup("none");
-    /* Probed by content, not by name: by its name any text is a film to libav (its "tty" format). */
-    pupil_video_log_clear();
-    int code = avformat_open_input(&v->format, "", NULL, NULL);
-    if (code < 0)
-        return failed(v, why, "not an image or a video that can be read: %s",
-                      v->io.error ? strerror(v->io.error) : libav_words(code, words));
-    return 0;
-}
-
-/* Looks into the streams with decoders that refuse what is too large, as the source's own will. */
-static int find_stream(video_source *v, int64_t max_pixels, const AVCodec **decoder, pupil_why *why)
-{
-    char words[AV_ERROR_MAX_STRING_SIZE];
-    unsigned count = v->format->nb_streams; /* more may come while libav looks */
-    AVDictionary **limits = av_calloc(count ? count : 1, sizeof *limits);
-    for (unsigned i = 0; limits && i < count; i++)
-        av_dict_set_int(&limits[i], "max_pixels", max_pixels, 0);
-    pupil_video_log_clear();
-    int code = limits ? avformat_find_stream_info(v->format, limits) : AVERROR(ENOMEM);
-    for (unsigned i = 0; limits && i < count; i++)
-        av_dict_free(&limits[i]);
-    av_free(limits);
-    if (code < 0)
-        return failed(v, why, "not a video that can be read: %s", libav_words(code, words));
-    code = av_find_best_stream(v->format, AVMEDIA_TYPE_VIDEO, -1, -1, decoder, 0);
-    if (code == AVERROR_DECODER_NOT_FOUND)
+    const int found = av_find_best_stream(v->format, AVMEDIA_TYPE_VIDEO, -1, -1, decoder, 0);
+    if (found == AVERROR_DECODER_NOT_FOUND)
         return failed(v, why, "libav has no decoder for its video stream");
-    if (code < 0 || v->format->streams[code]->disposition & AV_DISPOSITION_ATTACHED_PIC)
+    if (found < 0 || v->format->streams[found]->disposition & AV_DISPOSITION_ATTACHED_PIC)
         return failed(v, why, "no video stream in it (libav takes it for \"%s\")",
                       v->format->iformat->long_name ? v->format->iformat->long_name : v->format->iformat->name);
-    v->stream = v->format->streams[code];
+    v->stream = v->format->streams[found];
     for (unsigned i = 0; i < v->format->nb_streams; i++)
         if (v->format->streams[i] != v->stream)
             v->format->streams[i]->discard = AVDISCARD_ALL;
+#if LIBAVFORMAT_VERSION_MAJOR < 60 /* later, decoders hand it on with each frame */
+    size_t bytes = 0;
+    const uint8_t *matrix = av_stream_get_side_data(v->stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
+    v->display_matrix = bytes >= 9 * sizeof(int32_t) ? (const int32_t *)(const void *)matrix : NULL;
+#endif
     return 0;
 }
 
@@ -352,10 +348,15 @@ static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pix
     v->codec->thread_type = FF_THREAD_SLICE;
     /* Not AV_EF_EXPLODE: with it libavcodec 59 runs into an assertion of its own on damaged MPEG-4 and aborts. */
     v->codec->err_recognition = AV_EF_CRCCHECK;
+    AVDictionary *more = NULL;
+    if (strcmp(decoder->name, "libdav1d") == 0)
+        av_dict_set(&more, "framedelay", "1", 0); /* the same of frames of AV1 */
+    pupil_video_damage_begin(&v->damage, v->codec);
     pupil_video_log_clear();
-    int code = avcodec_open2(v->codec, decoder, NULL);
+    int code = avcodec_open2(v->codec, decoder, &more);
+    av_dict_free(&more);
     if (code < 0)
-        return failed(v, why, "its %s decoder does not start: %s", decoder->name, libav_words(code, words));
+        return failed(v, why, "its %s decoder does not start: %s", decoder->name, pupil_libav_words(code, words));
     return 0;
 }
 
@@ -376,11 +377,16 @@ static int open_video(video_source *v, int64_t max_pixels, int threads, const pu
                       pupil_source **source, pupil_why *why)
 {
     const AVCodec *decoder = NULL;
+    pupil_why words;
+    v->as_stored = options && options->as_stored;
     v->base.ops = &video_ops;
     v->state = PUPIL_SOURCE_FRAME;
     v->packets_end = INT64_MAX;
-    if (open_format(v, why) || find_stream(v, max_pixels, &decoder, why) ||
-        open_decoder(v, decoder, max_pixels, threads, why)) {
+    int failed_at =
+        pupil_video_format_open(&v->format, &v->io, &words) || pupil_video_format_look(v->format, max_pixels, &words);
+    if (failed_at)
+        failed(v, why, "%s", words.text);
+    if (failed_at || find_stream(v, &decoder, why) || open_decoder(v, decoder, max_pixels, threads, why)) {
         video_close(&v->base);
         return PUPIL_SOURCE_FAILED;
     }
@@ -389,6 +395,7 @@ static int open_video(video_source *v, int64_t max_pixels, int threads, const pu
     v->period_ns = (int64_t)(1e9 / v->base.fps + 0.5);
     const AVCodecParameters *tags = v->stream->codecpar; /* for where the first frame is damaged */
     v->base.primaries = pupil_video_primaries(tags->color_trc, tags->color_primaries, tags->color_space);
+    note_sound(v, v->io.fd == STDIN_FILENO && !v->io.close_fd ? "-" : v->name);
     v->first_code = decode_next(v, &v->first, &v->first_why);
     v->is_open = 1;
     v->has_first = 1;

@@ -190,6 +190,8 @@ int pupil_y4m_sink_open(const char *path, const pupil_sink_options *options, pup
         y4m_discard(&s->sink);
         return PUPIL_SINK_FAILED;
     }
+    if (options->without)
+        pupil_refuse(options->without, "%s", options->sound.path ? "Y4M has none" : "");
     *sink = &s->sink;
     return PUPIL_SINK_OK;
 }

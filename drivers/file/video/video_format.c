@@ -1,0 +1,54 @@
+#include "video_format.h"
+
+#include <string.h>
+
+#include "refuse.h"
+
+const char *pupil_libav_words(int code, char buffer[AV_ERROR_MAX_STRING_SIZE])
+{
+    if (pupil_video_log_text()[0])
+        return pupil_video_log_text();
+    av_strerror(code, buffer, AV_ERROR_MAX_STRING_SIZE);
+    return buffer;
+}
+
+static int asks_to_stop(void *opaque)
+{
+    const pupil_video_io *io = opaque;
+    return io->stop && io->stop();
+}
+
+int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_why *why)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    *format = avformat_alloc_context();
+    if (!*format)
+        return pupil_refuse(why, "not enough memory");
+    (*format)->pb = io->context;
+    (*format)->flags |= AVFMT_FLAG_CUSTOM_IO;
+    (*format)->interrupt_callback = (AVIOInterruptCB){asks_to_stop, io};
+    /* No protocol of this name exists: a playlist opens nothing. */
+    (*format)->protocol_whitelist = av_strdup("none");
+    /* Probed by content, not by name: by its name any text is a film to libav (its "tty" format). */
+    pupil_video_log_clear();
+    const int code = avformat_open_input(format, "", NULL, NULL);
+    if (code < 0)
+        return pupil_refuse(why, "not an image or a video that can be read: %s",
+                            io->error ? strerror(io->error) : pupil_libav_words(code, words));
+    return 0;
+}
+
+int pupil_video_format_look(AVFormatContext *format, int64_t max_pixels, pupil_why *why)
+{
+    char words[AV_ERROR_MAX_STRING_SIZE];
+    const unsigned count = format->nb_streams; /* more may come while libav looks */
+    AVDictionary **limits = av_calloc(count ? count : 1, sizeof *limits);
+    for (unsigned i = 0; limits && i < count; i++)
+        av_dict_set_int(&limits[i], "max_pixels", max_pixels, 0);
+    pupil_video_log_clear();
+    const int code = limits ? avformat_find_stream_info(format, limits) : AVERROR(ENOMEM);
+    for (unsigned i = 0; limits && i < count; i++)
+        av_dict_free(&limits[i]);
+    av_free(limits);
+    return code < 0 ? pupil_refuse(why, "not a video that can be read: %s", pupil_libav_words(code, words)) : 0;
+}

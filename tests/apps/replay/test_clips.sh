@@ -1,0 +1,60 @@
+#!/bin/sh
+# Clips as phones make them: stored on their side, with sound. Needs ffmpeg, which makes and judges them.
+set -u
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
+needs ffmpeg ffprobe
+
+# say FILE ENTRIES: of its streams, a line each
+say() { ffprobe -v error -show_entries "$2" -of csv=p=0 "$1"; }
+
+ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=96x64:r=25:d=2 -f lavfi -i "sine=f=440:d=2,volume=0.5" -c:v libx264 -pix_fmt yuv420p \
+    -c:a aac land.mp4 2>said.err || skip "this ffmpeg has no libx264 or no aac: $(cat said.err)"
+
+# upright, as ffmpeg turns them; --no-rotate leaves them
+for angle in 90 180 270; do
+    ffmpeg -v error -nostdin -y -i land.mp4 -c copy -metadata:s:v:0 rotate=$angle turned.mp4
+    expect 0 "" replay turned.mp4 -q -n 1 -o turned.png -y
+    ffmpeg -v error -nostdin -y -i turned.mp4 -frames:v 1 want.png
+    [ "$(say turned.png stream=width,height)" = "$(say want.png stream=width,height)" ] || fail "$angle degrees: another size"
+    # Only the exposure differs, and it is the same for all angles: the picture that is not turned is the measure.
+    likeness=$(ffmpeg -nostdin -i turned.png -i want.png -lavfi psnr -f null - 2>&1 | grep -o 'average:[0-9.]*')
+    [ $angle = 90 ] && first=$likeness
+    [ -n "$likeness" ] && [ "$likeness" = "$first" ] || fail "$angle degrees: $likeness, at 90 $first"
+done
+expect 0 "" replay turned.mp4 -q -n 1 -o stored.png --no-rotate
+[ "$(say stored.png stream=width,height)" = 96,64 ] || fail "--no-rotate: $(say stored.png stream=width,height)"
+expect 0 "" replay land.mp4 -q -n 1 -o land.png
+cmp -s land.png stored.png || fail "--no-rotate is not the picture as it is stored"
+ffmpeg -v error -nostdin -i land.png -i want.png -lavfi "[0]transpose=2[a];[a][1]psnr" -f null - 2>said.err || fail "$(cat said.err)"
+
+# the sound: as it is, from the first frame to the last
+sound() { ffmpeg -v error -nostdin -i "$1" -map 0:a -f framemd5 - 2>said.err | grep -v '^#' | awk -F, '{ print $6 }'; }
+packets() { ffmpeg -v error -nostdin -i "$1" -map 0:a -c copy -f framemd5 - | grep -v '^#' | awk -F, '{ print $6 }'; }
+packets land.mp4 >want.txt
+for kind in mp4 mov mkv; do
+    expect 0 "" replay turned.mp4 -q -o whole.$kind
+    packets whole.$kind >got.txt
+    cmp -s want.txt got.txt || fail "$kind: the sound is another one"
+    say whole.$kind stream=codec_type | grep -q audio || fail "$kind: no sound"
+done
+[ "$(sound whole.mov | wc -l)" -gt 80 ] || fail "the sound cannot be decoded: $(cat said.err)"
+expect 0 "" replay land.mp4 -q -n 10 -o short.mkv
+last=$(ffprobe -v error -select_streams a -show_entries packet=pts_time -of csv=p=0 short.mkv | tail -n 1)
+awk -v last="$last" 'BEGIN { exit !(last > 0.35 && last < 0.43) }' || fail "the sound of 0.4 s (and 0.02 of what is before it) ends at $last"
+
+# where there is no place for it, that is said
+expect 0 "a.y4m is without its sound: Y4M has none" replay land.mp4 -o a.y4m
+expect 0 "--hold changes the pace" replay land.mp4 --hold 2 -o held.mp4
+[ "$(say held.mp4 stream=codec_type)" = video ] || fail "--hold has sound"
+ffmpeg -v error -nostdin -i land.mp4 -c:v copy -c:a pcm_s16le pcm.mov
+expect 0 "b.mp4 is without its sound: mp4 has no place for pcm_s16le" replay pcm.mov -o b.mp4
+expect 0 "" replay pcm.mov -o b.mov
+[ "$(say b.mov stream=codec_type | wc -l)" = 2 ] || fail "pcm in .mov is left out"
+"$program" replay - -o piped.mkv <whole.mkv 2>said.err || fail "stdin: $(cat said.err)"
+grep -q "piped.mkv is without its sound: standard input is read once; name the file" said.err || fail "stdin: $(cat said.err)"
+ffmpeg -v error -nostdin -i land.mp4 -c copy -an silent.mp4
+expect 0 "" replay silent.mp4 -o c.mp4
+grep -q sound said.err && fail "sound of a silent clip: $(cat said.err)"
+
+end_test
