@@ -32,12 +32,12 @@ typedef struct pupil_sink_sound {
 typedef struct pupil_sink_options {
     uint32_t width, height; /* of every frame */
     double fps;             /* nominal frames a second, above 0 */
-    int overwrite;      /* a folder that is there and not empty is replaced; else it is refused. Files are replaced. */
-    uint32_t primaries; /* a pupil_primaries, BT.709 or BT.2020: what .mp4, .mkv, .mov and .png are tagged with */
-    uint32_t transfer;  /* a pupil_transfer; the same */
-    int keep_time;      /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
-                         * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
-                         * seconds are left out. Other formats store the timestamps */
+    int overwrite;          /* a file, or a folder that is not empty, is replaced; else it is kept, and refused */
+    uint32_t primaries;     /* a pupil_primaries, BT.709 or BT.2020: what .mp4, .mkv, .mov and .png are tagged with */
+    uint32_t transfer;      /* a pupil_transfer; the same */
+    int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
+                    * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
+                    * seconds are left out. Other formats store the timestamps */
     pupil_sink_sound sound; /* copied into .mp4, .mkv and .mov, as it is */
     pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
 } pupil_sink_options;

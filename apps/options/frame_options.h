@@ -2,6 +2,8 @@
 #ifndef PUPIL_APPS_OPTIONS_FRAME_OPTIONS_H
 #define PUPIL_APPS_OPTIONS_FRAME_OPTIONS_H
 
+#include <time.h>
+
 #include "option_table.h"
 #include "pupil/gles.h"
 #include "source.h"
@@ -42,7 +44,11 @@ void frame_options_begin(frame_options *options);
 /* What the shared options require of each other. OPTIONS_RUN, or OPTIONS_USAGE and a sentence. */
 int frame_options_check(frame_options *options, int weight_given, int key_given, pupil_why *why);
 
-/* Refuses outputs that are named twice, that are inside one another or are also an input. */
+/* Refuses outputs that are named twice, that are inside one another, are also an input, or are there already. */
 int frame_options_check_paths(const frame_options *options, pupil_why *why);
+
+/* Fills in the patterns of the outputs' names: what strftime knows, by the local time `now`; %d where nothing else is,
+ * and %04d, by the first number whose output is not there. The new names are never freed. */
+int frame_options_expand_paths(frame_options *options, time_t now, pupil_why *why);
 
 #endif

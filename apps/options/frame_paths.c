@@ -1,10 +1,11 @@
-/* Outputs that would destroy an input or each other, found before anything is opened. */
+/* Outputs that would destroy an input, each other or what is there, found before anything is opened. */
 #include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "file/common/pending.h"
 #include "frame_options.h"
 #include "refuse.h"
 
@@ -90,6 +91,20 @@ static int is_inside(const char *path, const char *folder)
     return inside;
 }
 
+/* Files that are there already; folders are looked into by those who write them. */
+static int check_kept(const frame_options *o, pupil_why *why)
+{
+    for (size_t i = 0; i < o->out_count + 2 && !o->overwrite; i++) {
+        const char *path = i < o->out_count ? o->out[i] : i == o->out_count ? o->stats : o->plot;
+        struct stat is;
+        if (path && strcmp(path, "-") != 0 && stat(path, &is) == 0 && S_ISREG(is.st_mode)) {
+            pupil_pending_keep(path, why);
+            return OPTIONS_USAGE;
+        }
+    }
+    return OPTIONS_RUN;
+}
+
 int frame_options_check_paths(const frame_options *o, pupil_why *why)
 {
     const char *paths[MOST_PATHS];
@@ -117,5 +132,5 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
             }
         }
     }
-    return OPTIONS_RUN;
+    return check_kept(o, why);
 }

@@ -104,10 +104,10 @@ static int kind_of(const char *path, pupil_why *why)
     return pupil_refuse(why, "%s: a plot is an .svg or a .png file", path);
 }
 
-int pupil_plot_check(const char *path, pupil_why *why)
+int pupil_plot_check(const char *path, int overwrite, pupil_why *why)
 {
     pupil_pending pending;
-    if (kind_of(path, why) < 0 || pupil_pending_file(&pending, path, why))
+    if (kind_of(path, why) < 0 || pupil_pending_file(&pending, path, overwrite, why))
         return -1;
     pupil_pending_discard(&pending);
     FILE *nothing = fopen("/dev/null", "r+e");
@@ -144,11 +144,12 @@ static int save(FILE *picture, const pupil_pending *pending, pupil_why *why)
     return failed ? pupil_refuse(why, "%s: the plot cannot be written: %s", pending->path, strerror(errno)) : 0;
 }
 
-int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const void *context, pupil_why *why)
+int pupil_plot_draw(const char *path, int overwrite, pupil_plot_script *write_script, const void *context,
+                    pupil_why *why)
 {
     pupil_pending pending;
     int is_png = kind_of(path, why);
-    if (is_png < 0 || pupil_pending_file(&pending, path, why))
+    if (is_png < 0 || pupil_pending_file(&pending, path, overwrite, why))
         return -1;
 
     int failed = -1;
@@ -172,12 +173,13 @@ int pupil_plot_draw(const char *path, pupil_plot_script *write_script, const voi
     return failed;
 }
 
-int pupil_plot_write(const char *path, const frame_log_entry *records, size_t count, const char *title, pupil_why *why)
+int pupil_plot_write(const char *path, int overwrite, const frame_log_entry *records, size_t count, const char *title,
+                     pupil_why *why)
 {
     const run r = {records, count, title};
     if (kind_of(path, why) < 0)
         return -1;
     if (!count)
         return pupil_refuse(why, "%s: there is no frame to plot", path);
-    return pupil_plot_draw(path, script_of_run, &r, why);
+    return pupil_plot_draw(path, overwrite, script_of_run, &r, why);
 }

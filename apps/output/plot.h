@@ -8,19 +8,21 @@
 #include "frame_log.h"
 #include "pupil/error.h"
 
-/* What would else show at the end of a long run only: the ending, the folder, whether there is a gnuplot that runs.
+/* What would else show at the end of a long run only: the ending, the folder, a file that is there and is not to be
+ * replaced (unless overwrite), whether there is a gnuplot that runs.
  * 0, or -1 and a sentence. */
-int pupil_plot_check(const char *path, pupil_why *why);
+int pupil_plot_check(const char *path, int overwrite, pupil_why *why);
 
 /* Draws the records into an .svg or .png file: metered and adapted EV with the frame's range of light, the level of the
  * display with the one aimed at, the shares of clipped, black and white. Of a camera under control: its exposure and
  * gain, and how far off what is aimed at its frames and what is shown of them are, in place of the level. Complete or
  * absent. 0, or -1 and a sentence. */
-int pupil_plot_write(const char *path, const frame_log_entry *records, size_t count, const char *title, pupil_why *why);
+int pupil_plot_write(const char *path, int overwrite, const frame_log_entry *records, size_t count, const char *title,
+                     pupil_why *why);
 
 /* The same for any script: `script` writes what gnuplot is given, with a terminal for the kind of file and no output.
  */
 typedef void pupil_plot_script(FILE *out, int is_png, const void *context);
-int pupil_plot_draw(const char *path, pupil_plot_script *script, const void *context, pupil_why *why);
+int pupil_plot_draw(const char *path, int overwrite, pupil_plot_script *script, const void *context, pupil_why *why);
 
 #endif

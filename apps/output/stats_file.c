@@ -74,7 +74,7 @@ static int cannot_write(const pupil_stats_file *f, pupil_why *why)
                         strerror(errno));
 }
 
-static int begin(pupil_stats_file *f, const char *path, pupil_why *why)
+static int begin(pupil_stats_file *f, const char *path, int overwrite, pupil_why *why)
 {
     f->is_stream = strcmp(path, "-") == 0;
     f->is_csv = has_ending(path, ".csv");
@@ -89,7 +89,7 @@ static int begin(pupil_stats_file *f, const char *path, pupil_why *why)
         f->file = stdout;
         return 0;
     }
-    if (pupil_pending_file(&f->pending, path, why))
+    if (pupil_pending_file(&f->pending, path, overwrite, why))
         return -1;
     f->file = pupil_pending_stream(&f->pending);
     if (!f->file)
@@ -97,12 +97,12 @@ static int begin(pupil_stats_file *f, const char *path, pupil_why *why)
     return 0;
 }
 
-int pupil_stats_file_open(pupil_stats_file **file, const char *path, pupil_why *why)
+int pupil_stats_file_open(pupil_stats_file **file, const char *path, int overwrite, pupil_why *why)
 {
     pupil_stats_file *f = calloc(1, sizeof *f);
     if (!f)
         return pupil_refuse(why, "%s: not enough memory", path);
-    if (begin(f, path, why)) {
+    if (begin(f, path, overwrite, why)) {
         pupil_stats_file_discard(f);
         return -1;
     }

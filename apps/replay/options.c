@@ -16,8 +16,8 @@ static const option_row output_rows[] = {
              "split screen (left and right move it), p plot of the level, space pause, f full screen, h help, q quit."},
     {"loop", 0, OPTION_FLAG, NULL, AT(loop), .help = "of --view: start again at the end",
      .more = "Without it the last frame stays until q is pressed, unless something is written or --frames is given."},
-    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace an output folder that is not empty",
-     .more = "Only one that pupil made. Files are always replaced."},
+    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace outputs that are there",
+     .more = "Without it they are kept, and the run is refused. A folder is replaced only where pupil made it."},
 };
 
 static const option_row frame_rows[] = {
@@ -62,8 +62,8 @@ const option_command replay_command = {
         "Recorded HDR frames are metered, adapted to over time, and mapped by Reinhard's operator. Without options "
         "the picture follows the light as the eye does: faster toward light than toward dark, in seconds, at any "
         "frame rate.\n\n"
-        "Every output is written next to its place and renamed when it is complete. After an error, or Ctrl-C "
-        "before the last frame, there is none.",
+        "Every output is written next to its place and renamed when it is complete. After an error there is none. "
+        "Ctrl-C keeps the frames until then; a second one gives them up.",
     .groups = groups,
 };
 

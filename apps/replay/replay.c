@@ -157,6 +157,23 @@ static int finish(replay *r)
     return session_outputs_finish(&s->outputs, &s->why);
 }
 
+/* After Ctrl-C: what is there all the same. */
+static void tell_interrupted(const replay *r)
+{
+    const session *s = &r->session;
+    fprintf(stderr, "pupil replay: interrupted; ");
+    if (!s->outputs.finished) {
+        fprintf(stderr, "no output is complete\n");
+        return;
+    }
+    fprintf(stderr, "%llu ", (unsigned long long)s->outputs.frames);
+    if (s->progress.total)
+        fprintf(stderr, "of %llu ", (unsigned long long)s->progress.total);
+    fprintf(stderr, "frames are written");
+    session_outputs_name(&s->outputs);
+    fputc('\n', stderr);
+}
+
 static void tell(const replay *r, const char *by)
 {
     const session *s = &r->session;
@@ -189,16 +206,14 @@ int replay_main(int argc, char **argv)
     progress_clear(&s->progress);
     if (!failed && s->view && !s->ended && !session_outputs_want_pixels(&r.options) && !r.options.most)
         view_stay(s->view); /* until a key is pressed */
-    failed = failed || interrupt_came() || finish(&r);
-    const int interrupted = failed && interrupt_came();
+    failed = (failed && !interrupt_came()) || finish(&r);
+    const int interrupted = interrupt_came();
     session_end(s, by, sizeof by);
     any_scale_describe(&r.scale, by + strlen(by), sizeof by - strlen(by));
     pupil_source_close(s->source);
     any_scale_close(&r.scale);
     if (interrupted)
-        fprintf(stderr, "pupil replay: interrupted; %s\n",
-                s->outputs.finished ? "some outputs were complete already, the others are not there"
-                                    : "no output is complete");
+        tell_interrupted(&r);
     else if (failed)
         session_say(s, &s->why, "");
     else if (!r.options.quiet)

@@ -214,7 +214,7 @@ int replay_report_finish(replay_report *r, const frame_log_entry *records, size_
         r->video = NULL;
     /* pictures that are adapted to one by one have no time */
     if (count > 1 && !r->options->reset_each &&
-        pupil_plot_write(pupil_report_plot(r->page), records, count, "", &plot_note))
+        pupil_plot_write(pupil_report_plot(r->page), 1, records, count, "", &plot_note))
         pupil_refuse(&r->note, "No plot: %s", plot_note.text);
     if (interrupt_came()) { /* gnuplot, too, hears Ctrl-C */
         replay_report_discard(r);

@@ -43,7 +43,7 @@ static int may_replace(const char *path, int overwrite, pupil_why *why)
     if (got != sizeof start - 1 || memcmp(start, REPORT_MARK, got) != 0)
         return pupil_refuse(why, "%s: is there already and no report of pupil; name another folder", path);
     if (!overwrite)
-        return pupil_refuse(why, "%s: is there already; name another folder, or add --overwrite", path);
+        return pupil_refuse(why, "%s: is there already; name another folder, or add -y (--overwrite)", path);
     return 0;
 }
 
@@ -85,7 +85,7 @@ static int begin(pupil_report *r, const char *folder, int overwrite, pupil_why *
     else if (!*folder)
         pupil_refuse(why, "\"\": a report needs the name of a folder");
     else if (!make_folder(r, why) && !may_replace(index, overwrite, why))
-        failed = pupil_pending_file(&r->page, index, why) || pupil_pending_folder(&r->parts, parts, 0, why);
+        failed = pupil_pending_file(&r->page, index, 1, why) || pupil_pending_folder(&r->parts, parts, 0, why);
     free(index);
     free(parts);
     return failed ? -1 : name_parts(r, why);

@@ -166,7 +166,11 @@ static const option_row output_rows[] = {
      .more = "As of pupil record. Their replay has the statistics of the live run."},
     {"view", 0, OPTION_FLAG, NULL, AT(shown.view), .help = "a window; h shows its keys",
      .more = "Each frame as it comes. Keys as of pupil replay --view; space stops the picture, not the run."},
-    {"overwrite", 'y', OPTION_FLAG, NULL, AT(shown.overwrite), .help = "replace a folder"},
+    {"overwrite", 'y', OPTION_FLAG, NULL, AT(shown.overwrite), .help = "replace what is there",
+     .more =
+         "Without it files and folders are kept, and the run is refused. Patterns in their names are filled in: %Y "
+         "%m %d %H %M %S and the others of date(1) by the time of the start; %d alone, or %04d, is the first number "
+         "whose file is not there yet."},
     OPTION_ROW_QUIET(run_options, shown.quiet),
 };
 

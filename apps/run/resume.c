@@ -93,7 +93,7 @@ static int replace(const char *path, const char *camera, double total_s, pupil_w
     pupil_pending pending;
     double unused;
     unsigned damaged;
-    if (pupil_pending_file(&pending, path, why))
+    if (pupil_pending_file(&pending, path, 1, why))
         return -1;
     errno = 0;
     FILE *out = pupil_pending_stream(&pending);
@@ -126,7 +126,7 @@ int run_resume_check(const char *path, pupil_why *why)
     unsigned damaged;
     if (!path)
         return 0;
-    if (pupil_pending_file(&pending, path, why))
+    if (pupil_pending_file(&pending, path, 1, why))
         return -1;
     pupil_pending_discard(&pending);
     return read_kept(path, NULL, &unused, NULL, &damaged, why);

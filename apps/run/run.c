@@ -231,9 +231,12 @@ static void add_findings(const run *r, char *more, size_t more_bytes)
 static int parse(run *r, int argc, char **argv)
 {
     pupil_why *why = &r->session.why;
+    frame_options *shown = &r->options.shown;
     const int parsed = run_options_parse(&r->options, argc, argv, why);
-    if (parsed == OPTIONS_USAGE || (parsed == OPTIONS_RUN && (frame_options_check_paths(&r->options.shown, why) ||
-                                                              run_choose_outputs(&r->options, why)))) {
+    if (parsed == OPTIONS_HELP)
+        return parsed;
+    if (parsed || frame_options_expand_paths(shown, time(NULL), why) || run_choose_outputs(&r->options, why) ||
+        frame_options_check_paths(shown, why)) {
         session_say(&r->session, why, "");
         return OPTIONS_USAGE;
     }

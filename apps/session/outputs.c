@@ -75,7 +75,7 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
     for (size_t i = 0; i < options->out_count; i++)
         if (pictures_open(&o->pictures, options->out[i], &of_sink, why))
             return -1;
-    if (options->stats && pupil_stats_file_open(&o->stats_file, options->stats, why))
+    if (options->stats && pupil_stats_file_open(&o->stats_file, options->stats, o->options->overwrite, why))
         return -1;
     if ((options->plot || options->report) && frame_log_open(&o->log, o->live))
         return pupil_refuse(why, "not enough memory");
@@ -175,7 +175,7 @@ static int finish_plot(session_outputs *o, pupil_why *why)
     const char *path = o->options->plot;
     if (!path || !o->log.count)
         return 0;
-    if (pupil_plot_write(path, o->log.entry, o->log.count, o->options->inputs[0], why)) {
+    if (pupil_plot_write(path, o->options->overwrite, o->log.entry, o->log.count, o->options->inputs[0], why)) {
         o->options->plot = NULL;
         return -1;
     }
@@ -209,16 +209,17 @@ static int finish_stats(session_outputs *o, pupil_why *why)
     return 0;
 }
 
-/* Of a live run those after one that fails are finished all the same. */
+/* Of a live run, and of one that Ctrl-C ends, those after one that fails are finished all the same. */
 static int finish_pictures(session_outputs *o, pupil_why *why)
 {
+    const int keep = o->live || o->is_cut;
     pupil_why unused;
     int failed = 0;
-    while (o->pictures.count && !(o->live && interrupt_again())) {
+    while (o->pictures.count && !(keep && interrupt_again())) {
         const size_t count = o->pictures.count;
         const int fault = pictures_finish(&o->pictures, failed ? &unused : why);
         o->finished += count - o->pictures.count;
-        if (fault && !o->live)
+        if (fault && !keep)
             return -1;
         if (fault)
             drop_picture(o);
@@ -235,6 +236,16 @@ static int finish_files(session_outputs *o, pupil_why *why)
         if (interrupt_came() || part[i](o, why))
             return -1;
     return 0;
+}
+
+/* After Ctrl-C: the whole frames that there are. What looks back on a whole run is not made. */
+static int finish_cut(session_outputs *o, pupil_why *why)
+{
+    frame_options *options = o->options;
+    o->is_cut = 1;
+    options->plot = options->report = NULL;
+    const int no_stats = finish_stats(o, why);
+    return finish_pictures(o, why) || no_stats ? -1 : 0;
 }
 
 /* What cannot be had again goes first. */
@@ -259,7 +270,11 @@ int session_outputs_finish(session_outputs *o, pupil_why *why)
 {
     if (!o->options) /* not begun */
         return 0;
-    return o->live ? finish_live(o, why) : finish_files(o, why);
+    if (o->live)
+        return finish_live(o, why);
+    if (!interrupt_came() && finish_files(o, why) == 0)
+        return 0;
+    return interrupt_came() && o->frames ? finish_cut(o, why) : -1;
 }
 
 void session_outputs_discard(session_outputs *o)

@@ -1,6 +1,7 @@
 /* apps/session/outputs.h: everything that a run of frames leaves: pictures, statistics, a plot, a report, a recording.
  *
- * Of files they are all complete, or none is there. Of a live camera (`live`) a frame does not come twice: what has
+ * Of files they are all complete, or none is there; after Ctrl-C they hold the frames until then, and plot and report
+ * are not there. Of a live camera (`live`) a frame does not come twice: what has
  * been written becomes complete in any case, and an output that fails takes no other with it.
  */
 #ifndef PUPIL_APPS_SESSION_OUTPUTS_H
@@ -19,6 +20,7 @@ typedef struct session_outputs {
     const pupil_source *source;
     int live;
     int is_open;
+    int is_cut;             /* by Ctrl-C */
     int held_sound;         /* the sound is left out, for --hold changes the pace */
     uint64_t frames;        /* written to all */
     uint32_t width, height; /* of the pictures */
@@ -45,8 +47,8 @@ int session_outputs_write(session_outputs *o, const pupil_frame *frame, const fr
                           pupil_why *why);
 
 /* At the end, also of a run that never began: 0, or -1 and the first sentence of those outputs that cannot be
- * completed. Ctrl-C leaves out those that are to come (live: the second one does). Of a live run the options name what
- * is there afterwards: not what failed, nor, where it ended in its first frame, anything but the recording. */
+ * completed. A second Ctrl-C leaves out those that are to come. Of a live run, and after Ctrl-C, the options name what
+ * is there afterwards: not what failed, nor, where a live one ended in its first frame, anything but the recording. */
 int session_outputs_finish(session_outputs *o, pupil_why *why);
 
 /* What is not finished is not there. */

@@ -19,7 +19,7 @@ int session_check(session *s)
     const char *fault = "";
     if (pupil_config_check(&s->options->config, &fault))
         return pupil_refuse(&s->why, "settings: %s", fault);
-    return s->options->plot && pupil_plot_check(s->options->plot, &s->why) ? -1 : 0;
+    return s->options->plot && pupil_plot_check(s->options->plot, s->options->overwrite, &s->why) ? -1 : 0;
 }
 
 int session_begin(session *s, int live)

@@ -151,7 +151,7 @@ int bench_kernels_main(int argc, char **argv)
     if (check(&o))
         return BENCH_USAGE;
     pupil_why why;
-    if (o.plot && pupil_plot_check(o.plot, &why)) {
+    if (o.plot && pupil_plot_check(o.plot, 1, &why)) {
         report_error("pupil bench", &why, "");
         return BENCH_FAILED;
     }

@@ -82,7 +82,7 @@ static const option_row rows[] = {
     {"fps", 0, OPTION_NUMBER, "N", AT(source_options.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
      .help = "instead of the recipe's"},
     OPTION_ROW_THREADS(render, source_options.threads, "0"),
-    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace an output folder"},
+    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace outputs that are there"},
     OPTION_ROW_QUIET(render, quiet),
 };
 

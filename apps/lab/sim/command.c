@@ -165,7 +165,7 @@ static int prepare(sim_options *o, pupil_why *why)
 {
     if (check_together(o, why))
         return EXIT_USAGE;
-    if (o->plot && pupil_plot_check(o->plot, why))
+    if (o->plot && pupil_plot_check(o->plot, 1, why))
         return EXIT_FAILED;
     if (o->plants)
         return o->plants == 1 && sim_random_loop(o, o->seed, why) ? EXIT_FAILED : EXIT_DONE;

@@ -61,5 +61,5 @@ static void script(FILE *out, int is_png, const void *context)
 int study_plot(const char *path, const study_result *result, unsigned which_case, pupil_why *why)
 {
     drawing d = {result, which_case};
-    return pupil_plot_draw(path, script, &d, why);
+    return pupil_plot_draw(path, 1, script, &d, why);
 }

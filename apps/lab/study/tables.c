@@ -169,7 +169,7 @@ void study_html(FILE *out, const study_result *r)
 int study_write(const char *path, study_writer *writer, const study_result *result, pupil_why *why)
 {
     pupil_pending pending;
-    if (pupil_pending_file(&pending, path, why))
+    if (pupil_pending_file(&pending, path, 1, why))
         return -1;
     FILE *f = pupil_pending_stream(&pending);
     int failed = !f;

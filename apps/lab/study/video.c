@@ -117,7 +117,7 @@ static int write_frames(video *v, pictures *o, const study_lights *lights, unsig
 int study_video(const char *path, const study_images *images, const study_lights *lights, unsigned which_case,
                 unsigned formula, study_progress *progress, void *context, pupil_why *why)
 {
-    const pupil_sink_options options = {.width = WIDTH, .height = HEIGHT, .fps = STUDY_FPS};
+    const pupil_sink_options options = {.width = WIDTH, .height = HEIGHT, .fps = STUDY_FPS, .overwrite = 1};
     pictures o = {.count = 0};
     video *v = calloc(1, sizeof *v);
     if (!v)

@@ -181,6 +181,31 @@ static int check_parent(const char *path, struct stat *parent, pupil_why *why)
     return failed;
 }
 
+/* "a.mp4" becomes "a-1.mp4", or the first such name that nothing has. NULL: none is found. */
+static char *free_name(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+    const char *end = dot && dot != name ? dot : name + strlen(name);
+    for (int i = 1; i <= ATTEMPTS; i++) {
+        char *made;
+        struct stat s;
+        if (asprintf(&made, "%.*s-%d%s", (int)(end - path), path, i, end) < 0)
+            return NULL;
+        if (lstat(made, &s) != 0 && errno == ENOENT)
+            return made;
+        free(made);
+    }
+    return NULL;
+}
+
+int pupil_pending_keep(const char *path, pupil_why *why)
+{
+    char *other = free_name(path);
+    pupil_refuse(why, "%s: is there already; -y replaces it, and %s is free", path, other ? other : "another name");
+    free(other);
+    return -1;
+}
+
 static int check_there(const pupil_pending *p, const struct stat *parent, pupil_why *why)
 {
     struct stat s;
@@ -194,7 +219,7 @@ static int check_there(const pupil_pending *p, const struct stat *parent, pupil_
             return pupil_refuse(why, "%s: is a folder; name a file", p->path);
         if (!S_ISREG(s.st_mode)) /* a rename would put a file in the place of a device or a pipe */
             return pupil_refuse(why, "%s: is a device or a pipe; name a file", p->path);
-        return 0;
+        return p->overwrite ? 0 : pupil_pending_keep(p->path, why);
     }
     if (!S_ISDIR(s.st_mode))
         return pupil_refuse(why, "%s: is a file; name a folder", p->path);
@@ -236,9 +261,9 @@ static int begin(pupil_pending *pending, const char *path, int is_folder, int ov
     return -1;
 }
 
-int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why)
+int pupil_pending_file(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
 {
-    return begin(pending, path, 0, 0, why);
+    return begin(pending, path, 0, overwrite, why);
 }
 
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
@@ -307,12 +332,27 @@ static int check_ours(const pupil_pending *p, pupil_why *why)
     return 0;
 }
 
+/* A file that must not replace another: the kernel looks and renames at once, where the file system can. */
+static int move(const pupil_pending *p)
+{
+    if (p->is_folder || p->overwrite)
+        return rename(p->temporary, p->path);
+    if (renameat2(AT_FDCWD, p->temporary, AT_FDCWD, p->path, RENAME_NOREPLACE) == 0)
+        return 0;
+    if (errno != EINVAL && errno != ENOSYS)
+        return -1;
+    if (link(p->temporary, p->path) == 0)
+        return unlink(p->temporary);
+    return errno == EEXIST ? -1 : rename(p->temporary, p->path); /* a file system without links */
+}
+
 int pupil_pending_show(pupil_pending *pending, pupil_why *why)
 {
     if (check_ours(pending, why))
         return -1;
-    if (rename(pending->temporary, pending->path) != 0)
-        return pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
+    if (move(pending) != 0)
+        return errno == EEXIST ? pupil_pending_keep(pending->path, why)
+                               : pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
     free(pending->temporary);
     pending->temporary = NULL;
     return 0;
@@ -322,8 +362,10 @@ static int put_in_place(pupil_pending *pending, pupil_why *why)
 {
     if (check_ours(pending, why))
         return -1;
-    if (rename(pending->temporary, pending->path) != 0) {
+    if (move(pending) != 0) {
         const int there = errno == ENOTEMPTY || errno == EEXIST;
+        if (!pending->is_folder && there)
+            return pupil_pending_keep(pending->path, why);
         if (!pending->is_folder || !there)
             return pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
         if (!pending->overwrite)

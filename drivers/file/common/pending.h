@@ -15,12 +15,16 @@ typedef struct pupil_pending {
     char *temporary; /* where it is written: ".NAME.PID.part" (or ".NAME.PID-1.part" ...) in the same folder */
     int fd;          /* of that file or folder, locked (flock) until commit or discard */
     int is_folder;
-    int overwrite;
+    int overwrite; /* what is there is replaced; else it stays, and the output is refused */
 } pupil_pending;
 
 /* Begins a file: checks that the folder is there and can be written (and that path is no folder, device or pipe) by
- * making `temporary`, empty; the caller writes it. A link is followed. 0, or -1 and a sentence that names the path. */
-int pupil_pending_file(pupil_pending *pending, const char *path, pupil_why *why);
+ * making `temporary`, empty; the caller writes it. A link is followed. A file that is there is refused, unless
+ * overwrite; one that comes in the meantime, by commit. 0, or -1 and a sentence that names the path. */
+int pupil_pending_file(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
+
+/* The sentence of that refusal: which option replaces the file, and which name is free. Returns -1. */
+int pupil_pending_keep(const char *path, pupil_why *why);
 
 /* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
  * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png or .exr. */

@@ -103,7 +103,7 @@ static int open_pictures(const char *path, int is_folder, write_linear *write, c
     s->options = *options;
     s->write = write;
     if (is_folder ? pupil_pending_folder(&s->pending, path, options->overwrite, why)
-                  : pupil_pending_file(&s->pending, path, why)) {
+                  : pupil_pending_file(&s->pending, path, options->overwrite, why)) {
         free(s);
         return PUPIL_SINK_FAILED;
     }

@@ -268,7 +268,7 @@ static int video_begin(video_sink *v, const char *path, pupil_why *why)
                                                                : "mp4";
     char *url;
     int error = AVERROR_ENCODER_NOT_FOUND;
-    if (pupil_pending_file(&v->pending, path, why))
+    if (pupil_pending_file(&v->pending, path, v->options.overwrite, why))
         return PUPIL_SINK_FAILED;
     if (asprintf(&url, "file:%s", v->pending.temporary) < 0) /* "file:", for names with a colon */
         return pupil_refuse(why, "%s: out of memory", path);

@@ -165,7 +165,7 @@ static int y4m_begin(y4m_sink *s, const char *path, pupil_why *why)
                                      "player or redirect it to a file");
         return PUPIL_SINK_OK;
     }
-    if (pupil_pending_file(&s->pending, path, why))
+    if (pupil_pending_file(&s->pending, path, s->options.overwrite, why))
         return PUPIL_SINK_FAILED;
     s->fd = fcntl(s->pending.fd, F_DUPFD_CLOEXEC, 0);
     if (s->fd < 0)

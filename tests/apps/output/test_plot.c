@@ -81,7 +81,7 @@ static int holds(const char *path, const char *text)
 
 static void drawn(const char *name, const frame_log_entry *records, size_t count, const char *title)
 {
-    CHECK_MSG(pupil_plot_write(scratch(name), records, count, title, &why) == 0, "%s: %s", name, why.text);
+    CHECK_MSG(pupil_plot_write(scratch(name), 1, records, count, title, &why) == 0, "%s: %s", name, why.text);
     CHECK(scratch_exists(scratch(name)));
 }
 
@@ -141,21 +141,21 @@ static void check_refusals(void)
 {
     frame_log_entry one = record(0);
     int before = scratch_entries(scratch_folder);
-    CHECK(pupil_plot_write(scratch("x.pdf"), &one, 1, "", &why) != 0 && strstr(why.text, ".svg"));
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 0, "", &why) != 0 && strstr(why.text, "no frame"));
-    CHECK(pupil_plot_write(scratch("none/x.svg"), &one, 1, "", &why) != 0 && strstr(why.text, "none"));
+    CHECK(pupil_plot_write(scratch("x.pdf"), 1, &one, 1, "", &why) != 0 && strstr(why.text, ".svg"));
+    CHECK(pupil_plot_write(scratch("x.svg"), 1, &one, 0, "", &why) != 0 && strstr(why.text, "no frame"));
+    CHECK(pupil_plot_write(scratch("none/x.svg"), 1, &one, 1, "", &why) != 0 && strstr(why.text, "none"));
     setenv("PATH", scratch_folder, 1);
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", &why) != 0);
+    CHECK(pupil_plot_write(scratch("x.svg"), 1, &one, 1, "", &why) != 0);
     CHECK_MSG(strcmp(why.text, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox") == 0, "%s", why.text);
     CHECK(scratch_entries(scratch_folder) == before);
 
     /* A gnuplot that fails, and one that writes nothing. */
     scratch_put(scratch("gnuplot"), "#!/bin/sh\necho >&2\necho 'line 7: no such terminal' >&2\necho half\nexit 1\n");
     chmod(scratch("gnuplot"), 0755);
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", &why) != 0);
+    CHECK(pupil_plot_write(scratch("x.svg"), 1, &one, 1, "", &why) != 0);
     CHECK_MSG(strstr(why.text, "x.svg") && strstr(why.text, "line 7: no such terminal"), "%s", why.text);
     scratch_put(scratch("gnuplot"), "#!/bin/sh\nexit 0\n");
-    CHECK(pupil_plot_write(scratch("x.svg"), &one, 1, "", &why) != 0 && strstr(why.text, "said nothing"));
+    CHECK(pupil_plot_write(scratch("x.svg"), 1, &one, 1, "", &why) != 0 && strstr(why.text, "said nothing"));
     CHECK(scratch_entries(scratch_folder) == before + 1);
 }
 

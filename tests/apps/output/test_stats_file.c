@@ -45,7 +45,7 @@ static frame_log_entry sample_record(uint64_t frame)
 static void write_three(const char *path, frame_log_entry records[3])
 {
     pupil_stats_file *file = NULL;
-    int opened = pupil_stats_file_open(&file, path, &why) == 0;
+    int opened = pupil_stats_file_open(&file, path, 1, &why) == 0;
     CHECK_MSG(opened, "%s", why.text);
     if (!opened)
         exit(check_end());
@@ -63,7 +63,7 @@ static void check_empty(void)
 {
     pupil_stats_file *file = NULL;
     scratch_put(scratch("empty.csv"), "before");
-    CHECK(pupil_stats_file_open(&file, scratch("empty.csv"), &why) == 0);
+    CHECK(pupil_stats_file_open(&file, scratch("empty.csv"), 1, &why) == 0);
     CHECK(pupil_stats_file_finish(file, &why) != 0 && strstr(why.text, "empty.csv: nothing was written"));
     char *text = slurp(scratch("empty.csv"));
     CHECK(strcmp(text, "before") == 0);
@@ -140,7 +140,7 @@ static void check_live(const char *path)
     r.lost = 3;
     r.asked_gain = NAN;
     r.sensor = "converged";
-    CHECK(pupil_stats_file_open(&file, scratch(path), &why) == 0);
+    CHECK(pupil_stats_file_open(&file, scratch(path), 1, &why) == 0);
     CHECK(pupil_stats_file_write(file, &r, &why) == 0);
     CHECK(pupil_stats_file_finish(file, &why) == 0);
     char *text = slurp(scratch(path));
@@ -157,12 +157,12 @@ static void check_live(const char *path)
 static void check_refusals(void)
 {
     pupil_stats_file *file = NULL;
-    CHECK(pupil_stats_file_open(&file, scratch("s.txt"), &why) != 0 && strstr(why.text, ".csv") != NULL);
-    CHECK(pupil_stats_file_open(&file, ".csv", &why) != 0); /* a hidden file without an ending */
-    CHECK(pupil_stats_file_open(&file, scratch("none/s.csv"), &why) != 0 && strstr(why.text, "none") != NULL);
+    CHECK(pupil_stats_file_open(&file, scratch("s.txt"), 1, &why) != 0 && strstr(why.text, ".csv") != NULL);
+    CHECK(pupil_stats_file_open(&file, ".csv", 1, &why) != 0); /* a hidden file without an ending */
+    CHECK(pupil_stats_file_open(&file, scratch("none/s.csv"), 1, &why) != 0 && strstr(why.text, "none") != NULL);
     CHECK(file == NULL);
     int before = scratch_entries(scratch_folder);
-    CHECK(pupil_stats_file_open(&file, scratch("gone.csv"), &why) == 0);
+    CHECK(pupil_stats_file_open(&file, scratch("gone.csv"), 1, &why) == 0);
     pupil_stats_file_discard(file);
     CHECK(scratch_entries(scratch_folder) == before);
     pupil_stats_file_discard(NULL);
@@ -177,7 +177,7 @@ static void check_full(void)
     int kept = dup(1);
     FILE *full = fopen("/dev/full", "w");
     CHECK(full && dup2(fileno(full), 1) == 1);
-    CHECK(pupil_stats_file_open(&file, "-", &why) == 0);
+    CHECK(pupil_stats_file_open(&file, "-", 1, &why) == 0);
     int failed = pupil_stats_file_write(file, &r, &why);
     pupil_stats_file_discard(file);
     dup2(kept, 1);

@@ -59,6 +59,28 @@ expect 0 "" $walk -n 1 -o one.png
 "$program" $walk -n 5 -o stream2.y4m
 cmp -s stream.y4m stream2.y4m || fail "stdout and a file differ"
 
+# what is there is kept, unless -y
+for made in a.mp4 a.y4m one.png s.jsonl p.svg; do
+    echo mine >$made
+    option=-o
+    [ $made = s.jsonl ] && option=--stats
+    [ $made = p.svg ] && option=--plot
+    expect 2 "$made: is there already; -y replaces it, and ${made%.*}-1.${made##*.} is free" $walk -n 1 $option $made
+    [ "$(cat $made)" = mine ] || fail "$made was replaced"
+    expect 0 "" $walk -n 1 $option $made -y
+    [ "$(head -n 1 $made | head -c 4)" != mine ] || fail "$made was not replaced by -y"
+done
+mkdir readonly && chmod 555 readonly
+[ -w readonly ] || expect 1 "readonly/a.mp4" $walk -n 1 -o readonly/a.mp4
+chmod 755 readonly && rmdir readonly || fail "something is in a read-only folder"
+# One that comes while the run goes on.
+"$program" replay synth:walk --size 64x36 -n 9000 --hold 100 -o late.y4m 2>said.err &
+running=$!
+until_true "no pending file" eval 'ls .late.y4m.*.part >said.out 2>&1'
+echo mine >late.y4m
+ends 1
+[ "$(cat late.y4m)" = mine ] && grep -q "late.y4m: is there already" said.err || fail "a late file: $(cat said.err)"
+
 # an output is not an input
 "$program" $walk -n 2 -o in.y4m
 cp in.y4m before.y4m
@@ -93,7 +115,7 @@ expect 2 "a report measures codes" $walk -n 2 --dither on --report measured
 for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" "--roi 0,0,0.3,0.3" "--trim 5,95" "--meter-rows 8" "--formula 2" \
     "--formula 1 --weight 0.5" "--tau-light 0 --tau-dark 0" "--transfer linear" "--lock"; do
     # shellcheck disable=SC2086
-    "$program" $walk -n 40 $option -o o.y4m || fail "$option"
+    "$program" $walk -n 40 $option -o o.y4m -y || fail "$option"
     cmp -s t1.y4m o.y4m && fail "$option changes nothing"
 done
 
@@ -105,7 +127,7 @@ done
 # what is aimed at is what a settled picture has, whatever the key, within what codes and the gamut leave
 for option in "" "--ev -2" "--key 0.4" "--white none" "--trim 10,90"; do
     # shellcheck disable=SC2086
-    "$program" replay synth:room --size 128x72 -q -n 30 $option --stats aimed.csv || fail "aimed: $option"
+    "$program" replay synth:room --size 128x72 -q -n 30 $option --stats aimed.csv -y || fail "aimed: $option"
     awk -F, -v option="$option" '
         NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
         { off = log($at["output_level"] / $at["aimed_level"]) / log(2); most = off * off > most * most ? off : most }
@@ -141,15 +163,35 @@ for kind in mp4 y4m; do
     absent full.$kind
 done
 
-# Ctrl-C: gone without a trace
-"$program" $walk --size 640x360 --hold 100 -o c.mp4 -o c.y4m -o cfolder --report creport 2>said.err &
+# Ctrl-C: the frames until then are kept, as many in each output
+"$program" $walk --size 640x360 --hold 100 -o c.mp4 -o c.y4m -o cfolder --stats c.csv --report creport 2>said.err &
 running=$!
-sleep 1
+until_true "no third picture" eval 'ls .cfolder.*/frame_000002.png >said.out 2>&1'
 kill -INT $running
 wait $running
 [ $? = 130 ] || fail "Ctrl-C ends with exit $?"
-grep -q interrupted said.err || fail "Ctrl-C: $(cat said.err)"
-absent c.mp4 c.y4m cfolder creport
+kept=$(find cfolder -name 'frame_*.png' | wc -l)
+grep -q "interrupted; $kept of [0-9]* frames are written; c.mp4; c.y4m; cfolder; c.csv$" said.err || fail "Ctrl-C: $(cat said.err), $kept are kept"
+[ "$kept" -gt 0 ] && [ "$(wc -l <c.csv)" = $((kept + 1)) ] || fail "Ctrl-C: $kept pictures and $(wc -l <c.csv) lines"
+for video in c.mp4 c.y4m; do
+    "$program" replay $video -q --stats ckept.csv -y && [ "$(wc -l <ckept.csv)" = $((kept + 1)) ] || fail "Ctrl-C: another number of frames in $video"
+done
+absent creport
+rm -rf c.mp4 c.y4m cfolder
+
+# twice: gone without a trace, but for what was complete by then
+mkdir twice
+"$program" $walk --size 640x360 --hold 100 -o twice/c.mp4 2>said.err &
+running=$!
+until_true "no pending file" eval 'ls twice/.c.mp4.*.part >said.out 2>&1'
+kill -STOP $running
+kill -INT $running
+kill -TERM $running
+kill -CONT $running
+wait $running
+[ $? = 130 ] || fail "Ctrl-C twice ends with exit $?"
+grep -q interrupted said.err || fail "Ctrl-C twice: $(cat said.err)"
+absent
 
 # the same while the other end of a pipe is there and does nothing
 mkfifo pipe
@@ -173,7 +215,7 @@ wait $running
 kill $sleeper
 [ $(($(date +%s) - since)) -lt 30 ] || fail "a stalled pipe: $(($(date +%s) - since)) seconds to end"
 
-# Ctrl-C while gnuplot draws: the plot comes first, and nothing is there
+# Ctrl-C while gnuplot draws: no plot, but the video
 mkdir bin
 printf '#!/bin/sh\n[ "$(wc -l)" = 0 ] && exit\necho x >drawing\nsleep 3\nexit 1\n' >bin/gnuplot
 chmod +x bin/gnuplot
@@ -183,8 +225,9 @@ while [ ! -s drawing ] && kill -0 $running 2>said.out; do sleep 0.1; done
 kill -INT $running
 wait $running
 [ $? = 130 ] || fail "Ctrl-C while gnuplot draws: exit $?"
-grep -q "no output is complete" said.err || fail "Ctrl-C while gnuplot draws: $(cat said.err)"
-absent c.mp4 c.svg
+grep -q "interrupted; 3 of 3 frames are written; c.mp4$" said.err || fail "Ctrl-C while gnuplot draws: $(cat said.err)"
+[ -s c.mp4 ] || fail "Ctrl-C while gnuplot draws: no video"
+absent c.svg
 
 # nohup
 (trap '' HUP && exec "$program" $walk --hold 10 -o hup.y4m) &
@@ -197,7 +240,7 @@ wait $running
 rm -f hup.y4m
 
 # a closed standard error does not make sentences go into an output
-"$program" replay mixed -o m.y4m --keep-going 2>said.err
+"$program" replay mixed -o m.y4m --keep-going -y 2>said.err
 "$program" replay mixed -o m2.y4m --keep-going 2>&-
 cmp -s m.y4m m2.y4m || fail "a closed standard error ends up in an output"
 

@@ -9,7 +9,7 @@ use_fake_camera
 shown() {
     name=$1
     shift
-    "$program" fake:format=RG10 fake:flat=512 fake:colour=1.2,0.6,0.9 "$@" -n 60 -o "$name.y4m" -q >said.out 2>said.err ||
+    "$program" fake:format=RG10 fake:flat=512 fake:colour=1.2,0.6,0.9 "$@" -n 60 -o "$name.y4m" -q -y >said.out 2>said.err ||
         fail "$name: $(cat said.err)"
     # a YUV4MPEG2 file of C444 ends with the last frame's three planes
     for plane in 3 2 1; do
@@ -37,7 +37,7 @@ set -- $(shown black --mode digital --white-balance 1,2,1.33333 --black-level 10
 
 # BT.2020 is more saturated in BT.709's numbers; recorded, its replay has the same statistics
 wide() {
-    "$program" fake:format=NV12 fake:bt2020 fake:flat=120 fake:colour=1.2,0.8,0.8 --mode digital "$@" -n 20 -o wide.y4m \
+    "$program" fake:format=NV12 fake:bt2020 fake:flat=120 fake:colour=1.2,0.8,0.8 --mode digital "$@" -y -n 20 -o wide.y4m \
         --stats wide.csv -q >said.out 2>said.err || fail "BT.2020, $*: $(cat said.err)"
     tail -c 1 wide.y4m | od -A n -t u1
 }
@@ -45,7 +45,7 @@ kept=$(wide --output-primaries input) converted=$(wide --record wide)
 [ "$converted" -gt "$kept" ] || fail "Cr of BT.2020 is $kept as it is, and $converted in BT.709"
 grep -q '"primaries":[[:space:]]*"bt2020"' wide/recording.json || fail "a recording does not say BT.2020"
 if [ -n "${PUPIL_PROGRAM:-}" ]; then
-    "$PUPIL_PROGRAM" replay wide --stats replay.csv -q -o replay.y4m 2>said.err || fail "BT.2020: $(cat said.err)"
+    "$PUPIL_PROGRAM" replay wide --stats replay.csv -q -y -o replay.y4m 2>said.err || fail "BT.2020: $(cat said.err)"
     cut -d, -f3-6 wide.csv >wide.cut
     cut -d, -f3-6 replay.csv >replay.cut
     cmp -s wide.cut replay.cut || fail "a recording of BT.2020 replays to other statistics"
@@ -54,10 +54,10 @@ fi
 
 for mode in digital sensor both; do
     "$program" fake:real fake:format=BG12 fake:colour=0.7,1,0.5 fake:light=3@20 --mode $mode -n 60 --record "$mode" \
-        --stats "$mode.csv" -q >said.out 2>said.err || fail "$mode: $(cat said.err)"
+        --stats "$mode.csv" -q -y >said.out 2>said.err || fail "$mode: $(cat said.err)"
     [ "$(grep -c '"balance":\[' "$mode/frames.jsonl")" = 59 ] || fail "$mode: the frames have no balance of their own"
     [ -n "${PUPIL_PROGRAM:-}" ] || continue
-    "$PUPIL_PROGRAM" replay "$mode" --stats replay.csv -q 2>said.err || fail "$mode: $(cat said.err)"
+    "$PUPIL_PROGRAM" replay "$mode" --stats replay.csv -q -y 2>said.err || fail "$mode: $(cat said.err)"
     for file in "$mode" replay; do # what was metered and adapted to; what is shown of mode sensor is the camera's own
         cut -d, -f1,3-6,9-11,14-16 "$file.csv" | tr -d '\r' >"$file.cut"
     done
@@ -68,7 +68,7 @@ done
 # of no use with this format: a sentence, and nothing is written
 for given in "--white-balance 2,1,2" "--matrix 1,0,0,0,1,0,0,0,1" "--black-level 64"; do
     # shellcheck disable=SC2086 # words
-    call 1 "" fake:format=YUYV $given -n 5 -o useless.y4m -q
+    call 1 "" fake:format=YUYV $given -n 5 -o useless.y4m -q -y
     grep -qF -- "(${given%% *}" said.err || grep -qF -- "and ${given%% *}" said.err || fail "$given of YUYV: $(cat said.err)"
     [ ! -e useless.y4m ] || fail "$given of YUYV: an output is there"
 done

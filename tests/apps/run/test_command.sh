@@ -135,7 +135,7 @@ call 0 "" --shutter 1/100 --gain 2 -n 20 --stats hand.csv --mode digital
 within "$(last exposure_s hand.csv)" 0.00999 0.01001 || fail "--shutter 1/100: $(last exposure_s hand.csv) s"
 within "$(last gain hand.csv)" 2 2 || fail "--gain 2: $(last gain hand.csv)"
 put_back "by hand"
-call 0 "" --shutter 5000 -n 40 --stats hand.csv
+call 0 "" --shutter 5000 -n 40 --stats hand.csv -y
 within "$(last exposure_s hand.csv)" 0.00499 0.00501 || fail "--shutter 5000: $(last exposure_s hand.csv) s"
 call 0 "" --mains 50 fake:flat=600 fake:light=0.7@1 -n 120 --stats mains.csv
 for e in $(column asked_exposure_s mains.csv | sort -u); do
@@ -157,6 +157,22 @@ call 0 "" fake:real -n 40 -o a.mp4 -o a.mkv -o frames --stats a.jsonl --record r
 [ -s a.mp4 ] && [ -s a.mkv ] && [ -s rec/frames.mkv ] || fail "an output is missing"
 [ "$(wc -l <a.jsonl)" = 40 ] || fail "not 40 lines"
 grep -q '"sequence":39,"lost":0,"flagged":0,"late":0,"exposure_s":' a.jsonl || fail "a line: $(tail -n 1 a.jsonl)"
+# what is there is kept; names with a time or a number are new each time
+refused 2 "a.mp4: is there already; -y replaces it, and a-1.mp4 is free" -o a.mp4
+[ -s a.mp4 ] || fail "a.mp4 is gone"
+for n in 000 001 002; do
+    call 0 "; shot-$n.png" -n 1 -o shot-%03d.png
+done
+call 0 "; 0.png" -n 1 -o %d.png
+call 0 "; 1.png" -n 1 -o %d.png
+before=$(date +%Y%m%d)
+call 0 "" -n 1 -o day-%Y%m%d.png
+[ -s "day-$before.png" ] || [ -s "day-$(date +%Y%m%d).png" ] || fail "no file of today: $(ls day-*)"
+refused 2 "is there already" -n 1 -o day-%Y%m%d.png
+call 0 "-0.png" -n 1 -o day-%Y%m%d-%1d.png
+refused 2 "5%.png: a % is followed by" -n 1 -o 5%.png
+call 0 "; 5%.png" -n 1 -o 5%%.png
+rm -f shot-* day-* [015]*.png
 if command -v gnuplot >/dev/null; then
     call 0 "" -n 40 --plot a.svg
     grep -q "<svg" a.svg || fail "no plot"
@@ -167,7 +183,7 @@ call 0 "/dev/video2" -n 10 -o /dev/video2
 # a recording replays to the same statistics
 if [ -n "${PUPIL_PROGRAM:-}" ]; then
     call 0 "" fake:real fake:light=4@20 -n 60 --record again --stats live.csv
-    "$PUPIL_PROGRAM" replay again --stats replay.csv -q 2>said.err || fail "the recording does not replay: $(cat said.err)"
+    "$PUPIL_PROGRAM" replay again --stats replay.csv -q -y 2>said.err || fail "the recording does not replay: $(cat said.err)"
     cut -d, -f1,3-18,22 live.csv | tr -d '\r' >live.cut
     cut -d, -f1,3-18,22 replay.csv | tr -d '\r' >replay.cut
     cmp -s live.cut replay.cut || fail "a recording replays to other statistics"
@@ -225,7 +241,7 @@ begin() {
 }
 for signal in INT TERM HUP; do
     # a shell has its background jobs ignore SIGINT, and what is ignored at its start stays so for a program
-    begin -o signal.y4m -o signal.mp4
+    begin -y -o signal.y4m -o signal.mp4
     kill -$signal $running
     ends 0
     [ -s signal.y4m ] && [ -s signal.mp4 ] || fail "SIG$signal loses outputs"
@@ -283,7 +299,7 @@ within "$(last output_level busy.csv)" 0.165 0.195 || fail "after a refusal: sho
 put_back "a camera that is busy"
 call 0 "" --mode digital --shutter 1/100 --gain 2 fake:refuse=6,2,16 fake:real -n 15
 put_back "a camera that is busy at the end"
-call 0 "" --mode digital --shutter 1/100 --gain 2 fake:refuse=5,3,16 fake:real -n 30 --stats busy.csv
+call 0 "" --mode digital --shutter 1/100 --gain 2 fake:refuse=5,3,16 fake:real -n 30 --stats busy.csv -y
 within "$(last exposure_s busy.csv)" 0.00999 0.01001 || fail "--shutter that was refused at first: $(last exposure_s busy.csv)"
 
 # writes of a fifth of a second, while the delay that is believed is wrong by one frame: no step back

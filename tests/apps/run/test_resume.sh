@@ -47,7 +47,7 @@ sed -n 2p kept | awk '{ exit !($1 > 0.000955 && $1 < 0.001095) }' || fail "kept:
 
 # the second time
 for mode in sensor both; do
-    run 0 "" --mode $mode -n 20 --stats second.csv --resume kept
+    run 0 "" --mode $mode -n 20 --stats second.csv -y --resume kept
     said 0
     [ "$(off_key second.csv)" = 0 ] || fail "$mode: $(off_key second.csv) of the first frames are not at the key"
     [ "$(first_sequence second.csv)" -le 30 ] || fail "$mode: begins with frame $(first_sequence second.csv)"

@@ -62,7 +62,7 @@ static void files(void)
     for (int n = 0; n < 3; n++)
         for (int i = 0; i < 5; i++) {
             pupil_image_const image = make(sizes[i][0], sizes[i][1], i % 2);
-            pupil_sink_options options = {.width = sizes[i][0], .height = sizes[i][1], .fps = 30.0};
+            pupil_sink_options options = {.width = sizes[i][0], .height = sizes[i][1], .fps = 30.0, .overwrite = 1};
             pupil_frame_info info = {0};
             pupil_sink *sink;
             CHECK_MSG(pupil_linear_sink_open(scratch(names[n]), &options, &sink, &why) == 0, "%s", why.text);

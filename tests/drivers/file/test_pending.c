@@ -11,7 +11,7 @@ static void test_file(void)
 {
     pupil_pending p;
     const char *path = scratch("a.txt");
-    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0);
     CHECK(strcmp(p.path, path) == 0);
     CHECK(strstr(p.temporary, "/.a.txt.") && strstr(p.temporary, ".part"));
     scratch_put(p.temporary, "one");
@@ -24,12 +24,12 @@ static void test_file(void)
     CHECK(scratch_holds(path, "one"));
 
     /* Replaced by commit, kept by discard. */
-    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0);
     scratch_put(p.temporary, "two");
     CHECK(scratch_holds(path, "one"));
     pupil_pending_discard(&p);
     CHECK(scratch_holds(path, "one") && scratch_entries(scratch_folder) == 1);
-    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0);
     scratch_put(p.temporary, "two");
     CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(path, "two") && scratch_entries(scratch_folder) == 1);
@@ -40,8 +40,8 @@ static void test_file(void)
 static void test_twice(void)
 {
     pupil_pending p, q;
-    CHECK(pupil_pending_file(&p, scratch("a"), &why) == 0);
-    CHECK(pupil_pending_file(&q, scratch("a"), &why) == 0);
+    CHECK(pupil_pending_file(&p, scratch("a"), 1, &why) == 0);
+    CHECK(pupil_pending_file(&q, scratch("a"), 1, &why) == 0);
     CHECK(strcmp(p.temporary, q.temporary) != 0);
     scratch_put(p.temporary, "p");
     scratch_put(q.temporary, "q");
@@ -59,16 +59,16 @@ static void test_names(void)
     longest[255] = 0;
     memset(too_long, 'n', 256);
     too_long[256] = 0;
-    CHECK(pupil_pending_file(&p, scratch(longest), &why) == 0);
+    CHECK(pupil_pending_file(&p, scratch(longest), 1, &why) == 0);
     CHECK_MSG(pupil_pending_commit(&p, &why) == 0, "%s", why.text);
     CHECK(scratch_exists(scratch(longest)));
     remove(scratch(longest));
     snprintf(path, sizeof path, "%s/%s", scratch_folder, too_long);
-    CHECK_REFUSED_AT(pupil_pending_file(&p, path, &why), path, "too long");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, path, 1, &why), path, "too long");
 
     /* Relative, in the working folder. */
     CHECK(chdir(scratch_folder) == 0);
-    CHECK(pupil_pending_file(&p, "here", &why) == 0);
+    CHECK(pupil_pending_file(&p, "here", 1, &why) == 0);
     CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_exists(scratch("here")));
     remove("here");
@@ -76,7 +76,7 @@ static void test_names(void)
     /* A link is followed: it stays, and what it leads to is replaced. */
     CHECK(mkdir("there", 0777) == 0 && symlink("there/target", "link") == 0);
     scratch_put("there/target", "old");
-    CHECK(pupil_pending_file(&p, "link", &why) == 0);
+    CHECK(pupil_pending_file(&p, "link", 1, &why) == 0);
     scratch_put(p.temporary, "new");
     CHECK(pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds("there/target", "new") && readlink("link", path, sizeof path) > 0);
@@ -91,23 +91,23 @@ static void test_refused_places(void)
     pupil_pending p;
     scratch_put(scratch("file"), "");
     CHECK(mkdir(scratch("folder"), 0777) == 0 && mkfifo(scratch("pipe"), 0666) == 0);
-    CHECK_REFUSED_AT(pupil_pending_file(&p, "", &why), "\"\"", "needs a name");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, "", 1, &why), "\"\"", "needs a name");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, "", 0, &why), "\"\"", "needs a name");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("no/a"), &why), scratch("no/a"), "there is no folder");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("no/a"), 1, &why), scratch("no/a"), "there is no folder");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch("no/a"), 1, &why), scratch("no/a"), "there is no folder");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("file/a"), &why), scratch("file/a"), "is a file");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("file/a/b"), &why), scratch("file/a/b"), "Not a directory");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("folder"), &why), scratch("folder"), "is a folder");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("new/"), &why), scratch("new/"), "is a folder");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("pipe"), &why), scratch("pipe"), "a pipe");
-    CHECK_REFUSED_AT(pupil_pending_file(&p, "/dev/null", &why), "/dev/null", "device");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("file/a"), 1, &why), scratch("file/a"), "is a file");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("file/a/b"), 1, &why), scratch("file/a/b"), "Not a directory");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("folder"), 1, &why), scratch("folder"), "is a folder");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("new/"), 1, &why), scratch("new/"), "is a folder");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("pipe"), 1, &why), scratch("pipe"), "a pipe");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, "/dev/null", 1, &why), "/dev/null", "device");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch("file"), 1, &why), scratch("file"), "is a file");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, ".", 1, &why), ".", "folder inside");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch(".."), 1, &why), scratch(".."), "folder inside");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, "/", 1, &why), "/", "folder inside");
     if (scratch_exists("/proc/self")) { /* a bare chroot has none */
         CHECK_REFUSED_AT(pupil_pending_folder(&p, "/proc", 1, &why), "/proc", "mount point");
-        CHECK_REFUSED_AT(pupil_pending_file(&p, "/proc/pupil", &why), "/proc/pupil", "cannot be written");
+        CHECK_REFUSED_AT(pupil_pending_file(&p, "/proc/pupil", 1, &why), "/proc/pupil", "cannot be written");
     }
     CHECK(scratch_entries(scratch_folder) == 3 && scratch_entries(scratch("folder")) == 0);
     remove(scratch("file"));
@@ -211,7 +211,7 @@ static void test_precious_folder(void)
 static void test_taken_away(void)
 {
     pupil_pending p;
-    CHECK(pupil_pending_file(&p, scratch("a"), &why) == 0);
+    CHECK(pupil_pending_file(&p, scratch("a"), 1, &why) == 0);
     remove(p.temporary);
     CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), scratch("a"), "No such file");
     pupil_pending_discard(&p);
@@ -234,7 +234,7 @@ static void test_permission(void)
         pupil_pending p;
         if (geteuid() == 0 && setuid(65534) != 0)
             _exit(2);
-        if (pupil_pending_file(&p, path, &why) != -1)
+        if (pupil_pending_file(&p, path, 1, &why) != -1)
             _exit(3);
         _exit(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, "Permission denied") ? 0 : 4);
     }
@@ -251,7 +251,7 @@ static pid_t begin_in_child(const char *path, int is_folder, int is_killed)
     const pid_t child = fork();
     if (child == 0) {
         pupil_pending p;
-        if (is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why))
+        if (is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, 1, &why))
             _exit(1);
         if (is_folder)
             put_in(p.temporary, "frame_000000.png", "half");
@@ -280,16 +280,16 @@ static void test_swept(void)
         scratch_put(scratch(".swept.x.1.part.png"), "");
         CHECK(mkdir(old, 0777) == 0);
         put_in(old, "frame_000000.png", "replaced");
-        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why)) == 0);
+        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, 1, &why)) == 0);
         CHECK(scratch_exists(old) && scratch_entries(scratch_folder) == 6); /* nothing is in its place */
         CHECK(pupil_pending_commit(&p, &why) == 0);
-        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why)) == 0);
+        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, 1, &why)) == 0);
         CHECK(!scratch_exists(old) && scratch_entries(scratch_folder) == 6);
         pupil_pending_discard(&p);
         CHECK(kill(there, SIGKILL) == 0 && waitpid(there, NULL, 0) == there);
-        CHECK((is_folder ? pupil_pending_folder(&p, other, 0, &why) : pupil_pending_file(&p, other, &why)) == 0);
+        CHECK((is_folder ? pupil_pending_folder(&p, other, 0, &why) : pupil_pending_file(&p, other, 1, &why)) == 0);
         pupil_pending_discard(&p);
-        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, &why)) == 0);
+        CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, 1, &why)) == 0);
         pupil_pending_discard(&p);
         CHECK(scratch_entries(scratch_folder) == 3);
         remove(scratch(".swept.x.1a.part"));
@@ -304,14 +304,14 @@ static void test_stream(void)
 {
     pupil_pending p;
     const char *path = scratch("a"), *victim = scratch("victim");
-    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0);
     FILE *file = pupil_pending_stream(&p);
     CHECK(file && fputs("text", file) >= 0 && fclose(file) == 0);
     CHECK(pupil_pending_commit(&p, &why) == 0 && scratch_holds(path, "text"));
     remove(path);
 
     scratch_put(victim, "precious");
-    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0);
     CHECK(unlink(p.temporary) == 0 && symlink(victim, p.temporary) == 0);
     file = pupil_pending_stream(&p);
     CHECK(file && fputs("text", file) >= 0 && fclose(file) == 0);
@@ -326,15 +326,35 @@ static void test_show(void)
 {
     pupil_pending p;
     const char *path = scratch("a");
-    CHECK(pupil_pending_file(&p, path, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0);
     FILE *file = pupil_pending_stream(&p);
     CHECK(pupil_pending_show(&p, &why) == 0 && scratch_holds(path, "") && scratch_entries(scratch_folder) == 1);
     CHECK(file && fputs("text", file) >= 0 && fclose(file) == 0);
     CHECK(pupil_pending_commit(&p, &why) == 0 && scratch_holds(path, "text"));
-    CHECK(pupil_pending_file(&p, path, &why) == 0 && pupil_pending_show(&p, &why) == 0);
+    CHECK(pupil_pending_file(&p, path, 1, &why) == 0 && pupil_pending_show(&p, &why) == 0);
     pupil_pending_discard(&p);
     CHECK(scratch_holds(path, "") && scratch_entries(scratch_folder) == 1);
     remove(path);
+}
+
+/* What is there stays, also what comes in the meantime. */
+static void test_kept(void)
+{
+    pupil_pending p;
+    scratch_put(scratch("kept.mp4"), "mine");
+    scratch_put(scratch("kept-1.mp4"), "mine too");
+    CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("kept.mp4"), 0, &why), scratch("kept.mp4"), "-y replaces it");
+    CHECK_MSG(strstr(why.text, "kept-2.mp4 is free"), "%s", why.text);
+    CHECK(pupil_pending_file(&p, scratch("late.mp4"), 0, &why) == 0);
+    scratch_put(scratch("late.mp4"), "mine");
+    CHECK(pupil_pending_commit(&p, &why) == -1 && strstr(why.text, "late-1.mp4 is free"));
+    pupil_pending_discard(&p);
+    CHECK(scratch_holds(scratch("late.mp4"), "mine"));
+    CHECK(pupil_pending_file(&p, scratch("fresh.mp4"), 0, &why) == 0 && pupil_pending_commit(&p, &why) == 0);
+    CHECK(scratch_holds(scratch("fresh.mp4"), ""));
+    const char *const names[] = {"kept.mp4", "kept-1.mp4", "late.mp4", "fresh.mp4"};
+    for (size_t i = 0; i < 4; i++)
+        remove(scratch(names[i]));
 }
 
 int main(int argc, char **argv)
@@ -343,6 +363,7 @@ int main(int argc, char **argv)
     scratch_begin();
     test_file();
     test_twice();
+    test_kept();
     test_names();
     test_refused_places();
     test_folder();

@@ -71,7 +71,7 @@ static void test_png(void)
     for (size_t i = 0; i < 2 * SIZES; i++) {
         uint8_t *memory;
         const pupil_image image = scratch_image(sizes[i / 2].width, sizes[i / 2].height, i % 2 != 0, &memory);
-        pupil_sink *sink = open_ok(path, image.width, image.height, 30, 0);
+        pupil_sink *sink = open_ok(path, image.width, image.height, 30, 1);
         scratch_noise(&image);
         CHECK(put(sink, image) == 0);
         CHECK_REFUSED_AT(put(sink, image), path, "one picture was asked for but the input has more frames");
@@ -123,7 +123,7 @@ static void test_png_transfer(void)
     for (uint32_t i = 0; i < 4; i++) {
         const uint32_t transfer = i % 2 ? PUPIL_TRANSFER_GAMMA22 : PUPIL_TRANSFER_LINEAR;
         const pupil_sink_options options = {
-            .width = 1, .height = 1, .fps = 30, .transfer = transfer, .primaries = i / 2};
+            .width = 1, .height = 1, .fps = 30, .overwrite = 1, .transfer = transfer, .primaries = i / 2};
         pupil_sink *sink;
         pupil_still still = {0};
         size_t size;
