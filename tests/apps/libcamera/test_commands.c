@@ -134,7 +134,7 @@ static void test_run(void)
     const char *stats = scratch("run.csv");
     for (int sensor = 0; sensor < 2; sensor++) {
         outcome o = run_command(run_on, sensor,
-                                (const char *const[]){"run", "-d", "libcamera:0", "-n", "60", "--stats", stats, NULL});
+                                (const char *const[]){"run", "-d", "libcamera:0", "-n", "60", "-y", "--stats", stats, NULL});
         char *text = slurp(stats);
         int lines = 0;
         for (const char *c = text; *c; c++)
@@ -156,7 +156,7 @@ static void test_run(void)
     done(&o);
     o = run_command(run_on, 1,
                     (const char *const[]){"run", "-d", "libcamera:0", "--shutter", "5ms", "--gain", "2", "--fps", "60",
-                                          "-n", "30", "--stats", stats, NULL});
+                                          "-n", "30", "-y", "--stats", stats, NULL});
     char *text = slurp(stats);
     CHECK_MSG(o.status == 0 && strstr(text, ",0.0050000000000000001,2,"), "%d: %s %.1500s", o.status, o.err, text);
     free(text);

@@ -6,7 +6,7 @@ use_pupil
 
 # frames DIR: how many frames come back
 frames() {
-    "$program" replay "$1" -q --stats frames.csv || { fail "replay $1"; return; }
+    "$program" replay "$1" -q --stats frames.csv -y || { fail "replay $1"; return; }
     tail -n +2 frames.csv | wc -l
 }
 

@@ -64,9 +64,9 @@ for options in "--fused" "--white 3 --ev 1 --metering spot" "--trim 5,95" "--for
     *) plain=$options ;;
     esac
     # shellcheck disable=SC2086
-    "$program" replay $walk $plain -o c.y4m --stats c.csv -q
+    "$program" replay $walk $plain -o c.y4m --stats c.csv -q -y
     # shellcheck disable=SC2086
-    "$program" replay $walk $options --gles -o g.y4m --stats g.csv 2>said.err || fail "$options: $(cat said.err)"
+    "$program" replay $walk $options --gles -y -o g.y4m --stats g.csv 2>said.err || fail "$options: $(cat said.err)"
     grep -q "; GPU: .*OpenGL ES" said.err || fail "$options: not on the GPU: $(cat said.err)"
     case $options in
     *3.0*) grep -q "as in ES 3.0" said.err || fail "$options: another version: $(cat said.err)" ;;
@@ -81,7 +81,7 @@ mkdir many
 "$program" replay synth:walk --size 20x33 -n 1 -q -o many/2.png
 printf 'PF\n3 2\n-1.0\n' >many/3.pfm
 head -c 72 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x80\x3f/g' >>many/3.pfm
-"$program" replay many -q --stats c.csv && "$program" replay many --gles --stats g.csv 2>said.err || fail "many sizes"
+"$program" replay many -q -y --stats c.csv && "$program" replay many --gles -y --stats g.csv 2>said.err || fail "many sizes"
 grep -q "; GPU: " said.err && ! grep -q " of 3 frames" said.err || fail "many sizes: $(cat said.err)"
 close c.csv g.csv
 
@@ -92,7 +92,7 @@ for how in "needs; --white none" "EGL" "OpenGL ES"; do
     EGL) set -- env __EGL_VENDOR_LIBRARY_FILENAMES=/nowhere EGL_PLATFORM=nothing "$program" replay synth:walk ;;
     *) set -- env MESA_GLES_VERSION_OVERRIDE=2.0 "$program" replay synth:walk ;;
     esac
-    "$@" --size 96x54 -n 24 --gles -q -o other.y4m --stats other.csv 2>said.err || fail "$how: exit $?"
+    "$@" --size 96x54 -n 24 --gles -q -y -o other.y4m --stats other.csv 2>said.err || fail "$how: exit $?"
     [ -s said.err ] || { echo "$how: this driver cannot be made to lack it"; continue; }
     warned "$how"
     cmp -s cpu.y4m other.y4m || fail "$how: another picture than the CPU's"

@@ -8,7 +8,7 @@ use_pupil
 
 # play FPS HOLD STOPS FILE
 play() {
-    "$program" replay synth:walk --size 64x36 --fps "$1" --hold "$2" --highlights "$3" --stats "$4" -q ||
+    "$program" replay synth:walk --size 64x36 --fps "$1" --hold "$2" --highlights "$3" --stats "$4" -q -y ||
         fail "$1 frames/s does not replay"
 }
 

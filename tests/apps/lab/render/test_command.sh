@@ -16,7 +16,7 @@ SCENE
 
 expect 0 "rendered 1 frames" render small.scene -o a.exr -o a.hdr -o a.pfm -o a.png
 for kind in exr pfm; do
-    "$program" replay a.$kind -q -o b.png
+    "$program" replay a.$kind -q -y -o b.png
     cmp a.png b.png || fail "$kind is not what was rendered"
 done
 "$program" render small.scene -q -o all
