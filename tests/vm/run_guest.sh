@@ -61,9 +61,9 @@ run 1 "its exposure time cannot be set" run -d "$webcam" $frames --mode sensor -
 # a recording, replayed: the same statistics, bit for bit; with a clock in the picture, so that no two frames are alike
 "$node" set "$webcam" "OSD Text Mode" 0 || fail "the clock"
 for format in YUYV; do
-    run 0 "" run -d "$webcam" $frames --mode digital --format $format -n 12 --record rec.$format --stats live.csv \
+    run 0 "" run -d "$webcam" $frames --mode digital --format $format -n 12 --record rec.$format -y --stats live.csv \
         --white-balance off
-    run 0 "" replay rec.$format -q --stats again.csv
+    run 0 "" replay rec.$format -q --stats again.csv -y
     for name in frame metered_ev adapted_ev scale; do
         column $name live.csv >a
         column $name again.csv >b
@@ -78,7 +78,7 @@ runner=$!
 until_lines 10 rec.killed/frames.jsonl
 kill -9 $runner
 wait $runner 2>/dev/null
-run 0 "" replay rec.killed -q --stats again.csv
+run 0 "" replay rec.killed -q --stats again.csv -y
 [ "$(rows again.csv)" -gt 5 ] || fail "killed: $(rows again.csv) frames are in the recording"
 [ "$(rows again.csv)" -le "$(wc -l <rec.killed/frames.jsonl)" ] || fail "killed: frames without a line"
 
@@ -92,8 +92,8 @@ done
 "$node" cable "$hdmi" || fail "the cable"
 "$node" format "$monitor" RGB3 640 480 || fail "the monitor's format"
 still="--width 640 --height 480 --framerate 25 --mode digital --lock -q"
-run 0 "" run -d "$webcam" $still -n 1 -o one.png
-run 0 "" replay one.png -q --stats file.csv
+run 0 "" run -d "$webcam" $still -n 1 -o one.png -y
+run 0 "" replay one.png -q --stats file.csv -y
 "$pupil" run -d "$webcam" $still --dither off -o "$monitor" --stats - >wrote.jsonl 2>out.said &
 writer=$!
 until_lines 3 wrote.jsonl
@@ -111,7 +111,7 @@ until_lines 10 rec.gone/frames.jsonl
 echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind
 wait $runner && fail "unplugged: exit 0"
 grep -q "the camera was unplugged" said.err || fail "unplugged: $(cat said.err)"
-run 0 "" replay rec.gone -q --stats again.csv
+run 0 "" replay rec.gone -q --stats again.csv -y
 column metered_ev gone.csv >a
 column metered_ev again.csv >b
 [ "$(rows gone.csv)" -gt 5 ] && cmp -s a b || fail "unplugged: $(rows gone.csv) frames came, $(rows again.csv) are recorded"
