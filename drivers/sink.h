@@ -38,6 +38,7 @@ typedef struct pupil_sink_options {
     int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
                     * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
                     * seconds are left out. Other formats store the timestamps */
+    int named;     /* of a folder: each picture by the name of its frame (pupil_sink.frame_name), and of its own size */
     pupil_sink_sound sound; /* copied into .mp4, .mkv and .mov, as it is */
     pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
 } pupil_sink_options;
@@ -52,6 +53,7 @@ typedef struct pupil_sink_ops {
 
 struct pupil_sink {
     const pupil_sink_ops *ops;
+    const char *frame_name; /* of the frame that is written next; the file that it came from. NULL: none */
 };
 
 static inline int pupil_sink_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info,

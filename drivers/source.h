@@ -68,6 +68,7 @@ struct pupil_source {
     double fps;             /* nominal frames a second, above 0 */
     uint64_t frames;        /* how many frames it expects to hand out; 0: unknown */
     uint32_t primaries;     /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
+    int is_named;           /* each frame has a file of its own, by whose name it is known */
     pupil_sink_sound sound; /* that goes with the frames, known with the first one; the path lives as long */
 };
 

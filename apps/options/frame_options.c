@@ -101,8 +101,9 @@ static int parse_white(const option_value *v)
 
 const option_row frame_output_rows[FRAME_OUTPUT_ROWS] = {
     {"out", 'o', OPTION_PATH, "PATH", 0, .parse = parse_out,
-     .help = ".mp4 .mkv .mov .y4m .png, a folder of PNG, - (Y4M); repeatable",
-     .more = "A name without an extension is a folder of PNG files; .png is one picture. - is YUV4MPEG2 on standard "
+     .help = ".mp4 .mkv .mov .y4m .png .jpg, a folder of PNG, - (Y4M); repeatable",
+     .more = "A name without an extension is a folder of PNG files; .png and .jpg are one picture. - is YUV4MPEG2 on "
+             "standard "
              "output."},
     {"stats", 0, OPTION_PATH, "FILE", AT(stats), .help = "a line a frame: .jsonl or .csv (- is JSONL on stdout)",
      .more = "Metered and adapted EV, scale, white point, quantiles, shares of black, clipped and bad pixels, display "

@@ -23,10 +23,12 @@ int pictures_open(pictures *o, const char *path, const pupil_sink_options *optio
     return PUPIL_SINK_OK;
 }
 
-int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why)
+int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, const char *name,
+                   pupil_why *why)
 {
     int error = PUPIL_SINK_OK;
     for (size_t i = 0; !error && i < o->count; i++) {
+        o->sink[i]->frame_name = name;
         error = pupil_sink_write(o->sink[i], rgb8, info, why);
         o->failed = i;
     }

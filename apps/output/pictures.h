@@ -18,7 +18,9 @@ typedef struct pictures {
 } pictures;
 
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why);
-int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, pupil_why *why);
+/* name: the frame's (pupil_sink.frame_name), or NULL. */
+int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, const char *name,
+                   pupil_why *why);
 
 /* After one failed to write or to finish: it is discarded; the others continue. */
 void pictures_drop(pictures *o);

@@ -29,7 +29,7 @@ static const option_row frame_rows[] = {
     {"hold", 0, OPTION_COUNT, "N", AT(hold), .initial = "1", .low = 1, .high = 1e6, .help = "show each frame N times",
      .more = "Each time one frame period later."},
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
-     .more = "For a contact sheet of unrelated pictures."},
+     .more = "For unrelated pictures. -o FOLDER then has them by the names of the stills, each of its own size."},
     {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
      .more = "Not turned upright, which phones leave to the player."},
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
@@ -54,7 +54,7 @@ const option_command replay_command = {
     .summary = "recorded HDR frames to a display video, with a record of the exposure",
     .usage = "INPUT... [options]",
     .about = "Adapts recorded HDR frames; writes a display video and what the exposure did.\n"
-             "  INPUT  .exr .hdr .pfm .png, a folder, a 'glob*', a video, - (stdin),\n"
+             "  INPUT  .exr .hdr .pfm .png .jpg .tif, a folder, a 'glob*', a video, - (stdin),\n"
              "         pan:PANORAMA[,key=value...], synth:walk, synth:room, ...,\n"
              "         synth:RECIPE.scene, v4l2:CAMERA (a path, a number, a name), libcamera:CAMERA",
     .exits = "0 done, 1 failed, 2 usage, 3 done but frames were skipped, 130 interrupted",

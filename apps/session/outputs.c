@@ -68,6 +68,7 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
                                         .primaries = shown_primaries(&options->config),
                                         .transfer = options->config.transfer,
                                         .keep_time = o->live,
+                                        .named = options->reset_each && o->source->is_named,
                                         .sound = sound_of(o)};
     o->is_open = 1;
     o->width = first->width;
@@ -141,7 +142,7 @@ int session_outputs_write(session_outputs *o, const pupil_frame *frame, const fr
         is_other_size(o, &p->display, why))
         return -1;
     const double began_s = progress_now_s();
-    if (pictures_write(&o->pictures, &display, &frame->info, why))
+    if (pictures_write(&o->pictures, &display, &frame->info, frame->name, why))
         return picture_failed(o);
     entry->write_us = (progress_now_s() - began_s) * 1e6;
     if (o->stats_file && pupil_stats_file_write(o->stats_file, entry, why))

@@ -16,7 +16,8 @@ static const struct {
     open_sink *open;
 } kinds[] = {
     {".mp4", pupil_video_sink_open}, {".mkv", pupil_video_sink_open}, {".mov", pupil_video_sink_open},
-    {".y4m", pupil_y4m_sink_open},   {".png", pupil_png_sink_open},
+    {".y4m", pupil_y4m_sink_open},   {".png", pupil_png_sink_open},   {".jpg", pupil_jpeg_sink_open},
+    {".jpeg", pupil_jpeg_sink_open},
 };
 
 int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
@@ -33,8 +34,9 @@ int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pu
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcasecmp(dot, kinds[i].extension) == 0)
             return kinds[i].open(path, options, sink, why);
-    return pupil_refuse(why,
-                        "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png, a "
-                        "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output",
-                        path, dot);
+    return pupil_refuse(
+        why,
+        "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png or .jpg, a "
+        "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output",
+        path, dot);
 }

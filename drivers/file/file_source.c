@@ -13,12 +13,14 @@
 
 #include "file/still/natural_order.h"
 #include "refuse.h"
+#include "standard_input.h"
 
-#define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm or .png"
+#define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm, .png, .jpg, .tif, .webp or .bmp"
 
 static int is_still(const char *path)
 {
-    static const char *const extensions[] = {".exr", ".hdr", ".pic", ".rgbe", ".pfm", ".png"};
+    static const char *const extensions[] = {".exr", ".hdr",  ".pic", ".rgbe", ".pfm",  ".png",
+                                             ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp"};
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     for (size_t i = 0; dot && i < sizeof extensions / sizeof *extensions; i++)
         if (strcasecmp(dot, extensions[i]) == 0)
@@ -71,6 +73,16 @@ static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
     return pupil_refuse(why, "%s: cannot be opened: %s", input, strerror(errno));
 }
 
+static int open_standard_input(const pupil_source_options *options, pupil_source **source, pupil_why *why)
+{
+    static const char *const path = "/dev/stdin";
+    const int still = pupil_standard_input_prepare(options ? options->stop : NULL, why);
+    if (still < 0)
+        return PUPIL_SOURCE_FAILED;
+    return still ? pupil_stills_source_open(&path, 1, options, source, why)
+                 : pupil_video_source_open("-", options, source, why);
+}
+
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
                            pupil_source **source, pupil_why *why)
 {
@@ -88,6 +100,8 @@ int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_
         }
     if (starts_with(inputs[0], "pan:"))
         return pupil_pan_source_open(inputs[0], options, source, why);
+    if (strcmp(inputs[0], "-") == 0)
+        return open_standard_input(options, source, why);
     if (is_alone(inputs[0]))
         return pupil_video_source_open(inputs[0], options, source, why);
     for (size_t i = 0; i < count && result == 0; i++)

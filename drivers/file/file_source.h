@@ -6,9 +6,9 @@
 #include "source.h"
 
 /* Opens what a user names on a command line, by what it is:
- *   still files (.exr .hdr .pic .rgbe .pfm .png), a folder of them, or a glob pattern: one sequence in natural order
- *       (frame2 before frame10); several inputs follow one another in the order given;
- *   a video (any other existing file, or "-" for standard input) through libav: PQ and HLG decoded to linear light;
+ *   still files (.exr .hdr .pic .rgbe .pfm .png .jpg .tif .webp .bmp), a folder of them, or a glob pattern: one
+ * sequence in natural order (frame2 before frame10); several inputs follow one another in the order given; a video (any
+ * other existing file, or "-" for standard input) through libav: PQ and HLG decoded to linear light;
  *   "pan:FILE[,key=value...]": a camera that moves through an equirectangular panorama (pan_source.h).
  * A video or a pan must be the only input. Returns 0, or PUPIL_SOURCE_FAILED and a sentence. */
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,

@@ -154,14 +154,14 @@ static int write_frame(render *r, const pupil_frame *frame)
 {
     if (!r->rendered && open_outputs(r, &frame->image))
         return -1;
-    if (pictures_write(&r->linear, &frame->image, &frame->info, &r->why))
+    if (pictures_write(&r->linear, &frame->image, &frame->info, NULL, &r->why))
         return -1;
     if (!r->display.count)
         return 0;
     if (frame_pipeline_meter(&r->pipeline, frame, &r->why) || frame_pipeline_map(&r->pipeline, frame, 1, &r->why))
         return -1;
     const pupil_image_const shown = pupil_image_as_const(r->pipeline.display);
-    return pictures_write(&r->display, &shown, &frame->info, &r->why);
+    return pictures_write(&r->display, &shown, &frame->info, NULL, &r->why);
 }
 
 static void show_progress(render *r)

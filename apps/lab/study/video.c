@@ -106,7 +106,7 @@ static int write_frames(video *v, pictures *o, const study_lights *lights, unsig
             if (error)
                 return pupil_refuse(why, "the video's frame %u: %s", i, pupil_error_string(error));
         }
-        if (pictures_write(o, &image, &info, why))
+        if (pictures_write(o, &image, &info, NULL, why))
             return -1;
         if (progress && progress(context, i + 1, STUDY_FRAMES))
             return 1;

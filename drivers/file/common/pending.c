@@ -225,7 +225,7 @@ static int check_there(const pupil_pending *p, const struct stat *parent, pupil_
         return pupil_refuse(why, "%s: is a file; name a folder", p->path);
     if (s.st_dev != parent->st_dev) /* rename cannot replace it */
         return pupil_refuse(why, "%s: is a mount point; name a folder inside it", p->path);
-    return may_replace(p->path, p->path, p->overwrite, why);
+    return p->is_merged ? 0 : may_replace(p->path, p->path, p->overwrite, why);
 }
 
 static int prepare(pupil_pending *p, const char *path, pupil_why *why)
@@ -252,9 +252,9 @@ static int prepare(pupil_pending *p, const char *path, pupil_why *why)
     return 0;
 }
 
-static int begin(pupil_pending *pending, const char *path, int is_folder, int overwrite, pupil_why *why)
+static int begin(pupil_pending *pending, const char *path, int is_folder, int is_merged, int overwrite, pupil_why *why)
 {
-    *pending = (pupil_pending){.is_folder = is_folder, .overwrite = overwrite, .fd = -1};
+    *pending = (pupil_pending){.is_folder = is_folder, .is_merged = is_merged, .overwrite = overwrite, .fd = -1};
     if (prepare(pending, path, why) == 0)
         return 0;
     pupil_pending_discard(pending);
@@ -263,12 +263,17 @@ static int begin(pupil_pending *pending, const char *path, int is_folder, int ov
 
 int pupil_pending_file(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
 {
-    return begin(pending, path, 0, overwrite, why);
+    return begin(pending, path, 0, 0, overwrite, why);
 }
 
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
 {
-    return begin(pending, path, 1, overwrite, why);
+    return begin(pending, path, 1, 0, overwrite, why);
+}
+
+int pupil_pending_into(pupil_pending *pending, const char *path, int overwrite, pupil_why *why)
+{
+    return begin(pending, path, 1, 1, overwrite, why);
 }
 
 /* The folder that is there steps aside, the new one takes its place, and only then is the old one removed. It is looked
@@ -358,6 +363,31 @@ int pupil_pending_show(pupil_pending *pending, pupil_why *why)
     return 0;
 }
 
+/* Each file of the folder into the one that is there; `look`: only whether that can be. */
+static int merge(const pupil_pending *p, int look, pupil_why *why)
+{
+    DIR *folder = opendir(p->temporary);
+    const int to = open(p->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    struct dirent *entry;
+    struct stat is;
+    int failed = folder && to >= 0 ? 0 : pupil_refuse(why, "%s: cannot be opened: %s", p->path, strerror(errno));
+    while (!failed && (entry = readdir(folder)) != NULL) {
+        const char *name = entry->d_name;
+        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+            continue;
+        const int there = fstatat(to, name, &is, AT_SYMLINK_NOFOLLOW) == 0;
+        if (there && (!p->overwrite || !S_ISREG(is.st_mode)))
+            failed = pupil_refuse(why, "%s/%s: is there already%s", p->path, name, p->overwrite ? ", and no file" : "");
+        else if (!look && renameat(dirfd(folder), name, to, name) != 0)
+            failed = pupil_refuse(why, "%s/%s: cannot be put in place: %s", p->path, name, strerror(errno));
+    }
+    if (folder)
+        closedir(folder);
+    if (to >= 0)
+        close(to);
+    return failed;
+}
+
 static int put_in_place(pupil_pending *pending, pupil_why *why)
 {
     if (check_ours(pending, why))
@@ -368,9 +398,13 @@ static int put_in_place(pupil_pending *pending, pupil_why *why)
             return pupil_pending_keep(pending->path, why);
         if (!pending->is_folder || !there)
             return pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
-        if (!pending->overwrite)
+        if (pending->is_merged) {
+            if (merge(pending, 1, why) || merge(pending, 0, why))
+                return -1;
+            folder_remove(pending->temporary);
+        } else if (!pending->overwrite)
             return pupil_refuse(why, "%s: files were put there in the meantime; name another folder", pending->path);
-        if (swap_folders(pending, why))
+        else if (swap_folders(pending, why))
             return -1;
     }
     free(pending->temporary);

@@ -15,6 +15,7 @@ typedef struct pupil_pending {
     char *temporary; /* where it is written: ".NAME.PID.part" (or ".NAME.PID-1.part" ...) in the same folder */
     int fd;          /* of that file or folder, locked (flock) until commit or discard */
     int is_folder;
+    int is_merged; /* the folder may be there, and its other files stay */
     int overwrite; /* what is there is replaced; else it stays, and the output is refused */
 } pupil_pending;
 
@@ -29,6 +30,10 @@ int pupil_pending_keep(const char *path, pupil_why *why);
 /* Begins a folder and makes it under the temporary name. A path that exists and is not empty is refused, unless
  * overwrite; and then too, here and in commit, where it holds anything but files named frame_NNNNNN.png or .exr. */
 int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
+
+/* The same of a folder that may hold other files. Commit moves each file of its own into it, where (unless overwrite)
+ * none may be of that name; it looks at all of them first. */
+int pupil_pending_into(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
 
 /* A file's stream at its beginning, for the caller to close. It is not opened by its name again, which might be that of
  * another file by now. NULL: errno says why. */

@@ -2,6 +2,7 @@
 #include "picture_sink.h"
 
 #include "file/common/pending.h"
+#include "file/video/write_jpeg.h"
 #include "png_write.h"
 #include "sink_common.h"
 
@@ -10,14 +11,18 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 typedef int write_linear(FILE *file, const pupil_image_const *image);
+typedef int write_display(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
+                          uint32_t transfer, pupil_why *why);
 
 typedef struct picture_sink {
     pupil_sink sink;
     pupil_sink_options options;
     pupil_pending pending;
-    write_linear *write; /* of linear frames; NULL: display frames, as PNG */
+    write_linear *write; /* of linear frames; NULL: display frames */
+    write_display *display;
     uint64_t frames;
     size_t name_bytes;
     char *file; /* of a folder's frame: where it is written, and what it is called in sentences; room for both */
@@ -27,6 +32,8 @@ typedef struct picture_sink {
 static int check_image(const picture_sink *s, const pupil_image_const *image, pupil_why *why)
 {
     const pupil_sink_options *o = &s->options;
+    if (!s->write && o->named && s->pending.is_folder)
+        return PUPIL_SINK_OK;
     if (!s->write)
         return pupil_sink_check_image(s->pending.path, o, image, why);
     if (image->pixel != PUPIL_PIXEL_RGB32F || image->width != o->width || image->height != o->height)
@@ -47,6 +54,36 @@ static int write_file(write_linear *write, const char *path, const char *name, c
     return failed ? pupil_refuse(why, "%s: cannot be written: %s", name, strerror(error)) : PUPIL_SINK_OK;
 }
 
+/* The name of the frame's file, without its ending: "shots/a.exr" is "a". */
+static void stem_of(const char *path, const char **name, int *length)
+{
+    const char *slash = strrchr(path, '/');
+    *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(*name, '.');
+    *length = (int)(dot && dot != *name ? (size_t)(dot - *name) : strlen(*name));
+}
+
+/* Where a frame goes that has a name: the first "a.png", "a-1.png" ... that this run has not written. */
+static int name_frame(picture_sink *s, pupil_why *why)
+{
+    const char *stem;
+    int length;
+    stem_of(s->sink.frame_name, &stem, &length);
+    if (length > 200)
+        return pupil_refuse(why, "%.*s: a name of over 200 bytes", length, stem);
+    for (int n = 0; n < 1000; n++) {
+        char number[16] = "";
+        if (n)
+            snprintf(number, sizeof number, "-%d", n);
+        snprintf(s->file, s->name_bytes, "%s/%.*s%s.png", s->pending.temporary, length, stem, number);
+        snprintf(s->name, s->name_bytes, "%s/%.*s%s.png", s->pending.path, length, stem, number);
+        if (access(s->file, F_OK) == 0)
+            continue;
+        return s->options.overwrite || access(s->name, F_OK) != 0 ? 0 : pupil_pending_keep(s->name, why);
+    }
+    return pupil_refuse(why, "%.*s: named by over 1000 inputs", length, stem);
+}
+
 static int picture_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
 {
     picture_sink *s = (picture_sink *)sink;
@@ -56,7 +93,12 @@ static int picture_write(pupil_sink *sink, const pupil_image_const *image, const
             why, "%s: one picture was asked for but the input has more frames; name a folder or a video", name);
     if (check_image(s, image, why))
         return PUPIL_SINK_FAILED;
-    if (s->pending.is_folder) {
+    if (s->pending.is_folder && s->options.named && sink->frame_name) {
+        if (name_frame(s, why))
+            return PUPIL_SINK_FAILED;
+        path = s->file;
+        name = s->name;
+    } else if (s->pending.is_folder) {
         const uint64_t number = s->write ? info->sequence : s->frames;
         const char *extension = s->write ? "exr" : "png";
         snprintf(s->file, s->name_bytes, "%s/frame_%06" PRIu64 ".%s", path, number, extension);
@@ -65,7 +107,7 @@ static int picture_write(pupil_sink *sink, const pupil_image_const *image, const
         name = s->name;
     }
     if (s->write ? write_file(s->write, path, name, image, why)
-                 : pupil_png_write(path, name, image, s->options.primaries, s->options.transfer, why))
+                 : s->display(path, name, image, s->options.primaries, s->options.transfer, why))
         return PUPIL_SINK_FAILED;
     s->frames++;
     return PUPIL_SINK_OK;
@@ -93,6 +135,15 @@ static int picture_finish(pupil_sink *sink, pupil_why *why)
 
 static const pupil_sink_ops picture_ops = {picture_write, picture_finish, picture_discard};
 
+static int begin(picture_sink *s, const char *path, int is_folder, pupil_why *why)
+{
+    const int overwrite = s->options.overwrite;
+    if (!is_folder)
+        return pupil_pending_file(&s->pending, path, overwrite, why);
+    return s->options.named && !s->write ? pupil_pending_into(&s->pending, path, overwrite, why)
+                                         : pupil_pending_folder(&s->pending, path, overwrite, why);
+}
+
 static int open_pictures(const char *path, int is_folder, write_linear *write, const pupil_sink_options *options,
                          pupil_sink **sink, pupil_why *why)
 {
@@ -102,12 +153,12 @@ static int open_pictures(const char *path, int is_folder, write_linear *write, c
     s->sink.ops = &picture_ops;
     s->options = *options;
     s->write = write;
-    if (is_folder ? pupil_pending_folder(&s->pending, path, options->overwrite, why)
-                  : pupil_pending_file(&s->pending, path, options->overwrite, why)) {
+    s->display = pupil_png_write;
+    if (begin(s, path, is_folder, why)) {
         free(s);
         return PUPIL_SINK_FAILED;
     }
-    s->name_bytes = strlen(s->pending.temporary) + strlen(s->pending.path) + 64;
+    s->name_bytes = strlen(s->pending.temporary) + strlen(s->pending.path) + 256;
     s->file = malloc(s->name_bytes);
     s->name = malloc(s->name_bytes);
     if (!s->file || !s->name) {
@@ -160,6 +211,14 @@ static int open_png(const char *path, int is_folder, const pupil_sink_options *o
     if (pupil_sink_check_options(path, options, why))
         return PUPIL_SINK_FAILED;
     return open_pictures(path, is_folder, NULL, options, sink, why);
+}
+
+int pupil_jpeg_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
+{
+    const int failed = open_png(path, 0, options, sink, why);
+    if (!failed)
+        ((picture_sink *)*sink)->display = pupil_jpeg_write;
+    return failed;
 }
 
 int pupil_png_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)

@@ -27,7 +27,9 @@ int pupil_sink_check_image(const char *path, const pupil_sink_options *options, 
         return pupil_refuse(why, "%s: pixel format %u cannot be written; display frames are 8-bit RGB", path,
                             image->pixel);
     if (image->width != options->width || image->height != options->height)
-        return pupil_refuse(why, "%s: a frame of %u x %u pixels came after frames of %u x %u; all must be of one size",
+        return pupil_refuse(why,
+                            "%s: a frame of %u x %u pixels came after frames of %u x %u; all must be of one size "
+                            "(a folder takes stills of any, with --reset-each)",
                             path, image->width, image->height, options->width, options->height);
     return PUPIL_SINK_OK;
 }

@@ -83,19 +83,15 @@ static pupil_still_reader *reader_for(const uint8_t *bytes, size_t size)
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (size >= kinds[i].length && memcmp(bytes, kinds[i].magic, kinds[i].length) == 0)
             return kinds[i].reader;
-    return NULL;
+    return pupil_read_libav;
 }
 
 static int load(pupil_still *still, const char *path, pupil_why *why)
 {
-    pupil_still_reader *reader;
     size_t size = 0;
     if (read_file(still, path, &size, why))
         return -1;
-    reader = reader_for(still->file, size);
-    if (!reader)
-        return pupil_still_fail(why, "is no OpenEXR, Radiance, PFM or PNG file, by its first bytes");
-    return reader(still, still->file, size, why);
+    return reader_for(still->file, size)(still, still->file, size, why);
 }
 
 int pupil_still_load(pupil_still *still, const char *path, pupil_why *why)

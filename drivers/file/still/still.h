@@ -23,6 +23,8 @@
  *   law; 1.0 is linear), else as sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core decodes;
  *   everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
  *
+ * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), upright by Exif.
+ *
  * White other than D65 is adapted (Bradford). Chromaticities that are zero, not finite or no usable triangle count as
  * unspecified, that is as Rec.709/D65.
  */
@@ -42,6 +44,7 @@ typedef struct pupil_still {
     size_t capacity_bytes;
     uint32_t width, height;
     uint32_t pixel;    /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
+    int as_stored;     /* JPEG is not turned upright; set by the caller */
     double exposure_s; /* 0: in all four formats the pixel values are scene light already */
     uint8_t *file;     /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
     size_t file_capacity_bytes;
@@ -60,6 +63,7 @@ pupil_still_reader pupil_read_exr;
 pupil_still_reader pupil_read_radiance;
 pupil_still_reader pupil_read_pfm;
 pupil_still_reader pupil_read_png;
+pupil_still_reader pupil_read_libav; /* what libav makes of it (drivers/file/video/read_libav.c) */
 
 /* Reads a file into memory and by its first bytes (not by its name) into pixels; the sentence begins with the path. */
 int pupil_still_load(pupil_still *still, const char *path, pupil_why *why);

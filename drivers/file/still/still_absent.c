@@ -15,3 +15,9 @@ int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, pupil_
     (void)still, (void)bytes, (void)size;
     return pupil_refuse(why, "this build of pupil reads no PNG (it was configured with PUPIL_MEDIA=OFF)");
 }
+
+int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
+{
+    (void)still, (void)bytes, (void)size;
+    return pupil_refuse(why, "is no Radiance or PFM file, which are what this build of pupil reads (PUPIL_MEDIA=OFF)");
+}

@@ -133,8 +133,9 @@ static void test_run(void)
 {
     const char *stats = scratch("run.csv");
     for (int sensor = 0; sensor < 2; sensor++) {
-        outcome o = run_command(run_on, sensor,
-                                (const char *const[]){"run", "-d", "libcamera:0", "-n", "60", "-y", "--stats", stats, NULL});
+        outcome o =
+            run_command(run_on, sensor,
+                        (const char *const[]){"run", "-d", "libcamera:0", "-n", "60", "-y", "--stats", stats, NULL});
         char *text = slurp(stats);
         int lines = 0;
         for (const char *c = text; *c; c++)

@@ -338,7 +338,7 @@ static const char *const outputs[] = {"out.mp4", "out.mkv", "out.mov", "out.y4m"
 
 static void test_refused_opens(void)
 {
-    static const char *const unknown[] = {"out.avi", "out.txt", "out.mp4.", "out.jpeg", "dir.v1/out.gif"};
+    static const char *const unknown[] = {"out.avi", "out.txt", "out.mp4.", "out.bmp", "dir.v1/out.gif"};
     const pupil_sink_options good = {.width = 4, .height = 4, .fps = 30};
     pupil_sink *sink;
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {

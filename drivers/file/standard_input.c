@@ -1,0 +1,106 @@
+#include "standard_input.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "refuse.h"
+
+#define PEEK_BYTES 64 /* an MP4's first box has 16 to 48, and the next one 8 to begin with */
+#define MOST_BYTES INT64_C(0x80000000)
+
+/* The first bytes, which stay where they are. How many. */
+static size_t peek(uint8_t bytes[PEEK_BYTES])
+{
+    struct stat is;
+    ssize_t got = -1;
+    if (fstat(STDIN_FILENO, &is) == 0 && S_ISREG(is.st_mode)) {
+        got = pread(STDIN_FILENO, bytes, PEEK_BYTES, lseek(STDIN_FILENO, 0, SEEK_CUR));
+    } else if (S_ISFIFO(is.st_mode)) {
+        int copy[2];
+        if (pipe2(copy, O_CLOEXEC))
+            return 0;
+        got = tee(STDIN_FILENO, copy[1], PEEK_BYTES, 0);
+        got = got > 0 ? read(copy[0], bytes, (size_t)got) : -1;
+        close(copy[0]);
+        close(copy[1]);
+    }
+    return got > 0 ? (size_t)got : 0;
+}
+
+static int begins(const uint8_t *bytes, size_t size, const char *with, size_t length)
+{
+    return size >= length && memcmp(bytes, with, length) == 0;
+}
+
+/* OpenEXR, PNG, Radiance, PFM, TIFF. Not JPEG: a stream of JPEGs begins as one does, and libav reads both. */
+static int is_still(const uint8_t *bytes, size_t size)
+{
+    return begins(bytes, size, "\x76\x2f\x31\x01", 4) || begins(bytes, size, "\x89PNG", 4) ||
+           begins(bytes, size, "#?", 2) || begins(bytes, size, "PF", 2) || begins(bytes, size, "Pf", 2) ||
+           begins(bytes, size, "II*\0", 4) || begins(bytes, size, "MM\0*", 4);
+}
+
+/* ISO/IEC 14496-12: boxes, each with its size and its name in front. The index is "moov"; where it does not follow the
+ * first box, it may come last. */
+static int has_index_last(const uint8_t *bytes, size_t size)
+{
+    if (size < 8 || memcmp(bytes + 4, "ftyp", 4) != 0)
+        return 0;
+    const size_t first = (size_t)bytes[0] << 24 | (size_t)bytes[1] << 16 | (size_t)bytes[2] << 8 | bytes[3];
+    return first > size - 8 || memcmp(bytes + first + 4, "moov", 4) != 0;
+}
+
+static int copy_all(int to, int (*stop)(void), pupil_why *why)
+{
+    static uint8_t block[1 << 16];
+    int64_t total = 0;
+    for (;;) {
+        const ssize_t got = read(STDIN_FILENO, block, sizeof block);
+        if (got < 0 && errno == EINTR && !(stop && stop()))
+            continue;
+        if (got < 0)
+            return pupil_refuse(why, "standard input: cannot be read: %s", strerror(errno));
+        if (got == 0)
+            return 0;
+        total += got;
+        if (total > MOST_BYTES)
+            return pupil_refuse(why,
+                                "standard input: an MP4 whose index comes last, or a still, of over 2 GiB, which is "
+                                "not read from a pipe; name the file");
+        for (ssize_t done = 0; done < got;) {
+            const ssize_t put = write(to, block + done, (size_t)(got - done));
+            if (put < 0)
+                return pupil_refuse(why, "standard input: no memory for its %lld bytes", (long long)total);
+            done += put;
+        }
+    }
+}
+
+/* Into memory, which is standard input from now on. */
+static int spool(int (*stop)(void), pupil_why *why)
+{
+    const int fd = memfd_create("standard input", MFD_CLOEXEC);
+    int failed = fd < 0 ? pupil_refuse(why, "standard input: no memory for it") : copy_all(fd, stop, why);
+    if (!failed && (lseek(fd, 0, SEEK_SET) != 0 || dup2(fd, STDIN_FILENO) < 0))
+        failed = pupil_refuse(why, "standard input: %s", strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return failed;
+}
+
+int pupil_standard_input_prepare(int (*stop)(void), pupil_why *why)
+{
+    uint8_t bytes[PEEK_BYTES];
+    struct stat is;
+    const size_t size = peek(bytes);
+    const int still = is_still(bytes, size);
+    const int is_file = fstat(STDIN_FILENO, &is) == 0 && S_ISREG(is.st_mode);
+    if (!is_file && (still || has_index_last(bytes, size)) && spool(stop, why))
+        return -1;
+    return still;
+}

@@ -1,0 +1,75 @@
+#!/bin/sh
+# Stills of all kinds and sizes, from folders and from a pipe, by their names into a folder. Needs ffmpeg.
+set -u
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
+needs ffmpeg ffprobe
+
+sides() { ffprobe -v error -show_entries stream=width,height -of csv=p=0 "$1"; }
+# likeness A B: PSNR in dB, a whole number; 999 where they are the same
+likeness() {
+    ffmpeg -nostdin -i "$1" -i "$2" -lavfi "[0]format=rgb24[a];[1]format=rgb24[b];[a][b]psnr" -f null - 2>&1 |
+        sed -n 's/.*average:\([0-9inf]*\).*/\1/p' | sed 's/inf/999/'
+}
+
+# twelve stills of four sizes
+mkdir in
+for size in 40x30 30x40 64x36 33x17; do
+    for kind in png jpg tif; do
+        ffmpeg -v error -nostdin -f lavfi -i "mandelbrot=s=$size" -frames:v 1 -q:v 1 "in/$kind-$size.$kind" || skip "ffmpeg writes no $kind"
+    done
+done
+expect 0 "replayed 12 frames" replay in --reset-each -o out
+[ "$(find out -type f | wc -l)" = 12 ] || fail "$(find out -type f | wc -l) pictures of 12"
+for still in in/*; do
+    name=${still##*/}
+    [ "$(sides "out/${name%.*}.png")" = "$(sides "$still")" ] || fail "$name: $(sides "out/${name%.*}.png") pixels"
+done
+for size in 40x30 33x17; do # the same picture, whichever format it was in
+    [ "$(likeness out/png-$size.png out/tif-$size.png)" -ge 45 ] || fail "$size: TIFF and PNG differ: $(likeness out/png-$size.png out/tif-$size.png) dB"
+    [ "$(likeness out/png-$size.png out/jpg-$size.png)" -ge 25 ] || fail "$size: JPEG and PNG differ"
+done
+
+# a name that comes twice, a folder that has other files, and files that stay
+mkdir twice && cp in/png-40x30.png twice/a.png && cp in/tif-30x40.tif twice/a.tif
+expect 1 "out/jpg-30x40.png: is there already" replay in --reset-each -o out
+echo mine >out/notes.txt
+expect 0 "" replay in/* --reset-each -o out -y
+expect 0 "" replay twice --reset-each -o out
+[ "$(sides out/a.png) $(sides out/a-1.png)" = "40,30 30,40" ] || fail "two of one name: $(ls out)"
+[ "$(cat out/notes.txt)" = mine ] && [ "$(find out -type f | wc -l)" = 15 ] || fail "a folder with other files: $(ls out)"
+mkdir out/b.png && cp twice/a.png twice/b.png
+expect 1 "out/b.png: is there already, and no file" replay twice --reset-each -o out -y
+rmdir out/b.png
+absent
+
+# without --reset-each they are one sequence: of one size, by number
+expect 1 "a folder takes stills of any, with --reset-each" replay in -o sequence
+expect 0 "" replay in/png-40x30.png in/jpg-40x30.jpg -o sequence
+[ -s sequence/frame_000001.png ] || fail "a sequence has other names: $(ls sequence)"
+absent
+
+# a JPEG comes out as it is seen, and says nothing that it is not
+expect 0 "" replay in/png-64x36.png -o one.jpg
+expect 0 "" replay in/png-64x36.png -o one.png
+[ "$(likeness one.png one.jpg)" -ge 38 ] || fail "the JPEG is not the PNG: $(likeness one.png one.jpg) dB"
+expect 1 "one picture" replay in/png-64x36.png --hold 2 -o two.jpeg
+expect 1 "written as sRGB alone" replay in/png-64x36.png --transfer linear -o linear.jpg
+absent two.jpeg linear.jpg
+
+# standard input: all of them, as a file and as a pipe
+ffmpeg -v error -nostdin -i in/png-40x30.png -pix_fmt gbrpf32le in/x.exr || skip "ffmpeg writes no EXR"
+ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=64x36:r=25:d=1 -c:v mpeg4 late.mp4 # its index comes last
+for input in in/png-40x30.png in/tif-40x30.tif in/jpg-40x30.jpg in/x.exr late.mp4; do
+    expect 0 "" replay "$input" -q -y -n 1 -o named.png
+    "$program" replay - -q -n 1 -o redirected.png -y <"$input" 2>said.err || fail "<$input: $(cat said.err)"
+    # shellcheck disable=SC2002 # a pipe is the subject
+    cat "$input" | "$program" replay - -q -n 1 -o piped.png -y 2>said.err || fail "cat $input |: $(cat said.err)"
+    cmp -s named.png redirected.png && cmp -s named.png piped.png || fail "$input: another picture from standard input"
+done
+head -c 300 in/x.exr | "$program" replay - -o cut.png 2>said.err && fail "a piece of an EXR"
+grep -q "/dev/stdin: " said.err || fail "a piece of an EXR: $(cat said.err)"
+"$program" replay - -o cut.png </dev/null 2>said.err && fail "nothing on standard input"
+absent cut.png
+
+end_test
