@@ -23,8 +23,9 @@ static const entry inputs[] = {
      "A recording of pupil record or pupil run --record: the camera's frames with their "
      "times, exposures and gains, bit for bit."},
     {"synth:walk", "A rendered clip: from a dark room to a bright window and back, with a flash on the way."},
-    {"synth:SCENE", "The frames of a scene: one that is built in (candle, leds, meadow, room, room-radiosity, stars, "
-                    "table, walk), or a recipe by its path. fixtures/scenes/README.md describes recipes."},
+    {"synth:SCENE",
+     "The frames of a scene: one that is built in (candle, lamps, leds, meadow, room, room-radiosity, stars, "
+     "table, walk), or a recipe by its path. fixtures/scenes/README.md describes recipes."},
     {"v4l2:CAMERA", "A camera, by its path, its number or its name (pupil list shows them). A path /dev/video* or "
                     "/dev/v4l/* needs no v4l2: in front."},
     {"libcamera:CAMERA", "A camera of libcamera, by its id or a part of that, by its model, or by its number from 0; "

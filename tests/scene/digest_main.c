@@ -103,7 +103,7 @@ static void scene(const char *name, const char *recipe, uint32_t side, uint64_t 
 int main(int argc, char **argv)
 {
     static const char *const names[] = {"solids", "meshes", "bayer", "three", "walls", "shots"};
-    static const char *const stills[] = {"table", "candle", "stars", "meadow", "leds"};
+    static const char *const stills[] = {"table", "candle", "stars", "meadow", "leds", "lamps"};
     static const unsigned threads[] = {1, 2, 7};
     if (argc != 2)
         fail("its argument is the folder of the recipes");

@@ -9,7 +9,9 @@ int bench_scene_main(int argc, char **argv);
 int bench_kernels_main(int argc, char **argv);
 int bench_gles_main(int argc, char **argv);
 int bench_ae_main(int argc, char **argv);
+int bench_deferred_main(int argc, char **argv);
 
-extern const option_command bench_scene_command, bench_kernels_command, bench_gles_command, bench_ae_command;
+extern const option_command bench_scene_command, bench_kernels_command, bench_gles_command, bench_ae_command,
+    bench_deferred_command;
 
 #endif

@@ -181,7 +181,7 @@ static void renders(measuring *m)
     for (size_t light = 0; light < m->out->lights && !interrupt_came(); light++) {
         show(m, "rendering light", light + 1, m->out->lights);
         double began_s = progress_now_s();
-        fixture_scene_render_light(m->scene, light);
+        fixture_scene_render_lights(m->scene, light, 1);
         m->out->light_s[light] = progress_now_s() - began_s;
     }
 }

@@ -9,6 +9,7 @@
 #include "common/report_error.h"
 #include "file/sink/picture_sink.h"
 #include "frame/pipeline.h"
+#include "layers.h"
 #include "options/commands.h"
 #include "output/pictures.h"
 #include "refuse.h"
@@ -20,6 +21,7 @@ typedef struct render {
     size_t out_count;
     pupil_source_options source_options;
     int overwrite, quiet;
+    unsigned layers; /* 0: light alone */
 
     pupil_source *source;
     pictures linear, display;
@@ -69,6 +71,11 @@ static int parse_out(const option_value *v)
     return OPTIONS_RUN;
 }
 
+static int parse_layers(const option_value *v)
+{
+    return layers_parse(v->text, &((render *)v->options)->layers) ? option_refuse(v, NULL) : OPTIONS_RUN;
+}
+
 #define AT(field) offsetof(render, field)
 
 static const option_row rows[] = {
@@ -81,6 +88,13 @@ static const option_row rows[] = {
      .help = "instead of the recipe's"},
     {"fps", 0, OPTION_NUMBER, "N", AT(source_options.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
      .help = "instead of the recipe's"},
+    {"layers", 0, OPTION_TEXT, "NAMES", 0, .parse = parse_layers,
+     .right = "one or more of depth, normal, albedo, occlusion and ssao, with commas between",
+     .help = "also depth,normal,albedo,occlusion,ssao: further channels of an .exr",
+     .more =
+         "Of the ray through the middle of each pixel: Z is the depth in metres along the camera's axis, N.X N.Y N.Z "
+         "the normal, albedo.R G B the diffuse reflectance; occlusion.Y how open the point is to light from all "
+         "around within 0.5 m, by rays, and ssao.Y the same in screen space."},
     OPTION_ROW_THREADS(render, source_options.threads, "0"),
     {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace outputs that are there"},
     OPTION_ROW_QUIET(render, quiet),
@@ -94,7 +108,7 @@ const option_command render_command = {
     .usage = "SCENE [options] -o PATH",
     .about = "Renders the frames of a scene: linear light, or mapped for a display as by pupil replay.\n"
              "  SCENE  a recipe by its path, or one that is built in: room, walk, table, candle,\n"
-             "         stars, meadow, leds, room-radiosity",
+             "         stars, meadow, leds, lamps, room-radiosity",
     .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
     .manual = "Renders the frames of a scene: rays from a pinhole, soft shadows, the same bits on every machine. SCENE "
               "is as in synth:SCENE.",
@@ -172,15 +186,33 @@ static void show_progress(render *r)
     fflush(stderr);
 }
 
+static void show_layers(void *context, uint64_t done, uint64_t total)
+{
+    render *r = context;
+    r->rendered = done;
+    r->progress.total = total;
+    show_progress(r);
+}
+
+static int run_layers(render *r)
+{
+    if (r->out_count != 1)
+        return pupil_refuse(&r->why, "--layers: one output, a .exr or a folder of them");
+    progress_begin(&r->progress, r->quiet, 0);
+    return layers_render(r->scene, &r->source_options, r->layers, r->out[0], r->overwrite, show_layers, r, &r->why);
+}
+
 static int run(render *r)
 {
     int single;
+    r->source_options.stop = interrupt_came;
+    if (r->layers)
+        return run_layers(r);
     for (size_t i = 0; i < r->out_count && !r->source_options.frames; i++) {
         const char *dot = strrchr(r->out[i], '.');
         if ((pupil_is_linear_path(r->out[i], &single) && single) || (dot && strcmp(dot, ".png") == 0))
             r->source_options.frames = 1;
     }
-    r->source_options.stop = interrupt_came;
     if (pupil_synth_source_open(r->scene, &r->source_options, &r->source, &r->why))
         return -1;
     progress_begin(&r->progress, r->quiet, r->source->frames);

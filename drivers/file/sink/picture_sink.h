@@ -23,6 +23,16 @@ int pupil_linear_sink_open(const char *path, const pupil_sink_options *options, 
 /* Whether a path names one of these, and whether it takes one picture only. */
 int pupil_is_linear_path(const char *path, int *single);
 
+/* An OpenEXR file of any channels of 32-bit float. */
+typedef struct pupil_exr_channel {
+    const char *name;       /* "R", "Z", "N.X": the channels stand in the order of their names */
+    const float *data;      /* the first pixel's */
+    size_t step;            /* floats from pixel to pixel */
+    ptrdiff_t stride_bytes; /* from row to row */
+} pupil_exr_channel;
+int pupil_write_exr_channels(FILE *file, uint32_t width, uint32_t height, const pupil_exr_channel *channel,
+                             size_t count);
+
 /* The file formats: writes a picture to a stream; 0, or -1 where the stream fails. (write_linear.c) */
 int pupil_write_exr(FILE *file, const pupil_image_const *image);
 int pupil_write_pfm(FILE *file, const pupil_image_const *image);

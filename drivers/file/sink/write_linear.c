@@ -38,33 +38,40 @@ static void put_attribute(FILE *file, const char *name, const char *type, uint32
     put32(file, bytes);
 }
 
-static void put_box(FILE *file, const char *name, const pupil_image_const *image)
+static void put_box(FILE *file, const char *name, uint32_t width, uint32_t height)
 {
     put_attribute(file, name, "box2i", 16);
     put32(file, 0);
     put32(file, 0);
-    put32(file, image->width - 1);
-    put32(file, image->height - 1);
+    put32(file, width - 1);
+    put32(file, height - 1);
 }
 
-static void put_header(FILE *file, const pupil_image_const *image)
+static void put_channels(FILE *file, const pupil_exr_channel *channel, size_t count)
 {
-    put32(file, 20000630); /* the magic number */
-    put32(file, 2);        /* version 2, nothing special */
-    put_attribute(file, "channels", "chlist", 3 * 18 + 1);
-    for (const char *c = "BGR"; *c; c++) { /* in the order of their names */
-        const char name[2] = {*c, 0};
-        put_name(file, name);
+    uint32_t bytes = 1;
+    for (size_t i = 0; i < count; i++)
+        bytes += (uint32_t)strlen(channel[i].name) + 17;
+    put_attribute(file, "channels", "chlist", bytes);
+    for (size_t i = 0; i < count; i++) {
+        put_name(file, channel[i].name);
         put32(file, 2); /* 32-bit float */
         put32(file, 0);
         put32(file, 1);
         put32(file, 1);
     }
     putc(0, file);
+}
+
+static void put_header(FILE *file, uint32_t width, uint32_t height, const pupil_exr_channel *channel, size_t count)
+{
+    put32(file, 20000630); /* the magic number */
+    put32(file, 2);        /* version 2, nothing special */
+    put_channels(file, channel, count);
     put_attribute(file, "compression", "compression", 1);
     putc(0, file);
-    put_box(file, "dataWindow", image);
-    put_box(file, "displayWindow", image);
+    put_box(file, "dataWindow", width, height);
+    put_box(file, "displayWindow", width, height);
     put_attribute(file, "lineOrder", "lineOrder", 1);
     putc(0, file);
     put_attribute(file, "pixelAspectRatio", "float", 4);
@@ -77,27 +84,38 @@ static void put_header(FILE *file, const pupil_image_const *image)
     putc(0, file);
 }
 
-int pupil_write_exr(FILE *file, const pupil_image_const *image)
+int pupil_write_exr_channels(FILE *file, uint32_t width, uint32_t height, const pupil_exr_channel *channel,
+                             size_t count)
 {
-    put_header(file, image);
+    put_header(file, width, height, channel, count);
     long header = ftell(file);
-    uint32_t bytes = image->width * 12;
+    const uint32_t bytes = width * 4 * (uint32_t)count;
     if (header < 0)
         return -1;
-    for (uint32_t y = 0; y < image->height; y++) { /* where each line begins */
-        uint64_t at = (uint64_t)header + (uint64_t)image->height * 8 + (uint64_t)y * (bytes + 8);
+    for (uint32_t y = 0; y < height; y++) { /* where each line begins */
+        uint64_t at = (uint64_t)header + (uint64_t)height * 8 + (uint64_t)y * (bytes + 8);
         put32(file, (uint32_t)at);
         put32(file, (uint32_t)(at >> 32));
     }
-    for (uint32_t y = 0; y < image->height; y++) {
-        const float *row = row_of(image, y);
+    for (uint32_t y = 0; y < height; y++) {
         put32(file, y);
         put32(file, bytes);
-        for (int channel = 2; channel >= 0; channel--)
-            for (uint32_t x = 0; x < image->width; x++)
-                put_float(file, row[3 * x + (uint32_t)channel]);
+        for (size_t i = 0; i < count; i++) {
+            const unsigned char *row = (const unsigned char *)channel[i].data + (ptrdiff_t)y * channel[i].stride_bytes;
+            for (size_t x = 0; x < width; x++)
+                put_float(file, ((const float *)(const void *)row)[x * channel[i].step]);
+        }
     }
     return ferror(file) ? -1 : 0;
+}
+
+int pupil_write_exr(FILE *file, const pupil_image_const *image)
+{
+    const float *first = image->data;
+    const pupil_exr_channel channel[] = {{"B", first + 2, 3, image->stride_bytes},
+                                         {"G", first + 1, 3, image->stride_bytes},
+                                         {"R", first, 3, image->stride_bytes}};
+    return pupil_write_exr_channels(file, image->width, image->height, channel, 3);
 }
 
 /* --- PFM --- */
