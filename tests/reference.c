@@ -316,6 +316,25 @@ int ref_to_picture(const pupil_config *config, long double light[3])
     return 1;
 }
 
+/* What a pixel's values are multiplied by; pupil.h, pupil_curve. */
+static long double gain_of(const pupil_curve *curve, long double luminance)
+{
+    const long double u = curve->scale * luminance, t = fmaxl(1, curve->knot_scale * luminance);
+    if (!curve->knots)
+        return curve->scale * (1 + u * curve->inverse_white_squared) / (1 + u);
+    int k = 0;
+    while (k < PUPIL_CURVE_KNOTS - 1 && ldexpl(1 + (k + 1) % 8 / 8.0L, (k + 1) / 8) <= t)
+        k++;
+    long double root = curve->knot[k];
+    if (k < PUPIL_CURVE_KNOTS - 1) {
+        const long double here = ldexpl(1 + k % 8 / 8.0L, k / 8), next = ldexpl(1 + (k + 1) % 8 / 8.0L, (k + 1) / 8);
+        root += (t - here) / (next - here) * ((long double)curve->knot[k + 1] - curve->knot[k]);
+    }
+    if (curve->levels)
+        root = fminl(floorl(root * curve->levels), curve->levels - 1) / (curve->levels - 1);
+    return curve->knot_scale * root * root / t;
+}
+
 void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3])
 {
     long double exact[3], light[3], luminance;
@@ -335,8 +354,7 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
     if (isnan(luminance)) /* a pixel that is not a number in its luminance is black */
         light[0] = light[1] = light[2] = 0;
     luminance = luminance > 0 ? fminl(luminance, REF_TOP) : 0;
-    const long double u = curve->scale * luminance;
-    const long double gain = curve->scale * (1 + u * curve->inverse_white_squared) / (1 + u);
+    const long double gain = gain_of(curve, luminance);
     const long double display = luminance * gain;
     for (int c = 0; c < 3; c++)
         light[c] *= gain;

@@ -80,7 +80,8 @@ void gles_engine_close(gles_engine *g)
 
 static int wants_histogram(const pupil_config *c)
 {
-    return c->trim_low > 0.0f || c->trim_high < 1.0f || c->white_mode == PUPIL_WHITE_FOLLOW;
+    return c->trim_low > 0.0f || c->trim_high < 1.0f || c->white_mode == PUPIL_WHITE_FOLLOW ||
+           c->curve != PUPIL_CURVE_REINHARD;
 }
 
 static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
@@ -89,7 +90,8 @@ static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
     int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
     if (error == PUPIL_ERR_CONFIG && wants_histogram(&g->settings)) { /* in the words of replay's options */
         return pupil_refuse(why, "OpenGL ES 3.0 has no histogram, which %s",
-                            g->settings.white_mode == PUPIL_WHITE_FOLLOW
+                            g->settings.curve != PUPIL_CURVE_REINHARD ? "--tone needs"
+                            : g->settings.white_mode == PUPIL_WHITE_FOLLOW
                                 ? "a white point that follows needs; --white none, or a number, does without"
                                 : "--trim needs");
     }

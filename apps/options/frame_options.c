@@ -164,6 +164,16 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
      .help = "white point: follow, none, or a number",
      .more = "follow: the white point follows the 99.5 % quantile of the frame, never below 1. none: Reinhard's global "
              "operator. A number: a fixed white point in units of scaled luminance."},
+    {"tone", 0, OPTION_CHOICE, "reinhard|normalise|quantise|equalise|adjust", AT(config.curve), .initial = "reinhard",
+     .help = "curve",
+     .more =
+         "reinhard: by the level and the white point. The others are made from the histogram. normalise: the picture's "
+         "darkest and brightest 0.5 % become black and white. quantise: 8 levels. equalise: "
+         "all "
+         "codes equally frequent. adjust: a range of light that is too large for the display is fitted into it where "
+         "light is rare, and no contrast is above the scene's (Ward Larson et al. 1997). Each follows the light in "
+         "time "
+         "as the level does. docs/look.md shows them."},
     {"transfer", 0, OPTION_CHOICE, "srgb|gamma22|linear", AT(config.transfer), .initial = "srgb",
      .help = "display encoding"},
     {"output-primaries", 0, OPTION_CHOICE, "input|bt709|bt2020", AT(config.output_primaries), .initial = "bt709",
@@ -181,7 +191,8 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
          "missing or fails, a sentence says why, and the CPU continues from the same level. --meter-rows is not used: "
          "every row is metered."},
     {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", AT(gles_version), .low = PUPIL_GLES_ES30, .help = "of GLES",
-     .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim."},
+     .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim or "
+             "--tone."},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
      .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
     {"dither", 0, OPTION_CHOICE, "off|on", AT(dither), .low = 1, .help = "of 8 bits",
@@ -190,8 +201,9 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
          "runs whose --out are videos, and not with --report, which measures codes."},
 };
 
-_Static_assert(PUPIL_ORDER_FUSED == 1 && PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_LINEAR == 2 &&
-                   PUPIL_OUTPUT_AS_INPUT == 0 && PUPIL_GLES_ES31 == PUPIL_GLES_ES30 + 1 &&
+_Static_assert(PUPIL_CURVE_NORMALISE == 1 && PUPIL_CURVE_COUNT == 5 && PUPIL_ORDER_FUSED == 1 &&
+                   PUPIL_TRANSFER_SRGB == 0 && PUPIL_TRANSFER_LINEAR == 2 && PUPIL_OUTPUT_AS_INPUT == 0 &&
+                   PUPIL_GLES_ES31 == PUPIL_GLES_ES30 + 1 &&
                    PUPIL_LAW_GEOMETRIC_LUMINANCE == PUPIL_LAW_ARITHMETIC_SCALE + 3,
                "a flag sets 1, and a choice its first value and its place");
 

@@ -33,7 +33,7 @@ typedef struct frame_options {
 /* The rows that replay and run share, by title. Offsets are those of frame_options. */
 #define FRAME_OUTPUT_ROWS   3
 #define FRAME_EXPOSURE_ROWS 15
-#define FRAME_MAPPING_ROWS  8
+#define FRAME_MAPPING_ROWS  9
 extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
 extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];
 extern const option_row frame_mapping_rows[FRAME_MAPPING_ROWS];

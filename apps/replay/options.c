@@ -28,13 +28,13 @@ static const option_row frame_rows[] = {
      .help = "at most N frames"},
     {"hold", 0, OPTION_COUNT, "N", AT(hold), .initial = "1", .low = 1, .high = 1e6, .help = "show each frame N times",
      .more = "Each time one frame period later."},
+    {"keep-going", 0, OPTION_FLAG, NULL, AT(keep_going), .help = "skip bad frames",
+     .more = "Damaged and missing ones. They are counted, and the exit status is 3."},
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
      .more = "For unrelated pictures. -o FOLDER then has them by the names of the stills, each of its own size."},
     {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
      .more = "Not turned upright, which phones leave to the player."},
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
-    {"keep-going", 0, OPTION_FLAG, NULL, AT(keep_going), .help = "skip bad frames",
-     .more = "Damaged and missing ones. They are counted, and the exit status is 3."},
 };
 
 static const option_row quiet_row[] = {OPTION_ROW_QUIET(frame_options, quiet)};

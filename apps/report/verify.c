@@ -49,13 +49,35 @@ static int display_code(uint32_t transfer, double light)
     return (int)floor(code * 255.0 + 0.5);
 }
 
+/* The root of display light at t times the luminance of a curve's first knot. */
+static double root_at(const pupil_curve *curve, double t)
+{
+    int exponent;
+    const double fraction = 2.0 * frexp(clamp(t, 1.0, 0x1p16), &exponent) - 1.0;
+    const int k = 8 * (exponent - 1) + (int)(8.0 * fraction);
+    if (k >= PUPIL_CURVE_KNOTS - 1)
+        return (double)curve->knot[PUPIL_CURVE_KNOTS - 1];
+    const double from = (double)curve->knot[k], to = (double)curve->knot[k + 1];
+    const double root = from + (8.0 * fraction - k % 8) * (to - from);
+    const double levels = (double)curve->levels;
+    return curve->levels ? fmin(floor(root * levels), levels - 1.0) / (levels - 1.0) : root;
+}
+
+/* What a pixel of luminance y is multiplied by. */
+static double gain_of(const pupil_curve *curve, double y)
+{
+    const double u = (double)curve->scale * y, t = fmax((double)curve->knot_scale * y, 1.0);
+    if (!curve->knots)
+        return (double)curve->scale * (1.0 + u * (double)curve->inverse_white_squared) / (1.0 + u);
+    const double root = root_at(curve, t);
+    return (double)curve->knot_scale * root * root / t;
+}
+
 static void map_pixel(const pupil_config *config, const pupil_curve *curve, const double in[3], double luminance,
                       int code[3])
 {
-    double y = clamp(luminance, 0.0, 0x1p30), u = (double)curve->scale * y, out[3];
-    double s = luminance != luminance
-                   ? 0.0
-                   : (double)curve->scale * (1.0 + u * (double)curve->inverse_white_squared) / (1.0 + u);
+    double y = clamp(luminance, 0.0, 0x1p30), out[3];
+    double s = luminance != luminance ? 0.0 : gain_of(curve, y);
     for (int c = 0; c < 3; c++)
         out[c] = clamp(in[c], 0.0, 0x1p31) * s;
     gamut_fit(config->primaries == PUPIL_PRIMARIES_BT2020, (double)curve->gamut, y * s, out);

@@ -185,6 +185,23 @@ static void move_white(pupil_object *object, pupil_level_q52 target, double dt_s
     a->result.white_ev = stops_of(a->white);
 }
 
+/* With the weight of the level, which moves after them. */
+static void move_knots(pupil_object *object, const pupil_stats *stats, double target_ev, double white_ev,
+                       double divisor_log2, double dt_s)
+{
+    const pupil_config *c = &object->config;
+    pupil_adaptation *a = &object->adaptation;
+    const double level_ev = a->result.adapted_ev;
+    const double w = a->seen && a->knots.seen ? pupil_weight_of_step(c, dt_s, target_ev > level_ev) : 1.0;
+    const pupil_knots_frame frame = {.stats = stats,
+                                     .divisor_log2 = divisor_log2 + a->result.flicker_ev,
+                                     .target_ev = target_ev,
+                                     .white_ev = white_ev,
+                                     .centre_ev = w < 1.0 ? level_ev : target_ev,
+                                     .weight = w};
+    pupil_knots_follow(c, &a->knots, &frame);
+}
+
 static void judge(pupil_object *object, double target_ev, uint32_t reason)
 {
     pupil_exposure *r = &object->adaptation.result;
@@ -233,14 +250,14 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
     error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
         error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);
+    if (!error && c->curve != PUPIL_CURVE_REINHARD && !stats->has_histogram)
+        error = PUPIL_ERR_NO_HISTOGRAM;
     return error;
 }
 
-double pupil_scale_log2(const pupil_object *object)
+double pupil_scale_log2(const pupil_config *c, double adapted_ev)
 {
-    const pupil_config *c = &object->config;
-    const double ev = object->adaptation.result.adapted_ev;
-    return pupil_key_log2(c->key, c->key_at, c->key_points, ev) + c->ev_compensation - ev;
+    return pupil_key_log2(c->key, c->key_at, c->key_points, adapted_ev) + c->ev_compensation - adapted_ev;
 }
 
 /* The level that this frame asks for, and why it is not the log-average. */
@@ -309,12 +326,15 @@ int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info
     if (c->lock && a->seen) {
         reason = PUPIL_REASON_LOCK;
     } else {
+        const double white_ev = white - divisor_log2 - a->result.flicker_ev;
         if (c->white_mode == PUPIL_WHITE_FOLLOW)
-            move_white(object, pupil_level_of(white - divisor_log2 - a->result.flicker_ev), dt_s);
+            move_white(object, pupil_level_of(white_ev), dt_s);
+        if (c->curve != PUPIL_CURVE_REINHARD)
+            move_knots(object, stats, target_ev, white_ev, divisor_log2, dt_s);
         move_level(object, pupil_level_of(target_ev), dt_s);
         a->seen = 1;
     }
-    a->result.scale = pupil_exp2(pupil_scale_log2(object));
+    a->result.scale = pupil_exp2(pupil_scale_log2(c, a->result.adapted_ev));
     a->result.frames++;
     judge(object, target_ev, reason);
     return PUPIL_OK;

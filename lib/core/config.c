@@ -5,7 +5,7 @@
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, dither)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, curve_range_ev)
 
 static void fill_in_defaults(pupil_config *config)
 {
@@ -29,6 +29,10 @@ static void fill_in_defaults(pupil_config *config)
         .highlight_room_ev = 4.0,
         .highlight_ev = 2.0,
         .amplification_ev = 4.0,
+        .curve_levels = 8,
+        .curve_share = 0.005,
+        .curve_ceiling = 1.0,
+        .curve_range_ev = 8.0,
     };
     *config = defaults;
     (void)pupil_metering_uniform(config);
@@ -113,7 +117,7 @@ static const char *metering_fault(const pupil_config *c)
     return fault;
 }
 
-static const char *adaptation_fault(const pupil_config *c)
+static __attribute__((noinline)) const char *adaptation_fault(const pupil_config *c)
 {
     const pupil_rule rules[] = {
         {c->law < PUPIL_LAW_COUNT, "law must be a pupil_law"},
@@ -148,6 +152,11 @@ static const char *mapping_fault(const pupil_config *c)
         {c->output_primaries < PUPIL_OUTPUT_COUNT, "output_primaries must be a pupil_output_primaries"},
         {c->transfer < PUPIL_TRANSFER_COUNT, "transfer must be a pupil_transfer"},
         {!(c->levels >> PUPIL_LEVEL_COUNT), "levels must be 0 or a mask of 1 << pupil_level"},
+        {c->curve < PUPIL_CURVE_COUNT, "curve must be a pupil_curve_kind"},
+        {c->curve_levels >= 2 && c->curve_levels <= 256, "curve_levels must be from 2 to 256"},
+        {within(c->curve_share, 0.0, 0.25), "curve_share must be from 0 to 0.25"},
+        {within(c->curve_ceiling, 1.0, 4.0), "curve_ceiling must be from 1 to 4"},
+        {within(c->curve_range_ev, 2.0, 16.0), "curve_range_ev must be from 2 to 16 stops"},
     };
     return first_fault(rules, sizeof rules / sizeof rules[0]);
 }

@@ -19,6 +19,13 @@ typedef int64_t pupil_level_q52;
 /* Sums of log2 in statistics have 40 fractional bits. */
 #define PUPIL_Q40_ONE (INT64_C(1) << 40)
 
+/* The curve as a table, in scene luminance. The roots are in 2^-31, so that they end on their targets. */
+typedef struct pupil_knots {
+    uint32_t seen;
+    int32_t first_ev; /* log2 of the luminance of the first knot; whole stops */
+    uint32_t root_q31[PUPIL_CURVE_KNOTS];
+} pupil_knots;
+
 typedef struct pupil_adaptation {
     uint32_t seen;           /* a valid frame has set the level */
     uint32_t stamped;        /* last_timestamp_ns is of a frame */
@@ -32,6 +39,7 @@ typedef struct pupil_adaptation {
     uint64_t turn;        /* frames taken, also those without light: which rows config.meter_rows lets through */
     pupil_flicker flicker;
     pupil_exposure result;
+    pupil_knots knots; /* only with config.curve */
 } pupil_adaptation;
 
 typedef struct pupil_in_progress {
@@ -93,7 +101,7 @@ void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *cod
 
 /* Meters rows into stats (unless NULL) and maps them by curve to out (unless NULL); arguments already checked. */
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
-                     pupil_stats *stats, const pupil_curve *curve, const pupil_image *out);
+                     pupil_stats *stats, const pupil_tone *curve, const pupil_image *out);
 
 /* The metering grid: the first x whose pixel is in column `cell` of it or right of that; the row that y is in. */
 uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width);
@@ -128,8 +136,20 @@ double pupil_least_level_log2(const pupil_config *config, float code_light);
 /* Stops as a level, to the nearest. */
 pupil_level_q52 pupil_level_of(double stops);
 
-/* log2 of X, from scene luminance. */
-double pupil_scale_log2(const pupil_object *object);
+/* log2 of X, from scene luminance, at an adapted level. */
+double pupil_scale_log2(const pupil_config *config, double adapted_ev);
+
+/* What the knots are to follow of a frame, all of it in scene luminance. */
+typedef struct pupil_knots_frame {
+    const pupil_stats *stats; /* with bins and a weight */
+    double divisor_log2;      /* from the frame's values to scene luminance, flicker included */
+    double target_ev, white_ev;
+    double centre_ev; /* the level, around which the knots are kept */
+    double weight;    /* of the step to this frame */
+} pupil_knots_frame;
+void pupil_knots_follow(const pupil_config *config, pupil_knots *knots, const pupil_knots_frame *frame);
+/* knots, levels, knot_scale and knot[] of a curve for a frame with this divisor. */
+void pupil_knots_get(const pupil_config *config, const pupil_knots *knots, double divisor_log2, pupil_curve *curve);
 
 /* Carries the adapted level over to the law of object->config, of which it was not the state before. */
 void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law);

@@ -13,7 +13,7 @@ static void configure(pupil_object *object, const pupil_config *theirs)
     const pupil_config *config = &object->config;
     (void)pupil_config_read(&object->config, theirs);
     object->histogram = config->histogram || config->white_mode == PUPIL_WHITE_FOLLOW || config->trim_low > 0.0f ||
-                        config->trim_high < 1.0f;
+                        config->trim_high < 1.0f || config->curve != PUPIL_CURVE_REINHARD;
     object->level = pupil_level_choose(config->levels);
     pupil_primaries_derive(object);
 }
@@ -57,6 +57,8 @@ int pupil_retune(pupil_t *pupil, const pupil_config *config)
     pupil_adaptation_change_law(object, old_law);
     if (object->config.white_mode != PUPIL_WHITE_FOLLOW)
         object->adaptation.white_seen = 0; /* a white from before would be stale when it follows again */
+    if (object->config.curve == PUPIL_CURVE_REINHARD)
+        object->adaptation.knots.seen = 0; /* as would be these */
     return PUPIL_OK;
 }
 
@@ -138,7 +140,7 @@ int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_i
 {
     pupil_input in;
     pupil_output to;
-    pupil_curve by;
+    pupil_tone by;
     int error = read_in(pupil, &in, rows);
     if (!error)
         error = read_out(&in.image, &to, out);
@@ -154,7 +156,7 @@ int pupil_fused_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil
 {
     pupil_input in;
     pupil_output to;
-    pupil_curve by;
+    pupil_tone by;
     int error = read_in(pupil, &in, rows);
     if (!error)
         error = read_out(&in.image, &to, out);
@@ -269,6 +271,28 @@ int pupil_meter(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_i
     return pupil_adapt(pupil, &object->stats, info ? &own : 0);
 }
 
+/* Of a frame that has been checked. Apart from its checks, because curves and images together fill the stack. */
+static __attribute__((noinline)) void process(pupil_object *object, const pupil_image_const *in,
+                                              const pupil_frame_info *info, const pupil_image *out)
+{
+    pupil_t *pupil = (pupil_t *)(void *)object;
+    pupil_curve curve;
+    pupil_tone by;
+    const int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
+    if (fused)
+        (void)pupil_curve_read(&by, &curve);
+    pupil_stats_clear(&object->stats);
+    pupil_work_rows(object, in, 0, in->height, &object->stats, fused ? &by : 0, fused ? out : 0);
+    const int error = pupil_adapt(pupil, &object->stats, info);
+    PUPIL_ASSERT(!error); /* our own metering is never refused */
+    if (fused)
+        return;
+    if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
+        (void)pupil_curve_before_light(pupil, &curve);
+    (void)pupil_curve_read(&by, &curve);
+    pupil_work_rows(object, in, 0, in->height, 0, &by, out);
+}
+
 int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     pupil_input from;
@@ -284,19 +308,6 @@ int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame
     pupil_object *object = pupil_object_of(pupil);
     if (object->progress.active)
         return PUPIL_ERR_ORDER;
-    info = info ? &own : 0;
-
-    pupil_curve curve;
-    const int fused = object->config.order == PUPIL_ORDER_FUSED && pupil_get_curve(pupil, info, &curve) == PUPIL_OK;
-    pupil_stats_clear(&object->stats);
-    pupil_work_rows(object, &from.image, 0, from.image.height, &object->stats, fused ? &curve : 0,
-                    fused ? &to.image : 0);
-    error = pupil_adapt(pupil, &object->stats, info);
-    PUPIL_ASSERT(!error); /* our own metering is never refused */
-    if (!fused) {
-        if (pupil_get_curve(pupil, info, &curve) != PUPIL_OK)
-            (void)pupil_curve_before_light(pupil, &curve);
-        pupil_work_rows(object, &from.image, 0, from.image.height, 0, &curve, &to.image);
-    }
+    process(object, &from.image, info ? &own : 0, &to.image);
     return PUPIL_OK;
 }

@@ -20,22 +20,42 @@ int pupil_info_read(pupil_frame_info *ours, const pupil_frame_info *theirs)
     return PUPIL_OK;
 }
 
-static int check_curve(const pupil_curve *curve)
+static int check_knots(const pupil_curve *head, const float knot[PUPIL_CURVE_KNOTS])
 {
-    int right = curve->scale >= 0.0f && curve->scale <= 0x1p60f && curve->inverse_white_squared >= 0.0f &&
-                curve->inverse_white_squared <= 0x1p16f && curve->gamut >= 0.0f && curve->gamut <= 16.0f &&
-                curve->dither <= 1 && curve->first_row < PUPIL_MAX_SIDE_PX;
-    return right ? PUPIL_OK : PUPIL_ERR_VALUE;
+    int right = head->knots == PUPIL_CURVE_KNOTS && head->levels != 1 && head->levels <= 256 &&
+                head->knot_scale >= 0.0f && head->knot_scale <= 0x1p60f;
+    for (int i = 0; i < PUPIL_CURVE_KNOTS; i++)
+        right &= knot[i] >= 0.0f && knot[i] <= 1.0f;
+    return right;
 }
 
-int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs)
+static int check_curve(const pupil_curve *head, const float knot[PUPIL_CURVE_KNOTS])
 {
-    *ours = (pupil_curve){0};
+    int right = head->scale >= 0.0f && head->scale <= 0x1p60f && head->inverse_white_squared >= 0.0f &&
+                head->inverse_white_squared <= 0x1p16f && head->gamut >= 0.0f && head->gamut <= 16.0f &&
+                head->dither <= 1 && head->first_row < PUPIL_MAX_SIDE_PX;
+    return right && (!head->knots || check_knots(head, knot)) ? PUPIL_OK : PUPIL_ERR_VALUE;
+}
+
+int pupil_curve_read(pupil_tone *ours, const pupil_curve *theirs)
+{
+    const size_t first_bytes = PUPIL_FIRST_BYTES(pupil_curve, knot);
+    pupil_curve head;
     if (!theirs)
         return PUPIL_ERR_NULL;
-    if (read_struct(ours, sizeof *ours, PUPIL_FIRST_BYTES(pupil_curve, first_row), theirs))
+    const size_t bytes = theirs->size_bytes ? theirs->size_bytes : first_bytes;
+    if (pupil_versioned_fault(theirs, bytes, sizeof head, first_bytes))
         return PUPIL_ERR_SIZE_BYTES;
-    return check_curve(ours);
+    __builtin_memcpy(&head, theirs, offsetof(pupil_curve, knot)); /* knots are read where they are, if there are any */
+    *ours = (pupil_tone){.scale = head.scale,
+                         .inverse_white_squared = head.inverse_white_squared,
+                         .gamut = head.gamut,
+                         .knot_scale = head.knots ? head.knot_scale : 0.0f,
+                         .dither = head.dither,
+                         .first_row = head.first_row,
+                         .levels = head.levels,
+                         .knot = head.knots ? theirs->knot : 0};
+    return check_curve(&head, theirs->knot);
 }
 
 const char *pupil_coding_read(pupil_coding *ours, const pupil_coding *theirs)

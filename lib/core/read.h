@@ -4,6 +4,7 @@
 #ifndef PUPIL_CORE_READ_H
 #define PUPIL_CORE_READ_H
 
+#include "kernels/kernels.h"
 #include "pupil/pupil.h"
 
 /* These return PUPIL_OK or an error. */
@@ -11,7 +12,7 @@
 /* `theirs` may be NULL: nothing is known. */
 int pupil_info_read(pupil_frame_info *ours, const pupil_frame_info *theirs);
 /* And its values are right. */
-int pupil_curve_read(pupil_curve *ours, const pupil_curve *theirs);
+int pupil_curve_read(pupil_tone *ours, const pupil_curve *theirs);
 /* NULL, or a sentence; the values are not looked at. */
 const char *pupil_coding_read(pupil_coding *ours, const pupil_coding *theirs);
 

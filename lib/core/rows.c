@@ -229,7 +229,7 @@ static void convert_to_picture(work *w, pupil_row_job *picture)
 }
 
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
-                     pupil_stats *stats, const pupil_curve *curve, const pupil_image *out)
+                     pupil_stats *stats, const pupil_tone *curve, const pupil_image *out)
 {
     work w = {.object = object, .in = in, .out = out, .stats = stats, .first_row = first_row};
     const int mosaic = pupil_pixel_is_mosaic(in->pixel);

@@ -73,6 +73,7 @@
     X(Uniform2ui, UNIFORM2UI)                                                                                          \
     X(Uniform3f, UNIFORM3F)                                                                                            \
     X(Uniform4f, UNIFORM4F)                                                                                            \
+    X(Uniform4fv, UNIFORM4FV)                                                                                          \
     X(Uniform4i, UNIFORM4I)                                                                                            \
     X(Uniform4iv, UNIFORM4IV)                                                                                          \
     X(Uniform4ui, UNIFORM4UI)                                                                                          \

@@ -203,7 +203,9 @@ static void take_settings(gles_object *o, const pupil_t *from)
     o->has_to_picture = pupil->has_to_picture;
     o->cones = pupil->cones;
     pupil_metered_luma(pupil->luma, &o->coder, o->metered_luma);
-    (void)pupil_curve_before_light(from, &o->curve);
+    pupil_curve before_light;
+    (void)pupil_curve_before_light(from, &before_light);
+    (void)pupil_curve_read(&o->curve, &before_light);
 }
 
 static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, uint32_t version)

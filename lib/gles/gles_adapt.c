@@ -19,6 +19,8 @@ int pupil_gles_adapt_check(const pupil_config *c, pupil_why *why)
         fault = "on the GPU white_mode must be PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE";
     else if (c->trim_low > 0.0f || c->trim_high < 1.0f)
         fault = "on the GPU trim_low and trim_high must be 0 and 1";
+    else if (c->curve != PUPIL_CURVE_REINHARD)
+        fault = "on the GPU curve must be PUPIL_CURVE_REINHARD";
     else if (c->key_points)
         fault = "on the GPU key_points must be 0";
     else if (c->histogram && c->highlight_ev > 0.0)

@@ -133,7 +133,7 @@ static void scissor(const gles_object *o, rectangle r)
     o->gl.Scissor(r.x, r.y, r.width, r.height);
 }
 
-static void set_curve(const gles_object *o, int scaled, const pupil_curve *curve)
+static void set_curve(const gles_object *o, int scaled, const pupil_tone *curve)
 {
     if (o->variant.level_here)
         o->gl.Uniform1i(o->programs.map[scaled].scale, pupil_gles_adapt_scale_base(o));
@@ -142,9 +142,14 @@ static void set_curve(const gles_object *o, int scaled, const pupil_curve *curve
     o->gl.Uniform1f(o->programs.map[scaled].inverse_white_squared, curve->inverse_white_squared);
     o->gl.Uniform1f(o->programs.map[scaled].gamut, curve->gamut);
     o->gl.Uniform1i(o->programs.map[scaled].dither, (GLint)curve->dither);
+    o->gl.Uniform1f(o->programs.map[scaled].knot_scale, curve->knot ? curve->knot_scale : -1.0f);
+    if (!curve->knot)
+        return;
+    o->gl.Uniform1f(o->programs.map[scaled].knot_levels, (float)curve->levels);
+    o->gl.Uniform4fv(o->programs.map[scaled].knots, PUPIL_CURVE_KNOTS / 4, curve->knot);
 }
 
-static void draw(gles_object *o, const pupil_curve *curve, const pupil_gles_target *t)
+static void draw(gles_object *o, const pupil_tone *curve, const pupil_gles_target *t)
 {
     const gl_functions *gl = &o->gl;
     const picture p = picture_of(o, t->orientation);
@@ -177,7 +182,7 @@ static void draw(gles_object *o, const pupil_curve *curve, const pupil_gles_targ
 
 int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_target *target)
 {
-    pupil_curve by;
+    pupil_tone by;
     pupil_gles_target to;
     int error = pupil_gles_check(gles);
     if (error)

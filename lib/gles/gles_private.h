@@ -56,7 +56,7 @@ typedef struct gles_programs {
         GLint step_weight, minus_divisor, level_limits, given;
     } adapt;
     struct {
-        GLint scale, inverse_white_squared, gamut, dither, turn, shift;
+        GLint scale, inverse_white_squared, gamut, dither, turn, shift, knots, knot_scale, knot_levels;
     } map[2]; /* GLES_MAP, GLES_MAP_SCALED */
 } gles_programs;
 
@@ -96,7 +96,7 @@ typedef struct gles_object {
     pupil_coder coder;
     float code_light; /* of stats */
     uint32_t histogram;
-    pupil_curve curve;       /* ADAPT_GPU: its white and gamut; the scale is 1 */
+    pupil_tone curve;        /* ADAPT_GPU: its white and gamut; the scale is 1 */
     uint32_t unit;           /* rows of a mosaic's quad, or 1 */
     uint32_t cells_together; /* columns of the metering grid in one of regions */
     uint32_t region_rows;

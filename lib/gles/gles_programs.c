@@ -75,6 +75,9 @@ static void find_uniforms(const gles_object *o, const gles_variant *variant, gle
         p->map[i].dither = at(o, name, "dither");
         p->map[i].turn = at(o, name, "turn");
         p->map[i].shift = at(o, name, "shift");
+        p->map[i].knots = at(o, name, "knots");
+        p->map[i].knot_scale = at(o, name, "knot_scale");
+        p->map[i].knot_levels = at(o, name, "knot_levels");
     }
 }
 

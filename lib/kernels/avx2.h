@@ -232,6 +232,17 @@ INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
     return v_add(_mm256_shuffle_ps(even, odd, 0x88), v_mul(rest, _mm256_shuffle_ps(even, odd, 0xdd)));
 }
 
+/* from knot[i] to knot[i + 1], by a part of the way */
+INLINE floats v_between(const float *knot, ints i, floats part)
+{
+    int32_t at[WIDTH];
+    v_store_ints(at, i);
+    const __m256 even = _mm256_set_m128(two_pairs(knot + at[4], knot + at[5]), two_pairs(knot + at[0], knot + at[1]));
+    const __m256 odd = _mm256_set_m128(two_pairs(knot + at[6], knot + at[7]), two_pairs(knot + at[2], knot + at[3]));
+    const floats from = _mm256_shuffle_ps(even, odd, 0x88), to = _mm256_shuffle_ps(even, odd, 0xdd);
+    return v_add(from, v_mul(part, v_sub(to, from)));
+}
+
 /* --- load WIDTH pixels; *a is alpha --- */
 
 INLINE __m256 two_of_ps(const float *low, const float *high)

@@ -221,6 +221,14 @@ INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
     return v_add(v_of_bits(v_gather(table, at)), v_mul(rest, v_of_bits(v_gather(table + 1, at))));
 }
 
+/* from knot[i] to knot[i + 1], by a part of the way */
+INLINE floats v_between(const float *knot, ints i, floats part)
+{
+    const uint32_t *table = (const uint32_t *)(const void *)knot;
+    const floats from = v_of_bits(v_gather(table, i)), to = v_of_bits(v_gather(table + 1, i));
+    return v_add(from, v_mul(part, v_sub(to, from)));
+}
+
 /* --- load 16 pixels; *a is alpha, or whether it is opaque --- */
 
 /* Every fourth float of 32, from the first and from the second (or the third and the fourth). */

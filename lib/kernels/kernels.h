@@ -45,6 +45,14 @@
 /* A largest component is seen as beyond grey by no less. */
 #define LEAST_DIVISOR 0x1p-24f
 
+/* --- a curve's knots (pupil.h), as the float whose bits say which two are around it --- */
+
+#define KNOT_BITS 20                         /* above them is a knot: eight a stop */
+#define KNOT_PART ((1u << KNOT_BITS) - 1)    /* how far on it is to the next one ... */
+#define KNOT_UNIT 0x1p-20f                   /* ... in this unit */
+#define KNOT_ZERO (0x3f800000u >> KNOT_BITS) /* the first one is at 1.0 */
+#define KNOT_LAST 0x1.dffffep15f             /* just below the last one */
+
 /* What metering a run of pixels leaves: pixel i of the run is in lane i % 16; log2 of lane = exponent + log2 product.
  */
 typedef struct pupil_run {
@@ -104,6 +112,13 @@ typedef struct pupil_row {
     uint32_t odd;                 /* mosaics: the second row of a quad */
 } pupil_row;
 
+/* A pupil_curve (pupil.h) that has been checked; its knots stay the caller's. */
+typedef struct pupil_tone {
+    float scale, inverse_white_squared, gamut, knot_scale;
+    uint32_t dither, first_row, levels;
+    const float *knot; /* NULL: Reinhard's */
+} pupil_tone;
+
 /* How pixels come to planes. */
 typedef enum pupil_way {
     PUPIL_WAY_PIXELS = 0, /* each by itself */
@@ -121,7 +136,7 @@ typedef struct pupil_row_job {
     const struct pupil_kernels *kernels;
     const pupil_encoder *encoder;
     const pupil_coder *coder;
-    const pupil_curve *curve; /* NULL: meter only */
+    const pupil_tone *curve;  /* NULL: meter only */
     const pupil_cones *cones; /* of the picture */
     const struct pupil_row_job
         *picture;            /* what maps where the picture has other primaries: this job with its luma ... */
@@ -197,6 +212,7 @@ typedef struct pupil_kernels {
     pupil_load_kernel *load[PUPIL_PIXEL_COUNT];         /* by input format */
     pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];       /* by input format */
     pupil_scale_kernel *scale[PUPIL_PIXEL_COUNT];       /* by input format */
+    pupil_scale_kernel *scale_by_knots;                 /* of planes, where the curve has knots */
     pupil_unpack_kernel *unpack[PUPIL_PIXEL_COUNT];     /* by input format; scalar NULL: not a mosaic */
     pupil_quads_kernel *meter_quads[PUPIL_PIXEL_COUNT]; /* by input format; only where it is faster than its pieces */
     pupil_binned_kernel *binned;

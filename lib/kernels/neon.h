@@ -176,6 +176,14 @@ INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
     const float32x4_t high = vcombine_f32(vld1_f32(light[vgetq_lane_u32(i, 2)]), vld1_f32(light[vgetq_lane_u32(i, 3)]));
     return vaddq_f32(vuzp1q_f32(low, high), vmulq_f32(rest, vuzp2q_f32(low, high)));
 }
+/* from knot[i] to knot[i + 1], by a part of the way */
+INLINE floats v_between(const float *knot, ints i, floats part)
+{
+    const float32x4_t low = vcombine_f32(vld1_f32(knot + vgetq_lane_u32(i, 0)), vld1_f32(knot + vgetq_lane_u32(i, 1)));
+    const float32x4_t high = vcombine_f32(vld1_f32(knot + vgetq_lane_u32(i, 2)), vld1_f32(knot + vgetq_lane_u32(i, 3)));
+    const floats from = vuzp1q_f32(low, high), to = vuzp2q_f32(low, high);
+    return vaddq_f32(from, vmulq_f32(part, vsubq_f32(to, from)));
+}
 INLINE mask v_equal_ints(ints a, ints b)
 {
     return vceqq_u32(a, b);

@@ -227,8 +227,8 @@ static inline mapper mapper_of(const pupil_row_job *job, int metered)
     const pupil_kernels *k = job->kernels;
     const int histogram = metered && job->histogram;
     return (mapper){
-        .direct = histogram || job->to_picture ? 0 : k->scale[job->in_pixel],
-        .planar = k->scale[PUPIL_PLANES],
+        .direct = histogram || job->to_picture || job->curve->knot ? 0 : k->scale[job->in_pixel],
+        .planar = job->curve->knot ? k->scale_by_knots : k->scale[PUPIL_PLANES],
         .store = PUPIL_PIECE(k, store[job->out_pixel]),
         .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
         .to_light = pupil_kernels_scalar.store_alpha[job->out_pixel] && pupil_kernels_scalar.alpha_light[job->in_pixel],

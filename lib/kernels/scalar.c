@@ -162,7 +162,7 @@ static inline float clamp_channel(float v)
 /* l becomes the display luminance. */
 static void tone(pupil_planes *restrict p, float *restrict l, uint32_t n, const pupil_row_job *job)
 {
-    const pupil_curve *curve = job->curve;
+    const pupil_tone *curve = job->curve;
     const float x = curve->scale, iw2 = curve->inverse_white_squared, gamut = curve->gamut;
     float *restrict r = p->r, *restrict g = p->g, *restrict b = p->b;
     uint32_t over = 0;
@@ -183,17 +183,69 @@ static void tone(pupil_planes *restrict p, float *restrict l, uint32_t n, const 
         fit_gamut(p, l, n, gamut, job->cones);
 }
 
-static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
+/* A root of display light, at t times the first knot's luminance. */
+static inline float root_at(const pupil_tone *curve, float t)
+{
+    const uint32_t bits = pupil_bits_of_float(t < KNOT_LAST ? t : KNOT_LAST);
+    const float *knot = curve->knot + ((bits >> KNOT_BITS) - KNOT_ZERO);
+    return knot[0] + (float)(int32_t)(bits & KNOT_PART) * KNOT_UNIT * (knot[1] - knot[0]);
+}
+
+/* The same by a table. */
+static void tone_by_knots(pupil_planes *restrict p, float *restrict l, uint32_t n, const pupil_row_job *job)
+{
+    const pupil_tone *curve = job->curve;
+    const float k = curve->knot_scale, gamut = curve->gamut, levels = (float)(int32_t)curve->levels;
+    const float last = levels - 1.0f, level = 1.0f / last;
+    uint32_t over = 0;
+
+    for (uint32_t i = 0; i < n; i++) {
+        float y = l[i] > 0.0f ? l[i] : 0.0f;
+        y = y < PUPIL_CEILING ? y : PUPIL_CEILING;
+        const float t = k * y > 1.0f ? k * y : 1.0f;
+        float root = root_at(curve, t);
+        if (curve->levels) {
+            const float steps = (float)(int32_t)(root * levels);
+            root = (steps < last ? steps : last) * level;
+        }
+        float s = k * (root * root / t);
+        s = l[i] == l[i] ? s : 0.0f;
+        p->r[i] = clamp_channel(p->r[i]) * s;
+        p->g[i] = clamp_channel(p->g[i]) * s;
+        p->b[i] = clamp_channel(p->b[i]) * s;
+        l[i] = y * s;
+        over |= (uint32_t)(max3(p->r[i], p->g[i], p->b[i]) > gamut_limit(l[i], gamut));
+    }
+    if (over)
+        fit_gamut(p, l, n, gamut, job->cones);
+}
+
+static inline int scale_planes(const pupil_row_job *job, uint32_t n, pupil_planes *planes, pupil_run *run, int by_knots)
 {
     float *l = planes->grey;
-    (void)source;
     luminance(job->luma, planes, n, l);
     if (run) {
         count(l, planes, n, job->floor, job->clip, run);
         meter_luminance(l, n, job->floor, run);
     }
-    tone(planes, l, n, job);
+    if (by_knots)
+        tone_by_knots(planes, l, n, job);
+    else
+        tone(planes, l, n, job);
     return 0;
+}
+
+static int scale(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
+{
+    (void)source;
+    return scale_planes(job, n, planes, run, 0);
+}
+
+static int scale_by_knots(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
+                          pupil_run *run)
+{
+    (void)source;
+    return scale_planes(job, n, planes, run, 1);
 }
 
 /* IEC 61966-2-1: 2.4 / (255 * 1.055) x^(1.4 / 2.4), and 1 / (255 * 12.92); 2.2 / 255 x^(1.2 / 2.2); 1 / 255. */
@@ -339,6 +391,7 @@ const pupil_kernels pupil_kernels_scalar = {
     CAMERA_PIECES,
     .meter = {[PUPIL_PLANES] = meter},
     .scale = {[PUPIL_PLANES] = scale},
+    .scale_by_knots = scale_by_knots,
     .histogram = histogram,
     .dither = dither,
     .store =

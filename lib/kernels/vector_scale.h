@@ -10,7 +10,7 @@ typedef struct scale_constants {
     floats scale, inverse_white_squared, gamut, knee, above_knee;
 } scale_constants;
 
-INLINE scale_constants scale_constants_of(const pupil_curve *curve)
+INLINE scale_constants scale_constants_of(const pupil_tone *curve)
 {
     scale_constants c;
     c.scale = v_all(curve->scale);

@@ -5,6 +5,7 @@
 
 #include "pixels_to_linear.h"
 #include "vector_formats.h"
+#include "vector_knots.h"
 
 /* A format's kernels. They are functions of their own so that the format is a constant in each. The parts that are not
  * inlined have registers of their own. */
@@ -80,6 +81,15 @@ static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n
     return scale_groups(&in_planes, job, (const uint8_t *)planes, n, planes, 0);
 }
 
+static int scale_by_knots(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
+                          pupil_run *run)
+{
+    if (run)
+        meter_planes(job, source, planes, n, run);
+    scale_planes_by_knots(job, n, planes);
+    return 0;
+}
+
 static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
 {
     store_vectors(p->r, p->g, p->b, n, e, target, 4);
@@ -120,7 +130,7 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_RGB32F] = scale_rgb32f, [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,                                \
             [PUPIL_PIXEL_RGBA16] = scale_rgba16, [PUPIL_PIXEL_RGB16] = scale_rgb16,                                    \
     },                                                                                                                 \
-    .histogram = histogram, .dither = dither,                                                                          \
+    .scale_by_knots = scale_by_knots, .histogram = histogram, .dither = dither,                                        \
     .store =                                                                                                           \
         {                                                                                                              \
             [PUPIL_PIXEL_RGBA8] = store_rgba8,                                                                         \

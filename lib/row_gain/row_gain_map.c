@@ -1,4 +1,4 @@
-/* Mapping with a gain for each row: row by row through pupil_map_rows, each with its own scale. */
+/* Mapping with a gain for each row: row by row, each with its own scale. */
 #include "pupil/row_gain.h"
 
 #include "base/numeric.h"
@@ -24,8 +24,14 @@ static float mean_of(const float *gain, uint32_t count)
     return mean;
 }
 
+/* To what a curve's scales may be. */
+static float bounded(double scale)
+{
+    return scale < 0x1p60 ? (float)scale : 0x1p60f;
+}
+
 /* Reads all that pupil_map_rows would refuse of the whole: nothing is mapped before all of it is known to be right. */
-static int read_all(pupil_curve *by, pupil_input *in, pupil_output *to, const pupil_curve *curve,
+static int read_all(pupil_tone *by, pupil_input *in, pupil_output *to, const pupil_curve *curve,
                     const pupil_image_const *rows, const pupil_image *out)
 {
     int error = pupil_input_read(in, rows);
@@ -44,7 +50,7 @@ static int read_all(pupil_curve *by, pupil_input *in, pupil_output *to, const pu
 int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                               const float *gain, const pupil_image *out)
 {
-    pupil_curve by;
+    pupil_tone by;
     pupil_input in;
     pupil_output to;
     int error = pupil_object_check(pupil);
@@ -57,17 +63,19 @@ int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, co
         if (!pupil_is_finite(gain[y]) || !(gain[y] > 0.0f))
             return PUPIL_ERR_VALUE;
     const uint32_t together = rows_together(&in.image, &to.image);
+    const double scale = (double)by.scale, knot_scale = (double)by.knot_scale;
+    const uint32_t first_row = by.first_row;
     const uint32_t halved = to.image.width != in.image.width ? 2 : 1;
-    for (uint32_t y = 0; !error && y < height; y += together) {
+    for (uint32_t y = 0; y < height; y += together) {
         const uint32_t left = height - y;
         const uint32_t count = left < together ? left : together;
         const pupil_image_const part = pupil_image_rows(in.image, y, count);
         const pupil_image part_out = pupil_image_out_rows(to.image, y / halved, count / halved);
-        pupil_curve scaled = by;
-        const double scale = (double)by.scale * mean_of(gain + y, count);
-        scaled.scale = scale < 0x1p60 ? (float)scale : 0x1p60f;
-        scaled.first_row = by.first_row + y;
-        error = pupil_map_rows(pupil, &scaled, &part, &part_out);
+        const double mean = (double)mean_of(gain + y, count);
+        by.scale = bounded(scale * mean);
+        by.knot_scale = bounded(knot_scale * mean);
+        by.first_row = first_row + y;
+        pupil_work_rows(pupil_object_of_const(pupil), &part, by.first_row, count, 0, &by, &part_out);
     }
     return error;
 }

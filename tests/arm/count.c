@@ -59,6 +59,7 @@ static const struct output {
 
 /* Middle grey of an average of 1/8; no pixel of an ordinary picture is beyond white. */
 static const pupil_curve curve = {.scale = 0.18f * 8};
+static const pupil_tone tone = {.scale = 0.18f * 8};
 
 static _Alignas(16) uint8_t source[ROWS * WIDTH * 16], source_chroma[ROWS * WIDTH * 2];
 static _Alignas(16) uint8_t target[ROWS * WIDTH * 4], target_chroma[ROWS / 2 * WIDTH];
@@ -223,7 +224,7 @@ static void count(const char *what, const struct format *f, const struct output 
     const pupil_row_job job = {.kernels = pupil_level_kernels(level_counted),
                                .encoder = &pupil_encoders[PUPIL_TRANSFER_SRGB],
                                .coder = &coder,
-                               .curve = output ? &curve : 0,
+                               .curve = output ? &tone : 0,
                                .cones = &bt709,
                                .luma = {0.2126f, 0.7152f, 0.0722f},
                                .floor = 0x1p-14f,
@@ -310,7 +311,7 @@ static void bare(const struct format *f, int maps, uint32_t n)
     static pupil_run run;
     const pupil_kernels *k = &pupil_kernels_neon;
     const pupil_row_job job = {.kernels = k,
-                               .curve = &curve,
+                               .curve = &tone,
                                .cones = &bt709,
                                .luma = {0.2126f, 0.7152f, 0.0722f},
                                .floor = 0x1p-14f,

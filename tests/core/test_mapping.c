@@ -89,6 +89,31 @@ static void check_all_formats(void)
             }
 }
 
+/* A table of any values, at any scale: every format, odd pixels. */
+static void check_knots(void)
+{
+    for (uint32_t from = PUPIL_PIXEL_RGBA32F; from <= PUPIL_PIXEL_RGB8; from++)
+        for (int turn = 0; turn < 6; turn++) {
+            frame in = frame_make(301, 3, from, 4, turn & 1), out = frame_make(301, 3, PUPIL_PIXEL_RGB8, 1, 0);
+            pupil_curve curve = {.size_bytes = sizeof curve, .scale = 1, .gamut = 4, .knots = PUPIL_CURVE_KNOTS};
+            pupil_config config;
+            curve.knot_scale = (float)exp2(turn * 4.3);
+            for (int k = 0; k < PUPIL_CURVE_KNOTS; k++)
+                curve.knot[k] = turn % 3 ? (float)pow(k / 127.0, turn) : (float)check_uniform();
+            pupil_config_default(&config);
+            config.transfer = (uint32_t)turn % PUPIL_TRANSFER_COUNT;
+            config.output_primaries = (uint32_t)turn % PUPIL_OUTPUT_COUNT;
+            frame_gradient(&in, 1e-6, 1e3);
+            compare("knots, gradient", &config, &curve, &in, &out);
+            frame_lognormal(&in, 0.2, 3, check_uniform);
+            compare("knots, log-normal", &config, &curve, &in, &out);
+            frame_odd(&in, check_uniform);
+            compare("knots, odd", &config, &curve, &in, &out);
+            frame_free(&in);
+            frame_free(&out);
+        }
+}
+
 /* Widths around every power of two up to the length of any buffer that a mapper may use. */
 static void check_widths(void)
 {
@@ -188,6 +213,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_all_formats();
+    check_knots();
     check_widths();
     check_extreme_curves();
     check_examples();

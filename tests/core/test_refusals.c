@@ -174,8 +174,17 @@ static void check_rows(void)
                                       {.scale = 1, .inverse_white_squared = INFINITY},
                                       {.scale = 1, .gamut = NAN},
                                       {.scale = 1, .gamut = -1},
-                                      {.scale = 1, .gamut = INFINITY}};
-    for (unsigned k = 0; k < 9; k++) {
+                                      {.scale = 1, .gamut = INFINITY},
+                                      {.scale = 1, .knots = 1},
+                                      {.scale = 1, .knots = 128, .levels = 1},
+                                      {.scale = 1, .knots = 128, .levels = 257},
+                                      {.scale = 1, .knots = 128, .knot_scale = NAN},
+                                      {.scale = 1, .knots = 128, .knot_scale = -1},
+                                      {.scale = 1, .knots = 128, .knot_scale = 0x1p61f},
+                                      {.scale = 1, .knots = 128, .knot = {[127] = 1.1f}},
+                                      {.scale = 1, .knots = 128, .knot = {[0] = NAN}},
+                                      {.scale = 1, .knots = 128, .knot = {[64] = -0.1f}}};
+    for (unsigned k = 0; k < sizeof bad / sizeof *bad; k++) {
         expect(pupil_map_rows(&pupil, &bad[k], &one, &to), PUPIL_ERR_VALUE, "curve");
         expect(pupil_fused_rows(&pupil, &bad[k], &one, 1, 3, &to, &stats), PUPIL_ERR_VALUE, "curve");
     }

@@ -57,6 +57,11 @@ static pupil_config take_config(void)
     c.white_quantile = take_double(0.5, 1);
     c.transfer = take_below(3);
     c.levels = take_below(3) ? 0 : 1u << take_below(PUPIL_LEVEL_COUNT);
+    c.curve = take_below(2) ? PUPIL_CURVE_REINHARD : take_below(PUPIL_CURVE_COUNT + !take_below(30));
+    c.curve_levels = 2 + take_below(255);
+    c.curve_share = take_below(3) ? take_double(0, 0.25) : 0;
+    c.curve_ceiling = take_double(1, 4);
+    c.curve_range_ev = take_double(2, 16);
     return c;
 }
 
@@ -113,6 +118,9 @@ static void check_exposure(const run *r)
     /* the level is kept in 2^-52 stops */
     MUST(e.adapted_ev >= r->ev_min - 0x1p-52 && e.adapted_ev <= r->ev_max + 0x1p-52);
     MUST(isfinite(e.metered_ev) && isfinite(e.white_ev) && isfinite(e.scale) && e.scale > 0);
+    MUST(curve.knots == 0 || (curve.knots == PUPIL_CURVE_KNOTS && curve.knot_scale > 0 && isfinite(curve.knot_scale)));
+    for (uint32_t k = 0; k < curve.knots; k++)
+        MUST(curve.knot[k] >= 0 && curve.knot[k] <= 1 && (k == 0 || curve.knot[k] >= curve.knot[k - 1]));
     MUST(curve.scale > 0 && isfinite(curve.scale) && isfinite(curve.inverse_white_squared) && curve.gamut >= 0);
 }
 

@@ -49,6 +49,7 @@ PASS(Uniform4f, (GLint a, GLfloat b, GLfloat c, GLfloat d, GLfloat e), (a, b, c,
 PASS(Uniform4i, (GLint a, GLint b, GLint c, GLint d, GLint e), (a, b, c, d, e))
 PASS(Uniform4iv, (GLint a, GLsizei b, const GLint *c), (a, b, c))
 PASS(Uniform4ui, (GLint a, GLuint b, GLuint c, GLuint d, GLuint e), (a, b, c, d, e))
+PASS(Uniform4fv, (GLint a, GLsizei b, const GLfloat *c), (a, b, c))
 PASS(Uniform4uiv, (GLint a, GLsizei b, const GLuint *c), (a, b, c))
 PASS(UniformMatrix3fv, (GLint a, GLsizei b, GLboolean c, const GLfloat *d), (a, b, c, d))
 PASS(UseProgram, (GLuint a), (a))

@@ -127,6 +127,8 @@ static void check_settings(void)
     c = session_settings(), c.white_mode = PUPIL_WHITE_FOLLOW;
     with_settings(&c, PUPIL_GLES_ES30, PUPIL_GLES_ADAPT_CPU, "white point that follows");
     with_settings(&c, PUPIL_GLES_BEST, PUPIL_GLES_ADAPT_GPU, "white_mode");
+    c = session_settings(), c.curve = PUPIL_CURVE_EQUALISE;
+    with_settings(&c, PUPIL_GLES_BEST, PUPIL_GLES_ADAPT_GPU, "curve");
     c = session_settings(), c.trim_low = 0.05f;
     with_settings(&c, PUPIL_GLES_BEST, PUPIL_GLES_ADAPT_GPU, "trim_low");
     for (uint32_t law = PUPIL_LAW_SECONDS + 1; law < PUPIL_LAW_COUNT; law++) {

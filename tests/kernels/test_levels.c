@@ -165,6 +165,13 @@ static pupil_curve any_curve(void)
         c.inverse_white_squared = (float)exp2(20.0 * check_uniform() - 16.0);
         c.gamut = check_uniform() < 0.3 ? 0.0f : (float)(4.0 * check_uniform());
     }
+    if (check_uniform() < 0.3) {
+        c.knots = PUPIL_CURVE_KNOTS;
+        c.levels = check_uniform() < 0.3 ? 2 + (uint32_t)(check_uniform() * 255) : 0;
+        c.knot_scale = (float)exp2(check_uniform() < 0.8 ? 24.0 * check_uniform() : 120.0 * check_uniform() - 60.0);
+        for (int k = 0; k < PUPIL_CURVE_KNOTS; k++)
+            c.knot[k] = check_uniform() < 0.1 ? (float)(k % 2) : (float)check_uniform();
+    }
     c.dither = check_uniform() < 0.3;
     c.first_row = (uint32_t)(check_uniform() * 16);
     return c;

@@ -8,6 +8,7 @@ import numpy as np
 import check
 import pupil_ae
 from pupil_ae import Pixel, _abi, _image
+from pupil_ae._settings import struct_of
 
 C_PROCESS = os.environ["PUPIL_C_PROCESS"]
 OUTS = [Pixel[name] for name in "RGBA8 RGB8 BGRX8 BGR8 NV12 I420 RGBA32F RGB32F BGR32F RGBA16F RGB16F".split()]
@@ -55,7 +56,7 @@ def through_python(pixel, out_pixel, frames, half):
                               sequence=i, exposure_s=0.005, gain=2) for i, frame in enumerate(frames, 1)]
     exposure, curve = pupil.exposure, pupil.curve()
     said = bytes(_abi.pupil_exposure(ctypes.sizeof(_abi.pupil_exposure), 0, *exposure)) + bytes(pupil.stats._struct)
-    return pictures, said + bytes(_abi.pupil_curve(ctypes.sizeof(_abi.pupil_curve), *curve))
+    return pictures, said + bytes(struct_of(_abi.pupil_curve, curve))
 
 
 def compare(pixel, out_pixel, half=1):

@@ -233,6 +233,26 @@ static void curves(void)
             }
 }
 
+/* Every curve from the histogram, as every other thing changes. */
+static void knots(void)
+{
+    for (uint32_t curve = PUPIL_CURVE_NORMALISE; curve < PUPIL_CURVE_COUNT; curve++)
+        for (uint32_t way = 0; way < 4; way++) {
+            digest_case c = usual();
+            c.config.curve = curve;
+            c.config.transfer = way % PUPIL_TRANSFER_COUNT;
+            c.config.law = way == 1 ? PUPIL_LAW_ARITHMETIC_SCALE : PUPIL_LAW_SECONDS;
+            c.config.order = way == 2 ? PUPIL_ORDER_FUSED : PUPIL_ORDER_EXACT;
+            c.in = way == 3 ? PUPIL_PIXEL_RGBA8 : PUPIL_PIXEL_RGBA16F;
+            c.frames = 8;
+            c.flags |= way == 1 ? DIGEST_EXPOSED : way == 2 ? DIGEST_ROWS : way == 3 ? DIGEST_SEAM : 0;
+            put("curve");
+            put_number(curve);
+            put(way == 0 ? "-whole" : way == 1 ? "-exposed" : way == 2 ? "-rows" : "-seam");
+            run(&c);
+        }
+}
+
 static void trimmed(digest_case *c)
 {
     c->config.trim_low = 0.05;
@@ -399,5 +419,6 @@ int main(void)
     companded(PUPIL_PIXEL_BAYER12, DIGEST_SEAM);
     companded(PUPIL_PIXEL_BAYER10P, DIGEST_HALVED);
     outputs();
+    knots();
     return 0;
 }

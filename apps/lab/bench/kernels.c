@@ -83,12 +83,14 @@ const option_command bench_kernels_command = {
     .usage = "[options]",
     .about = "Metering and mapping, in turns with a plain read and a memcpy of the same bytes.",
     .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
-    .manual = "Measures metering and mapping at every level that this CPU has, in turns with a plain read and a memcpy "
-              "of the same bytes. Kernels: meter, map, fused (both in one pass), exact (meter, then map) and default "
-              "(fused, with the histogram that the following white point needs). Errors are those of the log-average "
-              "against long double, and of display samples against double, on an easy and on a hard frame.\n\n"
-              "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, uyvy, nv12, nv21, nv16, i420, grey8 to "
-              "grey16, bayer8 to bayer16, bayer10p, bayer12p) among them.",
+    .manual =
+        "Measures metering and mapping at every level that this CPU has, in turns with a plain read and a memcpy "
+        "of the same bytes. Kernels: meter, map, fused (both in one pass), exact (meter, then map), default "
+        "(fused, with the histogram that the following white point needs) and curve (the same, by a table of knots: "
+        "--tone adjust). Errors are those of the log-average "
+        "against long double, and of display samples against double, on an easy and on a hard frame.\n\n"
+        "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, uyvy, nv12, nv21, nv16, i420, grey8 to "
+        "grey16, bayer8 to bayer16, bayer10p, bayer12p) among them.",
     .instead = "choose kernels by --format",
     .groups = groups,
 };

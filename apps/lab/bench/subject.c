@@ -7,7 +7,7 @@
 #include "frames.h"
 #include "pupil/row_gain.h"
 
-const char *const bench_kernel_names[BENCH_KERNELS] = {"meter", "map", "fused", "exact", "default"};
+const char *const bench_kernel_names[BENCH_KERNELS] = {"meter", "map", "fused", "exact", "default", "curve"};
 const char *const bench_level_names[PUPIL_LEVEL_COUNT] = {"scalar", "neon", "avx2", "avx512"};
 const bench_out bench_outs[] = {
     {"rgba8", PUPIL_PIXEL_RGBA8, 1},     {"rgb8", PUPIL_PIXEL_RGB8, 1},       {"bgrx8", PUPIL_PIXEL_BGRX8, 1},
@@ -18,7 +18,8 @@ const bench_out bench_outs[] = {
 static void configure(pupil_config *c, bench_which which)
 {
     pupil_config_default(c);
-    c->white_mode = which == BENCH_DEFAULT ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_FIXED;
+    c->white_mode = which >= BENCH_DEFAULT ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_FIXED;
+    c->curve = which == BENCH_CURVE ? PUPIL_CURVE_ADJUST : PUPIL_CURVE_REINHARD;
     c->white = 4.0;
 }
 
@@ -51,11 +52,11 @@ static void work(void *context, unsigned worker, unsigned count)
     if (k->which == BENCH_METER || k->which == BENCH_EXACT)
         pupil_meter_rows(&k->pupil, &in, first, s->in.height, stats);
     if (k->which == BENCH_MAP && k->gain)
-        pupil_map_rows_with_gains(&k->pupil, &s->curve, &in, k->gain + first, &out);
+        pupil_map_rows_with_gains(&k->pupil, &k->curve, &in, k->gain + first, &out);
     else if (k->which == BENCH_MAP || k->which == BENCH_EXACT)
-        pupil_map_rows(&k->pupil, &s->curve, &in, &out);
-    if (k->which == BENCH_FUSED || k->which == BENCH_DEFAULT)
-        pupil_fused_rows(&k->pupil, &s->curve, &in, first, s->in.height, &out, stats);
+        pupil_map_rows(&k->pupil, &k->curve, &in, &out);
+    if (k->which == BENCH_FUSED || k->which >= BENCH_DEFAULT)
+        pupil_fused_rows(&k->pupil, &k->curve, &in, first, s->in.height, &out, stats);
 }
 
 void bench_kernel_run(void *context)
@@ -142,7 +143,9 @@ int bench_kernel_open(bench_kernel *k, bench_subject *s, bench_which which, uint
     k->which = which;
     k->level = level;
     k->gain = NULL;
-    return 0;
+    k->curve = s->curve;
+    const int own = which == BENCH_CURVE;
+    return own && (pupil_meter(&k->pupil, &s->in, NULL) || pupil_get_curve(&k->pupil, NULL, &k->curve)) ? -1 : 0;
 }
 
 uint32_t bench_best_level(void)

@@ -36,6 +36,7 @@ typedef enum bench_which {
     BENCH_FUSED,   /* both in one pass */
     BENCH_EXACT,   /* both, one after the other */
     BENCH_DEFAULT, /* fused, with the histogram that the following white point needs */
+    BENCH_CURVE,   /* the same by a table of knots: PUPIL_CURVE_ADJUST */
     BENCH_KERNELS
 } bench_which;
 
@@ -59,6 +60,7 @@ typedef struct bench_kernel {
     uint32_t level;
     const float *gain; /* of the frame's rows, for BENCH_MAP; NULL: none */
     pupil_t pupil;
+    pupil_curve curve;                     /* the subject's, or what BENCH_CURVE makes of its frame */
     pupil_stats stats[BENCH_MOST_THREADS]; /* one a worker */
 } bench_kernel;
 

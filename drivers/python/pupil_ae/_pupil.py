@@ -10,14 +10,15 @@ import numpy as np
 from . import _abi
 from ._image import out_view, view
 from ._library import check, lib
-from ._settings import about, apply, checked, fields_of, frame_info, values_of
+from ._settings import about, apply, checked, fields_of, frame_info, struct_of, values_of
 
 Exposure = collections.namedtuple("Exposure", fields_of(_abi.pupil_exposure))
 Exposure.__doc__ = ("The state after the last frame. EV are log2 of scene luminance. state is a State, reason a Reason."
                     "\n\n" + about(_abi.pupil_exposure))
-Curve = collections.namedtuple("Curve", fields_of(_abi.pupil_curve))
+Curve = collections.namedtuple("Curve", fields_of(_abi.pupil_curve), defaults=(0, 0, 0.0, ()))
 Curve.__doc__ = ("What maps a frame: u = scale * luminance, display RGB = v * scale * (1 + u * inverse_white_squared) "
-                 "/ (1 + u); pupil/pupil.h says what happens beyond the gamut.\n\n" + about(_abi.pupil_curve))
+                 "/ (1 + u), or where it has knots, by those; pupil/pupil.h has the formulas, and says what happens "
+                 "beyond the gamut. knot is a tuple, empty where there are none.\n\n" + about(_abi.pupil_curve))
 
 
 class Locked:
@@ -247,7 +248,7 @@ class Pupil(Locked):
             raise TypeError(f"curve must be a pupil_ae.Curve (Pupil.curve), not a {type(curve).__name__}")
         source = view(frame, pixel, coding, width)
         picture, target = out_view(source, out, out_pixel, half, out_coding)
-        struct = _abi.pupil_curve(ctypes.sizeof(_abi.pupil_curve), *curve)
+        struct = struct_of(_abi.pupil_curve, curve)
         with self._lock:
             check(lib.pupil_map_rows(self._pupil, struct, source.image, target.image))
         return picture
@@ -279,7 +280,7 @@ class Pupil(Locked):
         struct = _abi.pupil_curve()
         with self._lock:
             check(lib.pupil_get_curve_sized(self._pupil, given, struct, ctypes.sizeof(struct)))
-        return Curve(**values_of(struct))
+        return Curve(**{**values_of(struct), "knot": tuple(struct.knot[:struct.knots])})
 
     @property
     def level(self):

@@ -132,6 +132,18 @@ def values_of(struct):
     return found
 
 
+def struct_of(kind, values):
+    """A struct of the fields that a caller may see, in their order; of arrays the first elements."""
+    struct = kind()
+    struct.size_bytes = ctypes.sizeof(kind)
+    for name, value in zip(fields_of(kind), values):
+        if isinstance(getattr(struct, name), ctypes.Array):
+            getattr(struct, name)[:len(value)] = value
+        else:
+            setattr(struct, name, value)
+    return struct
+
+
 def about(struct):
     """The fields of a struct, for a docstring: the comments of its header."""
     lines = []

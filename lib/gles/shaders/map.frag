@@ -13,13 +13,35 @@ uniform ivec4 turn;
 uniform ivec2 shift;
 #endif
 
+uniform float knot_scale;  // pupil/pupil.h: pupil_curve; below 0: Reinhard's
+uniform float knot_levels; // 0: all
+uniform vec4 knots[32];
+
 flat in float scale;
 layout(location = 0) out vec4 display;
 
+float knot_at(uint k)
+{
+    return knots[k >> 2][k & 3u];
+}
+
+// What a pixel of luminance y is multiplied by.
+float gain_of(float y)
+{
+    float u = scale * y;
+    if (knot_scale < 0.0)
+        return scale * ((1.0 + u * inverse_white_squared) / (1.0 + u));
+    float t = max(knot_scale * y, 1.0);
+    uint bits = min(floatBitsToUint(t), 0x476fffffu), k = (bits >> 20) - 0x3f8u; // lib/kernels/kernels.h: KNOT_LAST
+    float root = knot_at(k) + float(bits & 0xfffffu) * (1.0 / 1048576.0) * (knot_at(k + 1u) - knot_at(k));
+    if (knot_levels > 0.0)
+        root = min(floor(root * knot_levels), knot_levels - 1.0) * (1.0 / (knot_levels - 1.0));
+    return knot_scale * (root * root / t);
+}
+
 vec3 tone(vec3 rgb)
 {
-    float l = luminance(rgb), y = l > 0.0 ? min(l, CEILING) : 0.0, u = scale * y;
-    float s = scale * ((1.0 + u * inverse_white_squared) / (1.0 + u));
+    float l = luminance(rgb), y = l > 0.0 ? min(l, CEILING) : 0.0, s = gain_of(y);
     if (is_nan(l))
         return vec3(0.0);
     rgb = min(mix(vec3(0.0), rgb, greaterThan(rgb, vec3(0.0))), vec3(BRIGHTEST)) * s;

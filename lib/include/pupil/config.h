@@ -64,6 +64,25 @@ typedef enum pupil_white {
     PUPIL_WHITE_COUNT
 } pupil_white;
 
+/* Which curve maps luminance to the display. All but the first are tables of knots that are made from the histogram of
+ * each frame, and that follow it in time by `law`, with the level's weight: no frame's own light can make them flicker.
+ * They act on G, the root of display light, 0..1, of the picture that Reinhard's curve would give (about its 8-bit code
+ * over 255). docs/numerics.md has the formulas. */
+typedef enum pupil_curve_kind {
+    PUPIL_CURVE_REINHARD = 0, /* default: pupil.h, pupil_curve; no table */
+    PUPIL_CURVE_NORMALISE,    /* the G that shares curve_share and 1 - curve_share are below become 0 and 1, and those
+                               * between are stretched, by at most 4 */
+    PUPIL_CURVE_QUANTISE,     /* curve_levels levels of G, equally far apart, from 0 to 1 */
+    PUPIL_CURVE_EQUALISE, /* code over 255 is the share of the weight that is darker: all codes are equally frequent.
+                           * Noise in a large even area becomes contrast: ADJUST does not do that */
+    PUPIL_CURVE_ADJUST,   /* histogram adjustment with a ceiling: the frame's range is fitted into that of the
+                           * display where light is rare, and contrast is nowhere above curve_ceiling times the
+                           * scene's. A frame that fits is mapped at the key, and not stretched. (Ward Larson,
+                           * Rushmeier, Piatko: A visibility matching tone reproduction operator for high dynamic
+                           * range scenes, 1997, section 4) */
+    PUPIL_CURVE_COUNT
+} pupil_curve_kind;
+
 /* How linear display light becomes 8-bit codes. */
 typedef enum pupil_transfer {
     PUPIL_TRANSFER_SRGB = 0, /* IEC 61966-2-1 */
@@ -181,6 +200,16 @@ typedef struct pupil_config {
     uint32_t dither; /* 1: 8-bit pictures have ordered dither, by the pixel's place: a smooth ramp has no bands. What is
                       * an sRGB code or linear code already does not change. Any split into rows has the same bits; for
                       * video and windows, not for measuring; 0 */
+
+    /* curves from the histogram (pupil_curve_kind) */
+    uint32_t curve;        /* a pupil_curve_kind; Reinhard's */
+    uint32_t curve_levels; /* of PUPIL_CURVE_QUANTISE; 8; 2..256 */
+    double curve_share;    /* of NORMALISE and ADJUST: the share of the weight that is left out at each end; 0.005;
+                            * 0..0.25 */
+    double curve_ceiling;  /* of ADJUST: the steepest that log2 of display light may be over log2 of luminance; 1;
+                            * 1..4 */
+    double curve_range_ev; /* of ADJUST: stops from the darkest to the brightest light of the display that are used; 8;
+                            * 2..16 */
 } pupil_config;
 
 /* Fills in every field with its default. */

@@ -80,10 +80,10 @@ typedef enum pupil_gles_adapt {
     PUPIL_GLES_ADAPT_CPU = 0, /* default: every law. A frame is mapped by the newest statistics that have come back,
                                * which are a frame old or more */
     PUPIL_GLES_ADAPT_GPU,     /* the frame's own light, without a round trip. PUPIL_LAW_SECONDS alone, no trimming, a
-                               * white that does not follow; temporal flicker is not removed, and highlights do not
-                               * hold the level. An integer state on the GPU, within 2e-6 stops of the C with
-                               * config.flicker 0 (docs/numerics.md). Statistics still come back, so the pupil_t
-                               * follows and can take over */
+                               * white that does not follow, Reinhard's curve; temporal flicker is not removed, and
+                               * highlights do not hold the level. An integer state on the GPU, within 2e-6 stops of
+                               * the C with config.flicker 0 (docs/numerics.md). Statistics still come back, so the
+                               * pupil_t follows and can take over */
     PUPIL_GLES_ADAPT_COUNT
 } pupil_gles_adapt;
 
@@ -175,9 +175,9 @@ typedef union pupil_gles {
  * PUPIL_ERR_GLES_ABSENT: the library was built without GLES. PUPIL_ERR_GLES_VERSION: the context is not the ES that is
  * asked for, or lacks a function or an extension that is named in `why`. PUPIL_ERR_GLES_SHADER, _MEMORY.
  * PUPIL_ERR_SIZE: larger than the context's textures can be. PUPIL_ERR_CONFIG: a setting of config or of pupil that is
- * not available: in ES 3.0 a histogram, trimming or a white that follows; on the GPU another law; grey_world.
- * PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil is not used:
- * every row is metered. */
+ * not available: in ES 3.0 a histogram, trimming, a white that follows or a curve from the histogram; on the GPU
+ * another law; grey_world. PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil
+ * is not used: every row is metered. */
 PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
                               pupil_gles_get_proc get_proc, pupil_why *why);
 

@@ -104,15 +104,27 @@ PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
  * cone, of middle wavelengths, by min(1, D^3 * (m - M) / (M * (m - D))) of the way. Then all components are scaled so
  * that the largest is M. Components below 0 become 0. From D = 1 on the pixel is white. */
 #define PUPIL_GAMUT_KNEE 0.85f
+
+/* A curve as a table (config.h, pupil_curve_kind): knot k is at the luminance (1 + (k % 8) / 8) * 2^(k / 8) /
+ * knot_scale (k / 8 being whole stops): eight a stop, as the bins of the histogram, over 16 stops, of which the adapted
+ * level is within 1.5 stops of the middle. It holds the root of display luminance there. With t = knot_scale * Lv and g
+ * between the two knots around t, linear in t, display RGB = v * knot_scale * g^2 / max(t, 1) where g is constant below
+ * the first knot and above the last, so that what is darker goes to black in proportion. With levels, g is then
+ * min(floor(g * levels), levels - 1) / (levels - 1). Then the gamut, as above. */
+#define PUPIL_CURVE_KNOTS 128
 typedef struct pupil_curve {
-    uint32_t size_bytes;         /* abi.h; or 0 */
-    float scale;                 /* X: from frame values to scaled luminance; 0..2^60 */
-    float inverse_white_squared; /* 1 / W^2; 0: no white point; 0..2^16 */
-    float gamut;                 /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 becomes 1; 0 where W <= 1;
-                                  * 0..16 */
-    uint32_t dither;             /* config.dither */
-    uint32_t first_row;          /* for pupil_map_rows: which of the frame's rows its first one is, so that dither is
-                                  * the same in parts as in the whole; 0..PUPIL_MAX_SIDE_PX - 1 */
+    uint32_t size_bytes;           /* abi.h; or 0 */
+    float scale;                   /* X: from frame values to scaled luminance; 0..2^60 */
+    float inverse_white_squared;   /* 1 / W^2; 0: no white point; 0..2^16 */
+    float gamut;                   /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 becomes 1; 0 where W <= 1;
+                                    * 0..16 */
+    uint32_t dither;               /* config.dither */
+    uint32_t first_row;            /* for pupil_map_rows: which of the frame's rows its first one is, so that dither is
+                                    * the same in parts as in the whole; 0..PUPIL_MAX_SIDE_PX - 1 */
+    uint32_t knots;                /* 0: Reinhard's curve, as above; PUPIL_CURVE_KNOTS: by knot[] */
+    uint32_t levels;               /* 0; or with knots, how many: 2..256 */
+    float knot_scale;              /* 1 / the luminance of knot[0], in the frame's units; 0..2^60 */
+    float knot[PUPIL_CURVE_KNOTS]; /* 0..1; read only where knots is not 0 */
 } pupil_curve;
 
 /* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to
