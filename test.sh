@@ -11,10 +11,19 @@ cd "$(dirname "$0")"
 
 # All that tests need is installed: none may be skipped for want of it (tests/run_test.sh). Not so when in a hurry.
 export PUPIL_TESTS_REQUIRE=1
+packages_of_long_tests='gcc-i686-linux-gnu builds for 32-bit x86
+libc6-dev-i386-cross the C library for 32-bit x86
+gcc-arm-linux-gnueabihf builds for 32-bit ARM
+libc6-dev-armhf-cross the C library for 32-bit ARM
+gcc-s390x-linux-gnu builds for s390x
+libc6-dev-s390x-cross the C library for s390x
+gcc-riscv64-linux-gnu builds for 64-bit RISC-V
+libc6-dev-riscv64-cross the C library for 64-bit RISC-V'
+more=
 case ${1:-full} in
 full) selection="-L ^(quick|full)$" ;;
 quick) selection="-L ^quick$" && unset PUPIL_TESTS_REQUIRE ;;
-long) selection= ;;
+long) selection= && more=$packages_of_long_tests ;;
 *)
     echo "usage: $0 [quick|long]" >&2
     exit 2
@@ -50,7 +59,8 @@ xdotool types their keys
 imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
 python3 prints the tables again, to compare them, and checks the shape of functions
-$packages_of_integrations"
+$packages_of_integrations
+$more"
 
 echo "== building into build/dev"
 mkdir -p build

@@ -5,6 +5,34 @@
 # not vectorise a comparison). No code may be compiled as if NaN did not exist.
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)
 
+# Float operations must round to float (FLT_EVAL_METHOD 0). On x86 of 32 bits that takes SSE2, on s390x leaving a rule
+# of older ABIs alone. lib/base/exact.h refuses what is left.
+include(CheckCSourceCompiles)
+function(pupil_check_floats result flags)
+  set(CMAKE_C_EXTENSIONS OFF) # as the library is compiled: -std=c11
+  set(CMAKE_REQUIRED_FLAGS "${flags}")
+  set(CMAKE_REQUIRED_QUIET ON)
+  check_c_source_compiles("#include <float.h>
+    #if FLT_EVAL_METHOD != 0
+    #error
+    #endif
+    int main(void) { return 0; }" ${result})
+endfunction()
+pupil_check_floats(PUPIL_FLOATS_ROUND "")
+if(NOT PUPIL_FLOATS_ROUND)
+  pupil_check_floats(PUPIL_FLOATS_ROUND_WITH_SSE2 "-msse2 -mfpmath=sse")
+  pupil_check_floats(PUPIL_FLOATS_ROUND_WITHOUT_EXCESS "-fexcess-precision=fast")
+  if(PUPIL_FLOATS_ROUND_WITH_SSE2)
+    message(STATUS "Floats: SSE2, so the CPU must have it (a Pentium 4 or newer)")
+    add_compile_options(-msse2 -mfpmath=sse)
+  elseif(PUPIL_FLOATS_ROUND_WITHOUT_EXCESS)
+    add_compile_options($<$<COMPILE_LANGUAGE:C>:-fexcess-precision=fast>)
+  else()
+    message(FATAL_ERROR "This compiler keeps more digits than float in float operations (FLT_EVAL_METHOD is not 0), \
+and no flag that is known changes it: the results would have other bits than everywhere else")
+  endif()
+endif()
+
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wvla
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>)
 if(PUPIL_WERROR)
@@ -31,5 +59,6 @@ endfunction()
 # Drivers, program and tests are written for Linux and glibc or musl; the library is plain C11.
 function(pupil_linux target)
   set_target_properties(${target} PROPERTIES C_EXTENSIONS ON)
-  target_compile_definitions(${target} PRIVATE _GNU_SOURCE)
+  target_compile_definitions(${target} PRIVATE _GNU_SOURCE
+    _FILE_OFFSET_BITS=64 _TIME_BITS=64) # files over 2 GiB and years after 2038 on CPUs of 32 bits, too
 endfunction()

@@ -4,6 +4,8 @@
 #ifndef PUPIL_BASE_NUMERIC_H
 #define PUPIL_BASE_NUMERIC_H
 
+#include "base/exact.h"
+
 #include <stdint.h>
 
 /* Bit casts: a freestanding build has no memcpy to inline. */

@@ -57,6 +57,20 @@ static uint32_t random_bits(unsigned count)
     return (uint32_t)(random_state >> (64 - count));
 }
 
+/* Samples are in the machine's byte order, digests are of little-endian ones: on other machines the bytes change
+ * places. */
+static void swap_on_big_endian(unsigned char *bytes, size_t count, size_t sample)
+{
+    if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
+        return;
+    for (size_t i = 0; i + sample <= count; i += sample)
+        for (size_t j = 0; j < sample / 2; j++) {
+            const unsigned char b = bytes[i + j];
+            bytes[i + j] = bytes[i + sample - 1 - j];
+            bytes[i + sample - 1 - j] = b;
+        }
+}
+
 /* --- frames --- */
 
 /* NaN of both kinds, infinities, zeros, denormals, negatives, and the ends of the range. */
@@ -165,6 +179,7 @@ static pupil_image_const make_frame(const digest_case *c, unsigned number)
     const size_t plane = pupil_chroma_row_bytes(c->in, c->width) * pupil_chroma_rows(c->in, c->height);
     for (size_t i = 0; i < (pupil_pixel_planes(c->in) > 2 ? 2 * plane : plane); i++)
         input_chroma[i] = (unsigned char)random_bits(8);
+    swap_on_big_endian(input_chroma, pupil_pixel_planes(c->in) > 2 ? 2 * plane : plane, sample_bytes(c->in));
     return image;
 }
 
@@ -313,6 +328,7 @@ uint64_t digest_run(const digest_case *c)
         for (size_t i = 0; i < bytes; i++)
             output[i] = 0xa5;
         digest = fnv_u64(digest, (uint64_t)(int64_t)one_frame(&pupil, c, &in, &info, &out));
+        swap_on_big_endian(output, bytes, sample_bytes(c->out));
         digest = fnv(digest, output, bytes);
         if (yuv)
             digest = fnv(digest, output_chroma, out.width * (size_t)(out.height + 1) / 2);

@@ -33,8 +33,12 @@ uint64_t digest_lamps(void)
         }
         error |= pupil_row_gain_frame(&lamps, &image, &info);
         error |= pupil_row_gain_of_rows(&lamps, &info, LAMPS_SIDE, gain);
-        for (size_t b = 0; b < sizeof gain; b++)
-            digest = (digest ^ ((const unsigned char *)gain)[b]) * UINT64_C(0x100000001b3);
+        for (size_t y = 0; y < LAMPS_SIDE; y++) {
+            uint32_t bits;
+            __builtin_memcpy(&bits, &gain[y], sizeof bits);
+            for (int b = 0; b < 4; b++, bits >>= 8) /* little-endian on every machine */
+                digest = (digest ^ (bits & 255)) * UINT64_C(0x100000001b3);
+        }
     }
     return (digest ^ (uint64_t)(uint32_t)error) * UINT64_C(0x100000001b3);
 }
