@@ -4,7 +4,8 @@
  *
  * Rules for every sink:
  * - The output is written under another name in the same folder, and renamed in finish. After discard nothing is left.
- *   So an output is complete or absent. (Streams, such as standard output, cannot take anything back.)
+ *   So an output is complete or absent. (Streams, such as standard output, cannot take anything back; a live video
+ * keeps what it has.)
  * - Frames are PUPIL_PIXEL_RGB8 in the options' primaries and transfer, all of the size that open was given.
  * - Every failure is PUPIL_SINK_FAILED and one sentence in the caller's buffer: it names the path and says what would
  * be right. After a failed write or finish the caller still calls discard.
@@ -41,6 +42,9 @@ typedef struct pupil_sink_options {
     int named;     /* of a folder: each picture by the name of its frame (pupil_sink.frame_name), and of its own size */
     pupil_sink_sound sound; /* copied into .mp4, .mkv and .mov, as it is */
     pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
+    int live; /* .mp4, .mkv and .mov: what was written plays, though the process be killed: at most a second of it is
+               * lost. From the first half second on the file is in its place, also when a write fails later. It is
+               * made of fragments, and encoded without looking ahead */
 } pupil_sink_options;
 
 typedef struct pupil_sink pupil_sink;

@@ -69,6 +69,7 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
                                         .transfer = options->config.transfer,
                                         .keep_time = o->live,
                                         .named = options->reset_each && o->source->is_named,
+                                        .live = o->live,
                                         .sound = sound_of(o)};
     o->is_open = 1;
     o->width = first->width;

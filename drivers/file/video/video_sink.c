@@ -21,6 +21,8 @@
 #define NS         ((AVRational){1, 1000000000})
 /* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
 #define GAP_MAX_NS (INT64_C(3600) * 1000000000)
+/* A fragment of live video; with the frame that the encoder holds it is what a kill loses. */
+#define FRAGMENT_MS 500
 
 typedef struct video_sink {
     pupil_sink sink;
@@ -37,13 +39,16 @@ typedef struct video_sink {
     int64_t base_ns;     /* and its time in the video; frames without timestamps count from it */
     int64_t stamp_ns;    /* of the last frame */
     int64_t last_tick;
+    int64_t fragment_begin; /* of a live video: the first tick that is not in the file */
+    int is_shown;           /* it is in its place */
 } video_sink;
 
 static int fail(const video_sink *v, int error, pupil_why *why)
 {
     char text[AV_ERROR_MAX_STRING_SIZE] = "";
     av_strerror(error, text, sizeof text);
-    return pupil_refuse(why, "%s: cannot be written: %s", v->pending.path, text);
+    return pupil_refuse(why, "%s: cannot be written: %s%s", v->pending.path, text,
+                        v->is_shown ? "; what was written before plays" : "");
 }
 
 /* The time of the next frame in ticks: the distance of the frames' timestamps where they rise, else the nominal one. */
@@ -86,6 +91,26 @@ static void fill_frame(AVFrame *frame, const pupil_image_const *image)
     }
 }
 
+/* Half a second and more of a live video: a fragment, which is in the file from now on. The file's name comes with its
+ * first fragment. */
+static int end_fragment(video_sink *v, int64_t packet_end, pupil_why *why)
+{
+    const AVRational base = v->muxer->streams[0]->time_base;
+    if (!v->options.live || av_compare_ts(packet_end - v->fragment_begin, base, FRAGMENT_MS, (AVRational){1, 1000}) < 0)
+        return PUPIL_SINK_OK;
+    int error = av_write_frame(v->muxer, NULL);
+    avio_flush(v->muxer->pb);
+    if (error >= 0)
+        error = v->muxer->pb->error;
+    if (error < 0)
+        return fail(v, error, why);
+    v->fragment_begin = packet_end;
+    if (!v->is_shown && pupil_pending_show(&v->pending, why))
+        return PUPIL_SINK_FAILED;
+    v->is_shown = 1;
+    return PUPIL_SINK_OK;
+}
+
 /* Hands a frame (NULL: the end) to the encoder, and what comes out of it to the file. */
 static int encode(video_sink *v, const AVFrame *frame, pupil_why *why)
 {
@@ -98,6 +123,7 @@ static int encode(video_sink *v, const AVFrame *frame, pupil_why *why)
         av_packet_rescale_ts(v->packet, v->encoder->time_base, v->muxer->streams[0]->time_base);
         v->packet->stream_index = 0;
         const int64_t time_ns = av_rescale_q(v->packet->dts, v->muxer->streams[0]->time_base, NS);
+        const int64_t packet_end = v->packet->pts + v->packet->duration;
         error = av_interleaved_write_frame(v->muxer, v->packet);
         if (error >= 0)
             error = pupil_video_sound_write(v->sound, time_ns);
@@ -105,6 +131,8 @@ static int encode(video_sink *v, const AVFrame *frame, pupil_why *why)
             error = v->muxer->pb->error; /* writes are buffered: a full disk shows here first */
         if (error < 0)
             return fail(v, error, why);
+        if (end_fragment(v, packet_end, why))
+            return PUPIL_SINK_FAILED;
     }
     return error == AVERROR(EAGAIN) || error == AVERROR_EOF ? PUPIL_SINK_OK : fail(v, error, why);
 }
@@ -214,6 +242,8 @@ static int open_encoder(video_sink *v, const char *name)
     if (strcmp(name, "libx264") == 0) {
         av_dict_set(&more, "preset", "fast", 0);
         av_dict_set(&more, "crf", "18", 0); /* differences are hard to see (x264's own word for 17 to 18) */
+        if (v->options.live)                /* else it keeps over 40 frames to itself */
+            av_dict_set(&more, "tune", "zerolatency", 0);
     } else if (strcmp(name, "libopenh264") == 0) {
         /* It knows no constant quality: 0.2 bits a pixel, twice what video of this size is usually given. */
         v->encoder->bit_rate = (int64_t)(0.2 * v->options.fps * v->options.width * v->options.height) + 64000;
@@ -252,7 +282,8 @@ static int open_muxer(video_sink *v, pupil_why *why)
         error = avio_open(&v->muxer->pb, v->muxer->url, AVIO_FLAG_WRITE);
     }
     if (error >= 0) {
-        av_dict_set(&more, "movflags", "+faststart", 0); /* plays before it is there to its end; Matroska ignores it */
+        /* It plays before it is there to its end; live, at any time. Matroska ignores both. */
+        av_dict_set(&more, "movflags", v->options.live ? "+frag_custom+empty_moov+default_base_moof" : "+faststart", 0);
         error = avformat_write_header(v->muxer, &more);
         av_dict_free(&more);
     }
