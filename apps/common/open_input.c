@@ -6,10 +6,12 @@
 #include "file/file_source.h"
 #include "file/recording/recording.h"
 #include "live/live.h"
+#include "raw/raw_source.h"
 #include "refuse.h"
 #include "synth/synth_source.h"
 
 #define SYNTH "synth:"
+#define RAW   "raw:"
 
 static int starts_with(const char *text, const char *prefix)
 {
@@ -26,6 +28,7 @@ static const char *kind_of(const char *input)
 {
     return input_is_camera(input)      ? "camera"
            : starts_with(input, SYNTH) ? "synthetic scene"
+           : starts_with(input, RAW)   ? "file of raw frames"
            : pupil_is_recording(input) ? "recording"
                                        : NULL;
 }
@@ -45,6 +48,8 @@ int open_input(const char *const *inputs, size_t count, const pupil_source_optio
             return pupil_live_open(inputs[i], options, &(pupil_live_options){.hands_off = 1}, source, why);
         if (*kind == 's')
             return pupil_synth_source_open(inputs[i] + sizeof SYNTH - 1, options, source, why);
+        if (*kind == 'f')
+            return pupil_raw_source_open(inputs[i] + sizeof RAW - 1, options, source, why);
         return pupil_recording_open(inputs[i], source, why);
     }
     return pupil_file_source_open(inputs, count, options, source, why);

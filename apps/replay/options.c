@@ -56,12 +56,17 @@ const option_command replay_command = {
     .about = "Adapts recorded HDR frames; writes a display video and what the exposure did.\n"
              "  INPUT  .exr .hdr .pfm .png .jpg .tif, a folder, a 'glob*', a video, - (stdin),\n"
              "         pan:PANORAMA[,key=value...], synth:walk, synth:room, ...,\n"
-             "         synth:RECIPE.scene, v4l2:CAMERA (a path, a number, a name), libcamera:CAMERA",
+             "         raw:FILE,format=RG10,size=WxH[,key=value...], synth:RECIPE.scene,\n"
+             "         v4l2:CAMERA (a path, a number, a name), libcamera:CAMERA",
     .exits = "0 done, 1 failed, 2 usage, 3 done but frames were skipped, 130 interrupted",
     .manual =
         "Recorded HDR frames are metered, adapted to over time, and mapped by Reinhard's operator. Without options "
         "the picture follows the light as the eye does: faster toward light than toward dark, in seconds, at any "
         "frame rate.\n\n"
+        "raw:FILE is a file of frames without a header, or a folder of them: pRAA, pRCC, RG10, GREY, YUYV, NV12 and "
+        "V4L2's "
+        "other formats. Keys: format, size, stride and skip (bytes), black and white (codes), shift (bits), balance "
+        "(auto, off, R/G/B), matrix (nine numbers with /), knees (CODE:LIGHT/...).\n\n"
         "Every output is written next to its place and renamed when it is complete. After an error there is none. "
         "Ctrl-C keeps the frames until then; a second one gives them up.",
     .groups = groups,

@@ -93,6 +93,12 @@ uint32_t pupil_v4l2_pixel_of(uint32_t fourcc)
     return n ? n->pixel : PUPIL_PIXEL_NONE;
 }
 
+uint32_t pupil_v4l2_bayer_of(uint32_t fourcc)
+{
+    const native *n = find(fourcc);
+    return n ? n->bayer : 0;
+}
+
 int pupil_v4l2_is_read(uint32_t fourcc)
 {
     return find(fourcc) != NULL;

@@ -41,6 +41,8 @@ typedef struct pupil_v4l2_format {
 
 /* The pupil_pixel of a V4L2 format; PUPIL_PIXEL_NONE: not read natively. */
 uint32_t pupil_v4l2_pixel_of(uint32_t fourcc);
+/* Of a mosaic, a pupil_bayer; else 0. */
+uint32_t pupil_v4l2_bayer_of(uint32_t fourcc);
 /* 1: read natively, or a JPEG. */
 int pupil_v4l2_is_read(uint32_t fourcc);
 

@@ -2,7 +2,7 @@
 #include "picture_sink.h"
 
 #include "file/common/pending.h"
-#include "file/video/write_jpeg.h"
+#include "jpeg_write.h"
 #include "png_write.h"
 #include "sink_common.h"
 

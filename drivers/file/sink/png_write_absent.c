@@ -1,4 +1,5 @@
-/* In place of png_write.c in a build without the media libraries. */
+/* In place of png_write.c and jpeg_write.c in a build without the media libraries. */
+#include "jpeg_write.h"
 #include "png_write.h"
 
 #include "refuse.h"
@@ -9,4 +10,11 @@ int pupil_png_write(const char *path, const char *name, const pupil_image_const 
 {
     (void)path, (void)image, (void)primaries, (void)transfer;
     return pupil_refuse(why, "%s: this build of pupil writes no PNG (it was configured with PUPIL_MEDIA=OFF)", name);
+}
+
+int pupil_jpeg_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
+                     uint32_t transfer, pupil_why *why)
+{
+    (void)path, (void)image, (void)primaries, (void)transfer;
+    return pupil_refuse(why, "%s: this build of pupil writes no JPEG (it was configured with PUPIL_MEDIA=OFF)", name);
 }

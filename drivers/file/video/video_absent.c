@@ -2,7 +2,6 @@
 #include "jpeg_frame.h"
 #include "video_sink.h"
 #include "video_source.h"
-#include "write_jpeg.h"
 
 #include "refuse.h"
 #include <stdio.h>
@@ -29,13 +28,6 @@ int pupil_video_sink_open(const char *path, const pupil_sink_options *options, p
         "%s: this build of pupil writes no video but Y4M (it was configured with PUPIL_MEDIA=OFF); name a .y4m "
         "file or a folder of PNG files",
         path);
-}
-
-int pupil_jpeg_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
-                     uint32_t transfer, pupil_why *why)
-{
-    (void)path, (void)image, (void)primaries, (void)transfer;
-    return pupil_refuse(why, "%s: this build of pupil writes no JPEG (it was configured with PUPIL_MEDIA=OFF)", name);
 }
 
 int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pupil_coding *coding, pupil_why *why)

@@ -1,6 +1,6 @@
-/* drivers/file/video/write_jpeg.h: one display frame into one JPEG file, by libav's encoder. */
-#ifndef PUPIL_DRIVERS_FILE_VIDEO_WRITE_JPEG_H
-#define PUPIL_DRIVERS_FILE_VIDEO_WRITE_JPEG_H
+/* drivers/file/sink/jpeg_write.h: one display frame into one JPEG file, by libav's encoder. */
+#ifndef PUPIL_DRIVERS_FILE_SINK_JPEG_WRITE_H
+#define PUPIL_DRIVERS_FILE_SINK_JPEG_WRITE_H
 
 #include "pupil/error.h"
 #include "pupil/image.h"

@@ -1,4 +1,4 @@
-#include "write_jpeg.h"
+#include "jpeg_write.h"
 
 #include <errno.h>
 #include <stdio.h>
