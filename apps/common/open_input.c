@@ -18,15 +18,10 @@ static int starts_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-int input_is_camera(const char *input)
-{
-    return pupil_live_is_camera(input);
-}
-
 /* What one input is that must be alone; NULL: a file, of which there can be several. */
 static const char *kind_of(const char *input)
 {
-    return input_is_camera(input)      ? "camera"
+    return pupil_live_is_camera(input) ? "camera"
            : starts_with(input, SYNTH) ? "synthetic scene"
            : starts_with(input, RAW)   ? "file of raw frames"
            : pupil_is_recording(input) ? "recording"

@@ -5,13 +5,10 @@
 #include "pupil/error.h"
 #include "source.h"
 
-/* "synth:NAME" is a synthetic scene, "raw:FILE,..." frames without a header, "v4l2:NODE" (a path, a number or a name),
- * /dev/video... and /dev/v4l/... are a camera, a folder with a recording.json is a recording; these must be the only
- * input. Everything else is a file (file/file_source.h). */
+/* "synth:NAME" is a synthetic scene, "raw:FILE,..." frames without a header, what live/live.h calls a camera is one, a
+ * folder with a recording.json is a recording; these must be the only input. Everything else is a file
+ * (file/file_source.h). */
 int open_input(const char *const *inputs, size_t count, const pupil_source_options *options, pupil_source **source,
                pupil_why *why);
-
-/* Of one of them. */
-int input_is_camera(const char *input);
 
 #endif

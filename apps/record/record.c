@@ -163,13 +163,14 @@ static int open_source(record *r, const pupil_live_system *system)
     const record_options *o = &r->options;
     r->options.run.shown.source.stop = interrupt_came;
     r->name = o->run.shown.input_count ? o->run.shown.inputs[0] : r->device;
-    if (o->run.shown.input_count && (o->run.shown.input_count > 1 || !input_is_camera(r->name)))
+    if (o->run.shown.input_count && (o->run.shown.input_count > 1 || !pupil_live_is_camera(r->name)))
         return open_input(o->run.shown.inputs, o->run.shown.input_count, &o->run.shown.source, &r->source, &r->why);
     if (camera_choose(system, o->run.shown.input_count ? o->run.shown.inputs[0] : o->run.device, r->device,
                       sizeof r->device, &r->why))
         return -1;
-    const pupil_live_options live = {
-        .system = system, .capture = {.fourcc = o->run.live.capture.fourcc}, .hands_off = !is_steered(o)};
+    const pupil_live_options live = {.system = system,
+                                     .capture = {.fourcc = o->run.live.capture.fourcc, .late = PUPIL_LIVE_LATE_KEPT},
+                                     .hands_off = !is_steered(o)};
     if (pupil_live_open(r->device, &o->run.shown.source, &live, &r->source, &r->why))
         return -1;
     r->camera = pupil_live_get(r->source);

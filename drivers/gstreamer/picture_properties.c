@@ -53,6 +53,12 @@ gboolean picture_properties_set(picture_properties *p, guint id, const GValue *v
     return TRUE;
 }
 
+void picture_properties_report(GParamSpec *spec, const GValue *value, const gchar *refused)
+{
+    if (refused)
+        g_warning("%s=%s is not %s; it stays as it was", spec->name, g_value_get_string(value), refused);
+}
+
 gboolean picture_properties_get(picture_properties *p, guint id, GValue *value)
 {
     const double *number = number_of(p, id);

@@ -35,6 +35,8 @@ void picture_properties_begin(picture_properties *p); /* the defaults */
 /* TRUE: `id` is one of these. A text that is refused leaves the property as it is, and *refused is what would be right
  * (constant text). */
 gboolean picture_properties_set(picture_properties *p, guint id, const GValue *value, const gchar **refused);
+/* Says what was refused; NULL: nothing was. Without the object's lock. */
+void picture_properties_report(GParamSpec *spec, const GValue *value, const gchar *refused);
 gboolean picture_properties_get(picture_properties *p, guint id, GValue *value);
 
 /* As a configuration. */

@@ -74,8 +74,8 @@ static void set_property(GObject *object, guint id, const GValue *value, GParamS
     GST_OBJECT_UNLOCK(self);
     if (!is_known)
         G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    else if (refused)
-        g_warning("%s=%s is not %s; it stays as it was", spec->name, g_value_get_string(value), refused);
+    else
+        picture_properties_report(spec, value, refused);
 }
 
 static void get_property(GObject *object, guint id, GValue *value, GParamSpec *spec)

@@ -5,6 +5,7 @@
 set -u
 camera=$1 node=$2 pupil=$5 plots=${6:-}
 example=$(cd "$(dirname "$0")/../.." && pwd)/docs/examples/gstreamer_h264.sh
+. "$(dirname "$0")/uvc_plug.sh"
 cd "$TMPDIR" || exit 1
 failures=0
 modprobe -d "$MODULES" vhci-hcd
@@ -29,23 +30,6 @@ show() {
     [ -z "$plots" ] || { echo "plot $1"; base64 <"$1"; echo "end of plot"; }
 }
 
-# plug: a camera; $plugged is its process, $path its node
-plug() {
-    "$camera" display slow &
-    plugged=$!
-    for _ in $(seq 200); do
-        path=$("$node" find uvcvideo capture 0) && break
-        sleep 0.1
-    done
-    "$node" set "$path" "Auto Exposure" 3
-    "$node" set "$path" Gain 40
-}
-
-is_put_back() {
-    [ "$("$node" get "$path" "Auto Exposure"; "$node" get "$path" Gain)" = "3
-40" ]
-}
-
 # until_messages N WORDS FILE: so many lines have these words; a busy machine needs its time
 until_messages() {
     for _ in $(seq 300); do
@@ -61,7 +45,7 @@ middle() {
 }
 
 # --- pupilsrc: light, eight times the light, and back ---
-plug
+plug display slow
 gst-launch-1.0 --no-position -m pupilsrc device="$path" ! video/x-raw,format=NV12,width=320,height=240 ! filesink location=frames.nv12 \
     >messages 2>&1 &
 runner=$!

@@ -14,7 +14,7 @@
 #include "pupil/camera_loop.h"
 #include "pupil/pupil.h"
 #include "vm/node.h"
-#include "vm/uvc_camera.h"
+#include "vm/uvc_seen.h"
 
 #define TIMEOUT_S 10.0
 #define KEY       0.03 /* so low that light times 8 is not clipped: nobody could say how bright that is */
@@ -40,35 +40,14 @@ static void camera_start(const char *answers, const char *how, unsigned after_s)
 static void camera_plug(const char *answers, const char *how)
 {
     camera_start(answers, how, 0);
-    for (int i = 0; i < 200 && node_find("uvcvideo", 0, 0, path) != 0; i++)
-        usleep(100000);
-    CHECK_MSG(node_find("uvcvideo", 0, 0, path) == 0, "there is no camera after 20 s");
+    CHECK_MSG(uvc_await(path) == 0, "there is no camera after 20 s");
     sleep(2); /* for udevd */
 }
 
 static void camera_unplug(void)
 {
-    char unused[32];
-    kill(process, SIGTERM);
-    waitpid(process, NULL, 0);
-    for (int i = 0; i < 200 && node_find("uvcvideo", 0, 0, unused) == 0; i++)
-        usleep(100000);
+    uvc_unplug(process);
     sleep(1);
-}
-
-static uvc_truth read_truth(const pupil_image_const *image)
-{
-    const unsigned char *row = image->data;
-    uint64_t bits = 0;
-    for (uint32_t i = 0; i < UVC_TRUTH_BITS; i++)
-        bits |= (uint64_t)(row[2 * (i * UVC_TRUTH_PIXELS + UVC_TRUTH_PIXELS / 2)] > 128) << i;
-    return (uvc_truth){bits & 0xffff, bits >> 16 & 0xfff, bits >> 28 & 15, bits >> 32 & 1};
-}
-
-/* log2 of the picture's mean, as long as nothing is clipped. */
-static double level_of(const uvc_truth *t)
-{
-    return log2(UVC_LIGHT * t->exposure_100us / 100.0 * t->gain_16ths / 16.0) + 3.0 * ((int)t->light - 8);
 }
 
 /* ---- the loop, as pupil run has it ---- */
@@ -92,7 +71,12 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     pupil_config config;
     memset(l, 0, sizeof *l);
     l->is_linear = is_linear;
-    const int failed = pupil_live_open("libcamera:0", NULL, &options, &l->source, &why);
+    int failed =
+        1; /* until udevd has told libcamera of the camera: on a busy machine seconds after the kernel has it */
+    for (int i = 0; i < 20 && failed; i++) {
+        failed = pupil_live_open("libcamera:0", NULL, &options, &l->source, &why);
+        sleep(failed && i < 19);
+    }
     CHECK_MSG(!failed, "%s", why.text);
     if (failed)
         return -1;
@@ -130,16 +114,10 @@ static int loop_frame(loop *l)
     if (got != PUPIL_SOURCE_FRAME)
         return got;
     loop_take(l);
-    l->truth = read_truth(&frame.image);
+    l->truth = uvc_read_truth(&frame.image);
     l->sequence = frame.info.sequence;
     l->info = frame.info;
-    pupil_image_const picture = pupil_image_rows(frame.image, 1, frame.image.height - 1);
-    pupil_coding coding = *picture.coding;
-    if (l->is_linear)
-        coding.light = PUPIL_LIGHT_LINEAR;
-    picture.coding = &coding;
-    pupil_stats_clear(&stats);
-    CHECK(pupil_meter_rows(&l->pupil, &picture, 0, picture.height, &stats) == PUPIL_OK);
+    CHECK(uvc_meter(&l->pupil, &frame.image, l->is_linear, &stats) == PUPIL_OK);
     if (l->steers) {
         pupil_live_mark(l->source);
         CHECK(pupil_camera_loop_frame(&l->loop, &stats, &frame.info) == PUPIL_OK);
@@ -160,7 +138,7 @@ static double rest(loop *l, const char *what)
         still = !l->truth.automatic && before.exposure_100us == l->truth.exposure_100us ? still + 1 : 0;
     }
     CHECK_MSG(still == 10, "%s: it does not come to rest", what);
-    return level_of(&l->truth);
+    return uvc_level(&l->truth);
 }
 
 /* From rest; frames are the camera's, from the first with the new light. */
@@ -174,7 +152,7 @@ static void step(loop *l, int light, const char *what)
     CHECK(sigqueue(process, UVC_SET_LIGHT, (union sigval){.sival_int = light}) == 0);
     for (int i = 0; i < 40; i++) {
         CHECK_MSG(loop_frame(l) == PUPIL_SOURCE_FRAME, "%s: %s", what, why.text);
-        const double off = level_of(&l->truth) - aim;
+        const double off = uvc_level(&l->truth) - aim;
         snprintf(story[lines++], sizeof story[0], "%llu: light %u, %.1f ms (said: %.1f), %+.2f EV, asks %.1f, %s",
                  (unsigned long long)l->sequence, l->truth.light, l->truth.exposure_100us / 10.0,
                  l->info.exposure_s * 1e3, off, l->loop.setting.exposure_s * 1e3,

@@ -13,7 +13,7 @@
 #include "live/live.h"
 #include "pupil/pupil.h"
 #include "vm/node.h"
-#include "vm/uvc_camera.h"
+#include "vm/uvc_seen.h"
 
 #define FPS       15.0 /* slow, so that an emulated machine has time for what a frame brings */
 #define TIMEOUT_S 10.0
@@ -32,33 +32,7 @@ static void camera_plug(const char *answers)
         execl(program, program, answers, (char *)NULL);
         _exit(127);
     }
-    for (int i = 0; i < 200 && node_find("uvcvideo", 0, 0, path) != 0; i++)
-        usleep(100000);
-    CHECK_MSG(node_find("uvcvideo", 0, 0, path) == 0, "there is no camera after 20 s");
-}
-
-static void camera_unplug(void)
-{
-    kill(process, SIGTERM);
-    waitpid(process, NULL, 0);
-    char unused[32];
-    for (int i = 0; i < 200 && node_find("uvcvideo", 0, 0, unused) == 0; i++)
-        usleep(100000);
-}
-
-static uvc_truth read_truth(const pupil_image_const *image)
-{
-    const unsigned char *row = image->data;
-    uint64_t bits = 0;
-    for (uint32_t i = 0; i < UVC_TRUTH_BITS; i++)
-        bits |= (uint64_t)(row[2 * (i * UVC_TRUTH_PIXELS + UVC_TRUTH_PIXELS / 2)] > 128) << i;
-    return (uvc_truth){bits & 0xffff, bits >> 16 & 0xfff, bits >> 28 & 15, bits >> 32 & 1};
-}
-
-/* log2 of the picture's mean, as long as nothing is clipped. */
-static double level_of(const uvc_truth *t)
-{
-    return log2(UVC_LIGHT * t->exposure_100us / 100.0 * t->gain_16ths / 16.0) + 3.0 * ((int)t->light - 8);
+    CHECK_MSG(uvc_await(path) == 0, "there is no camera after 20 s");
 }
 
 /* --- the loop --- */
@@ -142,20 +116,14 @@ static int loop_frame(loop *l)
     const int got = pupil_source_next(l->source, &frame, &why);
     if (got != PUPIL_SOURCE_FRAME)
         return got;
-    l->truth = read_truth(&frame.image);
+    l->truth = uvc_read_truth(&frame.image);
     l->sequence = frame.info.sequence;
     l->info = frame.info;
-    pupil_image_const picture = pupil_image_rows(frame.image, 1, frame.image.height - 1);
-    pupil_coding coding = *picture.coding;
-    if (l->is_linear)
-        coding.light = PUPIL_LIGHT_LINEAR;
-    picture.coding = &coding;
-    pupil_stats_clear(&stats);
-    CHECK(pupil_meter_rows(&l->pupil, &picture, 0, picture.height, &stats) == PUPIL_OK);
+    CHECK(uvc_meter(&l->pupil, &frame.image, l->is_linear, &stats) == PUPIL_OK);
     CHECK(pupil_stats_mean(&stats, 0.0, 1.0, &mean) == PUPIL_OK);
     l->error_ev = mean - log2(l->config.key);
-    if (level_of(&l->truth) < -UVC_STOPS / 2 && level_of(&l->truth) > -4.0 && !l->truth.automatic) {
-        l->worst_ev = fmax(l->worst_ev, fabs(mean - level_of(&l->truth)));
+    if (uvc_level(&l->truth) < -UVC_STOPS / 2 && uvc_level(&l->truth) > -4.0 && !l->truth.automatic) {
+        l->worst_ev = fmax(l->worst_ev, fabs(mean - uvc_level(&l->truth)));
         l->truths++;
     }
     CHECK(pupil_sensor_frame(&l->sensor, &stats, &frame.info) == PUPIL_OK);
@@ -293,7 +261,7 @@ static void test_loop(const char *answers)
         CHECK_MSG(after[i] == before[i], "%s was %d and is %d", names[i], before[i], after[i]);
     }
     close(fd);
-    camera_unplug();
+    uvc_unplug(process);
 }
 
 static void test_unplugged(void)
@@ -312,7 +280,7 @@ static void test_unplugged(void)
         printf("unplugged: %s\n", why.text);
         pupil_source_close(l.source);
     }
-    camera_unplug();
+    uvc_unplug(process);
     const node_held after = node_holds();
     CHECK_MSG(after.files == before.files && after.maps == before.maps, "%d files and %d maps are left",
               after.files - before.files, after.maps - before.maps);
@@ -343,7 +311,7 @@ static void test_back(void)
         CHECK(pupil_live_capture(l.source)->counts.reopened == 1);
         pupil_source_close(l.source);
     }
-    camera_unplug();
+    uvc_unplug(process);
 }
 
 int main(int argc, char **argv)

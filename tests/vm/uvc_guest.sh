@@ -4,6 +4,7 @@
 # printed, packed.
 set -u
 camera=$2 node=$3 full=$4 pupil=$5 plots=${6:-}
+. "$(dirname "$0")/uvc_plug.sh"
 cd "$TMPDIR" || exit 1
 modprobe -d "$MODULES" vhci-hcd
 modprobe -d "$MODULES" uvcvideo
@@ -26,24 +27,6 @@ until_converged() {
         [ "$(wc -l <run.jsonl)" -lt "$1" ] || [ "$(last sensor)" != converged ] || return 0
         sleep 0.3
     done
-}
-
-# plug WORDS...: a camera; $plugged is its process, $path its node
-plug() {
-    "$camera" "$@" &
-    plugged=$!
-    for _ in $(seq 200); do
-        path=$("$node" find uvcvideo capture 0) && break
-        sleep 0.1
-    done
-    "$node" set "$path" "Auto Exposure" 3
-    "$node" set "$path" Gain 40
-}
-
-# is_put_back: the controls have what plug gave them
-is_put_back() {
-    [ "$("$node" get "$path" "Auto Exposure"; "$node" get "$path" Gain)" = "3
-40" ]
 }
 
 # Light that is taken for a display's codes (linear) is a tone curve to pupil. It is regulated all the same; its brightest
