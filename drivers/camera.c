@@ -44,7 +44,7 @@ void pupil_camera_configure(pupil_camera *camera, pupil_sensor_config *config)
     config->delay_frames = longer + 1 < 16 ? longer + 1 : 16;
 }
 
-#define MOST_LATE 32 /* frames in a queue of V4L2 (VIDEO_MAX_FRAME) */
+#define MOST_LATE 256 /* frames that are waiting or lost: more are a timestamp of another clock */
 
 uint64_t pupil_camera_newest(uint64_t sequence, int64_t end_ns, int64_t now_ns, double frame_s)
 {

@@ -11,11 +11,12 @@ uint64_t pupil_camera_history_acts_from(const camera_history *h)
     return acts_from(h, &h->entry[(h->count - 1) % CAMERA_HISTORY]);
 }
 
-/* Of the entries that are still there the newest whose frame has come. */
+/* Of the entries that are still there the newest whose frame has come. What was in force before the first one, nobody
+ * knows: 0. */
 double pupil_camera_history_at(const camera_history *h, uint64_t sequence)
 {
     const uint32_t kept = h->count < CAMERA_HISTORY ? h->count : CAMERA_HISTORY;
-    double value = kept ? h->entry[(h->count - kept) % CAMERA_HISTORY].value : 0.0;
+    double value = h->count > kept ? h->entry[(h->count - kept) % CAMERA_HISTORY].value : 0.0;
     for (uint32_t i = kept; i > 0; i--) {
         const camera_entry *e = &h->entry[(h->count - i) % CAMERA_HISTORY];
         if (acts_from(h, e) <= sequence)

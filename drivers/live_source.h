@@ -97,6 +97,35 @@ typedef struct pupil_live_counts {
     uint64_t restarted; /* libcamera: times that the stream was started again because requests did not come back */
 } pupil_live_counts;
 
+/* Frames that wait for a program that is late. */
+typedef enum pupil_live_late {
+    PUPIL_LIVE_LATE_KEPT = -1,    /* each is handed out: for recordings */
+    PUPIL_LIVE_LATE_BY_PACE = 0,  /* each is handed out, until the program turns out to be slower than the camera */
+    PUPIL_LIVE_LATE_LEFT_OUT = 1, /* the newest is handed out, the others count as late */
+} pupil_live_late;
+
+/* Whether a program is slower than the camera: then every frame would wait in a full queue, and frames be lost all the
+ * same. All zero: it is not. */
+typedef struct pupil_live_pace {
+    uint32_t marks; /* bit k: so many frames ago, frames had been lost or left out */
+    uint32_t is_behind;
+} pupil_live_pace;
+
+/* A frame is handed out, before which so many were lost by the driver or left out. Two such frames of the last eight
+ * begin it, and sixteen in a row without end it: a single delay does neither. */
+static inline void pupil_live_pace_frame(pupil_live_pace *pace, uint64_t missing)
+{
+    pace->marks = pace->marks << 1 | (missing > 0);
+    const uint32_t recent = pace->marks & 0xff, more_than_one = recent & (recent - 1);
+    pace->is_behind = pace->is_behind ? (pace->marks & 0xffff) != 0 : more_than_one != 0;
+}
+
+/* Of several frames that wait, only the newest is wanted. */
+static inline int pupil_live_wants_newest(int late, const pupil_live_pace *pace)
+{
+    return late == PUPIL_LIVE_LATE_LEFT_OUT || (late == PUPIL_LIVE_LATE_BY_PACE && pace->is_behind);
+}
+
 /* What stamped a frame, and when in its life. */
 typedef enum pupil_live_stamp {
     PUPIL_LIVE_STAMP_NONE = 0,     /* nobody, or by another clock: the moment it was taken from the driver */

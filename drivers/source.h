@@ -33,6 +33,13 @@ enum {
     PUPIL_SOURCE_FAILED = -2 /* open, next: nothing more will come */
 };
 
+/* Where the planes of an image are in memory that the kernel shares (dma-bufs), for those that can read it there. */
+typedef struct pupil_frame_dmabuf {
+    int fd[3]; /* of each plane, as image has them; they stay the source's */
+    uint32_t offset_bytes[3];
+    uint64_t stream; /* another number: earlier file descriptors are closed, and their numbers may be used again */
+} pupil_frame_dmabuf;
+
 typedef struct pupil_frame {
     pupil_image_const image;
     pupil_frame_info info;
@@ -40,6 +47,7 @@ typedef struct pupil_frame {
         *name; /* for messages and file names: the file the frame came from, or the source's own word; never NULL */
     const void *coded;  /* the frame as it came, where that was compressed (MJPG); NULL: the image is as it came */
     size_t coded_bytes; /* of coded */
+    const pupil_frame_dmabuf *dmabuf; /* the same image; NULL: it is in this process alone */
 } pupil_frame;
 
 /* What a user can ask of any source; each takes what it understands. Zero means: not asked. */

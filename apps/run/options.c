@@ -154,8 +154,9 @@ static const option_row control_rows[] = {
              "At most 30 frames, taken before that exposure is in force, are left out. A missing or empty file is no "
              "error. Of a damaged one the undamaged lines are used, with a warning. Any other file is refused and left "
              "as it is. Not with --mode digital, or with both --shutter and --gain."},
-    {"newest", 0, OPTION_FLAG, NULL, AT(live.capture.newest), .help = "skip late frames",
-     .more = "Of several frames that wait, the last is taken. The others count as late."},
+    {"newest", 0, OPTION_FLAG, NULL, AT(live.capture.late), .help = "skip late frames",
+     .more = "Of several frames that wait, the last is taken. The others count as late. Without it, this begins where "
+             "the program turns out to be slower than the camera, but not with --record."},
     {"reopen", 0, OPTION_TIME, "TIME", AT(live.capture.reopen_s), .high = 1e6, .unit_s = 1.0, .initial = "0",
      .right = "seconds, from 0 to 1000000", .help = "wait for an unplugged camera",
      .more = "Also where its stream stopped. 0: that ends the run, with exit status 1."},

@@ -38,7 +38,7 @@ typedef struct pupil_libcamera_options {
     uint32_t buffers;                   /* 2..32; 0: 4. Few: a setting waits for the requests before it */
     double timeout_s;                   /* without a frame for so long, the stream has failed; 0: 5 */
     double reopen_s;                    /* how long a camera that is gone is waited for; 0: that is an error */
-    int newest;                         /* 1: of several frames that wait, the last one; the others count as late */
+    int late;                           /* a pupil_live_late */
     int monotonic;                      /* 1: timestamps are CLOCK_MONOTONIC's; 0: the first frame's is 0 */
     int (*stop)(void);                  /* asked while waiting; nonzero ends the stream; NULL: never */
     uint32_t delay;                     /* frames that a control takes to act; 0: as is found */
@@ -58,9 +58,5 @@ int pupil_libcamera_cameras(const pupil_libcamera_layer *layer, pupil_libcamera_
 /* As pupil_live_offers_read, `which` without its prefix. */
 int pupil_libcamera_offers_read(pupil_live_offers *offers, const pupil_libcamera_layer *layer, const char *which,
                                 pupil_why *why);
-
-/* Of a source that was opened here: the buffer of the frame that is out, whose dma-bufs OpenGL ES can take
- * (pupil/gles.h). NULL: it is another kind of source, or no frame is out. */
-const pupil_libcamera_buffer *pupil_libcamera_frame(const pupil_source *source);
 
 #endif

@@ -16,12 +16,6 @@ int pupil_libcamera_open(const char *which, const pupil_libcamera_options *optio
     return PUPIL_SOURCE_FAILED;
 }
 
-const pupil_libcamera_buffer *pupil_libcamera_frame(const pupil_source *source)
-{
-    (void)source;
-    return NULL;
-}
-
 int pupil_libcamera_cameras(const pupil_libcamera_layer *layer, pupil_libcamera_seen *seen, void *closure,
                             pupil_why *why)
 {

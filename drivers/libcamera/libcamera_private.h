@@ -99,8 +99,11 @@ typedef struct libcamera_source {
     int is_out, began, reopened, wants_rate;
     uint64_t sequence;
     uint32_t driver_sequence;
+    uint32_t left_out; /* before the frame that is out, for being late */
+    pupil_live_pace pace;
     int64_t first_ns, stamp_ns;
-    double period_ns; /* between the last two frames; 0: no frame came so far */
+    double period_ns;          /* between the last two frames; 0: no frame came so far */
+    pupil_frame_dmabuf dmabuf; /* of the frame that is out */
     char label[320];
 } libcamera_source;
 

@@ -121,11 +121,13 @@ static int is_frame(libcamera_source *s, const pupil_libcamera_done *done)
 static void skip_late(libcamera_source *s, pupil_libcamera_done *done)
 {
     pupil_libcamera_done later;
-    while (s->options.newest && s->layer->wait(s->camera, &later, 0) == 1) {
+    s->left_out = 0;
+    while (pupil_live_wants_newest(s->options.late, &s->pace) && s->layer->wait(s->camera, &later, 0) == 1) {
         if (!is_frame(s, &later))
             continue;
         libcamera_queue(s, done->index, 1);
         s->live.counts.late++;
+        s->left_out++;
         *done = later;
     }
 }

@@ -36,7 +36,8 @@ static void number(libcamera_source *s, const pupil_libcamera_done *done)
         s->sequence = done->sequence;
     } else if (step && step < UINT32_C(1) << 31 && !s->reopened) {
         s->sequence += step;
-        s->live.counts.lost += step - 1;
+        s->live.counts.lost += step - 1 > s->left_out ? step - 1 - s->left_out : 0;
+        pupil_live_pace_frame(&s->pace, step - 1);
     } else { /* a number that did not rise, or began again */
         s->live.counts.repeated += !step;
         s->sequence++;
@@ -59,6 +60,22 @@ static const unsigned char *plane_at(const libcamera_source *s, uint32_t plane)
 {
     const pupil_libcamera_buffer *b = s->layer->buffer(s->camera, s->index);
     return plane < b->planes ? b->memory[plane] : b->memory[0] + s->format.plane_bytes[plane];
+}
+
+/* The planes of the image, as plane_at finds them. */
+static void describe_shared(libcamera_source *s, pupil_frame *frame)
+{
+    const pupil_libcamera_buffer *b = s->layer->buffer(s->camera, s->index);
+    const uint32_t planes = pupil_pixel_planes(s->format.pixel);
+    int is_shared = 1;
+    for (uint32_t i = 0; i < planes; i++) {
+        const uint32_t plane = i && s->format.cr_first ? 3 - i : i, own = plane < b->planes ? plane : 0;
+        s->dmabuf.fd[i] = b->dmabuf[own];
+        s->dmabuf.offset_bytes[i] = b->offset_bytes[own] + (own == plane ? 0 : (uint32_t)s->format.plane_bytes[plane]);
+        is_shared &= b->dmabuf[own] >= 0;
+    }
+    s->dmabuf.stream = s->live.counts.reopened;
+    frame->dmabuf = is_shared ? &s->dmabuf : NULL;
 }
 
 static void describe(libcamera_source *s, const pupil_libcamera_done *done, pupil_frame *frame)
@@ -84,6 +101,7 @@ static void describe(libcamera_source *s, const pupil_libcamera_done *done, pupi
         frame->image.cr_stride_bytes = (ptrdiff_t)f->stride_bytes[cr];
     }
     snprintf(s->label, sizeof s->label, "%s frame %llu", s->live.is.path, (unsigned long long)s->sequence);
+    describe_shared(s, frame);
     frame->name = s->label;
     frame->info.timestamp_ns = s->stamp_ns - s->first_ns;
     frame->info.sequence = s->sequence;
@@ -339,12 +357,6 @@ static void source_close(pupil_source *source)
 static const pupil_source_ops source_ops = {source_next, source_done, source_close};
 
 /* ---- what is known ---- */
-
-const pupil_libcamera_buffer *pupil_libcamera_frame(const pupil_source *source)
-{
-    const libcamera_source *s = of(source);
-    return source->ops == &source_ops && s->is_out ? s->layer->buffer(s->camera, s->index) : NULL;
-}
 
 static int64_t now_ns(const pupil_source *source)
 {

@@ -68,7 +68,7 @@ static int open_libcamera(const char *which, const pupil_live_options *all, pupi
                                              .buffers = c->buffers,
                                              .timeout_s = c->timeout_s,
                                              .reopen_s = c->reopen_s,
-                                             .newest = c->newest,
+                                             .late = c->late,
                                              .monotonic = c->monotonic,
                                              .stop = c->stop,
                                              .delay = all->delay,

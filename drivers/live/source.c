@@ -30,7 +30,7 @@ static void take_back(live_source *s)
 
 static void describe(live_source *s, pupil_frame *frame)
 {
-    const pupil_v4l2_frame *f = &s->frame;
+    pupil_v4l2_frame *f = &s->frame;
     memset(frame, 0, sizeof *frame);
     const uint32_t step = f->sequence - s->driver_sequence;
     if (!s->began) {
@@ -45,6 +45,8 @@ static void describe(live_source *s, pupil_frame *frame)
     s->reopened = 0;
     snprintf(s->label, sizeof s->label, "%s frame %llu", s->capture.device.path, (unsigned long long)s->sequence);
     frame->image = f->image;
+    f->dmabuf.stream = s->capture.counts.reopened;
+    frame->dmabuf = f->is_shared ? &f->dmabuf : NULL;
     frame->info.timestamp_ns = f->stamp_ns - s->first_ns;
     frame->info.sequence = s->sequence;
     frame->name = s->label;

@@ -11,6 +11,31 @@ static int is_by_metadata(const sensor_estimate *a)
     return a->reports && ((a->alive[0] == 1 && a->alive[1] == 1) || a->is_borne_out);
 }
 
+/* The shortest delay that the frames so far leave possible. */
+static uint32_t shortest_delay(const sensor_estimate *a)
+{
+    uint32_t shortest = 0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        uint32_t delay = 0;
+        while (delay < SENSOR_DELAYS && !(a->alive[c] >> delay & 1))
+            delay++;
+        shortest = delay > shortest ? delay : shortest;
+    }
+    return shortest;
+}
+
+/* Where many frames are lost, the program is slow, and settings come late by more than the camera's delay: the one that
+ * was found holds as long as nothing speaks against it. */
+static int is_refuted(const pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    uint32_t lost = 0;
+    for (uint32_t i = 0; i < SENSOR_RING; i++)
+        lost += !a->past[i].gap;
+    const int is_possible = a->alive[0] >> a->delay[0] & a->alive[1] >> a->delay[1] & 1;
+    return o->setting.frames >= SENSOR_RING && lost >= SENSOR_MANY_LOST && !is_possible;
+}
+
 /* Frames after which a setting is taken to be in force, with any delay. */
 static uint32_t wait_frames(const pupil_sensor_object *o)
 {
@@ -18,9 +43,10 @@ static uint32_t wait_frames(const pupil_sensor_object *o)
     const uint32_t longest = pupil_sensor_longest_delay(o), late = o->config.delay_frames + SENSOR_LATE_FRAMES;
     const uint32_t most = late > 2 * SENSOR_LATE_FRAMES ? late : 2 * SENSOR_LATE_FRAMES;
     const uint32_t known = a->delay[0] > a->delay[1] ? a->delay[0] : a->delay[1];
-    if (a->is_borne_out && known)
+    if (a->is_borne_out && known && !is_refuted(o))
         return known > o->config.delay_frames ? known : o->config.delay_frames;
-    return longest < most && !is_by_metadata(a) ? longest : most;
+    const uint32_t usual = longest < most && !is_by_metadata(a) ? longest : most, shortest = shortest_delay(a);
+    return usual > shortest ? usual : shortest;
 }
 
 /* The setting that was asked for last may not be in force yet. */

@@ -190,6 +190,21 @@ static const void *plane_at(const pupil_v4l2_capture *c, const pupil_v4l2_frame 
     return memory + frame->offset_bytes[area] + c->format.plane_bytes[plane];
 }
 
+/* The planes of the image as image.data, chroma and cr have them. */
+static void describe_shared(const pupil_v4l2_capture *c, pupil_v4l2_frame *frame)
+{
+    const pupil_v4l2_format *f = &c->format;
+    const pupil_v4l2_buffer *buffer = &c->buffer[frame->index];
+    const uint32_t planes = pupil_pixel_planes(f->pixel);
+    frame->is_shared = !f->compressed;
+    for (uint32_t i = 0; i < planes; i++) {
+        const uint32_t plane = i && f->cr_first ? 3 - i : i, area = f->buffers > 1 ? plane : 0;
+        frame->dmabuf.fd[i] = buffer->dmabuf[area];
+        frame->dmabuf.offset_bytes[i] = frame->offset_bytes[area] + (uint32_t)f->plane_bytes[plane];
+        frame->is_shared &= buffer->dmabuf[area] >= 0;
+    }
+}
+
 static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *frame)
 {
     const pupil_v4l2_format *f = &c->format;
@@ -217,6 +232,7 @@ static void describe(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_fra
         frame->image.cr = plane_at(c, frame, cr);
         frame->image.cr_stride_bytes = (ptrdiff_t)f->stride_bytes[cr];
     }
+    describe_shared(c, frame);
 }
 
 /* --- a frame --- */
@@ -331,8 +347,10 @@ int pupil_v4l2_capture_next(pupil_v4l2_capture *c, pupil_v4l2_frame *frame, pupi
         if (got == PUPIL_V4L2_FRAME)
             got = judge(c, &d, frame, why);
         if (got == PUPIL_V4L2_FRAME) {
-            if (c->options.newest)
+            const uint64_t late = c->counts.late;
+            if (pupil_live_wants_newest(c->options.late, &c->pace))
                 skip_to_newest(c, &d, frame);
+            pupil_live_pace_frame(&c->pace, c->counts.late - late + frame->lost);
             if (pupil_v4l2_buffer_read(c, d.b.index) != 0) {
                 const int error = failed(c, "its buffers cannot be read", errno, why);
                 pupil_v4l2_buffer_unread(c, d.b.index);

@@ -49,7 +49,7 @@ typedef struct pupil_v4l2_options {
     double timeout_s;                /* without a frame for so long, the stream has failed; 0: 5 */
     double reopen_s;                 /* pupil_live only: how long an unplugged camera is waited for, and one whose
                                       * stream stopped or changed is opened again; 0: that is an error */
-    int newest;                      /* 1: of several frames that wait, the last one; the others count as late */
+    int late;                        /* a pupil_live_late */
     int share;                       /* 1: buffers as dma-bufs, too */
     uint32_t memory;                 /* a pupil_v4l2_memory */
     uint32_t dmabufs;                /* with PUPIL_V4L2_MEMORY_DMABUF: how many buffers, 2..32 ... */
@@ -84,7 +84,8 @@ typedef struct pupil_v4l2_capture {
     const char *heap;       /* the heap's path; NULL: none */
     pupil_v4l2_buffer buffer[PUPIL_V4L2_MOST_BUFFERS];
     int streaming;
-    int last;  /* the driver has said that no more will come */
+    int last; /* the driver has said that no more will come */
+    pupil_live_pace pace;
     int began; /* last_sequence is valid */
     uint32_t last_sequence;
     pupil_live_counts counts;
@@ -94,6 +95,8 @@ typedef struct pupil_v4l2_frame {
     pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_live decodes it */
     const void *coded;       /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
     size_t coded_bytes;
+    int is_shared; /* dmabuf, but for its `stream`, is valid */
+    pupil_frame_dmabuf dmabuf;
     uint32_t index;                               /* of its buffer */
     uint32_t offset_bytes[PUPIL_V4L2_MOST_AREAS]; /* where its pixels begin in each area */
     uint32_t sequence;                            /* the driver's number */

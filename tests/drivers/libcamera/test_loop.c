@@ -104,6 +104,43 @@ static void test_no_metadata(void)
         }
 }
 
+/* Programs from a little to fifteen times slower than the camera: from the first light on, which teaches the delay. One
+ * that wants every frame shows each of them after the whole queue, and settles later. */
+static void test_slow_programs(void)
+{
+    static const double period_s[] = {0.04, 0.05, 0.08, 0.12, 0.2, 1.0 / 3, 0.5};
+    for (unsigned k = 0; k < 3 * sizeof period_s / sizeof *period_s; k++) {
+        fake_libcamera_config c;
+        rig r;
+        const uint32_t delay = 1 + k % 3;
+        const double s = period_s[k / 3];
+        for (int late = PUPIL_LIVE_LATE_KEPT; late <= PUPIL_LIVE_LATE_LEFT_OUT; late++) {
+            fake_libcamera_config_default(&c);
+            c.fourcc = V4L2_PIX_FMT_SRGGB10;
+            c.delay = delay;
+            CHECK_MSG(rig_open(&r, &c, &(pupil_live_options){.capture = {.late = late}}) == 0, "%s", why.text);
+            r.wait_s = s;
+            fake_libcamera_light(r.fake, 0.125);
+            rig_run(&r, 80);
+            const double aim = log2(0.01 * 0.05 / 0.18);
+            unsigned settled = 0, frames = late == PUPIL_LIVE_LATE_KEPT ? 60 : 16;
+            fake_libcamera_light(r.fake, 1.0);
+            for (unsigned i = 0; i < 100; i++) {
+                rig_run(&r, 1);
+                const double off = rig_total(&r, 1.0) - aim, shown = off + log2(r.loop.setting.frame_digital);
+                settled = fabs(off) > 0.25 || fabs(shown) > 0.1 ? i + 1 : settled;
+            }
+            CHECK_MSG(settled <= frames, "late %d, a frame in %g s, delay %u: settled after %u frames", late, s, delay,
+                      settled);
+            CHECK(late != PUPIL_LIVE_LATE_BY_PACE || s < 0.04 || rig_counts(&r)->late > 0);
+            CHECK(late != PUPIL_LIVE_LATE_KEPT || rig_counts(&r)->late == 0);
+            printf("late %d, a frame in %.3f s, delay %u: %u frames, %llu late\n", late, s, delay, settled,
+                   (unsigned long long)rig_counts(&r)->late);
+            rig_close(&r);
+        }
+    }
+}
+
 /* More refusals than there are requests: each loses one, which is queued again, and the setting is asked for again. */
 static void test_refused(void)
 {
@@ -155,6 +192,7 @@ int main(int argc, char **argv)
     test_takes_over_first();
     test_sensor();
     test_no_metadata();
+    test_slow_programs();
     test_refused();
     test_given_delay();
     return check_end();

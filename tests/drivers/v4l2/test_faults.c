@@ -129,7 +129,7 @@ static void test_calls(void)
     s = (scenario){"NV12 in two areas, shared, the newest", usual, patient, "Fake Camera", 3};
     s.config.multiplanar = 1;
     s.options.fourcc = V4L2_PIX_FMT_NV12M;
-    s.options.share = s.options.newest = 1;
+    s.options.share = s.options.late = 1;
     s.options.buffers = 3;
     play_all(&s, play_source);
 
@@ -151,7 +151,7 @@ static void test_calls(void)
 
     s = (scenario){"slow memory, copied", usual, patient, "0", 3};
     s.config.slow = 1;
-    s.options.newest = 1;
+    s.options.late = 1;
     play_all(&s, play_source);
 
     s = (scenario){"MJPG", usual, patient, "0", 3};

@@ -108,7 +108,7 @@ static void test_kinds(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
         for (int k = 0; k < 8; k++) {
             const memory_case *m = &cases[i];
-            const pupil_v4l2_options options = {.fourcc = formats[k / 2], .memory = m->asked, .newest = k & 1};
+            const pupil_v4l2_options options = {.fourcc = formats[k / 2], .memory = m->asked, .late = k & 1};
             fake_v4l2_config config = config_of(m);
             config.multiplanar = k >= 2 && k < 6;
             config.data_offset = config.multiplanar ? 96 : 0;

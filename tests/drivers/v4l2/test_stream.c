@@ -133,12 +133,48 @@ static void test_no_numbers(void)
     fake_source_close(&s);
 }
 
-/* A caller that is late: without options.newest the frames that waited come one by one, with it the last of them. */
+/* A program that needs three frames' time for each: the queue would be full for ever, and each frame shown after it. It
+ * is found out, and from then on the newest frame is taken; until the program is fast again. A recording keeps all. */
+static void test_pace(void)
+{
+    for (int late = PUPIL_LIVE_LATE_KEPT; late <= PUPIL_LIVE_LATE_BY_PACE; late++) {
+        fake_v4l2_config config = usual();
+        const pupil_v4l2_options options = {.late = late, .buffers = 6};
+        const int adapts = late == PUPIL_LIVE_LATE_BY_PACE;
+        pupil_frame frame;
+        fake_source s = fake_source_open("/dev/video0", &config, &options);
+        const pupil_v4l2_system *system = fake_v4l2_system(s.fake);
+        int64_t age_ns = 0;
+        for (int i = 0; i < 40; i++) {
+            CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
+            age_ns = pupil_live_get(s.source)->times.taken_ns - pupil_live_get(s.source)->times.stamp_ns;
+            system->poll(system->context, NULL, 0, 100);
+            pupil_source_done(s.source, &frame);
+        }
+        CHECK_MSG((fake_source_counts(&s)->late > 0) == adapts, "%llu late",
+                  (unsigned long long)fake_source_counts(&s)->late);
+        CHECK_MSG((age_ns < 100000000) == adapts, "late %d: the last frame was %lld ns old", late, (long long)age_ns);
+        const uint64_t lost = fake_source_counts(&s)->lost, left_out = fake_source_counts(&s)->late;
+        CHECK_MSG(adapts ? lost < 20 : lost > 60, "late %d: %llu lost", late, (unsigned long long)lost);
+        for (int i = 0; i < 40; i++) { /* as fast as the camera again */
+            CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
+            pupil_source_done(s.source, &frame);
+        }
+        CHECK(fake_source_counts(&s)->late <= left_out + 6);
+        system->poll(system->context, NULL, 0, 140); /* a single delay: nothing is left out */
+        const uint64_t before = frame.info.sequence;
+        CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME && frame.info.sequence == before + 1);
+        pupil_source_done(s.source, &frame);
+        fake_source_close(&s);
+    }
+}
+
+/* A caller that is late: without options.late the frames that waited come one by one, with it the last of them. */
 static void test_newest(void)
 {
     for (int newest = 0; newest < 2; newest++) {
         fake_v4l2_config config = usual();
-        const pupil_v4l2_options options = {.newest = newest, .buffers = 6};
+        const pupil_v4l2_options options = {.late = newest, .buffers = 6};
         pupil_frame frame;
         fake_source s = fake_source_open("/dev/video0", &config, &options);
         const pupil_v4l2_system *system = fake_v4l2_system(s.fake);
@@ -336,7 +372,7 @@ static void test_controls(void)
 static void test_long(void)
 {
     fake_v4l2_config c = usual();
-    const pupil_v4l2_options options = {.width = 32, .height = 24, .timeout_s = 60, .newest = 1};
+    const pupil_v4l2_options options = {.width = 32, .height = 24, .timeout_s = 60, .late = 1};
     uint64_t frames;
     c.only_format = V4L2_PIX_FMT_SRGGB8;
     c.fps = 0.2;
@@ -410,6 +446,7 @@ int main(int argc, char **argv)
     test_losses();
     test_no_numbers();
     test_newest();
+    test_pace();
     test_ends();
     test_change();
     test_reopen();
