@@ -6,6 +6,7 @@
 
 #include "egl/egl_context.h"
 #include "gl_calls.h"
+#include "gles_shared.h"
 #include "refuse.h"
 #include "source.h"
 
@@ -29,6 +30,9 @@ struct gles_engine {
     pupil_coding coding; /* config.coding is this one */
     pupil_gles gles;     /* for frames as in config */
     int open;
+    gles_shared shared;
+    int is_shared;   /* the frame that was metered last */
+    int is_software; /* Mesa 22.3's renderers crash on dma-bufs that their device has not made: it cannot map them */
     gles_room room[ROOMS];
     unsigned char *rgba; /* as it is read back */
     size_t rgba_bytes;
@@ -59,6 +63,7 @@ int gles_engine_open(gles_engine **work, const pupil_config *config, uint32_t ve
         free(g);
         return -1;
     }
+    g->is_software = gl_calls_software(&g->gl) != NULL;
     *work = g;
     return 0;
 }
@@ -69,6 +74,7 @@ void gles_engine_close(gles_engine *g)
         return;
     if (g->open)
         pupil_gles_close(&g->gles);
+    gles_shared_release(&g->shared);
     for (int i = 0; i < ROOMS; i++) {
         g->gl.DeleteFramebuffers(1, &g->room[i].framebuffer);
         g->gl.DeleteRenderbuffers(1, &g->room[i].renderbuffer);
@@ -115,17 +121,17 @@ static int is_balanced(const pupil_coding *a, const pupil_coding *b)
     return memcmp(&with, b, sizeof with) == 0;
 }
 
-/* The object for frames like this one. */
-static int fit(gles_engine *g, pupil_t *pupil, const pupil_image_const *in, pupil_why *why)
+/* The object for frames like this one, in memory or in textures. */
+static int fit(gles_engine *g, pupil_t *pupil, const pupil_image_const *in, uint32_t source, pupil_why *why)
 {
     static const pupil_coding usual;
     const pupil_coding *coding = in->coding ? in->coding : &usual;
     pupil_gles_config *c = &g->config;
-    if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
-        memcmp(&g->coding, coding, sizeof *coding) == 0)
+    const int is_alike =
+        g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height && c->source == source;
+    if (is_alike && memcmp(&g->coding, coding, sizeof *coding) == 0)
         return 0;
-    if (g->open && c->pixel == in->pixel && c->width == in->width && c->height == in->height &&
-        is_balanced(&g->coding, coding)) {
+    if (is_alike && is_balanced(&g->coding, coding)) {
         g->coding = *coding;
         return pupil_gles_balance(&g->gles, coding->balance)
                    ? (pupil_refuse(why, "the GPU takes no other white balance"), -1)
@@ -134,6 +140,8 @@ static int fit(gles_engine *g, pupil_t *pupil, const pupil_image_const *in, pupi
     if (g->open)
         pupil_gles_close(&g->gles);
     g->open = 0;
+    c->source = source;
+    c->normalized_16 = source == PUPIL_GLES_TEXTURES;
     c->pixel = in->pixel;
     c->width = in->width;
     c->height = in->height;
@@ -162,23 +170,29 @@ void gles_engine_describe(const gles_engine *g, char *text, size_t text_bytes)
     pupil_gles_status status = {0};
     pupil_egl_describe(renderer, sizeof renderer);
     if (g->open && pupil_gles_get_status(&g->gles, &status) == PUPIL_OK)
-        snprintf(text, text_bytes, "%s, metering as in ES %lu.%lu", renderer, (unsigned long)status.version / 10,
-                 (unsigned long)status.version % 10);
+        snprintf(text, text_bytes, "%s, metering as in ES %lu.%lu%s", renderer, (unsigned long)status.version / 10,
+                 (unsigned long)status.version % 10,
+                 g->is_shared              ? ", frames without a copy"
+                 : *g->shared.refusal.text ? ", frames copied (the driver does not take the camera's dma-bufs)"
+                                           : "");
     else
         snprintf(text, text_bytes, "%s", renderer);
 }
 
 /* --- a frame --- */
 
-/* Frames may change in size and format. */
+/* Frames may change in size and format. A camera's dma-bufs are read where they are. */
 static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why)
 {
     gles_engine *g = self;
-    if (fit(g, pupil, &frame->image, why))
+    const pupil_dmabuf_textures *shared = g->is_software ? NULL : gles_shared_textures(&g->shared, frame);
+    g->is_shared = shared != NULL;
+    if (fit(g, pupil, &frame->image, shared ? PUPIL_GLES_TEXTURES : PUPIL_GLES_MEMORY, why))
         return -1;
-    int error = pupil_gles_upload(&g->gles, &frame->image);
+    int error = shared ? pupil_gles_use(&g->gles, shared->texture[0], shared->texture[1], shared->texture[2])
+                       : pupil_gles_upload(&g->gles, &frame->image);
     if (error)
-        return say(why, error, "uploading the frame");
+        return say(why, error, shared ? "the frame's dma-buf" : "uploading the frame");
     error = pupil_gles_meter(&g->gles, &frame->info);
     if (error < 0)
         return say(why, error, "metering");
@@ -222,6 +236,8 @@ static int make_room(gles_engine *g, gles_room *r, uint32_t width, uint32_t heig
 int gles_engine_draw(gles_engine *g, const pupil_curve *curve, const pupil_gles_target *target, pupil_why *why)
 {
     const int error = pupil_gles_map(&g->gles, curve, target);
+    if (g->is_shared)
+        g->gl.Finish(); /* its buffer goes back to the camera, which fills it again */
     return error ? say(why, error, "mapping") : 0;
 }
 

@@ -29,7 +29,8 @@ int gles_engine_draw(gles_engine *g, const pupil_curve *curve, const pupil_gles_
 /* New settings for `pupil` and the GPU. */
 int gles_engine_retune(gles_engine *g, pupil_t *pupil, const pupil_config *config, pupil_why *why);
 
-/* "llvmpipe (...), OpenGL ES 3.2 ..., metering as in ES 3.1", once a frame was metered. */
+/* "llvmpipe (...), OpenGL ES 3.2 ..., metering as in ES 3.1", once a frame was metered; and whether a camera's frames
+ * are read where they are. */
 void gles_engine_describe(const gles_engine *g, char *text, size_t text_bytes);
 
 #endif

@@ -158,6 +158,9 @@ static int open_camera(run *r)
     o->shown.source.stop = is_over;
     o->live.system = r->system;
     o->live.hands_off = o->mode == RUN_DIGITAL && !(o->exposure_s > 0.0) && !(o->gain > 0.0);
+    o->live.capture.share = o->shown.gles || o->shown.view; /* the GPU reads frames where they are */
+    if (o->shown.record && !o->live.capture.late)
+        o->live.capture.late = PUPIL_LIVE_LATE_KEPT;
     if (pupil_live_open(r->device, &o->shown.source, &o->live, &s->source, &s->why))
         return -1;
     end_of_run.source = s->source;

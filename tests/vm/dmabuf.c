@@ -10,6 +10,8 @@
 #include "check.h"
 #include "egl/dmabuf.h"
 #include "egl/egl_context.h"
+#include "frame/gles_shared.h"
+#include "live/live.h"
 #include "vm/compare.h"
 #include "vm/node.h"
 #include "vm/read_texels.h"
@@ -252,6 +254,73 @@ static void test_formats(void)
     canvas_close(&canvases[0]);
 }
 
+/* The same as the program has it: a live source says where its frames are, and each buffer is imported once, until the
+ * stream is another one. */
+static void test_live_format(const format *f, const char *path)
+{
+    vgem_buffer memory[VIVID_BUFFERS * 2];
+    int fd[VIVID_BUFFERS * 2], failed = 0;
+    gles_shared shared = {0};
+    figures all = {0};
+    pupil_source *source = NULL;
+    pupil_why why = {""};
+    canvas picture;
+    for (int i = 0; i < VIVID_BUFFERS * 2 && !failed; i++) {
+        failed = vgem_make(vgem, (size_t)WIDTH * HEIGHT * 4, &memory[i]);
+        fd[i] = memory[i].fd;
+    }
+    const pupil_live_options options = {.capture = {.fourcc = f->fourcc,
+                                                    .width = WIDTH,
+                                                    .height = HEIGHT,
+                                                    .memory = PUPIL_V4L2_MEMORY_DMABUF,
+                                                    .dmabufs = VIVID_BUFFERS,
+                                                    .dmabuf = fd},
+                                        .hands_off = 1};
+    CHECK_MSG(!failed && pupil_live_open(path, NULL, &options, &source, &why) == 0, "%s: %s", f->name, why.text);
+    if (!source || open_gles(f->pixel, WIDTH, HEIGHT) || canvas_open(&picture, PUPIL_PIXEL_BGRX8, WIDTH, HEIGHT))
+        return;
+    for (int i = 0; i < 2 * VIVID_BUFFERS; i++) {
+        pupil_frame frame;
+        CHECK_MSG(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME, "%s: %s", f->name, why.text);
+        pupil_frame_dmabuf again = *frame.dmabuf;
+        again.stream += i == 2 * VIVID_BUFFERS - 1; /* as after opening it again */
+        frame.dmabuf = &again;
+        const pupil_dmabuf_textures *textures = gles_shared_textures(&shared, &frame);
+        CHECK_MSG(textures != NULL, "%s: %s", f->name, shared.refusal.text);
+        if (!textures)
+            break;
+        check_texels(textures, &frame.image, f->name);
+        CHECK(pupil_gles_use(&gles, textures->texture[0], textures->texture[1], textures->texture[2]) == PUPIL_OK);
+        if (i == 0)
+            compare_metering(&gles, &pupil, &frame.image, &all, f->name);
+        compare_mapping(&frame.image, &picture, &all, f->name);
+        CHECK_MSG(shared.count == (uint32_t)(i < VIVID_BUFFERS ? i + 1
+                                             : again.stream    ? 1
+                                                               : VIVID_BUFFERS),
+                  "%s: frame %d: %u buffers are imported", f->name, i, shared.count);
+        pupil_source_done(source, &frame);
+    }
+    gles_shared_release(&shared);
+    pupil_source_close(source);
+    canvas_close(&picture);
+    pupil_gles_close(&gles);
+    for (int i = 0; i < VIVID_BUFFERS * 2; i++)
+        vgem_free(&memory[i]);
+    judge(&all, f->name);
+}
+
+static void test_live(void)
+{
+    char path[32];
+    CHECK(node_find("vivid", 0, 0, path) == 0);
+    printf("through a live source:\n");
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        if (formats[i].pixel == PUPIL_PIXEL_YUYV || formats[i].pixel == PUPIL_PIXEL_NV12 ||
+            formats[i].pixel == PUPIL_PIXEL_NV21 || formats[i].pixel == PUPIL_PIXEL_I420 ||
+            formats[i].pixel == PUPIL_PIXEL_BAYER10)
+            test_live_format(&formats[i], path);
+}
+
 /* What the camera sees, mapped into every buffer of the monitor. */
 static int fill_monitor(void)
 {
@@ -344,6 +413,7 @@ int main(int argc, char **argv)
     pupil_egl_describe(why.text, sizeof why.text);
     printf("%s\n", why.text);
     test_formats();
+    test_live();
     test_cable();
     pupil_egl_close(egl);
     return check_end();
