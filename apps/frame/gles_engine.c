@@ -95,7 +95,7 @@ static int start(gles_engine *g, pupil_t *pupil, pupil_why *why)
     pupil_why reason = {""};
     int error = pupil_gles_init(&g->gles, &g->config, pupil, g->get_proc, &reason);
     if (error == PUPIL_ERR_CONFIG && wants_histogram(&g->settings)) { /* in the words of replay's options */
-        return pupil_refuse(why, "OpenGL ES 3.0 has no histogram, which %s",
+        return pupil_refuse(why, "this OpenGL ES 3.0 has no histogram, which %s",
                             g->settings.curve != PUPIL_CURVE_REINHARD ? "--tone needs"
                             : g->settings.white_mode == PUPIL_WHITE_FOLLOW
                                 ? "a white point that follows needs; --white none, or a number, does without"

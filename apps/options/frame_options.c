@@ -188,11 +188,12 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
     {"gles", 0, OPTION_FLAG, NULL, AT(gles), .help = "on the GPU, or else on the CPU",
      .more =
          "OpenGL ES 3.1 or 3.0, without a window. The outputs are the CPU's within one display code. Where the GPU is "
-         "missing or fails, a sentence says why, and the CPU continues from the same level. --meter-rows is not used: "
-         "every row is metered."},
+         "missing or fails, a sentence says why, and the CPU continues from the same level. Every row is metered, "
+         "with any --meter-rows."},
     {"gles-version", 0, OPTION_CHOICE, "3.0|3.1", AT(gles_version), .low = PUPIL_GLES_ES30, .help = "of GLES",
-     .more = "Without it, the best there is. 3.0 has no histogram: it needs --white none or a number, and no --trim or "
-             "--tone."},
+     .more =
+         "Without it, the best there is. In 3.0 the histogram counts one of each four rows, or of --meter-rows; a GPU "
+         "without GL_EXT_color_buffer_half_float needs --white none or a number there, and no --trim or --tone."},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
      .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
     {"dither", 0, OPTION_CHOICE, "off|on", AT(dither), .low = 1, .help = "of 8 bits",

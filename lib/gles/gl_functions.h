@@ -17,6 +17,8 @@
     X(BindSampler, BINDSAMPLER)                                                                                        \
     X(BindTexture, BINDTEXTURE)                                                                                        \
     X(BindVertexArray, BINDVERTEXARRAY)                                                                                \
+    X(BlendEquation, BLENDEQUATION)                                                                                    \
+    X(BlendFunc, BLENDFUNC)                                                                                            \
     X(BufferData, BUFFERDATA)                                                                                          \
     X(BufferSubData, BUFFERSUBDATA)                                                                                    \
     X(CheckFramebufferStatus, CHECKFRAMEBUFFERSTATUS)                                                                  \

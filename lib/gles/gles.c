@@ -95,6 +95,8 @@ static int meet_context(gles_object *o, pupil_gles_get_proc get_proc, uint32_t *
     else if (has_extension(&o->gl, "GL_EXT_robustness"))
         o->gl.GetGraphicsResetStatus = (GLenum(*)(void))get_proc("glGetGraphicsResetStatusEXT");
     o->gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &o->largest_side);
+    o->has_half_targets = *version >= 32 || has_extension(&o->gl, "GL_EXT_color_buffer_half_float") ||
+                          has_extension(&o->gl, "GL_EXT_color_buffer_float");
     for (int i = 0; i < 16 && o->gl.GetError() != GL_NO_ERROR; i++) { /* the caller's own; a lost context has no end */
     }
     return PUPIL_OK;
@@ -171,9 +173,13 @@ static int check_settings(const gles_object *o, const pupil_object *pupil, uint3
         return refuse_config(why, "grey_world must be 0: the sums of channels are made by the CPU alone");
     if (o->config.adapt == PUPIL_GLES_ADAPT_GPU && pupil_gles_adapt_check(&pupil->config, why))
         return PUPIL_ERR_CONFIG;
-    if (pupil->histogram && version == PUPIL_GLES_ES30)
-        return refuse_config(why, "OpenGL ES 3.0 has no histogram, which a white point that follows, trimming and "
-                                  "histogram = 1 need: choose PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE, trim 0 and 1");
+    if (pupil->histogram && version == PUPIL_GLES_ES30 && !o->has_half_targets)
+        return refuse_config(why, "this OpenGL ES 3.0 has no histogram, for it lacks GL_EXT_color_buffer_half_float: "
+                                  "choose PUPIL_WHITE_FIXED or PUPIL_WHITE_NONE, trim 0 and 1, histogram 0, and "
+                                  "PUPIL_CURVE_REINHARD");
+    if (pupil->histogram && version == PUPIL_GLES_ES30 && o->config.source == PUPIL_GLES_EXTERNAL)
+        return refuse_config(why, "OpenGL ES 3.0 has no histogram of PUPIL_GLES_EXTERNAL: choose PUPIL_WHITE_FIXED or "
+                                  "PUPIL_WHITE_NONE, trim 0 and 1, histogram 0, and PUPIL_CURVE_REINHARD");
     return PUPIL_OK;
 }
 
@@ -246,6 +252,7 @@ static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version,
     if (error)
         return cause_of(o, error, why);
     o->gl.GenVertexArrays(1, &o->vertex_array);
+    o->bins = pupil_gles_bins_plan(o, &pupil->config);
     error = pupil_gles_textures_make(o, why);
     if (!error) {
         pupil_gles_meter_make(o);
@@ -313,6 +320,33 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
     return PUPIL_OK;
 }
 
+/* ES 3.0: the histogram's targets for other settings; after an error the old ones are there. */
+static int retune_bins(gles_object *o, const pupil_object *settings, const gles_variant *variant, pupil_why *why)
+{
+    const gles_bins had = o->bins, plan = pupil_gles_bins_plan(o, &settings->config);
+    const int same = o->target[GLES_BINS] && had.groups * had.columns == plan.groups * plan.columns;
+    const GLuint texture[2] = {o->target[GLES_BINS], o->target[GLES_COUNTS]};
+    const GLuint framebuffer[2] = {o->framebuffer[GLES_BINS], o->framebuffer[GLES_COUNTS]};
+    GLuint old[4];
+    o->bins = plan;
+    if (variant->version != PUPIL_GLES_ES30 || !variant->histogram || same)
+        return PUPIL_OK;
+    for (int i = 0; i < 2; i++)
+        o->target[GLES_BINS + i] = o->framebuffer[GLES_BINS + i] = 0;
+    const int error = cause_of(o, pupil_gles_bins_make(o, why), why);
+    for (int i = 0; i < 2; i++) { /* after an error what was made is what goes */
+        old[i] = error ? o->target[GLES_BINS + i] : texture[i];
+        old[2 + i] = error ? o->framebuffer[GLES_BINS + i] : framebuffer[i];
+        o->target[GLES_BINS + i] = error ? texture[i] : o->target[GLES_BINS + i];
+        o->framebuffer[GLES_BINS + i] = error ? framebuffer[i] : o->framebuffer[GLES_BINS + i];
+    }
+    if (error)
+        o->bins = had;
+    o->gl.DeleteTextures(2, old);
+    o->gl.DeleteFramebuffers(2, old + 2);
+    return error;
+}
+
 int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_why *why)
 {
     int error = check_arguments(gles, pupil, gles, why);
@@ -325,10 +359,17 @@ int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_why *why)
     if ((error = check_settings(o, settings, o->variant.version, why)))
         return error;
     const gles_variant variant = variant_of(o, settings, o->variant.version);
-    if (variant.histogram != o->variant.histogram) {
-        gles_programs programs;
-        if ((error = pupil_gles_programs_make(o, &variant, &programs, why)))
-            return cause_of(o, error, why);
+    gles_programs programs = o->programs;
+    const int others = variant.histogram != o->variant.histogram;
+    if (others && (error = pupil_gles_programs_make(o, &variant, &programs, why)))
+        return cause_of(o, error, why);
+    error = retune_bins(o, settings, &variant, why);
+    if (error) {
+        if (others)
+            pupil_gles_programs_delete(o, &programs);
+        return error;
+    }
+    if (others) {
         pupil_gles_programs_delete(o, &o->programs);
         o->programs = programs;
         o->variant = variant;

@@ -76,9 +76,9 @@ static void draw_into(const gles_object *o, int target, GLsizei width, GLsizei h
 }
 
 /* From the target that was drawn last. */
-static void read_back(const gles_object *o, GLsizei width, GLsizei height, size_t to)
+static void read_back(const gles_object *o, GLint y, GLsizei width, GLsizei height, size_t to)
 {
-    o->gl.ReadPixels(0, 0, width, height, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+    o->gl.ReadPixels(0, y, width, height, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                      (void *)to); /* an offset in the pack buffer */
 }
 
@@ -94,7 +94,7 @@ static void adapt_30(gles_object *o, const pupil_frame_info *info)
     pupil_gles_bind(o, GLES_UNIT_STATE, GL_TEXTURE_2D, o->target[GLES_STATE_0 + o->newest_state]);
     draw_into(o, GLES_STATE_0 + (int)next, 1, 1);
     o->newest_state = next;
-    read_back(o, 1, 1, offsetof(gles_statistics, level));
+    read_back(o, 0, 1, 1, offsetof(gles_statistics, level));
 }
 
 static void meter_30(gles_object *o, const gles_slot *slot)
@@ -113,7 +113,12 @@ static void meter_30(gles_object *o, const gles_slot *slot)
     gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
     gl->PixelStorei(GL_PACK_SKIP_ROWS, 0);
     gl->PixelStorei(GL_PACK_SKIP_PIXELS, 0);
-    read_back(o, columns, rows, offsetof(gles_statistics, region));
+    read_back(o, 0, columns, rows, offsetof(gles_statistics, region));
+    if (o->variant.histogram) {
+        pupil_gles_bins_meter(o);
+        read_back(o, 0, (PUPIL_HISTOGRAM_BINS + PUPIL_PEAK_BINS) / 2, 1, offsetof(gles_statistics, bin));
+        read_back(o, 1, columns, 1, offsetof(gles_statistics, peaks));
+    }
     if (o->variant.level_here)
         adapt_30(o, &slot->info);
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);

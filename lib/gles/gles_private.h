@@ -30,6 +30,7 @@ typedef struct gles_statistics {
     uint32_t level[4]; /* ADAPT_GPU: lower and upper word of 2^-56 stops, whether a frame has set it, 0 */
     uint32_t peak[4];  /* bits of the brightest channel, 0, 0, 0 */
     uint32_t bin[PUPIL_HISTOGRAM_BINS + PUPIL_PEAK_BINS][2]; /* lower and upper word */
+    uint32_t peaks[GLES_REGION_COLUMNS][4];                  /* ES 3.0, in place of peak: one for each column */
 } gles_statistics;
 
 /* A frame whose statistics are on their way. */
@@ -41,9 +42,11 @@ typedef struct gles_slot {
 
 typedef enum gles_program_name {
     GLES_METER = 0,
-    GLES_REDUCE, /* ES 3.0 */
-    GLES_WEIGH,  /* ES 3.0, ADAPT_GPU */
-    GLES_ADAPT,  /* ADAPT_GPU */
+    GLES_REDUCE,  /* ES 3.0 */
+    GLES_SCATTER, /* ES 3.0, histogram */
+    GLES_COUNT,   /* ES 3.0, histogram */
+    GLES_WEIGH,   /* ES 3.0, ADAPT_GPU */
+    GLES_ADAPT,   /* ADAPT_GPU */
     GLES_MAP,
     GLES_MAP_SCALED,
     GLES_PROGRAM_COUNT
@@ -76,7 +79,21 @@ enum {
 enum { GLES_TABLE_WIDTH = 256, GLES_TABLE_HEIGHT = 16 };
 
 /* Targets of ES 3.0's chain. */
-enum { GLES_PARTS = 0, GLES_REGIONS, GLES_COLUMNS, GLES_STATE_0, GLES_STATE_1, GLES_TARGET_COUNT };
+enum {
+    GLES_PARTS = 0,
+    GLES_REGIONS,
+    GLES_COLUMNS, /* ADAPT_GPU */
+    GLES_STATE_0,
+    GLES_STATE_1,
+    GLES_BINS, /* histogram */
+    GLES_COUNTS,
+    GLES_TARGET_COUNT
+};
+
+/* ES 3.0's histogram: one of `step` rows, or rows of quads, has a row of bins, or one for each of `columns` parts. */
+typedef struct gles_bins {
+    uint32_t columns, step, groups;
+} gles_bins;
 
 typedef struct gles_object {
     uint64_t magic;
@@ -86,6 +103,7 @@ typedef struct gles_object {
     gles_variant variant;
     void *context; /* eglGetCurrentContext's, or NULL */
     GLint largest_side;
+    uint32_t has_half_targets; /* R16F can be drawn into, with blending */
 
     /* settings, from the pupil_t */
     pupil_config settings;
@@ -99,6 +117,7 @@ typedef struct gles_object {
     pupil_tone curve;        /* ADAPT_GPU: its white and gamut; the scale is 1 */
     uint32_t unit;           /* rows of a mosaic's quad, or 1 */
     uint32_t cells_together; /* columns of the metering grid in one of regions */
+    gles_bins bins;
     uint32_t region_rows;
     gles_region_row region_row[GLES_REGION_ROWS];
 
@@ -129,7 +148,8 @@ typedef struct gles_object {
 } gles_object;
 
 _Static_assert(sizeof(gles_object) <= sizeof(pupil_gles), "PUPIL_GLES_OBJECT_BYTES is too small");
-_Static_assert(sizeof(gles_statistics) == 16 * GLES_REGION_ROWS * GLES_REGION_COLUMNS + 32 + 8 * 768, "no padding");
+_Static_assert(sizeof(gles_statistics) == 16 * (GLES_REGION_ROWS + 1) * GLES_REGION_COLUMNS + 32 + 8 * 768,
+               "no padding");
 
 #define GLES_MAGIC (UINT64_C(0x676c657300000000) + sizeof(gles_object))
 
@@ -173,6 +193,20 @@ void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint 
 /* The frame and its tables, for a program that loads it; and none at all. */
 void pupil_gles_bind_frame(const gles_object *o);
 void pupil_gles_unbind(const gles_object *o);
+
+/* An own target of this size, in place of what was there. */
+int pupil_gles_target_make(gles_object *o, int target, GLenum internal, GLsizei width, GLsizei height, pupil_why *why);
+
+/* --- gles_bins.c: the histogram of ES 3.0 --- */
+
+/* Which rows, in how many parts. */
+gles_bins pupil_gles_bins_plan(const gles_object *o, const pupil_config *settings);
+/* Its targets, for o->bins. */
+int pupil_gles_bins_make(gles_object *o, pupil_why *why);
+/* Leaves GLES_COUNTS as the framebuffer to be read. Needs GLES_PARTS of the same frame. */
+void pupil_gles_bins_meter(const gles_object *o);
+/* Bins of some rows as those of all. */
+void pupil_gles_bins_scale(pupil_stats *stats);
 
 /* --- gles_regions.c --- */
 

@@ -7,7 +7,7 @@ static GLuint compile(const gles_object *o, const gles_variant *variant, uint32_
     const gl_functions *gl = &o->gl;
     const char *texts[GLES_MOST_TEXTS];
     const uint32_t count = pupil_gles_shader_texts(variant, shader, texts);
-    const int is_vertex = shader == GLES_TRIANGLE_VERT || shader == GLES_MAP_VERT;
+    const int is_vertex = shader == GLES_TRIANGLE_VERT || shader == GLES_MAP_VERT || shader == GLES_SCATTER_VERT;
     const int is_compute = shader == GLES_METER_COMP || shader == GLES_ADAPT_COMP;
     GLint done = 0;
     GLuint name = gl->CreateShader(is_vertex ? GL_VERTEX_SHADER : is_compute ? GL_COMPUTE_SHADER : GL_FRAGMENT_SHADER);
@@ -91,6 +91,8 @@ int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, 
     } stages[GLES_PROGRAM_COUNT] = {
         [GLES_METER] = {1, is_31 ? none : GLES_TRIANGLE_VERT, is_31 ? GLES_METER_COMP : GLES_METER_FRAG},
         [GLES_REDUCE] = {!is_31, GLES_TRIANGLE_VERT, GLES_REDUCE_FRAG},
+        [GLES_SCATTER] = {variant->histogram && !is_31, GLES_SCATTER_VERT, GLES_SCATTER_FRAG},
+        [GLES_COUNT] = {variant->histogram && !is_31, GLES_TRIANGLE_VERT, GLES_COUNT_FRAG},
         [GLES_WEIGH] = {variant->level_here && !is_31, GLES_TRIANGLE_VERT, GLES_WEIGH_FRAG},
         [GLES_ADAPT] = {variant->level_here, is_31 ? none : GLES_TRIANGLE_VERT,
                         is_31 ? GLES_ADAPT_COMP : GLES_ADAPT_FRAG},
@@ -169,7 +171,7 @@ static void set_frame(const gles_object *o, uint32_t p)
 
 void pupil_gles_programs_balance(gles_object *o)
 {
-    static const uint32_t readers[] = {GLES_METER, GLES_MAP, GLES_MAP_SCALED};
+    static const uint32_t readers[] = {GLES_METER, GLES_SCATTER, GLES_MAP, GLES_MAP_SCALED};
     const gl_functions *gl = &o->gl;
     const pupil_coder *c = &o->coder;
     for (uint32_t i = 0; i < sizeof readers / sizeof readers[0]; i++) {
@@ -222,6 +224,17 @@ static void set_mapping(const gles_object *o, uint32_t p)
     gl->Uniform2i(uniform(o, p, "picture_size"), (GLint)o->config.width / halved, (GLint)o->config.height / halved);
 }
 
+/* Where ES 3.0's chain reads what was drawn before. */
+static void set_targets(const gles_object *o, uint32_t p)
+{
+    const gl_functions *gl = &o->gl;
+    const gles_bins *b = &o->bins;
+    gl->Uniform1i(uniform(o, p, "parts"), p == GLES_REDUCE ? GLES_UNIT_FRAME : GLES_UNIT_CHROMA);
+    gl->Uniform1i(uniform(o, p, "regions"), GLES_UNIT_FRAME);
+    gl->Uniform1i(uniform(o, p, "bins"), GLES_UNIT_FRAME);
+    gl->Uniform4i(uniform(o, p, "plan"), (GLint)b->columns, (GLint)b->step, (GLint)b->groups, (GLint)o->region_rows);
+}
+
 void pupil_gles_programs_set(gles_object *o)
 {
     o->cells_together = pupil_gles_regions_together(o);
@@ -229,18 +242,15 @@ void pupil_gles_programs_set(gles_object *o)
         if (!o->programs.name[p])
             continue;
         o->gl.UseProgram(o->programs.name[p]);
-        if (p == GLES_METER || p == GLES_MAP || p == GLES_MAP_SCALED)
+        if (p == GLES_METER || p == GLES_SCATTER || p == GLES_MAP || p == GLES_MAP_SCALED)
             set_frame(o, p);
-        if (p == GLES_METER || p == GLES_WEIGH || p == GLES_ADAPT)
+        if (p != GLES_MAP && p != GLES_MAP_SCALED && p != GLES_REDUCE)
             set_regions(o, p);
-        if (p == GLES_METER)
+        if (p == GLES_METER || p == GLES_SCATTER)
             set_metering(o, p);
         if (p == GLES_MAP || p == GLES_MAP_SCALED)
             set_mapping(o, p);
-        if (p == GLES_REDUCE)
-            o->gl.Uniform1i(uniform(o, p, "parts"), GLES_UNIT_FRAME);
-        if (p == GLES_WEIGH)
-            o->gl.Uniform1i(uniform(o, p, "regions"), GLES_UNIT_FRAME);
+        set_targets(o, p);
         if (p == GLES_WEIGH || p == GLES_ADAPT)
             pupil_gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "is_locked"));
         if (p == GLES_ADAPT) {

@@ -72,5 +72,9 @@ void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from
         uint32_t bits;
         float value;
     } peak = {.bits = from->peak[0]};
+    for (int i = 0; i < GLES_REGION_COLUMNS && o->variant.version == PUPIL_GLES_ES30; i++)
+        peak.bits = from->peaks[i][0] > peak.bits ? from->peaks[i][0] : peak.bits; /* in the order of their bits */
     stats->peak = peak.value;
+    if (o->variant.version == PUPIL_GLES_ES30)
+        pupil_gles_bins_scale(stats);
 }

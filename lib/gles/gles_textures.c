@@ -127,6 +127,23 @@ static void make_frames(gles_object *o)
         }
 }
 
+int pupil_gles_target_make(gles_object *o, int i, GLenum internal, GLsizei width, GLsizei height, pupil_why *why)
+{
+    const gl_functions *gl = &o->gl;
+    gl->DeleteTextures(1, &o->target[i]);
+    gl->DeleteFramebuffers(1, &o->framebuffer[i]);
+    gl->ActiveTexture(GL_TEXTURE0);
+    o->target[i] = make_texture(o, internal, width, height);
+    gl->GenFramebuffers(1, &o->framebuffer[i]);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer[i]);
+    gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, o->target[i], 0);
+    if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+        return PUPIL_OK;
+    const char *const name = internal == GL_R16F ? "GL_R16F" : "GL_RGBA32UI";
+    pupil_gles_say(why, (const char *const[]){"the driver refuses a framebuffer of ", name, 0});
+    return PUPIL_ERR_GLES;
+}
+
 /* What ES 3.0's chain draws into. */
 static int make_targets(gles_object *o, pupil_why *why)
 {
@@ -136,15 +153,10 @@ static int make_targets(gles_object *o, pupil_why *why)
                                             [GLES_COLUMNS] = {columns, 1},
                                             [GLES_STATE_0] = {1, 1},
                                             [GLES_STATE_1] = {1, 1}};
-    for (int i = 0; i < (o->variant.level_here ? GLES_TARGET_COUNT : GLES_COLUMNS); i++) {
-        o->target[i] = make_texture(o, GL_RGBA32UI, size[i].width, size[i].height);
-        o->gl.GenFramebuffers(1, &o->framebuffer[i]);
-        o->gl.BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer[i]);
-        o->gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, o->target[i], 0);
-        if (o->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-            pupil_gles_say(why, (const char *const[]){"the driver refuses a framebuffer of GL_RGBA32UI", 0});
-            return PUPIL_ERR_GLES;
-        }
+    for (int i = 0; i < (o->variant.level_here ? GLES_BINS : GLES_COLUMNS); i++) {
+        const int error = pupil_gles_target_make(o, i, GL_RGBA32UI, size[i].width, size[i].height, why);
+        if (error)
+            return error;
     }
     for (int i = GLES_STATE_0; i <= GLES_STATE_1 && o->variant.level_here; i++)
         send(o, o->target[i], 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, (const GLuint[4]){0});
@@ -184,7 +196,10 @@ int pupil_gles_textures_make(gles_object *o, pupil_why *why)
         send_table(o, o->light, (GLsizei)o->coder.top + 1, GL_RG, GL_FLOAT, sizeof o->coder.light[0], o->coder.light);
     }
     o->encoder = make_texture(o, GL_R32UI, GLES_TABLE_WIDTH, GLES_TABLE_HEIGHT);
-    return o->variant.version == PUPIL_GLES_ES30 ? make_targets(o, why) : PUPIL_OK;
+    if (o->variant.version != PUPIL_GLES_ES30)
+        return PUPIL_OK;
+    const int error = make_targets(o, why);
+    return error || !o->variant.histogram ? error : pupil_gles_bins_make(o, why);
 }
 
 void pupil_gles_textures_delete(gles_object *o)

@@ -6,8 +6,8 @@
 const char *pupil_gles_shader_name(uint32_t shader)
 {
     static const char *const names[GLES_SHADER_COUNT] = {
-        "triangle.vert", "meter.comp", "meter.frag", "reduce.frag", "weigh.frag",
-        "adapt.comp",    "adapt.frag", "map.vert",   "map.frag",    "map.frag, scaled"};
+        "triangle.vert", "meter.comp", "meter.frag", "reduce.frag", "scatter.vert", "scatter.frag",    "count.frag",
+        "weigh.frag",    "adapt.comp", "adapt.frag", "map.vert",    "map.frag",     "map.frag, scaled"};
     return names[shader];
 }
 
@@ -110,6 +110,46 @@ static uint32_t add_adapting(uint32_t n, const char *texts[GLES_MOST_TEXTS])
     return n;
 }
 
+static uint32_t add_shader_that_meters(const gles_variant *v, uint32_t shader, uint32_t n,
+                                       const char *texts[GLES_MOST_TEXTS])
+{
+    switch (shader) {
+    case GLES_METER_COMP:
+        if (v->histogram)
+            texts[n++] = "#define HISTOGRAM\n";
+        n = add_metering(v, n, texts);
+        texts[n++] = text_statistics_glsl;
+        texts[n++] = text_meter_comp;
+        break;
+    case GLES_METER_FRAG:
+        if (v->histogram)
+            texts[n++] = "#define HISTOGRAM\n";
+        n = add_metering(v, n, texts);
+        texts[n++] = text_meter_frag;
+        break;
+    case GLES_REDUCE_FRAG:
+        texts[n++] = text_regions_glsl;
+        texts[n++] = text_reduce_frag;
+        break;
+    case GLES_SCATTER_VERT:
+        texts[n++] = "#define HISTOGRAM\n";
+        n = add_metering(v, n, texts);
+        texts[n++] = text_bins_glsl;
+        texts[n++] = text_scatter_vert;
+        break;
+    case GLES_SCATTER_FRAG:
+        texts[n++] = text_scatter_frag;
+        break;
+    default: /* GLES_COUNT_FRAG */
+        texts[n++] = text_regions_glsl;
+        texts[n++] = text_integers_glsl;
+        texts[n++] = text_bins_glsl;
+        texts[n++] = text_count_frag;
+        break;
+    }
+    return n;
+}
+
 uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const char *texts[GLES_MOST_TEXTS])
 {
     uint32_t n = 0;
@@ -122,21 +162,6 @@ uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const c
         texts[n++] =
             v->version == PUPIL_GLES_ES31 ? "#define LEVEL_HERE\n#define STATE_IN_BUFFER\n" : "#define LEVEL_HERE\n";
     switch (shader) {
-    case GLES_METER_COMP:
-        if (v->histogram)
-            texts[n++] = "#define HISTOGRAM\n";
-        n = add_metering(v, n, texts);
-        texts[n++] = text_statistics_glsl;
-        texts[n++] = text_meter_comp;
-        break;
-    case GLES_METER_FRAG:
-        n = add_metering(v, n, texts);
-        texts[n++] = text_meter_frag;
-        break;
-    case GLES_REDUCE_FRAG:
-        texts[n++] = text_regions_glsl;
-        texts[n++] = text_reduce_frag;
-        break;
     case GLES_WEIGH_FRAG:
         n = add_adapting(n, texts);
         texts[n++] = text_weigh_frag;
@@ -162,8 +187,11 @@ uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const c
     case GLES_MAP_VERT:
         texts[n++] = text_map_vert;
         break;
-    default:
+    case GLES_TRIANGLE_VERT:
         texts[n++] = text_triangle_vert;
+        break;
+    default:
+        n = add_shader_that_meters(v, shader, n, texts);
         break;
     }
     return n;

@@ -122,10 +122,7 @@ static void check_settings(void)
     pupil_config c = session_settings();
     c.grey_world = 1;
     with_settings(&c, PUPIL_GLES_BEST, PUPIL_GLES_ADAPT_CPU, "grey_world");
-    c = session_settings(), c.histogram = 1;
-    with_settings(&c, PUPIL_GLES_ES30, PUPIL_GLES_ADAPT_CPU, "histogram");
     c = session_settings(), c.white_mode = PUPIL_WHITE_FOLLOW;
-    with_settings(&c, PUPIL_GLES_ES30, PUPIL_GLES_ADAPT_CPU, "white point that follows");
     with_settings(&c, PUPIL_GLES_BEST, PUPIL_GLES_ADAPT_GPU, "white_mode");
     c = session_settings(), c.curve = PUPIL_CURVE_EQUALISE;
     with_settings(&c, PUPIL_GLES_BEST, PUPIL_GLES_ADAPT_GPU, "curve");

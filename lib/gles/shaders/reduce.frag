@@ -11,11 +11,11 @@ void main()
     for (int y = 0; y < 4; y++)
         for (int x = 0; x < 8; x++) {
             uvec4 sums = texelFetch(parts, first + ivec2(x, y), 0);
-            exponent += int(sums.x);
+            exponent += int(sums.x) >> 10;
             fraction += sums.y;
-            black += sums.z & 0xffffu;
-            clipped += sums.z >> 16;
-            bad += sums.w;
+            black += sums.z & 0x3fffu;
+            clipped += sums.z >> 14 & 0x3fffu;
+            bad += (sums.x & 1023u) << 4 | sums.z >> 28;
         }
     region_sums = pack_sums(exponent, fraction, black, clipped, bad);
 }

@@ -13,8 +13,12 @@
  *         pupil_gles_upload(&gles, &in);
  *         pupil_gles_process(&gles, &pupil, &info, &target);
  *
- * Versions: OpenGL ES 3.1 (metering by a compute shader, with histograms) or 3.0 (by fragment shaders into integer
- * targets, without histograms). ES 2.0 is refused. Only external textures need an extension.
+ * Versions: OpenGL ES 3.1 (metering by a compute shader) or 3.0 (by fragment shaders into integer targets; the
+ * histogram by points that blending counts). ES 2.0 is refused. External textures need an extension, and in ES 3.0 a
+ * histogram one of GL_EXT_color_buffer_half_float and GL_EXT_color_buffer_float; it is not available of external
+ * textures there. It counts one of each four rows there, or of config.meter_rows of the pupil_t, scaled to the weight
+ * of all; always the same ones, spread as if by chance. With config.meter_rows 1 it counts all, and is exact
+ * (docs/numerics.md).
  *
  * Results: counts, weights and the histogram's total are exact. The log-average is within 1e-5 (relative) of the CPU's.
  * At most one mapped sample of 10,000 differs, by one code (docs/numerics.md, On a GPU). Rounding depends on the GPU,
@@ -28,6 +32,7 @@
  * - program, vertex array, active texture; the 2D (external) bindings and samplers of units 0..4;
  * - pixel packing and unpacking and their buffers; copy write, uniform, shader storage and framebuffer bindings;
  * - viewport, scissor, clear colour, colour mask;
+ * - with a histogram in ES 3.0, blend function and equation;
  * - off afterwards: blending, depth, stencil, cull, dither, polygon offset, rasterizer discard, alpha-to-coverage,
  *   sample coverage and sample mask.
  *
@@ -175,9 +180,9 @@ typedef union pupil_gles {
  * PUPIL_ERR_GLES_ABSENT: the library was built without GLES. PUPIL_ERR_GLES_VERSION: the context is not the ES that is
  * asked for, or lacks a function or an extension that is named in `why`. PUPIL_ERR_GLES_SHADER, _MEMORY.
  * PUPIL_ERR_SIZE: larger than the context's textures can be. PUPIL_ERR_CONFIG: a setting of config or of pupil that is
- * not available: in ES 3.0 a histogram, trimming, a white that follows or a curve from the histogram; on the GPU
- * another law; grey_world. PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. config.meter_rows of pupil
- * is not used: every row is metered. */
+ * not available: on the GPU another law; grey_world; a histogram, and what needs one, where there is none (above).
+ * PUPIL_ERR_PIXEL, _CODING. After an error nothing is left behind. Every row is metered, with any config.meter_rows
+ * of pupil. */
 PUPIL_API int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pupil_t *pupil,
                               pupil_gles_get_proc get_proc, pupil_why *why);
 

@@ -57,12 +57,10 @@ cmp -s gpu.y4m again.y4m || fail "another run, another picture"
 
 # options reach the GPU, in both versions
 for options in "--fused" "--white 3 --ev 1 --metering spot" "--trim 5,95" "--formula 1 --key 0.3" "--lock --transfer gamma22" \
-    "--reset-each" "--white none --gles-version 3.0" "--white 2 --fused --metering centre --gles-version 3.0"; do
-    # shellcheck disable=SC2086
-    case $options in
-    *3.0*) plain="${options%--gles-version*} --highlights 0" ;; # which a histogram would show
-    *) plain=$options ;;
-    esac
+    "--reset-each" "--tone adjust" "--white none --meter-rows 1 --gles-version 3.0" \
+    "--white follow --tone equalise --meter-rows 1 --gles-version 3.0" \
+    "--white 2 --fused --metering centre --meter-rows 1 --gles-version 3.0"; do # one row in four would be another level
+    plain=${options%--gles-version*}
     # shellcheck disable=SC2086
     "$program" replay $walk $plain -o c.y4m --stats c.csv -q -y
     # shellcheck disable=SC2086
@@ -88,7 +86,11 @@ close c.csv g.csv
 # a version without a histogram where the white point follows; no driver; a version that is too old: the CPU's own bits
 for how in "needs; --white none" "EGL" "OpenGL ES"; do
     case $how in
-    needs*) set -- env "$program" replay synth:walk --gles-version 3.0 ;;
+    needs*)
+        set -- env MESA_GLES_VERSION_OVERRIDE=3.0 \
+            "MESA_EXTENSION_OVERRIDE=-GL_EXT_color_buffer_float -GL_EXT_color_buffer_half_float" \
+            "$program" replay synth:walk --gles-version 3.0
+        ;;
     EGL) set -- env __EGL_VENDOR_LIBRARY_FILENAMES=/nowhere EGL_PLATFORM=nothing "$program" replay synth:walk ;;
     *) set -- env MESA_GLES_VERSION_OVERRIDE=2.0 "$program" replay synth:walk ;;
     esac

@@ -1,0 +1,6 @@
+layout(location = 0) out float one;
+
+void main()
+{
+    one = 1.0;
+}
