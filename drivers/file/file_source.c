@@ -15,12 +15,13 @@
 #include "refuse.h"
 #include "standard_input.h"
 
-#define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm, .png, .jpg, .tif, .webp or .bmp"
+#define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm, .png, .jpg, .tif, .webp, .bmp, .dng or a camera's raw files"
 
 static int is_still(const char *path)
 {
-    static const char *const extensions[] = {".exr", ".hdr",  ".pic", ".rgbe", ".pfm",  ".png",
-                                             ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp"};
+    static const char *const extensions[] = {".exr", ".hdr",  ".pic",  ".rgbe", ".pfm", ".png", ".jpg", ".jpeg",
+                                             ".tif", ".tiff", ".webp", ".bmp",  ".dng", ".nef", ".nrw", ".cr2",
+                                             ".cr3", ".arw",  ".raf",  ".orf",  ".rw2", ".pef", ".srw"};
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     for (size_t i = 0; dot && i < sizeof extensions / sizeof *extensions; i++)
         if (strcasecmp(dot, extensions[i]) == 0)

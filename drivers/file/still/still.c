@@ -67,6 +67,47 @@ static int read_file(pupil_still *still, const char *path, size_t *size, pupil_w
     return result;
 }
 
+static uint32_t number(const uint8_t *at, int bytes, int big)
+{
+    uint32_t n = 0;
+    for (int i = 0; i < bytes; i++)
+        n |= (uint32_t)at[i] << 8 * (big ? bytes - 1 - i : i);
+    return n;
+}
+
+/* A TIFF 6.0 whose first directory says that it is a DNG (1.7, DNGVersion), or that other directories belong to a
+ * camera's picture (SubIFDs and Make). */
+static int is_raw_tiff(const uint8_t *bytes, size_t size)
+{
+    enum { MAKE = 271, SUB_IFDS = 330, DNG_VERSION = 50706 };
+    const int big = size >= 8 && memcmp(bytes, "MM\0*", 4) == 0;
+    if (!big && (size < 8 || memcmp(bytes, "II*\0", 4) != 0))
+        return 0;
+    const uint64_t first = number(bytes + 4, 4, big);
+    if (first + 2 > size)
+        return 0;
+    const uint32_t entries = number(bytes + first, 2, big);
+    int has_make = 0, has_more = 0;
+    for (uint32_t i = 0; i < entries && first + 2 + 12 * (uint64_t)(i + 1) <= size; i++) {
+        const uint32_t tag = number(bytes + first + 2 + 12 * (uint64_t)i, 2, big);
+        if (tag == DNG_VERSION)
+            return 1;
+        has_make |= tag == MAKE;
+        has_more |= tag == SUB_IFDS;
+    }
+    return has_make && has_more;
+}
+
+static int is_raw(const uint8_t *bytes, size_t size)
+{
+    static const char *const magics[] = {"FUJIFILMCCD-RAW", "IIRO", "IIRS", "MMOR", "IIU"};
+    for (size_t i = 0; i < sizeof magics / sizeof *magics; i++)
+        if (size >= 64 && memcmp(bytes, magics[i], strlen(magics[i])) == 0)
+            return 1;
+    return is_raw_tiff(bytes, size) || (size >= 64 && memcmp(bytes + 4, "ftypcrx ", 8) == 0) ||
+           (size >= 64 && memcmp(bytes, "II*\0\x10\0\0\0CR", 10) == 0);
+}
+
 static pupil_still_reader *reader_for(const uint8_t *bytes, size_t size)
 {
     static const struct {
@@ -91,6 +132,11 @@ static int load(pupil_still *still, const char *path, pupil_why *why)
     size_t size = 0;
     if (read_file(still, path, &size, why))
         return -1;
+    if (is_raw(still->file, size)) {
+        const int failed = pupil_read_raw(still, still->file, size, why);
+        if (failed != PUPIL_STILL_NOT_RAW)
+            return failed;
+    }
     return reader_for(still->file, size)(still, still->file, size, why);
 }
 

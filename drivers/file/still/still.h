@@ -23,6 +23,9 @@
  *   law; 1.0 is linear), else as sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core decodes;
  *   everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
  *
+ * - DNG, of a mosaic or linear, and the raw files of cameras (NEF, CR2, CR3, ARW, RAF, ORF, RW2 ...), through LibRaw:
+ *   demosaiced, balanced as the camera was set, 0 at black and 1 at white, upright. Exposure time and ISO are not
+ *   divided out.
  * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), upright by Exif.
  *
  * White other than D65 is adapted (Bradford). Chromaticities that are zero, not finite or no usable triangle count as
@@ -63,6 +66,9 @@ pupil_still_reader pupil_read_exr;
 pupil_still_reader pupil_read_radiance;
 pupil_still_reader pupil_read_pfm;
 pupil_still_reader pupil_read_png;
+/* DNG and the raw files of cameras; PUPIL_STILL_NOT_RAW: it is none. */
+enum { PUPIL_STILL_NOT_RAW = 1 };
+pupil_still_reader pupil_read_raw;
 pupil_still_reader pupil_read_libav; /* what libav makes of it (drivers/file/video/read_libav.c) */
 
 /* Reads a file into memory and by its first bytes (not by its name) into pixels; the sentence begins with the path. */
