@@ -11,6 +11,7 @@ struct cpu_engine {
     pupil_stats *own;  /* one for each worker */
     int *error;        /* one for each worker */
     const float *gain; /* of the frame's rows, where it is mapped; NULL: none */
+    frame_veil *veil;  /* NULL: none */
     /* the pass at hand */
     const pupil_t *pupil;
     const pupil_image_const *in;
@@ -41,6 +42,7 @@ void cpu_engine_close(cpu_engine *e)
     if (!e)
         return;
     workers_close(e->w);
+    frame_veil_close(e->veil);
     free(e->own);
     free(e->error);
     free(e);
@@ -49,6 +51,13 @@ void cpu_engine_close(cpu_engine *e)
 void cpu_engine_row_gains(cpu_engine *e, const float *gain)
 {
     e->gain = gain;
+}
+
+int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config)
+{
+    frame_veil_close(e->veil);
+    e->veil = frame_veil_open(config, workers_count(e->w));
+    return e->veil ? 0 : -1;
 }
 
 /* --- a worker's share --- */
@@ -83,6 +92,10 @@ static void work_share(void *context, unsigned worker, unsigned count)
     }
     if (e->meter && e->out)
         e->error[worker] = pupil_fused_rows(e->pupil, &curve, &in, first, height, &out, &e->own[worker]);
+    else if (e->veil && e->meter)
+        e->error[worker] = frame_veil_gather(e->veil, worker, e->pupil, &in, first, &e->own[worker]);
+    else if (e->veil)
+        e->error[worker] = frame_veil_map(e->veil, worker, e->pupil, &curve, &in, &out);
     else if (e->meter)
         e->error[worker] = pupil_meter_rows(e->pupil, &in, first, height, &e->own[worker]);
     else if (e->gain)
@@ -123,7 +136,13 @@ static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, p
 
 static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why)
 {
-    return pass(self, pupil, frame, stats, NULL, NULL, why);
+    cpu_engine *e = self;
+    if (e->veil && frame_veil_begin(e->veil, frame, why))
+        return -1;
+    if (pass(e, pupil, frame, stats, NULL, NULL, why))
+        return -1;
+    const int error = e->veil ? frame_veil_solve(e->veil) : PUPIL_OK;
+    return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
 }
 
 static int map(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,

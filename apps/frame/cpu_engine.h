@@ -3,6 +3,7 @@
 #define PUPIL_APPS_FRAME_CPU_ENGINE_H
 
 #include "engine.h"
+#include "frame_veil.h"
 
 typedef struct cpu_engine cpu_engine;
 
@@ -13,6 +14,9 @@ void cpu_engine_close(cpu_engine *e); /* NULL is allowed */
 /* From now on rows are mapped with these gains, one for each row of the frame (pupil/row_gain.h), except by
  * meter_and_map. NULL: with none. */
 void cpu_engine_row_gains(cpu_engine *e, const float *gain);
+
+/* From now on frames are mapped with their veil (frame_veil.h), except by meter_and_map. -1: not enough memory. */
+int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config);
 
 extern const frame_engine_ops cpu_engine_ops; /* self: a cpu_engine. It maps any frame, not only the last one */
 

@@ -22,6 +22,12 @@ void frame_pipeline_close(frame_pipeline *p)
     *p = (frame_pipeline){0};
 }
 
+int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config)
+{
+    p->cpu_only = 1;
+    return cpu_engine_use_veil(p->cpu, config);
+}
+
 /* --- CPU or GPU --- */
 
 void frame_pipeline_use_gpu(frame_pipeline *p, uint32_t version, pupil_gles_get_proc get_proc)

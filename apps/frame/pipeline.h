@@ -41,6 +41,9 @@ typedef struct frame_pipeline {
 int frame_pipeline_open(frame_pipeline *p, const pupil_config *config, unsigned threads);
 void frame_pipeline_close(frame_pipeline *p);
 
+/* From now on frames have a veil, and the CPU does them. -1: not enough memory. */
+int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config);
+
 /* Unless it is cpu_only, from now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in a
  * context without a window; or else a warning. `version` is a pupil_gles_version. */
 void frame_pipeline_use_gpu(frame_pipeline *p, uint32_t version, pupil_gles_get_proc get_proc);

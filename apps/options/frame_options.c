@@ -214,6 +214,7 @@ void frame_options_begin(frame_options *o)
 {
     *o = (frame_options){.hold = 1, .metering = "uniform", .white = "follow"};
     pupil_config_default(&o->config);
+    pupil_veil_config_default(&o->eye);
     o->config.output_primaries = PUPIL_OUTPUT_BT709;
     o->config.histogram = 1; /* every record has quantiles, and the sensor's controller sees highlights */
 }

@@ -6,6 +6,7 @@
 
 #include "option_table.h"
 #include "pupil/gles.h"
+#include "pupil/veil.h"
 #include "source.h"
 
 #define FRAME_MOST_OUTPUTS 16
@@ -27,6 +28,8 @@ typedef struct frame_options {
     uint32_t gles_version;        /* a pupil_gles_version */
     uint32_t dither;              /* 0: by the outputs; 1 off, 2 on. frame_options_check sets config.dither */
     char metering[64], white[64]; /* as the user wrote them, for the report */
+    const char *veil;             /* as the user wrote it; NULL: none. Of `pupil replay` alone, as `eye` */
+    pupil_veil_config eye;        /* without a size */
     const char *command;          /* the whole command line, for the report; set by the caller */
 } frame_options;
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "options/commands.h"
+#include "options/veil_option.h"
 #include "refuse.h"
 
 #define AT(field) offsetof(frame_options, field)
@@ -37,6 +38,24 @@ static const option_row frame_rows[] = {
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
 };
 
+static int parse_veil(const option_value *v)
+{
+    frame_options *o = v->options;
+    o->veil = v->text;
+    return veil_option_parse(v->text, &o->eye, v->why) ? OPTIONS_USAGE : OPTIONS_RUN;
+}
+
+static const option_row look_rows[] = {
+    {"veil", 0, OPTION_PATH, "EYE", 0, .parse = parse_veil, .help = "veiling glare: eye, eye:AGE or a FILE",
+     .more =
+         "Light that scatters in an eye and lifts the dark parts of the whole picture. eye: Spencer 1995. eye:AGE: CIE "
+         "146:2002 at that age in years. FILE: a line for each Gaussian, its standard deviation in degrees and its "
+         "share "
+         "of the light. By the CPU. Not for pictures of a camera, whose lens has put its own in: docs/look.md."},
+    {"fov", 0, OPTION_NUMBER, "DEGREES", AT(eye.fov_deg), .initial = "54", .low = 0.1, .high = 150, .unit = "degrees",
+     .help = "of --veil: the angle that the picture's width covers"},
+};
+
 static const option_row quiet_row[] = {OPTION_ROW_QUIET(frame_options, quiet)};
 
 static const option_group groups[] = {
@@ -45,6 +64,7 @@ static const option_group groups[] = {
     {"frames", OPTION_ROWS(frame_rows)},
     {"exposure", OPTION_ROWS(frame_exposure_rows)},
     {"mapping", OPTION_ROWS(frame_mapping_rows)},
+    {"look", OPTION_ROWS(look_rows)},
     {NULL, OPTION_ROWS(quiet_row)},
     {0},
 };
@@ -83,6 +103,18 @@ static int check_loop(const frame_options *o, pupil_why *why)
     return 0;
 }
 
+/* What --veil requires of the other options. */
+static int check_veil(const frame_options *o, int fov_given, pupil_why *why)
+{
+    if (fov_given && !o->veil)
+        return pupil_refuse(why, "--fov: is of --veil");
+    if (o->veil && o->config.order == PUPIL_ORDER_FUSED)
+        return pupil_refuse(why, "--veil and --fused: one of them; a frame's veil is known only after all of it");
+    if (o->veil && o->gles)
+        return pupil_refuse(why, "--veil and --gles: one of them; the CPU makes the veil");
+    return 0;
+}
+
 int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why)
 {
     option_words words;
@@ -95,7 +127,7 @@ int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why
     if (!o->input_count)
         return pupil_refuse(why, "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' "
                                  "has more");
-    if (check_loop(o, why))
+    if (check_loop(o, why) || check_veil(o, options_given(&replay_command, &words, "fov"), why))
         return OPTIONS_USAGE;
     return frame_options_check(o, options_given(&replay_command, &words, "weight"),
                                options_given(&replay_command, &words, "key"), why);

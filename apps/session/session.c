@@ -28,6 +28,8 @@ int session_begin(session *s, int live)
     session_outputs_begin(&s->outputs, s->options, s->source, live);
     if (frame_pipeline_open(&s->pipeline, &s->options->config, s->options->threads))
         return pupil_refuse(&s->why, "not enough memory");
+    if (s->options->veil && frame_pipeline_use_veil(&s->pipeline, &s->options->eye))
+        return pupil_refuse(&s->why, "not enough memory");
     return 0;
 }
 

@@ -73,3 +73,34 @@ void pupil_turn(double x, double cos_sin[2])
     cos_sin[0] = 1.0 - 2.0 * s * s;
     cos_sin[1] = 2.0 * s * c;
 }
+
+double pupil_nearest(double x)
+{
+    return (double)(int64_t)(x < 0.0 ? x - 0.5 : x + 0.5);
+}
+
+void pupil_circle(double turns, double *cosine, double *sine)
+{
+    const double quarters = pupil_nearest(turns * 4.0);
+    const double a = (turns - quarters * 0.25) * 0x1.921fb54442d18p+2, z = a * a; /* |a| <= pi / 4 */
+    double c = 0.0, s = 0.0;
+    for (int k = 16; k >= 2; k -= 2) { /* Taylor; the first terms left out are a^18 / 18! and a^19 / 19! < 3e-18 */
+        c = (1.0 - c) * z / (k * (k - 1));
+        s = (1.0 - s) * z / (k * (k + 1));
+    }
+    c = 1.0 - c;
+    s = a * (1.0 - s);
+    const int quarter = (int)((int64_t)quarters & 3);
+    *cosine = quarter == 0 ? c : quarter == 1 ? -s : quarter == 2 ? -c : s;
+    *sine = quarter == 0 ? s : quarter == 1 ? c : quarter == 2 ? -s : -c;
+}
+
+double pupil_root(double x)
+{
+    return x > 0.0 ? pupil_exp2(0.5 * pupil_log2(x)) : 0.0;
+}
+
+double pupil_decay(double x)
+{
+    return x < 690.0 ? pupil_exp2(-0x1.71547652b82fep+0 * x) : 0.0; /* log2 e; 2^-1000 is the last one */
+}

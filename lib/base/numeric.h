@@ -53,10 +53,20 @@ double pupil_log2(double x);
 /* 2^x for |x| <= 1000; relative error below 4e-16. */
 double pupil_exp2(double x);
 
+/* The square root and exp(-x), of x >= 0; relative error below 1e-14 where x is at most 100. Above 690 exp(-x) is 0. */
+double pupil_root(double x);
+double pupil_decay(double x);
+
 /* 1 - exp(-x) for x >= 0; relative error below 4e-16 also where x is tiny. */
 double pupil_one_minus_exp(double x);
 
 /* The cosine and the sine of 2 pi x, for |x| < 2^31; absolute error below 1e-8 (at half a turn). */
 void pupil_turn(double x, double cos_sin[2]);
+
+/* The same to 1e-15, for more time: |turns| < 2^50. */
+void pupil_circle(double turns, double *cosine, double *sine);
+
+/* The nearest integer; |x| < 2^62. */
+double pupil_nearest(double x);
 
 #endif

@@ -206,6 +206,24 @@ typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *r
 typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t *upper, const uint8_t *lower,
                                  uint32_t n, uint8_t *chroma);
 
+/* The veil (pupil/veil.h): n pixels of a row that are in one of its cells, and what is added to them: channel c of the
+ * i-th gets base[c] + i * step[c]. */
+typedef struct pupil_veil_ramp {
+    uint32_t n;
+    float base[3], step[3];
+} pupil_veil_ramp;
+/* Of such pixels: their light, and that times their index. */
+typedef struct pupil_veil_sums {
+    float sum[3], moment[3];
+} pupil_veil_sums;
+/* `count` runs that follow each other in planes, PUPIL_BLOCK pixels at most. Up to seven pixels behind the last are
+ * read, and have no part in any sum. */
+typedef void pupil_veil_gather_kernel(const pupil_planes *planes, const pupil_veil_ramp *run, uint32_t count,
+                                      pupil_veil_sums *sums);
+/* The n pixels of the runs, times `direct`, with their ramps, as RGBA with alpha 1; `veil` is scratch. */
+typedef void pupil_veil_add_kernel(const pupil_planes *planes, const pupil_veil_ramp *run, uint32_t count, uint32_t n,
+                                   float direct, pupil_planes *veil, float *rgba);
+
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */
 typedef struct pupil_kernels {
@@ -229,6 +247,8 @@ typedef struct pupil_kernels {
     pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT];             /* by input format; scalar NULL: opaque */
     pupil_alpha_light_kernel *alpha_light[PUPIL_PIXEL_COUNT]; /* the same formats */
     pupil_store_alpha_kernel *store_alpha[PUPIL_PIXEL_COUNT]; /* by output format */
+    pupil_veil_gather_kernel *veil_gather;
+    pupil_veil_add_kernel *veil_add;
 } pupil_kernels;
 
 #define PUPIL_PLANES PUPIL_PIXEL_NONE

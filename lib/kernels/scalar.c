@@ -4,6 +4,7 @@
 #include "gamut.h"
 #include "kernels.h"
 #include "pixels_to_linear.h"
+#include "veil_loops.h"
 
 #include "base/numeric.h"
 
@@ -389,6 +390,7 @@ const pupil_kernels pupil_kernels_scalar = {
             LOADS_BY_FORMAT,
         },
     CAMERA_PIECES,
+    VEIL_PIECES,
     .meter = {[PUPIL_PLANES] = meter},
     .scale = {[PUPIL_PLANES] = scale},
     .scale_by_knots = scale_by_knots,

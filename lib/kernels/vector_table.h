@@ -6,6 +6,7 @@
 #include "pixels_to_linear.h"
 #include "vector_formats.h"
 #include "vector_knots.h"
+#include "veil_loops.h"
 
 /* A format's kernels. They are functions of their own so that the format is a constant in each. The parts that are not
  * inlined have registers of their own. */
@@ -139,6 +140,6 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
             STORES_OF_LIGHT,                                                                                           \
     },                                                                                                                 \
-    CAMERA_PIECES
+    CAMERA_PIECES, VEIL_PIECES
 
 #endif

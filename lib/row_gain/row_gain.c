@@ -213,8 +213,8 @@ int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *
     const double exact_s = (double)(int64_t)((uint64_t)info->timestamp_ns - (uint64_t)o->timestamp_ns) * 1e-9;
     const double per_row = o->result.light_hz * o->result.readout_s / height;
     amplitudes(o, info->exposure_s > 0.0 && info->exposure_s <= 1e4 ? info->exposure_s : 0.0, wave);
-    pupil_row_gain_circle(o->turn + o->result.light_hz * exact_s + 0.5 * per_row, &cosine, &sine);
-    pupil_row_gain_circle(per_row, &step_cosine, &step_sine);
+    pupil_circle(o->turn + o->result.light_hz * exact_s + 0.5 * per_row, &cosine, &sine);
+    pupil_circle(per_row, &step_cosine, &step_sine);
     for (uint32_t y = 0; y < height; y++) {
         double c = cosine, s = sine, sum = 0.0;
         for (int h = 0; h < HARMONICS; h++) {

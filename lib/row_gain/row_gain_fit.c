@@ -290,9 +290,9 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
     o->timestamp_ns = info->timestamp_ns;
     pupil_row_gain_expose(o, info->exposure_s > 0.0 && info->exposure_s <= 1e4 ? info->exposure_s : 0.0);
     const double advance = goes_on ? o->result.light_hz * dt_s : 0.0;
-    const double slip = advance - pupil_row_gain_nearest(advance);
+    const double slip = advance - pupil_nearest(advance);
     o->turn += slip;
-    o->turn -= pupil_row_gain_nearest(o->turn);
+    o->turn -= pupil_nearest(o->turn);
     pupil_row_gain_fill_terms(o);
     if (!goes_on) {
         keep_means(o, 1.0); /* from what they were to what is here: rounding leaves nothing of note */

@@ -3,8 +3,8 @@
 
 #include "base/numeric.h"
 #include "core/image.h"
+#include "core/mapping.h"
 #include "core/object.h"
-#include "core/read.h"
 
 /* Rows of `rows` that get one gain. */
 static uint32_t rows_together(const pupil_image_const *rows, const pupil_image *out)
@@ -30,23 +30,6 @@ static float bounded(double scale)
     return scale < 0x1p60 ? (float)scale : 0x1p60f;
 }
 
-/* Reads all that pupil_map_rows would refuse of the whole: nothing is mapped before all of it is known to be right. */
-static int read_all(pupil_tone *by, pupil_input *in, pupil_output *to, const pupil_curve *curve,
-                    const pupil_image_const *rows, const pupil_image *out)
-{
-    int error = pupil_input_read(in, rows);
-    if (!error)
-        error = pupil_output_read(to, out);
-    if (!error)
-        error = pupil_curve_read(by, curve);
-    if (error)
-        return error;
-    const pupil_image *image = &to->image;
-    const int same = in->image.width == image->width && in->image.height == image->height;
-    const int halved = in->image.width == 2 * image->width && in->image.height == 2 * image->height;
-    return same || (halved && pupil_pixel_is_mosaic(in->image.pixel)) ? PUPIL_OK : PUPIL_ERR_SIZE;
-}
-
 int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                               const float *gain, const pupil_image *out)
 {
@@ -55,7 +38,7 @@ int pupil_map_rows_with_gains(const pupil_t *pupil, const pupil_curve *curve, co
     pupil_output to;
     int error = pupil_object_check(pupil);
     if (!error)
-        error = rows && out && gain ? read_all(&by, &in, &to, curve, rows, out) : PUPIL_ERR_NULL;
+        error = rows && out && gain ? pupil_mapping_read(&by, &in, &to, curve, rows, out) : PUPIL_ERR_NULL;
     if (error)
         return error;
     const uint32_t height = in.image.height;

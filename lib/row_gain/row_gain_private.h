@@ -60,9 +60,6 @@ typedef struct pupil_row_gain_object {
 _Static_assert(sizeof(pupil_row_gain_object) <= sizeof(pupil_row_gain), "PUPIL_ROW_GAIN_OBJECT_BYTES is too small");
 
 /* row_gain_wave.c */
-double pupil_row_gain_nearest(double x); /* integer; |x| < 2^62 */
-/* cos and sin of 2 pi times a number of turns, |turns| < 2^50; absolute error below 1e-15 of what turns is. */
-void pupil_row_gain_circle(double turns, double *cosine, double *sine);
 /* What is left of the light's harmonic h when it is averaged over some seconds: sin(x) / x. */
 double pupil_row_gain_averaged(double light_hz, int h, double seconds);
 /* left of a frame of this exposure; light_mean follows, as if its frames had had it, too. */

@@ -7,32 +7,11 @@ enum { HARMONICS = PUPIL_ROW_GAIN_HARMONICS, TERMS = PUPIL_ROW_GAIN_TERMS, BANDS
 
 #define PI 0x1.921fb54442d18p+1
 
-double pupil_row_gain_nearest(double x)
-{
-    return (double)(int64_t)(x < 0.0 ? x - 0.5 : x + 0.5);
-}
-
-void pupil_row_gain_circle(double turns, double *cosine, double *sine)
-{
-    const double quarters = pupil_row_gain_nearest(turns * 4.0);
-    const double a = (turns - quarters * 0.25) * (2.0 * PI), z = a * a; /* |a| <= pi / 4 */
-    double c = 0.0, s = 0.0;
-    for (int k = 16; k >= 2; k -= 2) { /* Taylor; the first terms left out are a^18 / 18! and a^19 / 19! < 3e-18 */
-        c = (1.0 - c) * z / (k * (k - 1));
-        s = (1.0 - s) * z / (k * (k + 1));
-    }
-    c = 1.0 - c;
-    s = a * (1.0 - s);
-    const int quarter = (int)((int64_t)quarters & 3);
-    *cosine = quarter == 0 ? c : quarter == 1 ? -s : quarter == 2 ? -c : s;
-    *sine = quarter == 0 ? s : quarter == 1 ? c : quarter == 2 ? -s : -c;
-}
-
 double pupil_row_gain_averaged(double light_hz, int h, double seconds)
 {
     double cosine, sine;
     const double turns = 0.5 * light_hz * h * seconds;
-    pupil_row_gain_circle(turns, &cosine, &sine);
+    pupil_circle(turns, &cosine, &sine);
     return turns > 1e-6 ? sine / (2.0 * PI * turns) : 1.0;
 }
 
@@ -60,7 +39,7 @@ void pupil_row_gain_fill_terms(pupil_row_gain_object *o)
 {
     double cosine, sine;
     for (int b = 0; b < BANDS; b++) {
-        pupil_row_gain_circle(o->turn + o->result.light_hz * o->result.readout_s * o->place[b], &cosine, &sine);
+        pupil_circle(o->turn + o->result.light_hz * o->result.readout_s * o->place[b], &cosine, &sine);
         double c = cosine, s = sine;
         for (int h = 0; h < HARMONICS; h++) {
             o->term[b][2 * h] = c;

@@ -11,6 +11,7 @@
 #include "pupil/pupil.h"
 #include "pupil/row_gain.h"
 #include "pupil/sensor.h"
+#include "pupil/veil.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +32,7 @@ static int zero;
 static struct block {
     unsigned char *now, *before;
     size_t bytes;
-} blocks[32];
+} blocks[48];
 static int block_count;
 
 static void *room(size_t bytes)
@@ -220,6 +221,27 @@ static void cameras(void)
     CHECK_OUTPUT(result, pupil_row_gain_result);
 }
 
+static void veils(void)
+{
+    pupil_veil *veil = room(sizeof *veil);
+    pupil_veil_light *light = room(sizeof *light);
+    pupil_veil_scratch *scratch = room(sizeof *scratch);
+    pupil_veil_config *config = room(sizeof *config);
+    pupil_veil_result *result = room(sizeof *result);
+    pupil_veil_config_default(config);
+    CHECK_OUTPUT(config, pupil_veil_config);
+    config->width = SIDE;
+    config->height = SIDE;
+    finish(config, sizeof *config, "pupil_veil_config");
+    CALL(pupil_veil_init, veil, config);
+    CALL(pupil_veil_get, veil, result);
+    CHECK_OUTPUT(result, pupil_veil_result);
+    CALL(pupil_veil_light_clear, light);
+    CALL(pupil_veil_gather_rows, veil, pupil, in, 0, NULL, light);
+    CALL(pupil_veil_add_light, veil, light);
+    CALL(pupil_veil_map_rows, veil, pupil, curve, in, out, scratch);
+}
+
 static pupil_gles_function finds_nothing(const char *name)
 {
     (void)name;
@@ -253,6 +275,7 @@ int main(int argc, char **argv)
     whole_frames();
     seam();
     cameras();
+    veils();
     gpu();
     puts("runs");
     return 0;

@@ -48,6 +48,7 @@ done <<'REFUSED'
 pupil_config refused -2 by pupil_config_check
 pupil_sensor_config refused -2 by pupil_sensor_init
 pupil_row_gain_config refused -2 by pupil_row_gain_init
+pupil_veil_config refused -2 by pupil_veil_init
 pupil_gles_config refused -2 by pupil_gles_init
 pupil_coding refused -14 by pupil_coding_check
 pupil_image_const refused -22 by pupil_process
@@ -68,6 +69,7 @@ done <<'SHORTER'
 pupil_config runs
 pupil_sensor_config refused -2 by pupil_sensor_init
 pupil_row_gain_config refused -2 by pupil_row_gain_init
+pupil_veil_config refused -2 by pupil_veil_init
 pupil_gles_config refused -2 by pupil_gles_init
 pupil_coding refused -14 by pupil_coding_check
 pupil_image_const runs
@@ -78,5 +80,6 @@ pupil_stats refused -22 by pupil_meter_rows
 pupil_exposure runs
 pupil_sensor_setting runs
 pupil_row_gain_result runs
+pupil_veil_result runs
 SHORTER
 exit $status

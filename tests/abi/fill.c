@@ -3,6 +3,7 @@
 #include "core/object.h"
 #include "row_gain/row_gain_private.h"
 #include "sensor/sensor_private.h"
+#include "veil/veil_private.h"
 #ifdef WITH_GLES
 #include "gles/gles_private.h"
 #endif
@@ -20,6 +21,7 @@ int main(void)
     int full = fill("pupil_t", sizeof(pupil_object), sizeof(pupil_t));
     full |= fill("pupil_sensor", sizeof(pupil_sensor_object), sizeof(pupil_sensor));
     full |= fill("pupil_row_gain", sizeof(pupil_row_gain_object), sizeof(pupil_row_gain));
+    full |= fill("pupil_veil", sizeof(veil_object), sizeof(pupil_veil));
 #ifdef WITH_GLES
     full |= fill("pupil_gles", sizeof(gles_object), sizeof(pupil_gles));
 #endif

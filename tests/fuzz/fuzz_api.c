@@ -4,6 +4,8 @@
  */
 #include "fuzz_picture.h"
 
+#include "pupil/veil.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -314,10 +316,88 @@ static void do_map(run *r)
     picture_free(&out);
 }
 
+/* --- veils: any eye, any rows, any lights --- */
+
+static pupil_veil_config take_veil(const picture *in)
+{
+    pupil_veil_config c;
+    pupil_veil_config_default(&c);
+    c.psf = take_below(PUPIL_VEIL_PSF_COUNT + !take_below(30));
+    c.width = take_below(20) ? in->image.width : take_below(20000);
+    c.height = take_below(4) ? in->image.height : take_below(200);
+    c.fov_deg = take_below(4) ? 54 : take_double(0.1, 150);
+    c.age_years = take_double(1, 120);
+    c.pigment = take_double(0, 1.2);
+    c.period = take_below(4) ? 2 : take_double(1, 4);
+    c.harmonics = 1 + take_below(PUPIL_VEIL_MOST_HARMONICS + !take_below(30));
+    c.gaussians = take_below(4 + 40 * !take_below(30));
+    for (uint32_t i = 0; i < c.gaussians && i < PUPIL_VEIL_MOST_GAUSSIANS; i++) {
+        c.gaussian[i].sigma = take_double(0.001, 90);
+        c.gaussian[i].weight = take_double(0, 0.3);
+    }
+    return c;
+}
+
+static pupil_veil_spot take_spot(const pupil_veil_config *c)
+{
+    pupil_veil_spot s = {.x_px = take_double(0, c->width), .y_px = take_double(0, c->height)};
+    for (int i = 0; i < 3; i++)
+        s.rgb[i] = (float)take_double(0, 100);
+    return s;
+}
+
+/* A refused call changes nothing. */
+#define VEIL_CALL(object, call)                                                                                        \
+    (veil_before = (object), error = (call), MUST(!error || !memcmp(&veil_before, &(object), sizeof(object))), error)
+
+static void do_veil(run *r)
+{
+    static pupil_veil veil, veil_before;
+    static pupil_veil_light light, rest, light_before;
+    static pupil_veil_scratch scratch;
+    static float nodes[PUPIL_VEIL_NODES * PUPIL_VEIL_NODES * 3], row[3 * SIDE];
+    picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
+    const pupil_image_const rows = pupil_image_as_const(in.image);
+    const pupil_veil_config config = take_veil(&in);
+    const pupil_curve curve = {.scale = 1, .first_row = take_below(8) ? 0 : take_below(SIDE)};
+    const char *why = NULL;
+    int error = pupil_veil_config_check(&config, &why);
+    MUST(error == PUPIL_OK || (error == PUPIL_ERR_CONFIG && why));
+    MUST(pupil_veil_init(&veil, &config) == error);
+    MUST(pupil_veil_light_clear(&light) == PUPIL_OK && pupil_veil_light_clear(&rest) == PUPIL_OK);
+    if (!error) {
+        const pupil_veil_spot spot[2] = {take_spot(&config), take_spot(&config)};
+        pupil_veil_result result;
+        pupil_stats stats;
+        pupil_stats_clear(&stats);
+        MUST(pupil_veil_get(&veil, &result) == PUPIL_OK && result.direct >= -1e-9 && result.direct <= 1 + 1e-9);
+        for (uint32_t i = 1 + take_below(2); i > 0; i--) {
+            light_before = light;
+            error = pupil_veil_gather_rows(&veil, &r->pupil, &rows, take_below(8) ? 0 : take_below(SIDE),
+                                           take_below(2) ? &stats : NULL, &light);
+            MUST(!error || !memcmp(&light, &light_before, sizeof light));
+            (void)pupil_veil_light_add(take_below(2) ? &light : &rest, take_below(2) ? &light : &rest);
+        }
+        MUST(pupil_veil_begin(&veil) == PUPIL_OK);
+        (void)VEIL_CALL(veil, pupil_veil_add_light(&veil, &light));
+        (void)VEIL_CALL(veil, pupil_veil_add_bells(&veil, take_below(PUPIL_VEIL_BELL_COUNT + 1), take_double(0.1, 50),
+                                                   spot, take_below(3)));
+        MUST(pupil_veil_solve(&veil) == PUPIL_OK && pupil_veil_get_nodes(&veil, nodes) == PUPIL_OK);
+        for (size_t i = 0; i < sizeof nodes / sizeof nodes[0]; i++)
+            MUST(nodes[i] >= 0 && nodes[i] <= 0x1p40f);
+        if (config.width <= SIDE)
+            (void)pupil_veil_evaluate_rows(&veil, take_below(SIDE), take_below(2), row);
+    }
+    (void)pupil_veil_map_rows(&veil, &r->pupil, &curve, &rows, &out.image, &scratch);
+    picture_guarded(&out);
+    picture_free(&in);
+    picture_free(&out);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static void (*const step[])(run *) = {do_process, do_process, do_begin, do_rows, do_rows,
-                                          do_end,     do_retune,  do_stats, do_map};
+                                          do_end,     do_retune,  do_stats, do_map,  do_veil};
     static run r;
     const char *why = NULL;
     input = data;

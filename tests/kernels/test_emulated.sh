@@ -11,7 +11,7 @@ flags="-std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-tr
     -Ilib/include -Ilib -Itests"
 ${CC:-cc} $flags -Itests/kernels/emulated -c lib/kernels/avx512.c -o "$work/avx512.o" 2>"$work/log" ||
     { cat "$work/log"; exit 1; }
-for source in $(ls lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c | grep -v /avx512); do
+for source in $(ls lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c lib/veil/*.c | grep -v /avx512); do
     ${CC:-cc} $flags -c "$source" -o "$work/$(basename "$source" .c).o"
 done
 ${CC:-cc} $flags "$work"/*.o tests/kernels/test_levels.c tests/frames.c -o "$work/levels" -lm -lpthread

@@ -22,7 +22,7 @@ compile() {
 # run, is compiled once.
 with=avx2
 ! grep -qw avx512f /proc/cpuinfo || with="avx2 avx512"
-compile lib "$work/same" lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c tests/kernels/test_levels.c tests/frames.c
+compile lib "$work/same" lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c lib/veil/*.c tests/kernels/test_levels.c tests/frames.c
 
 # try NAME EXPECTED FILE SED_SCRIPT
 try() {

@@ -25,6 +25,9 @@ typedef struct digest_case {
 
 uint64_t digest_run(const digest_case *c);
 
+/* Veiling glare: two eyes, a list of lights, their nodes, series and pictures. */
+uint64_t digest_veil(void);
+
 /* Gains of rows under lamps. */
 uint64_t digest_lamps(void);
 

@@ -420,5 +420,7 @@ int main(void)
     companded(PUPIL_PIXEL_BAYER10P, DIGEST_HALVED);
     outputs();
     knots();
+    put("veil");
+    put_digest(digest_veil());
     return 0;
 }

@@ -35,6 +35,7 @@ LIB = {
     "flicker": ("base",),
     "core": ("base", "kernels", "flicker"),
     "row_gain": ("base", "core"),
+    "veil": ("base", "kernels", "core"),
     "sensor": ("base", "core", "flicker"),
     "gles": ("base", "core"),
 }

@@ -6,10 +6,15 @@
 
 #include "options/commands.h"
 
-static const option_command *const parts[] = {&bench_kernels_command, &bench_gles_command,     &bench_scene_command,
-                                              &bench_ae_command,      &bench_deferred_command, NULL};
-static int (*const runs[])(int argc, char **argv) = {bench_kernels_main, bench_gles_main, bench_scene_main,
-                                                     bench_ae_main, bench_deferred_main};
+static const option_command *const parts[] = {&bench_kernels_command,
+                                              &bench_gles_command,
+                                              &bench_scene_command,
+                                              &bench_ae_command,
+                                              &bench_deferred_command,
+                                              &bench_veil_command,
+                                              NULL};
+static int (*const runs[])(int argc, char **argv) = {bench_kernels_main, bench_gles_main,     bench_scene_main,
+                                                     bench_ae_main,      bench_deferred_main, bench_veil_main};
 
 const option_command bench_command = {
     .name = "bench",

@@ -38,7 +38,7 @@ completes "srgb gamma22 linear" pupil replay --transfer =
 completes "--hold" pupil replay a.exr --ho
 completes "" pupil replay a.e
 completes "" pupil run --ho
-completes "kernels gles scene ae deferred" pupil bench ""
+completes "kernels gles scene ae deferred veil" pupil bench ""
 completes "--peers" pupil bench kernels --pe
 completes "nv12" pupil bench kernels --out nv
 completes "--readout" pupil run --mains 50 --rea
