@@ -92,8 +92,8 @@ static void work_share(void *context, unsigned worker, unsigned count)
     }
     if (e->meter && e->out)
         e->error[worker] = pupil_fused_rows(e->pupil, &curve, &in, first, height, &out, &e->own[worker]);
-    else if (e->veil && e->meter)
-        e->error[worker] = frame_veil_gather(e->veil, worker, e->pupil, &in, first, &e->own[worker]);
+    else if (e->veil && !e->out)
+        e->error[worker] = frame_veil_gather(e->veil, worker, e->pupil, &in, first, e->meter ? &e->own[worker] : NULL);
     else if (e->veil)
         e->error[worker] = frame_veil_map(e->veil, worker, e->pupil, &curve, &in, &out);
     else if (e->meter)
@@ -116,7 +116,8 @@ static int merge(cpu_engine *e, pupil_stats *stats)
     return error;
 }
 
-/* Meters into stats (unless NULL) and maps by curve to out (unless NULL). */
+/* Meters into stats (unless NULL) and maps by curve to out (unless NULL). With a veil, rows that are not mapped are
+ * gathered. */
 static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats,
                 const pupil_curve *curve, const pupil_image *out, pupil_why *why)
 {
@@ -134,6 +135,19 @@ static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, p
     return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
 }
 
+static int solve_veil(cpu_engine *e, const pupil_frame *frame, pupil_why *why)
+{
+    const int error = frame_veil_solve(e->veil);
+    return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
+}
+
+const pupil_veil *cpu_engine_find_veil(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, pupil_why *why)
+{
+    const int failed = frame_veil_begin(e->veil, frame, why) || pass(e, pupil, frame, NULL, NULL, NULL, why) ||
+                       solve_veil(e, frame, why);
+    return failed ? NULL : frame_veil_of(e->veil);
+}
+
 static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why)
 {
     cpu_engine *e = self;
@@ -141,8 +155,7 @@ static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_sta
         return -1;
     if (pass(e, pupil, frame, stats, NULL, NULL, why))
         return -1;
-    const int error = e->veil ? frame_veil_solve(e->veil) : PUPIL_OK;
-    return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
+    return e->veil ? solve_veil(e, frame, why) : 0;
 }
 
 static int map(void *self, const pupil_t *pupil, const pupil_curve *curve, const pupil_frame *frame,

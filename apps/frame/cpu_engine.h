@@ -17,6 +17,8 @@ void cpu_engine_row_gains(cpu_engine *e, const float *gain);
 
 /* From now on frames are mapped with their veil (frame_veil.h), except by meter_and_map. -1: not enough memory. */
 int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config);
+/* The veil of a frame that another engine meters; NULL and a sentence. */
+const pupil_veil *cpu_engine_find_veil(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, pupil_why *why);
 
 extern const frame_engine_ops cpu_engine_ops; /* self: a cpu_engine. It maps any frame, not only the last one */
 

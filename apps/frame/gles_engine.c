@@ -34,7 +34,8 @@ struct gles_engine {
     int is_shared;   /* the frame that was metered last */
     int is_software; /* Mesa 22.3's renderers crash on dma-bufs that their device has not made: it cannot map them */
     gles_room room[ROOMS];
-    unsigned char *rgba; /* as it is read back */
+    float nodes[PUPIL_VEIL_NODES * PUPIL_VEIL_NODES * 3]; /* of the veil at hand */
+    unsigned char *rgba;                                  /* as it is read back */
     size_t rgba_bytes;
 };
 
@@ -203,6 +204,22 @@ static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_sta
 }
 
 /* --- mapping --- */
+
+void gles_engine_use_veil(gles_engine *g)
+{
+    g->config.veil = 1;
+}
+
+int gles_engine_set_veil(gles_engine *g, const pupil_veil *veil, pupil_why *why)
+{
+    pupil_veil_result result;
+    int error = pupil_veil_get_nodes(veil, g->nodes);
+    if (!error)
+        error = pupil_veil_get(veil, &result);
+    if (!error)
+        error = pupil_gles_veil(&g->gles, g->nodes, (float)result.direct);
+    return error ? say(why, error, "the veil") : 0;
+}
 
 static int make_room(gles_engine *g, gles_room *r, uint32_t width, uint32_t height, pupil_why *why)
 {

@@ -12,6 +12,7 @@
 
 #include "engine.h"
 #include "pupil/gles.h"
+#include "pupil/veil.h"
 
 typedef struct gles_engine gles_engine;
 
@@ -20,6 +21,12 @@ typedef struct gles_engine gles_engine;
 int gles_engine_open(gles_engine **g, const pupil_config *config, uint32_t version, pupil_gles_get_proc get_proc,
                      pupil_why *why);
 void gles_engine_close(gles_engine *g); /* NULL is allowed */
+
+/* From now on frames are mapped with a veil, which gles_engine_set_veil brings for each between metering and mapping
+ * it.
+ */
+void gles_engine_use_veil(gles_engine *g);
+int gles_engine_set_veil(gles_engine *g, const pupil_veil *veil, pupil_why *why);
 
 extern const frame_engine_ops gles_engine_ops; /* self: a gles_engine. RGB8 images may have any size */
 

@@ -17,6 +17,17 @@ void gles_engine_close(gles_engine *g)
     (void)g;
 }
 
+void gles_engine_use_veil(gles_engine *g)
+{
+    (void)g;
+}
+
+int gles_engine_set_veil(gles_engine *g, const pupil_veil *veil, pupil_why *why)
+{
+    (void)g, (void)veil, (void)why;
+    return -1;
+}
+
 const frame_engine_ops gles_engine_ops; /* no engine is ever opened */
 
 int gles_engine_draw(gles_engine *g, const pupil_curve *curve, const pupil_gles_target *target, pupil_why *why)

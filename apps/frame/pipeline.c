@@ -24,7 +24,7 @@ void frame_pipeline_close(frame_pipeline *p)
 
 int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config)
 {
-    p->cpu_only = 1;
+    p->veil = 1;
     return cpu_engine_use_veil(p->cpu, config);
 }
 
@@ -37,6 +37,8 @@ void frame_pipeline_use_gpu(frame_pipeline *p, uint32_t version, pupil_gles_get_
         return;
     if (gles_engine_open(&p->gpu, &p->config, version, get_proc, &why))
         pupil_refuse(&p->warning, "--gles: %.900s", why.text);
+    else if (p->veil)
+        gles_engine_use_veil(p->gpu);
 }
 
 void frame_pipeline_give_up_gpu(frame_pipeline *p, const pupil_why *why)
@@ -122,13 +124,22 @@ static int meter_by(frame_pipeline *p, const frame_engine_ops *ops, void *engine
     return 0;
 }
 
+/* The GPU's frames have their veil from the CPU. */
+static int meter_by_gpu(frame_pipeline *p, const pupil_frame *frame, pupil_why *why)
+{
+    if (meter_by(p, &gles_engine_ops, p->gpu, frame, why))
+        return -1;
+    const pupil_veil *veil = p->veil ? cpu_engine_find_veil(p->cpu, &p->pupil, frame, why) : NULL;
+    return p->veil && (!veil || gles_engine_set_veil(p->gpu, veil, why)) ? -1 : 0;
+}
+
 int frame_pipeline_meter(frame_pipeline *p, const pupil_frame *frame, pupil_why *why)
 {
     p->frames++;
     if (p->gpu) {
         pupil_why reason;
         const pupil_t before = p->pupil;
-        if (meter_by(p, &gles_engine_ops, p->gpu, frame, &reason) == 0)
+        if (meter_by_gpu(p, frame, &reason) == 0)
             return 0;
         p->pupil = before;
         frame_pipeline_give_up_gpu(p, &reason);

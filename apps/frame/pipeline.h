@@ -27,6 +27,7 @@ typedef struct frame_pipeline {
 
     cpu_engine *cpu;
     gles_engine *gpu; /* NULL: the CPU does the frames */
+    int veil;         /* frames have one */
     int cpu_only;     /* frame_pipeline_use_gpu does nothing */
     int own_curve;    /* the caller replaces the curve of each frame, so that none follows new settings */
     int is_mapped;    /* in the pass that metered it */
@@ -41,7 +42,7 @@ typedef struct frame_pipeline {
 int frame_pipeline_open(frame_pipeline *p, const pupil_config *config, unsigned threads);
 void frame_pipeline_close(frame_pipeline *p);
 
-/* From now on frames have a veil, and the CPU does them. -1: not enough memory. */
+/* From now on frames have a veil: before frame_pipeline_use_gpu. -1: not enough memory. */
 int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config);
 
 /* Unless it is cpu_only, from now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in a

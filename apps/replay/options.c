@@ -51,7 +51,7 @@ static const option_row look_rows[] = {
          "Light that scatters in an eye and lifts the dark parts of the whole picture. eye: Spencer 1995. eye:AGE: CIE "
          "146:2002 at that age in years. FILE: a line for each Gaussian, its standard deviation in degrees and its "
          "share "
-         "of the light. By the CPU. Not for pictures of a camera, whose lens has put its own in: docs/look.md."},
+         "of the light. Not for pictures of a camera, whose lens has put its own in: docs/look.md."},
     {"fov", 0, OPTION_NUMBER, "DEGREES", AT(eye.fov_deg), .initial = "54", .low = 0.1, .high = 150, .unit = "degrees",
      .help = "of --veil: the angle that the picture's width covers"},
 };
@@ -110,8 +110,6 @@ static int check_veil(const frame_options *o, int fov_given, pupil_why *why)
         return pupil_refuse(why, "--fov: is of --veil");
     if (o->veil && o->config.order == PUPIL_ORDER_FUSED)
         return pupil_refuse(why, "--veil and --fused: one of them; a frame's veil is known only after all of it");
-    if (o->veil && o->gles)
-        return pupil_refuse(why, "--veil and --gles: one of them; the CPU makes the veil");
     return 0;
 }
 

@@ -140,6 +140,11 @@ static int check_config(const pupil_gles_config *c, pupil_why *why)
         return refuse_config(why, "normalized_16 must be 0 but with PUPIL_GLES_TEXTURES");
     if (c->half_size && !pupil_pixel_is_mosaic(c->pixel))
         return refuse_config(why, "half_size must be 0, except for mosaics");
+    if (c->veil > 1 || (c->veil && pupil_pixel_is_mosaic(c->pixel)))
+        return refuse_config(why,
+                             "veil must be 0 or 1, and 0 for mosaics, whose lens has put its own veiling glare in");
+    if (c->reserved)
+        return refuse_config(why, "reserved must be 0");
     return PUPIL_OK;
 }
 
@@ -227,6 +232,7 @@ static gles_variant variant_of(const gles_object *o, const pupil_object *pupil, 
                           .is_linear = coded && !o->coder.light,
                           .has_matrix = o->coder.has_matrix,
                           .has_knees = o->coder.lines != 0,
+                          .veil = o->config.veil,
                           .histogram = pupil->histogram,
                           .level_here = o->config.adapt == PUPIL_GLES_ADAPT_GPU};
 }
@@ -303,7 +309,8 @@ int pupil_gles_init(pupil_gles *gles, const pupil_gles_config *config, const pup
         return error;
     const pupil_object *settings = pupil_object_of_const(pupil);
     gles_object *o = gles_object_of(gles);
-    *o = (gles_object){.config = own, .coding = coding, .unit = pupil_pixel_is_mosaic(own.pixel) ? 2 : 1};
+    *o = (gles_object){
+        .config = own, .coding = coding, .direct = -1.0f, .unit = pupil_pixel_is_mosaic(own.pixel) ? 2 : 1};
     pupil_gles_coder_set(o);
     take_settings(o, pupil);
     o->region_rows = pupil_gles_regions_make(own.height / o->unit, o->region_row);

@@ -48,6 +48,12 @@ int pupil_gles_upload(pupil_gles *gles, const pupil_image_const *image)
     return PUPIL_ERR_GLES_ABSENT;
 }
 
+int pupil_gles_veil(pupil_gles *gles, const float *nodes, float direct)
+{
+    (void)gles, (void)nodes, (void)direct;
+    return PUPIL_ERR_GLES_ABSENT;
+}
+
 int pupil_gles_use(pupil_gles *gles, uint32_t texture, uint32_t chroma_texture, uint32_t cr_texture)
 {
     (void)gles, (void)texture, (void)chroma_texture, (void)cr_texture;

@@ -142,6 +142,8 @@ static void set_curve(const gles_object *o, int scaled, const pupil_tone *curve)
     o->gl.Uniform1f(o->programs.map[scaled].inverse_white_squared, curve->inverse_white_squared);
     o->gl.Uniform1f(o->programs.map[scaled].gamut, curve->gamut);
     o->gl.Uniform1i(o->programs.map[scaled].dither, (GLint)curve->dither);
+    if (o->config.veil)
+        o->gl.Uniform1f(o->programs.map[scaled].direct, o->direct);
     o->gl.Uniform1f(o->programs.map[scaled].knot_scale, curve->knot ? curve->knot_scale : -1.0f);
     if (!curve->knot)
         return;
@@ -196,8 +198,23 @@ int pupil_gles_map(pupil_gles *gles, const pupil_curve *curve, const pupil_gles_
         error = pupil_gles_target_read(o, &to, target);
     if (error)
         return error;
-    if (!o->source[0])
+    if (!o->source[0] || (o->config.veil && o->direct < 0.0f))
         return PUPIL_ERR_ORDER;
     draw(o, curve ? &by : &o->curve, &to);
+    return pupil_gles_error(o);
+}
+
+int pupil_gles_veil(pupil_gles *gles, const float *nodes, float direct)
+{
+    const int error = gles && nodes ? pupil_gles_check(gles) : PUPIL_ERR_NULL;
+    if (error)
+        return error;
+    gles_object *o = gles_object_of(gles);
+    if (!o->config.veil)
+        return PUPIL_ERR_ORDER;
+    if (!(direct >= 0.0f && direct <= 1.0f)) /* true for NaN */
+        return PUPIL_ERR_VALUE;
+    o->direct = direct;
+    pupil_gles_textures_veil(o, nodes);
     return pupil_gles_error(o);
 }

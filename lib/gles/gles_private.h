@@ -59,7 +59,7 @@ typedef struct gles_programs {
         GLint step_weight, minus_divisor, level_limits, given;
     } adapt;
     struct {
-        GLint scale, inverse_white_squared, gamut, dither, turn, shift, knots, knot_scale, knot_levels;
+        GLint scale, inverse_white_squared, gamut, dither, turn, shift, knots, knot_scale, knot_levels, direct;
     } map[2]; /* GLES_MAP, GLES_MAP_SCALED */
 } gles_programs;
 
@@ -71,6 +71,7 @@ enum {
     GLES_UNIT_LIGHT,
     GLES_UNIT_ENCODER,
     GLES_UNIT_STATE,
+    GLES_UNIT_VEIL,
     GLES_UNIT_COUNT
 };
 
@@ -123,7 +124,7 @@ typedef struct gles_object {
 
     /* objects of GL */
     gles_programs programs;
-    GLuint vertex_array, sampler, light, encoder;
+    GLuint vertex_array, sampler, light, encoder, veil;
     GLuint frame[2][GLES_PLANES]; /* MEMORY: two frames in turn, so that an upload need not wait for the one before */
     GLuint target[GLES_TARGET_COUNT], framebuffer[GLES_TARGET_COUNT]; /* ES 3.0 */
     GLuint state;                                                     /* ES 3.1, ADAPT_GPU: a buffer */
@@ -133,6 +134,7 @@ typedef struct gles_object {
     GLuint source[GLES_PLANES]; /* textures at hand; 0: none yet */
     uint32_t turn;              /* of frame[] */
     uint32_t oldest, under_way;
+    float direct; /* of the light, under a veil; below 0: none has come yet */
     uint64_t metered, unmetered;
     int64_t level_q24;
     uint32_t level_known;
@@ -188,6 +190,8 @@ int pupil_gles_textures_make(gles_object *o, pupil_why *why);
 void pupil_gles_textures_delete(gles_object *o);
 /* The table of the transfer that the settings name. */
 void pupil_gles_textures_set(const gles_object *o);
+/* The nodes of the veil (pupil/veil.h). */
+void pupil_gles_textures_veil(const gles_object *o, const float *nodes);
 /* Texture and nearest sampler at a unit. */
 void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint texture);
 /* The frame and its tables, for a program that loads it; and none at all. */

@@ -78,6 +78,7 @@ static void find_uniforms(const gles_object *o, const gles_variant *variant, gle
         p->map[i].knots = at(o, name, "knots");
         p->map[i].knot_scale = at(o, name, "knot_scale");
         p->map[i].knot_levels = at(o, name, "knot_levels");
+        p->map[i].direct = at(o, name, "direct");
     }
 }
 
@@ -216,6 +217,7 @@ static void set_mapping(const gles_object *o, uint32_t p)
     gl->UniformMatrix3fv(uniform(o, p, "cones_of_rgb"), 1, GL_TRUE, o->cones.from_rgb);
     gl->UniformMatrix3fv(uniform(o, p, "rgb_of_cones"), 1, GL_TRUE, o->cones.to_rgb);
     gl->Uniform1i(uniform(o, p, "encoder"), GLES_UNIT_ENCODER);
+    gl->Uniform1i(uniform(o, p, "veil"), GLES_UNIT_VEIL);
     gl->Uniform1ui(uniform(o, p, "encoder_base"), pupil_encoders[o->settings.transfer].base_bits);
     gl->Uniform1i(uniform(o, p, "adapted"), GLES_UNIT_STATE);
     const pupil_code_width *light = &pupil_code_widths[o->settings.transfer];

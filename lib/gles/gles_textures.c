@@ -2,6 +2,7 @@
 #include "base/pixel.h"
 #include "core/image.h"
 #include "gles_private.h"
+#include "pupil/veil.h"
 
 /* OES_EGL_image_external's, which gl31.h does not have. */
 #define TEXTURE_EXTERNAL 0x8D65
@@ -195,11 +196,20 @@ int pupil_gles_textures_make(gles_object *o, pupil_why *why)
         o->light = make_texture(o, GL_RG32F, GLES_TABLE_WIDTH, GLES_TABLE_HEIGHT);
         send_table(o, o->light, (GLsizei)o->coder.top + 1, GL_RG, GL_FLOAT, sizeof o->coder.light[0], o->coder.light);
     }
+    if (o->config.veil)
+        o->veil = make_texture(o, GL_RGB32F, PUPIL_VEIL_NODES, PUPIL_VEIL_NODES);
     o->encoder = make_texture(o, GL_R32UI, GLES_TABLE_WIDTH, GLES_TABLE_HEIGHT);
     if (o->variant.version != PUPIL_GLES_ES30)
         return PUPIL_OK;
     const int error = make_targets(o, why);
     return error || !o->variant.histogram ? error : pupil_gles_bins_make(o, why);
+}
+
+void pupil_gles_textures_veil(const gles_object *o, const float *nodes)
+{
+    o->gl.ActiveTexture(GL_TEXTURE0);
+    unpack_rows(o, 0);
+    send(o, o->veil, PUPIL_VEIL_NODES, PUPIL_VEIL_NODES, GL_RGB, GL_FLOAT, nodes);
 }
 
 void pupil_gles_textures_delete(gles_object *o)
@@ -209,6 +219,7 @@ void pupil_gles_textures_delete(gles_object *o)
     gl->DeleteTextures(2 * GLES_PLANES, o->frame[0]);
     gl->DeleteTextures(1, &o->light);
     gl->DeleteTextures(1, &o->encoder);
+    gl->DeleteTextures(1, &o->veil);
     gl->DeleteTextures(GLES_TARGET_COUNT, o->target);
     gl->DeleteFramebuffers(GLES_TARGET_COUNT, o->framebuffer);
 }
@@ -239,6 +250,8 @@ void pupil_gles_bind_frame(const gles_object *o)
     pupil_gles_bind(o, GLES_UNIT_CR, GL_TEXTURE_2D, o->source[2]);
     pupil_gles_bind(o, GLES_UNIT_LIGHT, GL_TEXTURE_2D, o->light);
     pupil_gles_bind(o, GLES_UNIT_ENCODER, GL_TEXTURE_2D, o->encoder);
+    if (o->veil)
+        pupil_gles_bind(o, GLES_UNIT_VEIL, GL_TEXTURE_2D, o->veil);
 }
 
 void pupil_gles_unbind(const gles_object *o)

@@ -179,6 +179,8 @@ uint32_t pupil_gles_shader_texts(const gles_variant *v, uint32_t shader, const c
     case GLES_MAP_FRAG:
         if (shader == GLES_MAP_SCALED_FRAG)
             texts[n++] = "#define SCALED\n";
+        if (v->veil)
+            texts[n++] = "#define VEIL\n";
         n = add_load(v, n, texts);
         texts[n++] = text_gamut_glsl;
         texts[n++] = text_dither_glsl;

@@ -13,6 +13,7 @@ typedef struct gles_variant {
     uint32_t is_linear; /* Y'CbCr and RGB10A2: coded values are light; grey: no curve is looked up */
     uint32_t has_matrix, has_knees;
     uint32_t histogram;
+    uint32_t veil;
     uint32_t level_here; /* the level is on the GPU */
 } gles_variant;
 

@@ -13,7 +13,7 @@ static const uint32_t stages_30[] = {GLES_TRIANGLE_VERT, GLES_METER_FRAG, GLES_R
 static const uint32_t stages_31[] = {GLES_METER_COMP, GLES_ADAPT_COMP, GLES_MAP_VERT, GLES_MAP_FRAG,
                                      GLES_MAP_SCALED_FRAG};
 
-#define TEXTS 1024
+#define TEXTS 2048
 static char *known[TEXTS]; /* each text once, and the file it is in */
 static char names[TEXTS][64];
 static int count;
@@ -77,7 +77,7 @@ static int makes_sense(const gles_variant *v)
     const int coded = !is_mosaic(v->pixel) && (!frame_is_rgb(v->pixel) || v->pixel == PUPIL_PIXEL_RGB10A2);
     return (!external || v->pixel == PUPIL_PIXEL_RGBA8) && (!v->normalized_16 || v->source == PUPIL_GLES_TEXTURES) &&
            (!(v->half_size || v->has_matrix) || is_mosaic(v->pixel)) && (!v->is_linear || coded || external) &&
-           (!v->histogram || v->version == PUPIL_GLES_ES31);
+           (!v->veil || !is_mosaic(v->pixel)) && (!v->histogram || v->version == PUPIL_GLES_ES31);
 }
 
 static void keep_all(const gles_variant *v)
@@ -95,7 +95,7 @@ static void keep_all(const gles_variant *v)
 static void keep_every(void)
 {
     for (uint32_t pixel = PUPIL_PIXEL_NONE + 1; pixel < PUPIL_PIXEL_COUNT; pixel++)
-        for (uint32_t bits = 0; bits < 128; bits++)
+        for (uint32_t bits = 0; bits < 256; bits++)
             for (uint32_t source = 0; source < PUPIL_GLES_SOURCE_COUNT; source++) {
                 const gles_variant v = {.version = bits & 1 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30,
                                         .pixel = pixel,
@@ -105,7 +105,8 @@ static void keep_every(void)
                                         .is_linear = bits >> 3 & 1,
                                         .has_matrix = bits >> 4 & 1,
                                         .histogram = bits >> 5 & 1,
-                                        .level_here = bits >> 6 & 1};
+                                        .level_here = bits >> 6 & 1,
+                                        .veil = bits >> 7 & 1};
                 if (makes_sense(&v))
                     keep_all(&v);
             }

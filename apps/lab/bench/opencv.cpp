@@ -27,7 +27,7 @@ try {
             to[3 * i + k] = rgba[4 * i + k];
     return o;
 } catch (const std::exception &e) {
-    std::pupil_refuse(why, "%s", e.what());
+    pupil_refuse(why, "%s", e.what());
     return nullptr;
 }
 

@@ -5,6 +5,10 @@ uniform float inverse_white_squared;
 uniform highp usampler2D encoder; // lib/kernels/kernels.h: pupil_encoder, 256 cells a row
 uniform uint encoder_base;
 uniform ivec2 picture_size;
+#ifdef VEIL
+uniform highp sampler2D veil; // pupil/veil.h: 65 x 65 nodes
+uniform float direct;
+#endif
 #ifdef SCALED
 uniform vec4 turn; // from the target's pixels to the picture's: rows of a matrix, and a shift
 uniform vec2 shift;
@@ -51,6 +55,19 @@ vec3 tone(vec3 rgb)
     return grey < 1.0 ? fit_colour(rgb, grey) : vec3(1.0);
 }
 
+#ifdef VEIL
+// Bilinear between the nodes around a pixel: lib/veil/veil_map.c, find_row and find_ramps.
+vec3 veiled(vec3 rgb, ivec2 at)
+{
+    vec2 place = vec2(2 * at + 1) * 64.0 / vec2(2 * picture_size);
+    ivec2 cell = ivec2(place);
+    vec2 part = place - vec2(cell);
+    vec3 upper = mix(texelFetch(veil, cell, 0).rgb, texelFetch(veil, cell + ivec2(1, 0), 0).rgb, part.x);
+    vec3 lower = mix(texelFetch(veil, cell + ivec2(0, 1), 0).rgb, texelFetch(veil, cell + 1, 0).rgb, part.x);
+    return direct * rgb + mix(upper, lower, part.y);
+}
+#endif
+
 float encode(float x)
 {
     float lowest = uintBitsToFloat(encoder_base);
@@ -63,6 +80,9 @@ float encode(float x)
 vec4 codes_at(ivec2 at)
 {
     vec3 rgb = load(at);
+#ifdef VEIL
+    rgb = veiled(rgb, at);
+#endif
     rgb = tone(has_to_picture ? in_picture(rgb) : rgb);
 #ifndef SCALED
     if (dither)

@@ -29,7 +29,7 @@
  *
  * GL state: nothing is restored. init, retune, upload, meter, collect, process and map change:
  *
- * - program, vertex array, active texture; the 2D (external) bindings and samplers of units 0..4;
+ * - program, vertex array, active texture; the 2D (external) bindings and samplers of units 0..6;
  * - pixel packing and unpacking and their buffers; copy write, uniform, shader storage and framebuffer bindings;
  * - viewport, scissor, clear colour, colour mask;
  * - with a histogram in ES 3.0, blend function and equation;
@@ -121,6 +121,8 @@ typedef struct pupil_gles_config {
     uint32_t half_size;     /* 1: a mosaic is mapped quad by quad, to a picture of half its size; 0 */
     uint32_t scaled;        /* 1: targets may have another size than the picture; 0 */
     const pupil_coding *coding; /* of every frame, copied by pupil_gles_init; NULL: all zero */
+    uint32_t veil;              /* 1: frames are mapped with a veil, which pupil_gles_veil brings; 0; not of mosaics */
+    uint32_t reserved;          /* 0 */
 } pupil_gles_config;
 
 /* Fills in every field with its default. */
@@ -193,6 +195,12 @@ PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_wh
 /* Another white balance (pupil_coding.balance) for the mosaics that are metered and mapped from now on: for one that
  * follows the frames. Nothing is compiled, and statistics in progress are kept. PUPIL_ERR_CODING. */
 PUPIL_API int pupil_gles_balance(pupil_gles *gles, const float balance[3]);
+
+/* With config.veil: the veil of the frames that are mapped from now on (veil.h): what pupil_veil_get_nodes gives, and
+ * pupil_veil_result.direct. Before the first one nothing is mapped (PUPIL_ERR_ORDER). The picture is
+ * that of pupil_veil_map_rows, as exact as any other; the light is gathered on the CPU. PUPIL_ERR_ORDER: config.veil is
+ * 0. PUPIL_ERR_VALUE: direct is not from 0 to 1. */
+PUPIL_API int pupil_gles_veil(pupil_gles *gles, const float *nodes, float direct);
 
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */
 PUPIL_API void pupil_gles_close(pupil_gles *gles);
