@@ -50,6 +50,9 @@ typedef struct pupil_frame {
     const pupil_frame_dmabuf *dmabuf; /* the same image; NULL: it is in this process alone */
 } pupil_frame;
 
+/* Options that a source obeys. */
+enum { PUPIL_SOURCE_FPS = 1, PUPIL_SOURCE_SIZE = 2, PUPIL_SOURCE_SEED = 4 };
+
 /* What a user can ask of any source; each takes what it understands. Zero means: not asked. */
 typedef struct pupil_source_options {
     double fps;             /* frames a second of sources that have no clock of their own (stills, pan, synth); 0: 30 */
@@ -76,6 +79,7 @@ struct pupil_source {
     double fps;             /* nominal frames a second, above 0 */
     uint64_t frames;        /* how many frames it expects to hand out; 0: unknown */
     uint32_t primaries;     /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
+    uint32_t obeys;         /* which of its options act: PUPIL_SOURCE_FPS ... */
     int is_named;           /* each frame has a file of its own, by whose name it is known */
     pupil_sink_sound sound; /* that goes with the frames, known with the first one; the path lives as long */
 };

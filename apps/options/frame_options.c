@@ -116,6 +116,8 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .help = "time constant toward more light, seconds", .more = "0 is at once."},
     {"tau-dark", 0, OPTION_NUMBER, "S", AT(config.tau_dark_s), .initial = "0.9", .high = 1e6, .unit = "seconds",
      .help = "time constant toward less light, seconds"},
+    {"law", 0, OPTION_CHOICE, "seconds|1|2|3|4", AT(config.law), .initial = "seconds",
+     .help = "adaptation: in seconds, or a formula", .more = "The field law of pupil_config. 1 to 4 are --formula."},
     {"formula", 0, OPTION_CHOICE, "1|2|3|4", AT(config.law), .low = PUPIL_LAW_ARITHMETIC_SCALE,
      .help = "a formula of the study instead",
      .more = "The four formulas weight each frame, not each second: docs/numerics.md."},
@@ -242,8 +244,9 @@ int frame_options_check(frame_options *o, int weight_given, int key_given, pupil
 {
     o->source.threads = o->threads;
     if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
-        return pupil_refuse(why, "--weight: is a weight a frame, of --formula 1..4; the default law takes --tau-light "
-                                 "and --tau-dark");
+        return pupil_refuse(why,
+                            "--weight: is how much each new frame counts, of --formula 1 to 4; the default law has "
+                            "--tau-light and --tau-dark instead");
     if (key_given && o->config.key_points)
         return pupil_refuse(why, "--key and --key-at: one of them; --key is the same in any light");
     if (o->gles_version && !o->gles && !o->view)

@@ -20,9 +20,10 @@ typedef struct frame_options {
     const char *record;                /* the same; of `pupil run` and, for frame_options_check_paths, `pupil record` */
     pupil_config config;
     pupil_source_options source;
-    uint64_t hold;    /* how many times each frame is shown; 1 */
-    uint64_t most;    /* frames at most; 0: all */
-    unsigned threads; /* 0: one a processor */
+    uint64_t hold;              /* how many times each frame is shown; 1 */
+    uint64_t most;              /* frames at most; 0: all */
+    double start_s, duration_s; /* of the source's time: from there, so long; 0: from its beginning, to its end */
+    unsigned threads;           /* 0: one a processor */
     int reset_each, overwrite, keep_going, quiet;
     int gles, view, loop;         /* on the GPU; in a window; from the beginning again at the end */
     uint32_t gles_version;        /* a pupil_gles_version */
@@ -35,7 +36,7 @@ typedef struct frame_options {
 
 /* The rows that replay and run share, by title. Offsets are those of frame_options. */
 #define FRAME_OUTPUT_ROWS   3
-#define FRAME_EXPOSURE_ROWS 15
+#define FRAME_EXPOSURE_ROWS 16
 #define FRAME_MAPPING_ROWS  9
 extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
 extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];

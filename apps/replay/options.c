@@ -23,10 +23,16 @@ static const option_row output_rows[] = {
 
 static const option_row frame_rows[] = {
     {"fps", 0, OPTION_NUMBER, "N", AT(source.fps), .low = 0.001, .high = 1e5, .unit = "frames a second",
-     .help = "of stills, pan and synth (30)", .more = "Of a camera: one of its frame rates."},
+     .help = "of stills, raw, pan and synth (30)", .more = "Of a camera: one of its frame rates."},
     {"size", 0, OPTION_SIZE, "WxH", AT(source.width), .high = PUPIL_MAX_SIDE_PX, .help = "of pan, synth and cameras"},
     {"frames", 'n', OPTION_COUNT, "N", AT(most), .low = 1, .high = 0x1p40, .unit = "a whole number of frames",
      .help = "at most N frames"},
+    {"ss", 0, OPTION_TIME, "TIME", AT(start_s), .high = 1e9, .unit_s = 1.0, .right = "seconds, or 500ms, 2min",
+     .help = "begin there: 12.5 (s), 500ms, 2min",
+     .more = "Of the input's time, as in ffmpeg; -ss is the same. Frames before are left out, and adaptation begins "
+             "there."},
+    {"duration", 't', OPTION_TIME, "TIME", AT(duration_s), .low = 1e-6, .high = 1e9, .unit_s = 1.0,
+     .right = "seconds above 0, or 500ms, 2min", .help = "so long: 10 (s), 500ms, 2min"},
     {"hold", 0, OPTION_COUNT, "N", AT(hold), .initial = "1", .low = 1, .high = 1e6, .help = "show each frame N times",
      .more = "Each time one frame period later."},
     {"keep-going", 0, OPTION_FLAG, NULL, AT(keep_going), .help = "skip bad frames",
@@ -113,10 +119,34 @@ static int check_veil(const frame_options *o, int fov_given, pupil_why *why)
     return 0;
 }
 
+/* As people know it from ffmpeg. */
+static void spell_out(int argc, char **argv)
+{
+    static char start[] = "--ss";
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
+        if (strcmp(argv[i], "-ss") == 0)
+            argv[i] = start;
+}
+
+/* What acts on the default law alone, or on video alone. */
+static int check_acting(const frame_options *o, const option_words *words, pupil_why *why)
+{
+    static const char *const of_seconds[] = {"tau-light", "tau-dark"};
+    for (size_t i = 0; i < sizeof of_seconds / sizeof of_seconds[0]; i++)
+        if (o->config.law != PUPIL_LAW_SECONDS && options_given(&replay_command, words, of_seconds[i]))
+            return pupil_refuse(why, "--%s: is of the default law; --formula 1 to 4 have --weight instead",
+                                of_seconds[i]);
+    if (o->hold > 1 && (o->start_s > 0.0 || o->duration_s > 0.0))
+        return pupil_refuse(why,
+                            "--hold: gives frames other times than the input has, by which -ss and -t choose them");
+    return 0;
+}
+
 int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why)
 {
     option_words words;
     frame_options_begin(o);
+    spell_out(argc, argv);
     const int parsed = options_parse(&replay_command, o, argc, argv, &words, why);
     if (parsed)
         return parsed;
@@ -125,7 +155,8 @@ int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why
     if (!o->input_count)
         return pupil_refuse(why, "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' "
                                  "has more");
-    if (check_loop(o, why) || check_veil(o, options_given(&replay_command, &words, "fov"), why))
+    if (check_loop(o, why) || check_acting(o, &words, why) ||
+        check_veil(o, options_given(&replay_command, &words, "fov"), why))
         return OPTIONS_USAGE;
     return frame_options_check(o, options_given(&replay_command, &words, "weight"),
                                options_given(&replay_command, &words, "key"), why);

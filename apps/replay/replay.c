@@ -79,10 +79,40 @@ static int take(replay *r, const pupil_frame *read, double read_us)
     return 0;
 }
 
+/* Options that this input does not obey are refused, where they would do nothing. */
+static int check_obeyed(replay *r)
+{
+    const pupil_source_options *asked = &r->options.source;
+    const uint32_t obeys = r->session.source->obeys;
+    const char *input = r->options.inputs[0];
+    if (asked->fps > 0.0 && !(obeys & PUPIL_SOURCE_FPS))
+        return pupil_refuse(&r->session.why, "--fps: the frames of %s have times of their own (%.6g frames a second)",
+                            input, r->session.source->fps);
+    if (asked->width && !(obeys & PUPIL_SOURCE_SIZE))
+        return pupil_refuse(&r->session.why,
+                            "--size: the frames of %s have a size of their own; docs/guide.md scales them by ffmpeg",
+                            input);
+    if (asked->seed && !(obeys & PUPIL_SOURCE_SEED))
+        return pupil_refuse(&r->session.why, "--seed: is of the path of pan:PANORAMA; %s has none", input);
+    return 0;
+}
+
 static int open_source(replay *r)
 {
     const frame_options *o = &r->options;
-    return open_input(o->inputs, o->input_count, &o->source, &r->session.source, &r->session.why);
+    return open_input(o->inputs, o->input_count, &o->source, &r->session.source, &r->session.why) || check_obeyed(r);
+}
+
+/* By --ss and --duration: -1: before, 0: within, 1: after. */
+static int place_in_time(const replay *r, const pupil_frame *frame)
+{
+    const frame_options *o = &r->options;
+    const double at_s = (double)frame->info.timestamp_ns * 1e-9;
+    /* Half a period of grace: -ss 2 is the frame at 1.9999 s, too. */
+    const double grace_s = 0.5 / r->session.source->fps;
+    if (at_s < o->start_s - grace_s)
+        return -1;
+    return o->duration_s > 0.0 && at_s >= o->start_s + o->duration_s - grace_s;
 }
 
 /* The input is at its end: from its beginning again, its first frame a period after the last one. 1: it is not to be;
@@ -125,10 +155,18 @@ static int run(replay *r)
             pupil_refuse_add(&s->why, "; --keep-going skips such frames");
         if (got != PUPIL_SOURCE_FRAME)
             return -1;
-        const int failed = take(r, &frame, read_us);
+        const int place = place_in_time(r, &frame), failed = place == 0 && take(r, &frame, read_us);
         pupil_source_done(s->source, &frame);
         if (failed)
             return -1;
+        if (place > 0) {
+            if (!r->options.loop)
+                return 0;
+            const int stop = again(r, shown_before);
+            if (stop)
+                return stop < 0 ? -1 : 0;
+            shown_before = s->frames;
+        }
     }
     return 0;
 }
@@ -145,13 +183,15 @@ static int begin(replay *r)
     uint64_t total = s->source->frames * o->hold;
     if (o->most && (!total || total > o->most))
         total = o->most;
-    progress_begin(&s->progress, o->quiet, o->loop ? 0 : total);
+    progress_begin(&s->progress, o->quiet, o->loop || o->start_s > 0.0 || o->duration_s > 0.0 ? 0 : total);
     return 0;
 }
 
 static int finish(replay *r)
 {
     session *s = &r->session;
+    if (!s->frames && (r->options.start_s > 0.0 || r->options.duration_s > 0.0) && !*s->why.text)
+        return pupil_refuse(&s->why, "%s: has no frame in the time that -ss and -t choose", r->options.inputs[0]);
     if (!s->frames)
         return pupil_refuse(&s->why, "%s: no frame could be read", r->options.inputs[0]);
     return session_outputs_finish(&s->outputs, &s->why);

@@ -50,16 +50,17 @@ static uint32_t shown_primaries(const pupil_config *config)
 }
 
 /* In the pace of the frames; --hold has another. */
-static pupil_sink_sound sound_of(session_outputs *o)
+static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
 {
     if (o->options->hold <= 1)
-        return o->source->sound;
+        return (pupil_sink_sound){o->source->sound.path, o->source->sound.begin_ns + first->info.timestamp_ns};
     o->held_sound = o->options->out_count && o->source->sound.path;
     return (pupil_sink_sound){0};
 }
 
-static int open_all(session_outputs *o, const pupil_image_const *first, pupil_why *why)
+static int open_all(session_outputs *o, const pupil_frame *frame, pupil_why *why)
 {
+    const pupil_image_const *first = &frame->image;
     const frame_options *options = o->options;
     const pupil_sink_options of_sink = {.width = first->width,
                                         .height = first->height,
@@ -70,7 +71,7 @@ static int open_all(session_outputs *o, const pupil_image_const *first, pupil_wh
                                         .keep_time = o->live,
                                         .named = options->reset_each && o->source->is_named,
                                         .live = o->live,
-                                        .sound = sound_of(o)};
+                                        .sound = sound_of(o, frame)};
     o->is_open = 1;
     o->width = first->width;
     o->height = first->height;
@@ -139,8 +140,7 @@ int session_outputs_write(session_outputs *o, const pupil_frame *frame, const fr
                           pupil_why *why)
 {
     const pupil_image_const display = pupil_image_as_const(p->display);
-    if (record_frame(o, frame, why) || (!o->is_open && open_all(o, &frame->image, why)) ||
-        is_other_size(o, &p->display, why))
+    if (record_frame(o, frame, why) || (!o->is_open && open_all(o, frame, why)) || is_other_size(o, &p->display, why))
         return -1;
     const double began_s = progress_now_s();
     if (pictures_write(&o->pictures, &display, &frame->info, frame->name, why))

@@ -407,6 +407,7 @@ int pupil_libcamera_open(const char *which, const pupil_libcamera_options *optio
     }
     snprintf(s->live.is.path, sizeof s->live.is.path, PUPIL_LIBCAMERA_PREFIX "%.255s", s->id);
     s->live.base.ops = &source_ops;
+    s->live.base.obeys = PUPIL_SOURCE_FPS | PUPIL_SOURCE_SIZE;
     s->live.ops = &live_ops;
     if (open_camera(s, why)) {
         close_camera(s);

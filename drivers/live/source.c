@@ -311,6 +311,7 @@ int live_v4l2_open(const char *which, const pupil_live_options *options, pupil_s
         return PUPIL_SOURCE_FAILED;
     }
     s->live.base.ops = &source_ops;
+    s->live.base.obeys = PUPIL_SOURCE_FPS | PUPIL_SOURCE_SIZE;
     s->live.ops = &live_ops;
     s->controls_of.mains_hz = s->options.mains_hz;
     s->controls_of.delay = s->options.delay;

@@ -205,6 +205,7 @@ int pupil_raw_source_open(const char *text, const pupil_source_options *options,
     }
     r->fd = -1;
     r->base.ops = &raw_ops;
+    r->base.obeys = PUPIL_SOURCE_FPS;
     r->base.fps = options && options->fps > 0 ? options->fps : DEFAULT_FPS;
     if (prepare(r, text, why)) {
         raw_close(&r->base);

@@ -112,6 +112,7 @@ int pupil_synth_source_open(const char *name, const pupil_source_options *option
         return PUPIL_SOURCE_FAILED;
     }
     s->source.ops = &synth_ops;
+    s->source.obeys = PUPIL_SOURCE_FPS | PUPIL_SOURCE_SIZE;
     if (begin(s, name, options, why)) {
         synth_close(&s->source);
         return PUPIL_SOURCE_FAILED;

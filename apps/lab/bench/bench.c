@@ -25,7 +25,7 @@ const option_command bench_command = {
 static void put_help(FILE *out)
 {
     fputs("usage: pupil bench WHAT ...\n"
-          "How long things take, each relative to what it cannot be faster than, in turns in one run.\n",
+          "How long things take, next to the fastest that is possible, measured alternately in one run.\n",
           out);
     for (const option_command *const *c = parts; *c; c++)
         fprintf(out, "  %-8s %s\n", strchr((*c)->name, ' ') + 1, (*c)->summary);

@@ -87,7 +87,8 @@ void sim_summary(const sim_run *run, FILE *out)
                 s->swings);
         return;
     }
-    fprintf(out, "controller  %s, which believes in a delay of %u\n", o->loop.law->name, o->loop.sensor.delay_frames);
+    fprintf(out, "controller  %s, which expects controls to act after %u frames\n", o->loop.law->name,
+            o->loop.sensor.delay_frames);
     fprintf(out, "camera      %s\n", *camera ? camera : "as usual");
     fprintf(out, "light       %s\n", o->light);
     if (s->settle_frames >= 0)
@@ -96,12 +97,15 @@ void sim_summary(const sim_run *run, FILE *out)
     else
         fprintf(out, "settled     never\n");
     fprintf(out, "overshoot   %.4f EV\n", s->overshoot_ev);
-    fprintf(out, "rest        %.3f EV from the key; %.4f EV from end to end, shown %.4f; %.5f EV RMS a frame\n",
-            s->aim_ev, s->rest_pp_ev, s->shown_pp_ev, s->shown_rms_ev);
-    fprintf(out, "swings      %u of 0.1 EV or more in what is asked in the last %zu frames%s\n", s->swings, run->rest,
-            cycles(s) ? ": a limit cycle" : "");
+    fprintf(
+        out,
+        "at rest     %.3f EV off the key; the exposure moves within %.4f EV, the picture within %.4f, by %.5f EV RMS "
+        "from frame to frame\n",
+        s->aim_ev, s->rest_pp_ev, s->shown_pp_ev, s->shown_rms_ev);
+    fprintf(out, "swings      %u of 0.1 EV or more, of the exposure that is asked for, in the last %zu frames%s\n",
+            s->swings, run->rest, cycles(s) ? ": a limit cycle" : "");
     verdict(&run->verdict, out);
-    fprintf(out, "at last     %.6g s, gain %.4g, digital %.4f", last->truth.exposure_s, last->truth.gain,
+    fprintf(out, "at the end  %.6g s, gain %.4g, digital %.4f", last->truth.exposure_s, last->truth.gain,
             last->truth.digital);
     if (!o->loop.law->total)
         fprintf(out, "; %s", pupil_sensor_state_name(last->setting.state));

@@ -199,11 +199,12 @@ static unsigned long tell(const study *s)
            s->lights.ev[1] - s->lights.ev[0], (unsigned long long)s->result.renders,
            progress_now_s() - s->progress.began_s);
     for (int light = 1; light >= 0; light--)
-        printf("u* %-3s  %.3e  %.3e  %.3e  %.3e\n", light ? "on" : "off", s->cells.u_star[light][0],
-               s->cells.u_star[light][1], s->cells.u_star[light][2], s->cells.u_star[light][3]);
+        printf("lamp switched %-3s: arrived within u* = %.3e  %.3e  %.3e  %.3e\n", light ? "on" : "off",
+               s->cells.u_star[light][0], s->cells.u_star[light][1], s->cells.u_star[light][2],
+               s->cells.u_star[light][3]);
     for (unsigned i = 0; i < STUDY_TESTS; i++) {
         violations += s->tests[i].violations;
-        printf("%-3s  %4lu of %4lu violate: %s\n", s->tests[i].name, s->tests[i].violations, s->tests[i].checked,
+        printf("%-3s  %4lu of %4lu violations: %s\n", s->tests[i].name, s->tests[i].violations, s->tests[i].checked,
                s->tests[i].text);
     }
     return violations;
@@ -226,8 +227,8 @@ static int regression(study *s)
            r.within_1, r.within_2);
     printf("%u of %u cells of %u would never arrive, the others are late; %u cells are not those of exact arithmetic\n",
            r.stalled, r.unfinished, STUDY_LAST, r.rounded);
-    printf("the table itself violates A2 in %lu cells, A3 in %lu, A5 in %lu\n", order.violations, equal.violations,
-           one_number.violations);
+    printf("the table of the original study violates A2 in %lu cells, A3 in %lu, A5 in %lu\n", order.violations,
+           equal.violations, one_number.violations);
     /* what one fit of the constants gave, with room for another libm's expf and logf */
     int met = r.cells == 1277 && r.exact >= 1257 && r.within_1 >= 1275 && r.within_2 >= 1277;
     return s->options.check && !met ? EXIT_FAILED : EXIT_DONE;

@@ -59,13 +59,15 @@ const option_command study_command = {
     .name = "study",
     .summary = "the study of adaptation again: tables, videos, acceptance",
     .usage = "[SCENE] [options]\n--regression CSV [--check]",
-    .about = "When has the picture arrived? Four light scenarios, four formulas, twenty weights.\n"
-             "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: quick",
+    .about = "After how many frames does the picture no longer change? Four changes of light,\n"
+             "four formulas, twenty weights. Tables and plots go to --out; without it only\n"
+             "the acceptance tests are printed.\n"
+             "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: no rendering",
     .exits = "0 done, 1 failed or not met, 2 usage, 130 interrupted",
     .manual = "Repeats the study of temporal tone mapping that pupil grew from. A lamp of 512 next to a lamp of 1 is "
-              "switched on, switched off, flashes on, flashes off. There are four formulas and twenty weights: at "
-              "which frame has "
-              "the picture arrived? docs/study.md describes the results. The darkest and the brightest frame of SCENE "
+              "switched on, switched off, flashes on, flashes off. There are four formulas and twenty weights: after "
+              "how many frames does the picture no longer change? docs/study.md describes the results. The darkest and "
+              "the brightest frame of SCENE "
               "are the two states of light; spheres needs no rendering. The acceptance tests A1 to A11, with the "
               "number of violations of each, go to standard output.",
     .groups = groups,

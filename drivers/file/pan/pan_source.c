@@ -210,6 +210,7 @@ int pupil_pan_source_open(const char *spec, const pupil_source_options *options,
         return PUPIL_SOURCE_FAILED;
     }
     s->base.ops = &pan_ops;
+    s->base.obeys = PUPIL_SOURCE_FPS | PUPIL_SOURCE_SIZE | PUPIL_SOURCE_SEED;
     int rc = read_spec(s, spec, &keys, &path, why) || load(s, why) || plan(s, path, options, why);
     free(keys);
     if (!rc && !(s->pixels = malloc((size_t)s->width * s->height * 3 * sizeof *s->pixels))) {

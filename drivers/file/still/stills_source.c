@@ -90,6 +90,7 @@ int pupil_stills_source_open(const char *const *paths, size_t count, const pupil
     s->source.fps = fps;
     s->source.frames = count;
     s->source.is_named = 1;
+    s->source.obeys = PUPIL_SOURCE_FPS;
     s->still.as_stored = options && options->as_stored;
     if (fill(s, paths, count, why)) {
         stills_close(&s->source);

@@ -101,12 +101,13 @@ static int64_t time_ns(video_source *v, int64_t pts)
     return ns > v->last_ns && ns < MAX_TIME_NS ? ns : v->last_ns + v->period_ns;
 }
 
-static double nominal_fps(const video_source *v, const pupil_source_options *options)
+static double nominal_fps(video_source *v, const pupil_source_options *options)
 {
     AVRational rate = av_guess_frame_rate(v->format, v->stream, NULL);
     double fps = rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0;
     if (fps >= 1e-3 && fps <= 1e5) /* anything else is no frame rate but a clock, or damage */
         return fps;
+    v->base.obeys = PUPIL_SOURCE_FPS;
     return options && options->fps > 0 ? options->fps : DEFAULT_FPS;
 }
 

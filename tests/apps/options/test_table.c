@@ -236,7 +236,7 @@ static void test_lines(void)
     says("replay x --shutter 10ms", "--shutter: no such option of pupil replay; it is of pupil run, pupil record;");
     if (bench_command.parts) /* this build has it */
         says("replay x --peers", "it is of pupil bench kernels;");
-    says("replay x -t 5", "-t: no such option of pupil replay; it is of pupil run, pupil record;");
+    says("replay x -d 5", "-d: no such option of pupil replay; it is of pupil run, pupil record");
     says("replay x -qz", "-z: no such option of pupil replay; 'pupil");
     says("replay x --fps", "--fps: its value is missing");
     says("replay x -n", "-n: its value is missing");

@@ -30,7 +30,7 @@ within() { awk -v v="$1" -v a="$2" -v b="$3" 'BEGIN { exit !(v >= a && v <= b) }
 
 # help and usage
 "$program" --help >help.txt 2>said.err || fail "--help does not exit 0"
-help_fits 40 90 help.txt
+help_fits 44 90 help.txt
 refused 2 "--metreing" --metreing spot
 refused 2 "-d /dev/video0" /dev/video0
 for bad in "--mode fast" "--shutter 0" "--shutter 10m" "--shutter 1/0" "--shutter ms" "--shutter 2000s" "--gain 0" "--gain x" \

@@ -8,7 +8,7 @@ use_pupil
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
 [ "$(wc -l <run.jsonl)" = 420 ] || fail "$(wc -l <run.jsonl) lines for 14 s at 30 frames a second"
 for words in '^controller  pupil' '^settled     [0-9]* frames after frame 120' '^overshoot ' '^swings      0 of' \
-    '^at last .*; converged\(, [a-z_]*\)*$'; do
+    '^at the end .*; converged\(, [a-z_]*\)*$'; do
     grep -q -- "$words" summary.txt || fail "no $words in $(cat summary.txt)"
 done
 for words in '^{"time_s":0.000000,"frame":0,"dropped":0,"light_ev":5.500000,' '"told_exposure_s":' '"error_ev":' \

@@ -33,7 +33,7 @@ if ! command -v gnuplot >/dev/null; then
     exit
 fi
 expect 0 "" study spheres --size 48x40 --out out --check
-[ "$(grep -c ' 0 of .* violate' said.out)" = 11 ] || fail "not eleven tests without violations: $(cat said.out)"
+[ "$(grep -c ' 0 of .* violations' said.out)" = 11 ] || fail "not eleven tests without violations: $(cat said.out)"
 [ "$(wc -l <out/study.csv)" = 1281 ] || fail "study.csv has $(wc -l <out/study.csv) lines"
 [ "$(grep -c '^## Case' out/study.md)" = 16 ] || fail "study.md has not sixteen tables"
 [ "$(grep -c '<h2>Case' out/study.html)" = 16 ] || fail "study.html has not sixteen tables"
