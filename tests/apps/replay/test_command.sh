@@ -9,7 +9,7 @@ walk="replay synth:walk --size 64x36 -q"
 
 # help and usage
 "$program" replay --help >help.txt || fail "--help does not exit 0"
-help_fits 46 90 help.txt
+help_fits 50 90 help.txt
 expect 2 "no such command" nonsense
 expect 2 "no input" replay
 expect 2 "--metreing" replay synth:walk --metreing spot
