@@ -45,6 +45,11 @@ for kind, words, settings in (
         (ValueError, "weight must be whole numbers", {"weight": np.full((16, 16), 0.5)}),
         (ValueError, "at most 8 pairs", {"key_at": [(i, 0.1) for i in range(9)]}),
         (ValueError, "at most 8 pairs", {"key_at": [1, 2]}),
+        (ValueError, "at most 8 pairs", {"key_at": "-4/0.05"}),
+        (ValueError, "at most 8 pairs", {"key_at": [(-4, 0.05), (2,)]}),
+        (TypeError, "metering must be uniform, centre, spot or (x, y", {"metering": (0, 1)}),
+        (TypeError, "metering must be uniform, centre, spot or (x, y", {"metering": 5}),
+        (TypeError, "metering must be a number, not '0'", {"metering": ("0", 0, 1, 1)}),
         (ValueError, "metering must be uniform, centre, spot", {"metering": "center"}),
         (pupil_ae.Error, "key", {"key": 7}),
         (pupil_ae.Error, "key", {"key": float("nan")}),
@@ -80,6 +85,8 @@ check.that(stats.pixels == 48 * 64 and stats.bin.shape == (512,) and stats.bin.s
 check.that(abs(stats.mean() - exposure.metered_ev - -1) < 1e-3, f"{stats.mean()} {exposure}")
 check.that(stats.quantile(0.1) < stats.quantile(0.9) < stats.peak_quantile(1.0), "quantiles")
 check.raises(pupil_ae.Error, "outside its range", stats.quantile, 2)
+check.raises(TypeError, "share must be a number, not '50%'", stats.quantile, "50%")
+check.raises(TypeError, "low must be a number", stats.mean, "0")
 check.raises(AttributeError, "no 'pixel'", lambda: stats.pixel)
 merged = pupil_ae.Stats()
 check.that(merged + merged == merged and pickle.loads(pickle.dumps(stats)) == stats, "statistics are values")

@@ -177,14 +177,15 @@ class View:
         self._size(columns, height)
         planes = lib.pupil_pixel_planes(pixel)
         row_bytes = lib.pupil_row_bytes(pixel, columns)
-        if columns % 2 and (pixel in PAIRED and array.ndim == 3 or planes > 1 and pixel != Pixel.I444_16):
-            raise ValueError(f"{self.what} as one array of {pixel.name} must have an even width, not {columns}")
+        paired = pixel in PAIRED and array.ndim == 3 or planes > 1 and pixel != Pixel.I444_16
+        if paired and array.shape[1] % 2:
+            raise ValueError(f"{self.what} as one array of {pixel.name} must have an even width, not {array.shape[1]}")
         if math.prod(array.shape[1:]) * array.itemsize < row_bytes:
             raise ValueError(f"{self.what} has too few columns for {columns} pixels of {pixel.name}")
         address, stride = self._memory(array, row_bytes, whole=planes == 3)
         self.image.data, self.image.stride_bytes = address, stride
         if planes > 1:
-            chroma_row = lib.pupil_chroma_row_bytes(pixel, columns)
+            chroma_row = lib.pupil_chroma_row_bytes(pixel, array.shape[1])  # of padded rows, too
             self.image.chroma = address + stride * height
             self.image.chroma_stride_bytes = stride if planes == 2 else chroma_row
             if planes == 3:
@@ -200,8 +201,8 @@ class View:
             wanted = f"{count} planes" if count > 1 else "one array"
             raise TypeError(f"{self.what} as {pixel.name} must be {wanted}, not a tuple of {len(planes)}")
         arrays = [_array_of(plane, f"plane {index} of {self.what}") for index, plane in enumerate(planes)]
-        arrays = [array.reshape(array.shape[0], -1) if array.ndim == 3 and array.flags.c_contiguous else array
-                  for array in arrays]
+        arrays = [array.reshape(array.shape[0], math.prod(array.shape[1:]))
+                  if array.ndim == 3 and array.flags.c_contiguous else array for array in arrays]
         for index, array in enumerate(arrays):
             _expect(array, (None, None), sample, pixel, f"plane {index} of {self.what}")
         height, columns = arrays[0].shape

@@ -10,7 +10,7 @@ import numpy as np
 from . import _abi
 from ._image import out_view, view
 from ._library import check, lib
-from ._settings import about, apply, checked, fields_of, frame_info, struct_of, values_of
+from ._settings import about, apply, checked, fields_of, frame_info, number, struct_of, values_of
 
 Exposure = collections.namedtuple("Exposure", fields_of(_abi.pupil_exposure))
 Exposure.__doc__ = ("The state after the last frame. EV are log2 of scene luminance. state is a State, reason a Reason."
@@ -65,8 +65,12 @@ def _metering(config, pattern):
             raise ValueError(f"metering must be uniform, centre, spot or (x, y, width, height), not {pattern!r}")
         check(named[pattern](config))
     else:
-        x, y, width, height = pattern
-        check(lib.pupil_metering_roi(config, x, y, width, height))
+        try:
+            x, y, width, height = pattern
+        except (TypeError, ValueError):
+            raise TypeError("metering must be uniform, centre, spot or (x, y, width, height), not "
+                            f"{pattern!r}") from None
+        check(lib.pupil_metering_roi(config, *(number("metering", value) for value in (x, y, width, height))))
 
 
 class Stats:
@@ -116,15 +120,15 @@ class Stats:
     def mean(self, low=0.0, high=1.0):
         """log2 of the luminance, the mean over the weight between the shares low and high; stops. Error without
         light."""
-        return self._number(lib.pupil_stats_mean, low, high)
+        return self._number(lib.pupil_stats_mean, number("low", low), number("high", high))
 
     def quantile(self, share):
         """log2 of the luminance that the share 0..1 of the weight is below. Error without a histogram."""
-        return self._number(lib.pupil_stats_quantile, share)
+        return self._number(lib.pupil_stats_quantile, number("share", share))
 
     def peak_quantile(self, share):
         """The same of each pixel's brightest channel."""
-        return self._number(lib.pupil_stats_peak_quantile, share)
+        return self._number(lib.pupil_stats_peak_quantile, number("share", share))
 
     def grey_world(self):
         """Three factors for coding={"balance": ...} that make a mosaic's average grey (needs grey_world=1)."""

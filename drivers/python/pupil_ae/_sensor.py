@@ -5,7 +5,7 @@ import ctypes
 from . import _abi
 from ._library import check, lib
 from ._pupil import Locked, Stats
-from ._settings import about, apply, checked, fields_of, frame_info, values_of
+from ._settings import about, apply, checked, fields_of, frame_info, number, values_of
 
 Setting = collections.namedtuple("Setting", fields_of(_abi.pupil_sensor_setting))
 Setting.__doc__ = ("What to write to the camera, and why. state is a SensorState, reason a SensorReason; .name "
@@ -63,7 +63,7 @@ class Sensor(Locked):
         """Begins with the product of both: what the camera has now, or total_s of an earlier run. Returns the
         Setting."""
         with self._lock:
-            check(lib.pupil_sensor_start(self._sensor, exposure_s, gain))
+            check(lib.pupil_sensor_start(self._sensor, number("exposure_s", exposure_s), number("gain", gain)))
             return self._setting()
 
     def frame(self, stats, *, timestamp_ns=0, sequence=0, exposure_s=0.0, gain=0.0):
@@ -78,6 +78,7 @@ class Sensor(Locked):
     def scene(self, scene_ev, clipped_share=0.0, *, timestamp_ns=0, sequence=0, exposure_s=0.0, gain=0.0):
         """Where something else has metered: log2 of the light of the scene, and the share 0..1 that was clipped."""
         info = frame_info(timestamp_ns, sequence, exposure_s, gain)
+        scene_ev, clipped_share = number("scene_ev", scene_ev), number("clipped_share", clipped_share)
         with self._lock:
             check(lib.pupil_sensor_scene(self._sensor, scene_ev, clipped_share, info))
             return self._setting()

@@ -72,9 +72,12 @@ def _set_array(struct, name, kind, value):
 
 def _set_pairs(struct, name, count_name, value):
     """key_at and stage: pairs of numbers, and how many there are."""
-    pairs = np.asarray(value, dtype=np.float64)
     room = len(getattr(struct, name))
-    if pairs.size and (pairs.ndim != 2 or pairs.shape[1] != 2) or len(pairs) > room:
+    try:
+        pairs = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):  # words, or pairs of other lengths
+        pairs = np.zeros(1)
+    if pairs.ndim == 0 or pairs.size and (pairs.ndim != 2 or pairs.shape[1] != 2) or len(pairs) > room:
         raise ValueError(f"{name} must be at most {room} pairs of numbers, not {value!r}")
     setattr(struct, count_name, len(pairs))
     getattr(struct, name)[:] = [type(getattr(struct, name)[0])()] * room
