@@ -53,7 +53,7 @@ inline pupil_config defaults()
 struct Given {
     uint32_t pixel = PUPIL_PIXEL_NONE;    /* a pupil_pixel; NONE: by depth and channels */
     const pupil_coding *coding = nullptr; /* of Y'CbCr, grey and mosaics: pupil/coding.h */
-    int width = 0; /* of packed mosaics and grey, whose Mat has bytes as columns: pixels; 0: all that fit */
+    int width = 0; /* pixels, where rows are padded, or of packed formats, whose columns are bytes; 0: all that fit */
     const pupil_frame_info *info = nullptr;
     int type = CV_8UC3; /* of the picture: CV_8UC3 or CV_8UC4, coded for a display, or CV_32FC3, linear from 0 to 1 */
     bool half = false;  /* a mosaic to a picture of half its size */
@@ -276,7 +276,7 @@ template <class Capture> class Video
         const double position_ms = capture_.get(pos_msec), step_ms = position_ms - position_ms_;
         const std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now();
         const double waited_ms = std::chrono::duration<double, std::milli>(now - arrived_).count();
-        const bool advances = step_ms > 0.0 && step_ms < 60e3 && position_ms_ > 0.0;
+        const bool advances = step_ms > 0.0 && step_ms < 60e3 && position_ms_ >= 0.0; /* a file begins at 0 */
         if (frame_count_++)
             info_.timestamp_ns += static_cast<int64_t>(1e6 * (advances ? step_ms : waited_ms));
         position_ms_ = position_ms;

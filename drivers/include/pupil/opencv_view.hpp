@@ -142,10 +142,12 @@ inline pupil_image image_of(const cv::Mat &mat, void *data, uint32_t pixel, int 
     const uint32_t planes = pupil_pixel_planes(named);
     if (planes == 3 && !mat.isContinuous())
         refuse("three planes in one Mat must be continuous: use mat.clone()");
-    if (planes > 1 && mat.cols % 2)
+    if (planes > 1 && named != PUPIL_PIXEL_I444_16 && mat.cols % 2)
         refuse("the planes of the named format need an even number of columns in one Mat");
     const int height = mat.rows / layout.rows * layout.of, width = width_of(mat, named, given_width);
-    pupil_image image = pupil_image_of(data, static_cast<uint32_t>(width), static_cast<uint32_t>(height), named);
+    const int columns = planes > 1 ? mat.cols : width; /* the chroma comes after whole rows, padded or not */
+    pupil_image image = pupil_image_of(data, static_cast<uint32_t>(columns), static_cast<uint32_t>(height), named);
+    image.width = static_cast<uint32_t>(width);
     if (mat.rows > 1)
         image.stride_bytes = static_cast<std::ptrdiff_t>(mat.step[0]);
     if (planes == 2) {
@@ -184,6 +186,9 @@ inline pupil_image_const view(const cv::Mat &mat, uint32_t pixel = PUPIL_PIXEL_N
 {
     static const pupil_coding coded = detail::display_grey();
     pupil_image image = detail::image_of(mat, mat.data, pixel, width);
+    const char *why = nullptr;
+    if (coding && pupil_coding_check(coding, image.pixel, &why) != PUPIL_OK)
+        detail::refuse(why);
     image.coding = coding || pixel != PUPIL_PIXEL_NONE || image.pixel != PUPIL_PIXEL_GREY8 ? coding : &coded;
     return pupil_image_as_const(image);
 }
