@@ -74,6 +74,7 @@ if(PUPIL_PROGRAM)
       libavformat>=59 libavcodec>=59 libavutil>=57)
     pupil_needs(MEDIA CJSON libcjson-dev libcjson)
     # LibRaw: pupil_dep_LIBRAW exists where it is installed. Without it a stub says so.
+    find_package(PkgConfig REQUIRED) # in this scope, too
     pkg_check_modules(PUPIL_PC_LIBRAW IMPORTED_TARGET QUIET libraw_r)
     if(PUPIL_PC_LIBRAW_FOUND)
       add_library(pupil_dep_LIBRAW INTERFACE)
