@@ -24,6 +24,8 @@ typedef struct frame_options {
     uint64_t most;              /* frames at most; 0: all */
     double start_s, duration_s; /* of the source's time: from there, so long; 0: from its beginning, to its end */
     unsigned threads;           /* 0: one a processor */
+    int explains;               /* the frame `explain` is, in words; of `pupil replay` */
+    uint64_t explain;
     int reset_each, overwrite, keep_going, quiet;
     int gles, view, loop;         /* on the GPU; in a window; from the beginning again at the end */
     uint32_t gles_version;        /* a pupil_gles_version */

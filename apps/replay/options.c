@@ -39,6 +39,11 @@ static const option_row frame_rows[] = {
      .more = "Damaged and missing ones. They are counted, and the exit status is 3."},
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
      .more = "For unrelated pictures. -o FOLDER then has them by the names of the stills, each of its own size."},
+    {"explain", 0, OPTION_COUNT, "N", AT(explain), .high = 0x1p40, .unit = "a frame's number, from 0",
+     .help = "why frame N is as bright as it is, in words",
+     .more =
+         "N counts from 0, as in --stats. What was metered, what holds the level, what clips, and which option changes "
+         "it, on standard output. Without outputs the run ends there."},
     {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
      .more = "Not turned upright, which phones leave to the player."},
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
@@ -142,6 +147,24 @@ static int check_acting(const frame_options *o, const option_words *words, pupil
     return 0;
 }
 
+/* Without outputs there is nothing to be done after that frame. */
+static int check_explain(frame_options *o, pupil_why *why)
+{
+    int taken = o->stats && strcmp(o->stats, "-") == 0;
+    if (!o->explains)
+        return 0;
+    for (size_t i = 0; i < o->out_count; i++)
+        taken |= strcmp(o->out[i], "-") == 0;
+    if (taken)
+        return pupil_refuse(why, "--explain: is said on standard output, which -o - or --stats - has taken");
+    if (o->most && o->explain >= o->most)
+        return pupil_refuse(why, "--explain %llu: frames count from 0, and -n ends the run before",
+                            (unsigned long long)o->explain);
+    if (!o->out_count && !o->stats && !o->plot && !o->report && !o->view && !o->most)
+        o->most = o->explain + 1;
+    return 0;
+}
+
 int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why)
 {
     option_words words;
@@ -155,7 +178,8 @@ int replay_options_parse(frame_options *o, int argc, char **argv, pupil_why *why
     if (!o->input_count)
         return pupil_refuse(why, "no input: name an HDR file, a folder, a video or synth:walk; 'pupil replay --help' "
                                  "has more");
-    if (check_loop(o, why) || check_acting(o, &words, why) ||
+    o->explains = options_given(&replay_command, &words, "explain");
+    if (check_explain(o, why) || check_loop(o, why) || check_acting(o, &words, why) ||
         check_veil(o, options_given(&replay_command, &words, "fov"), why))
         return OPTIONS_USAGE;
     return frame_options_check(o, options_given(&replay_command, &words, "weight"),

@@ -6,6 +6,7 @@
 #include "common/command_line.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
+#include "explain.h"
 #include "frame/any_scale.h"
 #include "options.h"
 #include "options/commands.h"
@@ -45,6 +46,11 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
         return -1;
     entry.read_us = read_us;
     entry.scale = ldexp(entry.scale, r->scale.stops); /* of the file's values */
+    if (r->options.explains && entry.frame == r->options.explain) {
+        progress_clear(&r->session.progress);
+        explain_frame(stdout, &entry, &r->session.pipeline.config);
+        fflush(stdout);
+    }
     if (session_show(&r->session, frame, &entry))
         return -1;
     show_progress(r, &entry);
@@ -194,6 +200,10 @@ static int finish(replay *r)
         return pupil_refuse(&s->why, "%s: has no frame in the time that -ss and -t choose", r->options.inputs[0]);
     if (!s->frames)
         return pupil_refuse(&s->why, "%s: no frame could be read", r->options.inputs[0]);
+    if (r->options.explains && r->options.explain >= s->frames)
+        return pupil_refuse(&s->why, "--explain %llu: %s has %llu frames, which count from 0",
+                            (unsigned long long)r->options.explain, r->options.inputs[0],
+                            (unsigned long long)s->frames);
     return session_outputs_finish(&s->outputs, &s->why);
 }
 
@@ -222,6 +232,8 @@ static void tell(const replay *r, const char *by)
     if (r->skipped)
         fprintf(stderr, ", skipped %llu", (unsigned long long)r->skipped);
     session_outputs_name(&s->outputs);
+    if (!session_outputs_want_pixels(&r->options) && !r->options.view && !r->options.explains)
+        fprintf(stderr, "; nothing was written: -o out.mp4 names a video");
     fprintf(stderr, "%s\n%s", by, s->outputs.summary);
 }
 

@@ -15,7 +15,7 @@ int session_outputs_want_pixels(const frame_options *options)
 
 int session_outputs_want_figures(const frame_options *options)
 {
-    return options->stats || options->plot || options->report || options->view;
+    return options->stats || options->plot || options->report || options->view || options->explains;
 }
 
 void session_outputs_begin(session_outputs *o, frame_options *options, const pupil_source *source, int live)

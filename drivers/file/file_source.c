@@ -34,6 +34,13 @@ static int starts_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
+/* As dumps of frames are called. */
+static int is_headless(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && (strcasecmp(dot, ".raw") == 0 || strcasecmp(dot, ".bin") == 0);
+}
+
 /* Inputs that must be the only one. */
 static int is_alone(const char *input)
 {
@@ -100,7 +107,9 @@ int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_
     }
     for (size_t i = 0; i < count; i++)
         if (count > 1 && is_alone(inputs[i])) {
-            pupil_refuse(why, "%s: must be the only input; only stills (" STILL_KINDS ") can follow one another",
+            pupil_refuse(why,
+                         "%s: must be the only input; only stills (" STILL_KINDS ") can follow one another, and an "
+                         "output is named by -o",
                          inputs[i]);
             return PUPIL_SOURCE_FAILED;
         }
@@ -108,8 +117,12 @@ int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_
         return pupil_pan_source_open(inputs[0], options, source, why);
     if (strcmp(inputs[0], "-") == 0)
         return open_standard_input(options, source, why);
-    if (is_alone(inputs[0]))
-        return pupil_video_source_open(inputs[0], options, source, why);
+    if (is_alone(inputs[0])) {
+        result = pupil_video_source_open(inputs[0], options, source, why);
+        if (result && why && is_headless(inputs[0]))
+            pupil_refuse_add(why, "; frames without a header are read as raw:%s,format=RG10,size=1920x1080", inputs[0]);
+        return result;
+    }
     for (size_t i = 0; i < count && result == 0; i++)
         result = add_input(&paths, inputs[i], why);
     if (result == 0)

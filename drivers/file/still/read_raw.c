@@ -72,7 +72,7 @@ int pupil_read_raw(pupil_still *still, const uint8_t *bytes, size_t size, pupil_
     const int code = libraw_open_buffer(raw, (void *)(uintptr_t)bytes, size); /* which it only reads */
     const libraw_image_sizes_t *sizes = &raw->sizes;
     if (code == LIBRAW_FILE_UNSUPPORTED)
-        failed = PUPIL_STILL_NOT_RAW;
+        failed = -pupil_still_fail(why, "is no raw file that LibRaw knows"); /* PUPIL_STILL_NOT_RAW */
     else if (code != LIBRAW_SUCCESS)
         failed = fail(code, why);
     else if (pupil_still_size_ok(sizes->raw_width, sizes->raw_height, why))

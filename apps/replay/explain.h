@@ -1,0 +1,13 @@
+/* apps/replay/explain.h: --explain: why a frame is as bright as it is, in plain words. */
+#ifndef PUPIL_APPS_REPLAY_EXPLAIN_H
+#define PUPIL_APPS_REPLAY_EXPLAIN_H
+
+#include <stdio.h>
+
+#include "output/frame_log.h"
+#include "pupil/config.h"
+
+/* What was metered, what held the level, what clipped, and which option changes it. */
+void explain_frame(FILE *out, const frame_log_entry *entry, const pupil_config *config);
+
+#endif
