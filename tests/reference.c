@@ -322,9 +322,10 @@ static long double gain_of(const pupil_curve *curve, long double luminance)
     const long double u = curve->scale * luminance, t = fmaxl(1, curve->knot_scale * luminance);
     if (!curve->knots)
         return curve->scale * (1 + u * curve->inverse_white_squared) / (1 + u);
-    int k = 0;
-    while (k < PUPIL_CURVE_KNOTS - 1 && ldexpl(1 + (k + 1) % 8 / 8.0L, (k + 1) / 8) <= t)
-        k++;
+    int stop;
+    const long double fraction = 2 * frexpl(fminl(t, 0x1p16L), &stop) - 1;
+    const int reached = 8 * (stop - 1) + (int)(8 * fraction),
+              k = reached < PUPIL_CURVE_KNOTS ? reached : PUPIL_CURVE_KNOTS - 1;
     long double root = curve->knot[k];
     if (k < PUPIL_CURVE_KNOTS - 1) {
         const long double here = ldexpl(1 + k % 8 / 8.0L, k / 8), next = ldexpl(1 + (k + 1) % 8 / 8.0L, (k + 1) / 8);

@@ -15,6 +15,7 @@
 #include "paint.h"
 #include "picture.h"
 #include "plot.h"
+#include "pupil/look.h"
 #include "refuse.h"
 #include "window/window.h"
 
@@ -23,6 +24,7 @@
 #define LOST_S     0.5  /* later than this, the clock waits for the frames: they are not to be caught up with */
 #define LEAST_S    0.1  /* a late frame is shown nevertheless where none was for so long */
 #define SPLIT_STEP 0.05 /* of the width */
+#define EDGE_CODES 200  /* steps of 50 codes from one pixel to the next; noise and soft edges have fewer */
 #define WHITE      0xF0F0F0ffu
 #define SHADE      0x000000b8u
 
@@ -36,6 +38,7 @@ struct view {
 
     const pupil_frame *frame; /* the one that is shown; NULL: the source has it back */
     int is_mapped;            /* pipeline.display is this frame in full size, mapped by `curve` */
+    int was_mapped;           /* the same of the frame before, when it was done */
     pupil_frame_info info;
     pupil_curve curve;
     pupil_t first; /* the eye that has seen the first frame alone: what is before the split */
@@ -44,26 +47,48 @@ struct view {
     double anchor_s, drawn_s, said_s, titled_s; /* moments: of the timestamp 0, the last drawing, words, title */
     unsigned drawn;                             /* frames since the last title */
     int anchored, paused, stale, quit;
-    int fullscreen, split_on, plot_on, help_on;
+    int fullscreen, split_on, plot_on, help_on, edges_on;
+    uint8_t *marked; /* the picture with its edges */
+    size_t marked_bytes;
     float split;
     char said[128];
 };
 
 /* --- drawing --- */
 
-/* A part of the picture as `curve` maps it, by what maps the frames. */
+/* The picture in memory, with its edges if they are asked for and there is room for them. */
+static void take_picture(view *v, const pupil_image_const *shown)
+{
+    static const uint8_t pink[3] = {255, 0, 128};
+    const size_t row = (size_t)3 * shown->width, bytes = row * shown->height;
+    if (v->edges_on && v->marked_bytes < bytes) {
+        free(v->marked);
+        v->marked = malloc(bytes);
+        v->marked_bytes = v->marked ? bytes : 0;
+    }
+    const pupil_image marked = {.data = v->marked,
+                                .stride_bytes = (ptrdiff_t)row,
+                                .width = shown->width,
+                                .height = shown->height,
+                                .pixel = shown->pixel};
+    const pupil_image_const as_const = pupil_image_as_const(marked);
+    const int has_edges = v->edges_on && v->marked && !pupil_mark_edges(shown, EDGE_CODES, pink, &marked, NULL);
+    view_picture_take(&v->picture, has_edges ? &as_const : shown);
+}
+
+/* A part of the picture as `curve` maps it, by what maps the frames; with edges by the CPU. */
 static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_t height, float from, float to)
 {
     const pupil_gles_target target = {.width = width, .height = height, .from = from, .to = to};
     frame_pipeline *p = v->of.pipeline;
     if (from >= to) /* the divide is at an edge; pupil_gles_target takes 0 and 0 for all */
         return;
-    if (frame_pipeline_draw(p, curve, &target) == 0)
+    if (!v->edges_on && frame_pipeline_draw(p, curve, &target) == 0)
         return;
     const int is_mapped = v->is_mapped && curve == &v->curve;
     if (is_mapped || (v->frame && frame_pipeline_map_again(p, curve, v->frame) == 0)) {
         const pupil_image_const shown = pupil_image_as_const(p->display);
-        view_picture_take(&v->picture, &shown);
+        take_picture(v, &shown);
         v->is_mapped = curve == &v->curve; /* another one has overwritten it */
     }
     view_picture_draw(&v->picture, width, height, from, to);
@@ -184,6 +209,9 @@ static void take_view_key(view *v, int key)
     case 'p':
         v->plot_on = !v->plot_on;
         break;
+    case 'e':
+        v->edges_on = !v->edges_on;
+        break;
     case 'h':
     case '?':
         v->help_on = !v->help_on;
@@ -277,6 +305,7 @@ int view_frame(view *v, const pupil_frame *frame, const frame_log_entry *entry)
     if (!v->of.live)
         stay(v, &v->paused);
     v->frame = NULL;
+    v->was_mapped = v->is_mapped;
     v->is_mapped = 0;
     return v->quit ? VIEW_QUIT : VIEW_ON;
 }
@@ -284,6 +313,7 @@ int view_frame(view *v, const pupil_frame *frame, const frame_log_entry *entry)
 void view_stay(view *v)
 {
     const int always = 1;
+    v->is_mapped = v->was_mapped; /* nothing has come over it since */
     say(v, "end");
     v->stale = 1;
     stay(v, &always);
@@ -318,6 +348,7 @@ void view_close(view *v)
 {
     if (!v)
         return;
+    free(v->marked);
     view_picture_close(&v->picture);
     view_paint_close(v->paint);
     pupil_window_close(v->window);

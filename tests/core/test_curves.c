@@ -3,7 +3,7 @@
  */
 #include "check.h"
 #include "frames.h"
-#include "reference.h"
+#include "pupil/pupil.h"
 
 #include <math.h>
 
@@ -165,7 +165,10 @@ static double most_off;
 
 static double code_of(uint32_t transfer, double root)
 {
-    return (double)ref_encode(transfer, (long double)root * root);
+    const double light = root * root;
+    if (transfer != PUPIL_TRANSFER_SRGB)
+        return 255.0 * (transfer == PUPIL_TRANSFER_LINEAR ? light : pow(light, 1.0 / 2.2));
+    return 255.0 * (light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1.0 / 2.4) - 0.055);
 }
 
 /* The knots; and the pixels of the picture, one by one. */

@@ -46,7 +46,7 @@ for level in -Os -O2 -O3; do
             set -- "$@" -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -ffreestanding
         rm -rf "$work"/*
         check core 1024 "$compiler $level" "$@"
-        for folder in base flicker row_gain sensor veil; do
+        for folder in base flicker look row_gain sensor veil; do
             check "$folder" 1024 "$compiler $level" "$@"
         done
         check kernels 4608 "$compiler $level" "$@"

@@ -3,6 +3,7 @@
  * within the limits, a frame in pieces is the frame.
  */
 #include "fuzz_picture.h"
+#include "pupil/look.h"
 
 #include "pupil/veil.h"
 
@@ -122,7 +123,7 @@ static void check_exposure(const run *r)
     MUST(isfinite(e.metered_ev) && isfinite(e.white_ev) && isfinite(e.scale) && e.scale > 0);
     MUST(curve.knots == 0 || (curve.knots == PUPIL_CURVE_KNOTS && curve.knot_scale > 0 && isfinite(curve.knot_scale)));
     for (uint32_t k = 0; k < curve.knots; k++)
-        MUST(curve.knot[k] >= 0 && curve.knot[k] <= 1 && (k == 0 || curve.knot[k] >= curve.knot[k - 1]));
+        MUST(curve.knot[k] >= 0 && curve.knot[k] <= 1 && (k == 0 || curve.knot[k] >= curve.knot[k - 1] - 1e-6f));
     MUST(curve.scale > 0 && isfinite(curve.scale) && isfinite(curve.inverse_white_squared) && curve.gamut >= 0);
 }
 
@@ -303,9 +304,16 @@ static void do_map(run *r)
 {
     picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
     const pupil_image_const rows = pupil_image_as_const(in.image);
-    const pupil_curve curve = {.scale = (float)take_double(0, 100),
-                               .inverse_white_squared = (float)take_double(0, 2),
-                               .gamut = (float)take_double(0, 16)};
+    pupil_curve curve = {.scale = (float)take_double(0, 100),
+                         .inverse_white_squared = (float)take_double(0, 2),
+                         .gamut = (float)take_double(0, 16)};
+    if (take_below(3) == 0) {
+        curve.knots = take_below(30) ? PUPIL_CURVE_KNOTS : take_below(200);
+        curve.levels = take_below(2) ? 0 : take_below(300);
+        curve.knot_scale = (float)take_double(0, 1e6);
+        for (int k = 0; k < PUPIL_CURVE_KNOTS; k++)
+            curve.knot[k] = (float)take_double(0, take_below(500) ? 1 : 2);
+    }
     static run before;
     before = *r;
     const int error = pupil_map_rows(&r->pupil, &curve, &rows, &out.image);
@@ -394,10 +402,25 @@ static void do_veil(run *r)
     picture_free(&out);
 }
 
+static void do_edges(run *r)
+{
+    picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_like(&in);
+    const pupil_image_const rows = pupil_image_as_const(in.image);
+    const uint8_t colour[3] = {(uint8_t)take_below(256), 0, 255};
+    uint64_t edges = 0;
+    (void)r;
+    const int error = pupil_mark_edges(&rows, take_below(PUPIL_EDGE_MOST + 9), colour, &out.image, &edges);
+    MUST(error == PUPIL_OK || error == PUPIL_ERR_VALUE || error == PUPIL_ERR_PIXEL || error == PUPIL_ERR_CODING);
+    MUST(edges <= (uint64_t)rows.width * rows.height && (error == PUPIL_OK || !edges));
+    picture_guarded(&out);
+    picture_free(&in);
+    picture_free(&out);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static void (*const step[])(run *) = {do_process, do_process, do_begin, do_rows, do_rows,
-                                          do_end,     do_retune,  do_stats, do_map,  do_veil};
+    static void (*const step[])(run *) = {do_process, do_process, do_begin, do_rows, do_rows, do_end,
+                                          do_retune,  do_stats,   do_map,   do_veil, do_edges};
     static run r;
     const char *why = NULL;
     input = data;

@@ -36,6 +36,7 @@ LIB = {
     "core": ("base", "kernels", "flicker"),
     "row_gain": ("base", "core"),
     "veil": ("base", "kernels", "core"),
+    "look": ("base", "core"),
     "sensor": ("base", "core", "flicker"),
     "gles": ("base", "core"),
 }

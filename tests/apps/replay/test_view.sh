@@ -47,6 +47,11 @@ is_even() { look && [ "$(mean 140x60+340+125)" -lt $(($(mean 140x60+150+125) * 2
 printf 'PF\n480 270\n-1.0\n' >grey.pfm
 head -c 1555200 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x80\x3e/g' >>grey.pfm
 
+# Darker by 3 stops in its lower half, so that there is an edge of 480 pixels in two rows.
+printf 'PF\n480 270\n-1.0\n' >step.pfm
+head -c 777600 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x00\x3e/g' >>step.pfm
+head -c 777600 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x80\x3f/g' >>step.pfm
+
 # check_picture ARGUMENTS...: what the keys do to the picture
 check_picture() {
     start grey.pfm --loop --fps 20 "$@"
@@ -72,7 +77,7 @@ check_picture() {
 
 # check_rest ARGUMENTS...: what is drawn over it, and what the title tells
 check_rest() {
-    start grey.pfm --loop --fps 20 "$@"
+    start step.pfm --loop --fps 20 "$@"
     [ -n "$window" ] || return
     until_true "no picture" brighter_than 1000
     xdotool key p
@@ -85,6 +90,11 @@ check_rest() {
     until_true "h has no words" has '#F0F0F0' 1000
     xdotool key h
     until_true "h does not go" has_no '#F0F0F0' 1
+    until_true "edges of themselves" has_no '#FF0080' 1
+    xdotool key e
+    until_true "e marks no edges" has '#FF0080' 200
+    xdotool key e
+    until_true "e does not go" has_no '#FF0080' 1
     for formula in 1 2 3 4; do
         xdotool key $formula
         until_titled "formula $formula"
@@ -109,9 +119,11 @@ grep -q "GPU: \|the CPU continues" said.err || fail "who did the frames is not t
 check_rest --gles-version 3.0 --white none
 
 # the window's close button, Escape, Ctrl-C; the end of the input waits for a viewer, unless something is written
-start grey.pfm -q
+start step.pfm -q
 sleep 1
 kill -0 $running 2>/dev/null || fail "a still does not stay"
+xdotool key e
+until_true "e marks no edges of a still" has '#FF0080' 200
 xdotool key Escape
 ends 0
 start grey.pfm --loop -q

@@ -1,0 +1,40 @@
+/* pupil/look.h: what is drawn into a mapped picture. Nothing here changes what is metered.
+ *
+ * Threads: plain functions of their arguments; rows can be worked in any groups on any threads.
+ */
+#ifndef PUPIL_LOOK_H
+#define PUPIL_LOOK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pupil/error.h"
+#include "pupil/image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The largest magnitude that there is: both derivatives 4 * 255. */
+#define PUPIL_EDGE_MOST 1442
+
+/* Edges of a picture in `colour` (focus peaking: what is sharp is marked), the rest as it is. A pixel is on an edge
+ * where the magnitude of Sobel's derivatives of its red, green or blue is at least `threshold`, 1..PUPIL_EDGE_MOST, in
+ * codes: | -1 0 1 |        | -1 -2 -1 | | -2 0 2 |, and   |  0  0  0 |.     gx^2 + gy^2 >= threshold^2 | -1 0 1 | |  1
+ * 2  1 | A step of n codes across a straight edge has 4n. Beyond the picture's border its outermost pixels are
+ * repeated. (Sobel, Feldman: A 3x3 isotropic gradient operator for image processing, 1968.)
+ *
+ * `rows` are codes: RGB8, BGR8, RGBA8, RGBX8 or BGRX8. Groups of rows have the pixels of the whole: the rows next to
+ * them are read where rows_above and rows_below (image.h) are not 0, as pupil_image_rows sets them. `out` has the same
+ * format and size, and is not in the same memory. The fourth byte is copied. `edges`, unless NULL, becomes the
+ * number of pixels on edges: a measure of sharpness. Integers alone: the same bits everywhere.
+ *
+ * PUPIL_ERR_NULL, _PIXEL (rows), _PIXEL_OUT (out has another format), _SIZE, _STRIDE; PUPIL_ERR_VALUE: threshold. */
+PUPIL_API int pupil_mark_edges(const pupil_image_const *rows, uint32_t threshold, const uint8_t colour[3],
+                               const pupil_image *out, uint64_t *edges);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
