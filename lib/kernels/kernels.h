@@ -220,9 +220,9 @@ typedef struct pupil_veil_sums {
  * read, and have no part in any sum. */
 typedef void pupil_veil_gather_kernel(const pupil_planes *planes, const pupil_veil_ramp *run, uint32_t count,
                                       pupil_veil_sums *sums);
-/* The n pixels of the runs, times `direct`, with their ramps, as RGBA with alpha 1; `veil` is scratch. */
-typedef void pupil_veil_add_kernel(const pupil_planes *planes, const pupil_veil_ramp *run, uint32_t count, uint32_t n,
-                                   float direct, pupil_planes *veil, float *rgba);
+/* The pixels of the runs, RGBA, with red, green and blue times `direct` plus their ramps; source may be rgba. */
+typedef void pupil_veil_add_kernel(const float *source, const pupil_veil_ramp *run, uint32_t count, float direct,
+                                   float *rgba);
 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */

@@ -1,6 +1,7 @@
 /* A frame's light in cells: each run of a row that is in one cell by a kernel, in floats, and then as integers. */
 #include "veil_private.h"
 
+#include "base/numeric.h"
 #include "core/image.h"
 #include "core/object.h"
 #include "veil_rows.h"
@@ -72,9 +73,11 @@ typedef struct gathering {
     double unit; /* of the integers */
 } gathering;
 
-static int64_t whole(double x) /* to the nearest; |x| < 2^62 */
+/* To the nearest; |x| < 2^62. Without a branch: the signs of moments are random. */
+static int64_t whole(double x)
 {
-    return (int64_t)(x < 0.0 ? x - 0.5 : x + 0.5);
+    const uint64_t half = UINT64_C(0x3fe0000000000000), sign = UINT64_C(1) << 63;
+    return (int64_t)(x + pupil_double_of_bits((pupil_bits_of_double(x) & sign) | half));
 }
 
 /* A run's sums become the cell's, with moments about its middle in cells. */

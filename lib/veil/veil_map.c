@@ -11,6 +11,7 @@ typedef struct mapping {
     const pupil_kernels *kernels;
     veil_rows rows;
     veil_scratch *scratch;
+    float cells_a_pixel;
 } mapping;
 
 /* --- a row's veil --- */
@@ -28,49 +29,75 @@ static void find_row(const veil_object *o, uint32_t y, veil_scratch *s)
     }
 }
 
-/* Pixels x to x + n as runs between two nodes; how many runs. */
-static uint32_t find_ramps(const veil_object *o, veil_scratch *s, uint32_t x, uint32_t n)
+/* Where a row's pixels are between the nodes, once for all rows. */
+static void find_places(uint32_t width, veil_scratch *s)
 {
-    const uint32_t width = o->config.width, end = x + n;
-    const float a_pixel = (float)VEIL_CELLS / (float)width;
-    uint32_t count = 0;
-    while (x < end) {
+    uint32_t count = 0, block = 0;
+    for (uint32_t x = 0; x < width;) {
         const uint32_t cell = pupil_veil_cell_of(x, width), next = pupil_veil_first_in_cell(cell + 1, width);
-        const float part = (float)(2 * x + 1) * (float)VEIL_CELLS / (float)(2 * width) - (float)cell;
-        pupil_veil_ramp *r = &s->run[count++];
-        r->n = (next < end ? next : end) - x;
+        const uint32_t block_end = (x / PUPIL_BLOCK + 1) * PUPIL_BLOCK, end = next < block_end ? next : block_end;
+        if (x % PUPIL_BLOCK == 0)
+            s->first[block++] = count;
+        s->place[count++] = (veil_place){
+            .cell = (uint16_t)cell,
+            .n = (uint16_t)((end < width ? end : width) - x),
+            .part = (float)(2 * x + 1) * (float)VEIL_CELLS / (float)(2 * width) - (float)cell,
+        };
+        x = end;
+    }
+    s->first[block] = count;
+}
+
+/* The runs of a block between the nodes of its row; how many. */
+static uint32_t find_ramps(veil_scratch *s, uint32_t block, float cells_a_pixel)
+{
+    const veil_place *place = s->place + s->first[block];
+    const uint32_t count = s->first[block + 1] - s->first[block];
+    for (uint32_t i = 0; i < count; i++) {
+        pupil_veil_ramp *r = &s->run[i];
+        r->n = place[i].n;
         for (int channel = 0; channel < 3; channel++) {
-            const float here = s->row[channel][cell], more = s->row[channel][cell + 1] - here;
-            r->base[channel] = here + more * part;
-            r->step[channel] = more * a_pixel;
+            const float here = s->row[channel][place[i].cell], more = s->row[channel][place[i].cell + 1] - here;
+            r->base[channel] = here + more * place[i].part;
+            r->step[channel] = more * cells_a_pixel;
         }
-        x += r->n;
     }
     return count;
 }
 
 /* --- a chunk --- */
 
-/* Row i of the image, in light, pixels x to x + n; the row's nodes are in scratch. */
+/* Pixels x to x + n of a row as RGBA. */
+static void load_block(const mapping *m, const pupil_row *row, uint32_t x, uint32_t n, float *rgba)
+{
+    const uint32_t pixel = m->rows.image->pixel;
+    pupil_planes *p = &m->scratch->planes;
+    const int opaque = PUPIL_PIECE(m->kernels, load[pixel])(&m->rows.coder, row, x, n, p);
+    const int has_alpha = !opaque && pupil_kernels_scalar.alpha_light[pixel];
+    if (has_alpha)
+        PUPIL_PIECE(m->kernels, alpha_light[pixel])(row->data + x * pupil_pixel_bytes(pixel), n, p->grey);
+    for (uint32_t i = 0; i < n; i++) {
+        rgba[4 * i] = p->r[i];
+        rgba[4 * i + 1] = p->g[i];
+        rgba[4 * i + 2] = p->b[i];
+        rgba[4 * i + 3] = has_alpha ? p->grey[i] : 1.0f;
+    }
+}
+
+/* Row i of the image, in light, pixels x to x + n; the row's nodes are in scratch. Floats are taken where they are. */
 static void fill_chunk(const mapping *m, uint32_t i, uint32_t x, uint32_t n, float *rgba)
 {
-    const pupil_kernels *k = m->kernels;
-    const uint32_t pixel = m->rows.image->pixel;
     const pupil_row row = pupil_veil_row_of(&m->rows, i);
     const float direct = (float)m->object->result.direct;
-    veil_scratch *s = m->scratch;
+    const int in_place = m->rows.image->pixel == PUPIL_PIXEL_RGBA32F;
     for (uint32_t done = 0; done < n; done += PUPIL_BLOCK) {
         const uint32_t count = n - done < PUPIL_BLOCK ? n - done : PUPIL_BLOCK;
         float *to = rgba + 4 * done;
-        const int opaque = PUPIL_PIECE(k, load[pixel])(&m->rows.coder, &row, x + done, count, &s->planes);
-        const uint32_t runs = find_ramps(m->object, s, x + done, count);
-        PUPIL_PIECE(k, veil_add)(&s->planes, s->run, runs, count, direct, &s->veil, to);
-        if (opaque || !pupil_kernels_scalar.alpha_light[pixel])
-            continue;
-        PUPIL_PIECE(k, alpha_light[pixel])
-        (row.data + (x + done) * pupil_pixel_bytes(pixel), count, s->veil.grey);
-        for (uint32_t j = 0; j < count; j++)
-            to[4 * j + 3] = s->veil.grey[j];
+        const float *source = in_place ? (const float *)(const void *)row.data + 4 * (size_t)(x + done) : to;
+        if (!in_place)
+            load_block(m, &row, x + done, count, to);
+        const uint32_t runs = find_ramps(m->scratch, (x + done) / PUPIL_BLOCK, m->cells_a_pixel);
+        PUPIL_PIECE(m->kernels, veil_add)(source, m->scratch->run, runs, direct, to);
     }
 }
 
@@ -115,7 +142,12 @@ static __attribute__((noinline)) void map_all(const veil_object *o, const pupil_
                                               const pupil_image_const *in, const pupil_image *out,
                                               veil_scratch *scratch)
 {
-    mapping m = {.object = o, .pupil = pupil, .kernels = pupil_level_kernels(pupil->level), .scratch = scratch};
+    mapping m = {.object = o,
+                 .pupil = pupil,
+                 .kernels = pupil_level_kernels(pupil->level),
+                 .scratch = scratch,
+                 .cells_a_pixel = (float)VEIL_CELLS / (float)in->width};
+    find_places(in->width, scratch);
     pupil_veil_rows_begin(&m.rows, in);
     const uint32_t together = pupil_pixel_planes(out->pixel) > 1 ? 2 : 1;
     for (uint32_t i = 0; i < in->height; i += together) {

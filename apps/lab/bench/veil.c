@@ -191,10 +191,11 @@ static int run_lists(bench *b)
     b->fft = veil_fft_open(SIDE, SIGMA_PX, &b->no_fft);
     if (!b->rgb || !b->exact || !b->pyramid)
         return -1;
-    printf("Gaussians of sigma %.1f in a picture of %d x %d, one thread; each pixel is evaluated, in three channels.\n"
-           "Times are the least of the rounds.\n"
-           "instructions: of evaluating one row alone, counted one by one (-1: the system does not allow it).\n",
-           SIGMA_PX, SIDE, SIDE);
+    printf(
+        "\nGaussians of sigma %.1f in a picture of %d x %d, one thread; each pixel is evaluated, in three channels.\n"
+        "Times are the least of the rounds.\n"
+        "instructions: of evaluating one row alone, counted one by one (-1: the system does not allow it).\n",
+        SIGMA_PX, SIDE, SIDE);
     if (!b->fft)
         printf("FFT: %s\n", b->no_fft);
     for (b->harmonics = 8; b->harmonics <= 16; b->harmonics += 4) {
@@ -315,7 +316,7 @@ static int run_frames(bench *b)
     for (int i = 0; i < 6; i++)
         ns[i] = runner[i].least_s * 1e9 / pixels;
     if (!stopped)
-        printf("\nA frame of %u x %u, RGBA32F to RGBA8, Spencer's eye, one thread, ns a pixel:\n"
+        printf("A frame of %u x %u, RGBA32F to RGBA8, Spencer's eye, one thread, ns a pixel:\n"
                "  a plain read of the frame      %6.3f\n"
                "  metering                       %6.3f   with gathering     %6.3f   more %6.3f\n"
                "  mapping                        %6.3f   with its veil      %6.3f   more %6.3f\n"
@@ -372,7 +373,7 @@ int bench_veil_main(int argc, char **argv)
     }
     if (status < 0) {
         interrupt_watch();
-        const int failed = run_lists(b) || run_frames(b);
+        const int failed = run_frames(b) || run_lists(b);
         status = interrupt_came() ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : EXIT_DONE;
         if (status == EXIT_FAILED)
             fprintf(stderr, "pupil bench veil: not enough memory\n");
