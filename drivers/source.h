@@ -57,12 +57,13 @@ enum { PUPIL_SOURCE_FPS = 1, PUPIL_SOURCE_SIZE = 2, PUPIL_SOURCE_SEED = 4 };
 typedef struct pupil_source_options {
     double fps;             /* frames a second of sources that have no clock of their own (stills, pan, synth); 0: 30 */
     uint32_t width, height; /* of sources that can make any size (pan, synth); 0: their default */
-    uint64_t frames;   /* how many frames, of sources that have no end of their own (pan, synth); 0: their default */
-    uint64_t first;    /* the frame to begin with, of scenes from a recipe (synth) */
-    uint64_t seed;     /* of sources that draw random numbers (pan); 0: the default seed */
-    unsigned threads;  /* of sources that compute their frames (synth); 0: one for each processor */
-    int as_stored;     /* of video and JPEG: not turned upright */
-    int (*stop)(void); /* asked during long work, which is given up where it says so; NULL: never */
+    uint64_t frames;     /* how many frames, of sources that have no end of their own (pan, synth); 0: their default */
+    uint64_t first;      /* the frame to begin with, of scenes from a recipe (synth) */
+    uint64_t seed;       /* of sources that draw random numbers (pan); 0: the default seed */
+    unsigned threads;    /* of sources that compute their frames (synth); 0: one for each processor */
+    int as_stored;       /* of video and JPEG: not turned upright */
+    uint64_t max_pixels; /* of stills and video: frames of more are refused; 0: still.h */
+    int (*stop)(void);   /* asked during long work, which is given up where it says so; NULL: never */
 } pupil_source_options;
 
 typedef struct pupil_source pupil_source;

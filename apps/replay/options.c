@@ -46,6 +46,11 @@ static const option_row frame_rows[] = {
          "it, on standard output. Without outputs the run ends there."},
     {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
      .more = "Not turned upright, which phones leave to the player."},
+    {"max-pixels", 0, OPTION_COUNT, "N", AT(source.max_pixels), .low = 1, .high = 0x1p26, .unit = "a number of pixels",
+     .help = "refuse larger frames",
+     .more =
+         "67108864 (8192x8192) by default, of stills of over 4194304 pixels at most 256 for each byte of the file: a "
+         "small file cannot take much memory. A number given here counts alone."},
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
 };
 

@@ -25,12 +25,16 @@ static int make_locked(const char *made, int is_folder)
 {
     struct stat s;
     int fd;
-    if (is_folder)
-        fd = mkdir(made, 0777) ? -1 : open(made, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    else
-        fd = open(made, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0)
+    if (is_folder && mkdir(made, 0777) != 0)
         return -1;
+    fd = open(made, is_folder ? O_RDONLY | O_DIRECTORY | O_CLOEXEC : O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0) {
+        const int error = errno;
+        if (is_folder)
+            rmdir(made);
+        errno = error;
+        return -1;
+    }
     if ((flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) || fstat(fd, &s) != 0 || s.st_nlink == 0) {
         close(fd);
         errno = EEXIST;

@@ -219,6 +219,8 @@ static const char *trouble(pupil_mkv_reader *r, int code, char buffer[AV_ERROR_M
 {
     if (r->io.error)
         return strerror(r->io.error);
+    if (code == AVERROR(ENOMEM) || errno == ENOMEM)
+        return strerror(ENOMEM);
     if (code == AVERROR_EOF || r->io.total < HEAD_MOST_BYTES)
         return NULL;
     av_strerror(code, buffer, AV_ERROR_MAX_STRING_SIZE);
@@ -256,6 +258,7 @@ static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
     r->format->pb = r->io.context;
     r->format->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN; /* bytes as they are */
     pupil_video_log_clear();
+    errno = 0;
     const int code = avformat_open_input(&r->format, "", av_find_input_format("matroska"), NULL);
     const char *fault = code < 0 ? trouble(r, code, words.text) : NULL;
     return fault ? pupil_refuse(why, "%s: is no Matroska that can be read: %s", path, fault) : 0;
@@ -285,6 +288,7 @@ int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned cha
     pupil_video_log_clear();
     av_packet_unref(r->packet);
     r->io.read = 0;
+    errno = 0; /* libavformat takes a block without memory for a damaged one, and its file for one that ends */
     const int code = av_read_frame(r->format, r->packet);
     const char *fault = code < 0 ? trouble(r, code, words) : NULL;
     if (fault)

@@ -127,11 +127,21 @@ static pupil_still_reader *reader_for(const uint8_t *bytes, size_t size)
     return pupil_read_libav;
 }
 
+static void set_most(pupil_still *still, size_t size)
+{
+    const uint64_t by_size = (uint64_t)size * PUPIL_STILL_PIXELS_FOR_BYTE;
+    still->most = still->max_pixels                    ? still->max_pixels
+                  : by_size > PUPIL_STILL_MAX_PIXELS   ? PUPIL_STILL_MAX_PIXELS
+                  : by_size < PUPIL_STILL_SMALL_PIXELS ? PUPIL_STILL_SMALL_PIXELS
+                                                       : by_size;
+}
+
 static int load(pupil_still *still, const char *path, pupil_why *why)
 {
     size_t size = 0;
     if (read_file(still, path, &size, why))
         return -1;
+    set_most(still, size);
     if (is_raw(still->file, size)) {
         const int failed = pupil_read_raw(still, still->file, size, why);
         if (failed != PUPIL_STILL_NOT_RAW)

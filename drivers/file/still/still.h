@@ -2,8 +2,9 @@
  * each.
  *
  * A reader takes the whole file as bytes (so that a fuzzer can call it as it is) and leaves linear Rec.709/D65 pixels.
- * Limits: at most PUPIL_STILL_MAX_PIXELS pixels and PUPIL_MAX_SIDE_PX a side; a header that promises more than the file
- * can hold is refused before memory is taken. Files have at most 2 GiB.
+ * Limits: at most PUPIL_STILL_MAX_PIXELS pixels, of files fewer where they are small (--max-pixels), and
+ * PUPIL_MAX_SIDE_PX a side; a header that promises more than the file can hold is refused before memory is taken. Files
+ * have at most 2 GiB.
  *
  * What each format's values are taken for:
  *
@@ -41,19 +42,27 @@
 #include "pupil/image.h"
 
 #define PUPIL_STILL_MAX_PIXELS (UINT64_C(1) << 26) /* 8192 x 8192; 805 MB as RGB float */
+/* Of files: no small one takes all that memory. Photographs have at most some 10 pixels for each byte. */
+#define PUPIL_STILL_SMALL_PIXELS    (UINT64_C(1) << 22) /* so many may have any number of bytes: 50 MB */
+#define PUPIL_STILL_PIXELS_FOR_BYTE 256
 
 typedef struct pupil_still {
     void *pixels; /* malloc'ed; kept and reused by the next read where it is large enough */
     size_t capacity_bytes;
     uint32_t width, height;
-    uint32_t pixel;    /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
-    int as_stored;     /* JPEG is not turned upright; set by the caller */
-    double exposure_s; /* 0: in all four formats the pixel values are scene light already */
-    uint8_t *file;     /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
+    uint32_t pixel;      /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
+    int as_stored;       /* JPEG is not turned upright; set by the caller */
+    uint64_t max_pixels; /* set by the caller: so many are read, of files of any size; 0: as above */
+    uint64_t most;       /* what follows from it for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
+    double exposure_s;   /* 0: in all four formats the pixel values are scene light already */
+    uint8_t *file;       /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
     size_t file_capacity_bytes;
 } pupil_still;
 
 void pupil_still_free(pupil_still *still);
+
+/* How many pixels may be read. */
+uint64_t pupil_still_most(const pupil_still *still);
 
 /* Makes room; a sentence without a file name on failure (the caller puts the name in front). */
 int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, pupil_why *why);

@@ -34,11 +34,21 @@ int pupil_still_size_ok(uint64_t width, uint64_t height, pupil_why *why)
     return 0;
 }
 
+uint64_t pupil_still_most(const pupil_still *still)
+{
+    return still->most ? still->most : PUPIL_STILL_MAX_PIXELS;
+}
+
 int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, pupil_why *why)
 {
     size_t need;
     if (pupil_still_size_ok(width, height, why))
         return -1;
+    if (width * height > pupil_still_most(still))
+        return pupil_still_fail(why, "has %llu x %llu pixels; at most %llu%s are read (--max-pixels)",
+                                (unsigned long long)width, (unsigned long long)height,
+                                (unsigned long long)pupil_still_most(still),
+                                still->max_pixels ? "" : " of a file of so few bytes");
     need = (size_t)(width * height) * pupil_pixel_bytes(pixel);
     if (need > still->capacity_bytes) {
         free(still->pixels);

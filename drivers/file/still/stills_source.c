@@ -92,6 +92,7 @@ int pupil_stills_source_open(const char *const *paths, size_t count, const pupil
     s->source.is_named = 1;
     s->source.obeys = PUPIL_SOURCE_FPS;
     s->still.as_stored = options && options->as_stored;
+    s->still.max_pixels = options ? options->max_pixels : 0;
     if (fill(s, paths, count, why)) {
         stills_close(&s->source);
         return PUPIL_SOURCE_FAILED;

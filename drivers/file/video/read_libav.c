@@ -24,7 +24,7 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
     pupil_source *source;
     pupil_frame frame;
     pupil_why words = {""};
-    if (pupil_video_source_open_bytes(bytes, size, "", (int64_t)PUPIL_STILL_MAX_PIXELS, &options, &source, &words))
+    if (pupil_video_source_open_bytes(bytes, size, "", (int64_t)pupil_still_most(still), &options, &source, &words))
         return pupil_refuse(why, "is no OpenEXR, Radiance, PFM or PNG file, by its first bytes, and for libav %s",
                             strncmp(words.text, ": ", 2) == 0 ? words.text + 2 : words.text);
     int failed = pupil_source_next(source, &frame, &words) != PUPIL_SOURCE_FRAME;

@@ -8,6 +8,7 @@
 #include "yuv709.h"
 
 #include "refuse.h"
+#include <errno.h>
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/opt.h>
@@ -251,7 +252,10 @@ static int open_encoder(video_sink *v, const char *name)
         v->encoder->flags |= AV_CODEC_FLAG_QSCALE;
         v->encoder->global_quality = 2 * FF_QP2LAMBDA; /* the finest quantiser in common use */
     }
+    errno = 0;
     error = avcodec_open2(v->encoder, codec, &more);
+    if (error < 0 && errno == ENOMEM) /* libx264 says no more than that it failed */
+        error = AVERROR(ENOMEM);
     av_dict_free(&more);
     if (error < 0)
         avcodec_free_context(&v->encoder);
@@ -309,7 +313,7 @@ static int video_begin(video_sink *v, const char *path, pupil_why *why)
     v->packet = av_packet_alloc();
     if (!v->muxer || !v->frame || !v->packet)
         return pupil_refuse(why, "%s: libav has no %s writer", path, format);
-    for (size_t i = 0; i < sizeof encoders / sizeof *encoders && !v->encoder; i++)
+    for (size_t i = 0; i < sizeof encoders / sizeof *encoders && !v->encoder && error != AVERROR(ENOMEM); i++)
         error = open_encoder(v, encoders[i]);
     if (!v->encoder) {
         char text[AV_ERROR_MAX_STRING_SIZE] = "";

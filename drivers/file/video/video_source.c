@@ -428,7 +428,8 @@ int pupil_video_source_open(const char *path, const pupil_source_options *option
     }
     v->io.stop = options ? options->stop : NULL;
     v->io.read_most = PACKET_MOST_BYTES;
-    return open_video(v, (int64_t)PUPIL_STILL_MAX_PIXELS, 0, options, source, why);
+    const uint64_t most = options && options->max_pixels ? options->max_pixels : PUPIL_STILL_MAX_PIXELS;
+    return open_video(v, (int64_t)most, 0, options, source, why);
 }
 
 int pupil_video_source_open_bytes(const uint8_t *bytes, size_t size, const char *name, int64_t max_pixels,

@@ -236,6 +236,20 @@ static void test_load(void)
     CHECK(pupil_still_load(&still, "/dev/null", &said) == -1 && strstr(said.text, "no regular file"));
     CHECK(pupil_still_load(&still, scratch("none.exr"), &said) == -1 &&
           strstr(said.text, "none.exr: cannot be opened: No such file"));
+    /* Old runs, ten bytes a line: 8192 x 8192 pixels of 98 KB, which are read where they are asked for. */
+    static uint8_t flat[64 + 8192 * 12];
+    size_t flat_bytes = (size_t)snprintf((char *)flat, 64, "#?RADIANCE\n\n-Y 8192 +X 8192\n");
+    for (int line = 0; line < 8192; line++) {
+        static const uint8_t runs[] = {1, 2, 3, 128, 1, 1, 1, 255, 1, 1, 1, 31}; /* 1 + 255 + 31 * 256 pixels */
+        memcpy(flat + flat_bytes, runs, sizeof runs);
+        flat_bytes += sizeof runs;
+    }
+    write_file(path, flat, flat_bytes);
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "of a file of so few bytes"));
+    CHECK(still.capacity_bytes <= 64);
+    still.max_pixels = 8192 * 8192 - 1;
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "at most 67108863 are read"));
+    still.max_pixels = 0;
     write_file(path, "Pf 1 1 -1\n\0\0\0\100", 14); /* and a refusal does not spoil the still */
     CHECK(pupil_still_load(&still, path, &said) == 0 && rgb_is(&still, 0, 0, 2, 2, 2));
     pupil_still_free(&still);

@@ -1,0 +1,202 @@
+"""The n-th call fails: every command that writes, for each n. Nothing crashes or hangs, a failure is a sentence and an
+exit status that is not 0, and leaves no output in part. A call whose failure changes nothing (status 0) must leave
+outputs with the very bytes of a run without it.
+
+    sweep.py --program PUPIL --fake RUN_FAKE --preload LIBRARY [--every 1] [--case NAME]... [--call NAME]... [--jobs 2]
+
+--every 7: n = 1, 8, 15, ... Allocations are failed by the library (fail_nth.c), system calls by strace.
+"""
+import argparse
+import collections
+import concurrent.futures
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+LIMIT_S = 60
+SCENE = """size width_px 32 height_px 24
+fps 10
+frames 3
+camera position_m 0 1.5 4 look_at_m 0 1 0 fov_degrees 50
+ambient radiance 0.3 0.3 0.3
+material grey diffuse 0.5 0.5 0.5
+sphere material grey position_m 0 1 0 radius_m 1
+"""
+# Name: program, arguments, outputs, files of the user that must stay as they are.
+CASES = {
+    "replay-video": ("program", ["replay", "in.y4m", "-q", "-o", "out.mp4"], ["out.mp4"]),
+    "replay-video-mkv": ("program", ["replay", "in.y4m", "-q", "-o", "out.mkv"], ["out.mkv"]),
+    "replay-y4m": ("program", ["replay", "in.y4m", "-q", "-o", "out.y4m", "--stats", "out.csv"], ["out.y4m", "out.csv"]),
+    "replay-folder": ("program", ["replay", "in.y4m", "-q", "-o", "out"], ["out"]),
+    "replay-over": ("program", ["replay", "in.y4m", "-q", "-y", "-o", "old"], ["old"]),
+    "replay-jsonl": ("program", ["replay", "in.y4m", "-q", "--stats", "out.jsonl"], ["out.jsonl"]),
+    "replay-recording": ("program", ["replay", "rec", "-q", "-o", "out.y4m"], ["out.y4m"]),
+    "render": ("program", ["render", "s.scene", "-q", "-o", "out"], ["out"]),
+    "render-exr": ("program", ["render", "s.scene", "-q", "-n", "1", "-o", "out.exr"], ["out.exr"]),
+    "record": ("program", ["record", "in.y4m", "out", "-q"], ["out"]),
+    "sim": ("program", ["sim", "--stats", "out.csv"], ["out.csv"]),
+    "run-video": ("fake", ["fake:size=32x24", "-n", "20", "-q", "-o", "out.mkv"], ["out.mkv"]),
+    "run-record": ("fake", ["fake:size=32x24", "-n", "8", "-q", "--record", "out", "--stats", "out.csv"],
+                   ["out", "out.csv"]),
+    "run-resume": ("fake", ["fake:size=32x24", "-n", "90", "-q", "--mode", "sensor", "--resume", "kept"], ["kept"]),
+}
+LIVE = ("out", "out.mkv")  # of run and record: what was written before the failure may stay, whole
+ERRORS = {"write": "ENOSPC", "rename": "EIO", "renameat2": "EIO", "fsync": "EIO", "openat": "EMFILE", "ftruncate": "EIO",
+          "mkdir": "EACCES"}
+
+
+def contents(folder, outputs):
+    """What is in all outputs, as far as it is the same in each run: {path: bytes or a number}."""
+    found = {}
+    for name in outputs:
+        path = folder / name
+        for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+            if file.is_file():
+                data = file.read_bytes()
+                if file.suffix in (".csv", ".jsonl"):  # microseconds: other ones in each run
+                    data = len(data.split(b"\n"))
+                elif file.suffix == ".mkv":  # a random number is its name
+                    data = len(data)
+                found[str(file.relative_to(folder))] = data
+    return found
+
+
+class Sweep:
+    def __init__(self, options, work):
+        self.options, self.work = options, work
+        self.inputs = work / "inputs"
+        self.make_inputs()
+
+    def command(self, name):
+        kind, arguments, outputs = CASES[name]
+        return [str(getattr(self.options, kind).resolve()), *arguments], outputs
+
+    def make_inputs(self):
+        self.inputs.mkdir()
+        (self.inputs / "s.scene").write_text(SCENE)
+        program = str(self.options.program.resolve())
+        for arguments in (["render", "s.scene", "-q", "-o", "in.y4m"], ["replay", "in.y4m", "-q", "-o", "old"],
+                          ["record", "in.y4m", "rec", "-q"]):
+            done = subprocess.run([program, *arguments], cwd=self.inputs, capture_output=True, text=True)
+            if done.returncode:
+                sys.exit(f"sweep.py: {' '.join(arguments)}: {done.stderr}")
+
+    def run(self, command, environment=None):
+        """(status, standard error, folder); status -9: it had to be ended."""
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.work))
+        for entry in self.inputs.iterdir():
+            (shutil.copytree if entry.is_dir() else shutil.copy)(entry, folder / entry.name)
+        with open(folder / ".err", "wb") as err:
+            process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                       stderr=err, env={**os.environ, **(environment or {})}, start_new_session=True)
+            try:
+                status = process.wait(LIMIT_S)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+                status = "does not end"
+        said = (folder / ".err").read_text(errors="replace")
+        (folder / ".err").unlink()
+        return status, said, folder
+
+    def wrapped(self, name, call, n, trace=None):
+        command, _ = self.command(name)
+        if call == "malloc":
+            own = {"PUPIL_FAIL_OWN": "1"} if "video" in name else {}  # encoders
+            return command, {**own, "LD_PRELOAD": str(self.options.preload.resolve()), "PUPIL_FAIL_ALLOCATION": str(n)}
+        inject = ["-e", f"inject={call}:error={ERRORS[call]}:when={n}"] if n else []
+        return ["strace", "--seccomp-bpf", "-f", "-qq", "-o", trace or "/dev/null", "-e", f"trace={call}", "-e", "signal=none", *inject,
+                *command], {}
+
+    def numbers(self, name, call):
+        """Which n there are. Of opens those that are the loader's are left out."""
+        if call == "malloc":
+            count = self.work / f"count-{name}"
+            command, environment = self.wrapped(name, call, 0)
+            _, _, folder = self.run(command, {**environment, "PUPIL_COUNT_ALLOCATIONS": str(count)})
+            shutil.rmtree(folder)
+            return list(range(1, int(count.read_text()) + 1))
+        trace = self.work / f"trace-{name}-{call}"
+        command, _ = self.wrapped(name, call, 0, str(trace))
+        shutil.rmtree(self.run(command)[2])
+        calls = collections.defaultdict(int)
+        numbers = set()
+        for line in trace.read_text(errors="replace").splitlines():
+            match = re.match(rf"(\d+) +{call}\((.*)", line)  # not "<... resumed>"
+            if match:
+                calls[match[1]] += 1
+                if not re.search(r'"(/lib|/usr|/etc|/sys|/proc|/dev)[^"]*"', match[2]) or call != "openat":
+                    numbers.add(calls[match[1]])
+        return sorted(numbers)
+
+    def judge(self, name, call, n, reference):
+        command, environment = self.wrapped(name, call, n)
+        _, outputs = self.command(name)
+        status, said, folder = self.run(command, environment)
+        try:
+            said = "\n".join(line for line in said.splitlines() if not line.startswith("fake: "))
+            now = contents(folder, outputs)
+            stray = [p.name for p in folder.rglob(".*") if p.name not in said]  # what is named is no surprise
+            if status == "does not end" or status < 0 or status in (132, 134, 135, 136, 139):
+                return f"ends by a signal or not at all ({status}): {said}"
+            if status == 0:
+                return None if now == reference or CASES[name][0] == "fake" and now.keys() == reference.keys() else \
+                    "status 0, but the outputs are others"
+            if stray:
+                return f"left behind: {' '.join(stray)}"
+            if "pupil" not in said:
+                return f"status {status} without a sentence: {said}"
+            partial = [p for p in now if now[p] != reference.get(p) and now[p] != self.before.get(p)
+                       and not (p.split("/")[0] in LIVE and name.startswith(("run", "record")))]
+            return f"in part: {' '.join(partial)}" if partial else "refused"
+        finally:
+            shutil.rmtree(folder)
+
+    def sweep(self, name, call):
+        """(calls, failures that are harmless, faults)"""
+        command, outputs = self.command(name)
+        self.before = contents(self.inputs, outputs)
+        status, said, folder = self.run(command)
+        reference = contents(folder, outputs)
+        shutil.rmtree(folder)
+        if status:
+            sys.exit(f"sweep.py: {name} fails without a failure: {said}")
+        numbers = self.numbers(name, call)[:: self.options.every]
+        with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
+            said = list(pool.map(lambda n: self.judge(name, call, n, reference), numbers))
+        faults = [(n, s) for n, s in zip(numbers, said) if s not in (None, "refused")]
+        return len(numbers), sum(s is None for s in said), faults
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("program", "fake", "preload"):
+        parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
+    parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--case", action="append")
+    parser.add_argument("--call", action="append")
+    options = parser.parse_args()
+    failed = total = 0
+    with tempfile.TemporaryDirectory() as work:
+        sweep = Sweep(options, pathlib.Path(work))
+        for name in options.case or CASES:
+            for call in options.call or ["malloc", *ERRORS]:
+                calls, harmless, faults = sweep.sweep(name, call)
+                total += calls
+                failed += len(faults)
+                print(f"{name:18} {call:10} {calls:6} swept, {calls - harmless - len(faults):6} refused, "
+                      f"{harmless:5} without effect, {len(faults)} faults", flush=True)
+                for n, fault in faults[:5]:
+                    print(f"    FAILED: {call} {n}: {fault}; again with: --case {name} --call {call}")
+    print(f"sweep.py: {total} failures, {failed} faults")
+    sys.exit(failed > 0)
+
+
+if __name__ == "__main__":
+    main()
