@@ -56,9 +56,29 @@ function(pupil_ships target)
   target_compile_options(${target} PRIVATE -Wconversion -Wno-sign-conversion -Wno-float-conversion)
 endfunction()
 
+# What reads files and devices (not lib, which calls nothing): guards on the stack, sizes checked in the C library's
+# functions, no table of functions that can be written. docs/reliability.md has the cost.
+include(CheckCCompilerFlag)
+set(pupil_hardening)
+if(PUPIL_HARDEN AND NOT PUPIL_SANITIZE)
+  foreach(flag IN ITEMS -fstack-protector-strong -fstack-clash-protection -fcf-protection)
+    string(MAKE_C_IDENTIFIER PUPIL_HAS${flag} has)
+    set(CMAKE_REQUIRED_QUIET ON)
+    check_c_compiler_flag(${flag} ${has})
+    if(${has})
+      list(APPEND pupil_hardening ${flag})
+    endif()
+  endforeach()
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL Generic)
+    add_link_options(LINKER:-z,relro,-z,now)
+  endif()
+endif()
+
 # Drivers, program and tests are written for Linux and glibc or musl; the library is plain C11.
 function(pupil_linux target)
   set_target_properties(${target} PROPERTIES C_EXTENSIONS ON)
+  target_compile_options(${target} PRIVATE ${pupil_hardening})
   target_compile_definitions(${target} PRIVATE _GNU_SOURCE
+    $<$<AND:$<BOOL:${pupil_hardening}>,$<CONFIG:Release,RelWithDebInfo,MinSizeRel>>:_FORTIFY_SOURCE=2>
     _FILE_OFFSET_BITS=64 _TIME_BITS=64) # files over 2 GiB and years after 2038 on CPUs of 32 bits, too
 endfunction()

@@ -18,6 +18,12 @@ fuzz_pfm) folders="pnm_pfm valid_but_unusual/pfm" ;;
 fuzz_png) folders="png valid_but_unusual/png16" ;;
 *) folders= ;;
 esac
+# What the tree itself has of these texts.
+tree=$(dirname "$0")/../..
+case $name in
+fuzz_recipe) set -- "$@" "$tree/fixtures/scenes" "$tree/tests/scene" ;;
+fuzz_mesh) set -- "$@" "$tree/tests/scene" ;;
+esac
 for folder in $folders; do
     [ -d "$shared/$folder" ] && set -- "$@" "$shared/$folder"
 done
