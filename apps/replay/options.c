@@ -39,6 +39,11 @@ static const option_row frame_rows[] = {
      .more = "Damaged and missing ones. They are counted, and the exit status is 3."},
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
      .more = "For unrelated pictures. -o FOLDER then has them by the names of the stills, each of its own size."},
+    {"max-pixels", 0, OPTION_COUNT, "N", AT(source.max_pixels), .low = 1, .high = 0x1p26, .unit = "a number of pixels",
+     .help = "refuse larger",
+     .more =
+         "67108864 (8192x8192) by default, of stills of over 4194304 pixels at most 256 for each byte of the file: a "
+         "small file cannot take much memory. A number given here counts alone."},
     {"explain", 0, OPTION_COUNT, "N", AT(explain), .high = 0x1p40, .unit = "a frame's number, from 0",
      .help = "why frame N is as bright as it is, in words",
      .more =
@@ -46,11 +51,6 @@ static const option_row frame_rows[] = {
          "it, on standard output. Without outputs the run ends there."},
     {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
      .more = "Not turned upright, which phones leave to the player."},
-    {"max-pixels", 0, OPTION_COUNT, "N", AT(source.max_pixels), .low = 1, .high = 0x1p26, .unit = "a number of pixels",
-     .help = "refuse larger frames",
-     .more =
-         "67108864 (8192x8192) by default, of stills of over 4194304 pixels at most 256 for each byte of the file: a "
-         "small file cannot take much memory. A number given here counts alone."},
     {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
 };
 
