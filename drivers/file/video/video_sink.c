@@ -242,8 +242,9 @@ static int open_encoder(video_sink *v, const char *name)
     v->encoder->thread_count = 0; /* as many as there are cores */
     if (strcmp(name, "libx264") == 0) {
         av_dict_set(&more, "preset", "fast", 0);
-        av_dict_set(&more, "crf", "18", 0); /* differences are hard to see (x264's own word for 17 to 18) */
-        if (v->options.live)                /* else it keeps over 40 frames to itself */
+        av_dict_set(&more, "crf", "18", 0);   /* differences are hard to see (x264's own word for 17 to 18) */
+        av_dict_set(&more, "mbtree", "0", 0); /* it reads memory that nobody wrote: other bits in each process (164) */
+        if (v->options.live)                  /* else it keeps over 40 frames to itself */
             av_dict_set(&more, "tune", "zerolatency", 0);
     } else if (strcmp(name, "libopenh264") == 0) {
         /* It knows no constant quality: 0.2 bits a pixel, twice what video of this size is usually given. */
