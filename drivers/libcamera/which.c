@@ -30,12 +30,14 @@ static void found(void *closure, const char *id, const char *model)
     snprintf(to->model, sizeof to->model, "%s", model);
 }
 
-/* The one camera that `which` calls, and how many there are that it may call. */
+/* The one camera that `which` calls, and how many there are that it may call. A whole id comes before a whole model,
+ * and that before a part of either: imx708 is not imx708_wide. */
 static size_t fits(const all *a, const char *which, const one **only)
 {
     char *end = NULL;
     const unsigned long number = strtoul(which, &end, 10);
-    size_t count = 0;
+    size_t count = 0, of_model = 0;
+    const one *whole = NULL;
     if (!*which || (isdigit((unsigned char)*which) && !*end)) { /* a number, from 0 */
         *only = &a->camera[number];
         return number < a->count;
@@ -49,8 +51,15 @@ static size_t fits(const all *a, const char *which, const one **only)
         count++;
         if (is_it)
             return 1;
+        if (strcasecmp(c->model, which) == 0) {
+            whole = c;
+            of_model++;
+        }
     }
-    return count;
+    if (!of_model)
+        return count;
+    *only = whole;
+    return of_model;
 }
 
 static int choose(const all *a, const char *which, char *id, size_t id_bytes, pupil_why *why)

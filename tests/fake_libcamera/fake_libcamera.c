@@ -230,6 +230,8 @@ static int list(void *context, void (*found)(void *closure, const char *id, cons
         snprintf(why->text, sizeof why->text, "libcamera does not start: the fake does not");
         return -1;
     }
+    if (f->config.twin)
+        found(closure, "/base/soc/i2c0mux/i2c@0/imx219_wide@10", "imx219_wide");
     if (!f->unplugged)
         found(closure, id_of(f), f->config.sensor ? "imx219" : "Fake Webcam");
     return 0;

@@ -15,6 +15,7 @@
 typedef struct fake_libcamera_config {
     int sensor;     /* 0: a webcam */
     const char *id; /* NULL: one of its kind */
+    int twin;       /* imx219_wide is listed before it, which cannot be opened */
     uint32_t fourcc, width, height, padding_bytes, buffers;
     double fps;
     uint32_t delay;     /* frames from the one in progress (sensors: the request's turn) to the first with a setting */

@@ -238,6 +238,34 @@ static void test_names(void)
     CHECK_MSG(strstr(why.text, "built without libcamera (PUPIL_LIBCAMERA=OFF"), "%s", why.text);
 }
 
+/* A whole model is that camera, also where it is a part of another one's. */
+static void test_twins(void)
+{
+    static const struct {
+        const char *name, *sentence;
+    } cases[] = {{"libcamera:imx219", NULL},
+                 {"libcamera:IMX219", NULL},
+                 {"libcamera:i2c@1/", NULL},
+                 {"libcamera:imx", "more than one camera has this name"},
+                 {"libcamera:wide", "imx219_wide@10: there is no such camera"}};
+    fake_libcamera_config c;
+    fake_libcamera_config_default(&c);
+    c.sensor = c.twin = 1;
+    fake_libcamera *fake = fake_libcamera_new(&c);
+    const pupil_live_system system = {.libcamera = fake_libcamera_layer(fake)};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        pupil_live_offers offers = {.controls = 0};
+        const int failed = pupil_live_offers_read(&offers, &system, cases[i].name, &why);
+        CHECK_MSG(!failed == !cases[i].sentence, "%s: %s", cases[i].name, why.text);
+        if (failed && cases[i].sentence)
+            CHECK_MSG(strstr(why.text, cases[i].sentence), "%s: %s", cases[i].name, why.text);
+        if (!failed)
+            CHECK_MSG(strcmp(offers.is.name, "imx219") == 0, "%s: %s", cases[i].name, offers.is.name);
+        pupil_live_modes_free(&offers.modes);
+    }
+    fake_libcamera_free(fake);
+}
+
 /* Frames alone, at a rate; and a camera that cannot have one. */
 static void test_hands_off_rate(void)
 {
@@ -268,6 +296,7 @@ int main(int argc, char **argv)
     test_hands_off();
     test_layout();
     test_names();
+    test_twins();
     test_hands_off_rate();
     return check_end();
 }
