@@ -78,7 +78,7 @@ pupil_still_reader pupil_read_png;
 /* DNG and the raw files of cameras; PUPIL_STILL_NOT_RAW: it is none. */
 enum { PUPIL_STILL_NOT_RAW = 1 };
 pupil_still_reader pupil_read_raw;
-pupil_still_reader pupil_read_libav; /* what libav makes of it (drivers/file/video/read_libav.c) */
+pupil_still_reader pupil_read_libav; /* what libav makes of it (read_libav.c) */
 
 /* Reads a file into memory and by its first bytes (not by its name) into pixels; the sentence begins with the path. */
 int pupil_still_load(pupil_still *still, const char *path, pupil_why *why);

@@ -11,7 +11,6 @@
 #include <libavutil/display.h>
 #include <libavutil/opt.h>
 
-#include "file/still/still.h"
 #include "refuse.h"
 #include "video_damage.h"
 #include "video_format.h"
@@ -21,6 +20,9 @@
 
 #define DEFAULT_FPS 30.0
 
+/* Of a frame: as many as a still may have (still.h). */
+#define MOST_PIXELS (INT64_C(1) << 26)
+
 /* Damaged frames in a row, without one that is whole, after which a video is given up: 100 s at 10 fps. */
 #define MAX_DAMAGED 1000
 
@@ -28,7 +30,7 @@
 #define MAX_AGAIN 1000
 
 /* Bytes that are read for a packet, and to find out what a video is: 8 for each pixel of the largest frame. */
-#define PACKET_MOST_BYTES ((int64_t)PUPIL_STILL_MAX_PIXELS * 8)
+#define PACKET_MOST_BYTES (MOST_PIXELS * 8)
 
 /* Latest timestamp believed (about 146 years in ns); a later one is damage. */
 #define MAX_TIME_NS (INT64_C(1) << 62)
@@ -428,8 +430,8 @@ int pupil_video_source_open(const char *path, const pupil_source_options *option
     }
     v->io.stop = options ? options->stop : NULL;
     v->io.read_most = PACKET_MOST_BYTES;
-    const uint64_t most = options && options->max_pixels ? options->max_pixels : PUPIL_STILL_MAX_PIXELS;
-    return open_video(v, (int64_t)most, 0, options, source, why);
+    const int64_t most = options && options->max_pixels ? (int64_t)options->max_pixels : MOST_PIXELS;
+    return open_video(v, most, 0, options, source, why);
 }
 
 int pupil_video_source_open_bytes(const uint8_t *bytes, size_t size, const char *name, int64_t max_pixels,

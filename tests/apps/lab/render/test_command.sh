@@ -43,7 +43,7 @@ expect 2 "named once" render small.scene -o x.exr -o x.exr
 expect 1 "synth:room" render no-such -o x.exr
 expect 1 "not empty" render small.scene -o all
 expect 1 "one picture" render small.scene -n 3 -o x.exr
-expect 1 "no kind of output" render small.scene -o x.jpg
+expect 1 "no kind of output" render small.scene -o x.bmp
 echo "camera position_m 0 1" >bad.scene
 expect 1 "bad.scene:1: " render bad.scene -o x.exr
 echo "material m diffuse 0 0 0

@@ -1,10 +1,10 @@
 /* Stills in the formats that libav reads and pupil has no reader of its own for: JPEG, TIFF, WebP, BMP and others. */
-#include "file/still/still.h"
+#include "still.h"
 
 #include <string.h>
 
+#include "file/video/video_source.h"
 #include "refuse.h"
-#include "video_source.h"
 
 static int take(pupil_still *still, const pupil_image_const *image, pupil_why *why)
 {
