@@ -97,6 +97,13 @@ static int parse_white(const option_value *v)
 
 /* --- the table --- */
 
+static int parse_eye(const option_value *v)
+{
+    frame_options *o = v->options;
+    o->as_eye = 1;
+    return option_number(v, v->row->low, v->row->high, &o->config.eye_unit_cd_m2);
+}
+
 #define AT(field) offsetof(frame_options, field)
 
 const option_row frame_output_rows[FRAME_OUTPUT_ROWS] = {
@@ -116,8 +123,9 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .help = "time constant toward more light, seconds", .more = "0 is at once."},
     {"tau-dark", 0, OPTION_NUMBER, "S", AT(config.tau_dark_s), .initial = "0.9", .high = 1e6, .unit = "seconds",
      .help = "time constant toward less light, seconds"},
-    {"law", 0, OPTION_CHOICE, "seconds|1|2|3|4", AT(config.law), .initial = "seconds",
-     .help = "adaptation: in seconds, or a formula", .more = "The field law of pupil_config. 1 to 4 are --formula."},
+    {"law", 0, OPTION_CHOICE, "seconds|1|2|3|4|eye", AT(config.law), .initial = "seconds",
+     .help = "adaptation: in seconds, a formula, an eye",
+     .more = "The field law of pupil_config. 1 to 4 are --formula. eye: --eye 100."},
     {"formula", 0, OPTION_CHOICE, "1|2|3|4", AT(config.law), .low = PUPIL_LAW_ARITHMETIC_SCALE,
      .help = "a formula of the study instead",
      .more = "The four formulas weight each frame, not each second: docs/numerics.md."},
@@ -158,6 +166,11 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .more = "The mean is then that of the pixels between the two quantiles."},
     {"meter-rows", 0, OPTION_CHOICE, "1|2|4|8", 0, .initial = "1", .parse = parse_meter_rows,
      .help = "meter one of each N rows", .more = "Another row of them in each frame. For machines that are too slow."},
+    {"eye", 0, OPTION_NUMBER, "CD_M2", 0, .parse = parse_eye, .low = 1e-6, .high = 1e9,
+     .right = "cd/m2 of light of 1, from 1e-6 to 1e9", .help = "as an eye sees",
+     .more = "CD_M2 is the luminance of light of 1. Cones and rods with their own times, bleached pigments that take "
+             "minutes in the dark, and colours that "
+             "fade at night: docs/numerics.md. 100 for PQ."},
 };
 
 const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
@@ -242,7 +255,15 @@ static int wants_dither(const frame_options *o)
 
 int frame_options_check(frame_options *o, int weight_given, int key_given, pupil_why *why)
 {
+    pupil_config usual;
+    pupil_config_default(&usual);
     o->source.threads = o->threads;
+    if (o->as_eye && o->config.law != PUPIL_LAW_SECONDS && o->config.law != PUPIL_LAW_EYE)
+        return pupil_refuse(why, "--eye and --formula: one of them");
+    o->config.law = o->as_eye ? PUPIL_LAW_EYE : o->config.law;
+    if (o->config.law == PUPIL_LAW_EYE &&
+        (weight_given || o->config.tau_light_s != usual.tau_light_s || o->config.tau_dark_s != usual.tau_dark_s))
+        return pupil_refuse(why, "--tau-light, --tau-dark, --weight: not with --eye, whose times are its own");
     if (weight_given && o->config.law == PUPIL_LAW_SECONDS)
         return pupil_refuse(why,
                             "--weight: is how much each new frame counts, of --formula 1 to 4; the default law has "

@@ -27,6 +27,7 @@ typedef struct frame_options {
     int explains;               /* the frame `explain` is, in words; of `pupil replay` */
     uint64_t explain;
     int reset_each, overwrite, keep_going, quiet;
+    int as_eye;                   /* --eye: frame_options_check sets config.law */
     int gles, view, loop;         /* on the GPU; in a window; from the beginning again at the end */
     uint32_t gles_version;        /* a pupil_gles_version */
     uint32_t dither;              /* 0: by the outputs; 1 off, 2 on. frame_options_check sets config.dither */

@@ -8,6 +8,9 @@
 #include "base/versioned.h"
 #include "core/read.h"
 
+/* The white point of the eye's law follows as fast as the cones do. */
+#define EYE_WHITE_S 0.08
+
 #define SETTLED_EV 0.05 /* from the target: pupil.h, PUPIL_STATE_SETTLED */
 /* Between these times highlight_share the highlights begin to hold the level; docs/pictures.md. */
 #define HIGHLIGHT_LEAST 0.8
@@ -84,16 +87,38 @@ static double linear_of_level(uint32_t law, pupil_level_q52 level)
     return pupil_exp2(law == PUPIL_LAW_ARITHMETIC_SCALE ? -stops_of(level) : stops_of(level));
 }
 
+static double seen_cd_m2(const pupil_config *c, double ev)
+{
+    return pupil_exp2(ev + pupil_log2(c->eye_unit_cd_m2));
+}
+
+/* cd_m2: the light that it sees; 0: there is no eye. */
+static void tell_of_eye(pupil_adaptation *a, double cd_m2)
+{
+    a->result.cone_cd_m2 = a->eye.cone_cd_m2;
+    a->result.rod_cd_m2 = a->eye.rod_cd_m2;
+    a->result.cone_pigment = a->eye.cone_pigment;
+    a->result.rod_pigment = a->eye.rod_pigment;
+    a->result.rods = cd_m2 > 0.0 ? pupil_eye_rods(&a->eye, cd_m2) : 0.0;
+}
+
 void pupil_adaptation_change_law(pupil_object *object, uint32_t old_law)
 {
     pupil_adaptation *a = &object->adaptation;
     uint32_t law = object->config.law;
     if (!a->seen || law == old_law)
         return;
-    if (is_linear_law(old_law))
+    if (is_linear_law(old_law) || old_law == PUPIL_LAW_EYE)
         a->level = pupil_level_of(a->result.adapted_ev);
     if (is_linear_law(law))
         a->linear = linear_of_level(law, a->level);
+    if (law == PUPIL_LAW_EYE) {
+        pupil_eye_begin(&a->eye, seen_cd_m2(&object->config, stops_of(a->level)));
+        tell_of_eye(a, a->eye.cone_cd_m2);
+    } else if (old_law == PUPIL_LAW_EYE) {
+        a->eye = (pupil_eye){0};
+        tell_of_eye(a, 0.0);
+    }
 }
 
 static double time_step(const pupil_config *c, const pupil_adaptation *a, const pupil_frame_info *info)
@@ -125,9 +150,9 @@ static uint32_t clock_reason(int is_timed, double dt_s)
 
 double pupil_weight_of_step(const pupil_config *c, double dt_s, int more_light)
 {
-    if (c->law != PUPIL_LAW_SECONDS)
+    if (c->law != PUPIL_LAW_SECONDS && c->law != PUPIL_LAW_EYE)
         return c->frame_weight;
-    double tau = more_light ? c->tau_light_s : c->tau_dark_s;
+    double tau = c->law == PUPIL_LAW_EYE ? EYE_WHITE_S : more_light ? c->tau_light_s : c->tau_dark_s;
     return tau > 0.0 ? pupil_one_minus_exp(dt_s / tau) : 1.0;
 }
 
@@ -158,11 +183,30 @@ double pupil_exposure_log2(const pupil_config *c, const pupil_adaptation *a, con
     return taken_with - pupil_log2(c->calibration);
 }
 
+/* The level is the light's own where the eye is at rest, and beyond what it tells apart as far off as at the end. */
+static void move_eye(pupil_object *object, double target_ev, double dt_s)
+{
+    const pupil_config *c = &object->config;
+    pupil_adaptation *a = &object->adaptation;
+    const double light = clamp(seen_cd_m2(c, target_ev), PUPIL_EYE_LEAST_CD_M2, PUPIL_EYE_MOST_CD_M2);
+    if (a->seen)
+        pupil_eye_move(&a->eye, light, dt_s);
+    else
+        pupil_eye_begin(&a->eye, light);
+    const double off_ev = pupil_eye_level_log2(&a->eye, light) - pupil_log2(light);
+    a->result.adapted_ev = clamp(target_ev + off_ev, c->ev_min, c->ev_max);
+    tell_of_eye(a, light);
+}
+
 static void move_level(pupil_object *object, pupil_level_q52 target, double dt_s)
 {
     const pupil_config *c = &object->config;
     pupil_adaptation *a = &object->adaptation;
 
+    if (c->law == PUPIL_LAW_EYE) {
+        move_eye(object, stops_of(target), dt_s);
+        return;
+    }
     if (!is_linear_law(c->law)) {
         a->level = a->seen ? approach(a->level, target, pupil_weight_of_step(c, dt_s, target > a->level)) : target;
         a->result.adapted_ev = stops_of(a->level);

@@ -5,7 +5,7 @@
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, curve_range_ev)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, eye_unit_cd_m2)
 
 static void fill_in_defaults(pupil_config *config)
 {
@@ -14,6 +14,7 @@ static void fill_in_defaults(pupil_config *config)
         .floor = 0x1p-14f, /* the smallest normal half; a fifth of the first 8-bit sRGB code */
         .trim_high = 1.0f,
         .law = PUPIL_LAW_SECONDS,
+        .eye_unit_cd_m2 = 100.0, /* image.h, PUPIL_LIGHT_PQ */
         .frame_weight = 0.05,
         .tau_light_s = 0.3, /* the eye, too, is faster toward the light */
         .tau_dark_s = 0.9,
@@ -137,6 +138,7 @@ static __attribute__((noinline)) const char *adaptation_fault(const pupil_config
         {within(c->highlight_room_ev, 0.0, 32.0), "highlight_room_ev must be from 0 to 32 stops"},
         {within(c->highlight_ev, 0.0, 8.0), "highlight_ev must be from 0 to 8 stops"},
         {within(c->amplification_ev, 0.0, 32.0), "amplification_ev must be from 0 to 32 stops"},
+        {within(c->eye_unit_cd_m2, 1e-6, 1e9), "eye_unit_cd_m2 must be from 1e-6 to 1e9 cd/m2"},
     };
     const char *fault = first_fault(rules, sizeof rules / sizeof rules[0]);
     return fault ? fault : pupil_key_fault(c->key_at, c->key_points);

@@ -5,6 +5,10 @@
 #include "base/versioned.h"
 #include "core/read.h"
 
+/* A share of the rods that changes no 8-bit code by a tenth, and so is left out: by day the picture is as fast as by
+ * other laws. */
+#define LEAST_RODS 0x1p-10
+
 /* W from its log2; has_white 0: there is none. The scale's bound of 2^60 keeps every product of the tone kernel inside
  * a float: scale * 2^30 of luminance * 2^16 for the smallest white. */
 static void set_curve(pupil_curve *curve, double scale_log2, int has_white, double white_log2)
@@ -60,6 +64,7 @@ int pupil_get_curve_sized(const pupil_t *pupil, const pupil_frame_info *info, pu
     else
         set_curve(&found, frame_log2, 0, 0.0);
     found.dither = c->dither;
+    found.rods = c->law == PUPIL_LAW_EYE && a->result.rods >= LEAST_RODS ? (float)a->result.rods : 0.0f;
     if (c->curve != PUPIL_CURVE_REINHARD && a->knots.seen)
         pupil_knots_get(c, &a->knots, pupil_exposure_log2(c, a, info) + flicker_ev, &found);
     return pupil_versioned_write(curve, curve_bytes, &found, sizeof found);

@@ -3,6 +3,7 @@
 #define PUPIL_CORE_OBJECT_H
 
 #include "base/pixel.h"
+#include "core/eye.h"
 #include "flicker/temporal.h"
 #include "kernels/kernels.h"
 
@@ -34,6 +35,7 @@ typedef struct pupil_adaptation {
     uint32_t white_seen;     /* white is set: the white point follows, and a frame has come since it does */
     uint32_t exposure_known; /* exposure_log2 is of a frame */
     pupil_level_q52 white;   /* log2 of the adapted upper quantile */
+    pupil_eye eye;           /* PUPIL_LAW_EYE */
     int64_t last_timestamp_ns;
     double exposure_log2; /* log2 of exposure_s * gain as last known */
     uint64_t turn;        /* frames taken, also those without light: which rows config.meter_rows lets through */
@@ -55,7 +57,9 @@ typedef struct pupil_object {
     float picture_luma[3]; /* the same of the picture, from config.output_primaries */
     float to_picture[9];   /* from primaries to primaries, row by row; only where has_to_picture */
     uint32_t has_to_picture;
-    pupil_cones cones; /* of the picture's primaries */
+    uint32_t has_rods;        /* the law is PUPIL_LAW_EYE */
+    float rods_to_picture[9]; /* from primaries to what rods see, in the picture's; only where has_rods */
+    pupil_cones cones;        /* of the picture's primaries */
     uint32_t histogram;
     uint32_t level; /* a pupil_level */
     /* pupil_reset clears from here to the end */
@@ -90,8 +94,10 @@ static inline int pupil_object_check(const pupil_t *pupil)
 /* The caller's configuration as one of this version: NULL, or a sentence. */
 const char *pupil_config_read(pupil_config *ours, const pupil_config *theirs);
 
-/* Fills in luma, picture_luma, to_picture and has_to_picture from the configuration. */
+/* Fills in luma, picture_luma, to_picture, has_to_picture, rods_to_picture and has_rods from the configuration. */
 void pupil_primaries_derive(pupil_object *object);
+/* The matrix to the picture where rods have a share of it, above 0. `to_picture` NULL: from primaries to the same. */
+void pupil_mix_rods(const float *to_picture, const float rods_to_picture[9], float rods, float mixed[9]);
 
 /* coding may be NULL; it has been checked. */
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *coder);

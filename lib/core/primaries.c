@@ -89,6 +89,48 @@ static int derive_cones(const double xyz[9], pupil_cones *cones)
     return 1;
 }
 
+/* What rods see of a light, from CIE XYZ: Pattanaik, Ferwerda, Fairchild, Greenberg, A Multiscale Model of Adaptation
+ * and Spatial Vision for Realistic Image Display, 1998. And the blue that it is shown in, as XYZ of the luminance 1:
+ * the chromaticity (0.25, 0.25) of Jensen et al., Night Rendering, 2000. */
+static const double rods_of_xyz[3] = {-0.702, 1.039, 0.433};
+static const double blue[3] = {1.0, 1.0, 2.0};
+
+/* A grey that is the light for rods, so scaled that white remains as bright, in the blue. Red, which rods hardly see,
+ * would count a little below 0, and counts as 0. */
+static void derive_rods(pupil_object *object, const double xyz[9], const double picture_xyz[9])
+{
+    double see[3], sum = 0.0, of_xyz[9];
+    const double *seen = xyz;
+    if (!invert(picture_xyz, of_xyz)) { /* only the luminance row is given */
+        seen = xyz_of_bt709;
+        (void)invert(seen, of_xyz);
+    }
+    for (int i = 0; i < 3; i++) {
+        see[i] = (rods_of_xyz[0] * seen[i] + rods_of_xyz[1] * seen[3 + i]) + rods_of_xyz[2] * seen[6 + i];
+        see[i] = see[i] > 0.0 ? see[i] : 0.0;
+        sum += see[i];
+    }
+    if (!(sum > 1e-3)) { /* of odd primaries: as their luminance */
+        for (int i = 0; i < 3; i++)
+            see[i] = xyz[3 + i];
+        sum = 1.0;
+    }
+    for (int i = 0; i < 9; i++) {
+        const double *row = of_xyz + i / 3 * 3;
+        const double in_blue = (row[0] * blue[0] + row[1] * blue[1]) + row[2] * blue[2];
+        object->rods_to_picture[i] = (float)((in_blue > 0.0 ? in_blue : 0.0) * (see[i % 3] / sum));
+    }
+}
+
+void pupil_mix_rods(const float *to_picture, const float rods_to_picture[9], float rods, float mixed[9])
+{
+    const float cones = 1.0f - rods;
+    for (int i = 0; i < 9; i++) {
+        const float plain = to_picture ? to_picture[i] : i % 4 == 0 ? 1.0f : 0.0f;
+        mixed[i] = cones * plain + rods * rods_to_picture[i];
+    }
+}
+
 void pupil_primaries_derive(pupil_object *object)
 {
     const pupil_config *c = &object->config;
@@ -107,6 +149,9 @@ void pupil_primaries_derive(pupil_object *object)
                                                                          : from;
     if (!derive_cones(picture, &object->cones)) /* or only the luminance row is given */
         (void)derive_cones(xyz_of_bt709, &object->cones);
+    object->has_rods = c->law == PUPIL_LAW_EYE;
+    if (object->has_rods)
+        derive_rods(object, from, picture);
     for (int i = 0; i < 9 && object->has_to_picture; i++) {
         const double *row = to + i / 3 * 3, *column = from + i % 3;
         object->to_picture[i] = (float)((row[0] * column[0] + row[1] * column[3]) + row[2] * column[6]);

@@ -33,7 +33,7 @@ static int check_curve(const pupil_curve *head, const float knot[PUPIL_CURVE_KNO
 {
     int right = head->scale >= 0.0f && head->scale <= 0x1p60f && head->inverse_white_squared >= 0.0f &&
                 head->inverse_white_squared <= 0x1p16f && head->gamut >= 0.0f && head->gamut <= 16.0f &&
-                head->dither <= 1 && head->first_row < PUPIL_MAX_SIDE_PX;
+                head->dither <= 1 && head->first_row < PUPIL_MAX_SIDE_PX && head->rods >= 0.0f && head->rods <= 1.0f;
     return right && (!head->knots || check_knots(head, knot)) ? PUPIL_OK : PUPIL_ERR_VALUE;
 }
 
@@ -53,6 +53,7 @@ int pupil_curve_read(pupil_tone *ours, const pupil_curve *theirs)
                          .knot_scale = head.knots ? head.knot_scale : 0.0f,
                          .dither = head.dither,
                          .first_row = head.first_row,
+                         .rods = head.rods,
                          .levels = head.levels,
                          .knot = head.knots ? theirs->knot : 0};
     return check_curve(&head, theirs->knot);

@@ -212,19 +212,26 @@ static void count_rows(const work *w)
     w->stats->code_light = code_light > w->stats->code_light ? code_light : w->stats->code_light;
 }
 
-/* To a picture of other primaries than the input's: by a job of its own, with its own brightest channels. */
-static void convert_to_picture(work *w, pupil_row_job *picture)
+/* To a picture of other primaries than the input's, or of what rods see: by a job of its own, with its own brightest
+ * channels. What rods see changes no statistics. `mixed`: room for a matrix. */
+static void convert_to_picture(work *w, const pupil_tone *curve, pupil_row_job *picture, float mixed[9])
 {
     const pupil_object *object = w->object;
+    const float *to_picture = object->has_to_picture ? object->to_picture : 0;
+    const int mix = w->out && object->has_rods && curve->rods > 0.0f;
+    if (mix)
+        pupil_mix_rods(to_picture, object->rods_to_picture, curve->rods, mixed);
+    else if (!to_picture)
+        return;
     *picture = w->map;
     for (int i = 0; i < 3; i++)
         picture->luma[i] = object->picture_luma[i];
     if (w->out) {
-        w->map.to_picture = object->to_picture;
+        w->map.to_picture = mix ? mixed : to_picture;
         w->map.picture = picture;
     }
     if (object->histogram && w->in_unit == 1) /* no mosaic */
-        w->map.to_peak = object->to_picture;
+        w->map.to_peak = to_picture;
     w->meter.to_peak = w->map.to_peak;
 }
 
@@ -268,8 +275,9 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     if (mosaic)
         pupil_coder_find_ordinary(&w.coder, &w.meter);
     pupil_row_job picture;
-    if (object->has_to_picture)
-        convert_to_picture(&w, &picture);
+    float mixed[9];
+    if (object->has_to_picture || object->has_rods)
+        convert_to_picture(&w, curve, &picture, mixed);
 
     if (mosaic || yuv)
         work_in_fours(&w);

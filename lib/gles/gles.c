@@ -212,6 +212,9 @@ static void take_settings(gles_object *o, const pupil_t *from)
     for (int i = 0; i < 9; i++)
         o->to_picture[i] = pupil->to_picture[i];
     o->has_to_picture = pupil->has_to_picture;
+    for (int i = 0; i < 9; i++)
+        o->rods_to_picture[i] = pupil->rods_to_picture[i];
+    o->has_rods = pupil->has_rods;
     o->cones = pupil->cones;
     pupil_metered_luma(pupil->luma, &o->coder, o->metered_luma);
     pupil_curve before_light;

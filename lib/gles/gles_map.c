@@ -133,7 +133,21 @@ static void scissor(const gles_object *o, rectangle r)
     o->gl.Scissor(r.x, r.y, r.width, r.height);
 }
 
-static void set_curve(const gles_object *o, int scaled, const pupil_tone *curve)
+/* What rods see, as a share of the matrix to the picture; nothing where they had none and have none. */
+static void set_rods(gles_object *o, int scaled, float rods)
+{
+    const int mix = o->has_rods && rods > 0.0f;
+    float matrix[9];
+    if (!mix && !o->rods_are_mixed[scaled])
+        return;
+    if (mix)
+        pupil_mix_rods(o->has_to_picture ? o->to_picture : 0, o->rods_to_picture, rods, matrix);
+    o->rods_are_mixed[scaled] = (uint32_t)mix;
+    o->gl.Uniform1i(o->programs.map[scaled].has_to_picture, mix || o->has_to_picture);
+    o->gl.UniformMatrix3fv(o->programs.map[scaled].to_picture, 1, GL_TRUE, mix ? matrix : o->to_picture);
+}
+
+static void set_curve(gles_object *o, int scaled, const pupil_tone *curve)
 {
     if (o->variant.level_here)
         o->gl.Uniform1i(o->programs.map[scaled].scale, pupil_gles_adapt_scale_base(o));
@@ -142,6 +156,7 @@ static void set_curve(const gles_object *o, int scaled, const pupil_tone *curve)
     o->gl.Uniform1f(o->programs.map[scaled].inverse_white_squared, curve->inverse_white_squared);
     o->gl.Uniform1f(o->programs.map[scaled].gamut, curve->gamut);
     o->gl.Uniform1i(o->programs.map[scaled].dither, (GLint)curve->dither);
+    set_rods(o, scaled, curve->rods);
     if (o->config.veil)
         o->gl.Uniform1f(o->programs.map[scaled].direct, o->direct);
     o->gl.Uniform1f(o->programs.map[scaled].knot_scale, curve->knot ? curve->knot_scale : -1.0f);

@@ -59,7 +59,8 @@ typedef struct gles_programs {
         GLint step_weight, minus_divisor, level_limits, given;
     } adapt;
     struct {
-        GLint scale, inverse_white_squared, gamut, dither, turn, shift, knots, knot_scale, knot_levels, direct;
+        GLint scale, inverse_white_squared, gamut, dither, turn, shift, knots, knot_scale, knot_levels, direct,
+            has_to_picture, to_picture;
     } map[2]; /* GLES_MAP, GLES_MAP_SCALED */
 } gles_programs;
 
@@ -111,6 +112,9 @@ typedef struct gles_object {
     float luma[3], metered_luma[3]; /* of the picture; of what is metered */
     float to_picture[9];            /* as in pupil_object */
     uint32_t has_to_picture;
+    float rods_to_picture[9];
+    uint32_t has_rods;
+    uint32_t rods_are_mixed[2]; /* into the uniforms of GLES_MAP and GLES_MAP_SCALED */
     pupil_cones cones;
     pupil_coder coder;
     float code_light; /* of stats */

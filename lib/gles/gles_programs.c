@@ -74,6 +74,8 @@ static void find_uniforms(const gles_object *o, const gles_variant *variant, gle
         p->map[i].gamut = at(o, name, "gamut");
         p->map[i].dither = at(o, name, "dither");
         p->map[i].turn = at(o, name, "turn");
+        p->map[i].has_to_picture = at(o, name, "has_to_picture");
+        p->map[i].to_picture = at(o, name, "to_picture");
         p->map[i].shift = at(o, name, "shift");
         p->map[i].knots = at(o, name, "knots");
         p->map[i].knot_scale = at(o, name, "knot_scale");

@@ -116,6 +116,7 @@ typedef struct pupil_row {
 typedef struct pupil_tone {
     float scale, inverse_white_squared, gamut, knot_scale;
     uint32_t dither, first_row, levels;
+    float rods;        /* their share of the matrix to the picture */
     const float *knot; /* NULL: Reinhard's */
 } pupil_tone;
 

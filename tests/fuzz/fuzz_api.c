@@ -40,6 +40,7 @@ static pupil_config take_config(void)
     for (uint32_t i = take_below(20); i > 0; i--)
         c.weight[take_below(16)][take_below(16)] = (uint8_t)take_below(256);
     c.law = take_below(PUPIL_LAW_COUNT + !take_below(30));
+    c.eye_unit_cd_m2 = take_below(8) ? exp2(take_double(-20, 30)) : 0;
     c.lock = !take_below(8);
     c.frame_weight = take_double(1e-7, 1);
     c.tau_light_s = take_double(0, 2);
@@ -125,6 +126,8 @@ static void check_exposure(const run *r)
     for (uint32_t k = 0; k < curve.knots; k++)
         MUST(curve.knot[k] >= 0 && curve.knot[k] <= 1 && (k == 0 || curve.knot[k] >= curve.knot[k - 1] - 1e-6f));
     MUST(curve.scale > 0 && isfinite(curve.scale) && isfinite(curve.inverse_white_squared) && curve.gamut >= 0);
+    MUST(e.rods >= 0 && e.rods <= 1 && curve.rods >= 0 && curve.rods <= 1 && e.cone_pigment <= 1 && e.rod_pigment <= 1);
+    MUST(r->config.law == PUPIL_LAW_EYE ? e.cone_cd_m2 > 0 && e.rod_cd_m2 > 0 : e.cone_cd_m2 == 0 && curve.rods == 0);
 }
 
 static void check_refused(const run *before, const run *after, int error)
@@ -304,9 +307,11 @@ static void do_map(run *r)
 {
     picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
     const pupil_image_const rows = pupil_image_as_const(in.image);
-    pupil_curve curve = {.scale = (float)take_double(0, 100),
+    pupil_curve curve = {.size_bytes = sizeof curve,
+                         .scale = (float)take_double(0, 100),
                          .inverse_white_squared = (float)take_double(0, 2),
-                         .gamut = (float)take_double(0, 16)};
+                         .gamut = (float)take_double(0, 16),
+                         .rods = take_below(3) ? (float)take_double(0, 1.1) : 0};
     if (take_below(3) == 0) {
         curve.knots = take_below(30) ? PUPIL_CURVE_KNOTS : take_below(200);
         curve.levels = take_below(2) ? 0 : take_below(300);

@@ -357,6 +357,23 @@ static void locked(digest_case *c)
     c->config.lock = 1;
 }
 
+/* Light of 1e-3 to 1 cd/m2: rods in the picture, which has primaries of its own. */
+static void night(digest_case *c)
+{
+    c->config.law = PUPIL_LAW_EYE;
+    c->config.eye_unit_cd_m2 = 0.03125;
+    c->frames = 12;
+}
+
+static void fused_night(digest_case *c)
+{
+    night(c);
+    matrix(c);
+    c->config.output_primaries = PUPIL_OUTPUT_BT709;
+    c->config.order = PUPIL_ORDER_FUSED;
+    c->in = PUPIL_PIXEL_RGBA16F;
+}
+
 static void weight_one(digest_case *c)
 {
     c->config.law = PUPIL_LAW_ARITHMETIC_SCALE;
@@ -393,6 +410,8 @@ int main(void)
         {"some-rows", some_rows},
         {"to-bt709", to_bt709},
         {"fused-to-bt2020", fused_to_bt2020},
+        {"night", night},
+        {"fused-night", fused_night},
     };
     shapes();
     laws();

@@ -51,6 +51,7 @@ typedef enum pupil_law {
     PUPIL_LAW_ARITHMETIC_LUMINANCE, /* formula 2: arithmetic average of L */
     PUPIL_LAW_GEOMETRIC_SCALE,      /* formula 3: geometric average of key / L */
     PUPIL_LAW_GEOMETRIC_LUMINANCE,  /* formula 4: geometric average of L; the same numbers as formula 3 */
+    PUPIL_LAW_EYE,                  /* as an eye sees: see eye_unit_cd_m2 */
     PUPIL_LAW_COUNT
 } pupil_law;
 
@@ -210,6 +211,14 @@ typedef struct pupil_config {
                             * 1..4 */
     double curve_range_ev; /* of ADJUST: stops from the darkest to the brightest light of the display that are used; 8;
                             * 2..16 */
+
+    /* PUPIL_LAW_EYE: cones and rods, each with a neural filter (0.08 and 0.15 s) and a pigment that light bleaches and
+     * the dark restores (110 and 400 s), after Pattanaik et al. 2000. So the picture is too bright for a moment when
+     * the light comes on, and too dark for minutes after it is out. adapted_ev is the light for which an eye at rest is
+     * as sensitive. Where rods see, colours fade toward blue-grey (pupil_curve.rods). This shows what an eye would
+     * see; for video that is to look right, the default law is better. docs/numerics.md has the formulas. The four
+     * filters are exact exponentials of the time between frames. The eye needs absolute light: */
+    double eye_unit_cd_m2; /* cd/m2 of scene luminance 1; read only with PUPIL_LAW_EYE; 100, as PQ; 1e-6..1e9 */
 } pupil_config;
 
 /* Fills in every field with its default. */

@@ -121,6 +121,9 @@ typedef struct pupil_curve {
     uint32_t dither;               /* config.dither */
     uint32_t first_row;            /* for pupil_map_rows: which of the frame's rows its first one is, so that dither is
                                     * the same in parts as in the whole; 0..PUPIL_MAX_SIDE_PX - 1 */
+    float rods;                    /* the share of what rods see in the picture, 0..1; above 0 only with PUPIL_LAW_EYE.
+                                    * v is then (1 - rods) * v + rods * (v's light for rods) * blue, in the picture's
+                                    * primaries. An object of another law leaves it out */
     uint32_t knots;                /* 0: Reinhard's curve, as above; PUPIL_CURVE_KNOTS: by knot[] */
     uint32_t levels;               /* 0; or with knots, how many: 2..256 */
     float knot_scale;              /* 1 / the luminance of knot[0], in the frame's units; 0..2^60 */
@@ -186,6 +189,10 @@ typedef struct pupil_exposure {
     uint64_t frames;     /* frames adapted to since init or reset */
     uint32_t state;      /* a pupil_state */
     uint32_t reason;     /* a pupil_reason */
+    /* PUPIL_LAW_EYE; else 0 */
+    double cone_cd_m2, rod_cd_m2;     /* the light that cones and rods are set for by their neural filters */
+    double cone_pigment, rod_pigment; /* the share of each pigment that is not bleached, 0..1 */
+    double rods;                      /* the share of the rods in the response to the last frame's light, 0..1 */
 } pupil_exposure;
 
 PUPIL_API int pupil_get_exposure_sized(const pupil_t *pupil, pupil_exposure *exposure, size_t exposure_bytes);

@@ -15,10 +15,13 @@ expect 2 "no input" replay
 expect 2 "--metreing" replay synth:walk --metreing spot
 for bad in "--key 2" "--fps 0" "--fps nan" "--fps 1x" "--size 0x4" "--size 64" "--trim 95,5" "--trim 5" "--meter-rows 3" "--meter-rows 16" "--roi 0.5,0.5,0.6,0.1" \
     "--formula 5" "--weight 0.1" "--white dark" "--white 0" "--ev 17" "--tau-light -1" "--metering moon" "--transfer pq" \
-    "--threads 1000" "--hold 0" "--frames -3" "--frames 0"; do
+    "--eye 0" "--eye 1e10" "--eye dark" "--threads 1000" "--hold 0" "--frames -3" "--frames 0"; do
     # shellcheck disable=SC2086 # two words
     expect 2 "${bad%% *}" replay synth:walk $bad
 done
+expect 2 "--eye and --formula" replay synth:walk --eye 1 --formula 2
+expect 2 "not with --eye" replay synth:walk --eye 1 --tau-dark 2
+expect 2 "not with --eye" replay synth:walk --eye 1 --weight 0.1
 expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o a.mp4
 expect 2 "named for two outputs" replay synth:walk -o a.mp4 -o ./a.mp4
 expect 2 "named for two outputs" replay synth:walk -o frames -o frames/
@@ -113,7 +116,8 @@ expect 2 "a report measures codes" $walk -n 2 --dither on --report measured
 
 # options reach the picture
 for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" "--roi 0,0,0.3,0.3" "--trim 5,95" "--meter-rows 8" "--formula 2" \
-    "--formula 1 --weight 0.5" "--tau-light 0 --tau-dark 0" "--transfer linear" "--lock"; do
+    "--formula 1 --weight 0.5" "--tau-light 0 --tau-dark 0" "--transfer linear" "--lock" \
+    "--eye 100" "--eye 0.01"; do
     # shellcheck disable=SC2086
     "$program" $walk -n 40 $option -o o.y4m -y || fail "$option"
     cmp -s t1.y4m o.y4m && fail "$option changes nothing"

@@ -56,7 +56,7 @@ close cpu.csv gpu.csv
 cmp -s gpu.y4m again.y4m || fail "another run, another picture"
 
 # options reach the GPU, in both versions
-for options in "--fused" "--white 3 --ev 1 --metering spot" "--trim 5,95" "--formula 1 --key 0.3" "--lock --transfer gamma22" \
+for options in "--fused" "--white 3 --ev 1 --metering spot" "--trim 5,95" "--formula 1 --key 0.3" "--lock --transfer gamma22" "--eye 0.05" \
     "--reset-each" "--tone adjust" "--veil eye:70 --fov 90" "--white none --meter-rows 1 --gles-version 3.0" \
     "--white follow --tone equalise --meter-rows 1 --gles-version 3.0" \
     "--white 2 --fused --metering centre --meter-rows 1 --gles-version 3.0"; do # one row in four would be another level
