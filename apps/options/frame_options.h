@@ -39,7 +39,7 @@ typedef struct frame_options {
 
 /* The rows that replay and run share, by title. Offsets are those of frame_options. */
 #define FRAME_OUTPUT_ROWS   3
-#define FRAME_EXPOSURE_ROWS 16
+#define FRAME_EXPOSURE_ROWS 17
 #define FRAME_MAPPING_ROWS  9
 extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
 extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];

@@ -254,6 +254,35 @@ static int run(study *s)
     return s->options.out ? write_all(s) : 0;
 }
 
+/* `study look`: on standard output, complete or nothing. */
+static int look(study *s)
+{
+    const study_look how = {s->options.scene, 0.05, s->options.eye_cd_m2};
+    char *text = NULL;
+    size_t bytes = 0;
+    FILE *tables = open_memstream(&text, &bytes);
+    progress_begin(&s->progress, s->options.quiet, 0);
+    s->doing = "rendering";
+    show(s, 0, 1);
+    int failed = !tables ? pupil_refuse(&s->why, "%s: not enough memory", s->options.scene)
+                         : study_images_open(&s->images, s->options.scene, s->options.width, s->options.height,
+                                             s->options.threads, interrupt_came, &s->why);
+    if (!failed)
+        failed = study_look_at(&s->images, &how, tables, &s->why);
+    progress_clear(&s->progress);
+    study_images_free(&s->images);
+    if (tables)
+        fclose(tables);
+    if (!failed && (fputs(text, stdout) < 0 || fflush(stdout)))
+        failed = pupil_refuse(&s->why, "standard output: %s", strerror(errno));
+    free(text);
+    if (failed && interrupt_came())
+        fputs("pupil study: interrupted\n", stderr);
+    else if (failed)
+        report_error("pupil study", &s->why, "");
+    return !failed ? EXIT_DONE : interrupt_came() ? EXIT_INTERRUPTED : EXIT_FAILED;
+}
+
 int study_main(int argc, char **argv)
 {
     static study s; /* the states alone are 5 MB */
@@ -268,6 +297,8 @@ int study_main(int argc, char **argv)
     if (s.options.regression)
         return regression(&s);
     interrupt_watch();
+    if (s.options.look)
+        return look(&s);
     int failed = run(&s), status = EXIT_DONE;
     progress_clear(&s.progress);
     workers_close(s.team);

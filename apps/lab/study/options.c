@@ -5,6 +5,8 @@
 #include "options/commands.h"
 #include "refuse.h"
 
+#define LOOK_SIDE 150 /* of the pictures of `study look`, which are means over pixels */
+
 static int parse_video(const option_value *v)
 {
     study_options *o = v->options;
@@ -47,8 +49,10 @@ static const option_row rows[] = {
      .more = "Compares a table (formula,case,weight,threshold,frame) with what binary32 gives from its two "
              "log-averages. With --check, exit 1 below 1257 exact cells of 1277, 1275 within one frame, 1277 within "
              "two."},
-    {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = 4096, .help = "of the pictures (600x600)",
+    {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = 4096, .help = "of the pictures (600x600; of look 150x150)",
      .more = "The first threshold is the number of their pixels."},
+    {"eye", 0, OPTION_NUMBER, "CD_M2", AT(eye_cd_m2), .low = 1e-6, .high = 1e9,
+     .right = "cd/m2 of a luminance of 1, from 1e-6 to 1e9", .help = "of look: the luminance of 1, for the eye (1)"},
     OPTION_ROW_THREADS(study_options, threads, "0"),
     OPTION_ROW_QUIET(study_options, quiet),
 };
@@ -58,30 +62,53 @@ static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
 const option_command study_command = {
     .name = "study",
     .summary = "the study of adaptation again: tables, videos, acceptance",
-    .usage = "[SCENE] [options]\n--regression CSV [--check]",
+    .usage = "[SCENE] [options]\nlook [SCENE] [--size WxH] [--eye CD_M2]\n--regression CSV [--check]",
     .about = "After how many frames does the picture no longer change? Four changes of light,\n"
              "four formulas, twenty weights. Tables and plots go to --out; without it only\n"
              "the acceptance tests are printed.\n"
-             "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: no rendering",
+             "  SCENE  a recipe of the scene renderer by name or path (room), or spheres: no rendering\n"
+             "  look   instead, how the picture looks meanwhile: the formulas, the default law, the eye",
     .exits = "0 done, 1 failed or not met, 2 usage, 130 interrupted",
-    .manual = "Repeats the study of temporal tone mapping that pupil grew from. A lamp of 512 next to a lamp of 1 is "
-              "switched on, switched off, flashes on, flashes off. There are four formulas and twenty weights: after "
-              "how many frames does the picture no longer change? docs/study.md describes the results. The darkest and "
-              "the brightest frame of SCENE "
-              "are the two states of light; spheres needs no rendering. The acceptance tests A1 to A11, with the "
-              "number of violations of each, go to standard output.",
+    .manual =
+        "Repeats the study of temporal tone mapping that pupil grew from. A lamp of 512 next to a lamp of 1 is "
+        "switched on, switched off, flashes on, flashes off. There are four formulas and twenty weights: after "
+        "how many frames does the picture no longer change? docs/study.md describes the results. The darkest and "
+        "the brightest frame of SCENE "
+        "are the two states of light; spheres needs no rendering. The acceptance tests A1 to A11, with the "
+        "number of violations of each, go to standard output.\n\n"
+        "study look prints, for the four formulas at a weight of 0.05, the default law and the eye's: how far the "
+        "level is off over ten minutes, and of the first ten seconds the colour of objects (the distance from "
+        "the picture that has arrived, in a and b of Oklab, 100 times) and the contrast between frames (the "
+        "spread of lightness, as a share of that picture's).",
     .groups = groups,
 };
+
+/* Takes the word look off the operands. */
+static int take_look(study_options *o, option_words *words, pupil_why *why)
+{
+    o->look = words->count && strcmp(words->word[0], "look") == 0;
+    if (!o->look)
+        return options_given(&study_command, words, "eye") ? pupil_refuse(why, "--eye: is of pupil study look") : 0;
+    words->word++;
+    words->count--;
+    if (!o->width)
+        o->width = o->height = LOOK_SIDE;
+    if (o->regression || o->out || o->videos || o->float32 || o->check)
+        return pupil_refuse(why, "look: takes a scene, --size, --eye, --threads and --quiet");
+    return 0;
+}
 
 int study_options_parse(study_options *o, int argc, char **argv, pupil_why *why)
 {
     option_words words;
-    *o = (study_options){0};
+    *o = (study_options){.eye_cd_m2 = 1.0};
     const int parsed = options_parse(&study_command, o, argc, argv, &words, why);
     if (parsed)
         return parsed;
     if (o->regression && (words.count || o->out || o->videos || o->float32 || o->width))
         return pupil_refuse(why, "--regression: takes a table and --check, and nothing else of the study");
+    if (take_look(o, &words, why))
+        return OPTIONS_USAGE;
     if (words.count > 1)
         return pupil_refuse(why, "%s: one scene at a time", words.word[1]);
     if (o->videos && !o->out)

@@ -13,6 +13,8 @@ typedef struct study_options {
     uint32_t width, height; /* 0: 600x600 */
     unsigned threads;       /* 0: one a processor */
     int check, float32, quiet;
+    int look;         /* `study look`: how the picture looks while it adapts */
+    double eye_cd_m2; /* of a luminance of 1, for that */
     struct {
         unsigned which_case, formula; /* from 0 */
     } video[STUDY_MOST_VIDEOS];

@@ -173,6 +173,17 @@ typedef struct study_regression {
 /* Against a table of the layout of study_csv. 0, or -1 and a sentence. */
 int study_regression_make(study_regression *regression, const char *csv, pupil_why *why);
 
+/* --- look.c: how the picture looks while it adapts --- */
+
+typedef struct study_look {
+    const char *scene;
+    double weight;     /* of a frame, of the formulas */
+    double unit_cd_m2; /* of a luminance of 1, for the eye's law */
+} study_look;
+
+/* Tables of the four formulas, the default law and the eye's, as Markdown. 0, or -1 and a sentence. */
+int study_look_at(const study_images *images, const study_look *look, FILE *out, pupil_why *why);
+
 /* --- study_tables.c, study_plot.c, study_video.c: what is written --- */
 
 typedef struct study_result {
