@@ -299,11 +299,6 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
     return error;
 }
 
-double pupil_scale_log2(const pupil_config *c, double adapted_ev)
-{
-    return pupil_key_log2(c->key, c->key_at, c->key_points, adapted_ev) + c->ev_compensation - adapted_ev;
-}
-
 /* The level that this frame asks for, and why it is not the log-average. */
 static double target_of(pupil_object *object, const pupil_stats *stats, double mean_log2, double divisor_log2,
                         const pupil_frame_info *info, uint32_t *reason)

@@ -179,3 +179,8 @@ int pupil_config_check(const pupil_config *config, const char **why)
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
 }
+
+double pupil_scale_log2(const pupil_config *c, double adapted_ev)
+{
+    return pupil_key_log2(c->key, c->key_at, c->key_points, adapted_ev) + c->ev_compensation - adapted_ev;
+}

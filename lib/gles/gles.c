@@ -263,6 +263,8 @@ static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version,
     o->gl.GenVertexArrays(1, &o->vertex_array);
     o->bins = pupil_gles_bins_plan(o, &pupil->config);
     error = pupil_gles_textures_make(o, why);
+    if (!error && o->variant.version == PUPIL_GLES_ES30 && o->variant.histogram)
+        error = pupil_gles_bins_make(o, why);
     if (!error) {
         pupil_gles_meter_make(o);
         pupil_gles_textures_set(o);

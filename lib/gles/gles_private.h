@@ -213,6 +213,9 @@ gles_bins pupil_gles_bins_plan(const gles_object *o, const pupil_config *setting
 int pupil_gles_bins_make(gles_object *o, pupil_why *why);
 /* Leaves GLES_COUNTS as the framebuffer to be read. Needs GLES_PARTS of the same frame. */
 void pupil_gles_bins_meter(const gles_object *o);
+
+/* --- gles_bins_scale.c --- */
+
 /* Bins of some rows as those of all. */
 void pupil_gles_bins_scale(pupil_stats *stats);
 

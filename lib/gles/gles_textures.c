@@ -201,8 +201,7 @@ int pupil_gles_textures_make(gles_object *o, pupil_why *why)
     o->encoder = make_texture(o, GL_R32UI, GLES_TABLE_WIDTH, GLES_TABLE_HEIGHT);
     if (o->variant.version != PUPIL_GLES_ES30)
         return PUPIL_OK;
-    const int error = make_targets(o, why);
-    return error || !o->variant.histogram ? error : pupil_gles_bins_make(o, why);
+    return make_targets(o, why);
 }
 
 void pupil_gles_textures_veil(const gles_object *o, const float *nodes)

@@ -70,7 +70,7 @@ pupil_config refused -2 by pupil_config_check
 pupil_sensor_config refused -2 by pupil_sensor_init
 pupil_row_gain_config refused -2 by pupil_row_gain_init
 pupil_veil_config refused -2 by pupil_veil_init
-pupil_gles_config refused -2 by pupil_gles_init
+pupil_gles_config runs
 pupil_coding refused -14 by pupil_coding_check
 pupil_image_const runs
 pupil_image refused -22 by pupil_process
