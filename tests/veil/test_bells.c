@@ -71,8 +71,9 @@ static double error_of(uint32_t bell, int count, uint32_t harmonics, double peak
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) {
             const double value = (double)picture[y][3 * x + 1];
-            most = fmax(most, fabs(value - exact[y][x]));
-            *lowest = fmin(*lowest, value);
+            const double error = fabs(value - exact[y][x]);
+            most = error > most ? error : most; /* by fmax, gcc 12 for AArch64 crashes at -O3 */
+            *lowest = value < *lowest ? value : *lowest;
         }
     *lowest *= 100 / peak;
     return 100 * most / peak;
