@@ -190,8 +190,9 @@ static void map_rows(const work *w, uint32_t i, uint32_t end)
 }
 
 /* Where rows are not mapped one by one as they are metered: four at a time, which are whole quads, and whole pairs of
- * 4:2:0 also in a picture of half the size. They stay in the cache from the one to the other. */
-static void work_in_fours(const work *w)
+ * 4:2:0 also in a picture of half the size. They stay in the cache from the one to the other. Not inline: with what it
+ * keeps there, the stack of pupil_work_rows was above its limit (tree.stack). */
+static __attribute__((noinline)) void work_in_fours(const work *w)
 {
     const uint32_t halved = w->map.way == PUPIL_WAY_BINNED ? 2 : 1;
     for (uint32_t i = 0; i < w->in->height; i += 4) {
