@@ -1,7 +1,7 @@
 /* apps/frame/gles_shared.h: frames of a camera as textures, without a copy: each of its few buffers is imported once.
  *
  * The driver of the GPU decides whether it takes them (format, stride, memory). Where it refuses one, frames are
- * uploaded from then on, and gles_shared_refusal says why.
+ * uploaded from then on, and `refusal` says why.
  *
  * Threads: the one in which the context is current.
  */

@@ -1,9 +1,9 @@
 /* The curve as a table: what a frame's histogram asks for, and how the knots follow that in time (config.h:
  * pupil_curve_kind; docs/numerics.md has each formula).
  *
- * Knots stand at fixed scene luminances, as the bins of the histogram do; so what is followed is the display light of a
- * luminance, not a shape that moves with the level. Roots of display light are mixed: what is linear in them, as a
- * rising curve and a ceiling of contrast are, holds on the way between two curves, too. */
+ * Each knot has a fixed scene luminance, as each bin of the histogram has. What moves in time is its display light. Two
+ * curves are mixed by the square roots of display light: both rise and keep the ceiling of contrast, and so does every
+ * mixture. */
 #include "object.h"
 
 #include "base/key.h"

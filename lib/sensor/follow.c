@@ -30,10 +30,11 @@ static int is_refuted(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
     uint32_t lost = 0;
+    if (o->setting.frames < SENSOR_RING || (a->alive[0] >> a->delay[0] & a->alive[1] >> a->delay[1] & 1))
+        return 0;
     for (uint32_t i = 0; i < SENSOR_RING; i++)
         lost += !a->past[i].gap;
-    const int is_possible = a->alive[0] >> a->delay[0] & a->alive[1] >> a->delay[1] & 1;
-    return o->setting.frames >= SENSOR_RING && lost >= SENSOR_MANY_LOST && !is_possible;
+    return lost >= SENSOR_MANY_LOST;
 }
 
 /* Frames after which a setting is taken to be in force, with any delay. */
