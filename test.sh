@@ -18,7 +18,16 @@ libc6-dev-armhf-cross the C library for 32-bit ARM
 gcc-s390x-linux-gnu builds for s390x
 libc6-dev-s390x-cross the C library for s390x
 gcc-riscv64-linux-gnu builds for 64-bit RISC-V
-libc6-dev-riscv64-cross the C library for 64-bit RISC-V'
+libc6-dev-riscv64-cross the C library for 64-bit RISC-V
+parallel runs ranges of frames side by side
+snakemake does so, too
+slurmctld is a cluster of one machine
+slurmd runs its tasks
+slurm-client submits them
+munge signs what they send
+chromium opens the page
+chromium-driver types, drags and looks there
+python3-selenium tells it what to do'
 more=
 case ${1:-full} in
 full) selection="-L ^(quick|full)$" ;;
@@ -32,9 +41,7 @@ esac
 
 install_missing "$packages_of_the_program
 g++ compiles the headers and a user's program as C++
-clang the second compiler, sanitizers and fuzzers
 libclang-rt-14-dev what clang links for sanitizers and libFuzzer
-llvm names the functions in what a sanitizer reports
 clang-format checks the style
 git lists the files whose style is checked
 gcc-aarch64-linux-gnu builds for 64-bit ARM
@@ -60,6 +67,8 @@ imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
 python3 prints the tables again, to compare them, and checks the shape of functions
 $packages_of_integrations
+$packages_of_the_page
+nodejs runs the digests and the page's readers as WebAssembly
 $more"
 
 echo "== building into build/dev"

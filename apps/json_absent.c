@@ -14,7 +14,7 @@ int pupil_stats_json_check(const char *path, pupil_why *why)
         why, "%s: this program was built without cJSON (PUPIL_MEDIA=OFF); statistics can be a .csv file", path);
 }
 
-int pupil_stats_json_line(FILE *file, const frame_log_entry *record)
+int pupil_stats_json_object(FILE *file, const frame_log_entry *record)
 {
     (void)file, (void)record;
     abort(); /* nobody comes here past the check */

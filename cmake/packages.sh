@@ -62,6 +62,13 @@ python3 builds the module pupil_ae
 libgstreamer-plugins-base1.0-dev is what the GStreamer plugin is built with
 '
 
+# What makes the page, pupil.html.
+packages_of_the_page='
+clang makes WebAssembly of the core; for tests the second compiler, sanitizers and fuzzers
+lld links it
+llvm puts its objects together; for tests it names functions in what a sanitizer reports
+'
+
 # What the examples and tests of pupil/opencv.hpp, pupil_ae and the GStreamer plugin need; those who use them have it.
 packages_of_integrations='
 python3-numpy has the arrays of the module pupil_ae

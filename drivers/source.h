@@ -77,11 +77,13 @@ typedef struct pupil_source_ops {
 /* The first member of every source. */
 struct pupil_source {
     const pupil_source_ops *ops;
-    double fps;             /* nominal frames a second, above 0 */
-    uint64_t frames;        /* how many frames it expects to hand out; 0: unknown */
-    uint32_t primaries;     /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
-    uint32_t obeys;         /* which of its options act: PUPIL_SOURCE_FPS ... */
-    int is_named;           /* each frame has a file of its own, by whose name it is known */
+    double fps;         /* nominal frames a second, above 0 */
+    uint64_t frames;    /* how many frames it expects to hand out; 0: unknown */
+    uint32_t primaries; /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
+    uint32_t obeys;     /* which of its options act: PUPIL_SOURCE_FPS ... */
+    int is_named;       /* each frame has a file of its own, by whose name it is known */
+    /* Leaves out frames that are not needed, as if they had been taken; how many were. NULL: take them. */
+    uint64_t (*skip)(pupil_source *source, uint64_t frames);
     pupil_sink_sound sound; /* that goes with the frames, known with the first one; the path lives as long */
 };
 

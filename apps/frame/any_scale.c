@@ -21,6 +21,11 @@
  * default floor, so as dark as 8-bit noise at the limit of amplification (docs/pictures.md). */
 #define NOISE_SHARE 0.25
 #define NOISE_EV    (-21)
+/* Noise of a pixel does not depend on that of one so far to its right, beyond what a demosaicing or a lens mixes; what
+ * is dark in a picture of strong colours goes on. The correlation is 0 and 1; of so few pairs it says nothing. */
+#define NOISE_REACH       4
+#define NOISE_CORRELATION 0.5
+#define NOISE_PAIRS       64
 
 enum { LOWEST = -149, EXPONENTS = 278 }; /* of floats */
 
@@ -32,21 +37,37 @@ static size_t floats_of(uint32_t pixel)
     return pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F ? 3 : 0;
 }
 
+int any_scale_concerns(uint32_t pixel)
+{
+    return floats_of(pixel) != 0;
+}
+
 /* What a frame's samples say of its unit. */
 typedef struct sight {
     size_t stops[EXPONENTS]; /* pixels, by the exponent of their brightest channel, where that is above 0 */
     size_t lit, pixels;
-    size_t dark[3]; /* per channel: below 0, or 0 while another one is above */
+    size_t dark[3];        /* per channel: below 0, or 0 while another one is above */
+    size_t pairs, both[3]; /* pixels with one to their right; those of which both are dark */
 } sight;
 
-static void look_at(sight *s, const float rgb[3])
+static int is_dark(const float rgb[3], int channel)
+{
+    const float most = fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
+    return rgb[channel] < 0.0f || (rgb[channel] == 0.0f && most > 0.0f);
+}
+
+/* right: the pixel to its right, or NULL. */
+static void look_at(sight *s, const float rgb[3], const float *right)
 {
     const float most = fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
     if (!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))
         return;
     s->pixels++;
-    for (int c = 0; c < 3; c++)
-        s->dark[c] += rgb[c] < 0.0f || (rgb[c] == 0.0f && most > 0.0f);
+    s->pairs += right != 0;
+    for (int c = 0; c < 3; c++) {
+        s->dark[c] += (size_t)is_dark(rgb, c);
+        s->both[c] += right && is_dark(rgb, c) && is_dark(right, c);
+    }
     if (most > 0.0f) {
         s->stops[ilogbf(most) - LOWEST]++;
         s->lit++;
@@ -60,7 +81,7 @@ static sight look(const pupil_image_const *image, size_t floats, uint32_t sample
     for (uint32_t y = 0; y < image->height; y += step_y) {
         const float *row = pupil_image_rows(*image, y, 1).data;
         for (uint32_t x = 0; x < image->width; x += step_x)
-            look_at(&s, row + x * floats);
+            look_at(&s, row + x * floats, image->width - x > NOISE_REACH ? row + (x + NOISE_REACH) * floats : 0);
     }
     return s;
 }
@@ -75,11 +96,18 @@ static int quantile(const sight *s, double share)
     return i + LOWEST;
 }
 
-/* Light is not below 0, and a wider gamut's colours are so in one channel. In all three it is a sensor's noise. */
+/* Light is not below 0, and a wider gamut's colours are so in one channel. In all three, and not in areas, it is a
+ * sensor's noise. */
 static int is_noise(const sight *s)
 {
-    const double least = NOISE_SHARE * (double)s->pixels;
-    return (double)s->dark[0] >= least && (double)s->dark[1] >= least && (double)s->dark[2] >= least;
+    if (s->pairs < NOISE_PAIRS)
+        return 0;
+    for (int c = 0; c < 3; c++) {
+        const double share = (double)s->dark[c] / (double)s->pixels, both = (double)s->both[c] / (double)s->pairs;
+        if (share < NOISE_SHARE || both - share * share > NOISE_CORRELATION * (share - share * share))
+            return 0;
+    }
+    return 1;
 }
 
 static int stops_for(const sight *s)

@@ -19,6 +19,9 @@ typedef struct any_scale {
     size_t bytes;
 } any_scale;
 
+/* Whether frames of this pupil_pixel have a unit: floats. */
+int any_scale_concerns(uint32_t pixel);
+
 /* The frame in memory of its own, where it has to be multiplied; else it is left alone. -1 and a sentence. */
 int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why);
 

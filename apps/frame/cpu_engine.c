@@ -53,10 +53,10 @@ void cpu_engine_row_gains(cpu_engine *e, const float *gain)
     e->gain = gain;
 }
 
-int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config)
+int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config, const double *bloom_above)
 {
     frame_veil_close(e->veil);
-    e->veil = frame_veil_open(config, workers_count(e->w));
+    e->veil = frame_veil_open(config, bloom_above, workers_count(e->w));
     return e->veil ? 0 : -1;
 }
 
@@ -93,9 +93,10 @@ static void work_share(void *context, unsigned worker, unsigned count)
     if (e->meter && e->out)
         e->error[worker] = pupil_fused_rows(e->pupil, &curve, &in, first, height, &out, &e->own[worker]);
     else if (e->veil && !e->out)
-        e->error[worker] = frame_veil_gather(e->veil, worker, e->pupil, &in, first, e->meter ? &e->own[worker] : NULL);
+        e->error[worker] =
+            frame_veil_gather(e->veil, worker, e->pupil, e->in, first, rows, e->meter ? &e->own[worker] : NULL);
     else if (e->veil)
-        e->error[worker] = frame_veil_map(e->veil, worker, e->pupil, &curve, &in, &out);
+        e->error[worker] = frame_veil_map(e->veil, worker, e->pupil, &curve, e->in, &out);
     else if (e->meter)
         e->error[worker] = pupil_meter_rows(e->pupil, &in, first, height, &e->own[worker]);
     else if (e->gain)
@@ -137,7 +138,7 @@ static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, p
 
 static int solve_veil(cpu_engine *e, const pupil_frame *frame, pupil_why *why)
 {
-    const int error = frame_veil_solve(e->veil);
+    const int error = frame_veil_solve(e->veil, e->pupil);
     return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
 }
 

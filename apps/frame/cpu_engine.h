@@ -15,8 +15,9 @@ void cpu_engine_close(cpu_engine *e); /* NULL is allowed */
  * meter_and_map. NULL: with none. */
 void cpu_engine_row_gains(cpu_engine *e, const float *gain);
 
-/* From now on frames are mapped with their veil (frame_veil.h), except by meter_and_map. -1: not enough memory. */
-int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config);
+/* From now on frames are mapped with their veil (frame_veil.h), except by meter_and_map, and unless bloom_above is NULL
+ * with their bloom. -1: not enough memory. */
+int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config, const double *bloom_above);
 /* The veil of a frame that another engine meters; NULL and a sentence. */
 const pupil_veil *cpu_engine_find_veil(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, pupil_why *why);
 

@@ -22,10 +22,11 @@ void frame_pipeline_close(frame_pipeline *p)
     *p = (frame_pipeline){0};
 }
 
-int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config)
+int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config, const double *bloom_above)
 {
     p->veil = 1;
-    return cpu_engine_use_veil(p->cpu, config);
+    p->cpu_only |= bloom_above != NULL;
+    return cpu_engine_use_veil(p->cpu, config, bloom_above);
 }
 
 /* --- CPU or GPU --- */

@@ -42,8 +42,9 @@ typedef struct frame_pipeline {
 int frame_pipeline_open(frame_pipeline *p, const pupil_config *config, unsigned threads);
 void frame_pipeline_close(frame_pipeline *p);
 
-/* From now on frames have a veil: before frame_pipeline_use_gpu. -1: not enough memory. */
-int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config);
+/* From now on frames have a veil: before frame_pipeline_use_gpu. With `bloom_above` (NULL: without) also the bloom of
+ * light above that, by the CPU. -1: not enough memory. */
+int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config, const double *bloom_above);
 
 /* Unless it is cpu_only, from now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in a
  * context without a window; or else a warning. `version` is a pupil_gles_version. */

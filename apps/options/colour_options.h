@@ -2,7 +2,7 @@
 #ifndef PUPIL_APPS_OPTIONS_COLOUR_OPTIONS_H
 #define PUPIL_APPS_OPTIONS_COLOUR_OPTIONS_H
 
-#include "live/white_balance.h"
+#include "colour/white_balance.h"
 #include "option_table.h"
 
 /* For rows whose offset is that of a pupil_colour_options. */

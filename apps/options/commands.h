@@ -22,10 +22,14 @@ int bench_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 int probe_main(int argc, char **argv);
 int record_main(int argc, char **argv);
+int ctl_main(int argc, char **argv);
 int sim_main(int argc, char **argv);
+int meter_main(int argc, char **argv);
+int adapt_main(int argc, char **argv);
+int map_main(int argc, char **argv);
 
 extern const option_command run_command, replay_command, record_command, render_command, study_command, bench_command,
-    sim_command, list_command, probe_command;
+    sim_command, list_command, probe_command, ctl_command, meter_command, adapt_command, map_command;
 
 /* All of them in the order of the help, up to NULL. */
 extern const option_command *const pupil_commands[];

@@ -86,6 +86,16 @@ static int parse_meter_rows(const option_value *v)
     return OPTIONS_RUN;
 }
 
+static int parse_histogram_step(const option_value *v)
+{
+    frame_options *o = v->options;
+    const int place = option_word(v->text, v->row->value);
+    if (place < 0)
+        return option_refuse(v, NULL);
+    o->config.histogram_step = place ? 1u << (place - 1) : 0;
+    return OPTIONS_RUN;
+}
+
 static int parse_white(const option_value *v)
 {
     frame_options *o = v->options;
@@ -108,11 +118,12 @@ static int parse_eye(const option_value *v)
 
 const option_row frame_output_rows[FRAME_OUTPUT_ROWS] = {
     {"out", 'o', OPTION_PATH, "PATH", 0, .parse = parse_out,
-     .help = ".mp4 .mkv .mov .y4m .png .jpg, a folder of PNG, - (Y4M); repeatable",
-     .more = "A name without an extension is a folder of PNG files; .png and .jpg are one picture. - is YUV4MPEG2 on "
-             "standard "
-             "output."},
-    {"stats", 0, OPTION_PATH, "FILE", AT(stats), .help = "a line a frame: .jsonl or .csv (- is JSONL on stdout)",
+     .help = ".mp4 .mkv .mov .y4m .png .jpg .tif, a folder, - (Y4M); repeatable",
+     .more =
+         "A name without an extension is a folder of PNG files; .png, .jpg and .tif are one picture. - is YUV4MPEG2 on "
+         "standard "
+         "output."},
+    {"stats", 0, OPTION_PATH, "FILE", AT(stats), .help = "figures of each frame: .jsonl .json .csv (- is JSONL)",
      .more = "Metered and adapted EV, scale, white point, quantiles, shares of black, clipped and bad pixels, display "
              "level, microseconds. docs/stats.md has the fields."},
     {"plot", 0, OPTION_PATH, "FILE", AT(plot), .help = "exposure over time: .svg or .png", .more = "Needs gnuplot."},
@@ -171,6 +182,16 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .more = "CD_M2 is the luminance of light of 1. Cones and rods with their own times, bleached pigments that take "
              "minutes in the dark, and colours that "
              "fade at night: docs/numerics.md. 100 for PQ."},
+    {"accuracy", 0, OPTION_CHOICE, "exact|luma", AT(config.accuracy), .initial = "exact",
+     .help = "luma: 8-bit Y'CbCr for small boards",
+     .more =
+         "luma: meters some of the pixels, and maps NV12 and I420 to NV12 and I420 by tables of luma. Other formats "
+         "are exact. docs/numerics.md has the errors."},
+    {"histogram-step", 0, OPTION_CHOICE, "auto|1|2|4|8", 0, .initial = "auto", .parse = parse_histogram_step,
+     .help = "count one pixel of each N x N",
+     .more =
+         "And for quantiles, --trim, highlights and --tone. auto: 4 of 1920x1080, 8 of 3840x2160, 1 of small frames. "
+         "1 is exact. The log-average is always of all pixels."},
 };
 
 const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {

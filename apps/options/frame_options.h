@@ -34,12 +34,16 @@ typedef struct frame_options {
     char metering[64], white[64]; /* as the user wrote them, for the report */
     const char *veil;             /* as the user wrote it; NULL: none. Of `pupil replay` alone, as `eye` */
     pupil_veil_config eye;        /* without a size */
+    int bloom;                    /* the narrow part of eye, too */
+    double bloom_above;           /* light, in the frames' unit */
+    const char *compare[2];       /* --compare: options of the left and the right picture; NULL: one picture */
+    const char *compare_plain;    /* what the picture of "" is called */
     const char *command;          /* the whole command line, for the report; set by the caller */
 } frame_options;
 
 /* The rows that replay and run share, by title. Offsets are those of frame_options. */
 #define FRAME_OUTPUT_ROWS   3
-#define FRAME_EXPOSURE_ROWS 17
+#define FRAME_EXPOSURE_ROWS 19
 #define FRAME_MAPPING_ROWS  9
 extern const option_row frame_output_rows[FRAME_OUTPUT_ROWS];
 extern const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS];

@@ -15,7 +15,8 @@ typedef struct option_row option_row;
 typedef struct option_value {
     const option_row *row;
     const char *text;
-    void *options; /* the struct that row->offset is in */
+    const char *second; /* of a pair */
+    void *options;      /* the struct that row->offset is in */
     pupil_why *why;
 } option_value;
 
@@ -26,10 +27,12 @@ typedef enum option_kind {
     OPTION_COUNT,    /* a uint64_t, low..high */
     OPTION_COUNT32,  /* a uint32_t, low..high */
     OPTION_CHOICE,   /* one of the words ("a|b|c") of `value` or `words`: low and its place in a uint32_t */
-    OPTION_TIME,     /* 10ms, 1/100, 2min; a plain number counts in unit_s: a double in seconds, low..high */
+    OPTION_TIME,     /* 10ms, 1/100, 2min, and where unit_s is 1 also 1:02:03.5; a plain number counts in unit_s: a
+                      * double in seconds, low..high */
     OPTION_SIZE,     /* 640x360: two uint32_t, each 1..high */
     OPTION_TEXT,     /* a const char *, not empty */
-    OPTION_PATH      /* the same; completed as a file's name */
+    OPTION_PATH,     /* the same; completed as a file's name */
+    OPTION_PAIR      /* two words: two const char *; empty ones are allowed */
 } option_kind;
 
 struct option_row {
@@ -73,11 +76,13 @@ struct option_command {
     const option_command *const *parts; /* `pupil bench scene` and so on, up to NULL; NULL: none */
 };
 
+#define OPTION_MOST_ROWS 192 /* of a command, --help among them; test_apps_options_table checks it */
+
 /* What options_parse found besides the values. */
 typedef struct option_words {
     char **word; /* the operands; in argv, whose front they are moved to */
     int count;
-    uint64_t given; /* a bit for each row */
+    uint64_t given[OPTION_MOST_ROWS / 64]; /* a bit for each row */
 } option_words;
 
 enum { OPTIONS_RUN = 0, OPTIONS_HELP = 1, OPTIONS_USAGE = -1 /* as pupil_refuse */ };
@@ -122,6 +127,9 @@ typedef struct option_near {
 void option_near_begin(option_near *near, const char *given);
 void option_near_try(option_near *near, const char *name);
 
+/* What has the effect that a name promises which no command has, as a clause; NULL. */
+const char *option_sought(const char *name);
+
 /* The row and the base of a command's n-th option; NULL behind the last. --help is the last one. */
 const option_row *options_row(const option_command *command, size_t n, size_t *base);
 
@@ -143,6 +151,10 @@ void options_complete(const option_command *const *commands, int count, char **w
 #define OPTION_ROW_QUIET(type, field)                                                                                  \
     {                                                                                                                  \
         "quiet", 'q', OPTION_FLAG, NULL, offsetof(type, field), .help = "no progress line and no summary"              \
+    }
+#define OPTION_ROW_OVERWRITE(type, field)                                                                              \
+    {                                                                                                                  \
+        "overwrite", 'y', OPTION_FLAG, NULL, offsetof(type, field), .help = "replace outputs that are there"           \
     }
 #define OPTION_ROW_JSON(type, field, what)                                                                             \
     {                                                                                                                  \

@@ -6,14 +6,14 @@
 #include "option_table.h"
 #include "refuse.h"
 
-enum { MOST_ROWS = 64, FIRST_CODE = 256 /* above every letter */ };
+enum { FIRST_CODE = 256 /* above every letter */ };
 
 const option_command *const *option_commands;
 
 /* What getopt_long reads: the names, and the letters with a colon behind those that take a value. */
 typedef struct known {
-    struct option name[MOST_ROWS + 1];
-    char letters[2 * MOST_ROWS + 3];
+    struct option name[OPTION_MOST_ROWS + 1];
+    char letters[2 * OPTION_MOST_ROWS + 3];
 } known;
 
 static void make_known(const option_command *command, known *k)
@@ -23,7 +23,7 @@ static void make_known(const option_command *command, known *k)
     char *end = k->letters;
     *end++ = '+'; /* in order: operands are gathered below */
     *end++ = ':'; /* distinguishes a missing value from an option that is not known */
-    for (size_t n = 0; n < MOST_ROWS && (row = options_row(command, n, &base)); n++) {
+    for (size_t n = 0; n < OPTION_MOST_ROWS && (row = options_row(command, n, &base)); n++) {
         const int takes = row->kind == OPTION_FLAG ? no_argument : required_argument;
         k->name[n] = (struct option){row->name, takes, NULL, FIRST_CODE + (int)n};
         k->name[n + 1] = (struct option){NULL, 0, NULL, 0};
@@ -83,11 +83,20 @@ static void perhaps(const option_command *command, const char *name, char *text,
         snprintf(text, bytes, "; perhaps --%s", near.name);
 }
 
+/* The same of a name that other programs have. */
+static void instead(const char *name, char *text, size_t bytes)
+{
+    const char *sought = option_sought(name);
+    if (sought)
+        snprintf(text, bytes, "; %s", sought);
+}
+
 /* Of an option that getopt_long did not take: `code` is its answer, optopt what it knows of the option. */
 static int refuse(const option_command *command, int code, const char *word, pupil_why *why)
 {
-    char name[128], also[256] = "";
+    char name[128], also[512] = "";
     size_t base;
+    const int is_long_name = word[0] == '-' && word[1] != '-' && word[1] && word[2]; /* -crf, as in ffmpeg */
     if (optopt >= FIRST_CODE)
         snprintf(name, sizeof name, "--%s", options_row(command, place_of(command, optopt), &base)->name);
     else if (optopt)
@@ -100,17 +109,28 @@ static int refuse(const option_command *command, int code, const char *word, pup
         return pupil_refuse(why, "%s: takes no value", name);
     const char *long_name = optopt ? "" : name + strspn(name, "-");
     others(option_commands, long_name, strlen(long_name), (char)optopt, also, sizeof also);
+    if (is_long_name && option_sought(word + 1)) {
+        instead(word + 1, also, sizeof also);
+        snprintf(name, sizeof name, "%s", word);
+    }
+    if (!*also)
+        instead(optopt ? name + 1 : long_name, also, sizeof also);
     if (!*also)
         perhaps(command, long_name, also, sizeof also);
     return pupil_refuse(why, "%s: no such option of pupil %s%s; 'pupil %s --help' lists them", name, command->name,
                         also, command->name);
 }
 
-static int take(const option_command *command, size_t place, void *options, pupil_why *why)
+/* `second`: the word behind the value; NULL: there is none. */
+static int take(const option_command *command, size_t place, const char *second, void *options, pupil_why *why)
 {
     size_t base;
     const option_row *row = options_row(command, place, &base);
-    const option_value value = {row, optarg, (char *)options + base, why};
+    const option_value value = {row, optarg, second, (char *)options + base, why};
+    if (row->kind == OPTION_PAIR && second)
+        optind++;
+    else if (row->kind == OPTION_PAIR)
+        return pupil_refuse(why, "--%s: its second value is missing; must be %s", row->name, row->right);
     if (row->letter == 'h') {
         options_help(command, stdout);
         return OPTIONS_HELP;
@@ -136,10 +156,10 @@ int options_parse(const option_command *command, void *options, int argc, char *
             continue;
         }
         if (code == '?' || code == ':')
-            return refuse(command, code, argv[optind - 1], why);
+            return refuse(command, code, argv[optind > before ? optind - 1 : optind], why);
         const size_t place = place_of(command, code);
-        words->given |= UINT64_C(1) << place;
-        const int taken = take(command, place, options, why);
+        words->given[place / 64] |= UINT64_C(1) << place % 64;
+        const int taken = take(command, place, optind < argc ? argv[optind] : NULL, options, why);
         if (taken)
             return taken;
     }
@@ -166,7 +186,7 @@ int options_given(const option_command *command, const option_words *words, cons
     size_t base;
     for (size_t n = 0; (row = options_row(command, n, &base)); n++)
         if (strcmp(row->name, name) == 0)
-            return (words->given >> n & 1) != 0;
+            return (words->given[n / 64] >> n % 64 & 1) != 0;
     return 0;
 }
 

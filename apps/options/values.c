@@ -35,6 +35,34 @@ int option_whole(const option_value *v, double low, double high, uint64_t *whole
     return OPTIONS_RUN;
 }
 
+/* [HOURS:]MINUTES:SECONDS, as ffmpeg and players have it; -1: none. */
+static double clock_s(const char *text)
+{
+    double s = 0.0;
+    int parts = 0;
+    for (char *end; parts < 3; parts++, text = end + 1) {
+        const double part = strtod(text, &end);
+        if (*text < '0' || *text > '9' || strspn(text, "0123456789.") != (size_t)(end - text) ||
+            (*end == ':' && memchr(text, '.', (size_t)(end - text))) || (parts > 0 && part >= 60.0))
+            return -1.0;
+        s = 60.0 * s + part;
+        if (!*end)
+            return parts > 0 ? s : -1.0;
+        if (*end != ':')
+            return -1.0;
+    }
+    return -1.0;
+}
+
+static int take_clock(const option_value *v, double low_s, double high_s, double *seconds)
+{
+    const double s = clock_s(v->text);
+    if (s < 0.0 || !(s >= low_s && s <= high_s))
+        return option_refuse(v, NULL);
+    *seconds = s;
+    return OPTIONS_RUN;
+}
+
 int option_time(const option_value *v, double low_s, double high_s, double *seconds)
 {
     static const struct {
@@ -44,6 +72,8 @@ int option_time(const option_value *v, double low_s, double high_s, double *seco
     char *end;
     double s = strtod(v->text, &end);
     double unit_s = v->row->unit_s;
+    if (unit_s == 1.0 && strchr(v->text, ':'))
+        return take_clock(v, low_s, high_s, seconds);
     if (end == v->text)
         return option_refuse(v, NULL);
     if (*end == '/') {
@@ -139,6 +169,10 @@ int option_take(const option_value *v)
         if (!*v->text)
             return option_refuse(v, NULL);
         *(const char **)place = v->text;
+        return OPTIONS_RUN;
+    case OPTION_PAIR:
+        ((const char **)place)[0] = v->text;
+        ((const char **)place)[1] = v->second;
         return OPTIONS_RUN;
     default:
         *(int *)place = 1;

@@ -18,7 +18,7 @@ struct pupil_stats_file {
     FILE *file;
     char *path; /* as the user said it */
     pupil_pending pending;
-    int is_stream, is_csv;
+    int is_stream, is_csv, is_array; /* .json: one array */
     uint64_t lines;
 };
 
@@ -78,8 +78,9 @@ static int begin(pupil_stats_file *f, const char *path, int overwrite, pupil_why
 {
     f->is_stream = strcmp(path, "-") == 0;
     f->is_csv = has_ending(path, ".csv");
-    if (!f->is_stream && !f->is_csv && !has_ending(path, ".jsonl") && !has_ending(path, ".json"))
-        return pupil_refuse(why, "%s: statistics are written as .jsonl (or .json) or .csv", path);
+    f->is_array = has_ending(path, ".json");
+    if (!f->is_stream && !f->is_csv && !f->is_array && !has_ending(path, ".jsonl"))
+        return pupil_refuse(why, "%s: statistics are written as .jsonl, .json or .csv", path);
     if (!f->is_csv && pupil_stats_json_check(path, why))
         return -1;
     f->path = strdup(path);
@@ -116,8 +117,13 @@ int pupil_stats_file_write(pupil_stats_file *f, const frame_log_entry *record, p
         if (!f->lines)
             csv_line(f->file, record, 1);
         csv_line(f->file, record, 0);
-    } else if (pupil_stats_json_line(f->file, record)) {
-        return pupil_refuse(why, "%s: not enough memory", f->path);
+    } else {
+        if (f->is_array)
+            fputs(f->lines ? ",\n" : "[\n", f->file);
+        if (pupil_stats_json_object(f->file, record))
+            return pupil_refuse(why, "%s: not enough memory", f->path);
+        if (!f->is_array)
+            fputc('\n', f->file);
     }
     f->lines++;
     /* A stream is read while it is written: each line goes out at once. */
@@ -139,6 +145,8 @@ int pupil_stats_file_finish(pupil_stats_file *f, pupil_why *why)
     } else if (f->is_stream) {
         failed = fflush(f->file) != 0 ? cannot_write(f, why) : 0;
     } else {
+        if (f->is_array)
+            fputs("\n]\n", f->file);
         failed = ferror(f->file) ? cannot_write(f, why) : 0;
         if (fclose(f->file) != 0 && !failed)
             failed = cannot_write(f, why);

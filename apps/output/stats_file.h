@@ -1,6 +1,6 @@
-/* apps/output/stats_file.h: --stats: every record of a run as a line of a file, JSON (.jsonl, .json) or CSV (.csv) by
- * its name; "-" is JSON on standard output. docs/stats.md has the fields. A file is complete or absent
- * (file/common/pending.h).
+/* apps/output/stats_file.h: --stats: every record of a run as a line of JSON (.jsonl) or CSV (.csv), or as an element
+ * of one array (.json), by the file's name; "-" is lines of JSON on standard output. docs/stats.md has the fields. A
+ * file is complete or absent (file/common/pending.h).
  */
 #ifndef PUPIL_APPS_OUTPUT_STATS_FILE_H
 #define PUPIL_APPS_OUTPUT_STATS_FILE_H

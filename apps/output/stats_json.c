@@ -1,4 +1,4 @@
-/* apps/output/stats_json.c: a record as a line of JSON. Nothing is allocated for it, except for a text with odd
+/* apps/output/stats_json.c: a record as an object of JSON. Nothing is allocated for it, except for a text with odd
  * characters. */
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -42,7 +42,7 @@ static int write_text(FILE *file, const char *text)
     return failed ? -1 : 0;
 }
 
-int pupil_stats_json_line(FILE *file, const frame_log_entry *record)
+int pupil_stats_json_object(FILE *file, const frame_log_entry *record)
 {
     for (size_t i = 0; i < pupil_stats_fields_of(record); i++) {
         const pupil_stats_field *field = &pupil_stats_fields[i];
@@ -56,6 +56,6 @@ int pupil_stats_json_line(FILE *file, const frame_log_entry *record)
         else if (field->kind == STATS_NUMBER)
             fputs("null", file);
     }
-    fputs("}\n", file);
+    fputc('}', file);
     return 0;
 }

@@ -1,4 +1,4 @@
-/* apps/output/stats_json.h: lines of statistics as JSON. */
+/* apps/output/stats_json.h: records of statistics as JSON. */
 #ifndef PUPIL_APPS_OUTPUT_STATS_JSON_H
 #define PUPIL_APPS_OUTPUT_STATS_JSON_H
 
@@ -7,8 +7,9 @@
 #include "frame_log.h"
 #include "pupil/error.h"
 
-/* One record as one line of JSON; -1: not enough memory. What cannot be written is left to ferror. */
-int pupil_stats_json_line(FILE *file, const frame_log_entry *record);
+/* One record as an object of JSON, without a line end; -1: not enough memory. What cannot be written is left to
+ * ferror. */
+int pupil_stats_json_object(FILE *file, const frame_log_entry *record);
 
 /* 0, or -1 and a sentence where this program was built without JSON. */
 int pupil_stats_json_check(const char *path, pupil_why *why);

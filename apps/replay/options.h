@@ -7,4 +7,15 @@
 /* As options_parse, with the defaults set before. Moves the inputs to the front of argv. */
 int replay_options_parse(frame_options *options, int argc, char **argv, pupil_why *why);
 
+/* One of the two of --compare. */
+typedef struct replay_side {
+    frame_options options;
+    const char *label; /* what its picture is called */
+    char words[1024];  /* what options point into */
+} replay_side;
+
+/* `options`, which were parsed, with those of options->compare[which] in addition. OPTIONS_RUN, or OPTIONS_USAGE and a
+ * sentence. */
+int replay_options_side(const frame_options *options, int which, replay_side *side, pupil_why *why);
+
 #endif

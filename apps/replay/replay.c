@@ -6,6 +6,7 @@
 #include "common/command_line.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
+#include "compare.h"
 #include "explain.h"
 #include "frame/any_scale.h"
 #include "options.h"
@@ -17,6 +18,8 @@ typedef struct replay {
     frame_options options;
     session session;
     any_scale scale;
+    replay_side side[2]; /* of --compare */
+    compare compare;
     int64_t last_ns; /* the last frame's moment */
     int64_t loop_ns; /* how much later than its file says this pass of --loop is */
     uint64_t skipped;
@@ -44,6 +47,12 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
     frame_log_entry entry;
     if (session_meter(&r->session, frame) || session_map(&r->session, frame, &entry))
         return -1;
+    if (r->options.compare[0]) {
+        const char *const label[2] = {r->side[0].label, r->side[1].label};
+        if (compare_frame(&r->compare, &r->session.pipeline, frame, label, &r->session.why))
+            return -1;
+        r->session.shown = &r->compare.picture;
+    }
     entry.read_us = read_us;
     entry.scale = ldexp(entry.scale, r->scale.stops); /* of the file's values */
     if (r->options.explains && entry.frame == r->options.explain) {
@@ -70,6 +79,8 @@ static int take(replay *r, const pupil_frame *read, double read_us)
     pupil_frame scaled = *read, *frame = &scaled;
     if (o->reset_each) {
         pupil_reset(&s->pipeline.pupil);
+        if (o->compare[0])
+            pupil_reset(&r->compare.right.pupil);
         any_scale_forget(&r->scale);
     }
     if (any_scale_take(&r->scale, frame, &s->why))
@@ -179,12 +190,41 @@ static int run(replay *r)
 
 /* --- begin and end --- */
 
+/* The left setting is the run's own. */
+static int begin_compare(replay *r)
+{
+    frame_options *o = &r->options;
+    session *s = &r->session;
+    for (int i = 0; i < 2 && o->compare[0]; i++)
+        if (replay_options_side(o, i, &r->side[i], &s->why))
+            return -1;
+    if (!o->compare[0])
+        return 0;
+    o->config = r->side[0].options.config;
+    o->veil = r->side[0].options.veil;
+    o->eye = r->side[0].options.eye;
+    return 0;
+}
+
+static int open_compare(replay *r)
+{
+    const session *s = &r->session;
+    if (!r->options.compare[0])
+        return 0;
+    const char *fault = "";
+    if (pupil_config_check(&r->side[1].options.config, &fault))
+        return pupil_refuse(&r->session.why, "--compare \"%s\": %s", r->options.compare[1], fault);
+    return compare_open(&r->compare, &r->side[1].options, s->source->primaries)
+               ? pupil_refuse(&r->session.why, "not enough memory")
+               : 0;
+}
+
 static int begin(replay *r)
 {
     frame_options *o = &r->options;
     session *s = &r->session;
     o->source.stop = interrupt_came;
-    if (session_check(s) || open_source(r) || session_begin(s, 0))
+    if (begin_compare(r) || session_check(s) || open_source(r) || session_begin(s, 0) || open_compare(r))
         return -1;
     uint64_t total = s->source->frames * o->hold;
     if (o->most && (!total || total > o->most))
@@ -264,6 +304,7 @@ int replay_main(int argc, char **argv)
     any_scale_describe(&r.scale, by + strlen(by), sizeof by - strlen(by));
     pupil_source_close(s->source);
     any_scale_close(&r.scale);
+    compare_close(&r.compare);
     if (interrupted)
         tell_interrupted(&r);
     else if (failed)

@@ -15,6 +15,12 @@ static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why
                             limits.exposure_max_s * 1e3);
     if (o->gain > 0.0 && !(o->gain >= 0.999 * limits.gain_min && o->gain <= 1.001 * limits.gain_max))
         return pupil_refuse(why, "--gain: this camera has gains from %.4g to %.4g", limits.gain_min, limits.gain_max);
+    if (o->exposure_max_s > 0.0 && o->exposure_max_s < 0.999 * limits.exposure_min_s)
+        return pupil_refuse(why, "--shutter-max: this camera exposes from %.6g to %.6g ms", limits.exposure_min_s * 1e3,
+                            limits.exposure_max_s * 1e3);
+    if (o->gain_max > 0.0 && o->gain_max < 0.999 * limits.gain_min)
+        return pupil_refuse(why, "--gain-max: this camera has gains from %.4g to %.4g", limits.gain_min,
+                            limits.gain_max);
     return 0;
 }
 
@@ -23,6 +29,8 @@ int run_choose_mode(run_options *o, const pupil_source *source, pupil_why *remar
     pupil_camera *camera = pupil_live_camera(source);
     const char *asks = o->exposure_s > 0.0                 ? "--shutter"
                        : o->gain > 0.0                     ? "--gain"
+                       : o->exposure_max_s > 0.0           ? "--shutter-max"
+                       : o->gain_max > 0.0                 ? "--gain-max"
                        : o->mode == RUN_SENSOR             ? "--mode sensor"
                        : o->mode == RUN_BOTH               ? "--mode both"
                        : o->live.mains_hz && !o->row_gains ? "--mains"

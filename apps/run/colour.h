@@ -2,7 +2,7 @@
 #ifndef PUPIL_APPS_RUN_COLOUR_H
 #define PUPIL_APPS_RUN_COLOUR_H
 
-#include "live/white_balance.h"
+#include "colour/white_balance.h"
 #include "pupil/error.h"
 #include "source.h"
 

@@ -121,6 +121,14 @@ static const option_row control_rows[] = {
      .more = "Within a tenth. The driver's is from PIXEL_RATE and HBLANK, which webcams do not have. Then it is the "
              "number of lines times the line time of the sensor's data sheet, at most the frame period at the fastest "
              "rate."},
+    {"shutter-max", 0, OPTION_TIME, "TIME", AT(exposure_max_s), .low = 1e-6, .high = 1000.0, .unit_s = 1e-6,
+     .right = "a time: 10ms, 1/100, 0.01s, or a plain number of microseconds, from 1us to 1000s",
+     .help = "longest exposure"},
+    {"gain-max", 0, OPTION_NUMBER, "FACTOR", AT(gain_max), .low = 0x1p-10, .high = 65536.0,
+     .right = "a factor from 0.001 to 65536; 1 is no gain", .help = "largest gain"},
+    {"control", 0, OPTION_PATH, "SOCKET", AT(control), .help = "change it while it runs, by 'pupil ctl SOCKET'",
+     .more = "A Unix socket of mode 0600: a command a line, an answer in JSON a line, between frames. pupil ctl --help "
+             "has the commands. It is removed at the end."},
     {"no-frame-rate-priority", 0, OPTION_FLAG, NULL, AT(any_frame_rate),
      .help = "in the dark, expose longer than a frame",
      .more = "After the gain has reached its limit. Frames then come slower."},
@@ -231,6 +239,19 @@ static int check_flicker(const run_options *r, pupil_why *why)
     return OPTIONS_RUN;
 }
 
+/* Of the limits. */
+static int check_limits(const run_options *r, pupil_why *why)
+{
+    if (r->mode == RUN_DIGITAL && (r->exposure_max_s > 0.0 || r->gain_max > 0.0))
+        return pupil_refuse(why, "--shutter-max and --gain-max: are of --mode sensor and both; digital leaves the "
+                                 "camera as it is");
+    if (r->exposure_s > 0.0 && r->exposure_max_s > 0.0)
+        return pupil_refuse(why, "--shutter and --shutter-max: one of them");
+    if (r->gain > 0.0 && r->gain_max > 0.0)
+        return pupil_refuse(why, "--gain and --gain-max: one of them");
+    return OPTIONS_RUN;
+}
+
 /* Of --resume, --curve and --control-delay, which are about what is controlled. */
 static int check_control(const run_options *r, pupil_why *why)
 {
@@ -257,7 +278,7 @@ int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
         return OPTIONS_USAGE;
     if (r->mode == RUN_SENSOR && r->shown.config.order == PUPIL_ORDER_FUSED)
         return pupil_refuse(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
-    if (check_flicker(r, why))
+    if (check_flicker(r, why) || check_limits(r, why))
         return OPTIONS_USAGE;
     return check_control(r, why);
 }

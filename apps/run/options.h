@@ -2,8 +2,8 @@
 #ifndef PUPIL_APPS_RUN_OPTIONS_H
 #define PUPIL_APPS_RUN_OPTIONS_H
 
+#include "colour/white_balance.h"
 #include "live/live.h"
-#include "live/white_balance.h"
 #include "options/frame_options.h"
 
 typedef enum run_mode {
@@ -26,13 +26,16 @@ typedef struct run_options {
     pupil_live_options live;
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode, curve;
-    double exposure_s, gain; /* manual; 0: not */
-    const char *resume;      /* a file with the exposure to begin with; NULL: with what the camera has */
-    double seconds;          /* to run; 0: until it is stopped */
-    int mains_off;           /* live.mains_hz is 0 because there are none; else it is found from the frames */
-    int any_frame_rate;      /* in the dark the exposure may be longer than a frame */
-    int row_gains;           /* flicker bands in exposures below a period are corrected row by row */
-    double readout_s;        /* from the first row to the last; 0: the driver's */
+    double exposure_s, gain;         /* manual; 0: not */
+    double exposure_max_s, gain_max; /* the most that is asked of the camera; 0: what it has */
+    const char *control;             /* a socket, by which the run is changed; NULL: none */
+    int locked;                      /* by that socket: exposure time and gain are held, too */
+    const char *resume;              /* a file with the exposure to begin with; NULL: with what the camera has */
+    double seconds;                  /* to run; 0: until it is stopped */
+    int mains_off;                   /* live.mains_hz is 0 because there are none; else it is found from the frames */
+    int any_frame_rate;              /* in the dark the exposure may be longer than a frame */
+    int row_gains;                   /* flicker bands in exposures below a period are corrected row by row */
+    double readout_s;                /* from the first row to the last; 0: the driver's */
 } run_options;
 
 /* As options_parse, with the defaults set before; argv stays as it is. */

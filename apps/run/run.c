@@ -5,10 +5,12 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ask.h"
 #include "choose.h"
 #include "colour.h"
 #include "common/camera.h"
 #include "common/interrupt.h"
+#include "control.h"
 #include "options/commands.h"
 #include "output/frame_log_fill.h"
 #include "refuse.h"
@@ -29,6 +31,8 @@ typedef struct run {
     run_colour colour;
     run_row_gains lamps;
     run_status status;
+    run_ask ask;
+    run_control *control;
     pupil_live_counts counts; /* at the last frame */
     int failed;               /* session.why has the sentence */
     pupil_why unused;
@@ -103,6 +107,7 @@ static int show(run *r, pupil_frame *frame)
     run_resume_frame(&r->resume, s->source, &r->sensor.loop.setting, mapped_ns);
     pupil_white_balance_frame(&r->colour.colour, &frame->image, &frame->info);
     run_status_frame(&r->status, &entry);
+    r->ask.last = entry;
     return 0;
 }
 
@@ -118,6 +123,16 @@ static int take(run *r, pupil_frame *frame)
     return show(r, frame);
 }
 
+/* Between two frames. */
+static void serve(run *r)
+{
+    const pupil_sensor_config *c = &r->sensor.loop.config;
+    const int steers = r->sensor.loop.steers && r->sensor.camera;
+    r->ask.gain_min = steers ? c->gain_min : 0.0;
+    r->ask.exposure_min_s = steers ? c->exposure_min_s : 0.0;
+    run_control_serve(r->control);
+}
+
 static int go_on(run *r)
 {
     session *s = &r->session;
@@ -131,6 +146,7 @@ static int go_on(run *r)
             return -1;
         failed = take(r, &frame);
         pupil_source_done(s->source, &frame);
+        serve(r);
     }
     if (!s->frames && !failed && !interrupt_came())
         return pupil_refuse(&s->why, "%s: no frame came", r->device);
@@ -174,6 +190,10 @@ static int begin(run *r)
     run_options *o = &r->options;
     session *s = &r->session;
     pupil_why words = {""};
+    r->ask = (run_ask){
+        .options = o, .session = s, .last = {.state = "empty", .reason = "", .sensor = "", .sensor_reason = ""}};
+    if (o->control && run_control_open(&r->control, o->control, run_ask_line, &r->ask, &s->why))
+        return -1;
     if (session_check(s) || run_resume_check(o->resume, &s->why) || open_camera(r) ||
         run_choose_mode(o, s->source, &words, &s->why))
         return -1;
@@ -210,6 +230,7 @@ static void end(run *r, char *more, size_t more_bytes)
 {
     session *s = &r->session;
     session_end(s, more, more_bytes);
+    run_control_close(r->control);
     camera_guard(NULL);
     end_of_run.source = NULL;
     pupil_source_close(s->source);

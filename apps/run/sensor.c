@@ -20,21 +20,38 @@ static const char *reason_word(const run_sensor *s)
     return s->loop.steers && s->loop.setting.reason ? pupil_sensor_reason_name(s->loop.setting.reason) : "";
 }
 
-/* What keys can change while it runs; 1: they did. Where the picture is adapted to by itself, the sensor's own level is
- * hidden, and stays where a sensor is best. */
-static int follow_keys(const run_sensor *s, pupil_sensor_config *config)
+/* The camera's limits, and the user's within them. */
+static void limit(const run_sensor *s, pupil_sensor_config *c)
+{
+    const run_options *o = s->options;
+    if (o->exposure_max_s > 0.0)
+        c->exposure_max_s = fmax(c->exposure_min_s, fmin(c->exposure_max_s, o->exposure_max_s));
+    if (o->gain_max > 0.0)
+        c->gain_max = fmax(c->gain_min, fmin(c->gain_max, o->gain_max));
+}
+
+/* What keys and the control socket can change while it runs; 1: they did. Where the picture is adapted to by itself,
+ * the sensor's own level is hidden, and stays where a sensor is best. */
+static int follow(const run_sensor *s, pupil_sensor_config *config)
 {
     const pupil_config *shown = &s->options->shown.config;
     const pupil_sensor_config before = *config;
+    pupil_sensor_config camera = *config;
+    pupil_camera_configure(s->camera, &camera);
+    config->exposure_max_s = camera.exposure_max_s;
+    config->gain_max = camera.gain_max;
+    limit(s, config);
+    config->trim_low = (double)shown->trim_low;
+    config->trim_high = (double)shown->trim_high;
+    config->lock = (uint32_t)s->options->locked;
     if (s->options->mode != RUN_SENSOR)
-        return 0;
+        return memcmp(config, &before, sizeof before) != 0;
     config->key = shown->key;
     config->key_points = shown->key_points;
     memcpy(config->key_at, shown->key_at, sizeof config->key_at);
     config->ev_compensation = shown->ev_compensation;
     config->lock = shown->lock;
-    return config->key != before.key || config->ev_compensation != before.ev_compensation ||
-           config->lock != before.lock;
+    return memcmp(config, &before, sizeof before) != 0;
 }
 
 static void configure(const run_sensor *s, pupil_sensor_config *c)
@@ -46,8 +63,6 @@ static void configure(const run_sensor *s, pupil_sensor_config *c)
     c->frame_rate_priority = !o->any_frame_rate;
     c->mains_hz = o->live.mains_hz || o->mains_off ? o->live.mains_hz : PUPIL_SENSOR_MAINS_AUTO;
     c->linear = o->curve == RUN_CURVE_AUTO ? (uint32_t)pupil_live_is_linear(s->source) : o->curve == RUN_CURVE_LINEAR;
-    c->trim_low = (double)o->shown.config.trim_low;
-    c->trim_high = (double)o->shown.config.trim_high;
     if (o->exposure_s > 0.0) {
         c->exposure_mode = PUPIL_SENSOR_MANUAL;
         c->manual_exposure_s = o->exposure_s;
@@ -56,7 +71,7 @@ static void configure(const run_sensor *s, pupil_sensor_config *c)
         c->gain_mode = PUPIL_SENSOR_MANUAL;
         c->manual_gain = o->gain;
     }
-    follow_keys(s, c);
+    follow(s, c);
 }
 
 /* From the level that the camera has, so that its picture does not jump; of one that came back, from the wanted one. */
@@ -128,7 +143,7 @@ void run_sensor_frame(run_sensor *s, const pupil_stats *stats, const pupil_frame
 {
     pupil_sensor_config config = s->loop.config;
     if (s->loop.steers && s->camera) {
-        if (follow_keys(s, &config))
+        if (follow(s, &config))
             pupil_camera_loop_retune(&s->loop, &config);
         pupil_live_mark(s->source); /* metering took its time */
         pupil_camera_loop_frame(&s->loop, stats, info);

@@ -58,9 +58,8 @@ static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
     return (pupil_sink_sound){0};
 }
 
-static int open_all(session_outputs *o, const pupil_frame *frame, pupil_why *why)
+static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_image *first, pupil_why *why)
 {
-    const pupil_image_const *first = &frame->image;
     const frame_options *options = o->options;
     const pupil_sink_options of_sink = {.width = first->width,
                                         .height = first->height,
@@ -136,11 +135,11 @@ static int stats_failed(session_outputs *o)
     return ended ? 1 : -1;
 }
 
-int session_outputs_write(session_outputs *o, const pupil_frame *frame, const frame_pipeline *p, frame_log_entry *entry,
-                          pupil_why *why)
+int session_outputs_write(session_outputs *o, const pupil_frame *frame, const frame_pipeline *p,
+                          const pupil_image *shown, frame_log_entry *entry, pupil_why *why)
 {
-    const pupil_image_const display = pupil_image_as_const(p->display);
-    if (record_frame(o, frame, why) || (!o->is_open && open_all(o, frame, why)) || is_other_size(o, &p->display, why))
+    const pupil_image_const display = pupil_image_as_const(*shown);
+    if (record_frame(o, frame, why) || (!o->is_open && open_all(o, frame, shown, why)) || is_other_size(o, shown, why))
         return -1;
     const double began_s = progress_now_s();
     if (pictures_write(&o->pictures, &display, &frame->info, frame->name, why))

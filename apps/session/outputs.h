@@ -41,10 +41,11 @@ void session_outputs_begin(session_outputs *o, frame_options *options, const pup
 int session_outputs_want_pixels(const frame_options *options);
 int session_outputs_want_figures(const frame_options *options);
 
-/* A frame that was mapped, and its entry, which takes how long writing took. The first one opens everything. 0; -1 and
- * a sentence. 1, of a live run: a reader who has seen enough, or Ctrl-C, ends it here, which is no failure. */
-int session_outputs_write(session_outputs *o, const pupil_frame *frame, const frame_pipeline *p, frame_log_entry *entry,
-                          pupil_why *why);
+/* A frame that was mapped, its picture, and its entry, which takes how long writing took. The first one opens
+ * everything. 0; -1 and a sentence. 1, of a live run: a reader who has seen enough, or Ctrl-C, ends it here, which is
+ * no failure. */
+int session_outputs_write(session_outputs *o, const pupil_frame *frame, const frame_pipeline *p,
+                          const pupil_image *shown, frame_log_entry *entry, pupil_why *why);
 
 /* At the end, also of a run that never began: 0, or -1 and the first sentence of those outputs that cannot be
  * completed. A second Ctrl-C leaves out those that are to come. Of a live run, and after Ctrl-C, the options name what

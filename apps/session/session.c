@@ -28,7 +28,8 @@ int session_begin(session *s, int live)
     session_outputs_begin(&s->outputs, s->options, s->source, live);
     if (frame_pipeline_open(&s->pipeline, &s->options->config, s->options->threads))
         return pupil_refuse(&s->why, "not enough memory");
-    if (s->options->veil && frame_pipeline_use_veil(&s->pipeline, &s->options->eye))
+    const double *above = s->options->bloom ? &s->options->bloom_above : NULL;
+    if (s->options->veil && frame_pipeline_use_veil(&s->pipeline, &s->options->eye, above))
         return pupil_refuse(&s->why, "not enough memory");
     return 0;
 }
@@ -111,7 +112,8 @@ int session_map(session *s, const pupil_frame *frame, frame_log_entry *entry)
 
 int session_show(session *s, const pupil_frame *frame, frame_log_entry *entry)
 {
-    const int written = session_outputs_write(&s->outputs, frame, &s->pipeline, entry, &s->why);
+    const pupil_image *shown = s->shown ? s->shown : &s->pipeline.display;
+    const int written = session_outputs_write(&s->outputs, frame, &s->pipeline, shown, entry, &s->why);
     if (written < 0)
         return -1;
     s->frames++;

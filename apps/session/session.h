@@ -18,7 +18,8 @@ typedef struct session {
     pupil_source *source; /* NULL: closed */
     frame_pipeline pipeline;
     session_outputs outputs;
-    view *view; /* NULL: no window (yet) */
+    const pupil_image *shown; /* what is written instead of the pipeline's picture; NULL */
+    view *view;               /* NULL: no window (yet) */
     progress progress;
     uint64_t frames;       /* shown */
     uint64_t too_dark;     /* of them: their codes are mostly noise, so they are left dark */

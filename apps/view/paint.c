@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "font.h"
+#include "common/font.h"
 #include "refuse.h"
 
 enum { MOST_VERTICES = 6 * 8192 }; /* of one call of GL; more are drawn in several */
@@ -137,10 +137,10 @@ void view_paint_line(view_paint *p, const float from[2], const float to[2], floa
 
 static void letter(view_paint *p, float x, float y, float scale, view_colour colour, char c)
 {
-    const unsigned char *rows = view_font_rows(c);
-    for (int row = 0; row < VIEW_FONT_HEIGHT; row++)
-        for (int from = 0, to; from < VIEW_FONT_WIDTH; from = to + 1) { /* a box for pixels side by side */
-            for (to = from; to < VIEW_FONT_WIDTH && (rows[row] >> (VIEW_FONT_WIDTH - 1 - to) & 1); to++)
+    const unsigned char *rows = font_rows(c);
+    for (int row = 0; row < FONT_HEIGHT; row++)
+        for (int from = 0, to; from < FONT_WIDTH; from = to + 1) { /* a box for pixels side by side */
+            for (to = from; to < FONT_WIDTH && (rows[row] >> (FONT_WIDTH - 1 - to) & 1); to++)
                 ;
             if (to > from)
                 view_paint_box(p, x + (float)from * scale, y + (float)row * scale, (float)(to - from) * scale, scale,
@@ -154,11 +154,11 @@ void view_paint_text(view_paint *p, float x, float y, float scale, view_colour c
     for (; *text; text++) {
         if (*text == '\n') {
             at = x;
-            y += VIEW_FONT_LINE * scale;
+            y += FONT_LINE * scale;
             continue;
         }
         letter(p, at, y, scale, colour, *text);
-        at += VIEW_FONT_STEP * scale;
+        at += FONT_STEP * scale;
     }
 }
 
@@ -169,5 +169,5 @@ float view_paint_text_width(float scale, const char *text)
         line = *text == '\n' ? 0 : line + 1;
         widest = line > widest ? line : widest;
     }
-    return (float)(widest ? widest * VIEW_FONT_STEP - 1 : 0) * scale;
+    return (float)(widest ? widest * FONT_STEP - 1 : 0) * scale;
 }

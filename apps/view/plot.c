@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "font.h"
+#include "common/font.h"
 
 /* As plot.c has them: Okabe and Ito, Color Universal Design, 2008. */
 #define BLUE      0x0072B2ffu
@@ -109,7 +109,7 @@ static void edges(view_paint *p, const panel *on, float scale, const char *forma
     snprintf(text, sizeof text, format, on->high);
     view_paint_text(p, x, on->y, scale, WHITE, text);
     snprintf(text, sizeof text, format, on->low);
-    view_paint_text(p, x, on->y + on->height - VIEW_FONT_HEIGHT * scale, scale, WHITE, text);
+    view_paint_text(p, x, on->y + on->height - FONT_HEIGHT * scale, scale, WHITE, text);
 }
 
 static void legend(view_paint *p, float x, float y, float scale)
@@ -127,7 +127,7 @@ static void legend(view_paint *p, float x, float y, float scale)
 
 void view_plot_paint(const view_plot *plot, view_paint *p, float width, float height, float scale, double key)
 {
-    const float margin = 8.0f * scale, line = VIEW_FONT_LINE * scale, numbers = 40.0f * scale;
+    const float margin = 8.0f * scale, line = FONT_LINE * scale, numbers = 40.0f * scale;
     const float all = fminf(0.45f * height, 130.0f * scale), top = height - all;
     const double now_s = plot->count ? at(plot, plot->count - 1)->time_s : 0.0;
     const float room = all - margin - 1.5f * line - margin; /* under the legend */

@@ -7,9 +7,9 @@
 #include <string.h>
 #include <time.h>
 
+#include "common/font.h"
 #include "common/interrupt.h"
 #include "common/progress.h"
-#include "font.h"
 #include "frame/gl_calls.h"
 #include "keys.h"
 #include "paint.h"
@@ -100,8 +100,7 @@ static void paint_words(view *v, float x, float y, float scale, const char *word
     float lines = 1.0f;
     for (const char *c = words; *c; c++)
         lines += *c == '\n';
-    view_paint_box(v->paint, x, y, width + 2.0f * margin, (VIEW_FONT_LINE * lines - 3.0f) * scale + 2.0f * margin,
-                   SHADE);
+    view_paint_box(v->paint, x, y, width + 2.0f * margin, (FONT_LINE * lines - 3.0f) * scale + 2.0f * margin, SHADE);
     view_paint_text(v->paint, x + margin, y + margin, scale, WHITE, words);
 }
 

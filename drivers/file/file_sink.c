@@ -17,7 +17,7 @@ static const struct {
 } kinds[] = {
     {".mp4", pupil_video_sink_open}, {".mkv", pupil_video_sink_open}, {".mov", pupil_video_sink_open},
     {".y4m", pupil_y4m_sink_open},   {".png", pupil_png_sink_open},   {".jpg", pupil_jpeg_sink_open},
-    {".jpeg", pupil_jpeg_sink_open},
+    {".jpeg", pupil_jpeg_sink_open}, {".tif", pupil_tiff_sink_open},  {".tiff", pupil_tiff_sink_open},
 };
 
 int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
@@ -36,7 +36,8 @@ int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pu
             return kinds[i].open(path, options, sink, why);
     return pupil_refuse(
         why,
-        "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png or .jpg, a "
-        "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output",
-        path, dot);
+        "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png, .jpg or .tif, a "
+        "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output; others by ffmpeg: "
+        "pupil replay IN -q -o - | ffmpeg -i - %s",
+        path, dot, path);
 }

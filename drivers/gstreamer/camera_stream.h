@@ -4,8 +4,8 @@
 #ifndef PUPIL_DRIVERS_GSTREAMER_CAMERA_STREAM_H
 #define PUPIL_DRIVERS_GSTREAMER_CAMERA_STREAM_H
 
+#include "colour/white_balance.h"
 #include "live/live.h"
-#include "live/white_balance.h"
 #include "pupil/camera_loop.h"
 #include "pupil/pupil.h"
 

@@ -19,7 +19,7 @@
 #ifndef PUPIL_DRIVERS_RAW_RAW_SOURCE_H
 #define PUPIL_DRIVERS_RAW_RAW_SOURCE_H
 
-#include "live/white_balance.h"
+#include "colour/white_balance.h"
 #include "source.h"
 
 /* What the keys say. */

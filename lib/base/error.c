@@ -10,7 +10,8 @@ const char *pupil_error_string(int code)
     static const char *const sentence[] = {
         [-PUPIL_OK] = "no error",
         [-PUPIL_ERR_NULL] =
-            "a required pointer is NULL: the object, an image, its data, chroma or cr, or where a result goes",
+            "a required pointer is NULL: the object, an image, its data, chroma or cr, or where a result goes; "
+            "without a picture there is pupil_meter",
         [-PUPIL_ERR_CONFIG] = "the configuration is refused; pupil_config_check names the field",
         [-PUPIL_ERR_OBJECT] = "the object was not made by pupil_init of this version of the library",
         [-PUPIL_ERR_SIZE] =
@@ -48,6 +49,9 @@ const char *pupil_error_string(int code)
             "this version of the library does not know",
         [-PUPIL_ERR_PIXEL_OUT] = "the output's pixel format cannot be written; RGBA8, RGB8, BGRX8, BGR8, NV12, I420, "
                                  "RGBA32F, RGB32F, BGR32F, RGBA16F and RGB16F can",
+        [-PUPIL_ERR_NO_LIGHT] =
+            "these statistics have no such value: no pixel was metered, or, of pupil_stats_grey_world, a channel has "
+            "no light, or the frame was no mosaic metered with config.grey_world",
     };
     if (code > 0 || code <= -(int)(sizeof sentence / sizeof sentence[0]))
         return "not an error code of this version of the library";

@@ -291,6 +291,8 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
     int error = pupil_stats_check(stats);
     if (error || !stats->weight)
         return error;
+    if (stats->has_histogram && !pupil_stats_are_counted(stats))
+        return PUPIL_ERR_STATS; /* of some rows only, and of none that is counted */
     error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
         error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);

@@ -5,7 +5,7 @@
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, eye_unit_cd_m2)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_config, accuracy)
 
 static void fill_in_defaults(pupil_config *config)
 {
@@ -107,7 +107,10 @@ static const char *metering_fault(const pupil_config *c)
          "trim_high must be above trim_low, up to 1"},
         {c->histogram <= 1, "histogram must be 0 or 1"},
         {c->meter_rows <= 8 && !(c->meter_rows & (c->meter_rows - 1)), "meter_rows must be 0, 1, 2, 4 or 8"},
+        {c->histogram_step <= 8 && !(c->histogram_step & (c->histogram_step - 1)),
+         "histogram_step must be 0, 1, 2, 4 or 8"},
         {c->grey_world <= 1, "grey_world must be 0 or 1"},
+        {c->accuracy < PUPIL_ACCURACY_COUNT, "accuracy must be a pupil_accuracy"},
         {c->dither <= 1, "dither must be 0 or 1"},
     };
     const char *fault = primaries_fault(c);

@@ -19,6 +19,8 @@
 typedef int64_t pupil_level_q52;
 /* Sums of log2 in statistics have 40 fractional bits. */
 #define PUPIL_Q40_ONE (INT64_C(1) << 40)
+/* config.histogram_step is no larger. */
+#define PUPIL_MOST_STEP 8
 
 /* The curve as a table, in scene luminance. The roots are in 2^-31, so that they end on their targets. */
 typedef struct pupil_knots {
@@ -109,6 +111,16 @@ void pupil_chroma_coder_make(const pupil_coding *coding, pupil_chroma_coder *cod
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_tone *curve, const pupil_image *out);
 
+/* What maps blocks that are planes already (kernels.h: pupil_map_planes), `in` being what they were; no mosaic. The job
+ * has pointers to itself, to object and to curve. */
+typedef struct pupil_picture_job {
+    pupil_row_job map, picture;
+    pupil_coder coder;
+    float mixed[9];
+} pupil_picture_job;
+void pupil_picture_job_make(const pupil_object *object, const pupil_image_const *in, const pupil_tone *curve,
+                            uint32_t out_pixel, pupil_picture_job *job);
+
 /* The metering grid: the first x whose pixel is in column `cell` of it or right of that; the row that y is in. */
 uint32_t pupil_grid_first_in_cell(uint32_t cell, uint32_t width);
 uint32_t pupil_grid_cell_of(uint32_t y, uint32_t height);
@@ -123,10 +135,12 @@ void pupil_metered_luma(const float luma[3], const pupil_coder *coder, float met
  * bin and band: for rows that come one at a time. */
 int pupil_stats_check(const pupil_stats *stats);
 int pupil_stats_check_sums(const pupil_stats *stats);
-/* pupil_stats_quantile of several shares at once, of statistics that have been checked and have a weight and bins. */
+/* Whether there are bins with a weight: rows of a frame may have none that is counted (config.histogram_step). */
+int pupil_stats_are_counted(const pupil_stats *stats);
+/* pupil_stats_quantile of several shares at once, of statistics that have been checked and are counted. */
 void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count, double *log2_luminance);
 /* The mean, over the weight between two shares, of the stops by which light is above `from_log2`, each at most `most`.
- * They have a histogram and a weight, too. */
+ * They are counted, too. */
 double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most);
 
 /* log2 of what the frame's values are to be divided by to be scene luminance; as last known where info does not say. */

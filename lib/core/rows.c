@@ -41,6 +41,15 @@ static int is_even(const uint8_t weight[PUPIL_GRID_SIDE])
     return half[0] == half[1] && half[0] == (half[0] << 8 | half[0] >> 56);
 }
 
+static inline void work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
+                            uint32_t weight, uint32_t band, pupil_stats *stats)
+{
+    if (job->sample > 1 && stats)
+        pupil_meter_sampled(job, row, x, n, weight, band, stats);
+    else
+        pupil_work_run(job, row, x, n, target, weight, band, stats);
+}
+
 /* One row of runs; width in what job->way makes of a row. target NULL: not mapped. */
 static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupil_row *row, uint8_t *target,
                      uint32_t width, uint32_t band, pupil_stats *stats)
@@ -50,7 +59,7 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
 
     if (is_even(weight)) { /* the usual grid: to walk its cells would take a hundred instructions a row */
         if (target || weight[0])
-            pupil_work_run(job, row, 0, width, target, weight[0], band, stats);
+            work_run(job, row, 0, width, target, weight[0], band, stats);
         return;
     }
     for (uint32_t cell = 0; cell < PUPIL_GRID_SIDE;) {
@@ -59,11 +68,15 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
             next++;
         uint32_t end = next < PUPIL_GRID_SIDE ? pupil_grid_first_in_cell(next, width) : width;
         if (end > x && (target || weight[cell]))
-            pupil_work_run(job, row, x, end - x, target ? target + x * out_bytes : 0, weight[cell], band, stats);
+            work_run(job, row, x, end - x, target ? target + x * out_bytes : 0, weight[cell], band, stats);
         x = end;
         cell = next;
     }
 }
+
+/* docs/numerics.md has the errors. */
+#define LEAST_COUNTED 50000u
+#define LEAST_SAMPLED 16000u /* PUPIL_ACCURACY_LUMA */
 
 /* What the rows of one call are worked with. */
 typedef struct work {
@@ -110,9 +123,15 @@ static pupil_row row_of(const work *w, uint32_t i)
     return row;
 }
 
+/* As in Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, 2014 (figure 14, mix32). */
+static uint64_t mixed(uint64_t z)
+{
+    z = (z ^ (z >> 33)) * UINT64_C(0x62a9d9ed799705f5);
+    return (z ^ (z >> 28)) * UINT64_C(0xcb24d0a5c88c35b3);
+}
+
 /* With config.meter_rows = n one of each n rows (or rows of quads) is metered: any, another one in another frame and in
- * another group of n, so that no stripe is met every time. The frames' number and the group's are mixed as in Steele,
- * Lea, Flood: Fast Splittable Pseudorandom Number Generators, 2014 (figure 14, mix32). */
+ * another group of n, so that no stripe is met every time: by the frames' number and the group's. */
 static int is_metered(const work *w, uint32_t unit_row)
 {
     const uint32_t n = w->object->config.meter_rows;
@@ -121,10 +140,27 @@ static int is_metered(const work *w, uint32_t unit_row)
         return 1;
     const uint32_t group = unit_row / n;
     const uint32_t rows = units - group * n < n ? units - group * n : n;
-    uint64_t z = w->object->adaptation.turn * UINT64_C(0x9e3779b97f4a7c15) + group * UINT64_C(0xd1b54a32d192ed03);
-    z = (z ^ (z >> 33)) * UINT64_C(0x62a9d9ed799705f5);
-    z = (z ^ (z >> 28)) * UINT64_C(0xcb24d0a5c88c35b3);
+    const uint64_t z =
+        mixed(w->object->adaptation.turn * UINT64_C(0x9e3779b97f4a7c15) + group * UINT64_C(0xd1b54a32d192ed03));
     return unit_row % n == (uint32_t)(z >> 32) % rows;
+}
+
+/* As is_metered, for config.histogram_step; the frames' number has no part in it. Groups start over in each row of the
+ * metering grid, so that the rows of one have the same weights, and the bins' sum is that of all weights. */
+static void find_counted(const work *w, uint32_t unit_row, uint32_t n, pupil_row *row)
+{
+    const uint32_t units = w->frame_height / w->in_unit;
+    row->bins_rows = 1;
+    if (n <= 1)
+        return;
+    const uint32_t cell = pupil_grid_cell_of(unit_row, units), first = pupil_grid_first_in_cell(cell, units);
+    const uint32_t next = cell + 1 < PUPIL_GRID_SIDE ? pupil_grid_first_in_cell(cell + 1, units) : units;
+    const uint32_t group = first + (unit_row - first) / n * n;
+    const uint32_t rows = next - group < n ? next - group : n;
+    const uint64_t z = mixed((uint64_t)group * UINT64_C(0xd1b54a32d192ed03));
+    row->bins_first = (uint32_t)(z >> 48) % n;
+    if (w->object->config.meter_rows <= 1)
+        row->bins_rows = unit_row - group == (uint32_t)(z >> 32 & 0xffff) % rows ? rows : 0;
 }
 
 static const uint8_t *weights_of(const work *w, uint32_t unit_row, uint32_t *band)
@@ -134,20 +170,6 @@ static const uint8_t *weights_of(const work *w, uint32_t unit_row, uint32_t *ban
     return w->object->config.weight[pupil_grid_cell_of(unit_row, units)];
 }
 
-/* Row i, metered and, where it is a row of pixels to a row of pixels, mapped in the same pass. */
-static void work_plain_row(const work *w, uint32_t i)
-{
-    static const uint8_t even[PUPIL_GRID_SIDE] = {0};
-    const pupil_row row = row_of(w, i);
-    const uint8_t *weight = even;
-    uint32_t band = 0;
-    pupil_stats *stats = w->stats && is_metered(w, w->first_row + i) ? w->stats : 0;
-    if (stats)
-        weight = weights_of(w, w->first_row + i, &band);
-    if (stats || w->out)
-        work_row(&w->map, weight, &row, w->out ? out_row(w, i) : 0, w->in->width, band, stats);
-}
-
 static void meter_unit(const work *w, uint32_t i)
 {
     const uint32_t unit_row = (w->first_row + i) / w->in_unit;
@@ -155,8 +177,31 @@ static void meter_unit(const work *w, uint32_t i)
     if (!is_metered(w, unit_row))
         return;
     const uint8_t *weight = weights_of(w, unit_row, &band);
-    const pupil_row row = row_of(w, i);
+    pupil_row row = row_of(w, i);
+    if (w->meter.sample > 1 || w->meter.histogram)
+        find_counted(w, unit_row, w->meter.sample > 1 ? w->meter.sample : w->meter.histogram, &row);
+    if (w->meter.sample > 1 && !row.bins_rows)
+        return;
     work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
+}
+
+/* Row i, metered and, where it is a row of pixels to a row of pixels, mapped in the same pass. */
+static void work_plain_row(const work *w, uint32_t i)
+{
+    static const uint8_t even[PUPIL_GRID_SIDE] = {0};
+    pupil_row row = row_of(w, i);
+    const uint8_t *weight = even;
+    uint32_t band = 0;
+    const int apart = w->stats && w->meter.sample > 1;
+    pupil_stats *stats = w->stats && !apart && is_metered(w, w->first_row + i) ? w->stats : 0;
+    if (apart)
+        meter_unit(w, i);
+    if (stats)
+        weight = weights_of(w, w->first_row + i, &band);
+    if (stats && w->map.histogram)
+        find_counted(w, w->first_row + i, w->map.histogram, &row);
+    if (stats || w->out)
+        work_row(&w->map, weight, &row, w->out ? out_row(w, i) : 0, w->in->width, band, stats);
 }
 
 /* Row i of out from the row, or the quads, that it represents. */
@@ -166,7 +211,7 @@ static pupil_row source_of(const work *w, uint32_t i)
 }
 
 /* Rows i and i + 1 (or the last alone) of a picture in NV12 or I420. */
-static void map_yuv_rows(const work *w, uint32_t i)
+static void map_yuv_rows(const work *w, const pupil_luma_tables *tables, uint32_t i)
 {
     const int two = i + 1 < w->out->height;
     const pupil_row upper = source_of(w, i), lower = source_of(w, two ? i + 1 : i);
@@ -175,14 +220,17 @@ static void map_yuv_rows(const work *w, uint32_t i)
         .lower = two ? out_row(w, i + 1) : 0,
         .chroma = (uint8_t *)w->out->chroma + (ptrdiff_t)(i / 2) * w->out->chroma_stride_bytes,
         .cr = w->planes_out > 2 ? (uint8_t *)w->out->cr + (ptrdiff_t)(i / 2) * w->out->cr_stride_bytes : 0};
-    pupil_map_yuv(&w->map, &w->chroma, &upper, &lower, w->out->width, &to);
+    if (tables)
+        pupil_map_luma(&w->map, &w->chroma, tables, &upper, &lower, w->out->width, &to);
+    else
+        pupil_map_yuv(&w->map, &w->chroma, &upper, &lower, 0, w->out->width, &to);
 }
 
-/* Rows i to end of out. */
-static void map_rows(const work *w, uint32_t i, uint32_t end)
+/* Rows i to end of out; tables NULL: exactly. */
+static void map_rows(const work *w, const pupil_luma_tables *tables, uint32_t i, uint32_t end)
 {
     for (; i < end && w->planes_out > 1; i += 2)
-        map_yuv_rows(w, i);
+        map_yuv_rows(w, tables, i);
     for (; i < end; i++) {
         const pupil_row row = source_of(w, i);
         pupil_work_run(&w->map, &row, 0, w->out->width, out_row(w, i), 0, 0, 0);
@@ -192,7 +240,7 @@ static void map_rows(const work *w, uint32_t i, uint32_t end)
 /* Where rows are not mapped one by one as they are metered: four at a time, which are whole quads, and whole pairs of
  * 4:2:0 also in a picture of half the size. They stay in the cache from the one to the other. Not inline: with what it
  * keeps there, the stack of pupil_work_rows was above its limit (tree.stack). */
-static __attribute__((noinline)) void work_in_fours(const work *w)
+static __attribute__((noinline)) void work_in_fours(const work *w, const pupil_luma_tables *tables)
 {
     const uint32_t halved = w->map.way == PUPIL_WAY_BINNED ? 2 : 1;
     for (uint32_t i = 0; i < w->in->height; i += 4) {
@@ -200,8 +248,34 @@ static __attribute__((noinline)) void work_in_fours(const work *w)
         for (uint32_t j = i; w->stats && j < end; j += w->in_unit)
             meter_unit(w, j);
         if (w->out)
-            map_rows(w, i / halved, end / halved);
+            map_rows(w, tables, i / halved, end / halved);
     }
+}
+
+/* Whether what is mapped can go by luma. */
+static int goes_by_luma(const work *w)
+{
+    static const pupil_coding usual = {0};
+    const uint32_t pixel = w->in->pixel;
+    if (w->object->config.accuracy != PUPIL_ACCURACY_LUMA || !w->out || w->planes_out < 2 || w->map.to_picture ||
+        w->map.curve->dither || !w->coder.light)
+        return 0;
+    const pupil_coding *in = w->in->coding ? w->in->coding : &usual, *out = w->out->coding ? w->out->coding : &usual;
+    return (pixel == PUPIL_PIXEL_NV12 || pixel == PUPIL_PIXEL_NV21 || pixel == PUPIL_PIXEL_I420) &&
+           in->matrix == out->matrix && in->range == out->range;
+}
+
+static __attribute__((noinline)) void work_by_luma(const work *w)
+{
+    pupil_luma_tables tables;
+    pupil_luma_tables_make(&w->map, &w->chroma, &tables);
+    work_in_fours(w, &tables);
+}
+
+static __attribute__((noinline)) void work_plain_rows(const work *w)
+{
+    for (uint32_t i = 0; i < w->in->height; i++)
+        work_plain_row(w, i);
 }
 
 static void count_rows(const work *w)
@@ -236,6 +310,41 @@ static void convert_to_picture(work *w, const pupil_tone *curve, pupil_row_job *
     w->meter.to_peak = w->map.to_peak;
 }
 
+/* The largest step of rows and columns that leaves so many of the pixels. */
+static uint32_t step_for(uint64_t pixels, uint32_t least)
+{
+    uint32_t step = PUPIL_MOST_STEP;
+    while (step > 1 && pixels < (uint64_t)least * step * step)
+        step /= 2;
+    return step;
+}
+
+/* One of how many rows and columns the histogram counts, of a frame that is metered with so many pixels. */
+static uint32_t histogram_step(const pupil_object *object, uint32_t width, uint32_t height)
+{
+    if (!object->histogram || object->config.histogram_step)
+        return object->histogram ? object->config.histogram_step : 0;
+    return step_for((uint64_t)width * height, LEAST_COUNTED);
+}
+
+/* From the mapping job. */
+static void make_meter(work *w)
+{
+    const pupil_object *object = w->object;
+    const int mosaic = w->in_unit == 2;
+    w->meter = w->map;
+    w->meter.curve = 0;
+    w->meter.way = mosaic ? PUPIL_WAY_BINNED : PUPIL_WAY_PIXELS;
+    if (pupil_pixel_layout_of(w->in->pixel).yuv == 8 && object->config.accuracy == PUPIL_ACCURACY_LUMA) {
+        w->meter.sample = step_for((uint64_t)w->in->width * w->frame_height, LEAST_SAMPLED);
+        w->meter.histogram = w->meter.sample > 1 ? object->histogram : w->meter.histogram;
+    }
+    w->meter.grey_world = mosaic && object->config.grey_world;
+    pupil_metered_luma(object->luma, &w->coder, w->meter.luma);
+    if (mosaic)
+        pupil_coder_find_ordinary(&w->coder, &w->meter);
+}
+
 void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, uint32_t first_row, uint32_t frame_height,
                      pupil_stats *stats, const pupil_tone *curve, const pupil_image *out)
 {
@@ -266,25 +375,46 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         .way = !mosaic  ? PUPIL_WAY_PIXELS
                : halved ? PUPIL_WAY_BINNED
                         : PUPIL_WAY_BILINEAR,
-        .histogram = object->histogram,
+        .histogram = histogram_step(object, in->width / w.in_unit, frame_height / w.in_unit),
     };
-    w.meter = w.map;
-    w.meter.curve = 0;
-    w.meter.way = mosaic ? PUPIL_WAY_BINNED : PUPIL_WAY_PIXELS;
-    w.meter.grey_world = mosaic && object->config.grey_world;
-    pupil_metered_luma(object->luma, &w.coder, w.meter.luma);
-    if (mosaic)
-        pupil_coder_find_ordinary(&w.coder, &w.meter);
+    make_meter(&w);
     pupil_row_job picture;
     float mixed[9];
     if (object->has_to_picture || object->has_rods)
         convert_to_picture(&w, curve, &picture, mixed);
 
-    if (mosaic || yuv)
-        work_in_fours(&w);
+    if (yuv && goes_by_luma(&w))
+        work_by_luma(&w);
+    else if (mosaic || yuv)
+        work_in_fours(&w, 0);
     else
-        for (uint32_t i = 0; i < in->height; i++)
-            work_plain_row(&w, i);
+        work_plain_rows(&w);
     if (stats)
         count_rows(&w);
+}
+
+void pupil_picture_job_make(const pupil_object *object, const pupil_image_const *in, const pupil_tone *curve,
+                            uint32_t out_pixel, pupil_picture_job *job)
+{
+    const float *to_picture = object->has_to_picture ? object->to_picture : 0;
+    pupil_coder_make(in->coding, in->pixel, &job->coder);
+    job->map = (pupil_row_job){.kernels = pupil_level_kernels(object->level),
+                               .encoder = &pupil_encoders[object->config.transfer],
+                               .coder = &job->coder,
+                               .curve = curve,
+                               .cones = &object->cones,
+                               .luma = {object->luma[0], object->luma[1], object->luma[2]},
+                               .in_pixel = in->pixel,
+                               .out_pixel = out_pixel};
+    if (object->has_rods && curve->rods > 0.0f) {
+        pupil_mix_rods(to_picture, object->rods_to_picture, curve->rods, job->mixed);
+        to_picture = job->mixed;
+    }
+    if (!to_picture)
+        return;
+    job->picture = job->map;
+    for (int i = 0; i < 3; i++)
+        job->picture.luma[i] = object->picture_luma[i];
+    job->map.to_picture = to_picture;
+    job->map.picture = &job->picture;
 }

@@ -81,11 +81,31 @@ static int bins_add_up(const uint64_t *bin, int count, uint64_t wanted)
     return total == wanted && high <= wanted >> 32;
 }
 
-/* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows. */
+static uint64_t counted_weight(const pupil_stats *s)
+{
+    uint64_t total = 0;
+    for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
+        total += s->bin[i];
+    return total;
+}
+
+int pupil_stats_are_counted(const pupil_stats *s)
+{
+    return s->has_histogram && counted_weight(s) > 0;
+}
+
+/* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows.
+ * Statistics of some of a frame's rows may have a counted row for others that are elsewhere, or no counted row. */
 static int bins_and_bands_fit(const pupil_stats *s)
 {
-    const uint64_t wanted = s->has_histogram ? s->weight : 0;
-    uint64_t pixels = 0;
+    const uint64_t limit = s->weight * PUPIL_MOST_STEP; /* no overflow: counts_fit */
+    uint64_t wanted = s->has_histogram ? s->weight : 0, pixels = 0;
+    if (s->has_histogram && s->rows < s->frame_height) {
+        wanted = counted_weight(s);
+        wanted = wanted < limit ? wanted : limit;
+        if ((wanted > 0) != (s->peak > 0.0f))
+            return 0;
+    }
     for (int i = 0; i < PUPIL_BANDS; i++) {
         const int64_t most = (int64_t)s->band_pixels[i] * (32 * (INT64_C(1) << 24));
         if (s->band_log2_sum[i] > most || s->band_log2_sum[i] < -most)
@@ -127,7 +147,9 @@ static int channels_fit(const pupil_stats *s)
 /* There is a brightest channel wherever there are bins. False for NaN. */
 static int peak_fits(const pupil_stats *s)
 {
-    return s->has_histogram && s->weight ? s->peak >= 0x1p-32f && s->peak <= PUPIL_CEILING : s->peak == 0.0f;
+    if (!s->has_histogram || !s->weight || (s->rows < s->frame_height && s->peak == 0.0f))
+        return s->peak == 0.0f;
+    return s->peak >= 0x1p-32f && s->peak <= PUPIL_CEILING;
 }
 
 int pupil_stats_check_sums(const pupil_stats *s)
@@ -157,6 +179,7 @@ static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t w
                               double *log2_light)
 {
     uint64_t below = 0;
+    PUPIL_ASSERT(weight > 0);
     for (int k = 0, i = 0; k < count; k++) {
         const double target = q[k] * (double)weight;
         uint64_t wanted = (uint64_t)target;
@@ -172,7 +195,7 @@ static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t w
 
 void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count, double *log2_luminance)
 {
-    quantiles_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS_PER_STOP, stats->weight, q, count, log2_luminance);
+    quantiles_of_bins(stats->bin, PUPIL_HISTOGRAM_BINS_PER_STOP, counted_weight(stats), q, count, log2_luminance);
 }
 
 static int check_quantile(const pupil_stats *stats, double q, const double *result)
@@ -184,7 +207,9 @@ static int check_quantile(const pupil_stats *stats, double q, const double *resu
     if (!stats->has_histogram)
         return PUPIL_ERR_NO_HISTOGRAM;
     const int error = pupil_stats_check(stats);
-    return error || stats->weight ? error : PUPIL_ERR_STATS;
+    if (error || !stats->weight)
+        return error ? error : PUPIL_ERR_NO_LIGHT;
+    return pupil_stats_are_counted(stats) ? PUPIL_OK : PUPIL_ERR_STATS;
 }
 
 int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance)
@@ -203,7 +228,7 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     /* a frame that is clipped at 1 has its quantile at 1, not somewhere in the bin that begins there */
     const double most = pupil_log2((double)stats->peak);
     double inside;
-    quantiles_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, stats->weight, &q, 1, &inside);
+    quantiles_of_bins(stats->peak_bin, PUPIL_PEAK_BINS_PER_STOP, counted_weight(stats), &q, 1, &inside);
     *log2_peak = inside < most ? inside : most;
     return PUPIL_OK;
 }
@@ -224,7 +249,7 @@ static double histogram_mean(const pupil_stats *stats, double from, double to)
 
 double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most)
 {
-    const double from = low * (double)stats->weight, to = high * (double)stats->weight;
+    const double total = (double)counted_weight(stats), from = low * total, to = high * total;
     double end = 0.0, sum = 0.0;
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
         const double begin = end;
@@ -246,13 +271,13 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
         return PUPIL_ERR_VALUE;
     const int error = pupil_stats_check(stats);
     if (error || !stats->weight)
-        return error ? error : PUPIL_ERR_STATS;
+        return error ? error : PUPIL_ERR_NO_LIGHT;
 
     double mean = ((double)stats->log2_sum + (double)stats->log2_frac * 0x1p-40) / (double)stats->weight;
     if (low > 0.0 || high < 1.0) {
-        if (!stats->has_histogram)
-            return PUPIL_ERR_NO_HISTOGRAM;
-        const double total = (double)stats->weight;
+        if (!pupil_stats_are_counted(stats))
+            return stats->has_histogram ? PUPIL_ERR_STATS : PUPIL_ERR_NO_HISTOGRAM;
+        const double total = (double)counted_weight(stats);
         /* The exact mean corrects the bins' middles: as the trim goes to nothing, so does the difference of the two. */
         mean += histogram_mean(stats, low * total, high * total) - histogram_mean(stats, 0.0, total);
     }
@@ -266,11 +291,11 @@ int pupil_stats_grey_world(const pupil_stats *stats, float balance[3])
         return PUPIL_ERR_NULL;
     const int error = pupil_stats_check(stats);
     if (error || !stats->channel_quads)
-        return error ? error : PUPIL_ERR_STATS;
+        return error ? error : PUPIL_ERR_NO_LIGHT;
     int64_t most = 0;
     for (int i = 0; i < 3; i++) {
         if (stats->channel_sum[i] <= 0)
-            return PUPIL_ERR_STATS;
+            return PUPIL_ERR_NO_LIGHT;
         most = stats->channel_sum[i] > most ? stats->channel_sum[i] : most;
     }
     for (int i = 0; i < 3; i++) {

@@ -216,31 +216,73 @@ INLINE ints v_gather(const uint32_t *table, ints i)
     return _mm256_i32gather_epi32((const int *)(const void *)table, i, 4);
 }
 
-INLINE __m128 two_pairs(const float *first, const float *second)
+/* Two floats, which are aligned as floats are, in all places. */
+INLINE __m256d pair_everywhere(const float *pair)
 {
-    const __m128 low = _mm_castpd_ps(_mm_load_sd((const double *)(const void *)first));
-    return _mm_loadh_pi(low, (const __m64 *)(const void *)second);
+    double both;
+    __builtin_memcpy(&both, pair, sizeof both);
+    return _mm256_set1_pd(both);
+}
+
+/* Four pairs of floats. From memory to all places of a vector, and from there to one: that takes no shuffle, of which
+ * most CPUs do one a cycle. */
+INLINE __m256 four_pairs(const float *first, const float *second, const float *third, const float *fourth)
+{
+    const __m256d a = pair_everywhere(first);
+    const __m256d b = pair_everywhere(second);
+    const __m256d c = pair_everywhere(third);
+    const __m256d d = pair_everywhere(fourth);
+    return _mm256_castpd_ps(_mm256_blend_pd(_mm256_blend_pd(a, b, 2), _mm256_blend_pd(c, d, 8), 12));
+}
+
+/* The pairs from eight places: those of the even lanes by twos, and of the odd ones. Two indices a load, since loads
+ * are what all of this waits for. Not by a gather: on many CPUs it takes several times as long (AMD's; Intel's with the
+ * microcode against Gather Data Sampling). */
+INLINE void eight_pairs(const float *first, size_t step, ints i, __m256 *even, __m256 *odd)
+{
+    uint64_t two[WIDTH / 2];
+    v_store_ints((int32_t *)(void *)two, i);
+#define AT(k) (first + step * ((k) % 2 ? two[(k) / 2] >> 32 : (uint32_t)two[(k) / 2]))
+    *even = four_pairs(AT(0), AT(1), AT(4), AT(5));
+    *odd = four_pairs(AT(2), AT(3), AT(6), AT(7));
+#undef AT
 }
 
 /* light[i][0] + rest * light[i][1] */
 INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 {
-    int32_t at[WIDTH];
-    v_store_ints(at, i);
-    const __m256 even = _mm256_set_m128(two_pairs(light[at[4]], light[at[5]]), two_pairs(light[at[0]], light[at[1]]));
-    const __m256 odd = _mm256_set_m128(two_pairs(light[at[6]], light[at[7]]), two_pairs(light[at[2]], light[at[3]]));
+    __m256 even, odd;
+    eight_pairs(light[0], 2, i, &even, &odd);
     return v_add(_mm256_shuffle_ps(even, odd, 0x88), v_mul(rest, _mm256_shuffle_ps(even, odd, 0xdd)));
 }
 
 /* from knot[i] to knot[i + 1], by a part of the way */
 INLINE floats v_between(const float *knot, ints i, floats part)
 {
-    int32_t at[WIDTH];
-    v_store_ints(at, i);
-    const __m256 even = _mm256_set_m128(two_pairs(knot + at[4], knot + at[5]), two_pairs(knot + at[0], knot + at[1]));
-    const __m256 odd = _mm256_set_m128(two_pairs(knot + at[6], knot + at[7]), two_pairs(knot + at[2], knot + at[3]));
+    __m256 even, odd;
+    eight_pairs(knot, 1, i, &even, &odd);
     const floats from = _mm256_shuffle_ps(even, odd, 0x88), to = _mm256_shuffle_ps(even, odd, 0xdd);
     return v_add(from, v_mul(part, v_sub(to, from)));
+}
+
+/* 16 bytes as numbers, and 8 pairs of bytes as two numbers less 128, each twice */
+INLINE void v_of_bytes(const uint8_t *p, floats to[2])
+{
+    for (int k = 0; k < 2; k++)
+        to[k] = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)(p + 8 * k))));
+}
+
+INLINE void v_of_chroma(const uint8_t *p, floats u[2], floats v[2])
+{
+    const __m128i pairs = _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)p), _mm_set1_epi8(-128));
+    const __m256i words = _mm256_cvtepi8_epi16(pairs); /* u and v of a pair in a number of 32 bits */
+    const __m256i us = _mm256_srai_epi32(_mm256_slli_epi32(words, 16), 16), vs = _mm256_srai_epi32(words, 16);
+    const __m256 fu = _mm256_cvtepi32_ps(us), fv = _mm256_cvtepi32_ps(vs);
+    const __m256i low = _mm256_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3), high = _mm256_setr_epi32(4, 4, 5, 5, 6, 6, 7, 7);
+    u[0] = _mm256_permutevar8x32_ps(fu, low);
+    u[1] = _mm256_permutevar8x32_ps(fu, high);
+    v[0] = _mm256_permutevar8x32_ps(fv, low);
+    v[1] = _mm256_permutevar8x32_ps(fv, high);
 }
 
 /* --- load WIDTH pixels; *a is alpha --- */

@@ -216,9 +216,13 @@ INLINE ints v_gather(const uint32_t *table, ints i)
 /* light[i][0] + rest * light[i][1] */
 INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 {
-    const uint32_t *table = (const uint32_t *)(const void *)light;
-    const ints at = v_left(i, 1);
-    return v_add(v_of_bits(v_gather(table, at)), v_mul(rest, v_of_bits(v_gather(table + 1, at))));
+    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const __m512i odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    /* a pair at a time: half of the places of two gathers of floats */
+    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(i), light, 8);
+    const __m512i high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(i, 1), light, 8);
+    const floats from = _mm512_castsi512_ps(_mm512_permutex2var_epi32(low, even, high));
+    return v_add(from, v_mul(rest, _mm512_castsi512_ps(_mm512_permutex2var_epi32(low, odd, high))));
 }
 
 /* from knot[i] to knot[i + 1], by a part of the way */
@@ -227,6 +231,21 @@ INLINE floats v_between(const float *knot, ints i, floats part)
     const uint32_t *table = (const uint32_t *)(const void *)knot;
     const floats from = v_of_bits(v_gather(table, i)), to = v_of_bits(v_gather(table + 1, i));
     return v_add(from, v_mul(part, v_sub(to, from)));
+}
+
+/* 16 bytes as numbers, and 8 pairs of bytes as two numbers less 128, each twice */
+INLINE void v_of_bytes(const uint8_t *p, floats to[1])
+{
+    to[0] = _mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p)));
+}
+
+INLINE void v_of_chroma(const uint8_t *p, floats u[1], floats v[1])
+{
+    const __m128i pairs = _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)p), _mm_set1_epi8(-128));
+    const __m128i twice_u = _mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14);
+    const __m128i twice_v = _mm_setr_epi8(1, 1, 3, 3, 5, 5, 7, 7, 9, 9, 11, 11, 13, 13, 15, 15);
+    u[0] = _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_shuffle_epi8(pairs, twice_u)));
+    v[0] = _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_shuffle_epi8(pairs, twice_v)));
 }
 
 /* --- load 16 pixels; *a is alpha, or whether it is opaque --- */

@@ -1,4 +1,5 @@
-/* lib/kernels/kernels.h: what touches pixels, as one table of functions for each level (scalar, NEON, AVX2, AVX-512).
+/* lib/kernels/kernels.h: what touches pixels, as one table of functions for each level (scalar, NEON, AVX2, AVX-512,
+ * WebAssembly's 128 bits).
  *
  * A row is worked in blocks of up to PUPIL_BLOCK pixels, so that what goes from one piece to the next stays in the L1
  * cache. A level that has a piece for a format goes straight from the frame's samples:
@@ -110,6 +111,8 @@ typedef struct pupil_row {
     uint32_t width;               /* of the frame, pixels */
     uint32_t y;                   /* of the picture: which row it becomes */
     uint32_t odd;                 /* mosaics: the second row of a quad */
+    uint32_t bins_rows;           /* how many rows it is counted for in the histogram; 0: it is not counted */
+    uint32_t bins_first;          /* which one of each job->histogram pixels is counted */
 } pupil_row;
 
 /* A pupil_curve (pupil.h) that has been checked; its knots stay the caller's. */
@@ -147,8 +150,9 @@ typedef struct pupil_row_job {
     float floor, clip;
     uint32_t in_pixel, out_pixel;
     uint32_t way;        /* a pupil_way */
-    uint32_t histogram;  /* gather bins */
+    uint32_t histogram;  /* gather bins: of one of each so many pixels; 0: none */
     uint32_t grey_world; /* mosaics: gather the sums of the channels */
+    uint32_t sample;     /* Y'CbCr of 8 bits: one of so many pairs of pixels is metered; 0: all */
 } pupil_row_job;
 
 /* A block as planar linear floats; grey is scratch of scale. */
@@ -191,6 +195,11 @@ typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uin
 /* Adds to the bins, and of the brightest channel in `picture` (often the same planes) to the peak bins and the peak. */
 typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
                                     uint32_t n, uint32_t weight, pupil_stats *stats);
+/* The same of one of each job->histogram pixels, the `first`, with the weight of all of them; of the last, which may be
+ * fewer, the last one if there is no `first`. */
+typedef void pupil_sampled_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes,
+                                            const pupil_planes *picture, uint32_t n, uint32_t first, uint32_t weight,
+                                            pupil_stats *stats);
 /* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
 typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
 /* Of what scale leaves: nothing negative, no NaN. */
@@ -203,27 +212,57 @@ typedef void pupil_store_alpha_kernel(const float *alpha, uint32_t n, void *targ
 
 /* Of n RGBA codes. */
 typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *rgba, uint32_t n, uint8_t *luma);
+/* Mapping by luma (config.h: pupil_accuracy), by the code of Y'. */
+typedef struct pupil_luma_tables {
+    uint8_t luma[256];                     /* the code of Y' that it becomes */
+    float zero, one, top;                  /* codes of Y': black; R'G'B' codes for each; white less black */
+    float red_v, blue_u, green_u, green_v; /* as pupil_coder's */
+    float knee, far; /* how far from grey a colour may be: of the room above it, and of grey itself */
+} pupil_luma_tables;
+#define PUPIL_LUMA_QUADS 32
+typedef struct pupil_luma_quads {
+    const uint8_t *upper, *lower, *cb, *cr;
+    uint32_t step; /* from a Cb to the next */
+} pupil_luma_quads;
+typedef struct pupil_luma_target {
+    uint8_t *upper, *lower, *cb, *cr;
+    uint32_t step;
+} pupil_luma_target;
+/* n quads, PUPIL_LUMA_QUADS at most. exact: 1 for those whose colour is to be mapped exactly; how many. */
+typedef uint32_t pupil_by_luma_kernel(const pupil_luma_tables *tables, const pupil_luma_quads *in, uint32_t n,
+                                      const pupil_luma_target *out, uint8_t *exact);
+
 /* Of two rows (or twice the same) of n: n + n % 2 bytes. */
 typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t *upper, const uint8_t *lower,
                                  uint32_t n, uint8_t *chroma);
 
-/* The veil (pupil/veil.h): n pixels of a row that are in one of its cells, and what is added to them: channel c of the
- * i-th gets base[c] + i * step[c]. */
-typedef struct pupil_veil_ramp {
-    uint32_t n;
-    float base[3], step[3];
-} pupil_veil_ramp;
-/* Of such pixels: their light, and that times their index. */
+/* The veil (pupil/veil.h): the light of some pixels of a row that are in one of its cells, and that times their index.
+ */
 typedef struct pupil_veil_sums {
     float sum[3], moment[3];
 } pupil_veil_sums;
-/* `count` runs that follow each other in planes, PUPIL_BLOCK pixels at most. Up to seven pixels behind the last are
- * read, and have no part in any sum. */
-typedef void pupil_veil_gather_kernel(const pupil_planes *planes, const pupil_veil_ramp *run, uint32_t count,
+/* `count` runs of pixels that follow each other in planes, PUPIL_BLOCK at most: sums[c] of the n[c] next ones. Up to
+ * seven pixels behind the last are read, and have no part in any sum. */
+typedef void pupil_veil_gather_kernel(const pupil_planes *planes, const uint32_t *n, uint32_t count,
                                       pupil_veil_sums *sums);
-/* The pixels of the runs, RGBA, with red, green and blue times `direct` plus their ramps; source may be rgba. */
-typedef void pupil_veil_add_kernel(const float *source, const pupil_veil_ramp *run, uint32_t count, float direct,
-                                   float *rgba);
+/* What is added to a block: channel c of pixel i gets from[c][i] + part * more[c][i]. */
+typedef struct pupil_scattered {
+    float from[3][PUPIL_BLOCK], more[3][PUPIL_BLOCK];
+} pupil_scattered;
+/* Of n pixels: red, green and blue times `direct` plus what is scattered to them. Up to the end of the last vector. */
+typedef void pupil_scatter_kernel(pupil_planes *planes, uint32_t n, float direct, const pupil_scattered *scattered,
+                                  float part);
+
+/* Bloom (pupil/bloom.h). `pairs` filters: to[i] is (with `add`: gets more) the sum over tap[k] (one[k][i] +
+ * other[k][i]) for i up to the next multiple of 32 from n. */
+typedef void pupil_bloom_pairs_kernel(const float *const *one, const float *const *other, const float *tap,
+                                      uint32_t pairs, uint32_t n, float *to, int add);
+/* What of n pixels scatters: above a threshold, and within 0..PUPIL_CEILING. */
+typedef void pupil_bloom_bright_kernel(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3]);
+/* n pixels at half the size, of from[-2] to from[2 n + 1]; and 2 n more at twice the size, of from[-1] to from[n]; for
+ * n up to its next multiple of 8. */
+typedef void pupil_bloom_halve_kernel(const float *from, uint32_t n, float *to);
+typedef void pupil_bloom_widen_kernel(const float *from, uint32_t n, float *to);
 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */
@@ -242,14 +281,20 @@ typedef struct pupil_kernels {
     pupil_matrix_kernel *matrix, *to_picture;
     pupil_luma_kernel *luma_of_codes;
     pupil_chroma_kernel *chroma_of_codes;
+    pupil_by_luma_kernel *by_luma;
     pupil_histogram_kernel *histogram;
+    pupil_sampled_histogram_kernel *sampled_histogram;
     pupil_dither_kernel *dither;
     pupil_store_kernel *store[PUPIL_PIXEL_COUNT];             /* by output format */
     pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT];             /* by input format; scalar NULL: opaque */
     pupil_alpha_light_kernel *alpha_light[PUPIL_PIXEL_COUNT]; /* the same formats */
     pupil_store_alpha_kernel *store_alpha[PUPIL_PIXEL_COUNT]; /* by output format */
     pupil_veil_gather_kernel *veil_gather;
-    pupil_veil_add_kernel *veil_add;
+    pupil_scatter_kernel *scatter;
+    pupil_bloom_pairs_kernel *bloom_pairs;
+    pupil_bloom_bright_kernel *bloom_bright;
+    pupil_bloom_halve_kernel *bloom_halve;
+    pupil_bloom_widen_kernel *bloom_widen;
 } pupil_kernels;
 
 #define PUPIL_PLANES PUPIL_PIXEL_NONE
@@ -262,6 +307,9 @@ extern const pupil_kernels pupil_kernels_scalar;
 extern const pupil_kernels pupil_kernels_avx2, pupil_kernels_avx512;
 #elif defined(__aarch64__)
 extern const pupil_kernels pupil_kernels_neon;
+#endif
+#if defined(PUPIL_WASM128) /* cmake/wasm32.cmake; not all of WebAssembly has it */
+extern const pupil_kernels pupil_kernels_wasm128;
 #endif
 
 /* The best level that this CPU has and the mask (of 1 << pupil_level; 0: all) allows. */
@@ -293,14 +341,30 @@ extern const float pupil_srgb8_to_linear[256];
 void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                     uint32_t weight, uint32_t band, pupil_stats *stats);
 
+/* The same of n pixels, PUPIL_BLOCK at most, that are in planes already: light of the job's input, x and y of the
+ * picture. `source`: their pixels, for alpha; NULL: opaque. */
+void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes,
+                      const void *source, uint8_t *target);
+
 /* Where a pair of rows of NV12 or I420 goes. */
 typedef struct pupil_yuv_rows {
     uint8_t *upper, *lower; /* lower NULL: there is none */
     uint8_t *chroma, *cr;   /* cr NULL: Cb and Cr are both in chroma */
 } pupil_yuv_rows;
 
-/* Two rows (or one) of n pixels to Y' and their common Cb and Cr; not metered. */
+/* Pixels x to end, x being even, of two rows (or one) to Y' and their common Cb and Cr; not metered. */
 void pupil_map_yuv(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_row *upper,
-                   const pupil_row *lower, uint32_t n, const pupil_yuv_rows *to);
+                   const pupil_row *lower, uint32_t x, uint32_t end, const pupil_yuv_rows *to);
+
+/* By luma: those of a run that job->sample selects, metered; the tables; two rows of n pixels, from 4:2:0 to 4:2:0 of
+ * the same coding. */
+void pupil_meter_sampled(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint32_t weight,
+                         uint32_t band, pupil_stats *stats);
+void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *coder, pupil_luma_tables *tables);
+void pupil_map_luma(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_luma_tables *tables,
+                    const pupil_row *upper, const pupil_row *lower, uint32_t n, const pupil_yuv_rows *to);
+/* The same of n pixels, PUPIL_BLOCK at most, that are RGBA codes already. lower NULL: there is none. */
+void pupil_yuv_of_codes(const pupil_kernels *kernels, const pupil_chroma_coder *coder, const uint8_t *upper,
+                        const uint8_t *lower, uint32_t n, const pupil_yuv_rows *to);
 
 #endif

@@ -6,11 +6,9 @@
 #define PUPIL_LEVELS ~0u
 #endif
 
-/* A test: functions replace the level's instructions, on any CPU. */
-#if defined(PUPIL_EMULATE)
-#define EMULATED (1u << PUPIL_LEVEL_AVX512)
-#else
-#define EMULATED 0u
+/* A test: functions replace the level's instructions, on any CPU: a mask of 1 << pupil_level. */
+#ifndef PUPIL_EMULATE
+#define PUPIL_EMULATE 0u
 #endif
 
 #if defined(__x86_64__)
@@ -51,6 +49,13 @@ static uint32_t levels_here(void)
     return 1u << PUPIL_LEVEL_SCALAR | 1u << PUPIL_LEVEL_NEON;
 }
 
+#elif defined(PUPIL_WASM128)
+
+static uint32_t levels_here(void)
+{
+    return 1u << PUPIL_LEVEL_SCALAR | 1u << PUPIL_LEVEL_WASM128;
+}
+
 #else
 
 static uint32_t levels_here(void)
@@ -74,6 +79,10 @@ const pupil_kernels *pupil_level_kernels(uint32_t level)
     case PUPIL_LEVEL_NEON:
         return &pupil_kernels_neon;
 #endif
+#if defined(PUPIL_WASM128)
+    case PUPIL_LEVEL_WASM128:
+        return &pupil_kernels_wasm128;
+#endif
     default:
         return 0;
     }
@@ -81,7 +90,7 @@ const pupil_kernels *pupil_level_kernels(uint32_t level)
 
 uint32_t pupil_level_choose(uint32_t mask)
 {
-    const uint32_t levels = (levels_here() | EMULATED) & PUPIL_LEVELS & (mask ? mask : ~0u);
+    const uint32_t levels = (levels_here() | PUPIL_EMULATE) & PUPIL_LEVELS & (mask ? mask : ~0u);
     uint32_t best = PUPIL_LEVEL_SCALAR;
     for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++)
         if (levels & 1u << level)

@@ -169,6 +169,33 @@ INLINE floats v_from_ints(ints a)
 {
     return vcvtq_f32_u32(a);
 }
+/* 16 bytes as numbers, and 8 pairs of bytes as two numbers less 128, each twice */
+INLINE void v_of_bytes(const uint8_t *p, floats to[4])
+{
+    const uint8x16_t bytes = vld1q_u8(p);
+    const uint16x8_t low = vmovl_u8(vget_low_u8(bytes)), high = vmovl_high_u8(bytes);
+    to[0] = vcvtq_f32_u32(vmovl_u16(vget_low_u16(low)));
+    to[1] = vcvtq_f32_u32(vmovl_high_u16(low));
+    to[2] = vcvtq_f32_u32(vmovl_u16(vget_low_u16(high)));
+    to[3] = vcvtq_f32_u32(vmovl_high_u16(high));
+}
+
+INLINE void v_of_signed(int8x16_t bytes, floats to[4])
+{
+    const int16x8_t low = vmovl_s8(vget_low_s8(bytes)), high = vmovl_high_s8(bytes);
+    to[0] = vcvtq_f32_s32(vmovl_s16(vget_low_s16(low)));
+    to[1] = vcvtq_f32_s32(vmovl_high_s16(low));
+    to[2] = vcvtq_f32_s32(vmovl_s16(vget_low_s16(high)));
+    to[3] = vcvtq_f32_s32(vmovl_high_s16(high));
+}
+
+INLINE void v_of_chroma(const uint8_t *p, floats u[4], floats v[4])
+{
+    const int8x16_t pairs = vreinterpretq_s8_u8(veorq_u8(vld1q_u8(p), vdupq_n_u8(128)));
+    v_of_signed(vtrn1q_s8(pairs, pairs), u);
+    v_of_signed(vtrn2q_s8(pairs, pairs), v);
+}
+
 /* light[i][0] + rest * light[i][1] */
 INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 {

@@ -4,6 +4,7 @@
 #ifndef PUPIL_KERNELS_PIXELS_TO_LINEAR_H
 #define PUPIL_KERNELS_PIXELS_TO_LINEAR_H
 
+#include "by_luma.h"
 #include "kernels.h"
 
 #include "base/numeric.h"
@@ -73,13 +74,6 @@ static void expand_codes(const pupil_coder *c, float *restrict v, uint32_t n)
 #endif
 }
 
-/* In a loop of look-ups: gcc would put vectors together out of single loads, which takes half as long again. */
-#if defined(__clang__)
-#define ONE_BY_ONE (void)0
-#else
-#define ONE_BY_ONE __asm__ volatile("")
-#endif
-
 /* --- 8-bit RGB, through its table --- */
 
 static inline void load_codes(const uint8_t *restrict s, uint32_t n, uint32_t bytes, uint32_t red, uint32_t blue,
@@ -136,19 +130,67 @@ static void pairs_of_yuv(const pupil_coder *coder, const uint8_t *restrict luma,
     }
 }
 
+#if defined(WIDTH)
+/* As look_up_light, of one vector. */
+INLINE floats light_of_codes(floats code, const float (*light)[2], floats top)
+{
+    const floats inside = v_min(v_max(code, v_all(0.0f)), top);
+    const ints below = v_to_ints(inside);
+    return v_interpolate(light, below, v_sub(inside, v_from_ints(below)));
+}
+
+/* Whole groups of 16 pixels, from samples to light without a stop in memory; returns the first pixel that is left. */
+static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
+                              pupil_planes *p)
+{
+    const float(*const light)[2] = c->light;
+    const floats y_zero = v_all(c->y_zero), y_unit = v_all(c->y_unit), top = v_all(c->top);
+    const floats red_v = v_all(c->red_v), blue_u = v_all(c->blue_u);
+    const floats green_u = v_all(c->green_u), green_v = v_all(c->green_v);
+    uint32_t i = 0;
+    for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
+        floats y[WAYS], u[WAYS], v[WAYS];
+        v_of_bytes(luma + i, y);
+        v_of_chroma(chroma + i, u, v);
+        FOR_EACH_WAY(k)
+        {
+            const uint32_t at = i + (uint32_t)k * WIDTH;
+            y[k] = v_mul(v_sub(y[k], y_zero), y_unit);
+            v_store(p->r + at, light_of_codes(v_add(y[k], v_mul(red_v, v[k])), light, top));
+            v_store(p->g + at,
+                    light_of_codes(v_add(v_add(y[k], v_mul(green_u, u[k])), v_mul(green_v, v[k])), light, top));
+            v_store(p->b + at, light_of_codes(v_add(y[k], v_mul(blue_u, u[k])), light, top));
+        }
+    }
+    return i;
+}
+#endif
+
 /* n pixels from luma on; chroma: of the pair that the first one is in. odd: it is the second one there. */
-static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
-                     pupil_planes *p)
+static void single_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
+                       float *r, float *g, float *b)
 {
     const uint32_t pairs = (n - odd) / 2, last = odd + 2 * pairs; /* n is at least 1 */
     if (odd)
-        pixel_of_yuv(c, luma[0], chroma, p->r, p->g, p->b);
-    pairs_of_yuv(c, luma + odd, chroma + 2 * odd, pairs, p->r + odd, p->g + odd, p->b + odd);
+        pixel_of_yuv(c, luma[0], chroma, r, g, b);
+    pairs_of_yuv(c, luma + odd, chroma + 2 * odd, pairs, r + odd, g + odd, b + odd);
     if (last < n)
-        pixel_of_yuv(c, luma[last], chroma + odd + last, p->r + last, p->g + last, p->b + last);
-    codes_to_light(c, p->r, n);
-    codes_to_light(c, p->g, n);
-    codes_to_light(c, p->b, n);
+        pixel_of_yuv(c, luma[last], chroma + odd + last, r + last, g + last, b + last);
+    codes_to_light(c, r, n);
+    codes_to_light(c, g, n);
+    codes_to_light(c, b, n);
+}
+
+static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
+                     pupil_planes *p)
+{
+    uint32_t done = 0;
+#if defined(WIDTH)
+    if (!odd && c->light)
+        done = groups_of_yuv(c, luma, chroma, n, p);
+#endif
+    if (done < n)
+        single_yuv(c, luma + done, chroma + done, odd, n - done, p->r + done, p->g + done, p->b + done);
 }
 
 static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
@@ -664,6 +706,6 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
     },                                                                                                                 \
     .binned = binned, .bilinear = bilinear, .expand = expand, .binned_light = binned_light,                            \
     .bilinear_light = bilinear_light, .matrix = matrix, .to_picture = to_picture, .luma_of_codes = luma_of_codes,      \
-    .chroma_of_codes = chroma_of_codes
+    .chroma_of_codes = chroma_of_codes, .by_luma = by_luma
 
 #endif

@@ -179,9 +179,21 @@ static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint
     return 1;
 }
 
+/* A block begins with a whole group of job->histogram pixels. */
+static void add_bins(const pupil_row_job *job, const pupil_row *row, const pupil_planes *planes,
+                     const pupil_planes *picture, uint32_t n, uint32_t weight, pupil_stats *stats)
+{
+    weight *= row->bins_rows;
+    if (job->histogram == 1)
+        PUPIL_PIECE(job->kernels, histogram)(job, planes, picture, n, weight, stats);
+    else
+        PUPIL_PIECE(job->kernels, sampled_histogram)(job, planes, picture, n, row->bins_first, weight, stats);
+}
+
 /* What a white point follows is the brightest channel that the curve will have. */
-static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_planes *planes,
-                                                          uint32_t n, uint32_t weight, pupil_stats *stats)
+static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_row *row,
+                                                          const pupil_planes *planes, uint32_t n, uint32_t weight,
+                                                          pupil_stats *stats)
 {
     pupil_planes picture;
     for (uint32_t i = 0; i < n; i++) {
@@ -190,16 +202,21 @@ static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *j
         picture.b[i] = planes->b[i];
     }
     PUPIL_PIECE(job->kernels, to_picture)(job->to_peak, n, &picture);
-    PUPIL_PIECE(job->kernels, histogram)(job, planes, &picture, n, weight, stats);
+    add_bins(job, row, planes, &picture, n, weight, stats);
 }
 
-static inline void add_bins_of(const pupil_row_job *job, const pupil_planes *planes, uint32_t n, uint32_t weight,
-                               pupil_stats *stats)
+static inline void add_bins_of(const pupil_row_job *job, const pupil_row *row, const pupil_planes *planes, uint32_t n,
+                               uint32_t weight, pupil_stats *stats)
 {
     if (job->to_peak)
-        add_bins_of_picture(job, planes, n, weight, stats);
+        add_bins_of_picture(job, row, planes, n, weight, stats);
     else
-        PUPIL_PIECE(job->kernels, histogram)(job, planes, planes, n, weight, stats);
+        add_bins(job, row, planes, planes, n, weight, stats);
+}
+
+static int is_counted(const pupil_row_job *job, const pupil_row *row)
+{
+    return job->histogram && row->bins_rows;
 }
 
 static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes,
@@ -207,27 +224,30 @@ static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t
 {
     const pupil_kernels *k = job->kernels;
     (void)load(job, row, x, n, planes, stats);
-    if (job->histogram)
-        add_bins_of(job, planes, n, weight, stats);
+    if (is_counted(job, row))
+        add_bins_of(job, row, planes, n, weight, stats);
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
 }
 
 /* What maps a job's blocks. */
 typedef struct mapper {
     pupil_scale_kernel *direct, *planar; /* from the format, where there is such a piece; from planes */
+    pupil_scale_kernel *counted;         /* direct, where some of the pixels are counted first */
     pupil_store_kernel *store;
     pupil_alpha_kernel *alpha;
-    int histogram;
+    int histogram; /* the row is counted */
     int dither;
     int to_light; /* alpha is a float or a half */
 } mapper;
 
-static inline mapper mapper_of(const pupil_row_job *job, int metered)
+static inline mapper mapper_of(const pupil_row_job *job, const pupil_row *row, int metered)
 {
     const pupil_kernels *k = job->kernels;
-    const int histogram = metered && job->histogram;
+    const int histogram = metered && is_counted(job, row);
+    pupil_scale_kernel *direct = job->to_picture || job->curve->knot ? 0 : k->scale[job->in_pixel];
     return (mapper){
-        .direct = histogram || job->to_picture || job->curve->knot ? 0 : k->scale[job->in_pixel],
+        .direct = histogram ? 0 : direct,
+        .counted = histogram && job->histogram > 1 ? direct : 0,
         .planar = job->curve->knot ? k->scale_by_knots : k->scale[PUPIL_PLANES],
         .store = PUPIL_PIECE(k, store[job->out_pixel]),
         .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
@@ -242,7 +262,9 @@ static int load_and_scale(const pupil_row_job *job, const mapper *with, const pu
 {
     const int opaque = load(job, row, x, n, planes, stats);
     if (with->histogram)
-        add_bins_of(job, planes, n, weight, stats);
+        add_bins_of(job, row, planes, n, weight, stats);
+    if (with->counted)
+        return with->counted(job, row->data + x * pupil_pixel_bytes(job->in_pixel), n, planes, run);
     if (job->to_picture) {
         if (run)
             job->kernels->meter[PUPIL_PLANES](job, 0, planes, n, run);
@@ -266,7 +288,7 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
                               pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
     const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
-    const mapper with = mapper_of(job, run != 0);
+    const mapper with = mapper_of(job, row, run != 0);
     for (uint32_t end = x + n; x < end; x += n, target += n * out_bytes) {
         n = end - x < PUPIL_BLOCK ? end - x : PUPIL_BLOCK;
         const uint8_t *source = row->data + x * in_bytes;
@@ -284,11 +306,27 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
     }
 }
 
+void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes,
+                      const void *source, uint8_t *target)
+{
+    const mapper with = mapper_of(job, 0, 0);
+    if (job->to_picture)
+        PUPIL_PIECE(job->kernels, to_picture)(job->to_picture, n, planes);
+    with.planar(job->to_picture ? job->picture : job, 0, n, planes, 0);
+    if (with.dither)
+        PUPIL_PIECE(job->kernels, dither)(job->encoder->transfer, x, y, n, planes);
+    with.store(planes, n, job->encoder, target);
+    if (source && with.alpha)
+        with.alpha(source, n, target);
+    else if (source && with.to_light)
+        store_alpha(job, source, n, planes->grey, target);
+}
+
 /* Where a level goes from the samples to the lanes in one step, and nothing else is wanted. */
 static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run)
 {
     const pupil_kernels *k = job->kernels;
-    if (job->histogram || job->grey_world || job->coder->lines)
+    if (is_counted(job, row) || job->grey_world || job->coder->lines)
         return 0;
     if (job->way == PUPIL_WAY_BINNED)
         return k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);

@@ -1,5 +1,7 @@
 /* The reference level: plain C. Loops over planar floats, so that a compiler may use any vectors that it has; without
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
+#include "bins.h"
+#include "bloom_loops.h"
 #include "dither.h"
 #include "gamut.h"
 #include "kernels.h"
@@ -47,6 +49,19 @@ LOAD(load_rgb16f, uint16_t, 3, 0, 2, half_to_float)
 LOAD(load_rgba16, uint16_t, 4, 0, 2, FROM_16)
 LOAD(load_rgb16, uint16_t, 3, 0, 2, FROM_16)
 
+/* --- bloom --- */
+
+static void bloom_pairs(const float *const *one, const float *const *other, const float *tap, uint32_t pairs,
+                        uint32_t n, float *to, int add)
+{
+    for (uint32_t i = 0; i < (n + 31) / 32 * 32; i++) {
+        float sum = add ? to[i] : 0.0f;
+        for (uint32_t p = 0; p < pairs; p++)
+            sum += tap[p] * (one[p][i] + other[p][i]);
+        to[i] = sum;
+    }
+}
+
 /* --- meter --- */
 
 static void luminance(const float weight[3], const pupil_planes *restrict p, uint32_t n, float *restrict l)
@@ -54,13 +69,6 @@ static void luminance(const float weight[3], const pupil_planes *restrict p, uin
     const float wr = weight[0], wg = weight[1], wb = weight[2];
     for (uint32_t i = 0; i < n; i++)
         l[i] = (wr * p->r[i] + wg * p->g[i]) + wb * p->b[i];
-}
-
-/* Data first in each comparison, so that NaN goes to the floor. */
-static inline float clamp_luminance(float l, float floor)
-{
-    float v = l > floor ? l : floor;
-    return v < PUPIL_CEILING ? v : PUPIL_CEILING;
 }
 
 static void count(const float *restrict l, const pupil_planes *restrict p, uint32_t n, float floor, float clip,
@@ -123,15 +131,6 @@ static void meter(const pupil_row_job *job, const void *source, const pupil_plan
     meter_luminance(l, n, job->floor, run);
 }
 
-static inline float max3(float a, float b, float c)
-{
-    float m = a > b ? a : b;
-    return m > c ? m : c;
-}
-
-#define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
-
-/* A float's exponent and top fraction bits are its bin: three of them for luminance, two for the brightest channel. */
 static void histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture, uint32_t n,
                       uint32_t weight, pupil_stats *stats)
 {
@@ -145,11 +144,17 @@ static void histogram(const pupil_row_job *job, const pupil_planes *planes, cons
         /* where no channel is NaN the largest does not depend on their order; where one is, so is L */
         float largest = l[i] == l[i] ? max3(r[i], g[i], b[i]) : floor;
         uint32_t brightest = pupil_bits_of_float(clamp_luminance(largest, floor));
-        stats->bin[(bits >> 20) - FIRST_STOP * PUPIL_HISTOGRAM_BINS_PER_STOP] += weight;
-        stats->peak_bin[(brightest >> 21) - FIRST_STOP * PUPIL_PEAK_BINS_PER_STOP] += weight;
+        stats->bin[(bits >> BIN_BITS) - FIRST_BIN] += weight;
+        stats->peak_bin[(brightest >> PEAK_BIN_BITS) - FIRST_PEAK_BIN] += weight;
         peak_bits = brightest > peak_bits ? brightest : peak_bits; /* positive floats are in the order of their bits */
     }
     stats->peak = pupil_float_of_bits(peak_bits);
+}
+
+static void sampled_histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
+                              uint32_t n, uint32_t first, uint32_t weight, pupil_stats *stats)
+{
+    count_sampled(job, planes, picture, 0, n, first, weight, stats);
 }
 
 /* --- tone: Reinhard by luminance --- */
@@ -391,10 +396,12 @@ const pupil_kernels pupil_kernels_scalar = {
         },
     CAMERA_PIECES,
     VEIL_PIECES,
+    BLOOM_PIECES,
     .meter = {[PUPIL_PLANES] = meter},
     .scale = {[PUPIL_PLANES] = scale},
     .scale_by_knots = scale_by_knots,
     .histogram = histogram,
+    .sampled_histogram = sampled_histogram,
     .dither = dither,
     .store =
         {

@@ -11,9 +11,7 @@
 #ifndef PUPIL_KERNELS_VECTOR_H
 #define PUPIL_KERNELS_VECTOR_H
 
-#include "kernels.h"
-
-#include "base/numeric.h"
+#include "bins.h"
 
 #define WAYS (PUPIL_LANES / WIDTH)
 /* gcc -O2 needs this to keep what a loop carries in registers; clang does so by itself. */
@@ -165,8 +163,6 @@ INLINE void move_exponents(lanes *s, pupil_run *run)
 
 /* --- histogram, as scalar.c's --- */
 
-#define FIRST_STOP (127 + PUPIL_HISTOGRAM_MIN_EV)
-
 /* In smooth parts of a picture a whole vector falls into one bin. */
 INLINE void add_bins(uint64_t *bin, ints index, uint32_t n, uint32_t weight)
 {
@@ -178,6 +174,27 @@ INLINE void add_bins(uint64_t *bin, ints index, uint32_t n, uint32_t weight)
     }
     for (uint32_t j = 0; j < n; j++)
         bin[at[j]] += weight;
+}
+
+/* A vector's bins by luminance and by brightest channel; the brightest of all goes to peak. */
+INLINE void bins_of(floats r, floats g, floats b, floats brightest, const meter_constants *c, floats *peak, ints *bin,
+                    ints *peak_bin)
+{
+    const floats l = luminance(r, g, b, c);
+    const floats largest = v_select(v_is_number(l), brightest, c->floor);
+    const floats bounded = v_min(v_max(largest, c->floor), c->ceiling);
+    *peak = v_max(bounded, *peak);
+    *bin = v_minus(v_right(v_bits(v_min(v_max(l, c->floor), c->ceiling)), BIN_BITS), v_all_ints(FIRST_BIN));
+    *peak_bin = v_minus(v_right(v_bits(bounded), PEAK_BIN_BITS), v_all_ints(FIRST_PEAK_BIN));
+}
+
+INLINE float largest_lane(floats v, float most)
+{
+    float lane[WIDTH];
+    v_store(lane, v);
+    for (int j = 0; j < WIDTH; j++)
+        most = lane[j] > most ? lane[j] : most;
+    return most;
 }
 
 static void histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture, uint32_t n,
@@ -195,21 +212,51 @@ static void histogram(const pupil_row_job *job, const pupil_planes *planes, cons
                 rest[k][j] = at[k][j < m ? j : 0];
             at[k] = rest[k];
         }
-        const floats r = v_load(at[0]), g = v_load(at[1]), b = v_load(at[2]);
-        const floats l = v_add(v_add(v_mul(c.weight[0], r), v_mul(c.weight[1], g)), v_mul(c.weight[2], b));
-        const floats largest = v_select(v_is_number(l), max_of_3(v_load(at[3]), v_load(at[4]), v_load(at[5])), c.floor);
-        const floats brightest = v_min(v_max(largest, c.floor), c.ceiling);
-        const ints bits = v_bits(v_min(v_max(l, c.floor), c.ceiling));
-        peak = v_max(brightest, peak);
-        add_bins(stats->bin, v_minus(v_right(bits, 20), v_all_ints(FIRST_STOP * PUPIL_HISTOGRAM_BINS_PER_STOP)), m,
-                 weight);
-        add_bins(stats->peak_bin,
-                 v_minus(v_right(v_bits(brightest), 21), v_all_ints(FIRST_STOP * PUPIL_PEAK_BINS_PER_STOP)), m, weight);
+        ints bin, peak_bin;
+        bins_of(v_load(at[0]), v_load(at[1]), v_load(at[2]), max_of_3(v_load(at[3]), v_load(at[4]), v_load(at[5])), &c,
+                &peak, &bin, &peak_bin);
+        add_bins(stats->bin, bin, m, weight);
+        add_bins(stats->peak_bin, peak_bin, m, weight);
     }
-    float peaks[WIDTH];
-    v_store(peaks, peak);
-    for (int j = 0; j < WIDTH; j++)
-        stats->peak = peaks[j] > stats->peak ? peaks[j] : stats->peak;
+    stats->peak = largest_lane(peak, stats->peak);
+}
+
+/* One of each `step` floats. */
+INLINE floats v_stepped(const float *at, size_t step)
+{
+    float lane[WIDTH];
+    for (size_t j = 0; j < WIDTH; j++)
+        lane[j] = at[j * step];
+    return v_load(lane);
+}
+
+static void sampled_histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
+                              uint32_t n, uint32_t first, uint32_t weight, pupil_stats *stats)
+{
+    const meter_constants c = meter_constants_of(job);
+    const uint32_t step = job->histogram, together = step * WIDTH;
+    floats peak = v_all(stats->peak);
+    uint32_t from = 0;
+    for (; from + together <= n; from += together) {
+        const uint32_t i = from + first;
+        const floats r = v_stepped(planes->r + i, step), g = v_stepped(planes->g + i, step);
+        const floats b = v_stepped(planes->b + i, step);
+        const floats brightest = planes == picture
+                                     ? max_of_3(r, g, b)
+                                     : max_of_3(v_stepped(picture->r + i, step), v_stepped(picture->g + i, step),
+                                                v_stepped(picture->b + i, step));
+        ints bin, peak_bin;
+        int32_t at[2][WIDTH];
+        bins_of(r, g, b, brightest, &c, &peak, &bin, &peak_bin);
+        v_store_ints(at[0], bin);
+        v_store_ints(at[1], peak_bin);
+        for (int j = 0; j < WIDTH; j++) {
+            stats->bin[at[0][j]] += step * weight;
+            stats->peak_bin[at[1][j]] += step * weight;
+        }
+    }
+    stats->peak = largest_lane(peak, stats->peak);
+    count_sampled(job, planes, picture, from, n, first, weight, stats);
 }
 
 #endif

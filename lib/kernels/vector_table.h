@@ -3,7 +3,9 @@
 #ifndef PUPIL_KERNELS_VECTOR_TABLE_H
 #define PUPIL_KERNELS_VECTOR_TABLE_H
 
+#include "bloom_loops.h"
 #include "pixels_to_linear.h"
+#include "vector_bloom.h"
 #include "vector_formats.h"
 #include "vector_knots.h"
 #include "veil_loops.h"
@@ -131,7 +133,8 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_RGB32F] = scale_rgb32f, [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,                                \
             [PUPIL_PIXEL_RGBA16] = scale_rgba16, [PUPIL_PIXEL_RGB16] = scale_rgb16,                                    \
     },                                                                                                                 \
-    .scale_by_knots = scale_by_knots, .histogram = histogram, .dither = dither,                                        \
+    .scale_by_knots = scale_by_knots, .histogram = histogram, .sampled_histogram = sampled_histogram,                  \
+    .dither = dither,                                                                                                  \
     .store =                                                                                                           \
         {                                                                                                              \
             [PUPIL_PIXEL_RGBA8] = store_rgba8,                                                                         \
@@ -140,6 +143,6 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
             STORES_OF_LIGHT,                                                                                           \
     },                                                                                                                 \
-    CAMERA_PIECES, VEIL_PIECES
+    CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES
 
 #endif

@@ -53,47 +53,30 @@ static inline void veil_gather_channel(const float *v, uint32_t n, float *sum, f
     *moment = veil_sum(&moments);
 }
 
-static void veil_gather(const pupil_planes *planes, const pupil_veil_ramp *run, uint32_t count, pupil_veil_sums *sums)
+static void veil_gather(const pupil_planes *planes, const uint32_t *n, uint32_t count, pupil_veil_sums *sums)
 {
-    for (uint32_t c = 0, at = 0; c < count; at += run[c].n, c++) {
-        veil_gather_channel(planes->r + at, run[c].n, &sums[c].sum[0], &sums[c].moment[0]);
-        veil_gather_channel(planes->g + at, run[c].n, &sums[c].sum[1], &sums[c].moment[1]);
-        veil_gather_channel(planes->b + at, run[c].n, &sums[c].sum[2], &sums[c].moment[2]);
+    for (uint32_t c = 0, at = 0; c < count; at += n[c], c++) {
+        veil_gather_channel(planes->r + at, n[c], &sums[c].sum[0], &sums[c].moment[0]);
+        veil_gather_channel(planes->g + at, n[c], &sums[c].sum[1], &sums[c].moment[1]);
+        veil_gather_channel(planes->b + at, n[c], &sums[c].sum[2], &sums[c].moment[2]);
     }
 }
 
-/* Two pixels are one vector; four at a time, so that none waits for the one before. */
-static inline void veil_add_run(const float *source, const pupil_veil_ramp *run, float direct, float *rgba)
+static inline void scatter_channel(float *restrict v, uint32_t n, float direct, const float *restrict from,
+                                   const float *restrict more, float part)
 {
-    const float b0 = run->base[0], b1 = run->base[1], b2 = run->base[2];
-    const float s0 = run->step[0], s1 = run->step[1], s2 = run->step[2];
-    const veil_lanes by = {direct, direct, direct, 1.0f, direct, direct, direct, 1.0f};
-    const veil_lanes base = {b0, b1, b2, 0.0f, b0, b1, b2, 0.0f}, step = {s0, s1, s2, 0.0f, s0, s1, s2, 0.0f};
-    veil_lanes at[2] = {{0, 0, 0, 0, 1, 1, 1, 1}, {2, 2, 2, 2, 3, 3, 3, 3}}, light[2];
-    uint32_t i = 0;
-    for (; i + 4 <= run->n; i += 4) {
-        __builtin_memcpy(light, source + (size_t)4 * i, sizeof light);
-        for (int k = 0; k < 2; k++) {
-            light[k] = by * light[k] + (base + step * at[k]);
-            at[k] += 4.0f;
-        }
-        __builtin_memcpy(rgba + (size_t)4 * i, light, sizeof light);
-    }
-    for (; i < run->n; i++)
-        for (uint32_t c = 0; c < 4; c++) /* alpha: times 1 */
-            rgba[4 * i + c] = c == 3 ? source[4 * i + c]
-                                     : direct * source[4 * i + c] + (run->base[c] + run->step[c] * (float)(int32_t)i);
+    for (uint32_t i = 0; i < n; i++)
+        v[i] = direct * v[i] + (from[i] + part * more[i]);
 }
 
-static void veil_add(const float *source, const pupil_veil_ramp *run, uint32_t count, float direct, float *rgba)
+static void scatter(pupil_planes *planes, uint32_t n, float direct, const pupil_scattered *s, float part)
 {
-    for (uint32_t c = 0; c < count; c++) {
-        veil_add_run(source, &run[c], direct, rgba);
-        source += (size_t)4 * run[c].n;
-        rgba += (size_t)4 * run[c].n;
-    }
+    n = (n + 15) / 16 * 16; /* planes have room */
+    scatter_channel(planes->r, n, direct, s->from[0], s->more[0], part);
+    scatter_channel(planes->g, n, direct, s->from[1], s->more[1], part);
+    scatter_channel(planes->b, n, direct, s->from[2], s->more[2], part);
 }
 
-#define VEIL_PIECES .veil_gather = veil_gather, .veil_add = veil_add
+#define VEIL_PIECES .veil_gather = veil_gather, .scatter = scatter
 
 #endif

@@ -147,6 +147,8 @@
 #define SENSOR_MISMATCH_EV       0.15 /* ... that starts a search */
 #define SENSOR_ALIKE             0.25 /* two jumps of the picture are the same one */
 #define SENSOR_UNEXPLAINED_NOISE 3.0
+/* Exposures of a camera that rounds them, which are kept: 16 stops of powers of two. */
+#define SENSOR_TOLD_RANGES 16
 /* The coarsest step of exposures that is sold: webcams have powers of two. */
 #define SENSOR_COARSE_STEP_EV 1.0
 /* An answer of a step teaches from here on; less is in the noise. */

@@ -58,17 +58,19 @@ static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
 /* Without what a wrong black level adds: the mean of the bins, each as its middle. */
 static void subtract_black(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v)
 {
-    double sum = 0.0;
+    double sum = 0.0, counted = 0.0;
     for (int bin = 0; bin < PUPIL_HISTOGRAM_BINS; bin++)
-        if (stats->bin[bin])
+        if (stats->bin[bin]) {
             sum += (double)stats->bin[bin] * pupil_sensor_above_black(o, 0.5 * (edge_of(bin) + edge_of(bin + 1)));
-    v->mean = sum / (double)stats->weight;
+            counted += (double)stats->bin[bin];
+        }
+    v->mean = sum / counted;
 }
 
 /* Levels of the frame that hold a rank; where a rank is clipped or black, only that they are above or below. */
 static void find_orders(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v, double dark)
 {
-    const int has_bins = stats && stats->has_histogram;
+    const int has_bins = stats && pupil_stats_are_counted(stats);
     double quantile[SENSOR_ORDERS];
     if (has_bins) {
         pupil_stats_quantiles(stats, order_share, SENSOR_ORDERS, quantile);
@@ -95,7 +97,7 @@ int pupil_sensor_evidence(const pupil_sensor_object *o, const pupil_stats *stats
     *v = (sensor_evidence){.is_dead = !stats->weight, .top = -SENSOR_FAR_AWAY, .rank = {-SENSOR_FAR_AWAY}};
     if (v->is_dead)
         return PUPIL_OK;
-    const int trims = stats->has_histogram != 0;
+    const int trims = pupil_stats_are_counted(stats);
     int error = pupil_stats_mean(stats, trims ? c->trim_low : 0.0, trims ? c->trim_high : 1.0, &v->mean);
     if (!error)
         error = pupil_stats_mean(stats, trims ? SENSOR_FLICKER_TRIM : 0.0, trims ? 1.0 - SENSOR_FLICKER_TRIM : 1.0,

@@ -92,7 +92,7 @@ static double effect_of(const pupil_sensor_object *o, double total, double setti
 {
     double e, g;
     pupil_sensor_split(o, total, &e, &g);
-    setting[0] = pupil_log2(e);
+    setting[0] = pupil_log2(pupil_sensor_told(o, e));
     setting[1] = pupil_log2(g);
     return pupil_sensor_effect(&o->estimate, o->estimate.requested, setting);
 }
@@ -369,6 +369,25 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
+/* A step is in force: whether the metadata say better than the request what it did. */
+static void weigh_told(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const sensor_estimate *a = &o->estimate;
+    sensor_search *s = &o->search;
+    const uint32_t was = o->told.is_trusted;
+    double asked = 0.0, told = 0.0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        asked += a->requested[c] - s->from[c];
+        told += a->said[c] - o->told.said_before[c];
+    }
+    if (v->is_number)
+        pupil_sensor_weigh_told(o, asked, told, a->effect - s->effect_from);
+    if (!was && o->told.is_trusted) { /* what was looked for is known now */
+        s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = s->swaps = 0;
+        forget_points(s);
+    }
+}
+
 static int is_requested(const pupil_sensor_object *o, double total)
 {
     double setting[SENSOR_CONTROLS];
@@ -401,8 +420,9 @@ static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CO
     const pupil_sensor_config *c = &o->config;
     const double longest_s = pupil_sensor_longest_exposure(c);
     *e = pupil_sensor_exposure_of(c, clamp(pupil_exp2(setting[0]), c->exposure_min_s, longest_s));
+    *e = pupil_sensor_told_ask(o, *e, longest_s);
     *g = pupil_sensor_gain_of(c, pupil_exp2(setting[1]));
-    setting[0] = pupil_log2(*e);
+    setting[0] = pupil_log2(pupil_sensor_told(o, *e));
     setting[1] = pupil_log2(*g);
 }
 
@@ -462,8 +482,10 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
     if ((moves > SENSOR_LARGE_EV || s->is_searching) && a->has_frame) {
         s->is_large = 1;
         s->effect_from = asked;
-        for (int c = 0; c < SENSOR_CONTROLS; c++)
+        for (int c = 0; c < SENSOR_CONTROLS; c++) {
             s->from[c] = a->requested[c];
+            o->told.said_before[c] = a->said[c];
+        }
     }
     s->since = s->looks = a->has_frame ? 0 : SENSOR_RING;
     for (int c = 0; c < SENSOR_CONTROLS; c++)
@@ -588,8 +610,13 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
 void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
+    o->estimate.is_searching = s->is_searching;
     count_frame(o);
     find_jump(o);
+    if (s->is_large && !is_on_its_way(o))
+        weigh_told(o, v);
+    if (!is_on_its_way(o) && !v->is_dead)
+        pupil_sensor_learn_told(o);
     if (s->is_large && !is_on_its_way(o))
         judge_answer(o, v);
     else if (s->is_large)

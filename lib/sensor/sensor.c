@@ -37,6 +37,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
         pupil_sensor_gain_of(config, config->gain_mode == PUPIL_SENSOR_MANUAL ? config->manual_gain : o->setting.gain);
     const double wanted = o->plan.wanted;
     double least, most;
+    o->told.count = 0; /* exposures of other limits */
     pupil_sensor_begin(o, o->search.total);
     if (!o->setting.frames)
         return;

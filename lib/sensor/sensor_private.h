@@ -97,6 +97,7 @@ typedef struct sensor_estimate {
     uint32_t reports;                /* this frame's metadata have both */
     uint32_t is_borne_out;           /* the picture has moved as the metadata did */
     uint32_t seen;                   /* mask of controls whose answer was seen */
+    uint32_t is_searching;           /* the camera did not do what was expected */
     uint32_t learned;                /* answers that were seen; at most 2 */
     float cost[SENSOR_GUESSES][SENSOR_GUESSES];
 } sensor_estimate;
@@ -130,6 +131,18 @@ typedef struct sensor_point {
     uint32_t age; /* frames */
     uint32_t is_used;
 } sensor_point;
+
+/* What became of the exposures that were asked for: told.c. */
+typedef struct sensor_told_range {
+    double told_s, low_s, high_s; /* what it is, and the shortest and the longest that was asked for */
+} sensor_told_range;
+
+typedef struct sensor_told {
+    double said_before[SENSOR_CONTROLS]; /* the metadata, when the last large step was asked for */
+    double unit_ev; /* the metadata are so much above what was asked for where nothing is rounded */
+    uint32_t is_trusted, count, next, reserved;
+    sensor_told_range range[SENSOR_TOLD_RANGES];
+} sensor_told;
 
 typedef struct sensor_search {
     double total;                   /* wanted, on the path of settings, log2 of s */
@@ -177,6 +190,7 @@ typedef struct pupil_sensor_object {
     sensor_estimate estimate;
     sensor_plan plan;
     sensor_search search;
+    sensor_told told;
     pupil_mains mains;
     pupil_flicker flicker;
     pupil_sensor_setting setting;
@@ -232,6 +246,17 @@ void pupil_sensor_overshot(sensor_estimate *estimate);
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 /* What a step of the setting did: `expected` and `seen`, stops. */
 void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CONTROLS], double expected, double seen);
+
+/* told.c: what the camera makes of an exposure; one to ask for in its place; one to try between it and the next longer
+ * one that is known. */
+double pupil_sensor_told(const pupil_sensor_object *object, double exposure_s);
+double pupil_sensor_told_ask(const pupil_sensor_object *object, double exposure_s, double longest_s);
+double pupil_sensor_told_between(const pupil_sensor_object *object, double exposure_s);
+/* A large step is in force: its stops as they were asked for, by the metadata, and as seen in the picture. */
+void pupil_sensor_weigh_told(pupil_sensor_object *object, double asked, double told, double seen);
+/* What was asked for is in force. */
+void pupil_sensor_learn_told(pupil_sensor_object *object);
+void pupil_sensor_forget_told(pupil_sensor_object *object);
 
 /* plan.c */
 void pupil_sensor_plan_frame(pupil_sensor_object *object, const sensor_evidence *evidence);

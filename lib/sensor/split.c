@@ -159,18 +159,36 @@ typedef struct sensor_fit {
     double exposure_s, gain, off_ev;
 } sensor_fit;
 
-static void take_nearer(sensor_fit *fit, double total, double exposure_s, double gain)
+static void take_nearer(const pupil_sensor_object *o, sensor_fit *fit, double total, double exposure_s, double gain)
 {
-    const double off_ev = size_of(pupil_log2(total / (exposure_s * gain)));
+    const double off_ev = size_of(pupil_log2(total / (pupil_sensor_told(o, exposure_s) * gain)));
     if (off_ev < fit->off_ev)
         *fit = (sensor_fit){exposure_s, gain, off_ev};
 }
 
+/* Of a camera that rounds exposures, those that are known, and one between two of them. */
+static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, sensor_fit *fit)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double most_s = pupil_sensor_longest_exposure(c), fixed = fit->gain;
+    for (uint32_t i = 0; i < o->told.count; i++) {
+        const double e = o->told.range[i].low_s, between_s = pupil_sensor_told_between(o, e);
+        if (e < c->exposure_min_s || e > most_s)
+            continue;
+        const double g = is_fixed ? fixed : pupil_sensor_gain_of(c, total / o->told.range[i].told_s);
+        take_nearer(o, fit, total, e, g);
+        take_nearer(o, fit, total, e, is_fixed ? fixed : next_gain(c, g));
+        if (between_s <= most_s)
+            take_nearer(o, fit, total, in_lines(c, between_s), fixed);
+    }
+}
+
 /* What rounding down both leaves is the digital factor's. Where steps are far apart that would be much of a stop: then
  * the nearest setting around the total is taken. Bands of lamps are worse than half a stop of digital gain. */
-static void fit_coarse(const pupil_sensor_config *c, uint32_t hz, double total, int is_fixed_s, int is_fixed,
+static void fit_coarse(const pupil_sensor_object *o, uint32_t hz, double total, int is_fixed_s, int is_fixed,
                        sensor_fit *fit)
 {
+    const pupil_sensor_config *c = &o->config;
     const double e = fit->exposure_s, g = fit->gain, next = is_fixed ? g : next_gain(c, g);
     const double banded_s = hz ? 0.5 / hz - c->exposure_step_s : 0.0;
     if (fit->off_ev <= SENSOR_COARSE_EV)
@@ -178,13 +196,16 @@ static void fit_coarse(const pupil_sensor_config *c, uint32_t hz, double total, 
     const double shorter = is_fixed_s || next <= g ? e : exposure_of(c, hz, total / next);
     const int has_bands = e >= banded_s && shorter < banded_s;
     if (!has_bands)
-        take_nearer(fit, total, shorter, next);
+        take_nearer(o, fit, total, shorter, next);
     if (is_fixed_s || fit->off_ev <= SENSOR_COARSE_EV)
         return;
-    take_nearer(fit, total, next_exposure(c, hz, e), g);
-    take_nearer(fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
+    take_nearer(o, fit, total, next_exposure(c, hz, e), g);
+    take_nearer(o, fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
+    const int is_end = size_of(pupil_log2(total)) >= SENSOR_TOTAL_END_EV - 1.0;
+    if (o->told.count && !is_end)
+        fit_told(o, total, is_fixed, fit);
     if (fit->off_ev > 0.5)
-        take_nearer(fit, total, shorter, next);
+        take_nearer(o, fit, total, shorter, next);
 }
 
 /* is_pinned: which controls the search has pinned. */
@@ -207,14 +228,14 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     /* a search that has only the exposure left does not get on in half periods of mains that nobody has seen */
     const int is_fine = is_auto && is_pinned[1] && !is_held;
     e = is_fixed_s ? fixed_s : is_fine ? line_at_least(c, within) : pupil_sensor_exposure_of(c, within);
-    sensor_fit fit = {e, is_fixed ? fixed : pupil_sensor_gain_of(c, total / e), 0.0};
+    sensor_fit fit = {e, is_fixed ? fixed : pupil_sensor_gain_of(c, total / pupil_sensor_told(o, e)), 0.0};
     uint32_t hz = is_auto ? SENSOR_USUAL_MAINS_HZ : c->mains_hz;
     if (is_auto && !is_fixed_s && fit.gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * fit.gain) {
         fit.exposure_s = line_at_least(c, total / fit.gain < most_s ? total / fit.gain : most_s);
         hz = 0; /* at the dark end, all exposure there is */
     }
-    fit.off_ev = pupil_log2(total / (fit.exposure_s * fit.gain));
-    fit_coarse(c, is_fine ? 0 : hz, total, is_fixed_s, is_fixed, &fit);
+    fit.off_ev = pupil_log2(total / (pupil_sensor_told(o, fit.exposure_s) * fit.gain));
+    fit_coarse(o, is_fine ? 0 : hz, total, is_fixed_s, is_fixed, &fit);
     *exposure_s = fit.exposure_s;
     *gain = fit.gain;
 }
@@ -222,6 +243,7 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
 {
     split(o, o->search.is_pinned, total_log2, exposure_s, gain);
+    *exposure_s = pupil_sensor_told_ask(o, *exposure_s, pupil_sensor_longest_exposure(&o->config));
 }
 
 /* The setting at an end of the path, with nothing pinned. */
@@ -235,10 +257,10 @@ void pupil_sensor_ends(const pupil_sensor_object *o, double darkest[SENSOR_CONTR
 {
     double e, g;
     end_of(o, -SENSOR_TOTAL_END_EV, &e, &g);
-    darkest[0] = pupil_log2(e);
+    darkest[0] = pupil_log2(pupil_sensor_told(o, e));
     darkest[1] = pupil_log2(g);
     end_of(o, SENSOR_TOTAL_END_EV, &e, &g);
-    brightest[0] = pupil_log2(e);
+    brightest[0] = pupil_log2(pupil_sensor_told(o, e));
     brightest[1] = pupil_log2(g);
 }
 

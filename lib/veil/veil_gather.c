@@ -99,7 +99,7 @@ static __attribute__((noinline)) void gather_row(const gathering *g, uint32_t i,
                                                  veil_cell cells[VEIL_CELLS])
 {
     enum { RUNS = 12 };
-    pupil_veil_ramp run[RUNS];
+    uint32_t run[RUNS]; /* pixels in each cell */
     pupil_veil_sums sums[RUNS];
     const pupil_row row = pupil_veil_row_of(&g->rows, i);
     const double down = (y + 0.5) * VEIL_CELLS / g->height - (pupil_veil_cell_of(y, g->height) + 0.5);
@@ -110,7 +110,7 @@ static __attribute__((noinline)) void gather_row(const gathering *g, uint32_t i,
             const uint32_t next = pupil_veil_first_in_cell(first + count + 1, g->width);
             if (next - begin > PUPIL_BLOCK)
                 break;
-            run[count].n = next - end;
+            run[count] = next - end;
             end = next;
         }
         first += count;
@@ -118,7 +118,7 @@ static __attribute__((noinline)) void gather_row(const gathering *g, uint32_t i,
             continue;
         (void)PUPIL_PIECE(g->kernels, load[g->rows.image->pixel])(&g->rows.coder, &row, begin, end - begin, planes);
         PUPIL_PIECE(g->kernels, veil_gather)(planes, run, count, sums);
-        for (uint32_t c = 0, at = begin; c < count; at += run[c].n, c++)
+        for (uint32_t c = 0, at = begin; c < count; at += run[c], c++)
             add_run(g, &sums[c], at, first - count + c, down, &cells[first - count + c]);
     }
 }

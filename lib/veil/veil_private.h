@@ -61,26 +61,6 @@ typedef struct veil_light_object {
 
 _Static_assert(sizeof(veil_light_object) <= sizeof(pupil_veil_light), "PUPIL_VEIL_LIGHT_BYTES is too small");
 
-enum { VEIL_CHUNK_PX = 2 * PUPIL_BLOCK }; /* of a row that is mapped at once; a multiple of what dither repeats after */
-
-/* Pixels of a row that are in one cell and in one block, the same in each row. */
-typedef struct veil_place {
-    uint16_t cell, n;
-    float part; /* where the first one's middle is in the cell, 0..1 */
-} veil_place;
-enum { VEIL_BLOCKS = PUPIL_MAX_SIDE_PX / PUPIL_BLOCK };
-
-typedef struct veil_scratch {
-    pupil_planes planes;
-    float rgba[2][4 * VEIL_CHUNK_PX];
-    float row[3][VEIL_NODES + 3];        /* the nodes, between two rows of them */
-    pupil_veil_ramp run[VEIL_CELLS + 1]; /* of a block */
-    veil_place place[VEIL_CELLS + VEIL_BLOCKS];
-    uint32_t first[VEIL_BLOCKS + 1]; /* place[] of each block */
-} veil_scratch;
-
-_Static_assert(sizeof(veil_scratch) <= sizeof(pupil_veil_scratch), "PUPIL_VEIL_SCRATCH_BYTES is too small");
-
 /* "veil", "glim" and the object's size: another version's object is refused. */
 #define VEIL_MAGIC       (UINT64_C(0x7665696c00000000) + sizeof(veil_object))
 #define VEIL_LIGHT_MAGIC (UINT64_C(0x676c696d00000000) + sizeof(veil_light_object))

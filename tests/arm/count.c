@@ -130,15 +130,17 @@ static void fill(const struct format *f, size_t bytes, int hard, uint32_t seed)
         ((uint16_t *)(void *)source_chroma)[i] = (uint16_t)((512 + source[i] % 32) << (in_upper_bits ? 6 : 0));
 }
 
-typedef enum option { NO_OPTION, HISTOGRAM, TRIMMED, FOLLOWING_WHITE, MASK, OPTIONS } option;
+typedef enum option { NO_OPTION, HISTOGRAM, TRIMMED, FOLLOWING_WHITE, MASK, OPTIONS, SAMPLED_WHITE, BY_LUMA } option;
 
 static void make_pupil(pupil_t *pupil, option with)
 {
     pupil_config config;
     pupil_config_default(&config);
-    config.white_mode = with == FOLLOWING_WHITE ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_FIXED;
+    config.white_mode = with == FOLLOWING_WHITE || with >= SAMPLED_WHITE ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_FIXED;
     config.histogram = with == HISTOGRAM;
     config.trim_low = with == TRIMMED ? 0.05f : 0.0f;
+    config.histogram_step = with == SAMPLED_WHITE ? 4 : 1;
+    config.accuracy = with == BY_LUMA ? PUPIL_ACCURACY_LUMA : PUPIL_ACCURACY_EXACT;
     config.clip = 1.0f;
     if (with == MASK && pupil_metering_centre(&config))
         fail("refused", "pupil_metering_centre");
@@ -178,7 +180,7 @@ static void between_marks(const pupil_t *pupil, const pupil_image_const *in, con
     fflush(stdout);
     (void)getppid();
     if (stats && out)
-        error = pupil_fused_rows(pupil, &curve, in, 0, in->height, out, stats);
+        error = pupil_fused_rows(pupil, &curve, in, 0, 1080, out, stats);
     else if (out)
         error = pupil_map_rows(pupil, &curve, in, out);
     else
@@ -218,7 +220,8 @@ static void count(const char *what, const struct format *f, const struct output 
                            .cr = source_chroma,
                            .above = source,
                            .below = source + 2 * stride,
-                           .width = WIDTH};
+                           .width = WIDTH,
+                           .bins_rows = 1};
     pupil_coder coder;
     pupil_coder_make(0, f->pixel, &coder);
     const pupil_row_job job = {.kernels = pupil_level_kernels(level_counted),
@@ -242,17 +245,17 @@ static void count(const char *what, const struct format *f, const struct output 
     (void)getppid();
 }
 
-/* The rows of a frame, by the public calls. */
-static void count_rows(const char *what, const struct format *f, const struct output *output, int hard)
+/* The rows of a frame, by the public calls; fused is with the histogram of 1920x1080. */
+static void count_rows(const char *what, const struct format *f, const struct output *output, int hard, option with)
 {
     static pupil_t pupil;
     static pupil_stats stats;
     const pupil_image_const in = image_of(f, WIDTH, ROWS);
     const pupil_image out = target_of(output ? output : outputs, WIDTH, ROWS);
-    make_pupil(&pupil, NO_OPTION);
+    make_pupil(&pupil, with);
     pupil_stats_clear(&stats);
     print_work(what, f, output, hard, WIDTH * ROWS);
-    between_marks(&pupil, &in, output ? &out : 0, output ? 0 : &stats, f->name);
+    between_marks(&pupil, &in, output ? &out : 0, output && with == OPTIONS ? 0 : &stats, f->name);
 }
 
 static void count_format(const struct format *f, int hard)
@@ -271,10 +274,18 @@ static void count_format(const struct format *f, int hard)
         count("fused", f, outputs, hard, 1, 0, PUPIL_WAY_PIXELS);
     for (const struct output *o = outputs + 1; f == formats && o->pixel != PUPIL_PIXEL_NV12; o++)
         count("map", f, o, hard, 0, 0, PUPIL_WAY_PIXELS);
-    count_rows("meter-rows", f, 0, hard);
-    count_rows("map-rows", f, outputs, hard);
+    count_rows("meter-rows", f, 0, hard, NO_OPTION);
+    count_rows("map-rows", f, outputs, hard, OPTIONS);
+    if (f == formats || f->pixel == PUPIL_PIXEL_NV12) {
+        count_rows("fused-rows", f, outputs, hard, NO_OPTION);
+        count_rows("fused+white-rows", f, outputs, hard, SAMPLED_WHITE);
+    }
     if (f == formats)
-        count_rows("map-rows", f, &outputs[OUTPUTS - 1], hard);
+        count_rows("map-rows", f, &outputs[OUTPUTS - 1], hard, OPTIONS);
+    if (f->pixel == PUPIL_PIXEL_NV12) {
+        count_rows("fused+white-rows", f, &outputs[OUTPUTS - 1], hard, SAMPLED_WHITE);
+        count_rows("luma-rows", f, &outputs[OUTPUTS - 1], hard, BY_LUMA);
+    }
 }
 
 static void count_level(uint32_t level, const char *name)

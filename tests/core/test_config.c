@@ -47,12 +47,14 @@ static const struct range {
     {FIELD(transfer), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
     {FIELD(output_primaries), 'u', 0, 2, {3, 4, 255, 4294967295.0}},
     {FIELD(dither), 'u', 0, 1, {2, 3, 255, 4294967295.0}},
-    {FIELD(levels), 'u', 0, 15, {16, 32, 255, 4294967295.0}},
+    {FIELD(levels), 'u', 0, 31, {32, 64, 255, 4294967295.0}},
     {FIELD(curve), 'u', 0, PUPIL_CURVE_COUNT - 1, {PUPIL_CURVE_COUNT, 6, 255, 4294967295.0}},
     {FIELD(curve_levels), 'u', 2, 256, {0, 1, 257, 4294967295.0}},
     {FIELD(curve_share), 'd', 0, 0.25, {-1e-9, 0.2501, -INFINITY, INFINITY}},
     {FIELD(curve_ceiling), 'd', 1, 4, {0.999, 4.001, -INFINITY, INFINITY}},
     {FIELD(curve_range_ev), 'd', 2, 16, {1.999, 16.001, -INFINITY, INFINITY}},
+    {FIELD(histogram_step), 'u', 0, 8, {3, 5, 16, 4294967295.0}},
+    {FIELD(accuracy), 'u', 0, PUPIL_ACCURACY_COUNT - 1, {PUPIL_ACCURACY_COUNT, 3, 255, 4294967295.0}},
 };
 #define RANGES (sizeof range / sizeof *range)
 

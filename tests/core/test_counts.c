@@ -211,7 +211,7 @@ static void check_order(void)
     pupil_config config;
     frame f = frame_make(640, 360, PUPIL_PIXEL_RGB32F, 0, 0);
     pupil_config_default(&config);
-    config.histogram = 1;
+    config.histogram = config.histogram_step = 1;
     for (int sigma = 1; sigma <= 3; sigma++) {
         frame_lognormal(&f, 0.18, sigma, check_uniform);
         compare_order("log-normal", &config, &f, 1.5e-3);

@@ -50,7 +50,7 @@ static void grey_world(void)
     pupil_stats none;
     float balance[3] = {5, 5, 5};
     pupil_stats_clear(&none);
-    CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_STATS && balance[0] == 5);
+    CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_NO_LIGHT && balance[0] == 5);
 }
 
 /* A colourful frame up to full, against its samples, with balances that clip much of what is not full. */

@@ -45,12 +45,28 @@ static void remember(void)
     memcpy(out_before, out_memory, sizeof out_memory);
 }
 
+/* Objects have bytes between their fields, which nobody sets. */
+#define ANY_BYTES
+#if defined __has_feature
+#if __has_feature(memory_sanitizer)
+#undef ANY_BYTES
+#define ANY_BYTES __attribute__((no_sanitize("memory")))
+#endif
+#endif
+ANY_BYTES static int same(const void *a, const void *b, size_t bytes)
+{
+    const unsigned char *p = a, *q = b;
+    while (bytes && *p++ == *q++)
+        bytes--;
+    return !bytes;
+}
+
 static void expect(int got, int wanted, const char *what)
 {
     CHECK_MSG(got == wanted, "%s: %d, wanted %d", what, got, wanted);
-    CHECK_MSG(memcmp(&pupil, &pupil_before, sizeof pupil) == 0, "%s: the object was touched", what);
-    CHECK_MSG(memcmp(&stats, &stats_before, sizeof stats) == 0, "%s: the statistics were touched", what);
-    CHECK_MSG(memcmp(out_memory, out_before, sizeof out_memory) == 0, "%s: the output was touched", what);
+    CHECK_MSG(same(&pupil, &pupil_before, sizeof pupil), "%s: the object was touched", what);
+    CHECK_MSG(same(&stats, &stats_before, sizeof stats), "%s: the statistics were touched", what);
+    CHECK_MSG(same(out_memory, out_before, sizeof out_memory), "%s: the output was touched", what);
 }
 
 /* All calls that take images, with the same wrong images. */
@@ -297,7 +313,7 @@ static void check_stats(void)
     CHECK(pupil_stats_peak_quantile(NULL, 0, &value) == PUPIL_ERR_NULL);
     CHECK(pupil_stats_peak_quantile(&stats, 0, NULL) == PUPIL_ERR_NULL);
     pupil_stats_clear(&stats);
-    CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_STATS && value == 5);
+    CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_NO_LIGHT && value == 5);
     stats = good;
     memset(stats.bin, 0, sizeof stats.bin);
     memset(stats.peak_bin, 0, sizeof stats.peak_bin);

@@ -1,6 +1,7 @@
 #!/bin/sh
 # symbols.sh ARCHIVE [SHARED_LIBRARY]: the core calls nothing but four functions that every compiler may call on its
-# own (no allocator, no libm, no stdio), and neither library defines a global name that does not begin with pupil_.
+# own (no allocator, no libm, no stdio), and neither library defines a global name that does not begin with pupil_. What
+# the shared library exports has the version of its soname.
 set -eu
 archive=$1
 shared=${2:-}
@@ -26,7 +27,15 @@ fi
 echo "$archive: $(echo "$defined" | wc -l) global names, all pupil_"
 
 if [ -n "$shared" ]; then
-    exported=$("$NM" -D --defined-only "$shared" | awk 'NF == 3 { print $3 }' | sort -u)
+    soname=$(readelf -d "$shared" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')
+    version=PUPIL_${soname#*.so.}
+    exported=$("$NM" -D --defined-only --with-symbol-versions "$shared" | awk '$2 != "A" { print $3 }' | sort -u)
+    others=$(echo "$exported" | grep -v "@@$version\$" || :)
+    if [ -n "$others" ]; then
+        echo "symbols.sh: these do not have the version $version: $(echo $others)"
+        status=1
+    fi
+    exported=$(echo "$exported" | sed 's/@@.*//')
     # What the headers promise is what the library exports, no more and no less.
     promised=$(cat "$(dirname "$0")"/../../lib/include/pupil/*.h | tr '\n' ' ' |
         grep -oE 'PUPIL_API [a-z0-9_ *]*pupil_[a-z0-9_]+\(' | grep -oE 'pupil_[a-z0-9_]+\($' | tr -d '(' | sort -u)

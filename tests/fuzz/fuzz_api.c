@@ -3,9 +3,8 @@
  * within the limits, a frame in pieces is the frame.
  */
 #include "fuzz_picture.h"
+#include "pupil/bloom.h"
 #include "pupil/look.h"
-
-#include "pupil/veil.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -407,6 +406,42 @@ static void do_veil(run *r)
     picture_free(&out);
 }
 
+static void do_bloom(run *r)
+{
+    static pupil_bloom_scratch scratch;
+    picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
+    const pupil_image_const frame = pupil_image_as_const(in.image);
+    const pupil_curve curve = {.scale = 1, .first_row = take_below(8) ? 0 : take_below(SIDE)};
+    const char *why = NULL;
+    pupil_bloom_config c;
+    pupil_bloom_config_default(&c);
+    c.width = take_below(20) ? frame.width : take_below(200);
+    c.height = take_below(20) ? frame.height : take_below(200);
+    c.threshold = take_below(2) ? 0 : take_double(-1, 100);
+    c.lobes = take_below(6 + 40 * !take_below(30));
+    for (uint32_t i = 0; i < c.lobes && i < PUPIL_VEIL_MOST_LOBES; i++) {
+        c.lobe[i].sigma = take_double(0.05, take_below(2) ? 5 : 1100);
+        c.lobe[i].weight = take_double(0, 0.3);
+    }
+    const int error = pupil_bloom_config_check(&c, &why);
+    const size_t bytes = pupil_bloom_bytes(&c);
+    MUST(error == PUPIL_OK || (error == PUPIL_ERR_CONFIG && why));
+    MUST(!bytes == (error != PUPIL_OK));
+    pupil_bloom *bloom = malloc(bytes ? bytes : sizeof(double));
+    MUST(bloom && pupil_bloom_init(bloom, bytes, &c) == error);
+    MUST(error || pupil_bloom_init(bloom, bytes - 1, &c) == PUPIL_ERR_VALUE);
+    if (!error) {
+        (void)pupil_bloom_gather_rows(bloom, &r->pupil, &frame, take_below(4) ? 0 : take_below(SIDE),
+                                      take_below(4) ? frame.height : take_below(SIDE), &scratch);
+        MUST(pupil_bloom_solve(bloom, &r->pupil) == PUPIL_OK);
+        (void)pupil_bloom_map_rows(bloom, NULL, &r->pupil, &curve, &frame, &out.image, &scratch);
+    }
+    free(bloom);
+    picture_guarded(&out);
+    picture_free(&in);
+    picture_free(&out);
+}
+
 static void do_edges(run *r)
 {
     picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_like(&in);
@@ -424,8 +459,8 @@ static void do_edges(run *r)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static void (*const step[])(run *) = {do_process, do_process, do_begin, do_rows, do_rows, do_end,
-                                          do_retune,  do_stats,   do_map,   do_veil, do_edges};
+    static void (*const step[])(run *) = {do_process, do_process, do_begin, do_rows, do_rows,  do_end,
+                                          do_retune,  do_stats,   do_map,   do_veil, do_bloom, do_edges};
     static run r;
     const char *why = NULL;
     input = data;

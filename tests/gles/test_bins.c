@@ -50,7 +50,7 @@ static int meter(const frame *f, const pupil_config *config, const pupil_coding 
     CHECK(pupil_gles_collect(&gles, UINT64_C(60000000000), gpu, NULL) == PUPIL_OK);
     pupil_gles_close(&gles);
     pupil_config every = *config;
-    every.meter_rows = 1;
+    every.meter_rows = every.histogram_step = 1;
     CHECK(pupil_retune(&pupil, &every) == PUPIL_OK);
     pupil_image_const in = f->image;
     in.coding = coding;

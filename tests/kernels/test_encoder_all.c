@@ -8,7 +8,7 @@
 #include "check.h"
 #include "kernels/kernels.h"
 
-static const char *const level_name[PUPIL_LEVEL_COUNT] = {"scalar", "NEON", "AVX2", "AVX-512"};
+static const char *const level_name[PUPIL_LEVEL_COUNT] = {"scalar", "NEON", "AVX2", "AVX-512", "wasm128"};
 
 static float of_bits(uint32_t bits)
 {

@@ -151,9 +151,9 @@ static void faulty(double light_ev)
     c.has_powers_of_two = 1;
     c.config.gain_max = 1.0;
     c.config.exposure_max_s = 1.0 / 32.0;
-    const off o = run(&c); /* it goes on from one of two settings to the other for longer; this may only fall */
-    CHECK_MSG(o.shown_ev <= 0.35 && o.sensor_ev <= 1.65,
-              "powers of two, no gain, light %g EV: %.3f EV, the sensor %.3f", light_ev, o.shown_ev, o.sensor_ev);
+    const off o = run(&c); /* not always the nearer one of two settings; this may only fall */
+    CHECK_MSG(o.shown_ev <= 0.1 && o.sensor_ev <= 0.85, "powers of two, no gain, light %g EV: %.3f EV, the sensor %.3f",
+              light_ev, o.shown_ev, o.sensor_ev);
     for (double jump = 1.1; jump < 1.9; jump += 0.1) {
         c = camera_of(light_ev);
         c.jump_gain = 4.0;

@@ -27,6 +27,7 @@ uint64_t digest_run(const digest_case *c);
 
 /* Veiling glare: two eyes, a list of lights, their nodes, series and pictures. */
 uint64_t digest_veil(void);
+uint64_t digest_bloom(void);
 
 /* Gains of rows under lamps. */
 uint64_t digest_lamps(void);

@@ -441,5 +441,7 @@ int main(void)
     knots();
     put("veil");
     put_digest(digest_veil());
+    put("bloom");
+    put_digest(digest_bloom());
     return 0;
 }

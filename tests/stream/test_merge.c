@@ -37,6 +37,7 @@ static void random_config(pupil_config *config)
 {
     pupil_config_default(config);
     config->histogram = (uint32_t)(check_random() & 1);
+    config->histogram_step = check_random() & 1 ? 1u << check_random() % 4 : 0;
     config->floor = check_random() & 1 ? 0x1p-30f : 0x1p-14f;
     config->white_mode = (uint32_t)(check_random() % PUPIL_WHITE_COUNT);
     config->white = 4;

@@ -3,13 +3,9 @@
  */
 #include "check.h"
 #include "eye.h"
+#include "lamp.h"
 
 enum { SIDE = 600, LAMPS = 100 };
-
-typedef struct lamp {
-    int x, y;
-    float rgb[3];
-} lamp;
 
 static lamp lamps[LAMPS];
 static float frame[SIDE][SIDE][3], nodes[PUPIL_VEIL_NODES][PUPIL_VEIL_NODES][3];
@@ -21,14 +17,9 @@ static void place_lamps(void)
 {
     memset(frame, 0, sizeof frame);
     for (int i = 0; i < LAMPS; i++) {
-        lamp *l = &lamps[i];
-        const double bright = exp2(8 * check_uniform());
-        l->x = (int)(check_uniform() * SIDE);
-        l->y = (int)(check_uniform() * SIDE);
-        for (int c = 0; c < 3; c++) {
-            l->rgb[c] = (float)(bright * (0.2 + check_uniform()));
-            frame[l->y][l->x][c] += l->rgb[c];
-        }
+        const lamp l = lamps[i] = lamp_anywhere(SIDE);
+        for (int c = 0; c < 3; c++)
+            frame[l.y][l.x][c] += l.rgb[c];
     }
 }
 

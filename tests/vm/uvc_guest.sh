@@ -29,6 +29,55 @@ until_converged() {
     done
 }
 
+lost() { sed -n 's/.*"lost": *\([0-9]*\).*/\1/p' run.jsonl | awk '{ n += $1 } END { print n + 0 }'; }
+# one program for all commands: to start one takes the emulated processor as long as some frames do
+tell() { echo "$*" >&3; }
+# more N: so many more frames have come
+more() {
+    aim=$(($(wc -l <run.jsonl) + $1))
+    for _ in $(seq 300); do
+        [ "$(wc -l <run.jsonl)" -lt $aim ] || return 0
+        sleep 0.2
+    done
+    fail "no $1 frames in a minute"
+}
+# settings N: how many different settings the last N frames were taken with
+settings() { tail -n "$1" run.jsonl | sed 's/.*"exposure_s": *\([^,]*\),"gain": *\([^,]*\),.*/\1 \2/' | sort -u | wc -l; }
+
+# The run is changed by its socket while frames come: a lock holds through a step of light, a limit, compensation and a
+# region act. Frames that are lost are said: a busy emulated processor loses some anyway, apps.run.control none.
+change_it() {
+    mkfifo orders
+    "$pupil" ctl run.sock <orders >ctl.out 2>&1 &
+    asks=$!
+    exec 3>orders
+    tell status
+    more 12
+    before=$(lost)
+    tell lock on
+    more 8
+    "$node" light $plugged 9
+    more 12
+    [ "$(settings 12)" = 1 ] || fail "the lock does not hold: $(settings 12) settings"
+    tell lock off
+    more 15
+    tell shutter-max 5ms
+    more 15
+    awk -v s="$(last exposure_s)" 'BEGIN { exit !(s <= 0.00501) }' || fail "shutter-max: $(last exposure_s) s"
+    tell shutter-max off
+    tell roi 0.4,0.4,0.2,0.2
+    tell ev -1
+    more 15
+    tell roi off
+    tell ev 0
+    "$node" light $plugged 8
+    until_converged $(($(wc -l <run.jsonl) + 25))
+    echo "pupil ctl: $(wc -l <ctl.out) answers; frames lost: $before before, $(lost) after; exposure $(last exposure_s) s"
+    exec 3>&-
+    wait $asks || fail "ctl: $(cat ctl.out)"
+    [ "$(grep -c '^{"ok":true' ctl.out)" = 9 ] || fail "ctl: $(cat ctl.out)"
+}
+
 # Light that is taken for a display's codes (linear) is a tone curve to pupil. It is regulated all the same; its brightest
 # parts, which would clip, may cost a stop of exposure (highlight_ev), which is up to 2.4 of that picture: 0.034. Eight
 # times the light for a while in between; 5 frames a second, so that a busy machine loses few.
@@ -36,7 +85,7 @@ for answers in display linear; do
     plug $answers
     : >run.jsonl
     # shellcheck disable=SC2086 # words
-    "$pupil" run -d "$path" --width 320 --height 240 --framerate 5 --mode sensor -t 200 -q --stats - \
+    "$pupil" run -d "$path" --width 320 --height 240 --framerate 5 --mode sensor -t 200 -q --stats - --control run.sock \
         ${plots:+--plot run.svg} >run.jsonl &
     runner=$!
     until_converged 20
@@ -44,6 +93,7 @@ for answers in display linear; do
     until_converged 45
     "$node" light $plugged 8
     until_converged 70
+    [ $answers = linear ] || change_it
     kill -TERM $runner
     wait $runner || fail "$answers: pupil run: exit $?"
     [ -z "$plots" ] || { echo "plot uvc-$answers.svg"; gzip -9 <run.svg | base64; echo "end of plot"; }

@@ -1,6 +1,7 @@
 /* pupil bench ae: exposure loops on a simulated camera: pupil's and published laws, each test with its limit. */
 #include "ae.h"
 #include "options/commands.h"
+#include "output/plot.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -195,6 +196,7 @@ static const option_row rows[] = {
      .words = "settle|overshoot|hunt|identify|calm|seam|background|bands|strobe|curve|lies", .help = "one test (all)"},
     {"plot", 0, OPTION_PATH, "FILE", offsetof(options, b.plot),
      .help = "instead, a step of +3 EV and one of -3 EV, all loops in one picture (.svg, .png)"},
+    OPTION_ROW_OVERWRITE(options, b.overwrite),
     OPTION_ROW_JSON(options, json, "one object a line for each test"),
     OPTION_ROW_QUIET(options, quiet),
 };
@@ -249,6 +251,7 @@ int bench_ae_main(int argc, char **argv)
     int failed = !b->frame || (!o.json && !t.row);
     if (failed)
         pupil_refuse(&b->why, "not enough memory");
+    failed = failed || (b->plot && pupil_plot_check(b->plot, b->overwrite, &b->why));
     failed = failed || (b->plot ? bench_ae_plot(b) : bench_ae_run(b));
     if (t.shown)
         fputs("\r\033[K", stderr);

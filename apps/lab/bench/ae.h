@@ -22,6 +22,7 @@ typedef struct bench_ae {
     const fixture_controller *law; /* NULL: all */
     const char *test;              /* NULL: all */
     const char *plot;              /* a file instead; NULL */
+    int overwrite;                 /* it is replaced */
     void (*see)(void *context, const bench_ae_row *row);
     void *context;
     fixture_loop_frame *frame; /* BENCH_AE_FRAMES */

@@ -82,5 +82,5 @@ int bench_ae_plot(bench_ae *b)
             if (answer(b, &a, curve++, law, rejects))
                 return -1;
     }
-    return pupil_plot_draw(b->plot, 1, script, &a, &b->why);
+    return pupil_plot_draw(b->plot, b->overwrite, script, &a, &b->why);
 }

@@ -57,6 +57,7 @@ static const option_row rows[] = {
     {"plot", 0, OPTION_PATH, "FILE", AT(plot),
      .help = "speed and error of each choice, as .svg or .png, by gnuplot (one thread)",
      .more = "Choices: every row or some of them, fused or in two passes, ways to encode. Also prints the same."},
+    OPTION_ROW_OVERWRITE(bench_options, overwrite),
     {"format", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_format, .words = BENCH_FORMAT_WORDS,
      .help = "one input format (all; --peers, --worst and --plot: rgba32f)"},
     {"light", 0, OPTION_CHOICE, "NAME", 0, .parse = parse_light, .words = "srgb|pq|hlg", .initial = "srgb",
@@ -85,9 +86,11 @@ const option_command bench_kernels_command = {
     .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
     .manual =
         "Measures metering and mapping at every level that this CPU has, in turns with a plain read and a memcpy "
-        "of the same bytes. Kernels: meter, map, fused (both in one pass), exact (meter, then map), default "
-        "(fused, with the histogram that the following white point needs) and curve (the same, by a table of knots: "
-        "--tone adjust). Errors are those of the log-average "
+        "of the same bytes. Kernels: meter, map, fused (both in one pass), exact (meter, then map), "
+        "config-default (what pupil_config_default gives: exact, with the histogram that a following white point "
+        "needs), fused+white (fused, with it), fused+every (the same, counting every pixel) and curve (fused, by a "
+        "table of knots: --tone adjust); of 8-bit Y'CbCr also luma (fused+white by PUPIL_ACCURACY_LUMA). Errors are "
+        "those of the log-average "
         "against long double, and of display samples against double, on an easy and on a hard frame.\n\n"
         "Formats: floats, half, 16 and 8 bit, and cameras' formats (yuyv, uyvy, nv12, nv21, nv16, i420, grey8 to "
         "grey16, bayer8 to bayer16, bayer10p, bayer12p) among them.",
@@ -153,7 +156,7 @@ int bench_kernels_main(int argc, char **argv)
     if (check(&o))
         return BENCH_USAGE;
     pupil_why why;
-    if (o.plot && pupil_plot_check(o.plot, 1, &why)) {
+    if (o.plot && pupil_plot_check(o.plot, o.overwrite, &why)) {
         report_error("pupil bench", &why, "");
         return BENCH_FAILED;
     }

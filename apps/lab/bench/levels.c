@@ -34,7 +34,7 @@ static void tell_json(const bench_options *o, unsigned threads, const bench_kern
 static void tell(const bench_options *o, const bench_kernel *k, const bench_runner *r, const bench_runner *base,
                  const verify_figures error[2])
 {
-    printf("%-8s %-8s %-7s %8.3f %7.2f %9.2f", bench_format_name(k->s->in.pixel), bench_kernel_names[k->which],
+    printf("%-8s %-14s %-7s %8.3f %7.2f %9.2f", bench_format_name(k->s->in.pixel), bench_kernel_names[k->which],
            bench_level_names[k->level], r->median_s * 1e9 / ((double)o->width * o->height),
            r->median_s / base[0].median_s, r->median_s / base[1].median_s);
     for (int hard = 0; hard < 2; hard++)
@@ -82,7 +82,7 @@ int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush
     if (!o->json)
         printf("%lux%lu, %u thread%s, %s, to %s, median of %u rounds in turns; errors on an easy and on a hard frame:\n"
                "of the log-average (relative), of display samples (codes, share that is off)\n"
-               "format   kernel   level      ns/px   /read   /memcpy  easy                   hard\n",
+               "format   kernel         level      ns/px   /read   /memcpy  easy                   hard\n",
                (unsigned long)o->width, (unsigned long)o->height, workers_count(crew),
                workers_count(crew) > 1 ? "s" : "", flush ? "cold" : "warm", o->out->name,
                o->rounds ? o->rounds : ROUNDS);

@@ -240,7 +240,7 @@ int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush)
     snprintf(title, sizeof title, "RGBA float, %lux%lu, one thread, %s, %s", (unsigned long)o->width,
              (unsigned long)o->height, bench_level_names[level], flush ? "cold" : "warm");
     const drawing d = {choice, count, title};
-    if (pupil_plot_draw(o->plot, 1, script, &d, &why)) {
+    if (pupil_plot_draw(o->plot, o->overwrite, script, &d, &why)) {
         report_error("pupil bench", &why, "");
         return BENCH_FAILED;
     }

@@ -4,21 +4,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "camera.h"
 #include "frames.h"
 #include "pupil/row_gain.h"
 
-const char *const bench_kernel_names[BENCH_KERNELS] = {"meter", "map", "fused", "exact", "default", "curve"};
-const char *const bench_level_names[PUPIL_LEVEL_COUNT] = {"scalar", "neon", "avx2", "avx512"};
+const char *const bench_kernel_names[BENCH_KERNELS] = {"meter",       "map",         "fused", "exact", "config-default",
+                                                       "fused+white", "fused+every", "curve", "luma"};
+const char *const bench_level_names[PUPIL_LEVEL_COUNT] = {"scalar", "neon", "avx2", "avx512", "wasm128"};
 const bench_out bench_outs[] = {
     {"rgba8", PUPIL_PIXEL_RGBA8, 1},     {"rgb8", PUPIL_PIXEL_RGB8, 1},       {"bgrx8", PUPIL_PIXEL_BGRX8, 1},
     {"bgr8", PUPIL_PIXEL_BGR8, 1},       {"nv12", PUPIL_PIXEL_NV12, 1},       {"half", PUPIL_PIXEL_RGBA8, 2},
     {"i420", PUPIL_PIXEL_I420, 1},       {"rgba32f", PUPIL_PIXEL_RGBA32F, 1}, {"rgb32f", PUPIL_PIXEL_RGB32F, 1},
     {"rgba16f", PUPIL_PIXEL_RGBA16F, 1}, {"rgb16f", PUPIL_PIXEL_RGB16F, 1},   {NULL, PUPIL_PIXEL_NONE, 0}};
 
+static int is_yuv8(uint32_t pixel)
+{
+    return bench_is_yuv(pixel) && pixel != PUPIL_PIXEL_P010 && pixel != PUPIL_PIXEL_I420_10 &&
+           pixel != PUPIL_PIXEL_I444_16;
+}
+
 static void configure(pupil_config *c, bench_which which)
 {
     pupil_config_default(c);
-    c->white_mode = which >= BENCH_DEFAULT ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_FIXED;
+    c->white_mode = which >= BENCH_CONFIG ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_FIXED;
+    c->histogram_step = which == BENCH_WHITE_EVERY;
+    c->accuracy = which == BENCH_LUMA ? PUPIL_ACCURACY_LUMA : PUPIL_ACCURACY_EXACT;
     c->curve = which == BENCH_CURVE ? PUPIL_CURVE_ADJUST : PUPIL_CURVE_REINHARD;
     c->white = 4.0;
 }
@@ -49,13 +59,14 @@ static void work(void *context, unsigned worker, unsigned count)
         return;
     pupil_stats *stats = &k->stats[worker];
     pupil_stats_clear(stats);
-    if (k->which == BENCH_METER || k->which == BENCH_EXACT)
+    const int two_passes = k->which == BENCH_EXACT || k->which == BENCH_CONFIG;
+    if (k->which == BENCH_METER || two_passes)
         pupil_meter_rows(&k->pupil, &in, first, s->in.height, stats);
     if (k->which == BENCH_MAP && k->gain)
         pupil_map_rows_with_gains(&k->pupil, &k->curve, &in, k->gain + first, &out);
-    else if (k->which == BENCH_MAP || k->which == BENCH_EXACT)
+    else if (k->which == BENCH_MAP || two_passes)
         pupil_map_rows(&k->pupil, &k->curve, &in, &out);
-    if (k->which == BENCH_FUSED || k->which >= BENCH_DEFAULT)
+    if (k->which == BENCH_FUSED || k->which >= BENCH_WHITE)
         pupil_fused_rows(&k->pupil, &k->curve, &in, first, s->in.height, &out, stats);
 }
 
@@ -112,6 +123,8 @@ int bench_subject_open(bench_subject *s, const bench_options *o, uint32_t pixel,
     s->bytes = bench_frame_bytes(pixel, o->width, o->height);
     s->copy = aligned_alloc(64, (s->bytes + 63) / 64 * 64);
     s->out = bench_room(o->out->pixel, o->width / o->out->step, o->height / o->out->step);
+    if (is_yuv8(pixel) && pupil_pixel_planes(o->out->pixel) > 1)
+        s->out.coding = s->in.coding; /* as a camera's frames are passed on */
     configure(&c, BENCH_METER);
     if (s->in.data && s->copy && s->out.data && !pupil_init(&pupil, &c) &&
         !pupil_process(&pupil, &s->in, NULL, &s->out) && !pupil_get_curve(&pupil, NULL, &s->curve)) {
@@ -135,6 +148,8 @@ int bench_kernel_open(bench_kernel *k, bench_subject *s, bench_which which, uint
 {
     pupil_config c;
     uint32_t got;
+    if (which == BENCH_LUMA && !is_yuv8(s->in.pixel))
+        return -1;
     configure(&c, which);
     c.levels = 1u << level;
     if (pupil_init(&k->pupil, &c) || pupil_get_level(&k->pupil, &got) || got != level)

@@ -27,16 +27,19 @@ typedef struct bench_options {
     uint32_t width, height;
     unsigned threads;
     unsigned rounds; /* 0: as many as what is measured needs */
-    int peers, worst, row_gains, warm, json, quiet;
+    int peers, worst, row_gains, warm, overwrite, json, quiet;
 } bench_options;
 
 typedef enum bench_which {
     BENCH_METER = 0,
     BENCH_MAP,
-    BENCH_FUSED,   /* both in one pass */
-    BENCH_EXACT,   /* both, one after the other */
-    BENCH_DEFAULT, /* fused, with the histogram that the following white point needs */
-    BENCH_CURVE,   /* the same by a table of knots: PUPIL_CURVE_ADJUST */
+    BENCH_FUSED,       /* both in one pass */
+    BENCH_EXACT,       /* both, one after the other, without a histogram */
+    BENCH_CONFIG,      /* what pupil_config_default gives: exact, with the histogram that a following white needs */
+    BENCH_WHITE,       /* fused, with that histogram */
+    BENCH_WHITE_EVERY, /* the same of every pixel: histogram_step = 1 */
+    BENCH_CURVE,       /* fused, by a table of knots: PUPIL_CURVE_ADJUST */
+    BENCH_LUMA,        /* 8-bit Y'CbCr: fused+white by PUPIL_ACCURACY_LUMA */
     BENCH_KERNELS
 } bench_which;
 

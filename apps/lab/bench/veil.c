@@ -11,6 +11,7 @@
 #include "common/report_error.h"
 #include "instructions.h"
 #include "options/commands.h"
+#include "pupil/bloom.h"
 #include "veil_rivals.h"
 
 enum { SIDE = 600, MOST_LIGHTS = 10000, COUNTS = 5, RIVALS = 3 };
@@ -217,6 +218,8 @@ typedef struct frames {
     pupil_veil veil;
     pupil_veil_light light;
     pupil_veil_scratch scratch;
+    pupil_bloom_scratch bloom_scratch;
+    pupil_bloom *bloom;
     pupil_stats stats;
     pupil_curve curve;
     pupil_image_const in;
@@ -266,6 +269,58 @@ static void map_with_veil(void *context)
     pupil_veil_map_rows(&f->veil, &f->pupil, &f->curve, &f->in, &f->out, &f->scratch);
 }
 
+enum { GROUP = 16 }; /* rows that are metered and gathered while they are in the cache */
+
+static void meter_groups(frames *f, int with_bloom)
+{
+    pupil_stats_clear(&f->stats);
+    for (uint32_t y = 0; y < f->in.height; y += GROUP) {
+        const uint32_t rows = f->in.height - y < GROUP ? f->in.height - y : GROUP;
+        const pupil_image_const part = pupil_image_rows(f->in, y, rows);
+        pupil_meter_rows(&f->pupil, &part, y, f->in.height, &f->stats);
+        if (with_bloom)
+            pupil_bloom_gather_rows(f->bloom, &f->pupil, &f->in, y, rows, &f->bloom_scratch);
+    }
+}
+
+static void meter_in_groups(void *context)
+{
+    meter_groups(context, 0);
+}
+
+static void meter_and_gather_bloom(void *context)
+{
+    meter_groups(context, 1);
+}
+
+static void solve_bloom(void *context)
+{
+    frames *f = context;
+    pupil_bloom_solve(f->bloom, &f->pupil);
+}
+
+static void map_with_bloom(void *context)
+{
+    frames *f = context;
+    pupil_bloom_map_rows(f->bloom, NULL, &f->pupil, &f->curve, &f->in, &f->out, &f->bloom_scratch);
+}
+
+/* The narrow lobes of the veil's eye. */
+static int open_bloom(frames *f)
+{
+    pupil_bloom_config config;
+    pupil_veil_result eye;
+    pupil_veil_get(&f->veil, &eye);
+    pupil_bloom_config_default(&config);
+    config.width = f->in.width;
+    config.height = f->in.height;
+    config.lobes = eye.lobes;
+    memcpy(config.lobe, eye.lobe, sizeof config.lobe);
+    const size_t bytes = pupil_bloom_bytes(&config);
+    f->bloom = malloc(bytes);
+    return f->bloom && !pupil_bloom_init(f->bloom, bytes, &config) ? 0 : -1;
+}
+
 static int open_frames(const bench *b, frames *f)
 {
     const uint32_t width = b->options.width, height = b->options.height;
@@ -297,7 +352,32 @@ static int open_frames(const bench *b, frames *f)
     pupil_veil_config_default(&eye);
     eye.width = width;
     eye.height = height;
-    return pupil_veil_init(&f->veil, &eye) ? -1 : 0;
+    return pupil_veil_init(&f->veil, &eye) || open_bloom(f) ? -1 : 0;
+}
+
+enum { RUNNERS = 10 };
+
+static void print_frames(const options *o, const bench_runner runner[RUNNERS])
+{
+    const double pixels = (double)o->width * o->height;
+    double ns[RUNNERS];
+    for (int i = 0; i < RUNNERS; i++)
+        ns[i] = runner[i].least_s * 1e9 / pixels;
+    const double veil = ns[2] - ns[1] + ns[5] - ns[4] + ns[3], bloom = ns[7] - ns[6] + ns[9] - ns[4] + ns[8];
+    printf("A frame of %u x %u, RGBA32F to RGBA8, Spencer's eye, one thread, ns a pixel:\n"
+           "  a plain read of the frame      %6.3f\n"
+           "  metering                       %6.3f   with gathering     %6.3f   more %6.3f\n"
+           "  mapping                        %6.3f   with its veil      %6.3f   more %6.3f\n"
+           "  coefficients and nodes                                           %6.3f   (%.3f ms)\n"
+           "  the veil in all                                             more %6.3f   (%.2f plain reads)\n",
+           o->width, o->height, ns[0], ns[1], ns[2], ns[2] - ns[1], ns[4], ns[5], ns[5] - ns[4], ns[3],
+           runner[3].least_s * 1e3, veil, veil / ns[0]);
+    printf("  metering                       %6.3f   with bloom's light %6.3f   more %6.3f\n"
+           "  mapping                        %6.3f   with its bloom     %6.3f   more %6.3f\n"
+           "  octaves                                                          %6.3f   (%.3f ms)\n"
+           "  the bloom in all                                            more %6.3f   (%.2f plain reads)\n",
+           ns[6], ns[7], ns[7] - ns[6], ns[4], ns[9], ns[9] - ns[4], ns[8], runner[8].least_s * 1e3, bloom,
+           bloom / ns[0]);
 }
 
 static int run_frames(bench *b)
@@ -307,24 +387,20 @@ static int run_frames(bench *b)
         free(f);
         return -1;
     }
-    bench_runner runner[] = {
-        {.run = read_only, .context = f}, {.run = meter, .context = f}, {.run = meter_and_gather, .context = f},
-        {.run = solve, .context = f},     {.run = map, .context = f},   {.run = map_with_veil, .context = f}};
-    const int stopped = bench_race(runner, 6, (unsigned)b->options.rounds, NULL, interrupt_came);
-    const double pixels = (double)b->options.width * b->options.height;
-    double ns[6];
-    for (int i = 0; i < 6; i++)
-        ns[i] = runner[i].least_s * 1e9 / pixels;
+    bench_runner runner[RUNNERS] = {{.run = read_only, .context = f},
+                                    {.run = meter, .context = f},
+                                    {.run = meter_and_gather, .context = f},
+                                    {.run = solve, .context = f},
+                                    {.run = map, .context = f},
+                                    {.run = map_with_veil, .context = f},
+                                    {.run = meter_in_groups, .context = f},
+                                    {.run = meter_and_gather_bloom, .context = f},
+                                    {.run = solve_bloom, .context = f},
+                                    {.run = map_with_bloom, .context = f}};
+    const int stopped = bench_race(runner, RUNNERS, (unsigned)b->options.rounds, NULL, interrupt_came);
     if (!stopped)
-        printf("A frame of %u x %u, RGBA32F to RGBA8, Spencer's eye, one thread, ns a pixel:\n"
-               "  a plain read of the frame      %6.3f\n"
-               "  metering                       %6.3f   with gathering     %6.3f   more %6.3f\n"
-               "  mapping                        %6.3f   with its veil      %6.3f   more %6.3f\n"
-               "  coefficients and nodes                                           %6.3f   (%.3f ms)\n"
-               "  the veil in all                                             more %6.3f   (%.2f plain reads)\n",
-               b->options.width, b->options.height, ns[0], ns[1], ns[2], ns[2] - ns[1], ns[4], ns[5], ns[5] - ns[4],
-               ns[3], runner[3].least_s * 1e3, ns[2] - ns[1] + ns[5] - ns[4] + ns[3],
-               (ns[2] - ns[1] + ns[5] - ns[4] + ns[3]) / ns[0]);
+        print_frames(&b->options, runner);
+    free(f->bloom);
     free(f->pixels);
     free(f->out.data);
     free(f);

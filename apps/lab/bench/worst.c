@@ -97,7 +97,7 @@ static int open_case(worst_case *w, int which, const bench_options *o, workers *
     w->own_out = w->s.out.data;
     w->bytes = (size_t)o->width * o->height * 4;
     if (!w->s.in.data ||
-        bench_kernel_open(&w->kernel, &w->s, which == DEFAULT || which == LAMPS ? BENCH_DEFAULT : BENCH_FUSED, level))
+        bench_kernel_open(&w->kernel, &w->s, which == DEFAULT || which == LAMPS ? BENCH_WHITE : BENCH_FUSED, level))
         return fputs("pupil bench: not enough memory\n", stderr), -1;
     if (which == DARK)
         plant(w->s.in, dark, 3);

@@ -80,8 +80,8 @@ static int parse_layers(const option_value *v)
 
 static const option_row rows[] = {
     {"out", 'o', OPTION_PATH, "PATH", 0, .parse = parse_out,
-     .help =
-         "linear: .exr .hdr .pfm one frame, or a folder of EXR; display: .mp4 .mkv .mov .y4m .png .jpg; repeatable"},
+     .help = "linear: .exr .hdr .pfm one frame, or a folder of EXR; display: .mp4 .mkv .mov .y4m .png .jpg .tif; "
+             "repeatable"},
     {"frames", 'n', OPTION_TEXT, "A..B", 0, .parse = parse_frames,
      .right = "A..B with A <= B, or a number of frames, 1 or more",
      .help = "the frames A to B, both included; N: the first N (all; one, where an output is one picture)"},
@@ -97,7 +97,7 @@ static const option_row rows[] = {
          "the normal, albedo.R G B the diffuse reflectance; occlusion.Y how open the point is to light from all "
          "around within 0.5 m, by rays, and ssao.Y the same in screen space."},
     OPTION_ROW_THREADS(render, source_options.threads, "0"),
-    {"overwrite", 'y', OPTION_FLAG, NULL, AT(overwrite), .help = "replace outputs that are there"},
+    OPTION_ROW_OVERWRITE(render, overwrite),
     OPTION_ROW_QUIET(render, quiet),
 };
 
@@ -211,7 +211,8 @@ static int run(render *r)
         return run_layers(r);
     for (size_t i = 0; i < r->out_count && !r->source_options.frames; i++) {
         const char *dot = strrchr(r->out[i], '.');
-        const int picture = dot && (strcmp(dot, ".png") == 0 || strcmp(dot, ".jpg") == 0 || strcmp(dot, ".jpeg") == 0);
+        const int picture = dot && (strcmp(dot, ".png") == 0 || strcmp(dot, ".jpg") == 0 || strcmp(dot, ".jpeg") == 0 ||
+                                    strncmp(dot, ".tif", 4) == 0);
         if ((pupil_is_linear_path(r->out[i], &single) && single) || picture)
             r->source_options.frames = 1;
     }

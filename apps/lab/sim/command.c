@@ -5,8 +5,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/report_error.h"
+#include "file/common/pending.h"
 #include "options/commands.h"
 #include "options/key_at.h"
 #include "output/plot.h"
@@ -119,6 +121,7 @@ static const option_row rows[] = {
      .more = "What was in force, what was reported of it, what was requested, and the error of the picture."},
     {"plot", 0, OPTION_PATH, "FILE", AT(plot), .help = "light, exposure, gain and error: .svg or .png",
      .more = "Needs gnuplot."},
+    OPTION_ROW_OVERWRITE(sim_options, overwrite),
     OPTION_ROW_JSON(sim_options, json, "the summary as an object"),
     {"check", 0, OPTION_FLAG, NULL, AT(check), .help = "exit status 1 where the loop ends wrong",
      .more = "In still light, after 60 frames or 12 delays: what is shown over 0.1 EV from the aim, the sensor over "
@@ -165,8 +168,10 @@ static int prepare(sim_options *o, pupil_why *why)
 {
     if (check_together(o, why))
         return EXIT_USAGE;
-    if (o->plot && pupil_plot_check(o->plot, 1, why))
+    if (o->plot && pupil_plot_check(o->plot, o->overwrite, why))
         return EXIT_FAILED;
+    if (o->stats && strcmp(o->stats, "-") != 0 && !o->overwrite && access(o->stats, F_OK) == 0)
+        return pupil_pending_keep(o->stats, why), EXIT_FAILED;
     if (o->plants)
         return o->plants == 1 && sim_random_loop(o, o->seed, why) ? EXIT_FAILED : EXIT_DONE;
     if (!*o->light)

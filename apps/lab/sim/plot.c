@@ -115,5 +115,5 @@ static void script(FILE *out, int is_png, const void *context)
 
 int sim_plot(const sim_run *run, pupil_why *why)
 {
-    return pupil_plot_draw(run->options->plot, 1, script, run, why);
+    return pupil_plot_draw(run->options->plot, run->options->overwrite, script, run, why);
 }

@@ -31,7 +31,7 @@ int sim_stats(const sim_run *run, pupil_why *why)
     pupil_pending pending = {0};
     FILE *out = stdout;
     if (!standard) {
-        if (pupil_pending_file(&pending, path, 1, why))
+        if (pupil_pending_file(&pending, path, run->options->overwrite, why))
             return -1;
         out = pupil_pending_stream(&pending);
     }

@@ -19,7 +19,7 @@ typedef struct sim_options {
     const char *camera, *scene, *stats, *plot;
     const char *key_at; /* NULL: one key */
     float *luminance;   /* of the scene */
-    int json, quiet, check;
+    int json, quiet, check, overwrite;
     uint64_t plants, seed; /* plants: 0 unless --random */
 } sim_options;
 

@@ -146,12 +146,37 @@ static void write_csv(FILE *out, const study_result *r)
     study_csv(out, r->cells);
 }
 
+static void video_name(const study *s, unsigned video, char *name, size_t bytes)
+{
+    snprintf(name, bytes, "case%u-formula%u.mp4", s->options.video[video].which_case + 1,
+             s->options.video[video].formula + 1);
+}
+
 /* "folder/name"; a name that does not fit is refused where it is opened. */
 static const char *within(const study *s, const char *name)
 {
     static char path[4096];
     snprintf(path, sizeof path, "%s/%s", s->options.out, name);
     return path;
+}
+
+/* Before the minute that the study takes: what it would replace. */
+static int check_kept(study *s)
+{
+    static const char *const files[] = {"study.csv",       "study.md",        "study.html",     "level-case1.svg",
+                                        "level-case2.svg", "level-case3.svg", "level-case4.svg"};
+    for (size_t i = 0; i < sizeof files / sizeof *files + s->options.videos && !s->options.overwrite; i++) {
+        char name[64];
+        const size_t video = i - sizeof files / sizeof *files;
+        if (i < sizeof files / sizeof *files)
+            snprintf(name, sizeof name, "%s", files[i]);
+        else
+            video_name(s, (unsigned)video, name, sizeof name);
+        if (access(within(s, name), F_OK) == 0)
+            return pupil_refuse(&s->why, "%s: is there already; name another folder, or add -y (--overwrite)",
+                                within(s, name));
+    }
+    return 0;
 }
 
 static int begin_folder(study *s)
@@ -165,7 +190,7 @@ static int begin_folder(study *s)
     if (!s->made_folder && (error != EEXIST || stat(out, &is) != 0 || !S_ISDIR(is.st_mode)))
         return pupil_refuse(&s->why, "%s: is no folder that the study can be put in: %s", out,
                             strerror(error == EEXIST ? ENOTDIR : error));
-    return pupil_plot_check(within(s, "level-case1.svg"), 1, &s->why);
+    return pupil_plot_check(within(s, "level-case1.svg"), 1, &s->why) || check_kept(s);
 }
 
 static int write_all(study *s)
@@ -173,7 +198,7 @@ static int write_all(study *s)
     char name[64];
     for (unsigned i = 0; i < s->options.videos; i++) {
         unsigned c = s->options.video[i].which_case, f = s->options.video[i].formula;
-        snprintf(name, sizeof name, "case%u-formula%u.mp4", c + 1, f + 1);
+        video_name(s, i, name, sizeof name);
         s->doing = name;
         if (study_video(within(s, name), &s->images, &s->lights, c, f, show, s, &s->why))
             return -1;

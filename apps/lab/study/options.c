@@ -36,10 +36,11 @@ static int parse_video(const option_value *v)
 static const option_row rows[] = {
     {"out", 'o', OPTION_PATH, "DIR", AT(out), .right = "a folder",
      .help = "study.csv, study.md, study.html and a plot of each case into DIR",
-     .more = "Each is complete or absent; files are replaced. Needs gnuplot."},
+     .more = "Each is complete or absent. Needs gnuplot."},
     {"video", 0, OPTION_TEXT, "C,F", 0, .parse = parse_video, .right = "a case and a formula, 1,1 to 4,4, or all",
      .help = "also a video of case C and formula F, weights side by side; or all",
      .more = "DIR/case1-formula1.mp4 and so on, 1000x800, the twenty weights in the tables' order. Repeatable."},
+    OPTION_ROW_OVERWRITE(study_options, overwrite),
     {"check", 0, OPTION_FLAG, NULL, AT(check),
      .help = "exit 1 unless all of A1..A11 hold, or the counts of --regression"},
     {"float32", 0, OPTION_FLAG, NULL, AT(float32), .help = "the recursions in binary32, as in the original study",

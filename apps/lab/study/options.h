@@ -12,7 +12,7 @@ typedef struct study_options {
     const char *regression; /* the original table; NULL: the study */
     uint32_t width, height; /* 0: 600x600 */
     unsigned threads;       /* 0: one a processor */
-    int check, float32, quiet;
+    int check, float32, overwrite, quiet;
     int look;         /* `study look`: how the picture looks while it adapts */
     double eye_cd_m2; /* of a luminance of 1, for that */
     struct {

@@ -2,7 +2,7 @@
 #include "picture_sink.h"
 
 #include "file/common/pending.h"
-#include "jpeg_write.h"
+#include "libav_write.h"
 #include "png_write.h"
 #include "sink_common.h"
 
@@ -213,12 +213,23 @@ static int open_png(const char *path, int is_folder, const pupil_sink_options *o
     return open_pictures(path, is_folder, NULL, options, sink, why);
 }
 
-int pupil_jpeg_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
+static int open_as(write_display *display, const char *path, const pupil_sink_options *options, pupil_sink **sink,
+                   pupil_why *why)
 {
     const int failed = open_png(path, 0, options, sink, why);
     if (!failed)
-        ((picture_sink *)*sink)->display = pupil_jpeg_write;
+        ((picture_sink *)*sink)->display = display;
     return failed;
+}
+
+int pupil_jpeg_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
+{
+    return open_as(pupil_jpeg_write, path, options, sink, why);
+}
+
+int pupil_tiff_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
+{
+    return open_as(pupil_tiff_write, path, options, sink, why);
 }
 
 int pupil_png_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)

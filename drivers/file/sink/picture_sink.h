@@ -7,10 +7,11 @@
 #include "pupil/error.h"
 #include "sink.h"
 
-/* Display frames into one JPEG or PNG, or a folder of PNG: frame_NNNNNN.png, counted from 0, or (options.named) by the
- * name of each frame, one that comes again with a number behind it; such a folder may hold other files, and keeps them.
- * file_sink.h chooses. */
+/* Display frames into one JPEG, PNG or TIFF, or a folder of PNG: frame_NNNNNN.png, counted from 0, or (options.named)
+ * by the name of each frame, one that comes again with a number behind it; such a folder may hold other files, and
+ * keeps them. file_sink.h chooses. */
 int pupil_jpeg_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
+int pupil_tiff_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 int pupil_png_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 int pupil_folder_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 

@@ -9,6 +9,8 @@
 static int take(pupil_still *still, const pupil_image_const *image, pupil_why *why)
 {
     const size_t row = (size_t)image->width * 3 * sizeof(float);
+    if (pupil_pixel_is_mosaic(image->pixel))
+        return pupil_refuse(why, "is a still of a mosaic that is no DNG; without a header it is read as raw:FILE,...");
     if (image->pixel != PUPIL_PIXEL_RGB32F)
         return pupil_refuse(why, "is a still of PQ or HLG, which can be read alone and not in a sequence");
     if (pupil_still_reserve(still, image->width, image->height, PUPIL_PIXEL_RGB32F, why))
@@ -16,6 +18,18 @@ static int take(pupil_still *still, const pupil_image_const *image, pupil_why *w
     for (uint32_t y = 0; y < image->height; y++)
         memcpy((uint8_t *)still->pixels + y * row, pupil_image_rows(*image, y, 1).data, row);
     return 0;
+}
+
+/* What libav says of a file: of a format that it lacks, that the file is no worse for it. */
+static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pupil_why *why)
+{
+    static const char damaged[] = "frame 0 is damaged: ";
+    const char *text = strncmp(words, ": ", 2) == 0 ? words + 2 : words;
+    if (strncmp(text, damaged, strlen(damaged)) != 0 || !strstr(text, "not supported"))
+        return pupil_refuse(why, "%s", text);
+    const int is_tiff = size > 4 && (memcmp(bytes, "II*", 4) == 0 || memcmp(bytes, "MM\0*", 4) == 0);
+    return pupil_refuse(why, "libav lacks this kind of file: %s%s", text + strlen(damaged),
+                        is_tiff ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
 }
 
 int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
@@ -29,7 +43,7 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
                             strncmp(words.text, ": ", 2) == 0 ? words.text + 2 : words.text);
     int failed = pupil_source_next(source, &frame, &words) != PUPIL_SOURCE_FRAME;
     if (failed)
-        pupil_refuse(why, "%s", strncmp(words.text, ": ", 2) == 0 ? words.text + 2 : words.text);
+        refuse_words(bytes, size, words.text, why);
     else
         failed = take(still, &frame.image, why);
     pupil_source_close(source);

@@ -42,6 +42,14 @@ static int stills_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     return PUPIL_SOURCE_FRAME;
 }
 
+static uint64_t stills_skip(pupil_source *source, uint64_t frames)
+{
+    stills_source *s = (stills_source *)source;
+    const uint64_t left = s->paths.count - s->next, skipped = frames < left ? frames : left;
+    s->next += (size_t)skipped;
+    return skipped;
+}
+
 static void stills_done(pupil_source *source, pupil_frame *frame)
 {
     (void)source;
@@ -90,6 +98,7 @@ int pupil_stills_source_open(const char *const *paths, size_t count, const pupil
     s->source.fps = fps;
     s->source.frames = count;
     s->source.is_named = 1;
+    s->source.skip = stills_skip;
     s->source.obeys = PUPIL_SOURCE_FPS;
     s->still.as_stored = options && options->as_stored;
     s->still.max_pixels = options ? options->max_pixels : 0;

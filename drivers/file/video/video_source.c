@@ -15,6 +15,7 @@
 #include "video_damage.h"
 #include "video_format.h"
 #include "video_io.h"
+#include "video_mosaic.h"
 #include "video_pixels.h"
 #include "video_turn.h"
 
@@ -53,6 +54,7 @@ typedef struct video_source {
     int state;       /* PUPIL_SOURCE_FRAME while frames come; END or FAILED for good */
     pupil_video_damage damage;
     pupil_video_turn turn;
+    pupil_video_mosaic mosaic;
     int as_stored;                 /* not turned */
     const int32_t *display_matrix; /* the stream's; NULL: none */
     char early[384];               /* why the demuxer ended before the video did; "" if it did not */
@@ -196,6 +198,23 @@ static int turn(video_source *v, pupil_why *why)
     return pupil_video_turn_set(&v->turn, matrix, why);
 }
 
+/* The frame as an image, upright. */
+static int convert(video_source *v, pupil_frame *out, pupil_why *why)
+{
+    if (!pupil_video_is_mosaic(v->frame->format)) {
+        if (pupil_video_pixels_convert(&v->pixels, v->frame, why))
+            return -1;
+        out->image = v->pixels.image;
+        return turn(v, why) || pupil_video_turn_image(&v->turn, &out->image, why) ? -1 : 0;
+    }
+    v->pixels.primaries = PUPIL_PRIMARIES_BT709;
+    if (turn(v, why))
+        return -1;
+    if (v->turn.xx || v->turn.xy)
+        return pupil_refuse(why, "a mosaic cannot be turned; --no-rotate leaves it as it is stored");
+    return pupil_video_mosaic_take(&v->mosaic, v->frame, &out->info, &out->image, why);
+}
+
 static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
 {
     AVFrame *f = v->frame;
@@ -212,21 +231,19 @@ static int hand_out(video_source *v, pupil_frame *out, pupil_why *why)
     if (v->width && (v->width != (uint32_t)f->width || v->height != (uint32_t)f->height))
         return failed(v, why, "frame %llu is %d x %d, the frames before it were %u x %u; they must not change",
                       (unsigned long long)v->sequence, f->width, f->height, v->width, v->height);
-    if (pupil_video_pixels_convert(&v->pixels, f, &words))
+    memset(out, 0, sizeof *out);
+    const int64_t at_ns = time_ns(v, f->best_effort_timestamp);
+    out->info.timestamp_ns = at_ns;
+    if (convert(v, out, &words))
         return failed(v, why, "%s", words.text);
     if (v->is_open && v->pixels.primaries != v->base.primaries)
         return failed(v, why, "frame %llu has other primaries than the video before it; they must not change",
                       (unsigned long long)v->sequence);
-    memset(out, 0, sizeof *out);
-    out->image = v->pixels.image;
-    if (turn(v, &words) || pupil_video_turn_image(&v->turn, &out->image, &words))
-        return failed(v, why, "%s", words.text);
     v->base.primaries = v->pixels.primaries;
     v->width = (uint32_t)f->width;
     v->height = (uint32_t)f->height;
-    v->last_ns = time_ns(v, f->best_effort_timestamp);
+    v->last_ns = at_ns;
     v->damaged_in_a_row = 0;
-    out->info.timestamp_ns = v->last_ns;
     out->info.sequence = v->sequence++;
     out->name = v->name;
     v->handed++;
@@ -284,8 +301,8 @@ static int video_next(pupil_source *source, pupil_frame *out, pupil_why *why)
 /* Buffers are the source's own: the next frame overwrites them. */
 static void video_done(pupil_source *source, pupil_frame *frame)
 {
-    (void)source;
-    (void)frame;
+    video_source *v = (video_source *)source;
+    pupil_video_mosaic_done(&v->mosaic, &frame->image, &frame->info);
 }
 
 static void video_close(pupil_source *source)
@@ -299,6 +316,7 @@ static void video_close(pupil_source *source)
     av_frame_free(&v->frame);
     pupil_video_pixels_free(&v->pixels);
     pupil_video_turn_free(&v->turn);
+    pupil_video_mosaic_free(&v->mosaic);
     free(v->name);
     free(v);
 }

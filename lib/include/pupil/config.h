@@ -92,6 +92,21 @@ typedef enum pupil_transfer {
     PUPIL_TRANSFER_COUNT
 } pupil_transfer;
 
+/* How exactly frames of 8-bit Y'CbCr are worked (YUYV, UYVY, NV12, NV21, NV16, I420); others always are exactly. Both
+ * have the same bits on every CPU, and in any split that has even rows in pairs. */
+typedef enum pupil_accuracy {
+    PUPIL_ACCURACY_EXACT = 0, /* every pixel, as light */
+    PUPIL_ACCURACY_LUMA, /* For cameras on small boards. Metered are the pixels of one of each n rows, and in it one
+                          * of each n pairs, exactly, with n of 1, 2, 4, 8 so that 16 000 pixels or more are
+                          * metered: statistics have these pixels alone. 4:2:0 that is mapped to NV12 or I420 of
+                          * the same matrix and range, without dither and to the input's primaries, goes by a table
+                          * of luma, and Cb and Cr keep their ratio to it: grey has the exact bits. Colours that are
+                          * near the gamut's surface or far from grey are mapped exactly, so a frame of nothing else
+                          * takes longer than the exact way. docs/numerics.md has the errors. The tables take as
+                          * long as 256 exact pixels, once a call: map many rows with each */
+    PUPIL_ACCURACY_COUNT
+} pupil_accuracy;
+
 /* Which state maps a frame. */
 typedef enum pupil_order {
     PUPIL_ORDER_EXACT = 0, /* meter, adapt, map: two passes over the frame, no lag */
@@ -106,6 +121,7 @@ typedef enum pupil_level {
     PUPIL_LEVEL_NEON,       /* AArch64 */
     PUPIL_LEVEL_AVX2,       /* x86-64 with AVX2 and F16C */
     PUPIL_LEVEL_AVX512,     /* x86-64 with AVX-512 F, BW, DQ and VL */
+    PUPIL_LEVEL_WASM128,    /* WebAssembly with 128-bit SIMD */
     PUPIL_LEVEL_COUNT
 } pupil_level;
 
@@ -136,7 +152,8 @@ typedef struct pupil_config {
                           * (stats.h) */
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
     float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
-    uint32_t histogram;  /* 0: gathered only if trimming or a following white needs it; 1: always; 0 */
+    uint32_t histogram;  /* 0: gathered only if trimming, a following white or a curve needs it; 1: always; 0. Of
+                          * which pixels: histogram_step */
     uint32_t meter_rows; /* n of 1, 2, 4, 8: one of each n rows (of a mosaic: rows of quads) is metered, another one
                           * in each frame. Mapping does not change. For slow boards: docs/numerics.md has the
                           * error. If few rows have a weight, a frame may meter none of them, and then counts as one
@@ -219,6 +236,15 @@ typedef struct pupil_config {
      * see; for video that is to look right, the default law is better. docs/numerics.md has the formulas. The four
      * filters are exact exponentials of the time between frames. The eye needs absolute light: */
     double eye_unit_cd_m2; /* cd/m2 of scene luminance 1; read only with PUPIL_LAW_EYE; 100, as PQ; 1e-6..1e9 */
+
+    uint32_t histogram_step; /* n of 1, 2, 4, 8: the histogram counts one of each n rows (of a mosaic: of quads), and in
+                              * it one of each n pixels, with the weight of all of them. 1: every pixel. Which ones
+                              * depends on the place alone, as if by chance: the same frame has the same statistics, in
+                              * any split. The log-average does not change; docs/numerics.md has the errors of the
+                              * others. 0, the default: the largest n that counts 50 000 pixels or more: 1 up to
+                              * 640x312, 2 of 640x480, 4 of 1280x720 and 1920x1080, 8 of 3840x2160. With meter_rows
+                              * above 1 each metered row is counted */
+    uint32_t accuracy;       /* a pupil_accuracy; exact */
 } pupil_config;
 
 /* Fills in every field with its default. */

@@ -42,7 +42,9 @@ enum {
     PUPIL_ERR_GLES = -21,         /* ... any other error of GL */
     PUPIL_ERR_SIZE_BYTES = -22,   /* abi.h: size_bytes of a struct matches no version, or it covers a field that is
                                    * set and that this version does not know */
-    PUPIL_ERR_PIXEL_OUT = -23 /* the output's pixel format cannot be written; pupil_error_string has those that can */
+    PUPIL_ERR_PIXEL_OUT = -23, /* the output's pixel format cannot be written; pupil_error_string has those that can */
+    PUPIL_ERR_NO_LIGHT = -24   /* a mean, a quantile or a balance was asked of statistics that have none: no pixel was
+                                * metered, or a channel has no light */
 };
 
 /* A sentence that says why a call failed, for calls that return more than a code. It is English, without a full stop,

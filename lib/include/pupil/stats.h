@@ -35,6 +35,9 @@ extern "C" {
 #define PUPIL_HISTOGRAM_MIN_EV        (-32)
 #define PUPIL_HISTOGRAM_BINS          512
 
+/* Which pixels are counted: config.histogram_step. Each has the weight of all that it was chosen from, so the sum of a
+ * whole frame's bins is that of all weights. Of some of its rows it may be more or less, or 0. */
+
 /* A second, coarser histogram, of each pixel's brightest channel: 4 bins a stop over the same 64 stops. The channel is
  * clamped as L is, and counts as the floor where L is NaN. A white point must leave room for the brightest channel,
  * which in a saturated colour is far above L. */
@@ -60,7 +63,7 @@ typedef struct pupil_stats {
     uint32_t rows;          /* rows metered so far, and those that config.meter_rows left out of them */
     uint32_t frame_height;  /* rows of the whole frame; 0 while empty */
     uint32_t has_histogram; /* 1 where bins were gathered */
-    float peak;             /* the brightest channel of any metered pixel; 0 without a histogram */
+    float peak;             /* the brightest channel of any counted pixel; 0 without one */
     uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
     uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel (config.h, pupil_output_primaries: whose) */
     int64_t channel_sum[3]; /* mosaics, with config.grey_world: of red, green and blue, sums of four times the samples
@@ -84,8 +87,8 @@ PUPIL_API int pupil_stats_add(pupil_stats *sum, const pupil_stats *more);
 
 /* Weighted mean of log2 luminance in stops, frame units. It is trimmed to the weight between the shares low and high;
  * (0, 1) is untrimmed, and exact to about 1e-11 stops on natural frames. The trimmed mean uses the histogram; its error
- * is below 1.5e-3 stops if half of the weight or more is kept, and vanishes with the trim. PUPIL_ERR_STATS without any
- * weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
+ * is below 1.5e-3 stops if half of the weight or more is kept, and vanishes with the trim. PUPIL_ERR_NO_LIGHT without
+ * any weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
 PUPIL_API int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance);
 
 /* The luminance (log2, frame units) that the share q (0..1) of the weight is below, interpolated within a bin. */
@@ -95,8 +98,8 @@ PUPIL_API int pupil_stats_quantile(const pupil_stats *stats, double q, double *l
 PUPIL_API int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_peak);
 
 /* The factors that make the average of a mosaic's channels grey, the least being 1: for pupil_coding.balance. They do
- * not depend on the balance that the frame was metered with. PUPIL_ERR_STATS if nothing was summed or a channel has no
- * light. (Buchsbaum: A spatial processor model for object colour perception, 1980.) */
+ * not depend on the balance that the frame was metered with. PUPIL_ERR_NO_LIGHT if nothing was summed or a channel has
+ * no light. (Buchsbaum: A spatial processor model for object colour perception, 1980.) */
 PUPIL_API int pupil_stats_grey_world(const pupil_stats *stats, float balance[3]);
 
 #ifdef __cplusplus

@@ -211,6 +211,30 @@ static void check_no_noise(void)
 }
 
 /* The next frame of a source, with a law that adapts at once. */
+/* Nor are areas of strong colours, each of which lacks a channel or two: bars, a checked board, and few pixels. */
+static void check_colours(void)
+{
+    for (int i = 0; i < 4; i++) {
+        const int size = i == 1 ? 40 : 12; /* pixels of an area */
+        pupil_frame frame = frame_at(1.0);
+        any_scale a = {0};
+        pupil_why why = {""};
+        for (int y = 0; y < HEIGHT; y++)
+            for (int x = 0; x < WIDTH; x++) {
+                const int colour = i == 2 ? (x / size + y / size) % 7 + 1 : x / size % 7 + 1;
+                for (int c = 0; c < 3; c++)
+                    light[y][x][c] = colour >> c & 1 ? 1.0f : i == 1 ? -0.1f : 0.0f;
+            }
+        if (i == 3) { /* 4x4, of noise: too few to say so */
+            frame = lens_cap(1.0, 0, 0);
+            frame.image.width = frame.image.height = 4;
+        }
+        CHECK(any_scale_take(&a, &frame, &why) == 0);
+        CHECK_MSG(!a.noise_frames && a.known, "colours %d are taken for noise", i);
+        any_scale_close(&a);
+    }
+}
+
 static pupil_exposure next(frame_pipeline *p, any_scale *a, pupil_frame frame)
 {
     static int64_t now_ns;
@@ -261,5 +285,6 @@ int main(int argc, char **argv)
     check_noise();
     check_cap_comes();
     check_no_noise();
+    check_colours();
     return check_end();
 }

@@ -12,7 +12,7 @@ static int take(const char *name, const char *text, pupil_colour_options *o, pup
     do
         row = options_row(&run_command, n++, &base);
     while (strcmp(row->name, name) != 0);
-    const option_value value = {row, text, &run, why};
+    const option_value value = {row, text, NULL, &run, why};
     const int result = row->parse(&value);
     *o = run.colour;
     return result;

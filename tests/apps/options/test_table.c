@@ -12,7 +12,7 @@ static char *manual;
 
 static int take(const option_row *row, void *options, const char *text, pupil_why *why)
 {
-    const option_value value = {row, text, options, why};
+    const option_value value = {row, text, text, options, why};
     *why->text = 0;
     return row->parse ? row->parse(&value) : option_take(&value);
 }
@@ -156,7 +156,7 @@ static void check_commands(const option_command *const *commands)
                 CHECK_MSG(!row->letter || row->letter != other->letter, "pupil %s has two -%c", c->name, row->letter);
             }
         }
-        CHECK_MSG(n <= 64, "pupil %s has %zu options; option_words.given has a bit for 64", c->name, n);
+        CHECK_MSG(n <= OPTION_MOST_ROWS, "pupil %s has %zu options; the parser holds %d", c->name, n, OPTION_MOST_ROWS);
     }
 }
 
@@ -234,6 +234,9 @@ static void test_lines(void)
     says("replay x --lo", "--lo: no such option of pupil replay; perhaps --lo");
     says("replay x --xev 1", "--xev: no such option of pupil replay; 'pupil replay --help' lists them");
     says("replay x --shutter 10ms", "--shutter: no such option of pupil replay; it is of pupil run, pupil record;");
+    says("replay x --contrast 2", "--contrast: no such option of pupil replay; --tone chooses a curve; the rest is");
+    says("replay x -crf 2", "-crf: no such option of pupil replay; coding is ffmpeg's: pupil replay IN -q -o - |");
+    says("replay -i x", "-i: no such option of pupil replay; inputs have no option in front: pupil replay IN.mp4");
     if (bench_command.parts) /* this build has it */
         says("replay x --peers", "it is of pupil bench kernels;");
     says("replay x -d 5", "-d: no such option of pupil replay; it is of pupil run, pupil record");
@@ -245,6 +248,11 @@ static void test_lines(void)
     says("replay x --ev 17", "--ev 17: must be stops, from -16 to 16");
     says("replay x --tau-dark 2e6", "--tau-dark 2e6: must be seconds, from 0 to 1000000");
     says("replay x --transfer pq", "--transfer pq: must be srgb, gamma22 or linear");
+    says("replay x --ss 1:75", "--ss 1:75: must be seconds, 500ms, 2min or 00:01:30");
+    says("replay x --ss 1:2:3:4", "--ss 1:2:3:4: must be");
+    says("replay x --ss 1:-5", "--ss 1:-5: must be");
+    says("replay x --ss 1:5s", "--ss 1:5s: must be");
+    says("replay x -t 0:00", "--duration 0:00: must be");
     says("replay x --metering moon", "--metering moon: must be uniform, centre or spot");
     CHECK(parse("replay a -yq --fps=24 b -n3 -- --lock -q", &o, &why) == OPTIONS_RUN);
     CHECK(o.overwrite && o.quiet && o.source.fps == 24.0 && o.most == 3 && !o.config.lock && o.input_count == 4);
@@ -252,6 +260,9 @@ static void test_lines(void)
           strcmp(o.inputs[3], "-q") == 0);
     CHECK(parse("replay a --fps 24 -n 3 --fps 25 -n 4", &o, &why) == OPTIONS_RUN && o.source.fps == 25.0 &&
           o.most == 4);
+    CHECK(parse("replay a -ss 01:02:03.5 -t 90:00", &o, &why) == OPTIONS_RUN && o.start_s == 3723.5 &&
+          o.duration_s == 5400.0);
+    CHECK(parse("replay a -ss 0:01", &o, &why) == OPTIONS_RUN && o.start_s == 1.0);
     CHECK(parse("replay -o -- a", &o, &why) == OPTIONS_RUN && strcmp(o.out[0], "--") == 0 && o.input_count == 1);
     CHECK(parse("replay a --metering center", &o, &why) == OPTIONS_RUN && strcmp(o.metering, "centre") == 0);
 }

@@ -201,12 +201,39 @@ static void check_docs(void)
 #endif
 }
 
+/* .json is one array of what .jsonl has line by line; what is cut has its end, too. */
+static void check_array(void)
+{
+    frame_log_entry records[3];
+    char joined[1 << 15] = "[\n", line[1 << 14];
+    write_three(scratch("lines.jsonl"), records);
+    pupil_stats_file *file = NULL;
+    CHECK(pupil_stats_file_open(&file, scratch("array.json"), 1, &why) == 0);
+    for (int i = 0; i < 3; i++)
+        CHECK(pupil_stats_file_write(file, &records[i], &why) == 0);
+    CHECK(pupil_stats_file_finish(file, &why) == 0);
+    char *lines = slurp(scratch("lines.jsonl")), *array = slurp(scratch("array.json"));
+    const char *from = lines;
+    for (int i = 0; i < 3; i++, from = strchr(from, '\n') + 1) {
+        snprintf(line, sizeof line, "%s%.*s", i ? ",\n" : "", (int)strcspn(from, "\n"), from);
+        strncat(joined, line, sizeof joined - strlen(joined) - 1);
+    }
+    strncat(joined, "\n]\n", sizeof joined - strlen(joined) - 1);
+    CHECK_MSG(strcmp(array, joined) == 0, "%.200s", array);
+    free(lines);
+    free(array);
+    CHECK(pupil_stats_file_open(&file, scratch("array.txt"), 1, &why) != 0 &&
+          strstr(why.text, ".jsonl, .json or .csv"));
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     scratch_begin();
     if (pupil_stats_json_check("s.jsonl", &why) == 0)
         check_json();
+    if (pupil_stats_json_check("s.json", &why) == 0)
+        check_array();
     check_csv();
     check_empty();
     check_live("live.csv");

@@ -57,4 +57,27 @@ ffmpeg -v error -nostdin -i land.mp4 -c copy -an silent.mp4
 expect 0 "" replay silent.mp4 -o c.mp4
 grep -q sound said.err && fail "sound of a silent clip: $(cat said.err)"
 
+# frames of a mosaic, of 8 bits and of 16 in either order of bytes: as the same bytes without a header
+ffmpeg -v error -nostdin -f lavfi -i "testsrc2=s=64x48:r=30" -frames:v 6 -pix_fmt gray -f rawvideo eight.raw
+ffmpeg -v error -nostdin -f lavfi -i "testsrc2=s=64x48:r=30" -frames:v 6 -pix_fmt gray16le -f rawvideo little.raw
+ffmpeg -v error -nostdin -f lavfi -i "testsrc2=s=64x48:r=30" -frames:v 6 -pix_fmt gray16be -f rawvideo big.raw
+while read -r file format fourcc; do
+    ffmpeg -v error -nostdin -f rawvideo -pix_fmt "$format" -s 64x48 -r 30 -i "$file" -c copy "$format.nut" ||
+        fail "ffmpeg makes no $format"
+    expect 0 "" replay "$format.nut" -o mosaic.y4m -y
+    expect 0 "" replay "raw:$file,format=$fourcc,size=64x48" -o raw.y4m -y
+    [ "$file" = big.raw ] || cmp -s mosaic.y4m raw.y4m || fail "$format is not raw:$file"
+    [ "$file" != little.raw ] || cp mosaic.y4m little.y4m
+    [ "$file" != big.raw ] || cmp -s mosaic.y4m little.y4m || fail "$format is not the other order of bytes"
+done <<END
+eight.raw bayer_rggb8 RGGB
+eight.raw bayer_grbg8 GRBG
+eight.raw bayer_gbrg8 GBRG
+eight.raw bayer_bggr8 BA81
+little.raw bayer_rggb16le RG16
+big.raw bayer_rggb16be RG16
+END
+ffmpeg -v error -nostdin -f rawvideo -pix_fmt bayer_rggb8 -s 62x31 -i eight.raw -frames:v 1 -c copy odd.nut
+expect 1 "a mosaic of 62 x 31 pixels; it has even sides" replay odd.nut -o odd.y4m
+
 end_test

@@ -9,7 +9,7 @@ walk="replay synth:walk --size 64x36 -q"
 
 # help and usage
 "$program" replay --help >help.txt || fail "--help does not exit 0"
-help_fits 50 90 help.txt
+help_fits 52 90 help.txt
 expect 2 "no such command" nonsense
 expect 2 "no input" replay
 expect 2 "--metreing" replay synth:walk --metreing spot
@@ -63,19 +63,30 @@ expect 0 "" $walk -n 1 -o one.png
 cmp -s stream.y4m stream2.y4m || fail "stdout and a file differ"
 
 # what is there is kept, unless -y
-for made in a.mp4 a.y4m one.png s.jsonl p.svg; do
+for made in a.mp4 a.y4m one.png one.tif s.jsonl s.json p.svg; do
     echo mine >$made
     option=-o
-    [ $made = s.jsonl ] && option=--stats
+    [ "${made%%.*}" = s ] && option=--stats
     [ $made = p.svg ] && option=--plot
     expect 2 "$made: is there already; -y replaces it, and ${made%.*}-1.${made##*.} is free" $walk -n 1 $option $made
     [ "$(cat $made)" = mine ] || fail "$made was replaced"
     expect 0 "" $walk -n 1 $option $made -y
     [ "$(head -n 1 $made | head -c 4)" != mine ] || fail "$made was not replaced by -y"
 done
-mkdir readonly && chmod 555 readonly
-[ -w readonly ] || expect 1 "readonly/a.mp4" $walk -n 1 -o readonly/a.mp4
-chmod 755 readonly && rmdir readonly || fail "something is in a read-only folder"
+
+# a folder that cannot be written, as a user for whom permissions count
+chmod 755 . && mkdir readonly && echo mine >readonly/kept.mp4 && chmod 555 readonly
+cp "$program" ./pupil
+as_user=
+[ "$(id -u)" != 0 ] || as_user="setpriv --reuid=65534 --regid=65534 --clear-groups"
+for option in "-o readonly/a.mp4" "-o readonly/a.png" "-o readonly/folder" "-o readonly/a.y4m" "--stats readonly/s.jsonl" \
+    "--report readonly/r" "-o readonly/kept.mp4 -y" "-o readonly/a.tif" "--plot readonly/p.svg"; do
+    # shellcheck disable=SC2086 # words
+    $as_user ./pupil $walk -n 1 $option </dev/null >said.out 2>said.err && fail "$option: written into a read-only folder"
+    grep -q "readonly" said.err || fail "$option: $(cat said.err)"
+done
+[ "$(ls -A readonly) $(cat readonly/kept.mp4)" = "kept.mp4 mine" ] || fail "a read-only folder: $(ls -A readonly)"
+chmod 755 readonly && rm -r readonly pupil
 # One that comes while the run goes on.
 "$program" replay synth:walk --size 64x36 -n 9000 --hold 100 -o late.y4m 2>said.err &
 running=$!

@@ -3,7 +3,7 @@
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
-needs ffmpeg ffprobe
+needs ffmpeg ffprobe python3
 
 sides() { ffprobe -v error -show_entries stream=width,height -of csv=p=0 "$1"; }
 # likeness A B: PSNR in dB, a whole number; 999 where they are the same
@@ -53,9 +53,31 @@ absent
 expect 0 "" replay in/png-64x36.png -o one.jpg
 expect 0 "" replay in/png-64x36.png -o one.png
 [ "$(likeness one.png one.jpg)" -ge 38 ] || fail "the JPEG is not the PNG: $(likeness one.png one.jpg) dB"
+expect 0 "" replay in/png-64x36.png -o one.tif
+[ "$(likeness one.png one.tif)" = 999 ] || fail "the TIFF is not the PNG: $(likeness one.png one.tif) dB"
+expect 0 "" replay one.tif -o again.png
+expect 0 "" replay one.png -o again2.png
+[ "$(likeness again.png again2.png)" = 999 ] || fail "pupil reads its TIFF otherwise than its PNG"
+expect 1 "one picture" replay in/png-64x36.png --hold 2 -o two.tiff
+expect 1 "others by ffmpeg: pupil replay IN -q -o - | ffmpeg -i - none.gif" replay in/png-64x36.png -o none.gif
+expect 2 "none.mp4: there is no such file; if it is the output: pupil replay in/png-64x36.png -o none.mp4" \
+    replay in/png-64x36.png none.mp4
+expect 1 "a TIFF is written as sRGB alone" replay in/png-64x36.png --transfer linear -o linear.tif
 expect 1 "one picture" replay in/png-64x36.png --hold 2 -o two.jpeg
 expect 1 "written as sRGB alone" replay in/png-64x36.png --transfer linear -o linear.jpg
-absent two.jpeg linear.jpg
+absent two.jpeg two.tiff linear.jpg linear.tif
+
+# a TIFF of floats, which libav lacks, is not called damaged
+python3 - <<'END'
+import struct
+tags = [(256, 3, 8), (257, 3, 8), (258, 3, 32), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1), (278, 3, 8),
+        (279, 4, 256), (339, 3, 3)]
+with open("float.tif", "wb") as f:
+    f.write(b"II*\0" + struct.pack("<I64f", 264, *(0.1 * i for i in range(64))) + struct.pack("<H", len(tags)))
+    f.write(b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags) + bytes(4))
+END
+expect 1 "save it as OpenEXR (.exr) or PFM" replay float.tif -o float.png
+absent float.png
 
 # standard input: all of them, as a file and as a pipe
 ffmpeg -v error -nostdin -i in/png-40x30.png -pix_fmt gbrpf32le in/x.exr || skip "ffmpeg writes no EXR"

@@ -16,6 +16,10 @@ expect 2 "--veil" $walk --veil ""
 expect 2 "--fov 151: must be degrees, from 0.1 to 150" $walk --veil eye --fov 151
 expect 2 "--fov: is of --veil" $walk --fov 50
 expect 2 "--veil and --fused" $walk --veil eye --fused
+expect 2 "--bloom: is of --veil" $walk --bloom
+expect 2 "--bloom-above: is of --bloom" $walk --veil eye --bloom-above 1
+expect 2 "--bloom-above -1: must be light in the frames' unit, from 0 to" $walk --veil eye --bloom --bloom-above -1
+expect 2 "--bloom and --gles: one of them" $walk --veil eye --bloom --gles
 : >none
 expect 2 "--veil none: has no Gaussian" $walk --veil none
 printf '# a lens\n 5 0.03 # wide\n\n20\t0.02\n' >lens
@@ -41,6 +45,14 @@ done
 cmp -s veil-eye:25.y4m veil-eye:70.y4m && fail "age is not seen"
 expect 0 "" $walk --veil eye --fov 20 -o narrow.y4m
 cmp -s narrow.y4m veil-eye.y4m && fail "--fov is not seen"
+
+# with bloom: the same bits with any number of threads, another picture than with the veil alone
+expect 0 "" $walk --veil eye --bloom --threads 1 -o one.y4m --stats one.csv
+expect 0 "" $walk --veil eye --bloom --threads 3 -o three.y4m
+cmp -s one.y4m three.y4m || fail "--bloom: one thread and three differ"
+cmp -s one.y4m veil-eye.y4m && fail "--bloom: no bloom is seen"
+expect 0 "" $walk --veil eye --bloom --bloom-above 1e9 -o above.y4m
+cmp -s above.y4m veil-eye.y4m || fail "--bloom-above 1e9: there is a bloom of no light"
 
 # the exposure is that of the frame: a veil moves light, and is not metered
 expect 0 "" $walk --stats without.csv

@@ -31,6 +31,7 @@ static void meter(const char *path, pupil_still *still)
                                      .pixel = still->pixel};
     const int large = (uint64_t)still->width * still->height >= 1000000;
     pupil_config_default(&config);
+    config.histogram_step = 1; /* the reference counts every pixel */
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
     pupil_stats_clear(&stats);
     CHECK(pupil_meter_rows(&pupil, &image, 0, image.height, &stats) == PUPIL_OK);

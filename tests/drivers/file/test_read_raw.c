@@ -99,6 +99,22 @@ static void test_damage(void)
     pupil_still_free(&still);
 }
 
+/* One bit of a DNG changed: LibRaw 0.20 crashes on it. Refused, and what comes next is read. */
+static void test_crash(void)
+{
+    static const char path[] = PUPIL_SOURCE_DIR "/tests/fuzz/seeds/fuzz_dng/crashes_libraw_0.20.dng";
+    const dng d = {SIDE, SIDE, 0, 0, 4000, {1000, 1000, 1000}, 1, sample};
+    pupil_still still = {0};
+    static uint8_t some[1 << 12];
+    FILE *file = fopen(path, "rb");
+    const size_t size = file ? fread(some, 1, sizeof some, file) : 0;
+    CHECK(size > 1000 && fclose(file) == 0);
+    if (pupil_read_raw(&still, some, size, &why) != 0) /* later releases may read it */
+        CHECK_MSG(strstr(why.text, "is damaged"), "%s", why.text);
+    CHECK(load(&still, &d, 0) == 0);
+    pupil_still_free(&still);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -114,6 +130,7 @@ int main(int argc, char **argv)
     test_grey(1);
     test_colour();
     test_damage();
+    test_crash();
     scratch_clear(scratch_folder);
     return check_end();
 }

@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 #include "check.h"
+#include "colour/white_balance.h"
 #include "fake_v4l2/fake_v4l2.h"
 #include "file/recording/recording.h"
 #include "live/live.h"
-#include "live/white_balance.h"
 #include "pupil/pupil.h"
 #include "scratch.h"
 

@@ -71,6 +71,33 @@ static inline __m512i emulated_i32gather_epi32(__m512i index, const void *base, 
 }
 #define _mm512_i32gather_epi32 emulated_i32gather_epi32
 
+/* Eight words of 64 bits. */
+static inline __m512i emulated_i32gather_epi64(__m256i index, const void *base, int scale)
+{
+    APART(int32_t, at, index);
+    int64_t word[8];
+    for (int i = 0; i < 8; i++)
+        memcpy(word + i, (const char *)base + (ptrdiff_t)at[i] * scale, sizeof *word);
+    __m512i result;
+    memcpy(&result, word, sizeof result);
+    return result;
+}
+#define _mm512_i32gather_epi64 emulated_i32gather_epi64
+
+static inline __m512i emulated_cvtepu8_epi32(__m128i v)
+{
+    APART(uint8_t, in, v);
+    EMULATED(__m512i, int32_t, in[i]);
+}
+#define _mm512_cvtepu8_epi32 emulated_cvtepu8_epi32
+
+static inline __m512i emulated_cvtepi8_epi32(__m128i v)
+{
+    APART(int8_t, in, v);
+    EMULATED(__m512i, int32_t, in[i]);
+}
+#define _mm512_cvtepi8_epi32 emulated_cvtepi8_epi32
+
 /* Two quarters of a, then two of b. */
 static inline __m512 emulated_shuffle_f32x4(__m512 a, __m512 b, int order)
 {

@@ -20,7 +20,7 @@ measure() {
     shift 4
     "$program" bench kernels --format $format --size $size --rounds 2 --warm --json "$@" >lines.txt 2>noise.txt
     [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
-    for kernel in meter map fused exact default; do
+    for kernel in meter map fused exact config-default fused+white; do
         grep -q "\"kernel\":\"$kernel\",\"level\":\"scalar\",\"format\":\"$format\"" lines.txt || fail "no $kernel: $(cat lines.txt)"
     done
     fields lines.txt kernel level format out width height threads cold ns_per_px bytes_per_px ratio_read ratio_memcpy \
@@ -123,6 +123,7 @@ if command -v gnuplot >/dev/null; then
         "$program" bench kernels --plot plot.$kind --size 256x256 --rounds 2 --warm >choices.txt 2>noise.txt
         [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
         [ -s plot.$kind ] || fail "no plot.$kind"
+        expect 1 "plot.$kind: is there already; -y replaces it" bench kernels --plot plot.$kind
     done
     for name in "every row" "1/2 of the rows" "1/4 of the rows" "1/8 of the rows" "1/2 of the rows, striped" \
         "1/4 of the rows, striped" "1/8 of the rows, striped" fused "meter, then map" "map alone" cells \

@@ -64,7 +64,14 @@ if command -v gnuplot >/dev/null; then
     grep -q '<svg' run.svg || fail "no plot"
     expect 1 "a plot is an .svg or a .png file" sim --plot run.jpg
     [ ! -e run.jpg ] || fail "half a plot"
+    expect 1 "run.svg: is there already; -y replaces it" sim --plot run.svg
+    expect 0 "" sim --plot run.svg -y
+    expect 1 "run.svg: is there already; -y replaces it" bench ae --plot run.svg
 fi
+cp run.jsonl kept.jsonl
+expect 1 "run.jsonl: is there already; -y replaces it, and run-1.jsonl is free" sim --stats run.jsonl
+cmp -s run.jsonl kept.jsonl || fail "statistics that were there are gone"
+expect 0 "" sim --stats run.jsonl -y
 
 # random cameras, and one of them again
 status=0

@@ -47,7 +47,10 @@ expect 0 "" study --regression out/study.csv
 expect 1 "" study --regression out/study.csv --check
 
 # the seeds' rounding is found out, at one thread and in place of what was there
-expect 1 "" study spheres --size 48x40 --out out --check --float32 --threads 1
+expect 1 "out/study.csv: is there already; name another folder, or add -y" study spheres --size 48x40 --out out
+rm out/study.csv
+expect 1 "out/study.md: is there already" study spheres --size 48x40 --out out
+expect 1 "" study spheres --size 48x40 --out out -y --check --float32 --threads 1
 grep -q '^A3 *0 of' said.out && fail "binary32 passes A3"
 grep -q '^A5 *0 of' said.out && fail "binary32 passes A5"
 cmp -s first.csv out/study.csv && fail "the files are those of the first study"

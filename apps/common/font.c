@@ -4,7 +4,7 @@
 
 typedef struct glyph {
     char c;
-    unsigned char row[VIEW_FONT_HEIGHT];
+    unsigned char row[FONT_HEIGHT];
 } glyph;
 
 static const glyph glyphs[] = {
@@ -37,7 +37,7 @@ static const glyph glyphs[] = {
     {'_', {0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x1f}},
 };
 
-const unsigned char *view_font_rows(char c)
+const unsigned char *font_rows(char c)
 {
     if (c >= 'a' && c <= 'z')
         c = (char)(c - 'a' + 'A');

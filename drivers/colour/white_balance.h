@@ -1,4 +1,4 @@
-/* drivers/live/white_balance.h: white balance of raw frames, and with it their black level and the sensor's colour
+/* drivers/colour/white_balance.h: white balance of raw frames, and with it their black level and the sensor's colour
  * matrix, as the pupil_coding that frames carry (pupil/coding.h; what is clipped in the sensor stays white there).
  *
  *     pupil_white_balance_begin(&colour, &options, &coding, pixel, sensor, &why)   // of the stream's first frame
@@ -15,8 +15,8 @@
  *
  * Formats that are no mosaics keep the coding that they came with, but for the black level of grey.
  */
-#ifndef PUPIL_DRIVERS_LIVE_WHITE_BALANCE_H
-#define PUPIL_DRIVERS_LIVE_WHITE_BALANCE_H
+#ifndef PUPIL_DRIVERS_COLOUR_WHITE_BALANCE_H
+#define PUPIL_DRIVERS_COLOUR_WHITE_BALANCE_H
 
 #include <stddef.h>
 #include <stdint.h>

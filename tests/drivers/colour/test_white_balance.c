@@ -4,9 +4,9 @@
 #include <math.h>
 
 #include "check.h"
+#include "colour/white_balance.h"
 #include "fake_v4l2/fake_v4l2.h"
 #include "live/live.h"
-#include "live/white_balance.h"
 #include "pupil/pupil.h"
 
 #define FPS 30

@@ -1,0 +1,125 @@
+/* pupil ctl: asks and changes a running `pupil run --control PATH`. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "common/report_error.h"
+#include "options/commands.h"
+#include "refuse.h"
+
+#define WAIT_S 10
+
+typedef struct ctl_options {
+    int unused;
+} ctl_options;
+
+/* It has none but --help, whose row every command gets. */
+static const option_group groups[] = {{0}};
+
+const option_command ctl_command = {
+    .name = "ctl",
+    .summary = "asks and changes a running 'pupil run --control PATH'",
+    .usage = "PATH COMMAND [VALUE]\nPATH < COMMANDS",
+    .about = "Sends lines to the socket of a run, and prints the answers, lines of JSON.\n"
+             "  status                     the latest frame, and the settings\n"
+             "  lock on|off                hold the level, exposure time and gain\n"
+             "  ev STOPS, key K, key-at EV:KEY,...|off\n"
+             "  metering uniform|centre|spot, roi X,Y,W,H|off, trim LOW,HIGH|off\n"
+             "  highlights STOPS, amplification STOPS, tau-light S, tau-dark S\n"
+             "  gain-max FACTOR|off, shutter-max TIME|off",
+    .exits = "0 done, 1 refused or not reached, 2 usage",
+    .manual = "Sends a command to a run that was started with --control PATH, or each line of standard input, and "
+              "prints the answers: a JSON object a line, with \"ok\". Values are those of the options of pupil run; "
+              "off takes them away. A change acts from the frame that the answer names. lock holds the level of the "
+              "picture, the exposure time and the gain. The socket is of its user alone.",
+    .groups = groups,
+};
+
+static int reach(const char *path, pupil_why *why)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    const struct timeval wait = {.tv_sec = WAIT_S};
+    if (strlen(path) >= sizeof at.sun_path)
+        return pupil_refuse(why, "%s: must be a path of at most %zu bytes", path, sizeof at.sun_path - 1);
+    strcpy(at.sun_path, path);
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait) != 0 ||
+        connect(fd, (const struct sockaddr *)&at, sizeof at) != 0) {
+        pupil_refuse(why, "%s: no run is reached there: %s; 'pupil run --control %s' makes the socket", path,
+                     strerror(errno), path);
+        if (fd >= 0)
+            close(fd);
+        return -1;
+    }
+    return fd;
+}
+
+/* One line, and its answer: EXIT_DONE where that is ok. */
+static int ask(int fd, FILE *answers, const char *line, pupil_why *why)
+{
+    char answer[4096];
+    if (send(fd, line, strlen(line), MSG_NOSIGNAL) < 0 || send(fd, "\n", 1, MSG_NOSIGNAL) < 0)
+        return pupil_refuse(why, "the run has ended"), EXIT_FAILED;
+    if (!fgets(answer, sizeof answer, answers))
+        return pupil_refuse(why, "no answer came; the run has ended, or no frames come"), EXIT_FAILED;
+    fputs(answer, stdout);
+    fflush(stdout);
+    return strncmp(answer, "{\"ok\":true", 10) == 0 ? EXIT_DONE : EXIT_FAILED;
+}
+
+static int ask_all(int fd, FILE *answers, pupil_why *why)
+{
+    char line[1024];
+    int status = EXIT_DONE;
+    while (!*why->text && fgets(line, sizeof line, stdin)) {
+        line[strcspn(line, "\n")] = 0;
+        if (*line && ask(fd, answers, line, why))
+            status = EXIT_FAILED;
+    }
+    return status;
+}
+
+/* The words with spaces between; -1: too long. */
+static int join(char *line, size_t bytes, int count, char **words)
+{
+    size_t used = 0;
+    for (int i = 0; i < count; i++) {
+        const int n = snprintf(line + used, bytes - used, "%s%s", i ? " " : "", words[i]);
+        if (n < 0 || (size_t)n >= bytes - used || strchr(words[i], '\n'))
+            return -1;
+        used += (size_t)n;
+    }
+    return 0;
+}
+
+int ctl_main(int argc, char **argv)
+{
+    ctl_options o = {0};
+    pupil_why why = {""};
+    option_words words;
+    char line[512];
+    /* Options stand in front of PATH; what follows are values, which may be negative. */
+    const int parsed = options_read(&ctl_command, &o, argc > 2 ? 2 : argc, argv, &words);
+    if (parsed >= 0)
+        return parsed;
+    if (!words.count || (argc > 2 && join(line, sizeof line, argc - 2, argv + 2))) {
+        pupil_refuse(&why, words.count ? "a command of over 511 bytes or of several lines"
+                                       : "name the socket of a run, and a command; 'pupil ctl --help' has more");
+        report_error("pupil ctl", &why, "");
+        return EXIT_USAGE;
+    }
+    const int fd = reach(words.word[0], &why);
+    FILE *answers = fd >= 0 ? fdopen(fd, "r") : NULL;
+    int status = EXIT_FAILED;
+    if (answers)
+        status = argc > 2 ? ask(fd, answers, line, &why) : ask_all(fd, answers, &why);
+    if (answers)
+        fclose(answers);
+    if (*why.text)
+        report_error("pupil ctl", &why, "");
+    return *why.text ? EXIT_FAILED : status;
+}

@@ -1,0 +1,104 @@
+/* lib/veil/bloom_private.h: what is inside a pupil_bloom, and its parts. */
+#ifndef PUPIL_VEIL_BLOOM_PRIVATE_H
+#define PUPIL_VEIL_BLOOM_PRIVATE_H
+
+#include "pupil/bloom.h"
+
+#include "core/object.h"
+#include "veil_rows.h"
+
+enum {
+    BLOOM_OCTAVES = 11,    /* full size, and those of half the one before */
+    BLOOM_TAPS = 9,        /* of a lobe: the middle one, and those on one side */
+    BLOOM_MARGIN = 4,      /* octaves go on beyond the picture's edges: filters leave light there, and take it back */
+    BLOOM_LEFT = 16,       /* floats before the first pixel, of which the rest are 0 */
+    BLOOM_STEP = 32,       /* what kernels round up to */
+    BLOOM_MOST_LOBES = 33, /* the narrowest are one, with one of its own */
+    /* a block at full size, with what its lobes reach */
+    BLOOM_LINE = BLOOM_LEFT + PUPIL_BLOCK + BLOOM_LEFT,
+    BLOOM_RING = 2 * BLOOM_TAPS - 1
+};
+
+/* A Gaussian in one octave. The light that each pixel gets is the sum over `row` taps of the sums over `column` taps.
+ */
+typedef struct bloom_lobe {
+    uint32_t octave, taps;
+    float column[BLOOM_TAPS], row[BLOOM_TAPS];
+} bloom_lobe;
+
+/* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. */
+typedef struct bloom_octave {
+    uint32_t width, height, stride, rows;
+    size_t light, blurred;
+} bloom_octave;
+
+typedef struct bloom_object {
+    uint64_t magic;
+    pupil_bloom_config config;
+    uint32_t octaves; /* with the full size */
+    uint32_t lobes;
+    uint32_t reach; /* of the lobes at full size, pixels */
+    float middle;   /* times a pixel's own light: what it loses */
+    bloom_lobe lobe[BLOOM_MOST_LOBES];
+    bloom_octave octave[BLOOM_OCTAVES]; /* the first has no planes */
+    size_t nothing, line;               /* a row of zeros, and one for solve */
+    float memory[];
+} bloom_object;
+
+#define BLOOM_MAGIC (UINT64_C(0x626c6f6d00000000) + sizeof(bloom_object))
+
+static inline int pupil_bloom_check(const pupil_bloom *bloom)
+{
+    if (!bloom)
+        return PUPIL_ERR_NULL;
+    return ((const bloom_object *)(const void *)bloom)->magic == BLOOM_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
+}
+
+/* Row y of a plane of an octave, from BLOOM_LEFT before the first pixel on; beyond the margin there is no light. */
+static inline size_t pupil_bloom_row(const bloom_object *o, uint32_t octave, size_t planes, int channel, int32_t y)
+{
+    const bloom_octave *at = &o->octave[octave];
+    if (y < -BLOOM_MARGIN || y >= (int32_t)at->height + BLOOM_MARGIN)
+        return o->nothing;
+    return planes + ((size_t)channel * at->rows + (size_t)(y + BLOOM_MARGIN)) * at->stride;
+}
+
+/* A frame whose light is read by blocks. */
+typedef struct bloom_frame {
+    const pupil_kernels *kernels;
+    veil_rows rows;
+    float threshold;
+    pupil_planes planes;
+} bloom_frame;
+
+typedef float bloom_line[3][BLOOM_LINE];
+
+/* What vectors read is at multiples of 64 bytes, which they then read at once. */
+#define BLOOM_ALIGNED __attribute__((aligned(64)))
+
+static inline void *pupil_bloom_aligned(pupil_bloom_scratch *scratch)
+{
+    return (unsigned char *)scratch + (64 - (uintptr_t)scratch % 64) % 64;
+}
+
+/* bloom_light.c: the light of row y from x on, BLOOM_LINE pixels; 0 outside the frame. */
+void pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, bloom_line line);
+/* Row y of the octave above from three rows of `blurred` of `octave`, still of its width, from float `from` on. */
+void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
+                         uint32_t from, uint32_t n, float *to);
+
+/* bloom_window.c: full size, block by block. */
+typedef struct bloom_window {
+    BLOOM_ALIGNED bloom_line ring[BLOOM_RING];
+    BLOOM_ALIGNED float line[BLOOM_LINE];
+    BLOOM_ALIGNED pupil_scattered sum;
+    bloom_frame frame;
+} bloom_window;
+
+/* Before the first row y of the block at x. */
+void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x);
+/* Adds to planes what is scattered to row y, n pixels from x on: the rows come one after the other. */
+void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n,
+                            pupil_planes *planes);
+
+#endif

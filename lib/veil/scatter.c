@@ -1,0 +1,118 @@
+/* Rows with the light that is scattered to them, in planes, and then mapped as any other planes. */
+#include "scatter.h"
+
+/* --- the veil of a block --- */
+
+/* Where the pixels of a row of nodes' cell are: from[i] + part * more[i], part being how far below the upper nodes. */
+static void find_veil(const veil_object *o, uint32_t cell_row, uint32_t x, uint32_t n, pupil_scattered *s)
+{
+    const uint32_t width = o->config.width;
+    const float cells_a_pixel = (float)VEIL_CELLS / (float)width;
+    for (uint32_t at = 0; at < n;) {
+        const uint32_t cell = pupil_veil_cell_of(x + at, width), next = pupil_veil_first_in_cell(cell + 1, width);
+        const uint32_t end = next - x < n ? next - x : n;
+        const float part = (float)(2 * (x + at) + 1) * (float)VEIL_CELLS / (float)(2 * width) - (float)cell;
+        for (int channel = 0; channel < 3; channel++) {
+            const float *upper = &o->solved[channel][cell_row][cell], *lower = &o->solved[channel][cell_row + 1][cell];
+            const float across = upper[1] - upper[0], across_below = lower[1] - lower[0];
+            const float from = upper[0] + part * across, below = lower[0] + part * across_below;
+            const float step = cells_a_pixel * across, more = below - from;
+            const float more_step = cells_a_pixel * across_below - step;
+            float *restrict to = s->from[channel] + at, *restrict to_more = s->more[channel] + at;
+            for (int32_t i = 0; i < (int32_t)(end - at); i++) {
+                to[i] = from + step * (float)i;
+                to_more[i] = more + more_step * (float)i;
+            }
+        }
+        at = end;
+    }
+}
+
+/* The veil of a row: that of its blocks is found where the one at hand is another row of nodes'. */
+static float find_row(const scatter_map *m, uint32_t y, uint32_t x, uint32_t end, uint32_t *cell_row)
+{
+    const veil_object *o = m->veil;
+    const uint32_t above = pupil_veil_cell_of(y, o->config.height);
+    for (uint32_t at = x; above != *cell_row && at < end; at += PUPIL_BLOCK)
+        find_veil(o, above, at, end - at < PUPIL_BLOCK ? end - at : PUPIL_BLOCK,
+                  &m->block->veil[(at - x) / PUPIL_BLOCK]);
+    *cell_row = above;
+    return (float)(2 * y + 1) * (float)VEIL_CELLS / (float)(2 * o->config.height) - (float)above;
+}
+
+/* --- blocks --- */
+
+/* Row i of the call's, pixels x to end, to `target`. */
+static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, uint32_t *cell_row, uint8_t *target)
+{
+    scatter_block *b = m->block;
+    const pupil_row_job *job = &b->job.map;
+    const pupil_row row = pupil_veil_row_of(&b->rows, i);
+    const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
+    const uint32_t y = m->first_row + i;
+    const float part = m->veil ? find_row(m, y, x, end, cell_row) : 0.0f;
+    const float direct = m->veil ? (float)m->veil->result.direct : 1.0f;
+    const pupil_scattered *veil = b->veil;
+    for (; x < end; x += PUPIL_BLOCK, target += PUPIL_BLOCK * out_bytes) {
+        const uint32_t n = end - x < PUPIL_BLOCK ? end - x : PUPIL_BLOCK;
+        const int opaque = PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
+        if (m->veil)
+            PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);
+        if (m->bloom)
+            pupil_bloom_window_add(m->bloom, m->window, y, x, n, &b->planes);
+        pupil_map_planes(job, x, y, n, &b->planes, opaque ? 0 : row.data + x * in_bytes, target);
+    }
+}
+
+static void map_blocks(const scatter_map *m, uint32_t x, uint32_t end)
+{
+    uint32_t cell_row = VEIL_CELLS; /* none yet */
+    const pupil_image *out = m->out;
+    const size_t offset = x * pupil_pixel_bytes(out->pixel);
+    for (uint32_t i = 0; i < out->height; i++)
+        map_row(m, i, x, end, &cell_row, (uint8_t *)out->data + (ptrdiff_t)i * out->stride_bytes + offset);
+}
+
+/* One, in pairs of rows, whose chroma is one. */
+static void map_block_to_yuv(const scatter_map *m, uint32_t x, uint32_t end)
+{
+    scatter_block *b = m->block;
+    uint32_t cell_row = VEIL_CELLS;
+    const pupil_image *out = m->out;
+    const int planes = (int)pupil_pixel_planes(out->pixel);
+    const size_t at_chroma = pupil_chroma_row_bytes(out->pixel, x);
+    for (uint32_t i = 0; i < out->height; i += 2) {
+        const int two = i + 1 < out->height;
+        uint8_t *upper = (uint8_t *)out->data + (ptrdiff_t)i * out->stride_bytes + x;
+        const pupil_yuv_rows to = {
+            .upper = upper,
+            .lower = upper + out->stride_bytes,
+            .chroma = (uint8_t *)out->chroma + (ptrdiff_t)(i / 2) * out->chroma_stride_bytes + at_chroma,
+            .cr = planes > 2 ? (uint8_t *)out->cr + (ptrdiff_t)(i / 2) * out->cr_stride_bytes + at_chroma : 0};
+        map_row(m, i, x, end, &cell_row, b->codes[0]);
+        if (two)
+            map_row(m, i + 1, x, end, &cell_row, b->codes[1]);
+        pupil_yuv_of_codes(b->job.map.kernels, &b->chroma, b->codes[0], two ? b->codes[1] : 0, end - x, &to);
+    }
+}
+
+void pupil_scatter_map(const scatter_map *m, const pupil_object *pupil, const pupil_tone *curve,
+                       const pupil_image_const *in)
+{
+    const int yuv = pupil_pixel_planes(m->out->pixel) > 1;
+    const uint32_t step = yuv || m->bloom ? PUPIL_BLOCK : SCATTER_BLOCKS * PUPIL_BLOCK;
+    scatter_block *b = m->block;
+    pupil_picture_job_make(pupil, in, curve, yuv ? (uint32_t)PUPIL_PIXEL_RGBA8 : m->out->pixel, &b->job);
+    if (yuv)
+        pupil_chroma_coder_make(m->out->coding, &b->chroma);
+    pupil_veil_rows_begin(&b->rows, in);
+    for (uint32_t x = 0; x < in->width; x += step) {
+        const uint32_t end = in->width - x < step ? in->width : x + step;
+        if (m->bloom)
+            pupil_bloom_window_begin(m->bloom, m->window, m->first_row, x);
+        if (yuv)
+            map_block_to_yuv(m, x, end);
+        else
+            map_blocks(m, x, end);
+    }
+}

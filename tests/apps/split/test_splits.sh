@@ -1,0 +1,142 @@
+#!/bin/sh
+# pupil meter, adapt and map: the pictures and levels of one pupil replay, however an input is split: in 1, 2, 7 and 64
+# ranges, of a video, of stills, and of floats in an odd unit. Parts that are missing, doubled, foreign or damaged are
+# named. Needs $PUPIL_PROGRAM.
+. "$(dirname "$0")/../../lib.sh"
+use_pupil
+needs ffmpeg python3
+
+# levels FILE: the columns of --stats that do not depend on the picture or on the clock.
+levels() {
+    python3 - "$1" <<'END'
+import json, sys
+keys = ("frame name time_s dt_s metered_ev adapted_ev scale white p01_ev p50_ev p99_ev key black_share clipped_share bad_share "
+        "held_back_ev state reason").split()
+for line in open(sys.argv[1]):
+    record = json.loads(line)
+    print([record[k] for k in keys])
+END
+}
+
+# frames FILE...: what is behind the headers of Y4M files
+frames() {
+    for one in "$@"; do
+        tail -n +2 "$one"
+    done
+}
+
+# split NAME FRAMES RANGES ARGUMENTS...: the input in so many ranges, its options behind
+split() {
+    name=$1 total=$2 ranges=$3
+    shift 3
+    rm -rf parts
+    mkdir parts
+    i=0
+    while [ $i -lt "$ranges" ]; do
+        range=$((total * i / ranges))..
+        [ $i = $((ranges - 1)) ] || range=$range$((total * (i + 1) / ranges))
+        # An empty range is no range: more workers than frames have nothing to do.
+        case $range in
+        *..) : ;;
+        *) [ "${range%%..*}" != "${range##*..}" ] || { i=$((i + 1)) && continue; } ;;
+        esac
+        call 0 "" meter "$@" --range "$range" -o "parts/$(printf %02d $i).part" -q
+        echo "$range" >"parts/$(printf %02d $i).range"
+        i=$((i + 1))
+    done
+    # In no order.
+    call 0 "" adapt $(ls -r parts/*.part) -o parts/curves --stats parts/levels.jsonl -q
+    for range in parts/*.range; do
+        call 0 "" map $inputs --curves parts/curves --range "$(cat "$range")" -o "${range%.range}.y4m" -q $map_options
+    done
+    levels parts/levels.jsonl >parts/levels
+    cmp -s parts/levels "$name.levels" || fail "$name in $ranges: other levels"
+    frames parts/*.y4m | cmp -s - "$name.frames" || fail "$name in $ranges: other pictures"
+}
+
+# whole NAME ARGUMENTS...: what one replay makes of it
+whole() {
+    name=$1
+    shift
+    call 0 "" replay "$@" -o "$name.y4m" --stats "$name.jsonl" -q -y
+    levels "$name.jsonl" >"$name.levels"
+    frames "$name.y4m" >"$name.frames"
+}
+
+# Not of pure colours, which would be taken for noise.
+ffmpeg -loglevel error -f lavfi -i "testsrc2=size=96x54:rate=30:duration=1.5,hue=s=0.2,
+    eq=contrast=0.6:brightness='if(between(t,0.5,1),0.25,0.05)':eval=frame" -pix_fmt yuv420p -c:v ffv1 clip.mkv
+python3 - <<'END'
+import struct
+for n in range(20):
+    light = 3e5 * (8 if 6 <= n < 15 else 1) # cd/m2 or so: an odd unit
+    pixels = b"".join(struct.pack("<3f", *(light * (0.1 + ((x * 7 + y * 3 + n) % 50) / 25 * c) for c in (1, 0.8, 0.5)))
+                      for y in range(24) for x in range(32))
+    open("still_%02d.pfm" % n, "wb").write(b"PF\n32 24\n-1.0\n" + (b"\0" * len(pixels) if n < 3 else pixels))
+END
+
+inputs=clip.mkv map_options=
+whole clip clip.mkv
+for ranges in 1 2 7 64; do
+    split clip 45 $ranges clip.mkv
+done
+
+whole stills still_*.pfm --fps 12 --tau-light 0.1
+inputs=$(echo still_*.pfm) map_options="--fps 12"
+for ranges in 2 7; do
+    split stills 20 $ranges still_*.pfm --fps 12 --tau-light 0.1
+done
+
+# Settings that act on metering, and on what is gathered.
+for options in "--metering spot --formula 2" "--white none --highlights 0" "--tone adjust --fused" "--eye 100"; do
+    whole other clip.mkv $options
+    inputs=clip.mkv map_options=
+    split other 45 3 clip.mkv $options
+done
+
+# Again with other settings, from the same parts.
+whole again clip.mkv --tau-light 2 --ev -0.5
+split clip 45 2 clip.mkv
+call 0 "" adapt parts/*.part -o again.curves --tau-light 2 --ev -0.5 --stats again.parts.jsonl -q
+levels again.parts.jsonl | cmp -s - again.levels || fail "other settings: other levels"
+call 0 "" map clip.mkv --curves again.curves -o again.parts.y4m -q
+frames again.parts.y4m | cmp -s - again.frames || fail "other settings: other pictures"
+
+# --- what is wrong is named ---
+call 0 "" meter clip.mkv --range 0..15 -o a.part -q
+call 0 "" meter clip.mkv --range 15..30 -o b.part -q
+call 0 "" meter clip.mkv --range 30.. -o c.part -q
+call 0 "" meter clip.mkv --range 500..600 -o beyond.part -q
+call 0 "" adapt a.part b.part c.part beyond.part -o curves -q
+expect 1 "frames 15 to 29 are missing" adapt a.part c.part -o x -q
+expect 1 "frames from 30 on are missing" adapt b.part a.part -o x -q
+expect 1 "begins at frame 15, which another part has, too" adapt a.part b.part b.part c.part -o x -q
+call 0 "" meter again.y4m --range 15..30 -o foreign.part -q
+expect 1 "foreign.part: is of another input (again.y4m" adapt a.part foreign.part c.part -o x -q
+call 0 "" meter clip.mkv --range 15..30 --metering spot -o spot.part -q
+expect 1 "spot.part: was metered with other settings than a.part" adapt a.part spot.part c.part -o x -q
+expect 1 "metering cannot be changed here" adapt a.part b.part c.part --metering spot -o x -q
+expect 1 "curves: has the curves of pupil adapt, where" adapt curves -o x -q
+expect 1 "a.part: has the statistics of pupil meter, where" map clip.mkv --curves a.part -o x.mkv -q
+expect 1 "curves: has the curves of clip.mkv" map again.y4m --curves curves -o x.mkv -q
+expect 1 "has no frame in --range: it ends at 45" map clip.mkv --curves curves --range 45.. -o x.mkv -q
+expect 1 "clip.mkv: is no file of pupil meter" adapt clip.mkv -o x -q
+head -c 9000 b.part >short.part
+expect 1 "short.part: is damaged" adapt a.part short.part c.part -o x -q
+python3 -c 'b = bytearray(open("b.part", "rb").read()); b[-200] ^= 4; open("flipped.part", "wb").write(b)'
+expect 1 "flipped.part: is damaged" adapt a.part flipped.part c.part -o x -q
+expect 2 "A..B, frames from A on" meter clip.mkv --range 7..3 -o x -q
+expect 2 "-: standard input cannot be read in parts" meter - -o x -q
+expect 1 "a.part" meter clip.mkv -o a.part -q
+absent x x.mkv
+
+# Killed in the middle: nothing half is there, and the worker's range is run again.
+"$program" meter clip.mkv --range 15..30 -o killed.part -q &
+running=$!
+kill -9 $running 2>/dev/null
+wait $running 2>/dev/null
+running=
+call 0 "" meter clip.mkv --range 15..30 -o killed.part -y -q
+cmp -s killed.part b.part || fail "metered again: another part"
+absent
+end_test

@@ -1,0 +1,181 @@
+/* PUPIL_ACCURACY_LUMA: grey has the exact bits, other colours are near them, any split and level has the same, and what
+ * cannot go by luma is exact.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "frames.h"
+#include "pupil/pupil.h"
+
+static const uint32_t planar[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21};
+enum { PLANAR = 3 };
+
+static pupil_t begin(uint32_t accuracy, uint32_t level)
+{
+    pupil_config config;
+    pupil_t pupil;
+    pupil_config_default(&config);
+    config.accuracy = accuracy;
+    config.levels = 1u << level;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    return pupil;
+}
+
+static pupil_curve curve_of(float scale)
+{
+    pupil_curve c = {.scale = scale, .inverse_white_squared = 1.0f};
+    const float white = scale > 1.0f ? scale : 1.0f;
+    c.inverse_white_squared = 1.0f / (white * white);
+    c.gamut = white > 1.0f ? 1.0f / (1.0f - PUPIL_GAMUT_KNEE) - 1.0f / (white - PUPIL_GAMUT_KNEE) : 0.0f;
+    return c;
+}
+
+static frame map(const frame *f, uint32_t accuracy, uint32_t level, const pupil_curve *curve, uint32_t out)
+{
+    const pupil_t pupil = begin(accuracy, level);
+    frame to = frame_make(f->image.width, f->image.height, out, 0, 0);
+    const pupil_image target = frame_writable(&to);
+    CHECK(pupil_map_rows(&pupil, curve, &f->image, &target) == PUPIL_OK);
+    return to;
+}
+
+static void fill_planes(frame *f, uint32_t kind)
+{
+    uint8_t *luma = (uint8_t *)(uintptr_t)f->image.data, *chroma = (uint8_t *)(uintptr_t)f->image.chroma;
+    const uint32_t rows = pupil_chroma_rows(f->image.pixel, f->image.height);
+    const size_t row = pupil_chroma_row_bytes(f->image.pixel, f->image.width);
+    for (uint32_t y = 0; y < f->image.height; y++)
+        for (uint32_t x = 0; x < f->image.width; x++)
+            luma[(ptrdiff_t)y * f->image.stride_bytes + x] = kind == 2 ? (uint8_t)check_random() : (uint8_t)(x + 7 * y);
+    for (int plane = 0; plane < (f->image.cr ? 2 : 1); plane++)
+        for (uint32_t y = 0; y < rows; y++)
+            for (size_t x = 0; x < row; x++) {
+                uint8_t *at = plane ? (uint8_t *)(uintptr_t)f->image.cr + (ptrdiff_t)y * f->image.cr_stride_bytes
+                                    : chroma + (ptrdiff_t)y * f->image.chroma_stride_bytes;
+                at[x] = kind == 0 ? 128 : kind == 1 ? (uint8_t)(112 + check_random() % 33) : (uint8_t)check_random();
+            }
+}
+
+static void same_bits(void)
+{
+    static const uint32_t size[][2] = {{1, 1}, {2, 2}, {3, 5}, {64, 4}, {65, 6}, {130, 7}, {333, 18}};
+    for (int p = 0; p < PLANAR; p++)
+        for (unsigned i = 0; i < sizeof size / sizeof *size; i++)
+            for (uint32_t kind = 0; kind < 3; kind++) {
+                frame f = frame_make(size[i][0], size[i][1], planar[p], 0, 0);
+                const pupil_curve curve = curve_of((float)exp2(6 * check_uniform() - 3));
+                const uint32_t out = check_random() & 1 ? PUPIL_PIXEL_NV12 : PUPIL_PIXEL_I420;
+                fill_planes(&f, kind);
+                frame exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, out);
+                frame luma = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, out);
+                CHECK_MSG(kind || frame_equal(&exact, &luma), "grey, %ux%u", size[i][0], size[i][1]);
+                for (uint32_t level = 1; level < PUPIL_LEVEL_COUNT; level++) {
+                    frame other = map(&f, PUPIL_ACCURACY_LUMA, level, &curve, out);
+                    CHECK_MSG(frame_equal(&luma, &other), "level %u, %ux%u", level, size[i][0], size[i][1]);
+                    frame_free(&other);
+                }
+                frame rgb = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_RGBA8);
+                frame rgb_exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_RGBA8);
+                CHECK(frame_equal(&rgb, &rgb_exact));
+                frame_free(&rgb);
+                frame_free(&rgb_exact);
+                frame_free(&exact);
+                frame_free(&luma);
+                frame_free(&f);
+            }
+}
+
+/* Any split into pairs of rows, mapped and metered. */
+static void any_split(void)
+{
+    const pupil_t pupil = begin(PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR);
+    frame f = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0), to = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
+    frame parts = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
+    const pupil_curve curve = curve_of(1.5f);
+    const pupil_image out = frame_writable(&to), out_parts = frame_writable(&parts);
+    pupil_stats whole, sum, part;
+    fill_planes(&f, 1);
+    pupil_stats_clear(&whole);
+    pupil_stats_clear(&sum);
+    CHECK(pupil_fused_rows(&pupil, &curve, &f.image, 0, 480, &out, &whole) == PUPIL_OK);
+    CHECK(whole.pixels >= 640 * 480 / 16 && whole.pixels <= 640 * 480 / 14 && whole.has_histogram);
+    for (uint32_t y = 480; y > 0;) {
+        uint32_t rows = 2 * (1 + (uint32_t)(check_random() % 20));
+        rows = rows < y ? rows : y;
+        y -= rows;
+        const pupil_image_const in = pupil_image_rows(f.image, y, rows);
+        const pupil_image target = pupil_image_out_rows(out_parts, y, rows);
+        pupil_stats_clear(&part);
+        CHECK(pupil_fused_rows(&pupil, &curve, &in, y, 480, &target, &part) == PUPIL_OK);
+        CHECK(pupil_stats_add(&sum, &part) == PUPIL_OK);
+    }
+    CHECK(memcmp(&sum, &whole, sizeof sum) == 0 && frame_equal(&to, &parts));
+    frame_free(&f);
+    frame_free(&to);
+    frame_free(&parts);
+}
+
+/* What docs/numerics.md says: in codes of Y', Cb and Cr, of colours as cameras have them and of any. */
+static void errors(uint32_t kind, const char *what, double mean_limit, unsigned most_limit)
+{
+    frame f = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
+    fill_planes(&f, kind);
+    for (float scale = 0.5f; scale <= 2.0f; scale *= 2.0f) {
+        const pupil_curve curve = curve_of(scale);
+        frame exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_NV12);
+        frame luma = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_NV12);
+        unsigned off[256] = {0}, total = 0, at_99 = 0;
+        double sum = 0;
+        for (int plane = 0; plane < 2; plane++)
+            for (uint32_t i = 0; i < 640 * (plane ? 240u : 480u); i++) {
+                const uint8_t *a = plane ? exact.image.chroma : exact.image.data;
+                const uint8_t *b = plane ? luma.image.chroma : luma.image.data;
+                const int d = a[i] - b[i];
+                off[d < 0 ? -d : d]++;
+                sum += abs(d);
+                total++;
+            }
+        for (unsigned below = 0; below + off[at_99] < total - total / 100; at_99++)
+            below += off[at_99];
+        printf("%s at a scale of %g: %.2f codes off on average, 99 %% of them by %u or less\n", what, (double)scale,
+               sum / total, at_99);
+        CHECK_MSG(sum / total <= mean_limit && at_99 <= most_limit, "%s: %g, %u", what, sum / total, at_99);
+        frame_free(&exact);
+        frame_free(&luma);
+    }
+    frame_free(&f);
+}
+
+static void level_of_a_sample(uint32_t pixel)
+{
+    const pupil_t exact = begin(PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR);
+    const pupil_t luma = begin(PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR);
+    frame f = frame_make(640, 480, pixel, 0, 0);
+    pupil_stats a, b;
+    double all = 0.0, some = 0.0;
+    frame_lognormal(&f, 0.1, 2, check_uniform);
+    pupil_stats_clear(&a);
+    pupil_stats_clear(&b);
+    CHECK(pupil_meter_rows(&exact, &f.image, 0, 480, &a) == PUPIL_OK && pupil_stats_mean(&a, 0, 1, &all) == PUPIL_OK);
+    CHECK(pupil_meter_rows(&luma, &f.image, 0, 480, &b) == PUPIL_OK && pupil_stats_mean(&b, 0, 1, &some) == PUPIL_OK);
+    CHECK(b.pixels >= a.pixels / 16 && b.pixels <= a.pixels / 14 && b.rows == 480);
+    CHECK_MSG(fabs(all - some) < 0.05, "format %u: %g EV", pixel, some - all);
+    frame_free(&f);
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    same_bits();
+    any_split();
+    errors(1, "small colours", 1.5, 8);
+    errors(2, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */
+    level_of_a_sample(PUPIL_PIXEL_NV12);
+    level_of_a_sample(PUPIL_PIXEL_YUYV);
+    level_of_a_sample(PUPIL_PIXEL_UYVY);
+    level_of_a_sample(PUPIL_PIXEL_I420);
+    level_of_a_sample(PUPIL_PIXEL_NV16);
+    return check_end();
+}
