@@ -16,9 +16,11 @@
  * Versions: OpenGL ES 3.1 (metering by a compute shader) or 3.0 (by fragment shaders into integer targets; the
  * histogram by points that blending counts). ES 2.0 is refused. External textures need an extension, and in ES 3.0 a
  * histogram one of GL_EXT_color_buffer_half_float and GL_EXT_color_buffer_float; it is not available of external
- * textures there. It counts one of each four rows there, or of config.meter_rows of the pupil_t, scaled to the weight
- * of all; always the same ones, spread as if by chance. With config.meter_rows 1 it counts all, and is exact
- * (docs/numerics.md).
+ * textures there. In ES 3.1 it counts every pixel. In ES 3.0 it counts one of each four rows, or of config.meter_rows
+ * of the pupil_t, scaled to the weight of all; always the same ones, spread as if by chance. With config.meter_rows 1
+ * it counts all, and is exact (docs/numerics.md). stats.peak is that of every pixel in both. config.histogram_step is
+ * not read, so on large frames the white point is not quite that of the CPU's default, but that of its
+ * histogram_step 1.
  *
  * Results: counts, weights and the histogram's total are exact. The log-average is within 1e-5 (relative) of the CPU's.
  * At most one mapped sample of 10,000 differs, by one code (docs/numerics.md, On a GPU). Rounding depends on the GPU,
