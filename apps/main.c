@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/report_error.h"
 #include "pupil/pupil.h"
@@ -46,6 +47,8 @@ static int refuse(const char *name)
     pupil_why why;
     pupil_refuse(&why, "%s: no such command%s%s; 'pupil help' lists them", name, near.name ? "; perhaps " : "",
                  near.name ? near.name : "");
+    if (access(name, R_OK) == 0)
+        pupil_refuse_add(&why, "; pupil replay %s -o OUT adapts a file", name);
     report_error("pupil", &why, "");
     return EXIT_USAGE;
 }

@@ -113,6 +113,11 @@ int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_
                          inputs[i]);
             return PUPIL_SOURCE_FAILED;
         }
+    if (strstr(inputs[0], "://")) {
+        pupil_refuse(why, "%s: files are read, not addresses: ffmpeg -i '%s' -f nut - | pupil replay - -o OUT.mp4",
+                     inputs[0], inputs[0]);
+        return PUPIL_SOURCE_FAILED;
+    }
     if (starts_with(inputs[0], "pan:"))
         return pupil_pan_source_open(inputs[0], options, source, why);
     if (strcmp(inputs[0], "-") == 0)

@@ -22,6 +22,7 @@ ends 0 "usage: pupil replay" --help replay
 ends 2 "repaly: no such command; perhaps replay; 'pupil help' lists them" repaly
 ends 2 "hepl: no such command; perhaps help;" hepl
 ends 2 "moon: no such command; 'pupil help' lists them" moon
+ends 2 "pupil replay $0 -o OUT adapts a file" "$0"
 ends 2 "moon: no such command" help moon
 ends 2 "replay moon: no such command" help replay moon
 ends 2 "no such command" help "$(head -c 300 /dev/zero | tr '\0' x)"
