@@ -8,13 +8,15 @@
 #include "bench.h"
 #include "clock.h"
 #include "common/interrupt.h"
+#include "common/progress.h"
 #include "common/report_error.h"
 #include "instructions.h"
 #include "options/commands.h"
 #include "pupil/bloom.h"
 #include "veil_rivals.h"
 
-enum { SIDE = 600, MOST_LIGHTS = 10000, COUNTS = 5, RIVALS = 3 };
+/* Instructions are counted in a picture of a tenth of the size: each of them stops the process once. */
+enum { SIDE = 600, COUNTED_SIDE = 60, MOST_LIGHTS = 10000, COUNTS = 5 };
 #define SIGMA_PX 37.5
 #define PERIOD   1.25 /* of a bell that reaches 150 pixels: 750 */
 
@@ -25,7 +27,8 @@ typedef struct options {
 
 typedef struct bench {
     options options;
-    pupil_veil veil;
+    progress progress;
+    pupil_veil veil, counted;
     pupil_veil_spot spot[MOST_LIGHTS];
     veil_lights lights;
     uint32_t harmonics;
@@ -36,17 +39,27 @@ typedef struct bench {
     const char *no_fft;
 } bench;
 
+static void show(bench *b, const char *what, size_t lights)
+{
+    if (!progress_due(&b->progress, 0.1))
+        return;
+    fputs(what, stderr);
+    if (lights)
+        fprintf(stderr, ", %zu of %d lights", lights, MOST_LIGHTS);
+    fflush(stderr);
+}
+
 /* --- lists of lights --- */
 
-static void make_veil(bench *b)
+static void make_veil(const bench *b, uint32_t side, pupil_veil *veil)
 {
     pupil_veil_config c;
     pupil_veil_config_default(&c);
     c.psf = PUPIL_VEIL_GAUSSIANS;
-    c.width = c.height = SIDE;
+    c.width = c.height = side;
     c.period = PERIOD;
     c.harmonics = b->harmonics;
-    pupil_veil_init(&b->veil, &c);
+    pupil_veil_init(veil, &c);
 }
 
 static void gather(void *context)
@@ -62,10 +75,23 @@ static void evaluate(void *context)
     pupil_veil_evaluate_rows(&b->veil, 0, SIDE, b->rgb);
 }
 
-static void evaluate_one_row(void *context)
+/* The same lights in a smaller picture. */
+static void gather_counted(bench *b)
+{
+    const double scale = (double)COUNTED_SIDE / SIDE;
+    pupil_veil_begin(&b->counted);
+    for (size_t i = 0; i < b->lights.count; i++) {
+        pupil_veil_spot spot = b->spot[i];
+        spot.x_px *= scale;
+        spot.y_px *= scale;
+        pupil_veil_add_bells(&b->counted, PUPIL_VEIL_GAUSSIAN, 4 * SIGMA_PX * scale, &spot, 1);
+    }
+}
+
+static void evaluate_counted_row(void *context)
 {
     bench *b = context;
-    pupil_veil_evaluate_rows(&b->veil, SIDE / 2, 1, b->rgb);
+    pupil_veil_evaluate_rows(&b->counted, COUNTED_SIDE / 2, 1, b->rgb);
 }
 
 static void direct(void *context)
@@ -123,36 +149,45 @@ typedef struct list_row {
     long long instructions;                 /* of evaluating one row */
 } list_row;
 
-/* The direct sum of many lights takes seconds: once. */
-static int measure_list(bench *b, size_t lights, list_row *row)
+/* The other ways, which have no harmonics. The direct sum of many lights takes seconds: once. */
+static int measure_rivals(bench *b, size_t lights, list_row *row)
 {
-    bench_runner runners[] = {{.run = gather, .context = b},
-                              {.run = evaluate, .context = b},
-                              {.run = pyramid, .context = b},
-                              {.run = fft, .context = b}};
+    bench_runner runners[] = {{.run = pyramid, .context = b}, {.run = fft, .context = b}};
     bench_runner slow = {.run = direct, .context = b};
     const unsigned rounds = (unsigned)b->options.rounds;
+    show(b, "other ways", lights);
     place(b, lights);
-    if (bench_race(runners, b->fft ? 4 : 3, rounds, NULL, interrupt_came) ||
+    if (bench_race(runners, b->fft ? 2 : 1, rounds, NULL, interrupt_came) ||
         bench_race(&slow, 1, lights < 1000 ? rounds : 1, NULL, interrupt_came))
         return -1;
     veil_exact(&b->lights, 1, b->exact);
-    *row = (list_row){.lights = lights,
-                      .gather_s = runners[0].least_s,
-                      .evaluate_s = runners[1].least_s,
-                      .direct_s = slow.least_s,
-                      .pyramid_s = runners[2].least_s,
-                      .fft_s = runners[3].least_s};
+    *row = (list_row){
+        .lights = lights, .direct_s = slow.least_s, .pyramid_s = runners[0].least_s, .fft_s = runners[1].least_s};
     pyramid(b);
     row->pyramid_error = error_of(b);
     if (b->fft) {
         fft(b);
         row->fft_error = error_of(b);
     }
-    evaluate(b);
-    row->error = error_of(b);
-    row->instructions = bench_instructions(evaluate_one_row, b);
     return 0;
+}
+
+static int measure_series(bench *b, list_row *row)
+{
+    bench_runner runners[] = {{.run = gather, .context = b}, {.run = evaluate, .context = b}};
+    char words[40];
+    snprintf(words, sizeof words, "%u harmonics", b->harmonics);
+    show(b, words, row->lights);
+    place(b, row->lights);
+    if (bench_race(runners, 2, (unsigned)b->options.rounds, NULL, interrupt_came))
+        return -1;
+    veil_exact(&b->lights, 1, b->exact);
+    row->gather_s = runners[0].least_s;
+    row->evaluate_s = runners[1].least_s;
+    row->error = error_of(b);
+    gather_counted(b);
+    row->instructions = bench_instructions(evaluate_counted_row, b);
+    return interrupt_came() ? -1 : 0;
 }
 
 /* Up to how many lights the direct sum takes less time: both are straight lines in their number. */
@@ -164,8 +199,9 @@ static double crossing(const list_row *few, const list_row *many)
     return (few->evaluate_s + few->gather_s - few->direct_s) / (direct_s - ours_s) + (double)few->lights;
 }
 
-static void print_list(const bench *b, const list_row row[COUNTS])
+static void print_list(bench *b, const list_row row[COUNTS])
 {
+    progress_clear(&b->progress);
     printf("\n%u harmonics: ms, and the largest error in %% of the peak\n"
            "%7s %9s %9s %13s %9s %9s %9s %8s %8s %8s\n",
            b->harmonics, "lights", "gather", "evaluate", "instructions", "direct", "FFT", "pyramid", "error", "FFT",
@@ -195,15 +231,20 @@ static int run_lists(bench *b)
     printf(
         "\nGaussians of sigma %.1f in a picture of %d x %d, one thread; each pixel is evaluated, in three channels.\n"
         "Times are the least of the rounds.\n"
-        "instructions: of evaluating one row alone, counted one by one (-1: the system does not allow it).\n",
-        SIGMA_PX, SIDE, SIDE);
+        "instructions: of evaluating a row of %d pixels of a picture that much smaller, counted one by one (-1: the "
+        "system does not allow it).\n",
+        SIGMA_PX, SIDE, SIDE, COUNTED_SIDE);
     if (!b->fft)
         printf("FFT: %s\n", b->no_fft);
+    list_row row[COUNTS];
+    for (int i = 0; i < COUNTS; i++)
+        if (measure_rivals(b, counts[i], &row[i]))
+            return -1;
     for (b->harmonics = 8; b->harmonics <= 16; b->harmonics += 4) {
-        list_row row[COUNTS];
-        make_veil(b);
+        make_veil(b, SIDE, &b->veil);
+        make_veil(b, COUNTED_SIDE, &b->counted);
         for (int i = 0; i < COUNTS; i++)
-            if (measure_list(b, counts[i], &row[i]))
+            if (measure_series(b, &row[i]))
                 return -1;
         print_list(b, row);
         fflush(stdout);
@@ -397,7 +438,9 @@ static int run_frames(bench *b)
                                     {.run = meter_and_gather_bloom, .context = f},
                                     {.run = solve_bloom, .context = f},
                                     {.run = map_with_bloom, .context = f}};
+    show(b, "frames", 0);
     const int stopped = bench_race(runner, RUNNERS, (unsigned)b->options.rounds, NULL, interrupt_came);
+    progress_clear(&b->progress);
     if (!stopped)
         print_frames(&b->options, runner);
     free(f->bloom);
@@ -449,7 +492,9 @@ int bench_veil_main(int argc, char **argv)
     }
     if (status < 0) {
         interrupt_watch();
+        progress_begin(&b->progress, 0, 0);
         const int failed = run_frames(b) || run_lists(b);
+        progress_clear(&b->progress);
         status = interrupt_came() ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : EXIT_DONE;
         if (status == EXIT_FAILED)
             fprintf(stderr, "pupil bench veil: not enough memory\n");
