@@ -125,6 +125,16 @@ int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, c
     return error;
 }
 
+int pupil_camera_loop_announce(pupil_camera_loop *loop, double ev, uint32_t within_frames, uint32_t change)
+{
+    if (!loop->camera || !loop->steers)
+        return PUPIL_OK;
+    const int error = pupil_sensor_announce(&loop->sensor, ev, within_frames, change);
+    pupil_sensor_get(&loop->sensor, &loop->setting);
+    ask(loop, 0);
+    return error;
+}
+
 void pupil_camera_loop_lost(pupil_camera_loop *loop)
 {
     loop->camera = NULL;

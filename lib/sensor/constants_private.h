@@ -169,6 +169,9 @@
 
 /* --- plan --- */
 
+/* The longest that a change of light may be announced ahead: half a minute at 30 frames a second. */
+#define SENSOR_ANNOUNCED_FRAMES 1000
+
 /* Further off than this light is followed in one step, nearer than this in a glide of at most GLIDE_EV a frame. */
 #define SENSOR_FAR_TIMES 4.5 /* of far_ev */
 #define SENSOR_GLIDE_EV  0.05

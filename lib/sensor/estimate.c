@@ -403,9 +403,9 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
     else
         begin_frames(a, info);
     read_metadata(o, info);
-    if (a->has_level && !v->is_dead) {
+    if (a->has_level && !v->is_dead && !o->announced.frames) {
         compare(o, v);
-    } else {
+    } else { /* the light may have moved as the controls did: they are taken at their word */
         survey(a);
         follow_effect(o, -SENSOR_FAR_AWAY, SENSOR_FAR_AWAY, 0.0);
     }

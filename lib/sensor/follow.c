@@ -50,8 +50,7 @@ static uint32_t wait_frames(const pupil_sensor_object *o)
     return usual > shortest ? usual : shortest;
 }
 
-/* The setting that was asked for last may not be in force yet. */
-static int is_on_its_way(const pupil_sensor_object *o)
+int pupil_sensor_is_on_its_way(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
     int is_there = 1, is_late = 0;
@@ -72,18 +71,19 @@ static int is_in_force(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
     const int is_known = is_by_metadata(a) || (a->delay[0] && a->delay[1]);
-    return !is_on_its_way(o) && (is_known || o->search.since >= o->config.delay_frames + SENSOR_LATE_FRAMES);
+    return !pupil_sensor_is_on_its_way(o) &&
+           (is_known || o->search.since >= o->config.delay_frames + SENSOR_LATE_FRAMES);
 }
 
 int pupil_sensor_is_pending(const pupil_sensor_object *o)
 {
-    return o->search.is_large && is_on_its_way(o);
+    return o->search.is_large && pupil_sensor_is_on_its_way(o);
 }
 
 double pupil_sensor_effect_asked(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    return a->effect + (is_on_its_way(o) ? pupil_sensor_effect(a, a->in_force, a->requested) : 0.0);
+    return a->effect + (pupil_sensor_is_on_its_way(o) ? pupil_sensor_effect(a, a->in_force, a->requested) : 0.0);
 }
 
 /* The effect of a total beyond that of the requested setting; and its setting. What the setting lacks of the total is
@@ -613,19 +613,20 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     o->estimate.is_searching = s->is_searching;
     count_frame(o);
     find_jump(o);
-    if (s->is_large && !is_on_its_way(o))
+    if (s->is_large && !pupil_sensor_is_on_its_way(o))
         weigh_told(o, v);
-    if (!is_on_its_way(o) && !v->is_dead)
+    if (!pupil_sensor_is_on_its_way(o) && !v->is_dead)
         pupil_sensor_learn_told(o);
-    if (s->is_large && !is_on_its_way(o))
+    if (s->is_large && !pupil_sensor_is_on_its_way(o))
         judge_answer(o, v);
     else if (s->is_large)
         pupil_sensor_watch_white(o, v);
     if (is_in_force(o))
         remember(o);
-    if (!o->config.lock)
+    const int is_still = o->config.lock || o->announced.frames;
+    if (!is_still)
         doubt(o);
-    if (!o->config.lock && !pupil_sensor_is_pending(o)) {
+    if (!is_still && !pupil_sensor_is_pending(o)) {
         const double left = left_of(s->set, o->estimate.requested);
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
         go_on_searching(o, need);
@@ -636,6 +637,15 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         if (!is_old && is_due(o, need, left))
             choose(o, v, need, left);
     }
+    report_total(o);
+}
+
+void pupil_sensor_move_to(pupil_sensor_object *o, double effect)
+{
+    sensor_search *s = &o->search;
+    s->total = total_for(o, effect - pupil_sensor_effect_asked(o));
+    ask(o, s->total, 0);
+    s->is_large = 0;
     report_total(o);
 }
 

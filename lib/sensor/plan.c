@@ -11,14 +11,36 @@ static double slope_of(const pupil_sensor_object *o)
     return 0.5 * (o->estimate.response[0] + o->estimate.response[1]);
 }
 
-/* What a frame's mean, now `mean`, is to be: the key, or that at the scene's light, by the picture's slope. */
-static double aim_of(const pupil_sensor_object *o, double mean)
+/* The key's level. */
+static double grey_of(const pupil_sensor_config *c)
+{
+    return pupil_log2(c->key) + pupil_log2(c->clip);
+}
+
+/* The scene's light in a frame with this mean, by the picture's slope. */
+static double light_of(const pupil_sensor_object *o, double mean)
+{
+    const double grey = grey_of(&o->config);
+    return (mean - grey) / slope_of(o) + grey - o->estimate.in_force[0] - o->estimate.in_force[1];
+}
+
+/* What a frame's mean is to be: the key, or that at this light of the scene. */
+static double aim_at(const pupil_sensor_object *o, double light)
 {
     const pupil_sensor_config *c = &o->config;
-    const double clip = pupil_log2(c->clip), grey = pupil_log2(c->key) + clip, slope = slope_of(o);
-    const double ev = (mean - grey) / slope + grey - o->estimate.in_force[0] - o->estimate.in_force[1];
-    const double key = pupil_key_log2(c->key, c->key_at, c->key_points, ev) + clip;
-    return grey + slope * (key - grey) + c->ev_compensation;
+    const double grey = grey_of(c);
+    const double key = pupil_key_log2(c->key, c->key_at, c->key_points, light) + pupil_log2(c->clip);
+    return grey + slope_of(o) * (key - grey) + c->ev_compensation;
+}
+
+static double aim_of(const pupil_sensor_object *o, double mean)
+{
+    return aim_at(o, light_of(o, mean));
+}
+
+double pupil_sensor_plan_for(const pupil_sensor_object *o, double ev)
+{
+    return aim_at(o, o->plan.light + ev) - aim_at(o, o->plan.light) - slope_of(o) * ev;
 }
 
 /* By how much the highlights hold the level back. */
@@ -44,7 +66,8 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_plan *p = &o->plan;
     const double effect = o->estimate.effect;
     double mean, highlight, lost, goal;
-    p->aim = aim_of(o, v->mean);
+    p->light = light_of(o, v->mean);
+    p->aim = aim_at(o, p->light);
     const double plain = p->aim - v->mean;
     goal = plain;
     p->is_guess = 0;
@@ -55,7 +78,8 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
         /* what is not clipped shows how much brighter it has become since the mean was a number */
         const double most = p->known_mean + p->brighter + SENSOR_KNOWN_EV + effect - p->known_effect;
         p->is_guess = mean > v->mean;
-        p->aim = aim_of(o, mean);
+        p->light = light_of(o, mean);
+        p->aim = aim_at(o, p->light);
         goal = v->clipped_share >= SENSOR_BLIND_CLIPPED ? -SENSOR_BLIND_EV : p->aim + lost - mean;
         goal = clamp(aim_of(o, most) - most, goal, plain);
         highlight = highlight < most + p->known_over ? highlight : most + p->known_over;
@@ -74,7 +98,8 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
     const double off = v->has_highlight ? held_back(c, v, goal, highlight) - p->held_back_ev : -p->held_back_ev;
     p->moved = 0.0;
-    if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !pupil_sensor_is_pending(o)) {
+    const int is_waiting = pupil_sensor_is_pending(o) || o->announced.frames;
+    if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !is_waiting) {
         const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -SENSOR_HIGHLIGHT_FAST_EV, SENSOR_HIGHLIGHT_FAST_EV);
         p->held_back_ev += move;
         p->moved = c->lock ? 0.0 : -move;
@@ -151,6 +176,28 @@ static void filter(pupil_sensor_object *o, double off)
     p->wanted += clamp(move, -most_ev - p->moved, most_ev - p->moved); /* with the highlights no more than that */
 }
 
+/* Whether the change that is awaited has come. A frame that is mostly clipped or black only says on which side it is.
+ * A change that came with its setting is over once more frames say so than a flash has. */
+static void await_change(pupil_sensor_object *o, const sensor_evidence *v, double goal)
+{
+    sensor_plan *p = &o->plan;
+    sensor_announced *a = &o->announced;
+    int has_come = size_of(goal - a->with) <= size_of(goal - a->without);
+    if (v->clipped_share > 0.5)
+        has_come = a->with <= a->without;
+    else if (v->black_share > 0.5)
+        has_come = a->with >= a->without;
+    const uint32_t gap = pupil_sensor_is_on_its_way(o) ? 0 : o->estimate.gap;
+    p->wanted = has_come ? a->with : a->without;
+    p->slow = PUPIL_SENSOR_ANNOUNCED;
+    p->far_frames = p->waited_frames = 0;
+    a->seen = has_come ? a->seen + gap : 0;
+    a->frames = a->seen > o->config.flash_frames || a->frames <= gap ? 0 : a->frames - gap;
+    o->setting.filter_ev = o->day_night.filter_ev + (has_come ? a->filter_ev : 0.0);
+    if (!a->frames)
+        o->day_night.filter_ev = o->setting.filter_ev;
+}
+
 void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const pupil_sensor_config *c = &o->config;
@@ -165,6 +212,11 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
     p->slow = PUPIL_SENSOR_NO_REASON;
     if (c->lock)
         return;
+    if (o->announced.frames) {
+        await_change(o, v, goal);
+        o->setting.error_ev = goal - p->wanted;
+        return;
+    }
     const int is_off = size_of(off) > (p->is_looking ? SENSOR_LOOK_EV : c->far_ev);
     const int is_new = is_off ? is_flash(o, off) : 0;
     p->far_frames = is_off ? p->far_frames : 0;

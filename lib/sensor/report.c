@@ -5,9 +5,10 @@
 
 static const char *const state_names[] = {"empty", "searching", "converged", "limited", "clipped", "flicker", "locked"};
 static const char *const reason_names[] = {
-    "none",           "waiting",    "exposure_min", "exposure_max", "frame_period", "gain_min",
-    "gain_max",       "highlights", "below_mains",  "lock",         "all_manual",   "invalid_frame",
-    "repeated_frame", "clock_back", "flash",        "ignored",      "nonlinear",    "hunting"};
+    "none",       "waiting",     "exposure_min", "exposure_max", "frame_period",  "gain_min",       "gain_max",
+    "highlights", "below_mains", "lock",         "all_manual",   "invalid_frame", "repeated_frame", "clock_back",
+    "flash",      "ignored",     "nonlinear",    "hunting",      "announced"};
+static const char *const day_night_names[] = {"unknown", "day", "night"};
 
 const char *pupil_sensor_state_name(uint32_t state)
 {
@@ -17,6 +18,11 @@ const char *pupil_sensor_state_name(uint32_t state)
 const char *pupil_sensor_reason_name(uint32_t reason)
 {
     return reason < sizeof reason_names / sizeof reason_names[0] ? reason_names[reason] : "unknown";
+}
+
+const char *pupil_sensor_day_night_name(uint32_t day_night)
+{
+    return day_night_names[day_night < sizeof day_night_names / sizeof day_night_names[0] ? day_night : 0];
 }
 
 /* The camera does not do what is asked of it. */
@@ -85,7 +91,7 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
         s->state = PUPIL_SENSOR_LIMITED;
         s->reason = PUPIL_SENSOR_IGNORED;
         write_again(o);
-    } else if (is_off(o, v) || pupil_sensor_is_pending(o)) {
+    } else if (is_off(o, v) || pupil_sensor_is_pending(o) || o->announced.frames) {
         s->state = v->clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         s->reason = o->plan.slow ? o->plan.slow : s->reason;
     } else if (size_of(o->plan.beyond) > SENSOR_SETTLED_EV) {

@@ -38,6 +38,8 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
     const double wanted = o->plan.wanted;
     double least, most;
     o->told.count = 0; /* exposures of other limits */
+    if (config->lock)
+        o->announced.frames = 0;
     pupil_sensor_begin(o, o->search.total);
     if (!o->setting.frames)
         return;
@@ -87,8 +89,34 @@ int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain)
         return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
     if (!(exposure_s >= 0x1p-64 && exposure_s <= 0x1p64 && gain >= 0x1p-64 && gain <= 0x1p64))
         return PUPIL_ERR_VALUE;
+    o->announced.frames = 0;
     pupil_sensor_begin(o, pupil_log2(exposure_s) + pupil_log2(gain));
     o->plan.is_looking = 1;
+    return PUPIL_OK;
+}
+
+int pupil_sensor_announce(pupil_sensor *sensor, double ev, uint32_t within_frames, uint32_t change)
+{
+    pupil_sensor_object *o = object_of(sensor);
+    double least, most;
+    if (!o)
+        return sensor ? PUPIL_ERR_OBJECT : PUPIL_ERR_NULL;
+    if (!(ev >= -32.0 && ev <= 32.0) || within_frames < 1 || within_frames > SENSOR_ANNOUNCED_FRAMES ||
+        change >= PUPIL_SENSOR_CHANGE_COUNT)
+        return PUPIL_ERR_VALUE;
+    o->setting.changed = 0;
+    if (!o->setting.frames || o->config.lock)
+        return PUPIL_OK;
+    sensor_announced *a = &o->announced;
+    const int is_second = a->frames != 0;
+    pupil_sensor_reach(o, &least, &most);
+    a->with = (is_second ? a->with : o->plan.wanted + o->plan.beyond) + pupil_sensor_plan_for(o, ev);
+    a->with = clamp(a->with, least, most);
+    a->without = o->plan.wanted;
+    a->filter_ev = (is_second ? a->filter_ev : 0.0) + (change == PUPIL_SENSOR_CHANGE_FILTER ? ev : 0.0);
+    a->frames = within_frames;
+    a->seen = 0;
+    pupil_sensor_move_to(o, a->with);
     return PUPIL_OK;
 }
 
@@ -163,8 +191,10 @@ static void take_frame(pupil_sensor_object *o, sensor_evidence *v, const pupil_f
     s->slope = 0.5 * (o->estimate.response[0] + o->estimate.response[1]);
     s->exposure_delay = o->estimate.delay[0];
     s->gain_delay = o->estimate.delay[1];
-    if (!v->is_dead)
+    if (!v->is_dead) {
         pupil_sensor_report(o, v);
+        pupil_sensor_day_night_frame(o);
+    }
 }
 
 /* The bands that lamps leave in rows show the frequency of the mains. */

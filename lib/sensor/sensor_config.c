@@ -4,7 +4,7 @@
 #include "base/numeric.h"
 #include "base/versioned.h"
 
-#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_sensor_config, exposure_table)
+#define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_sensor_config, day_night_s)
 
 static const pupil_sensor_config defaults = {
     .delay_frames = 4,
@@ -83,6 +83,8 @@ static const field_range ranges[] = {
     COUNT(gain_mode, 0, 2),
     COUNT(exposure_count, 0, 64),
     COUNT(reserved_too, 0, 0),
+    NUMBER(day_ev, -256, 256),
+    NUMBER(day_night_s, 0, 1e6),
 };
 
 /* NaN is in no range. */
@@ -108,11 +110,13 @@ static const char *fault_of_ranges(const pupil_sensor_config *c)
     return 0;
 }
 
-static const char *fault_of_key(const pupil_sensor_config *c)
+static const char *fault_of_light(const pupil_sensor_config *c)
 {
     const char *fault = pupil_key_fault(c->key_at, c->key_points);
     if (!fault && !(c->trim_high > c->trim_low && c->trim_high <= 1.0))
         fault = "trim_high must be above trim_low, up to 1";
+    if (!fault && !(c->night_ev >= -256.0 && c->night_ev <= c->day_ev))
+        fault = "night_ev must be from -256 to day_ev";
     return fault;
 }
 
@@ -172,7 +176,7 @@ static const char *fault_of_stages(const pupil_sensor_config *c)
 int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why)
 {
     static const char *(*const rules[])(const pupil_sensor_config *) = {
-        fault_of_ranges, fault_of_key, fault_of_exposure, fault_of_gain, fault_of_gain_table, fault_of_stages,
+        fault_of_ranges, fault_of_light, fault_of_exposure, fault_of_gain, fault_of_gain_table, fault_of_stages,
     };
     if (!config)
         return PUPIL_ERR_NULL;

@@ -6,6 +6,7 @@
  *     follow.c     which setting does that, by all that the camera has shown -> sensor_search
  *     split.c      a total as an exposure time and a gain that the camera has
  *     report.c     state and reason
+ *     day_night.c  whether it is day
  *
  * All levels are log2. "Effect" is what the controls do to the picture, in stops of the picture, from any zero: for a
  * linear camera that is log2 of exposure time x gain. */
@@ -104,11 +105,20 @@ typedef struct sensor_estimate {
 
 /* --- plan --- */
 
+/* A change of light that the caller has announced. */
+typedef struct sensor_announced {
+    double without, with; /* the effect that is wanted until it comes, and from then on */
+    double filter_ev;     /* so much of it is a filter's */
+    uint32_t frames;      /* that it may still take; 0: none is awaited */
+    uint32_t seen;        /* frames in a row that have it */
+} sensor_announced;
+
 typedef struct sensor_plan {
     double wanted;       /* effect that is wanted: what is shown is the picture times 2^(wanted - effect) */
     double goal;         /* ... that this frame asks for */
     double beyond;       /* goal, less what the camera can reach of it */
     double aim;          /* what the frame's mean is to be */
+    double light;        /* by which the key was chosen */
     double held_back_ev; /* by the highlights */
     double moved;        /* `wanted`, for the highlights in this frame */
     double far_ev;       /* the least that the last far frames were off by */
@@ -177,6 +187,15 @@ typedef struct sensor_search {
     sensor_point point[SENSOR_POINTS];
 } sensor_search;
 
+/* --- day and night --- */
+
+typedef struct sensor_day_night {
+    double filter_ev; /* that filters were announced to pass, more than at first */
+    double beyond_s;  /* for so long it has been on the other side ... */
+    uint32_t side;    /* ... which is this one; 0: on none */
+    uint32_t reserved;
+} sensor_day_night;
+
 typedef struct pupil_sensor_object {
     uint64_t magic;
     pupil_sensor_config config;      /* mains_hz: that in use */
@@ -189,6 +208,8 @@ typedef struct pupil_sensor_object {
     sensor_black black;
     sensor_estimate estimate;
     sensor_plan plan;
+    sensor_announced announced;
+    sensor_day_night day_night;
     sensor_search search;
     sensor_told told;
     pupil_mains mains;
@@ -260,11 +281,17 @@ void pupil_sensor_forget_told(pupil_sensor_object *object);
 
 /* plan.c */
 void pupil_sensor_plan_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
+/* What a change of the light by so many stops makes of the effect that is wanted: stops more. */
+double pupil_sensor_plan_for(const pupil_sensor_object *object, double ev);
 
 /* follow.c */
 void pupil_sensor_follow(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_begin(pupil_sensor_object *object, double total);
 int pupil_sensor_is_pending(const pupil_sensor_object *object);
+/* The setting that was asked for last may not be in force yet. */
+int pupil_sensor_is_on_its_way(const pupil_sensor_object *object);
+/* Asks for the setting with this effect, which is not judged: there is no frame that says so. */
+void pupil_sensor_move_to(pupil_sensor_object *object, double effect);
 /* The effect of the setting that was asked for last, once it is in force. */
 double pupil_sensor_effect_asked(const pupil_sensor_object *object);
 /* The least and the most effect that the path of settings has. */
@@ -286,5 +313,8 @@ uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int is_dark);
 
 /* report.c */
 void pupil_sensor_report(pupil_sensor_object *object, const sensor_evidence *evidence);
+
+/* day_night.c */
+void pupil_sensor_day_night_frame(pupil_sensor_object *object);
 
 #endif

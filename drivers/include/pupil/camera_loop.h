@@ -68,6 +68,11 @@ int pupil_camera_loop_retune(pupil_camera_loop *loop, const pupil_sensor_config 
  * since the frame was complete, pupil_camera_frame comes before this once more, with pupil_camera_newest. */
 int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, const pupil_frame_info *info);
 
+/* Light that is known to change: as pupil_sensor_announce. The setting for it is asked for at once, so call it where
+ * pupil_camera_loop_frame is called, after the frame. Nothing happens while there are no controls, or while one setting
+ * is held. */
+int pupil_camera_loop_announce(pupil_camera_loop *loop, double ev, uint32_t within_frames, uint32_t change);
+
 /* For frames that are left out, or while one setting is held: asks again for a setting that was refused. Frames that go
  * through pupil_camera_loop_frame need no call of this. */
 void pupil_camera_loop_retry(pupil_camera_loop *loop);

@@ -44,6 +44,9 @@
  * that does nothing of what is asked, or whose aim is out of reach, the setting is written again each second: `changed`
  * is then 1 with the same values. docs/camera-answers.md has what an integrator configures, and what is found.
  *
+ * Known changes: a filter that is switched or a flash that fires is announced by pupil_sensor_announce. The setting for
+ * it is asked for at once, and its frames are no evidence against the camera.
+ *
  * Lamps: flicker of all light from frame to frame is taken out of the level and, by frame_digital, of each frame
  * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency
  * is found from the bands; until then exposures of 10 ms and more are multiples of 10 ms, where the light allows it.
@@ -176,6 +179,12 @@ typedef struct pupil_sensor_config {
     double exposure_table[PUPIL_SENSOR_EXPOSURE_TABLE]; /* seconds, never falling; 1e-9..1e4. Exposures are the ones in
                                                          * it from exposure_min_s to exposure_max_s, and exposure_min_s
                                                          * itself; exposure_step_s is not read */
+
+    /* Day and night (setting.day_night): night from day_night_s seconds of scene_ev below night_ev on, day from as many
+     * above day_ev on. What filters were announced to pass is left out. Put both well apart: a stop or two. */
+    double night_ev;    /* 0; -256..day_ev */
+    double day_ev;      /* 0; -256..256 */
+    double day_night_s; /* 0: not looked for; 0..1e6 */
 } pupil_sensor_config;
 
 /* Fills in every field with its default. */
@@ -227,8 +236,23 @@ typedef enum pupil_sensor_reason {
                            * the camera's own automatic. They are asked again; each second `changed` is 1 */
     PUPIL_SENSOR_NONLINEAR, /* a picture that should be linear does not answer as light does (slope): a tone curve, or a
                              * wrong black level */
-    PUPIL_SENSOR_HUNTING    /* not reported any more */
+    PUPIL_SENSOR_HUNTING,   /* not reported any more */
+    PUPIL_SENSOR_ANNOUNCED  /* a change of light that was announced is awaited: nothing else moves */
 } pupil_sensor_reason;
+
+/* What pupil_sensor_announce is about. */
+typedef enum pupil_sensor_change {
+    PUPIL_SENSOR_CHANGE_LIGHT = 0, /* the scene's light: lamps, a flash */
+    PUPIL_SENSOR_CHANGE_FILTER,    /* what the camera passes of it: an infrared-cut filter, a grey filter, an iris */
+    PUPIL_SENSOR_CHANGE_COUNT
+} pupil_sensor_change;
+
+/* Where config.day_night_s is not 0. */
+typedef enum pupil_sensor_day_night {
+    PUPIL_SENSOR_DAY_NIGHT_UNKNOWN = 0, /* not for long enough yet */
+    PUPIL_SENSOR_DAY,
+    PUPIL_SENSOR_NIGHT
+} pupil_sensor_day_night;
 
 /* Where a setting's mains_hz is from. */
 typedef enum pupil_sensor_mains {
@@ -267,11 +291,15 @@ typedef struct pupil_sensor_setting {
     uint32_t mains;                      /* a pupil_sensor_mains */
     double mains_modulation;             /* of the rows, as the frames' exposure leaves it, 0..1, when it was last seen
                                           * in a frame; 0: never */
+    uint32_t day_night;                  /* a pupil_sensor_day_night */
+    uint32_t reserved_too;
+    double filter_ev; /* what announced filters pass more than at first, as that frame shows it: of scene_ev */
 } pupil_sensor_setting;
 
 /* "converged", "exposure_min": names for logs and for people; of a number that is none, "unknown". Constant text. */
 PUPIL_API const char *pupil_sensor_state_name(uint32_t state);
 PUPIL_API const char *pupil_sensor_reason_name(uint32_t reason);
+PUPIL_API const char *pupil_sensor_day_night_name(uint32_t day_night);
 
 /* --- life --- */
 
@@ -287,6 +315,18 @@ PUPIL_API int pupil_sensor_retune(pupil_sensor *sensor, const pupil_sensor_confi
  * pupil_sensor_setting saved before, with gain 1; or what the camera has now. Write the first setting after it, too.
  * PUPIL_ERR_VALUE: not positive numbers from 2^-64 to 2^64. */
 PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double gain);
+
+/* The caller knows that the light of the coming frames will be `ev` stops brighter than in the last one, from one of
+ * the next `within_frames` frames on; `change`: a pupil_sensor_change. The setting for that is asked for at once
+ * (`changed`). Until the frames show the change, what is shown stays as it was, and nothing else is done; that lasts at
+ * most until the setting is in force and within_frames more have come. What did not come true is taken back then, as
+ * any step of the light is. The frames in between do not count as evidence of delays or of what the controls do. So
+ * the best time for the call is as many frames before the change as the controls' delay.
+ *
+ * A second call while a change is awaited adds to it. Before the first frame with light, and while the setting is
+ * locked, there is nothing to be done. PUPIL_ERR_VALUE: ev outside -32..32, within_frames outside 1..1000, or no such
+ * change. */
+PUPIL_API int pupil_sensor_announce(pupil_sensor *sensor, double ev, uint32_t within_frames, uint32_t change);
 
 /* --- a frame --- */
 
