@@ -19,7 +19,8 @@ function(pupil_add_test name label)
   set_tests_properties(${name} PROPERTIES
     SKIP_RETURN_CODE 77 TIMEOUT ${${label}_timeout_s} COST ${${label}_cost} LABELS ${label})
   # Not in the home of the user who runs the tests. Without a cache every object compiles its shaders again: minutes.
-  set(environment MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader-cache)
+  # And no test begins with the exposure that another one has kept: nothing can be made there.
+  set(environment MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader-cache XDG_STATE_HOME=/dev/null)
   if(TARGET pupil)
     list(APPEND environment "PUPIL_PROGRAM=$<TARGET_FILE:pupil>")
   endif()

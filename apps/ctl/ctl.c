@@ -30,12 +30,19 @@ const option_command ctl_command = {
              "  ev STOPS, key K, key-at EV:KEY,...|off\n"
              "  metering uniform|centre|spot, roi X,Y,W,H|off, trim LOW,HIGH|off\n"
              "  highlights STOPS, amplification STOPS, tau-light S, tau-dark S\n"
-             "  gain-max FACTOR|off, shutter-max TIME|off",
+             "  gain-max FACTOR|off, shutter-max TIME|off, day-night EV,EV,S|off\n"
+             "  light STOPS[,FRAMES]       it gets so much brighter, within so many frames (30)\n"
+             "  filter STOPS[,FRAMES]      the same, by a filter of the camera",
     .exits = "0 done, 1 refused or not reached, 2 usage",
     .manual = "Sends a command to a run that was started with --control PATH, or each line of standard input, and "
               "prints the answers: a JSON object a line, with \"ok\". Values are those of the options of pupil run; "
               "off takes them away. A change acts from the frame that the answer names. lock holds the level of the "
-              "picture, the exposure time and the gain. The socket is of its user alone.",
+              "picture, the exposure time and the gain. The socket is of its user alone.\n\n"
+              "light and filter announce a change of light that is known to come: a flash, a lamp, an infrared-cut or "
+              "grey filter. The exposure for it is set at once, in one step. What does not come within FRAMES frames "
+              "is taken back. The best time is some frames before (the camera's control delay). With filter, the "
+              "picture and day-night are those of the light without the filter; with light the picture adapts to it, "
+              "so use --mode sensor for a flash.",
     .groups = groups,
 };
 

@@ -45,6 +45,7 @@ typedef struct frame_log_entry {
     double latency_us;      /* from the driver's timestamp to the mapped frame */
     const char *sensor;     /* "searching", "converged", ...; "" where nobody steers */
     const char *sensor_reason;
+    const char *day_night; /* "unknown", "day", "night"; "" where it is not looked for */
 } frame_log_entry;
 
 #define FRAME_LOG_BOUND 32000 /* entries of a bounded log; even, so that every second one can go */

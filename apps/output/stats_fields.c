@@ -49,6 +49,7 @@ const pupil_stats_field pupil_stats_fields[] = {
     NUMBER(latency_us),
     {"sensor", STATS_TEXT, offsetof(frame_log_entry, sensor)},
     {"sensor_reason", STATS_TEXT, offsetof(frame_log_entry, sensor_reason)},
+    {"day_night", STATS_TEXT, offsetof(frame_log_entry, day_night)},
 };
 const size_t pupil_stats_live_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
 const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] - LIVE_FIELDS;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "control.h"
@@ -9,11 +10,13 @@
 #include "refuse.h"
 
 /* Those of the command line that can change while frames come. Names, values and sentences are the same. */
-static const char *const changeable[] = {"ev",        "key",      "key-at",     "metering",
-                                         "roi",       "trim",     "highlights", "amplification",
-                                         "tau-light", "tau-dark", "gain-max",   "shutter-max"};
+static const char *const changeable[] = {"ev",       "key",         "key-at",        "metering",  "roi",
+                                         "trim",     "highlights",  "amplification", "tau-light", "tau-dark",
+                                         "gain-max", "shutter-max", "day-night"};
 static const char more[] = "ev, key, key-at, lock, metering, roi, trim, highlights, amplification, tau-light, "
-                           "tau-dark, gain-max, shutter-max, status";
+                           "tau-dark, gain-max, shutter-max, day-night, light, filter, status";
+
+#define USUAL_FRAMES 30 /* in which a filter is switched by hand: a second */
 
 /* --- status --- */
 
@@ -60,6 +63,7 @@ static void put_status(const run_ask *a, char *answer, size_t bytes)
     put_number(answer, bytes, "tau_dark", c->tau_dark_s);
     put_number(answer, bytes, "gain_max", known(o->gain_max));
     put_number(answer, bytes, "shutter_max", known(o->exposure_max_s));
+    put_text(answer, bytes, "day_night", e->day_night);
     const size_t used = strlen(answer);
     snprintf(answer + used, bytes - used, ",\"lock\":%s}", c->lock ? "true" : "false");
 }
@@ -84,6 +88,8 @@ static int set_off(run_options *o, const char *name)
         o->gain_max = 0.0;
     } else if (strcmp(name, "shutter-max") == 0) {
         o->exposure_max_s = 0.0;
+    } else if (strcmp(name, "day-night") == 0) {
+        o->day_night_s = 0.0;
     } else if (strcmp(name, "key-at") == 0) {
         c->key_points = 0;
     } else if (strcmp(name, "trim") == 0) {
@@ -125,7 +131,8 @@ static int is_changeable(const char *name)
 static int check(const run_ask *a, const run_options *o, const char *name, pupil_why *why)
 {
     const char *fault = "";
-    const int is_limit = strcmp(name, "gain-max") == 0 || strcmp(name, "shutter-max") == 0;
+    const int is_day_night = strcmp(name, "day-night") == 0 && o->day_night_s > 0.0;
+    const int is_limit = is_day_night || strcmp(name, "gain-max") == 0 || strcmp(name, "shutter-max") == 0;
     if (strncmp(name, "tau-", 4) == 0 && o->shown.config.law != PUPIL_LAW_SECONDS)
         return pupil_refuse(why, "%s: is of the default law", name);
     if (is_limit && !(a->gain_min > 0.0))
@@ -139,10 +146,36 @@ static int check(const run_ask *a, const run_options *o, const char *name, pupil
     return 0;
 }
 
+/* "STOPS[,FRAMES]": light that is known to change. */
+static int announce(run_ask *a, const char *name, const char *text, pupil_why *why)
+{
+    const uint32_t what = strcmp(name, "filter") == 0 ? PUPIL_SENSOR_CHANGE_FILTER : PUPIL_SENSOR_CHANGE_LIGHT;
+    char *end;
+    unsigned long frames = USUAL_FRAMES;
+    pupil_why words;
+    const double ev = strtod(text, &end);
+    int wrong = end == text || !(ev >= -32.0 && ev <= 32.0);
+    if (!wrong && *end == ',') {
+        const char *number = end + 1;
+        frames = strtoul(number, &end, 10);
+        wrong = *number < '0' || *number > '9' || frames < 1 || frames > 1000;
+    }
+    if (wrong || *end)
+        return pupil_refuse(why,
+                            "%s %s: must be stops from -32 to 32, and after a comma frames from 1 to 1000, for "
+                            "example +4,30",
+                            name, *text ? text : "\"\"");
+    return run_sensor_announce(a->sensor, ev, (uint32_t)frames, what, &words)
+               ? pupil_refuse(why, "%s: %s", name, words.text)
+               : 0;
+}
+
 static int change(run_ask *a, const char *name, const char *text, pupil_why *why)
 {
     static run_options tried;
     int failed = 0;
+    if (strcmp(name, "light") == 0 || strcmp(name, "filter") == 0)
+        return announce(a, name, text, why);
     tried = *a->options;
     if (strcmp(name, "lock") == 0)
         failed = set_lock(&tried, text, why);

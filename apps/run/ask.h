@@ -3,11 +3,13 @@
 #define PUPIL_APPS_RUN_ASK_H
 
 #include "options.h"
+#include "sensor.h"
 #include "session/session.h"
 
 typedef struct run_ask {
     run_options *options;
     session *session;
+    run_sensor *sensor;
     double gain_min, exposure_min_s; /* the camera's; 0: it is not steered */
     frame_log_entry last;            /* the latest frame's; its texts are constant */
 } run_ask;

@@ -24,21 +24,28 @@ static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why
     return 0;
 }
 
+/* An option that needs a camera with controls; NULL: none was given. */
+static const char *asked_of(const run_options *o)
+{
+    return o->exposure_s > 0.0                 ? "--shutter"
+           : o->gain > 0.0                     ? "--gain"
+           : o->exposure_max_s > 0.0           ? "--shutter-max"
+           : o->gain_max > 0.0                 ? "--gain-max"
+           : o->mode == RUN_SENSOR             ? "--mode sensor"
+           : o->mode == RUN_BOTH               ? "--mode both"
+           : o->live.mains_hz && !o->row_gains ? "--mains"
+           : o->any_frame_rate                 ? "--no-frame-rate-priority"
+           : o->live.delay                     ? "--control-delay"
+           : o->curve                          ? "--curve"
+           : o->resume                         ? "--resume"
+           : o->day_night_s > 0.0              ? "--day-night"
+                                               : NULL;
+}
+
 int run_choose_mode(run_options *o, const pupil_source *source, pupil_why *remark, pupil_why *why)
 {
     pupil_camera *camera = pupil_live_camera(source);
-    const char *asks = o->exposure_s > 0.0                 ? "--shutter"
-                       : o->gain > 0.0                     ? "--gain"
-                       : o->exposure_max_s > 0.0           ? "--shutter-max"
-                       : o->gain_max > 0.0                 ? "--gain-max"
-                       : o->mode == RUN_SENSOR             ? "--mode sensor"
-                       : o->mode == RUN_BOTH               ? "--mode both"
-                       : o->live.mains_hz && !o->row_gains ? "--mains"
-                       : o->any_frame_rate                 ? "--no-frame-rate-priority"
-                       : o->live.delay                     ? "--control-delay"
-                       : o->curve                          ? "--curve"
-                       : o->resume                         ? "--resume"
-                                                           : NULL;
+    const char *asks = asked_of(o);
     if (!camera && asks)
         return pupil_refuse(why, "%s: %.900s", asks, pupil_live_no_controls(source));
     if (!camera && o->mode == RUN_BEST)

@@ -45,6 +45,21 @@ static int parse_resume(const option_value *v)
     return strcmp(v->text, "-") == 0 ? option_refuse(v, "a file") : option_take(v);
 }
 
+/* NIGHT,DAY,SECONDS */
+static int parse_day_night(const option_value *v)
+{
+    run_options *r = v->options;
+    double x[3];
+    if (option_numbers(v, 3, x))
+        return OPTIONS_USAGE;
+    if (!(x[0] >= -64.0 && x[0] <= x[1] && x[1] <= 64.0 && x[2] > 0.0 && x[2] <= 1e6))
+        return option_refuse(v, NULL);
+    r->night_ev = x[0];
+    r->day_ev = x[1];
+    r->day_night_s = x[2];
+    return OPTIONS_RUN;
+}
+
 /* --- the table --- */
 
 #define AT(field) offsetof(run_options, field)
@@ -126,9 +141,15 @@ static const option_row control_rows[] = {
      .help = "longest exposure"},
     {"gain-max", 0, OPTION_NUMBER, "FACTOR", AT(gain_max), .low = 0x1p-10, .high = 65536.0,
      .right = "a factor from 0.001 to 65536; 1 is no gain", .help = "largest gain"},
-    {"control", 0, OPTION_PATH, "SOCKET", AT(control), .help = "change it while it runs, by 'pupil ctl SOCKET'",
+    {"control", 0, OPTION_PATH, "SOCKET", AT(control), .help = "for 'pupil ctl SOCKET'",
      .more = "A Unix socket of mode 0600: a command a line, an answer in JSON a line, between frames. pupil ctl --help "
              "has the commands. It is removed at the end."},
+    {"day-night", 0, OPTION_TEXT, "EV,EV,S", 0, .parse = parse_day_night,
+     .right = "two EV of scene light from -64 to 64, night's first, and seconds above 0, for example -3,-1.5,10",
+     .help = "night from day",
+     .more = "Night is below the first for S seconds, day above the second, in the light of the scene (scene_ev of "
+             "--stats), without what filters were announced to pass (pupil ctl). "
+             "Each change is a line on standard error; --stats has it for each frame, pupil ctl in its status."},
     {"no-frame-rate-priority", 0, OPTION_FLAG, NULL, AT(any_frame_rate),
      .help = "in the dark, expose longer than a frame",
      .more = "After the gain has reached its limit. Frames then come slower."},
@@ -155,18 +176,22 @@ static const option_row control_rows[] = {
      .more = "linear: the first step of the exposure is a whole one. unknown: it goes half way and shows how strongly "
              "the picture answers. auto: linear for mosaics, for grey, and where the driver says so; unknown for other "
              "formats, and for grey of a USB camera (uvcvideo) whose driver does not say."},
-    {"resume", 0, OPTION_PATH, "FILE", AT(resume), .parse = parse_resume,
-     .help = "begin with the exposure of this camera's last run",
-     .more = "The exposure time times gain at which the camera (by driver, bus and card) was at rest. FILE has a line "
-             "for each camera. It is written at the end, after Ctrl-C too, and every minute where it has changed. "
-             "At most 30 frames, taken before that exposure is in force, are left out. A missing or empty file is no "
-             "error. Of a damaged one the undamaged lines are used, with a warning. Any other file is refused and left "
-             "as it is. Not with --mode digital, or with both --shutter and --gain."},
+    {"resume", 0, OPTION_PATH, "FILE", AT(resume), .parse = parse_resume, .help = "state file (~/.local/state/pupil)",
+     .more =
+         "A run begins with the exposure time times gain at which this camera (by driver, bus and card) was at rest "
+         "in its last run. It is kept in the file cameras in $STATE_DIRECTORY, $XDG_STATE_HOME/pupil or "
+         "~/.local/state/pupil, or in FILE, which has a line for each camera. It is written at the end, after Ctrl-C "
+         "too, and every minute where it has changed. At most 30 frames, taken before that exposure is in force, are "
+         "left out. A missing or empty file is no error. Of a damaged one the undamaged lines are used, with a "
+         "warning. Any other file is refused and left as it is; in the usual place there is only a warning. What the "
+         "camera cannot have is not used. Not with --mode digital, or with both --shutter and --gain."},
+    {"no-resume", 0, OPTION_FLAG, NULL, AT(begins_cold), .help = "begin cold",
+     .more = "With the setting that the camera has. Nothing is read and nothing is kept."},
     {"newest", 0, OPTION_FLAG, NULL, AT(live.capture.late), .help = "skip late frames",
      .more = "Of several frames that wait, the last is taken. The others count as late. Without it, this begins where "
              "the program turns out to be slower than the camera, but not with --record."},
     {"reopen", 0, OPTION_TIME, "TIME", AT(live.capture.reopen_s), .high = 1e6, .unit_s = 1.0, .initial = "0",
-     .right = "seconds, from 0 to 1000000", .help = "wait for an unplugged camera",
+     .right = "seconds, from 0 to 1000000", .help = "await an unplugged one",
      .more = "Also where its stream stopped. 0: that ends the run, with exit status 1."},
 };
 
@@ -245,6 +270,9 @@ static int check_limits(const run_options *r, pupil_why *why)
     if (r->mode == RUN_DIGITAL && (r->exposure_max_s > 0.0 || r->gain_max > 0.0))
         return pupil_refuse(why, "--shutter-max and --gain-max: are of --mode sensor and both; digital leaves the "
                                  "camera as it is");
+    if (r->mode == RUN_DIGITAL && r->day_night_s > 0.0)
+        return pupil_refuse(why, "--day-night: is of --mode sensor and both; digital does not see the light of the "
+                                 "scene");
     if (r->exposure_s > 0.0 && r->exposure_max_s > 0.0)
         return pupil_refuse(why, "--shutter and --shutter-max: one of them");
     if (r->gain > 0.0 && r->gain_max > 0.0)
@@ -259,6 +287,8 @@ static int check_control(const run_options *r, pupil_why *why)
     if (r->resume && (r->mode == RUN_DIGITAL || manual == 2))
         return pupil_refuse(why, "--resume: is of what is steered, which nothing is with --mode digital, or with "
                                  "both --shutter and --gain");
+    if (r->resume && r->begins_cold)
+        return pupil_refuse(why, "--resume and --no-resume: one of them");
     if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !manual)))
         return pupil_refuse(why, "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and "
                                  "both; digital controls nothing");

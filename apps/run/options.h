@@ -29,8 +29,11 @@ typedef struct run_options {
     double exposure_s, gain;         /* manual; 0: not */
     double exposure_max_s, gain_max; /* the most that is asked of the camera; 0: what it has */
     const char *control;             /* a socket, by which the run is changed; NULL: none */
+    double night_ev, day_ev;         /* of scene light */
+    double day_night_s;              /* for which it has to be beyond them; 0: nobody asks */
     int locked;                      /* by that socket: exposure time and gain are held, too */
-    const char *resume;              /* a file with the exposure to begin with; NULL: with what the camera has */
+    const char *resume;              /* a file with the exposure to begin with; NULL: the usual one */
+    int begins_cold;                 /* without that of the last run */
     double seconds;                  /* to run; 0: until it is stopped */
     int mains_off;                   /* live.mains_hz is 0 because there are none; else it is found from the frames */
     int any_frame_rate;              /* in the dark the exposure may be longer than a frame */

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "file/common/pending.h"
@@ -147,17 +148,68 @@ static void name_camera(run_resume *r, const pupil_source *source)
     r->reopened = pupil_live_get(source)->counts.reopened;
 }
 
+/* All folders of the path up to its last "/". -1: one cannot be made. */
+static int make_folders(char *path)
+{
+    for (char *at = strchr(path + 1, '/'); at; at = strchr(at + 1, '/')) {
+        *at = 0;
+        const int failed = mkdir(path, 0700) != 0 && errno != EEXIST;
+        *at = '/';
+        if (failed)
+            return -1;
+    }
+    return 0;
+}
+
+/* The usual file, in a folder that is there; NULL: there can be none. */
+static const char *usual_path(char *path, size_t bytes)
+{
+    static const struct {
+        const char *variable, *below;
+    } places[] = {{"STATE_DIRECTORY", ""}, {"XDG_STATE_HOME", "/pupil"}, {"HOME", "/.local/state/pupil"}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        const char *folder = getenv(places[i].variable);
+        if (!folder || *folder != '/') /* as the XDG base directory specification has it */
+            continue;
+        const int length = (int)strcspn(folder, ":"); /* systemd names several so */
+        const int n = snprintf(path, bytes, "%.*s%s/cameras", length, folder, places[i].below);
+        return n > 0 && (size_t)n < bytes && make_folders(path) == 0 ? path : NULL;
+    }
+    return NULL;
+}
+
+/* A total far from all that the camera can is another camera's, or was written by another hand. */
+static int fits(const pupil_source *source, double total_s)
+{
+    pupil_camera_limits limits;
+    pupil_camera *camera = pupil_live_camera(source);
+    if (!camera)
+        return 0;
+    pupil_camera_get_limits(camera, &limits);
+    return total_s > 0.5 * limits.exposure_min_s * limits.gain_min &&
+           total_s < 2.0 * limits.exposure_max_s * limits.gain_max;
+}
+
 void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, pupil_why *warning)
 {
     unsigned damaged = 0;
     warning->text[0] = 0;
-    *r = (run_resume){.path = path};
+    *r = (run_resume){.path = path, .is_asked = path != NULL};
+    if (!path)
+        r->path = path = usual_path(r->usual, sizeof r->usual);
     if (!path)
         return;
     name_camera(r, source);
-    if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning) == 0 && damaged)
+    if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning) != 0)
+        r->path = r->is_asked ? path : NULL; /* what it is stays */
+    else if (damaged)
         pupil_refuse(warning, "%s: is damaged; %s", path,
                      r->total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
+    if (r->total_s > 0.0 && !fits(source, r->total_s)) {
+        pupil_refuse(warning, "%s: %.3g s of exposure time x gain is none that this camera has; it is not used", path,
+                     r->total_s);
+        r->total_s = 0.0;
+    }
     r->waits = r->total_s > 0.0;
 }
 
@@ -224,5 +276,7 @@ int run_resume_end(run_resume *r, pupil_why *why)
     if (!r->path)
         return 0;
     join(r);
-    return r->rest_s > 0.0 ? write_kept(r->path, r->camera, r->rest_s, why) : 0;
+    if (!(r->rest_s > 0.0))
+        return 0;
+    return write_kept(r->path, r->camera, r->rest_s, r->is_asked ? why : NULL) && r->is_asked ? -1 : 0;
 }

@@ -82,7 +82,15 @@ static void step_sensor(run *r, const pupil_frame *frame)
 {
     frame_pipeline *p = &r->session.pipeline;
     pupil_curve curve = p->curve;
+    const double filter_ev = r->sensor.loop.setting.filter_ev;
     run_sensor_frame(&r->sensor, &p->stats, &frame->info, &curve);
+    if (r->sensor.loop.setting.filter_ev != filter_ev) { /* the picture's adaptation is to light without it */
+        pupil_config config = p->config;
+        config.calibration *= exp2(filter_ev - r->sensor.loop.setting.filter_ev);
+        r->options.shown.config.calibration = config.calibration;
+        frame_pipeline_retune(p, &config);
+        curve = r->options.mode == RUN_SENSOR ? curve : p->curve;
+    }
     if (p->config.order != PUPIL_ORDER_FUSED) /* else it was mapped already */
         p->curve = curve;
 }
@@ -185,13 +193,21 @@ static int open_camera(run *r)
     return session_begin(s, 1);
 }
 
+/* Where nothing of the camera is controlled, or the user wants to begin cold, nothing is kept. */
+static int keeps_state(const run_options *o)
+{
+    return !o->begins_cold && o->mode != RUN_DIGITAL && !(o->exposure_s > 0.0 && o->gain > 0.0);
+}
+
 static int begin(run *r)
 {
     run_options *o = &r->options;
     session *s = &r->session;
     pupil_why words = {""};
-    r->ask = (run_ask){
-        .options = o, .session = s, .last = {.state = "empty", .reason = "", .sensor = "", .sensor_reason = ""}};
+    r->ask = (run_ask){.options = o,
+                       .session = s,
+                       .sensor = &r->sensor,
+                       .last = {.state = "empty", .reason = "", .sensor = "", .sensor_reason = "", .day_night = ""}};
     if (o->control && run_control_open(&r->control, o->control, run_ask_line, &r->ask, &s->why))
         return -1;
     if (session_check(s) || run_resume_check(o->resume, &s->why) || open_camera(r) ||
@@ -201,7 +217,8 @@ static int begin(run *r)
     words = pupil_live_get(s->source)->remark;
     remark(r, &words, !o->shown.quiet);
     run_sensor_begin(&r->sensor, o, s->source);
-    run_resume_begin(&r->resume, o->resume, s->source, &words);
+    if (o->resume || keeps_state(o))
+        run_resume_begin(&r->resume, o->resume, s->source, &words);
     remark(r, &words, 1);
     r->sensor.first_total_s = r->resume.total_s;
     run_row_gains_begin(&r->lamps, o, s->source, &words);
@@ -209,7 +226,7 @@ static int begin(run *r)
     r->colour.own_picture = o->mode == RUN_SENSOR;
     s->pipeline.own_curve = o->mode == RUN_SENSOR;
     s->pipeline.cpu_only = o->row_gains;
-    run_status_begin(&r->status, s, o->mode);
+    run_status_begin(&r->status, s, o->mode, r->resume.total_s > 0.0);
     return 0;
 }
 

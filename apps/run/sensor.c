@@ -44,6 +44,9 @@ static int follow(const run_sensor *s, pupil_sensor_config *config)
     config->trim_low = (double)shown->trim_low;
     config->trim_high = (double)shown->trim_high;
     config->lock = (uint32_t)s->options->locked;
+    config->night_ev = s->options->night_ev;
+    config->day_ev = s->options->day_ev;
+    config->day_night_s = s->options->day_night_s;
     if (s->options->mode != RUN_SENSOR)
         return memcmp(config, &before, sizeof before) != 0;
     config->key = shown->key;
@@ -151,6 +154,17 @@ void run_sensor_frame(run_sensor *s, const pupil_stats *stats, const pupil_frame
     run_sensor_curve(s, curve);
 }
 
+int run_sensor_announce(run_sensor *s, double ev, uint32_t within_frames, uint32_t change, pupil_why *why)
+{
+    if (!s->loop.steers || !s->camera)
+        return pupil_refuse(why, "nothing of this camera is controlled");
+    if (s->loop.setting.state == PUPIL_SENSOR_LOCKED)
+        return pupil_refuse(why, "the setting is locked");
+    return pupil_camera_loop_announce(&s->loop, ev, within_frames, change)
+               ? pupil_refuse(why, "must be stops from -32 to 32, within 1 to 1000 frames")
+               : 0;
+}
+
 static double known(double x)
 {
     return x > 0.0 ? x : (double)NAN;
@@ -181,6 +195,8 @@ void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, fram
     record->camera_key = sees ? exp2(s->loop.setting.wanted_ev) : (double)NAN;
     if (s->options->mode == RUN_SENSOR)
         record->key = record->camera_key;
+    record->day_night =
+        sees && s->options->day_night_s > 0.0 ? pupil_sensor_day_night_name(s->loop.setting.day_night) : "";
     record->sensor = state_word(s);
     record->sensor_reason = reason_word(s);
 }

@@ -31,6 +31,10 @@ void run_sensor_limit(const run_sensor *s, const pupil_frame_info *info, frame_p
  * RUN_SENSOR the curve becomes the one that shows the camera's own picture. */
 void run_sensor_frame(run_sensor *s, const pupil_stats *stats, const pupil_frame_info *info, pupil_curve *curve);
 
+/* Light that is known to change by `ev` stops within so many frames, by a pupil_sensor_change. 0, or -1 and a sentence:
+ * nothing can follow it. */
+int run_sensor_announce(run_sensor *s, double ev, uint32_t within_frames, uint32_t change, pupil_why *why);
+
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);
 

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "live/live.h"
 
@@ -9,15 +10,30 @@
 
 static const char *const modes[] = {"digital", "sensor", "both"};
 
-void run_status_begin(run_status *s, session *of, uint32_t mode)
+void run_status_begin(run_status *s, session *of, uint32_t mode, int resumes)
 {
     const pupil_live *c = pupil_live_get(of->source);
     *s = (run_status){.quiet = of->options->quiet, .line = &of->progress};
     progress_begin(s->line, s->quiet, 0);
     s->line->last_s = s->line->began_s;
     if (!s->quiet)
-        fprintf(stderr, "%s, %s: %s %ux%u at %.4g frames/s, mode %s\n", c->is.path, c->is.name, c->stream.format,
-                c->stream.width, c->stream.height, of->source->fps, modes[mode]);
+        fprintf(stderr, "%s, %s: %s %ux%u at %.4g frames/s, mode %s%s\n", c->is.path, c->is.name, c->stream.format,
+                c->stream.width, c->stream.height, of->source->fps, modes[mode],
+                resumes ? ", from the exposure of its last run" : "");
+}
+
+/* Day or night, where it has changed. */
+static void say_day_night(run_status *s, const frame_log_entry *r)
+{
+    if (!r->day_night || !*r->day_night || strcmp(r->day_night, "unknown") == 0 ||
+        (s->day_night && strcmp(r->day_night, s->day_night) == 0))
+        return;
+    s->day_night = r->day_night;
+    if (s->quiet)
+        return;
+    progress_clear(s->line);
+    fprintf(stderr, "%s from frame %llu on: scene light %+.2f EV\n", r->day_night, (unsigned long long)r->sequence,
+            r->scene_ev);
 }
 
 static void print_time(double s)
@@ -42,6 +58,7 @@ void run_status_frame(run_status *s, const frame_log_entry *r)
         s->latency_us += r->latency_us;
         s->most_latency_us = fmax(s->most_latency_us, r->latency_us);
     }
+    say_day_night(s, r);
     if (!progress_due(s->line, EVERY_S))
         return;
     fprintf(stderr, "%.1f frames/s", (double)s->since / (s->line->last_s - before_s));

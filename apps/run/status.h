@@ -10,12 +10,13 @@ typedef struct run_status {
     uint64_t frames, since;      /* all, and since the line was written last */
     double first_time_s, time_s; /* of the frames */
     uint64_t lost, flagged, late;
+    const char *day_night;              /* that was said last */
     uint64_t stamped;                   /* frames whose latency is known: */
     double latency_us, most_latency_us; /* sum, largest */
 } run_status;
 
-/* `mode`: a run_mode, which is no longer RUN_BEST. */
-void run_status_begin(run_status *s, session *of, uint32_t mode);
+/* `mode`: a run_mode, which is no longer RUN_BEST. `resumes`: it begins with the exposure of the last run. */
+void run_status_begin(run_status *s, session *of, uint32_t mode, int resumes);
 void run_status_frame(run_status *s, const frame_log_entry *entry); /* written at most five times a second */
 
 /* The last line; `more`: what else is to be said, which begins with "; ". */

@@ -19,6 +19,6 @@ done
 mkdir -p /host/run/modules/lib
 cp -R /lib/modules /host/run/modules/lib
 cd /
-env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/run TMPDIR=/run MODULES=/run/modules chroot /host "$@" </dev/null
+env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/run XDG_STATE_HOME=/dev/null TMPDIR=/run MODULES=/run/modules chroot /host "$@" </dev/null
 echo "guest: status $?"
 reboot -f

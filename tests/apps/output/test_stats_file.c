@@ -140,6 +140,7 @@ static void check_live(const char *path)
     r.lost = 3;
     r.asked_gain = NAN;
     r.sensor = "converged";
+    r.day_night = "night";
     CHECK(pupil_stats_file_open(&file, scratch(path), 1, &why) == 0);
     CHECK(pupil_stats_file_write(file, &r, &why) == 0);
     CHECK(pupil_stats_file_finish(file, &why) == 0);
@@ -149,7 +150,8 @@ static void check_live(const char *path)
                                : "\"reason\":\"highlights\",\"sequence\":1844"),
               "%s", text);
     CHECK(strstr(text, csv ? ",state,reason,sequence,lost,flagged,late," : "\"lost\":3,") != NULL);
-    CHECK(strstr(text, csv ? ",converged,\r\n" : "\"sensor\":\"converged\",\"sensor_reason\":\"\"}\n") != NULL);
+    CHECK(strstr(text, csv ? ",converged,,night\r\n"
+                           : "\"sensor\":\"converged\",\"sensor_reason\":\"\",\"day_night\":\"night\"}\n") != NULL);
     CHECK(csv || strstr(text, "\"asked_gain\":null") != NULL);
     free(text);
 }

@@ -79,6 +79,21 @@ call 1 "file: is there already, and no socket" --control file -n 1 -d 0
 call 1 "must be a path of at most 107 bytes" --control "$(printf '%0120d' 0)" -n 1 -d 0
 call 1 "no socket can be made there" --control no/such/run.sock -n 1 -d 0
 is ev 0.25
+
+# what is known to come
+said '"set":"light","value":"+1,5"' light +1,5
+said '"ok":true' filter -0.5
+says "must be stops from -32 to 32" light ""
+for wrong in 33 nan x 1, 1,0 1,1001 1,5x; do
+    says "light $wrong: must be stops from -32 to 32, and after a comma frames from 1 to 1000" light $wrong
+done
+said '"ok":true' day-night -2,0,5
+says "day-night 1,0,5: must be two EV of scene light" day-night 1,0,5
+"$pupil" ctl run.sock status | grep -q '"day_night":"' || fail "no day_night"
+said '"ok":true' day-night off
+said '"ok":true' lock on
+until_true "the lock" eval '"$pupil" ctl run.sock status | grep -q "\"state\":\"locked\""'
+says "light: the setting is locked" light +1
 over
 
 # hostile clients, while frames come
