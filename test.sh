@@ -25,6 +25,7 @@ slurmctld is a cluster of one machine
 slurmd runs its tasks
 slurm-client submits them
 munge signs what they send
+mmdebstrap makes clean Debians, in which packages are built and tried
 chromium opens the page
 chromium-driver types, drags and looks there
 python3-selenium tells it what to do'

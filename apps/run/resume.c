@@ -16,6 +16,7 @@
 #include "file/common/pending.h"
 #include "file/common/regular.h"
 #include "refuse.h"
+#include "sensor.h"
 
 #define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"
 
@@ -26,6 +27,7 @@ enum {
     LOCK_TRIES = 20,
     LOCK_PAUSE_US = 100000
 };
+#define FIRST_NS   INT64_C(5000000000) /* a run that is killed after that is resumed */
 #define EVERY_NS   INT64_C(60000000000)
 #define CHANGED_EV 0.05 /* what a person would not see at the start is not worth a write */
 
@@ -246,7 +248,6 @@ static void join(run_resume *r)
 
 void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns)
 {
-    const uint32_t state = setting->state;
     if (!r->path)
         return;
     if (r->reopened != pupil_live_get(source)->counts.reopened) { /* it may be another camera */
@@ -254,13 +255,12 @@ void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sen
         name_camera(r, source);
         r->rest_s = r->kept_s = 0.0;
     }
-    if (state == PUPIL_SENSOR_CONVERGED || state == PUPIL_SENSOR_FLICKER ||
-        (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED))
+    if (run_sensor_is_at_rest(setting))
         r->rest_s = setting->total_s;
     if (!r->kept_ns)
         r->kept_ns = now_ns;
-    if (now_ns - r->kept_ns < EVERY_NS || !(r->rest_s > 0.0) || atomic_load(&r->is_busy) ||
-        (r->kept_s > 0.0 && fabs(log2(r->rest_s / r->kept_s)) < CHANGED_EV))
+    if (now_ns - r->kept_ns < (r->kept_s > 0.0 ? EVERY_NS : FIRST_NS) || !(r->rest_s > 0.0) ||
+        atomic_load(&r->is_busy) || (r->kept_s > 0.0 && fabs(log2(r->rest_s / r->kept_s)) < CHANGED_EV))
         return;
     join(r);
     r->kept_ns = now_ns;

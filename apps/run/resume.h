@@ -40,7 +40,8 @@ void run_resume_begin(run_resume *r, const char *path, const pupil_source *sourc
 /* Whether the frame is to be left out, for it was taken before what was kept came into force: 30 at most. */
 int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil_frame_info *info);
 
-/* After each frame: keeps the total where the sensor is at rest; every minute it is written where it has changed. */
+/* After each frame: keeps the total where the sensor is at rest. It is written after the first five seconds,
+ * and then every minute in which it has changed. */
 void run_resume_frame(run_resume *r, const pupil_source *source, const pupil_sensor_setting *setting, int64_t now_ns);
 
 /* Writes it. 0, or -1 and a sentence. */

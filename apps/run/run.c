@@ -11,6 +11,7 @@
 #include "common/camera.h"
 #include "common/interrupt.h"
 #include "control.h"
+#include "notify.h"
 #include "options/commands.h"
 #include "output/frame_log_fill.h"
 #include "refuse.h"
@@ -31,6 +32,7 @@ typedef struct run {
     run_colour colour;
     run_row_gains lamps;
     run_status status;
+    run_notify notify;
     run_ask ask;
     run_control *control;
     pupil_live_counts counts; /* at the last frame */
@@ -77,6 +79,18 @@ static void describe_camera(run *r, const pupil_frame *frame, int64_t mapped_ns,
         entry->aimed_level = frame_log_aimed_level(&r->session.pipeline, entry->key);
 }
 
+/* What a service manager waits for: the exposure is right, or as near as the camera comes; without a camera's controls,
+ * the level of the picture is. */
+static int is_at_rest(const run *r)
+{
+    const pupil_camera_loop *loop = &r->sensor.loop;
+    pupil_exposure level;
+    if (loop->steers)
+        return run_sensor_is_at_rest(&loop->setting) || loop->setting.state == PUPIL_SENSOR_LOCKED;
+    pupil_get_exposure(&r->session.pipeline.pupil, &level);
+    return level.state != PUPIL_STATE_EMPTY && level.state != PUPIL_STATE_ADAPTING;
+}
+
 /* Between metering and mapping: the camera's next setting, and of RUN_SENSOR the curve of its own picture. */
 static void step_sensor(run *r, const pupil_frame *frame)
 {
@@ -115,6 +129,7 @@ static int show(run *r, pupil_frame *frame)
     run_resume_frame(&r->resume, s->source, &r->sensor.loop.setting, mapped_ns);
     pupil_white_balance_frame(&r->colour.colour, &frame->image, &frame->info);
     run_status_frame(&r->status, &entry);
+    run_notify_frame(&r->notify, is_at_rest(r), &entry, mapped_ns);
     r->ask.last = entry;
     return 0;
 }
@@ -221,6 +236,8 @@ static int begin(run *r)
         run_resume_begin(&r->resume, o->resume, s->source, &words);
     remark(r, &words, 1);
     r->sensor.first_total_s = r->resume.total_s;
+    run_notify_open(&r->notify, &words);
+    remark(r, &words, 1);
     run_row_gains_begin(&r->lamps, o, s->source, &words);
     remark(r, &words, !o->shown.quiet);
     r->colour.own_picture = o->mode == RUN_SENSOR;
@@ -234,6 +251,7 @@ static int begin(run *r)
 static void finish(run *r)
 {
     session *s = &r->session;
+    run_notify_close(&r->notify);
     if (s->source && pupil_live_give_back(s->source, why_of(r)))
         r->failed = 1;
     if (session_outputs_finish(&s->outputs, why_of(r)))
@@ -290,6 +308,7 @@ int run_on(const pupil_live_system *system, int argc, char **argv)
     session *s = &r.session;
     char more[1100] = "";
     memset(&r, 0, sizeof r);
+    r.notify.fd = -1;
     r.system = system;
     s->command = "pupil run";
     s->options = &r.options.shown;

@@ -133,6 +133,13 @@ void run_sensor_limit(const run_sensor *s, const pupil_frame_info *info, frame_p
         frame_pipeline_retune(p, &config);
 }
 
+int run_sensor_is_at_rest(const pupil_sensor_setting *setting)
+{
+    const uint32_t state = setting->state;
+    return state == PUPIL_SENSOR_CONVERGED || state == PUPIL_SENSOR_FLICKER ||
+           (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED);
+}
+
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve)
 {
     if (s->options->mode != RUN_SENSOR)

@@ -35,6 +35,9 @@ void run_sensor_frame(run_sensor *s, const pupil_stats *stats, const pupil_frame
  * nothing can follow it. */
 int run_sensor_announce(run_sensor *s, double ev, uint32_t within_frames, uint32_t change, pupil_why *why);
 
+/* Whether the exposure is where it remains in this light: converged, or at a limit of what the camera can. */
+int run_sensor_is_at_rest(const pupil_sensor_setting *setting);
+
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);
 

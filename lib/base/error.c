@@ -2,7 +2,7 @@
 
 const char *pupil_version(void)
 {
-    return "0.1.0";
+    return "0.2.0";
 }
 
 const char *pupil_error_string(int code)

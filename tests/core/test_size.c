@@ -12,6 +12,6 @@ int main(int argc, char **argv)
     CHECK(sizeof(pupil_stats) == 11 * 8 + 6 * 4 + (PUPIL_HISTOGRAM_BINS + PUPIL_PEAK_BINS) * 8 + PUPIL_BANDS * 12);
     CHECK(sizeof(pupil_stats) < sizeof(pupil_t));
     CHECK(sizeof(pupil_curve) == 10 * 4 + PUPIL_CURVE_KNOTS * 4);
-    CHECK(strcmp(pupil_version(), "0.1.0") == 0);
+    CHECK(strcmp(pupil_version(), "0.2.0") == 0);
     return check_end();
 }

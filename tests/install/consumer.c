@@ -27,7 +27,7 @@ int main(void)
 
     pupil_config_default(&config);
     config.white_mode = PUPIL_WHITE_NONE;
-    if (strcmp(pupil_version(), "0.1.0") != 0 || pupil_init(&pupil, &config) != PUPIL_OK ||
+    if (strcmp(pupil_version(), "0.2.0") != 0 || pupil_init(&pupil, &config) != PUPIL_OK ||
         pupil_process(&pupil, &from, NULL, &to) != PUPIL_OK)
         return 1;
     /* 0.18 / 1.18 = 0.1525 of full light is the sRGB code 108.9 (IEC 61966-2-1). */

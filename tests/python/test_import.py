@@ -39,7 +39,7 @@ with tempfile.TemporaryDirectory() as folder:
     # made for another version, and with a field that is not where it is in the library
     abi = work / "moved" / "pupil_ae" / "_abi.py"
     text = abi.read_text()
-    for old, new, words in (("VERSION = (0, 1, 0)", "VERSION = (0, 2, 0)", f"its version is {version}"),
+    for old, new, words in (("VERSION = (0, 2, 0)", "VERSION = (0, 3, 0)", f"its version is {version}"),
                             ("('order', c_uint32),", "('order', c_uint64),", "dither is not where it should be"),
                             ("('rows', c_uint32),", "('rows', c_uint64),", "pupil_stats differs"),
                             ("('frames', c_uint64),", "('frames', c_uint32),", "pupil_exposure differs"),

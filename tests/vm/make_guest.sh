@@ -11,9 +11,9 @@ architecture=$1
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
 wanted=${3:-linux-image-$architecture}
-# The way to the host's files; a camera and a monitor; memory for dma-bufs; a USB port for a camera in user space. What
-# they depend on is added.
-modules="virtio_pci 9p 9pnet_virtio vivid vgem vhci-hcd uvcvideo"
+# The way to the host's files; a camera and a monitor; memory for dma-bufs; a USB port for a camera in user space; files in
+# memory above the host's. What they depend on is added.
+modules="virtio_pci 9p 9pnet_virtio vivid vgem vhci-hcd uvcvideo overlay"
 
 skip() {
     echo "skipped: $1"

@@ -34,10 +34,10 @@ extern "C" {
 #endif
 
 #define PUPIL_VERSION_MAJOR 0
-#define PUPIL_VERSION_MINOR 1
+#define PUPIL_VERSION_MINOR 2
 #define PUPIL_VERSION_PATCH 0
 
-/* "0.1.0": the version of the library that is linked, which need not be that of this header. */
+/* "0.2.0": the version of the library that is linked, which need not be that of this header. */
 PUPIL_API const char *pupil_version(void);
 
 #ifdef __cplusplus

@@ -122,7 +122,7 @@ static void page_of(const char *folder, int overwrite, run how)
     pupil_report_row rows[] = {{evil, "0.18", "linear", "pupil <replay>"}, {"empty", NULL, NULL, NULL}};
     pupil_report_page page = {.title = evil,
                               .command = "pupil replay 'a b.exr'",
-                              .version = "0.1.0",
+                              .version = "0.2.0",
                               .records = records,
                               .record_count = how.frames,
                               .settings = rows,
@@ -208,7 +208,7 @@ static void check_refusals(void)
 static void check_large_video(void)
 {
     pupil_report *report = NULL;
-    pupil_report_page page = {.title = "large", .version = "0.1.0"};
+    pupil_report_page page = {.title = "large", .version = "0.2.0"};
     CHECK(pupil_report_begin(&report, scratch("report"), 1, 0, &why) == 0);
     scratch_put(pupil_report_video(report), "");
     CHECK(truncate(pupil_report_video(report), (REPORT_MOST_VIDEO_MIB << 20) + 1) == 0);

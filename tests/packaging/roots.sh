@@ -1,0 +1,34 @@
+# roots.sh: for the tests of packages: $tree; clean_root makes and names a clean Debian that has what users have, and
+# what tests install. build_packages ARCHITECTURE makes the packages; both are kept in build/deb for the next test.
+tree=$(cd "$(dirname "$0")/../.." && pwd)
+skip() {
+    echo "skipped: $1"
+    exit 77
+}
+command -v mmdebstrap >/dev/null || skip "no mmdebstrap: the packages are listed in test.sh"
+[ "$(id -u)" = 0 ] || { echo "skipped: a clean Debian needs root"; exit 76; }
+mkdir -p "$tree/build/deb"
+exec 9>"$tree/build/deb/lock"
+flock 9 # tests run at the same time
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' INT TERM
+
+clean_root() {
+    clean=$tree/build/deb/clean
+    [ -e "$clean.made" ] && return
+    rm -rf "$clean"
+    mkdir -p "$clean"
+    mmdebstrap --quiet --variant=minbase --include=autopkgtest,ca-certificates,dbus,systemd-sysv,udev bookworm "$clean" \
+        >"$work/mmdebstrap.log" 2>&1 || { cat "$work/mmdebstrap.log"; exit 1; }
+    : >"$clean.made"
+}
+
+# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were made of this tree
+build_packages() {
+    now=$(cd "$tree" && git ls-files --cached --others --exclude-standard | while read -r name; do
+        [ ! -f "$name" ] || sha256sum "$name"; done | sha256sum)
+    [ "$(cat "$tree/build/deb/$1.tree" 2>/dev/null)" != "$now" ] || return 0
+    sh "$tree/packaging/build-deb.sh" -a "$1"
+    echo "$now" >"$tree/build/deb/$1.tree"
+}
