@@ -13,6 +13,7 @@ leave() {
 trap leave EXIT
 trap 'exit 1' INT TERM
 cd "$room" || exit 1
+export XDG_STATE_HOME=/dev/null # no run begins with what another one has kept, nor keeps anything
 
 # fail SENTENCE
 fail() {

@@ -63,7 +63,7 @@ static int begin_exposure(record *r)
                             pupil_live_no_controls(r->source));
     camera_guard(r->source);
     pupil_init(&r->pupil, &r->options.run.shown.config);
-    run_sensor_begin(&r->sensor, &r->options.run, r->source);
+    run_sensor_begin(&r->sensor, &r->options.run, r->source, NULL);
     return run_choose_mode(&r->options.run, r->source, NULL, &r->why);
 }
 

@@ -38,6 +38,7 @@ static const char *asked_of(const run_options *o)
            : o->live.delay                     ? "--control-delay"
            : o->curve                          ? "--curve"
            : o->resume                         ? "--resume"
+           : o->devices > 1                    ? "--device (several share an exposure)"
            : o->day_night_s > 0.0              ? "--day-night"
                                                : NULL;
 }

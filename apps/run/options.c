@@ -6,6 +6,7 @@
 #include "options/colour_options.h"
 #include "options/commands.h"
 #include "refuse.h"
+#include "several.h"
 #include "v4l2/format.h"
 
 /* --- values that no kind fits --- */
@@ -40,6 +41,36 @@ static int parse_period(const option_value *v)
     return r->live.mains_hz ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
+/* --device: the first or the only one, and all of them. */
+static int parse_device(const option_value *v)
+{
+    run_options *r = v->options;
+    if (!*v->text)
+        return option_refuse(v, NULL);
+    if (r->devices == RUN_MOST_CAMERAS)
+        return pupil_refuse(v->why, "--device %s: at most %d cameras", v->text, RUN_MOST_CAMERAS);
+    r->device_name[r->devices++] = v->text;
+    r->device = v->text;
+    return OPTIONS_RUN;
+}
+
+static int parse_camera_ev(const option_value *v)
+{
+    run_options *r = v->options;
+    int count = 1;
+    for (const char *c = v->text; *c; c++)
+        count += *c == ',';
+    if (count >= RUN_MOST_CAMERAS)
+        return option_refuse(v, NULL);
+    if (option_numbers(v, count, r->camera_ev))
+        return OPTIONS_USAGE;
+    for (int i = 0; i < count; i++)
+        if (!(fabs(r->camera_ev[i]) <= 16.0))
+            return option_refuse(v, NULL);
+    r->camera_evs = (uint32_t)count;
+    return OPTIONS_RUN;
+}
+
 static int parse_resume(const option_value *v)
 {
     return strcmp(v->text, "-") == 0 ? option_refuse(v, "a file") : option_take(v);
@@ -65,7 +96,8 @@ static int parse_day_night(const option_value *v)
 #define AT(field) offsetof(run_options, field)
 
 const option_row run_device_rows[RUN_DEVICE_ROWS] = {
-    {"device", 'd', OPTION_PATH, "CAMERA", AT(device), .right = "a path, a number, a camera's name or libcamera:ID",
+    {"device", 'd', OPTION_PATH, "CAMERA", AT(device), .parse = parse_device,
+     .right = "a path, a number, a camera's name or libcamera:ID",
      .help = "path, number, name, libcamera:ID (the first: 'pupil list')"},
 };
 
@@ -150,6 +182,15 @@ static const option_row control_rows[] = {
      .more = "Night is below the first for S seconds, day above the second, in the light of the scene (scene_ev of "
              "--stats), without what filters were announced to pass (pupil ctl). "
              "Each change is a line on standard error; --stats has it for each frame, pupil ctl in its status."},
+    {"camera-ev", 0, OPTION_TEXT, "EV,...", 0, .parse = parse_camera_ev,
+     .right = "stops from -16 to 16, one for each camera after the first, at most 7",
+     .help = "stops that the cameras after the first are more sensitive",
+     .more =
+         "With several --device, which share one exposure. The first one leads: its frames decide. The others follow "
+         "with its exposure time times gain, less these stops, each split for its own limits and steps, and in --mode "
+         "both with its adaptation. The leader stays within what all can. %i in the names of outputs is the camera's "
+         "number, from 0. A camera that is lost ends its own outputs; the next one leads then. --control is the "
+         "first camera's. The last line of each says how much more light it saw than the leader."},
     {"no-frame-rate-priority", 0, OPTION_FLAG, NULL, AT(any_frame_rate),
      .help = "in the dark, expose longer than a frame",
      .more = "After the gain has reached its limit. Frames then come slower."},
@@ -310,5 +351,7 @@ int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
         return pupil_refuse(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
     if (check_flicker(r, why) || check_limits(r, why))
         return OPTIONS_USAGE;
-    return check_control(r, why);
+    if (r->camera_evs && r->devices < 2)
+        return pupil_refuse(why, "--camera-ev: is of several cameras: --device A --device B");
+    return check_control(r, why) || (r->devices > 1 && run_several_check(r, why)) ? OPTIONS_USAGE : OPTIONS_RUN;
 }

@@ -20,9 +20,15 @@ typedef enum run_curve {
     RUN_CURVE_UNKNOWN
 } run_curve;
 
+#define RUN_MOST_CAMERAS 8
+
 typedef struct run_options {
     frame_options shown; /* as of a replay; its only input is the camera */
     const char *device;  /* NULL: the first camera */
+    const char *device_name[RUN_MOST_CAMERAS];
+    uint32_t devices;                       /* that were named; with more than one they share their exposure */
+    double camera_ev[RUN_MOST_CAMERAS - 1]; /* stops that those after the first are more sensitive */
+    uint32_t camera_evs;                    /* of these that were given */
     pupil_live_options live;
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode, curve;

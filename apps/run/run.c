@@ -19,6 +19,7 @@
 #include "row_gains.h"
 #include "sensor.h"
 #include "session/session.h"
+#include "several.h"
 #include "status.h"
 
 typedef struct run {
@@ -27,6 +28,8 @@ typedef struct run {
     char device[272];
     const char *input; /* device: the name of the only input */
     session session;
+    run_several several;
+    run_led led;
     run_sensor sensor;
     run_resume resume;
     run_colour colour;
@@ -44,11 +47,12 @@ typedef struct run {
 static struct {
     const pupil_source *source;
     int64_t at_ns; /* 0: no limit */
+    const run_several *several;
 } end_of_run;
 
 static int is_over(void)
 {
-    return interrupt_came() ||
+    return interrupt_came() || (end_of_run.several && run_several_is_over(end_of_run.several)) ||
            (end_of_run.at_ns && end_of_run.source && pupil_live_now_ns(end_of_run.source) >= end_of_run.at_ns);
 }
 
@@ -91,12 +95,35 @@ static int is_at_rest(const run *r)
     return level.state != PUPIL_STATE_EMPTY && level.state != PUPIL_STATE_ADAPTING;
 }
 
+/* Of several cameras: what this one has decided, or what the one that leads did, whose picture this one's is like. */
+static void share(run *r, const pupil_frame *frame, pupil_curve *curve)
+{
+    run_several *several = &r->several;
+    const pupil_sensor_setting *setting = &r->sensor.loop.setting;
+    pupil_frame_info info = frame->info;
+    if (!several->shared || !r->sensor.loop.steers || !r->sensor.camera || !setting->frames)
+        return;
+    if (!r->sensor.follows) {
+        run_several_publish(several, setting, &r->session.pipeline.pupil);
+        return;
+    }
+    if (!run_several_read(several, &r->led))
+        return;
+    several->seen_ev += setting->scene_ev - r->led.scene_ev;
+    several->seen++;
+    run_sensor_follow(&r->sensor, r->led.total_s, r->led.set_s);
+    info.gain *= exp2(several->ev); /* as the leader would have taken it */
+    if (!run_sensor_curve(&r->sensor, curve))
+        (void)pupil_get_curve(&r->led.pupil, &info, curve);
+}
+
 /* Between metering and mapping: the camera's next setting, and of RUN_SENSOR the curve of its own picture. */
 static void step_sensor(run *r, const pupil_frame *frame)
 {
     frame_pipeline *p = &r->session.pipeline;
     pupil_curve curve = p->curve;
     const double filter_ev = r->sensor.loop.setting.filter_ev;
+    r->sensor.follows = !run_several_leads(&r->several, 1.0 / r->session.source->fps);
     run_sensor_frame(&r->sensor, &p->stats, &frame->info, &curve);
     if (r->sensor.loop.setting.filter_ev != filter_ev) { /* the picture's adaptation is to light without it */
         pupil_config config = p->config;
@@ -105,6 +132,7 @@ static void step_sensor(run *r, const pupil_frame *frame)
         frame_pipeline_retune(p, &config);
         curve = r->options.mode == RUN_SENSOR ? curve : p->curve;
     }
+    share(r, frame, &curve);
     if (p->config.order != PUPIL_ORDER_FUSED) /* else it was mapped already */
         p->curve = curve;
 }
@@ -208,6 +236,20 @@ static int open_camera(run *r)
     return session_begin(s, 1);
 }
 
+/* What the others have to stay within. */
+static void offer(run *r)
+{
+    pupil_sensor_config c;
+    pupil_camera *camera = pupil_live_camera(r->session.source);
+    if (!r->several.shared || !camera)
+        return;
+    pupil_sensor_config_default(&c);
+    c.frame_s = 1.0 / r->session.source->fps;
+    pupil_camera_configure(camera, &c);
+    const double longest_s = r->options.any_frame_rate ? c.exposure_max_s : fmin(c.exposure_max_s, c.frame_s);
+    run_several_offer(&r->several, c.exposure_min_s * c.gain_min, longest_s * c.gain_max);
+}
+
 /* Where nothing of the camera is controlled, or the user wants to begin cold, nothing is kept. */
 static int keeps_state(const run_options *o)
 {
@@ -231,7 +273,8 @@ static int begin(run *r)
     remark(r, &words, !o->shown.quiet);
     words = pupil_live_get(s->source)->remark;
     remark(r, &words, !o->shown.quiet);
-    run_sensor_begin(&r->sensor, o, s->source);
+    run_sensor_begin(&r->sensor, o, s->source, r->several.shared ? &r->several : NULL);
+    offer(r);
     if (o->resume || keeps_state(o))
         run_resume_begin(&r->resume, o->resume, s->source, &words);
     remark(r, &words, 1);
@@ -244,6 +287,8 @@ static int begin(run *r)
     s->pipeline.own_curve = o->mode == RUN_SENSOR;
     s->pipeline.cpu_only = o->row_gains;
     run_status_begin(&r->status, s, o->mode, r->resume.total_s > 0.0);
+    if (r->several.index)
+        s->progress.shown = 0; /* the line is the first camera's */
     return 0;
 }
 
@@ -252,6 +297,7 @@ static void finish(run *r)
 {
     session *s = &r->session;
     run_notify_close(&r->notify);
+    run_several_end(&r->several);
     if (s->source && pupil_live_give_back(s->source, why_of(r)))
         r->failed = 1;
     if (session_outputs_finish(&s->outputs, why_of(r)))
@@ -285,16 +331,24 @@ static void add_findings(const run *r, char *more, size_t more_bytes)
                  (unsigned long long)not_recorded);
     run_sensor_tell(&r->sensor, more + strlen(more), more_bytes - strlen(more));
     run_row_gains_tell(&r->lamps, more + strlen(more), more_bytes - strlen(more));
+    run_several_tell(&r->several, more + strlen(more), more_bytes - strlen(more));
 }
 
-static int parse(run *r, int argc, char **argv)
+/* `status`: in the first process of several cameras, when all are over, theirs; else -1. */
+static int parse(run *r, int argc, char **argv, int *status)
 {
     pupil_why *why = &r->session.why;
     frame_options *shown = &r->options.shown;
+    const time_t now = time(NULL);
     const int parsed = run_options_parse(&r->options, argc, argv, why);
+    *status = -1;
     if (parsed == OPTIONS_HELP)
         return parsed;
-    if (parsed || frame_options_expand_paths(shown, time(NULL), why) || run_choose_outputs(&r->options, why) ||
+    if (!parsed && r->options.devices > 1)
+        *status = run_several_begin(&r->several, &r->options);
+    if (*status >= 0)
+        return parsed;
+    if (parsed || frame_options_expand_paths(shown, now, why) || run_choose_outputs(&r->options, why) ||
         frame_options_check_paths(shown, why)) {
         session_say(&r->session, why, "");
         return OPTIONS_USAGE;
@@ -312,9 +366,13 @@ int run_on(const pupil_live_system *system, int argc, char **argv)
     r.system = system;
     s->command = "pupil run";
     s->options = &r.options.shown;
-    const int parsed = parse(&r, argc, argv);
+    int status;
+    const int parsed = parse(&r, argc, argv, &status);
+    if (status >= 0)
+        return status;
     if (parsed != OPTIONS_RUN)
         return parsed == OPTIONS_HELP ? EXIT_DONE : EXIT_USAGE;
+    end_of_run.several = &r.several;
     interrupt_watch();
     r.failed = begin(&r) || go_on(&r);
     progress_clear(&s->progress);
@@ -328,7 +386,7 @@ int run_on(const pupil_live_system *system, int argc, char **argv)
     if (given_up)
         fprintf(stderr, "pupil run: given up; outputs that were not complete are not there\n");
     else
-        run_status_end(&r.status, &s->outputs, reopened, more);
+        run_status_end(&r.status, &s->outputs, reopened, r.several.shared ? r.device : NULL, more);
     return given_up ? EXIT_INTERRUPTED : r.failed ? EXIT_FAILED : s->outputs.not_recorded ? EXIT_INCOMPLETE : EXIT_DONE;
 }
 

@@ -6,8 +6,12 @@
 
 #include "refuse.h"
 
+#define FOLLOW_EV 0.05 /* the leader's own setting stays within so much: hold_ev */
+
 static const char *state_word(const run_sensor *s)
 {
+    if (s->loop.steers && s->follows)
+        return "following";
     if (s->loop.steers && s->loop.refused)
         return "searching";
     return s->loop.steers ? pupil_sensor_state_name(s->loop.setting.state) : "";
@@ -17,6 +21,8 @@ static const char *reason_word(const run_sensor *s)
 {
     if (s->loop.refused)
         return "refused";
+    if (s->follows)
+        return "";
     return s->loop.steers && s->loop.setting.reason ? pupil_sensor_reason_name(s->loop.setting.reason) : "";
 }
 
@@ -28,6 +34,8 @@ static void limit(const run_sensor *s, pupil_sensor_config *c)
         c->exposure_max_s = fmax(c->exposure_min_s, fmin(c->exposure_max_s, o->exposure_max_s));
     if (o->gain_max > 0.0)
         c->gain_max = fmax(c->gain_min, fmin(c->gain_max, o->gain_max));
+    if (s->several && !s->follows)
+        run_several_limit(s->several, c);
 }
 
 /* What keys and the control socket can change while it runs; 1: they did. Where the picture is adapted to by itself,
@@ -38,12 +46,13 @@ static int follow(const run_sensor *s, pupil_sensor_config *config)
     const pupil_sensor_config before = *config;
     pupil_sensor_config camera = *config;
     pupil_camera_configure(s->camera, &camera);
+    config->exposure_min_s = camera.exposure_min_s;
     config->exposure_max_s = camera.exposure_max_s;
     config->gain_max = camera.gain_max;
     limit(s, config);
     config->trim_low = (double)shown->trim_low;
     config->trim_high = (double)shown->trim_high;
-    config->lock = (uint32_t)s->options->locked;
+    config->lock = s->options->locked || s->follows;
     config->night_ev = s->options->night_ev;
     config->day_ev = s->options->day_ev;
     config->day_night_s = s->options->day_night_s;
@@ -53,7 +62,7 @@ static int follow(const run_sensor *s, pupil_sensor_config *config)
     config->key_points = shown->key_points;
     memcpy(config->key_at, shown->key_at, sizeof config->key_at);
     config->ev_compensation = shown->ev_compensation;
-    config->lock = shown->lock;
+    config->lock = shown->lock || s->follows;
     return memcmp(config, &before, sizeof before) != 0;
 }
 
@@ -86,10 +95,13 @@ static int steer(run_sensor *s, pupil_why *why)
     return pupil_camera_loop_begin(&s->loop, s->camera, &config, total_s, why);
 }
 
-void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source)
+void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source, const run_several *several)
 {
-    *s =
-        (run_sensor){.options = options, .source = source, .loop = {.setting = {.digital = 1.0, .frame_digital = 1.0}}};
+    *s = (run_sensor){.options = options,
+                      .source = source,
+                      .several = several,
+                      .more = 1.0,
+                      .loop = {.setting = {.digital = 1.0, .frame_digital = 1.0}}};
 }
 
 int run_sensor_take(run_sensor *s, pupil_why *why)
@@ -140,12 +152,32 @@ int run_sensor_is_at_rest(const pupil_sensor_setting *setting)
            (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED);
 }
 
+/* A small change of the total is the picture's: the setting stays, as the leader's does. */
+void run_sensor_follow(run_sensor *s, double total_s, double set_s)
+{
+    if (!s->loop.steers || !s->camera || !(total_s > 0.0))
+        return;
+    const int is_other =
+        set_s != s->followed_set || !(s->followed_s > 0.0) || fabs(log2(total_s / s->followed_s)) > FOLLOW_EV;
+    if (is_other && pupil_camera_loop_follow(&s->loop, total_s) == PUPIL_OK) {
+        s->followed_s = total_s;
+        s->followed_set = set_s;
+    }
+    s->more = total_s / s->followed_s;
+}
+
+/* For the values of the last frame. */
+static double frame_digital(const run_sensor *s)
+{
+    return s->loop.setting.frame_digital * (s->follows ? s->more : 1.0);
+}
+
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve)
 {
     if (s->options->mode != RUN_SENSOR)
         return 0;
     /* Reinhard's extended operator with a white point of 1 leaves all that is below it as it is. */
-    *curve = (pupil_curve){.scale = (float)s->loop.setting.frame_digital, .inverse_white_squared = 1.0f};
+    *curve = (pupil_curve){.scale = (float)frame_digital(s), .inverse_white_squared = 1.0f};
     return 1;
 }
 
@@ -196,7 +228,7 @@ void run_sensor_describe(const run_sensor *s, const pupil_frame_info *info, fram
     record->asked_gain = known(status.gain.asked);
     record->in_force_from =
         status.exposure_s.from_frame > status.gain.from_frame ? status.exposure_s.from_frame : status.gain.from_frame;
-    record->digital = s->loop.steers ? s->loop.setting.frame_digital : 1.0;
+    record->digital = s->loop.steers ? frame_digital(s) : 1.0;
     const int sees = s->loop.steers && s->camera && s->loop.setting.frames;
     record->scene_ev = sees ? s->loop.setting.scene_ev : (double)NAN;
     record->camera_key = sees ? exp2(s->loop.setting.wanted_ev) : (double)NAN;

@@ -7,17 +7,23 @@
 #include "output/frame_log.h"
 #include "pupil/camera_loop.h"
 #include "pupil/error.h"
+#include "several.h"
 
 typedef struct run_sensor {
     const run_options *options;
     pupil_source *source;
     pupil_camera *camera; /* NULL: none (now) */
+    const run_several *several;
+    int follows;          /* another camera leads */
+    double followed_s;    /* the total that was followed last; 0: none */
+    double followed_set;  /* the leader's setting then */
+    double more;          /* so much of the total has come since then, as a factor */
     double first_total_s; /* to begin with; 0: with what the camera has */
     pupil_camera_loop loop;
 } run_sensor;
 
-/* Of a live source. Its mode is options->mode, which is no longer RUN_BEST. */
-void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source);
+/* Of a live source. Its mode is options->mode, which is no longer RUN_BEST. `several`: NULL: it is the only camera. */
+void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *source, const run_several *several);
 
 /* Before each frame: the camera's controls as they are now; new ones are taken into the loop, from the level that they
  * have, or first_total_s. -1 and a sentence: they cannot be steered. */
@@ -37,6 +43,9 @@ int run_sensor_announce(run_sensor *s, double ev, uint32_t within_frames, uint32
 
 /* Whether the exposure is where it remains in this light: converged, or at a limit of what the camera can. */
 int run_sensor_is_at_rest(const pupil_sensor_setting *setting);
+
+/* After a frame of a camera that follows: the leader's total and the setting that it asked for. */
+void run_sensor_follow(run_sensor *s, double total_s, double set_s);
 
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);

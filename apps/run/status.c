@@ -83,11 +83,14 @@ static void count(const char *what, uint64_t n)
         fprintf(stderr, ", %s %llu", what, (unsigned long long)n);
 }
 
-void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *more)
+void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *camera,
+                    const char *more)
 {
     const double took_s = s->time_s - s->first_time_s;
     if (s->quiet || !s->frames)
         return;
+    if (camera)
+        fprintf(stderr, "%s: ", camera);
     fprintf(stderr, "%llu frames in %.1f s", (unsigned long long)s->frames, took_s);
     if (took_s > 0.0)
         fprintf(stderr, ", %.2f frames/s", (double)(s->frames - 1) / took_s);

@@ -19,7 +19,8 @@ typedef struct run_status {
 void run_status_begin(run_status *s, session *of, uint32_t mode, int resumes);
 void run_status_frame(run_status *s, const frame_log_entry *entry); /* written at most five times a second */
 
-/* The last line; `more`: what else is to be said, which begins with "; ". */
-void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *more);
+/* The last line; `camera`: before it, of several; NULL. `more`: what else is to be said, which begins with "; ". */
+void run_status_end(const run_status *s, const session_outputs *outputs, uint64_t reopened, const char *camera,
+                    const char *more);
 
 #endif

@@ -135,6 +135,20 @@ int pupil_camera_loop_announce(pupil_camera_loop *loop, double ev, uint32_t with
     return error;
 }
 
+int pupil_camera_loop_follow(pupil_camera_loop *loop, double total_s)
+{
+    if (!loop->camera || !loop->steers)
+        return PUPIL_OK;
+    const int error = pupil_sensor_start(&loop->sensor, total_s, 1.0);
+    if (error)
+        return error;
+    const double frame_digital = loop->setting.frame_digital; /* of the frame that was given last, still */
+    pupil_sensor_get(&loop->sensor, &loop->setting);
+    loop->setting.frame_digital = frame_digital;
+    ask(loop, 0);
+    return PUPIL_OK;
+}
+
 void pupil_camera_loop_lost(pupil_camera_loop *loop)
 {
     loop->camera = NULL;

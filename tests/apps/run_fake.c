@@ -12,8 +12,9 @@
  * controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
  * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver reports of it),
  * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
- * absent, media, no-controls, crash=FRAME, hasty. At its end it says on standard error where its controls were left:
- * "fake: auto 3, exposure 77, gain 40".
+ * other-light=FACTOR (of a second camera, -d /dev/video9: it is so much more sensitive; else it is like the first),
+ * other-unplug=FRAME, other-gain=MOST, absent, media, no-controls, crash=FRAME, hasty. At its end it says on standard
+ * error where its controls were left: "fake: auto 3, exposure 77, gain 40".
  *
  * The camera's clock (not with real) is stopped while any other thread of the program is busy. Otherwise hundreds of
  * frames could pass until a busy machine lets the thread run that writes controls. A thread that sleeps is not waited
@@ -48,7 +49,27 @@ static struct {
     unsigned long frames, crash_at, writes, refuse_at, refuse_for, again_at;
     int32_t least[2], most[2]; /* of exposure and gain; most 0: as the fake has them */
     fake_v4l2_config again;
+    double other_light; /* of the second camera; 0: as of the first */
+    unsigned long other_unplug;
+    int32_t other_gain;
+    int is_other; /* this process has that one */
 } rig;
+
+/* Its process opens the same fake, which is its own there. */
+static int rig_open(void *context, const char *path)
+{
+    if (strcmp(path, "/dev/video9") != 0)
+        return fake_v4l2_system(rig.fake)->open(context, path);
+    if (!rig.is_other) {
+        fake_v4l2_config config = rig.again;
+        rig.is_other = 1;
+        if (rig.other_unplug)
+            config.unplug_at = rig.other_unplug;
+        fake_v4l2_reconfigure(rig.fake, &config);
+        fake_v4l2_light(rig.fake, rig.other_light);
+    }
+    return fake_v4l2_system(rig.fake)->open(context, "/dev/video0");
+}
 
 static int is_control(unsigned long request)
 {
@@ -60,6 +81,10 @@ static int is_control(unsigned long request)
 static void narrow(struct v4l2_query_ext_ctrl *q)
 {
     const int i = q->id == V4L2_CID_GAIN;
+    if (i && rig.is_other && rig.other_gain) {
+        q->maximum = rig.other_gain;
+        return;
+    }
     if ((q->id == V4L2_CID_GAIN || q->id == V4L2_CID_EXPOSURE_ABSOLUTE) && rig.most[i]) {
         q->minimum = rig.least[i];
         q->maximum = rig.most[i];
@@ -158,7 +183,7 @@ static int rig_ioctl(void *context, int fd, unsigned long request, void *argumen
         rig.frames++;
         for (int i = 0; i < rig.lights; i++)
             if (rig.light[i].frame == rig.frames)
-                fake_v4l2_light(rig.fake, rig.light[i].factor);
+                fake_v4l2_light(rig.fake, rig.light[i].factor * (rig.is_other ? rig.other_light : 1.0));
         if (rig.frames == rig.again_at)
             fake_v4l2_reconfigure(rig.fake, &rig.again);
         if (rig.frames == rig.crash_at)
@@ -180,6 +205,10 @@ static int take(const char *text, fake_v4l2_config *c)
         rig.hasty = 1;
     else if (strcmp(text, "absent") == 0)
         c->absent = 1;
+    else if (sscanf(text, "other-light=%lf", &rig.other_light) == 1 ||
+             sscanf(text, "other-unplug=%lu", &rig.other_unplug) == 1 ||
+             sscanf(text, "other-gain=%d", &rig.other_gain) == 1)
+        ;
     else if (strcmp(text, "media") == 0)
         c->media = FAKE_MEDIA_RIGHT;
     else if (strcmp(text, "no-controls") == 0)
@@ -272,6 +301,7 @@ int main(int argc, char **argv)
 {
     fake_v4l2_config config;
     int kept = 1;
+    rig.other_light = 1.0;
     fake_v4l2_config_default(&config);
     for (int i = 1; i < argc; i++) {
         if (strncmp(argv[i], "fake:", 5) != 0)
@@ -291,6 +321,7 @@ int main(int argc, char **argv)
         return 99;
     rig.system = *fake_v4l2_system(rig.fake);
     rig.system.ioctl = rig_ioctl;
+    rig.system.open = rig_open;
     rig.system.poll = rig_poll;
     rig.system.now_ns = rig_now_ns;
     rig.hasty |= config.real_time;

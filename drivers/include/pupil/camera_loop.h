@@ -73,6 +73,11 @@ int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, c
  * is held. */
 int pupil_camera_loop_announce(pupil_camera_loop *loop, double ev, uint32_t within_frames, uint32_t change);
 
+/* Another total, exposure time x gain, that was decided elsewhere: by another camera's loop. Of a loop whose
+ * config.lock is 1: its frames are measured, and decide nothing. The setting is brought into this camera's limits, and
+ * asked for at once. 0, or a PUPIL_ERR_. */
+int pupil_camera_loop_follow(pupil_camera_loop *loop, double total_s);
+
 /* For frames that are left out, or while one setting is held: asks again for a setting that was refused. Frames that go
  * through pupil_camera_loop_frame need no call of this. */
 void pupil_camera_loop_retry(pupil_camera_loop *loop);

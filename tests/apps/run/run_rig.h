@@ -56,7 +56,7 @@ static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *confi
     CHECK_MSG(pupil_live_open("0", NULL, &r->options.live, &r->source, &r->why) == 0, "%s", r->why.text);
     if (!r->source)
         exit(check_end());
-    run_sensor_begin(&r->sensor, &r->options, r->source);
+    run_sensor_begin(&r->sensor, &r->options, r->source, NULL);
     run_row_gains_begin(&r->lamps, &r->options, r->source, &r->remark);
     r->colour.own_picture = mode == RUN_SENSOR;
     CHECK(frame_pipeline_open(&r->pipeline, &r->options.shown.config, 1) == 0);

@@ -1,0 +1,322 @@
+#include "several.h"
+
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "options/commands.h"
+#include "refuse.h"
+
+#define BEGIN_S 4.0 /* until a camera has to give its first frame: to lead, or the next one does */
+#define LOST_S  1.0 /* without a frame, or LOST_FRAMES of its frames where these take longer */
+enum { LOST_FRAMES = 3 };
+
+typedef struct shared_camera {
+    int64_t until_ns; /* it is there until then, at least; 0: it has ended */
+    double least_s, most_s;
+} shared_camera;
+
+typedef struct run_shared {
+    pthread_mutex_t lock; /* of all that follows but `ended` */
+    atomic_int ended;
+    uint32_t count;
+    int is_led;
+    run_led led; /* in the first camera's sensitivity */
+    shared_camera camera[RUN_MOST_CAMERAS];
+} run_shared;
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* A camera's process that died with it held leaves nothing half done that matters. */
+static void take(run_shared *shared)
+{
+    if (pthread_mutex_lock(&shared->lock) == EOWNERDEAD)
+        pthread_mutex_consistent(&shared->lock);
+}
+
+static void give(run_shared *shared)
+{
+    pthread_mutex_unlock(&shared->lock);
+}
+
+/* --- options --- */
+
+#define PLACE "%i" /* of the camera's number in a path */
+
+static int check_path(const char *path, pupil_why *why)
+{
+    if (!path || strstr(path, PLACE))
+        return OPTIONS_RUN;
+    return pupil_refuse(why, "%s: each of several cameras has its own; %s in the name is the camera's number", path,
+                        PLACE);
+}
+
+int run_several_check(const run_options *o, pupil_why *why)
+{
+    const frame_options *shown = &o->shown;
+    const char *const others[] = {shown->stats, shown->plot, shown->record};
+    if (o->mode == RUN_DIGITAL)
+        return pupil_refuse(why, "--device: several cameras share their exposure, which --mode digital does not touch");
+    if (o->exposure_s > 0.0 || o->gain > 0.0)
+        return pupil_refuse(why, "--shutter and --gain: are of one camera; several share an exposure");
+    if (shown->config.order == PUPIL_ORDER_FUSED)
+        return pupil_refuse(why, "--fused: is of one camera; several share a curve");
+    if (o->camera_evs && o->camera_evs != o->devices - 1)
+        return pupil_refuse(why, "--camera-ev: has to have a number for each camera but the first: %u", o->devices - 1);
+    for (size_t i = 0; i < shown->out_count; i++)
+        if (check_path(shown->out[i], why))
+            return OPTIONS_USAGE;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (check_path(others[i], why))
+            return OPTIONS_USAGE;
+    return OPTIONS_RUN;
+}
+
+/* With this camera's number in it; it stays until the process ends. */
+static const char *path_of(const char *path, uint32_t index)
+{
+    const char *at = path ? strstr(path, PLACE) : NULL;
+    char *own = NULL;
+    if (at && asprintf(&own, "%.*s%u%s", (int)(at - path), path, index, at + strlen(PLACE)) < 0)
+        own = NULL;
+    return own ? own : path;
+}
+
+static void become(run_several *s, run_options *o, uint32_t index)
+{
+    frame_options *shown = &o->shown;
+    s->index = index;
+    s->ev = index ? o->camera_ev[index - 1] : 0.0;
+    o->device = o->device_name[index];
+    for (size_t i = 0; i < shown->out_count; i++)
+        shown->out[i] = path_of(shown->out[i], index);
+    shown->stats = path_of(shown->stats, index);
+    shown->plot = path_of(shown->plot, index);
+    shown->record = path_of(shown->record, index);
+    if (index)
+        o->control = NULL;
+}
+
+/* --- processes --- */
+
+static volatile sig_atomic_t came;
+
+static void note(int number)
+{
+    (void)number;
+    came++;
+}
+
+static void watch(void)
+{
+    const struct sigaction action = {.sa_handler = note};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+}
+
+/* The worse of two exit statuses. */
+static int worse(int a, int b)
+{
+    static const int order[] = {EXIT_INTERRUPTED, EXIT_FAILED, EXIT_USAGE, EXIT_INCOMPLETE};
+    for (size_t i = 0; i < sizeof order / sizeof *order; i++)
+        if (a == order[i] || b == order[i])
+            return order[i];
+    return EXIT_DONE;
+}
+
+/* Ctrl-C comes to all processes, a signal that was sent to the first one only there: the others see the flag, at once
+ * for SIGALRM wakes them up (common/interrupt.h). A second one is sent on. */
+static void pass_on(run_shared *shared, const pid_t *process, sig_atomic_t times)
+{
+    atomic_store(&shared->ended, 1);
+    for (uint32_t i = 0; i < shared->count; i++)
+        if (process[i] > 0)
+            kill(process[i], times > 1 ? SIGTERM : SIGALRM);
+}
+
+static int await(run_shared *shared, pid_t *process)
+{
+    int status = EXIT_DONE;
+    sig_atomic_t passed = 0;
+    for (uint32_t left = shared->count; left > 0;) {
+        int how = 0;
+        const pid_t gone = waitpid(-1, &how, 0);
+        if (came != passed)
+            pass_on(shared, process, passed = came);
+        if (gone < 0 && errno != EINTR)
+            break;
+        for (uint32_t i = 0; i < shared->count && gone > 0; i++) {
+            if (process[i] != gone)
+                continue;
+            process[i] = 0;
+            left--;
+            take(shared);
+            shared->camera[i].until_ns = 0;
+            give(shared);
+            if (WIFSIGNALED(how))
+                fprintf(stderr, "pupil run: camera %u: its process was ended by signal %d\n", i, WTERMSIG(how));
+            status = worse(status, WIFEXITED(how) ? WEXITSTATUS(how) : EXIT_FAILED);
+        }
+    }
+    return status;
+}
+
+static run_shared *make_shared(uint32_t count)
+{
+    pthread_mutexattr_t kind;
+    run_shared *shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared == MAP_FAILED)
+        return NULL;
+    pthread_mutexattr_init(&kind);
+    pthread_mutexattr_setpshared(&kind, PTHREAD_PROCESS_SHARED);
+    pthread_mutexattr_setrobust(&kind, PTHREAD_MUTEX_ROBUST);
+    pthread_mutex_init(&shared->lock, &kind);
+    pthread_mutexattr_destroy(&kind);
+    shared->count = count;
+    for (uint32_t i = 0; i < count; i++)
+        shared->camera[i].until_ns = now_ns() + (int64_t)(BEGIN_S * 1e9);
+    return shared;
+}
+
+int run_several_begin(run_several *s, run_options *o)
+{
+    pid_t process[RUN_MOST_CAMERAS] = {0};
+    const pid_t first = getpid();
+    s->shared = make_shared(o->devices);
+    watch();
+    fflush(NULL); /* what is in a buffer would be written by each */
+    for (uint32_t i = 0; s->shared && i < o->devices; i++) {
+        process[i] = fork();
+        if (process[i] == 0) {
+            prctl(PR_SET_PDEATHSIG, SIGTERM);
+            if (getppid() != first)
+                raise(SIGTERM);
+            become(s, o, i);
+            return -1;
+        }
+        if (process[i] < 0) {
+            came++;
+            s->shared->count = i;
+        }
+    }
+    if (!s->shared || s->shared->count < o->devices)
+        fprintf(stderr, "pupil run: no process can be made for a camera: %s\n", strerror(errno));
+    if (!s->shared)
+        return EXIT_FAILED;
+    const int short_of = s->shared->count < o->devices;
+    if (short_of)
+        pass_on(s->shared, process, 1);
+    const int status = await(s->shared, process);
+    return short_of ? worse(status, EXIT_FAILED) : status;
+}
+
+int run_several_is_over(const run_several *s)
+{
+    return s->shared && atomic_load(&s->shared->ended);
+}
+
+/* --- frames --- */
+
+void run_several_offer(run_several *s, double least_s, double most_s)
+{
+    if (!s->shared)
+        return;
+    take(s->shared);
+    s->shared->camera[s->index].least_s = least_s * exp2(s->ev);
+    s->shared->camera[s->index].most_s = most_s * exp2(s->ev);
+    give(s->shared);
+}
+
+void run_several_limit(const run_several *s, pupil_sensor_config *c)
+{
+    double least_s = 0.0, most_s = INFINITY;
+    if (!s->shared)
+        return;
+    take(s->shared);
+    for (uint32_t i = 0; i < s->shared->count; i++) {
+        const shared_camera *camera = &s->shared->camera[i];
+        if (i != s->index && camera->until_ns && camera->most_s > 0.0) {
+            least_s = fmax(least_s, camera->least_s * exp2(-s->ev));
+            most_s = fmin(most_s, camera->most_s * exp2(-s->ev));
+        }
+    }
+    give(s->shared);
+    const double longest_s = c->frame_rate_priority ? fmin(c->exposure_max_s, c->frame_s) : c->exposure_max_s;
+    if (longest_s * c->gain_max > most_s)
+        c->gain_max = fmax(c->gain_min, most_s / longest_s);
+    if (longest_s * c->gain_min > most_s)
+        c->exposure_max_s = fmax(c->exposure_min_s, most_s / c->gain_min);
+    if (c->exposure_min_s * c->gain_min < least_s)
+        c->exposure_min_s = fmin(fmin(c->exposure_max_s, longest_s), least_s / c->gain_min);
+}
+
+int run_several_leads(run_several *s, double frame_s)
+{
+    int leads = 1;
+    if (!s->shared)
+        return 1;
+    const int64_t now = now_ns();
+    take(s->shared);
+    s->shared->camera[s->index].until_ns = now + (int64_t)(fmax(LOST_S, LOST_FRAMES * frame_s) * 1e9);
+    for (uint32_t i = 0; i < s->index; i++)
+        leads &= s->shared->camera[i].until_ns <= now;
+    give(s->shared);
+    return leads;
+}
+
+void run_several_publish(run_several *s, const pupil_sensor_setting *setting, const pupil_t *pupil)
+{
+    run_led *led = &s->shared->led;
+    take(s->shared);
+    led->total_s = setting->total_s * exp2(s->ev);
+    led->set_s = setting->exposure_s * setting->gain;
+    led->scene_ev = setting->scene_ev - s->ev;
+    led->pupil = *pupil;
+    s->shared->is_led = 1;
+    give(s->shared);
+}
+
+int run_several_read(run_several *s, run_led *led)
+{
+    take(s->shared);
+    const int is_led = s->shared->is_led;
+    *led = s->shared->led;
+    give(s->shared);
+    led->total_s *= exp2(-s->ev);
+    return is_led;
+}
+
+void run_several_tell(const run_several *s, char *text, size_t text_bytes)
+{
+    *text = 0;
+    if (!s->shared || !s->seen)
+        return;
+    const double more_ev = s->seen_ev / (double)s->seen;
+    snprintf(text, text_bytes, "; sees %.2f EV %s light than the camera that leads, --camera-ev %+.2f", fabs(more_ev),
+             more_ev < 0.0 ? "less" : "more", s->ev);
+}
+
+void run_several_end(run_several *s)
+{
+    if (!s->shared)
+        return;
+    take(s->shared);
+    s->shared->camera[s->index].until_ns = 0;
+    give(s->shared);
+}
