@@ -7,6 +7,7 @@
 #include "refuse.h"
 
 #define FOLLOW_EV 0.05 /* the leader's own setting stays within so much: hold_ev */
+#define SAME_EV   0.01 /* what a driver rounds */
 
 static const char *state_word(const run_sensor *s)
 {
@@ -100,7 +101,7 @@ void run_sensor_begin(run_sensor *s, const run_options *options, pupil_source *s
     *s = (run_sensor){.options = options,
                       .source = source,
                       .several = several,
-                      .more = 1.0,
+                      .digital = 1.0,
                       .loop = {.setting = {.digital = 1.0, .frame_digital = 1.0}}};
 }
 
@@ -152,9 +153,12 @@ int run_sensor_is_at_rest(const pupil_sensor_setting *setting)
            (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED);
 }
 
-/* A small change of the total is the picture's: the setting stays, as the leader's does. */
-void run_sensor_follow(run_sensor *s, double total_s, double set_s)
+/* A small change of the total is the picture's: the setting stays, as the leader's does. What a frame lacks is found
+ * from the setting that it was taken with alone, for no frame of this camera decides anything that would correct an
+ * error. */
+void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, double total_s, double set_s)
 {
+    const double most = exp2(s->loop.config.digital_ev), taken_s = info->exposure_s * info->gain;
     if (!s->loop.steers || !s->camera || !(total_s > 0.0))
         return;
     const int is_other =
@@ -163,13 +167,23 @@ void run_sensor_follow(run_sensor *s, double total_s, double set_s)
         s->followed_s = total_s;
         s->followed_set = set_s;
     }
-    s->more = total_s / s->followed_s;
+    s->digital = taken_s > 0.0 ? fmin(most, fmax(1.0 / most, total_s / taken_s)) : 1.0;
+}
+
+double run_sensor_shown_s(run_sensor *s, const pupil_frame_info *info)
+{
+    const pupil_sensor_setting *now = &s->loop.setting;
+    const double taken_s = info->exposure_s * info->gain, set_s = now->exposure_s * now->gain;
+    const double share = taken_s * now->frame_digital / now->total_s;
+    if (taken_s > 0.0 && fabs(log2(taken_s / set_s)) < SAME_EV && fabs(log2(share)) < 1.0)
+        s->shown_share = share;
+    return now->total_s * (s->shown_share > 0.0 ? s->shown_share : 1.0);
 }
 
 /* For the values of the last frame. */
 static double frame_digital(const run_sensor *s)
 {
-    return s->loop.setting.frame_digital * (s->follows ? s->more : 1.0);
+    return s->follows ? s->digital : s->loop.setting.frame_digital;
 }
 
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve)

@@ -17,7 +17,8 @@ typedef struct run_sensor {
     int follows;          /* another camera leads */
     double followed_s;    /* the total that was followed last; 0: none */
     double followed_set;  /* the leader's setting then */
-    double more;          /* so much of the total has come since then, as a factor */
+    double digital;       /* of a camera that follows: what its setting in force leaves of the leader's total */
+    double shown_share;   /* of a camera that leads: of the total that is wanted; 0: not seen yet */
     double first_total_s; /* to begin with; 0: with what the camera has */
     pupil_camera_loop loop;
 } run_sensor;
@@ -45,7 +46,11 @@ int run_sensor_announce(run_sensor *s, double ev, uint32_t within_frames, uint32
 int run_sensor_is_at_rest(const pupil_sensor_setting *setting);
 
 /* After a frame of a camera that follows: the leader's total and the setting that it asked for. */
-void run_sensor_follow(run_sensor *s, double total_s, double set_s);
+void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, double total_s, double set_s);
+
+/* Of the camera that leads: the total that its frames are shown with, once its setting is in force. It is the one that
+ * is wanted, but where the camera answers otherwise than its numbers say. */
+double run_sensor_shown_s(run_sensor *s, const pupil_frame_info *info);
 
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);

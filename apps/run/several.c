@@ -18,8 +18,8 @@
 #include "refuse.h"
 
 #define BEGIN_S 4.0 /* until a camera has to give its first frame: to lead, or the next one does */
-#define LOST_S  1.0 /* without a frame, or LOST_FRAMES of its frames where these take longer */
-enum { LOST_FRAMES = 3 };
+#define LOST_S  5.0 /* without a frame, or LOST_FRAMES of its frames where these take longer; one that ends says so */
+enum { LOST_FRAMES = 10 };
 
 typedef struct shared_camera {
     int64_t until_ns; /* it is there until then, at least; 0: it has ended */
@@ -100,6 +100,7 @@ static const char *path_of(const char *path, uint32_t index)
 static void become(run_several *s, run_options *o, uint32_t index)
 {
     frame_options *shown = &o->shown;
+    setvbuf(stderr, NULL, _IOLBF, 0); /* so that lines of several processes stay whole */
     s->index = index;
     s->ev = index ? o->camera_ev[index - 1] : 0.0;
     o->device = o->device_name[index];
@@ -280,11 +281,11 @@ int run_several_leads(run_several *s, double frame_s)
     return leads;
 }
 
-void run_several_publish(run_several *s, const pupil_sensor_setting *setting, const pupil_t *pupil)
+void run_several_publish(run_several *s, double total_s, const pupil_sensor_setting *setting, const pupil_t *pupil)
 {
     run_led *led = &s->shared->led;
     take(s->shared);
-    led->total_s = setting->total_s * exp2(s->ev);
+    led->total_s = total_s * exp2(s->ev);
     led->set_s = setting->exposure_s * setting->gain;
     led->scene_ev = setting->scene_ev - s->ev;
     led->pupil = *pupil;

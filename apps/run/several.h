@@ -52,7 +52,7 @@ void run_several_limit(const run_several *s, pupil_sensor_config *config);
 /* With each frame: whether this camera leads. `frame_s`: the time to its next one. */
 int run_several_leads(run_several *s, double frame_s);
 
-void run_several_publish(run_several *s, const pupil_sensor_setting *setting, const pupil_t *pupil);
+void run_several_publish(run_several *s, double total_s, const pupil_sensor_setting *setting, const pupil_t *pupil);
 /* 0: nobody has led yet. */
 int run_several_read(run_several *s, run_led *led);
 

@@ -1,0 +1,58 @@
+#!/bin/sh
+# vm.uvc_pair: test_uvc_pair.sh CAMERA NODE: boots the guest and runs two USB cameras there with one exposure, through two steps
+# of light of three stops. What is shown (exposure time x gain x the factor of the picture) has to be the same within 0.05 EV, a
+# stop less of the second camera; but for the first frames after a step, for the second camera hears of it with its own next
+# frame. An emulated processor that is busy loses frames, so frames are compared with those of the other camera nearest in time.
+set -eu
+. "$(dirname "$0")/amd64.sh"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+status=0
+in_guest "$here/uvc_pair_guest.sh" "$@" "$PUPIL_PROGRAM" >"$log" || status=$?
+sed '/^figures/,/^end of figures/d' "$log"
+[ $status = 0 ] || exit $status
+python3 - "$log" <<'END'
+import csv, math, re, sys
+
+text = open(sys.argv[1]).read()
+rows = [list(csv.DictReader(part.strip().splitlines()))
+        for part in re.findall(r"^figures \d\n(.*?)^end of figures", text, re.S | re.M)]
+assert len(rows) == 2 and all(len(r) > 40 for r in rows), [len(r) for r in rows]
+MOST_LATE = 8
+
+def shown(row):
+    return math.log2(float(row["exposure_s"]) * float(row["gain"]) * float(row["digital"]))
+
+def steps(of):  # the frames with which the light changes, by the light of the scene; not while the cameras are learned
+    ev, at = [float(r["scene_ev"]) for r in of], [float(r["time_s"]) for r in of]
+    found = []
+    for n in range(1, len(ev) - 1):
+        if at[n] > 6 and abs(ev[n] - ev[n - 1]) > 1.2 and (not found or at[n] - at[found[-1]] > 9):
+            found.append(n)
+    return found
+
+first, second = steps(rows[0]), steps(rows[1])
+print("the light changes in frames", first, "and", second)
+assert len(first) == 2 and len(second) == 2
+time = [[float(r["time_s"]) for r in of] for of in rows]
+ahead = time[1][second[0]] - time[0][first[0]]  # of the second camera's clock, which begins with its first frame
+rest, late, worst, apart = 0, 0, 0.0, []
+for n in range(first[0] - 8, len(rows[0]) - 2):
+    m = min(range(len(rows[1])), key=lambda k: abs(time[1][k] - ahead - time[0][n]))
+    if any(abs(math.log2(float(r["digital"]))) > 1.49 for r in (rows[0][n], rows[1][m])):
+        continue  # the factor of the picture is at its limit, in a step
+    by = [abs(shown(rows[0][k]) - shown(rows[1][m]) - 1.0) for k in range(max(0, n - 3), n + 2)]
+    if by[-2] <= 0.05:
+        rest, worst = rest + 1, max(worst, by[-2])
+    elif min(by) <= 0.05:
+        late += 1
+    else:
+        apart.append((n, m, round(min(by), 3)))
+print(f"{rest} frames: one exposure within {worst:.3f} EV; {late} frames that have that of up to three frames before; "
+      f"{len(apart)} others")
+levels = [float(of[-3]["output_level"]) for of in rows]
+print("shown at the end at %.3f and %.3f" % tuple(levels))
+assert rest > 20 and len(apart) <= MOST_LATE, apart
+assert abs(math.log2(levels[0] / levels[1])) < 0.1 and levels[0] > 0.05
+assert rows[0][-3]["sensor"] == "converged" and rows[1][len(rows[1]) // 2]["sensor"] == "following"
+END
