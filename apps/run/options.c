@@ -98,6 +98,7 @@ static int parse_day_night(const option_value *v)
 const option_row run_device_rows[RUN_DEVICE_ROWS] = {
     {"device", 'd', OPTION_PATH, "CAMERA", AT(device), .parse = parse_device,
      .right = "a path, a number, a camera's name or libcamera:ID",
+     .more = "pupil run takes several, which share one exposure (--camera-ev).",
      .help = "path, number, name, libcamera:ID (the first: 'pupil list')"},
 };
 

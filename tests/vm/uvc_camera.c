@@ -1,6 +1,6 @@
-/* uvc_camera.c: uvc_camera linear|display [hard|slow|second]: the camera of uvc_camera.h, until SIGTERM. `hard`: a write of a
- * control takes HARD_WRITE_NS, and the camera is not ready for some of them. `slow`: 5 frames a second, whatever is
- * asked for; libcamera cannot ask. `second`: at another port, and it is a stop more sensitive.
+/* uvc_camera.c: uvc_camera linear|display [hard|slow|second]: the camera of uvc_camera.h, until SIGTERM. `hard`: a
+ * write of a control takes HARD_WRITE_NS, and the camera is not ready for some of them. `slow`: 5 frames a second,
+ * whatever is asked for; libcamera cannot ask. `second`: at another port, and it is a stop more sensitive.
  *
  * Sources: the kernel's Documentation/usb/usbip_protocol.rst; Universal Serial Bus 2.0, chapter 9; USB Device Class
  * Definition for Video Devices 1.1, and its Uncompressed Payload. */
@@ -153,8 +153,8 @@ static void draw(void)
     if (!controls[AE_PRIORITY].now && exposure > longest)
         exposure = longest; /* the frame rate has priority */
     /* its own idea of exposure: half a stop too dark, in any light */
-    const double total = automatic ? 1.27 / pow(8, light - 8)
-                                   : (1 + second) * (exposure / 100.0) * controls[GAIN].now / 16.0;
+    const double total =
+        automatic ? 1.27 / pow(8, light - 8) : (1 + second) * (exposure / 100.0) * controls[GAIN].now / 16.0;
     const uint64_t truth =
         (uint64_t)exposure | (uint64_t)controls[GAIN].now << 16 | (uint64_t)light << 28 | (uint64_t)automatic << 32;
     if (frame.bytes != width * height * 2) {
@@ -387,7 +387,8 @@ static void attach(void)
     const int fd = open("/sys/devices/platform/vhci_hcd.0/attach", O_WRONLY | O_CLOEXEC);
     if (fd < 0 || socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0)
         leave("there is no vhci_hcd");
-    const int length = snprintf(words, sizeof words, "%d %d %d %d", second, pair[1], 1 << 16 | (2 + second), SPEED_HIGH);
+    const int length =
+        snprintf(words, sizeof words, "%d %d %d %d", second, pair[1], 1 << 16 | (2 + second), SPEED_HIGH);
     if (write(fd, words, (size_t)length) != length)
         leave("vhci_hcd takes no camera");
     close(fd);

@@ -7,7 +7,8 @@ camera=$1 node=$2 pupil=$3
 cd "$TMPDIR" || exit 1
 modprobe -d "$MODULES" vhci-hcd
 modprobe -d "$MODULES" uvcvideo
-echo -1 >/sys/module/usbcore/parameters/autosuspend # a port of vhci_hcd may answer EBUSY when it is to resume
+# a port of vhci_hcd may answer EBUSY when it is to resume
+echo -1 >/sys/module/usbcore/parameters/autosuspend
 plug linear
 first=$plugged first_path=$path
 "$camera" linear second &
@@ -20,8 +21,8 @@ done
 "$node" set "$second_path" Gain 40
 echo "the cameras: $first_path $second_path"
 
-"$pupil" run -d "$first_path" -d "$second_path" --camera-ev 1 --width 320 --height 240 --framerate 5 --mode sensor -t 200 --meter-rows 4 \
-    --curve linear --stats s%i.csv &
+"$pupil" run -d "$first_path" -d "$second_path" --camera-ev 1 --width 320 --height 240 --framerate 5 --mode sensor -t 200 \
+    --meter-rows 4 --curve linear --stats s%i.csv &
 runner=$!
 sleep 28
 "$node" light $first 9
