@@ -12,7 +12,7 @@
  * controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
  * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver reports of it),
  * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
- * other-light=FACTOR (of a second camera, -d /dev/video9: it is so much more sensitive; else it is like the first),
+ * other-light=FACTOR (there is a second camera, -d /dev/video9, so much more sensitive; else like the first),
  * other-unplug=FRAME, other-gain=MOST, absent, media, no-controls, crash=FRAME, hasty. At its end it says on standard
  * error where its controls were left: "fake: auto 3, exposure 77, gain 40".
  *
@@ -49,7 +49,7 @@ static struct {
     unsigned long frames, crash_at, writes, refuse_at, refuse_for, again_at;
     int32_t least[2], most[2]; /* of exposure and gain; most 0: as the fake has them */
     fake_v4l2_config again;
-    double other_light; /* of the second camera; 0: as of the first */
+    double other_light; /* of the second camera; 0: there is none */
     unsigned long other_unplug;
     int32_t other_gain;
     int is_other; /* this process has that one */
@@ -58,7 +58,7 @@ static struct {
 /* Its process opens the same fake, which is its own there. */
 static int rig_open(void *context, const char *path)
 {
-    if (strcmp(path, "/dev/video9") != 0)
+    if (!(rig.other_light > 0.0) || strcmp(path, "/dev/video9") != 0)
         return fake_v4l2_system(rig.fake)->open(context, path);
     if (!rig.is_other) {
         fake_v4l2_config config = rig.again;
@@ -301,7 +301,6 @@ int main(int argc, char **argv)
 {
     fake_v4l2_config config;
     int kept = 1;
-    rig.other_light = 1.0;
     fake_v4l2_config_default(&config);
     for (int i = 1; i < argc; i++) {
         if (strncmp(argv[i], "fake:", 5) != 0)

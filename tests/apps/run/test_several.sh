@@ -67,7 +67,7 @@ rows s1.csv 111
 tail -n 1 s1.csv | grep -q ",converged," || fail "the second does not lead: $(tail -n 1 s1.csv)"
 
 # a signal to the first process alone ends both
-"$program" fake:real fake:fps=20 fake:size=64x48 -d /dev/video0 -d /dev/video9 --stats e%i.jsonl -q 2>said.err </dev/null &
+"$program" fake:real fake:fps=20 fake:size=64x48 fake:other-light=1 -d /dev/video0 -d /dev/video9 --stats e%i.jsonl -q 2>said.err </dev/null &
 running=$!
 sleep 2
 kill -TERM $running
