@@ -9,7 +9,8 @@ if [ -n "$toolchain" ]; then
     strip=$(sed -n 's/.*CMAKE_C_COMPILER \(.*\)gcc.*/\1/p' "$1")strip
     command -v "$strip" >/dev/null || { echo "$0: no $strip" >&2; exit 1; }
 fi
-work=$(mktemp -d)
+work=$tree/build/sizes # always the same, for compilers' caches
+mkdir -p "$work"
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
 

@@ -24,9 +24,11 @@ clean_root() {
     : >"$clean.made"
 }
 
-# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were made of this tree
+# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were made of this tree (pictures and the tests of
+# packages aside)
 build_packages() {
-    now=$(cd "$tree" && git ls-files --cached --others --exclude-standard | while read -r name; do
+    now=$(cd "$tree" && git ls-files --cached --others --exclude-standard |
+        grep -vE '^(docs/.*\.(jpg|png)|tests/(packaging|vm)/)' | while read -r name; do
         [ ! -f "$name" ] || sha256sum "$name"; done | sha256sum)
     [ "$(cat "$tree/build/deb/$1.tree" 2>/dev/null)" != "$now" ] || return 0
     sh "$tree/packaging/build-deb.sh" -a "$1"

@@ -16,7 +16,7 @@ modprobe virtio_pci && modprobe 9pnet_virtio && modprobe 9p &&
 if [ "$1" = systemd ]; then
     shift
     modprobe overlay && modprobe vhci-hcd && modprobe uvcvideo || reboot -f
-    mkdir /above /root
+    mkdir -p /above /root
     mount -t tmpfs above /above
     mkdir /above/upper /above/work
     mount -t overlay overlay -o lowerdir=/host,upperdir=/above/upper,workdir=/above/work /root || reboot -f
