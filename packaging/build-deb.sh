@@ -1,7 +1,7 @@
 #!/bin/sh
 # build-deb.sh [--here] [-a ARCHITECTURE] [FOLDER]: Debian packages of this tree, into FOLDER (build/deb/ARCHITECTURE), and
 # lintian's opinion of them in FOLDER/lintian.txt: any error or warning is a failure.
-#   -a ARCHITECTURE  this machine's, or another one (arm64, armhf), cross-built: its libraries are installed beside this
+#   -a ARCHITECTURE  this machine's, or another one (arm64), cross-built: its libraries are installed beside this
 #                    machine's
 #   --here           with what is installed here, in place of a clean Debian 12; without lintian
 # The clean Debian is a folder, build/deb/root-ARCHITECTURE (2 GB), with what builds need. mmdebstrap makes it where it is
