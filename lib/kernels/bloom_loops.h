@@ -18,19 +18,7 @@ typedef int32_t bloom_places __attribute__((vector_size(4 * BLOOM_LANES)));
 #define BLOOM_MIX(a, b, ...) __builtin_shuffle(a, b, (bloom_places){__VA_ARGS__})
 #endif
 
-static inline float bloom_bound(float v)
-{
-    v = v > 0.0f ? v : 0.0f;
-    return v < PUPIL_CEILING ? v : PUPIL_CEILING;
-}
-
-/* Functions of their own: what is inlined forgets that its pointers do not meet. */
-static __attribute__((noinline)) void bloom_bound_all(const float *restrict v, uint32_t n, float *restrict to)
-{
-    for (uint32_t i = 0; i < n; i++)
-        to[i] = bloom_bound(v[i]);
-}
-
+/* A function of its own: what is inlined forgets that its pointers do not meet. */
 static __attribute__((noinline)) void bloom_above(uint32_t n, float threshold, float *restrict r, float *restrict g,
                                                   float *restrict b)
 {
@@ -41,15 +29,6 @@ static __attribute__((noinline)) void bloom_above(uint32_t n, float threshold, f
         g[i] *= share;
         b[i] *= share;
     }
-}
-
-static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3])
-{
-    bloom_bound_all(planes->r, n, to[0]);
-    bloom_bound_all(planes->g, n, to[1]);
-    bloom_bound_all(planes->b, n, to[2]);
-    if (threshold > 0.0f)
-        bloom_above(n, threshold, to[0], to[1], to[2]);
 }
 
 static inline void bloom_part(const float *from, bloom_lanes *even, bloom_lanes *odd)
@@ -93,6 +72,8 @@ static void bloom_widen(const float *from, uint32_t n, float *to)
 }
 
 #define BLOOM_PIECES                                                                                                   \
-    .bloom_pairs = bloom_pairs, .bloom_bright = bloom_bright, .bloom_halve = bloom_halve, .bloom_widen = bloom_widen
+    .bloom_pairs = bloom_pairs, .bloom_columns = bloom_columns, .bloom_rows = bloom_rows,                              \
+    .bloom_bright = bloom_bright, .bloom_down = bloom_down, .bloom_up = bloom_up, .bloom_halve = bloom_halve,          \
+    .bloom_widen = bloom_widen
 
 #endif

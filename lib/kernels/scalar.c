@@ -62,6 +62,57 @@ static void bloom_pairs(const float *const *one, const float *const *other, cons
     }
 }
 
+static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3])
+{
+    const float *const from[3] = {planes->r, planes->g, planes->b};
+    for (int channel = 0; channel < 3; channel++)
+        for (uint32_t i = 0; i < n; i++) {
+            const float v = from[channel][i] > 0.0f ? from[channel][i] : 0.0f;
+            to[channel][i] = v < PUPIL_CEILING ? v : PUPIL_CEILING;
+        }
+    if (threshold > 0.0f)
+        bloom_above(n, threshold, to[0], to[1], to[2]);
+}
+
+static void bloom_down(const float *const row[6], uint32_t n, float *to)
+{
+    for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++)
+        to[i] =
+            ((row[2][i] + row[3][i]) * 0xap-5f + (row[1][i] + row[4][i]) * 0x5p-5f) + (row[0][i] + row[5][i]) * 0x1p-5f;
+}
+
+static void bloom_up(const float *const row[3], const float tap[3], uint32_t n, float *to)
+{
+    for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++)
+        to[i] = (tap[0] * row[0][i] + tap[1] * row[1][i]) + tap[2] * row[2][i];
+}
+
+static void bloom_columns(const float *const *row, const pupil_bloom_taps *taps, uint32_t n, pupil_bloom_sums to)
+{
+    const float *t = taps->near, *w = taps->column;
+    for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++) {
+        const float m = row[5][i], a = row[4][i] + row[6][i], b = row[3][i] + row[7][i], c = row[2][i] + row[8][i];
+        const float d = row[1][i] + row[9][i], e = row[0][i] + row[10][i];
+        to[0][i] = (t[0] * m + t[1] * a) + t[3] * b;
+        to[1][i] = (t[1] * m + t[2] * a) + t[4] * b;
+        to[2][i] = (t[3] * m + t[4] * a) + t[5] * b;
+        to[3][i] = ((w[0] * m + w[1] * a) + (w[2] * b + w[3] * c)) + (w[4] * d + w[5] * e);
+    }
+}
+
+static void bloom_rows(const pupil_bloom_sums sums, const pupil_bloom_taps *taps, uint32_t n, float *to)
+{
+    const float *w = taps->row;
+    for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++) {
+        const float *const at = sums[0] + PUPIL_BLOOM_SIDE + i, *const one = at + PUPIL_BLOOM_LINE;
+        const float *const two = one + PUPIL_BLOOM_LINE, *const f = two + PUPIL_BLOOM_LINE;
+        const float near = (at[0] + (one[-1] + one[1])) + (two[-2] + two[2]);
+        const float wide = ((w[0] * f[0] + w[1] * (f[-1] + f[1])) + (w[2] * (f[-2] + f[2]) + w[3] * (f[-3] + f[3]))) +
+                           (w[4] * (f[-4] + f[4]) + w[5] * (f[-5] + f[5]));
+        to[i] += near + wide;
+    }
+}
+
 /* --- meter --- */
 
 static void luminance(const float weight[3], const pupil_planes *restrict p, uint32_t n, float *restrict l)

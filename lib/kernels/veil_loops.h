@@ -5,6 +5,10 @@
 
 #include "kernels.h"
 
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
 enum { VEIL_LANES = 8 };
 
 /* Of GCC and clang, on any CPU; the compiler splits them where its registers are shorter. */
@@ -13,14 +17,18 @@ typedef int32_t veil_masks __attribute__((vector_size(4 * VEIL_LANES)));
 typedef float veil_pixel __attribute__((vector_size(16)));
 
 /* 0 where it is negative or NaN, and at most PUPIL_CEILING. */
-#define VEIL_BOUND(v)                                                                                                  \
-    do {                                                                                                               \
-        const veil_lanes ceiling_ = {PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING,                       \
-                                     PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING};                      \
-        (v) = (veil_lanes)((veil_masks)(v) & ((v) > 0.0f));                                                            \
-        const veil_masks below_ = (v) < ceiling_;                                                                      \
-        (v) = (veil_lanes)(((veil_masks)(v)&below_) | ((veil_masks)ceiling_ & ~below_));                               \
-    } while (0)
+static inline void veil_bound(veil_lanes *v)
+{
+    const veil_lanes ceiling = {PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING,
+                                PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING};
+    const veil_lanes positive = (veil_lanes)((veil_masks)*v & (*v > 0.0f));
+#if defined(__AVX__)
+    *v = (veil_lanes)_mm256_min_ps((__m256)positive, (__m256)ceiling);
+#else
+    const veil_masks below = positive < ceiling;
+    *v = (veil_lanes)(((veil_masks)positive & below) | ((veil_masks)ceiling & ~below));
+#endif
+}
 
 static inline float veil_sum(const veil_lanes *lane)
 {
@@ -30,36 +38,56 @@ static inline float veil_sum(const veil_lanes *lane)
     return (half[0][0] + half[0][2]) + (half[0][1] + half[0][3]);
 }
 
-/* Of v[0] to v[n - 1]: the sum, and the sum of each times its index. Lanes beyond n are read, and count as 0. */
-static inline void veil_gather_channel(const float *v, uint32_t n, float *sum, float *moment)
+/* Of a channel: the light, and that times its place. */
+typedef struct veil_pair {
+    veil_lanes sum, moment;
+} veil_pair;
+
+static inline void veil_add(const float *v, const veil_lanes *at, veil_pair *to)
 {
-    veil_lanes sums = {0}, moments = {0}, at = {0, 1, 2, 3, 4, 5, 6, 7}, light;
+    veil_lanes light;
+    __builtin_memcpy(&light, v, sizeof light);
+    veil_bound(&light);
+    to->sum += light;
+    to->moment += light * *at;
+}
+
+static inline void veil_add_some(const float *v, const veil_lanes *at, const veil_masks *some, veil_pair *to)
+{
+    veil_lanes light;
+    __builtin_memcpy(&light, v, sizeof light);
+    veil_bound(&light);
+    light = (veil_lanes)((veil_masks)light & *some);
+    to->sum += light;
+    to->moment += light * *at;
+}
+
+/* Of n pixels. Lanes beyond n are read, and count as 0. */
+static inline void veil_gather_run(const float *r, const float *g, const float *b, uint32_t n, pupil_veil_sums *to)
+{
+    veil_pair red = {{0}, {0}}, green = {{0}, {0}}, blue = {{0}, {0}};
+    veil_lanes at = {0, 1, 2, 3, 4, 5, 6, 7};
     uint32_t i = 0;
     for (; i + VEIL_LANES <= n; i += VEIL_LANES) {
-        __builtin_memcpy(&light, v + i, sizeof light);
-        VEIL_BOUND(light);
-        sums += light;
-        moments += light * at;
+        veil_add(r + i, &at, &red);
+        veil_add(g + i, &at, &green);
+        veil_add(b + i, &at, &blue);
         at += (float)VEIL_LANES;
     }
     if (i < n) {
-        __builtin_memcpy(&light, v + i, sizeof light);
-        VEIL_BOUND(light);
-        light = (veil_lanes)((veil_masks)light & (at < (float)(int32_t)n));
-        sums += light;
-        moments += light * at;
+        const veil_masks some = at < (float)(int32_t)n;
+        veil_add_some(r + i, &at, &some, &red);
+        veil_add_some(g + i, &at, &some, &green);
+        veil_add_some(b + i, &at, &some, &blue);
     }
-    *sum = veil_sum(&sums);
-    *moment = veil_sum(&moments);
+    *to = (pupil_veil_sums){.sum = {veil_sum(&red.sum), veil_sum(&green.sum), veil_sum(&blue.sum)},
+                            .moment = {veil_sum(&red.moment), veil_sum(&green.moment), veil_sum(&blue.moment)}};
 }
 
 static void veil_gather(const pupil_planes *planes, const uint32_t *n, uint32_t count, pupil_veil_sums *sums)
 {
-    for (uint32_t c = 0, at = 0; c < count; at += n[c], c++) {
-        veil_gather_channel(planes->r + at, n[c], &sums[c].sum[0], &sums[c].moment[0]);
-        veil_gather_channel(planes->g + at, n[c], &sums[c].sum[1], &sums[c].moment[1]);
-        veil_gather_channel(planes->b + at, n[c], &sums[c].sum[2], &sums[c].moment[2]);
-    }
+    for (uint32_t c = 0, at = 0; c < count; at += n[c], c++)
+        veil_gather_run(planes->r + at, planes->g + at, planes->b + at, n[c], &sums[c]);
 }
 
 static inline void scatter_channel(float *restrict v, uint32_t n, float direct, const float *restrict from,

@@ -8,8 +8,14 @@
 /* The six taps to an octave and back are binomial: each way adds 5/4 square pixels of variance, of the finer octave. */
 #define FILTERS 2.5
 /* A blur in an octave has at least this variance, so that the filters' own grid does not show. */
-#define LEAST_VARIANCE 0.75
-#define REACH          3.5 /* standard deviations */
+#define LEAST_VARIANCE 0.7
+/* That of the lobe in the first octave which completes those at full size is at least this. */
+#define OWN_VARIANCE 0.5
+#define REACH        3.2 /* standard deviations */
+/* What a Gaussian up to this one scatters is within 5 x 5 pixels. */
+#define NEAR_SIGMA 0.8
+/* The narrowest lobe of the first octave completes the fit at full size where it is no wider than this. */
+#define COARSE_SIGMA 2.7
 
 static const pupil_bloom_config defaults = {.lobes = 0};
 
@@ -62,24 +68,6 @@ int pupil_bloom_config_check(const pupil_bloom_config *config, const char **why)
 
 /* --- lobes --- */
 
-/* The light of a Gaussian in the pixels 0 to taps - 1 from its middle, by Simpson's rule; with those on the other side
- * 1 in all. */
-static void find_taps(double sigma, uint32_t taps, double *tap)
-{
-    enum { STEPS = 64 };
-    double all = 0.0;
-    for (uint32_t k = 0; k < taps; k++) {
-        tap[k] = 0.0;
-        for (int i = 0; i <= STEPS; i++) {
-            const double x = (k - 0.5 + (double)i / STEPS) / sigma;
-            tap[k] += (i == 0 || i == STEPS ? 1.0 : i % 2 ? 4.0 : 2.0) * pupil_decay(0.5 * x * x);
-        }
-        all += (k ? 2.0 : 1.0) * tap[k];
-    }
-    for (uint32_t k = 0; k < taps; k++)
-        tap[k] /= all;
-}
-
 static uint32_t taps_of(double sigma)
 {
     const double reach = REACH * sigma - 0.5;
@@ -89,30 +77,18 @@ static uint32_t taps_of(double sigma)
     return taps;
 }
 
-/* The middle tap is met twice: pairs of one pixel with itself. */
-static void set_lobe(bloom_lobe *lobe, uint32_t octave, uint32_t taps, const double *tap, double weight)
+/* A Gaussian of standard deviation sigma there. The middle tap is met twice: pairs of one pixel with itself. */
+static void set_lobe(bloom_lobe *lobe, uint32_t octave, double sigma, double weight)
 {
+    double tap[BLOOM_TAPS];
+    const uint32_t taps = taps_of(sigma);
+    pupil_bloom_find_taps(sigma, taps, tap);
     lobe->octave = octave;
     lobe->taps = taps;
     for (uint32_t k = 0; k < taps; k++) {
         lobe->column[k] = (float)(k ? tap[k] : tap[k] * 0.5);
         lobe->row[k] = (float)((k ? tap[k] : tap[k] * 0.5) * weight);
     }
-}
-
-/* Lobes that reach no further than one pixel, as one: exact beside and at the corners; the middle is set right by
- * `middle`. */
-typedef struct narrow_lobes {
-    double middle, beside, corner;
-} narrow_lobes;
-
-static void add_narrow(bloom_object *o, const narrow_lobes *n)
-{
-    if (!(n->corner > 1e-30))
-        return;
-    const double ratio = n->corner / n->beside, tap[2] = {1.0, ratio};
-    set_lobe(&o->lobe[o->lobes++], 0, 2, tap, n->beside / ratio);
-    o->middle -= (float)(n->beside / ratio);
 }
 
 /* The last octave in which enough variance is left for a blur, and that blur's sigma there. */
@@ -134,9 +110,29 @@ static uint32_t octave_of(double sigma, double *left_sigma)
     return octave;
 }
 
+/* The widest lobe at full size, and the narrowest in the first octave; 0: there is none. */
+typedef struct edge_lobes {
+    double full_sigma, coarse_sigma;
+} edge_lobes;
+
+static edge_lobes find_edges(const pupil_bloom_config *c)
+{
+    edge_lobes e = {0};
+    double unused;
+    for (uint32_t i = 0; i < c->lobes; i++) {
+        const double sigma = c->lobe[i].sigma;
+        const uint32_t octave = octave_of(sigma, &unused);
+        if (octave == 0)
+            e.full_sigma = sigma > e.full_sigma ? sigma : e.full_sigma;
+        else if (octave == 1 && (e.coarse_sigma == 0.0 || sigma < e.coarse_sigma))
+            e.coarse_sigma = sigma;
+    }
+    return e;
+}
+
 static uint32_t octaves_of(const pupil_bloom_config *c)
 {
-    uint32_t octaves = 1;
+    uint32_t octaves = find_edges(c).full_sigma > NEAR_SIGMA ? 2 : 1;
     double unused;
     for (uint32_t i = 0; i < c->lobes; i++) {
         const uint32_t octave = octave_of(c->lobe[i].sigma, &unused);
@@ -147,25 +143,28 @@ static uint32_t octaves_of(const pupil_bloom_config *c)
 
 static void find_lobes(bloom_object *o)
 {
-    narrow_lobes narrow = {0};
-    double moved = 0.0, tap[BLOOM_TAPS], sigma;
-    o->reach = 1;
-    for (uint32_t i = 0; i < o->config.lobes; i++) {
-        const pupil_veil_gaussian g = o->config.lobe[i];
-        const uint32_t octave = octave_of(g.sigma, &sigma), taps = taps_of(sigma);
-        moved += g.weight;
-        find_taps(sigma, taps, tap);
-        if (octave || taps > 2) {
-            set_lobe(&o->lobe[o->lobes++], octave, taps, tap, g.weight);
-            o->reach = !octave && taps - 1 > o->reach ? taps - 1 : o->reach;
-            continue;
-        }
-        narrow.middle += g.weight * tap[0] * tap[0];
-        narrow.beside += g.weight * tap[0] * tap[1];
-        narrow.corner += g.weight * tap[1] * tap[1];
+    const pupil_bloom_config *c = &o->config;
+    const edge_lobes e = find_edges(c);
+    double own = (e.full_sigma * e.full_sigma + 1.0 / 12.0 - FILTERS) / 4.0 + 0.1;
+    own = own > OWN_VARIANCE ? own : OWN_VARIANCE;
+    double sigma, coarse = 0.0, moved = 0.0;
+    int has_own = 0;
+    if (e.full_sigma > NEAR_SIGMA) {
+        has_own = e.coarse_sigma == 0.0 || e.coarse_sigma > COARSE_SIGMA;
+        coarse = has_own ? pupil_root(FILTERS + 4.0 * own - 1.0 / 12.0) : e.coarse_sigma;
     }
-    o->middle = (float)(narrow.middle - moved);
-    add_narrow(o, &narrow);
+    double weight = pupil_bloom_fit(c, e.full_sigma, coarse, &o->full);
+    if (has_own)
+        set_lobe(&o->lobe[o->lobes++], 1, pupil_root(own - 1.0 / 12.0), weight);
+    for (uint32_t i = 0; i < c->lobes; i++) {
+        const uint32_t octave = octave_of(c->lobe[i].sigma, &sigma);
+        const int completes = !has_own && c->lobe[i].sigma == coarse;
+        moved += c->lobe[i].weight;
+        if (octave)
+            set_lobe(&o->lobe[o->lobes++], octave, sigma, c->lobe[i].weight + (completes ? weight : 0.0));
+        weight = completes ? 0.0 : weight;
+    }
+    o->full.near[0] -= (float)moved;
 }
 
 /* --- memory --- */

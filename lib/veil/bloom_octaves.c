@@ -3,15 +3,13 @@
 
 #include "core/image.h"
 
-/* Of six rows or pixels, from the middle outwards. */
-static const float halving[3] = {0xap-5f, 0x5p-5f, 0x1p-5f};
-
-enum { PART = PUPIL_BLOCK / 2, HALVED = 6 };
+enum { PART = BLOOM_PART / 2, HALVED = 6 };
+_Static_assert(PART % 8 == 0, "kernels write whole vectors");
 
 /* What a worker gathers with. */
 typedef struct gathering {
-    BLOOM_ALIGNED float half[HALVED][3][PART];
-    BLOOM_ALIGNED bloom_line line;
+    BLOOM_ALIGNED bloom_line row[HALVED];
+    BLOOM_ALIGNED float line[BLOOM_LINE];
     bloom_frame frame;
 } gathering;
 _Static_assert(sizeof(gathering) + 64 <= sizeof(pupil_bloom_scratch), "PUPIL_BLOOM_SCRATCH_BYTES is too small");
@@ -23,32 +21,27 @@ static bloom_object *object_of(pupil_bloom *bloom)
 
 /* --- the first octave, from the frame --- */
 
-/* Row y at half the width: `n` pixels from `first` on, which may be before the picture. */
-static void halve_row(gathering *g, int32_t y, int32_t first, uint32_t n)
+static void read_row(gathering *g, int32_t y, int32_t x, uint32_t n)
 {
-    float(*to)[PART] = g->half[(y + 2 * HALVED) % HALVED];
-    pupil_bloom_light(&g->frame, y, 2 * first - BLOOM_LEFT, g->line);
-    for (int channel = 0; channel < 3; channel++)
-        PUPIL_PIECE(g->frame.kernels, bloom_halve)(g->line[channel] + BLOOM_LEFT, n, to[channel]);
+    (void)pupil_bloom_light(&g->frame, y, 2 * x - BLOOM_SIDE, 2 * n + 2 * BLOOM_SIDE,
+                            g->row[(y + 2 * HALVED) % HALVED]);
 }
 
-/* Rows first to end of the octave, `n` pixels from x on, down the rows. */
+/* Rows first to end of the octave, `n` pixels from x on, down the rows; x may be before the picture. */
 static void gather_part(bloom_object *o, gathering *g, int32_t first, int32_t end, int32_t x, uint32_t n)
 {
     for (int32_t y = 2 * first - 2; y < 2 * first + 2; y++)
-        halve_row(g, y, x, n);
+        read_row(g, y, x, n);
     for (int32_t j = first; j < end; j++) {
-        halve_row(g, 2 * j + 2, x, n);
-        halve_row(g, 2 * j + 3, x, n);
+        read_row(g, 2 * j + 2, x, n);
+        read_row(g, 2 * j + 3, x, n);
         for (int channel = 0; channel < 3; channel++) {
-            const float *upper[3], *lower[3];
-            for (int k = 0; k < 3; k++) {
-                upper[k] = g->half[(2 * j - k + 2 * HALVED) % HALVED][channel];
-                lower[k] = g->half[(2 * j + 1 + k + 2 * HALVED) % HALVED][channel];
-            }
+            const float *row[HALVED];
+            for (int32_t k = 0; k < HALVED; k++)
+                row[k] = g->row[(2 * j - 2 + k + 2 * HALVED) % HALVED][channel];
             float *to = o->memory + pupil_bloom_row(o, 1, o->octave[1].light, channel, j) + BLOOM_LEFT + x;
-            PUPIL_PIECE(g->frame.kernels, bloom_pairs)(upper, lower, halving, 3, n, g->line[0], 0);
-            __builtin_memcpy(to, g->line[0], n * sizeof *to);
+            PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->line);
+            PUPIL_PIECE(g->frame.kernels, bloom_halve)(g->line + BLOOM_SIDE, n, to);
         }
     }
 }
@@ -100,19 +93,18 @@ static void halve(bloom_object *o, const pupil_kernels *kernels, uint32_t k)
     float *line = o->memory + o->line;
     for (int channel = 0; channel < 3; channel++)
         for (int32_t j = 1 - BLOOM_MARGIN; j < (int32_t)to->height + BLOOM_MARGIN - 1; j++) {
-            const float *upper[3], *lower[3];
-            for (int i = 0; i < 3; i++) {
-                upper[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - i);
-                lower[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j + 1 + i);
-            }
+            const float *six[HALVED];
+            for (int32_t i = 0; i < HALVED; i++)
+                six[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 2 + i);
             float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN;
-            PUPIL_PIECE(kernels, bloom_pairs)(upper, lower, halving, 3, from->stride, line, 0);
+            PUPIL_PIECE(kernels, bloom_down)(six, from->stride, line);
             PUPIL_PIECE(kernels, bloom_halve)(line + BLOOM_LEFT - 2 * BLOOM_MARGIN, to->width + 2 * BLOOM_MARGIN, row);
         }
 }
 
-/* Adds a lobe's light to row y of an octave. */
-static void blur_row(bloom_object *o, const pupil_kernels *kernels, const bloom_lobe *lobe, int channel, int32_t y)
+/* Row y of an octave gets a lobe's light; `more`: in addition to what is there. */
+static void blur_row(bloom_object *o, const pupil_kernels *kernels, const bloom_lobe *lobe, int channel, int32_t y,
+                     int more)
 {
     const bloom_octave *at = &o->octave[lobe->octave];
     const float *one[BLOOM_TAPS], *other[BLOOM_TAPS];
@@ -127,7 +119,7 @@ static void blur_row(bloom_object *o, const pupil_kernels *kernels, const bloom_
         other[k] = line + BLOOM_LEFT - BLOOM_MARGIN + k;
     }
     float *to = o->memory + pupil_bloom_row(o, lobe->octave, at->blurred, channel, y) + BLOOM_LEFT - BLOOM_MARGIN;
-    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->row, lobe->taps, at->width + 2 * BLOOM_MARGIN, to, 1);
+    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->row, lobe->taps, at->width + 2 * BLOOM_MARGIN, to, more);
 }
 
 static void blur(bloom_object *o, const pupil_kernels *kernels, uint32_t octave)
@@ -138,10 +130,14 @@ static void blur(bloom_object *o, const pupil_kernels *kernels, uint32_t octave)
     for (int channel = 0; channel < 3; channel++)
         for (int32_t y = 1 - BLOOM_MARGIN; y < (int32_t)at->height + BLOOM_MARGIN - 1; y++) {
             float *row = o->memory + pupil_bloom_row(o, octave, at->blurred, channel, y);
-            __builtin_memset(row, 0, at->stride * sizeof *row);
+            int more = 0;
             for (uint32_t i = 0; i < o->lobes; i++)
-                if (o->lobe[i].octave == octave)
-                    blur_row(o, kernels, &o->lobe[i], channel, y);
+                if (o->lobe[i].octave == octave) {
+                    blur_row(o, kernels, &o->lobe[i], channel, y, more);
+                    more = 1;
+                }
+            if (!more)
+                __builtin_memset(row, 0, at->stride * sizeof *row);
             if (octave + 1 == o->octaves)
                 continue;
             pupil_bloom_between(o, kernels, octave + 1, channel, y, 0, o->octave[octave + 1].stride, line);

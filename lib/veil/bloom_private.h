@@ -13,10 +13,12 @@ enum {
     BLOOM_MARGIN = 4,      /* octaves go on beyond the picture's edges: filters leave light there, and take it back */
     BLOOM_LEFT = 16,       /* floats before the first pixel, of which the rest are 0 */
     BLOOM_STEP = 32,       /* what kernels round up to */
-    BLOOM_MOST_LOBES = 33, /* the narrowest are one, with one of its own */
-    /* a block at full size, with what its lobes reach */
-    BLOOM_LINE = BLOOM_LEFT + PUPIL_BLOCK + BLOOM_LEFT,
-    BLOOM_RING = 2 * BLOOM_TAPS - 1
+    BLOOM_MOST_LOBES = 33, /* and one that the lobes at full size may need */
+    /* Pixels of a row that are worked at a time, with what filters at full size reach: small enough that all rows that
+     * they reach stay in the L1 cache. */
+    BLOOM_SIDE = PUPIL_BLOOM_SIDE,
+    BLOOM_LINE = PUPIL_BLOOM_LINE,
+    BLOOM_PART = BLOOM_LINE - 2 * BLOOM_SIDE
 };
 
 /* A Gaussian in one octave. The light that each pixel gets is the sum over `row` taps of the sums over `column` taps.
@@ -35,10 +37,9 @@ typedef struct bloom_octave {
 typedef struct bloom_object {
     uint64_t magic;
     pupil_bloom_config config;
-    uint32_t octaves; /* with the full size */
-    uint32_t lobes;
-    uint32_t reach; /* of the lobes at full size, pixels */
-    float middle;   /* times a pixel's own light: what it loses */
+    uint32_t octaves;      /* with the full size */
+    uint32_t lobes;        /* in octaves */
+    pupil_bloom_taps full; /* those at full size, less what all lobes take from a pixel */
     bloom_lobe lobe[BLOOM_MOST_LOBES];
     bloom_octave octave[BLOOM_OCTAVES]; /* the first has no planes */
     size_t nothing, line;               /* a row of zeros, and one for solve */
@@ -81,22 +82,30 @@ static inline void *pupil_bloom_aligned(pupil_bloom_scratch *scratch)
     return (unsigned char *)scratch + (64 - (uintptr_t)scratch % 64) % 64;
 }
 
-/* bloom_light.c: the light of row y from x on, BLOOM_LINE pixels; 0 outside the frame. */
-void pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, bloom_line line);
+/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. 0: all of it is. */
+int pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
 /* Row y of the octave above from three rows of `blurred` of `octave`, still of its width, from float `from` on. */
 void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
                          uint32_t from, uint32_t n, float *to);
 
+/* bloom_fit.c: `full` from the lobes that are narrow enough for it. What it has no taps for becomes light of a lobe of
+ * standard deviation coarse_sigma in the first octave, whose weight is returned; 0: there is none. */
+double pupil_bloom_fit(const pupil_bloom_config *config, double full_sigma, double coarse_sigma,
+                       pupil_bloom_taps *full);
+/* The light of a Gaussian in the pixels 0 to taps - 1 from its middle; with those on the other side 1 in all. */
+void pupil_bloom_find_taps(double sigma, uint32_t taps, double *tap);
+
 /* bloom_window.c: full size, block by block. */
 typedef struct bloom_window {
-    BLOOM_ALIGNED bloom_line ring[BLOOM_RING];
+    BLOOM_ALIGNED bloom_line ring[PUPIL_BLOOM_ROWS];
+    BLOOM_ALIGNED pupil_bloom_sums sums;
     BLOOM_ALIGNED float line[BLOOM_LINE];
-    BLOOM_ALIGNED pupil_scattered sum;
+    int lit[PUPIL_BLOOM_ROWS];
     bloom_frame frame;
 } bloom_window;
 
-/* Before the first row y of the block at x. */
-void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x);
+/* Before the first row y of the block at x, n pixels wide, BLOOM_PART at most. */
+void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t n);
 /* Adds to planes what is scattered to row y, n pixels from x on: the rows come one after the other. */
 void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n,
                             pupil_planes *planes);

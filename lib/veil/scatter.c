@@ -64,25 +64,31 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
     }
 }
 
-static void map_blocks(const scatter_map *m, uint32_t x, uint32_t end)
+/* Rows first to end of the call's, which are few enough to be in a cache yet when the blocks beside these are mapped:
+ * what a CPU reads ahead of short pieces of rows is then not in vain. */
+typedef struct band {
+    uint32_t first, end;
+} band;
+
+static void map_blocks(const scatter_map *m, band rows, uint32_t x, uint32_t end)
 {
     uint32_t cell_row = VEIL_CELLS; /* none yet */
     const pupil_image *out = m->out;
     const size_t offset = x * pupil_pixel_bytes(out->pixel);
-    for (uint32_t i = 0; i < out->height; i++)
+    for (uint32_t i = rows.first; i < rows.end; i++)
         map_row(m, i, x, end, &cell_row, (uint8_t *)out->data + (ptrdiff_t)i * out->stride_bytes + offset);
 }
 
 /* One, in pairs of rows, whose chroma is one. */
-static void map_block_to_yuv(const scatter_map *m, uint32_t x, uint32_t end)
+static void map_block_to_yuv(const scatter_map *m, band rows, uint32_t x, uint32_t end)
 {
     scatter_block *b = m->block;
     uint32_t cell_row = VEIL_CELLS;
     const pupil_image *out = m->out;
     const int planes = (int)pupil_pixel_planes(out->pixel);
     const size_t at_chroma = pupil_chroma_row_bytes(out->pixel, x);
-    for (uint32_t i = 0; i < out->height; i += 2) {
-        const int two = i + 1 < out->height;
+    for (uint32_t i = rows.first; i < rows.end; i += 2) {
+        const int two = i + 1 < rows.end;
         uint8_t *upper = (uint8_t *)out->data + (ptrdiff_t)i * out->stride_bytes + x;
         const pupil_yuv_rows to = {
             .upper = upper,
@@ -96,23 +102,33 @@ static void map_block_to_yuv(const scatter_map *m, uint32_t x, uint32_t end)
     }
 }
 
+static void map_band(const scatter_map *m, band rows)
+{
+    const uint32_t width = m->out->width;
+    const int yuv = pupil_pixel_planes(m->out->pixel) > 1;
+    const uint32_t step = m->bloom ? BLOOM_PART : yuv ? PUPIL_BLOCK : SCATTER_BLOCKS * PUPIL_BLOCK;
+    for (uint32_t x = 0; x < width; x += step) {
+        const uint32_t end = width - x < step ? width : x + step;
+        if (m->bloom)
+            pupil_bloom_window_begin(m->window, m->first_row + rows.first, x, end - x);
+        if (yuv)
+            map_block_to_yuv(m, rows, x, end);
+        else
+            map_blocks(m, rows, x, end);
+    }
+}
+
 void pupil_scatter_map(const scatter_map *m, const pupil_object *pupil, const pupil_tone *curve,
                        const pupil_image_const *in)
 {
+    /* Even numbers of rows. A bloom's band begins with rows of the one above. */
+    const uint32_t most = m->bloom ? 128 : 32, height = m->out->height;
     const int yuv = pupil_pixel_planes(m->out->pixel) > 1;
-    const uint32_t step = yuv || m->bloom ? PUPIL_BLOCK : SCATTER_BLOCKS * PUPIL_BLOCK;
     scatter_block *b = m->block;
     pupil_picture_job_make(pupil, in, curve, yuv ? (uint32_t)PUPIL_PIXEL_RGBA8 : m->out->pixel, &b->job);
     if (yuv)
         pupil_chroma_coder_make(m->out->coding, &b->chroma);
     pupil_veil_rows_begin(&b->rows, in);
-    for (uint32_t x = 0; x < in->width; x += step) {
-        const uint32_t end = in->width - x < step ? in->width : x + step;
-        if (m->bloom)
-            pupil_bloom_window_begin(m->bloom, m->window, m->first_row, x);
-        if (yuv)
-            map_block_to_yuv(m, x, end);
-        else
-            map_blocks(m, x, end);
-    }
+    for (uint32_t y = 0; y < height; y += most)
+        map_band(m, (band){y, height - y < most ? height : y + most});
 }

@@ -209,6 +209,17 @@ static void check_formats(void)
         }
 }
 
+/* One lamp: most rows have no light to scatter. */
+static void check_dark(void)
+{
+    frame in = frame_make(450, 60, PUPIL_PIXEL_RGBA32F, 0, 0);
+    frame_fill(&in, 0.25, 0.25, 0.25);
+    frame_set(&in, random_below(450), random_below(60), 1000, 500, 250, 1);
+    for (int i = 0; i < 6; i++)
+        check_same(&in, PUPIL_PIXEL_RGBA32F);
+    frame_free(&in);
+}
+
 /* --- what must be so --- */
 
 /* The picture of one frame by one lobe, in light. */
@@ -235,7 +246,8 @@ static void draw_small(const frame *in, double sigma, double weight, double thre
 static void check_lobes(void)
 {
     enum { AREA = 220 };
-    static const double sigma[] = {0.1, 0.3, 0.42, 0.5, 1, 2, 2.2, 2.32, 2.34, 3, 4.8, 4.9, 7, 9.7, 9.9, 15};
+    static const double sigma[] = {0.1, 0.3,  0.42, 0.5,  0.79, 0.81, 1,   1.3, 1.7, 1.9, 2, 2.1,
+                                   2.2, 2.27, 2.32, 2.34, 3,    4.8,  4.9, 7,   9.7, 9.9, 15};
     frame in = frame_make(AREA, AREA, PUPIL_PIXEL_RGBA32F, 0, 0);
     frame to = frame_make(AREA, AREA, PUPIL_PIXEL_RGBA32F, 0, 0);
     for (size_t i = 0; i < sizeof sigma / sizeof sigma[0]; i++) {
@@ -353,6 +365,7 @@ int main(int argc, char **argv)
     check_lobes();
     check_even();
     check_formats();
+    check_dark();
     check_refusals();
     return check_end();
 }
