@@ -226,11 +226,22 @@ static void map_yuv_rows(const work *w, const pupil_luma_tables *tables, uint32_
         pupil_map_yuv(&w->map, &w->chroma, &upper, &lower, 0, w->out->width, &to);
 }
 
+/* Rows i and i + 1 (or the last alone) of a picture in RGBA8, by luma. */
+static void map_rgb_rows(const work *w, const pupil_luma_tables *tables, uint32_t i)
+{
+    const int two = i + 1 < w->out->height;
+    const pupil_row upper = row_of(w, i), lower = row_of(w, two ? i + 1 : i);
+    pupil_map_luma_rgb(&w->map, tables, &upper, two ? &lower : 0, w->out->width, out_row(w, i),
+                       two ? out_row(w, i + 1) : 0);
+}
+
 /* Rows i to end of out; tables NULL: exactly. */
 static void map_rows(const work *w, const pupil_luma_tables *tables, uint32_t i, uint32_t end)
 {
     for (; i < end && w->planes_out > 1; i += 2)
         map_yuv_rows(w, tables, i);
+    for (; i < end && tables; i += 2)
+        map_rgb_rows(w, tables, i);
     for (; i < end; i++) {
         const pupil_row row = source_of(w, i);
         pupil_work_run(&w->map, &row, 0, w->out->width, out_row(w, i), 0, 0, 0);
@@ -252,23 +263,23 @@ static __attribute__((noinline)) void work_in_fours(const work *w, const pupil_l
     }
 }
 
-/* Whether what is mapped can go by luma. */
+/* Whether what is mapped can go by luma: codes of a display's curve to such codes, whose colours keep their ratio. */
 static int goes_by_luma(const work *w)
 {
     static const pupil_coding usual = {0};
-    const uint32_t pixel = w->in->pixel;
-    if (w->object->config.accuracy != PUPIL_ACCURACY_LUMA || !w->out || w->planes_out < 2 || w->map.to_picture ||
-        w->map.curve->dither || !w->coder.light)
+    if (w->object->config.accuracy != PUPIL_ACCURACY_LUMA || !w->out || w->map.to_picture || w->map.curve->dither ||
+        w->object->config.transfer == PUPIL_TRANSFER_LINEAR || pupil_pixel_layout_of(w->in->pixel).yuv != 8 ||
+        (w->coder.light != pupil_srgb_light && w->coder.light != pupil_bt709_light))
         return 0;
     const pupil_coding *in = w->in->coding ? w->in->coding : &usual, *out = w->out->coding ? w->out->coding : &usual;
-    return (pixel == PUPIL_PIXEL_NV12 || pixel == PUPIL_PIXEL_NV21 || pixel == PUPIL_PIXEL_I420) &&
-           in->matrix == out->matrix && in->range == out->range;
+    return w->planes_out > 1 ? in->matrix == out->matrix && in->range == out->range
+                             : w->out->pixel == PUPIL_PIXEL_RGBA8 || w->out->pixel == PUPIL_PIXEL_BGRX8;
 }
 
 static __attribute__((noinline)) void work_by_luma(const work *w)
 {
     pupil_luma_tables tables;
-    pupil_luma_tables_make(&w->map, &w->chroma, &tables);
+    pupil_luma_tables_make(&w->map, w->planes_out > 1 ? &w->chroma : 0, &tables);
     work_in_fours(w, &tables);
 }
 
@@ -383,7 +394,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     if (object->has_to_picture || object->has_rods)
         convert_to_picture(&w, curve, &picture, mixed);
 
-    if (yuv && goes_by_luma(&w))
+    if (goes_by_luma(&w))
         work_by_luma(&w);
     else if (mosaic || yuv)
         work_in_fours(&w, 0);

@@ -31,6 +31,7 @@ static const format rgba16 = {.bytes = 8, .group = group_rgba16};
 static const format rgb16 = {.bytes = 6, .vector = load8_rgb16};
 static const format rgb16f = {.bytes = 6, .vector = load8_rgb16f};
 
+#include "avx2_luma.h"
 #include "vector_table.h"
 
 #if defined(__clang__)

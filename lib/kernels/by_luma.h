@@ -1,9 +1,30 @@
-/* lib/kernels/by_luma.h: quads of 4:2:0 by tables of luma (config.h: pupil_accuracy). Plain loops, compiled in each
- * level's file; floats without fused multiply-add, so no result depends on which. */
+/* lib/kernels/by_luma.h: quads by tables of luma (kernels.h: pupil_luma_tables), one by one. The scalar level's
+ * kernels; others take it for the last quads of a row (vector_luma.h). */
 #ifndef PUPIL_KERNELS_BY_LUMA_H
 #define PUPIL_KERNELS_BY_LUMA_H
 
 #include "kernels.h"
+
+/* a * b in 2^-15, rounded: an instruction of every level but this one. */
+static inline int32_t times_15(int32_t a, int32_t b)
+{
+    return (a * b + 0x4000) >> 15;
+}
+
+static inline int32_t larger_of(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static inline int32_t smaller_of(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline uint8_t byte_within(int32_t x)
+{
+    return (uint8_t)larger_of(smaller_of(x, 255), 0);
+}
 
 /* In a loop of look-ups: gcc would put vectors together out of single loads, which takes half as long again. */
 #if defined(__clang__)
@@ -12,105 +33,100 @@
 #define ONE_BY_ONE __asm__ volatile("")
 #endif
 
-static inline float larger_of(float a, float b)
+/* Bytes i to n. */
+static inline void bytes_by_table(const uint8_t *restrict table, const uint8_t *from, uint32_t i, uint32_t n,
+                                  uint8_t *to)
 {
-    return a > b ? a : b;
-}
-
-/* A colour is mapped exactly where its largest channel comes near the gamut's surface, for it does not keep its ratio
- * there; and where it is so far from grey that luma is not its luminance. In R'G'B' codes, with some for noise. */
-#define NEAR_ROOM 3.0f
-#define FAR_ROOM  8.0f
-
-static inline void luma_by_table(const uint8_t *restrict table, const uint8_t *from, uint32_t n, uint8_t *to)
-{
-    for (uint32_t i = 0; i < n; i++) {
+    for (; i < n; i++) {
         to[i] = table[from[i]];
         ONE_BY_ONE;
     }
 }
 
-/* Ratios for the quads' means; how bright their brightest pixel becomes, and their darkest, in R'G'B' codes. */
-typedef struct quad_entries {
-    float ratio[2 * PUPIL_LUMA_QUADS], most[PUPIL_LUMA_QUADS], least[PUPIL_LUMA_QUADS];
-} quad_entries;
+/* New codes of the pixels of two rows, or twice of one. */
+typedef struct luma_codes {
+    const uint8_t *upper, *lower;
+} luma_codes;
 
-static inline void look_up_quads(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n,
-                                 quad_entries *restrict q)
+typedef struct luma_quad {
+    int32_t u, v;             /* scaled */
+    int32_t red, green, blue; /* above grey, in quarters of a code */
+} luma_quad;
+
+/* Whether it is to be mapped exactly. */
+static inline uint16_t look_up_quad(const pupil_luma_tables *t, const pupil_luma_quads *in, const luma_codes *new,
+                                    uint32_t i, luma_quad *q)
 {
-    const uint8_t *restrict upper = in->upper, *restrict lower = in->lower;
-    uint8_t mean[PUPIL_LUMA_QUADS], most[PUPIL_LUMA_QUADS], least[PUPIL_LUMA_QUADS], to[PUPIL_LUMA_QUADS];
-    const float zero = t->zero, one = t->one, top = t->top;
-    for (uint32_t i = 0; i < n; i++) {
-        const uint8_t a = upper[2 * i], b = upper[2 * i + 1], c = lower[2 * i], d = lower[2 * i + 1];
-        const uint8_t ab = a > b ? a : b, cd = c > d ? c : d, less_ab = a < b ? a : b, less_cd = c < d ? c : d;
-        mean[i] = (uint8_t)((uint16_t)(a + b + c + d + 2) >> 2);
-        most[i] = ab > cd ? ab : cd;
-        least[i] = less_ab < less_cd ? less_ab : less_cd;
-    }
-    luma_by_table(t->luma, mean, n, to);
-    luma_by_table(t->luma, most, n, most);
-    luma_by_table(t->luma, least, n, least);
-    for (uint32_t i = 0; i < n; i++) {
-        float from = (float)(int32_t)mean[i] - zero;
-        from = from > 1.0f ? from : 1.0f;
-        from = from < top ? from : top;
-        q->ratio[2 * i] = q->ratio[2 * i + 1] = larger_of((float)(int32_t)to[i] - zero, 0.0f) / from;
-        q->most[i] = ((float)(int32_t)most[i] - zero) * one;
-        q->least[i] = larger_of(((float)(int32_t)least[i] - zero) * one, 0.0f);
-    }
+    const size_t at = 2 * (size_t)i;
+    const uint8_t *upper = in->upper + at, *lower = (in->lower ? in->lower : in->upper) + at;
+    const uint8_t *a = new->upper + at, *b = new->lower + at;
+    const uint32_t mean = (uint32_t)(upper[0] + upper[1] + lower[0] + lower[1]) >> 3;
+    const int32_t ratio = t->ratio_low[mean] | t->ratio_high[mean] << 8;
+    q->u = times_15((in->chroma[at] - 128) * 256, ratio);
+    q->v = times_15((in->chroma[at + 1] - 128) * 256, ratio);
+    q->red = times_15(q->v, t->red_v);
+    q->green = times_15(q->u, t->green_u) + times_15(q->v, t->green_v);
+    q->blue = times_15(q->u, t->blue_u);
+    const int32_t most = larger_of(larger_of(a[0], a[1]), larger_of(b[0], b[1]));
+    const int32_t least = smaller_of(smaller_of(a[0], a[1]), smaller_of(b[0], b[1]));
+    const int32_t surface = t->surface - times_15(most * 128, t->surface_slope);
+    const int32_t far = larger_of(t->far + times_15(least * 128, t->far_slope), PUPIL_LUMA_NOISE);
+    return larger_of(larger_of(q->red, q->blue), q->green) > smaller_of(surface, far);
 }
 
-/* Of Cb and Cr in turns: 2 n codes, scaled, and rounded to codes again. */
-static inline void scale_chroma(const uint8_t *restrict from, uint32_t n, const float *restrict ratio,
-                                float *restrict scaled, uint8_t *restrict to)
+static inline uint8_t chroma_of_scaled(int32_t scaled)
 {
-    for (uint32_t i = 0; i < n; i++) {
-        scaled[i] = (float)((int32_t)from[i] - 128) * ratio[i];
-        float code = scaled[i] + 128.5f;
-        code = code > 0.0f ? code : 0.0f;
-        code = code < 255.0f ? code : 255.0f;
-        to[i] = (uint8_t)(int32_t)code;
-    }
+    return byte_within(((scaled + 8) >> 4) + 128);
 }
 
-static inline uint32_t find_exact(const pupil_luma_tables *t, const float *restrict uv, const quad_entries *restrict q,
-                                  uint32_t n, uint8_t *restrict exact)
+/* Quads i to n; as a kernel. */
+static inline uint32_t yuv_quads(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t i, uint32_t n,
+                                 const pupil_luma_target *out, uint16_t *exact)
 {
-    const float red_v = t->red_v, blue_u = t->blue_u, green_u = t->green_u, green_v = t->green_v;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        const float u = uv[2 * i], v = uv[2 * i + 1];
-        const float above = larger_of(larger_of(red_v * v, blue_u * u), green_u * u + green_v * v);
-        const float surface = t->knee * (255.0f - q->most[i]) + NEAR_ROOM;
-        const float far = t->far * q->least[i] + FAR_ROOM;
-        const uint32_t beyond = above > (surface < far ? surface : far);
-        exact[i] = (uint8_t)beyond;
-        count += beyond;
+    const luma_codes new = {out->upper, out->lower ? out->lower : out->upper};
+    uint32_t parts = 0;
+    bytes_by_table(t->luma, in->upper, 2 * i, 2 * n, out->upper);
+    if (out->lower)
+        bytes_by_table(t->luma, in->lower, 2 * i, 2 * n, out->lower);
+    for (; i < n; i++) {
+        luma_quad q;
+        exact[i] = look_up_quad(t, in, &new, i, &q);
+        parts |= (uint32_t)exact[i] << i / PUPIL_LUMA_PART;
+        out->chroma[2 * (size_t)i] = chroma_of_scaled(q.u);
+        out->chroma[2 * (size_t)i + 1] = chroma_of_scaled(q.v);
     }
-    return count;
+    return parts;
 }
 
-static uint32_t by_luma(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n,
-                        const pupil_luma_target *out, uint8_t *exact)
+static inline void rgb_pixel(int32_t grey, const luma_quad *q, int blue_first, uint8_t to[4])
 {
-    float uv[2 * PUPIL_LUMA_QUADS];
-    quad_entries q;
-    uint8_t from[2 * PUPIL_LUMA_QUADS], to[2 * PUPIL_LUMA_QUADS];
-    const int in_turns = in->cr == in->cb + 1, to_turns = out->cr == out->cb + 1;
-    look_up_quads(t, in, n, &q);
-    for (uint32_t i = 0; i < n && !in_turns; i++) {
-        from[2 * i] = in->cb[in->step * i];
-        from[2 * i + 1] = in->cr[in->step * i];
+    to[blue_first ? 2 : 0] = byte_within(grey + ((q->red + 2) >> 2));
+    to[1] = byte_within(grey + ((q->green + 2) >> 2));
+    to[blue_first ? 0 : 2] = byte_within(grey + ((q->blue + 2) >> 2));
+    to[3] = 255;
+}
+
+/* grey: two rows of PUPIL_LUMA_QUADS; those from quad i on are made here. */
+static inline uint32_t rgb_quads(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t i, uint32_t n,
+                                 const pupil_luma_target *out, uint8_t grey[2][2 * PUPIL_LUMA_QUADS], uint16_t *exact)
+{
+    const luma_codes new = {grey[0], grey[in->lower ? 1 : 0]};
+    uint32_t parts = 0;
+    bytes_by_table(t->luma, in->upper, 2 * i, 2 * n, grey[0]);
+    if (in->lower)
+        bytes_by_table(t->luma, in->lower, 2 * i, 2 * n, grey[1]);
+    for (; i < n; i++) {
+        luma_quad q;
+        exact[i] = look_up_quad(t, in, &new, i, &q);
+        parts |= (uint32_t)exact[i] << i / PUPIL_LUMA_PART;
+        for (uint32_t k = 0; k < 2; k++) {
+            const size_t at = 2 * (size_t)i + k;
+            rgb_pixel(grey[0][at], &q, out->blue_first, out->upper + 4 * at);
+            if (in->lower)
+                rgb_pixel(grey[1][at], &q, out->blue_first, out->lower + 4 * at);
+        }
     }
-    scale_chroma(in_turns ? in->cb : from, 2 * n, q.ratio, uv, to_turns ? out->cb : to);
-    for (uint32_t i = 0; i < n && !to_turns; i++) {
-        out->cb[out->step * i] = to[2 * i];
-        out->cr[out->step * i] = to[2 * i + 1];
-    }
-    luma_by_table(t->luma, in->upper, 2 * n, out->upper);
-    luma_by_table(t->luma, in->lower, 2 * n, out->lower);
-    return find_exact(t, uv, &q, n, exact);
+    return parts;
 }
 
 #endif

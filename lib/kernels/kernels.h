@@ -212,25 +212,33 @@ typedef void pupil_store_alpha_kernel(const float *alpha, uint32_t n, void *targ
 
 /* Of n RGBA codes. */
 typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *rgba, uint32_t n, uint8_t *luma);
-/* Mapping by luma (config.h: pupil_accuracy), by the code of Y'. */
+/* Mapping by luma (config.h: pupil_accuracy), in integers: light is a code's alone. Cb and Cr, less 128, times their
+ * ratio are "scaled", in 1/16 of a code. A quad is two pixels of each row, with their common Cb and Cr. */
 typedef struct pupil_luma_tables {
-    uint8_t luma[256];                     /* the code of Y' that it becomes */
-    float zero, one, top;                  /* codes of Y': black; R'G'B' codes for each; white less black */
-    float red_v, blue_u, green_u, green_v; /* as pupil_coder's */
-    float knee, far; /* how far from grey a colour may be: of the room above it, and of grey itself */
+    uint8_t luma[256]; /* what a code of Y' becomes: one of Y', or of grey R'G'B' */
+    /* What Cb and Cr are multiplied by, in 1/2048, by the mean of a quad's codes in steps of two. */
+    uint8_t ratio_low[128], ratio_high[128];
+    int16_t red_v, blue_u, green_u, green_v; /* scaled to R'G'B' in quarters of a code, in 2^-15 */
+    /* No component may be more above grey, in quarters of a code, or the quad is mapped exactly: (at_most - slope * the
+     * largest new code of luma), and the larger of (far + slope * the least one) and PUPIL_LUMA_NOISE. Slopes are in
+     * 2^-8. */
+    int16_t surface, surface_slope, far, far_slope;
 } pupil_luma_tables;
-#define PUPIL_LUMA_QUADS 32
+#define PUPIL_LUMA_QUADS 256
+#define PUPIL_LUMA_PART  64
+#define PUPIL_LUMA_NOISE 32
+/* Rows from a quad on. lower NULL: there is one row. chroma: of a quad Cb, then Cr. */
 typedef struct pupil_luma_quads {
-    const uint8_t *upper, *lower, *cb, *cr;
-    uint32_t step; /* from a Cb to the next */
+    const uint8_t *upper, *lower, *chroma;
 } pupil_luma_quads;
 typedef struct pupil_luma_target {
-    uint8_t *upper, *lower, *cb, *cr;
-    uint32_t step;
+    uint8_t *upper, *lower, *chroma; /* chroma NULL: rows of RGBA8, or with blue_first of BGRX8 */
+    int blue_first;
 } pupil_luma_target;
-/* n quads, PUPIL_LUMA_QUADS at most. exact: 1 for those whose colour is to be mapped exactly; how many. */
+/* n quads, PUPIL_LUMA_QUADS at most. exact: not 0 for those that are to be mapped exactly; the result has bit p where
+ * one of those is in quads p * PUPIL_LUMA_PART and following. */
 typedef uint32_t pupil_by_luma_kernel(const pupil_luma_tables *tables, const pupil_luma_quads *in, uint32_t n,
-                                      const pupil_luma_target *out, uint8_t *exact);
+                                 const pupil_luma_target *out, uint16_t *exact);
 
 /* Of two rows (or twice the same) of n: n + n % 2 bytes. */
 typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t *upper, const uint8_t *lower,
@@ -299,7 +307,7 @@ typedef struct pupil_kernels {
     pupil_matrix_kernel *matrix, *to_picture;
     pupil_luma_kernel *luma_of_codes;
     pupil_chroma_kernel *chroma_of_codes;
-    pupil_by_luma_kernel *by_luma;
+    pupil_by_luma_kernel *yuv_by_luma, *rgb_by_luma;
     pupil_histogram_kernel *histogram;
     pupil_sampled_histogram_kernel *sampled_histogram;
     pupil_dither_kernel *dither;
@@ -378,13 +386,15 @@ typedef struct pupil_yuv_rows {
 void pupil_map_yuv(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_row *upper,
                    const pupil_row *lower, uint32_t x, uint32_t end, const pupil_yuv_rows *to);
 
-/* By luma: those of a run that job->sample selects, metered; the tables; two rows of n pixels, from 4:2:0 to 4:2:0 of
- * the same coding. */
+/* By luma: those of a run that job->sample selects, metered; the tables (coder NULL: for R'G'B'); two rows of n pixels,
+ * to 4:2:0 of the same coding; two rows or one (lower NULL) to RGBA8 or BGRX8. */
 void pupil_meter_sampled(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint32_t weight,
                          uint32_t band, pupil_stats *stats);
 void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *coder, pupil_luma_tables *tables);
 void pupil_map_luma(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_luma_tables *tables,
                     const pupil_row *upper, const pupil_row *lower, uint32_t n, const pupil_yuv_rows *to);
+void pupil_map_luma_rgb(const pupil_row_job *job, const pupil_luma_tables *tables, const pupil_row *upper,
+                        const pupil_row *lower, uint32_t n, uint8_t *upper_to, uint8_t *lower_to);
 /* The same of n pixels, PUPIL_BLOCK at most, that are RGBA codes already. lower NULL: there is none. */
 void pupil_yuv_of_codes(const pupil_kernels *kernels, const pupil_chroma_coder *coder, const uint8_t *upper,
                         const uint8_t *lower, uint32_t n, const pupil_yuv_rows *to);

@@ -157,6 +157,7 @@ INLINE void store_vectors(const float *first, const float *second, const float *
     store_rest(first, second, third, whole, n, e, target, bytes);
 }
 
+#include "neon_luma.h"
 #include "vector_table.h"
 
 #include "neon_raw10.h"

@@ -706,6 +706,6 @@ static void chroma_of_codes(const pupil_chroma_coder *coder, const uint8_t *rest
     },                                                                                                                 \
     .binned = binned, .bilinear = bilinear, .expand = expand, .binned_light = binned_light,                            \
     .bilinear_light = bilinear_light, .matrix = matrix, .to_picture = to_picture, .luma_of_codes = luma_of_codes,      \
-    .chroma_of_codes = chroma_of_codes, .by_luma = by_luma
+    .chroma_of_codes = chroma_of_codes
 
 #endif

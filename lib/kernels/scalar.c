@@ -2,6 +2,7 @@
  * fused multiply-add (-ffp-contract=off) that changes no bit. */
 #include "bins.h"
 #include "bloom_loops.h"
+#include "by_luma.h"
 #include "dither.h"
 #include "gamut.h"
 #include "kernels.h"
@@ -433,6 +434,19 @@ static void store_alpha_16f(const float *alpha, uint32_t n, void *target)
         t[4 * i + 3] = half_of_light(alpha[i]);
 }
 
+static uint32_t yuv_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n,
+                            const pupil_luma_target *out, uint16_t *exact)
+{
+    return yuv_quads(t, in, 0, n, out, exact);
+}
+
+static uint32_t rgb_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n,
+                            const pupil_luma_target *out, uint16_t *exact)
+{
+    uint8_t grey[2][2 * PUPIL_LUMA_QUADS];
+    return rgb_quads(t, in, 0, n, out, grey, exact);
+}
+
 const pupil_kernels pupil_kernels_scalar = {
     .load =
         {
@@ -448,6 +462,8 @@ const pupil_kernels pupil_kernels_scalar = {
     CAMERA_PIECES,
     VEIL_PIECES,
     BLOOM_PIECES,
+    .yuv_by_luma = yuv_by_luma,
+    .rgb_by_luma = rgb_by_luma,
     .meter = {[PUPIL_PLANES] = meter},
     .scale = {[PUPIL_PLANES] = scale},
     .scale_by_knots = scale_by_knots,

@@ -8,6 +8,7 @@
 #include "vector_bloom.h"
 #include "vector_formats.h"
 #include "vector_knots.h"
+#include "vector_luma.h"
 #include "veil_loops.h"
 
 /* A format's kernels. They are functions of their own so that the format is a constant in each. The parts that are not
@@ -143,6 +144,6 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
             STORES_OF_LIGHT,                                                                                           \
     },                                                                                                                 \
-    CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES
+    CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES, LUMA_PIECES
 
 #endif

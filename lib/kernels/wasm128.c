@@ -47,6 +47,7 @@ INLINE void store_vectors(const float *first, const float *second, const float *
     store_rest(first, second, third, whole, n, e, target, bytes);
 }
 
+#include "wasm128_luma.h"
 #include "vector_table.h"
 
 const pupil_kernels pupil_kernels_wasm128 = {VECTOR_PIECES};

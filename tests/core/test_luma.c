@@ -9,8 +9,10 @@
 #include "frames.h"
 #include "pupil/pupil.h"
 
-static const uint32_t planar[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21};
-enum { PLANAR = 3 };
+static const uint32_t inputs[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21,
+                                  PUPIL_PIXEL_NV16, PUPIL_PIXEL_YUYV, PUPIL_PIXEL_UYVY};
+static const uint32_t outputs[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8};
+enum { INPUTS = 6, OUTPUTS = 4 };
 
 static pupil_t begin(uint32_t accuracy, uint32_t level)
 {
@@ -41,6 +43,29 @@ static frame map(const frame *f, uint32_t accuracy, uint32_t level, const pupil_
     return to;
 }
 
+/* Any, or up and down. */
+static uint8_t some_luma(uint32_t kind, uint32_t x, uint32_t y)
+{
+    const uint32_t turn = (x + 7 * y) % 510;
+    return (uint8_t)(kind == 2 ? check_random() : turn < 256 ? turn : 510 - turn);
+}
+
+/* 0: grey, 1: small colours, 2: any codes. */
+static uint8_t some_chroma(uint32_t kind)
+{
+    return kind == 0 ? 128 : kind == 1 ? (uint8_t)(112 + check_random() % 33) : (uint8_t)check_random();
+}
+
+static void fill_packed(frame *f, uint32_t kind)
+{
+    uint8_t *data = (uint8_t *)(uintptr_t)f->image.data;
+    const uint32_t luma_at = f->image.pixel == PUPIL_PIXEL_UYVY;
+    for (uint32_t y = 0; y < f->image.height; y++)
+        for (size_t x = 0; x < pupil_row_bytes(f->image.pixel, f->image.width); x++)
+            data[(ptrdiff_t)y * f->image.stride_bytes + (ptrdiff_t)x] =
+                x % 2 == luma_at ? some_luma(kind, (uint32_t)x / 2, y) : some_chroma(kind);
+}
+
 static void fill_planes(frame *f, uint32_t kind)
 {
     uint8_t *luma = (uint8_t *)(uintptr_t)f->image.data, *chroma = (uint8_t *)(uintptr_t)f->image.chroma;
@@ -48,41 +73,57 @@ static void fill_planes(frame *f, uint32_t kind)
     const size_t row = pupil_chroma_row_bytes(f->image.pixel, f->image.width);
     for (uint32_t y = 0; y < f->image.height; y++)
         for (uint32_t x = 0; x < f->image.width; x++)
-            luma[(ptrdiff_t)y * f->image.stride_bytes + x] = kind == 2 ? (uint8_t)check_random() : (uint8_t)(x + 7 * y);
+            luma[(ptrdiff_t)y * f->image.stride_bytes + x] = some_luma(kind, x, y);
     for (int plane = 0; plane < (f->image.cr ? 2 : 1); plane++)
         for (uint32_t y = 0; y < rows; y++)
             for (size_t x = 0; x < row; x++) {
                 uint8_t *at = plane ? (uint8_t *)(uintptr_t)f->image.cr + (ptrdiff_t)y * f->image.cr_stride_bytes
                                     : chroma + (ptrdiff_t)y * f->image.chroma_stride_bytes;
-                at[x] = kind == 0 ? 128 : kind == 1 ? (uint8_t)(112 + check_random() % 33) : (uint8_t)check_random();
+                at[x] = some_chroma(kind);
             }
+}
+
+static void fill(frame *f, uint32_t kind)
+{
+    if (f->image.pixel == PUPIL_PIXEL_YUYV || f->image.pixel == PUPIL_PIXEL_UYVY)
+        fill_packed(f, kind);
+    else
+        fill_planes(f, kind);
+}
+
+/* A frame to a format, at every level; grey as it is mapped exactly. */
+static void same_bits_of(const frame *f, uint32_t kind, const pupil_curve *curve, uint32_t out)
+{
+    frame luma = map(f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, curve, out);
+    frame exact = map(f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, curve, out);
+    CHECK_MSG(kind || frame_equal(&exact, &luma), "grey, format %u to %u, %ux%u", f->image.pixel, out, f->image.width,
+              f->image.height);
+    for (uint32_t level = 1; level < PUPIL_LEVEL_COUNT; level++) {
+        frame other = map(f, PUPIL_ACCURACY_LUMA, level, curve, out);
+        CHECK_MSG(frame_equal(&luma, &other), "level %u, format %u to %u, %ux%u", level, f->image.pixel, out,
+                  f->image.width, f->image.height);
+        frame_free(&other);
+    }
+    frame_free(&exact);
+    frame_free(&luma);
 }
 
 static void same_bits(void)
 {
-    static const uint32_t size[][2] = {{1, 1}, {2, 2}, {3, 5}, {64, 4}, {65, 6}, {130, 7}, {333, 18}};
-    for (int p = 0; p < PLANAR; p++)
+    static const uint32_t size[][2] = {{1, 1}, {2, 2}, {3, 5}, {64, 4}, {65, 6}, {130, 7}, {333, 18}, {1100, 2}};
+    for (int p = 0; p < INPUTS; p++)
         for (unsigned i = 0; i < sizeof size / sizeof *size; i++)
             for (uint32_t kind = 0; kind < 3; kind++) {
-                frame f = frame_make(size[i][0], size[i][1], planar[p], 0, 0);
+                frame f = frame_make(size[i][0], size[i][1], inputs[p], 0, 0);
                 const pupil_curve curve = curve_of((float)exp2(6 * check_uniform() - 3));
-                const uint32_t out = check_random() & 1 ? PUPIL_PIXEL_NV12 : PUPIL_PIXEL_I420;
-                fill_planes(&f, kind);
-                frame exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, out);
-                frame luma = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, out);
-                CHECK_MSG(kind || frame_equal(&exact, &luma), "grey, %ux%u", size[i][0], size[i][1]);
-                for (uint32_t level = 1; level < PUPIL_LEVEL_COUNT; level++) {
-                    frame other = map(&f, PUPIL_ACCURACY_LUMA, level, &curve, out);
-                    CHECK_MSG(frame_equal(&luma, &other), "level %u, %ux%u", level, size[i][0], size[i][1]);
-                    frame_free(&other);
-                }
-                frame rgb = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_RGBA8);
-                frame rgb_exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_RGBA8);
+                fill(&f, kind);
+                for (int o = 0; o < OUTPUTS; o++)
+                    same_bits_of(&f, kind, &curve, outputs[o]);
+                frame rgb = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_RGB8);
+                frame rgb_exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_RGB8);
                 CHECK(frame_equal(&rgb, &rgb_exact));
                 frame_free(&rgb);
                 frame_free(&rgb_exact);
-                frame_free(&exact);
-                frame_free(&luma);
                 frame_free(&f);
             }
 }
@@ -96,7 +137,7 @@ static void any_split(void)
     const pupil_curve curve = curve_of(1.5f);
     const pupil_image out = frame_writable(&to), out_parts = frame_writable(&parts);
     pupil_stats whole, sum, part;
-    fill_planes(&f, 1);
+    fill(&f, 1);
     pupil_stats_clear(&whole);
     pupil_stats_clear(&sum);
     CHECK(pupil_fused_rows(&pupil, &curve, &f.image, 0, 480, &out, &whole) == PUPIL_OK);
@@ -117,19 +158,25 @@ static void any_split(void)
     frame_free(&parts);
 }
 
-/* What docs/numerics.md says: in codes of Y', Cb and Cr, of colours as cameras have them and of any. */
-static void errors(uint32_t kind, const char *what, double mean_limit, unsigned most_limit)
+static size_t bytes_of_rows(const frame *f, int plane)
+{
+    return plane ? pupil_chroma_row_bytes(f->image.pixel, f->image.width)
+                 : pupil_row_bytes(f->image.pixel, f->image.width);
+}
+
+/* In codes of what comes out, of colours as cameras have them and of any. */
+static void errors(uint32_t kind, uint32_t out, const char *what, double mean_limit, unsigned most_limit)
 {
     frame f = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
-    fill_planes(&f, kind);
+    fill(&f, kind);
     for (float scale = 0.5f; scale <= 2.0f; scale *= 2.0f) {
         const pupil_curve curve = curve_of(scale);
-        frame exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_NV12);
-        frame luma = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, PUPIL_PIXEL_NV12);
+        frame exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &curve, out);
+        frame luma = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &curve, out);
         unsigned off[256] = {0}, total = 0, at_99 = 0;
         double sum = 0;
-        for (int plane = 0; plane < 2; plane++)
-            for (uint32_t i = 0; i < 640 * (plane ? 240u : 480u); i++) {
+        for (int plane = 0; plane < (int)pupil_pixel_planes(out); plane++)
+            for (size_t i = 0; i < bytes_of_rows(&exact, plane) * (plane ? 240u : 480u); i++) {
                 const uint8_t *a = plane ? exact.image.chroma : exact.image.data;
                 const uint8_t *b = plane ? luma.image.chroma : luma.image.data;
                 const int d = a[i] - b[i];
@@ -170,8 +217,9 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     same_bits();
     any_split();
-    errors(1, "small colours", 1.5, 8);
-    errors(2, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */
+    errors(1, PUPIL_PIXEL_NV12, "small colours", 1.5, 8);
+    errors(1, PUPIL_PIXEL_RGBA8, "small colours, RGBA8", 1.5, 16); /* Cb and Cr are doubled in it */
+    errors(2, PUPIL_PIXEL_NV12, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */
     level_of_a_sample(PUPIL_PIXEL_NV12);
     level_of_a_sample(PUPIL_PIXEL_YUYV);
     level_of_a_sample(PUPIL_PIXEL_UYVY);

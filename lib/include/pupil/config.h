@@ -98,12 +98,13 @@ typedef enum pupil_accuracy {
     PUPIL_ACCURACY_EXACT = 0, /* every pixel, as light */
     PUPIL_ACCURACY_LUMA, /* For cameras on small boards. Metered are the pixels of one of each n rows, and in it one
                           * of each n pairs, exactly, with n of 1, 2, 4, 8 so that 16 000 pixels or more are
-                          * metered: statistics have these pixels alone. 4:2:0 that is mapped to NV12 or I420 of
-                          * the same matrix and range, without dither and to the input's primaries, goes by a table
-                          * of luma, and Cb and Cr keep their ratio to it: grey has the exact bits. Colours that are
-                          * near the gamut's surface or far from grey are mapped exactly, so a frame of nothing else
-                          * takes longer than the exact way. docs/numerics.md has the errors. The tables take as
-                          * long as 256 exact pixels, once a call: map many rows with each */
+                          * metered: statistics have these pixels alone. What is mapped to NV12 or I420 of the same
+                          * matrix and range, or to RGBA8 or BGRX8, without dither, to the input's primaries and to
+                          * codes of sRGB or gamma 2.2, goes by a table of luma, and Cb and Cr keep their ratio to it:
+                          * grey has the exact bits. Colours that are near the gamut's surface or far from grey are
+                          * mapped exactly, so a frame of nothing else takes longer than the exact way. YUYV, UYVY and
+                          * NV16 become 4:2:0 by the mean of two rows' Cb and Cr. docs/numerics.md has the errors. The
+                          * tables take as long as 256 exact pixels, once a call: map many rows with each */
     PUPIL_ACCURACY_COUNT
 } pupil_accuracy;
 
