@@ -185,7 +185,7 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
     {"accuracy", 0, OPTION_CHOICE, "exact|luma", AT(config.accuracy), .initial = "exact",
      .help = "luma: 8-bit Y'CbCr for small boards",
      .more =
-         "luma: meters some of the pixels, and maps NV12 and I420 to NV12 and I420 by tables of luma. Other formats "
+         "luma: meters some of the pixels, and maps to NV12, I420, RGBA8 and BGRX8 by tables of luma. Other formats "
          "are exact. docs/numerics.md has the errors."},
     {"histogram-step", 0, OPTION_CHOICE, "auto|1|2|4|8", 0, .initial = "auto", .parse = parse_histogram_step,
      .help = "count one pixel of each N x N",

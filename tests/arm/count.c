@@ -258,6 +258,15 @@ static void count_rows(const char *what, const struct format *f, const struct ou
     between_marks(&pupil, &in, output ? &out : 0, output && with == OPTIONS ? 0 : &stats, f->name);
 }
 
+/* NV12 of a camera: neighbours are alike, from dark to bright, in small colours. */
+static void fill_smooth(void)
+{
+    for (size_t i = 0; i < (size_t)ROWS * WIDTH; i++)
+        source[i] = (uint8_t)(32 + i % WIDTH / 10 + random_below(4));
+    for (size_t i = 0; i < sizeof source_chroma; i++)
+        source_chroma[i] = (uint8_t)(124 + random_below(9));
+}
+
 static void count_format(const struct format *f, int hard)
 {
     const int is_mosaic = pupil_kernels_scalar.unpack[f->pixel] != 0;
@@ -284,7 +293,9 @@ static void count_format(const struct format *f, int hard)
         count_rows("map-rows", f, &outputs[OUTPUTS - 1], hard, OPTIONS);
     if (f->pixel == PUPIL_PIXEL_NV12) {
         count_rows("fused+white-rows", f, &outputs[OUTPUTS - 1], hard, SAMPLED_WHITE);
+        fill_smooth();
         count_rows("luma-rows", f, &outputs[OUTPUTS - 1], hard, BY_LUMA);
+        count_rows("luma-rows", f, outputs, hard, BY_LUMA);
     }
 }
 
