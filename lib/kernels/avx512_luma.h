@@ -93,11 +93,11 @@ typedef struct ratio_tables {
 
 INLINE void ratio_tables_of(const pupil_luma_tables *t, ratio_tables *r)
 {
-    for (size_t k = 0; k < 4; k++) {
-        const __m256i low = _mm256_loadu_si256((const __m256i *)(const void *)(t->ratio_low + 32 * k));
-        const __m256i high = _mm256_loadu_si256((const __m256i *)(const void *)(t->ratio_high + 32 * k));
-        r->word[k] = _mm512_or_si512(_mm512_cvtepu8_epi16(low), _mm512_slli_epi16(_mm512_cvtepu8_epi16(high), 8));
-    }
+    uint16_t word[128];
+    for (int i = 0; i < 128; i++)
+        word[i] = (uint16_t)(t->ratio_low[i] | t->ratio_high[i] << 8);
+    for (size_t k = 0; k < 4; k++)
+        r->word[k] = _mm512_loadu_si512(word + 32 * k);
 }
 
 /* Of words up to 127. */

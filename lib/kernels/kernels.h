@@ -238,7 +238,7 @@ typedef struct pupil_luma_target {
 /* n quads, PUPIL_LUMA_QUADS at most. exact: not 0 for those that are to be mapped exactly; the result has bit p where
  * one of those is in quads p * PUPIL_LUMA_PART and following. */
 typedef uint32_t pupil_by_luma_kernel(const pupil_luma_tables *tables, const pupil_luma_quads *in, uint32_t n,
-                                 const pupil_luma_target *out, uint16_t *exact);
+                                      const pupil_luma_target *out, uint16_t *exact);
 
 /* Of two rows (or twice the same) of n: n + n % 2 bytes. */
 typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t *upper, const uint8_t *lower,

@@ -158,6 +158,7 @@ INLINE void store_vectors(const float *first, const float *second, const float *
 }
 
 #include "neon_luma.h"
+
 #include "vector_table.h"
 
 #include "neon_raw10.h"

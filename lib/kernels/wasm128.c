@@ -48,6 +48,7 @@ INLINE void store_vectors(const float *first, const float *second, const float *
 }
 
 #include "wasm128_luma.h"
+
 #include "vector_table.h"
 
 const pupil_kernels pupil_kernels_wasm128 = {VECTOR_PIECES};
