@@ -138,7 +138,7 @@ static void from_knees(const pupil_coding *coding, uint32_t bits, pupil_coder *c
 {
     pupil_line *line = c->line;
     float from = coding->black, light = 0.0f;
-    c->lines = coding->knees ? coding->knees + 1 : 0;
+    c->lines = coding->knees + 1;
     for (uint32_t i = 0; i < coding->knees; i++) {
         const float slope = (coding->knee_light[i] - light) / (coding->knee_code[i] - from);
         line[i] = (pupil_line){from, light, slope};
@@ -267,8 +267,8 @@ void pupil_coder_find_ordinary(pupil_coder *coder, const pupil_row_job *job)
     const float most = job->clip < coder->most ? job->clip : coder->most;
     const float weights = magnitude(job->luma[0]) + magnitude(job->luma[1]) + magnitude(job->luma[2]);
     for (int i = 0; i < 3; i++) {
-        const float limit = most / coder->unit4[i] + coder->zero4;
-        coder->ordinary4[i] = limit < 0x1p18f ? (int32_t)limit - 4 : 1 << 18;
+        /* at most four times the largest code, below 2^18 */
+        coder->ordinary4[i] = (int32_t)(most / coder->unit4[i] + coder->zero4) - 4;
     }
     coder->close_to_1 =
         job->floor >= 0x1p-15f && weights * coder->most < 0x1p14f && coder->zero4 == (float)(int32_t)coder->zero4;

@@ -44,7 +44,7 @@ static int is_even(const uint8_t weight[PUPIL_GRID_SIDE])
 static inline void work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                             uint32_t weight, uint32_t band, pupil_stats *stats)
 {
-    if (job->sample > 1 && stats)
+    if (job->sample > 1) /* only jobs that meter */
         pupil_meter_sampled(job, row, x, n, weight, band, stats);
     else
         pupil_work_run(job, row, x, n, target, weight, band, stats);

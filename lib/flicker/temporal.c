@@ -88,7 +88,7 @@ static void lamp_frame(pupil_flicker_light *l, double hz, double period_s, doubl
         l->gone = 0;
     if (l->gone > 1 || is_slow)
         *l = (pupil_flicker_light){.turn = l->turn, .gate = -1.0};
-    if (l->gone > 1 || (is_miss && !(l->gate > 0.0)))
+    if (is_miss && !(l->gate > 0.0)) /* also one that has just ended it */
         return;
 
     l->left += 0.5 * RATE * ((left2 < most ? left2 : most) - l->left);

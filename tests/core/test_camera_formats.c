@@ -513,6 +513,47 @@ static void nv12_out(void)
     CHECK(most < 0.51L);
 }
 
+/* Mosaics at the ends of what is metered by the fast way: a clip below the coding's white, a floor below its own, and
+ * factors that make a luminance of more than it has room for. Every level has the scalar one's bits, and the level of a
+ * flat frame is what the coding says. */
+static void mosaic_extremes(void)
+{
+    for (int n = 0; n < 4; n++) {
+        pupil_coding coding = {.black = n % 2 ? 64.25f : 0.0f};
+        frame f = frame_make(48, 8, PUPIL_PIXEL_BAYER12, 0, 0);
+        pupil_stats scalar, stats;
+        double mean;
+        for (uint32_t y = 0; y < 8; y++)
+            for (uint32_t x = 0; x < 48; x++)
+                set_word((unsigned char *)at(&f, 0, y) + 2 * (size_t)x, 1000);
+        for (int i = 0; i < 3 && n == 3; i++) {
+            coding.balance[i] = 1024.0f;
+            for (int k = 0; k < 3; k++)
+                coding.rgb_from_camera[3 * i + k] = 16.0f;
+        }
+        f.image.coding = &coding;
+        for (uint32_t level = 0; level < PUPIL_LEVEL_COUNT; level++) {
+            pupil_config config;
+            pupil_t pupil;
+            pupil_config_default(&config);
+            config.levels = 1u << level;
+            config.clip = n == 1 ? 0.125f : 0.0f;
+            config.floor = n == 2 ? 0x1p-20f : 0x1p-14f;
+            CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+            pupil_stats_clear(&stats);
+            CHECK(pupil_meter_rows(&pupil, &f.image, 0, 8, &stats) == PUPIL_OK);
+            if (!level)
+                scalar = stats;
+            CHECK_MSG(memcmp(&stats, &scalar, sizeof stats) == 0, "level %u, %d", level, n);
+        }
+        const double black = (double)coding.black, light = (1000.0 - black) / (4095.0 - black);
+        CHECK(pupil_stats_mean(&stats, 0, 1, &mean) == PUPIL_OK);
+        CHECK_MSG(fabs(mean - log2(n == 3 ? light * 1024.0 * 48.0 : light)) < 1e-5, "%d: %g", n, mean);
+        CHECK_MSG(stats.clipped == (n == 1 ? stats.pixels : 0), "%d: %d clipped", n, (int)stats.clipped);
+        frame_free(&f);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -524,5 +565,6 @@ int main(int argc, char **argv)
     same_codes_same_bits();
     hdr_light();
     bgr_out();
+    mosaic_extremes();
     return check_end();
 }

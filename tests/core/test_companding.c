@@ -100,10 +100,56 @@ static void check_ramp(uint32_t companded_pixel, uint32_t linear_pixel, const ch
     frame_free(&linear);
 }
 
+/* Of any knees the largest code is the light 1, and counts as clipped: no rounding takes it away. */
+static void white_is_full(void)
+{
+    pupil_config config;
+    pupil_t pupil;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    for (int n = 0; n < 400; n++) {
+        pupil_coding coding = {.black = (float)(check_uniform() * 100.0), .knees = 1 + (uint32_t)n % 2};
+        frame f = frame_make(2, 1, PUPIL_PIXEL_GREY12, 0, 0);
+        pupil_stats stats;
+        coding.knee_code[0] = 200.0f + (float)(check_uniform() * 1000.0);
+        coding.knee_light[0] = 0.001f + (float)(check_uniform() * 0.1);
+        coding.knee_code[1] = 2000.0f + (float)(check_uniform() * 2000.0);
+        coding.knee_light[1] = 0.2f + (float)(check_uniform() * 0.7);
+        f.image.coding = &coding;
+        ((uint16_t *)frame_writable(&f).data)[0] = 4095;
+        ((uint16_t *)frame_writable(&f).data)[1] = 4094;
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &f.image, 0, 1, &stats) == PUPIL_OK);
+        CHECK_MSG(stats.clipped == 1, "knees at %a, %a of %a, %a: %d clipped", (double)coding.knee_code[0],
+                  (double)coding.knee_code[1], (double)coding.knee_light[0], (double)coding.knee_light[1],
+                  (int)stats.clipped);
+        frame_free(&f);
+    }
+}
+
+/* PQ with one code above black: its light, 100 times white, counts as white, which is the most that statistics take. */
+static void only_code(void)
+{
+    const pupil_coding coding = {.black = 254, .light = PUPIL_LIGHT_PQ};
+    frame f = frame_make(2, 1, PUPIL_PIXEL_GREY8, 0, 0);
+    pupil_config config;
+    pupil_t pupil;
+    pupil_stats stats;
+    f.image.coding = &coding;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(&pupil, &f.image, 0, 1, &stats) == PUPIL_OK && stats.code_light == 1.0f);
+    CHECK(pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK);
+    frame_free(&f);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_ramp(PUPIL_PIXEL_GREY12, PUPIL_PIXEL_GREY16, "a grey ramp");
     check_ramp(PUPIL_PIXEL_BAYER12, PUPIL_PIXEL_BAYER16, "a mosaic of a ramp");
+    white_is_full();
+    only_code();
     return check_end();
 }

@@ -53,6 +53,7 @@ static const struct range {
     {FIELD(curve_share), 'd', 0, 0.25, {-1e-9, 0.2501, -INFINITY, INFINITY}},
     {FIELD(curve_ceiling), 'd', 1, 4, {0.999, 4.001, -INFINITY, INFINITY}},
     {FIELD(curve_range_ev), 'd', 2, 16, {1.999, 16.001, -INFINITY, INFINITY}},
+    {FIELD(meter_rows), 'u', 0, 8, {3, 5, 16, 4294967295.0}},
     {FIELD(histogram_step), 'u', 0, 8, {3, 5, 16, 4294967295.0}},
     {FIELD(accuracy), 'u', 0, PUPIL_ACCURACY_COUNT - 1, {PUPIL_ACCURACY_COUNT, 3, 255, 4294967295.0}},
 };
@@ -145,6 +146,16 @@ static void check_the_rest(void)
     refused(&config, "rgb_to_xyz", NULL);
     config.rgb_to_xyz[0] = 400.0f;
     CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
+    const float green_first[9] = {700, 400, 100, 700, 200, 100, 0, 0, 100}; /* the determinant is negative */
+    memcpy(config.rgb_to_xyz, green_first, sizeof green_first);
+    CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
+    for (int i = 0; i < 3; i++) { /* outside the luminance row: read for other primaries only */
+        config.rgb_to_xyz[6] = i == 0 ? NAN : i == 1 ? 2e6f : -2e6f;
+        config.output_primaries = PUPIL_OUTPUT_BT709;
+        refused(&config, "rgb_to_xyz", NULL);
+        config.output_primaries = PUPIL_OUTPUT_AS_INPUT;
+        CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
+    }
     pupil_config_default(&config);
     config.trim_low = 0.6f;
     config.trim_high = 0.4f;
@@ -220,7 +231,8 @@ static void check_patterns(void)
     static const double bad[][4] = {{-0.01, 0, 1, 1},    {0, -0.01, 1, 1}, {0, 0, 1.01, 1},       {0, 0, 1, 1.01},
                                     {0, 0, 0, 1},        {0, 0, 1, 0},     {0.5, 0, 0.51, 1},     {0, 0.5, 1, 0.51},
                                     {NAN, 0, 1, 1},      {0, NAN, 1, 1},   {0, 0, NAN, 1},        {0, 0, 1, NAN},
-                                    {0, 0, INFINITY, 1}, {1, 0, 0.5, 1},   {0.5, 0.5, -0.2, 0.2}, {1e300, 0, 1, 1}};
+                                    {0, 0, INFINITY, 1}, {1, 0, 0.5, 1},   {0.5, 0.5, -0.2, 0.2}, {1e300, 0, 1, 1},
+                                    {0, 1, 1, 1e-10}};
     before = c;
     for (unsigned i = 0; i < sizeof bad / sizeof *bad; i++)
         CHECK_MSG(pupil_metering_roi(&c, bad[i][0], bad[i][1], bad[i][2], bad[i][3]) == PUPIL_ERR_VALUE, "region %u",

@@ -382,6 +382,110 @@ static void check_lamp(int kind, int part)
     printf("\n");
 }
 
+/* --- where they begin, and the ends of light --- */
+
+static frame even(double light)
+{
+    frame f = frame_make(64, 1, PUPIL_PIXEL_RGB32F, 0, 0);
+    frame_fill(&f, light, light, light);
+    return f;
+}
+
+static void show(pupil_t *pupil, double light, int64_t timestamp_ns, pupil_curve *curve)
+{
+    const pupil_frame_info info = {.timestamp_ns = timestamp_ns};
+    frame f = even(light);
+    CHECK(pupil_meter(pupil, &f.image, &info) == PUPIL_OK && pupil_get_curve(pupil, &info, curve) == PUPIL_OK);
+    frame_free(&f);
+}
+
+/* Knots that begin have no past: until a frame has been seen there are none, and then they are at once that frame's.
+ * From one kind of curve to another they go on. */
+static void check_beginning(void)
+{
+    pupil_config config;
+    pupil_t pupil, other;
+    pupil_curve curve, fresh;
+    pupil_config_default(&config);
+    config.tau_light_s = config.tau_dark_s = 100.0;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    show(&pupil, 0.5, 1000000000, &curve);
+    config.curve = PUPIL_CURVE_EQUALISE;
+    CHECK(pupil_init(&other, &config) == PUPIL_OK && pupil_retune(&pupil, &config) == PUPIL_OK);
+    CHECK(pupil_get_curve(&pupil, NULL, &curve) == PUPIL_OK && curve.knots == 0);
+    show(&pupil, 0.5, 1040000000, &curve);
+    show(&other, 0.5, 1040000000, &fresh);
+    CHECK(curve.knots == KNOTS && memcmp(curve.knot, fresh.knot, sizeof curve.knot) == 0);
+    config.curve = PUPIL_CURVE_NORMALISE;
+    CHECK(pupil_retune(&pupil, &config) == PUPIL_OK && pupil_get_curve(&pupil, NULL, &curve) == PUPIL_OK);
+    CHECK(curve.knots == KNOTS && memcmp(curve.knot, fresh.knot, sizeof curve.knot) == 0);
+}
+
+/* The law's curve in the table, by each kind of white point. */
+static void check_white_modes(void)
+{
+    for (uint32_t mode = 0; mode < PUPIL_WHITE_COUNT; mode++) {
+        pupil_config config;
+        pupil_t pupil;
+        pupil_curve table, law;
+        pupil_config_default(&config);
+        config.white_mode = mode;
+        config.white = 3.0;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        show(&pupil, 0.5, 1, &law);
+        config.curve = PUPIL_CURVE_QUANTISE;
+        config.curve_levels = 256;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        show(&pupil, 0.5, 1, &table);
+        for (int k = 0; k < KNOTS; k++) {
+            const double u = (double)law.scale * place(k) / (double)table.knot_scale;
+            const double light = u * (1.0 + u * (double)law.inverse_white_squared) / (1.0 + u);
+            CHECK_MSG(fabs((double)table.knot[k] - sqrt(fmin(1.0, light))) < 1e-6, "white mode %u, knot %d", mode, k);
+        }
+    }
+}
+
+/* Knots above the brightest light that there is: all of the frame is below them. */
+static void check_brightest(void)
+{
+    pupil_config config;
+    pupil_t pupil;
+    pupil_curve curve;
+    pupil_config_default(&config);
+    config.curve = PUPIL_CURVE_EQUALISE;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    show(&pupil, 0x1.8p29, 1, &curve);
+    for (int k = 0; k < KNOTS; k++) {
+        const double light = place(k) / (double)curve.knot_scale;
+        CHECK_MSG(light < 0x1.8p29 ? curve.knot[k] == 0.0f : light < 0x1.ap29 || curve.knot[k] == 1.0f, "knot %d: %g", k,
+                  (double)curve.knot[k]);
+    }
+}
+
+/* The level falls by more stops than the knots have: as it ever was, flat above and in proportion below, and at the end
+ * as if there had been no past. */
+static void check_fall(void)
+{
+    pupil_config config;
+    pupil_t pupil, other;
+    pupil_curve curve, fresh;
+    pupil_config_default(&config);
+    config.curve = PUPIL_CURVE_ADJUST;
+    config.tau_dark_s = 0.0145; /* nine tenths of the way in a frame */
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_init(&other, &config) == PUPIL_OK);
+    show(&pupil, 0x1p20, 1000000000, &curve);
+    for (int64_t n = 1; n < 60; n++) {
+        show(&pupil, 0x1p-9, 1000000000 + n * 33333333, &curve);
+        CHECK_MSG(steepest(&curve) <= 1.0 + 1e-4, "frame %d: %g", (int)n, steepest(&curve));
+        for (int k = 1; k < KNOTS; k++)
+            CHECK(curve.knot[k] >= curve.knot[k - 1] && curve.knot[k] <= 1.0f);
+    }
+    show(&other, 0x1p-9, 1, &fresh);
+    CHECK(curve.knot_scale == fresh.knot_scale);
+    for (int k = 0; k < KNOTS; k++)
+        CHECK(fabsf(curve.knot[k] - fresh.knot[k]) < 1e-6f);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -400,5 +504,9 @@ int main(int argc, char **argv)
     check_lamp(LOGARITHMIC, 0);
     check_lamp(NARROW, 0);
     check_lamp(LOGARITHMIC, 10);
+    check_beginning();
+    check_white_modes();
+    check_brightest();
+    check_fall();
     return check_end();
 }

@@ -51,6 +51,20 @@ static void grey_world(void)
     float balance[3] = {5, 5, 5};
     pupil_stats_clear(&none);
     CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_NO_LIGHT && balance[0] == 5);
+    CHECK(pupil_stats_grey_world(NULL, balance) == PUPIL_ERR_NULL);
+    CHECK(pupil_stats_grey_world(&none, NULL) == PUPIL_ERR_NULL);
+    none.rows = none.frame_height = 1;
+    none.pixels = none.weight = none.channel_quads = 4;
+    for (int64_t blue = -1; blue <= 0; blue++) { /* no light, or less than black */
+        const int64_t sum[3] = {4000, 4000, blue};
+        memcpy(none.channel_sum, sum, sizeof sum);
+        CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_NO_LIGHT && balance[0] == 5);
+    }
+    none.channel_sum[2] = 3; /* more than a coding takes */
+    CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_OK);
+    CHECK(balance[0] == 1.0f && balance[1] == 1.0f && balance[2] == 1024.0f);
+    none.black = 5;
+    CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_STATS && balance[2] == 1024.0f);
 }
 
 /* A colourful frame up to full, against its samples, with balances that clip much of what is not full. */

@@ -135,6 +135,35 @@ static void by_size(uint32_t width, uint32_t height, uint32_t expected)
     frame_free(&f);
 }
 
+/* Bins are gathered for whatever reads them, and for nothing else: of every kind of frame. */
+static void only_where_they_are_read(void)
+{
+    static const uint32_t pixels[] = {PUPIL_PIXEL_RGB8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_BAYER12};
+    for (int p = 0; p < 3; p++)
+        for (int reason = 0; reason < 6; reason++) {
+            frame f = frame_make(32, 32, pixels[p], 0, 0);
+            pupil_config config;
+            pupil_t pupil;
+            pupil_stats stats;
+            uint64_t sum = 0;
+            frame_lognormal(&f, 0.1, 2, check_uniform);
+            pupil_config_default(&config);
+            config.white_mode = reason == 1 ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_NONE;
+            config.histogram = reason == 2;
+            config.trim_low = reason == 3 ? 0.1f : 0.0f;
+            config.trim_high = reason == 4 ? 0.9f : 1.0f;
+            config.curve = reason == 5 ? PUPIL_CURVE_EQUALISE : PUPIL_CURVE_REINHARD;
+            CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+            meter(&pupil, &f, &stats);
+            for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++)
+                sum += stats.bin[i];
+            CHECK_MSG(stats.has_histogram == (reason > 0) && sum == (reason ? stats.weight : 0), "format %u, reason %d",
+                      pixels[p], reason);
+            CHECK(pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK);
+            frame_free(&f);
+        }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -151,5 +180,6 @@ int main(int argc, char **argv)
     by_size(1280, 720, 4);
     by_size(1920, 1080, 4);
     by_size(3840, 2160, 8);
+    only_where_they_are_read();
     return check_end();
 }

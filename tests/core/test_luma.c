@@ -212,11 +212,60 @@ static void level_of_a_sample(uint32_t pixel)
     frame_free(&f);
 }
 
+/* One frame by both accuracies, each with codings of its own. */
+static int differs(uint32_t in_pixel, const pupil_coding *from, const pupil_coding *into, pupil_curve curve,
+                   uint32_t primaries)
+{
+    frame f = frame_make(66, 6, in_pixel, 0, 0);
+    frame to[2] = {frame_make(66, 6, PUPIL_PIXEL_NV12, 0, 0), frame_make(66, 6, PUPIL_PIXEL_NV12, 0, 0)};
+    frame_lognormal(&f, 0.2, 2, check_uniform);
+    f.image.coding = from;
+    for (uint32_t accuracy = 0; accuracy < 2; accuracy++) {
+        pupil_config config;
+        pupil_t pupil;
+        pupil_image out = frame_writable(&to[accuracy]);
+        out.coding = into;
+        pupil_config_default(&config);
+        config.accuracy = accuracy ? PUPIL_ACCURACY_LUMA : PUPIL_ACCURACY_EXACT;
+        config.primaries = primaries;
+        config.output_primaries = primaries ? PUPIL_OUTPUT_BT709 : PUPIL_OUTPUT_AS_INPUT;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        CHECK(pupil_map_rows(&pupil, &curve, &f.image, &out) == PUPIL_OK);
+    }
+    const int differ = !frame_equal(&to[0], &to[1]);
+    frame_free(&f);
+    frame_free(&to[0]);
+    frame_free(&to[1]);
+    return differ;
+}
+
+/* What cannot go by luma, or is not told to, is exact; and what can has another picture, so that this would be seen. */
+static void exact_where_it_must(void)
+{
+    static const pupil_coding usual = {0}, full = {.range = PUPIL_RANGE_FULL}, linear = {.light = PUPIL_LIGHT_LINEAR},
+                              bt2020 = {.matrix = PUPIL_MATRIX_BT2020};
+    const pupil_curve plain = curve_of(1.5f);
+    pupil_curve dithered = plain;
+    dithered.dither = 1;
+    for (int p = 0; p < PLANAR; p++) {
+        CHECK(differs(planar[p], NULL, NULL, plain, 0));
+        CHECK(differs(planar[p], &usual, NULL, plain, 0) && differs(planar[p], NULL, &usual, plain, 0));
+        CHECK(differs(planar[p], &full, &full, plain, 0) && differs(planar[p], &bt2020, &bt2020, plain, 0));
+        CHECK(!differs(planar[p], &full, NULL, plain, 0) && !differs(planar[p], NULL, &full, plain, 0));
+        CHECK(!differs(planar[p], &bt2020, NULL, plain, 0) && !differs(planar[p], NULL, &bt2020, plain, 0));
+        CHECK(!differs(planar[p], &linear, NULL, plain, 0));
+        CHECK(!differs(planar[p], NULL, NULL, dithered, 0));
+        CHECK(!differs(planar[p], NULL, NULL, plain, PUPIL_PRIMARIES_BT2020));
+    }
+    CHECK(!differs(PUPIL_PIXEL_P010, NULL, NULL, plain, 0));
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     same_bits();
     any_split();
+    exact_where_it_must();
     errors(1, PUPIL_PIXEL_NV12, "small colours", 1.5, 8);
     errors(1, PUPIL_PIXEL_RGBA8, "small colours, RGBA8", 1.5, 16); /* Cb and Cr are doubled in it */
     errors(2, PUPIL_PIXEL_NV12, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */

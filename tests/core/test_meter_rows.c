@@ -141,6 +141,27 @@ static void error_of(const char *what, frame *f, const double limit[3])
     }
 }
 
+/* Weights whose halves are the same, and that are not all one. */
+static void striped_weights(void)
+{
+    frame f = frame_make(64, 16, PUPIL_PIXEL_RGB32F, 0, 0);
+    pupil_config config;
+    pupil_t pupil;
+    pupil_stats stats;
+    pupil_config_default(&config);
+    for (uint32_t y = 0; y < 16; y++)
+        for (uint32_t x = 0; x < 64; x++) {
+            const double light = x / 4 % 2 ? 2.0 : 0.125;
+            frame_set(&f, x, y, light, light, light, 1);
+            config.weight[y][x / 4] = x / 4 % 2 ? 3 : 1;
+        }
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    const double mean = mean_of(&pupil, &f, &stats);
+    CHECK(stats.weight == 16 * 64 * 2 && stats.pixels == 16 * 64);
+    CHECK_MSG(fabs(mean - (3.0 * 1.0 - 3.0) / 4.0) < 1e-6, "%g", mean);
+    frame_free(&f);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -161,5 +182,6 @@ int main(int argc, char **argv)
             frame_set(&f, x, y, y % 2 ? 0.64 : 0.01, y % 2 ? 0.64 : 0.01, y % 2 ? 0.64 : 0.01, 1);
     error_of("stripes of a row", &f, (double[]){0.7, 1.0, 1.4});
     frame_free(&f);
+    striped_weights();
     return check_end();
 }

@@ -136,6 +136,10 @@ static void check_images(void)
     remember();
     expect(pupil_process(&pupil, &in, NULL, &o), PUPIL_ERR_SIZE, "heights differ");
     expect(pupil_map_rows(&pupil, &curve, &in, &o), PUPIL_ERR_SIZE, "heights differ");
+    const pupil_image_const two_rows = pupil_image_rows(in, 0, 2);
+    o.width = 2;
+    o.height = 1;
+    expect(pupil_map_rows(&pupil, &curve, &two_rows, &o), PUPIL_ERR_SIZE, "half the size, of no mosaic");
     static const ptrdiff_t short_stride[] = {0, 44, -44, 4, -4};
     for (unsigned k = 0; k < 5; k++) {
         i = in;
@@ -191,6 +195,8 @@ static void check_rows(void)
                                       {.scale = 1, .gamut = NAN},
                                       {.scale = 1, .gamut = -1},
                                       {.scale = 1, .gamut = INFINITY},
+                                      {.scale = 1, .dither = 2},
+                                      {.scale = 1, .first_row = PUPIL_MAX_SIDE_PX},
                                       {.scale = 1, .knots = 1},
                                       {.scale = 1, .knots = 128, .levels = 1},
                                       {.scale = 1, .knots = 128, .levels = 257},
@@ -204,6 +210,10 @@ static void check_rows(void)
         expect(pupil_map_rows(&pupil, &bad[k], &one, &to), PUPIL_ERR_VALUE, "curve");
         expect(pupil_fused_rows(&pupil, &bad[k], &one, 1, 3, &to, &stats), PUPIL_ERR_VALUE, "curve");
     }
+    stats.black = 13; /* of 12 pixels */
+    remember();
+    expect(pupil_meter_rows(&pupil, &one, 1, 3, &stats), PUPIL_ERR_STATS, "statistics that cannot be");
+    stats.black = 0;
     pupil_config config;
     pupil_config_default(&config);
     config.white_mode = PUPIL_WHITE_NONE;
@@ -228,7 +238,13 @@ static void check_order(void)
     expect(pupil_frame_rows(&pupil, &one, 0, NULL), PUPIL_ERR_ORDER, "rows without begin");
     expect(pupil_frame_end(&pupil), PUPIL_ERR_ORDER, "end without begin");
     expect(pupil_frame_begin(&pupil, 0, 3, NULL), PUPIL_ERR_SIZE, "begin without width");
+    expect(pupil_frame_begin(&pupil, 4, 0, NULL), PUPIL_ERR_SIZE, "begin without height");
+    expect(pupil_frame_begin(&pupil, PUPIL_MAX_SIDE_PX + 1, 3, NULL), PUPIL_ERR_SIZE, "begin too wide");
     expect(pupil_frame_begin(&pupil, 4, PUPIL_MAX_SIDE_PX + 1, NULL), PUPIL_ERR_SIZE, "begin too high");
+    const pupil_frame_info reserved = {.reserved = 1};
+    expect(pupil_frame_begin(&pupil, 4, 3, &reserved), PUPIL_ERR_SIZE_BYTES, "begin with a field of a later version");
+    expect(pupil_meter(&pupil, &in, &reserved), PUPIL_ERR_SIZE_BYTES, "meter with a field of a later version");
+    expect(pupil_frame_cancel(&pupil), PUPIL_ERR_ORDER, "cancel without begin");
     CHECK(pupil_get_exposure(&pupil, &e) == PUPIL_OK && e.frames == 2);
     CHECK(pupil_frame_begin(&pupil, 4, 3, NULL) == PUPIL_OK);
     CHECK(pupil_frame_rows(&pupil, &one, 2, &to) == PUPIL_OK);
@@ -297,7 +313,14 @@ static void check_stats(void)
     STATS_FIELD(bin[511], -1);
     STATS_FIELD(band_log2_sum[0], INT64_MAX);
     STATS_FIELD(band_log2_sum[63], 1);
+    STATS_FIELD(band_log2_sum[0], INT64_MIN);
     STATS_FIELD(band_pixels[5], 1000);
+    STATS_FIELD(peak, 0x7f800000);       /* infinite */
+    STATS_FIELD(code_light, 0x40000000); /* 2 */
+    STATS_FIELD(code_light, 0x7fc00000); /* NaN */
+    STATS_FIELD(channel_quads, 5);
+    STATS_FIELD(channel_sum[0], 1); /* of no quad */
+    STATS_FIELD(channel_sum[2], -1);
     const pupil_stats good = stats;
     static const double share[][2] = {{NAN, 1}, {0, NAN}, {-0.1, 1}, {0, 1.1}, {0.6, 0.4}, {1, 0}};
     for (unsigned i = 0; i < 6; i++)
@@ -312,8 +335,21 @@ static void check_stats(void)
     CHECK(pupil_stats_peak_quantile(&stats, 2, &value) == PUPIL_ERR_VALUE && value == 5);
     CHECK(pupil_stats_peak_quantile(NULL, 0, &value) == PUPIL_ERR_NULL);
     CHECK(pupil_stats_peak_quantile(&stats, 0, NULL) == PUPIL_ERR_NULL);
+    stats.black = 99;
+    CHECK(pupil_stats_quantile(&stats, 0.5, &value) == PUPIL_ERR_STATS && value == 5);
     pupil_stats_clear(&stats);
     CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_NO_LIGHT && value == 5);
+    stats.has_histogram = 1;
+    CHECK(pupil_stats_quantile(&stats, 0.5, &value) == PUPIL_ERR_NO_LIGHT && value == 5);
+    pupil_stats_clear(&stats);
+    stats.log2_frac = 1; /* of no weight */
+    CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_STATS && value == 5);
+    pupil_stats_clear(&stats); /* so many quads that no sum of a channel could be told from nonsense */
+    stats.rows = stats.frame_height = 1;
+    stats.weight = stats.pixels = stats.channel_quads = (UINT64_C(1) << 44) - 1;
+    CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_OK && value == 0);
+    stats.weight = stats.pixels = ++stats.channel_quads;
+    CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_STATS);
     stats = good;
     memset(stats.bin, 0, sizeof stats.bin);
     memset(stats.peak_bin, 0, sizeof stats.peak_bin);
@@ -321,6 +357,21 @@ static void check_stats(void)
     stats.has_histogram = 0; /* sound, but the white point wants to follow */
     remember();
     expect(pupil_adapt(&pupil, &stats, NULL), PUPIL_ERR_NO_HISTOGRAM, "adapt without a histogram");
+    pupil_config config;
+    pupil_config_default(&config);
+    config.white_mode = PUPIL_WHITE_NONE;
+    config.trim_low = 0.1f;
+    CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
+    remember();
+    expect(pupil_adapt(&pupil, &stats, NULL), PUPIL_ERR_NO_HISTOGRAM, "a trimmed mean without a histogram");
+    config.trim_low = 0.0f;
+    config.curve = PUPIL_CURVE_EQUALISE;
+    CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
+    remember();
+    expect(pupil_adapt(&pupil, &stats, NULL), PUPIL_ERR_NO_HISTOGRAM, "a curve of the histogram without one");
+    config.curve = PUPIL_CURVE_REINHARD;
+    CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
+    CHECK(pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK); /* nothing asks for it */
     pupil_stats_clear(NULL);
 }
 
@@ -330,6 +381,7 @@ static void check_objects(void)
     pupil_config config;
     pupil_exposure e;
     pupil_curve c;
+    uint32_t level = 77;
     pupil_config_default(&config);
     fresh();
     for (int kind = 0; kind < 4; kind++) {
@@ -354,6 +406,8 @@ static void check_objects(void)
         expect(pupil_get_curve(p, NULL, &c), wanted, "get_curve");
         expect(pupil_curve_before_light(p, &c), wanted, "curve_before_light");
         expect(pupil_get_stats(p, &stats), wanted, "get_stats");
+        expect(pupil_get_level(p, &level), wanted, "get_level");
+        CHECK(level == 77);
     }
     CHECK(pupil_init(NULL, &config) == PUPIL_ERR_NULL && pupil_init(&pupil, NULL) == PUPIL_ERR_NULL);
     fresh();
@@ -364,6 +418,8 @@ static void check_objects(void)
     expect(pupil_get_curve(&pupil, NULL, NULL), PUPIL_ERR_NULL, "curve into nothing");
     expect(pupil_curve_before_light(&pupil, NULL), PUPIL_ERR_NULL, "curve before light into nothing");
     expect(pupil_get_stats(&pupil, NULL), PUPIL_ERR_NULL, "statistics into nothing");
+    expect(pupil_get_level(&pupil, NULL), PUPIL_ERR_NULL, "level into nothing");
+    CHECK(pupil_get_level(&pupil, &level) == PUPIL_OK && level < PUPIL_LEVEL_COUNT);
 }
 
 /* Planes, pairs of rows and codings. */
@@ -416,6 +472,10 @@ static void check_cameras(void)
     expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_ALIGNMENT, "P010's chroma rows at odd addresses");
     i.chroma_stride_bytes = 14;
     expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "P010's chroma rows overlap");
+    i.chroma_stride_bytes = 16;
+    i.chroma = (const char *)mosaic + 1;
+    expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_ALIGNMENT, "P010's chroma at an odd address");
+    i.chroma = mosaic;
     i.pixel = PUPIL_PIXEL_I444_16;
     i.chroma_stride_bytes = i.cr_stride_bytes = 14;
     expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_STRIDE, "I444_16's rows of Cb overlap");
@@ -455,6 +515,8 @@ static void check_cameras(void)
                  {"knee_code", {.knees = 2, .knee_code = {90, 80}, .knee_light = {0.1f, 0.5f}}},
                  {"knee_code", {.knees = 1, .knee_code = {__builtin_nanf("")}, .knee_light = {0.5f}}},
                  {"knee_code", {.white = 400, .knees = 1, .knee_code = {399.5f}, .knee_light = {0.5f}}},
+                 {"knee_code", {.knees = 1, .knee_code = {65534.5f}, .knee_light = {0.5f}}},
+                 {"size_bytes", {.size_bytes = 3}},
                  {"knee_light", {.knees = 1, .knee_code = {90}}},
                  {"knee_light", {.knees = 1, .knee_code = {90}, .knee_light = {1}}},
                  {"knee_light", {.knees = 2, .knee_code = {80, 90}, .knee_light = {0.5f, 0.5f}}},

@@ -290,6 +290,38 @@ static void check_white_follows(void)
     frame_free(&f);
 }
 
+/* A setting that no camera has is as one that is not known, whichever end it is beyond. */
+static void check_unknown_settings(void)
+{
+    static const double wrong[][2] = {{0.25, 0x1.1p64}, {0.25, 0x1p-65}, {0x1.1p64, 2}, {0x1p-65, 2}, {0, 2}, {0.25, 0}};
+    for (unsigned i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        pupil_config config;
+        pupil_t pupil;
+        pupil_config_default(&config);
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        CHECK_MSG(adapt(&pupil, 3, wrong[i][0], wrong[i][1]).metered_ev == adapt(&pupil, 3, 0, 0).metered_ev,
+                  "%g s, gain %g", wrong[i][0], wrong[i][1]);
+        CHECK(fabs(adapt(&pupil, 3, 0.25, 0x1p64).metered_ev - (3.0 + 2.0 - 64.0)) < 1e-9);
+    }
+}
+
+/* A white point that begins to follow has no past: none until a frame has been seen, and then at once that frame's. */
+static void check_white_begins(void)
+{
+    pupil_config config;
+    pupil_t pupil, other;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&other, &config) == PUPIL_OK);
+    config.white_mode = PUPIL_WHITE_NONE;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    (void)adapt(&pupil, -3, 0, 0);
+    config.white_mode = PUPIL_WHITE_FOLLOW;
+    CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
+    CHECK(curve_of(&pupil, 0, 0).inverse_white_squared == 0.0f);
+    CHECK(adapt(&pupil, 4, 0, 0).white_ev == adapt(&other, 4, 0, 0).white_ev);
+    CHECK(curve_of(&pupil, 0, 0).inverse_white_squared > 0.0f);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -302,5 +334,7 @@ int main(int argc, char **argv)
     check_no_light();
     check_curve_before_light();
     check_white_follows();
+    check_unknown_settings();
+    check_white_begins();
     return check_end();
 }

@@ -327,6 +327,54 @@ static void changes_of_law(void)
     }
 }
 
+/* The eye at rest at either end of its range, and a frame of no time: the level is that end's, whatever the light. */
+static void ends_of_the_range(void)
+{
+    for (int end = 0; end < 2; end++) {
+        pupil_config config;
+        pupil_stats stats;
+        pupil_t pupil;
+        pupil_config_default(&config);
+        config.law = PUPIL_LAW_EYE;
+        config.flicker = 0;
+        config.amplification_ev = 32.0;
+        config.eye_unit_cd_m2 = end ? 1e4 : 1.0;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        const double light_ev = log2((end ? 1e8 : 1e-6) / config.eye_unit_cd_m2);
+        (void)ref_stats_at(light_ev + (end ? 2.0 : -2.0), 1, &stats);
+        (void)adapt(&pupil, &stats, 1000);
+        (void)ref_stats_at(light_ev + (end ? -9.0 : 9.0), 1, &stats);
+        const pupil_exposure e = adapt(&pupil, &stats, 1000);
+        CHECK_MSG(fabs(e.adapted_ev - light_ev) < 1e-9, "end %d: %.12g, not %.12g", end, e.adapted_ev, light_ev);
+    }
+}
+
+/* In the dark the cones' pigment is restored long before the rods', and until both are the eye is not at rest. */
+static void rods_are_last(void)
+{
+    int rods_alone = 0;
+    pupil_stats stats;
+    pupil_t pupil;
+    start(&pupil);
+    (void)light_at(100.0, &stats);
+    (void)adapt(&pupil, &stats, 1000000000);
+    const long double dark = light_at(1e-4, &stats);
+    double last = 1e9;
+    for (int64_t n = 1; n <= 40; n++) {
+        const pupil_exposure e = adapt(&pupil, &stats, 1000000000 + n * INT64_C(500000000000));
+        const double cones_off = fabs(e.cone_pigment - (double)at_rest(CONE_PIGMENT, dark));
+        const double rods_off = fabs(e.rod_pigment - (double)at_rest(ROD_PIGMENT, dark));
+        if (cones_off < 1e-15 && rods_off > 1e-13) {
+            rods_alone++;
+            CHECK_MSG(e.adapted_ev > e.metered_ev && e.adapted_ev - e.metered_ev < last, "%d: %g", (int)n,
+                      e.adapted_ev - e.metered_ev);
+        }
+        last = e.adapted_ev - e.metered_ev;
+    }
+    CHECK_MSG(rods_alone > 3, "%d", rods_alone);
+    CHECK(last == 0.0);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -339,5 +387,7 @@ int main(int argc, char **argv)
     odd_frames();
     limits();
     changes_of_law();
+    ends_of_the_range();
+    rods_are_last();
     return check_end();
 }
