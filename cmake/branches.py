@@ -1,6 +1,8 @@
 """Which branches of folders of the library ran, of a build made with --coverage whose tests have run.
 
     branches.py BUILD FOLDER...     a table; with --missing also each line with a branch that did not run
+    branches.py --unreached LIST BUILD FOLDER...    the table, and exit 1 unless the branches that did not run are those
+                                    of LIST (tests/tree/branches.txt, which says how it is written)
 
 A branch is one of gcov's: each way that a condition between && and || can go. Compiled without optimisation they are
 those of the source.
@@ -36,8 +38,47 @@ def branches_of(build, folder):
     return branches, {name: [sum(c > 0 for c in ran.values()), len(ran)] for name, ran in lines.items()}
 
 
+def text_of(name, number):
+    return (TREE / name).read_text().splitlines()[number - 1].strip()
+
+
+def read_list(path):
+    """{(file, way, the line's text)} and {folder: how many may be without an entry}."""
+    listed, allowed = set(), {}
+    for line in pathlib.Path(path).read_text().splitlines():
+        if line.startswith("lib/"):
+            name, way, text = line.split(": ", 2)
+            if way == "at most":
+                allowed[name] = int(text)
+            else:
+                listed.add((name, int(way), text))
+    return listed, allowed
+
+
+def check_list(path, found, folders):
+    """found: {folder: {(file, way, text) that did not run}}. What is wrong, a line each."""
+    listed, allowed = read_list(path)
+    faults = []
+    for folder in folders:
+        mine = {entry for entry in listed if entry[0].startswith(folder + "/")}
+        unlisted = found[folder] - mine
+        if len(mine) > MOST_LISTED:
+            faults.append(f"{folder}: {len(mine)} ways are listed, at most {MOST_LISTED} may be")
+        faults += [f"{e[0]}: way {e[1]} ran, or is no more, but is listed: {e[2]}"
+                   for e in sorted(mine - found[folder])]
+        if len(unlisted) > allowed.get(folder, 0):
+            faults += [f"{e[0]}: way {e[1]} did not run and is not listed: {e[2]}" for e in sorted(unlisted)]
+    return faults
+
+
+MOST_LISTED = 10
+
+
 def main():
     arguments = [a for a in sys.argv[1:] if a != "--missing"]
+    unreached = arguments[1] if arguments[:1] == ["--unreached"] else None
+    arguments = arguments[2:] if unreached else arguments
+    found = {}
     if len(arguments) < 2:
         sys.exit(__doc__)
     print(" branches              lines")
@@ -50,12 +91,19 @@ def main():
             together = [a + b for a, b in zip(together, row)]
             print(row_of(row, name))
         print(row_of(together, f"{folder} together"))
+        found[folder] = {(name, i + 1, text_of(name, number)) for name in branches
+                         for number, counts in branches[name].items() for i, c in enumerate(counts) if not c}
+        if not together[1]:
+            sys.exit(f"{folder}: no test of this build has run it")
         for name in sorted(branches) if "--missing" in sys.argv else ():
             for number, counts in sorted(branches[name].items()):
                 if not all(counts):
                     ways = ", ".join(str(i + 1) for i, c in enumerate(counts) if not c)
-                    text = (TREE / name).read_text().splitlines()[number - 1].strip()
-                    print(f"{name}:{number}: of {len(counts)} ways not {ways}: {text}")
+                    print(f"{name}:{number}: of {len(counts)} ways not {ways}: {text_of(name, number)}")
+    faults = check_list(unreached, found, arguments[1:]) if unreached else []
+    for fault in faults:
+        print(fault)
+    sys.exit(1 if faults else 0)
 
 
 def row_of(row, name):

@@ -107,8 +107,8 @@ static double faintest_at_rest_log2(double light_log2)
     return faintest_log2(&eye);
 }
 
-/* faintest_at_rest_log2 only rises (tests/stream/test_eye.c), so it has an inverse: by regula falsi, in the form that is
- * called Illinois (Dowell and Jarratt 1971). */
+/* faintest_at_rest_log2 only rises (tests/stream/test_eye.c), so it has an inverse: by regula falsi, in the form that
+ * is called Illinois (Dowell and Jarratt 1971). */
 static double at_rest_with(double faintest)
 {
     double low = pupil_log2(PUPIL_EYE_LEAST_CD_M2), high = pupil_log2(PUPIL_EYE_MOST_CD_M2);

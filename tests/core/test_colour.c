@@ -199,6 +199,73 @@ static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, 
     frame_free(&out);
 }
 
+/* What bends bright colours needs cones that see all primaries. Where a matrix has none, as a luminance row alone,
+ * those of BT.709 are taken, so that all these have one picture; and a matrix that is sound has its own. */
+static void check_cones(void)
+{
+    static const struct {
+        float x[3], z[3];
+    } other_rows[] = {{{0, 0, 0}, {0, 0, 0}},
+                      {{-1, -1, -1}, {0, 0, 0}},                    /* less than nothing */
+                      {{1e5f, 1e5f, 1e5f}, {0, 0, 0}},              /* far too much */
+                      {{1, 0, -0.6f}, {0.1f, 0.2f, 0.3f}},          /* not of each */
+                      {{0.25f, 0.5f, 0.25f}, {0.25f, 0.5f, 0.25f}}, /* singular */
+                      {{0.4f, 0.36f, 0.18f}, {0.02f, 0.12f, 0.95f}}};
+    enum { SOUND = 5 };
+    const pupil_curve curve = {.scale = 4, .inverse_white_squared = 0.06f, .gamut = 3.5f};
+    frame in = frame_make(300, 1, PUPIL_PIXEL_RGB32F, 0, 0), first = frame_make(300, 1, PUPIL_PIXEL_RGBA32F, 0, 0);
+    for (uint32_t x = 0; x < 300; x++)
+        frame_set(&in, x, 0, 8 * check_uniform(), 8 * check_uniform(), 8 * check_uniform(), 1);
+    for (int i = 0; i <= SOUND; i++) {
+        frame out = frame_make(300, 1, PUPIL_PIXEL_RGBA32F, 0, 0);
+        pupil_config config;
+        pupil_config_default(&config);
+        config.primaries = PUPIL_PRIMARIES_MATRIX;
+        memcpy(config.rgb_to_xyz, other_rows[i].x, sizeof other_rows[i].x);
+        memcpy(config.rgb_to_xyz + 3, (const float[3]){0.25f, 0.5f, 0.25f}, 3 * sizeof(float));
+        memcpy(config.rgb_to_xyz + 6, other_rows[i].z, sizeof other_rows[i].z);
+        map(&config, &curve, &in, i ? &out : &first);
+        CHECK_MSG(!i || frame_equal(&first, &out) == (i < SOUND), "matrix %d", i);
+        frame_free(&out);
+    }
+    frame_free(&in);
+    frame_free(&first);
+}
+
+/* A mosaic's brightest channel is that of its quads as they are, whatever primaries the picture has; and where there
+ * are no bins, the picture is the same. */
+static void check_primaries_and_bins(void)
+{
+    frame mosaic = frame_make(32, 32, PUPIL_PIXEL_BAYER12, 0, 0), in = frame_make(33, 9, PUPIL_PIXEL_RGB32F, 0, 0);
+    frame out[2] = {frame_make(33, 9, PUPIL_PIXEL_RGB8, 0, 0), frame_make(33, 9, PUPIL_PIXEL_RGB8, 0, 0)};
+    const pupil_curve curve = {.scale = 1, .gamut = 3};
+    pupil_stats stats[2], none;
+    frame_lognormal(&mosaic, 0.2, 2, check_uniform);
+    frame_lognormal(&in, 0.2, 2, check_uniform);
+    for (int i = 0; i < 2; i++) {
+        const pupil_image to = frame_writable(&out[i]);
+        pupil_config config;
+        pupil_t pupil;
+        pupil_config_default(&config);
+        config.primaries = PUPIL_PRIMARIES_BT2020;
+        config.output_primaries = i ? PUPIL_OUTPUT_BT709 : PUPIL_OUTPUT_AS_INPUT;
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        pupil_stats_clear(&stats[i]);
+        CHECK(pupil_meter_rows(&pupil, &mosaic.image, 0, 32, &stats[i]) == PUPIL_OK && stats[i].has_histogram);
+        config.output_primaries = PUPIL_OUTPUT_BT709;
+        config.white_mode = i ? PUPIL_WHITE_NONE : PUPIL_WHITE_FOLLOW;
+        CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
+        pupil_stats_clear(&none);
+        CHECK(pupil_fused_rows(&pupil, &curve, &in.image, 0, 9, &to, &none) == PUPIL_OK);
+        CHECK(none.has_histogram == !i && (none.peak > 0.0f) == !i);
+    }
+    CHECK(memcmp(&stats[0], &stats[1], sizeof stats[0]) == 0 && frame_equal(&out[0], &out[1]));
+    frame_free(&mosaic);
+    frame_free(&in);
+    frame_free(&out[0]);
+    frame_free(&out[1]);
+}
+
 int main(int argc, char **argv)
 {
     static const uint32_t pixel[] = {PUPIL_PIXEL_RGB8, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB16, PUPIL_PIXEL_RGBA16};
@@ -217,5 +284,7 @@ int main(int argc, char **argv)
             check_identity(pixel[i], PUPIL_WHITE_FOLLOW, order, 0);
             check_identity(pixel[i], PUPIL_WHITE_FOLLOW, order, 0.05);
         }
+    check_cones();
+    check_primaries_and_bins();
     return check_end();
 }

@@ -457,8 +457,8 @@ static void check_brightest(void)
     show(&pupil, 0x1.8p29, 1, &curve);
     for (int k = 0; k < KNOTS; k++) {
         const double light = place(k) / (double)curve.knot_scale;
-        CHECK_MSG(light < 0x1.8p29 ? curve.knot[k] == 0.0f : light < 0x1.ap29 || curve.knot[k] == 1.0f, "knot %d: %g", k,
-                  (double)curve.knot[k]);
+        CHECK_MSG(light < 0x1.8p29 ? curve.knot[k] == 0.0f : light < 0x1.ap29 || curve.knot[k] == 1.0f, "knot %d: %g",
+                  k, (double)curve.knot[k]);
     }
 }
 

@@ -529,6 +529,11 @@ static void check_cameras(void)
         i.coding = &wrong[k].coding;
         expect(pupil_meter_rows(&pupil, &i, 0, 8, &stats), PUPIL_ERR_CODING, why);
     }
+    static const pupil_coding short_one = {.size_bytes = 3};
+    pupil_image coded = {
+        .data = out_memory + 16, .stride_bytes = 13, .width = 4, .height = 1, .pixel = PUPIL_PIXEL_RGB8};
+    coded.coding = &short_one;
+    expect(pupil_map_rows(&pupil, &curve, &one, &coded), PUPIL_ERR_CODING, "the output's coding, of no version");
     CHECK(pupil_coding_check(&coding, i.pixel, NULL) == PUPIL_OK &&
           pupil_coding_check(NULL, i.pixel, NULL) == PUPIL_ERR_NULL);
     /* right for some formats, not for this one */

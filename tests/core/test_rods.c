@@ -197,6 +197,66 @@ static void refusals(void)
     CHECK(pupil_config_check(&config, &why) == PUPIL_ERR_CONFIG && strstr(why, "law"));
 }
 
+/* x with m x = y, by Cramer's rule. */
+static void solve(const double m[9], const double y[3], double x[3])
+{
+    double whole = 0.0;
+    for (int i = -1; i < 3; i++) {
+        double c[9];
+        for (int k = 0; k < 9; k++)
+            c[k] = k % 3 == i ? y[k / 3] : m[k];
+        const double determinant = c[0] * (c[4] * c[8] - c[5] * c[7]) - c[1] * (c[3] * c[8] - c[5] * c[6]) +
+                                   c[2] * (c[3] * c[7] - c[4] * c[6]);
+        if (i < 0)
+            whole = determinant;
+        else
+            x[i] = determinant / whole;
+    }
+}
+
+/* Primaries of the user's own: of the usual ones in another order; that rods see less than nothing of, which count as
+ * their luminance; and of which only the luminance is known, which are seen as those of BT.709. */
+static void other_primaries(void)
+{
+    static const double rods_of_xyz[3] = {-0.702, 1.039, 0.433}, blue_xyz[3] = {1, 1, 2};
+    static const float rows[3][9] = {{0.36f, 0.41f, 0.18f, 0.715f, 0.213f, 0.072f, 0.12f, 0.02f, 0.95f},
+                                     {3, 2, 2, 0.25f, 0.5f, 0.25f, 0, 0.1f, 0.2f},
+                                     {0, 0, 0, 0.25f, 0.5f, 0.25f, 0, 0, 0}};
+    const pupil_image_const in = frame();
+    const pupil_image out = picture(shown);
+    for (int n = 0; n < 3; n++) {
+        pupil_config config = eye();
+        pupil_t pupil;
+        double own[9], blue[3], see[3], all = 0.0, worst = 0.0;
+        config.primaries = PUPIL_PRIMARIES_MATRIX;
+        memcpy(config.rgb_to_xyz, rows[n], sizeof rows[n]);
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+        for (int k = 0; k < 9; k++)
+            own[k] = n == 2 ? xyz_of_bt709[k] : (double)rows[n][k];
+        solve(own, blue_xyz, blue);
+        for (int k = 0; k < 3; k++) {
+            see[k] = fmax(0.0, rods_of_xyz[0] * own[k] + rods_of_xyz[1] * own[3 + k] + rods_of_xyz[2] * own[6 + k]);
+            see[k] = n == 1 ? (double)rows[n][3 + k] : see[k];
+            all += see[k];
+        }
+        CHECK(n != 1 || blue[0] < 0.0 || blue[1] < 0.0 || blue[2] < 0.0); /* shown as none */
+        const pupil_curve curve = {.size_bytes = sizeof curve, .scale = 0.01f, .rods = 1.0f, .gamut = 6.0f};
+        CHECK(pupil_map_rows(&pupil, &curve, &in, &out) == PUPIL_OK);
+        for (int i = 0; i < SAMPLES; i += 3) {
+            double grey = 0.0, y = 0.0, v[3];
+            for (int k = 0; k < 3; k++)
+                grey += see[k] / all * (double)light[i + k];
+            for (int k = 0; k < 3; k++) {
+                v[k] = grey * fmax(blue[k], 0.0);
+                y += (double)rows[n][3 + k] * v[k];
+            }
+            for (int k = 0; k < 3; k++)
+                worst = fmax(worst, fabs((double)shown[i + k] - 0.01 * v[k] / (1.0 + 0.01 * y)));
+        }
+        CHECK_MSG(worst < 1e-6, "primaries %d: %g", n, worst);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -206,5 +266,6 @@ int main(int argc, char **argv)
     same_bits();
     others_have_none();
     refusals();
+    other_primaries();
     return check_end();
 }

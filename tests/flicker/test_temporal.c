@@ -349,6 +349,68 @@ static uint64_t abuse(void)
     return digest;
 }
 
+/* A frame of an object under a lamp of 100 Hz, with a wave of 20 %, at 30 frames a second. */
+static pupil_exposure lamp_frame(pupil_t *pupil, int64_t timestamp_ns, double exposure_s)
+{
+    const pupil_frame_info info = {.timestamp_ns = timestamp_ns, .exposure_s = exposure_s, .gain = 1.0};
+    pupil_exposure e = {0};
+    pupil_stats stats;
+    (void)ref_stats_at(log2(1.0 + 0.2 * cos(2.0 * PI * 100.0 * (double)timestamp_ns * 1e-9)), 1, &stats);
+    CHECK(pupil_adapt(pupil, &stats, &info) == PUPIL_OK && pupil_get_exposure(pupil, &e) == PUPIL_OK);
+    return e;
+}
+
+static float scale_at(const pupil_t *pupil, int64_t timestamp_ns)
+{
+    const pupil_frame_info info = {.timestamp_ns = timestamp_ns};
+    pupil_curve curve = {0};
+    CHECK(pupil_get_curve(pupil, &info, &curve) == PUPIL_OK);
+    return curve.scale;
+}
+
+/* Of frames that are far from the last one, and of those without a time, nothing is known. */
+static void check_far_away(void)
+{
+    pupil_config config;
+    pupil_exposure e = {0};
+    pupil_t pupil;
+    int64_t last = 0;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    for (int64_t n = 0; n < 300; n++)
+        e = lamp_frame(&pupil, last = 5000000000 + n * 33333333, 0.0);
+    CHECK_MSG(fabs(e.flicker_ev) > 0.05, "%g", e.flicker_ev);
+    CHECK_MSG(fabs(log2((double)scale_at(&pupil, last)) - (log2(e.scale) - e.flicker_ev)) < 1e-6, "%g",
+              (double)scale_at(&pupil, last));
+    static const int64_t far_ns[] = {-1000000001, -4000000000, 1000000001, 4000000000};
+    for (int i = 0; i < 4; i++)
+        CHECK_MSG(scale_at(&pupil, last + far_ns[i]) == (float)e.scale, "%g s", (double)far_ns[i] * 1e-9);
+    CHECK(scale_at(&pupil, last - 999999999) != (float)e.scale);
+    CHECK(scale_at(&pupil, 0) == (float)e.scale);
+}
+
+/* Two exposures that end, by the info, nearly at once, which is a frame rate without a meaning: nothing is taken out of
+ * the frames after them, and after a pause the lamp is found. */
+static void check_no_period(void)
+{
+    pupil_config config;
+    pupil_exposure e = {0};
+    pupil_t pupil;
+    pupil_config_default(&config);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    (void)lamp_frame(&pupil, 1, 2.0 * nextafter(1e-9, 0.0));
+    e = lamp_frame(&pupil, 2, 1e-30);
+    CHECK(e.flicker_ev == 0.0);
+    e = lamp_frame(&pupil, 900000000, 1e-30);
+    CHECK(e.flicker_ev == 0.0 && isfinite(e.adapted_ev));
+    for (int64_t n = 0; n < 30; n++)
+        e = lamp_frame(&pupil, 933333333 + n * 33333333, 1e-30);
+    CHECK(e.flicker_ev == 0.0 && isfinite(e.adapted_ev));
+    for (int64_t n = 0; n < 300; n++)
+        e = lamp_frame(&pupil, 4000000000 + n * 33333333, 1e-30);
+    CHECK_MSG(fabs(e.flicker_ev) > 0.05 && fabs(e.flicker_ev) < 0.5, "%g", e.flicker_ev);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -362,5 +424,7 @@ int main(int argc, char **argv)
     const uint64_t random = check_state.random, once = abuse();
     check_state.random = random;
     CHECK(abuse() == once);
+    check_far_away();
+    check_no_period();
     return check_end();
 }

@@ -130,6 +130,8 @@ static void check_refusals(void)
     CHECK(pupil_mark_edges(&good, 9, red, &bad_out, &edges) == PUPIL_ERR_NULL);
     bad_out = to, bad_out.pixel = PUPIL_PIXEL_BGR8;
     CHECK(pupil_mark_edges(&good, 9, red, &bad_out, &edges) == PUPIL_ERR_PIXEL_OUT);
+    bad_out = to, bad_out.width = 3;
+    CHECK(pupil_mark_edges(&good, 9, red, &bad_out, &edges) == PUPIL_ERR_SIZE);
     bad_out = to, bad_out.height = 2;
     CHECK(pupil_mark_edges(&good, 9, red, &bad_out, &edges) == PUPIL_ERR_SIZE);
     bad_out = to, bad_out.stride_bytes = -11;

@@ -184,6 +184,19 @@ static void check_pairs(void)
         else
             refused(&c, "mains_hz", hz);
     }
+    c = wide_config();
+    static const double night_ev[] = {-256.1, 1e3, NAN};
+    for (int i = 0; i < 3; i++) {
+        c.night_ev = night_ev[i];
+        refused(&c, "night_ev", c.night_ev);
+    }
+    c = wide_config();
+    c.exposure_count = 2;
+    c.exposure_table[0] = 0.01;
+    for (int i = 0; i < 3; i++) {
+        c.exposure_table[1] = i == 0 ? 0.009 : i == 1 ? 1.1e4 : NAN;
+        refused(&c, "exposure_table", c.exposure_table[1]);
+    }
     c = wide_config(); /* what is not read is not looked at */
     c.exposure_mode = c.gain_mode = PUPIL_SENSOR_HELD;
     c.manual_exposure_s = c.manual_gain = NAN;
@@ -207,6 +220,7 @@ static void check_pointers(void)
     CHECK(pupil_sensor_frame(NULL, &stats, NULL) == PUPIL_ERR_NULL);
     CHECK(pupil_sensor_frame(&sensor, NULL, NULL) == PUPIL_ERR_NULL);
     CHECK(pupil_sensor_scene(NULL, 0, 0, NULL) == PUPIL_ERR_NULL);
+    CHECK(pupil_sensor_announce(NULL, 1, 1, 0) == PUPIL_ERR_NULL);
     CHECK(pupil_sensor_get(NULL, &s) == PUPIL_ERR_NULL && pupil_sensor_get(&sensor, NULL) == PUPIL_ERR_NULL);
     memset(&other, 0x5a, sizeof other);
     CHECK(pupil_sensor_retune(&other, &c) == PUPIL_ERR_OBJECT && pupil_sensor_start(&other, 1, 1) == PUPIL_ERR_OBJECT);
@@ -226,6 +240,28 @@ static void check_pointers(void)
     pupil_sensor_config_default_sized(NULL, sizeof c); /* no effect, and no crash */
 }
 
+/* A setting in the metadata that no camera has is none, above the range as below it. */
+static void check_metadata(void)
+{
+    static const double wrong[][2] = {{0x1p65, 2}, {0x1p-65, 2}, {0.01, 0x1p65}, {0.01, 0x1p-65}};
+    for (int i = 0; i < 4; i++) {
+        static pupil_sensor sensors[2];
+        pupil_sensor_setting s[2];
+        for (int k = 0; k < 2; k++) {
+            const double exposure_s = k && i < 2 ? 0 : wrong[i][0], gain = k && i > 1 ? 0 : wrong[i][1];
+            const pupil_frame_info info = {.timestamp_ns = 1000, .exposure_s = exposure_s, .gain = gain};
+            pupil_sensor_config c;
+            pupil_sensor_config_default(&c);
+            CHECK(pupil_sensor_init(&sensors[k], &c) == PUPIL_OK &&
+                  pupil_sensor_start(&sensors[k], 0.01, 1) == PUPIL_OK);
+            CHECK(pupil_sensor_scene(&sensors[k], 9.0, 0.0, &info) == PUPIL_OK);
+            CHECK(pupil_sensor_get(&sensors[k], &s[k]) == PUPIL_OK);
+        }
+        CHECK_MSG(s[0].exposure_s == s[1].exposure_s && s[0].gain == s[1].gain && s[0].digital == s[1].digital,
+                  "metadata %g s, gain %g", wrong[i][0], wrong[i][1]);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -234,5 +270,6 @@ int main(int argc, char **argv)
     check_ranges();
     check_pairs();
     check_pointers();
+    check_metadata();
     return check_end();
 }

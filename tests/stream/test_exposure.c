@@ -293,7 +293,8 @@ static void check_white_follows(void)
 /* A setting that no camera has is as one that is not known, whichever end it is beyond. */
 static void check_unknown_settings(void)
 {
-    static const double wrong[][2] = {{0.25, 0x1.1p64}, {0.25, 0x1p-65}, {0x1.1p64, 2}, {0x1p-65, 2}, {0, 2}, {0.25, 0}};
+    static const double wrong[][2] = {{0.25, 0x1.1p64}, {0.25, 0x1p-65}, {0x1.1p64, 2},
+                                      {0x1p-65, 2},     {0, 2},          {0.25, 0}};
     for (unsigned i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         pupil_config config;
         pupil_t pupil;

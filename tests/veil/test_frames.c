@@ -256,6 +256,71 @@ static void check_hard(void)
     frame_free(&in);
 }
 
+/* As check_nothing, of pictures of other primaries and of what rods see. */
+static void check_pictures(void)
+{
+    pupil_veil_config config;
+    pupil_veil_config_default(&config);
+    config.psf = PUPIL_VEIL_GAUSSIANS;
+    config.width = 70;
+    config.height = 6;
+    CHECK(pupil_veil_init(&veil, &config) == PUPIL_OK);
+    for (uint32_t n = 0; n < 8; n++) {
+        frame in = frame_make(70, 6, PUPIL_PIXEL_RGB32F, 0, 0), plain = frame_make(70, 6, PUPIL_PIXEL_RGBA32F, 0, 0);
+        frame a = frame_make(70, 6, PUPIL_PIXEL_RGBA32F, 0, 0), b = frame_make(70, 6, PUPIL_PIXEL_RGBA32F, 0, 0);
+        const pupil_image to_plain = frame_writable(&plain), to_a = frame_writable(&a), to_b = frame_writable(&b);
+        pupil_config own;
+        pupil_t pupil;
+        pupil_curve by = curve;
+        frame_lognormal(&in, 0.1, 3, check_uniform);
+        start(&pupil, 0);
+        CHECK(pupil_map_rows(&pupil, &curve, &in.image, &to_plain) == PUPIL_OK);
+        pupil_config_default(&own);
+        own.output_primaries = n & 1 ? PUPIL_OUTPUT_BT2020 : PUPIL_OUTPUT_AS_INPUT;
+        own.law = n & 2 ? PUPIL_LAW_EYE : PUPIL_LAW_SECONDS;
+        by.rods = n & 4 ? 0.6f : 0.0f;
+        CHECK(pupil_init(&pupil, &own) == PUPIL_OK);
+        CHECK(pupil_map_rows(&pupil, &by, &in.image, &to_a) == PUPIL_OK);
+        CHECK(pupil_veil_map_rows(&veil, &pupil, &by, &in.image, &to_b, &scratch) == PUPIL_OK);
+        CHECK_MSG(frame_equal(&a, &b), "picture %u", n);
+        CHECK_MSG(frame_equal(&a, &plain) == (!(n & 1) && (n & 6) != 6), "picture %u", n);
+        frame_free(&in);
+        frame_free(&plain);
+        frame_free(&a);
+        frame_free(&b);
+    }
+}
+
+/* Images that do not fit: refused, and nothing is written. */
+static void check_refused(void)
+{
+    frame in = frame_make(8, 6, PUPIL_PIXEL_RGB8, 0, 0), out = frame_make(8, 6, PUPIL_PIXEL_RGB8, 0, 0);
+    frame as_made = frame_make(8, 6, PUPIL_PIXEL_RGB8, 0, 0);
+    const pupil_image good = frame_writable(&out);
+    pupil_image to = good;
+    pupil_image_const from = in.image;
+    pupil_curve no_curve = curve;
+    pupil_t pupil;
+    start(&pupil, 0);
+    make_veil(8, 6, PUPIL_VEIL_SPENCER);
+    from.pixel = PUPIL_PIXEL_COUNT;
+    CHECK(pupil_veil_map_rows(&veil, &pupil, &curve, &from, &to, &scratch) == PUPIL_ERR_PIXEL);
+    to.pixel = PUPIL_PIXEL_COUNT;
+    CHECK(pupil_veil_map_rows(&veil, &pupil, &curve, &in.image, &to, &scratch) == PUPIL_ERR_PIXEL_OUT);
+    no_curve.scale = -1.0f;
+    CHECK(pupil_veil_map_rows(&veil, &pupil, &no_curve, &in.image, &good, &scratch) == PUPIL_ERR_VALUE);
+    for (uint32_t n = 0; n < 4; n++) { /* none of them a mosaic, of which half the size is right */
+        to = good;
+        to.width = n == 1 || n == 3 ? 4 : 8;
+        to.height = n == 2 ? 3 : n == 3 ? 3 : n == 0 ? 5 : 6;
+        CHECK_MSG(pupil_veil_map_rows(&veil, &pupil, &curve, &in.image, &to, &scratch) == PUPIL_ERR_SIZE, "size %u", n);
+    }
+    CHECK(frame_equal(&out, &as_made));
+    frame_free(&in);
+    frame_free(&out);
+    frame_free(&as_made);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -263,5 +328,7 @@ int main(int argc, char **argv)
     check_nothing();
     check_picture();
     check_hard();
+    check_pictures();
+    check_refused();
     return check_end();
 }
