@@ -244,18 +244,19 @@ static void exact_where_it_must(void)
 {
     static const pupil_coding usual = {0}, full = {.range = PUPIL_RANGE_FULL}, linear = {.light = PUPIL_LIGHT_LINEAR},
                               bt2020 = {.matrix = PUPIL_MATRIX_BT2020};
+    static const uint32_t formats[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21};
     const pupil_curve plain = curve_of(1.5f);
     pupil_curve dithered = plain;
     dithered.dither = 1;
-    for (int p = 0; p < PLANAR; p++) {
-        CHECK(differs(planar[p], NULL, NULL, plain, 0));
-        CHECK(differs(planar[p], &usual, NULL, plain, 0) && differs(planar[p], NULL, &usual, plain, 0));
-        CHECK(differs(planar[p], &full, &full, plain, 0) && differs(planar[p], &bt2020, &bt2020, plain, 0));
-        CHECK(!differs(planar[p], &full, NULL, plain, 0) && !differs(planar[p], NULL, &full, plain, 0));
-        CHECK(!differs(planar[p], &bt2020, NULL, plain, 0) && !differs(planar[p], NULL, &bt2020, plain, 0));
-        CHECK(!differs(planar[p], &linear, NULL, plain, 0));
-        CHECK(!differs(planar[p], NULL, NULL, dithered, 0));
-        CHECK(!differs(planar[p], NULL, NULL, plain, PUPIL_PRIMARIES_BT2020));
+    for (int p = 0; p < 3; p++) {
+        CHECK(differs(formats[p], NULL, NULL, plain, 0));
+        CHECK(differs(formats[p], &usual, NULL, plain, 0) && differs(formats[p], NULL, &usual, plain, 0));
+        CHECK(differs(formats[p], &full, &full, plain, 0) && differs(formats[p], &bt2020, &bt2020, plain, 0));
+        CHECK(!differs(formats[p], &full, NULL, plain, 0) && !differs(formats[p], NULL, &full, plain, 0));
+        CHECK(!differs(formats[p], &bt2020, NULL, plain, 0) && !differs(formats[p], NULL, &bt2020, plain, 0));
+        CHECK(!differs(formats[p], &linear, NULL, plain, 0));
+        CHECK(!differs(formats[p], NULL, NULL, dithered, 0));
+        CHECK(!differs(formats[p], NULL, NULL, plain, PUPIL_PRIMARIES_BT2020));
     }
     CHECK(!differs(PUPIL_PIXEL_P010, NULL, NULL, plain, 0));
 }
