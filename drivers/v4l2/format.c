@@ -74,6 +74,10 @@ static const native natives[] = {
 };
 
 #define LEAST_JPEG_BYTES 4 /* its first and its last marker */
+/* What a driver may say that a frame's memory has: buffers of that size may be this program's to allocate. The widest
+ * format read has 8 bytes a pixel; rows may be padded, and JPEGs of tiny frames have tables. */
+#define MOST_PIXEL_BYTES 64
+#define MOST_MORE_BYTES  (16u << 20)
 
 const char pupil_v4l2_natives[] = "RGGB, RG10, RG12, RG14, RG16, pRAA, pRCC and their three other orders, GREY, Y10, "
                                   "Y12, Y16, Y10P, Y12P, YUYV, UYVY, NV12, NV21, NV16, NM12, NM21, NM16, YU12, YV12, "
@@ -300,6 +304,17 @@ static int read_layout(pupil_v4l2_format *f, pupil_why *why)
     return 0;
 }
 
+static int check_bytes(const pupil_v4l2_format *f, pupil_why *why)
+{
+    const uint64_t most = MOST_MORE_BYTES + (uint64_t)MOST_PIXEL_BYTES * f->width * f->height;
+    for (uint32_t i = 0; i < f->buffers; i++)
+        if (f->size_bytes[i] > most)
+            return pupil_refuse(why, "its driver says that a frame has %u bytes; %ux%u of %s have %llu at most",
+                                f->size_bytes[i], f->width, f->height, pupil_v4l2_fourcc_name(f->fourcc).text,
+                                (unsigned long long)most);
+    return 0;
+}
+
 static int check_size(const pupil_v4l2_format *f, pupil_why *why)
 {
     const int mosaic = pupil_pixel_is_mosaic(f->pixel);
@@ -369,8 +384,8 @@ int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *
     f.compressed = n->pixel == PUPIL_PIXEL_NONE;
     f.cr_first = n->cr_first;
     f.coding.bayer = n->bayer;
-    if (check_size(&f, why) || (f.compressed ? read_jpeg_layout(&f, why) : read_layout(&f, why)) ||
-        read_colour(&f, why))
+    if (check_size(&f, why) || check_bytes(&f, why) ||
+        (f.compressed ? read_jpeg_layout(&f, why) : read_layout(&f, why)) || read_colour(&f, why))
         return -1;
     *format = f;
     return 0;

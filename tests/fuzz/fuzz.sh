@@ -1,7 +1,8 @@
 #!/bin/sh
-# fuzz.sh PROGRAM SECONDS: runs a libFuzzer program. It begins with tests/fuzz/seeds/NAME where that folder is, and with
-# what earlier runs of the same build kept, and with the shared folder's files where that is ($PUPIL_SHARED, else
-# ../shared beside the checkout). An input that takes over 10 s or 2 GB counts as a finding.
+# fuzz.sh PROGRAM SECONDS: runs a libFuzzer program, with the words of its format (tests/fuzz/words). It begins with
+# tests/fuzz/seeds/NAME where that folder is, with what earlier runs of the same build kept, and with the shared folder's
+# files where that is ($PUPIL_SHARED, else ../shared beside the checkout). An input that takes over 10 s or 2 GB counts
+# as a finding.
 set -eu
 program=$1 seconds=$2
 name=$(basename "$program")
@@ -27,5 +28,12 @@ esac
 for folder in $folders; do
     [ -d "$shared/$folder" ] && set -- "$@" "$shared/$folder"
 done
-exec "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
+case $name in
+fuzz_raw_*) words=raw ;;
+fuzz_recording*) words=recording ;;
+fuzz_picture_file) words=jpeg ;;
+fuzz_api | fuzz_coding | fuzz_v4l2) words=numbers ;;
+*) words=${name#fuzz_} ;;
+esac
+exec "$program" -dict="$(dirname "$0")/words/$words.dict" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
     -verbosity=0 -artifact_prefix="$corpus/../" "$@"

@@ -33,7 +33,7 @@ int main(int argc, char **argv)
 {
     static const uint32_t sides[] = {0, 1, 2, 3, 15, 16, 31, 64, 4096, 16383, 16384, 16385, 65537, UINT32_MAX};
     static const uint32_t strides[] = {0, 1, 31, 32, 64, 65, 128, 8192, 1u << 20, 1u << 31, UINT32_MAX};
-    static const uint32_t sizes[] = {0, 1, 1024, 1536, 4608, 6144, 1u << 20, 1u << 28, 1u << 31, UINT32_MAX};
+    static const uint32_t sizes[] = {0, 1, 1024, 1536, 4608, 6144, 1u << 20, 1u << 24, 1u << 28, 1u << 31, UINT32_MAX};
     static pupil_why why;
     char names[512], *rest = names;
     uint32_t formats = 0, taken = 0;
@@ -44,7 +44,7 @@ int main(int argc, char **argv)
         if (!fourcc || !pupil_v4l2_is_read(fourcc))
             continue; /* the sentence's other words */
         formats++;
-        for (int i = 0; i < 20000; i++) {
+        for (int i = 0; i < 30000; i++) {
             pupil_v4l2_format f;
             struct v4l2_format answer = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE};
             struct v4l2_pix_format_mplane *pix = &answer.fmt.pix_mp;
