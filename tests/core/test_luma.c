@@ -214,7 +214,7 @@ static void level_of_a_sample(uint32_t pixel)
 
 /* One frame by both accuracies, each with codings of its own. */
 static int differs(uint32_t in_pixel, const pupil_coding *from, const pupil_coding *into, pupil_curve curve,
-                   uint32_t primaries)
+                   uint32_t primaries, uint32_t transfer)
 {
     frame f = frame_make(66, 6, in_pixel, 0, 0);
     frame to[2] = {frame_make(66, 6, PUPIL_PIXEL_NV12, 0, 0), frame_make(66, 6, PUPIL_PIXEL_NV12, 0, 0)};
@@ -228,6 +228,7 @@ static int differs(uint32_t in_pixel, const pupil_coding *from, const pupil_codi
         pupil_config_default(&config);
         config.accuracy = accuracy ? PUPIL_ACCURACY_LUMA : PUPIL_ACCURACY_EXACT;
         config.primaries = primaries;
+        config.transfer = transfer;
         config.output_primaries = primaries ? PUPIL_OUTPUT_BT709 : PUPIL_OUTPUT_AS_INPUT;
         CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
         CHECK(pupil_map_rows(&pupil, &curve, &f.image, &out) == PUPIL_OK);
@@ -243,22 +244,24 @@ static int differs(uint32_t in_pixel, const pupil_coding *from, const pupil_codi
 static void exact_where_it_must(void)
 {
     static const pupil_coding usual = {0}, full = {.range = PUPIL_RANGE_FULL}, linear = {.light = PUPIL_LIGHT_LINEAR},
-                              bt2020 = {.matrix = PUPIL_MATRIX_BT2020};
+                              bt2020 = {.matrix = PUPIL_MATRIX_BT2020}, bt709 = {.light = PUPIL_LIGHT_BT709};
     static const uint32_t formats[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21};
     const pupil_curve plain = curve_of(1.5f);
     pupil_curve dithered = plain;
     dithered.dither = 1;
     for (int p = 0; p < 3; p++) {
-        CHECK(differs(formats[p], NULL, NULL, plain, 0));
-        CHECK(differs(formats[p], &usual, NULL, plain, 0) && differs(formats[p], NULL, &usual, plain, 0));
-        CHECK(differs(formats[p], &full, &full, plain, 0) && differs(formats[p], &bt2020, &bt2020, plain, 0));
-        CHECK(!differs(formats[p], &full, NULL, plain, 0) && !differs(formats[p], NULL, &full, plain, 0));
-        CHECK(!differs(formats[p], &bt2020, NULL, plain, 0) && !differs(formats[p], NULL, &bt2020, plain, 0));
-        CHECK(!differs(formats[p], &linear, NULL, plain, 0));
-        CHECK(!differs(formats[p], NULL, NULL, dithered, 0));
-        CHECK(!differs(formats[p], NULL, NULL, plain, PUPIL_PRIMARIES_BT2020));
+        CHECK(differs(formats[p], NULL, NULL, plain, 0, 0));
+        CHECK(differs(formats[p], &usual, NULL, plain, 0, 0) && differs(formats[p], NULL, &usual, plain, 0, 0));
+        CHECK(differs(formats[p], &full, &full, plain, 0, 0) && differs(formats[p], &bt2020, &bt2020, plain, 0, 0));
+        CHECK(!differs(formats[p], &full, NULL, plain, 0, 0) && !differs(formats[p], NULL, &full, plain, 0, 0));
+        CHECK(!differs(formats[p], &bt2020, NULL, plain, 0, 0) && !differs(formats[p], NULL, &bt2020, plain, 0, 0));
+        CHECK(!differs(formats[p], &linear, NULL, plain, 0, 0));
+        CHECK(differs(formats[p], &bt709, NULL, plain, 0, 0));
+        CHECK(!differs(formats[p], NULL, NULL, plain, 0, PUPIL_TRANSFER_LINEAR));
+        CHECK(!differs(formats[p], NULL, NULL, dithered, 0, 0));
+        CHECK(!differs(formats[p], NULL, NULL, plain, PUPIL_PRIMARIES_BT2020, 0));
     }
-    CHECK(!differs(PUPIL_PIXEL_P010, NULL, NULL, plain, 0));
+    CHECK(!differs(PUPIL_PIXEL_P010, NULL, NULL, plain, 0, 0));
 }
 
 int main(int argc, char **argv)
