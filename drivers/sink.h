@@ -37,9 +37,11 @@ typedef struct pupil_sink_options {
     uint32_t primaries;     /* a pupil_primaries, BT.709 or BT.2020: what .mp4, .mkv, .mov and .png are tagged with */
     uint32_t transfer;      /* a pupil_transfer; the same */
     int keep_time; /* of formats without timestamps (YUV4MPEG2), which play at fps: a frame is written as often as
-                    * its timestamp requires. So a stream with gaps plays at its own speed. Gaps of more than two
-                    * seconds are left out. Other formats store the timestamps */
-    int named;     /* of a folder: each picture by the name of its frame (pupil_sink.frame_name), and of its own size */
+                    * its timestamp requires. So a stream with gaps plays at its own speed. Longer gaps than
+                    * gap_most_s are left out. Other formats store the timestamps */
+    double gap_most_s;
+    uint32_t aspect[2]; /* of a pixel, width to height; 0, 0: square. .mp4, .mkv, .mov and .y4m say it */
+    int named; /* of a folder: each picture by the name of its frame (pupil_sink.frame_name), and of its own size */
     pupil_sink_sound sound; /* copied into .mp4, .mkv and .mov, as it is */
     pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
     int live; /* .mp4, .mkv and .mov: what was written plays, though the process be killed: at most a second of it is

@@ -84,7 +84,8 @@ struct pupil_source {
     int is_named;       /* each frame has a file of its own, by whose name it is known */
     /* Leaves out frames that are not needed, as if they had been taken; how many were. NULL: take them. */
     uint64_t (*skip)(pupil_source *source, uint64_t frames);
-    pupil_sink_sound sound; /* that goes with the frames, known with the first one; the path lives as long */
+    uint32_t pixel_aspect[2]; /* width to height of a pixel, as it is to be shown; 0, 0: square */
+    pupil_sink_sound sound;   /* that goes with the frames, known with the first one; the path lives as long */
 };
 
 static inline int pupil_source_next(pupil_source *source, pupil_frame *frame, pupil_why *why)

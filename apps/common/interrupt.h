@@ -3,7 +3,7 @@
 #define PUPIL_APPS_COMMON_INTERRUPT_H
 
 /* From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored: nohup) set the flag and interrupt what blocks, and
- * SIGPIPE is ignored: a closed pipe is an error of the write. */
+ * SIGPIPE and SIGXFSZ are ignored: a closed pipe, and a file that may not become larger, are errors of the write. */
 void interrupt_watch(void);
 int interrupt_came(void);
 int interrupt_again(void); /* twice: the user does not wait for a clean end */

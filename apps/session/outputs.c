@@ -49,6 +49,10 @@ static uint32_t shown_primaries(const pupil_config *config)
     return config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
 }
 
+/* A frame may stay for so long: a camera that was away for longer was away; slides are in a video. */
+#define LIVE_GAP_S  2.0
+#define VIDEO_GAP_S 60.0
+
 /* In the pace of the frames; --hold has another. */
 static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
 {
@@ -56,6 +60,12 @@ static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
         return (pupil_sink_sound){o->source->sound.path, o->source->sound.begin_ns + first->info.timestamp_ns};
     o->held_sound = o->options->out_count && o->source->sound.path;
     return (pupil_sink_sound){0};
+}
+
+/* Of a video, each frame of which is shown once. */
+static int has_own_times(const session_outputs *o)
+{
+    return !(o->source->obeys & PUPIL_SOURCE_FPS) && o->options->hold <= 1;
 }
 
 static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_image *first, pupil_why *why)
@@ -67,7 +77,9 @@ static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_im
                                         .overwrite = options->overwrite,
                                         .primaries = shown_primaries(&options->config),
                                         .transfer = options->config.transfer,
-                                        .keep_time = o->live,
+                                        .keep_time = o->live || has_own_times(o),
+                                        .gap_most_s = o->live ? LIVE_GAP_S : VIDEO_GAP_S,
+                                        .aspect = {o->source->pixel_aspect[0], o->source->pixel_aspect[1]},
                                         .named = options->reset_each && o->source->is_named,
                                         .live = o->live,
                                         .sound = sound_of(o, frame)};

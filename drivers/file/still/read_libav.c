@@ -5,6 +5,7 @@
 
 #include "file/video/video_source.h"
 #include "refuse.h"
+#include "still_private.h"
 
 static int take(pupil_still *still, const pupil_image_const *image, pupil_why *why)
 {
@@ -32,12 +33,26 @@ static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pu
                         is_tiff ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
 }
 
+/* Of these libav hands out black pixels and no error. */
+static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
+{
+    enum { COMPRESSION = 259, TILE_OFFSETS = 324, OLD_JPEG = 6, JPEG = 7 };
+    uint32_t value = 0;
+    if (pupil_tiff_find(bytes, size, TILE_OFFSETS, &value))
+        return pupil_refuse(why, "is a TIFF in tiles; save it in strips, or as PNG");
+    if (pupil_tiff_find(bytes, size, COMPRESSION, &value) && (value == OLD_JPEG || value == JPEG))
+        return pupil_refuse(why, "is a TIFF compressed as JPEG; save it as LZW or Deflate, or as PNG");
+    return 0;
+}
+
 int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     const pupil_source_options options = {.as_stored = still->as_stored};
     pupil_source *source;
     pupil_frame frame;
     pupil_why words = {""};
+    if (check_tiff(bytes, size, why))
+        return -1;
     if (pupil_video_source_open_bytes(bytes, size, "", (int64_t)pupil_still_most(still), &options, &source, &words))
         return pupil_refuse(why, "is no OpenEXR, Radiance, PFM or PNG file, by its first bytes, and for libav %s",
                             strncmp(words.text, ": ", 2) == 0 ? words.text + 2 : words.text);

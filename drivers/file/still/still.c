@@ -67,35 +67,14 @@ static int read_file(pupil_still *still, const char *path, size_t *size, pupil_w
     return result;
 }
 
-static uint32_t number(const uint8_t *at, int bytes, int big)
-{
-    uint32_t n = 0;
-    for (int i = 0; i < bytes; i++)
-        n |= (uint32_t)at[i] << 8 * (big ? bytes - 1 - i : i);
-    return n;
-}
-
 /* A TIFF 6.0 whose first directory says that it is a DNG (1.7, DNGVersion), or that other directories belong to a
  * camera's picture (SubIFDs and Make). */
 static int is_raw_tiff(const uint8_t *bytes, size_t size)
 {
     enum { MAKE = 271, SUB_IFDS = 330, DNG_VERSION = 50706 };
-    const int big = size >= 8 && memcmp(bytes, "MM\0*", 4) == 0;
-    if (!big && (size < 8 || memcmp(bytes, "II*\0", 4) != 0))
-        return 0;
-    const uint64_t first = number(bytes + 4, 4, big);
-    if (first + 2 > size)
-        return 0;
-    const uint32_t entries = number(bytes + first, 2, big);
-    int has_make = 0, has_more = 0;
-    for (uint32_t i = 0; i < entries && first + 2 + 12 * (uint64_t)(i + 1) <= size; i++) {
-        const uint32_t tag = number(bytes + first + 2 + 12 * (uint64_t)i, 2, big);
-        if (tag == DNG_VERSION)
-            return 1;
-        has_make |= tag == MAKE;
-        has_more |= tag == SUB_IFDS;
-    }
-    return has_make && has_more;
+    uint32_t value;
+    return pupil_tiff_find(bytes, size, DNG_VERSION, &value) ||
+           (pupil_tiff_find(bytes, size, MAKE, &value) && pupil_tiff_find(bytes, size, SUB_IFDS, &value));
 }
 
 static int is_raw(const uint8_t *bytes, size_t size)

@@ -210,7 +210,8 @@ static void describe(video_sink *v, AVCodecContext *c)
         v->frame_ticks = 1;
     c->width = (int)(v->options.width + v->options.width % 2);
     c->height = (int)(v->options.height + v->options.height % 2);
-    c->sample_aspect_ratio = (AVRational){1, 1};
+    c->sample_aspect_ratio =
+        v->options.aspect[0] ? (AVRational){(int)v->options.aspect[0], (int)v->options.aspect[1]} : (AVRational){1, 1};
     c->pix_fmt = AV_PIX_FMT_YUV420P;
     c->chroma_sample_location = AVCHROMA_LOC_LEFT;
     c->color_range = AVCOL_RANGE_MPEG;
@@ -269,7 +270,7 @@ static void open_sound(video_sink *v)
     pupil_why unused, *without = v->options.without ? v->options.without : &unused;
     without->text[0] = 0;
     if (sound->path && strcmp(sound->path, "-") == 0)
-        pupil_refuse(without, "standard input is read once; name the file");
+        pupil_refuse(without, "a pipe is read once; name the file");
     else if (sound->path)
         v->sound = pupil_video_sound_open(v->muxer, sound, without);
 }

@@ -33,19 +33,47 @@ void pupil_video_sound_close(pupil_video_sound *s)
     free(s);
 }
 
+/* A stream with the same coding; NULL: no memory. */
+static AVStream *add_to(AVFormatContext *muxer, const AVStream *from)
+{
+    AVStream *to = avformat_new_stream(muxer, NULL);
+    if (!to || avcodec_parameters_copy(to->codecpar, from->codecpar) < 0)
+        return NULL;
+    to->codecpar->codec_tag = 0; /* that of the other format */
+    to->time_base = from->time_base;
+    return to;
+}
+
+/* Whether a format's writer takes such a stream: what it says of codecs leaves some out, and has some that it refuses
+ * when the header is written. So a header is written, to nowhere. */
+static int takes(const AVOutputFormat *format, const AVStream *from)
+{
+    AVFormatContext *trial = NULL;
+    uint8_t *bytes = NULL;
+    int taken = 0;
+    if (avformat_alloc_output_context2(&trial, format, NULL, NULL) < 0)
+        return 0;
+    if (add_to(trial, from) && avio_open_dyn_buf(&trial->pb) >= 0) {
+        taken = avformat_write_header(trial, NULL) >= 0;
+        avio_close_dyn_buf(trial->pb, &bytes);
+        av_free(bytes);
+    }
+    avformat_free_context(trial);
+    return taken;
+}
+
 /* A stream of the muxer's with the same coding; -1: its format does not have it. */
 static int add(pupil_video_sound *s, const AVStream *from, pupil_why *why)
 {
-    if (avformat_query_codec(s->to->oformat, from->codecpar->codec_id, FF_COMPLIANCE_NORMAL) != 1) {
-        pupil_refuse(why, "%s has no place for %s; a .mkv has", s->to->oformat->name,
-                     avcodec_get_name(from->codecpar->codec_id));
+    if (!takes(s->to->oformat, from)) {
+        pupil_refuse(why, "%s has no place for %s", s->to->oformat->name, avcodec_get_name(from->codecpar->codec_id));
+        if (takes(av_guess_format("matroska", NULL, NULL), from))
+            pupil_refuse_add(why, "; a .mkv has");
         return -1;
     }
-    AVStream *to = avformat_new_stream(s->to, NULL);
-    if (!to || avcodec_parameters_copy(to->codecpar, from->codecpar) < 0)
+    AVStream *to = add_to(s->to, from);
+    if (!to)
         return -1;
-    to->codecpar->codec_tag = 0; /* that of the other format */
-    to->time_base = from->time_base;
     to->disposition = from->disposition;
     av_dict_copy(&to->metadata, from->metadata, 0);
     return to->index;

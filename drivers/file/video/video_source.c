@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <libavutil/display.h>
@@ -323,11 +324,26 @@ static void video_close(pupil_source *source)
 
 /* --- open --- */
 
-static void note_sound(video_source *v, const char *path)
+/* The sink opens the file again: what is no file, such as a pipe, is gone by then. */
+static void note_sound(video_source *v)
 {
+    struct stat is;
+    const int is_file = fstat(v->io.fd, &is) == 0 && S_ISREG(is.st_mode) && v->io.close_fd;
+    const char *path = is_file ? v->name : "-";
     for (unsigned i = 0; i < v->format->nb_streams && !v->base.sound.path; i++)
         if (v->format->streams[i]->codecpar->codec_type == AVMEDIA_TYPE_AUDIO)
             v->base.sound.path = path;
+}
+
+/* Known with the first frame, and turned as that is. */
+static void note_aspect(video_source *v)
+{
+    const AVRational of = av_guess_sample_aspect_ratio(v->format, v->stream, NULL);
+    const int turned = v->turn.xy != 0;
+    if (of.num <= 0 || of.den <= 0 || of.num == of.den)
+        return;
+    v->base.pixel_aspect[turned] = (uint32_t)of.num;
+    v->base.pixel_aspect[!turned] = (uint32_t)of.den;
 }
 
 static int find_stream(video_source *v, const AVCodec **decoder, pupil_why *why)
@@ -416,8 +432,9 @@ static int open_video(video_source *v, int64_t max_pixels, int threads, const pu
     v->period_ns = (int64_t)(1e9 / v->base.fps + 0.5);
     const AVCodecParameters *tags = v->stream->codecpar; /* for where the first frame is damaged */
     v->base.primaries = pupil_video_primaries(tags->color_trc, tags->color_primaries, tags->color_space);
-    note_sound(v, v->io.fd == STDIN_FILENO && !v->io.close_fd ? "-" : v->name);
+    note_sound(v);
     v->first_code = decode_next(v, &v->first, &v->first_why);
+    note_aspect(v);
     v->is_open = 1;
     v->has_first = 1;
     *source = &v->base;

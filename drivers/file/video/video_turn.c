@@ -26,6 +26,8 @@ int pupil_video_turn_set(pupil_video_turn *t, const int32_t m[9], pupil_why *why
 {
     const int along = m[0] && m[4] && is_little(m[1], m[0]) && is_little(m[3], m[4]);
     const int across = m[1] && m[3] && is_little(m[0], m[1]) && is_little(m[4], m[3]);
+    if (!m[0] && !m[1] && !m[3] && !m[4]) /* no matrix: as ffmpeg and players take it */
+        return 0;
     if (!along && !across)
         return pupil_refuse(why, "it is to be shown turned by less than a quarter turn, or skewed, which is not done; "
                                  "--no-rotate reads it as it is stored");

@@ -15,7 +15,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define GAP_MAX_S    2.0    /* a camera that was away for longer was away */
 #define BUFFER_BYTES 65536u /* a pipe's usual size; holds at least one row of PUPIL_MAX_SIDE_PX samples */
 
 typedef struct y4m_sink {
@@ -77,10 +76,11 @@ static int y4m_text(y4m_sink *s, const char *text, pupil_why *why)
 static int y4m_header(y4m_sink *s, pupil_why *why)
 {
     char text[128];
+    const uint32_t *aspect = s->options.aspect;
     int num = 0, den = 1;
     pupil_fps_ratio(s->options.fps, &num, &den);
-    snprintf(text, sizeof text, "YUV4MPEG2 W%u H%u F%d:%d Ip A1:1 C444 XCOLORRANGE=LIMITED\n", s->options.width,
-             s->options.height, num, den);
+    snprintf(text, sizeof text, "YUV4MPEG2 W%u H%u F%d:%d Ip A%u:%u C444 XCOLORRANGE=LIMITED\n", s->options.width,
+             s->options.height, num, den, aspect[0] ? aspect[0] : 1, aspect[0] ? aspect[1] : 1);
     return y4m_text(s, text, why);
 }
 
@@ -93,7 +93,7 @@ static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
     if (!s->options.keep_time)
         return 1;
     if (s->came++)
-        s->due_s += step_s > 0.0 && step_s <= GAP_MAX_S ? step_s : 1.0 / s->options.fps;
+        s->due_s += step_s > 0.0 && step_s <= s->options.gap_most_s ? step_s : 1.0 / s->options.fps;
     s->stamp_ns = stamp_ns;
     const uint64_t until = (uint64_t)(s->due_s * s->options.fps + 0.5) + 1;
     return until > s->frames ? until - s->frames : 0;

@@ -52,10 +52,39 @@ expect 0 "b.mp4 is without its sound: mp4 has no place for pcm_s16le" replay pcm
 expect 0 "" replay pcm.mov -o b.mov
 [ "$(say b.mov stream=codec_type | wc -l)" = 2 ] || fail "pcm in .mov is left out"
 "$program" replay - -o piped.mkv <whole.mkv 2>said.err || fail "stdin: $(cat said.err)"
-grep -q "piped.mkv is without its sound: standard input is read once; name the file" said.err || fail "stdin: $(cat said.err)"
+grep -q "piped.mkv is without its sound: a pipe is read once; name the file" said.err || fail "stdin: $(cat said.err)"
+mkfifo pipe
+cat whole.mkv >pipe &
+expect 0 "fifo.mkv is without its sound: a pipe is read once" replay pipe -o fifo.mkv
+ffmpeg -v error -nostdin -i land.mp4 -c:v copy -c:a flac flac.mkv
+expect 0 "d.mp4 is without its sound: mp4 has no place for flac; a .mkv has" replay flac.mkv -o d.mp4
+ffmpeg -v error -nostdin -i land.mp4 -c:v copy -c:a pcm_mulaw mulaw.mkv
+expect 0 "" replay mulaw.mkv -o d.mkv
+[ "$(say d.mkv stream=codec_name)" = "$(printf 'h264\npcm_mulaw')" ] || fail "mu-law in .mkv is left out"
 ffmpeg -v error -nostdin -i land.mp4 -c copy -an silent.mp4
 expect 0 "" replay silent.mp4 -o c.mp4
 grep -q sound said.err && fail "sound of a silent clip: $(cat said.err)"
+
+# frames that stay for times of their own: Y4M, which has one rate, repeats them
+ffmpeg -v error -nostdin -i silent.mp4 -vf "select='not(between(n,10,29))'" -vsync vfr -c:v libx264 gap.mp4
+expect 0 "" replay gap.mp4 -q -o gap.y4m -y
+frames=$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 gap.y4m)
+[ "$frames" = 50 ] || fail "two seconds at 25 frames/s have $frames frames in .y4m"
+
+# pixels that are not square, also where the picture is turned
+ffmpeg -v error -nostdin -i silent.mp4 -c:v libx264 -vf setsar=16/15 wide.mp4
+ffmpeg -v error -nostdin -i wide.mp4 -c copy -metadata:s:v:0 rotate=90 tall.mp4
+expect 0 "" replay wide.mp4 -q -o shown.mkv
+[ "$(say shown.mkv stream=sample_aspect_ratio)" = 16:15 ] || fail "wide: $(say shown.mkv stream=sample_aspect_ratio)"
+expect 0 "" replay tall.mp4 -q -o shown.mp4
+[ "$(say shown.mp4 stream=sample_aspect_ratio)" = 15:16 ] || fail "tall: $(say shown.mp4 stream=sample_aspect_ratio)"
+expect 0 "" replay wide.mp4 -q -o shown.y4m
+head -n 1 shown.y4m | grep -q " A16:15 " || fail "wide: $(head -n 1 shown.y4m)"
+
+# a file that may not become larger
+(ulimit -f 2 && "$program" replay land.mp4 -q -o full.mp4 2>said.err) && fail "a file beyond its limit is made"
+grep -q "full.mp4: cannot be written: File too large" said.err || fail "beyond the limit: $(cat said.err)"
+ls | grep -q full && fail "beyond the limit: $(ls | grep full)"
 
 # frames of a mosaic, of 8 bits and of 16 in either order of bytes: as the same bytes without a header
 ffmpeg -v error -nostdin -f lavfi -i "testsrc2=s=64x48:r=30" -frames:v 6 -pix_fmt gray -f rawvideo eight.raw

@@ -1,0 +1,33 @@
+/* What the first directory of a TIFF 6.0 says. */
+#include "still_private.h"
+
+#include <string.h>
+
+enum { SHORT = 3, ENTRY_BYTES = 12 };
+
+static uint32_t number(const uint8_t *at, int bytes, int big)
+{
+    uint32_t n = 0;
+    for (int i = 0; i < bytes; i++)
+        n |= (uint32_t)at[i] << 8 * (big ? bytes - 1 - i : i);
+    return n;
+}
+
+int pupil_tiff_find(const uint8_t *bytes, size_t size, uint32_t tag, uint32_t *value)
+{
+    const int big = size >= 8 && memcmp(bytes, "MM\0*", 4) == 0;
+    if (!big && (size < 8 || memcmp(bytes, "II*\0", 4) != 0))
+        return 0;
+    const uint64_t first = number(bytes + 4, 4, big);
+    if (first + 2 > size)
+        return 0;
+    const uint32_t entries = number(bytes + first, 2, big);
+    for (uint32_t i = 0; i < entries && first + 2 + ENTRY_BYTES * (uint64_t)(i + 1) <= size; i++) {
+        const uint8_t *entry = bytes + first + 2 + ENTRY_BYTES * (uint64_t)i;
+        if (number(entry, 2, big) != tag)
+            continue;
+        *value = number(entry + 8, number(entry + 2, 2, big) == SHORT ? 2 : 4, big);
+        return 1;
+    }
+    return 0;
+}
