@@ -85,8 +85,11 @@ static const char *set_balance(pupil_colour_options *c, const char *text)
     c->balance = PUPIL_COLOUR_GIVEN;
     if (numbers(text, "/", n) != 3)
         return "auto, off or R/G/B was expected, for example 1.9/1/1.6";
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        if (!(n[i] >= 0x1p-10 && n[i] <= 0x1p10))
+            return "factors from 0.001 to 1024 were expected, for example 1.9/1/1.6";
         c->given_balance[i] = (float)n[i];
+    }
     return NULL;
 }
 

@@ -104,6 +104,7 @@ static void test_layout(void)
         {"a,format=RG10,size=4x2,black=-1", "black=-1: a code"},
         {"a,format=RG10,size=4x2,black=nan", "black=nan: a code"},
         {"a,format=RG10,size=4x2,balance=1/2", "balance=1/2: auto, off or R/G/B"},
+        {"a,format=RG10,size=4x2,balance=0/0/0", "balance=0/0/0: factors from 0.001 to 1024"},
         {"a,format=RG10,size=4x2,matrix=1/0/0", "nine numbers"},
         {"a,format=RG10,size=4x2,knees=1024", "CODE:LIGHT"},
         {"a,format=RG10,size=4x2,shift=9", "0 to 8"},

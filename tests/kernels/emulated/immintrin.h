@@ -13,6 +13,7 @@
 #include <string.h>
 
 typedef uint16_t __mmask16;
+typedef uint32_t __mmask32;
 
 /* A result made of 16 numbers, from arguments taken apart. */
 #define EMULATED(RESULT, TYPE, EXPRESSION)                                                                             \
@@ -117,6 +118,17 @@ static inline __mmask16 emulated_cmplt_epu32_mask(__m512i a, __m512i b)
     return mask;
 }
 #define _mm512_cmplt_epu32_mask emulated_cmplt_epu32_mask
+
+static inline __mmask32 emulated_cmpgt_epi16_mask(__m512i a, __m512i b)
+{
+    APART(int16_t, x, a);
+    APART(int16_t, y, b);
+    __mmask32 mask = 0;
+    for (int i = 0; i < 32; i++)
+        mask |= (__mmask32)(x[i] > y[i]) << i;
+    return mask;
+}
+#define _mm512_cmpgt_epi16_mask emulated_cmpgt_epi16_mask
 
 static inline void emulated_mask_storeu_epi32(void *to, __mmask16 mask, __m512i v)
 {
