@@ -54,8 +54,14 @@ static int read_graph(graph *g, int fd)
     g->t.ptr_interfaces = (uintptr_t)g->interfaces;
     g->t.ptr_pads = (uintptr_t)g->pads;
     g->t.ptr_links = (uintptr_t)g->links;
-    /* Should it have grown in between, the kernel says ENOSPC. */
-    return pupil_v4l2_ioctl(g->system, fd, MEDIA_IOC_G_TOPOLOGY, &g->t);
+    const struct media_v2_topology room = g->t;
+    /* Should it have grown in between, the kernel says ENOSPC, or more than there is room for. */
+    if (pupil_v4l2_ioctl(g->system, fd, MEDIA_IOC_G_TOPOLOGY, &g->t) != 0)
+        return -1;
+    return g->t.num_entities > room.num_entities || g->t.num_interfaces > room.num_interfaces ||
+                   g->t.num_pads > room.num_pads || g->t.num_links > room.num_links
+               ? -1
+               : 0;
 }
 
 static const struct media_v2_entity *entity_of(const graph *g, uint32_t id)
