@@ -16,7 +16,7 @@ static const char *const changeable[] = {"ev",       "key",         "key-at",   
 static const char more[] = "ev, key, key-at, lock, metering, roi, trim, highlights, amplification, tau-light, "
                            "tau-dark, gain-max, shutter-max, day-night, light, filter, status";
 
-#define USUAL_FRAMES 30 /* in which a filter is switched by hand: a second */
+#define USUAL_FRAMES 30 /* in which a person switches a filter: a second */
 
 /* --- status --- */
 

@@ -40,7 +40,7 @@ int run_several_check(const run_options *options, pupil_why *why);
  * all are over: the exit status. */
 int run_several_begin(run_several *s, run_options *options);
 
-/* The first process was told to end. */
+/* The first process got a signal to end. */
 int run_several_is_over(const run_several *s);
 
 /* What this camera can: exposure time x gain. */

@@ -3,6 +3,7 @@
 #include "fuzz_still.h"
 
 #include "drivers/file/write_dng.h"
+#include "fuzz.h"
 
 #include <stdio.h>
 
@@ -13,10 +14,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
     static uint8_t bytes[1 << 14];
     static uint16_t sample[32 * 24 * 3];
-    const char *folder = NULL;
-    for (int i = 1; i < *argc && !folder; i++)
-        if ((*argv)[i][0] != '-')
-            folder = (*argv)[i];
+    const char *folder = fuzz_corpus(*argc, *argv);
     for (size_t i = 0; i < sizeof sample / sizeof *sample; i++)
         sample[i] = (uint16_t)(64 + i * 37 % 900);
     for (int linear = 0; folder && linear < 2; linear++) {

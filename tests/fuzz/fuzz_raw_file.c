@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "pupil/pupil.h"
+#include "fuzz.h"
 
 #define MAX_STEPS  16
 #define MAX_PIXELS (256 * 256)
@@ -28,10 +28,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
                                        "format=YUYV,size=8x6",
                                        "format=NV12,size=8x6",
                                        "format=RG16,size=8x6,shift=4,matrix=1/0/0/0/1/0/0/0/1"};
-    const char *folder = NULL;
-    for (int i = 1; i < *argc && !folder; i++)
-        if ((*argv)[i][0] != '-')
-            folder = (*argv)[i];
+    const char *folder = fuzz_corpus(*argc, *argv);
     for (size_t k = 0; folder && k < sizeof keys / sizeof *keys; k++) {
         char path[4096];
         snprintf(path, sizeof path, "%s/seed_%zu", folder, k);
@@ -51,11 +48,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 static void abort_unless_metered(const pupil_image_const *image)
 {
     static pupil_stats stats;
-    pupil_config config;
-    pupil_t pupil;
-    pupil_config_default(&config);
-    pupil_stats_clear(&stats);
-    if (pupil_init(&pupil, &config) || pupil_meter_rows(&pupil, image, 0, image->height, &stats) || stats.bad)
+    if (fuzz_meter(image, &stats) || stats.bad)
         abort();
 }
 

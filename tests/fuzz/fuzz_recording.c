@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "pupil/pupil.h"
+#include "fuzz.h"
 
 #define MAX_STEPS 8
 
@@ -83,14 +83,13 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     snprintf(folder, sizeof folder, "/tmp/pupil-fuzz-XXXXXX");
     if (!mkdtemp(folder) || atexit(clean_up))
         abort();
-    for (int i = 1; i < *argc; i++)
-        if ((*argv)[i][0] != '-') {
-            record(PUPIL_PIXEL_BAYER10, &bayer);
-            keep((*argv)[i], "seed_bayer");
-            record(PUPIL_PIXEL_YUYV, NULL);
-            keep((*argv)[i], "seed_yuyv");
-            break;
-        }
+    const char *corpus = fuzz_corpus(*argc, *argv);
+    if (corpus) {
+        record(PUPIL_PIXEL_BAYER10, &bayer);
+        keep(corpus, "seed_bayer");
+        record(PUPIL_PIXEL_YUYV, NULL);
+        keep(corpus, "seed_yuyv");
+    }
     return 0;
 }
 
@@ -106,10 +105,7 @@ static void write_file(const char *name, const uint8_t *bytes, size_t size)
 static void read_frames(pupil_source *source)
 {
     static pupil_stats stats;
-    pupil_config config;
-    pupil_t pupil;
     pupil_frame f;
-    pupil_config_default(&config);
     for (int step = 0; step < MAX_STEPS; step++) {
         pupil_why why = {""};
         const int rc = pupil_source_next(source, &f, &why);
@@ -119,9 +115,7 @@ static void read_frames(pupil_source *source)
             return;
         if (rc == PUPIL_SOURCE_DAMAGED)
             continue;
-        pupil_stats_clear(&stats);
-        if (f.image.data &&
-            (pupil_init(&pupil, &config) || pupil_meter_rows(&pupil, &f.image, 0, f.image.height, &stats)))
+        if (f.image.data && fuzz_meter(&f.image, &stats))
             abort(); /* a frame that the library refuses */
         pupil_source_done(source, &f);
     }

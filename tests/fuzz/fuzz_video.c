@@ -2,7 +2,7 @@
 #include "drivers/file/clip.h"
 
 #include "file/video/video_source.h"
-#include "pupil/pupil.h"
+#include "fuzz.h"
 
 #include <unistd.h>
 
@@ -35,10 +35,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
                  {"yuv4mpegpipe", "wrapped_avframe", AV_PIX_FMT_YUV444P},
                  {"avi", "rawvideo", AV_PIX_FMT_RGB24},
                  {"gif", "gif", AV_PIX_FMT_RGB8}};
-    const char *folder = NULL;
-    for (int i = 1; i < *argc && !folder; i++)
-        if ((*argv)[i][0] != '-')
-            folder = (*argv)[i];
+    const char *folder = fuzz_corpus(*argc, *argv);
     for (size_t k = 0; folder && k < sizeof kinds / sizeof *kinds; k++) {
         clip c = {kinds[k].container,
                   kinds[k].codec,
@@ -66,11 +63,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 static void abort_unless_metered(const pupil_image_const *image)
 {
     static pupil_stats stats;
-    pupil_config config;
-    pupil_t pupil;
-    pupil_config_default(&config);
-    pupil_stats_clear(&stats);
-    if (pupil_init(&pupil, &config) || pupil_meter_rows(&pupil, image, 0, image->height, &stats) || stats.bad)
+    if (fuzz_meter(image, &stats) || stats.bad)
         abort();
 }
 

@@ -28,9 +28,8 @@ static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pu
     const char *text = strncmp(words, ": ", 2) == 0 ? words + 2 : words;
     if (strncmp(text, damaged, strlen(damaged)) != 0 || !strstr(text, "not supported"))
         return pupil_refuse(why, "%s", text);
-    const int is_tiff = size > 4 && (memcmp(bytes, "II*", 4) == 0 || memcmp(bytes, "MM\0*", 4) == 0);
     return pupil_refuse(why, "libav lacks this kind of file: %s%s", text + strlen(damaged),
-                        is_tiff ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
+                        pupil_is_tiff(bytes, size) ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
 }
 
 /* Of these libav hands out black pixels and no error. */

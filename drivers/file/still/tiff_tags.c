@@ -13,11 +13,21 @@ static uint32_t number(const uint8_t *at, int bytes, int big)
     return n;
 }
 
+static int is_big(const uint8_t *bytes)
+{
+    return memcmp(bytes, "MM\0*", 4) == 0;
+}
+
+int pupil_is_tiff(const uint8_t *bytes, size_t size)
+{
+    return size >= 8 && (is_big(bytes) || memcmp(bytes, "II*\0", 4) == 0);
+}
+
 int pupil_tiff_find(const uint8_t *bytes, size_t size, uint32_t tag, uint32_t *value)
 {
-    const int big = size >= 8 && memcmp(bytes, "MM\0*", 4) == 0;
-    if (!big && (size < 8 || memcmp(bytes, "II*\0", 4) != 0))
+    if (!pupil_is_tiff(bytes, size))
         return 0;
+    const int big = is_big(bytes);
     const uint64_t first = number(bytes + 4, 4, big);
     if (first + 2 > size)
         return 0;

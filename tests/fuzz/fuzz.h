@@ -1,0 +1,27 @@
+/* tests/fuzz/fuzz.h: what several fuzzers need: a place for their first inputs, and a look at every pixel. */
+#ifndef PUPIL_TESTS_FUZZ_H
+#define PUPIL_TESTS_FUZZ_H
+
+#include "pupil/pupil.h"
+
+/* The first corpus folder of libFuzzer's arguments, which gets what bytes alone do not find; NULL: none was given. */
+static inline const char *fuzz_corpus(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        if (argv[i][0] != '-')
+            return argv[i];
+    return NULL;
+}
+
+/* Meters all of an image, so that the sanitizer sees a pixel that is not there. 0: the library takes it. */
+static inline int fuzz_meter(const pupil_image_const *image, pupil_stats *stats)
+{
+    pupil_config config;
+    pupil_t pupil;
+    pupil_config_default(&config);
+    pupil_stats_clear(stats);
+    const int error = pupil_init(&pupil, &config);
+    return error ? error : pupil_meter_rows(&pupil, image, 0, image->height, stats);
+}
+
+#endif
