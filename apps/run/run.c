@@ -104,14 +104,20 @@ static void share(run *r, const pupil_frame *frame, pupil_curve *curve)
     if (!several->shared || !r->sensor.loop.steers || !r->sensor.camera || !setting->frames)
         return;
     if (!r->sensor.follows) {
-        run_several_publish(several, run_sensor_shown_s(&r->sensor, &frame->info), setting, &r->session.pipeline.pupil);
+        const run_led led = {.at_ns = run_several_stamp(&frame->info),
+                             .total_s = run_sensor_total_s(&r->sensor, &frame->info),
+                             .shown_s = run_sensor_shown_s(&r->sensor, &frame->info),
+                             .set_s = setting->exposure_s * setting->gain,
+                             .scene_ev = setting->scene_ev,
+                             .pupil = r->session.pipeline.pupil};
+        run_several_publish(several, &led);
         return;
     }
-    if (!run_several_read(several, &r->led))
+    if (!run_several_read(several, &frame->info, 1.0 / r->session.source->fps, &r->led))
         return;
     several->seen_ev += setting->scene_ev - r->led.scene_ev;
     several->seen++;
-    run_sensor_follow(&r->sensor, &frame->info, r->led.total_s, r->led.set_s);
+    run_sensor_follow(&r->sensor, &frame->info, &r->led);
     info.gain *= exp2(several->ev); /* as the leader would have taken it */
     if (!run_sensor_curve(&r->sensor, curve))
         (void)pupil_get_curve(&r->led.pupil, &info, curve);

@@ -156,21 +156,21 @@ int run_sensor_is_at_rest(const pupil_sensor_setting *setting)
 /* A small change of the total is the picture's: the setting stays, as the leader's does. What a frame lacks is found
  * from the setting that it was taken with alone, for no frame of this camera decides anything that would correct an
  * error. */
-void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, double total_s, double set_s)
+void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, const run_led *led)
 {
     const double most = exp2(s->loop.config.digital_ev), taken_s = info->exposure_s * info->gain;
-    if (!s->loop.steers || !s->camera || !(total_s > 0.0))
+    if (!s->loop.steers || !s->camera || !(led->total_s > 0.0))
         return;
     const int is_other =
-        set_s != s->followed_set || !(s->followed_s > 0.0) || fabs(log2(total_s / s->followed_s)) > FOLLOW_EV;
-    if (is_other && pupil_camera_loop_follow(&s->loop, total_s) == PUPIL_OK) {
-        s->followed_s = total_s;
-        s->followed_set = set_s;
+        led->set_s != s->followed_set || !(s->followed_s > 0.0) || fabs(log2(led->total_s / s->followed_s)) > FOLLOW_EV;
+    if (is_other && pupil_camera_loop_follow(&s->loop, led->total_s) == PUPIL_OK) {
+        s->followed_s = led->total_s;
+        s->followed_set = led->set_s;
     }
-    s->digital = taken_s > 0.0 ? fmin(most, fmax(1.0 / most, total_s / taken_s)) : 1.0;
+    s->digital = taken_s > 0.0 ? fmin(most, fmax(1.0 / most, led->shown_s / taken_s)) : 1.0;
 }
 
-double run_sensor_shown_s(run_sensor *s, const pupil_frame_info *info)
+double run_sensor_total_s(run_sensor *s, const pupil_frame_info *info)
 {
     const pupil_sensor_setting *now = &s->loop.setting;
     const double taken_s = info->exposure_s * info->gain, set_s = now->exposure_s * now->gain;
@@ -178,6 +178,12 @@ double run_sensor_shown_s(run_sensor *s, const pupil_frame_info *info)
     if (taken_s > 0.0 && fabs(log2(taken_s / set_s)) < SAME_EV && fabs(log2(share)) < 1.0)
         s->shown_share = share;
     return now->total_s * (s->shown_share > 0.0 ? s->shown_share : 1.0);
+}
+
+double run_sensor_shown_s(const run_sensor *s, const pupil_frame_info *info)
+{
+    const double taken_s = info->exposure_s * info->gain;
+    return (taken_s > 0.0 ? taken_s : s->loop.setting.total_s) * s->loop.setting.frame_digital;
 }
 
 /* For the values of the last frame. */

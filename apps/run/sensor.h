@@ -45,12 +45,14 @@ int run_sensor_announce(run_sensor *s, double ev, uint32_t within_frames, uint32
 /* Whether the exposure is where it remains in this light: converged, or at a limit of what the camera can. */
 int run_sensor_is_at_rest(const pupil_sensor_setting *setting);
 
-/* After a frame of a camera that follows: the leader's total and the setting that it asked for. */
-void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, double total_s, double set_s);
+/* After a frame of a camera that follows: what the leader has for that moment. */
+void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, const run_led *led);
 
 /* Of the camera that leads: the total that its frames are shown with, once its setting is in force. It is the one that
  * is wanted, but where the camera answers otherwise than its numbers say. */
-double run_sensor_shown_s(run_sensor *s, const pupil_frame_info *info);
+double run_sensor_total_s(run_sensor *s, const pupil_frame_info *info);
+/* What this frame is shown with: on its way the setting is steps behind the total. */
+double run_sensor_shown_s(const run_sensor *s, const pupil_frame_info *info);
 
 /* The curve of the last frame, where the picture is the camera's own: 1; 0: as the pupil_t has it. */
 int run_sensor_curve(const run_sensor *s, pupil_curve *curve);

@@ -20,6 +20,9 @@
 #define BEGIN_S 4.0 /* until a camera has to give its first frame: to lead, or the next one does */
 #define LOST_S  5.0 /* without a frame, or LOST_FRAMES of its frames where these take longer; one that ends says so */
 enum { LOST_FRAMES = 10 };
+enum { QUEUE_FRAMES = 4 }; /* that a camera's driver takes while one is waited for (drivers/v4l2) */
+enum { MOMENTS = 8 };      /* of the leader's, twice QUEUE_FRAMES */
+#define POLL_NS 1000000    /* a condition variable that processes share does not survive one that is killed */
 
 typedef struct shared_camera {
     int64_t until_ns; /* it is there until then, at least; 0: it has ended */
@@ -30,8 +33,9 @@ typedef struct run_shared {
     pthread_mutex_t lock; /* of all that follows but `ended` */
     atomic_int ended;
     uint32_t count;
-    int is_led;
-    run_led led; /* in the first camera's sensitivity */
+    uint64_t led_frames;
+    int64_t led_ns;       /* when the newest was published */
+    run_led led[MOMENTS]; /* by led_frames, in the first camera's sensitivity */
     shared_camera camera[RUN_MOST_CAMERAS];
 } run_shared;
 
@@ -281,26 +285,69 @@ int run_several_leads(run_several *s, double frame_s)
     return leads;
 }
 
-void run_several_publish(run_several *s, double total_s, const pupil_sensor_setting *setting, const pupil_t *pupil)
+int64_t run_several_stamp(const pupil_frame_info *info)
 {
-    run_led *led = &s->shared->led;
-    take(s->shared);
-    led->total_s = total_s * exp2(s->ev);
-    led->set_s = setting->exposure_s * setting->gain;
-    led->scene_ev = setting->scene_ev - s->ev;
-    led->pupil = *pupil;
-    s->shared->is_led = 1;
-    give(s->shared);
+    const int64_t now = now_ns();
+    return llabs(now - info->timestamp_ns) < (int64_t)(LOST_S * 1e9) ? info->timestamp_ns : now;
 }
 
-int run_several_read(run_several *s, run_led *led)
+void run_several_publish(run_several *s, const run_led *led)
 {
-    take(s->shared);
-    const int is_led = s->shared->is_led;
-    *led = s->shared->led;
-    give(s->shared);
+    run_shared *shared = s->shared;
+    take(shared);
+    run_led *own = &shared->led[shared->led_frames % MOMENTS];
+    *own = *led;
+    own->total_s *= exp2(s->ev);
+    own->shown_s *= exp2(s->ev);
+    own->scene_ev -= s->ev;
+    shared->led_frames++;
+    shared->led_ns = now_ns();
+    give(shared);
+}
+
+/* The newest one that is not after the moment; of none, the oldest that is kept. */
+static const run_led *led_at(const run_shared *shared, int64_t at_ns)
+{
+    const uint64_t kept = shared->led_frames < MOMENTS ? shared->led_frames : MOMENTS;
+    const run_led *found = NULL;
+    for (uint64_t back = 1; back <= kept; back++) {
+        found = &shared->led[(shared->led_frames - back) % MOMENTS];
+        if (found->at_ns <= at_ns)
+            break;
+    }
+    return found;
+}
+
+/* Whether the leader has a frame in [from, to] that it has not published yet, as its last two have it. A slower one has
+ * none for most frames of this camera, and one that hangs none any more. */
+static int is_due(const run_shared *shared, int64_t from_ns, int64_t to_ns)
+{
+    if (shared->led_frames < 2)
+        return 0;
+    const int64_t last_ns = shared->led[(shared->led_frames - 1) % MOMENTS].at_ns;
+    const int64_t period_ns = last_ns - shared->led[(shared->led_frames - 2) % MOMENTS].at_ns;
+    return last_ns < from_ns && last_ns + period_ns - period_ns / 8 <= to_ns && /* an eighth: clocks are not exact */
+           now_ns() < shared->led_ns + QUEUE_FRAMES * period_ns;
+}
+
+int run_several_read(run_several *s, const pupil_frame_info *info, double frame_s, run_led *led)
+{
+    const int64_t at_ns = run_several_stamp(info), half_ns = (int64_t)(frame_s * 0.5e9);
+    const int64_t until_ns = now_ns() + QUEUE_FRAMES * 2 * half_ns;
+    run_shared *shared = s->shared;
+    take(shared);
+    while (is_due(shared, at_ns - half_ns, at_ns + half_ns) && now_ns() < until_ns && !atomic_load(&shared->ended)) {
+        give(shared);
+        nanosleep(&(struct timespec){.tv_nsec = POLL_NS}, NULL);
+        take(shared);
+    }
+    const run_led *found = led_at(shared, at_ns + half_ns);
+    if (found)
+        *led = *found;
+    give(shared);
     led->total_s *= exp2(-s->ev);
-    return is_led;
+    led->shown_s *= exp2(-s->ev);
+    return found != NULL;
 }
 
 void run_several_tell(const run_several *s, char *text, size_t text_bytes)

@@ -25,9 +25,11 @@ typedef struct run_several {
     uint64_t seen;             /* frames in that */
 } run_several;
 
-/* What the leader has, for a camera: its own sensitivity is divided out. */
+/* What the leader has for a frame, for a camera: its own sensitivity is divided out. */
 typedef struct run_led {
+    int64_t at_ns;   /* of its frame */
     double total_s;  /* wanted: exposure time x gain */
+    double shown_s;  /* what its frame is shown with */
     double set_s;    /* of the setting that was asked for: another one is another step */
     double scene_ev; /* the light that the leader sees */
     pupil_t pupil;   /* the picture's adaptation */
@@ -52,9 +54,14 @@ void run_several_limit(const run_several *s, pupil_sensor_config *config);
 /* With each frame: whether this camera leads. `frame_s`: the time to its next one. */
 int run_several_leads(run_several *s, double frame_s);
 
-void run_several_publish(run_several *s, double total_s, const pupil_sensor_setting *setting, const pupil_t *pupil);
-/* 0: nobody has led yet. */
-int run_several_read(run_several *s, run_led *led);
+/* Of the frame that the leader has just metered; `led` as that camera has it. */
+void run_several_publish(run_several *s, const run_led *led);
+/* For a frame of a camera that follows: the leader's of that moment. It is waited for if it is due, at most as long as
+ * a camera's queue holds frames (QUEUE_FRAMES). 0: nobody has led yet. */
+int run_several_read(run_several *s, const pupil_frame_info *info, double frame_s, run_led *led);
+
+/* On the clock that the processes share: the frame's timestamp where it is of that clock, or now. */
+int64_t run_several_stamp(const pupil_frame_info *info);
 
 /* "; sees 0.98 EV more light than the first camera ...", or nothing. */
 void run_several_tell(const run_several *s, char *text, size_t text_bytes);

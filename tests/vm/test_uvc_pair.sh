@@ -1,8 +1,8 @@
 #!/bin/sh
 # vm.uvc_pair: test_uvc_pair.sh CAMERA NODE: boots the guest and runs two USB cameras there with one exposure, through two steps
 # of light of three stops. What is shown (exposure time x gain x the factor of the picture) has to be the same within 0.05 EV, a
-# stop less of the second camera, but for seconds after a step: the second camera hears of it with its own next frame, and an
-# emulated processor that is busy takes frames seconds late. Frames are compared with those of the other camera nearest in time.
+# stop less of the second camera, in all frames. One of ten may be apart: an emulated processor that is busy takes frames late,
+# and then the second camera does not wait. Frames are compared with those of the other camera nearest in time.
 set -eu
 . "$(dirname "$0")/amd64.sh"
 log=$(mktemp)
@@ -36,24 +36,18 @@ print("the light changes in frames", first, "and", second)
 assert len(first) == 2 and len(second) == 2
 time = [[float(r["time_s"]) for r in of] for of in rows]
 ahead = time[1][second[0]] - time[0][first[0]]  # of the second camera's clock, which begins with its first frame
-rest, late, worst, apart = 0, 0, 0.0, []
+same, worst, apart = 0, 0.0, []
 for n in range(first[0] - 8, len(rows[0]) - 2):
     m = min(range(len(rows[1])), key=lambda k: abs(time[1][k] - ahead - time[0][n]))
-    if any(abs(math.log2(float(r["digital"]))) > 1.49 for r in (rows[0][n], rows[1][m])):
-        continue  # the factor of the picture is at its limit, in a step
-    by = [abs(shown(rows[0][k]) - shown(rows[1][m]) - 1.0) for k in range(max(0, n - 3), n + 2)]
-    if by[-2] <= 0.05:
-        rest, worst = rest + 1, max(worst, by[-2])
-    elif min(by) <= 0.05:
-        late += 1
+    by = abs(shown(rows[0][n]) - shown(rows[1][m]) - 1.0)
+    if by <= 0.05:
+        same, worst = same + 1, max(worst, by)
     else:
-        since = min(t - time[0][at] for at in first for t in [time[0][n]] if t >= time[0][at])
-        apart.append((round(since, 1), round(min(by), 3)))
-print(f"{rest} frames: one exposure within {worst:.3f} EV; {late} frames that have that of up to three frames before; "
-      f"others, by seconds since a step and EV: {apart}")
+        apart.append((round(min((time[0][n] - time[0][at] for at in first if n >= at), default=-1.0), 1), round(by, 3)))
+print(f"{same} frames: one exposure within {worst:.3f} EV; others, by seconds since a step and EV: {apart}")
 levels = [float(of[-3]["output_level"]) for of in rows]
 print("shown at the end at %.3f and %.3f" % tuple(levels))
-assert rest > 20 and len(apart) <= rest / 4 and all(since < 10 for since, _ in apart)
+assert same > 40 and len(apart) <= same / 10
 assert abs(math.log2(levels[0] / levels[1])) < 0.1 and levels[0] > 0.05
 assert rows[0][-3]["sensor"] == "converged" and rows[1][len(rows[1]) // 2]["sensor"] == "following"
 END
