@@ -362,8 +362,11 @@ def shots(browser):
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                 {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600})
         time.sleep(1)
-        over = browser.execute_script("return [document.documentElement.scrollWidth, window.innerWidth]")
-        check(over[0] <= over[1], f"{name}: the page is wider than the window: {over}")
+        # not window.innerWidth: a phone's grows with the page
+        over = browser.execute_script("return [...document.querySelectorAll('body *')]"
+                                      ".filter(e => e.getBoundingClientRect().right > arguments[0])"
+                                      ".map(e => e.id || e.className)", width)
+        check(not over, f"{name}: beyond the window's right edge: {over}")
         height = browser.execute_script("return document.documentElement.scrollHeight")
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                 {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
