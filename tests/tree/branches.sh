@@ -3,6 +3,7 @@
 # fails unless each way of each branch of these rooms ran, except those of branches.txt.
 set -eu
 build=$1
+mkdir -p "$build"
 rooms="lib/base lib/core lib/flicker lib/look lib/sensor"
 tests='^((core|look|flicker|sensor|stream)[.]|veil[.]frames$|row_gain[.]map$)'
 cmake --preset coverage -B "$build" -DPUPIL_PROGRAM=OFF -DPUPIL_GPU=OFF -DPUPIL_MEDIA=OFF -DPUPIL_PYTHON=OFF \
