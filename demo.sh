@@ -8,8 +8,7 @@ cd "$(dirname "$0")"
 install_missing "$packages_of_the_program
 $packages_of_the_page"
 
-echo "== building into build/release, and the page into build/wasm"
-mkdir -p build
+echo "== building into build/release, and the page into build/wasm; the output goes to build/demo.log"
 {
     cmake --preset release && cmake --build --preset release &&
         cmake --preset wasm && cmake --build --preset wasm
@@ -27,3 +26,4 @@ cp build/wasm/apps/web/pupil.html out/pupil.html
 
 echo "== done: open report/index.html in a browser; the video alone is out/room.mp4"
 echo "== and out/pupil.html: the same in the browser itself, with its camera or your HDR files"
+echo "== the program is build/release/apps/pupil; to install it: cmake --install build/release, as root"

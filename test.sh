@@ -72,8 +72,7 @@ $packages_of_the_page
 nodejs runs the digests and the page's readers as WebAssembly
 $more"
 
-echo "== building into build/dev"
-mkdir -p build
+echo "== building into build/dev; the output goes to build/test.log"
 { cmake --preset dev && cmake --build --preset dev; } >build/test.log 2>&1 </dev/null || {
     tail -n 40 build/test.log >&2
     echo "$0: the build failed; all of its output is in build/test.log" >&2

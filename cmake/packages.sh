@@ -1,8 +1,13 @@
 # packages.sh: for demo.sh and test.sh. install_missing LINES: each line is a Debian package and what it is for; those
 # that dpkg does not know as installed are named and installed.
 install_missing() {
+    # Before a long installation: what the build writes.
+    mkdir -p build && [ -w build ] || {
+        echo "$0: $(pwd)/build cannot be written: use a copy of the sources that is yours" >&2
+        exit 1
+    }
     command -v dpkg-query >/dev/null && command -v apt-get >/dev/null || {
-        echo "$0: this is no Debian: install what docs/dependencies.md lists, then run the rest of $0 by hand" >&2
+        echo "$0: this is not a Debian: install what docs/dependencies.md lists, then run the commands at the end of $0" >&2
         exit 1
     }
     missing=$(echo "$1" | while read -r package reason; do
@@ -14,25 +19,30 @@ install_missing() {
     echo "== installing what is missing"
     echo "$missing" | sed 's/ /: /; s/^/   /'
     packages=$(echo "$missing" | sed 's/ .*//')
-    as_root=
+    as_root=env
     if [ "$(id -u)" != 0 ]; then
         command -v sudo >/dev/null || {
-            echo "$0: to install packages, run it as root or install sudo" >&2
+            echo "$0: packages are missing, and there is no sudo; as root:" >&2
+            # Words, on purpose.
+            echo "    apt-get update && apt-get install -y --no-install-recommends" $packages >&2
             exit 1
         }
         as_root="sudo env"
-    else
-        as_root="env"
     fi
-    $as_root DEBIAN_FRONTEND=noninteractive apt-get update -qq </dev/null
-    # Words, on purpose.
+    apt_log=build/apt.log
+    $as_root DEBIAN_FRONTEND=noninteractive apt-get update -qq </dev/null >"$apt_log" 2>&1 ||
+        apt_failed "apt-get update failed: is this machine online, and /etc/apt/sources.list right?"
+    # apt-get update ends well where no server was reached, too.
+    grep -q '^W: Failed to fetch' "$apt_log" && offline="; a package server was not reached" || offline=
     $as_root DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages </dev/null \
-        >"${TMPDIR:-/tmp}/pupil-apt.$$" 2>&1 || {
-        tail -n 30 "${TMPDIR:-/tmp}/pupil-apt.$$" >&2
-        echo "$0: apt-get install failed; its output is in ${TMPDIR:-/tmp}/pupil-apt.$$" >&2
-        exit 1
-    }
-    rm -f "${TMPDIR:-/tmp}/pupil-apt.$$"
+        >>"$apt_log" 2>&1 || apt_failed "apt-get install failed$offline"
+}
+
+# apt_failed SENTENCE
+apt_failed() {
+    tail -n 30 "$apt_log" >&2
+    echo "$0: $1; the whole output is in $(pwd)/$apt_log" >&2
+    exit 1
 }
 
 # What the program is built with and from; docs/dependencies.md has licences and the options that do without.

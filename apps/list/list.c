@@ -71,6 +71,10 @@ int list_cameras(const pupil_live_system *system, int json, FILE *out, FILE *err
             print_line(&l.camera[i], out);
         if (!l.count)
             fputs(l.refused ? "no camera that can be asked\n" : "no camera\n", out);
+        if (!l.count && !l.refused)
+            fputs("pupil list: no /dev/video* gives pictures; dmesg shows what the kernel detected of a camera that is "
+                  "plugged in. Without a camera, try 'pupil replay synth:room -o room.mp4'\n",
+                  err);
     }
     if (failed)
         fprintf(err, "pupil list: %s\n", why.text);

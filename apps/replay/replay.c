@@ -268,7 +268,8 @@ static void tell(const replay *r, const char *by)
 {
     const session *s = &r->session;
     const double took_s = progress_now_s() - s->progress.began_s;
-    fprintf(stderr, "replayed %llu frames in %.1f s", (unsigned long long)s->frames, took_s);
+    fprintf(stderr, "replayed %llu frame%s in %.1f s", (unsigned long long)s->frames, s->frames == 1 ? "" : "s",
+            took_s);
     if (r->skipped)
         fprintf(stderr, ", skipped %llu", (unsigned long long)r->skipped);
     session_outputs_name(&s->outputs);

@@ -189,11 +189,11 @@ static void put_summary(const replay_report *r, char *summary, size_t bytes)
     const verify_figures *f = &r->figures;
     char mean[64] = "";
     if (f->means)
-        snprintf(mean, sizeof mean, "log-average within %.2g of long double; ", f->log_average_error);
+        snprintf(mean, sizeof mean, "log-average within %.2g of a long-double reference; ", f->log_average_error);
     snprintf(summary, bytes,
-             "on %u of the frames: %s%.2g %% of the display's samples off, "
+             "checked on %u frame%s: %s%.2g %% of the display's samples differ from a double reference, "
              "by %d code at most; %.2f ns a pixel, %.1f times a memcpy of the frame\n",
-             f->frames, mean, 100.0 * (double)f->off / (double)f->samples, f->code_error,
+             f->frames, f->frames == 1 ? "" : "s", mean, 100.0 * (double)f->off / (double)f->samples, f->code_error,
              r->process_us * 1e3 / r->pixels, r->memcpy_us > 0.0 ? r->process_us / r->memcpy_us : 0.0);
 }
 
