@@ -15,67 +15,26 @@
 
 #include "file/common/pending.h"
 #include "file/common/regular.h"
+#include "kept.h"
 #include "refuse.h"
 #include "sensor.h"
 
-#define HEADER "pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera\n"
-
-enum {
-    MOST_LINE = 64 + sizeof(pupil_live_identity),
-    MOST_CAMERAS = 64,
-    MOST_LEFT_OUT = 30,
-    LOCK_TRIES = 20,
-    LOCK_PAUSE_US = 100000
-};
+enum { MOST_LEFT_OUT = 30, LOCK_TRIES = 20, LOCK_PAUSE_US = 100000 };
 #define FIRST_NS   INT64_C(5000000000) /* a run that is killed after that is resumed */
 #define EVERY_NS   INT64_C(60000000000)
 #define CHANGED_EV 0.05 /* what a person would not see at the start is not worth a write */
 
-/* "TOTAL\tDRIVER\tBUS\tCARD\n": the total, and what follows it. 0: it is no such line. */
-static int split_line(char *line, double *total_s, const char **camera)
+/* What the file has of a camera (run_kept_read). One that is not there has nothing. 0, or -1 and a sentence. */
+static int read_kept(const char *path, const char *camera, FILE *others, run_kept *kept, pupil_why *why)
 {
-    char *end;
-    *total_s = strtod(line, &end);
-    if (end == line || *end != '\t' || !(*total_s >= 0x1p-64 && *total_s <= 0x1p64)) /* pupil_sensor_start */
-        return 0;
-    *camera = end + 1;
-    const char *bus = strchr(*camera, '\t'), *card = bus ? strchr(bus + 1, '\t') : NULL;
-    return card && !strchr(card + 1, '\t') && strchr(card, '\n');
-}
-
-/* The total of a camera (NULL: of none), and the lines of the others into `others` (NULL: nowhere). A file that is not
- * there, or empty, has none. 0, or -1 and a sentence: it is something else. */
-static int read_kept(const char *path, const char *camera, double *total_s, FILE *others, unsigned *damaged,
-                     pupil_why *why)
-{
-    char line[MOST_LINE];
     pupil_why words;
     FILE *in = pupil_regular_open(path, &words);
-    *total_s = 0.0;
-    *damaged = 0;
+    *kept = (run_kept){0};
     if (!in)
         return errno == ENOENT ? 0 : pupil_refuse(why, "%s", words.text);
-    const int is_empty = !fgets(line, sizeof line, in);
-    if (!is_empty && strcmp(line, HEADER) != 0) {
-        fclose(in);
-        return pupil_refuse(why, "%s: was not written by --resume, and is left as it is; name another file", path);
-    }
-    for (int cameras = 1; cameras < MOST_CAMERAS && fgets(line, sizeof line, in);) {
-        double total = 0.0;
-        const char *of = NULL;
-        if (!split_line(line, &total, &of)) {
-            ++*damaged;
-        } else if (camera && strncmp(of, camera, strlen(camera)) == 0 && strcmp(of + strlen(camera), "\n") == 0) {
-            *total_s = total;
-        } else {
-            cameras++;
-            if (others)
-                fputs(line, others);
-        }
-    }
-    const int failed = ferror(in);
+    const int failed = run_kept_read(in, path, camera, others, kept, why);
     fclose(in);
-    return failed ? pupil_refuse(why, "%s: cannot be read to its end", path) : 0;
+    return failed;
 }
 
 /* The file's folder, locked against other runs that end together with this one; the file itself is replaced. One that
@@ -94,16 +53,15 @@ static int lock_folder(const char *path)
 static int replace(const char *path, const char *camera, double total_s, pupil_why *why)
 {
     pupil_pending pending;
-    double unused;
-    unsigned damaged;
+    run_kept unused;
     if (pupil_pending_file(&pending, path, 1, why))
         return -1;
     errno = 0;
     FILE *out = pupil_pending_stream(&pending);
     int failed = 0;
     if (out) {
-        fprintf(out, HEADER "%.9g\t%s\n", total_s, camera);
-        failed = read_kept(path, camera, &unused, out, &damaged, why);
+        run_kept_write(out, camera, total_s);
+        failed = read_kept(path, camera, out, &unused, why);
     }
     const int unwritten = !out || ferror(out);
     if ((out && fclose(out) != 0) || unwritten)
@@ -125,14 +83,13 @@ static int write_kept(const char *path, const char *camera, double total_s, pupi
 int run_resume_check(const char *path, pupil_why *why)
 {
     pupil_pending pending;
-    double unused;
-    unsigned damaged;
+    run_kept unused;
     if (!path)
         return 0;
     if (pupil_pending_file(&pending, path, 1, why))
         return -1;
     pupil_pending_discard(&pending);
-    return read_kept(path, NULL, &unused, NULL, &damaged, why);
+    return read_kept(path, NULL, NULL, &unused, why);
 }
 
 static void name_camera(run_resume *r, const pupil_source *source)
@@ -194,7 +151,7 @@ static int fits(const pupil_source *source, double total_s)
 
 void run_resume_begin(run_resume *r, const char *path, const pupil_source *source, pupil_why *warning)
 {
-    unsigned damaged = 0;
+    run_kept kept;
     warning->text[0] = 0;
     *r = (run_resume){.path = path, .is_asked = path != NULL};
     if (!path)
@@ -202,11 +159,12 @@ void run_resume_begin(run_resume *r, const char *path, const pupil_source *sourc
     if (!path)
         return;
     name_camera(r, source);
-    if (read_kept(path, r->camera, &r->total_s, NULL, &damaged, warning) != 0)
+    if (read_kept(path, r->camera, NULL, &kept, warning) != 0)
         r->path = r->is_asked ? path : NULL; /* what it is stays */
-    else if (damaged)
+    else if (kept.is_damaged)
         pupil_refuse(warning, "%s: is damaged; %s", path,
-                     r->total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
+                     kept.total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
+    r->total_s = kept.total_s;
     if (r->total_s > 0.0 && !fits(source, r->total_s)) {
         pupil_refuse(warning, "%s: %.3g s of exposure time x gain is none that this camera has; it is not used", path,
                      r->total_s);

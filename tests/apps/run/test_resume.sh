@@ -74,6 +74,17 @@ for bad in nan 1e300 -1 0 x ''; do
     run 0 "torn: is damaged; it says nothing of this camera" --mode sensor -n 2 --resume torn
     said 1
 done
+# one without an end, which a link can lead to, too
+printf '%s\n0.00102\t%s\n' "$header" "$line" >endless
+truncate -s 1T endless
+timeout -k 1 20 "$program" fake:real fake:flat=600 fake:light=12@1 --mode sensor -n 20 --stats endless.csv -q --resume endless \
+    2>said.err </dev/null || fail "a file of a terabyte: exit $?: $(cat said.err)"
+grep -q "endless: is damaged; what it says of this camera is used" said.err || fail "a terabyte: $(cat said.err)"
+[ "$(off_key endless.csv)" = 0 ] && [ "$(wc -c <endless)" -lt 1000 ] || fail "a terabyte: $(wc -c <endless) bytes"
+# the tail of a line that is too long is no line
+{ printf '%s\n0.00102\t%s\n' "$header" "$line" && printf "%687s" "" && printf '8.5\tfake\tfake:2\tFake Camera\n'; } >long
+run 0 "long: is damaged; what it says of this camera is used" --mode sensor -n 20 --resume long
+[ "$(wc -l <long)" = 2 ] || fail "a line that is too long: $(cut -c 1-80 long)"
 : >empty
 run 0 "" --mode sensor -n 90 --resume empty
 said 0
