@@ -1,12 +1,13 @@
 #!/bin/sh
 # build-deb.sh [--here] [-a ARCHITECTURE] [FOLDER]: Debian packages of this tree, into FOLDER (build/deb/ARCHITECTURE), and
 # lintian's opinion of them in FOLDER/lintian.txt: any error or warning is a failure.
-#   -a ARCHITECTURE  this machine's, or another one (arm64), cross-built: its libraries are installed beside this
+#   -a ARCHITECTURE  this machine's, or another one (arm64, armhf), cross-built: its libraries are installed beside this
 #                    machine's
 #   --here           with what is installed here, in place of a clean Debian 12; without lintian
 # The clean Debian is a folder, build/deb/root-ARCHITECTURE (2 GB), with what builds need. mmdebstrap makes it where it is
 # absent or debian/control asks for other packages, which takes root, the network and some minutes.
 # Builds leave nothing in it.
+# DEBIAN_SOURCE, if set, is a line of sources.list for it, instead of those of Debian's servers.
 # What git lists is built as it is in this folder, committed or not. CCACHE_DIR, if set, is used in the clean Debian, too.
 set -eu
 usage="usage: $0 [--here] [-a ARCHITECTURE] [FOLDER]"
@@ -81,7 +82,8 @@ else
             --customize-hook="copy-in $work/build/pupil-$version /" \
             --customize-hook="chroot \"\$1\" apt-get build-dep -qq -y ${more:+--host-architecture=$architecture \
 -P cross,nocheck} /pupil-$version >\"$folder/root.log\"" \
-            --customize-hook="rm -rf \"\$1/pupil-$version\"" bookworm "$root" >"$folder/mmdebstrap.log" 2>&1 || {
+            --customize-hook="rm -rf \"\$1/pupil-$version\"" bookworm "$root" ${DEBIAN_SOURCE:+"$DEBIAN_SOURCE"} \
+            >"$folder/mmdebstrap.log" 2>&1 || {
             tail -n 20 "$folder/mmdebstrap.log" >&2
             echo "$0: mmdebstrap failed; its output is in $folder/mmdebstrap.log" >&2
             exit 1

@@ -5,8 +5,7 @@
 #name, STATS_NUMBER, offsetof(frame_log_entry, name)                                                           \
     }
 
-/* Those from here on are a live camera's. Every field but `live` has eight bytes. */
-#define LIVE_FIELDS ((sizeof(frame_log_entry) - offsetof(frame_log_entry, sequence)) / 8)
+enum { LIVE_FIELDS = 16 }; /* a live camera's, the last ones */
 
 const pupil_stats_field pupil_stats_fields[] = {
     {"frame", STATS_COUNT, offsetof(frame_log_entry, frame)},
@@ -53,7 +52,10 @@ const pupil_stats_field pupil_stats_fields[] = {
 };
 const size_t pupil_stats_live_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
 const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] - LIVE_FIELDS;
-_Static_assert(sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(frame_log_entry),
+/* Where pointers have eight bytes, every field but `live` has. */
+_Static_assert(sizeof(void *) != 8 ||
+                   (sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(frame_log_entry) &&
+                    LIVE_FIELDS * 8 + offsetof(frame_log_entry, sequence) == sizeof(frame_log_entry)),
                "a field that is added to the record is written");
 
 size_t pupil_stats_fields_of(const frame_log_entry *record)

@@ -20,7 +20,7 @@ clean_root() {
     rm -rf "$clean"
     mkdir -p "$clean"
     mmdebstrap --quiet --variant=minbase --include=autopkgtest,ca-certificates,dbus,systemd-sysv,udev bookworm "$clean" \
-        >"$work/mmdebstrap.log" 2>&1 || { cat "$work/mmdebstrap.log"; exit 1; }
+        ${DEBIAN_SOURCE:+"$DEBIAN_SOURCE"} >"$work/mmdebstrap.log" 2>&1 || { cat "$work/mmdebstrap.log"; exit 1; }
     : >"$clean.made"
 }
 

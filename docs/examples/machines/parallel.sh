@@ -1,8 +1,8 @@
 #!/bin/sh
 # parallel.sh INPUT FRAMES RANGES OUT.mkv: pupil replay INPUT -o OUT.mkv by GNU parallel, in so many ranges of frames, on
 # all processors of this machine ($PARALLEL may name others). What is complete is not made again: after a crash, run it
-# once more. $PUPIL: the program; $OPTIONS: settings of pupil replay, such as "--ev -0.5"; $KIND: of
-# the parts' videos (mkv).
+# once more. $PUPIL: the program; $OPTIONS: settings of pupil replay, such as "--ev -0.5"; $KIND: of the parts' videos
+# (mkv; for y4m, OUT is a .nut, for Matroska takes no raw RGB).
 set -eu
 input=$1 frames=$2 ranges=$3 out=$4
 pupil=${PUPIL:-pupil} kind=${KIND:-mkv}
@@ -27,4 +27,5 @@ parallel --colsep ' ' --retries 5 --halt soon,fail=1 \
 for part in "$work"/*."$kind"; do
     echo "file '$(realpath "$part")'"
 done >"$work/list"
-ffmpeg -loglevel error -y -f concat -safe 0 -i "$work/list" -c copy "$out"
+ffmpeg -loglevel error -y -f concat -safe 0 -i "$work/list" -c copy "$work/joined.${out##*.}"
+mv "$work/joined.${out##*.}" "$out"

@@ -31,7 +31,7 @@ static int64_t on_read(exr_const_context_t file, void *user, void *buffer, uint6
         return 0;
     if (count > m->size - offset)
         count = m->size - offset;
-    memcpy(buffer, m->bytes + offset, count);
+    memcpy(buffer, m->bytes + offset, (size_t)count);
     return (int64_t)count;
 }
 

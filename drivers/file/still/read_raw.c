@@ -126,8 +126,11 @@ static _Noreturn void child(found *f, const pupil_still *still, uint64_t most, c
 int pupil_read_raw(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     const uint64_t most = pupil_still_most(still);
-    const size_t room = sizeof(found) + most * 3 * sizeof(uint16_t); /* taken only as it is written */
+    const uint64_t bytes_of_most = sizeof(found) + most * 3 * sizeof(uint16_t); /* taken only as it is written */
     int status = 0, failed = -1;
+    if (bytes_of_most > SIZE_MAX / 2) /* --max-pixels of a 32-bit machine */
+        return pupil_still_fail(why, "not enough memory");
+    const size_t room = (size_t)bytes_of_most;
     found *f = mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (f == MAP_FAILED)
         return pupil_still_fail(why, "not enough memory");
