@@ -13,8 +13,9 @@
 #include "recording_format.h"
 #include "refuse.h"
 
-#define ABOUT_MOST_BYTES 65536  /* of a recording.json; ours have about 600 */
-#define EXACT_MOST       0x1p53 /* whole numbers up to here are doubles, which cJSON and most readers make of numbers */
+#define ABOUT_MOST_BYTES 65536 /* of a recording.json; ours have about 600 */
+/* Whole numbers up to here are doubles, which cJSON and most readers make of numbers, and no other one becomes them. */
+#define EXACT_MOST (0x1p53 - 1.0)
 
 /* --- recording.json --- */
 
@@ -266,19 +267,20 @@ static void print_number(char text[32], double number)
 size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info,
                             const float balance[3])
 {
-    char sequence[32], stamp[32], exposure[32], gain[32], own[96] = "";
+    char number[32], sequence[32], stamp[32], exposure[32], gain[32], own[96] = "";
     const int64_t ns = info->timestamp_ns;
     if (balance) /* 9 digits bring every float back */
         snprintf(own, sizeof own, ",\"balance\":[%.9g,%.9g,%.9g]", (double)balance[0], (double)balance[1],
                  (double)balance[2]);
+    print_whole(number, 0, frame);
     print_whole(sequence, 0, info->sequence);
     print_whole(stamp, ns < 0, ns < 0 ? -(uint64_t)ns : (uint64_t)ns);
     print_number(exposure, info->exposure_s);
     print_number(gain, info->gain);
     return (size_t)snprintf(line, PUPIL_RECORDING_LINE_BYTES,
-                            "{\"frame\":%" PRIu64 ",\"sequence\":%s,\"timestamp_ns\":%s,\"exposure_s\":%s,\"gain\":%s"
+                            "{\"frame\":%s,\"sequence\":%s,\"timestamp_ns\":%s,\"exposure_s\":%s,\"gain\":%s"
                             "%s}\n",
-                            frame, sequence, stamp, exposure, gain, own);
+                            number, sequence, stamp, exposure, gain, own);
 }
 
 /* In quotes where it is too large for a double. */
@@ -344,7 +346,7 @@ static int take_line(const cJSON *object, uint64_t *frame, pupil_frame_info *inf
                                    : take_balance(item, balance);
         if (wrong)
             return pupil_refuse(why, "\"%s\" must be %s", names[i],
-                                i < 3   ? "a whole number, in quotes where it is above 2^53"
+                                i < 3   ? "a whole number, in quotes where it is 2^53 or more"
                                 : i < 5 ? "a number"
                                         : "a list of three factors from 2^-10 to 2^10");
     }

@@ -3,6 +3,7 @@
 #include "scratch.h"
 
 #include "file/recording/recording.h"
+#include "file/recording/recording_format.h"
 #include "recording_frames.h"
 
 static pupil_why why;
@@ -60,7 +61,8 @@ static void test_large(void)
         int64_t ns;
         const char *line;
     } large[] = {
-        {UINT64_C(1) << 53, -(INT64_C(1) << 53), "\"sequence\":9007199254740992,\"timestamp_ns\":-9007199254740992,"},
+        {(UINT64_C(1) << 53) - 1, 1 - (INT64_C(1) << 53),
+         "\"sequence\":9007199254740991,\"timestamp_ns\":-9007199254740991,"},
         {(UINT64_C(1) << 53) + 1, (INT64_C(1) << 53) + 1,
          "\"sequence\":\"9007199254740993\",\"timestamp_ns\":\"9007199254740993\","},
         {UINT64_MAX, INT64_MIN, "\"sequence\":\"18446744073709551615\",\"timestamp_ns\":\"-9223372036854775808\","},
@@ -82,6 +84,24 @@ static void test_large(void)
         CHECK_MSG(strstr(lines, large[i].line), "%s", large[i].line);
     scratch_clear(folder);
     frames_free(&frames);
+}
+
+/* The number of a frame, too, which no test can record as many of. */
+static void test_large_frame(void)
+{
+    static const uint64_t numbers[] = {0, (UINT64_C(1) << 53) - 1, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1,
+                                       UINT64_MAX};
+    const pupil_frame_info info = {.exposure_s = 0.01, .gain = 2.0};
+    pupil_frame_info again;
+    float balance[3];
+    char line[PUPIL_RECORDING_LINE_BYTES];
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        uint64_t frame = 1;
+        pupil_recording_line(line, numbers[i], &info, NULL);
+        CHECK((strncmp(line, "{\"frame\":\"", 10) == 0) == (numbers[i] >= UINT64_C(1) << 53));
+        CHECK_MSG(pupil_recording_line_read(line, &frame, &again, balance, &why) == 0, "%s: %s", line, why.text);
+        CHECK_MSG(frame == numbers[i], "%s", line);
+    }
 }
 
 /* --- the queue --- */
@@ -248,8 +268,8 @@ static void check_text(const char *folder, const char *name, const char *from, c
     f = fopen(path, "w");
     fprintf(f, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
     fclose(f);
-    int got = pupil_recording_open(folder, &source, &why);
-    while (!got || got == PUPIL_SOURCE_FRAME)
+    int got = pupil_recording_open(folder, &source, &why) ? PUPIL_SOURCE_FAILED : PUPIL_SOURCE_FRAME;
+    while (got == PUPIL_SOURCE_FRAME)
         got = pupil_source_next(source, &frame, &why);
     pupil_source_close(source);
     CHECK_MSG(got == PUPIL_SOURCE_FAILED && strstr(why.text, sentence), "%s: %d %s", to, got, why.text);
@@ -285,7 +305,10 @@ static void test_texts(void)
         {"\"gain\":", "\"gain\":\"1\",\"x\":", "frames.jsonl:1: \"gain\" must be a number"},
         {"\"timestamp_ns\":0", "\"timestamp_ns\":0.5", "frames.jsonl:1: \"timestamp_ns\" must be a whole number"},
         {"\"sequence\":\"1", "\"sequence\":\"99", "frames.jsonl:"},
-        {"\"timestamp_ns\":0", "\"timestamp_ns\":9007199254740994", "a whole number, in quotes where it is above 2^53"},
+        {"\"timestamp_ns\":0", "\"timestamp_ns\":9007199254740993",
+         "a whole number, in quotes where it is 2^53 or more"},
+        {"\"frame\":1", "\"frame\":9007199254740993", "frames.jsonl:2: \"frame\" must be a whole number, in quotes"},
+        {"\"frame\":1", "\"frame\":\"9007199254740993\"", "\"frame\" is 9007199254740993; in this line it must be 1"},
     };
     test_frames frames;
     frames_make(&frames, PUPIL_PIXEL_BAYER12, 8, 4, 4);
@@ -356,6 +379,7 @@ int main(int argc, char **argv)
     test_round_trip();
     test_unknown();
     test_large();
+    test_large_frame();
     test_lost();
     test_refused();
     test_full();
