@@ -1,4 +1,4 @@
-/* lib/kernels/bins.h: which bin of the histograms light is in, and counting pixel by pixel. */
+/* lib/kernels/bins.h: which bin of the histograms light is in. */
 #ifndef PUPIL_KERNELS_BINS_H
 #define PUPIL_KERNELS_BINS_H
 
@@ -24,26 +24,6 @@ static inline float max3(float a, float b, float c)
 {
     float m = a > b ? a : b;
     return m > c ? m : c;
-}
-
-/* Pixels `from` to n, as a pupil_sampled_histogram_kernel. */
-static inline void count_sampled(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
-                                 uint32_t from, uint32_t n, uint32_t first, uint32_t weight, pupil_stats *stats)
-{
-    const float floor = job->floor, wr = job->luma[0], wg = job->luma[1], wb = job->luma[2];
-    const uint32_t step = job->histogram;
-    float peak = stats->peak;
-    for (; from < n; from += step) {
-        const uint32_t left = n - from < step ? n - from : step, i = from + (first < left ? first : left - 1);
-        const float l = (wr * planes->r[i] + wg * planes->g[i]) + wb * planes->b[i];
-        /* where no channel is NaN the largest does not depend on their order; where one is, so is L */
-        const float largest = l == l ? max3(picture->r[i], picture->g[i], picture->b[i]) : floor;
-        const float brightest = clamp_luminance(largest, floor);
-        stats->bin[(pupil_bits_of_float(clamp_luminance(l, floor)) >> BIN_BITS) - FIRST_BIN] += left * weight;
-        stats->peak_bin[(pupil_bits_of_float(brightest) >> PEAK_BIN_BITS) - FIRST_PEAK_BIN] += left * weight;
-        peak = brightest > peak ? brightest : peak;
-    }
-    stats->peak = peak;
 }
 
 #endif

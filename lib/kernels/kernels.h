@@ -7,8 +7,8 @@
  *     meter                          (metering alone: nothing is stored)
  *     scale (meters too) -> store    (mapping: planar floats in between)
  *
- * Any other format, and any frame whose histogram is wanted, or whose picture has other primaries, takes one step more,
- * through planar floats:
+ * Those of its pixels that are in the histogram are then loaded once more, and counted. Any other format, and any frame
+ * whose histogram has every pixel, or whose picture has other primaries, takes one step more, through planar floats:
  *
  *     load -> histogram -> meter of planes
  *     load -> histogram -> scale of planes (meters too) -> store
@@ -192,14 +192,12 @@ typedef int pupil_quads_kernel(const pupil_row_job *job, const pupil_row *row, u
  * load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
                                pupil_run *run);
-/* Adds to the bins, and of the brightest channel in `picture` (often the same planes) to the peak bins and the peak. */
-typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
-                                    uint32_t n, uint32_t weight, pupil_stats *stats);
-/* The same of one of each job->histogram pixels, the `first`, with the weight of all of them; of the last, which may be
- * fewer, the last one if there is no `first`. */
-typedef void pupil_sampled_histogram_kernel(const pupil_row_job *job, const pupil_planes *planes,
-                                            const pupil_planes *picture, uint32_t n, uint32_t first, uint32_t weight,
-                                            pupil_stats *stats);
+/* Adds to the bins, and of the brightest channel in `picture` (often the same light) to the peak bins and the peak. */
+typedef struct pupil_channels {
+    const float *r, *g, *b;
+} pupil_channels;
+typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_channels *light,
+                                    const pupil_channels *picture, uint32_t n, uint32_t weight, pupil_stats *stats);
 /* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
 typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
 /* Of what scale leaves: nothing negative, no NaN. */
@@ -309,7 +307,6 @@ typedef struct pupil_kernels {
     pupil_chroma_kernel *chroma_of_codes;
     pupil_by_luma_kernel *yuv_by_luma, *rgb_by_luma;
     pupil_histogram_kernel *histogram;
-    pupil_sampled_histogram_kernel *sampled_histogram;
     pupil_dither_kernel *dither;
     pupil_store_kernel *store[PUPIL_PIXEL_COUNT];             /* by output format */
     pupil_alpha_kernel *alpha[PUPIL_PIXEL_COUNT];             /* by input format; scalar NULL: opaque */

@@ -179,39 +179,116 @@ static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint
     return 1;
 }
 
-/* A block begins with a whole group of job->histogram pixels. */
-static void add_bins(const pupil_row_job *job, const pupil_row *row, const pupil_planes *planes,
-                     const pupil_planes *picture, uint32_t n, uint32_t weight, pupil_stats *stats)
-{
-    weight *= row->bins_rows;
-    if (job->histogram == 1)
-        PUPIL_PIECE(job->kernels, histogram)(job, planes, picture, n, weight, stats);
-    else
-        PUPIL_PIECE(job->kernels, sampled_histogram)(job, planes, picture, n, row->bins_first, weight, stats);
-}
+/* --- the histogram --- */
 
 /* What a white point follows is the brightest channel that the curve will have. */
-static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_row *row,
-                                                          const pupil_planes *planes, uint32_t n, uint32_t weight,
-                                                          pupil_stats *stats)
+static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_channels *light,
+                                                          uint32_t n, uint32_t weight, pupil_stats *stats)
 {
-    pupil_planes picture;
+    pupil_planes planes;
+    const pupil_channels picture = {planes.r, planes.g, planes.b};
     for (uint32_t i = 0; i < n; i++) {
-        picture.r[i] = planes->r[i];
-        picture.g[i] = planes->g[i];
-        picture.b[i] = planes->b[i];
+        planes.r[i] = light->r[i];
+        planes.g[i] = light->g[i];
+        planes.b[i] = light->b[i];
     }
-    PUPIL_PIECE(job->kernels, to_picture)(job->to_peak, n, &picture);
-    add_bins(job, row, planes, &picture, n, weight, stats);
+    PUPIL_PIECE(job->kernels, to_picture)(job->to_peak, n, &planes);
+    PUPIL_PIECE(job->kernels, histogram)(job, light, &picture, n, weight, stats);
 }
 
-static inline void add_bins_of(const pupil_row_job *job, const pupil_row *row, const pupil_planes *planes, uint32_t n,
-                               uint32_t weight, pupil_stats *stats)
+static void add_bins(const pupil_row_job *job, const pupil_channels *light, uint32_t n, uint32_t weight,
+                     pupil_stats *stats)
 {
     if (job->to_peak)
-        add_bins_of_picture(job, row, planes, n, weight, stats);
+        add_bins_of_picture(job, light, n, weight, stats);
     else
-        add_bins(job, row, planes, planes, n, weight, stats);
+        PUPIL_PIECE(job->kernels, histogram)(job, light, light, n, weight, stats);
+}
+
+/* The next pixels of a block that are counted: one of each group of job->histogram pixels, or of the fewer ones at the
+ * end. A block begins with a whole group. */
+enum { MOST_PICKED = 64 };
+typedef struct picks {
+    uint32_t count, group; /* so many pixels, each of a group of so many */
+    size_t at;             /* the first one; the next is a group's length on */
+} picks;
+
+static picks picks_from(const pupil_row_job *job, const pupil_row *row, uint32_t i, uint32_t n)
+{
+    const uint32_t left = n - i, groups = left / job->histogram;
+    const uint32_t group = groups ? job->histogram : left;
+    return (picks){.count = groups > MOST_PICKED ? MOST_PICKED
+                            : groups             ? groups
+                                                 : 1,
+                   .group = group,
+                   .at = i + (row->bins_first < group ? row->bins_first : group - 1)};
+}
+
+static void pick_floats(const float *restrict from, const picks *p, float *restrict to)
+{
+    for (uint32_t i = 0; i < p->count; i++)
+        to[i] = from[p->at + (size_t)i * p->group];
+}
+
+/* Those of a block in planes, whose `grey` is free. */
+static void count_in_planes(const pupil_row_job *job, const pupil_row *row, uint32_t n, uint32_t weight,
+                            pupil_planes *planes, pupil_stats *stats)
+{
+    const pupil_channels all = {planes->r, planes->g, planes->b};
+    float *to = planes->grey;
+    const pupil_channels light = {to, to + MOST_PICKED, to + 2 * MOST_PICKED};
+    weight *= row->bins_rows;
+    if (job->histogram == 1) {
+        add_bins(job, &all, n, weight, stats);
+        return;
+    }
+    for (uint32_t i = 0; i < n;) {
+        const picks p = picks_from(job, row, i, n);
+        pick_floats(planes->r, &p, to);
+        pick_floats(planes->g, &p, to + MOST_PICKED);
+        pick_floats(planes->b, &p, to + 2 * MOST_PICKED);
+        add_bins(job, &light, p.count, weight * p.group, stats);
+        i += p.count * p.group;
+    }
+}
+
+/* Of `bytes`, a constant where this is called. */
+static inline __attribute__((always_inline)) void pick_of(const uint8_t *restrict from, size_t bytes, const picks *p,
+                                                          uint8_t *restrict to)
+{
+    for (uint32_t i = 0; i < p->count; i++)
+        __builtin_memcpy(to + bytes * i, from + bytes * (p->at + (size_t)i * p->group), bytes);
+}
+
+static void pick_pixels(const uint8_t *from, size_t bytes, const picks *p, uint8_t *to)
+{
+    if (bytes == 16)
+        pick_of(from, 16, p, to);
+    else if (bytes == 12)
+        pick_of(from, 12, p, to);
+    else if (bytes == 8)
+        pick_of(from, 8, p, to);
+    else
+        pick_of(from, bytes, p, to);
+}
+
+/* Those of a block whose pixels follow each other, and which is not in planes: the others are not loaded. */
+static __attribute__((noinline)) void count_in_row(const pupil_row_job *job, const pupil_row *row, uint32_t x,
+                                                   uint32_t n, uint32_t weight, pupil_planes *planes,
+                                                   pupil_stats *stats)
+{
+    const size_t bytes = pupil_pixel_bytes(job->in_pixel);
+    const pupil_channels light = {planes->r, planes->g, planes->b};
+    float picked[4 * MOST_PICKED];
+    const pupil_row some = {.data = (const uint8_t *)picked, .width = MOST_PICKED};
+    weight *= row->bins_rows;
+    for (uint32_t i = 0; i < n;) {
+        const picks p = picks_from(job, row, i, n);
+        pick_pixels(row->data + x * bytes, bytes, &p, (uint8_t *)picked);
+        (void)PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &some, 0, p.count, planes);
+        add_bins(job, &light, p.count, weight * p.group, stats);
+        i += p.count * p.group;
+    }
 }
 
 static int is_counted(const pupil_row_job *job, const pupil_row *row)
@@ -225,14 +302,13 @@ static void meter_block(const pupil_row_job *job, const pupil_row *row, uint32_t
     const pupil_kernels *k = job->kernels;
     (void)load(job, row, x, n, planes, stats);
     if (is_counted(job, row))
-        add_bins_of(job, row, planes, n, weight, stats);
+        count_in_planes(job, row, n, weight, planes, stats);
     k->meter[PUPIL_PLANES](job, 0, planes, n, run);
 }
 
 /* What maps a job's blocks. */
 typedef struct mapper {
     pupil_scale_kernel *direct, *planar; /* from the format, where there is such a piece; from planes */
-    pupil_scale_kernel *counted;         /* direct, where some of the pixels are counted first */
     pupil_store_kernel *store;
     pupil_alpha_kernel *alpha;
     int histogram; /* the row is counted */
@@ -240,14 +316,19 @@ typedef struct mapper {
     int to_light; /* alpha is a float or a half */
 } mapper;
 
+/* Whether a level can map without planes. */
+static int is_direct(const pupil_row_job *job)
+{
+    return job->kernels->scale[job->in_pixel] && !job->to_picture && !job->curve->knot;
+}
+
 static inline mapper mapper_of(const pupil_row_job *job, const pupil_row *row, int metered)
 {
     const pupil_kernels *k = job->kernels;
     const int histogram = metered && is_counted(job, row);
-    pupil_scale_kernel *direct = job->to_picture || job->curve->knot ? 0 : k->scale[job->in_pixel];
+    const int direct = is_direct(job) && !(histogram && job->histogram == 1);
     return (mapper){
-        .direct = histogram ? 0 : direct,
-        .counted = histogram && job->histogram > 1 ? direct : 0,
+        .direct = direct ? k->scale[job->in_pixel] : 0,
         .planar = job->curve->knot ? k->scale_by_knots : k->scale[PUPIL_PLANES],
         .store = PUPIL_PIECE(k, store[job->out_pixel]),
         .alpha = job->out_pixel == PUPIL_PIXEL_RGBA8 ? PUPIL_PIECE(k, alpha[job->in_pixel]) : 0,
@@ -262,9 +343,7 @@ static int load_and_scale(const pupil_row_job *job, const mapper *with, const pu
 {
     const int opaque = load(job, row, x, n, planes, stats);
     if (with->histogram)
-        add_bins_of(job, row, planes, n, weight, stats);
-    if (with->counted)
-        return with->counted(job, row->data + x * pupil_pixel_bytes(job->in_pixel), n, planes, run);
+        count_in_planes(job, row, n, weight, planes, stats);
     if (job->to_picture) {
         if (run)
             job->kernels->meter[PUPIL_PLANES](job, 0, planes, n, run);
@@ -284,8 +363,9 @@ static __attribute__((noinline)) void store_alpha(const pupil_row_job *job, cons
 }
 
 /* run NULL: not metered. */
-static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
-                              pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
+static __attribute__((noinline)) void map_blocks(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n,
+                                                 uint8_t *target, pupil_planes *planes, uint32_t weight, pupil_run *run,
+                                                 pupil_stats *stats)
 {
     const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
     const mapper with = mapper_of(job, row, run != 0);
@@ -306,6 +386,18 @@ static inline void map_blocks(const pupil_row_job *job, const pupil_row *row, ui
     }
 }
 
+/* A block is counted after it was mapped: what fetches it from memory is the kernel that also works on it. */
+static void map_and_count(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
+                          pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
+{
+    const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
+    for (uint32_t done = 0; done < n; done += PUPIL_BLOCK) {
+        const uint32_t part = n - done < PUPIL_BLOCK ? n - done : PUPIL_BLOCK;
+        map_blocks(job, row, x + done, part, target + done * out_bytes, planes, weight, run, stats);
+        count_in_row(job, row, x + done, part, weight, planes, stats);
+    }
+}
+
 void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes,
                       const void *source, uint8_t *target)
 {
@@ -322,17 +414,25 @@ void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t
         store_alpha(job, source, n, planes->grey, target);
 }
 
-/* Where a level goes from the samples to the lanes in one step, and nothing else is wanted. */
-static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run)
+/* Where a level goes from the samples to the lanes in one step, and no more is wanted than to count some of them. */
+static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint32_t weight,
+                         pupil_planes *planes, pupil_run *run, pupil_stats *stats)
 {
     const pupil_kernels *k = job->kernels;
-    if (is_counted(job, row) || job->grey_world || job->coder->lines)
+    const int counted = is_counted(job, row);
+    if ((counted && job->histogram == 1) || job->grey_world || job->coder->lines)
         return 0;
     if (job->way == PUPIL_WAY_BINNED)
-        return k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);
+        return !counted && k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);
     if (!k->meter[job->in_pixel])
         return 0;
-    k->meter[job->in_pixel](job, row->data + x * pupil_pixel_bytes(job->in_pixel), 0, n, run);
+    for (uint32_t done = 0, part = n; done < n; done += part) {
+        if (counted)
+            part = n - done < PUPIL_BLOCK ? n - done : PUPIL_BLOCK;
+        k->meter[job->in_pixel](job, row->data + (x + done) * pupil_pixel_bytes(job->in_pixel), 0, part, run);
+        if (counted)
+            count_in_row(job, row, x + done, part, weight, planes, stats);
+    }
     return 1;
 }
 
@@ -344,9 +444,11 @@ void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, 
     pupil_run run;
 
     run_clear(&run);
-    if (target)
+    if (target && metered && is_counted(job, row) && job->histogram > 1 && is_direct(job))
+        map_and_count(job, row, x, n, target, &planes, weight, &run, stats);
+    else if (target)
         map_blocks(job, row, x, n, target, &planes, weight, metered ? &run : 0, stats);
-    else if (!meter_at_once(job, row, x, n, &run))
+    else if (!meter_at_once(job, row, x, n, weight, &planes, &run, stats))
         for (uint32_t i = 0; i < n; i += PUPIL_BLOCK)
             meter_block(job, row, x + i, n - i < PUPIL_BLOCK ? n - i : PUPIL_BLOCK, &planes, weight, &run, stats);
     if (metered)

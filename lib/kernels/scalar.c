@@ -116,11 +116,12 @@ static void bloom_rows(const pupil_bloom_sums sums, const pupil_bloom_taps *taps
 
 /* --- meter --- */
 
-static void luminance(const float weight[3], const pupil_planes *restrict p, uint32_t n, float *restrict l)
+static void luminance(const float weight[3], const float *restrict r, const float *restrict g, const float *restrict b,
+                      uint32_t n, float *restrict l)
 {
     const float wr = weight[0], wg = weight[1], wb = weight[2];
     for (uint32_t i = 0; i < n; i++)
-        l[i] = (wr * p->r[i] + wg * p->g[i]) + wb * p->b[i];
+        l[i] = (wr * r[i] + wg * g[i]) + wb * b[i];
 }
 
 static void count(const float *restrict l, const pupil_planes *restrict p, uint32_t n, float floor, float clip,
@@ -178,19 +179,19 @@ static void meter(const pupil_row_job *job, const void *source, const pupil_plan
 {
     float l[PUPIL_BLOCK];
     (void)source;
-    luminance(job->luma, planes, n, l);
+    luminance(job->luma, planes->r, planes->g, planes->b, n, l);
     count(l, planes, n, job->floor, job->clip, run);
     meter_luminance(l, n, job->floor, run);
 }
 
-static void histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture, uint32_t n,
+static void histogram(const pupil_row_job *job, const pupil_channels *light, const pupil_channels *picture, uint32_t n,
                       uint32_t weight, pupil_stats *stats)
 {
     const float *r = picture->r, *g = picture->g, *b = picture->b;
     const float floor = job->floor;
     float l[PUPIL_BLOCK];
     uint32_t peak_bits = pupil_bits_of_float(stats->peak);
-    luminance(job->luma, planes, n, l);
+    luminance(job->luma, light->r, light->g, light->b, n, l);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t bits = pupil_bits_of_float(clamp_luminance(l[i], floor));
         /* where no channel is NaN the largest does not depend on their order; where one is, so is L */
@@ -201,12 +202,6 @@ static void histogram(const pupil_row_job *job, const pupil_planes *planes, cons
         peak_bits = brightest > peak_bits ? brightest : peak_bits; /* positive floats are in the order of their bits */
     }
     stats->peak = pupil_float_of_bits(peak_bits);
-}
-
-static void sampled_histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
-                              uint32_t n, uint32_t first, uint32_t weight, pupil_stats *stats)
-{
-    count_sampled(job, planes, picture, 0, n, first, weight, stats);
 }
 
 /* --- tone: Reinhard by luminance --- */
@@ -281,7 +276,7 @@ static void tone_by_knots(pupil_planes *restrict p, float *restrict l, uint32_t 
 static inline int scale_planes(const pupil_row_job *job, uint32_t n, pupil_planes *planes, pupil_run *run, int by_knots)
 {
     float *l = planes->grey;
-    luminance(job->luma, planes, n, l);
+    luminance(job->luma, planes->r, planes->g, planes->b, n, l);
     if (run) {
         count(l, planes, n, job->floor, job->clip, run);
         meter_luminance(l, n, job->floor, run);
@@ -468,7 +463,6 @@ const pupil_kernels pupil_kernels_scalar = {
     .scale = {[PUPIL_PLANES] = scale},
     .scale_by_knots = scale_by_knots,
     .histogram = histogram,
-    .sampled_histogram = sampled_histogram,
     .dither = dither,
     .store =
         {

@@ -163,29 +163,19 @@ INLINE void move_exponents(lanes *s, pupil_run *run)
 
 /* --- histogram, as scalar.c's --- */
 
-/* In smooth parts of a picture a whole vector falls into one bin. */
-INLINE void add_bins(uint64_t *bin, ints index, uint32_t n, uint32_t weight)
+/* The bins of WIDTH pixels by luminance and, in the upper half, by brightest channel; the brightest of all goes to
+ * peak.
+ */
+INLINE ints bins_of(const float *const at[6], const meter_constants *c, floats *peak)
 {
-    int32_t at[WIDTH];
-    v_store_ints(at, index);
-    if (n == WIDTH && v_every(v_equal_ints(index, v_all_ints((uint32_t)at[0])))) {
-        bin[at[0]] += WIDTH * weight;
-        return;
-    }
-    for (uint32_t j = 0; j < n; j++)
-        bin[at[j]] += weight;
-}
-
-/* A vector's bins by luminance and by brightest channel; the brightest of all goes to peak. */
-INLINE void bins_of(floats r, floats g, floats b, floats brightest, const meter_constants *c, floats *peak, ints *bin,
-                    ints *peak_bin)
-{
-    const floats l = luminance(r, g, b, c);
+    const floats l = luminance(v_load(at[0]), v_load(at[1]), v_load(at[2]), c);
+    const floats brightest = max_of_3(v_load(at[3]), v_load(at[4]), v_load(at[5]));
     const floats largest = v_select(v_is_number(l), brightest, c->floor);
     const floats bounded = v_min(v_max(largest, c->floor), c->ceiling);
+    const ints bin = v_right(v_bits(v_min(v_max(l, c->floor), c->ceiling)), BIN_BITS);
+    const ints peak_bin = v_right(v_bits(bounded), PEAK_BIN_BITS);
     *peak = v_max(bounded, *peak);
-    *bin = v_minus(v_right(v_bits(v_min(v_max(l, c->floor), c->ceiling)), BIN_BITS), v_all_ints(FIRST_BIN));
-    *peak_bin = v_minus(v_right(v_bits(bounded), PEAK_BIN_BITS), v_all_ints(FIRST_PEAK_BIN));
+    return v_minus(v_plus(bin, v_left(peak_bin, 16)), v_all_ints(FIRST_BIN + (FIRST_PEAK_BIN << 16)));
 }
 
 INLINE float largest_lane(floats v, float most)
@@ -197,66 +187,32 @@ INLINE float largest_lane(floats v, float most)
     return most;
 }
 
-static void histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture, uint32_t n,
+/* The bins of all pixels are found before any is counted: additions between them would make loads wait. */
+static void histogram(const pupil_row_job *job, const pupil_channels *light, const pupil_channels *picture, uint32_t n,
                       uint32_t weight, pupil_stats *stats)
 {
     const meter_constants c = meter_constants_of(job);
+    const float *const of[6] = {light->r, light->g, light->b, picture->r, picture->g, picture->b};
+    int32_t bins[PUPIL_BLOCK];
     floats peak = v_all(stats->peak);
     for (uint32_t i = 0; i < n; i += WIDTH) {
-        const uint32_t m = n - i < WIDTH ? n - i : WIDTH;
         float rest[6][WIDTH];
-        const float *at[6] = {planes->r + i,  planes->g + i,  planes->b + i,
-                              picture->r + i, picture->g + i, picture->b + i};
-        for (int k = 0; k < 6 && m < WIDTH; k++) { /* repeats its first pixel, so that the peak does not change */
+        const float *at[6];
+        for (int k = 0; k < 6; k++)
+            at[k] = of[k] + i;
+        for (int k = 0; k < 6 && n - i < WIDTH; k++) { /* repeats its first pixel, so that the peak does not change */
             for (uint32_t j = 0; j < WIDTH; j++)
-                rest[k][j] = at[k][j < m ? j : 0];
+                rest[k][j] = at[k][j < n - i ? j : 0];
             at[k] = rest[k];
         }
-        ints bin, peak_bin;
-        bins_of(v_load(at[0]), v_load(at[1]), v_load(at[2]), max_of_3(v_load(at[3]), v_load(at[4]), v_load(at[5])), &c,
-                &peak, &bin, &peak_bin);
-        add_bins(stats->bin, bin, m, weight);
-        add_bins(stats->peak_bin, peak_bin, m, weight);
+        v_store_ints(bins + i, bins_of(at, &c, &peak));
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t both = (uint32_t)bins[i];
+        stats->bin[both & 0xffff] += weight;
+        stats->peak_bin[both >> 16] += weight;
     }
     stats->peak = largest_lane(peak, stats->peak);
-}
-
-/* One of each `step` floats. */
-INLINE floats v_stepped(const float *at, size_t step)
-{
-    float lane[WIDTH];
-    for (size_t j = 0; j < WIDTH; j++)
-        lane[j] = at[j * step];
-    return v_load(lane);
-}
-
-static void sampled_histogram(const pupil_row_job *job, const pupil_planes *planes, const pupil_planes *picture,
-                              uint32_t n, uint32_t first, uint32_t weight, pupil_stats *stats)
-{
-    const meter_constants c = meter_constants_of(job);
-    const uint32_t step = job->histogram, together = step * WIDTH;
-    floats peak = v_all(stats->peak);
-    uint32_t from = 0;
-    for (; from + together <= n; from += together) {
-        const uint32_t i = from + first;
-        const floats r = v_stepped(planes->r + i, step), g = v_stepped(planes->g + i, step);
-        const floats b = v_stepped(planes->b + i, step);
-        const floats brightest = planes == picture
-                                     ? max_of_3(r, g, b)
-                                     : max_of_3(v_stepped(picture->r + i, step), v_stepped(picture->g + i, step),
-                                                v_stepped(picture->b + i, step));
-        ints bin, peak_bin;
-        int32_t at[2][WIDTH];
-        bins_of(r, g, b, brightest, &c, &peak, &bin, &peak_bin);
-        v_store_ints(at[0], bin);
-        v_store_ints(at[1], peak_bin);
-        for (int j = 0; j < WIDTH; j++) {
-            stats->bin[at[0][j]] += step * weight;
-            stats->peak_bin[at[1][j]] += step * weight;
-        }
-    }
-    stats->peak = largest_lane(peak, stats->peak);
-    count_sampled(job, planes, picture, from, n, first, weight, stats);
 }
 
 #endif

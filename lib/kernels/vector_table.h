@@ -134,8 +134,7 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_RGB32F] = scale_rgb32f, [PUPIL_PIXEL_RGBA16F] = scale_rgba16f,                                \
             [PUPIL_PIXEL_RGBA16] = scale_rgba16, [PUPIL_PIXEL_RGB16] = scale_rgb16,                                    \
     },                                                                                                                 \
-    .scale_by_knots = scale_by_knots, .histogram = histogram, .sampled_histogram = sampled_histogram,                  \
-    .dither = dither,                                                                                                  \
+    .scale_by_knots = scale_by_knots, .histogram = histogram, .dither = dither,                                        \
     .store =                                                                                                           \
         {                                                                                                              \
             [PUPIL_PIXEL_RGBA8] = store_rgba8,                                                                         \
