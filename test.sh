@@ -59,6 +59,7 @@ libcamera-ipa has what libcamera needs of the simulated sensor there
 strace tells which system calls a program makes there
 xz-utils unpacks its kernel
 make builds a driver that Debian does not ship
+abigail-tools compares the library's interface with that of the last release
 libelf1 goes with what builds it
 glslang-tools checks the shaders
 ffmpeg makes clips of all kinds, and judges them
