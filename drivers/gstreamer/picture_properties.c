@@ -34,12 +34,47 @@ static double *number_of(picture_properties *p, guint id)
     }
 }
 
+static GType tone_type(void)
+{
+    static gsize type;
+    static const GEnumValue values[] = {
+        {PUPIL_CURVE_REINHARD, "Reinhard's curve", "reinhard"},
+        {PUPIL_CURVE_NORMALISE, "The frame's range of codes is stretched", "normalise"},
+        {PUPIL_CURVE_QUANTISE, "Some levels of brightness", "quantise"},
+        {PUPIL_CURVE_EQUALISE, "All codes equally frequent", "equalise"},
+        {PUPIL_CURVE_ADJUST, "The scene's range fitted into the display's, contrast with a ceiling", "adjust"},
+        {0, NULL, NULL}};
+    if (g_once_init_enter(&type))
+        g_once_init_leave(&type, g_enum_register_static("GstPupilTone", values));
+    return type;
+}
+
+static GType accuracy_type(void)
+{
+    static gsize type;
+    static const GEnumValue values[] = {{PUPIL_ACCURACY_EXACT, "Every pixel, as light", "exact"},
+                                        {PUPIL_ACCURACY_LUMA, "8-bit Y'CbCr by its luma, which is faster", "luma"},
+                                        {0, NULL, NULL}};
+    if (g_once_init_enter(&type))
+        g_once_init_leave(&type, g_enum_register_static("GstPupilAccuracy", values));
+    return type;
+}
+
+/* As number_of, of choices. */
+static uint32_t *choice_of(picture_properties *p, guint id)
+{
+    return id == PICTURE_TONE ? &p->config.curve : id == PICTURE_ACCURACY ? &p->config.accuracy : NULL;
+}
+
 gboolean picture_properties_set(picture_properties *p, guint id, const GValue *value, const gchar **refused)
 {
     double *number = number_of(p, id);
+    uint32_t *choice = choice_of(p, id);
     *refused = NULL;
     if (number)
         *number = g_value_get_double(value);
+    else if (choice)
+        *choice = (uint32_t)g_value_get_enum(value);
     else if (id == PICTURE_AE_LOCK)
         p->config.lock = g_value_get_boolean(value) ? 1 : 0;
     else if (id == PICTURE_DITHER)
@@ -62,8 +97,11 @@ void picture_properties_report(GParamSpec *spec, const GValue *value, const gcha
 gboolean picture_properties_get(picture_properties *p, guint id, GValue *value)
 {
     const double *number = number_of(p, id);
+    const uint32_t *choice = choice_of(p, id);
     if (number)
         g_value_set_double(value, *number);
+    else if (choice)
+        g_value_set_enum(value, (gint)*choice);
     else if (id == PICTURE_AE_LOCK)
         g_value_set_boolean(value, p->config.lock != 0);
     else if (id == PICTURE_DITHER)
@@ -96,6 +134,15 @@ void picture_properties_install(GObjectClass *klass)
     g_object_class_install_property(
         klass, PICTURE_DITHER,
         g_param_spec_boolean("dither", "Dither", "Ordered dither, so that smooth ramps have no bands", TRUE, FLAGS));
+    g_object_class_install_property(klass, PICTURE_TONE,
+                                    g_param_spec_enum("tone", "Tone curve",
+                                                      "Which curve maps the light; all but reinhard follow the histogram",
+                                                      tone_type(), PUPIL_CURVE_REINHARD, FLAGS));
+    g_object_class_install_property(
+        klass, PICTURE_ACCURACY,
+        g_param_spec_enum("accuracy", "Accuracy",
+                          "luma: 8-bit Y'CbCr by its luma, in less time, where dither is off and the matrix stays",
+                          accuracy_type(), PUPIL_ACCURACY_EXACT, FLAGS));
     install_number(klass, PICTURE_EXPOSURE_VALUE, "exposure-value", "Compensation", "Stops; positive is brighter",
                    -16.0, 16.0, c.ev_compensation);
     install_number(klass, PICTURE_KEY, "key", "Key",

@@ -25,6 +25,7 @@ typedef struct colours {
     const char *in, *out; /* caps; NULL: open */
     pupil_coding in_coding, out_coding;
     uint32_t primaries, output_primaries;
+    uint32_t curve, accuracy; /* accuracy luma: without dither */
 } colours;
 
 /* 4 frames of random samples through the element and through pupil_process. */
@@ -39,7 +40,11 @@ static void compare(const char *in_format, uint32_t in_pixel, const char *out_fo
     pupil_config_default(&config);
     config.primaries = c->primaries;
     config.output_primaries = c->output_primaries;
-    config.dither = 1;
+    config.dither = c->accuracy == PUPIL_ACCURACY_EXACT;
+    config.curve = c->curve;
+    config.accuracy = c->accuracy;
+    g_object_set(h->element, "tone", (gint)c->curve, "accuracy", (gint)c->accuracy, "dither", (gboolean)config.dither,
+                 NULL);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
     gst_harness_set_sink_caps_str(h, out_caps);
     gst_harness_set_src_caps_str(h, in_caps);
@@ -146,11 +151,27 @@ static void test_colours(void)
     }
 }
 
+/* tone and accuracy are the configuration's curve and accuracy, and change the picture. */
+static void test_choices(void)
+{
+    for (uint32_t curve = 0; curve < PUPIL_CURVE_COUNT; curve++) {
+        for (uint32_t accuracy = 0; accuracy < PUPIL_ACCURACY_COUNT; accuracy++) {
+            const colours c = {.in = "bt709",
+                               .in_coding = {.matrix = PUPIL_MATRIX_BT709, .light = PUPIL_LIGHT_BT709},
+                               .out_coding = {.matrix = PUPIL_MATRIX_BT709},
+                               .curve = curve,
+                               .accuracy = accuracy};
+            compare("NV12", PUPIL_PIXEL_NV12, "NV12", PUPIL_PIXEL_NV12, 34, 18, 0, &c);
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     gst_init(NULL, NULL);
     test_formats();
     test_colours();
+    test_choices();
     return check_end();
 }

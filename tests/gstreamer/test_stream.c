@@ -323,7 +323,7 @@ static gpointer turn(gpointer element)
         double ev;
         gchar *roi;
         g_object_set(element, "exposure-value", i % 5 - 2.0, "ae-lock", i % 2, "ae-metering", i % 3, "roi",
-                     i % 7 ? "" : "0.25,0.25,0.5,0.5", "dither", i % 2, NULL);
+                     i % 7 ? "" : "0.25,0.25,0.5,0.5", "dither", i % 2, "tone", i % 5, "accuracy", i % 2, NULL);
         g_object_get(element, "adapted-ev", &ev, "roi", &roi, NULL);
         g_free(roi);
     }
