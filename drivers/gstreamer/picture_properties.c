@@ -134,10 +134,10 @@ void picture_properties_install(GObjectClass *klass)
     g_object_class_install_property(
         klass, PICTURE_DITHER,
         g_param_spec_boolean("dither", "Dither", "Ordered dither, so that smooth ramps have no bands", TRUE, FLAGS));
-    g_object_class_install_property(klass, PICTURE_TONE,
-                                    g_param_spec_enum("tone", "Tone curve",
-                                                      "Which curve maps the light; all but reinhard follow the histogram",
-                                                      tone_type(), PUPIL_CURVE_REINHARD, FLAGS));
+    g_object_class_install_property(
+        klass, PICTURE_TONE,
+        g_param_spec_enum("tone", "Tone curve", "Which curve maps the light; all but reinhard follow the histogram",
+                          tone_type(), PUPIL_CURVE_REINHARD, FLAGS));
     g_object_class_install_property(
         klass, PICTURE_ACCURACY,
         g_param_spec_enum("accuracy", "Accuracy",
