@@ -219,6 +219,7 @@ static void doubt(pupil_sensor_object *o)
     s->wrong_frames = 0;
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     s->is_blunt = 0;
+    o->white.highest = -SENSOR_FAR_AWAY;
     o->black.wrong = 0;
     o->black.darkest = 0.0;
     forget_points(s);

@@ -58,6 +58,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->magic = SENSOR_MAGIC;
     o->plan.is_looking = 1;
     o->white.top = SENSOR_FAR_AWAY;
+    o->white.highest = -SENSOR_FAR_AWAY;
     o->black.before[0] = -SENSOR_FAR_AWAY;
     o->plan.brighter = SENSOR_FAR_AWAY;
     o->search.since = o->search.looks = SENSOR_RING; /* nothing is on its way */
@@ -176,6 +177,7 @@ static void take_frame(pupil_sensor_object *o, sensor_evidence *v, const pupil_f
     s->reason = tick(o, info);
     if (s->reason == PUPIL_SENSOR_REPEATED_FRAME)
         return;
+    pupil_sensor_white_frame(o, v);
     pupil_sensor_black_frame(o, v);
     pupil_sensor_estimate_frame(o, v, info);
     if (v->is_dead) {

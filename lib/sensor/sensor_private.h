@@ -41,8 +41,9 @@ typedef struct sensor_evidence {
 
 /* Where the picture is full, if that is below what the configuration says. */
 typedef struct sensor_white {
-    double level; /* found; 0 or above: not */
-    double top;   /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
+    double level;   /* found; 0 or above: not */
+    double top;     /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
+    double highest; /* top of any frame since the camera was doubted */
     uint32_t is_found;
     uint32_t reserved;
 } sensor_white;
@@ -231,7 +232,8 @@ const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sens
 int pupil_sensor_evidence(const pupil_sensor_object *object, const pupil_stats *stats, sensor_evidence *evidence);
 void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double mean, double clipped_share,
                                     sensor_evidence *evidence);
-/* The white that this frame shows. */
+/* What each frame says against the white that was found; and the white that the frame after a large step shows. */
+void pupil_sensor_white_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence *evidence);
 
 /* A frame while a large step is on its way. */
