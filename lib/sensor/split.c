@@ -183,6 +183,18 @@ static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, s
     }
 }
 
+/* The nearest of them is too short, and the next longer one is not known: one is asked for that is as far beyond the
+ * total. Where the camera has one between the two, that is nearer. */
+static void probe_told(const pupil_sensor_object *o, uint32_t hz, double total, sensor_fit *fit)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double told_s = pupil_sensor_told(o, fit->exposure_s), beyond_s = total / fit->gain;
+    const double probe_s = exposure_of(c, hz, beyond_s * beyond_s / told_s);
+    if (beyond_s > told_s && probe_s > beyond_s && fit->off_ev > SENSOR_COARSE_EV &&
+        probe_s <= pupil_sensor_longest_exposure(c) && pupil_sensor_told(o, probe_s) == probe_s)
+        fit->exposure_s = probe_s;
+}
+
 /* What rounding down both leaves is the digital factor's. Where steps are far apart that would be much of a stop: then
  * the nearest setting around the total is taken. Bands of lamps are worse than half a stop of digital gain. */
 static void fit_coarse(const pupil_sensor_object *o, uint32_t hz, double total, int is_fixed_s, int is_fixed,
@@ -199,11 +211,14 @@ static void fit_coarse(const pupil_sensor_object *o, uint32_t hz, double total, 
         take_nearer(o, fit, total, shorter, next);
     if (is_fixed_s || fit->off_ev <= SENSOR_COARSE_EV)
         return;
-    take_nearer(o, fit, total, next_exposure(c, hz, e), g);
+    const double longer = next_exposure(c, hz, e);
+    take_nearer(o, fit, total, longer, is_fixed ? g : pupil_sensor_gain_of(c, total / pupil_sensor_told(o, longer)));
     take_nearer(o, fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
     const int is_end = size_of(pupil_log2(total)) >= SENSOR_TOTAL_END_EV - 1.0;
     if (o->told.count && !is_end)
         fit_told(o, total, is_fixed, fit);
+    if (o->told.count && !is_end)
+        probe_told(o, hz, total, fit);
     if (fit->off_ev > 0.5)
         take_nearer(o, fit, total, shorter, next);
 }
