@@ -445,6 +445,10 @@ static int is_part_of_exchange(const pupil_sensor_object *o, double total, doubl
     part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);
     part[larger] = setting[larger] + setting[smaller] - part[smaller];
     round_setting(o, part, e, g);
+    if (is_timed && size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* the gain makes up for few lines */
+        part[1] = setting[0] + setting[1] - part[0];
+        round_setting(o, part, e, g);
+    }
     if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev ||
         size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */
         if (is_timed || size_of(total - from[0] - from[1]) > SENSOR_COARSE_EV)
