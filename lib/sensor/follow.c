@@ -509,7 +509,8 @@ static void report_total(pupil_sensor_object *o)
 }
 
 /* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
- * one amplifier hands over to another. What jumps up with a step up and down with one down is the camera. */
+ * one amplifier hands over to another. What jumps up with a step up and down with one down is the camera, unless light
+ * that flickers moves as far without a step. */
 static void find_jump(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
@@ -519,7 +520,7 @@ static void find_jump(pupil_sensor_object *o)
         s->jump_ev = 0.0;
     const double size = size_of(moved);
     if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size || size < SENSOR_MISMATCH_EV ||
-        size > 2.0 * SENSOR_COARSE_STEP_EV)
+        size < SENSOR_NOISE_CUT * a->noise_ev || size > 2.0 * SENSOR_COARSE_STEP_EV)
         return;
     if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size) {
         s->jump_ev = size;
