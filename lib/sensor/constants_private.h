@@ -235,7 +235,7 @@
 #define SENSOR_LOG2_DB    0.16609640474436813 /* log2(10) / 20 */
 /* Of a half mains period: bands of an exposure so near to a multiple have at most 5 % of the lamps' modulation. */
 #define SENSOR_NEAR_MULTIPLE 0.05
-/* What rounding down leaves is not left to the digital factor from here on. */
+/* What rounding down leaves is not left to the digital factor from here on: half of what the sensor may be off. */
 #define SENSOR_COARSE_EV 0.125
 /* Half a period of the mains that most of the world has, in s: exposures rest there while the mains are not known. */
 #define SENSOR_USUAL_MAINS_HZ 50
