@@ -102,6 +102,11 @@ static void check_step(void)
     CHECK(pupil_mark_edges(&image, 190, in, &to, &edges) == PUPIL_OK && edges == 2 * 20);
     CHECK(pupil_mark_edges(&image, 230, in, &to, &edges) == PUPIL_OK && edges == 0);
     CHECK(pupil_mark_edges(&image, 190, in, &to, NULL) == PUPIL_OK);
+    /* an output has its input's format, and nothing is read of a coding that it has */
+    const pupil_coding of_another = {.size_bytes = sizeof of_another, .matrix = 77};
+    pupil_image coded = to;
+    coded.coding = &of_another;
+    CHECK(pupil_mark_edges(&image, 190, in, &coded, &edges) == PUPIL_OK && edges == 2 * 20);
 }
 
 static void check_refusals(void)

@@ -1,13 +1,14 @@
 """Machine-made mutants of a room of the library: which of them the tests do not notice.
 
-    mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--count 200]
-               [--seed 16] [--jobs 2] [--least 95] [--work FOLDER]
+    mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--slowest SECONDS]
+               [--count 200] [--seed 16] [--jobs 2] [--least 95]
 
-BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. A mutant
+BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. ROOMS has
+the rooms; that of the kernels is their scalar reference, and needs a build with -DPUPIL_LEVELS=scalar. A mutant
 is one change of one file (mutations.py), compiled as BUILD does, but with -O1, and linked before the library, so that
-it takes the place of the file. The tests are those of ctest that match REGEX and have the label quick or full, and the
-extra ones; the fastest first, until one fails. One that takes ten times as long as without the mutant is killed, and so
-is the mutant.
+it takes the place of the file. The tests are those of ctest that match REGEX (as a rule those of the room in ROOMS) and
+have the label quick, and the extra ones; those that take longer than SLOWEST are left out. The fastest come first, until
+one fails. One that takes ten times as long as without the mutant is killed, and so is the mutant.
 
 Kinds of mutation are drawn in turn, and places within a kind at random, from the seed, until COUNT mutants compile to
 code that is not the same as before. Prints what survived, and exits with 1 where less than LEAST percent of those are
@@ -33,6 +34,15 @@ import mutations
 HERE = pathlib.Path(__file__).resolve().parent
 TREE = HERE.parent.parent
 SHORTEST_LIMIT_S = 5.0
+# Of each room the names of its files, and its tests.
+ROOMS = {
+    "lib/base": (r".", r"^(core|stream)\."),
+    "lib/core": (r".", r"^(core|stream|scene)\."),
+    "lib/flicker": (r".", r"^(flicker|stream)\."),
+    "lib/kernels": (r"^(scalar|yuv|luma)\.c", r"^(core|stream|scene)\."),
+    "lib/look": (r".", r"^look\."),
+    "lib/sensor": (r".", r"^sensor\."),
+}
 
 
 class Test:
@@ -65,18 +75,18 @@ class Test:
 class Source:
     """One file of the room. compile: arguments with SOURCE and OBJECT in their place."""
 
-    def __init__(self, path, name, compiler, folder):
-        self.path, self.name, self.compiler, self.folder = path, name, compiler, folder
+    def __init__(self, path, name, compiler):
+        self.path, self.name, self.compiler = path, name, compiler
         self.text = path.read_text()
 
     def compiled(self, text, obj):
-        """The object's bytes, or None. The copy lies in the file's own folder for the headers beside it."""
-        with tempfile.NamedTemporaryFile("w", suffix=".c", dir=obj.parent) as copy:
-            copy.write(f'#line 1 "{self.path.name}"\n' + text)
-            copy.flush()
+        """The object's bytes, or None. The same text gives the same bytes, for the copy has the file's name."""
+        with tempfile.TemporaryDirectory(dir=obj.parent) as folder:
+            copy = pathlib.Path(folder) / self.path.name
+            copy.write_text(f'#line 1 "{self.path.name}"\n' + text)
             replaced = {"SOURCE": copy.name, "OBJECT": str(obj)}
             arguments = [replaced.get(a, a) for a in self.compiler] + ["-iquote", str(self.path.parent)]
-            if subprocess.run(arguments, cwd=self.folder, stderr=subprocess.DEVNULL).returncode:
+            if subprocess.run(arguments, cwd=folder, stderr=subprocess.DEVNULL).returncode:
                 return None
         return obj.read_bytes()
 
@@ -126,16 +136,16 @@ def compiled_mutants(sources, count, seed, work):
     return found, broken, same
 
 
-def timed(tests, plain_object, work):
+def timed(tests, plain_object, work, slowest_s):
     """The tests that pass with the unchanged object, the fastest first."""
     good = []
     for test in tests:
         said = test.passes(plain_object, work, None)
         test.seconds = getattr(test, "last_s", 0.0)
-        if said == "passed":
+        if said == "passed" and test.seconds <= slowest_s:
             good.append(test)
         else:
-            print(f"mutants.py: {test.name} {said} without a mutant: left out")
+            print(f"mutants.py: {test.name} {said} in {test.seconds:.1f} s without a mutant: left out")
     return sorted(good, key=lambda t: t.seconds)
 
 
@@ -148,11 +158,11 @@ def judged(tests, obj, work):
     return "survived"
 
 
-def run(sources, tests, count, seed, jobs, excused, work):
+def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf")):
     """Prints what survived; returns (killed, survivors that are not excused, excused ones, verdicts)."""
     mutants, broken, same = compiled_mutants(sources, count, seed, work)
     sources[0].compiled(sources[0].text, work / "plain.o")
-    tests = timed(tests, work / "plain.o", work)
+    tests = timed(tests, work / "plain.o", work, slowest_s)
     print(f"mutants.py: {len(mutants)} mutants ({broken} more did not compile, {same} are the same code); "
           + ", ".join(f"{t.name} {t.seconds:.1f} s" for t in tests), flush=True)
     folders = [pathlib.Path(tempfile.mkdtemp(dir=work)) for _ in range(jobs)]
@@ -184,23 +194,23 @@ def run(sources, tests, count, seed, jobs, excused, work):
 def tests_of(build, regex, extra):
     """The tests of ctest, and how ninja links their programs."""
     listed = subprocess.run(["ctest", "--test-dir", str(build), "--show-only=json-v1", "-R", regex, "-L",
-                             "^(quick|full)$"], stdout=subprocess.PIPE, check=True, text=True).stdout
-    commands = [(t["name"], [a for a in t["command"] if not a.endswith(("/sh", "run_test.sh"))])
-                for t in json.loads(listed)["tests"]]
+                             "^quick$"], stdout=subprocess.PIPE, check=True, text=True).stdout
+    commands = [(t["name"], t["command"]) for t in json.loads(listed)["tests"]]
     for line in extra:
         program, *arguments = shlex.split(line)
         commands.append((line, [str(build / "tests" / program), *arguments]))
     tests = []
     for name, command in commands:
-        target = pathlib.Path(command[0]).name
-        if not target.startswith("test_"):
-            continue  # a script
+        programs = [pathlib.Path(a) for a in command if a.startswith(f"{build}/") and os.access(a, os.X_OK)]
+        if not programs:
+            continue  # a script that needs none
+        target = str(programs[0].relative_to(build))
         ninja = subprocess.run(["ninja", "-C", str(build), "-t", "commands", target], stdout=subprocess.PIPE,
                                check=True, text=True).stdout.splitlines()[-1]
         link = shlex.split(re.sub(r"^: && | && :$", "", ninja))
         link[link.index("-o") + 1] = "PROGRAM"
         link.insert(next(i for i, a in enumerate(link) if a.endswith(".a")), "OBJECT")
-        tests.append(Test(name, link, ["PROGRAM", *command[1:]], build))
+        tests.append(Test(name, link, ["PROGRAM" if a == str(programs[0]) else a for a in command], build))
     return tests
 
 
@@ -208,6 +218,8 @@ def sources_of(build, room):
     sources = []
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["file"])
+        if not re.search(ROOMS[room][0], path.name):
+            continue
         arguments = shlex.split(entry["command"])
         output = arguments[arguments.index("-o") + 1]
         if path.parent != TREE / room or "pupil_objects" not in output:
@@ -215,16 +227,17 @@ def sources_of(build, room):
         flags = [a for a in arguments if not re.match(r"-(W|g|O)", a)]
         flags[flags.index("-o") + 1] = "OBJECT"
         flags[flags.index("-c") + 1] = "SOURCE"
-        sources.append(Source(path, f"{room}/{path.name}", flags[:1] + ["-O1", "-w"] + flags[1:], entry["directory"]))
+        sources.append(Source(path, f"{room}/{path.name}", flags[:1] + ["-O1", "-w"] + flags[1:]))
     return sorted(sources, key=lambda s: s.name)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=TREE / "build" / "dev")
-    parser.add_argument("--room", default="lib/sensor")
-    parser.add_argument("--tests", default=r"^sensor\.")
+    parser.add_argument("--room", default="lib/sensor", choices=sorted(ROOMS))
+    parser.add_argument("--tests")
     parser.add_argument("--extra", action="append", default=[])
+    parser.add_argument("--slowest", type=float, default=10.0)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=16)
     parser.add_argument("--jobs", type=int, default=2)
@@ -232,14 +245,14 @@ def main():
     parser.add_argument("--excuses", type=pathlib.Path, default=HERE / "equivalent.txt")
     a = parser.parse_args()
     build = a.build.resolve()
-    sources, tests = sources_of(build, a.room), tests_of(build, a.tests, a.extra)
+    sources, tests = sources_of(build, a.room), tests_of(build, a.tests or ROOMS[a.room][1], a.extra)
     if not sources or not tests:
         sys.exit(f"mutants.py: {build} has {len(sources)} files of {a.room} and {len(tests)} tests")
     with tempfile.TemporaryDirectory(dir=build) as work:
         killed, survivors, equivalent, _ = run(sources, tests, a.count, a.seed, a.jobs, excuses(a.excuses),
-                                               pathlib.Path(work))
+                                               pathlib.Path(work), a.slowest)
     share = 100.0 * killed / max(1, killed + len(survivors))
-    print(f"mutants.py: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: "
+    print(f"mutants.py: {a.room}: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: "
           f"{share:.1f} %")
     sys.exit(share < a.least)
 

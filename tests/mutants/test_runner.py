@@ -63,7 +63,7 @@ def main():
         (work / "small.c").write_text(CODE)
         (work / "test.c").write_text(TEST)
         flags = ["-O0", "-fwrapv", "-w"]
-        source = mutants.Source(work / "small.c", "small.c", ["cc", *flags, "-o", "OBJECT", "-c", "SOURCE"], work)
+        source = mutants.Source(work / "small.c", "small.c", ["cc", *flags, "-o", "OBJECT", "-c", "SOURCE"])
         test = mutants.Test("small", ["cc", *flags, "-o", "PROGRAM", "OBJECT", "test.c"], ["PROGRAM"], work)
         (work / "equivalent.txt").write_text(EXCUSED + " # both give 10\n")
         excused = mutants.excuses(work / "equivalent.txt")
@@ -76,6 +76,8 @@ def main():
         dead = sum(v != "survived" for v in KNOWN.values())
         if (killed, len(equivalent), len(survivors)) != (dead, 1, len(KNOWN) - dead - 1):
             wrong.append(f"{killed} killed, {survivors} survived, {equivalent} equivalent")
+        if source.compiled(CODE, work / "a.o") != source.compiled(CODE + "/* */", work / "b.o"):
+            wrong.append("the same code is taken for another one")
         if mutants.drawn([source], 1) != mutants.drawn([source], 1):
             wrong.append("the same seed draws other mutants")
     for line in wrong:
