@@ -251,6 +251,10 @@ typedef struct pupil_veil_sums {
  * seven pixels behind the last are read, and have no part in any sum. */
 typedef void pupil_veil_gather_kernel(const pupil_planes *planes, const uint32_t *n, uint32_t count,
                                       pupil_veil_sums *sums);
+/* The same from the pixels of a row of RGBA32F, none beyond the last. The next row, so many bytes on, is fetched into
+ * the cache. */
+typedef void pupil_veil_pixels_kernel(const void *source, ptrdiff_t next_row, const uint32_t *n, uint32_t count,
+                                      pupil_veil_sums *sums);
 /* What is added to a block: channel c of pixel i gets from[c][i] + part * more[c][i]. */
 typedef struct pupil_scattered {
     float from[3][PUPIL_BLOCK], more[3][PUPIL_BLOCK];
@@ -313,6 +317,7 @@ typedef struct pupil_kernels {
     pupil_alpha_light_kernel *alpha_light[PUPIL_PIXEL_COUNT]; /* the same formats */
     pupil_store_alpha_kernel *store_alpha[PUPIL_PIXEL_COUNT]; /* by output format */
     pupil_veil_gather_kernel *veil_gather;
+    pupil_veil_pixels_kernel *veil_gather_rgba32f;
     pupil_scatter_kernel *scatter;
     pupil_bloom_pairs_kernel *bloom_pairs;
     pupil_bloom_columns_kernel *bloom_columns;

@@ -21,10 +21,10 @@ static inline void veil_bound(veil_lanes *v)
 {
     const veil_lanes ceiling = {PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING,
                                 PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING, PUPIL_CEILING};
-    const veil_lanes positive = (veil_lanes)((veil_masks)*v & (*v > 0.0f));
 #if defined(__AVX__)
-    *v = (veil_lanes)_mm256_min_ps((__m256)positive, (__m256)ceiling);
+    *v = (veil_lanes)_mm256_min_ps(_mm256_max_ps((__m256)*v, _mm256_setzero_ps()), (__m256)ceiling);
 #else
+    const veil_lanes positive = (veil_lanes)((veil_masks)*v & (*v > 0.0f));
     const veil_masks below = positive < ceiling;
     *v = (veil_lanes)(((veil_masks)positive & below) | ((veil_masks)ceiling & ~below));
 #endif
@@ -90,6 +90,77 @@ static void veil_gather(const pupil_planes *planes, const uint32_t *n, uint32_t 
         veil_gather_run(planes->r + at, planes->g + at, planes->b + at, n[c], &sums[c]);
 }
 
+/* The same of pixels of four floats, whose last has no part in it: two of them in eight lanes, each pixel of eight in
+ * its own, so that the sums are of the same terms in the same order. */
+static inline void veil_add_two(veil_lanes *light, veil_lanes *at, veil_pair *to)
+{
+    veil_bound(light);
+    to->sum += *light;
+    to->moment += *light * *at;
+    *at += (float)VEIL_LANES;
+}
+
+static inline void veil_add_pixels(const float *v, veil_lanes *at, veil_pair *to)
+{
+    veil_lanes light;
+    __builtin_memcpy(&light, v, sizeof light);
+    veil_add_two(&light, at, to);
+}
+
+static inline void veil_add_pixel(const float *v, veil_lanes *at, veil_pair *to)
+{
+    veil_lanes light = {v[0], v[1], v[2], v[3]};
+    veil_add_two(&light, at, to);
+}
+
+static inline void veil_sum_pixels(const veil_lanes *a, const veil_lanes *b, const veil_lanes *c, const veil_lanes *d,
+                                   float to[3])
+{
+    const veil_lanes all = (*a + *c) + (*b + *d);
+    for (int channel = 0; channel < 3; channel++)
+        to[channel] = all[channel] + all[4 + channel];
+}
+
+static inline void veil_gather_pixels(const float *v, ptrdiff_t next_row, uint32_t n, pupil_veil_sums *to)
+{
+    veil_pair a = {{0}, {0}}, b = {{0}, {0}}, c = {{0}, {0}}, d = {{0}, {0}};
+    veil_lanes at_a = {0, 0, 0, 0, 1, 1, 1, 1}, at_b = at_a + 2.0f, at_c = at_a + 4.0f, at_d = at_a + 6.0f;
+    for (; n >= VEIL_LANES; n -= VEIL_LANES, v += 4 * VEIL_LANES) {
+        __builtin_prefetch((const uint8_t *)v + next_row, 0, 2);
+        __builtin_prefetch((const uint8_t *)v + next_row + 64, 0, 2);
+        veil_add_pixels(v, &at_a, &a);
+        veil_add_pixels(v + 8, &at_b, &b);
+        veil_add_pixels(v + 16, &at_c, &c);
+        veil_add_pixels(v + 24, &at_d, &d);
+    }
+    __builtin_prefetch((const uint8_t *)v + next_row, 0, 2);
+    __builtin_prefetch((const uint8_t *)v + next_row + 64, 0, 2);
+    if (n >= 2)
+        veil_add_pixels(v, &at_a, &a);
+    else if (n)
+        veil_add_pixel(v, &at_a, &a);
+    if (n >= 4)
+        veil_add_pixels(v + 8, &at_b, &b);
+    else if (n == 3)
+        veil_add_pixel(v + 8, &at_b, &b);
+    if (n >= 6)
+        veil_add_pixels(v + 16, &at_c, &c);
+    else if (n == 5)
+        veil_add_pixel(v + 16, &at_c, &c);
+    if (n == 7)
+        veil_add_pixel(v + 24, &at_d, &d);
+    veil_sum_pixels(&a.sum, &b.sum, &c.sum, &d.sum, to->sum);
+    veil_sum_pixels(&a.moment, &b.moment, &c.moment, &d.moment, to->moment);
+}
+
+static void veil_gather_rgba32f(const void *source, ptrdiff_t next_row, const uint32_t *n, uint32_t count,
+                                pupil_veil_sums *sums)
+{
+    const float *v = source;
+    for (uint32_t c = 0; c < count; v += 4 * (size_t)n[c], c++)
+        veil_gather_pixels(v, next_row, n[c], &sums[c]);
+}
+
 static inline void scatter_channel(float *restrict v, uint32_t n, float direct, const float *restrict from,
                                    const float *restrict more, float part)
 {
@@ -105,6 +176,6 @@ static void scatter(pupil_planes *planes, uint32_t n, float direct, const pupil_
     scatter_channel(planes->b, n, direct, s->from[2], s->more[2], part);
 }
 
-#define VEIL_PIECES .veil_gather = veil_gather, .scatter = scatter
+#define VEIL_PIECES .veil_gather = veil_gather, .veil_gather_rgba32f = veil_gather_rgba32f, .scatter = scatter
 
 #endif

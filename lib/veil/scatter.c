@@ -42,6 +42,14 @@ static float find_row(const scatter_map *m, uint32_t y, uint32_t x, uint32_t end
 
 /* --- blocks --- */
 
+/* A CPU reads ahead along a row, and the next piece is of the row below: it is asked for here, a part at a time, for
+ * few lines of a cache can be on their way at once. */
+static void fetch(const uint8_t *from, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i += 64)
+        __builtin_prefetch(from + i);
+}
+
 /* Row i of the call's, pixels x to end, to `target`. */
 static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, uint32_t *cell_row, uint8_t *target)
 {
@@ -53,14 +61,20 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
     const float part = m->veil ? find_row(m, y, x, end, cell_row) : 0.0f;
     const float direct = m->veil ? (float)m->veil->result.direct : 1.0f;
     const pupil_scattered *veil = b->veil;
+    const uint8_t *next = row.data + (i + 1 < m->out->height ? b->rows.image->stride_bytes : 0) + x * in_bytes;
     for (; x < end; x += PUPIL_BLOCK, target += PUPIL_BLOCK * out_bytes) {
         const uint32_t n = end - x < PUPIL_BLOCK ? end - x : PUPIL_BLOCK;
         const int opaque = PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
+        const size_t third = n * in_bytes / 3;
+        fetch(next, third);
         if (m->veil)
             PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);
         if (m->bloom)
             pupil_bloom_window_add(m->bloom, m->window, y, x, n, &b->planes);
+        fetch(next + third, third);
         pupil_map_planes(job, x, y, n, &b->planes, opaque ? 0 : row.data + x * in_bytes, target);
+        fetch(next + 2 * third, third);
+        next += n * in_bytes;
     }
 }
 

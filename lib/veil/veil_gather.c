@@ -70,7 +70,8 @@ typedef struct gathering {
     const pupil_kernels *kernels;
     veil_rows rows;
     uint32_t width, height;
-    double unit; /* of the integers */
+    double unit;    /* of the integers */
+    double a_pixel; /* in cells */
 } gathering;
 
 /* To the nearest; |x| < 2^62. Without a branch: the signs of moments are random. */
@@ -84,14 +85,27 @@ static int64_t whole(double x)
 static void add_run(const gathering *g, const pupil_veil_sums *sums, uint32_t first, uint32_t column, double down,
                     veil_cell *cell)
 {
-    const double a_pixel = (double)VEIL_CELLS / g->width;
-    const double across = (first + 0.5) * a_pixel - (column + 0.5);
+    const double across = (first + 0.5) * g->a_pixel - (column + 0.5);
     for (int channel = 0; channel < 3; channel++) {
         const double sum = (double)sums->sum[channel] * g->unit, moment = (double)sums->moment[channel] * g->unit;
         cell->sum[channel] += whole(sum);
-        cell->x[channel] += whole(sum * across + moment * a_pixel);
+        cell->x[channel] += whole(sum * across + moment * g->a_pixel);
         cell->y[channel] += whole(sum * down);
     }
+}
+
+/* `count` runs, which are pixels begin to end of a row. */
+static void sum_runs(const gathering *g, const pupil_row *row, ptrdiff_t next_row, uint32_t begin, uint32_t end,
+                     const uint32_t *run, uint32_t count, pupil_planes *planes, pupil_veil_sums *sums)
+{
+    const uint32_t pixel = g->rows.image->pixel;
+    if (pixel == PUPIL_PIXEL_RGBA32F) {
+        PUPIL_PIECE(g->kernels, veil_gather_rgba32f)
+        (row->data + 16 * (size_t)begin, next_row, run, count, sums);
+        return;
+    }
+    (void)PUPIL_PIECE(g->kernels, load[pixel])(&g->rows.coder, row, begin, end - begin, planes);
+    PUPIL_PIECE(g->kernels, veil_gather)(planes, run, count, sums);
 }
 
 /* As many whole cells at a time as a block has room for: each run is then one kernel's sums, wherever rows are cut. */
@@ -102,6 +116,7 @@ static __attribute__((noinline)) void gather_row(const gathering *g, uint32_t i,
     uint32_t run[RUNS]; /* pixels in each cell */
     pupil_veil_sums sums[RUNS];
     const pupil_row row = pupil_veil_row_of(&g->rows, i);
+    const ptrdiff_t next_row = i + 1 < g->rows.image->height ? g->rows.image->stride_bytes : 0;
     const double down = (y + 0.5) * VEIL_CELLS / g->height - (pupil_veil_cell_of(y, g->height) + 0.5);
     for (uint32_t first = 0; first < VEIL_CELLS;) {
         const uint32_t begin = pupil_veil_first_in_cell(first, g->width);
@@ -116,8 +131,7 @@ static __attribute__((noinline)) void gather_row(const gathering *g, uint32_t i,
         first += count;
         if (end == begin) /* more cells than pixels: all of these are empty */
             continue;
-        (void)PUPIL_PIECE(g->kernels, load[g->rows.image->pixel])(&g->rows.coder, &row, begin, end - begin, planes);
-        PUPIL_PIECE(g->kernels, veil_gather)(planes, run, count, sums);
+        sum_runs(g, &row, next_row, begin, end, run, count, planes, sums);
         for (uint32_t c = 0, at = begin; c < count; at += run[c], c++)
             add_run(g, &sums[c], at, first - count + c, down, &cells[first - count + c]);
     }
@@ -149,6 +163,7 @@ static __attribute__((noinline)) int gather(const veil_object *o, const pupil_t 
     gathering g = {.kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level),
                    .width = o->config.width,
                    .height = o->config.height};
+    g.a_pixel = (double)VEIL_CELLS / g.width;
     g.unit = 0x1p32 / pupil_veil_cell_pixels(g.width, g.height);
     pupil_veil_rows_begin(&g.rows, image);
     const uint32_t together = pupil_pixel_rows(image->pixel);
