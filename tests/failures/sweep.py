@@ -3,12 +3,18 @@ exit status that is not 0, and leaves no output in part. A call whose failure ch
 outputs with the very bytes of a run without it.
 
     sweep.py --program PUPIL --fake RUN_FAKE --preload LIBRARY [--every 1] [--case NAME]... [--call NAME]... [--jobs 2]
+             [--seconds LIMIT] [--kept FILE]
 
 --every 7: n = 1, 8, 15, ... Allocations are failed by the library (fail_nth.c), system calls by strace.
+
+It ends at Ctrl-C, and once it has run for LIMIT seconds. Every verdict is in FILE as soon as it is known, a line of
+JSON; the next run with this file goes on where that one ended, and prints the sums of both. The file is of one program:
+remove it after another build. Exits with 1 after a fault, else with 3 where calls are left.
 """
 import argparse
 import collections
 import concurrent.futures
+import json
 import os
 import pathlib
 import re
@@ -17,6 +23,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 
 LIMIT_S = 60
 PROGRAM = []
@@ -69,9 +77,33 @@ def contents(folder, outputs):
     return found
 
 
+class Kept:
+    """The verdicts so far: {(case, call, n): "refused", None or a fault}; in a file, too, where there is a path."""
+
+    def __init__(self, path):
+        self.path, self.verdicts, self.lock = path, {}, threading.Lock()
+        text = path.read_text() if path and path.exists() else ""
+        whole = text[: text.rfind("\n") + 1]  # of a line that was being written nothing is taken
+        for line in whole.splitlines():
+            name, call, n, said = json.loads(line)
+            self.verdicts[name, call, n] = said
+        if path:
+            path.write_text(whole)
+
+    def add(self, name, call, n, said):
+        with self.lock:
+            self.verdicts[name, call, n] = said
+            if self.path:
+                with open(self.path, "a") as file:
+                    file.write(json.dumps([name, call, n, said]) + "\n")
+
+
 class Sweep:
     def __init__(self, options, work):
         self.options, self.work = options, work
+        self.kept = Kept(options.kept)
+        self.ends_at = time.monotonic() + options.seconds
+        self.interrupted = False
         self.inputs = work / "inputs"
         self.make_inputs()
 
@@ -162,20 +194,37 @@ class Sweep:
         finally:
             shutil.rmtree(folder)
 
-    def sweep(self, name, call):
-        """(calls, failures that are harmless, faults)"""
+    def is_over(self):
+        return self.interrupted or time.monotonic() >= self.ends_at
+
+    def judge_once(self, name, call, n, reference):
+        """Nothing where it is known, or the time is over."""
+        if (name, call, n) in self.kept.verdicts or self.is_over():
+            return
+        said = self.judge(name, call, n, reference)
+        if not self.interrupted:  # else what it saw may be of that
+            self.kept.add(name, call, n, said)
+
+    def reference(self, name):
+        """The outputs without a failure."""
         command, outputs = self.command(name)
         self.before = contents(self.inputs, outputs)
         status, said, folder = self.run(command)
-        reference = contents(folder, outputs)
+        made = contents(folder, outputs)
         shutil.rmtree(folder)
         if status:
             sys.exit(f"sweep.py: {name} fails without a failure: {said}")
+        return made
+
+    def sweep(self, name, call):
+        """(calls that were swept, failures that are harmless, faults, calls that are left)"""
+        reference = self.reference(name)
         numbers = self.numbers(name, call)[:: self.options.every]
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
-            said = list(pool.map(lambda n: self.judge(name, call, n, reference), numbers))
-        faults = [(n, s) for n, s in zip(numbers, said) if s not in (None, "refused")]
-        return len(numbers), sum(s is None for s in said), faults
+            list(pool.map(lambda n: self.judge_once(name, call, n, reference), numbers))
+        said = {n: self.kept.verdicts[name, call, n] for n in numbers if (name, call, n) in self.kept.verdicts}
+        faults = [(n, s) for n, s in said.items() if s not in (None, "refused")]
+        return len(said), sum(s is None for s in said.values()), faults, len(numbers) - len(said)
 
 
 def main():
@@ -186,22 +235,36 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--case", action="append")
     parser.add_argument("--call", action="append")
+    parser.add_argument("--seconds", type=float, default=float("inf"))
+    parser.add_argument("--kept", type=pathlib.Path)
     options = parser.parse_args()
     PROGRAM.append(options.program.resolve())
     failed = total = 0
+    is_left = False
     with tempfile.TemporaryDirectory() as work:
         sweep = Sweep(options, pathlib.Path(work))
+
+        def interrupt(*_):
+            sweep.interrupted = True
+
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, interrupt)
         for name in options.case or CASES:
             for call in options.call or ["malloc", *ERRORS]:
-                calls, harmless, faults = sweep.sweep(name, call)
+                if sweep.is_over():
+                    is_left = True
+                    continue
+                calls, harmless, faults, left = sweep.sweep(name, call)
                 total += calls
                 failed += len(faults)
+                is_left = is_left or left > 0
                 print(f"{name:18} {call:10} {calls:6} swept, {calls - harmless - len(faults):6} refused, "
-                      f"{harmless:5} without effect, {len(faults)} faults", flush=True)
+                      f"{harmless:5} without effect, {len(faults)} faults" + (f", {left} left" if left else ""),
+                      flush=True)
                 for n, fault in faults[:5]:
                     print(f"    FAILED: {call} {n}: {fault}; again with: --case {name} --call {call}")
-    print(f"sweep.py: {total} failures, {failed} faults")
-    sys.exit(failed > 0)
+    print(f"{total} calls failed, {failed} faults" + ("; not all were swept" if is_left else ""))
+    sys.exit(1 if failed else 3 if is_left else 0)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ BUILD is a configured build of the tree with tests (build/dev), whose programs o
 the rooms; that of the kernels is their scalar reference, and needs a build with -DPUPIL_LEVELS=scalar. A mutant
 is one change of one file (mutations.py), compiled as BUILD does, but with -O1, and linked before the library, so that
 it takes the place of the file. The tests are those of ctest that match REGEX (as a rule those of the room in ROOMS) and
-have the label quick, and the extra ones; those that take longer than SLOWEST are left out. The fastest come first, until
-one fails. One that takes ten times as long as without the mutant is killed, and so is the mutant.
+have the label quick, and the extra ones; those that take longer than SLOWEST are left out. The fastest come first,
+until one fails. One that takes ten times as long as without the mutant is killed, and so is the mutant.
 
 Kinds of mutation are drawn in turn, and places within a kind at random, from the seed, until COUNT mutants compile to
 code that is not the same as before. Prints what survived, and exits with 1 where less than LEAST percent of those are

@@ -113,6 +113,16 @@ static void check_laws(void)
     refused(&c, "gain_table");
     c.gain_table[3] = 0.5;
     refused(&c, "gain_table");
+    c = plant_config(LAW_THIRD); /* the ends, and one gain twice */
+    c.gain_table[0] = 0x1p-10;
+    c.gain_table[2] = c.gain_table[3];
+    c.gain_table[c.gain_count - 1] = 65536.0;
+    CHECK(pupil_sensor_config_check(&c, NULL) == PUPIL_OK);
+    c.gain_table[c.gain_count - 1] = 65537.0;
+    refused(&c, "gain_table");
+    c = plant_config(LAW_THIRD);
+    c.gain_table[0] = 0x1.fp-11;
+    refused(&c, "gain_table");
     c = plant_config(LAW_FINE);
     c.stages = 2;
     refused(&c, "stage");
