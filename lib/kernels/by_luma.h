@@ -48,30 +48,77 @@ typedef struct luma_codes {
     const uint8_t *upper, *lower;
 } luma_codes;
 
-typedef struct luma_quad {
-    int32_t u, v;             /* scaled */
-    int32_t red, green, blue; /* above grey, in quarters of a code */
-} luma_quad;
+/* Of the quads of a block. In lists, each made by a loop of its own: only the look-ups are not for vectors. */
+typedef struct luma_lists {
+    int16_t ratio[PUPIL_LUMA_QUADS];
+    int16_t u[PUPIL_LUMA_QUADS], v[PUPIL_LUMA_QUADS]; /* scaled */
+    int16_t red[PUPIL_LUMA_QUADS], green[PUPIL_LUMA_QUADS],
+        blue[PUPIL_LUMA_QUADS]; /* above grey, in quarters of a code */
+} luma_lists;
 
-/* Whether it is to be mapped exactly. */
-static inline uint16_t look_up_quad(const pupil_luma_tables *t, const pupil_luma_quads *in, const luma_codes *new,
-                                    uint32_t i, luma_quad *q)
+static inline void find_means(const uint8_t *restrict upper, const uint8_t *restrict lower, uint32_t n,
+                              int16_t *restrict mean)
+{
+    for (size_t i = 0; i < n; i++)
+        mean[i] = (int16_t)((upper[2 * i] + upper[2 * i + 1] + lower[2 * i] + lower[2 * i + 1]) >> 3);
+}
+
+static inline void look_up_ratios(const pupil_luma_tables *t, uint32_t n, int16_t *ratio)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const int32_t mean = ratio[i];
+        ratio[i] = (int16_t)(t->ratio_low[mean] | t->ratio_high[mean] << 8);
+        ONE_BY_ONE;
+    }
+}
+
+static inline void scale_chroma(const pupil_luma_tables *t, const uint8_t *restrict chroma, uint32_t n, luma_lists *q)
+{
+    const int16_t *restrict ratio = q->ratio;
+    int16_t *restrict u = q->u, *restrict v = q->v;
+    for (size_t i = 0; i < n; i++) {
+        u[i] = (int16_t)times_15((int16_t)((chroma[2 * i] - 128) * 256), ratio[i]);
+        v[i] = (int16_t)times_15((int16_t)((chroma[2 * i + 1] - 128) * 256), ratio[i]);
+    }
+    const int16_t red_v = t->red_v, green_u = t->green_u, green_v = t->green_v, blue_u = t->blue_u;
+    int16_t *restrict red = q->red, *restrict green = q->green, *restrict blue = q->blue;
+    for (size_t i = 0; i < n; i++) {
+        red[i] = (int16_t)times_15(v[i], red_v);
+        green[i] = (int16_t)(times_15(u[i], green_u) + times_15(v[i], green_v));
+        blue[i] = (int16_t)times_15(u[i], blue_u);
+    }
+}
+
+/* Which ones are to be mapped exactly, by their new codes a and b. */
+static inline void find_exact(const pupil_luma_tables *t, const uint8_t *restrict a, const uint8_t *restrict b,
+                              const luma_lists *q, uint32_t n, uint16_t *restrict exact)
+{
+    const int16_t *restrict red = q->red, *restrict green = q->green, *restrict blue = q->blue;
+    const int16_t slope = t->surface_slope, far_slope = t->far_slope;
+    const int32_t surface_at_0 = t->surface, far_at_0 = t->far;
+    for (size_t i = 0; i < n; i++) {
+        const int16_t most = (int16_t)larger_of(larger_of(a[2 * i], a[2 * i + 1]), larger_of(b[2 * i], b[2 * i + 1]));
+        const int16_t least =
+            (int16_t)smaller_of(smaller_of(a[2 * i], a[2 * i + 1]), smaller_of(b[2 * i], b[2 * i + 1]));
+        const int32_t surface = surface_at_0 - times_15((int16_t)(most * 128), slope);
+        const int32_t far = larger_of(far_at_0 + times_15((int16_t)(least * 128), far_slope), PUPIL_LUMA_NOISE);
+        exact[i] = larger_of(larger_of(red[i], blue[i]), green[i]) > smaller_of(surface, far);
+    }
+}
+
+/* Quads i to n; the bits of a pupil_by_luma_kernel. */
+static inline uint32_t look_up_quads(const pupil_luma_tables *t, const pupil_luma_quads *in, const luma_codes *new,
+                                     uint32_t i, uint32_t n, luma_lists *q, uint16_t *exact)
 {
     const size_t at = 2 * (size_t)i;
-    const uint8_t *upper = in->upper + at, *lower = (in->lower ? in->lower : in->upper) + at;
-    const uint8_t *a = new->upper + at, *b = new->lower + at;
-    const uint32_t mean = (uint32_t)(upper[0] + upper[1] + lower[0] + lower[1]) >> 3;
-    const int32_t ratio = t->ratio_low[mean] | t->ratio_high[mean] << 8;
-    q->u = times_15((in->chroma[at] - 128) * 256, ratio);
-    q->v = times_15((in->chroma[at + 1] - 128) * 256, ratio);
-    q->red = times_15(q->v, t->red_v);
-    q->green = times_15(q->u, t->green_u) + times_15(q->v, t->green_v);
-    q->blue = times_15(q->u, t->blue_u);
-    const int32_t most = larger_of(larger_of(a[0], a[1]), larger_of(b[0], b[1]));
-    const int32_t least = smaller_of(smaller_of(a[0], a[1]), smaller_of(b[0], b[1]));
-    const int32_t surface = t->surface - times_15(most * 128, t->surface_slope);
-    const int32_t far = larger_of(t->far + times_15(least * 128, t->far_slope), PUPIL_LUMA_NOISE);
-    return larger_of(larger_of(q->red, q->blue), q->green) > smaller_of(surface, far);
+    uint32_t parts = 0;
+    find_means(in->upper + at, (in->lower ? in->lower : in->upper) + at, n - i, q->ratio);
+    look_up_ratios(t, n - i, q->ratio);
+    scale_chroma(t, in->chroma + at, n - i, q);
+    find_exact(t, new->upper + at, new->lower + at, q, n - i, exact + i);
+    for (; i < n; i++)
+        parts |= (uint32_t)exact[i] << i / PUPIL_LUMA_PART;
+    return parts;
 }
 
 static inline uint8_t chroma_of_scaled(int32_t scaled)
@@ -79,30 +126,33 @@ static inline uint8_t chroma_of_scaled(int32_t scaled)
     return byte_within(((scaled + 8) >> 4) + 128);
 }
 
+static inline void store_chroma(const int16_t *restrict u, const int16_t *restrict v, uint32_t n, uint8_t *restrict to)
+{
+    for (size_t i = 0; i < n; i++) {
+        to[2 * i] = chroma_of_scaled(u[i]);
+        to[2 * i + 1] = chroma_of_scaled(v[i]);
+    }
+}
+
 /* Quads i to n; as a kernel. */
 static inline uint32_t yuv_quads(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t i, uint32_t n,
                                  const pupil_luma_target *out, uint16_t *exact)
 {
     const luma_codes new = {out->upper, out->lower ? out->lower : out->upper};
-    uint32_t parts = 0;
+    luma_lists q;
     bytes_by_table(t->luma, in->upper, 2 * i, 2 * n, out->upper);
     if (out->lower)
         bytes_by_table(t->luma, in->lower, 2 * i, 2 * n, out->lower);
-    for (; i < n; i++) {
-        luma_quad q;
-        exact[i] = look_up_quad(t, in, &new, i, &q);
-        parts |= (uint32_t)exact[i] << i / PUPIL_LUMA_PART;
-        out->chroma[2 * (size_t)i] = chroma_of_scaled(q.u);
-        out->chroma[2 * (size_t)i + 1] = chroma_of_scaled(q.v);
-    }
+    const uint32_t parts = look_up_quads(t, in, &new, i, n, &q, exact);
+    store_chroma(q.u, q.v, n - i, out->chroma + 2 * (size_t)i);
     return parts;
 }
 
-static inline void rgb_pixel(int32_t grey, const luma_quad *q, int blue_first, uint8_t to[4])
+static inline void rgb_pixel(int32_t grey, const luma_lists *q, uint32_t i, int blue_first, uint8_t to[4])
 {
-    to[blue_first ? 2 : 0] = byte_within(grey + ((q->red + 2) >> 2));
-    to[1] = byte_within(grey + ((q->green + 2) >> 2));
-    to[blue_first ? 0 : 2] = byte_within(grey + ((q->blue + 2) >> 2));
+    to[blue_first ? 2 : 0] = byte_within(grey + ((q->red[i] + 2) >> 2));
+    to[1] = byte_within(grey + ((q->green[i] + 2) >> 2));
+    to[blue_first ? 0 : 2] = byte_within(grey + ((q->blue[i] + 2) >> 2));
     to[3] = 255;
 }
 
@@ -111,20 +161,15 @@ static inline uint32_t rgb_quads(const pupil_luma_tables *t, const pupil_luma_qu
                                  const pupil_luma_target *out, uint8_t grey[2][2 * PUPIL_LUMA_QUADS], uint16_t *exact)
 {
     const luma_codes new = {grey[0], grey[in->lower ? 1 : 0]};
-    uint32_t parts = 0;
+    luma_lists q;
     bytes_by_table(t->luma, in->upper, 2 * i, 2 * n, grey[0]);
     if (in->lower)
         bytes_by_table(t->luma, in->lower, 2 * i, 2 * n, grey[1]);
-    for (; i < n; i++) {
-        luma_quad q;
-        exact[i] = look_up_quad(t, in, &new, i, &q);
-        parts |= (uint32_t)exact[i] << i / PUPIL_LUMA_PART;
-        for (uint32_t k = 0; k < 2; k++) {
-            const size_t at = 2 * (size_t)i + k;
-            rgb_pixel(grey[0][at], &q, out->blue_first, out->upper + 4 * at);
-            if (in->lower)
-                rgb_pixel(grey[1][at], &q, out->blue_first, out->lower + 4 * at);
-        }
+    const uint32_t parts = look_up_quads(t, in, &new, i, n, &q, exact);
+    for (uint32_t at = 2 * i; at < 2 * n; at++) {
+        rgb_pixel(grey[0][at], &q, at / 2 - i, out->blue_first, out->upper + 4 * (size_t)at);
+        if (in->lower)
+            rgb_pixel(grey[1][at], &q, at / 2 - i, out->blue_first, out->lower + 4 * (size_t)at);
     }
     return parts;
 }
