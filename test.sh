@@ -41,7 +41,6 @@ long) selection= && more=$packages_of_long_tests ;;
 esac
 
 install_missing "$packages_of_the_program
-g++ compiles the headers and a user's program as C++
 libclang-rt-14-dev what clang links for sanitizers and libFuzzer
 clang-format checks the style
 git lists the files whose style is checked
@@ -67,7 +66,6 @@ xvfb is the screen that windows open on
 xdotool types their keys
 imagemagick takes and reads pictures of that screen
 musl-tools builds with musl in place of glibc
-python3 prints the tables again, to compare them, and checks the shape of functions
 $packages_of_integrations
 $packages_of_the_page
 nodejs runs the digests and the page's readers as WebAssembly

@@ -18,7 +18,7 @@ static void put_help(FILE *out)
     fputs("  help     this text, or 'pupil help COMMAND'\n"
           "  version  the version of the program and of the library\n"
           "  completion bash   what completes options in that shell\n"
-          "'pupil COMMAND --help' fits a screen; 'man pupil' has everything.\n",
+          "'pupil COMMAND --help' lists its options; docs/pupil.1, as 'man pupil' once installed, has everything.\n",
           out);
 }
 

@@ -35,9 +35,11 @@ int camera_choose(const pupil_live_system *system, const char *asked, char *devi
     if (*device)
         return 0;
     return pupil_refuse(why, "%s",
-                        *first.why.text ? first.why.text
-                                        : "no camera is there: no /dev/video* gives pictures; dmesg shows what the "
-                                          "kernel detected of one that is plugged in");
+                        *first.why.text
+                            ? first.why.text
+                            : "no camera is there: no /dev/video* gives pictures; dmesg shows what the "
+                              "kernel detected of one that is plugged in. Without a camera, try 'pupil replay "
+                              "synth:room -o room.mp4'");
 }
 
 /* --- its controls --- */

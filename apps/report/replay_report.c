@@ -187,14 +187,15 @@ static void put_figures(table *t, const replay_report *r)
 static void put_summary(const replay_report *r, char *summary, size_t bytes)
 {
     const verify_figures *f = &r->figures;
-    char mean[64] = "";
+    char mean[64] = "", off[96] = "none of the display's samples differs from a double reference";
     if (f->means)
         snprintf(mean, sizeof mean, "log-average within %.2g of a long-double reference; ", f->log_average_error);
-    snprintf(summary, bytes,
-             "checked on %u frame%s: %s%.2g %% of the display's samples differ from a double reference, "
-             "by %d code at most; %.2f ns a pixel, %.1f times a memcpy of the frame\n",
-             f->frames, f->frames == 1 ? "" : "s", mean, 100.0 * (double)f->off / (double)f->samples, f->code_error,
-             r->process_us * 1e3 / r->pixels, r->memcpy_us > 0.0 ? r->process_us / r->memcpy_us : 0.0);
+    if (f->off)
+        snprintf(off, sizeof off, "%.2g %% of the display's samples differ from a double reference, by %d code at most",
+                 100.0 * (double)f->off / (double)f->samples, f->code_error);
+    snprintf(summary, bytes, "checked on %u frame%s: %s%s; %.2f ns a pixel, %.1f times a memcpy of the frame\n",
+             f->frames, f->frames == 1 ? "" : "s", mean, off, r->process_us * 1e3 / r->pixels,
+             r->memcpy_us > 0.0 ? r->process_us / r->memcpy_us : 0.0);
 }
 
 static void close_report(replay_report *r)

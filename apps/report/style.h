@@ -26,7 +26,7 @@ static const char report_style[] =
     "img.plot{display:block;width:100%;height:auto;background:#fff;border-radius:8px}\n"
     ".scroll{overflow-x:auto;border:1px solid var(--line);border-radius:8px}.scroll img.plot{min-width:640px}\n"
     ".strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(210px,1fr));gap:14px 12px}\n"
-    "figure{margin:0}figure img{display:block;width:100%;height:auto;border-radius:5px}\n"
+    "figure{margin:0}figure img{display:block;width:100%;height:auto;border-radius:5px;border:1px solid var(--line)}\n"
     "figure img+img{margin-top:3px}figcaption{margin-top:4px;overflow-wrap:anywhere;line-height:1.35}\n"
     "figcaption b{color:var(--text);font-weight:600}\n"
     ".hint{margin:0 0 10px}\n"

@@ -1,6 +1,7 @@
 #!/bin/sh
 # check.sh BUILD: README.md keeps its word. Its first C program is compiled by the line beside it, against an install of
-# BUILD, and run; every script that its commands name is there and can be run.
+# BUILD, and run; every script that its commands name is there and can be run; what its numbers say of errors is what
+# their command prints.
 set -eu
 build=$1
 cd "$(dirname "$0")/../.."
@@ -38,3 +39,14 @@ done
 for script in demo.sh test.sh; do
     grep -q "\./$script" README.md || { echo "check.sh: README.md does not name ./$script"; exit 1; }
 done
+
+# Where the build has the program. "2.3e-8" is "2.3e-08" in C.
+if [ -x "$build/apps/pupil" ]; then
+    line=$(grep -o -m1 'pupil replay synth:walk [^`]*' README.md | sed "s,out/walk,$work/walk,")
+    error=$(sed -n 's/^- \*\*\(.*\)\*\* is the relative error.*/\1/p' README.md | sed 's/e-\(.\)$/e-0\1/')
+    eval "$build/apps/$line" 2>"$work/said"
+    grep -q "log-average within $error of a long-double reference; none of the display's samples differs" "$work/said" &&
+        grep -q '^- \*\*0 %\*\* of the display' README.md ||
+        { echo "check.sh: README.md has other numbers than: $(cat "$work/said")"; exit 1; }
+    echo "README.md's errors are those that pupil replay prints"
+fi
