@@ -1,7 +1,7 @@
 """Machine-made mutants of a room of the library: which of them the tests do not notice.
 
     mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--slowest SECONDS]
-               [--count 200] [--seed 16] [--jobs 2] [--least 95]
+               [--count 200] [--seed 16] [--jobs 2] [--least 95] [--seconds LIMIT]
 
 BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. ROOMS has
 the rooms; that of the kernels is their scalar reference, and needs a build with -DPUPIL_LEVELS=scalar. A mutant
@@ -11,9 +11,10 @@ have the label quick, and the extra ones; those that take longer than SLOWEST ar
 until one fails. One that takes ten times as long as without the mutant is killed, and so is the mutant.
 
 Kinds of mutation are drawn in turn, and places within a kind at random, from the seed, until COUNT mutants compile to
-code that is not the same as before. Prints what survived, and exits with 1 where less than LEAST percent of those are
-killed that are not in equivalent.txt. There, a line is one surviving line as it is printed, from the file's name on but
-without the line's number, then " # " and the reason why no test can notice.
+code that is not the same as before. After LIMIT seconds the rest of them is left. Prints what survived, and exits with
+1 where less than LEAST percent of those are killed that are not in equivalent.txt. There, a line is one surviving line
+as it is printed, from the file's name on but without the line's number, then " # " and the reason why no test can
+notice.
 """
 import argparse
 import concurrent.futures
@@ -36,7 +37,7 @@ TREE = HERE.parent.parent
 SHORTEST_LIMIT_S = 5.0
 # Of each room the names of its files, and its tests.
 ROOMS = {
-    "lib/base": (r".", r"^(core|stream)\."),
+    "lib/base": (r".", r"^(core|flicker|stream)\."),
     "lib/core": (r".", r"^(core|stream|scene)\."),
     "lib/flicker": (r".", r"^(flicker|stream)\."),
     "lib/kernels": (r"^(scalar|yuv|luma)\.c", r"^(core|stream|scene)\."),
@@ -140,8 +141,8 @@ def timed(tests, plain_object, work, slowest_s):
     """The tests that pass with the unchanged object, the fastest first."""
     good = []
     for test in tests:
-        said = test.passes(plain_object, work, None)
-        test.seconds = getattr(test, "last_s", 0.0)
+        said = test.passes(plain_object, work, 3 * slowest_s if slowest_s < float("inf") else None)
+        test.seconds = getattr(test, "last_s", 3 * slowest_s)
         if said == "passed" and test.seconds <= slowest_s:
             good.append(test)
         else:
@@ -158,8 +159,10 @@ def judged(tests, obj, work):
     return "survived"
 
 
-def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf")):
+def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf"),
+        limit_s=float("inf")):
     """Prints what survived; returns (killed, survivors that are not excused, excused ones, verdicts)."""
+    ends_at = time.monotonic() + limit_s
     mutants, broken, same = compiled_mutants(sources, count, seed, work)
     sources[0].compiled(sources[0].text, work / "plain.o")
     tests = timed(tests, work / "plain.o", work, slowest_s)
@@ -168,6 +171,8 @@ def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf")
     folders = [pathlib.Path(tempfile.mkdtemp(dir=work)) for _ in range(jobs)]
 
     def judge(mutant):
+        if time.monotonic() >= ends_at:
+            return None
         folder = folders.pop()
         try:
             return judged(tests, mutant[2], folder)
@@ -177,6 +182,8 @@ def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf")
     survivors, equivalent, killers, verdicts = [], [], {}, []
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         for (source, m, _), verdict in zip(mutants, pool.map(judge, mutants)):
+            if not verdict:
+                continue
             verdicts.append((source, m, verdict))
             if verdict != "survived":
                 killers[verdict] = killers.get(verdict, 0) + 1
@@ -186,6 +193,8 @@ def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf")
             is_excused = " (equivalent)" if said in excused else ""
             line = mutations.line_of(source.text, m)
             print(f"survived{is_excused}: {said.replace(':', f':{line}:', 1)}", flush=True)
+    if len(verdicts) < len(mutants):
+        print(f"  the time is over: {len(verdicts)} of {len(mutants)} were tried")
     for name, number in sorted(killers.items(), key=lambda pair: -pair[1]):
         print(f"  {number:4} {name}")
     return sum(killers.values()), survivors, equivalent, verdicts
@@ -209,6 +218,7 @@ def tests_of(build, regex, extra):
                                check=True, text=True).stdout.splitlines()[-1]
         link = shlex.split(re.sub(r"^: && | && :$", "", ninja))
         link[link.index("-o") + 1] = "PROGRAM"
+        link.append("-s")  # nothing reads what debuggers need, and it takes most of the linker's time
         link.insert(next(i for i, a in enumerate(link) if a.endswith(".a")), "OBJECT")
         tests.append(Test(name, link, ["PROGRAM" if a == str(programs[0]) else a for a in command], build))
     return tests
@@ -242,6 +252,7 @@ def main():
     parser.add_argument("--seed", type=int, default=16)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--least", type=float, default=95.0)
+    parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--excuses", type=pathlib.Path, default=HERE / "equivalent.txt")
     a = parser.parse_args()
     build = a.build.resolve()
@@ -250,7 +261,7 @@ def main():
         sys.exit(f"mutants.py: {build} has {len(sources)} files of {a.room} and {len(tests)} tests")
     with tempfile.TemporaryDirectory(dir=build) as work:
         killed, survivors, equivalent, _ = run(sources, tests, a.count, a.seed, a.jobs, excuses(a.excuses),
-                                               pathlib.Path(work), a.slowest)
+                                               pathlib.Path(work), a.slowest, a.seconds)
     share = 100.0 * killed / max(1, killed + len(survivors))
     print(f"mutants.py: {a.room}: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: "
           f"{share:.1f} %")
