@@ -5,12 +5,12 @@
 #include <immintrin.h>
 #include <stdint.h>
 
+#include "x86_pairs.h"
+
 #define WIDTH 8
 typedef __m256 floats;
 typedef __m256i ints;
 typedef __m256 mask;
-
-#define INLINE static inline __attribute__((always_inline))
 
 INLINE floats v_load(const float *p)
 {
@@ -216,53 +216,24 @@ INLINE ints v_gather(const uint32_t *table, ints i)
     return _mm256_i32gather_epi32((const int *)(const void *)table, i, 4);
 }
 
-/* Two floats, which are aligned as floats are, in all places. */
-INLINE __m256d pair_everywhere(const float *pair)
-{
-    double both;
-    __builtin_memcpy(&both, pair, sizeof both);
-    return _mm256_set1_pd(both);
-}
-
-/* Four pairs of floats. From memory to all places of a vector, and from there to one: that takes no shuffle, of which
- * most CPUs do one a cycle. */
-INLINE __m256 four_pairs(const float *first, const float *second, const float *third, const float *fourth)
-{
-    const __m256d a = pair_everywhere(first);
-    const __m256d b = pair_everywhere(second);
-    const __m256d c = pair_everywhere(third);
-    const __m256d d = pair_everywhere(fourth);
-    return _mm256_castpd_ps(_mm256_blend_pd(_mm256_blend_pd(a, b, 2), _mm256_blend_pd(c, d, 8), 12));
-}
-
-/* The pairs from eight places: those of the even lanes by twos, and of the odd ones. Two indices a load, since loads
- * are what all of this waits for. Not by a gather: on many CPUs it takes several times as long (AMD's; Intel's with the
- * microcode against Gather Data Sampling). */
-INLINE void eight_pairs(const float *first, size_t step, ints i, __m256 *even, __m256 *odd)
-{
-    uint64_t two[WIDTH / 2];
-    v_store_ints((int32_t *)(void *)two, i);
-#define AT(k) (first + step * ((k) % 2 ? two[(k) / 2] >> 32 : (uint32_t)two[(k) / 2]))
-    *even = four_pairs(AT(0), AT(1), AT(4), AT(5));
-    *odd = four_pairs(AT(2), AT(3), AT(6), AT(7));
-#undef AT
-}
-
 /* light[i][0] + rest * light[i][1] */
 INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 {
-    __m256 even, odd;
-    eight_pairs(light[0], 2, i, &even, &odd);
-    return v_add(_mm256_shuffle_ps(even, odd, 0x88), v_mul(rest, _mm256_shuffle_ps(even, odd, 0xdd)));
+    uint64_t two[WIDTH / 2];
+    __m256 part[2];
+    v_store_ints((int32_t *)(void *)two, i);
+    parts_of_pairs(light[0], 2, two, part);
+    return v_add(part[0], v_mul(rest, part[1]));
 }
 
 /* from knot[i] to knot[i + 1], by a part of the way */
 INLINE floats v_between(const float *knot, ints i, floats part)
 {
-    __m256 even, odd;
-    eight_pairs(knot, 1, i, &even, &odd);
-    const floats from = _mm256_shuffle_ps(even, odd, 0x88), to = _mm256_shuffle_ps(even, odd, 0xdd);
-    return v_add(from, v_mul(part, v_sub(to, from)));
+    uint64_t two[WIDTH / 2];
+    __m256 ends[2];
+    v_store_ints((int32_t *)(void *)two, i);
+    parts_of_pairs(knot, 1, two, ends);
+    return v_add(ends[0], v_mul(part, v_sub(ends[1], ends[0])));
 }
 
 /* 16 bytes as numbers, and 8 pairs of bytes as two numbers less 128, each twice */

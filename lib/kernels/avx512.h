@@ -5,12 +5,12 @@
 #include <immintrin.h>
 #include <stdint.h>
 
+#include "x86_pairs.h"
+
 #define WIDTH 16
 typedef __m512 floats;
 typedef __m512i ints;
 typedef __mmask16 mask;
-
-#define INLINE static inline __attribute__((always_inline))
 
 INLINE floats v_load(const float *p)
 {
@@ -213,24 +213,32 @@ INLINE ints v_gather(const uint32_t *table, ints i)
     return _mm512_i32gather_epi32(i, table, 4);
 }
 
+/* As parts_of_pairs, of sixteen. */
+INLINE void parts_of_16_pairs(const float *first, size_t step, ints i, floats part[2])
+{
+    uint64_t two[WIDTH / 2];
+    __m256 low[2], high[2];
+    v_store_ints((int32_t *)(void *)two, i);
+    parts_of_pairs(first, step, two, low);
+    parts_of_pairs(first, step, two + 4, high);
+    for (int k = 0; k < 2; k++)
+        part[k] = _mm512_insertf32x8(_mm512_castps256_ps512(low[k]), high[k], 1);
+}
+
 /* light[i][0] + rest * light[i][1] */
 INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 {
-    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-    const __m512i odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-    /* a pair at a time: half of the places of two gathers of floats */
-    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(i), light, 8);
-    const __m512i high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(i, 1), light, 8);
-    const floats from = _mm512_castsi512_ps(_mm512_permutex2var_epi32(low, even, high));
-    return v_add(from, v_mul(rest, _mm512_castsi512_ps(_mm512_permutex2var_epi32(low, odd, high))));
+    floats part[2];
+    parts_of_16_pairs(light[0], 2, i, part);
+    return v_add(part[0], v_mul(rest, part[1]));
 }
 
 /* from knot[i] to knot[i + 1], by a part of the way */
 INLINE floats v_between(const float *knot, ints i, floats part)
 {
-    const uint32_t *table = (const uint32_t *)(const void *)knot;
-    const floats from = v_of_bits(v_gather(table, i)), to = v_of_bits(v_gather(table + 1, i));
-    return v_add(from, v_mul(part, v_sub(to, from)));
+    floats ends[2];
+    parts_of_16_pairs(knot, 1, i, ends);
+    return v_add(ends[0], v_mul(part, v_sub(ends[1], ends[0])));
 }
 
 /* 16 bytes as numbers, and 8 pairs of bytes as two numbers less 128, each twice */
