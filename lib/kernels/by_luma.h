@@ -48,12 +48,11 @@ typedef struct luma_codes {
     const uint8_t *upper, *lower;
 } luma_codes;
 
-/* Of the quads of a block. In lists, each made by a loop of its own: only the look-ups are not for vectors. */
+/* Of the quads of a part. In lists, each made by a loop of its own: only the look-ups are not for vectors. */
 typedef struct luma_lists {
-    int16_t ratio[PUPIL_LUMA_QUADS];
-    int16_t u[PUPIL_LUMA_QUADS], v[PUPIL_LUMA_QUADS]; /* scaled */
-    int16_t red[PUPIL_LUMA_QUADS], green[PUPIL_LUMA_QUADS],
-        blue[PUPIL_LUMA_QUADS]; /* above grey, in quarters of a code */
+    int16_t ratio[PUPIL_LUMA_PART];
+    int16_t u[PUPIL_LUMA_PART], v[PUPIL_LUMA_PART];                              /* scaled */
+    int16_t red[PUPIL_LUMA_PART], green[PUPIL_LUMA_PART], blue[PUPIL_LUMA_PART]; /* above grey, in quarters of a code */
 } luma_lists;
 
 static inline void find_means(const uint8_t *restrict upper, const uint8_t *restrict lower, uint32_t n,
@@ -140,11 +139,15 @@ static inline uint32_t yuv_quads(const pupil_luma_tables *t, const pupil_luma_qu
 {
     const luma_codes new = {out->upper, out->lower ? out->lower : out->upper};
     luma_lists q;
+    uint32_t parts = 0;
     bytes_by_table(t->luma, in->upper, 2 * i, 2 * n, out->upper);
     if (out->lower)
         bytes_by_table(t->luma, in->lower, 2 * i, 2 * n, out->lower);
-    const uint32_t parts = look_up_quads(t, in, &new, i, n, &q, exact);
-    store_chroma(q.u, q.v, n - i, out->chroma + 2 * (size_t)i);
+    for (uint32_t end; i < n; i = end) {
+        end = n - i < PUPIL_LUMA_PART ? n : i + PUPIL_LUMA_PART;
+        parts |= look_up_quads(t, in, &new, i, end, &q, exact);
+        store_chroma(q.u, q.v, end - i, out->chroma + 2 * (size_t)i);
+    }
     return parts;
 }
 
@@ -162,14 +165,18 @@ static inline uint32_t rgb_quads(const pupil_luma_tables *t, const pupil_luma_qu
 {
     const luma_codes new = {grey[0], grey[in->lower ? 1 : 0]};
     luma_lists q;
+    uint32_t parts = 0;
     bytes_by_table(t->luma, in->upper, 2 * i, 2 * n, grey[0]);
     if (in->lower)
         bytes_by_table(t->luma, in->lower, 2 * i, 2 * n, grey[1]);
-    const uint32_t parts = look_up_quads(t, in, &new, i, n, &q, exact);
-    for (uint32_t at = 2 * i; at < 2 * n; at++) {
-        rgb_pixel(grey[0][at], &q, at / 2 - i, out->blue_first, out->upper + 4 * (size_t)at);
-        if (in->lower)
-            rgb_pixel(grey[1][at], &q, at / 2 - i, out->blue_first, out->lower + 4 * (size_t)at);
+    for (uint32_t end; i < n; i = end) {
+        end = n - i < PUPIL_LUMA_PART ? n : i + PUPIL_LUMA_PART;
+        parts |= look_up_quads(t, in, &new, i, end, &q, exact);
+        for (uint32_t at = 2 * i; at < 2 * end; at++) {
+            rgb_pixel(grey[0][at], &q, at / 2 - i, out->blue_first, out->upper + 4 * (size_t)at);
+            if (in->lower)
+                rgb_pixel(grey[1][at], &q, at / 2 - i, out->blue_first, out->lower + 4 * (size_t)at);
+        }
     }
     return parts;
 }
