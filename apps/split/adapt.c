@@ -43,16 +43,26 @@ static int same_metering(const pupil_config *a, const pupil_config *b)
            a->output_primaries == b->output_primaries && memcmp(a->weight, b->weight, sizeof a->weight) == 0;
 }
 
+/* Of two parts: also what only adaptation and mapping use. */
+static int same_settings(const split_header *a, const split_header *b)
+{
+    return memcmp(&a->config, &b->config, sizeof a->config) == 0 && a->dither == b->dither;
+}
+
 /* Parts are sorted: each goes on where the one before has ended, and all are of one input. */
 static int check_part(const split_file *first, const split_file *part, uint64_t expected, pupil_why *why)
 {
     const split_header *h = &part->header, *of = &first->header;
     if (h->input_names != of->input_names || h->input_count != of->input_count || h->fps != of->fps)
         return pupil_refuse(why,
-                            "%s: is of another input (%s, %llu inputs, %.6g frames a second) than %s (%s, %llu, %.6g)",
+                            "%s: is of another input (%s, inputs: %llu, %.6g frames a second) than %s (%s, %llu, %.6g)",
                             part->path, h->input, (unsigned long long)h->input_count, h->fps, first->path, of->input,
                             (unsigned long long)of->input_count, of->fps);
-    if (!same_metering(&h->config, &of->config) || h->has_unit != of->has_unit || h->unit_stops != of->unit_stops ||
+    if (h->input_bytes != of->input_bytes)
+        return pupil_refuse(why, "%s: %s had %llu bytes when it was made, and %llu when %s was: it has changed",
+                            part->path, h->input, (unsigned long long)h->input_bytes,
+                            (unsigned long long)of->input_bytes, first->path);
+    if (!same_settings(h, of) || h->has_unit != of->has_unit || h->unit_stops != of->unit_stops ||
         h->unit_frame != of->unit_frame)
         return pupil_refuse(why, "%s: was metered with other settings than %s", part->path, first->path);
     if (h->count && h->first > expected)
@@ -225,7 +235,7 @@ int adapt_main(int argc, char **argv)
     const int parsed = parse(&a, argc, argv, &why);
     if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    if (parsed == OPTIONS_USAGE) {
+    if (parsed == OPTIONS_USAGE || (!*why.text && split_options_check_paths(&a.options, &why))) {
         report_error("pupil adapt", &why, "");
         return EXIT_USAGE;
     }

@@ -28,9 +28,13 @@ static int check_input(const mapping *m, pupil_why *why)
     split_header here = {0};
     split_input_describe(&m->input, &here);
     if (of->input_names != here.input_names || of->input_count != here.input_count)
-        return pupil_refuse(why, "%s: has the curves of %s (%llu inputs), not of %s (%llu)", m->options.curves,
+        return pupil_refuse(why, "%s: has the curves of %s (inputs: %llu), not of %s (inputs: %llu)", m->options.curves,
                             of->input, (unsigned long long)of->input_count, here.input,
                             (unsigned long long)here.input_count);
+    if (of->input_bytes != here.input_bytes)
+        return pupil_refuse(why, "%s: has the curves of %s with %llu bytes; here it has %llu: meter it again",
+                            m->options.curves, of->input, (unsigned long long)of->input_bytes,
+                            (unsigned long long)here.input_bytes);
     if (of->fps != here.fps)
         return pupil_refuse(why, "%s: has curves for %.6g frames a second, not for %.6g (--fps)", m->options.curves,
                             of->fps, here.fps);
@@ -86,6 +90,9 @@ static int show(mapping *m, const pupil_frame *frame, pupil_why *why)
         return pupil_refuse(why, "%s: frame %llu is at %.9f s here, and was metered at %.9f s: another input",
                             m->options.curves, number, (double)frame->info.timestamp_ns * 1e-9,
                             (double)m->frame.info.timestamp_ns * 1e-9);
+    if (m->frame.pixels != split_pixels(&frame->image))
+        return pupil_refuse(why, "%s: frame %llu, %s, is not the picture that was metered: meter the input again",
+                            m->options.curves, number, frame->name);
     m->pipeline.curve = m->frame.is.curve;
     m->pipeline.curve.dither = m->options.frames.config.dither;
     m->pipeline.info = frame->info;
@@ -122,7 +129,7 @@ int map_main(int argc, char **argv)
     const int parsed = map_options_parse(&m.options, argc, argv, &why);
     if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    if (parsed == OPTIONS_USAGE || frame_options_check_paths(&m.options.frames, &why)) {
+    if (parsed == OPTIONS_USAGE || split_options_check_paths(&m.options, &why)) {
         report_error("pupil map", &why, "");
         return EXIT_USAGE;
     }

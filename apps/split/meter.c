@@ -46,6 +46,7 @@ static int run(metering *m, pupil_why *why)
     while ((got = split_input_next(&m->input, &frame, why)) > 0) {
         split_frame *f = &m->frame;
         f->info = frame.info;
+        f->pixels = split_pixels(&frame.image);
         snprintf(f->name, sizeof f->name, "%s", frame.name);
         const int failed = cpu_engine_ops.meter(m->pipeline.cpu, &m->pipeline.pupil, &frame, &f->is.stats, why) ||
                            split_file_write(&m->part, f, why);
@@ -65,7 +66,7 @@ int meter_main(int argc, char **argv)
     const int parsed = meter_options_parse(&m.options, argc, argv, &why);
     if (parsed == OPTIONS_HELP)
         return EXIT_DONE;
-    if (parsed == OPTIONS_USAGE) {
+    if (parsed == OPTIONS_USAGE || split_options_check_paths(&m.options, &why)) {
         report_error("pupil meter", &why, "");
         return EXIT_USAGE;
     }

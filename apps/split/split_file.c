@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "file/common/regular.h"
 #include "refuse.h"
 
 #define ORDER       0x01020304u
@@ -13,7 +14,7 @@
 _Static_assert(sizeof(pupil_stats) % 8 == 0 && sizeof(pupil_curve) % 8 == 0, "whole words");
 _Static_assert(sizeof(pupil_stats) <= sizeof(((split_frame *)0)->is), "room for both");
 
-enum { INFO_WORDS = 4 };
+enum { INFO_WORDS = 5 };
 
 uint64_t split_digest(uint64_t digest, const void *bytes, size_t count)
 {
@@ -22,6 +23,13 @@ uint64_t split_digest(uint64_t digest, const void *bytes, size_t count)
     for (const unsigned char *b = bytes; count--; b++)
         digest = (digest ^ *b) * FNV_PRIME;
     return digest;
+}
+
+static uint64_t digest_of(const split_header *header)
+{
+    split_header h = *header;
+    h.own_digest = 0;
+    return split_digest(0, &h, sizeof h);
 }
 
 static int is_part(const split_file *f)
@@ -72,7 +80,6 @@ static int get(split_file *f)
     const int byte = f->bytes < f->header.bytes ? getc_unlocked(f->stream) : EOF;
     if (byte == EOF)
         return -1;
-    f->digest = (f->digest ^ (unsigned char)byte) * FNV_PRIME;
     f->bytes++;
     return byte;
 }
@@ -125,7 +132,7 @@ int split_file_create(split_file *f, const char *path, int overwrite, pupil_why 
 int split_file_write(split_file *f, const split_frame *frame, pupil_why *why)
 {
     const pupil_frame_info *info = &frame->info;
-    uint64_t word[INFO_WORDS] = {(uint64_t)info->timestamp_ns, info->sequence};
+    uint64_t word[INFO_WORDS] = {(uint64_t)info->timestamp_ns, info->sequence, 0, 0, frame->pixels};
     memcpy(&word[2], &info->exposure_s, 8);
     memcpy(&word[3], &info->gain, 8);
     put_words(f, word, INFO_WORDS);
@@ -144,6 +151,7 @@ int split_file_finish(split_file *f, pupil_why *why)
     f->header.count = f->frames;
     f->header.bytes = f->bytes;
     f->header.digest = f->digest;
+    f->header.own_digest = digest_of(&f->header);
     const int failed = fseek(f->stream, 0, SEEK_SET) || fwrite(&f->header, sizeof f->header, 1, f->stream) != 1;
     const int closed = fclose(f->stream);
     f->stream = NULL;
@@ -159,8 +167,21 @@ int split_file_finish(split_file *f, pupil_why *why)
 
 static int damaged(const split_file *f, pupil_why *why)
 {
-    return pupil_refuse(why, "%s: is damaged: its %llu frames are not those that were written; make it again", f->path,
-                        (unsigned long long)f->header.count);
+    return pupil_refuse(why, "%s: is damaged: it is not what was written; make it again", f->path);
+}
+
+/* The records, and nothing behind them. */
+static int check_records(const split_file *f, pupil_why *why)
+{
+    static unsigned char block[1 << 16];
+    uint64_t digest = FNV_BEGIN, bytes = 0;
+    for (size_t got; (got = fread(block, 1, sizeof block, f->stream)) > 0; bytes += got)
+        digest = split_digest(digest, block, got);
+    if (ferror(f->stream))
+        return pupil_refuse(why, "%s: cannot be read: %s", f->path, strerror(errno));
+    if (bytes != f->header.bytes || digest != f->header.digest)
+        return damaged(f, why);
+    return fseek(f->stream, sizeof f->header, SEEK_SET) ? pupil_refuse(why, "%s: %s", f->path, strerror(errno)) : 0;
 }
 
 int split_file_open(split_file *f, const char *path, const char *kind, pupil_why *why)
@@ -168,12 +189,12 @@ int split_file_open(split_file *f, const char *path, const char *kind, pupil_why
     split_header *h = &f->header;
     const char *fault;
     f->path = path;
-    f->digest = FNV_BEGIN;
-    f->stream = fopen(path, "rb");
+    f->stream = pupil_regular_open(path, why);
     if (!f->stream)
-        return pupil_refuse(why, "%s: cannot be opened: %s", path, strerror(errno));
+        return -1;
     if (fread(h, sizeof *h, 1, f->stream) != 1 || memcmp(h->kind, "pupil ", 6) != 0)
         return pupil_refuse(why, "%s: is no file of pupil meter or pupil adapt", path);
+    const int is_whole = digest_of(h) == h->own_digest;
     h->kind[sizeof h->kind - 1] = h->version[sizeof h->version - 1] = h->input[sizeof h->input - 1] = 0;
     if (h->byte_order != ORDER || h->own_bytes != sizeof *h || strcmp(h->version, pupil_version()) != 0)
         return pupil_refuse(why, "%s: was made by pupil %s, or on another kind of machine; this is pupil %s", path,
@@ -183,7 +204,7 @@ int split_file_open(split_file *f, const char *path, const char *kind, pupil_why
                             is_part(f) ? "the statistics of pupil meter" : "the curves of pupil adapt",
                             strcmp(kind, SPLIT_PART) == 0 ? "the statistics of pupil meter"
                                                           : "the curves of pupil adapt");
-    return pupil_config_check(&h->config, &fault) ? damaged(f, why) : 0;
+    return !is_whole || pupil_config_check(&h->config, &fault) ? damaged(f, why) : check_records(f, why);
 }
 
 static int read_frame(split_file *f, split_frame *frame)
@@ -195,6 +216,7 @@ static int read_frame(split_file *f, split_frame *frame)
     frame->info = (pupil_frame_info){.timestamp_ns = (int64_t)word[0], .sequence = word[1]};
     memcpy(&frame->info.exposure_s, &word[2], 8);
     memcpy(&frame->info.gain, &word[3], 8);
+    frame->pixels = word[4];
     for (uint64_t i = 0; i < length; i++) {
         const int byte = get(f);
         if (byte < 0)
@@ -210,9 +232,7 @@ int split_file_read(split_file *f, split_frame *frame, pupil_why *why)
     if (read_frame(f, frame))
         return damaged(f, why);
     f->frames++;
-    if (f->frames == f->header.count && (f->bytes != f->header.bytes || f->digest != f->header.digest))
-        return damaged(f, why);
-    return 0;
+    return f->frames == f->header.count && f->bytes != f->header.bytes ? damaged(f, why) : 0;
 }
 
 void split_file_close(split_file *f)

@@ -4,7 +4,7 @@
  * On disk: a split_header, then a record for each frame: its info and a struct of the library, as words of 64 bits,
  * each as a variable number of bytes, where a run of zeros takes two; of a part also the frame's name. Complete or
  * absent (file/common/pending.h). Read only by a program of the same version on the same kind of machine: the header
- * says so.
+ * says so. Whole, header and records, or refused when it is opened.
  */
 #ifndef PUPIL_APPS_SPLIT_SPLIT_FILE_H
 #define PUPIL_APPS_SPLIT_SPLIT_FILE_H
@@ -24,7 +24,9 @@ typedef struct split_header {
     uint64_t count;       /* ... and how many there are */
     uint64_t bytes;       /* of the records ... */
     uint64_t digest;      /* ... and their FNV-1a */
-    uint64_t input_names; /* FNV-1a of the names of all inputs */
+    uint64_t own_digest;  /* FNV-1a of this header, with 0 here */
+    uint64_t input_names; /* FNV-1a of the names of all inputs, without their folders */
+    uint64_t input_bytes; /* of those that are files, together */
     uint64_t input_count;
     uint32_t is_last;  /* the input ends behind these frames */
     uint32_t dither;   /* frame_options.dither */
@@ -38,7 +40,8 @@ typedef struct split_header {
 
 typedef struct split_frame {
     pupil_frame_info info;
-    char name[512]; /* of a part; else empty */
+    uint64_t pixels; /* split_pixels() of it */
+    char name[512];  /* of a part; else empty */
     union {
         pupil_stats stats; /* of a part */
         pupil_curve curve; /* of curves */
@@ -50,9 +53,9 @@ typedef struct split_file {
     split_header header;
     const char *path;
     FILE *stream;
-    pupil_pending pending; /* of one that is written */
-    uint64_t frames;       /* written or read */
-    uint64_t bytes, digest;
+    pupil_pending pending;  /* of one that is written */
+    uint64_t frames;        /* written or read */
+    uint64_t bytes, digest; /* the digest of one that is written */
     int writes;
 } split_file;
 
@@ -64,7 +67,7 @@ int split_file_finish(split_file *f, pupil_why *why);
 
 /* A file to be read, of this kind. */
 int split_file_open(split_file *f, const char *path, const char *kind, pupil_why *why);
-/* The next frame. At the last one, that the file is whole. */
+/* The next frame. */
 int split_file_read(split_file *f, split_frame *frame, pupil_why *why);
 
 /* Closes it, and leaves nothing of what is not finished. Safe on zeros and twice. */

@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "common/interrupt.h"
 #include "common/open_input.h"
@@ -141,11 +142,29 @@ void split_input_done(split_input *s, pupil_frame *frame)
     pupil_source_done(s->source, frame);
 }
 
+uint64_t split_pixels(const pupil_image_const *image)
+{
+    enum { ROWS = 16 };
+    const size_t bytes = pupil_row_bytes(image->pixel, image->width);
+    uint64_t digest = split_digest(0, &image->width, sizeof image->width);
+    digest = split_digest(digest, &image->height, sizeof image->height);
+    for (uint32_t i = 0; i < ROWS; i++) {
+        const uint32_t y = (uint32_t)((uint64_t)image->height * i / ROWS);
+        digest = split_digest(digest, (const unsigned char *)image->data + (ptrdiff_t)y * image->stride_bytes, bytes);
+    }
+    return digest;
+}
+
 void split_input_describe(const split_input *s, split_header *header)
 {
     const frame_options *o = &s->options->frames;
-    for (size_t i = 0; i < o->input_count; i++)
-        header->input_names = split_digest(header->input_names, o->inputs[i], strlen(o->inputs[i]) + 1);
+    for (size_t i = 0; i < o->input_count; i++) {
+        const char *slash = strrchr(o->inputs[i], '/'), *name = slash && slash[1] ? slash + 1 : o->inputs[i];
+        struct stat is;
+        header->input_names = split_digest(header->input_names, name, strlen(name) + 1);
+        if (stat(o->inputs[i], &is) == 0 && S_ISREG(is.st_mode))
+            header->input_bytes += (uint64_t)is.st_size;
+    }
     header->input_count = o->input_count;
     snprintf(header->input, sizeof header->input, "%s", o->inputs[0]);
     header->fps = s->source->fps;

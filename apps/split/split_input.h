@@ -28,6 +28,9 @@ int split_input_open(split_input *s, split_options *options, const split_header 
 int split_input_next(split_input *s, pupil_frame *frame, pupil_why *why);
 void split_input_done(split_input *s, pupil_frame *frame);
 
+/* FNV-1a of some rows of a frame: another picture has another one. */
+uint64_t split_pixels(const pupil_image_const *image);
+
 /* What a header says of the input. */
 void split_input_describe(const split_input *s, split_header *header);
 

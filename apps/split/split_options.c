@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "options/commands.h"
 #include "refuse.h"
@@ -144,6 +145,7 @@ const option_command map_command = {
 static int parse_input(split_options *o, const option_command *command, int argc, char **argv, option_words *words,
                        pupil_why *why)
 {
+    struct stat is;
     *o = (split_options){.end = UINT64_MAX};
     frame_options_begin(&o->frames);
     const int parsed = options_parse(command, o, argc, argv, words, why);
@@ -156,6 +158,8 @@ static int parse_input(split_options *o, const option_command *command, int argc
     for (int i = 0; i < words->count; i++)
         if (strcmp(words->word[i], "-") == 0)
             return pupil_refuse(why, "-: standard input cannot be read in parts; name a file");
+        else if (stat(words->word[i], &is) == 0 && S_ISFIFO(is.st_mode))
+            return pupil_refuse(why, "%s: a pipe cannot be read in parts; name a file", words->word[i]);
     return OPTIONS_RUN;
 }
 
@@ -214,4 +218,23 @@ int map_options_parse(split_options *o, int argc, char **argv, pupil_why *why)
     if (o->frames.stats || o->frames.plot)
         return pupil_refuse(why, "--stats, --plot: the levels are known to pupil adapt, which has --stats");
     return OPTIONS_RUN;
+}
+
+int split_options_check_paths(const split_options *o, pupil_why *why)
+{
+    frame_options paths = o->frames;
+    int failed = o->curves ? frame_options_check_paths(&paths, why) : OPTIONS_RUN;
+    if (o->out && strcmp(o->out, "-") == 0)
+        return pupil_refuse(why, "-o -: a part and curves are files, not standard output; name one");
+    paths.overwrite = 1; /* what is there is kept by those who write it */
+    if (o->out)
+        paths.out[paths.out_count++] = o->out;
+    if (o->words) {
+        paths.inputs = o->words;
+        paths.input_count = o->word_count;
+    } else if (o->curves) {
+        paths.inputs = &o->curves;
+        paths.input_count = 1;
+    }
+    return failed ? failed : frame_options_check_paths(&paths, why);
 }

@@ -21,4 +21,7 @@ int map_options_parse(split_options *o, int argc, char **argv, pupil_why *why);
 /* `config`: where the settings begin; NULL: only the parts are looked for. */
 int adapt_options_parse(split_options *o, int argc, char **argv, const pupil_config *config, pupil_why *why);
 
+/* Outputs that would replace an input or each other; "-" is no output here but of --stats. */
+int split_options_check_paths(const split_options *o, pupil_why *why);
+
 #endif

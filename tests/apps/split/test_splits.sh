@@ -125,10 +125,47 @@ head -c 9000 b.part >short.part
 expect 1 "short.part: is damaged" adapt a.part short.part c.part -o x -q
 python3 -c 'b = bytearray(open("b.part", "rb").read()); b[-200] ^= 4; open("flipped.part", "wb").write(b)'
 expect 1 "flipped.part: is damaged" adapt a.part flipped.part c.part -o x -q
+# Of the header, too; and of curves before any of them is used.
+for at in 48 704 780; do
+    python3 -c "b = bytearray(open('b.part', 'rb').read()); b[$at] ^= 1; open('flipped.part', 'wb').write(b)"
+    expect 1 "flipped.part: is damaged" adapt a.part flipped.part c.part -o x -q
+done
+python3 -c 'b = bytearray(open("curves", "rb").read()); b[1054] ^= 1; open("flipped.curves", "wb").write(b)'
+expect 1 "flipped.curves: is damaged" map clip.mkv --curves flipped.curves --range 0..15 -o x.mkv -q
+call 0 "" meter clip.mkv --range 15..30 --ev -2 -o darker.part -q
+expect 1 "darker.part: was metered with other settings than a.part" adapt a.part darker.part c.part -o x -q
+
+# An input is known by what is in it, and not by its folder.
+mkdir -p elsewhere
+cp clip.mkv elsewhere/
+call 0 "" map elsewhere/clip.mkv --curves curves --range 0..15 -o elsewhere.y4m -q
+ffmpeg -loglevel error -y -i clip.mkv -vf negate -c:v ffv1 elsewhere/clip.mkv
+expect 1 "curves" map elsewhere/clip.mkv --curves curves --range 0..15 -o x.mkv -q
+call 0 "" meter elsewhere/clip.mkv --range 15..30 -o changed.part -q
+expect 1 "changed.part: elsewhere/clip.mkv had" adapt a.part changed.part c.part -o x -q
+cp still_05.pfm still_05.kept
+call 0 "" meter still_*.pfm -o stills.part -q
+call 0 "" adapt stills.part -o stills.curves -q
+cp still_12.pfm still_05.pfm
+expect 1 "frame 5, still_05.pfm, is not the picture that was metered" map still_*.pfm --curves stills.curves -o x.mkv -q
+mv still_05.kept still_05.pfm
+
+# Nothing replaces what it is made of.
+cp clip.mkv own.mkv
+expect 2 "own.mkv: is also an input" meter own.mkv -o own.mkv -q -y
+expect 2 "a.part: is also an input" adapt a.part b.part c.part -o a.part -q -y
+expect 2 "curves: is also an input" map clip.mkv --curves curves -o ./curves -q -y
+expect 2 "x.jsonl: named for two outputs" adapt a.part b.part c.part -o x.jsonl --stats x.jsonl -q
+expect 2 "files, not standard output" meter clip.mkv -o - -q
+mkfifo pipe
+expect 2 "pipe: a pipe cannot be read in parts" meter pipe -o x -q
+expect 1 "pipe: is no regular file" adapt pipe -o x -q
+expect 1 "pipe: is no regular file" map clip.mkv --curves pipe -o x.mkv -q
+cmp -s own.mkv clip.mkv || fail "the input was changed"
 expect 2 "A..B, frames from A on" meter clip.mkv --range 7..3 -o x -q
 expect 2 "-: standard input cannot be read in parts" meter - -o x -q
 expect 1 "a.part" meter clip.mkv -o a.part -q
-absent x x.mkv
+absent x x.mkv x.jsonl
 
 # Killed in the middle: nothing half is there, and the worker's range is run again.
 "$program" meter clip.mkv --range 15..30 -o killed.part -q &
