@@ -91,7 +91,7 @@ static const option_group adapt_groups[] = {
 };
 
 static const option_group map_groups[] = {
-    {"outputs (complete or absent)", OPTION_ROWS(frame_output_rows), .base = AT(frames)},
+    {"outputs (complete or absent)", frame_output_rows, 1, .base = AT(frames)}, /* -o alone: adapt has the levels */
     {NULL, OPTION_ROWS(other_rows)},
     {"frames", OPTION_ROWS(curves_row)},
     {NULL, OPTION_ROWS(range_row)},
@@ -215,8 +215,6 @@ int map_options_parse(split_options *o, int argc, char **argv, pupil_why *why)
         return pupil_refuse(why, "no curves: --curves CURVES names the file that pupil adapt has made");
     if (!o->frames.out_count)
         return pupil_refuse(why, "no output: -o PART.mkv names a video");
-    if (o->frames.stats || o->frames.plot)
-        return pupil_refuse(why, "--stats, --plot: the levels are known to pupil adapt, which has --stats");
     return OPTIONS_RUN;
 }
 
