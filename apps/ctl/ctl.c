@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -12,6 +13,8 @@
 #include "refuse.h"
 
 #define WAIT_S 10
+
+enum { LINE_BYTES = 1024 }; /* over what a run takes, so that it refuses the longer ones */
 
 typedef struct ctl_options {
     int unused;
@@ -50,14 +53,21 @@ static int reach(const char *path, pupil_why *why)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};
     const struct timeval wait = {.tv_sec = WAIT_S};
+    struct stat is;
+    if (stat(path, &is) == 0 && !S_ISSOCK(is.st_mode))
+        return pupil_refuse(why, "%s: is no socket; 'pupil run --control PATH' makes one", path);
     if (strlen(path) >= sizeof at.sun_path)
         return pupil_refuse(why, "%s: must be a path of at most %zu bytes", path, sizeof at.sun_path - 1);
     strcpy(at.sun_path, path);
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait) != 0 ||
+        setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof wait) != 0 ||
         connect(fd, (const struct sockaddr *)&at, sizeof at) != 0) {
-        pupil_refuse(why, "%s: no run is reached there: %s; 'pupil run --control %s' makes the socket", path,
-                     strerror(errno), path);
+        if (errno == EAGAIN) /* its queue of those that wait is full */
+            pupil_refuse(why, "%s: the run there takes nobody for %d s; it hangs, or no frames come", path, WAIT_S);
+        else
+            pupil_refuse(why, "%s: no run is reached there: %s; 'pupil run --control %s' makes the socket", path,
+                         strerror(errno), path);
         if (fd >= 0)
             close(fd);
         return -1;
@@ -65,12 +75,12 @@ static int reach(const char *path, pupil_why *why)
     return fd;
 }
 
-/* One line, and its answer: EXIT_DONE where that is ok. */
-static int ask(int fd, FILE *answers, const char *line, pupil_why *why)
+/* One line with its line feed, and its answer: EXIT_DONE where that is ok. */
+static int ask(int fd, FILE *answers, const char *line, size_t length, pupil_why *why)
 {
     char answer[4096];
-    if (send(fd, line, strlen(line), MSG_NOSIGNAL) < 0 || send(fd, "\n", 1, MSG_NOSIGNAL) < 0)
-        return pupil_refuse(why, "the run has ended"), EXIT_FAILED;
+    if (send(fd, line, length, MSG_NOSIGNAL) != (ssize_t)length)
+        return pupil_refuse(why, "the run has ended, or takes no more"), EXIT_FAILED;
     if (!fgets(answer, sizeof answer, answers))
         return pupil_refuse(why, "no answer came; the run has ended, or no frames come"), EXIT_FAILED;
     fputs(answer, stdout);
@@ -78,29 +88,62 @@ static int ask(int fd, FILE *answers, const char *line, pupil_why *why)
     return strncmp(answer, "{\"ok\":true", 10) == 0 ? EXIT_DONE : EXIT_FAILED;
 }
 
+static int is_blank(const char *line, size_t length)
+{
+    for (size_t i = 0; i < length; i++)
+        if (line[i] != ' ' && line[i] != '\t' && line[i] != '\r')
+            return 0;
+    return 1;
+}
+
+/* The next one that is not blank, with its line feed, and without a carriage return. Of one that is too long, what
+ * fits, which the run refuses; its rest is skipped. 0: there is none. */
+static size_t next_line(char line[LINE_BYTES])
+{
+    for (int c = 0; c != EOF;) {
+        size_t length = 0;
+        while ((c = getchar()) != EOF && c != '\n')
+            if (length < LINE_BYTES - 1)
+                line[length++] = (char)c;
+        const int whole = length < LINE_BYTES - 1;
+        if (whole && is_blank(line, length))
+            continue;
+        length -= whole && line[length - 1] == '\r';
+        line[length] = '\n';
+        return length + 1;
+    }
+    return 0;
+}
+
 static int ask_all(int fd, FILE *answers, pupil_why *why)
 {
-    char line[1024];
+    char line[LINE_BYTES];
     int status = EXIT_DONE;
-    while (!*why->text && fgets(line, sizeof line, stdin)) {
-        line[strcspn(line, "\n")] = 0;
-        if (*line && ask(fd, answers, line, why))
+    for (size_t length; !*why->text && (length = next_line(line)) > 0;)
+        if (ask(fd, answers, line, length, why))
             status = EXIT_FAILED;
-    }
     return status;
 }
 
-/* The words with spaces between; -1: too long. */
-static int join(char *line, size_t bytes, int count, char **words)
+/* The words with spaces between, and a line feed; -1: too long, of several lines, or blank. */
+static int join(char *line, size_t bytes, int count, char **words, pupil_why *why)
 {
     size_t used = 0;
     for (int i = 0; i < count; i++) {
         const int n = snprintf(line + used, bytes - used, "%s%s", i ? " " : "", words[i]);
         if (n < 0 || (size_t)n >= bytes - used || strchr(words[i], '\n'))
-            return -1;
+            return pupil_refuse(why, "a command of over 511 bytes or of several lines");
         used += (size_t)n;
     }
+    if (is_blank(line, used))
+        return pupil_refuse(why, "an empty command; 'pupil ctl --help' has those that there are");
+    strcpy(line + used, "\n");
     return 0;
+}
+
+static int is_help(const char *word)
+{
+    return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
 }
 
 int ctl_main(int argc, char **argv)
@@ -108,14 +151,15 @@ int ctl_main(int argc, char **argv)
     ctl_options o = {0};
     pupil_why why = {""};
     option_words words;
-    char line[512];
+    char line[512 + 1];
     /* Options stand in front of PATH; what follows are values, which may be negative. */
-    const int parsed = options_read(&ctl_command, &o, argc > 2 ? 2 : argc, argv, &words);
+    const int options = argc == 3 && is_help(argv[2]) ? argc : argc > 2 ? 2 : argc;
+    const int parsed = options_read(&ctl_command, &o, options, argv, &words);
     if (parsed >= 0)
         return parsed;
-    if (!words.count || (argc > 2 && join(line, sizeof line, argc - 2, argv + 2))) {
-        pupil_refuse(&why, words.count ? "a command of over 511 bytes or of several lines"
-                                       : "name the socket of a run, and a command; 'pupil ctl --help' has more");
+    if (!words.count || !*words.word[0])
+        pupil_refuse(&why, "name the socket of a run, and a command; 'pupil ctl --help' has more");
+    if (*why.text || (argc > 2 && join(line, sizeof line - 1, argc - 2, argv + 2, &why))) {
         report_error("pupil ctl", &why, "");
         return EXIT_USAGE;
     }
@@ -123,7 +167,7 @@ int ctl_main(int argc, char **argv)
     FILE *answers = fd >= 0 ? fdopen(fd, "r") : NULL;
     int status = EXIT_FAILED;
     if (answers)
-        status = argc > 2 ? ask(fd, answers, line, &why) : ask_all(fd, answers, &why);
+        status = argc > 2 ? ask(fd, answers, line, strlen(line), &why) : ask_all(fd, answers, &why);
     if (answers)
         fclose(answers);
     if (*why.text)

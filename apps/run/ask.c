@@ -16,6 +16,8 @@ static const char *const changeable[] = {"ev",       "key",         "key-at",   
 static const char more[] = "ev, key, key-at, lock, metering, roi, trim, highlights, amplification, tau-light, "
                            "tau-dark, gain-max, shutter-max, day-night, light, filter, status";
 
+static const char blanks[] = " \t";
+
 #define USUAL_FRAMES 30 /* in which a person switches a filter: a second */
 
 /* --- status --- */
@@ -195,14 +197,22 @@ void run_ask_line(void *ask, const char *line, char *answer, size_t bytes)
     run_ask *a = ask;
     pupil_why why = {""};
     char name[32], text[CONTROL_LINE_BYTES];
-    const size_t length = strcspn(line, " ");
+    line += strspn(line, blanks);
+    const size_t length = strcspn(line, blanks);
     snprintf(name, sizeof name, "%.*s", (int)(length < 31 ? length : 31), line);
-    snprintf(text, sizeof text, "%s", line + length + strspn(line + length, " "));
-    if (strcmp(line, "status") == 0) {
+    snprintf(text, sizeof text, "%s", line + length + strspn(line + length, blanks));
+    for (size_t end = strlen(text); end && strchr(blanks, text[end - 1]);)
+        text[--end] = 0;
+    const int is_status = strcmp(name, "status") == 0;
+    if (is_status && !*text) {
         put_status(a, answer, bytes);
         return;
     }
-    if (change(a, name, text, &why)) {
+    if (is_status)
+        pupil_refuse(&why, "status takes nothing");
+    else if (!*name)
+        pupil_refuse(&why, "an empty command; there are %s", more);
+    if (*why.text || change(a, name, text, &why)) {
         run_control_refuse(why.text, answer, bytes);
         return;
     }

@@ -120,9 +120,9 @@ static char *next_line(client *c, char line[CONTROL_LINE_BYTES])
     const size_t length = (size_t)(end - c->in), skipping = (size_t)c->is_skipping;
     memcpy(line, c->in, length);
     line[length] = 0;
+    const int has_zero = memchr(line, 0, length) != NULL;
     if (length && line[length - 1] == '\r')
         line[length - 1] = 0;
-    const int has_zero = memchr(line, 0, length ? length - 1 : 0) != NULL;
     c->in_bytes -= length + 1;
     memmove(c->in, end + 1, c->in_bytes);
     c->is_skipping = 0;

@@ -70,6 +70,29 @@ printf 'status\nev 0.25\n\nbad\nlock off\n' | "$pupil" ctl run.sock >many.out 2>
 [ "$(wc -l <many.out) $(grep -c '"ok":true' many.out)" = "4 3" ] || fail "lines of standard input: $(cat many.out ctl.err)"
 python3 -c 'import json; [json.loads(l) for l in open("many.out")]' || fail "no JSON: $(cat many.out)"
 
+# lines that are blank, too long, end with a carriage return, or have a byte of 0
+python3 -c 'print("#" + "x" * 1022 + "lock on")' | "$pupil" ctl run.sock >many.out 2>ctl.err
+[ "$(wc -l <many.out) $(grep -c "over 511 bytes" many.out)" = "1 1" ] || fail "a long line: $(cat many.out ctl.err)"
+is lock False
+printf 'ev 1\r\n\r\n \t\nlock on\r\nlock off' | "$pupil" ctl run.sock >many.out 2>ctl.err || fail "blank lines: $(cat ctl.err)"
+[ "$(grep -c '"ok":true' many.out)" = 3 ] || fail "blank lines: $(cat many.out ctl.err)"
+printf 'ev 2\0\n\0\n' | "$pupil" ctl run.sock >many.out 2>ctl.err
+[ "$(grep -c "a byte of 0" many.out)" = 2 ] || fail "bytes of 0: $(cat many.out ctl.err)"
+is ev 1
+for empty in "" " "; do
+    got=0
+    "$pupil" ctl run.sock "$empty" >ctl.out 2>ctl.err || got=$?
+    [ $got = 2 ] && grep -q "an empty command" ctl.err || fail "an empty command: exit $got: $(cat ctl.out ctl.err)"
+done
+said '"ok":true' "status "
+said '"ok":true' " ev  0.25 "
+says 'status takes nothing' status now
+"$pupil" ctl run.sock --help | grep -q "lock on|off" || fail "ctl PATH --help"
+"$pupil" ctl "" status 2>ctl.err && fail "a socket without a name"
+grep -q "name the socket of a run" ctl.err || fail "a socket without a name: $(cat ctl.err)"
+"$pupil" ctl . status 2>ctl.err && fail "a folder is no socket"
+grep -qF ".: is no socket" ctl.err || fail "a folder: $(cat ctl.err)"
+
 # another run does not take the socket, and the first one keeps it
 call 2 "one of them" --shutter 10ms --shutter-max 10ms
 call 1 "run.sock: another run is listening there" --control run.sock -n 1 -d 0
@@ -206,6 +229,26 @@ until_true "the limit stays" eval '"$pupil" ctl run.sock status | python3 -c "
 import json, sys
 assert json.loads(sys.stdin.readline())[\"gain\"] > 2.5" 2>/dev/null'
 over
+
+# one that hangs, with all places for those who wait taken
+python3 - <<'END' &
+import socket, time
+s = socket.socket(socket.AF_UNIX)
+s.bind("full.sock")
+s.listen(0)
+waits = socket.socket(socket.AF_UNIX)
+waits.connect("full.sock")
+open("full", "w").close()
+time.sleep(60)
+END
+running=$!
+until_true "no listener" test -e full
+got=0
+timeout 30 "$pupil" ctl full.sock status >ctl.out 2>ctl.err || got=$?
+[ $got = 1 ] && grep -q "takes nobody for 10 s" ctl.err || fail "a full queue: exit $got: $(cat ctl.out ctl.err)"
+kill -9 $running
+wait $running 2>/dev/null
+running=
 
 # killed: the next run takes the socket that is left
 begin -d 0
