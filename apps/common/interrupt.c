@@ -2,15 +2,46 @@
 
 #include <signal.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <sys/prctl.h>
+#include <time.h>
 #include <unistd.h>
 
+#define MOMENT_NS 500000000
+
 static volatile sig_atomic_t came;
+static volatile pid_t parent; /* 0: none is watched, or it is gone */
+static volatile int64_t gone_ns;
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+static void look_for_parent(void)
+{
+    if (!parent || getppid() == parent)
+        return;
+    parent = 0;
+    gone_ns = now_ns();
+    if (!came)
+        came = 1;
+}
 
 static void note(int number)
 {
-    if (number != SIGALRM && came < 2)
+    look_for_parent();
+    if (number != SIGALRM && came < 2 && !(came && gone_ns && now_ns() - gone_ns < MOMENT_NS))
         came++;
     alarm(1); /* knocks again until the end: the first knock may come just before a read or write that blocks */
+}
+
+void interrupt_with_parent(pid_t is)
+{
+    parent = is;
+    prctl(PR_SET_PDEATHSIG, SIGALRM);
 }
 
 void interrupt_watch(void)
@@ -27,6 +58,7 @@ void interrupt_watch(void)
     action.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &action, NULL);
     sigaction(SIGXFSZ, &action, NULL);
+    look_for_parent(); /* it may have ended before that signal was asked for */
 }
 
 int interrupt_came(void)

@@ -2,10 +2,18 @@
 #ifndef PUPIL_APPS_COMMON_INTERRUPT_H
 #define PUPIL_APPS_COMMON_INTERRUPT_H
 
+#include <sys/types.h>
+
 /* From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored: nohup) set the flag and interrupt what blocks, and
  * SIGPIPE and SIGXFSZ are ignored: a closed pipe, and a file that may not become larger, are errors of the write. */
 void interrupt_watch(void);
 int interrupt_came(void);
+
+/* Before interrupt_watch: the end of this parent sets the flag, too. It is told by SIGALRM, once for each of its
+ * threads (PR_SET_PDEATHSIG), which all count as one; and so does a signal that comes with it, as service managers send
+ * it. */
+void interrupt_with_parent(pid_t parent);
+
 int interrupt_again(void); /* twice: the user does not wait for a clean end */
 
 /* Where the program dies of a fault of its own (SIGSEGV, SIGABRT ...) or of SIGQUIT, `act` is called first, with what a

@@ -9,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "common/interrupt.h"
 #include "options/commands.h"
 #include "refuse.h"
 
@@ -209,9 +209,7 @@ int run_several_begin(run_several *s, run_options *o)
     for (uint32_t i = 0; s->shared && i < o->devices; i++) {
         process[i] = fork();
         if (process[i] == 0) {
-            prctl(PR_SET_PDEATHSIG, SIGTERM);
-            if (getppid() != first)
-                raise(SIGTERM);
+            interrupt_with_parent(first);
             become(s, o, i);
             return -1;
         }

@@ -13,7 +13,8 @@
  * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver reports of it),
  * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
  * other-light=FACTOR (there is a second camera, -d /dev/video9, so much more sensitive; else like the first),
- * other-unplug=FRAME, other-gain=MOST, absent, media, no-controls, crash=FRAME, hasty. At its end it says on standard
+ * other-unplug=FRAME, other-gain=MOST, absent, media, no-controls, crash=FRAME, hasty, threads (that
+ * sleep, as libraries have them). At its end it says on standard
  * error where its controls were left: "fake: auto 3, exposure 77, gain 40".
  *
  * The camera's clock (not with real) is stopped while any other thread of the program is busy. Otherwise hundreds of
@@ -22,6 +23,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <linux/videodev2.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -192,6 +194,20 @@ static int rig_ioctl(void *context, int fd, unsigned long request, void *argumen
     return result;
 }
 
+static void *sleep_on(void *none)
+{
+    for (;;)
+        pause();
+    return none;
+}
+
+static void begin_threads(void)
+{
+    pthread_t thread;
+    for (int i = 0; i < 100; i++)
+        pthread_create(&thread, NULL, sleep_on, NULL);
+}
+
 static int take(const char *text, fake_v4l2_config *c)
 {
     char format[5] = "";
@@ -203,6 +219,8 @@ static int take(const char *text, fake_v4l2_config *c)
         c->colorspace = V4L2_COLORSPACE_BT2020;
     else if (strcmp(text, "hasty") == 0)
         rig.hasty = 1;
+    else if (strcmp(text, "threads") == 0)
+        begin_threads();
     else if (strcmp(text, "absent") == 0)
         c->absent = 1;
     else if (sscanf(text, "other-light=%lf", &rig.other_light) == 1 ||

@@ -76,6 +76,29 @@ running=
 [ -s e0.jsonl ] && [ -s e1.jsonl ] || fail "SIGTERM: no outputs"
 restored
 
+# killed, with threads, each of whose ends is told to the cameras' processes; and a manager's SIGTERM comes with it: the
+# outputs are complete
+for with in "" TERM; do
+    "$program" fake:real fake:fps=20 fake:size=64x48 fake:other-light=1 fake:threads -d /dev/video0 -d /dev/video9 \
+        --stats k%i.csv -o k%i.y4m -y -q 2>said.err </dev/null &
+    running=$!
+    sleep 2
+    cameras=$(cat "/proc/$running/task/$running/children")
+    [ "$(echo "$cameras" | wc -w)" = 2 ] || fail "the cameras' processes: $cameras"
+    kill -9 $running
+    # shellcheck disable=SC2086 # ids
+    [ -z "$with" ] || kill -$with $cameras
+    wait $running 2>/dev/null
+    running=
+    for camera in $cameras; do
+        until_true "a camera goes on" eval '! kill -0 $camera 2>/dev/null'
+    done
+    for output in k0.csv k1.csv k0.y4m k1.y4m; do
+        [ -s $output ] || fail "killed $with: no $output: $(cat said.err)"
+    done
+    rm -f k?.csv k?.y4m
+done
+
 both="-d 0 -d /dev/video9"
 # shellcheck disable=SC2086 # words
 {
