@@ -5,10 +5,10 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include "common/report_error.h"
+#include "common/socket_path.h"
 #include "options/commands.h"
 #include "refuse.h"
 
@@ -51,27 +51,28 @@ const option_command ctl_command = {
 
 static int reach(const char *path, pupil_why *why)
 {
-    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    socket_path at;
     const struct timeval wait = {.tv_sec = WAIT_S};
     struct stat is;
     if (stat(path, &is) == 0 && !S_ISSOCK(is.st_mode))
         return pupil_refuse(why, "%s: is no socket; 'pupil run --control PATH' makes one", path);
-    if (strlen(path) >= sizeof at.sun_path)
-        return pupil_refuse(why, "%s: must be a path of at most %zu bytes", path, sizeof at.sun_path - 1);
-    strcpy(at.sun_path, path);
+    if (socket_path_open(&at, path, why))
+        return -1;
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait) != 0 ||
         setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof wait) != 0 ||
-        connect(fd, (const struct sockaddr *)&at, sizeof at) != 0) {
+        connect(fd, (const struct sockaddr *)&at.address, sizeof at.address) != 0) {
         if (errno == EAGAIN) /* its queue of those that wait is full */
             pupil_refuse(why, "%s: the run there takes nobody for %d s; it hangs, or no frames come", path, WAIT_S);
         else
             pupil_refuse(why, "%s: no run is reached there: %s; 'pupil run --control %s' makes the socket", path,
                          strerror(errno), path);
+        socket_path_close(&at);
         if (fd >= 0)
             close(fd);
         return -1;
     }
+    socket_path_close(&at);
     return fd;
 }
 

@@ -11,6 +11,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "common/socket_path.h"
 #include "refuse.h"
 
 enum {
@@ -28,7 +29,8 @@ typedef struct client {
 
 struct run_control {
     int fd;
-    struct sockaddr_un at;
+    const char *path; /* as the user wrote it */
+    socket_path at;
     struct stat is; /* the socket's file, so that no other one is removed */
     run_control_answer *answer;
     void *context;
@@ -209,35 +211,34 @@ void run_control_serve(run_control *s)
 }
 
 /* What a run that was killed has left. */
-static int remove_stale(const struct sockaddr_un *at, pupil_why *why)
+static int remove_stale(const char *path, const struct sockaddr_un *at, pupil_why *why)
 {
     struct stat is;
     if (lstat(at->sun_path, &is) != 0)
         return 0; /* bind says what else is wrong */
     if (!S_ISSOCK(is.st_mode))
-        return pupil_refuse(why, "--control %s: is there already, and no socket; name another path", at->sun_path);
+        return pupil_refuse(why, "--control %s: is there already, and no socket; name another path", path);
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const int gone = fd >= 0 && connect(fd, (const struct sockaddr *)at, sizeof *at) != 0 && errno == ECONNREFUSED;
     if (fd >= 0)
         close(fd);
     if (!gone)
-        return pupil_refuse(why, "--control %s: another run is listening there; name another path", at->sun_path);
-    return unlink(at->sun_path) == 0
-               ? 0
-               : pupil_refuse(why, "--control %s: cannot be replaced: %s", at->sun_path, strerror(errno));
+        return pupil_refuse(why, "--control %s: another run is listening there; name another path", path);
+    return unlink(at->sun_path) == 0 ? 0
+                                     : pupil_refuse(why, "--control %s: cannot be replaced: %s", path, strerror(errno));
 }
 
 static int listen_at(run_control *s, pupil_why *why)
 {
     s->fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const mode_t before = umask(0177); /* nobody else may connect, from the beginning */
-    const int failed = s->fd < 0 || bind(s->fd, (const struct sockaddr *)&s->at, sizeof s->at) != 0;
+    const int failed = s->fd < 0 || bind(s->fd, (const struct sockaddr *)&s->at.address, sizeof s->at.address) != 0;
     const int error = errno;
     umask(before);
     if (failed)
-        return pupil_refuse(why, "--control %s: no socket can be made there: %s", s->at.sun_path, strerror(error));
-    if (lstat(s->at.sun_path, &s->is) != 0 || listen(s->fd, WAITING) != 0)
-        return pupil_refuse(why, "--control %s: cannot be listened to: %s", s->at.sun_path, strerror(errno));
+        return pupil_refuse(why, "--control %s: no socket can be made there: %s", s->path, strerror(error));
+    if (lstat(s->at.address.sun_path, &s->is) != 0 || listen(s->fd, WAITING) != 0)
+        return pupil_refuse(why, "--control %s: cannot be listened to: %s", s->path, strerror(errno));
     return 0;
 }
 
@@ -249,16 +250,14 @@ int run_control_open(run_control **control, const char *path, run_control_answer
     s->fd = -1;
     s->answer = answer;
     s->context = context;
-    s->at.sun_family = AF_UNIX;
+    s->path = path;
     for (size_t i = 0; i < CONTROL_CLIENTS; i++)
         s->client[i].fd = -1;
-    int failed = strlen(path) >= sizeof s->at.sun_path;
-    if (failed) {
-        pupil_refuse(why, "--control %s: must be a path of at most %zu bytes", path, sizeof s->at.sun_path - 1);
-    } else {
-        strcpy(s->at.sun_path, path);
-        failed = remove_stale(&s->at, why) || listen_at(s, why);
-    }
+    pupil_why words = {""};
+    int failed = socket_path_open(&s->at, path, &words);
+    if (failed)
+        pupil_refuse(why, "--control %s", words.text);
+    failed = failed || remove_stale(path, &s->at.address, why) || listen_at(s, why);
     if (failed) {
         run_control_close(s);
         return -1;
@@ -278,8 +277,10 @@ void run_control_close(run_control *s)
             if (s->client[i].fd >= 0)
                 close(s->client[i].fd);
         }
-    if (s->is.st_ino && lstat(s->at.sun_path, &now) == 0 && now.st_ino == s->is.st_ino && now.st_dev == s->is.st_dev)
-        unlink(s->at.sun_path);
+    if (s->is.st_ino && lstat(s->at.address.sun_path, &now) == 0 && now.st_ino == s->is.st_ino &&
+        now.st_dev == s->is.st_dev)
+        unlink(s->at.address.sun_path);
+    socket_path_close(&s->at);
     if (s->fd >= 0)
         close(s->fd);
     free(s);

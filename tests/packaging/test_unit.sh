@@ -22,8 +22,10 @@ if systemd-analyze security --help | grep -q -- --offline; then
     echo "systemd-analyze security: $exposure"
 fi
 
-# its options, on a camera that is not there
-line=$(sed -n '/^ExecStart=/{N; s/\\\n//; s/^ExecStart=[^ ]* //p}' "$unit" | sed "s|/dev/%I|$room/absent|; s|\${STATE_DIRECTORY}|$room|; s|\${RUNTIME_DIRECTORY}|$room|; s| \$PUPIL_OPTIONS||")
+# its options, on a camera that is not there, whose name is long
+long=$room/$(printf '%0120d' 0)
+mkdir "$long"
+line=$(sed -n '/^ExecStart=/{N; s/\\\n//; s/^ExecStart=[^ ]* //p}' "$unit" | sed "s|/dev/%I|$room/absent|; s|\${STATE_DIRECTORY}|$room|; s|\${RUNTIME_DIRECTORY}|$long|; s| \$PUPIL_OPTIONS||")
 # shellcheck disable=SC2086 # words
 call 1 "$room/absent" $line
 end_test

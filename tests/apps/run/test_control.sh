@@ -250,6 +250,22 @@ kill -9 $running
 wait $running 2>/dev/null
 running=
 
+# in the folder that the service has for a camera's longest name, beyond what a socket's own path may have
+long=$PWD/run/pupil/$(printf 'v4l-by\\x2dpath-platform\\x2dfd500000.pcie\\x2dpci\\x2d0000:01:00.0\\x2dusb\\x2d0:1.3.4.4:1.0\\x2dvideo\\x2dindex0')
+mkdir -p "$long"
+for round in killed over; do
+    "$fake" fake:real fake:fps=10 fake:size=64x48 -d 0 -q --control "$long/control" >run.out 2>run.err &
+    running=$!
+    until_true "a long path: no answer: $(cat run.err)" eval '"$pupil" ctl "$long/control" status >ctl.out 2>&1'
+    [ $round = over ] || kill -9 $running
+    [ $round = killed ] || kill -INT $running
+    wait $running 2>/dev/null
+    running=
+done
+[ ! -e "$long/control" ] || fail "a long path: the socket is left"
+"$pupil" ctl "$long/none/control" status 2>ctl.err && fail "no folder"
+grep -q "its folder: No such file" ctl.err || fail "no folder: $(cat ctl.err)"
+
 # killed: the next run takes the socket that is left
 begin -d 0
 kill -9 $running
