@@ -3,6 +3,17 @@
 
 const MATRIX_BY_NAME = { smpte170m: MATRIX.BT601, bt470bg: MATRIX.BT601, bt709: MATRIX.BT709, "bt2020-ncl": MATRIX.BT2020 };
 
+// A video's element lets go of its file or its camera.
+function release(video) {
+    video.onerror = null;
+    video.srcObject?.getTracks().forEach((track) => track.stop());
+    video.srcObject = null;
+    if (video.src)
+        URL.revokeObjectURL(video.src);
+    video.removeAttribute("src");
+    video.load();
+}
+
 class VideoFrames {
     constructor(video) {
         this.video = video;
@@ -30,11 +41,7 @@ class VideoFrames {
 
     stop() {
         this.running = false;
-        this.video.srcObject?.getTracks().forEach((track) => track.stop());
-        this.video.srcObject = null;
-        if (this.video.src)
-            URL.revokeObjectURL(this.video.src);
-        this.video.removeAttribute("src");
+        release(this.video);
     }
 
     async frame(take, metadata) {

@@ -4,7 +4,7 @@ const at = (id) => document.getElementById(id);
 const RGB_CODING = { matrix: MATRIX.BT601, range: RANGE.FULL };
 const LAWS = [[VIEW.SECONDS, "Default, in seconds", "--adapted"], [VIEW.FORMULA_1, "Formula 1", "--one"],
     [VIEW.FORMULA_2, "Formula 2", "--two"], [VIEW.FORMULA_3, "Formulas 3 and 4", "--three"], [VIEW.EYE, "An eye", "--eye"]];
-const STEP_S = 4, STEP_EV = -4, STILL_FPS = 30;
+const STEP_S = 4, STEP_EV = -4, STILL_FPS = 30, FIRST_FRAME_MS = 4000;
 
 // A mean that follows.
 class Times {
@@ -28,6 +28,8 @@ class Page {
         this.frames = null;
         this.exposure = null;
         this.recording = null;
+        this.request = { late: false }; // the last one for a source
+        this.pending = null; // the video that is waited for
         this.count = 0;
         this.lastDraw = 0;
         this.log = null; // of the tests: an array, to which each frame adds what was adapted to
@@ -38,7 +40,10 @@ class Page {
     start() {
         this.controls.defaults();
         const click = (id, run) => at(id).addEventListener("click", () => run().catch((e) => this.say(e)));
-        click("use-scene", async () => this.showStill(testScene(), "Test scene"));
+        click("use-scene", async () => {
+            this.ask();
+            this.showStill(testScene(), "Test scene");
+        });
         click("use-camera", () => this.useCamera());
         click("use-file", async () => at("file").click());
         click("measure", () => this.measure());
@@ -94,13 +99,22 @@ class Page {
 
     // --- sources ---
 
+    // Each request takes the place of the one before, which is late from then on.
+    ask() {
+        this.request.late = true;
+        if (this.pending)
+            release(this.pending);
+        this.pending = null;
+        return (this.request = { late: false });
+    }
+
     stopSource() {
         cancelAnimationFrame(this.ticking);
         this.frames?.stop();
         this.still = this.frames = this.exposure = null;
         at("loop").checked = false;
         at("exposure").hidden = at("device").hidden = true;
-        this.stopRecording();
+        this.stopRecording("Another source was chosen");
         this.core.calls.reset();
         this.plot.points = [];
         this.say(null);
@@ -146,67 +160,104 @@ class Page {
     async open(file) {
         if (!file)
             return;
+        const request = this.ask();
         try {
-            if (file.type.startsWith("video/"))
-                await this.useVideo(file);
-            else
-                this.showStill(await readPicture(new Uint8Array(await file.arrayBuffer())), file.name);
+            if (!file.size)
+                throw new Error("is empty");
+            if (file.type.startsWith("video/")) {
+                await this.useVideo(file, request);
+            } else {
+                const still = await readPicture(new Uint8Array(await file.arrayBuffer()));
+                if (!request.late)
+                    this.showStill(still, file.name);
+            }
         } catch (error) {
-            this.say(new Error(`${file.name}: ${error.message}`));
+            if (!request.late)
+                this.say(new Error(`${file.name}: ${error.message}`));
         }
         at("file").value = "";
     }
 
-    async useVideo(file) {
-        const video = at("video"), url = URL.createObjectURL(file);
-        this.stopSource();
-        Object.assign(video, { src: url, loop: true });
-        await new Promise((resolve, reject) => {
-            video.onloadeddata = resolve;
-            video.onerror = () => reject(new Error("this browser cannot play it: pupil replay reads what FFmpeg reads"));
-        });
-        this.run(`${file.name}, ${video.videoWidth} x ${video.videoHeight}`);
-        await video.play();
+    // Of its own for each source: what is shown goes on until the next one has a frame.
+    makeVideo() {
+        const video = at("video").cloneNode();
+        video.removeAttribute("src");
+        video.muted = true;
+        return (this.pending = video);
+    }
+
+    async useVideo(file, request) {
+        const video = this.makeVideo(), why = "this browser cannot play it: pupil replay reads what FFmpeg reads";
+        try {
+            await new Promise((resolve, reject) => {
+                video.requestVideoFrameCallback(resolve);
+                video.onerror = () => reject(new Error(why));
+                setTimeout(() => reject(new Error(`no frame came in ${FIRST_FRAME_MS / 1000} s; ${why}`)), FIRST_FRAME_MS);
+                Object.assign(video, { src: URL.createObjectURL(file), loop: true });
+                video.play().catch(() => {}); // onerror says why not
+            });
+            checkSize(video.videoWidth, video.videoHeight);
+        } catch (error) {
+            release(video);
+            throw error;
+        }
+        if (request.late) {
+            release(video);
+            return;
+        }
+        this.run(video, `${file.name}, ${video.videoWidth} x ${video.videoHeight}`);
+        video.onerror = () => this.say(new Error(`${file.name}: ${why}`));
     }
 
     async useCamera(deviceId) {
         if (!navigator.mediaDevices?.getUserMedia)
             throw new Error("This browser gives no camera to a page from here. Try https:// or http://localhost");
         const wanted = deviceId ? { deviceId: { exact: deviceId } } : { width: { ideal: 1280 }, height: { ideal: 720 } };
-        let stream;
+        const request = this.ask(), video = this.makeVideo();
         try {
-            stream = await navigator.mediaDevices.getUserMedia({ video: wanted });
+            video.srcObject = await navigator.mediaDevices.getUserMedia({ video: wanted });
+            if (!request.late)
+                await video.play();
         } catch (error) {
-            throw new Error(`The camera cannot be used: ${error.message || error.name}`);
+            release(video);
+            if (!request.late)
+                throw new Error(`The camera cannot be used: ${error.message || error.name}`);
         }
-        this.stopSource();
-        const video = at("video"), track = stream.getVideoTracks()[0];
-        video.removeAttribute("src");
-        video.srcObject = stream;
-        await video.play();
+        if (request.late) {
+            release(video);
+            return;
+        }
+        const track = video.srcObject.getVideoTracks()[0];
+        this.run(video, `${track.label || "Camera"}, ${video.videoWidth} x ${video.videoHeight}`);
         this.exposure = new Exposure(track);
-        this.run(`${track.label || "Camera"}, ${video.videoWidth} x ${video.videoHeight}`);
         track.addEventListener("ended", () => this.say(new Error("The camera has gone. Press Camera to look for it again.")));
         at("exposure").hidden = false;
         at("loop").disabled = !this.exposure.possible;
         at("loop-state").textContent = this.exposure.why;
-        await this.listCameras(track.getSettings().deviceId);
+        await this.listCameras(track.getSettings().deviceId, request);
     }
 
-    async listCameras(now) {
+    async listCameras(now, request) {
         const cameras = (await navigator.mediaDevices.enumerateDevices()).filter((d) => d.kind === "videoinput");
+        if (request.late)
+            return;
         at("device").replaceChildren(...cameras.map((d, i) => new Option(d.label || `Camera ${i + 1}`, d.deviceId)));
         at("device").value = now;
         at("device").hidden = cameras.length < 2;
     }
 
-    run(name) {
+    run(video, name) {
+        this.stopSource();
+        this.pending = null;
+        at("video").replaceWith(video);
         at("light-row").hidden = true;
         at("source-name").textContent = name;
         this.count = 0;
-        this.frames = new VideoFrames(at("video"));
-        this.frames.start(async (read, timestampNs) => {
+        const frames = (this.frames = new VideoFrames(video));
+        frames.start(async (read, timestampNs) => {
             const began = performance.now(), coding = await read(this.core);
+            if (this.frames !== frames)
+                return;
             this.times.add("read", performance.now() - began);
             this.frame(coding, timestampNs, 0, 0);
         }, (error) => this.say(error));
@@ -389,13 +440,7 @@ class Page {
             this.setRecording(button, true);
             return;
         }
-        const blob = this.recording.tar(), link = document.createElement("a"), frames = this.recording.lines.length;
-        this.stopRecording();
-        Object.assign(link, { href: URL.createObjectURL(blob), download: "pupil-recording.tar" });
-        link.click();
-        setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-        at("recorded").textContent = `${frames} frames in pupil-recording.tar: tar xf pupil-recording.tar; ` +
-            "pupil replay pupil-recording";
+        this.stopRecording("");
     }
 
     setRecording(button, on) {
@@ -403,18 +448,33 @@ class Page {
         button.setAttribute("aria-pressed", String(on));
     }
 
-    stopRecording() {
+    // Saves what there is. why: what has ended it, if that was not the button.
+    stopRecording(why) {
+        const recording = this.recording, frames = recording?.lines.length;
         this.recording = null;
         this.setRecording(at("record"), false);
+        if (frames === 0)
+            at("recorded").textContent = "No frame came: nothing is saved";
+        if (!frames)
+            return;
+        const link = document.createElement("a");
+        Object.assign(link, { href: URL.createObjectURL(recording.tar()), download: "pupil-recording.tar" });
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+        at("recorded").textContent = `${why ? `${why}: ` : ""}${frames} ${frames === 1 ? "frame" : "frames"} in ` +
+            "pupil-recording.tar: tar xf pupil-recording.tar; pupil replay pupil-recording";
     }
 
     keep(timestampNs, exposureS, gain) {
-        if (!this.recording)
+        const recording = this.recording;
+        if (!recording)
             return;
-        const same = this.recording.add(this.core, timestampNs, exposureS, gain);
-        at("recorded").textContent = `${this.recording.lines.length} of at most ${MOST_RECORDED_FRAMES} frames`;
-        if (!same || this.recording.full)
-            this.record();
+        const same = recording.add(this.core, timestampNs, exposureS, gain);
+        at("recorded").textContent = `${recording.lines.length} of at most ${recording.most} frames`;
+        if (!same)
+            this.stopRecording("Frames of another size came");
+        else if (recording.full)
+            this.stopRecording(`The limit of ${recording.limit} is reached`);
     }
 }
 

@@ -18,6 +18,7 @@ async function readByBrowser(bytes) {
     } catch {
         throw new Error("is none of .hdr, .exr, .pfm, .png, and no picture or video that this browser knows");
     }
+    checkSize(bitmap.width, bitmap.height);
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height), context = canvas.getContext("2d");
     context.drawImage(bitmap, 0, 0);
     const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);

@@ -144,6 +144,8 @@ async function readPfm(bytes) {
         const word = text.word();
         if (!/^\d+$/.test(word))
             throw new Error(`the PFM header's ${side} "${word}" is no whole number of pixels`);
+        if (word.length > 9)
+            throw new Error(`the PFM header's ${side} begins with ${word}; at most 16384 pixels a side are read`);
         return +word;
     });
     checkSize(width, height);

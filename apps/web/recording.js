@@ -54,15 +54,18 @@ function tarFile(name, blob) {
 
 class Recording {
     constructor(core, coding) {
-        Object.assign(this, { coding, pixel: core.pixel, width: core.width, height: core.height, bytes: 0 });
+        Object.assign(this, { coding, pixel: core.pixel, width: core.width, height: core.height });
         this.parts = matroskaHead(core.pixel, core.width, core.height);
         this.lines = [];
         this.settings = { ...core.settings };
         this.ms = -1;
+        const fit = Math.max(1, Math.floor(MOST_RECORDED_BYTES / core.frameBytes));
+        this.most = Math.min(MOST_RECORDED_FRAMES, fit);
+        this.limit = fit < MOST_RECORDED_FRAMES ? `${MOST_RECORDED_BYTES / 2 ** 20} MiB` : `${MOST_RECORDED_FRAMES} frames`;
     }
 
     get full() {
-        return this.lines.length >= MOST_RECORDED_FRAMES || this.bytes >= MOST_RECORDED_BYTES;
+        return this.lines.length >= this.most;
     }
 
     // False: frames of another size or format, which a recording cannot have.
@@ -74,7 +77,6 @@ class Recording {
         this.ms = Math.max(Number(ns / 1000000n), this.ms + 1);
         this.parts.push(...matroskaFrame(this.ms, core.bytes(core.frameAt, core.frameBytes).slice()));
         this.lines.push(`{"frame":${frame},"sequence":${frame},"timestamp_ns":${ns},"exposure_s":${exposureS},"gain":${gain}}\n`);
-        this.bytes += core.frameBytes;
         return true;
     }
 

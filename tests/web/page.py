@@ -6,6 +6,7 @@ import json
 import math
 import pathlib
 import random
+import struct
 import subprocess
 import sys
 import tarfile
@@ -131,6 +132,97 @@ def damaged(browser, room):
     check(browser.execute_script("return pupil.still !== null"), "a damaged file has taken the picture away")
 
 
+# Counts what is saved, and whose camera is live, from here on.
+WATCH = """
+    window.saved = [];
+    HTMLAnchorElement.prototype.click = function () { saved.push([this.download, this.href]); };
+    window.tracks = [];
+    const ask = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
+    navigator.mediaDevices.getUserMedia = async (wanted) => {
+        const stream = await ask(wanted);
+        tracks.push(...stream.getTracks());
+        return stream;
+    };
+    window.press = (...names) => names.forEach((name) => document.getElementById(name).click());
+"""
+
+
+def state(browser):
+    return browser.execute_script("""
+        const text = (id) => document.getElementById(id).textContent;
+        return { saved: saved.length, recorded: text("recorded"), name: text("source-name"), count: pupil.count,
+            message: document.getElementById("message").hidden ? "" : text("message"),
+            still: !!pupil.still, live: tracks.filter((t) => t.readyState === "live").length };""")
+
+
+def recordings(browser, room):
+    """Another source, the limit of bytes and a second press end a recording; what there is is saved."""
+    browser.execute_script("press('use-scene', 'record')")
+    wait(browser, "return pupil.recording.lines.length > 3")
+    browser.execute_script("press('use-scene')")
+    now = state(browser)
+    check(now["saved"] == 1 and now["recorded"].startswith("Another source was chosen: "),
+          f"recorded, then another source: {now}")
+    browser.execute_script("press('record', 'record')")
+    now = state(browser)
+    check(now["saved"] == 1 and now["recorded"] == "No frame came: nothing is saved", f"pressed twice: {now}")
+    browser.execute_script("press('use-scene', 'record')")
+    open_file(browser, STILLS / "still.pfm")
+    wait(browser, "return saved.length > 1", 10)
+    (room / "large.pfm").write_bytes(b"Pf\n4000 3000\n-1.0\n" + struct.pack("<f", 0.5) * (4000 * 3000))
+    open_file(browser, room / "large.pfm")
+    wait(browser, "return document.getElementById('source-name').textContent.startsWith('large.pfm')")
+    browser.execute_script("press('record')")
+    wait(browser, "return saved.length > 2", 60)
+    now = state(browser)
+    check(now["recorded"].startswith("The limit of 256 MiB is reached: 1 frame in "), f"the limit of bytes: {now}")
+    browser.execute_script("press('use-scene')")
+    print(f"recordings: saved when the source changes; {now['recorded'].split(':')[0]}")
+
+
+def sources(browser):
+    """The source that was asked for last is the one that is shown, and no other camera stays on."""
+    for names, live in ((("use-camera", "use-camera"), 1), (("use-scene",), 0), (("use-camera", "use-scene") * 4, 0),
+                        (("use-scene", "use-camera") * 4, 1)):
+        browser.execute_script("press(...arguments)", *names)
+        time.sleep(1.5)
+        now = state(browser)
+        check(now["live"] == live and now["still"] == (live == 0) and now["message"] == "", f"pressed {names}: {now}")
+    browser.execute_script("press('use-scene')")
+    print("sources: the last one that was asked for")
+
+
+def refused(browser, room):
+    """A video that cannot be played and a picture that is too large: a sentence, and what was shown stays."""
+    ffmpeg = ["ffmpeg", "-loglevel", "error", "-y", "-f", "lavfi", "-i"]
+    subprocess.run([*ffmpeg, "testsrc=s=320x240:d=1", "-c:v", "libvpx", room / "whole.webm"], check=True)
+    large = ["color=gray:s=9000x7500", "-frames:v", "1", "-pix_fmt", "gray", room / "large.jpg"]
+    subprocess.run([*ffmpeg, *large], check=True)
+    (room / "junk.mp4").write_bytes(random.Random(2).randbytes(5000))
+    (room / "nl.pfm").write_bytes(b"PF\n" + b"9" * 600 + b" 4\n-1.0\n")
+    (room / "empty.webm").write_bytes(b"")
+    (room / "cut.webm").write_bytes((room / "whole.webm").read_bytes()[:3000])
+    for name, words in (("nl.pfm", "width begins with 999"), ("junk.mp4", "cannot play it"), ("empty.webm", "is empty"),
+                        ("cut.webm", "cannot play it"), ("large.jpg", "9000 x 7500 pixels; at most")):
+        browser.execute_script("press('use-scene')")
+        before = state(browser)
+        open_file(browser, room / name)
+        wait(browser, "const m = document.getElementById('message'); return !m.hidden && "
+             "m.textContent.startsWith(arguments[0])", 15, name)
+        count = state(browser)["count"]
+        time.sleep(0.3)
+        now = state(browser)
+        check(words in now["message"], f"{name}: {now['message']}")
+        check(now["still"] and now["name"] == before["name"] and now["count"] > count,
+              f"{name}: what was shown does not stay: {now}")
+        print(f"refused: {now['message']}")
+    browser.execute_script("press('use-scene')")
+    open_file(browser, room / "whole.webm")
+    wait(browser, "return pupil.frames && pupil.count > 3")
+    check(state(browser)["message"] == "", f"whole.webm: {state(browser)}")
+    browser.execute_script("press('use-scene')")
+
+
 def camera(browser, room):
     """The camera's frames through the page, recorded; the program replays the recording: the same levels, all bits."""
     browser.find_element(By.ID, "use-camera").click()
@@ -160,7 +252,7 @@ def camera(browser, room):
     check(max(levels) - min(levels) > 2, f"the light does not step: {min(levels)}..{max(levels)}")
     print(f"camera: {count} frames, light from {min(levels):.2f} to {max(levels):.2f} EV; {len(wrong)} levels differ "
           "from pupil replay's")
-    browser.execute_script("pupil.stopRecording()")
+    browser.execute_script("pupil.stopRecording('')")
 
 
 SETTLE = """
@@ -411,6 +503,10 @@ def main():
         damaged(browser, room)
         sliders(browser)
         region(browser)
+        browser.execute_script(WATCH)
+        recordings(browser, room)
+        sources(browser)
+        refused(browser, room)
         camera(browser, room)
         measured = browser.execute_async_script("""
             const done = arguments[0];
