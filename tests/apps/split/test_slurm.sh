@@ -70,11 +70,15 @@ frames() {
 }
 
 ffmpeg -loglevel error -f lavfi -i "testsrc2=size=96x54:rate=30:duration=10,hue=s=0.2,
-    eq=contrast=0.6:brightness='if(lt(mod(t,2),1),0.2,0.02)':eval=frame" -pix_fmt yuv420p -c:v ffv1 clip.mkv
-call 0 "" replay clip.mkv -o whole.y4m -q
+    eq=contrast=0.6:brightness='if(lt(mod(t,2),1),0.2,0.02)':eval=frame" -pix_fmt yuv420p -c:v ffv1 "it's; 100%.mkv"
+call 0 "" replay "it's; 100%.mkv" -o whole.y4m -q
 export PUPIL="$program" KIND=y4m
-wait_for "$(sh "$examples/slurm.sh" clip.mkv 300 7 shown)"
-[ "$(frames shown/?.y4m)" = "$(frames whole.y4m)" ] || fail "other pictures: $(cat shown/slurm-*.log)"
+wait_for "$(sh "$examples/slurm.sh" "it's; 100%.mkv" 300 7 "shown '1%'")"
+[ "$(frames "shown '1%'"/?.y4m)" = "$(frames whole.y4m)" ] || fail "other pictures: $(cat "shown '1%'"/slurm-*.log)"
+sh "$examples/slurm.sh" "it's; 100%.mkv" 300 6 "shown '1%'" >said 2>&1 && fail "other ranges: not refused"
+grep -q "is of another input or other settings" said || fail "other ranges: $(cat said)"
+sh "$examples/slurm.sh" "it's; 100%.mkv" 300 -1 bad >said 2>&1 && fail "-1 ranges: not refused"
+grep -q "RANGES must be" said || fail "-1 ranges: $(cat said)"
 
 # A task that is killed leaves nothing half; what depends on it never starts, and the next submission goes on from there.
 cat >once <<END
@@ -90,7 +94,7 @@ exec "$program" "\$@"
 END
 chmod +x once
 PUPIL="$room/once"
-job=$(sh "$examples/slurm.sh" clip.mkv 300 6 again)
+job=$(sh "$examples/slurm.sh" "it's; 100%.mkv" 300 6 again)
 tries=0
 until [ -e killed ] || [ $tries -ge 120 ]; do
     tries=$((tries + 1))
@@ -99,7 +103,7 @@ done
 sleep 3
 [ ! -e again/curves ] || fail "adapted without the part of a task that was killed"
 scancel -u root
-wait_for "$(sh "$examples/slurm.sh" clip.mkv 300 6 again)"
+wait_for "$(sh "$examples/slurm.sh" "it's; 100%.mkv" 300 6 again)"
 [ "$(frames again/?.y4m)" = "$(frames whole.y4m)" ] || fail "killed: other pictures: $(cat again/slurm-*.log)"
 [ -e killed ] || fail "no task was killed"
 end_test
