@@ -23,7 +23,8 @@ class VideoFrames {
     }
 
     // take(read, timestampNs) for each frame; read(core) makes room for it and fills it in, and returns its coding.
-    start(take, fail) {
+    // first: the metadata of a frame that is there already.
+    start(take, fail, first) {
         this.running = true;
         const next = async (now, metadata) => {
             if (!this.running)
@@ -36,7 +37,10 @@ class VideoFrames {
             if (this.running)
                 this.video.requestVideoFrameCallback(next);
         };
-        this.video.requestVideoFrameCallback(next);
+        if (first)
+            next(0, first);
+        else
+            this.video.requestVideoFrameCallback(next);
     }
 
     stop() {

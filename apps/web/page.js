@@ -187,10 +187,11 @@ class Page {
     }
 
     async useVideo(file, request) {
+        let first = null;
         const video = this.makeVideo(), why = "this browser cannot play it: pupil replay reads what FFmpeg reads";
         try {
-            await new Promise((resolve, reject) => {
-                video.requestVideoFrameCallback(resolve);
+            first = await new Promise((resolve, reject) => {
+                video.requestVideoFrameCallback((now, metadata) => resolve(metadata));
                 video.onerror = () => reject(new Error(why));
                 setTimeout(() => reject(new Error(`no frame came in ${FIRST_FRAME_MS / 1000} s; ${why}`)), FIRST_FRAME_MS);
                 Object.assign(video, { src: URL.createObjectURL(file), loop: true });
@@ -205,7 +206,7 @@ class Page {
             release(video);
             return;
         }
-        this.run(video, `${file.name}, ${video.videoWidth} x ${video.videoHeight}`);
+        this.run(video, `${file.name}, ${video.videoWidth} x ${video.videoHeight}`, first);
         video.onerror = () => this.say(new Error(`${file.name}: ${why}`));
     }
 
@@ -246,7 +247,7 @@ class Page {
         at("device").hidden = cameras.length < 2;
     }
 
-    run(video, name) {
+    run(video, name, first) {
         this.stopSource();
         this.pending = null;
         at("video").replaceWith(video);
@@ -260,7 +261,7 @@ class Page {
                 return;
             this.times.add("read", performance.now() - began);
             this.frame(coding, timestampNs, 0, 0);
-        }, (error) => this.say(error));
+        }, (error) => this.say(error), first);
     }
 
     // --- a frame ---
