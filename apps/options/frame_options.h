@@ -18,6 +18,7 @@ typedef struct frame_options {
     size_t out_count;
     const char *stats, *plot, *report; /* paths, or NULL; a report of `pupil replay` alone */
     const char *record;                /* the same; of `pupil run` and, for frame_options_check_paths, `pupil record` */
+    const char *control;               /* of `pupil run`, a socket; for frame_options_check_paths */
     pupil_config config;
     pupil_source_options source;
     uint64_t hold;              /* how many times each frame is shown; 1 */

@@ -9,11 +9,11 @@
 #include "frame_options.h"
 #include "refuse.h"
 
-enum { MOST_PATHS = FRAME_MOST_OUTPUTS + 4 };
+enum { MOST_PATHS = FRAME_MOST_OUTPUTS + 5 };
 
 static size_t gather(const frame_options *o, const char *paths[MOST_PATHS])
 {
-    const char *others[] = {o->stats, o->plot, o->report, o->record};
+    const char *others[] = {o->stats, o->plot, o->report, o->record, o->control};
     size_t count = 0;
     for (size_t i = 0; i < o->out_count; i++)
         paths[count++] = o->out[i];

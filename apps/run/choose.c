@@ -70,7 +70,8 @@ int run_choose_outputs(const run_options *o, pupil_why *why)
     }
     frame_options all = *s;
     all.report = o->resume; /* a run has no report: all that is written needs a place of its own */
-    if (o->resume && frame_options_check_paths(&all, why))
+    all.control = o->control;
+    if ((o->resume || o->control) && frame_options_check_paths(&all, why))
         return OPTIONS_USAGE;
     if (streams > 1) {
         pupil_refuse(why, "-: named for two outputs; standard output is one");

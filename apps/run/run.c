@@ -340,22 +340,43 @@ static void add_findings(const run *r, char *more, size_t more_bytes)
     run_several_tell(&r->several, more + strlen(more), more_bytes - strlen(more));
 }
 
+static int check_outputs(run_options *o, time_t now, pupil_why *why)
+{
+    return frame_options_expand_paths(&o->shown, now, why) || run_choose_outputs(o, why) ||
+                   frame_options_check_paths(&o->shown, why)
+               ? OPTIONS_USAGE
+               : OPTIONS_RUN;
+}
+
+/* Those of several cameras, before any of them begins. */
+static int check_several(const run_options *o, time_t now, pupil_why *why)
+{
+    static run_options one;
+    for (uint32_t i = 0; i < o->devices && o->devices > 1; i++) {
+        one = *o;
+        run_several_paths(&one, i);
+        if (check_outputs(&one, now, why))
+            return OPTIONS_USAGE;
+    }
+    return OPTIONS_RUN;
+}
+
 /* `status`: in the first process of several cameras, when all are over, theirs; else -1. */
 static int parse(run *r, int argc, char **argv, int *status)
 {
     pupil_why *why = &r->session.why;
-    frame_options *shown = &r->options.shown;
     const time_t now = time(NULL);
-    const int parsed = run_options_parse(&r->options, argc, argv, why);
+    int parsed = run_options_parse(&r->options, argc, argv, why);
     *status = -1;
     if (parsed == OPTIONS_HELP)
         return parsed;
+    if (!parsed)
+        parsed = check_several(&r->options, now, why);
     if (!parsed && r->options.devices > 1)
         *status = run_several_begin(&r->several, &r->options);
     if (*status >= 0)
         return parsed;
-    if (parsed || frame_options_expand_paths(shown, now, why) || run_choose_outputs(&r->options, why) ||
-        frame_options_check_paths(shown, why)) {
+    if (parsed || check_outputs(&r->options, now, why)) {
         session_say(&r->session, why, "");
         return OPTIONS_USAGE;
     }

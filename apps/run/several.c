@@ -82,6 +82,13 @@ int run_several_check(const run_options *o, pupil_why *why)
         return pupil_refuse(why, "--fused: is of one camera; several share a curve");
     if (o->camera_evs && o->camera_evs != o->devices - 1)
         return pupil_refuse(why, "--camera-ev: has to have a number for each camera but the first: %u", o->devices - 1);
+    for (uint32_t i = 0; i < o->devices; i++)
+        for (uint32_t k = 0; k < i; k++)
+            if (strcmp(o->device_name[i], o->device_name[k]) == 0)
+                return pupil_refuse(why, "--device %s: named twice; each of several cameras is another one",
+                                    o->device_name[i]);
+    if (o->control && strstr(o->control, PLACE))
+        return pupil_refuse(why, "--control %s: is of the first camera alone; %s is of the outputs", o->control, PLACE);
     for (size_t i = 0; i < shown->out_count; i++)
         if (check_path(shown->out[i], why))
             return OPTIONS_USAGE;
@@ -91,23 +98,22 @@ int run_several_check(const run_options *o, pupil_why *why)
     return OPTIONS_RUN;
 }
 
-/* With this camera's number in it; it stays until the process ends. */
+/* With this camera's number in each place of it; it stays until the process ends. */
 static const char *path_of(const char *path, uint32_t index)
 {
-    const char *at = path ? strstr(path, PLACE) : NULL;
-    char *own = NULL;
-    if (at && asprintf(&own, "%.*s%u%s", (int)(at - path), path, index, at + strlen(PLACE)) < 0)
-        own = NULL;
-    return own ? own : path;
+    const char *at;
+    while (path && (at = strstr(path, PLACE)) != NULL) {
+        char *own = NULL;
+        if (asprintf(&own, "%.*s%u%s", (int)(at - path), path, index, at + strlen(PLACE)) < 0)
+            break;
+        path = own;
+    }
+    return path;
 }
 
-static void become(run_several *s, run_options *o, uint32_t index)
+void run_several_paths(run_options *o, uint32_t index)
 {
     frame_options *shown = &o->shown;
-    setvbuf(stderr, NULL, _IOLBF, 0); /* so that lines of several processes stay whole */
-    s->index = index;
-    s->ev = index ? o->camera_ev[index - 1] : 0.0;
-    o->device = o->device_name[index];
     for (size_t i = 0; i < shown->out_count; i++)
         shown->out[i] = path_of(shown->out[i], index);
     shown->stats = path_of(shown->stats, index);
@@ -115,6 +121,15 @@ static void become(run_several *s, run_options *o, uint32_t index)
     shown->record = path_of(shown->record, index);
     if (index)
         o->control = NULL;
+    o->device = o->device_name[index];
+}
+
+static void become(run_several *s, run_options *o, uint32_t index)
+{
+    setvbuf(stderr, NULL, _IOLBF, 0); /* so that lines of several processes stay whole */
+    s->index = index;
+    s->ev = index ? o->camera_ev[index - 1] : 0.0;
+    run_several_paths(o, index);
 }
 
 /* --- processes --- */
@@ -155,7 +170,7 @@ static void pass_on(run_shared *shared, const pid_t *process, sig_atomic_t times
             kill(process[i], times > 1 ? SIGTERM : SIGALRM);
 }
 
-static int await(run_shared *shared, pid_t *process)
+static int await(run_shared *shared, pid_t *process, const run_options *o)
 {
     int status = EXIT_DONE;
     sig_atomic_t passed = 0;
@@ -175,7 +190,8 @@ static int await(run_shared *shared, pid_t *process)
             shared->camera[i].until_ns = 0;
             give(shared);
             if (WIFSIGNALED(how))
-                fprintf(stderr, "pupil run: camera %u: its process was ended by signal %d\n", i, WTERMSIG(how));
+                fprintf(stderr, "pupil run: %s: its process was ended by signal %d\n", o->device_name[i],
+                        WTERMSIG(how));
             status = worse(status, WIFEXITED(how) ? WEXITSTATUS(how) : EXIT_FAILED);
         }
     }
@@ -225,7 +241,7 @@ int run_several_begin(run_several *s, run_options *o)
     const int short_of = s->shared->count < o->devices;
     if (short_of)
         pass_on(s->shared, process, 1);
-    const int status = await(s->shared, process);
+    const int status = await(s->shared, process, o);
     return short_of ? worse(status, EXIT_FAILED) : status;
 }
 

@@ -38,6 +38,9 @@ typedef struct run_led {
 /* With more than one --device: whether the outputs have a place for each camera. OPTIONS_RUN, or OPTIONS_USAGE. */
 int run_several_check(const run_options *options, pupil_why *why);
 
+/* The device and the outputs of one of several cameras, in place of the options of all. */
+void run_several_paths(run_options *options, uint32_t index);
+
 /* A process for each camera. -1, in each of these: its options have its device and outputs. In the first process, when
  * all are over: the exit status. */
 int run_several_begin(run_several *s, run_options *options);

@@ -50,6 +50,9 @@ done
 refused 2 "named for two outputs" -o a.mp4 -o ./a.mp4
 refused 2 "named for two outputs" -o - --stats -
 refused 2 "named for two outputs" --record a -o a
+refused 2 "named for two outputs" --control x.y4m -o ./x.y4m
+refused 2 "named for two outputs" --control x --stats x
+refused 2 "named for two outputs" --control x --resume x
 mkdir frames
 refused 2 "frames/s.csv: is inside frames," -o frames --stats frames/s.csv
 rmdir frames

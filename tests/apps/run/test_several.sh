@@ -99,11 +99,29 @@ for with in "" TERM; do
     rm -f k?.csv k?.y4m
 done
 
+# a camera's process that is killed is named by its device
+"$program" fake:real fake:fps=20 fake:size=64x48 fake:other-light=1 -d /dev/video0 -d /dev/video9 -n 60 -q 2>said.err </dev/null &
+running=$!
+sleep 1
+cameras=$(cat "/proc/$running/task/$running/children")
+kill -9 "$(echo "$cameras" | awk '{ print $2 }')"
+ends 1
+grep -q "pupil run: /dev/video9: its process was ended by signal 9" said.err || fail "killed: $(cat said.err)"
+
 both="-d 0 -d /dev/video9"
 # shellcheck disable=SC2086 # words
 {
     call 2 "p.y4m: each of several cameras has its own; %i in the name" $both -o p.y4m
     call 2 "-: each of several cameras has its own" $both --stats -
+    call 2 "/dev/video9: named twice" $both -d /dev/video9
+    call 2 "--control c%i: is of the first camera alone" $both --control c%i
+    call 2 "e0.csv: named for two outputs" $both --control e0.csv --stats e%i.csv
+    echo mine >there1.csv # of the second camera
+    call 2 "there1.csv" $both --stats there%i.csv -o there%i.y4m -n 2
+    [ ! -e there0.csv ] && [ ! -e there0.y4m ] || fail "the first camera has begun"
+    [ "$(sentences)" = 1 ] || fail "more than one sentence: $(cat said.err)"
+    call 0 "" fake:real fake:fps=20 fake:size=64x48 fake:other-light=1 $both --stats n%i-%i.csv -n 2
+    [ -s n0-0.csv ] && [ -s n1-1.csv ] || fail "two places in a name"
     call 2 "--camera-ev: has to have a number for each camera but the first: 1" $both --camera-ev 1,2
     call 2 "--camera-ev 17: must be stops from -16 to 16" $both --camera-ev 17
     call 2 "--camera-ev: is of several cameras" -d 0 --camera-ev 1
