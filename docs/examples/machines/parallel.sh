@@ -5,9 +5,27 @@
 # (mkv; for y4m, OUT is a .nut, for Matroska takes no raw RGB).
 set -eu
 input=$1 frames=$2 ranges=$3 out=$4
-pupil=${PUPIL:-pupil} kind=${KIND:-mkv}
+pupil=${PUPIL:-pupil} kind=${KIND:-mkv} OPTIONS=${OPTIONS:-}
+for number in "FRAMES $frames" "RANGES $ranges"; do
+    case ${number#* } in '' | 0* | *[!0-9]*)
+        echo "parallel.sh: ${number%% *} must be a positive whole number, not '${number#* }'" >&2
+        exit 2 ;;
+    esac
+done
+[ "$ranges" -le "$frames" ] || ranges=$frames # none without frames
+case $out in -*) out=./$out ;; esac
 work=$out.parts
+
+# The folder is of these settings alone.
+settings="$input $(if [ -f "$input" ]; then stat -c '%s %y' -- "$input"; fi)
+$frames frames, $ranges ranges, $kind, $OPTIONS"
 mkdir -p "$work"
+if [ -n "$(ls -A "$work")" ] && [ "$(cat "$work/settings" 2>/dev/null)" != "$settings" ]; then
+    echo "parallel.sh: $work is of another input or other settings: remove it to begin anew" >&2
+    exit 1
+fi
+echo "$settings" >"$work/settings"
+
 # "FIRST NEXT" a line; the last range goes on to the end.
 i=0
 while [ $i -lt "$ranges" ]; do
@@ -17,15 +35,19 @@ while [ $i -lt "$ranges" ]; do
     i=$((i + 1))
 done >"$work/ranges"
 
-parallel --colsep ' ' --retries 5 --halt soon,fail=1 \
-    "[ -e '$work/{1}.part' ] || '$pupil' meter '$input' --range {2} -o '$work/{1}.part' --threads 1 -q ${OPTIONS:-}" \
-    :::: "$work/ranges"
+# Names go to the workers in variables, never as text of a command.
+export input work pupil kind OPTIONS
+workers() { # COMMAND
+    parallel --env input,work,pupil,kind,OPTIONS --colsep ' ' --retries 5 --halt soon,fail=1 "$1" :::: "$work/ranges"
+}
+workers '[ -e "$work/{1}.part" ] ||
+    "$pupil" meter --range {2} -o "$work/{1}.part" --threads 1 -q $OPTIONS -- "$input"'
 "$pupil" adapt "$work"/*.part -o "$work/curves" -y
-parallel --colsep ' ' --retries 5 --halt soon,fail=1 \
-    "[ -e '$work/{1}.$kind' ] || '$pupil' map '$input' --curves '$work/curves' --range {2} -o '$work/{1}.$kind' --threads 1 -q" \
-    :::: "$work/ranges"
-for part in "$work"/*."$kind"; do
-    echo "file '$(realpath "$part")'"
-done >"$work/list"
-ffmpeg -loglevel error -y -f concat -safe 0 -i "$work/list" -c copy "$work/joined.${out##*.}"
+workers '[ -e "$work/{1}.$kind" ] ||
+    "$pupil" map --curves "$work/curves" --range {2} -o "$work/{1}.$kind" --threads 1 -q -- "$input"'
+(
+    cd "$work"
+    printf 'file %s\n' *."$kind" >list
+    ffmpeg -loglevel error -y -f concat -safe 0 -i list -c copy "joined.${out##*.}"
+)
 mv "$work/joined.${out##*.}" "$out"

@@ -48,6 +48,32 @@ while [ $i -lt 12 ]; do
 done
 [ -s kills ] || fail "no worker was killed"
 
+# Names are never commands. A folder is of one input and its settings. No range is without frames.
+export PUPIL="$program"
+for name in "x'; touch PWNED; '" "it's {1} \$(touch PWNED)" -dash; do
+    cp clip0.mkv "./$name.mkv"
+    sh "$examples/parallel.sh" "$name.mkv" 30 2 "$name.nut" >said 2>&1 || fail "$name: $(tail -n 3 said)"
+    [ "$(frames "./$name.nut.parts/"*.y4m)" = "$(frames clip0.mkv.y4m)" ] || fail "$name: other pictures"
+done
+[ ! -e PWNED ] || fail "a name was run as a command"
+refused() { # WORDS ARGUMENTS...
+    words=$1
+    shift
+    sh "$examples/parallel.sh" "$@" >said 2>&1 && fail "$*: not refused"
+    grep -qF -- "$words" said || fail "$*: no '$words' in $(tail -n 3 said)"
+}
+refused "shown0.nut.parts is of another" clip0.mkv 30 3 shown0.nut
+refused "shown0.nut.parts is of another" clip0.mkv 31 4 shown0.nut
+refused "shown0.nut.parts is of another" clip1.mkv 30 4 shown0.nut
+OPTIONS="--ev -1" refused "shown1.nut.parts is of another" clip1.mkv 30 4 shown1.nut
+touch clip1.mkv
+refused "shown1.nut.parts is of another" clip1.mkv 30 4 shown1.nut
+refused FRAMES clip0.mkv 3x 4 bad.nut
+refused RANGES clip0.mkv 30 0 bad.nut
+sh "$examples/parallel.sh" clip2.mkv 30 45 many.nut >said 2>&1 || fail "more ranges than frames: $(tail -n 3 said)"
+same clip2.mkv many.nut.parts/*.y4m
+PUPIL="$room/flaky"
+
 clip long.mkv 40 0
 timeout -s KILL 4 sh "$examples/parallel.sh" long.mkv 1200 64 shown.nut >said 2>&1
 made=$(find shown.nut.parts -name '*.part' | wc -l)
@@ -58,4 +84,8 @@ echo "12 clips and a long one; $(wc -l <kills) workers killed, and a run after $
 snakemake -q -s "$examples/Snakefile" -j 2 --config input=long.mkv frames=1200 ranges=7 out=snake.nut kind=y4m \
     "pupil=$program" >said 2>&1 || fail "snakemake: $(tail -n 5 said)"
 same long.mkv snake.nut.parts/*.y4m
+call 0 "" replay long.mkv -o long.mkv.y4m -q -y --ev -1
+snakemake -q -s "$examples/Snakefile" -j 2 --config input=long.mkv frames=1200 ranges=3 out=snake.nut kind=y4m \
+    "options=--ev -1" "pupil=$program" >said 2>&1 || fail "snakemake again: $(tail -n 5 said)"
+same long.mkv snake.nut.parts/[0-2].y4m
 end_test
