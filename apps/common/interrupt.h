@@ -9,9 +9,9 @@
 void interrupt_watch(void);
 int interrupt_came(void);
 
-/* Before interrupt_watch: the end of this parent sets the flag, too. It is told by SIGALRM, once for each of its
- * threads (PR_SET_PDEATHSIG), which all count as one; and so does a signal that comes with it, as service managers send
- * it. */
+/* Before interrupt_watch: the end of this parent sets the flag, too. SIGALRM announces it, once for each thread of the
+ * parent (PR_SET_PDEATHSIG). All of these count as one signal, and so does the one that a service manager sends with
+ * them. */
 void interrupt_with_parent(pid_t parent);
 
 int interrupt_again(void); /* twice: the user does not wait for a clean end */
