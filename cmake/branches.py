@@ -9,16 +9,23 @@ those of the source.
 """
 import json
 import pathlib
+import re
 import subprocess
 import sys
 
 TREE = pathlib.Path(__file__).resolve().parent.parent
 
 
+# The kernels' other levels have no branches of their own to show: kernels.levels compares them byte by byte with the
+# scalar one, and the machine's CPU decides which of them run.
+OTHER_LEVELS = re.compile(r"/kernels/(avx2|avx512|neon|wasm128)\b")
+
+
 def branches_of(build, folder):
     """{file: {line: [count of each branch]}}, and {file: [lines that ran, lines]}."""
     branches, lines = {}, {}
-    data = [str(f) for f in build.rglob("*.gcda") if f"pupil_objects.dir/{folder.removeprefix('lib/')}/" in str(f)]
+    data = [str(f) for f in build.rglob("*.gcda") if f"pupil_objects.dir/{folder.removeprefix('lib/')}/" in str(f)
+            and not OTHER_LEVELS.search(str(f))]
     for name in data:
         said = subprocess.run(["gcov", "--json-format", "--stdout", "--branch-probabilities", name], cwd=build,
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True, text=True).stdout

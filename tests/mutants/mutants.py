@@ -1,28 +1,33 @@
 """Machine-made mutants of a room of the library: which of them the tests do not notice.
 
     mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--slowest SECONDS]
-               [--count 200] [--seed 16] [--jobs 2] [--least 95] [--seconds LIMIT]
+               [--count 200] [--seed 16] [--jobs 2] [--least 95] [--seconds LIMIT] [--kept FILE]
 
 BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. ROOMS has
 the rooms; that of the kernels is their scalar reference, and needs a build with -DPUPIL_LEVELS=scalar. A mutant
 is one change of one file (mutations.py), compiled as BUILD does, but with -O1, and linked before the library, so that
 it takes the place of the file. The tests are those of ctest that match REGEX (as a rule those of the room in ROOMS) and
-have the label quick, and the extra ones; those that take longer than SLOWEST are left out. The fastest come first,
-until one fails. One that takes ten times as long as without the mutant is killed, and so is the mutant.
+have the label quick, and the extra ones; those that take longer than SLOWEST are left out. The fastest and those that
+have killed most come first, until one fails. One that takes ten times as long as without the mutant is killed, and so
+is the mutant. These times are those of a processor, so they are the same where other programs run.
 
 Kinds of mutation are drawn in turn, and places within a kind at random, from the seed, until COUNT mutants compile to
-code that is not the same as before. After LIMIT seconds the rest of them is left. Prints what survived, and exits with
-1 where less than LEAST percent of those are killed that are not in equivalent.txt. There, a line is one surviving line
-as it is printed, from the file's name on but without the line's number, then " # " and the reason why no test can
-notice.
+code that is not the same as before. After LIMIT seconds the rest of them is left; the next run with the same FILE goes
+on there: the killed ones are not tried again, and what survived only by other tests, after the rest. Prints what
+survived, and exits with 1 where less than LEAST percent of those are killed that are not in equivalent.txt. There, a
+line is one surviving line as it is printed, from the file's name on but without the line's number, then " # " and the
+reason why no test can notice.
 """
 import argparse
 import concurrent.futures
+import hashlib
 import json
+import math
 import os
 import pathlib
 import random
 import re
+import resource
 import shlex
 import signal
 import subprocess
@@ -35,6 +40,9 @@ import mutations
 HERE = pathlib.Path(__file__).resolve().parent
 TREE = HERE.parent.parent
 SHORTEST_LIMIT_S = 5.0
+LINK_S = 0.1
+NO_CACHE = dict(os.environ, CCACHE_DISABLE="1")  # it would only keep what is never compiled again
+OUT_OF_TIME = (-signal.SIGXCPU, 128 + signal.SIGXCPU)  # of a program, and of a shell whose program it was
 # Of each room the names of its files, and its tests.
 ROOMS = {
     "lib/base": (r".", r"^(core|flicker|stream)\."),
@@ -47,11 +55,12 @@ ROOMS = {
 
 
 class Test:
-    """link: the arguments that link it, with OBJECT and PROGRAM in their place; run: those that run it."""
+    """link: the arguments that link it, with OBJECT and PROGRAM in their place; run: those that run it; program: as it
+    was built."""
 
-    def __init__(self, name, link, run, folder):
-        self.name, self.link, self.run, self.folder = name, link, run, folder
-        self.seconds = 0.0
+    def __init__(self, name, link, run, folder, program):
+        self.name, self.link, self.run, self.folder, self.program = name, link, run, folder, program
+        self.seconds, self.kills = 0.0, 0
 
     def passes(self, mutant_object, work, limit_s):
         """"passed", "failed", "timed out" or "did not link"."""
@@ -60,17 +69,35 @@ class Test:
         link = [replaced.get(a, a) for a in self.link]
         if subprocess.run(link, cwd=self.folder, stderr=subprocess.DEVNULL).returncode:
             return "did not link"
-        start = time.monotonic()
         process = subprocess.Popen([replaced.get(a, a) for a in self.run], cwd=work, stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-        try:
-            code = process.wait(limit_s)
-        except subprocess.TimeoutExpired:
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+                                   preexec_fn=lambda: limited(limit_s))
+        code, self.last_s = ended(process, limit_s)
+        return "timed out" if code is None else "passed" if code in (0, 76, 77) else "failed"
+
+
+def limited(limit_s):
+    """In the child."""
+    if limit_s:
+        seconds = math.ceil(limit_s)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+
+
+def ended(process, limit_s):
+    """The exit code, or None where it was ended at a limit; and the seconds of a processor that it and its children
+    took. These are limited, so that a busy machine kills nothing; so is, more loosely, how long a program may wait."""
+    last = time.monotonic() + 60.0 * (limit_s or float("inf"))
+    while True:
+        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if pid:
+            process.returncode = os.waitstatus_to_exitcode(status)
+            code = None if process.returncode in OUT_OF_TIME else process.returncode
+            return code, usage.ru_utime + usage.ru_stime
+        if time.monotonic() > last:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
-            return "timed out"
-        self.last_s = time.monotonic() - start
-        return "passed" if code in (0, 76, 77) else "failed"
+            return None, limit_s
+        time.sleep(0.01)
 
 
 class Source:
@@ -87,7 +114,7 @@ class Source:
             copy.write_text(f'#line 1 "{self.path.name}"\n' + text)
             replaced = {"SOURCE": copy.name, "OBJECT": str(obj)}
             arguments = [replaced.get(a, a) for a in self.compiler] + ["-iquote", str(self.path.parent)]
-            if subprocess.run(arguments, cwd=folder, stderr=subprocess.DEVNULL).returncode:
+            if subprocess.run(arguments, cwd=folder, stderr=subprocess.DEVNULL, env=NO_CACHE).returncode:
                 return None
         return obj.read_bytes()
 
@@ -121,28 +148,46 @@ def excuses(path):
     return {line.split(" # ")[0].strip() for line in lines if " # " in line}
 
 
-def compiled_mutants(sources, count, seed, work):
+def compiled_mutants(sources, count, seed, work, jobs, ends_at, kept):
     """The first COUNT that compile to other code: (source, mutation, object). And how many did not, were the same."""
     plain = {s.name: s.compiled(s.text, work / "plain.o") for s in sources}
-    found, broken, same = [], 0, 0
-    for source, m in drawn(sources, seed):
-        if len(found) == count:
-            break
-        obj = work / f"mutant{len(found)}.o"
-        code = source.compiled(mutations.mutated(source.text, m), obj)
-        broken += code is None
-        same += code == plain[source.name]
-        if code is not None and code != plain[source.name]:
-            found.append((source, m, obj))
-    return found, broken, same
+    found, number_of = [], {"broken": 0, "same": 0}
+    order = list(enumerate(drawn(sources, seed)))
+
+    def compiled(one):
+        number, (source, m) = one
+        obj = work / f"mutant{number}.o"
+        if not kept.of(source, m):
+            code = source.compiled(mutations.mutated(source.text, m), obj)
+            kind = "broken" if code is None else "same" if code == plain[source.name] else "other"
+            kept.add(source, m, kind)
+        return source, m, obj
+
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        while order and len(found) < count and time.monotonic() < ends_at:
+            n = min(20, count - len(found))
+            some, order = order[:n], order[n:]
+            for source, m, obj in pool.map(compiled, some):
+                if kept.of(source, m) in number_of:
+                    number_of[kept.of(source, m)] += 1
+                else:
+                    found.append((source, m, obj))
+    return found, number_of["broken"], number_of["same"]
 
 
-def timed(tests, plain_object, work, slowest_s):
+def timed(tests, plain_object, work, slowest_s, kept=None):
     """The tests that pass with the unchanged object, the fastest first."""
     good = []
     for test in tests:
-        said = test.passes(plain_object, work, 3 * slowest_s if slowest_s < float("inf") else None)
-        test.seconds = getattr(test, "last_s", 3 * slowest_s)
+        name = f"plain {tests_id([test])} {slowest_s}"
+        known = kept.verdicts.get(name) if kept else None
+        if known:
+            said, test.seconds = "passed", float(known)
+        else:
+            said = test.passes(plain_object, work, 3 * slowest_s if slowest_s < float("inf") else None)
+            test.seconds = getattr(test, "last_s", 3 * slowest_s)
+        if kept and said == "passed" and not known:
+            kept.write(name, str(test.seconds))
         if said == "passed" and test.seconds <= slowest_s:
             good.append(test)
         else:
@@ -152,47 +197,88 @@ def timed(tests, plain_object, work, slowest_s):
 
 def judged(tests, obj, work):
     """"survived", or which test killed it and how."""
-    for test in tests:
+    for test in sorted(tests, key=lambda t: (t.seconds + LINK_S) / (1 + t.kills)):
         said = test.passes(obj, work, max(SHORTEST_LIMIT_S, 10 * test.seconds))
         if said != "passed":
+            test.kills += 1
             return f"{test.name} {said}"
     return "survived"
 
 
-def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf"),
-        limit_s=float("inf")):
+def tests_id(tests):
+    """Others where a test was added, left out or built again."""
+    said = [f"{t.name} {pathlib.Path(t.program).stat().st_mtime}" for t in sorted(tests, key=lambda t: t.name)]
+    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
+
+
+class Kept:
+    """What runs before found, a line each: of what, tab, the verdict; or how long a test takes. Of a file that has
+    changed none counts; what survived also says which tests."""
+
+    def __init__(self, path):
+        self.path, self.verdicts = path, {}
+        if path and path.exists():
+            self.verdicts = dict(line.split("\t") for line in path.read_text().splitlines())
+
+    def name(self, source, m):
+        text = hashlib.sha256(source.text.encode()).hexdigest()[:16]
+        return f"{source.name} {text} {m.start} {m.end} {' '.join(m.after.split())}"
+
+    def of(self, source, m):
+        return self.verdicts.get(self.name(source, m))
+
+    def add(self, source, m, verdict):
+        self.write(self.name(source, m), verdict)
+
+    def write(self, name, said):
+        self.verdicts[name] = said
+        if self.path:
+            with self.path.open("a") as file:
+                file.write(f"{name}\t{said}\n")
+
+
+def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf"), limit_s=float("inf"),
+        kept=None):
     """Prints what survived; returns (killed, survivors that are not excused, excused ones, verdicts)."""
     ends_at = time.monotonic() + limit_s
-    mutants, broken, same = compiled_mutants(sources, count, seed, work)
+    kept = kept or Kept(None)
+    mutants, broken, same = compiled_mutants(sources, count, seed, work, jobs, ends_at, kept)
     sources[0].compiled(sources[0].text, work / "plain.o")
-    tests = timed(tests, work / "plain.o", work, slowest_s)
+    tests = timed(tests, work / "plain.o", work, slowest_s, kept)
     print(f"mutants.py: {len(mutants)} mutants ({broken} more did not compile, {same} are the same code); "
           + ", ".join(f"{t.name} {t.seconds:.1f} s" for t in tests), flush=True)
     folders = [pathlib.Path(tempfile.mkdtemp(dir=work)) for _ in range(jobs)]
 
     def judge(mutant):
+        source, m, obj = mutant
         if time.monotonic() >= ends_at:
-            return None
+            return
         folder = folders.pop()
-        try:
-            return judged(tests, mutant[2], folder)
-        finally:
-            folders.append(folder)
+        if not obj.exists():
+            source.compiled(mutations.mutated(source.text, m), obj)
+        verdict = judged(tests, obj, folder)
+        kept.add(source, m, survived if verdict == "survived" else verdict)
+        folders.append(folder)
 
     survivors, equivalent, killers, verdicts = [], [], {}, []
+    survived = f"survived {tests_id(tests)}"
+    undecided = [(s, m, o) for s, m, o in mutants
+                 if kept.of(s, m) == "other" or (kept.of(s, m).startswith("survived") and kept.of(s, m) != survived)]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        for (source, m, _), verdict in zip(mutants, pool.map(judge, mutants)):
-            if not verdict:
-                continue
-            verdicts.append((source, m, verdict))
-            if verdict != "survived":
-                killers[verdict] = killers.get(verdict, 0) + 1
-                continue
-            said = description(source, m)
-            (equivalent if said in excused else survivors).append(said)
-            is_excused = " (equivalent)" if said in excused else ""
-            line = mutations.line_of(source.text, m)
-            print(f"survived{is_excused}: {said.replace(':', f':{line}:', 1)}", flush=True)
+        list(pool.map(judge, sorted(undecided, key=lambda one: kept.of(*one[:2]) != "other")))
+    for source, m, _ in mutants:
+        said, verdict = description(source, m), kept.of(source, m)
+        if verdict == "other":
+            continue
+        verdict = verdict.split()[0] if verdict.startswith("survived") else verdict
+        verdicts.append((source, m, verdict))
+        if verdict != "survived":
+            killers[verdict] = killers.get(verdict, 0) + 1
+            continue
+        (equivalent if said in excused else survivors).append(said)
+        is_excused = " (equivalent)" if said in excused else ""
+        line = mutations.line_of(source.text, m)
+        print(f"survived{is_excused}: {said.replace(':', f':{line}:', 1)}", flush=True)
     if len(verdicts) < len(mutants):
         print(f"  the time is over: {len(verdicts)} of {len(mutants)} were tried")
     for name, number in sorted(killers.items(), key=lambda pair: -pair[1]):
@@ -220,7 +306,8 @@ def tests_of(build, regex, extra):
         link[link.index("-o") + 1] = "PROGRAM"
         link.append("-s")  # nothing reads what debuggers need, and it takes most of the linker's time
         link.insert(next(i for i, a in enumerate(link) if a.endswith(".a")), "OBJECT")
-        tests.append(Test(name, link, ["PROGRAM" if a == str(programs[0]) else a for a in command], build))
+        tests.append(Test(name, link, ["PROGRAM" if a == str(programs[0]) else a for a in command], build,
+                          programs[0]))
     return tests
 
 
@@ -253,6 +340,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--least", type=float, default=95.0)
     parser.add_argument("--seconds", type=float, default=float("inf"))
+    parser.add_argument("--kept", type=pathlib.Path)
     parser.add_argument("--excuses", type=pathlib.Path, default=HERE / "equivalent.txt")
     a = parser.parse_args()
     build = a.build.resolve()
@@ -261,7 +349,7 @@ def main():
         sys.exit(f"mutants.py: {build} has {len(sources)} files of {a.room} and {len(tests)} tests")
     with tempfile.TemporaryDirectory(dir=build) as work:
         killed, survivors, equivalent, _ = run(sources, tests, a.count, a.seed, a.jobs, excuses(a.excuses),
-                                               pathlib.Path(work), a.slowest, a.seconds)
+                                               pathlib.Path(work), a.slowest, a.seconds, Kept(a.kept))
     share = 100.0 * killed / max(1, killed + len(survivors))
     print(f"mutants.py: {a.room}: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: "
           f"{share:.1f} %")

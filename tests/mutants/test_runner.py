@@ -64,7 +64,8 @@ def main():
         (work / "test.c").write_text(TEST)
         flags = ["-O0", "-fwrapv", "-w"]
         source = mutants.Source(work / "small.c", "small.c", ["cc", *flags, "-o", "OBJECT", "-c", "SOURCE"])
-        test = mutants.Test("small", ["cc", *flags, "-o", "PROGRAM", "OBJECT", "test.c"], ["PROGRAM"], work)
+        test = mutants.Test("small", ["cc", *flags, "-o", "PROGRAM", "OBJECT", "test.c"], ["PROGRAM"], work,
+                            work / "test.c")
         (work / "equivalent.txt").write_text(EXCUSED + " # both give 10\n")
         excused = mutants.excuses(work / "equivalent.txt")
         killed, survivors, equivalent, verdicts = mutants.run([source], [test], 1000, 1, 2, excused, work)

@@ -153,6 +153,17 @@ static ptrdiff_t lay_out(uint32_t width, uint32_t height, uint32_t pixel, int up
     return upside_down ? -stride : stride;
 }
 
+/* Of any eight bits. */
+static unsigned char chroma_of(unsigned flags, uint32_t bits)
+{
+    return (unsigned char)(flags & DIGEST_PALE ? 112 + bits % 33 : bits);
+}
+
+static int is_packed_chroma(uint32_t pixel, size_t sample)
+{
+    return (pixel == PUPIL_PIXEL_YUYV && sample % 2 == 1) || (pixel == PUPIL_PIXEL_UYVY && sample % 2 == 0);
+}
+
 static pupil_image_const make_frame(const digest_case *c, unsigned number)
 {
     /* Light that wanders over nine stops, in steps, from frame to frame. */
@@ -173,12 +184,15 @@ static pupil_image_const make_frame(const digest_case *c, unsigned number)
     for (uint32_t y = 0; y < c->height; y++) {
         unsigned char *to = input.bytes + ((ptrdiff_t)first + (ptrdiff_t)y * image.stride_bytes);
         const size_t samples = pupil_row_bytes(c->in, c->width) / sample_bytes(c->in);
-        for (size_t s = 0; s < samples; s++, to += sample_bytes(c->in))
+        for (size_t s = 0; s < samples; s++, to += sample_bytes(c->in)) {
             put_sample(to, c->in, level[number % 8] + (int)((s / 8 ^ y / 4) % 8) - 4, !(c->flags & DIGEST_PLAIN));
+            if (is_packed_chroma(c->in, s))
+                *to = c->flags & DIGEST_PALE ? chroma_of(c->flags, *to) : *to;
+        }
     }
     const size_t plane = pupil_chroma_row_bytes(c->in, c->width) * pupil_chroma_rows(c->in, c->height);
     for (size_t i = 0; i < (pupil_pixel_planes(c->in) > 2 ? 2 * plane : plane); i++)
-        input_chroma[i] = (unsigned char)random_bits(8);
+        input_chroma[i] = chroma_of(c->flags, random_bits(8));
     swap_on_big_endian(input_chroma, pupil_pixel_planes(c->in) > 2 ? 2 * plane : plane, sample_bytes(c->in));
     return image;
 }

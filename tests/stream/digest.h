@@ -11,7 +11,8 @@ enum {
     DIGEST_EXPOSED = 8,     /* frames bring exposure and gain */
     DIGEST_ROWS = 16,       /* by pupil_frame_rows in place of pupil_process */
     DIGEST_SEAM = 32,       /* by pupil_meter_rows, pupil_adapt, pupil_map_rows */
-    DIGEST_HALVED = 64      /* mosaics: out is half the size */
+    DIGEST_HALVED = 64,     /* mosaics: out is half the size */
+    DIGEST_PALE = 128       /* Cb and Cr are near grey */
 };
 
 typedef struct digest_case {
@@ -31,5 +32,9 @@ uint64_t digest_bloom(void);
 
 /* Gains of rows under lamps. */
 uint64_t digest_lamps(void);
+
+/* Lamps in the bands of a sensor's frames; lamps in the light of whole frames. */
+uint64_t digest_mains(void);
+uint64_t digest_flicker(void);
 
 #endif

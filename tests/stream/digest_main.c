@@ -188,6 +188,42 @@ static void outputs(void)
         }
 }
 
+/* By luma: pairs of rows, single ones, and last columns alone; blocks of more quads than a kernel takes, and fewer. */
+static void by_luma(void)
+{
+    static const uint32_t ins[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21,
+                                   PUPIL_PIXEL_NV16, PUPIL_PIXEL_YUYV, PUPIL_PIXEL_UYVY};
+    static const uint32_t outs[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8};
+    static const uint32_t sizes[][2] = {{1, 1}, {66, 49}, {517, 5}};
+    for (uint32_t i = 0; i < 6; i++)
+        for (uint32_t o = 0; o < 4; o++)
+            for (uint32_t s = 0; s < 3; s++) {
+                digest_case c = usual();
+                const uint32_t n = i + o + s;
+                c.config.accuracy = PUPIL_ACCURACY_LUMA;
+                c.in = ins[i];
+                c.out = outs[o];
+                c.width = sizes[s][0];
+                c.height = sizes[s][1];
+                c.frames = 3;
+                c.flags |= (s == 2            ? DIGEST_UPSIDE_DOWN
+                            : s == 1 && n % 2 ? DIGEST_ROWS
+                                              : 0) |
+                           (n % 3 ? DIGEST_PALE : 0);
+                c.coding.matrix = n % PUPIL_MATRIX_COUNT;
+                c.coding.range = n / 2 % PUPIL_RANGE_COUNT;
+                put("luma-");
+                put(pixel_names[c.in]);
+                put("-");
+                put(pixel_names[c.out]);
+                put("-");
+                put_number(c.width);
+                put("x");
+                put_number(c.height);
+                run(&c);
+            }
+}
+
 static void some_rows(digest_case *c)
 {
     c->config.meter_rows = 4;
@@ -443,5 +479,10 @@ int main(void)
     put_digest(digest_veil());
     put("bloom");
     put_digest(digest_bloom());
+    by_luma();
+    put("mains");
+    put_digest(digest_mains());
+    put("flicker");
+    put_digest(digest_flicker());
     return 0;
 }

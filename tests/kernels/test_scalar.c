@@ -1,0 +1,177 @@
+/* The scalar level's rows of bloom against sums by hand, and that each writes as far as kernels.h says and no further.
+ * All numbers are small integers and powers of two, so every order of a sum has the same bits. */
+#include <math.h>
+#include <string.h>
+
+#include "check.h"
+#include "kernels/kernels.h"
+
+enum { MOST = 128, ROOM = MOST + 64, GUARD = -12345 };
+static const uint32_t counts[] = {1, 8, 15, 16, 17, 31, 32, 33, 64, 100};
+enum { COUNTS = sizeof counts / sizeof counts[0] };
+
+static float rows[PUPIL_BLOOM_ROWS][2 * ROOM], to[2 * ROOM];
+
+static uint32_t up_to(uint32_t n, uint32_t multiple)
+{
+    return (n + multiple - 1) / multiple * multiple;
+}
+
+static void begin(void)
+{
+    for (int r = 0; r < PUPIL_BLOOM_ROWS; r++)
+        for (int i = 0; i < 2 * ROOM; i++)
+            rows[r][i] = (float)(int)(check_random() % 512);
+    for (int i = 0; i < 2 * ROOM; i++)
+        to[i] = GUARD;
+}
+
+static void check_guard(const char *what, uint32_t n, uint32_t end)
+{
+    for (uint32_t i = end; i < 2 * ROOM; i++)
+        CHECK_MSG(to[i] == GUARD, "%s of %u: wrote at %u", what, n, i);
+}
+
+static void check_down_and_up(uint32_t n)
+{
+    const float *const six[6] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]};
+    const float tap[3] = {0.25f, 0.5f, 0.125f};
+    const uint32_t end = up_to(n, 16);
+    begin();
+    pupil_kernels_scalar.bloom_down(six, n, to);
+    for (uint32_t i = 0; i < end; i++)
+        CHECK(32.0f * to[i] ==
+              rows[0][i] + 5 * rows[1][i] + 10 * rows[2][i] + 10 * rows[3][i] + 5 * rows[4][i] + rows[5][i]);
+    check_guard("down", n, end);
+    begin();
+    pupil_kernels_scalar.bloom_up(six, tap, n, to);
+    for (uint32_t i = 0; i < end; i++)
+        CHECK(8.0f * to[i] == 2 * rows[0][i] + 4 * rows[1][i] + rows[2][i]);
+    check_guard("up", n, end);
+}
+
+static void check_pairs(uint32_t n)
+{
+    const float *const one[2] = {rows[0], rows[1]}, *const other[2] = {rows[2], rows[3]};
+    const float tap[2] = {0.5f, 0.25f};
+    const uint32_t end = up_to(n, 32);
+    begin();
+    pupil_kernels_scalar.bloom_pairs(one, other, tap, 2, n, to, 0);
+    for (uint32_t i = 0; i < end; i++)
+        CHECK(4.0f * to[i] == 2 * (rows[0][i] + rows[2][i]) + rows[1][i] + rows[3][i]);
+    pupil_kernels_scalar.bloom_pairs(one, other, tap, 1, n, to, 1);
+    for (uint32_t i = 0; i < end; i++)
+        CHECK(4.0f * to[i] == 4 * (rows[0][i] + rows[2][i]) + rows[1][i] + rows[3][i]);
+    check_guard("pairs", n, end);
+}
+
+static const pupil_bloom_taps taps = {{1, 2, 4, 8, 16, 32}, {1, 2, 4, 8, 16, 32}, {1, 3, 5, 7, 9, 11}};
+
+static void check_columns(uint32_t n)
+{
+    static pupil_bloom_sums sums;
+    const uint32_t end = up_to(n, 16);
+    const float *row[PUPIL_BLOOM_ROWS];
+    begin();
+    for (int r = 0; r < PUPIL_BLOOM_ROWS; r++)
+        row[r] = rows[r];
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < PUPIL_BLOOM_LINE; i++)
+            sums[k][i] = GUARD;
+    pupil_kernels_scalar.bloom_columns(row, &taps, n, sums);
+    for (uint32_t i = 0; i < PUPIL_BLOOM_LINE; i++) {
+        float sum[4] = {GUARD, GUARD, GUARD, GUARD};
+        if (i < end) {
+            const float m = rows[5][i], a = rows[4][i] + rows[6][i], b = rows[3][i] + rows[7][i];
+            sum[0] = m + 2 * a + 8 * b; /* the near kernel at (0, 0), (0, 1), (0, 2) ... */
+            sum[1] = 2 * m + 4 * a + 16 * b;
+            sum[2] = 8 * m + 16 * a + 32 * b;
+            sum[3] = 0.0f;
+            for (int k = -5; k <= 5; k++)
+                sum[3] += (float)(1 << (k < 0 ? -k : k)) * rows[5 + k][i];
+        }
+        for (int k = 0; k < 4; k++)
+            CHECK_MSG(sums[k][i] == sum[k], "columns of %u: sum %d at %u", n, k, i);
+    }
+}
+
+static void check_rows(uint32_t n)
+{
+    static pupil_bloom_sums sums;
+    const uint32_t end = up_to(n, 16);
+    begin();
+    for (int k = 0; k < 4; k++)
+        memcpy(sums[k], rows[k], sizeof sums[k]);
+    for (uint32_t i = 0; i < end; i++)
+        to[i] = (float)(int)i;
+    pupil_kernels_scalar.bloom_rows((const float(*)[PUPIL_BLOOM_LINE])sums, &taps, n, to);
+    for (uint32_t i = 0; i < end; i++) {
+        const uint32_t at = PUPIL_BLOOM_SIDE + i;
+        float sum = (float)(int)i + sums[0][at] + sums[1][at - 1] + sums[1][at + 1] + sums[2][at - 2] + sums[2][at + 2];
+        for (uint32_t k = 0; k < 6; k++) /* taps.row: 1, 3, 5 ... from the middle outwards */
+            sum += (float)(int)(2 * k + 1) * (sums[3][at - k] + (k ? sums[3][at + k] : 0.0f));
+        CHECK_MSG(to[i] == sum, "rows of %u at %u: %g, expected %g", n, i, (double)to[i], (double)sum);
+    }
+    check_guard("rows", n, end);
+}
+
+static void check_halve_and_widen(uint32_t n)
+{
+    const float *from = rows[0] + 8;
+    const uint32_t end = up_to(n, 8);
+    begin();
+    pupil_kernels_scalar.bloom_halve(from, n, to);
+    for (uint32_t i = 0; i < end; i++) {
+        const float *f = from + 2 * (size_t)i;
+        CHECK(32.0f * to[i] == 10 * (f[0] + f[1]) + 5 * (f[-1] + f[2]) + f[-2] + f[3]);
+    }
+    check_guard("halve", n, end);
+    for (uint32_t i = 0; i < 2 * end; i++)
+        to[i] = (float)(int)i;
+    pupil_kernels_scalar.bloom_widen(from, n, to);
+    for (uint32_t i = 0; i < end; i++) {
+        const float *f = from + i, more[2] = {10 * f[0] + 5 * f[-1] + f[1], 10 * f[0] + 5 * f[1] + f[-1]};
+        for (uint32_t k = 0; k < 2; k++)
+            CHECK(16.0f * (to[2 * i + k] - (float)(int)(2 * i + k)) == more[k]);
+    }
+    check_guard("widen", n, 2 * end);
+}
+
+/* Negative light, NaN and what is above the ceiling; and what is above a threshold, with the colour that it had. */
+static void check_bright(uint32_t n)
+{
+    static pupil_planes planes;
+    static float bright[3][PUPIL_BLOCK];
+    float *const out[3] = {bright[0], bright[1], bright[2]};
+    for (int threshold = 0; threshold < 2; threshold++) {
+        for (uint32_t i = 0; i < PUPIL_BLOCK; i++) {
+            planes.r[i] = i % 5 == 1 ? -3.0f : i % 5 == 2 ? NAN : 4.0f;
+            planes.g[i] = i % 5 == 3 ? 0x1p31f : 2.0f;
+            planes.b[i] = i % 5 == 4 ? 8.0f : 1.0f;
+            bright[0][i] = bright[1][i] = bright[2][i] = GUARD;
+        }
+        pupil_kernels_scalar.bloom_bright(&planes, n, threshold ? 4.0f : 0.0f, out);
+        for (uint32_t i = 0; i < n; i++) {
+            const float r = i % 5 == 1 || i % 5 == 2 ? 0.0f : 4.0f, g = i % 5 == 3 ? 0x1p30f : 2.0f;
+            const float b = i % 5 == 4 ? 8.0f : 1.0f, most = i % 5 == 3 ? 0x1p30f : i % 5 == 4 ? 8.0f : 4.0f;
+            const float share = !threshold ? 1.0f : i % 5 == 1 || i % 5 == 2 ? 0.0f : (most - 4.0f) / most;
+            CHECK(bright[0][i] == r * share && bright[1][i] == g * share && bright[2][i] == b * share);
+        }
+        for (uint32_t i = n; i < PUPIL_BLOCK; i++)
+            CHECK(bright[0][i] == GUARD && bright[1][i] == GUARD && bright[2][i] == GUARD);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    for (int k = 0; k < COUNTS; k++) {
+        check_down_and_up(counts[k]);
+        check_pairs(counts[k]);
+        check_columns(counts[k]);
+        check_rows(counts[k]);
+        check_halve_and_widen(counts[k]);
+        check_bright(counts[k]);
+    }
+    return check_end();
+}
