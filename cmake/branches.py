@@ -8,6 +8,7 @@ A branch is one of gcov's: each way that a condition between && and || can go. C
 those of the source.
 """
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -21,17 +22,29 @@ TREE = pathlib.Path(__file__).resolve().parent.parent
 OTHER_LEVELS = re.compile(r"/kernels/(avx2|avx512|neon|wasm128)\b")
 
 
+def source_of(build, data):
+    """Of CMake's drivers/v4l2/controls/CMakeFiles/pupil_camera.dir/__/__/live/live.c.gcda: drivers/live/live.c."""
+    before, after = str(data.relative_to(build)).split("/CMakeFiles/")
+    return os.path.normpath(f"{before}/{after.split('/', 1)[1].replace('__', '..')}".removesuffix(".gcda"))
+
+
+def is_of(source, folder):
+    """drivers/file has its folders' files, too; drivers, which has rooms, its own alone."""
+    parent = os.path.dirname(source)
+    return parent == folder or ("/" in folder and parent.startswith(folder + "/"))
+
+
 def branches_of(build, folder):
     """{file: {line: [count of each branch]}}, and {file: [lines that ran, lines]}."""
     branches, lines = {}, {}
-    data = [str(f) for f in build.rglob("*.gcda") if f"pupil_objects.dir/{folder.removeprefix('lib/')}/" in str(f)
-            and not OTHER_LEVELS.search(str(f))]
-    for name in data:
+    for name in (build / folder.split("/")[0]).rglob("*.gcda"):
+        if not is_of(source_of(build, name), folder) or OTHER_LEVELS.search(str(name)):
+            continue
         said = subprocess.run(["gcov", "--json-format", "--stdout", "--branch-probabilities", name], cwd=build,
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True, text=True).stdout
         for file in json.loads(said)["files"]:
             path = pathlib.Path(build, file["file"]).resolve()
-            if not path.is_relative_to(TREE / folder):
+            if not path.is_relative_to(TREE) or not is_of(str(path.relative_to(TREE)), folder):
                 continue
             known = branches.setdefault(str(path.relative_to(TREE)), {})
             ran = lines.setdefault(str(path.relative_to(TREE)), {})

@@ -45,8 +45,10 @@ static int is_headless(const char *path)
 static int is_alone(const char *input)
 {
     struct stat status;
-    return starts_with(input, "pan:") || strcmp(input, "-") == 0 ||
-           (stat(input, &status) == 0 && !S_ISDIR(status.st_mode) && !is_still(input));
+    if (starts_with(input, "pan:") || strcmp(input, "-") == 0)
+        return 1;
+    const int is_file = stat(input, &status) == 0 ? !S_ISDIR(status.st_mode) : errno != ENOENT && errno != ENOTDIR;
+    return is_file && !is_still(input);
 }
 
 static int add_folder(pupil_paths *paths, const char *folder, pupil_why *why)

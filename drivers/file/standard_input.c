@@ -13,23 +13,43 @@
 #define PEEK_BYTES 64 /* an MP4's first box has 16 to 48, and the next one 8 to begin with */
 #define MOST_BYTES INT64_C(0x80000000)
 
-/* The first bytes, which stay where they are. How many. */
-static size_t peek(uint8_t bytes[PEEK_BYTES])
+/* A read or a write again, where a signal interrupted it and nobody wants to stop. */
+static int again(int (*stop)(void))
+{
+    return errno == EINTR && !(stop && stop());
+}
+
+/* The first bytes of a pipe, which stay in it. How many; -1: errno says why. */
+static ssize_t peek_pipe(uint8_t bytes[PEEK_BYTES], int (*stop)(void))
+{
+    int copy[2];
+    ssize_t size, got;
+    if (pipe2(copy, O_CLOEXEC))
+        return -1;
+    do
+        size = tee(STDIN_FILENO, copy[1], PEEK_BYTES, 0);
+    while (size < 0 && again(stop));
+    do
+        got = size > 0 ? read(copy[0], bytes, (size_t)size) : size;
+    while (size > 0 && got < 0 && again(stop));
+    const int error = errno;
+    close(copy[0]);
+    close(copy[1]);
+    errno = error;
+    return got;
+}
+
+/* The first bytes of standard input, which stay where they are. Of a terminal or a socket none. */
+static ssize_t peek(uint8_t bytes[PEEK_BYTES], int *is_file, int (*stop)(void))
 {
     struct stat is;
-    ssize_t got = -1;
-    if (fstat(STDIN_FILENO, &is) == 0 && S_ISREG(is.st_mode)) {
-        got = pread(STDIN_FILENO, bytes, PEEK_BYTES, lseek(STDIN_FILENO, 0, SEEK_CUR));
-    } else if (S_ISFIFO(is.st_mode)) {
-        int copy[2];
-        if (pipe2(copy, O_CLOEXEC))
-            return 0;
-        got = tee(STDIN_FILENO, copy[1], PEEK_BYTES, 0);
-        got = got > 0 ? read(copy[0], bytes, (size_t)got) : -1;
-        close(copy[0]);
-        close(copy[1]);
-    }
-    return got > 0 ? (size_t)got : 0;
+    *is_file = 0;
+    if (fstat(STDIN_FILENO, &is) != 0)
+        return -1;
+    *is_file = S_ISREG(is.st_mode);
+    if (S_ISFIFO(is.st_mode))
+        return peek_pipe(bytes, stop);
+    return *is_file ? pread(STDIN_FILENO, bytes, PEEK_BYTES, lseek(STDIN_FILENO, 0, SEEK_CUR)) : 0;
 }
 
 static int begins(const uint8_t *bytes, size_t size, const char *with, size_t length)
@@ -61,7 +81,7 @@ static int copy_all(int to, int (*stop)(void), pupil_why *why)
     int64_t total = 0;
     for (;;) {
         const ssize_t got = read(STDIN_FILENO, block, sizeof block);
-        if (got < 0 && errno == EINTR && !(stop && stop()))
+        if (got < 0 && again(stop))
             continue;
         if (got < 0)
             return pupil_refuse(why, "standard input: cannot be read: %s", strerror(errno));
@@ -74,9 +94,9 @@ static int copy_all(int to, int (*stop)(void), pupil_why *why)
                                 "not read from a pipe; name the file");
         for (ssize_t done = 0; done < got;) {
             const ssize_t put = write(to, block + done, (size_t)(got - done));
-            if (put < 0)
+            if (put < 0 && errno != EINTR)
                 return pupil_refuse(why, "standard input: no memory for its %lld bytes", (long long)total);
-            done += put;
+            done += put > 0 ? put : 0;
         }
     }
 }
@@ -96,11 +116,12 @@ static int spool(int (*stop)(void), pupil_why *why)
 int pupil_standard_input_prepare(int (*stop)(void), pupil_why *why)
 {
     uint8_t bytes[PEEK_BYTES];
-    struct stat is;
-    const size_t size = peek(bytes);
-    const int still = is_still(bytes, size);
-    const int is_file = fstat(STDIN_FILENO, &is) == 0 && S_ISREG(is.st_mode);
-    if (!is_file && (still || has_index_last(bytes, size)) && spool(stop, why))
+    int is_file;
+    const ssize_t size = peek(bytes, &is_file, stop);
+    if (size < 0)
+        return pupil_refuse(why, "standard input: cannot be read: %s", strerror(errno));
+    const int still = is_still(bytes, (size_t)size);
+    if (!is_file && (still || has_index_last(bytes, (size_t)size)) && spool(stop, why))
         return -1;
     return still;
 }

@@ -49,7 +49,7 @@ static int control(const libcamera_node *node, unsigned long request, uint32_t i
 {
     struct v4l2_ext_control one = {.id = id, .value = *value};
     struct v4l2_ext_controls all = {.which = V4L2_CTRL_WHICH_CUR_VAL, .count = 1, .controls = &one};
-    const int result = node->system->ioctl(node->system->context, node->fd, request, &all);
+    const int result = pupil_v4l2_ioctl(node->system, node->fd, request, &all);
     *value = one.value;
     return result;
 }
@@ -74,8 +74,7 @@ void libcamera_node_open(libcamera_node *node, const pupil_v4l2_system *system, 
     }
     struct v4l2_streamparm rate = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
     const struct v4l2_fract *interval = &rate.parm.capture.timeperframe;
-    if (node->fd >= 0 && node->system->ioctl(node->system->context, node->fd, VIDIOC_G_PARM, &rate) == 0 &&
-        interval->denominator)
+    if (node->fd >= 0 && pupil_v4l2_ioctl(node->system, node->fd, VIDIOC_G_PARM, &rate) == 0 && interval->denominator)
         node->frame_s = (double)interval->numerator / interval->denominator;
 }
 

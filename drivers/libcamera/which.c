@@ -39,7 +39,7 @@ static size_t fits(const all *a, const char *which, const one **only)
     size_t count = 0, of_model = 0;
     const one *whole = NULL;
     if (!*which || (isdigit((unsigned char)*which) && !*end)) { /* a number, from 0 */
-        *only = &a->camera[number];
+        *only = number < a->count ? &a->camera[number] : NULL;
         return number < a->count;
     }
     for (size_t i = 0; i < a->count; i++) {

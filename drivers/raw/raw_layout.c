@@ -217,7 +217,10 @@ int pupil_raw_layout_read(pupil_raw_layout *l, const char *text, pupil_why *why)
         const char *from = end + 1;
         for (end = from; *end && *end != ',';)
             end++;
-        snprintf(pair, sizeof pair, "%.*s", (int)(end - from < 250 ? end - from : 250), from);
+        if ((size_t)(end - from) >= sizeof pair)
+            return pupil_refuse(why, "raw:%.500s: \"%.40s...\": a key of over %zu bytes", l->file, from,
+                                sizeof pair - 1);
+        snprintf(pair, sizeof pair, "%.*s", (int)(end - from), from);
         equals = strchr(pair, '=');
         if (!equals)
             return pupil_refuse(why, "raw:%.500s: \"%s\": a key and = were expected", l->file, pair);

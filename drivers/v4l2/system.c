@@ -64,9 +64,13 @@ static int kernel_list(void *context, const char *folder, void (*found)(void *cl
     DIR *open_folder = opendir(folder);
     if (!open_folder)
         return -1;
-    for (struct dirent *entry; (entry = readdir(open_folder));)
+    errno = 0;
+    for (struct dirent *entry; (entry = readdir(open_folder)); errno = 0)
         found(closure, entry->d_name);
-    return closedir(open_folder);
+    const int error = errno;
+    closedir(open_folder);
+    errno = error;
+    return error ? -1 : 0;
 }
 
 static int kernel_device_number(void *context, int fd, uint32_t *major_number, uint32_t *minor_number)

@@ -304,8 +304,10 @@ static int configure(void *context, const pupil_libcamera_wanted *wanted, pupil_
                                        .buffers = wanted->buffers < c->buffers ? wanted->buffers : c->buffers};
     for (uint32_t i = 0; i < BUFFERS && !f->memory[i]; i++) {
         f->memory[i] = calloc(2, bytes + 4096);
-        if (!f->memory[i])
-            abort();
+        if (!f->memory[i]) {
+            snprintf(why->text, sizeof why->text, "the fake has no memory");
+            return -1;
+        }
         f->buffer[i] = (pupil_libcamera_buffer){.planes = c->fourcc == V4L2_PIX_FMT_NV12 ? 2 : 1,
                                                 .memory = {f->memory[i], f->memory[i] + bytes + 4096},
                                                 .bytes = {bytes, bytes / 2},

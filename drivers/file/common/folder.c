@@ -14,6 +14,16 @@ char *folder_of(const char *path)
     return !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
 }
 
+struct dirent *folder_next(DIR *folder)
+{
+    struct dirent *entry;
+    do {
+        errno = 0;
+        entry = readdir(folder);
+    } while (entry && (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0));
+    return entry;
+}
+
 /* getdents64(2); glibc's readdir takes memory, and musl has no other name for this. */
 typedef struct directory_entry {
     uint64_t inode;

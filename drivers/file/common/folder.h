@@ -4,8 +4,13 @@
 #ifndef PUPIL_DRIVERS_FILE_COMMON_FOLDER_H
 #define PUPIL_DRIVERS_FILE_COMMON_FOLDER_H
 
+#include <dirent.h>
+
 /* The folder that `path` is in, to be freed. NULL: no memory. */
 char *folder_of(const char *path);
+
+/* The next entry but "." and "..". NULL: there is none (errno is 0), or the folder cannot be read (errno). */
+struct dirent *folder_next(DIR *folder);
 
 /* Removes the folder and what is in it. 0 or an errno; what is gone already is no error. */
 int folder_remove(const char *path);

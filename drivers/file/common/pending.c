@@ -35,9 +35,13 @@ static int make_locked(const char *made, int is_folder)
         errno = error;
         return -1;
     }
-    if ((flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) || fstat(fd, &s) != 0 || s.st_nlink == 0) {
+    const int is_swept = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const int error = fstat(fd, &s) != 0 ? errno : is_swept || s.st_nlink == 0 ? EEXIST : 0;
+    if (error) {
+        if (error != EEXIST)
+            (is_folder ? rmdir : unlink)(made);
         close(fd);
-        errno = EEXIST;
+        errno = error;
         return -1;
     }
     return fd; /* on a file system without locks, too: nobody sweeps there */
@@ -120,18 +124,18 @@ static int look_through(const char *path, size_t *entries, char first_other[NAME
     first_other[0] = 0;
     if (!folder)
         return -1;
-    while ((entry = readdir(folder)) != NULL) {
+    while ((entry = folder_next(folder)) != NULL) {
         struct stat s;
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
-            continue;
         ++*entries;
         if (!first_other[0] &&
             (!is_frame_name(entry->d_name) || fstatat(dirfd(folder), entry->d_name, &s, AT_SYMLINK_NOFOLLOW) != 0 ||
              !S_ISREG(s.st_mode)))
             snprintf(first_other, NAME_MAX + 1, "%s", entry->d_name);
     }
+    const int error = errno;
     closedir(folder);
-    return 0;
+    errno = error;
+    return error ? -1 : 0;
 }
 
 static int may_replace(const char *path, const char *shown, int overwrite, pupil_why *why)
@@ -375,16 +379,16 @@ static int merge(const pupil_pending *p, int look, pupil_why *why)
     struct dirent *entry;
     struct stat is;
     int failed = folder && to >= 0 ? 0 : pupil_refuse(why, "%s: cannot be opened: %s", p->path, strerror(errno));
-    while (!failed && (entry = readdir(folder)) != NULL) {
+    while (!failed && (entry = folder_next(folder)) != NULL) {
         const char *name = entry->d_name;
-        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-            continue;
         const int there = fstatat(to, name, &is, AT_SYMLINK_NOFOLLOW) == 0;
         if (there && (!p->overwrite || !S_ISREG(is.st_mode)))
             failed = pupil_refuse(why, "%s/%s: is there already%s", p->path, name, p->overwrite ? ", and no file" : "");
         else if (!look && renameat(dirfd(folder), name, to, name) != 0)
             failed = pupil_refuse(why, "%s/%s: cannot be put in place: %s", p->path, name, strerror(errno));
     }
+    if (!failed && errno) /* else files would be left out, and go with the temporary folder */
+        failed = pupil_refuse(why, "%s: cannot be read: %s", p->temporary, strerror(errno));
     if (folder)
         closedir(folder);
     if (to >= 0)

@@ -1,5 +1,4 @@
 /* drivers/file/recording/recording_folder.c: the folder that a recording is written into, and its recording.json. */
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -7,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "file/common/folder.h"
 #include "recording_format.h"
 #include "refuse.h"
 
@@ -38,9 +38,7 @@ static int look_through(const char *path, int overwrite, pupil_why *why)
     int failed = 0;
     if (!folder)
         return pupil_refuse(why, "%s: is no folder that can be used: %s", path, strerror(errno));
-    while (!failed && (entry = readdir(folder)) != NULL) {
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
-            continue;
+    while (!failed && (entry = folder_next(folder)) != NULL) {
         if (!is_ours(entry->d_name))
             failed = pupil_refuse(why,
                                   "%s: is not used, for it holds %s, which is no part of a recording; name another "
@@ -50,6 +48,8 @@ static int look_through(const char *path, int overwrite, pupil_why *why)
             failed = pupil_refuse(
                 why, "%s: is a recording already; name another folder, or overwrite it (-y, --overwrite)", path);
     }
+    if (!failed && errno)
+        failed = pupil_refuse(why, "%s: the folder cannot be read: %s", path, strerror(errno));
     closedir(folder);
     return failed;
 }

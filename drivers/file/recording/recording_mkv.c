@@ -70,8 +70,12 @@ static int put_bytes(void *opaque, uint8_t *bytes, int size)
 static int64_t seek_to(void *opaque, int64_t offset, int whence)
 {
     pupil_mkv_writer *w = opaque;
-    const off_t at = whence & AVSEEK_SIZE ? -1 : lseek(w->fd, offset, whence & ~AVSEEK_FORCE);
-    return at < 0 ? AVERROR(EINVAL) : at;
+    if (whence & AVSEEK_SIZE)
+        return AVERROR(EINVAL);
+    const off_t at = w->error ? -1 : lseek(w->fd, offset, whence & ~AVSEEK_FORCE);
+    if (at < 0 && !w->error) /* libavformat would write on where it is */
+        w->error = errno;
+    return at < 0 ? AVERROR(w->error) : at;
 }
 
 /* What was written in part goes again. */

@@ -8,6 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "file/common/folder.h"
 #include "recording.h"
 #include "recording_format.h"
 #include "recording_mkv.h"
@@ -102,6 +103,17 @@ static int fail(pupil_recorder *r, const char *name)
                         strerror(errno), (unsigned long long)r->lines);
 }
 
+static int put_line(int fd, const char *line, size_t length)
+{
+    for (size_t put = 0; put < length;) {
+        const ssize_t wrote = write(fd, line + put, length - put);
+        if (wrote < 0 && errno != EINTR)
+            return -1;
+        put += wrote > 0 ? (size_t)wrote : 0;
+    }
+    return 0;
+}
+
 /* The frame first, then its line: each line has its frame. */
 static int write_slot(pupil_recorder *r, const slot *s)
 {
@@ -111,25 +123,21 @@ static int write_slot(pupil_recorder *r, const slot *s)
     const size_t length =
         pupil_recording_line(line, r->lines, &s->info,
                              memcmp(s->balance, r->about.coding.balance, sizeof s->balance) == 0 ? NULL : s->balance);
-    ssize_t wrote;
-    do
-        wrote = write(r->lines_fd, line, length);
-    while (wrote < 0 && errno == EINTR);
-    if (wrote != (ssize_t)length) {
-        const int error = wrote < 0 ? errno : ENOSPC;
+    if (put_line(r->lines_fd, line, length)) {
+        const int error = errno;
         (void)!ftruncate(r->lines_fd, r->lines_end);
         errno = error;
         return fail(r, PUPIL_RECORDING_LINES);
     }
-    r->lines_end += wrote;
+    r->lines_end += (off_t)length;
     r->lines++;
     return 0;
 }
 
-/* EINVAL, EROFS: a file system that cannot sync. */
 static int to_disk(int fd)
 {
-    return fsync(fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : -1;
+    errno = folder_flush_file(fd);
+    return errno ? -1 : 0;
 }
 
 static int complete(pupil_recorder *r)

@@ -1,13 +1,14 @@
 /* Natural order, folders and glob patterns. */
 #include "natural_order.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+#include "file/common/folder.h"
 
 static int is_digit(char c)
 {
@@ -90,11 +91,13 @@ static void sort_from(pupil_paths *paths, size_t first)
         qsort(paths->path + first, paths->count - first, sizeof *paths->path, compare_paths);
 }
 
-/* 1 where the file is wanted. */
+/* 1 where the file is wanted; also one that cannot be looked at, of which its reader says why. */
 static int wanted(const char *path, int (*keep)(const char *path))
 {
     struct stat status;
-    return (!keep || keep(path)) && stat(path, &status) == 0 && !S_ISDIR(status.st_mode);
+    if (keep && !keep(path))
+        return 0;
+    return stat(path, &status) == 0 ? !S_ISDIR(status.st_mode) : errno != ENOENT;
 }
 
 int pupil_paths_folder(pupil_paths *paths, const char *folder, int (*keep)(const char *path))
@@ -105,7 +108,7 @@ int pupil_paths_folder(pupil_paths *paths, const char *folder, int (*keep)(const
     DIR *directory = opendir(folder);
     if (!directory)
         return -1;
-    while (result == 0 && (entry = readdir(directory))) {
+    while (result == 0 && (entry = folder_next(directory))) {
         char *path = NULL;
         if (entry->d_name[0] == '.')
             continue;
@@ -117,7 +120,10 @@ int pupil_paths_folder(pupil_paths *paths, const char *folder, int (*keep)(const
         }
         free(path);
     }
+    const int error = errno; /* 0: the end of the folder */
     closedir(directory);
+    errno = error;
+    result = error ? -1 : result;
     sort_from(paths, first);
     return result;
 }

@@ -20,6 +20,7 @@ struct pupil_video_sound {
     int *stream;      /* of each stream of `from`, the one of `to`; -1: not copied */
     int64_t begin_ns; /* the time in `from` at which the video begins */
     int has_packet, ended;
+    int error; /* libav's: the rest cannot be read; 0: it can, or is no more */
 };
 
 void pupil_video_sound_close(pupil_video_sound *s)
@@ -72,8 +73,10 @@ static int add(pupil_video_sound *s, const AVStream *from, pupil_why *why)
         return -1;
     }
     AVStream *to = add_to(s->to, from);
-    if (!to)
+    if (!to) {
+        pupil_refuse(why, "not enough memory");
         return -1;
+    }
     to->disposition = from->disposition;
     av_dict_copy(&to->metadata, from->metadata, 0);
     return to->index;
@@ -84,6 +87,8 @@ static int open_streams(pupil_video_sound *s, pupil_why *why)
     const unsigned count = s->streams = s->from->nb_streams;
     int copied = 0;
     s->stream = malloc((count ? count : 1) * sizeof *s->stream);
+    if (!s->stream)
+        pupil_refuse(why, "not enough memory");
     for (unsigned i = 0; s->stream && i < count; i++) {
         AVStream *from = s->from->streams[i];
         s->stream[i] = from->codecpar->codec_type == AVMEDIA_TYPE_AUDIO ? add(s, from, why) : -1;
@@ -117,7 +122,9 @@ static int next(pupil_video_sound *s)
 {
     while (!s->ended && !s->has_packet) {
         AVPacket *p = s->packet;
-        if (av_read_frame(s->from, p) < 0) {
+        const int code = av_read_frame(s->from, p);
+        if (code < 0) { /* the end, or damage: what comes before it is copied */
+            s->error = code == AVERROR(ENOMEM) ? code : AVERROR(s->io.error);
             s->ended = 1;
             break;
         }
@@ -149,5 +156,5 @@ int pupil_video_sound_write(pupil_video_sound *s, int64_t before_ns)
         if (code < 0)
             return code;
     }
-    return 0;
+    return s ? s->error : 0;
 }

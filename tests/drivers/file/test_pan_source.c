@@ -363,7 +363,26 @@ static void test_refusals(void)
                                           {"path=0/0@1:1/1", "all keyframes or for none"},
                                           {"path=0/0@1:1/1@1", "rise"},
                                           {"path=inf/0", "yaw/pitch"},
-                                          {"fov=60,,", "path, fov, size and duration"}};
+                                          {"fov=60,,", "path, fov, size and duration"},
+                                          {"fow=60", "path, fov, size and duration"},
+                                          {"sise=4x4", "path, fov, size and duration"},
+                                          {"durations=4", "path, fov, size and duration"},
+                                          {"duration=100000", "seconds, 0.001 to 86400"},
+                                          {"duratiom=4", "path, fov, size and duration"},
+                                          {"size=ax4", "640x360"},
+                                          {"size=4xa", "640x360"},
+                                          {"size=0x4", "640x360"},
+                                          {"size=4x99999", "640x360"},
+                                          {"size=99999x4", "640x360"},
+                                          {"size=4.5x4", "640x360"},
+                                          {"size=4x4.5", "640x360"},
+                                          {"path=36001/0", "a yaw of -36000 to 36000"},
+                                          {"path=0/0/151", "field of view"},
+                                          {"path=0/x", "yaw/pitch"},
+                                          {"path=0/0/x", "yaw/pitch"},
+                                          {"path=0/0@x", "yaw/pitch"},
+                                          {"path=0/0@-1", "seconds that rise"},
+                                          {"path=0/0@90000", "seconds that rise"}};
     char spec[2048];
     pupil_source *source;
     const char *room = file("room.pfm", 8, 4);
@@ -372,6 +391,17 @@ static void test_refusals(void)
         CHECK(pupil_pan_source_open(spec, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
         CHECK_MSG(strstr(why.text, "room.pfm: ") && strstr(why.text, keys[k][1]), "%s: %s", keys[k][0], why.text);
     }
+    snprintf(spec, sizeof spec, "pan:%s,path=", room);
+    while (strlen(spec) < sizeof spec - 8)
+        strcat(spec, "0/0:");
+    CHECK(pupil_pan_source_open(spec, NULL, &source, &why) == PUPIL_SOURCE_FAILED && strstr(why.text, "keyframes"));
+    const pupil_source_options large = {.width = PUPIL_MAX_SIDE_PX + 1, .height = 4}, endless = {.fps = 1e6},
+                               high = {.width = 4, .height = PUPIL_MAX_SIDE_PX + 1};
+    snprintf(spec, sizeof spec, "pan:%s,duration=86400", room);
+    CHECK(pupil_pan_source_open(spec, &large, &source, &why) == PUPIL_SOURCE_FAILED && strstr(why.text, "16385 x 4"));
+    CHECK(pupil_pan_source_open(spec, &high, &source, &why) == PUPIL_SOURCE_FAILED && strstr(why.text, "4 x 16385"));
+    CHECK(pupil_pan_source_open(spec, &endless, &source, &why) == PUPIL_SOURCE_FAILED &&
+          strstr(why.text, "at most 1000000000 frames"));
     snprintf(spec, sizeof spec, "pan:%s", file("square.pfm", 8, 8));
     CHECK(pupil_pan_source_open(spec, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
     CHECK_MSG(strstr(why.text, "square.pfm: 8 x 8") && strstr(why.text, "twice as wide"), "%s", why.text);

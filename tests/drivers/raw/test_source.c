@@ -111,12 +111,40 @@ static void test_layout(void)
         {"a,format=RG10,size=4x2,skip=-1", "a number of bytes"},
         {"a,format=RG10,size=4x2,colour=red", "was expected"},
         {"a,format=RG10,size", "a key and ="},
+        {"a,format=RG10 too long for one,size=2x2", "a V4L2 format"},
+        {"a,format=YV12,size=2x2", "a V4L2 format"},
+        {"a,format=RG10,size=4x2.5", "WIDTHxHEIGHT"},
+        {"a,format=RG10,size=4x0", "WIDTHxHEIGHT"},
+        {"a,format=RG10,size=4x99999", "WIDTHxHEIGHT"},
+        {"a,format=RG10,size=x2", "WIDTHxHEIGHT"},
+        {"a,format=RG10,size=4x2,skip=1/2", "a number of bytes"},
+        {"a,format=RG10,size=4x2,black=1/2", "black=1/2: a code"},
+        {"a,format=RG10,size=4x2,white=65536", "white=65536: a code"},
+        {"a,format=RG10,size=4x2,balance=1/2000/1", "factors from 0.001 to 1024"},
+        {"a,format=RG10,size=4x2,shift=x", "0 to 8"},
+        {"a,format=RG10,size=4x2,knees=1:1/2:2/3:3/4:4/5:5/6:6/7:7/8:8/9:9", "up to 8 points"},
+        {"a,format=RG10,size=4x2,knees=1:0.1/2", "up to 8 points"},
+        {"a,format=RG10,size=2x3", "even sides"},
+        {"a,format=YU12,size=8x2,stride=9", NULL}, /* Cb and Cr at half the stride */
+        {"a,format=NV12,size=4x2,stride=4", NULL},
+        {"a,format=YU12,size=7x2,stride=7", "stride 7: a row of 7 pixels of YU12"},
+        {"a,2=b,format=GREY,size=4x2,balance=auto", NULL}, /* no letter: a name */
+        {"a,b,format=GREY,size=4x2", NULL},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         why.text[0] = 0;
-        CHECK_MSG(pupil_raw_layout_read(&l, wrong[i][0], &why) == -1 && strstr(why.text, wrong[i][1]), "%s: %s",
+        const int refused = pupil_raw_layout_read(&l, wrong[i][0], &why) == -1;
+        CHECK_MSG(refused == (wrong[i][1] != NULL) && (!refused || strstr(why.text, wrong[i][1])), "%s: %s",
                   wrong[i][0], why.text);
     }
+    /* Nothing is cut short and then taken for something else. */
+    char *longest = malloc(6000);
+    snprintf(longest, 6000, "a,format=GREY,size=4x2,knees=1:0.1/2:%0300d", 3);
+    CHECK(pupil_raw_layout_read(&l, longest, &why) == -1 && strstr(why.text, "a key of over 255 bytes"));
+    memset(longest, 'a', 5000);
+    snprintf(longest + 5000, 1000, ",format=GREY,size=4x2");
+    CHECK(pupil_raw_layout_read(&l, longest, &why) == -1 && strstr(why.text, "raw: a path of over 4096 bytes"));
+    free(longest);
 }
 
 /* What next says, in turn: f a whole frame, d a damaged one. */

@@ -140,10 +140,79 @@ static void check_parser(void)
     }
 }
 
+/* A camera that has limits and nothing else. */
+static pupil_camera_limits limits;
+
+static void get_limits(pupil_camera *camera, pupil_camera_limits *to)
+{
+    (void)camera;
+    *to = limits;
+}
+
+/* Each law that pupil/sensor.h has a name for; a camera whose codes have steps, or that has another law, is
+ * PUPIL_GAIN_ANY.
+ */
+static void check_configuration(void)
+{
+    static const struct {
+        pupil_camera_gain gain;
+        int64_t step;
+        uint32_t law;
+        double gain_step;
+    } cases[] = {
+        {{.law = PUPIL_CAMERA_DB, .p = {0.3}}, 2, PUPIL_GAIN_DB, 0.6},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {1, 0, 0, 16}}, 4, PUPIL_GAIN_LINEAR, 0.25},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {0, 256, -1, 256}}, 1, PUPIL_GAIN_RECIPROCAL, 256},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {0, 256, -1, 256}}, 2, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {0, 256, -2, 256}}, 1, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {0, 255, -1, 256}}, 1, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {1, 256, -1, 256}}, 1, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_RATIO, .p = {1, 0, 1, 16}}, 1, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_OCTAVES, .p = {16}}, 1, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_TABLE, .rows = 2, .code = {1, 2}, .gain = {1, 1.5}}, 1, PUPIL_GAIN_TABLE, 0},
+        {{.law = PUPIL_CAMERA_TABLE, .rows = 2, .code = {1, 3}, .gain = {1, 1.5}}, 2, PUPIL_GAIN_ANY, 0},
+        {{.law = PUPIL_CAMERA_TABLE}, 1, PUPIL_GAIN_ANY, 0},
+    };
+    static const pupil_camera_ops ops = {.get_limits = get_limits};
+    pupil_camera camera = {&ops};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        pupil_sensor_config config;
+        pupil_sensor_config_default(&config);
+        limits = (pupil_camera_limits){.exposure_step_s = 1e-4,
+                                       .exposure_min_s = 0.05,
+                                       .exposure_max_s = 0.1,
+                                       .gain_min = 1,
+                                       .gain_max = 8,
+                                       .has_gain = 1,
+                                       .gain = cases[i].gain,
+                                       .gain_code_step = cases[i].step,
+                                       .exposure_delay = 20,
+                                       .frame_s = 0.01};
+        pupil_camera_configure(&camera, &config);
+        CHECK_MSG(config.gain_law == cases[i].law, "case %zu: law %u", i, config.gain_law);
+        CHECK(cases[i].gain_step == 0 || fabs(config.gain_step - cases[i].gain_step) < 1e-12);
+        CHECK(config.gain_law != PUPIL_GAIN_TABLE || (config.gain_count == 2 && config.gain_table[1] == 1.5));
+        CHECK(config.frame_s == 0.05 && config.delay_frames == 16); /* no shorter than the shortest exposure */
+    }
+}
+
+/* The frame whose exposure is in progress, by the time that has passed. */
+static void check_newest(void)
+{
+    CHECK(pupil_camera_newest(7, 0, 10000000, 0.02) == 7); /* half a frame */
+    CHECK(pupil_camera_newest(7, 0, 50000000, 0.02) == 9);
+    CHECK(pupil_camera_newest(7, 50000000, 0, 0.02) == 7);
+    CHECK(pupil_camera_newest(7, 0, INT64_C(3600000000000), 0.02) == 7 + 256); /* another clock */
+    CHECK(pupil_camera_close(NULL, NULL) == 0);
+    pupil_camera_restore(NULL);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_laws();
+    check_configuration();
+    check_newest();
     check_exposures();
     check_table();
     check_parser();
