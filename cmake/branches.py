@@ -1,4 +1,4 @@
-"""Which branches of folders of the library ran, of a build made with --coverage whose tests have run.
+"""Which branches of folders of the library or the drivers ran, of a build made with --coverage whose tests have run.
 
     branches.py BUILD FOLDER...     a table; with --missing also each line with a branch that did not run
     branches.py --unreached LIST BUILD FOLDER...    the table, and exit 1 unless the branches that did not run are those
@@ -63,47 +63,57 @@ def text_of(name, number):
 
 
 def read_list(path):
-    """{(file, way, the line's text)} and {folder: how many may be without an entry}."""
-    listed, allowed = set(), {}
+    """{(file, way, the line's text)}, and {folder or file: {word: what follows it}} of the other lines."""
+    listed, rules = set(), {}
     for line in pathlib.Path(path).read_text().splitlines():
-        if line.startswith("lib/"):
-            name, way, text = line.split(": ", 2)
-            if way == "at most":
-                allowed[name] = int(text)
+        if line.startswith(("lib/", "drivers/", "drivers: ")):
+            name, word, text = line.split(": ", 2)
+            if word.isdigit():
+                listed.add((name, int(word), text))
             else:
-                listed.add((name, int(way), text))
-    return listed, allowed
+                rules.setdefault(name, {})[word] = text
+    return listed, rules
 
 
-def check_list(path, found, folders):
-    """found: {folder: {(file, way, text) that did not run}}. What is wrong, a line each."""
-    listed, allowed = read_list(path)
+def check_list(path, found, shares, folders):
+    """found: {folder: {(file, way, text) that did not run}}; shares: {folder: per cent that ran}. What is wrong, a line
+    each."""
+    listed, rules = read_list(path)
     faults = []
     for folder in folders:
-        mine = {entry for entry in listed if entry[0].startswith(folder + "/")}
+        mine = {entry for entry in listed if is_of(entry[0], folder)}
         unlisted = found[folder] - mine
         if len(mine) > MOST_LISTED:
             faults.append(f"{folder}: {len(mine)} ways are listed, at most {MOST_LISTED} may be")
         faults += [f"{e[0]}: way {e[1]} ran, or is no more, but is listed: {e[2]}"
                    for e in sorted(mine - found[folder])]
-        if len(unlisted) > allowed.get(folder, 0):
+        rule = rules.get(folder, {})
+        if "at least" in rule:
+            if shares[folder] < float(rule["at least"].split()[0]):
+                faults.append(f"{folder}: {shares[folder]:.2f} % of its ways ran; at least {rule['at least']} must")
+        elif len(unlisted) > int(rule.get("at most", 0)):
             faults += [f"{e[0]}: way {e[1]} did not run and is not listed: {e[2]}" for e in sorted(unlisted)]
     return faults
 
 
 MOST_LISTED = 10
+LIST = TREE / "tests/tree/branches.txt"
 
 
 def main():
     arguments = [a for a in sys.argv[1:] if a != "--missing"]
     unreached = arguments[1] if arguments[:1] == ["--unreached"] else None
     arguments = arguments[2:] if unreached else arguments
-    found = {}
+    found, shares = {}, {}
     if len(arguments) < 2:
         sys.exit(__doc__)
+    elsewhere = [name for name, rule in read_list(unreached or LIST)[1].items() if "elsewhere" in rule]
     print(" branches              lines")
     for folder in arguments[1:]:
         branches, lines = branches_of(pathlib.Path(arguments[0]).resolve(), folder)
+        for name in set(branches) & set(elsewhere):
+            print(f"{'':35}{name}: not counted, for it runs elsewhere")
+            del branches[name]
         together = [0, 0, 0, 0]
         for name in sorted(branches):
             counts = [c for line in branches[name].values() for c in line]
@@ -111,6 +121,7 @@ def main():
             together = [a + b for a, b in zip(together, row)]
             print(row_of(row, name))
         print(row_of(together, f"{folder} together"))
+        shares[folder] = 100.0 * together[0] / max(1, together[1])
         found[folder] = {(name, i + 1, text_of(name, number)) for name in branches
                          for number, counts in branches[name].items() for i, c in enumerate(counts) if not c}
         if not together[1]:
@@ -120,7 +131,7 @@ def main():
                 if not all(counts):
                     ways = ", ".join(str(i + 1) for i, c in enumerate(counts) if not c)
                     print(f"{name}:{number}: of {len(counts)} ways not {ways}: {text_of(name, number)}")
-    faults = check_list(unreached, found, arguments[1:]) if unreached else []
+    faults = check_list(unreached, found, shares, arguments[1:]) if unreached else []
     for fault in faults:
         print(fault)
     sys.exit(1 if faults else 0)

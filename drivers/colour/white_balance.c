@@ -101,8 +101,9 @@ void pupil_white_balance_frame(pupil_white_balance *colour, const pupil_image_co
     float grey[3];
     if (!colour->follows || !look(colour, image, info, grey))
         return;
-    const double past_s =
-        info->timestamp_ns || colour->last_ns ? (double)(info->timestamp_ns - colour->last_ns) * 1e-9 : NOMINAL_S;
+    const double past_s = info->timestamp_ns || colour->last_ns
+                              ? ((double)info->timestamp_ns - (double)colour->last_ns) * 1e-9
+                              : NOMINAL_S;
     const double dt_s = past_s > 0.0 ? past_s : 0.0;
     /* The implicit step of a first-order filter: no overshoot however long a frame was waited for. */
     const double share = colour->began ? dt_s / (dt_s + PUPIL_WHITE_BALANCE_TAU_S) : 1.0;

@@ -108,7 +108,7 @@ static int make_context(pupil_window *window, const pupil_window_options *option
                             SDL_GetError());
     const GLubyte *(GL_APIENTRY * get_string)(GLenum name);
     get_string = (const GLubyte *(GL_APIENTRY *)(GLenum))pupil_window_get_proc("glGetString");
-    const char *text = (const char *)get_string(GL_VERSION);
+    const char *text = get_string ? (const char *)get_string(GL_VERSION) : NULL;
     unsigned major = 0, minor = 0;
     if (!text || sscanf(text, "OpenGL ES %u.%u", &major, &minor) != 2 || major * 10 + minor < lowest)
         return pupil_refuse(why, "the display has \"%s\"; OpenGL ES %u.%u is needed", text ? text : "no OpenGL",

@@ -271,6 +271,36 @@ static void test_rows(void)
     free(samples);
 }
 
+/* Time that goes back, or from one end to the other: no step, or a whole one. A light of one colour is not made grey
+ * altogether. */
+static void test_times(void)
+{
+    uint16_t samples[64];
+    const pupil_image_const image = {
+        .data = samples, .stride_bytes = 16, .width = 8, .height = 8, .pixel = PUPIL_PIXEL_BAYER16};
+    const pupil_colour_options automatic = {0};
+    pupil_white_balance c;
+    pupil_why why;
+    for (int i = 0; i < 64; i++) /* RGGB: twenty times as much green as red */
+        samples[i] = (uint16_t)(i / 8 % 2 == 0 && i % 2 == 0 ? 1000 : 20000);
+    CHECK(pupil_white_balance_begin(&c, &automatic, NULL, image.pixel, NULL, &why) == 0);
+    pupil_white_balance_frame(&c, &image, &(pupil_frame_info){.timestamp_ns = 5000000000});
+    CHECK(c.coding.balance[0] == (float)PUPIL_WHITE_BALANCE_MOST);
+    for (int i = 0; i < 64; i++)
+        samples[i] = 10000;
+    const float before = c.coding.balance[0];
+    pupil_white_balance_frame(&c, &image, &(pupil_frame_info){.timestamp_ns = 1000000000});
+    CHECK(c.coding.balance[0] == before);
+    pupil_white_balance_frame(&c, &image, &(pupil_frame_info){.timestamp_ns = INT64_MIN});
+    CHECK(c.coding.balance[0] == before);
+    pupil_white_balance_frame(&c, &image, &(pupil_frame_info){.timestamp_ns = INT64_MAX});
+    CHECK(fabs((double)c.coding.balance[0] - 1.0) < 1e-6);
+    const pupil_image_const other = {.data = samples, .stride_bytes = 2, .width = 8, .height = 8,
+                                     .pixel = PUPIL_PIXEL_BAYER16}; /* rows too short: not looked at */
+    pupil_white_balance_frame(&c, &other, &(pupil_frame_info){.timestamp_ns = INT64_MAX});
+    CHECK(fabs((double)c.coding.balance[0] - 1.0) < 1e-6);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -281,5 +311,6 @@ int main(int argc, char **argv)
     test_known();
     test_table();
     test_rows();
+    test_times();
     return check_end();
 }

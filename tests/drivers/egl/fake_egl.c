@@ -1,8 +1,9 @@
 /* tests/drivers/egl/fake_egl.c: see fake_egl.h. */
 #include "fake_egl.h"
 
-#include <GLES2/gl2ext.h>
 #include <GLES3/gl3.h>
+/* After gl3.h, whose types it needs. */
+#include <GLES2/gl2ext.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
