@@ -295,7 +295,10 @@ static void test_times(void)
     CHECK(c.coding.balance[0] == before);
     pupil_white_balance_frame(&c, &image, &(pupil_frame_info){.timestamp_ns = INT64_MAX});
     CHECK(fabs((double)c.coding.balance[0] - 1.0) < 1e-6);
-    const pupil_image_const other = {.data = samples, .stride_bytes = 2, .width = 8, .height = 8,
+    const pupil_image_const other = {.data = samples,
+                                     .stride_bytes = 2,
+                                     .width = 8,
+                                     .height = 8,
                                      .pixel = PUPIL_PIXEL_BAYER16}; /* rows too short: not looked at */
     pupil_white_balance_frame(&c, &other, &(pupil_frame_info){.timestamp_ns = INT64_MAX});
     CHECK(fabs((double)c.coding.balance[0] - 1.0) < 1e-6);

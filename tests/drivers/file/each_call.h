@@ -4,7 +4,7 @@
 #ifndef PUPIL_TESTS_DRIVERS_EACH_CALL_H
 #define PUPIL_TESTS_DRIVERS_EACH_CALL_H
 
-#include "nth_call.h"
+#include "nth_call/nth_call.h"
 #include "pupil/error.h"
 #include "scratch.h"
 #include "source.h"
