@@ -22,6 +22,34 @@ static void test_names(void)
         CHECK_MSG(pupil_live_is_camera(cases[i].name) == cases[i].is_camera, "%s", cases[i].name);
 }
 
+static int count(void *closure, const pupil_live_identity *is, pupil_live_modes *modes, const char *words)
+{
+    int *left = closure;
+    CHECK(!modes || !modes->count);
+    (void)is, (void)words;
+    return --*left == 0;
+}
+
+/* Without modes, and up to one that is enough. The machine's own cameras, of which this one is none. */
+static void test_list(void)
+{
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.twin = 1;
+    fake_v4l2 *fake = fake_v4l2_new(&config);
+    const pupil_live_system system = {fake_v4l2_system(fake), NULL};
+    pupil_source *source = NULL;
+    for (int most = 1; most < 20; most += 18) {
+        int left = most;
+        CHECK_MSG(pupil_live_cameras(&system, 0, count, &left, &why) == 0, "%s", why.text);
+        CHECK(most == 1 ? left == 0 : left > 0 && left < most);
+    }
+    CHECK(fake_v4l2_holds(fake).files == 0);
+    fake_v4l2_free(fake);
+    CHECK(pupil_live_open("/dev/null", NULL, NULL, &source, &why) == PUPIL_SOURCE_FAILED && !source);
+    CHECK_MSG(strstr(why.text, "/dev/null: is no video device"), "%s", why.text);
+}
+
 static pupil_source *open_fake(fake_v4l2 *fake)
 {
     pupil_source *source = NULL;
@@ -88,6 +116,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_names();
+    test_list();
     test_loop();
     return check_end();
 }

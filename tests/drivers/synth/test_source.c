@@ -3,6 +3,7 @@
 #include "synth/synth_source.h"
 
 #include <math.h>
+#include <stdatomic.h>
 
 #include "check.h"
 
@@ -205,10 +206,38 @@ static void refused(const char *name, pupil_source_options options, const char *
     CHECK_MSG(strstr(why.text, word) != NULL, "said: %s", why.text);
 }
 
+static atomic_int asked, stop_at;
+
+static int stops(void)
+{
+    return atomic_fetch_add(&asked, 1) >= stop_at;
+}
+
+/* Given up at any time it is asked: a sentence, no frame with rows missing, and nothing more comes. */
+static void check_stop(void)
+{
+    for (int at = 0; at < 40; at += 13) {
+        const pupil_source_options options = {.width = 16, .height = 16, .threads = 1000, .frames = 3, .stop = stops};
+        pupil_why why = {""};
+        pupil_source *source = NULL;
+        pupil_frame frame;
+        asked = 0;
+        stop_at = at;
+        if (pupil_synth_source_open("leds", &options, &source, &why))
+            continue; /* while it was loaded */
+        CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FAILED || asked <= at);
+        stop_at = 0;
+        CHECK(pupil_source_next(source, &frame, &why) != PUPIL_SOURCE_FRAME);
+        CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
+        pupil_source_close(source);
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_digests();
+    check_stop();
     check_clip();
     check_sizes();
     check_stills();
