@@ -32,6 +32,7 @@ static const format rgb16 = {.bytes = 6, .vector = load8_rgb16};
 static const format rgb16f = {.bytes = 6, .vector = load8_rgb16f};
 
 #include "avx2_luma.h"
+#include "x86_yuv.h"
 
 #include "vector_table.h"
 

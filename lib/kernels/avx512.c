@@ -21,6 +21,7 @@ static const format rgb16 = {.bytes = 6, .vector = load16_rgb16};
 static const format rgb16f = {.bytes = 6, .vector = load16_rgb16f};
 
 #include "avx512_luma.h"
+#include "x86_yuv.h"
 
 #include "vector_table.h"
 

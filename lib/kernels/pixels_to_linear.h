@@ -130,7 +130,7 @@ static void pairs_of_yuv(const pupil_coder *coder, const uint8_t *restrict luma,
     }
 }
 
-#if defined(WIDTH)
+#if defined(WIDTH) && !defined(LEVEL_HAS_GROUPS_OF_YUV)
 /* As look_up_light, of one vector. */
 INLINE floats light_of_codes(floats code, const float (*light)[2], floats top)
 {

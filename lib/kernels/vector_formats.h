@@ -339,4 +339,92 @@ INLINE ints scale_in_planes(const uint8_t *source, const meter_constants *c, con
 static const format in_planes = {
     .bytes = sizeof(float), .vector = load_from_planes, .scale = scale_in_planes, .rest = rest_of_planes};
 
+/* --- planes metered and scaled: 64 pixels are metered, then scaled in their place with the luminances of metering ---
+ */
+
+enum { IN_A_SUM = 4 * PUPIL_LANES };
+
+/* 64 pixels from `at` on, as if they were ordinary. */
+INLINE extremes sum_planes(const pupil_planes *planes, size_t at, const meter_constants *c, lanes *s, float *lum)
+{
+    extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
+    FOR_FOUR(j)
+    {
+        FOR_EACH_WAY(k)
+        {
+            const size_t i = (size_t)j * PUPIL_LANES + (size_t)k * WIDTH;
+            const floats r = v_load(planes->r + at + i), g = v_load(planes->g + at + i), b = v_load(planes->b + at + i);
+            const floats l = luminance(r, g, b, c);
+            v_store(lum + i, l);
+            e.top = v_max_unsigned(e.top, v_max_unsigned(v_max_unsigned(v_bits(r), v_bits(g)), v_bits(b)));
+            e.least = v_min(e.least, l);
+            s->product[k] = v_mul(s->product[k], l);
+        }
+    }
+    return e;
+}
+
+/* 64 pixels that are bounded. */
+INLINE void scale_summed(pupil_planes *planes, size_t at, const float *lum, const scale_constants *d, group_list *over)
+{
+    for (size_t i = at; i < at + IN_A_SUM; i += PUPIL_LANES) {
+        mask beyond[WAYS];
+        FOR_EACH_WAY(k)
+        {
+            const size_t j = i + (size_t)k * WIDTH;
+            const floats r = v_load(planes->r + j), g = v_load(planes->g + j), b = v_load(planes->b + j);
+            beyond[k] = scale_vector(r, g, b, v_load(lum + (j - at)), d, j, planes, 0, 1);
+        }
+        over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
+    }
+}
+
+/* Pixels from `at` to n, of any values. */
+static __attribute__((noinline)) void scale_planes_hard(pupil_planes *planes, size_t at, size_t n,
+                                                        const meter_constants *c, const scale_constants *d,
+                                                        group_list *over)
+{
+    for (size_t i = at; i < n; i += PUPIL_LANES) {
+        const uint8_t *source = (const uint8_t *)(planes->r + i);
+        group p;
+        if (i + PUPIL_LANES <= n)
+            load_group(&in_planes, source, &p);
+        else
+            load_rest(&in_planes, source, n - i, &p);
+        luminance_of(&p, c);
+        scale_hard(&p, d, i, planes, over);
+    }
+}
+
+INLINE void meter_and_scale_planes(hard_meter *hard, const pupil_row_job *job, size_t n, pupil_planes *planes,
+                                   pupil_run *run)
+{
+    const meter_constants c = meter_constants_of(job);
+    const scale_constants d = scale_constants_of(job->curve);
+    float lum[IN_A_SUM];
+    group_list over;
+    lanes s = lanes_of(run);
+    size_t i = 0;
+    over.any = 0;
+    for (; i + IN_A_SUM <= n; i += IN_A_SUM) {
+        const extremes e = sum_planes(planes, i, &c, &s, lum);
+        if (__builtin_expect(is_ordinary(&e, &c), 1)) {
+            move_exponents(&s, run);
+        } else {
+            hard(job, (const uint8_t *)planes, i, i + IN_A_SUM, run);
+            s = lanes_of(run);
+        }
+        if (__builtin_expect(v_every(v_at_most(e.top, c.bounded)), 1))
+            scale_summed(planes, i, lum, &d, &over);
+        else
+            scale_planes_hard(planes, i, i + IN_A_SUM, &c, &d, &over);
+    }
+    if (i < n) {
+        hard(job, (const uint8_t *)planes, i, n, run);
+        scale_planes_hard(planes, i, n, &c, &d, &over);
+    }
+    if (over.any)
+        fit_listed(&over, (uint32_t)n, &d, job->cones, planes);
+}
+
 #endif

@@ -107,21 +107,7 @@ static void dither(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_
 }
 
 /* The vectors of a block that want a second look, which they get after the loop: a call or an unforeseen branch inside
- * it would cost more than all of them. */
-typedef struct vector_list {
-    uint8_t vector[PUPIL_BLOCK / WIDTH + 1];
-    uint16_t pixels[PUPIL_BLOCK / WIDTH + 1]; /* which ones of it, a bit each */
-    uint32_t count;
-} vector_list;
-
-INLINE void list_some(vector_list *list, uint32_t i, uint32_t pixels)
-{
-    list->vector[list->count] = (uint8_t)(i / WIDTH);
-    list->pixels[list->count] = (uint16_t)pixels;
-    list->count += (uint32_t)(pixels != 0);
-}
-
-/* The same for whole groups: 64 / WAYS bits for each vector, not all 0 where it wants one. */
+ * it would cost more than all of them. 64 / WAYS bits for each vector, not all 0 where it wants one. */
 typedef struct group_list {
     uint64_t vectors[PUPIL_BLOCK / PUPIL_LANES], any;
 } group_list;

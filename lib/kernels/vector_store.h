@@ -3,18 +3,22 @@
  * The code of a sample is exact by construction (kernels.h: pupil_encoder). Looking up 24 cells for 8 pixels would take
  * longer than all the rest. So sRGB is computed first, to a known error: by a polynomial in the fraction times a power
  * of the exponent (f = 1.055 x^(5/12) - 0.055; IEC 61966-2-1), and near black by two lines. Only where the result is
- * as near to a boundary of two codes as that error, in about one of 250 samples, the cell decides.
+ * as near to a boundary of two codes as that error, in about one of 1200 samples, the cell decides. (With a degree
+ * less it was one of 190, and those few took a third of the time: they cannot be foreseen, so branches are wrong.)
  */
 #include "vector_scale.h"
 
-/* In 1/65536 code. ERROR: at least the largest error of all floats (a test tries each of them). */
-#define CODE      65536.0f
-#define ERROR     176.0f
-#define UNCERTAIN 352 /* twice the error */
+/* In 1/65536 code. ERROR: at least the largest error of all floats (23.5; a test tries each of them); of the lines near
+ * black TOE_ERROR. */
+#define CODE          65536.0f
+#define ERROR         28.0f
+#define TOE_ERROR     176.0f
+#define UNCERTAIN     56  /* twice the error */
+#define UNCERTAIN_TOE 352 /* where some are near black */
 
 typedef struct srgb_constants {
     floats power; /* 65536 * 255 * 1.055 * 2^(5/12 k) for x in [2^k, 2^(k+1)), k = -8..-1, at k + 127 mod 8 */
-    floats p[5];  /* m^(5/12) for m in [1, 2), relative error 1.05e-5: minimax, by Remez' exchange */
+    floats p[6];  /* m^(5/12) for m in [1, 2), relative error 1.2e-6: minimax, by Remez' exchange */
     floats
         line[2]; /* slopes: the linear toe (2e-4 less, so that it also serves the first boundary above it), and the */
     floats from[2]; /* line through the two last boundaries below 2^-8 */
@@ -28,26 +32,28 @@ INLINE srgb_constants srgb_constants_of(void)
 {
     srgb_constants c;
     c.power = v_table8_of(srgb_power);
-    c.p[0] = v_all(0.411229335f);
-    c.p[1] = v_all(0.828860193f);
-    c.p[2] = v_all(-0.318287266f);
-    c.p[3] = v_all(0.089037694f);
-    c.p[4] = v_all(-0.0108295476f);
+    c.p[0] = v_all(0.376330309f);
+    c.p[1] = v_all(0.952814901f);
+    c.p[2] = v_all(-0.491730163f);
+    c.p[3] = v_all(0.208567785f);
+    c.p[4] = v_all(-0.0514170146f);
+    c.p[5] = v_all(0.00543537306f);
     c.line[0] = v_all(215871723.0f); /* 12.92 * 255 * 65536 * (1 - 2e-4) */
-    c.from[0] = v_all(0.5f * CODE + ERROR);
+    c.from[0] = v_all(0.5f * CODE + TOE_ERROR);
     c.line[1] = v_all(193289842.0f);
-    c.from[1] = v_all(108127.817f + ERROR);
+    c.from[1] = v_all(108127.817f + TOE_ERROR);
     c.offset = v_all((0.5f - 0.055f * 255.0f) * CODE + ERROR);
     return c;
 }
 
 /* x from 2^-8, where it is `dark` from 0, to just below 1. The code in the upper half, and whether it is certain
- * in the lower: not below UNCERTAIN. */
+ * in the lower: not below UNCERTAIN (dark: UNCERTAIN_TOE). */
 INLINE ints srgb_guess(floats x, const srgb_constants *c, int dark)
 {
     const ints bits = v_bits(x);
     const floats m = v_of_bits(v_or(v_and(bits, v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
-    floats p = v_about(c->p[4], m, c->p[3]);
+    floats p = v_about(c->p[5], m, c->p[4]);
+    p = v_about(p, m, c->p[3]);
     p = v_about(p, m, c->p[2]);
     p = v_about(p, m, c->p[1]);
     p = v_about(p, m, c->p[0]);
@@ -82,28 +88,47 @@ INLINE void store_pixels(ints pixels, uint8_t *target, uint32_t bytes)
         v_store_three(pixels, target);
 }
 
-/* The codes of three channels of the listed pixels, by their cells. */
-static void settle(const vector_list *near, const float *first, const float *second, const float *third,
+/* The pixels of a block whose codes are not certain, a bit each. They wait until after the loop, as those of group_list
+ * do. Where the bits go does not depend on what is found; a list of the few would have to be read by branches that
+ * nobody foresees. */
+typedef struct pixel_bits {
+    uint8_t of[PUPIL_BLOCK / 8];
+} pixel_bits;
+
+INLINE void put_bits(pixel_bits *bits, uint32_t i, uint32_t of_vector)
+{
+    bits->of[i / 8] = (uint8_t)of_vector;
+    if (WIDTH == 16)
+        bits->of[i / 8 + 1] = (uint8_t)(of_vector >> 8);
+}
+
+/* The codes of three channels of the noted ones of n pixels, by their cells. */
+static void settle(pixel_bits *bits, uint32_t n, const float *first, const float *second, const float *third,
                    const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
-    for (uint32_t j = 0; j < near->count; j++)
-        for (uint32_t which = near->pixels[j]; which; which &= which - 1) {
-            const uint32_t i = near->vector[j] * WIDTH + (uint32_t)__builtin_ctz(which);
+    for (uint32_t j = n / 8; j % 8; j++)
+        bits->of[j] = 0;
+    for (uint32_t from = 0; from < n; from += 64) {
+        uint64_t which;
+        for (__builtin_memcpy(&which, bits->of + from / 8, sizeof which); which; which &= which - 1) {
+            const uint32_t i = from + (uint32_t)__builtin_ctzll(which);
             target[i * bytes] = exact_code(first[i], e);
             target[i * bytes + 1] = exact_code(second[i], e);
             target[i * bytes + 2] = exact_code(third[i], e);
         }
+    }
 }
 
-/* The smallest of the lower halves of three guesses. */
-INLINE ints store_guesses(floats r, floats g, floats b, const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
+/* Whose guesses are not all certain. */
+INLINE mask store_guesses(floats r, floats g, floats b, const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
 {
     const ints x = srgb_guess(r, c, dark), y = srgb_guess(g, c, dark), z = srgb_guess(b, c, dark);
     store_pixels(pixel_of(x, y, z), at, bytes);
-    return v_left(v_min_halves(v_min_halves(x, y), z), 16);
+    const ints rest = v_left(v_min_halves(v_min_halves(x, y), z), 16);
+    return v_below(rest, (uint32_t)(dark ? UNCERTAIN_TOE : UNCERTAIN) << 16);
 }
 
-/* From pixel i on, whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
+/* Whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
  * samples are in few vectors, side by side: a branch is cheaper than the toe for all. */
 INLINE uint32_t store_srgb(const float *first, const float *second, const float *third, uint32_t n,
                            const pupil_encoder *e, uint8_t *target, uint32_t bytes)
@@ -111,18 +136,21 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
     const srgb_constants c = srgb_constants_of();
     const floats most = v_all(0x1.fffffep-1f);
     const uint32_t slack = bytes == 3 ? 2 : 0;
-    vector_list near = {.count = 0};
+    pixel_bits near;
+    uint32_t any = 0;
     uint32_t i = 0;
     for (; i + WIDTH + slack <= n; i += WIDTH) {
         const floats r = v_min(v_load(first + i), most), g = v_min(v_load(second + i), most);
         const floats b = v_min(v_load(third + i), most);
         uint8_t *at = target + (size_t)i * bytes;
         const mask dark = v_less(v_min(v_min(r, g), b), v_all(0x1p-8f));
-        const ints rest = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(r, g, b, &c, 0, at, bytes)
-                                                                      : store_guesses(r, g, b, &c, 1, at, bytes);
-        list_some(&near, i, v_mask_bits(v_below(rest, UNCERTAIN << 16)));
+        const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(r, g, b, &c, 0, at, bytes)
+                                                                           : store_guesses(r, g, b, &c, 1, at, bytes);
+        any |= v_mask_bits(uncertain);
+        put_bits(&near, i, v_mask_bits(uncertain));
     }
-    settle(&near, first, second, third, e, target, bytes);
+    if (any)
+        settle(&near, i, first, second, third, e, target, bytes);
     return i;
 }
 

@@ -77,12 +77,18 @@ static void meter_planes(const pupil_row_job *job, const void *source, const pup
     meter_groups(&in_planes, hard_planes, job, (const uint8_t *)planes, n, run);
 }
 
-/* Metered before, because scaling takes the place of what was there. */
+static __attribute__((noinline)) int fused_planes(const pupil_row_job *job, uint32_t n, pupil_planes *planes,
+                                                  pupil_run *run)
+{
+    meter_and_scale_planes(hard_planes, job, n, planes, run);
+    return 0;
+}
+
 static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
 {
-    if (run)
-        meter_planes(job, source, planes, n, run);
-    return scale_groups(&in_planes, job, (const uint8_t *)planes, n, planes, 0);
+    (void)source;
+    return run ? fused_planes(job, n, planes, run)
+               : scale_groups(&in_planes, job, (const uint8_t *)planes, n, planes, 0);
 }
 
 static int scale_by_knots(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,

@@ -1,0 +1,113 @@
+/* lib/kernels/x86_yuv.h: Y'CbCr of 8 bits to light, for the levels of x86. The same operations as groups_of_yuv of
+ * pixels_to_linear.h, in another order.
+ *
+ * Three look-ups a pixel are what it takes: 8 of them are 33 instructions, of which the CPU can do 6 a cycle. Codes and
+ * look-ups of the same pixels wait for each other, and what a CPU sees at a time is not much more than 16 pixels'
+ * worth. So the codes of a group of 16 pixels are found between the look-ups of the group before the last, channel by
+ * channel. Indices go through memory: out of a vector's lanes they would take the units that the arithmetic needs.
+ */
+#ifndef PUPIL_KERNELS_X86_YUV_H
+#define PUPIL_KERNELS_X86_YUV_H
+
+#include "kernels.h"
+#include "vector.h"
+
+#define LEVEL_HAS_GROUPS_OF_YUV
+
+enum { YUV_BEHIND = 2 * PUPIL_LANES, YUV_RING = 4 * PUPIL_LANES };
+
+typedef struct yuv_factors {
+    const float *light;
+    floats y_zero, y_unit, top, red_v, green_u, green_v, blue_u;
+} yuv_factors;
+
+typedef int32_t yuv_indices[3][YUV_RING];
+
+INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
+{
+    return (yuv_factors){.light = c->light[0],
+                         .y_zero = v_all(c->y_zero),
+                         .y_unit = v_all(c->y_unit),
+                         .top = v_all(c->top),
+                         .red_v = v_all(c->red_v),
+                         .green_u = v_all(c->green_u),
+                         .green_v = v_all(c->green_v),
+                         .blue_u = v_all(c->blue_u)};
+}
+
+/* A vector of codes: the entries of the table below them, and how far on they are. */
+INLINE void part_codes(floats code, floats top, int32_t *index, float *rest)
+{
+    const floats inside = v_min(v_max(code, v_all(0.0f)), top);
+    const ints below = v_to_ints(inside);
+    v_store_ints(index, below);
+    v_store(rest, v_sub(inside, v_from_ints(below)));
+}
+
+/* Of 16 pixels, in the place of how far on they are. */
+INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
+{
+    for (int i = 0; i < PUPIL_LANES; i += 8) {
+        uint64_t two[4];
+        __m256 part[2];
+        __builtin_memcpy(two, index + i, sizeof two);
+        parts_of_pairs(light, 2, two, part);
+        _mm256_storeu_ps(rest + i, _mm256_add_ps(part[0], _mm256_mul_ps(_mm256_loadu_ps(rest + i), part[1])));
+    }
+}
+
+/* The codes of the group from pixel i on (`begin`), and the light of the one YUV_BEHIND before (`end`). */
+INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, uint32_t i, int begin,
+                        int end, yuv_indices index, pupil_planes *p)
+{
+    const uint32_t now = i % YUV_RING, then = (i - YUV_BEHIND) % YUV_RING;
+    floats y[WAYS], u[WAYS], v[WAYS];
+    if (begin) {
+        v_of_bytes(luma + i, y);
+        v_of_chroma(chroma + i, u, v);
+        FOR_EACH_WAY(k) y[k] = v_mul(v_sub(y[k], f->y_zero), f->y_unit);
+    }
+    FOR_EACH_WAY(k)
+    {
+        const uint32_t w = (uint32_t)k * WIDTH;
+        if (begin)
+            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), f->top, index[0] + now + w, p->r + i + w);
+    }
+    if (end)
+        look_up_parts(f->light, index[0] + then, p->r + i - YUV_BEHIND);
+    FOR_EACH_WAY(k)
+    {
+        const uint32_t w = (uint32_t)k * WIDTH;
+        if (begin)
+            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), f->top, index[1] + now + w,
+                       p->g + i + w);
+    }
+    if (end)
+        look_up_parts(f->light, index[1] + then, p->g + i - YUV_BEHIND);
+    FOR_EACH_WAY(k)
+    {
+        const uint32_t w = (uint32_t)k * WIDTH;
+        if (begin)
+            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), f->top, index[2] + now + w, p->b + i + w);
+    }
+    if (end)
+        look_up_parts(f->light, index[2] + then, p->b + i - YUV_BEHIND);
+}
+
+/* Whole groups of 16 pixels; returns the first pixel that is left. */
+static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
+                              pupil_planes *p)
+{
+    const yuv_factors f = yuv_factors_of(c);
+    const uint32_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;
+    yuv_indices index;
+    for (uint32_t i = 0; i < first; i += PUPIL_LANES)
+        step_of_yuv(&f, luma, chroma, i, 1, 0, index, p);
+    for (uint32_t i = YUV_BEHIND; i < whole; i += PUPIL_LANES)
+        step_of_yuv(&f, luma, chroma, i, 1, 1, index, p);
+    for (uint32_t i = whole + YUV_BEHIND - first; i < whole + YUV_BEHIND; i += PUPIL_LANES)
+        step_of_yuv(&f, luma, chroma, i, 0, 1, index, p);
+    return whole;
+}
+
+#endif
