@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 flags="-std=gnu11 -D_GNU_SOURCE -O2 -w -ffp-contract=off -fno-math-errno -fno-trapping-math -Ilib/include -Ilib -Itests"
 avx512=8 wasm128=16 # 1 << pupil_level
 for level in avx512 wasm128; do
-    ${CC:-cc} $flags -DPUPIL_WASM128 -Itests/kernels/emulated -c lib/kernels/$level.c -o "$work/$level.o" 2>"$work/log" ||
+    ${CC:-cc} $flags -DPUPIL_WASM128 -DPUPIL_EMULATE=$((avx512 | wasm128))u -Itests/kernels/emulated -c lib/kernels/$level.c -o "$work/$level.o" 2>"$work/log" ||
         { cat "$work/log"; exit 1; }
 done
 for source in $(ls lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c lib/veil/*.c | grep -Ev '/(avx512|wasm128|level)\.c'); do
