@@ -158,6 +158,34 @@ static void any_split(void)
     frame_free(&parts);
 }
 
+/* Rows that are no whole number of samples wide, or narrower than one, and end with a column alone: any split gives the
+ * same, and the level is that of all pixels. */
+static void odd_sides(uint32_t pixel, uint32_t width, uint32_t height)
+{
+    const pupil_t pupil = begin(PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR);
+    const pupil_t exactly = begin(PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR);
+    frame f = frame_make(width, height, pixel, 0, 0);
+    static pupil_stats whole, sum, all;
+    double mean[2] = {0, 0};
+    fill(&f, 1);
+    pupil_stats_clear(&whole);
+    pupil_stats_clear(&sum);
+    pupil_stats_clear(&all);
+    CHECK(pupil_meter_rows(&pupil, &f.image, 0, height, &whole) == PUPIL_OK);
+    CHECK(pupil_meter_rows(&exactly, &f.image, 0, height, &all) == PUPIL_OK);
+    for (uint32_t y = 0, rows; y < height; y += rows) {
+        rows = 2 * (1 + (uint32_t)(check_random() % 60));
+        rows = rows < height - y ? rows : height - y;
+        const pupil_image_const in = pupil_image_rows(f.image, y, rows);
+        CHECK(pupil_meter_rows(&pupil, &in, y, height, &sum) == PUPIL_OK);
+    }
+    CHECK(memcmp(&sum, &whole, sizeof sum) == 0 && whole.pixels > 10000 && whole.pixels < all.pixels);
+    CHECK(pupil_stats_mean(&whole, 0.0, 1.0, &mean[0]) == PUPIL_OK);
+    CHECK(pupil_stats_mean(&all, 0.0, 1.0, &mean[1]) == PUPIL_OK);
+    CHECK_MSG(fabs(mean[0] - mean[1]) < 0.05, "format %u, %ux%u: %g and %g EV", pixel, width, height, mean[0], mean[1]);
+    frame_free(&f);
+}
+
 static size_t bytes_of_rows(const frame *f, int plane)
 {
     return plane ? pupil_chroma_row_bytes(f->image.pixel, f->image.width)
@@ -269,6 +297,10 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     same_bits();
     any_split();
+    for (int p = 0; p < INPUTS; p++) {
+        odd_sides(inputs[p], 643, 481);
+        odd_sides(inputs[p], 5, 16383);
+    }
     exact_where_it_must();
     errors(1, PUPIL_PIXEL_NV12, "small colours", 1.5, 8);
     errors(1, PUPIL_PIXEL_RGBA8, "small colours, RGBA8", 1.5, 16); /* Cb and Cr are doubled in it */

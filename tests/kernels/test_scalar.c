@@ -1,5 +1,6 @@
-/* The scalar level's rows of bloom against sums by hand, and that each writes as far as kernels.h says and no further.
- * All numbers are small integers and powers of two, so every order of a sum has the same bits. */
+/* The scalar level's rows of bloom and runs of the veil against sums by hand, and that each row is written as far as
+ * kernels.h says and no further. All numbers are small integers and powers of two, so every order of a sum has the same
+ * bits. */
 #include <math.h>
 #include <string.h>
 
@@ -162,6 +163,30 @@ static void check_bright(uint32_t n)
     }
 }
 
+/* Runs of 1 to 17 pixels: the sums of their channels, and of these times the pixel's index in its run. */
+static void check_veil(void)
+{
+    enum { RUNS = 17, PIXELS = RUNS * (RUNS + 1) / 2 };
+    static float pixels[PIXELS + 8][4];
+    static pupil_veil_sums sums[RUNS];
+    uint32_t n[RUNS];
+    for (int i = 0; i < PIXELS + 8; i++)
+        for (int c = 0; c < 4; c++)
+            pixels[i][c] = (float)(int)(check_random() % 64);
+    for (uint32_t k = 0; k < RUNS; k++)
+        n[k] = 1 + (5 * k + 3) % RUNS; /* each once */
+    pupil_kernels_scalar.veil_gather_rgba32f(pixels, 0, n, RUNS, sums);
+    for (uint32_t k = 0, at = 0; k < RUNS; at += n[k], k++)
+        for (int c = 0; c < 3; c++) {
+            float sum = 0.0f, moment = 0.0f;
+            for (uint32_t i = 0; i < n[k]; i++) {
+                sum += pixels[at + i][c];
+                moment += (float)(int)i * pixels[at + i][c];
+            }
+            CHECK_MSG(sums[k].sum[c] == sum && sums[k].moment[c] == moment, "a run of %u", n[k]);
+        }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -173,5 +198,6 @@ int main(int argc, char **argv)
         check_halve_and_widen(counts[k]);
         check_bright(counts[k]);
     }
+    check_veil();
     return check_end();
 }

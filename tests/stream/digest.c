@@ -306,8 +306,11 @@ static uint64_t digest_state(uint64_t digest, const pupil_t *pupil, const pupil_
             digest = fnv_double(digest, values[i]);
         digest = fnv_u64(fnv_u64(fnv_u64(digest, e.frames), e.state), e.reason);
     }
-    if (pupil_get_curve(pupil, info, &curve) == PUPIL_OK)
+    if (pupil_get_curve(pupil, info, &curve) == PUPIL_OK) {
         digest = fnv_double(fnv_double(digest, (double)curve.scale), (double)curve.inverse_white_squared);
+        for (uint32_t i = 0; i < curve.knots; i++)
+            digest = fnv_double(digest, (double)(curve.knot_scale * curve.knot[i]));
+    }
     if (pupil_get_stats(pupil, &stats) == PUPIL_OK)
         digest = digest_stats(digest, &stats);
     return digest;

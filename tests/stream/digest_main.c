@@ -272,19 +272,27 @@ static void curves(void)
 /* Every curve from the histogram, as every other thing changes. */
 static void knots(void)
 {
+    static const char *const ways[6] = {"-whole", "-exposed", "-rows", "-seam", "-at-once", "-soon"};
     for (uint32_t curve = PUPIL_CURVE_NORMALISE; curve < PUPIL_CURVE_COUNT; curve++)
-        for (uint32_t way = 0; way < 4; way++) {
+        for (uint32_t way = 0; way < 6; way++) {
             digest_case c = usual();
             c.config.curve = curve;
             c.config.transfer = way % PUPIL_TRANSFER_COUNT;
             c.config.law = way == 1 ? PUPIL_LAW_ARITHMETIC_SCALE : PUPIL_LAW_SECONDS;
             c.config.order = way == 2 ? PUPIL_ORDER_FUSED : PUPIL_ORDER_EXACT;
             c.in = way == 3 ? PUPIL_PIXEL_RGBA8 : PUPIL_PIXEL_RGBA16F;
-            c.frames = 8;
-            c.flags |= way == 1 ? DIGEST_EXPOSED : way == 2 ? DIGEST_ROWS : way == 3 ? DIGEST_SEAM : 0;
+            c.frames = way > 3 ? 24 : 8;
+            c.flags |= way % 4 == 1 ? DIGEST_EXPOSED : way == 2 ? DIGEST_ROWS : way == 3 ? DIGEST_SEAM : 0;
+            if (way > 3) /* the curve is soon where it goes, and its knots go up and down by stops */
+                c.config.tau_light_s = c.config.tau_dark_s = way == 4 ? 0.0 : 0.03;
+            if (way == 4) {
+                c.config.curve_share = 0.1;
+                c.config.curve_ceiling = 2.0;
+                c.config.curve_range_ev = 4.0;
+            }
             put("curve");
             put_number(curve);
-            put(way == 0 ? "-whole" : way == 1 ? "-exposed" : way == 2 ? "-rows" : "-seam");
+            put(ways[way]);
             run(&c);
         }
 }

@@ -6,8 +6,8 @@ build=$1
 mkdir -p "$build"
 case $2 in
 lib)
-    rooms="lib/base lib/core lib/flicker lib/look lib/sensor"
-    tests='^((core|look|flicker|sensor|stream)[.]|veil[.]frames$|row_gain[.]map$)'
+    rooms="lib/base lib/core lib/flicker lib/kernels lib/look lib/sensor"
+    tests='^((core|look|flicker|sensor|stream|veil)[.]|kernels[.](levels|scalar)$|row_gain[.]map$)'
     without='^$'
     labels='^quick$'
     flags=
