@@ -1,4 +1,5 @@
-/* pupil_stats_add: each number of the statistics is added once, and the larger peak and code stay. */
+/* Statistics: pupil_stats_add adds each number once, and the larger peak and code stay; the largest weight; rows of a
+ * frame whose counted pixels are elsewhere. */
 #include "check.h"
 #include "pupil/pupil.h"
 
@@ -56,9 +57,27 @@ static void check_sum(uint64_t a, uint64_t b)
     CHECK(memcmp(&sum, &expected, sizeof sum) == 0);
 }
 
+static void check_limits(void)
+{
+    double value = 0.0;
+    pupil_stats s;
+    pupil_stats_clear(&s);
+    s.pixels = s.rows = s.frame_height = 1;
+    s.weight = UINT64_C(1) << 56;
+    CHECK(pupil_stats_mean(&s, 0.0, 1.0, &value) == PUPIL_OK);
+    s.weight++;
+    CHECK(pupil_stats_mean(&s, 0.0, 1.0, &value) == PUPIL_ERR_STATS);
+    s.weight = 1;
+    s.frame_height = 2;
+    s.has_histogram = 1;
+    CHECK(pupil_stats_mean(&s, 0.0, 1.0, &value) == PUPIL_OK);
+    CHECK(pupil_stats_quantile(&s, 0.5, &value) == PUPIL_ERR_STATS);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
+    check_limits();
     check_sum(1, 2);
     check_sum(4, 3);
     check_sum(5, 5); /* all rows */
