@@ -7,6 +7,9 @@
 
 enum { BLOOM_LANES = 8 };
 typedef float bloom_lanes __attribute__((vector_size(4 * BLOOM_LANES)));
+/* Anywhere in a row. */
+typedef float bloom_loose __attribute__((vector_size(4 * BLOOM_LANES), aligned(4), may_alias));
+typedef int32_t bloom_places __attribute__((vector_size(4 * BLOOM_LANES)));
 
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
@@ -14,7 +17,6 @@ typedef float bloom_lanes __attribute__((vector_size(4 * BLOOM_LANES)));
 #endif
 #endif
 #ifndef BLOOM_MIX /* gcc before 12 */
-typedef int32_t bloom_places __attribute__((vector_size(4 * BLOOM_LANES)));
 #define BLOOM_MIX(a, b, ...) __builtin_shuffle(a, b, (bloom_places){__VA_ARGS__})
 #endif
 
@@ -31,25 +33,67 @@ static __attribute__((noinline)) void bloom_above(uint32_t n, float threshold, f
     }
 }
 
-static inline void bloom_part(const float *from, bloom_lanes *even, bloom_lanes *odd)
+/* Row k from pixel i on. */
+#define BLOOM_AT(k, i) (*(const bloom_loose *)(const void *)(row[k] + (i)))
+
+static inline __attribute__((always_inline)) void bloom_six(const float *const row[6], uint32_t i, bloom_lanes *sum)
 {
-    bloom_lanes a, b;
-    __builtin_memcpy(&a, from, sizeof a);
-    __builtin_memcpy(&b, from + BLOOM_LANES, sizeof b);
-    *even = BLOOM_MIX(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
-    *odd = BLOOM_MIX(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+    *sum = ((BLOOM_AT(2, i) + BLOOM_AT(3, i)) * 0xap-5f + (BLOOM_AT(1, i) + BLOOM_AT(4, i)) * 0x5p-5f) +
+           (BLOOM_AT(0, i) + BLOOM_AT(5, i)) * 0x1p-5f;
 }
 
-static void bloom_halve(const float *from, uint32_t n, float *to)
+/* Every other one apart: what halves the row then takes them as they are. */
+static void bloom_down(const float *const rows[6], uint32_t n, float *even, float *odd)
+{
+    const float *const row[6] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]}; /* which nothing writes to */
+    for (uint32_t i = 0; i < n; i += 2 * BLOOM_LANES) {
+        bloom_lanes a, b;
+        bloom_six(row, i, &a);
+        bloom_six(row, i + BLOOM_LANES, &b);
+        const bloom_lanes evens = BLOOM_MIX(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+        const bloom_lanes odds = BLOOM_MIX(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+        __builtin_memcpy(even + i / 2, &evens, sizeof evens);
+        __builtin_memcpy(odd + i / 2, &odds, sizeof odds);
+    }
+}
+
+static void bloom_halve(const float *even, const float *odd, uint32_t n, float *to)
 {
     for (uint32_t i = 0; i < n; i += BLOOM_LANES) {
-        bloom_lanes e0, o0, e1, o1, e2, o2;
-        bloom_part(from + 2 * (size_t)i - 2, &e0, &o0);
-        bloom_part(from + 2 * (size_t)i, &e1, &o1);
-        bloom_part(from + 2 * (size_t)i + 2, &e2, &o2);
+        bloom_lanes e0, e1, e2, o0, o1, o2;
+        __builtin_memcpy(&e0, even + i - 1, sizeof e0);
+        __builtin_memcpy(&e1, even + i, sizeof e1);
+        __builtin_memcpy(&e2, even + i + 1, sizeof e2);
+        __builtin_memcpy(&o0, odd + i - 1, sizeof o0);
+        __builtin_memcpy(&o1, odd + i, sizeof o1);
+        __builtin_memcpy(&o2, odd + i + 1, sizeof o2);
         const bloom_lanes sum = ((e1 + o1) * 0xap-5f + (o0 + e2) * 0x5p-5f) + (e0 + o2) * 0x1p-5f;
         __builtin_memcpy(to + i, &sum, sizeof sum);
     }
+}
+
+/* Whether a channel of pixels of four floats is above a threshold. */
+static int bloom_lit_rgba32f(const void *source, ptrdiff_t next_row, uint32_t n, float threshold)
+{
+    static const bloom_places colours = {-1, -1, -1, 0, -1, -1, -1, 0};
+    const float *v = source;
+    bloom_places any = {0}, more = {0};
+    uint32_t i = 0;
+    for (; i + 8 <= n; i += 8, v += 4 * BLOOM_LANES) {
+        const bloom_loose *of = (const bloom_loose *)(const void *)v;
+        __builtin_prefetch((const uint8_t *)v + next_row);
+        __builtin_prefetch((const uint8_t *)v + next_row + 64);
+        any |= (of[0] > threshold) | (of[1] > threshold);
+        more |= (of[2] > threshold) | (of[3] > threshold);
+    }
+    any |= more;
+    for (; i + 2 <= n; i += 2, v += BLOOM_LANES)
+        any |= *(const bloom_loose *)(const void *)v > threshold;
+    any &= colours;
+    int32_t lit = i < n && (v[0] > threshold || v[1] > threshold || v[2] > threshold);
+    for (int k = 0; k < BLOOM_LANES; k++)
+        lit |= any[k];
+    return lit != 0;
 }
 
 static void bloom_widen(const float *from, uint32_t n, float *to)
@@ -74,6 +118,6 @@ static void bloom_widen(const float *from, uint32_t n, float *to)
 #define BLOOM_PIECES                                                                                                   \
     .bloom_pairs = bloom_pairs, .bloom_columns = bloom_columns, .bloom_rows = bloom_rows,                              \
     .bloom_bright = bloom_bright, .bloom_down = bloom_down, .bloom_up = bloom_up, .bloom_halve = bloom_halve,          \
-    .bloom_widen = bloom_widen
+    .bloom_widen = bloom_widen, .bloom_lit_rgba32f = bloom_lit_rgba32f
 
 #endif

@@ -284,12 +284,17 @@ typedef void pupil_bloom_columns_kernel(const float *const *row, const pupil_blo
 typedef void pupil_bloom_rows_kernel(const pupil_bloom_sums sums, const pupil_bloom_taps *taps, uint32_t n, float *to);
 /* What of n pixels scatters: above a threshold, and within 0..PUPIL_CEILING. */
 typedef void pupil_bloom_bright_kernel(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3]);
-/* A row of half the height from six, and one of twice the height from three: for n up to its next multiple of 16. */
-typedef void pupil_bloom_down_kernel(const float *const row[6], uint32_t n, float *to);
+/* All of the light of n pixels of RGBA32F. And whether a threshold lets any of them through. The next row, so many
+ * bytes on, is fetched into the cache. */
+typedef void pupil_bloom_pixels_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3]);
+typedef int pupil_bloom_lit_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float threshold);
+/* A row of half the height from six, the even and the odd ones of it apart; and one of twice the height from three: for
+ * n up to its next multiple of 16. */
+typedef void pupil_bloom_down_kernel(const float *const row[6], uint32_t n, float *even, float *odd);
 typedef void pupil_bloom_up_kernel(const float *const row[3], const float tap[3], uint32_t n, float *to);
-/* n pixels at half the size, of from[-2] to from[2 n + 1]; and 2 n more at twice the size, of from[-1] to from[n]; for
- * n up to its next multiple of 8. */
-typedef void pupil_bloom_halve_kernel(const float *from, uint32_t n, float *to);
+/* n pixels at half the size, of even and odd ones [-1] to [n]; and 2 n more at twice the size, of from[-1] to from[n];
+ * for n up to its next multiple of 8. */
+typedef void pupil_bloom_halve_kernel(const float *even, const float *odd, uint32_t n, float *to);
 typedef void pupil_bloom_widen_kernel(const float *from, uint32_t n, float *to);
 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
@@ -323,6 +328,8 @@ typedef struct pupil_kernels {
     pupil_bloom_columns_kernel *bloom_columns;
     pupil_bloom_rows_kernel *bloom_rows;
     pupil_bloom_bright_kernel *bloom_bright;
+    pupil_bloom_pixels_kernel *bloom_light_rgba32f; /* only where it is faster than its pieces */
+    pupil_bloom_lit_kernel *bloom_lit_rgba32f;
     pupil_bloom_down_kernel *bloom_down;
     pupil_bloom_up_kernel *bloom_up;
     pupil_bloom_halve_kernel *bloom_halve;

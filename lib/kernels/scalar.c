@@ -75,13 +75,6 @@ static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold
         bloom_above(n, threshold, to[0], to[1], to[2]);
 }
 
-static void bloom_down(const float *const row[6], uint32_t n, float *to)
-{
-    for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++)
-        to[i] =
-            ((row[2][i] + row[3][i]) * 0xap-5f + (row[1][i] + row[4][i]) * 0x5p-5f) + (row[0][i] + row[5][i]) * 0x1p-5f;
-}
-
 static void bloom_up(const float *const row[3], const float tap[3], uint32_t n, float *to)
 {
     for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++)

@@ -47,16 +47,39 @@ INLINE floats bound_of(const float *v)
     return v_min(v_where(v_greater(v_load(v), v_all(0.0f)), v_load(v)), v_all(PUPIL_CEILING));
 }
 
+INLINE float bound_one(float v)
+{
+    v = v > 0.0f ? v : 0.0f;
+    return v < PUPIL_CEILING ? v : PUPIL_CEILING;
+}
+
 /* Whole vectors, where they are not beyond the line's end, and then one by one. */
 INLINE void bright_channel(const float *from, uint32_t n, float *to)
 {
     uint32_t i = 0;
     for (; i + WIDTH <= n; i += WIDTH)
         v_store(to + i, bound_of(from + i));
-    for (; i < n; i++) {
-        const float v = from[i] > 0.0f ? from[i] : 0.0f;
-        to[i] = v < PUPIL_CEILING ? v : PUPIL_CEILING;
+    for (; i < n; i++)
+        to[i] = bound_one(from[i]);
+}
+
+/* The same from pixels of four floats, with no threshold. */
+static void bloom_light_rgba32f(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3])
+{
+    const uint8_t *at = source;
+    const floats zero = v_all(0.0f), ceiling = v_all(PUPIL_CEILING);
+    uint32_t i = 0;
+    for (; i + WIDTH <= n; i += WIDTH, at += 16 * WIDTH) {
+        floats v[3], alpha;
+        for (int k = 0; k < 16 * WIDTH; k += 64)
+            __builtin_prefetch(at + next_row + k);
+        rgba32f.vector(at, &v[0], &v[1], &v[2], &alpha);
+        for (int k = 0; k < 3; k++)
+            v_store(to[k] + i, v_min(v_where(v_greater(v[k], zero), v[k]), ceiling));
     }
+    for (const float *v = (const float *)(const void *)at; i < n; i++, v += 4)
+        for (int k = 0; k < 3; k++)
+            to[k][i] = bound_one(v[k]);
 }
 
 static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3])
@@ -66,16 +89,6 @@ static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold
     bright_channel(planes->b, n, to[2]);
     if (threshold > 0.0f)
         bloom_above(n, threshold, to[0], to[1], to[2]);
-}
-
-static void bloom_down(const float *const row[6], uint32_t n, float *to)
-{
-    const floats near = v_all(0xap-5f), middle = v_all(0x5p-5f), far = v_all(0x1p-5f);
-    for (uint32_t i = 0; i < (n + 15) / 16 * 16; i += WIDTH) {
-        const floats a = v_mul(both_of(row[2] + i, row[3] + i), near);
-        const floats b = v_mul(both_of(row[1] + i, row[4] + i), middle);
-        v_store(to + i, v_add(v_add(a, b), v_mul(both_of(row[0] + i, row[5] + i), far)));
-    }
 }
 
 static void bloom_up(const float *const row[3], const float tap[3], uint32_t n, float *to)

@@ -149,6 +149,6 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
             STORES_OF_LIGHT,                                                                                           \
     },                                                                                                                 \
-    CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES, LUMA_PIECES
+    CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES, LUMA_PIECES, .bloom_light_rgba32f = bloom_light_rgba32f
 
 #endif

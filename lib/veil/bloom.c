@@ -177,34 +177,61 @@ static uint32_t rounded(uint32_t n)
 static bloom_octave octave_at(const pupil_bloom_config *c, uint32_t k, size_t *floats)
 {
     bloom_octave at = {.width = ((c->width - 1) >> k) + 1, .height = ((c->height - 1) >> k) + 1};
-    at.stride = rounded(BLOOM_LEFT + at.width + BLOOM_LEFT + BLOOM_STEP);
+    /* An odd number of steps: rows that are 4096 bytes apart would share a few places of a cache. */
+    at.stride = (rounded(BLOOM_LEFT + at.width + BLOOM_LEFT + BLOOM_STEP) / BLOOM_STEP | 1) * BLOOM_STEP;
     at.rows = at.height + 2 * BLOOM_MARGIN;
+    at.units = rounded(at.width + 2 * BLOOM_MARGIN) / BLOOM_STEP;
     at.light = *floats;
     at.blurred = at.light + 3 * (size_t)at.rows * at.stride;
     *floats = at.blurred + 3 * (size_t)at.rows * at.stride;
     return at;
 }
 
+/* What memory holds, from octave 1 on: planes, rows of zeros and for solve, and bytes. */
+typedef struct bloom_places {
+    bloom_octave octave[BLOOM_OCTAVES];
+    size_t nothing, line, need, bytes;
+} bloom_places;
+
+static __attribute__((noinline)) void find_places(const pupil_bloom_config *c, uint32_t octaves, bloom_places *p)
+{
+    size_t floats = 0;
+    for (uint32_t k = 1; k < octaves; k++)
+        p->octave[k] = octave_at(c, k, &floats);
+    const uint32_t longest = octaves > 1 ? p->octave[1].stride : 0;
+    p->nothing = floats;
+    p->line = floats + longest;
+    p->bytes = (floats + 2 * longest + BLOOM_STEP) * sizeof(float);
+    for (uint32_t k = 1; k < octaves; k++) {
+        p->octave[k].lit = p->bytes;
+        p->bytes += (size_t)p->octave[k].rows * p->octave[k].units;
+    }
+    p->need = p->bytes;
+    p->bytes += octaves > 1 ? p->octave[1].units : 0;
+}
+
+static __attribute__((noinline)) size_t bytes_for(const pupil_bloom_config *c)
+{
+    bloom_places p;
+    find_places(c, octaves_of(c), &p);
+    return sizeof(bloom_object) + (p.bytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+}
+
 size_t pupil_bloom_bytes(const pupil_bloom_config *config)
 {
     pupil_bloom_config c;
-    size_t floats = 0;
-    if (!config || read_config(&c, config))
-        return 0;
-    const uint32_t octaves = octaves_of(&c);
-    const uint32_t longest = octaves > 1 ? octave_at(&c, 1, &floats).stride : 0;
-    for (uint32_t k = 2; k < octaves; k++)
-        (void)octave_at(&c, k, &floats);
-    return sizeof(bloom_object) + (floats + 2 * longest + BLOOM_STEP) * sizeof(float);
+    return config && !read_config(&c, config) ? bytes_for(&c) : 0;
 }
 
-static void find_places(bloom_object *o)
+static __attribute__((noinline)) void take_places(bloom_object *o)
 {
-    size_t floats = 0;
+    bloom_places p;
+    find_places(&o->config, o->octaves, &p);
     for (uint32_t k = 1; k < o->octaves; k++)
-        o->octave[k] = octave_at(&o->config, k, &floats);
-    o->nothing = floats;
-    o->line = floats + o->octave[1].stride;
+        o->octave[k] = p.octave[k];
+    o->nothing = p.nothing;
+    o->line = p.line;
+    o->need = p.need;
 }
 
 int pupil_bloom_init(pupil_bloom *bloom, size_t bytes, const pupil_bloom_config *config)
@@ -224,7 +251,7 @@ int pupil_bloom_init(pupil_bloom *bloom, size_t bytes, const pupil_bloom_config 
     o->config = copy;
     o->octaves = octaves_of(&copy);
     find_lobes(o);
-    find_places(o);
+    take_places(o);
     o->magic = BLOOM_MAGIC;
     return PUPIL_OK;
 }

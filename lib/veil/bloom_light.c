@@ -12,22 +12,54 @@ static int is_lit(bloom_line line, uint32_t n)
     return any != 0;
 }
 
+/* What is there of n pixels from x on. */
+typedef struct bloom_piece {
+    uint32_t first, pixels, before; /* the frame's first one, how many, and how many are left of the frame */
+} bloom_piece;
+
+static bloom_piece piece_of(uint32_t width, int32_t x, uint32_t n)
+{
+    const int32_t end = x + (int32_t)n < (int32_t)width ? x + (int32_t)n : (int32_t)width, first = x > 0 ? x : 0;
+    return first < end ? (bloom_piece){(uint32_t)first, (uint32_t)(end - first), (uint32_t)(first - x)}
+                       : (bloom_piece){0};
+}
+
 int pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_line line)
 {
     const pupil_image_const *in = f->rows.image;
-    const int32_t width = (int32_t)in->width, end = x + (int32_t)n < width ? x + (int32_t)n : width;
-    const int32_t first = x > 0 ? x : 0;
-    const int outside = y < 0 || y >= (int32_t)in->height || first >= end;
-    if (outside || first > x || end - x < (int32_t)n)
-        __builtin_memset(line, 0, sizeof(bloom_line));
-    if (outside)
+    const bloom_piece p = piece_of(in->width, x, n);
+    const int by_pixels = in->pixel == PUPIL_PIXEL_RGBA32F, bright_pass = f->threshold > 0.0f;
+    if (y < 0 || y >= (int32_t)in->height || !p.pixels)
         return 0;
     const pupil_row row = pupil_veil_row_of(&f->rows, (uint32_t)y);
-    const uint32_t pixels = (uint32_t)(end - first);
-    float *const to[3] = {line[0] + (first - x), line[1] + (first - x), line[2] + (first - x)};
-    (void)PUPIL_PIECE(f->kernels, load[in->pixel])(&f->rows.coder, &row, (uint32_t)first, pixels, &f->planes);
-    PUPIL_PIECE(f->kernels, bloom_bright)(&f->planes, pixels, f->threshold, to);
-    return !(f->threshold > 0.0f) || is_lit(line, n);
+    const uint8_t *source = row.data + 16 * (size_t)p.first;
+    const ptrdiff_t next_row = y + 1 < (int32_t)in->height ? in->stride_bytes : 0;
+    if (bright_pass && by_pixels &&
+        !PUPIL_PIECE(f->kernels, bloom_lit_rgba32f)(source, next_row, p.pixels, f->threshold))
+        return 0;
+    if (p.pixels < n)
+        __builtin_memset(line, 0, sizeof(bloom_line));
+    float *const to[3] = {line[0] + p.before, line[1] + p.before, line[2] + p.before};
+    if (!bright_pass && by_pixels && f->kernels->bloom_light_rgba32f) {
+        f->kernels->bloom_light_rgba32f(source, next_row, p.pixels, to);
+        return 1;
+    }
+    (void)PUPIL_PIECE(f->kernels, load[in->pixel])(&f->rows.coder, &row, p.first, p.pixels, &f->planes);
+    PUPIL_PIECE(f->kernels, bloom_bright)(&f->planes, p.pixels, f->threshold, to);
+    return !bright_pass || is_lit(line, n);
+}
+
+int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count)
+{
+    int any = 0;
+    for (uint32_t i = 0; i < count; i++)
+        any |= state[i] == BLOOM_LIT;
+    for (uint32_t i = 0; i < count && any; i++)
+        if (state[i] == BLOOM_DARK) {
+            __builtin_memset(lines[i], 0, sizeof(bloom_line));
+            state[i] = BLOOM_BLACK;
+        }
+    return any;
 }
 
 /* A row of the finer octave is 5/16, 10/16 and 1/16 of three, or those from the other side. */

@@ -1,6 +1,7 @@
 /* The octaves of a bloom: a frame's light at half the size, and again, and each one's blurs. */
 #include "bloom_private.h"
 
+#include "base/numeric.h"
 #include "core/image.h"
 
 enum { PART = BLOOM_PART / 2, HALVED = 6 };
@@ -9,7 +10,8 @@ _Static_assert(PART % 8 == 0, "kernels write whole vectors");
 /* What a worker gathers with. */
 typedef struct gathering {
     BLOOM_ALIGNED bloom_line row[HALVED];
-    BLOOM_ALIGNED float line[BLOOM_LINE];
+    BLOOM_ALIGNED float even[3][BLOOM_LINE / 2], odd[3][BLOOM_LINE / 2];
+    uint8_t state[HALVED];
     bloom_frame frame;
 } gathering;
 _Static_assert(sizeof(gathering) + 64 <= sizeof(pupil_bloom_scratch), "PUPIL_BLOOM_SCRATCH_BYTES is too small");
@@ -23,8 +25,60 @@ static bloom_object *object_of(pupil_bloom *bloom)
 
 static void read_row(gathering *g, int32_t y, int32_t x, uint32_t n)
 {
-    (void)pupil_bloom_light(&g->frame, y, 2 * x - BLOOM_SIDE, 2 * n + 2 * BLOOM_SIDE,
-                            g->row[(y + 2 * HALVED) % HALVED]);
+    const uint32_t at = (uint32_t)(y + 2 * HALVED) % HALVED;
+    const int lit = pupil_bloom_light(&g->frame, y, 2 * x - BLOOM_SIDE, 2 * n + 2 * BLOOM_SIDE, g->row[at]);
+    g->state[at] = lit ? BLOOM_LIT : BLOOM_DARK;
+}
+
+/* Which units of row j have light, `count` pixels of them from x on. Where all light scatters, it is in all. */
+static void mark(bloom_object *o, uint32_t octave, int32_t j, uint32_t x, uint32_t count, int bright_pass)
+{
+    uint8_t *lit = pupil_bloom_lit(o, octave, j);
+    for (uint32_t at = x; at < x + count; at += BLOOM_STEP) {
+        const uint32_t n = x + count - at < BLOOM_STEP ? x + count - at : BLOOM_STEP;
+        uint32_t any = !bright_pass;
+        for (int channel = 0; channel < 3 && !any; channel++) {
+            const float *row = o->memory + pupil_bloom_row(o, octave, o->octave[octave].light, channel, j);
+            for (uint32_t i = 0; i < n; i++)
+                any |= pupil_bits_of_float(row[BLOOM_LEFT - BLOOM_MARGIN + at + i]);
+        }
+        lit[at / BLOOM_STEP] = any != 0;
+    }
+}
+
+/* They have none; what a frame before left there goes. */
+static void clear(bloom_object *o, uint32_t octave, int32_t j, uint32_t x, uint32_t count)
+{
+    uint8_t *lit = pupil_bloom_lit(o, octave, j);
+    for (uint32_t at = x; at < x + count; at += BLOOM_STEP) {
+        for (int channel = 0; channel < 3 && lit[at / BLOOM_STEP]; channel++) {
+            float *row = o->memory + pupil_bloom_row(o, octave, o->octave[octave].light, channel, j);
+            __builtin_memset(row + BLOOM_LEFT - BLOOM_MARGIN + at, 0, BLOOM_STEP * sizeof *row);
+        }
+        lit[at / BLOOM_STEP] = 0;
+    }
+}
+
+/* Row j of the octave, `n` pixels from x on. */
+static void gather_row(bloom_object *o, gathering *g, int32_t j, int32_t x, uint32_t n)
+{
+    const uint32_t from_margin = (uint32_t)(x + BLOOM_MARGIN);
+    if (!pupil_bloom_any(g->row, g->state, HALVED)) {
+        clear(o, 1, j, from_margin, n);
+        return;
+    }
+    for (int channel = 0; channel < 3; channel++) {
+        const float *row[HALVED];
+        for (int32_t k = 0; k < HALVED; k++)
+            row[k] = g->row[(2 * j - 2 + k + 2 * HALVED) % HALVED][channel];
+        PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->even[channel], g->odd[channel]);
+    }
+    for (int channel = 0; channel < 3; channel++) {
+        const float *even = g->even[channel] + BLOOM_SIDE / 2, *odd = g->odd[channel] + BLOOM_SIDE / 2;
+        float *to = o->memory + pupil_bloom_row(o, 1, o->octave[1].light, channel, j) + BLOOM_LEFT + x;
+        PUPIL_PIECE(g->frame.kernels, bloom_halve)(even, odd, n, to);
+    }
+    mark(o, 1, j, from_margin, n, g->frame.threshold > 0.0f);
 }
 
 /* Rows first to end of the octave, `n` pixels from x on, down the rows; x may be before the picture. */
@@ -35,14 +89,7 @@ static void gather_part(bloom_object *o, gathering *g, int32_t first, int32_t en
     for (int32_t j = first; j < end; j++) {
         read_row(g, 2 * j + 2, x, n);
         read_row(g, 2 * j + 3, x, n);
-        for (int channel = 0; channel < 3; channel++) {
-            const float *row[HALVED];
-            for (int32_t k = 0; k < HALVED; k++)
-                row[k] = g->row[(2 * j - 2 + k + 2 * HALVED) % HALVED][channel];
-            float *to = o->memory + pupil_bloom_row(o, 1, o->octave[1].light, channel, j) + BLOOM_LEFT + x;
-            PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->line);
-            PUPIL_PIECE(g->frame.kernels, bloom_halve)(g->line + BLOOM_SIDE, n, to);
-        }
+        gather_row(o, g, j, x, n);
     }
 }
 
@@ -86,64 +133,163 @@ int pupil_bloom_gather_rows(pupil_bloom *bloom, const pupil_t *pupil, const pupi
 
 /* --- the others --- */
 
-/* Octave k + 1 from octave k. */
-static void halve(bloom_object *o, const pupil_kernels *kernels, uint32_t k)
+static int is_row_lit(bloom_object *o, uint32_t octave, int32_t y)
 {
-    const bloom_octave *from = &o->octave[k], *to = &o->octave[k + 1];
-    float *line = o->memory + o->line;
-    for (int channel = 0; channel < 3; channel++)
-        for (int32_t j = 1 - BLOOM_MARGIN; j < (int32_t)to->height + BLOOM_MARGIN - 1; j++) {
-            const float *six[HALVED];
-            for (int32_t i = 0; i < HALVED; i++)
-                six[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 2 + i);
-            float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN;
-            PUPIL_PIECE(kernels, bloom_down)(six, from->stride, line);
-            PUPIL_PIECE(kernels, bloom_halve)(line + BLOOM_LEFT - 2 * BLOOM_MARGIN, to->width + 2 * BLOOM_MARGIN, row);
-        }
+    if (y < -BLOOM_MARGIN || y >= (int32_t)o->octave[octave].height + BLOOM_MARGIN)
+        return 0;
+    const uint8_t *lit = pupil_bloom_lit(o, octave, y);
+    uint32_t any = 0;
+    for (uint32_t u = 0; u < o->octave[octave].units; u++)
+        any |= lit[u];
+    return any != 0;
 }
 
-/* Row y of an octave gets a lobe's light; `more`: in addition to what is there. */
-static void blur_row(bloom_object *o, const pupil_kernels *kernels, const bloom_lobe *lobe, int channel, int32_t y,
-                     int more)
+/* Row j of octave k + 1. */
+static void halve_row(bloom_object *o, const pupil_kernels *kernels, uint32_t k, int32_t j)
+{
+    const bloom_octave *from = &o->octave[k], *to = &o->octave[k + 1];
+    const uint32_t across = to->width + 2 * BLOOM_MARGIN, middle = BLOOM_LEFT / 2 - BLOOM_MARGIN;
+    float *even = o->memory + o->line, *odd = even + from->stride / 2;
+    int lit = 0;
+    for (int32_t i = 0; i < HALVED; i++)
+        lit |= is_row_lit(o, k, 2 * j - 2 + i);
+    if (!lit) {
+        clear(o, k + 1, j, 0, across);
+        return;
+    }
+    for (int channel = 0; channel < 3; channel++) {
+        const float *six[HALVED];
+        for (int32_t i = 0; i < HALVED; i++)
+            six[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 2 + i);
+        float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN;
+        PUPIL_PIECE(kernels, bloom_down)(six, from->stride, even, odd);
+        PUPIL_PIECE(kernels, bloom_halve)(even + middle, odd + middle, across, row);
+    }
+    mark(o, k + 1, j, 0, across, o->config.threshold > 0.0);
+}
+
+static void halve(bloom_object *o, const pupil_kernels *kernels, uint32_t k)
+{
+    const int32_t end = (int32_t)o->octave[k + 1].height + BLOOM_MARGIN - 1;
+    for (int32_t j = 1 - BLOOM_MARGIN; j < end; j++)
+        halve_row(o, kernels, k, j);
+}
+
+/* Units first to end of row y get a lobe's light; `more`: in addition to what is there. */
+static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloom_lobe *lobe, int channel, int32_t y,
+                       uint32_t first, uint32_t end, int more)
 {
     const bloom_octave *at = &o->octave[lobe->octave];
     const float *one[BLOOM_TAPS], *other[BLOOM_TAPS];
-    float *line = o->memory + o->line;
+    const uint32_t from = first * BLOOM_STEP, n = (end - first) * BLOOM_STEP;
+    float *line = o->memory + o->line, *begin = line + from + BLOOM_LEFT - BLOOM_MARGIN;
     for (int32_t k = 0; k < (int32_t)lobe->taps; k++) {
-        one[k] = o->memory + pupil_bloom_row(o, lobe->octave, at->light, channel, y - k);
-        other[k] = o->memory + pupil_bloom_row(o, lobe->octave, at->light, channel, y + k);
+        one[k] = o->memory + pupil_bloom_row(o, lobe->octave, at->light, channel, y - k) + from;
+        other[k] = o->memory + pupil_bloom_row(o, lobe->octave, at->light, channel, y + k) + from;
     }
-    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->column, lobe->taps, at->stride, line, 0);
+    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->column, lobe->taps, n + BLOOM_STEP, line + from, 0);
     for (uint32_t k = 0; k < lobe->taps; k++) {
-        one[k] = line + BLOOM_LEFT - BLOOM_MARGIN - k;
-        other[k] = line + BLOOM_LEFT - BLOOM_MARGIN + k;
+        one[k] = begin - k;
+        other[k] = begin + k;
     }
-    float *to = o->memory + pupil_bloom_row(o, lobe->octave, at->blurred, channel, y) + BLOOM_LEFT - BLOOM_MARGIN;
-    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->row, lobe->taps, at->width + 2 * BLOOM_MARGIN, to, more);
+    float *row = o->memory + pupil_bloom_row(o, lobe->octave, at->blurred, channel, y);
+    float *to = row + BLOOM_LEFT - BLOOM_MARGIN + from;
+    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->row, lobe->taps, n, to, more);
+}
+
+/* Which units of row y have light within reach: BLOOM_TAPS - 1 rows, and the units beside them. */
+static uint8_t *find_need(bloom_object *o, uint32_t octave, int32_t y)
+{
+    const bloom_octave *at = &o->octave[octave];
+    uint8_t *need = (uint8_t *)o->memory + o->need;
+    if (!(o->config.threshold > 0.0)) {
+        __builtin_memset(need, 1, at->units);
+        return need;
+    }
+    __builtin_memset(need, 0, at->units);
+    for (int32_t j = y - BLOOM_TAPS + 1; j < y + BLOOM_TAPS; j++) {
+        if (j < -BLOOM_MARGIN || j >= (int32_t)at->height + BLOOM_MARGIN)
+            continue;
+        const uint8_t *lit = pupil_bloom_lit(o, octave, j);
+        for (uint32_t u = 0; u < at->units; u++)
+            need[u] |= lit[u];
+    }
+    for (uint32_t u = 0, before = 0; u < at->units; u++) {
+        const uint32_t here = need[u], after = u + 1 < at->units ? need[u + 1] : 0;
+        need[u] = (uint8_t)(before | here | after);
+        before = here;
+    }
+    return need;
+}
+
+/* Units of an octave that are worked down the rows: what all rows within reach have there is in the L1 cache. */
+typedef struct bloom_strip {
+    uint32_t octave, first, end;
+    int channel;
+} bloom_strip;
+enum { STRIP = 512 };
+
+static void blur_strip_row(bloom_object *o, const pupil_kernels *kernels, const bloom_strip *s, int32_t y,
+                           const uint8_t *need)
+{
+    float *row = o->memory + pupil_bloom_row(o, s->octave, o->octave[s->octave].blurred, s->channel, y);
+    int more = 0;
+    for (uint32_t i = 0; i < o->lobes; i++) {
+        if (o->lobe[i].octave != s->octave)
+            continue;
+        for (uint32_t first = s->first, end; first < s->end; first = end + 1) {
+            for (end = first; end < s->end && need[end]; end++)
+                ;
+            if (end > first)
+                blur_units(o, kernels, &o->lobe[i], s->channel, y, first, end, more);
+        }
+        more = 1;
+    }
+    for (uint32_t u = s->first; u < s->end; u++)
+        if (!more || !need[u])
+            __builtin_memset(row + BLOOM_LEFT - BLOOM_MARGIN + u * BLOOM_STEP, 0, BLOOM_STEP * sizeof *row);
+}
+
+/* What comes from the octave above. */
+static void add_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_strip *s, int32_t y)
+{
+    enum { BEFORE = 6 }; /* of a strip's first pixel, so that lines are read from multiples of 8 on */
+    const bloom_octave *at = &o->octave[s->octave];
+    const uint32_t half = s->first * (BLOOM_STEP / 2), all = at->width / 2 + BLOOM_MARGIN;
+    const uint32_t most = (s->end - s->first) * (BLOOM_STEP / 2), n = all - half < most ? all - half : most;
+    const uint32_t from = BLOOM_LEFT - BLOOM_MARGIN / 2 - BEFORE + half;
+    float *line = o->memory + o->line;
+    float *row = o->memory + pupil_bloom_row(o, s->octave, at->blurred, s->channel, y);
+    if (all <= half)
+        return;
+    pupil_bloom_between(o, kernels, s->octave + 1, s->channel, y, from, most + BLOOM_STEP / 2, line);
+    PUPIL_PIECE(kernels, bloom_widen)(line + BEFORE, n, row + BLOOM_LEFT - BLOOM_MARGIN + 2 * half);
 }
 
 static void blur(bloom_object *o, const pupil_kernels *kernels, uint32_t octave)
 {
     const bloom_octave *at = &o->octave[octave];
-    const uint32_t across = at->width + 2 * BLOOM_MARGIN;
-    float *line = o->memory + o->line;
-    for (int channel = 0; channel < 3; channel++)
-        for (int32_t y = 1 - BLOOM_MARGIN; y < (int32_t)at->height + BLOOM_MARGIN - 1; y++) {
-            float *row = o->memory + pupil_bloom_row(o, octave, at->blurred, channel, y);
-            int more = 0;
-            for (uint32_t i = 0; i < o->lobes; i++)
-                if (o->lobe[i].octave == octave) {
-                    blur_row(o, kernels, &o->lobe[i], channel, y, more);
-                    more = 1;
-                }
-            if (!more)
-                __builtin_memset(row, 0, at->stride * sizeof *row);
-            if (octave + 1 == o->octaves)
-                continue;
-            pupil_bloom_between(o, kernels, octave + 1, channel, y, 0, o->octave[octave + 1].stride, line);
-            PUPIL_PIECE(kernels, bloom_widen)
-            (line + BLOOM_LEFT - BLOOM_MARGIN / 2, across / 2, row + BLOOM_LEFT - BLOOM_MARGIN);
+    const int32_t end = (int32_t)at->height + BLOOM_MARGIN - 1;
+    for (uint32_t first = 0; first < at->units; first += STRIP)
+        for (int channel = 0; channel < 3; channel++) {
+            const bloom_strip s = {.octave = octave,
+                                   .first = first,
+                                   .end = at->units - first < STRIP ? at->units : first + STRIP,
+                                   .channel = channel};
+            for (int32_t y = 1 - BLOOM_MARGIN; y < end; y++) {
+                blur_strip_row(o, kernels, &s, y, find_need(o, octave, y));
+                if (octave + 1 < o->octaves)
+                    add_coarser(o, kernels, &s, y);
+            }
         }
+}
+
+static int is_lit(bloom_object *o)
+{
+    int lit = 0;
+    for (int32_t y = -BLOOM_MARGIN; o->octaves > 1 && y < (int32_t)o->octave[1].height + BLOOM_MARGIN && !lit; y++)
+        lit = is_row_lit(o, 1, y);
+    return lit;
 }
 
 int pupil_bloom_solve(pupil_bloom *bloom, const pupil_t *pupil)
@@ -155,6 +301,9 @@ int pupil_bloom_solve(pupil_bloom *bloom, const pupil_t *pupil)
         return error;
     bloom_object *o = object_of(bloom);
     const pupil_kernels *kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level);
+    o->lit = (uint32_t)is_lit(o);
+    if (!o->lit)
+        return PUPIL_OK;
     for (uint32_t k = 1; k + 1 < o->octaves; k++)
         halve(o, kernels, k);
     for (uint32_t k = o->octaves - 1; k > 0; k--)

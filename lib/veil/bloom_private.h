@@ -28,10 +28,12 @@ typedef struct bloom_lobe {
     float column[BLOOM_TAPS], row[BLOOM_TAPS];
 } bloom_lobe;
 
-/* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. */
+/* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. `lit` are
+ * bytes of `memory`: for each row, where in its planes of light there is some, by `units` of BLOOM_STEP pixels from the
+ * margin's first on. The others are 0. */
 typedef struct bloom_octave {
-    uint32_t width, height, stride, rows;
-    size_t light, blurred;
+    uint32_t width, height, stride, rows, units;
+    size_t light, blurred, lit;
 } bloom_octave;
 
 typedef struct bloom_object {
@@ -43,6 +45,8 @@ typedef struct bloom_object {
     bloom_lobe lobe[BLOOM_MOST_LOBES];
     bloom_octave octave[BLOOM_OCTAVES]; /* the first has no planes */
     size_t nothing, line;               /* a row of zeros, and one for solve */
+    size_t need;                        /* bytes of memory: a unit each, for solve */
+    uint32_t lit;                       /* there is light in the octaves, since solve */
     float memory[];
 } bloom_object;
 
@@ -64,6 +68,12 @@ static inline size_t pupil_bloom_row(const bloom_object *o, uint32_t octave, siz
     return planes + ((size_t)channel * at->rows + (size_t)(y + BLOOM_MARGIN)) * at->stride;
 }
 
+static inline uint8_t *pupil_bloom_lit(bloom_object *o, uint32_t octave, int32_t y)
+{
+    const bloom_octave *at = &o->octave[octave];
+    return (uint8_t *)o->memory + at->lit + (size_t)(y + BLOOM_MARGIN) * at->units;
+}
+
 /* A frame whose light is read by blocks. */
 typedef struct bloom_frame {
     const pupil_kernels *kernels;
@@ -82,8 +92,13 @@ static inline void *pupil_bloom_aligned(pupil_bloom_scratch *scratch)
     return (unsigned char *)scratch + (64 - (uintptr_t)scratch % 64) % 64;
 }
 
-/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. 0: all of it is. */
+/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. 0: there is none, and
+ * what is in the line is not said. */
 int pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
+/* Of some lines: no light, but anything in it; light; zeros. */
+enum { BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
+/* Whether one of them is lit. Then those that are dark are made black. */
+int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count);
 /* Row y of the octave above from three rows of `blurred` of `octave`, still of its width, from float `from` on. */
 void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
                          uint32_t from, uint32_t n, float *to);
@@ -98,9 +113,9 @@ void pupil_bloom_find_taps(double sigma, uint32_t taps, double *tap);
 /* bloom_window.c: full size, block by block. */
 typedef struct bloom_window {
     BLOOM_ALIGNED bloom_line ring[PUPIL_BLOOM_ROWS];
-    BLOOM_ALIGNED pupil_bloom_sums sums;
+    BLOOM_ALIGNED pupil_bloom_sums sums[3];
     BLOOM_ALIGNED float line[BLOOM_LINE];
-    int lit[PUPIL_BLOOM_ROWS];
+    uint8_t state[PUPIL_BLOOM_ROWS];
     bloom_frame frame;
 } bloom_window;
 

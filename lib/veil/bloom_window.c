@@ -11,7 +11,9 @@ static uint32_t place_of(int32_t y)
 static void read_row(bloom_window *w, int32_t y, uint32_t x, uint32_t n)
 {
     const uint32_t at = place_of(y);
-    w->lit[at] = pupil_bloom_light(&w->frame, y, (int32_t)x - BLOOM_SIDE, n + 2 * BLOOM_SIDE, w->ring[at]);
+    w->state[at] = pupil_bloom_light(&w->frame, y, (int32_t)x - BLOOM_SIDE, n + 2 * BLOOM_SIDE, w->ring[at])
+                       ? BLOOM_LIT
+                       : BLOOM_DARK;
 }
 
 void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t n)
@@ -20,14 +22,18 @@ void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t 
         read_row(w, i, x, n);
 }
 
-/* What lobes at full size scatter. */
-static void add_full(const bloom_object *o, bloom_window *w, int32_t y, int channel, uint32_t n, float *plane)
+/* What lobes at full size scatter. The columns' sums of all channels come before their use: a CPU waits where what it
+ * has just stored is read across the places that it was stored to. */
+static void add_full(const bloom_object *o, bloom_window *w, int32_t y, uint32_t n, float *const plane[3])
 {
     const float *row[PUPIL_BLOOM_ROWS];
-    for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
-        row[i] = w->ring[place_of(y - REACH + i)][channel];
-    PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->full, n + 2 * BLOOM_SIDE, w->sums);
-    PUPIL_PIECE(w->frame.kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])w->sums, &o->full, n, plane);
+    for (int channel = 0; channel < 3; channel++) {
+        for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
+            row[i] = w->ring[place_of(y - REACH + i)][channel];
+        PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->full, n + 2 * BLOOM_SIDE, w->sums[0]);
+        PUPIL_PIECE(w->frame.kernels, bloom_rows)
+        ((const float(*)[PUPIL_BLOOM_LINE])w->sums[0], &o->full, n, plane[channel]);
+    }
 }
 
 /* What the next rows need of the octave: pieces of rows are too short for a CPU to expect that by itself. */
@@ -44,15 +50,11 @@ void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, 
 {
     float *const plane[3] = {planes->r, planes->g, planes->b};
     const uint32_t halves = (n + 1) / 2, from = BLOOM_LEFT - BLOOM_MARGIN + x / 2;
-    int lit = 0;
     read_row(w, (int32_t)y + REACH, x, n);
-    for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
-        lit |= w->lit[i];
-    for (int channel = 0; channel < 3; channel++) {
-        if (lit)
-            add_full(o, w, (int32_t)y, channel, n, plane[channel]);
-        if (o->octaves < 2)
-            continue;
+    const int lit = pupil_bloom_any(w->ring, w->state, PUPIL_BLOOM_ROWS);
+    if (lit)
+        add_full(o, w, (int32_t)y, n, plane);
+    for (int channel = 0; channel < 3 && o->lit; channel++) {
         announce(o, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN);
         pupil_bloom_between(o, w->frame.kernels, 1, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN, w->line);
         PUPIL_PIECE(w->frame.kernels, bloom_widen)(w->line + BLOOM_MARGIN, halves, plane[channel]);

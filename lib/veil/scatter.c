@@ -65,7 +65,7 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
     for (; x < end; x += PUPIL_BLOCK, target += PUPIL_BLOCK * out_bytes) {
         const uint32_t n = end - x < PUPIL_BLOCK ? end - x : PUPIL_BLOCK;
         const int opaque = PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
-        const size_t third = n * in_bytes / 3;
+        const size_t third = m->bloom ? 0 : n * in_bytes / 3; /* which reads rows further down before */
         fetch(next, third);
         if (m->veil)
             PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);

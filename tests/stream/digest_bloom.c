@@ -3,7 +3,7 @@
 
 #include "pupil/bloom.h"
 
-enum { BLOOM_WIDTH = 131, BLOOM_HEIGHT = 37, BLOOM_WORDS = 25000 };
+enum { BLOOM_WIDTH = 131, BLOOM_HEIGHT = 37, BLOOM_WORDS = 32000 };
 
 uint64_t digest_bloom(void)
 {

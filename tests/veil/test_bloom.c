@@ -298,6 +298,92 @@ static void check_even(void)
     frame_free(&to);
 }
 
+/* --- few lamps: what is skipped --- */
+
+enum { FEW_WIDTH = 530, FEW_HEIGHT = 310, FEW_LAMPS = 5 };
+
+static pupil_bloom_config few_config(double threshold)
+{
+    static const pupil_veil_gaussian lobe[] = {{21, 0.1}, {9, 0.1}, {4, 0.1}, {2.5, 0.1}, {1.2, 0.1}, {0.4, 0.2}};
+    pupil_bloom_config config;
+    pupil_bloom_config_default(&config);
+    config.width = FEW_WIDTH;
+    config.height = FEW_HEIGHT;
+    config.threshold = threshold;
+    for (config.lobes = 0; config.lobes < sizeof lobe / sizeof lobe[0]; config.lobes++)
+        config.lobe[config.lobes] = lobe[config.lobes];
+    return config;
+}
+
+static void draw_few(pupil_bloom *bloom, const frame *in, frame *to)
+{
+    const pupil_image out = frame_writable(to);
+    pupil_t pupil;
+    start(&pupil, 0);
+    CHECK(pupil_bloom_gather_rows(bloom, &pupil, &in->image, 0, FEW_HEIGHT, &scratch) == PUPIL_OK);
+    CHECK(pupil_bloom_solve(bloom, &pupil) == PUPIL_OK);
+    CHECK(pupil_bloom_map_rows(bloom, NULL, &pupil, &as_it_is, &in->image, &out, &scratch) == PUPIL_OK);
+}
+
+/* What a frame leaves in the object is not in the next one's picture: lamps elsewhere, none, and lamps again. */
+static void check_next_frame(uint32_t pixel)
+{
+    const pupil_bloom_config config = few_config(0.5);
+    pupil_bloom *kept = make(&config);
+    for (int i = 0; i < 6; i++) {
+        frame in = frame_make(FEW_WIDTH, FEW_HEIGHT, pixel, 0, 0);
+        frame a = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
+        frame b = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
+        frame_fill(&in, 0.25, 0.125, 0.5);
+        for (int k = 0; k < (i == 2 ? 0 : FEW_LAMPS); k++)
+            frame_set(&in, random_below(FEW_WIDTH), random_below(FEW_HEIGHT), 1000, 500, 250, 1);
+        draw_few(kept, &in, &a);
+        pupil_bloom *fresh = make(&config);
+        draw_few(fresh, &in, &b);
+        CHECK_MSG(frame_equal(&a, &b), "frame %d of format %u", i, pixel);
+        free(fresh);
+        frame_free(&in);
+        frame_free(&a);
+        frame_free(&b);
+    }
+    free(kept);
+}
+
+/* A bright pass, which skips what is dark, scatters what the light above it scatters where nothing is skipped. */
+static void check_skipped(void)
+{
+    const pupil_bloom_config with = few_config(0.5), without = few_config(0.0);
+    pupil_bloom *bright = make(&with), *all = make(&without);
+    frame in = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
+    frame above = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
+    frame a = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
+    frame b = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
+    frame_fill(&in, 0, 0, 0);
+    frame_fill(&above, 0, 0, 0);
+    for (int k = 0; k < FEW_LAMPS; k++) { /* in corners, at edges, anywhere */
+        const uint32_t x = k == 0 ? 0 : k == 1 ? FEW_WIDTH - 1 : random_below(FEW_WIDTH);
+        const uint32_t y = k == 1 ? FEW_HEIGHT - 1 : k == 2 ? 0 : random_below(FEW_HEIGHT);
+        const double share = (1000 - 0.5) / 1000;
+        frame_set(&in, x, y, 1000, 500, 250, 1);
+        frame_set(&above, x, y, 1000 * share, 500 * share, 250 * share, 1);
+    }
+    draw_few(bright, &in, &a);
+    draw_few(all, &above, &b);
+    const float *from = in.image.data, *lit = above.image.data, *ours = a.image.data, *theirs = b.image.data;
+    double most = 0;
+    for (size_t i = 0; i < (size_t)FEW_WIDTH * FEW_HEIGHT * 4; i++) {
+        const double error = (double)(ours[i] - theirs[i]) / (double)SCALE - (double)(from[i] - lit[i]);
+        most = i % 4 != 3 && fabs(error) > most ? fabs(error) : most;
+    }
+    CHECK_MSG(most < 1e-3, "off by %g of 1000", most);
+    free(bright);
+    free(all);
+    frame_free(&in);
+    frame_free(&above);
+    frame_free(&a);
+    frame_free(&b);
+}
+
 /* --- refusals --- */
 
 static void check_config(pupil_bloom_config c, const char *expected)
@@ -366,6 +452,9 @@ int main(int argc, char **argv)
     check_even();
     check_formats();
     check_dark();
+    check_next_frame(PUPIL_PIXEL_RGBA32F);
+    check_next_frame(PUPIL_PIXEL_RGB16F);
+    check_skipped();
     check_refusals();
     return check_end();
 }

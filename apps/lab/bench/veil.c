@@ -12,7 +12,8 @@
 #include "common/report_error.h"
 #include "instructions.h"
 #include "options/commands.h"
-#include "pupil/bloom.h"
+#include "pupil/veil.h"
+#include "veil_frames.h"
 #include "veil_rivals.h"
 
 /* Instructions are counted in a picture of a tenth of the size: each of them stops the process once. */
@@ -20,10 +21,7 @@ enum { SIDE = 600, COUNTED_SIDE = 60, MOST_LIGHTS = 10000, COUNTS = 5 };
 #define SIGMA_PX 37.5
 #define PERIOD   1.25 /* of a bell that reaches 150 pixels: 750 */
 
-typedef struct options {
-    uint64_t rounds;
-    uint32_t width, height;
-} options;
+typedef veil_frames_options options;
 
 typedef struct bench {
     options options;
@@ -252,204 +250,6 @@ static int run_lists(bench *b)
     return 0;
 }
 
-/* --- frames --- */
-
-typedef struct frames {
-    pupil_t pupil;
-    pupil_veil veil;
-    pupil_veil_light light;
-    pupil_veil_scratch scratch;
-    pupil_bloom_scratch bloom_scratch;
-    pupil_bloom *bloom;
-    pupil_stats stats;
-    pupil_curve curve;
-    pupil_image_const in;
-    pupil_image out;
-    float *pixels;
-    unsigned long long seen;
-} frames;
-
-static void read_only(void *context)
-{
-    frames *f = context;
-    f->seen += bench_read(f->pixels, (size_t)f->in.width * f->in.height * 16 / 64 * 64);
-}
-
-static void meter(void *context)
-{
-    frames *f = context;
-    pupil_stats_clear(&f->stats);
-    pupil_meter_rows(&f->pupil, &f->in, 0, f->in.height, &f->stats);
-}
-
-static void meter_and_gather(void *context)
-{
-    frames *f = context;
-    pupil_stats_clear(&f->stats);
-    pupil_veil_light_clear(&f->light);
-    pupil_veil_gather_rows(&f->veil, &f->pupil, &f->in, 0, &f->stats, &f->light);
-}
-
-static void solve(void *context)
-{
-    frames *f = context;
-    pupil_veil_begin(&f->veil);
-    pupil_veil_add_light(&f->veil, &f->light);
-    pupil_veil_solve(&f->veil);
-}
-
-static void map(void *context)
-{
-    frames *f = context;
-    pupil_map_rows(&f->pupil, &f->curve, &f->in, &f->out);
-}
-
-static void map_with_veil(void *context)
-{
-    frames *f = context;
-    pupil_veil_map_rows(&f->veil, &f->pupil, &f->curve, &f->in, &f->out, &f->scratch);
-}
-
-enum { GROUP = 16 }; /* rows that are metered and gathered while they are in the cache */
-
-static void meter_groups(frames *f, int with_bloom)
-{
-    pupil_stats_clear(&f->stats);
-    for (uint32_t y = 0; y < f->in.height; y += GROUP) {
-        const uint32_t rows = f->in.height - y < GROUP ? f->in.height - y : GROUP;
-        const pupil_image_const part = pupil_image_rows(f->in, y, rows);
-        pupil_meter_rows(&f->pupil, &part, y, f->in.height, &f->stats);
-        if (with_bloom)
-            pupil_bloom_gather_rows(f->bloom, &f->pupil, &f->in, y, rows, &f->bloom_scratch);
-    }
-}
-
-static void meter_in_groups(void *context)
-{
-    meter_groups(context, 0);
-}
-
-static void meter_and_gather_bloom(void *context)
-{
-    meter_groups(context, 1);
-}
-
-static void solve_bloom(void *context)
-{
-    frames *f = context;
-    pupil_bloom_solve(f->bloom, &f->pupil);
-}
-
-static void map_with_bloom(void *context)
-{
-    frames *f = context;
-    pupil_bloom_map_rows(f->bloom, NULL, &f->pupil, &f->curve, &f->in, &f->out, &f->bloom_scratch);
-}
-
-/* The narrow lobes of the veil's eye. */
-static int open_bloom(frames *f)
-{
-    pupil_bloom_config config;
-    pupil_veil_result eye;
-    pupil_veil_get(&f->veil, &eye);
-    pupil_bloom_config_default(&config);
-    config.width = f->in.width;
-    config.height = f->in.height;
-    config.lobes = eye.lobes;
-    memcpy(config.lobe, eye.lobe, sizeof config.lobe);
-    const size_t bytes = pupil_bloom_bytes(&config);
-    f->bloom = malloc(bytes);
-    return f->bloom && !pupil_bloom_init(f->bloom, bytes, &config) ? 0 : -1;
-}
-
-static int open_frames(const bench *b, frames *f)
-{
-    const uint32_t width = b->options.width, height = b->options.height;
-    pupil_config config;
-    pupil_veil_config eye;
-    uint64_t state = 20261122;
-    f->pixels = malloc((size_t)width * height * 16);
-    void *out = malloc((size_t)width * height * 4);
-    if (!f->pixels || !out) {
-        free(out);
-        return -1;
-    }
-    for (size_t i = 0; i < (size_t)width * height * 4; i++)
-        f->pixels[i] = i % 4 == 3 ? 1.0f : (float)exp2(8 * random_share(&state) - 6);
-    f->in = (pupil_image_const){.data = f->pixels,
-                                .stride_bytes = (ptrdiff_t)width * 16,
-                                .width = width,
-                                .height = height,
-                                .pixel = PUPIL_PIXEL_RGBA32F};
-    f->out = (pupil_image){.data = out,
-                           .stride_bytes = (ptrdiff_t)width * 4,
-                           .width = width,
-                           .height = height,
-                           .pixel = PUPIL_PIXEL_RGBA8};
-    f->curve = (pupil_curve){.scale = 0.5f, .inverse_white_squared = 0.0625f};
-    pupil_config_default(&config);
-    config.white_mode = PUPIL_WHITE_NONE;
-    pupil_init(&f->pupil, &config);
-    pupil_veil_config_default(&eye);
-    eye.width = width;
-    eye.height = height;
-    return pupil_veil_init(&f->veil, &eye) || open_bloom(f) ? -1 : 0;
-}
-
-enum { RUNNERS = 10 };
-
-static void print_frames(const options *o, const bench_runner runner[RUNNERS])
-{
-    const double pixels = (double)o->width * o->height;
-    double ns[RUNNERS];
-    for (int i = 0; i < RUNNERS; i++)
-        ns[i] = runner[i].least_s * 1e9 / pixels;
-    const double veil = ns[2] - ns[1] + ns[5] - ns[4] + ns[3], bloom = ns[7] - ns[6] + ns[9] - ns[4] + ns[8];
-    printf("A frame of %u x %u, RGBA32F to RGBA8, Spencer's eye, one thread, ns a pixel:\n"
-           "  a plain read of the frame      %6.3f\n"
-           "  metering                       %6.3f   with gathering     %6.3f   more %6.3f\n"
-           "  mapping                        %6.3f   with its veil      %6.3f   more %6.3f\n"
-           "  coefficients and nodes                                           %6.3f   (%.3f ms)\n"
-           "  the veil in all                                             more %6.3f   (%.2f plain reads)\n",
-           o->width, o->height, ns[0], ns[1], ns[2], ns[2] - ns[1], ns[4], ns[5], ns[5] - ns[4], ns[3],
-           runner[3].least_s * 1e3, veil, veil / ns[0]);
-    printf("  metering                       %6.3f   with bloom's light %6.3f   more %6.3f\n"
-           "  mapping                        %6.3f   with its bloom     %6.3f   more %6.3f\n"
-           "  octaves                                                          %6.3f   (%.3f ms)\n"
-           "  the bloom in all                                            more %6.3f   (%.2f plain reads)\n",
-           ns[6], ns[7], ns[7] - ns[6], ns[4], ns[9], ns[9] - ns[4], ns[8], runner[8].least_s * 1e3, bloom,
-           bloom / ns[0]);
-}
-
-static int run_frames(bench *b)
-{
-    frames *f = calloc(1, sizeof *f);
-    if (!f || open_frames(b, f)) {
-        free(f);
-        return -1;
-    }
-    bench_runner runner[RUNNERS] = {{.run = read_only, .context = f},
-                                    {.run = meter, .context = f},
-                                    {.run = meter_and_gather, .context = f},
-                                    {.run = solve, .context = f},
-                                    {.run = map, .context = f},
-                                    {.run = map_with_veil, .context = f},
-                                    {.run = meter_in_groups, .context = f},
-                                    {.run = meter_and_gather_bloom, .context = f},
-                                    {.run = solve_bloom, .context = f},
-                                    {.run = map_with_bloom, .context = f}};
-    show(b, "frames", 0);
-    const int stopped = bench_race(runner, RUNNERS, (unsigned)b->options.rounds, NULL, interrupt_came);
-    progress_clear(&b->progress);
-    if (!stopped)
-        print_frames(&b->options, runner);
-    free(f->bloom);
-    free(f->pixels);
-    free(f->out.data);
-    free(f);
-    return stopped;
-}
-
 /* --- the command line --- */
 
 #define AT(field) offsetof(options, field)
@@ -458,6 +258,8 @@ static const option_row rows[] = {
     {"rounds", 'n', OPTION_COUNT, "N", AT(rounds), .low = 1, .high = 1e6, .initial = "21", .help = "of each, in turns"},
     {"size", 0, OPTION_SIZE, "WxH", AT(width), .high = PUPIL_MAX_SIDE_PX, .initial = "1920x1080",
      .help = "of the frames"},
+    {"above", 0, OPTION_NUMBER, "LIGHT", AT(above), .high = 1e9, .initial = "4",
+     .help = "of the bloom with a bright pass: what scatters"},
 };
 
 static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
@@ -465,13 +267,17 @@ static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
 const option_command bench_veil_command = {
     .name = "bench veil",
     .summary = "veiling glare: lists of lights and other ways, frames with and without",
-    .usage = "[options]",
+    .usage = "[options] [PICTURE]",
     .about = "What a veil costs, in turns in one run.",
     .exits = "0 done, 1 failed, 2 usage, 130 interrupted",
     .manual =
         "Lists of 1 to 10,000 lights as a Fourier series, and as a sum light by light, a convolution by FFT (with "
         "-DPUPIL_BENCH_PEERS=ON and FFTW) and a pyramid of half sizes as games have it, each with its error "
-        "against the sum in double precision. Then frames that are metered and mapped with a veil and without. "
+        "against the sum in double precision. Before that frames that are metered and mapped with a veil, with bloom "
+        "and "
+        "without: PICTURE repeated over the frame, at a log-average of 0.18, or an even one with grain; and noise, "
+        "which "
+        "is the worst case. "
         "docs/look.md explains the figures.",
     .groups = groups,
 };
@@ -484,19 +290,22 @@ int bench_veil_main(int argc, char **argv)
         fprintf(stderr, "pupil bench veil: not enough memory\n");
         return EXIT_FAILED;
     }
-    b->options = (options){.rounds = 21, .width = 1920, .height = 1080};
+    b->options = (options){.rounds = 21, .width = 1920, .height = 1080, .above = 4};
     int status = options_read(&bench_veil_command, &b->options, argc, argv, &words);
-    if (status < 0 && words.count) {
-        fprintf(stderr, "pupil bench veil: %s: it takes options only\n", words.word[0]);
+    if (status < 0 && words.count > 1) {
+        fprintf(stderr, "pupil bench veil: %s: it takes one picture\n", words.word[1]);
         status = EXIT_USAGE;
     }
+    b->options.picture = words.count ? words.word[0] : NULL;
     if (status < 0) {
         interrupt_watch();
         progress_begin(&b->progress, 0, 0);
-        const int failed = run_frames(b) || run_lists(b);
+        show(b, "frames", 0);
+        const int frames = veil_frames_run(&b->options, &b->progress);
+        const int failed = frames || run_lists(b);
         progress_clear(&b->progress);
         status = interrupt_came() ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : EXIT_DONE;
-        if (status == EXIT_FAILED)
+        if (status == EXIT_FAILED && frames <= 0)
             fprintf(stderr, "pupil bench veil: not enough memory\n");
     }
     free(b->rgb);
