@@ -243,7 +243,7 @@ int pupil_bloom_init(pupil_bloom *bloom, size_t bytes, const pupil_bloom_config 
         return PUPIL_ERR_CONFIG;
     if ((uintptr_t)bloom % sizeof(double))
         return PUPIL_ERR_ALIGNMENT;
-    const size_t needed = pupil_bloom_bytes(&copy);
+    const size_t needed = bytes_for(&copy);
     if (bytes < needed)
         return PUPIL_ERR_VALUE;
     bloom_object *o = (bloom_object *)(void *)bloom;
