@@ -39,9 +39,9 @@ static void check_down_and_up(uint32_t n)
     const float tap[3] = {0.25f, 0.5f, 0.125f};
     const uint32_t end = up_to(n, 16);
     begin();
-    pupil_kernels_scalar.bloom_down(six, n, to);
+    pupil_kernels_scalar.bloom_down(six, n, to, to + end / 2); /* the even ones, then the odd ones */
     for (uint32_t i = 0; i < end; i++)
-        CHECK(32.0f * to[i] ==
+        CHECK(32.0f * to[i % 2 * (end / 2) + i / 2] ==
               rows[0][i] + 5 * rows[1][i] + 10 * rows[2][i] + 10 * rows[3][i] + 5 * rows[4][i] + rows[5][i]);
     check_guard("down", n, end);
     begin();
@@ -118,13 +118,13 @@ static void check_rows(uint32_t n)
 
 static void check_halve_and_widen(uint32_t n)
 {
-    const float *from = rows[0] + 8;
+    const float *from = rows[0] + 8, *odd = rows[1] + 8;
     const uint32_t end = up_to(n, 8);
     begin();
-    pupil_kernels_scalar.bloom_halve(from, n, to);
+    pupil_kernels_scalar.bloom_halve(from, odd, n, to);
     for (uint32_t i = 0; i < end; i++) {
-        const float *f = from + 2 * (size_t)i;
-        CHECK(32.0f * to[i] == 10 * (f[0] + f[1]) + 5 * (f[-1] + f[2]) + f[-2] + f[3]);
+        const float *e = from + i, *o = odd + i;
+        CHECK(32.0f * to[i] == 10 * (e[0] + o[0]) + 5 * (o[-1] + e[1]) + e[-1] + o[1]);
     }
     check_guard("halve", n, end);
     for (uint32_t i = 0; i < 2 * end; i++)
@@ -136,6 +136,23 @@ static void check_halve_and_widen(uint32_t n)
             CHECK(16.0f * (to[2 * i + k] - (float)(int)(2 * i + k)) == more[k]);
     }
     check_guard("widen", n, 2 * end);
+}
+
+/* One channel of one pixel above a threshold, or none, or what has no part in it. */
+static void check_lit(uint32_t n)
+{
+    static float pixels[4 * PUPIL_BLOCK];
+    for (uint32_t i = 0; i < 4 * PUPIL_BLOCK; i++)
+        pixels[i] = i % 4 == 3 || i >= 4 * n ? 9.0f : i % 3 ? 2.0f : NAN;
+    CHECK(!pupil_kernels_scalar.bloom_lit_rgba32f(pixels, 0, n, 2.0f));
+    for (uint32_t i = 0; i < 4 * n; i++) {
+        const float before = pixels[i];
+        if (i % 4 == 3)
+            continue;
+        pixels[i] = 2.5f;
+        CHECK_MSG(pupil_kernels_scalar.bloom_lit_rgba32f(pixels, 0, n, 2.0f), "%u of %u", i, n);
+        pixels[i] = before;
+    }
 }
 
 /* Negative light, NaN and what is above the ceiling; and what is above a threshold, with the colour that it had. */
@@ -197,6 +214,7 @@ int main(int argc, char **argv)
         check_rows(counts[k]);
         check_halve_and_widen(counts[k]);
         check_bright(counts[k]);
+        check_lit(counts[k]);
     }
     check_veil();
     return check_end();
