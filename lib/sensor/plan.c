@@ -55,6 +55,30 @@ static double held_back(const pupil_sensor_config *c, const sensor_evidence *v, 
     return clamp(above_effect - most, 0.0, c->highlight_ev);
 }
 
+/* The last large step was some time ago. */
+static int is_at_rest(const sensor_plan *p)
+{
+    return p->near_frames >= SENSOR_HIGHLIGHT_FRAMES;
+}
+
+/* By how much the highlights are off. They are known from bins: at rest, what is less than part of one is nothing. */
+static double highlight_off(const sensor_plan *p, double held_ev)
+{
+    const double off = held_ev - p->held_back_ev;
+    const double least_ev = held_ev > 0.0 && is_at_rest(p) ? SENSOR_HIGHLIGHT_REST_EV : 0.0;
+    return off - clamp(off, -least_ev, least_ev);
+}
+
+/* Stops a frame by which the highlights may move the level. Whether they are still clipped is seen a delay later: what
+ * has moved until then is no more than the room that is aimed at. */
+static double highlight_move_ev(const pupil_sensor_object *o)
+{
+    const double fast_ev = SENSOR_HIGHLIGHT_AIM_EV / pupil_sensor_longest_delay(o);
+    if (is_at_rest(&o->plan))
+        return SENSOR_HIGHLIGHT_SLOW_EV;
+    return fast_ev < SENSOR_GLIDE_EV ? fast_ev : SENSOR_GLIDE_EV;
+}
+
 /* The effect that this frame asks for.
  *
  * A clipped frame's mean is too low, so its goal is between the frame's own effect and the right one: one such step
@@ -96,11 +120,12 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     }
     /* of a picture that is far off, little is known of its highlights */
     const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
-    const double off = v->has_highlight ? held_back(c, v, goal, highlight) - p->held_back_ev : -p->held_back_ev;
+    const double off = highlight_off(p, v->has_highlight ? held_back(c, v, goal, highlight) : 0.0);
     p->moved = 0.0;
     const int is_waiting = pupil_sensor_is_pending(o) || o->announced.frames;
     if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !is_waiting) {
-        const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -SENSOR_HIGHLIGHT_FAST_EV, SENSOR_HIGHLIGHT_FAST_EV);
+        const double fast_ev = highlight_move_ev(o);
+        const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -fast_ev, fast_ev);
         p->held_back_ev += move;
         p->moved = c->lock ? 0.0 : -move;
         p->wanted += p->moved;
@@ -120,11 +145,12 @@ static int is_flash(pupil_sensor_object *o, double off)
     return !p->is_looking && p->far_frames <= o->config.flash_frames;
 }
 
-/* The control was asked for one thing only, for longer than any delay. */
+/* The control was asked for about one thing only, for longer than any delay. */
 static int is_idle(const sensor_estimate *a, int control)
 {
     for (uint32_t h = 1; h <= SENSOR_DELAYS; h++)
-        if (a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][control] != a->requested[control])
+        if (size_of(a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][control] - a->requested[control]) >
+            SENSOR_SAME_EV)
             return 0;
     return 1;
 }
@@ -203,6 +229,7 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
     const pupil_sensor_config *c = &o->config;
     sensor_plan *p = &o->plan;
     double least, most;
+    p->near_frames += p->near_frames < SENSOR_HIGHLIGHT_FRAMES ? o->estimate.gap : 0;
     find_goal(o, v);
     pupil_sensor_reach(o, &least, &most);
     const double goal = clamp(p->goal, least, most), off = goal - p->wanted;
@@ -229,6 +256,7 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
     }
     if (is_far) {
         p->wanted += p->far_ev;
+        p->near_frames = 0;
         p->is_looking = p->is_guess || !v->is_number;
         p->far_frames = 0;
         return;

@@ -96,6 +96,7 @@ typedef struct sensor_estimate {
     uint32_t alive[SENSOR_CONTROLS]; /* masks of guesses */
     uint32_t best[SENSOR_CONTROLS], best_before[SENSOR_CONTROLS];
     uint32_t delay[SENSOR_CONTROLS]; /* found; 0: not yet */
+    uint32_t said_frames;            /* since the metadata moved */
     uint32_t reports;                /* this frame's metadata have both */
     uint32_t is_borne_out;           /* the picture has moved as the metadata did */
     uint32_t seen;                   /* mask of controls whose answer was seen */
@@ -128,6 +129,7 @@ typedef struct sensor_plan {
     double brighter;        /* the scene has become since then, at most, by the quantiles that are not clipped */
     uint32_t far_frames;    /* in a row that are far off on one side */
     uint32_t waited_frames; /* in a row, for a step */
+    uint32_t near_frames;   /* since the last step from far, at most a little over SENSOR_HIGHLIGHT_FRAMES */
     uint32_t is_looking;    /* what is known is a guess: the next frame counts at once */
     uint32_t is_guess;
     uint32_t slow; /* a pupil_sensor_reason for not moving */
