@@ -118,10 +118,28 @@ static void read_control(pupil_sensor_object *o, int c)
     a->reported[c] = a->requested[c];
 }
 
+/* Metadata that stay as they are although a control was asked for more than the coarsest step of any camera, longer
+ * before than any delay, are those of another frame, or nobody's. */
+static int are_stuck(const pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    const uint32_t late = o->config.delay_frames + SENSOR_LATE_FRAMES;
+    for (uint32_t h = late; h + 1 < SENSOR_RING && h < a->said_frames; h++)
+        for (int c = 0; c < SENSOR_CONTROLS; c++)
+            if (size_of(in_force(a, c, h, 0) - in_force(a, c, h + 1, 0)) > SENSOR_COARSE_STEP_EV)
+                return 1;
+    return 0;
+}
+
 static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
 {
     sensor_estimate *a = &o->estimate;
     a->reports = has_metadata(info);
+    if (a->reports) {
+        const double now[SENSOR_CONTROLS] = {pupil_log2(info->exposure_s), pupil_log2(info->gain)};
+        a->said_frames = now[0] == a->said[0] && now[1] == a->said[1] ? a->said_frames + a->gap : 0;
+        a->reports = !are_stuck(o);
+    }
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         a->said_before[c] = a->said[c];
         if (a->reports) {
@@ -229,9 +247,10 @@ static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROL
 {
     *low = *high = 0.0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
-        const double asked = now[c] - then[c], most = 2.0 * asked;
+        const double steep = clamp(a->response[c], 1.0, SENSOR_STEEP_MOST);
+        const double asked = now[c] - then[c], most = 2.0 * steep * asked;
         const double small = a->is_searching ? SENSOR_DIFFER_EV : SENSOR_LARGE_EV;
-        const double coarse = size_of(asked) > small ? SENSOR_COARSE_STEP_EV : 0.0;
+        const double coarse = size_of(asked) > small ? steep * SENSOR_COARSE_STEP_EV : 0.0;
         *low += asked < 0.0 ? most - coarse : 0.0;
         *high += asked > 0.0 ? most + coarse : 0.0;
     }

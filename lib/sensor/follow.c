@@ -219,6 +219,7 @@ static void doubt(pupil_sensor_object *o)
     s->wrong_frames = 0;
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     s->is_blunt = 0;
+    s->jump_ev = 0.0;
     o->white.highest = -SENSOR_FAR_AWAY;
     o->black.wrong = 0;
     o->black.darkest = 0.0;
@@ -427,6 +428,22 @@ static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CO
     setting[1] = pupil_log2(*g);
 }
 
+/* Until it is known which frames have what, one control moves alone: the gain, or else the exposure. Whether that is
+ * enough. */
+static int move_one(const pupil_sensor_object *o, double total, double part[SENSOR_CONTROLS], double *e, double *g)
+{
+    const double *from = o->estimate.requested;
+    for (int c = SENSOR_GAIN; c >= SENSOR_EXPOSURE; c--) {
+        const int other = SENSOR_CONTROLS - 1 - c;
+        part[other] = from[other];
+        part[c] = total - from[other];
+        round_setting(o, part, e, g);
+        if (size_of(total - part[0] - part[1]) <= SENSOR_COARSE_EV)
+            return 1;
+    }
+    return 0;
+}
+
 /* Much of one control in exchange for the other goes in parts: between two delays a frame has the one and not yet the
  * other, and the digital factor can make up for so much only. Whether this is a part, which replaces the setting. */
 static int is_part_of_exchange(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS], double *e,
@@ -434,7 +451,7 @@ static int is_part_of_exchange(const pupil_sensor_object *o, double total, doubl
 {
     const pupil_sensor_config *c = &o->config;
     const double *from = o->estimate.requested;
-    const int is_timed = o->estimate.delay[0] && o->estimate.delay[1];
+    const int is_timed = o->estimate.is_borne_out || (o->estimate.delay[0] && o->estimate.delay[1]);
     const double most_ev = is_timed ? SENSOR_EXCHANGE_EV : SENSOR_BLIND_EXCHANGE_EV;
     const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
     const int smaller = size_of(move[0]) < size_of(move[1]) ? 0 : 1, larger = SENSOR_CONTROLS - 1 - smaller;
@@ -451,11 +468,8 @@ static int is_part_of_exchange(const pupil_sensor_object *o, double total, doubl
     }
     if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev ||
         size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */
-        if (is_timed || size_of(total - from[0] - from[1]) > SENSOR_COARSE_EV)
+        if (is_timed || !move_one(o, total, part, e, g))
             return 0;
-        part[0] = from[0]; /* what was asked for will do until it is known which frames have what */
-        part[1] = from[1];
-        round_setting(o, part, e, g);
     }
     setting[0] = part[0];
     setting[1] = part[1];
@@ -616,7 +630,6 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
 void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
-    o->estimate.is_searching = s->is_searching;
     count_frame(o);
     find_jump(o);
     if (s->is_large && !pupil_sensor_is_on_its_way(o))
@@ -643,6 +656,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         if (!is_old && is_due(o, need, left))
             choose(o, v, need, left);
     }
+    o->estimate.is_searching = s->is_searching;
     report_total(o);
 }
 

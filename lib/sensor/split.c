@@ -166,14 +166,15 @@ static void take_nearer(const pupil_sensor_object *o, sensor_fit *fit, double to
         *fit = (sensor_fit){exposure_s, gain, off_ev};
 }
 
-/* Of a camera that rounds exposures, those that are known, and one between two of them. */
+/* Of a camera that rounds exposures, those that are known and next to the profile's, and one between two of them. */
 static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, sensor_fit *fit)
 {
     const pupil_sensor_config *c = &o->config;
-    const double most_s = pupil_sensor_longest_exposure(c), fixed = fit->gain;
+    const double most_s = pupil_sensor_longest_exposure(c), fixed = fit->gain, wanted_s = fit->exposure_s;
     for (uint32_t i = 0; i < o->told.count; i++) {
         const double e = o->told.range[i].low_s, between_s = pupil_sensor_told_between(o, e);
-        if (e < c->exposure_min_s || e > most_s)
+        const double off_ev = size_of(pupil_log2(o->told.range[i].told_s / wanted_s));
+        if (e < c->exposure_min_s || e > most_s || off_ev > SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV)
             continue;
         const double g = is_fixed ? fixed : pupil_sensor_gain_of(c, total / o->told.range[i].told_s);
         take_nearer(o, fit, total, e, g);
