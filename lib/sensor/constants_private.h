@@ -108,9 +108,9 @@
 #define SENSOR_HIGHLIGHT_WEIGHT  0.1
 #define SENSOR_HIGHLIGHT_SLOW_EV 0.025
 #define SENSOR_HIGHLIGHT_FRAMES  60
-/* At rest, a quarter of a bin of the brightest channel's histogram is nothing: with less, a tenth of the picture at 3 EV
- * swings by up to 0.13 EV; with half a bin, a third more of random cameras rest beyond 0.1 EV (test_sensor_scenes, pupil
- * sim --random). */
+/* At rest, a quarter of a bin of the brightest channel's histogram is nothing. With less, a tenth of the picture at
+ * 3 EV swings by up to 0.13 EV (test_sensor_scenes); with half a bin, a third more of random cameras rest beyond 0.1 EV
+ * (pupil sim --random). */
 #define SENSOR_HIGHLIGHT_REST_EV 0.0625
 /* By how much is not known where more than the share is clipped: at least so much. */
 #define SENSOR_HIGHLIGHT_STEP_EV 0.40
