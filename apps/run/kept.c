@@ -13,6 +13,7 @@ enum { MOST_LINE = 64 + sizeof(pupil_live_identity), MOST_CAMERAS = 64, MOST_BYT
 typedef struct text {
     FILE *in;
     size_t bytes; /* that were read */
+    int has_text; /* one of them was not 0 */
     char line[MOST_LINE];
 } text;
 
@@ -23,6 +24,7 @@ static int next_line(text *t)
     int c = 0, is_whole = 1;
     while (t->bytes < MOST_BYTES && c != '\n' && (c = getc(t->in)) != EOF) {
         t->bytes++;
+        t->has_text |= c;
         is_whole = is_whole && c && length + 1 < sizeof t->line;
         if (is_whole)
             t->line[length++] = (char)c;
@@ -45,12 +47,24 @@ static int split_line(char *line, double *total_s, const char **camera)
     return card && !strchr(card + 1, '\t');
 }
 
+/* What a loss of power may leave of a file that had just been written: its size, and zeros. */
+static int is_zeroed(text *t)
+{
+    while (!t->has_text && next_line(t))
+        ;
+    return !t->has_text && t->bytes < MOST_BYTES;
+}
+
 int run_kept_read(FILE *in, const char *path, const char *camera, FILE *others, run_kept *kept, pupil_why *why)
 {
     text t = {.in = in};
     *kept = (run_kept){0};
-    if (next_line(&t) && strcmp(t.line, HEADER) != 0)
-        return pupil_refuse(why, "%s: was not written by --resume, and is left as it is; name another file", path);
+    if (next_line(&t) && strcmp(t.line, HEADER) != 0) {
+        if (!is_zeroed(&t))
+            return pupil_refuse(why, "%s: was not written by --resume, and is left as it is; name another file", path);
+        kept->is_damaged = 1;
+        return 0;
+    }
     for (int cameras = 1; cameras < MOST_CAMERAS && next_line(&t);) {
         double total = 0.0;
         const char *of = NULL;

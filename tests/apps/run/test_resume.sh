@@ -89,6 +89,11 @@ run 0 "long: is damaged; what it says of this camera is used" --mode sensor -n 2
 run 0 "" --mode sensor -n 90 --resume empty
 said 0
 [ "$(wc -l <empty)" = 2 ] || fail "empty: $(cat empty)"
+# zeros of the right size, as a loss of power may leave them
+head -c 90 /dev/zero >zeros
+run 0 "zeros: is damaged; it says nothing of this camera" --mode sensor -n 90 --resume zeros
+said 1
+[ "$(wc -l <zeros)" = 2 ] || fail "zeros: $(od -c zeros)"
 printf 'a picture of a holiday\0' >holiday.jpg
 cp holiday.jpg before.jpg
 run 1 "holiday.jpg: was not written by --resume" --resume holiday.jpg -o out.y4m
