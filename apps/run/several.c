@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -70,6 +71,17 @@ static int check_path(const char *path, pupil_why *why)
                         PLACE);
 }
 
+/* By name, or by what the names lead to: /dev/v4l/by-id has links to /dev/video0. */
+static int is_same_device(const char *one, const char *other)
+{
+    struct stat a, b;
+    if (strcmp(one, other) == 0)
+        return 1;
+    if (stat(one, &a) != 0 || stat(other, &b) != 0)
+        return 0;
+    return S_ISCHR(a.st_mode) && S_ISCHR(b.st_mode) && a.st_rdev == b.st_rdev;
+}
+
 int run_several_check(const run_options *o, pupil_why *why)
 {
     const frame_options *shown = &o->shown;
@@ -84,9 +96,9 @@ int run_several_check(const run_options *o, pupil_why *why)
         return pupil_refuse(why, "--camera-ev: has to have a number for each camera but the first: %u", o->devices - 1);
     for (uint32_t i = 0; i < o->devices; i++)
         for (uint32_t k = 0; k < i; k++)
-            if (strcmp(o->device_name[i], o->device_name[k]) == 0)
-                return pupil_refuse(why, "--device %s: named twice; each of several cameras is another one",
-                                    o->device_name[i]);
+            if (is_same_device(o->device_name[i], o->device_name[k]))
+                return pupil_refuse(why, "--device %s: is --device %s; each of several cameras is another one",
+                                    o->device_name[i], o->device_name[k]);
     if (o->control && strstr(o->control, PLACE))
         return pupil_refuse(why, "--control %s: is of the first camera alone; %s is of the outputs", o->control, PLACE);
     for (size_t i = 0; i < shown->out_count; i++)
