@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,6 +16,7 @@
 #include <libavutil/mem.h>
 
 #define BUFFER_BYTES 65536
+#define ASK_MS       100
 
 static _Thread_local pupil_video_words kept;
 static pthread_mutex_t words_lock = PTHREAD_MUTEX_INITIALIZER; /* of all words that belong to a codec */
@@ -75,6 +77,19 @@ const char *pupil_video_log_text(void)
     return kept.text;
 }
 
+/* A pipe without a word from its writer is asked for the wish to stop, too: a signal may come just before the wait.
+ * 0: there is something to read; -1: errno. */
+static int wait_for(const pupil_video_io *io)
+{
+    struct pollfd ready = {.fd = io->fd, .events = POLLIN};
+    int got = 1;
+    while (io->total < 0 && (got = poll(&ready, 1, io->stop ? ASK_MS : -1)) == 0 && !io->stop())
+        ;
+    if (got == 0)
+        errno = EINTR;
+    return got > 0 ? 0 : -1;
+}
+
 static int read_some(void *opaque, uint8_t *buffer, int wanted)
 {
     pupil_video_io *io = opaque;
@@ -92,7 +107,7 @@ static int read_some(void *opaque, uint8_t *buffer, int wanted)
         io->error = EFBIG;
         return AVERROR(EFBIG);
     }
-    ssize_t got = read(io->fd, buffer, (size_t)wanted);
+    ssize_t got = wait_for(io) ? -1 : read(io->fd, buffer, (size_t)wanted);
     if (got < 0) { /* EINTR too: a writer that has stopped must not keep the program from ending */
         io->error = errno;
         return AVERROR(errno);
@@ -138,7 +153,8 @@ int pupil_video_io_open(pupil_video_io *io, const char *path, pupil_why *why)
     struct stat status;
     memset(io, 0, sizeof *io);
     io->close_fd = strcmp(path, "-") != 0;
-    io->fd = io->close_fd ? open(path, O_RDONLY | O_CLOEXEC) : STDIN_FILENO;
+    /* a pipe's writer is waited for by wait_for */
+    io->fd = io->close_fd ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : STDIN_FILENO;
     if (io->fd < 0 || fstat(io->fd, &status)) {
         pupil_refuse(why, "%s", strerror(errno));
         pupil_video_io_close(io);
