@@ -4,6 +4,9 @@ set(pupil_tests ${CMAKE_CURRENT_LIST_DIR})
 set(quick_timeout_s 300)
 set(full_timeout_s 1800)
 set(long_timeout_s 1800)
+if(CMAKE_CROSSCOMPILING) # under emulation a quick test takes minutes
+  set(quick_timeout_s 900)
+endif()
 # ctest begins with the tests of the highest cost: first those that use two processors, which would else wait until two
 # are free at once, then those that are long, so that none is left alone for the end.
 set(quick_cost 0)
