@@ -74,7 +74,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
             part_codes(v_add(y[k], v_mul(f->red_v, v[k])), f->top, index[0] + now + w, p->r + i + w);
     }
     if (end)
-        look_up_parts(f->light, index[0] + then, p->r + i - YUV_BEHIND);
+        look_up_parts(f->light, index[0] + then, p->r + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
         const uint32_t w = (uint32_t)k * WIDTH;
@@ -83,7 +83,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
                        p->g + i + w);
     }
     if (end)
-        look_up_parts(f->light, index[1] + then, p->g + i - YUV_BEHIND);
+        look_up_parts(f->light, index[1] + then, p->g + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
         const uint32_t w = (uint32_t)k * WIDTH;
@@ -91,7 +91,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
             part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), f->top, index[2] + now + w, p->b + i + w);
     }
     if (end)
-        look_up_parts(f->light, index[2] + then, p->b + i - YUV_BEHIND);
+        look_up_parts(f->light, index[2] + then, p->b + (i - YUV_BEHIND));
 }
 
 /* Whole groups of 16 pixels; returns the first pixel that is left. */
