@@ -134,16 +134,18 @@ static int are_stuck(const pupil_sensor_object *o)
 static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
 {
     sensor_estimate *a = &o->estimate;
+    double now[SENSOR_CONTROLS] = {0.0, 0.0};
     a->reports = has_metadata(info);
     if (a->reports) {
-        const double now[SENSOR_CONTROLS] = {pupil_log2(info->exposure_s), pupil_log2(info->gain)};
+        now[0] = pupil_log2(info->exposure_s);
+        now[1] = pupil_log2(info->gain);
         a->said_frames = now[0] == a->said[0] && now[1] == a->said[1] ? a->said_frames + a->gap : 0;
         a->reports = !are_stuck(o);
     }
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         a->said_before[c] = a->said[c];
         if (a->reports) {
-            a->said[c] = pupil_log2(c == SENSOR_GAIN ? info->gain : info->exposure_s);
+            a->said[c] = now[c];
             read_control(o, c);
         } else {
             a->reported_before[c] = a->reported[c];

@@ -73,9 +73,9 @@ static double highlight_off(const sensor_plan *p, double held_ev)
  * has moved until then is no more than the room that is aimed at. */
 static double highlight_move_ev(const pupil_sensor_object *o)
 {
-    const double fast_ev = SENSOR_HIGHLIGHT_AIM_EV / pupil_sensor_longest_delay(o);
     if (is_at_rest(&o->plan))
         return SENSOR_HIGHLIGHT_SLOW_EV;
+    const double fast_ev = SENSOR_HIGHLIGHT_AIM_EV / pupil_sensor_longest_delay(o);
     return fast_ev < SENSOR_GLIDE_EV ? fast_ev : SENSOR_GLIDE_EV;
 }
 

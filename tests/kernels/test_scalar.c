@@ -1,6 +1,6 @@
-/* The scalar level's rows of bloom and runs of the veil against sums by hand, and that each row is written as far as
- * kernels.h says and no further. All numbers are small integers and powers of two, so every order of a sum has the same
- * bits. */
+/* The scalar level's rows of bloom and runs of the veil against sums that the test takes itself, and that each row
+ * is written as far as kernels.h says and no further. All numbers are small integers and powers of two, so every order
+ * of a sum has the same bits. */
 #include <math.h>
 #include <string.h>
 
