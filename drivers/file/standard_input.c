@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "file/common/write_all.h"
 #include "refuse.h"
 
 #define PEEK_BYTES 64 /* an MP4's first box has 16 to 48, and the next one 8 to begin with */
@@ -92,12 +93,8 @@ static int copy_all(int to, int (*stop)(void), pupil_why *why)
             return pupil_refuse(why,
                                 "standard input: an MP4 whose index comes last, or a still, of over 2 GiB, which is "
                                 "not read from a pipe; name the file");
-        for (ssize_t done = 0; done < got;) {
-            const ssize_t put = write(to, block + done, (size_t)(got - done));
-            if (put < 0 && errno != EINTR)
-                return pupil_refuse(why, "standard input: no memory for its %lld bytes", (long long)total);
-            done += put > 0 ? put : 0;
-        }
+        if (pupil_write_all(to, block, (size_t)got))
+            return pupil_refuse(why, "standard input: no memory for its %lld bytes", (long long)total);
     }
 }
 

@@ -10,6 +10,7 @@
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 
+#include "file/common/write_all.h"
 #include "file/video/video_io.h"
 #include "refuse.h"
 
@@ -57,13 +58,8 @@ struct pupil_mkv_writer {
 static int put_bytes(void *opaque, uint8_t *bytes, int size)
 {
     pupil_mkv_writer *w = opaque;
-    for (int put = 0; put < size && !w->error;) {
-        const ssize_t wrote = write(w->fd, bytes + put, (size_t)(size - put));
-        if (wrote > 0)
-            put += (int)wrote;
-        else if (wrote == 0 || errno != EINTR)
-            w->error = wrote ? errno : ENOSPC;
-    }
+    if (!w->error && pupil_write_all(w->fd, bytes, (size_t)size))
+        w->error = errno;
     return w->error ? AVERROR(w->error) : size;
 }
 

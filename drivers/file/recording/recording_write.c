@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "file/common/folder.h"
+#include "file/common/write_all.h"
 #include "recording.h"
 #include "recording_format.h"
 #include "recording_mkv.h"
@@ -103,17 +104,6 @@ static int fail(pupil_recorder *r, const char *name)
                         strerror(errno), (unsigned long long)r->lines);
 }
 
-static int put_line(int fd, const char *line, size_t length)
-{
-    for (size_t put = 0; put < length;) {
-        const ssize_t wrote = write(fd, line + put, length - put);
-        if (wrote < 0 && errno != EINTR)
-            return -1;
-        put += wrote > 0 ? (size_t)wrote : 0;
-    }
-    return 0;
-}
-
 /* The frame first, then its line: each line has its frame. */
 static int write_slot(pupil_recorder *r, const slot *s)
 {
@@ -123,7 +113,7 @@ static int write_slot(pupil_recorder *r, const slot *s)
     const size_t length =
         pupil_recording_line(line, r->lines, &s->info,
                              memcmp(s->balance, r->about.coding.balance, sizeof s->balance) == 0 ? NULL : s->balance);
-    if (put_line(r->lines_fd, line, length)) {
+    if (pupil_write_all(r->lines_fd, line, length)) {
         const int error = errno;
         (void)!ftruncate(r->lines_fd, r->lines_end);
         errno = error;
