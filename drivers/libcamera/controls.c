@@ -93,8 +93,7 @@ static void in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *
     libcamera_controls *c = of(camera);
     pthread_mutex_lock(&c->lock);
     const int says = c->told && sequence == c->told_sequence;
-    info->exposure_s =
-        says && c->told_exposure_s > 0.0 ? c->told_exposure_s : pupil_camera_history_at(&c->exposures, sequence);
+    info->exposure_s = says ? c->told_exposure_s : pupil_camera_history_at(&c->exposures, sequence);
     info->gain = says && c->told_gain > 0.0 ? c->told_gain : pupil_camera_history_at(&c->gains, sequence);
     pupil_camera_timeline_measured(&c->time, sequence);
     pthread_mutex_unlock(&c->lock);
@@ -205,7 +204,7 @@ libcamera_controls *libcamera_controls_open(const pupil_libcamera_can *can, cons
 static void choose_frame(const libcamera_controls *c, pupil_libcamera_ask *a)
 {
     const double frame_s = c->pending.frame_s > 0.0 ? c->pending.frame_s : c->frame_s;
-    if (!(c->can.controls & PUPIL_LIBCAMERA_CAN_FRAME) || !(frame_s > 0.0))
+    if (!(c->can.controls & PUPIL_LIBCAMERA_CAN_FRAME))
         return;
     a->frame_least_s = fmax(frame_s, c->can.frame_s.least);
     a->frame_most_s = fmax(a->frame_least_s, a->exposure_s);

@@ -44,7 +44,7 @@ typedef struct libcamera_controls {
     pthread_mutex_t lock; /* of all that follows */
     pupil_libcamera_can can;
     uint32_t is_webcam, delay_given;
-    double frame_s;      /* the stream's own frame period; 0: not known */
+    double frame_s;      /* the stream's own frame period */
     uint32_t takes_over; /* the next request turns automatic exposure off */
     uint32_t waits;      /* `pending` has something that was not queued */
     pupil_camera_setting pending;
@@ -115,7 +115,7 @@ void libcamera_pause_ms(int ms);
 void libcamera_mark(libcamera_source *s);
 /* `asks`: with what is asked for now. */
 void libcamera_queue(libcamera_source *s, uint32_t index, int asks);
-/* Starts the stream, and queues all requests but that of a frame that is out. 0, or -1 and a sentence. */
+/* Starts the stream, and queues all requests: no frame is out. 0, or -1 and a sentence. */
 int libcamera_start(libcamera_source *s, pupil_why *why);
 /* PUPIL_SOURCE_FRAME, PUPIL_SOURCE_END, LIBCAMERA_GONE or LIBCAMERA_STALLED. */
 int libcamera_next_done(libcamera_source *s, pupil_libcamera_done *done, pupil_why *why);

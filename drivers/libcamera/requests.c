@@ -64,10 +64,9 @@ int libcamera_start(libcamera_source *s, pupil_why *why)
 {
     if (s->layer->start(s->camera, why))
         return -1;
-    s->wants_rate = !s->controls && s->options.fps > 0.0 && s->can.controls & PUPIL_LIBCAMERA_CAN_FRAME;
+    s->wants_rate = !s->controls && s->options.fps > 0.0;
     for (uint32_t i = 0; i < s->stream.buffers; i++)
-        if (!s->is_out || i != s->index)
-            libcamera_queue(s, i, 1);
+        libcamera_queue(s, i, 1);
     return 0;
 }
 

@@ -23,7 +23,7 @@ static libcamera_source *of(const pupil_source *source)
 
 static void take_back(libcamera_source *s)
 {
-    if (s->is_out && s->camera)
+    if (s->is_out)
         libcamera_queue(s, s->index, 1);
     s->is_out = 0;
 }
@@ -47,10 +47,11 @@ static void number(libcamera_source *s, const pupil_libcamera_done *done)
     s->reopened = 0;
 }
 
+/* `sequence` and `stamp_ns` are of the frame before; numbers rise. */
 static void measure_period(libcamera_source *s, uint64_t sequence, int64_t stamp_ns)
 {
     const double passed_ns = (double)(s->stamp_ns - stamp_ns);
-    if (s->period_ns > 0.0 && s->sequence > sequence && passed_ns > 0.0)
+    if (s->period_ns > 0.0 && passed_ns > 0.0)
         s->period_ns = passed_ns / (double)(s->sequence - sequence);
     else
         s->period_ns = 1e9 / s->live.base.fps;
@@ -306,7 +307,7 @@ static void turn_on_again(libcamera_source *s)
 {
     const pupil_libcamera_ask automatic = {.automatic = 1};
     pupil_libcamera_done done;
-    if (!s->camera || s->controls->node.fd >= 0 || !(s->can.controls & PUPIL_LIBCAMERA_CAN_AE))
+    if (s->controls->node.fd >= 0 || !(s->can.controls & PUPIL_LIBCAMERA_CAN_AE))
         return;
     for (int i = 0; i < 20 && !s->is_out; i++)
         if (s->layer->wait(s->camera, &done, WAIT_MS) == 1) {
