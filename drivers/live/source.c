@@ -129,11 +129,11 @@ static int next_whole(live_source *s, pupil_frame *frame, pupil_why *why)
 }
 
 /* From what the driver's numbers and stamps say, for a camera's rate may follow the light. `sequence` and `stamp_ns`
- * are of the frame before. */
+ * are of the frame before; numbers rise. */
 static void measure_period(live_source *s, uint64_t sequence, int64_t stamp_ns)
 {
     const double passed_ns = (double)(s->stamp_ns - stamp_ns);
-    if (s->period_ns > 0.0 && s->sequence > sequence && passed_ns > 0.0)
+    if (s->period_ns > 0.0 && passed_ns > 0.0)
         s->period_ns = passed_ns / (double)(s->sequence - sequence);
     else
         s->period_ns = 1e9 / s->live.base.fps;
