@@ -14,9 +14,8 @@ static double within(double x, double least, double most)
 }
 
 /* The camera's limits, and within them those of the settings. */
-static void configure(const camera_stream *s, pupil_sensor_config *c)
+static void configure(const camera_stream *s, const camera_settings *w, pupil_sensor_config *c)
 {
-    const camera_settings *w = &s->settings;
     pupil_sensor_config_default(c);
     c->frame_s = 1.0 / s->source->fps;
     pupil_camera_configure(s->camera, c);
@@ -54,7 +53,7 @@ static int follow_camera(camera_stream *s, pupil_why *why)
             pupil_camera_loop_retry(&s->loop);
         return 0;
     }
-    configure(s, &config);
+    configure(s, &s->settings, &config);
     return pupil_camera_loop_begin(&s->loop, camera, &config, s->loop.steers ? s->loop.setting.total_s : 0.0, why);
 }
 
@@ -94,18 +93,19 @@ int camera_stream_retune(camera_stream *s, const camera_settings *settings, pupi
     pupil_config config;
     pupil_sensor_config sensor;
     const char *fault = "";
+    const int steers = s->loop.steers && s->camera;
     configure_picture(s, settings, &config);
     if (pupil_config_check(&config, &fault))
         return pupil_refuse(why, "%s", fault);
-    s->settings = *settings;
-    s->config = config;
-    pupil_retune(&s->pupil, &config);
-    if (s->loop.steers && s->camera) {
-        configure(s, &sensor);
+    if (steers) {
+        configure(s, settings, &sensor);
         if (pupil_sensor_config_check(&sensor, &fault))
             return pupil_refuse(why, "%s", fault);
         pupil_camera_loop_retune(&s->loop, &sensor);
     }
+    s->settings = *settings;
+    s->config = config;
+    pupil_retune(&s->pupil, &config);
     return 0;
 }
 

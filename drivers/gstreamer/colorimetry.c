@@ -129,7 +129,7 @@ static void choose_black_and_white(const GstVideoInfo *info, pupil_coding *codin
 static int refuse(const GstVideoInfo *info, const char *what, const char *right, pupil_why *why)
 {
     gchar *text = gst_video_colorimetry_to_string(&info->colorimetry);
-    pupil_refuse(why, "%s of colorimetry %s: %s", GST_VIDEO_INFO_NAME(info), text ? text : "?", what);
+    pupil_refuse(why, "%s of colorimetry %s: %s", GST_VIDEO_INFO_NAME(info), text, what);
     pupil_refuse_add(why, "; %s", right);
     g_free(text);
     return -1;

@@ -96,7 +96,6 @@ static void forget(GstPupilAe *self)
 /* The properties as they are now, with the colours of the stream. */
 static void take_properties(GstPupilAe *self)
 {
-    const char *why = "";
     pupil_config config;
     GST_OBJECT_LOCK(self);
     const gboolean is_changed = self->is_changed;
@@ -110,8 +109,8 @@ static void take_properties(GstPupilAe *self)
     config.output_primaries = self->config.output_primaries;
     config.nominal_frame_s = self->config.nominal_frame_s;
     self->config = config;
-    if (pupil_config_check(&config, &why) || pupil_retune(&self->pupil, &config))
-        GST_ERROR_OBJECT(self, "the settings are refused: %s", why); /* the properties' ranges are the library's */
+    if (pupil_retune(&self->pupil, &config))
+        GST_ERROR_OBJECT(self, "the settings are refused"); /* the properties' ranges are the library's */
 }
 
 static gboolean start(GstBaseTransform *base)

@@ -349,8 +349,6 @@ static GstFlowReturn take_frame(GstPupilSrc *self, pupil_frame *frame, GstClockT
         const int got = pupil_source_next(self->camera.source, frame, &why);
         if (got == PUPIL_SOURCE_END)
             return is_unlocked() ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
-        if (got == PUPIL_SOURCE_DAMAGED)
-            continue;
         if (got != PUPIL_SOURCE_FRAME) {
             /* The base class would post a second error for GST_FLOW_ERROR. So files downstream are complete, too. */
             GST_ELEMENT_ERROR(self, RESOURCE, READ, ("%s", why.text), (NULL));

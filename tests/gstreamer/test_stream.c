@@ -205,6 +205,33 @@ static void test_colorimetry_of_src(void)
     }
 }
 
+/* Where downstream has no preference: the input's own format, or RGBA for RGB, or NV12. */
+static void test_format_of_src(void)
+{
+    static const struct {
+        const char *in, *out;
+        uint32_t pixel;
+    } cases[] = {{"I420", "I420", PUPIL_PIXEL_I420},
+                 {"BGR", "BGR", PUPIL_PIXEL_BGR8},
+                 {"RGB10A2_LE", "RGBA", PUPIL_PIXEL_RGB10A2},
+                 {"GRAY8", "NV12", PUPIL_PIXEL_GREY8},
+                 {"P010_10LE", "NV12", PUPIL_PIXEL_P010}};
+    for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+        GstHarness *h = gst_harness_new("pupilae");
+        gchar *in = caps_text(cases[i].in, WIDTH, HEIGHT, NULL);
+        gst_harness_set_src_caps_str(h, in);
+        pupil_image picture = picture_make(cases[i].pixel, WIDTH, HEIGHT, 1);
+        gst_buffer_unref(gst_harness_push_and_pull(h, buffer_of(cases[i].in, &picture, 0, 0)));
+        free(picture.data);
+        GstCaps *caps = gst_pad_get_current_caps(h->sinkpad);
+        const gchar *format = gst_structure_get_string(gst_caps_get_structure(caps, 0), "format");
+        CHECK_MSG(strcmp(format, cases[i].out) == 0, "%s becomes %s", cases[i].in, format);
+        gst_caps_unref(caps);
+        g_free(in);
+        gst_harness_teardown(h);
+    }
+}
+
 /* A sentence on the bus for what cannot be read or made. */
 static void test_refused(void)
 {
@@ -240,7 +267,27 @@ static void test_refused(void)
     }
 }
 
-/* Another size keeps the level; another way to code light forgets it. */
+/* Of frames without timestamps: a rate that is not known is 30 a second, and the slowest is a picture in eleven days.
+ */
+static void test_rates(void)
+{
+    static const struct {
+        const char *rate;
+        double dt;
+    } cases[] = {{"0/1", 1.0 / 30.0}, {"5/1", 0.2}, {"1/2147483647", 1e6}};
+    for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+        stream s = stream_open();
+        gchar *caps = g_strdup_printf("video/x-raw, format=GRAY8, width=32, height=16, framerate=%s", cases[i].rate);
+        gst_harness_set_src_caps_str(s.h, caps);
+        show(&s, 50, GST_CLOCK_TIME_NONE, 0);
+        show(&s, 50, GST_CLOCK_TIME_NONE, 0);
+        CHECK_MSG(fabs(s.dt / cases[i].dt - 1.0) < 1e-6, "%s: %g s", cases[i].rate, s.dt);
+        g_free(caps);
+        stream_close(&s);
+    }
+}
+
+/* Another size keeps the level; another way to code light, or other primaries, forget it. */
 static void test_caps_change(void)
 {
     stream s = stream_open();
@@ -253,6 +300,13 @@ static void test_caps_change(void)
                                       "colorimetry=1:4:7:1");
     show(&s, 255, 12 * GST_SECOND, 0);
     CHECK(is_at(&s, 255));
+    gst_harness_set_src_caps_str(s.h, "video/x-raw, format=GRAY8, width=16, height=32, framerate=30/1, "
+                                      "colorimetry=1:4:1:1");
+    show(&s, 20, 13 * GST_SECOND, 0);
+    gst_harness_set_src_caps_str(s.h, "video/x-raw, format=GRAY8, width=16, height=32, framerate=30/1, "
+                                      "colorimetry=1:4:1:7");
+    show(&s, 200, 14 * GST_SECOND, 0);
+    CHECK(is_at(&s, 200));
     CHECK(gst_harness_push_event(s.h, gst_event_new_eos()));
     GstEvent *event;
     int ended = 0;
@@ -354,6 +408,8 @@ int main(int argc, char **argv)
     test_messages();
     test_properties();
     test_colorimetry_of_src();
+    test_format_of_src();
+    test_rates();
     test_refused();
     test_caps_change();
     test_wrong_buffers();
