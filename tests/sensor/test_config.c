@@ -356,6 +356,8 @@ static void check_exposure_table(void)
         const double reached = fmin(fmax(total, 1e-4), 25.6e-3 * c.gain_max);
         CHECK_MSG(fabs(log2(s.exposure_s * s.gain / reached)) < 0.1, "%g s x %g for %g", s.exposure_s, s.gain, total);
     }
+    c.exposure_table[4] = c.exposure_table[3]; /* equal ones are allowed */
+    CHECK(pupil_sensor_config_check(&c, NULL) == PUPIL_OK);
     c.exposure_table[4] = 1e-4;
     refused(&c, "exposure_table");
     c.exposure_table[4] = NAN;

@@ -4,8 +4,9 @@
  *
  *     off       frames in which the sensor is over 0.25 EV off
  *     asked     settings that were asked for
- *     sensor, shown  how far both are off on average, in 1/1000 EV
- *     ms, gain  the last setting; and the delays and the slope that were found
+ *     sensor, shown, scene  how far these are off on average, in 1/1000 EV: the setting, what is shown, scene_ev
+ *     ms, gain  the last setting; then the delays and the slope that were found, the mask of all limits that it was
+ *               at, and how often day and night changed
  *     state     and for how many frames: Empty, Searching, Converged, Limited, cLipped (X), Flicker, locKed; and why at
  *               last */
 #include <math.h>
@@ -15,7 +16,7 @@
 #include "pupil/pupil.h"
 #include "pupil/sensor.h"
 
-enum { WIDTH = 48, FRAMES = 150, MOST_DELAY = 8, ASKS = FRAMES + MOST_DELAY + 1, LINE_BYTES = 192 };
+enum { WIDTH = 48, FRAMES = 150, MOST_DELAY = 8, ASKS = FRAMES + MOST_DELAY + 1, LINE_BYTES = 240 };
 
 #define KEY    0.18
 #define LINE_S 20e-6
@@ -23,7 +24,16 @@ enum { WIDTH = 48, FRAMES = 150, MOST_DELAY = 8, ASKS = FRAMES + MOST_DELAY + 1,
 /* What info says. */
 typedef enum telling { TOLD_TRUTH, TOLD_NOTHING, TOLD_ASKED, TOLD_FIRST, TOLD_HALF, TOLD_LATE } telling;
 
-typedef enum coarse { FINE, POWERS_OF_TWO, THREE_EXPOSURES, FOUR_GAINS, TWO_GAINS, DECIBELS, RECIPROCAL } coarse;
+typedef enum coarse {
+    FINE,
+    POWERS_OF_TWO,
+    THREE_EXPOSURES,
+    FIVE_EXPOSURES,
+    FOUR_GAINS,
+    TWO_GAINS,
+    DECIBELS,
+    RECIPROCAL
+} coarse;
 
 typedef struct camera {
     const char *name;
@@ -37,6 +47,8 @@ typedef struct camera {
     double black, white;            /* added to all values; where they are full, 0: 1 */
     double lamp;                    /* this share of the scene is five stops brighter */
     int own_auto_from, own_auto_to; /* frames in which the camera decides itself */
+    double lamp_hz;                 /* all light beats by 0.08 EV; 0: it does not */
+    int has_no_clock;               /* info is NULL */
     int loses;                      /* one frame in so many */
     uint32_t mains_hz;
     int is_curved;       /* linear = 0 */
@@ -60,6 +72,7 @@ static const camera cameras[] = {
     {.name = "powers of two", .steps = POWERS_OF_TWO},
     {.name = "powers of two, untold", .steps = POWERS_OF_TWO, .told = TOLD_NOTHING},
     {.name = "three exposures", .steps = THREE_EXPOSURES},
+    {.name = "five exposures, 50 Hz", .steps = FIVE_EXPOSURES, .mains_hz = 50},
     {.name = "four gains", .steps = FOUR_GAINS},
     {.name = "two gains", .steps = TWO_GAINS, .mains_hz = 50},
     {.name = "decibels", .steps = DECIBELS, .mains_hz = 60},
@@ -85,6 +98,9 @@ static const camera cameras[] = {
     {.name = "loses a third", .loses = 3},
     {.name = "loses a seventh, untold", .loses = 7, .told = TOLD_NOTHING, .delay = {4, 4}, .believed = 4},
     {.name = "night", .key_at_night = 0.06, .day_night_s = 0.5},
+    {.name = "lamps", .lamp_hz = 100.05, .delay = {3, 3}, .believed = 3},
+    {.name = "lamps, mains unknown", .lamp_hz = 120.6, .mains_hz = PUPIL_SENSOR_MAINS_AUTO, .told = TOLD_NOTHING},
+    {.name = "no clock", .has_no_clock = 1},
     {.name = "stages", .stages = 1, .mains_hz = 50},
 };
 enum { CAMERAS = sizeof cameras / sizeof cameras[0] };
@@ -94,6 +110,7 @@ typedef enum event_kind {
     RAMP,      /* so many EV more in each frame */
     FLASH,     /* so many EV more in two frames */
     COVERED,   /* black for so many frames */
+    HALF_DARK, /* this share of the scene is black from the frame on */
     ANNOUNCED, /* light by so many EV, three frames before it comes */
     FILTER,    /* the same, of a filter; which never comes where it is negative */
     EXPOSURE_MODE,
@@ -131,6 +148,16 @@ static const light lights[] = {
       {110, LOCK, 0}}},
     {"limits",
      {{0, LIGHT, -4.0}, {40, GAIN_MAX, 4.0}, {70, FRAME_PERIOD, 2.0}, {90, LIGHT, 13.0}, {120, EXPOSURE_MODE, 1}}},
+    {"half dark",
+     {{0, LIGHT, 3.0}, {30, HALF_DARK, 0.65}, {36, HALF_DARK, 0.3}, {75, LIGHT, 5.0}, {110, HALF_DARK, 0}}},
+    {"held",
+     {{0, LIGHT, 2.9},
+      {30, GAIN_MODE, PUPIL_SENSOR_HELD},
+      {30, EXPOSURE_MODE, PUPIL_SENSOR_HELD},
+      {50, LIGHT, 4.0},
+      {70, EXPOSURE_MODE, PUPIL_SENSOR_AUTO},
+      {90, GAIN_MODE, PUPIL_SENSOR_AUTO},
+      {110, LIGHT, 0.3}}},
     {"creeps", {{0, LIGHT, 6.0}, {20, RAMP, -0.005}, {80, RAMP, 0.01}, {115, LIGHT, 6.4}, {130, LIGHT, 6.05}}},
 };
 enum { LIGHTS = sizeof lights / sizeof lights[0] };
@@ -173,8 +200,9 @@ static pupil_sensor_config config_of(const camera *c)
         config.gain_law = c->steps == DECIBELS ? PUPIL_GAIN_DB : PUPIL_GAIN_RECIPROCAL;
         config.gain_step = c->steps == DECIBELS ? 0.3 : 256.0;
     }
-    if (c->steps == THREE_EXPOSURES)
-        set_table(config.exposure_table, &config.exposure_count, 0.0005, 7.0, 3);
+    if (c->steps == THREE_EXPOSURES || c->steps == FIVE_EXPOSURES)
+        set_table(config.exposure_table, &config.exposure_count, c->steps == THREE_EXPOSURES ? 0.0005 : 0.00125,
+                  c->steps == THREE_EXPOSURES ? 7.0 : 2.0, c->steps == THREE_EXPOSURES ? 3 : 5);
     if (c->steps == FOUR_GAINS || c->steps == TWO_GAINS) {
         config.gain_law = PUPIL_GAIN_TABLE;
         set_table(config.gain_table, &config.gain_count, 1.0, c->steps == TWO_GAINS ? 8.0 : 2.0,
@@ -193,11 +221,13 @@ typedef struct loop {
     double asked[ASKS][2]; /* in force in frame i, if the controls do as they are asked */
     double light_ev, ramp_ev, awaited_ev;
     int flash_frames, covered_frames, awaited_frames;
-    double flash_ev;
+    double flash_ev, dark_share;
     int frame;
     /* of the line */
     int off, settings;
-    double sensor_ev, shown_ev;
+    double sensor_ev, shown_ev, scene_off_ev, scene_ev;
+    uint32_t limits, day_night;
+    int day_changes;
     char states[96];
     char last;
     int repeats;
@@ -270,11 +300,15 @@ static pupil_frame_info info_of(const loop *l, const double made[2])
 static double read_frame(loop *l, uint16_t *pixels, const double made[2])
 {
     const camera *c = l->camera;
-    const double light_ev = l->light_ev + (l->flash_frames > 0 ? l->flash_ev : 0.0);
+    const double beat_ev = c->lamp_hz > 0.0 ? 0.08 * sin(2.0 * 3.141592653589793 * c->lamp_hz * l->frame / 30.0) : 0.0;
+    const double light_ev = l->light_ev + beat_ev + (l->flash_frames > 0 ? l->flash_ev : 0.0);
+    l->scene_ev = light_ev;
     const double ev = light_ev + effect_of(c, made) - log2(KEY);
     for (int x = 0; x < WIDTH; x++) {
         const double lamp = x < c->lamp * WIDTH ? 5.0 : 0.0;
-        pixels[x] = l->covered_frames > 0 ? 0 : code_of(c, ev + lamp + 4.0 * ((x + 0.5) / WIDTH - 0.5));
+        pixels[x] = l->covered_frames > 0 || (x * 29) % WIDTH < l->dark_share * WIDTH
+                        ? 0
+                        : code_of(c, ev + lamp + 4.0 * ((x + 0.5) / WIDTH - 0.5));
     }
     l->flash_frames--;
     l->covered_frames--;
@@ -316,6 +350,9 @@ static void happen(loop *l, const event *e)
         return;
     case COVERED:
         l->covered_frames = (int)e->value;
+        return;
+    case HALF_DARK:
+        l->dark_share = e->value;
         return;
     case ANNOUNCED:
     case FILTER:
@@ -366,13 +403,17 @@ static void one_frame(loop *l)
     if (!l->camera->loses || l->frame % l->camera->loses != 1) {
         pupil_stats_clear(&stats);
         CHECK(pupil_meter_rows(&l->meter, &image, 0, 1, &stats) == PUPIL_OK);
-        CHECK(pupil_sensor_frame(&l->sensor, &stats, &info) == PUPIL_OK);
+        CHECK(pupil_sensor_frame(&l->sensor, &stats, l->camera->has_no_clock ? NULL : &info) == PUPIL_OK);
     }
     l->frame++;
     take_setting(l);
     l->off += fabs(off_ev) > 0.25;
     l->sensor_ev += fabs(off_ev) / FRAMES;
     l->shown_ev += fabs(or_else(l->camera->slope, 1.0) * off_ev + log2(l->s.frame_digital)) / FRAMES;
+    l->scene_off_ev += l->s.frames ? fabs(l->s.scene_ev - l->scene_ev) / FRAMES : 0.0;
+    l->limits |= l->s.limits;
+    l->day_changes += l->s.day_night != l->day_night;
+    l->day_night = l->s.day_night;
     count_state(l, "ESCLXFK"[l->s.state]);
 }
 
@@ -399,9 +440,10 @@ static void run(const camera *c, const light *at, char line[LINE_BYTES])
             one_frame(&l);
     }
     count_state(&l, 0);
-    snprintf(line, LINE_BYTES, "%-27s %-16s %3d %3d %5.0f %5.0f %7.3f %7.4f %2u %2u %.3f %s%s\n", c->name, at->name,
-             l.off, l.settings, 1e3 * l.sensor_ev, 1e3 * l.shown_ev, 1e3 * l.s.exposure_s, l.s.gain, l.s.exposure_delay,
-             l.s.gain_delay, l.s.slope, l.states, pupil_sensor_reason_name(l.s.reason));
+    snprintf(line, LINE_BYTES, "%-27s %-16s %3d %3d %5.0f %5.0f %5.0f %7.3f %7.4f %2u %2u %.3f %02x %d %s%s\n", c->name,
+             at->name, l.off, l.settings, 1e3 * l.sensor_ev, 1e3 * l.shown_ev, 1e3 * l.scene_off_ev,
+             1e3 * l.s.exposure_s, l.s.gain, l.s.exposure_delay, l.s.gain_delay, l.s.slope, l.limits, l.day_changes,
+             l.states, pupil_sensor_reason_name(l.s.reason));
 }
 
 int main(int argc, char **argv)

@@ -240,6 +240,53 @@ static void check_pointers(void)
     pupil_sensor_config_default_sized(NULL, sizeof c); /* no effect, and no crash */
 }
 
+/* The ends of what the calls take are taken. */
+static void check_ends(void)
+{
+    static const double ends[][2] = {{0x1p-64, 0x1p64}, {0x1p64, 0x1p-64}};
+    pupil_sensor_setting s;
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    CHECK(s.frame_digital == 1.0 && s.slope == 1.0);
+    for (int i = 0; i < 2; i++)
+        CHECK(pupil_sensor_start(&sensor, ends[i][0], ends[i][1]) == PUPIL_OK);
+    for (int high = 0; high < 2; high++) {
+        CHECK(pupil_sensor_scene(&sensor, high ? 256.0 : -256.0, high, NULL) == PUPIL_OK);
+        CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK && s.reason != PUPIL_SENSOR_INVALID_FRAME);
+        CHECK(pupil_sensor_announce(&sensor, high ? 32.0 : -32.0, high ? 1000 : 1, PUPIL_SENSOR_CHANGE_FILTER) ==
+              PUPIL_OK);
+        for (int wrong = 0; wrong < 2; wrong++)
+            CHECK(pupil_sensor_scene(&sensor,
+                                     wrong  ? 0.0
+                                     : high ? 256.1
+                                            : -256.1,
+                                     wrong ? high ? 1.01 : -0.01 : 0.0, NULL) == PUPIL_OK &&
+                  pupil_sensor_get(&sensor, &s) == PUPIL_OK && s.reason == PUPIL_SENSOR_INVALID_FRAME);
+    }
+    CHECK(pupil_sensor_announce(&sensor, 1.0, 0, 0) == PUPIL_ERR_VALUE);
+    CHECK(pupil_sensor_announce(&sensor, 1.0, 1001, 0) == PUPIL_ERR_VALUE);
+    CHECK(pupil_sensor_announce(&sensor, 32.1, 1, 0) == PUPIL_ERR_VALUE);
+    CHECK(pupil_sensor_announce(&sensor, -32.1, 1, 0) == PUPIL_ERR_VALUE);
+    CHECK(pupil_sensor_announce(&sensor, 1.0, 1, PUPIL_SENSOR_CHANGE_COUNT) == PUPIL_ERR_VALUE);
+}
+
+/* The scene's light is told as it was given, whatever setting it was metered with; a frame without a time comes a
+ * period after the one before. */
+static void check_scene(void)
+{
+    const pupil_frame_info first = {.sequence = 1, .exposure_s = 0.002, .gain = 4.0};
+    pupil_sensor_setting s;
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_start(&sensor, 0.01, 3.0) == PUPIL_OK);
+    for (int i = 0; i < 2; i++) {
+        CHECK(pupil_sensor_scene(&sensor, 3.5, 0.0, i ? NULL : &first) == PUPIL_OK);
+        CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK && fabs(s.scene_ev - 3.5) < 1e-9);
+        CHECK(s.dt_s == (i ? c.frame_s : 0.0));
+    }
+}
+
 /* A setting in the metadata that no camera has is none, above the range as below it. */
 static void check_metadata(void)
 {
@@ -271,5 +318,7 @@ int main(int argc, char **argv)
     check_pairs();
     check_pointers();
     check_metadata();
+    check_ends();
+    check_scene();
     return check_end();
 }
