@@ -1,7 +1,7 @@
 """Machine-made mutants of a room of the library: which of them the tests do not notice.
 
     mutants.py [--build BUILD] [--room lib/sensor] [--tests REGEX] [--extra "PROGRAM ARGUMENTS"]... [--slowest SECONDS]
-               [--count 200] [--seed 16] [--jobs 2] [--least 95] [--seconds LIMIT] [--kept FILE]
+               [--count 200] [--seed 16] [--jobs 2] [--least 95] [--seconds LIMIT] [--kept FILE] [--sanitize]
 
 BUILD is a configured build of the tree with tests (build/dev), whose programs of these tests are up to date. ROOMS has
 the rooms; that of the kernels is their scalar reference, and needs a build with -DPUPIL_LEVELS=scalar. A mutant
@@ -13,13 +13,15 @@ is the mutant. These times are those of a processor, so they are the same where 
 
 Kinds of mutation are drawn in turn, and places within a kind at random, from the seed, until COUNT mutants compile to
 code that is not the same as before. After LIMIT seconds the rest of them is left; the next run with the same FILE goes
-on there: the killed ones are not tried again, and what survived only by other tests, after the rest. Prints what
+on there: the killed ones are not tried again, and what survived only by other tests, after the rest. With --sanitize
+what survives is tried once more with the sanitizers of preset.asan, which see a read beyond an array. Prints what
 survived, and exits with 1 where less than LEAST percent of those are killed that are not in equivalent.txt. There, a
 line is one surviving line as it is printed, from the file's name on but without the line's number, then " # " and the
 reason why no test can notice.
 """
 import argparse
 import concurrent.futures
+import copy
 import hashlib
 import json
 import math
@@ -42,13 +44,15 @@ TREE = HERE.parent.parent
 SHORTEST_LIMIT_S = 5.0
 LINK_S = 0.1
 NO_CACHE = dict(os.environ, CCACHE_DISABLE="1")  # it would only keep what is never compiled again
+SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+os.environ.setdefault("ASAN_OPTIONS", "detect_leaks=0")  # of the tests, not of the mutant
 OUT_OF_TIME = (-signal.SIGXCPU, 128 + signal.SIGXCPU)  # of a program, and of a shell whose program it was
 # Of each room the names of its files, and its tests.
 ROOMS = {
     "lib/base": (r".", r"^(core|flicker|stream)\."),
     "lib/core": (r".", r"^(core|stream|scene)\."),
     "lib/flicker": (r".", r"^(flicker|stream)\."),
-    "lib/kernels": (r"^(scalar|yuv|luma)\.c", r"^(core|stream|scene)\."),
+    "lib/kernels": (r"^(scalar|yuv|luma)\.c", r"^(core|stream|scene|kernels)\."),
     "lib/look": (r".", r"^look\."),
     "lib/sensor": (r".", r"^sensor\."),
 }
@@ -62,12 +66,12 @@ class Test:
         self.name, self.link, self.run, self.folder, self.program = name, link, run, folder, program
         self.seconds, self.kills = 0.0, 0
 
-    def passes(self, mutant_object, work, limit_s):
+    def passes(self, mutant_object, work, limit_s, flags=()):
         """"passed", "failed", "timed out" or "did not link"."""
         program = str(work / "program")
         replaced = {"OBJECT": str(mutant_object), "PROGRAM": program}
         link = [replaced.get(a, a) for a in self.link]
-        if subprocess.run(link, cwd=self.folder, stderr=subprocess.DEVNULL).returncode:
+        if subprocess.run([*link, *flags], cwd=self.folder, stderr=subprocess.DEVNULL).returncode:
             return "did not link"
         process = subprocess.Popen([replaced.get(a, a) for a in self.run], cwd=work, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
@@ -107,13 +111,13 @@ class Source:
         self.path, self.name, self.compiler = path, name, compiler
         self.text = path.read_text()
 
-    def compiled(self, text, obj):
+    def compiled(self, text, obj, flags=()):
         """The object's bytes, or None. The same text gives the same bytes, for the copy has the file's name."""
         with tempfile.TemporaryDirectory(dir=obj.parent) as folder:
-            copy = pathlib.Path(folder) / self.path.name
-            copy.write_text(f'#line 1 "{self.path.name}"\n' + text)
-            replaced = {"SOURCE": copy.name, "OBJECT": str(obj)}
-            arguments = [replaced.get(a, a) for a in self.compiler] + ["-iquote", str(self.path.parent)]
+            own = pathlib.Path(folder) / self.path.name
+            own.write_text(f'#line 1 "{self.path.name}"\n' + text)
+            replaced = {"SOURCE": own.name, "OBJECT": str(obj)}
+            arguments = [replaced.get(a, a) for a in self.compiler] + ["-iquote", str(self.path.parent), *flags]
             if subprocess.run(arguments, cwd=folder, stderr=subprocess.DEVNULL, env=NO_CACHE).returncode:
                 return None
         return obj.read_bytes()
@@ -175,16 +179,16 @@ def compiled_mutants(sources, count, seed, work, jobs, ends_at, kept):
     return found, number_of["broken"], number_of["same"]
 
 
-def timed(tests, plain_object, work, slowest_s, kept=None):
+def timed(tests, plain_object, work, slowest_s, kept=None, flags=()):
     """The tests that pass with the unchanged object, the fastest first."""
     good = []
     for test in tests:
-        name = f"plain {tests_id([test])} {slowest_s}"
+        name = f"plain {tests_id([test])} {slowest_s} {len(flags)}"
         known = kept.verdicts.get(name) if kept else None
         if known:
             said, test.seconds = "passed", float(known)
         else:
-            said = test.passes(plain_object, work, 3 * slowest_s if slowest_s < float("inf") else None)
+            said = test.passes(plain_object, work, 3 * slowest_s if slowest_s < float("inf") else None, flags)
             test.seconds = getattr(test, "last_s", 3 * slowest_s)
         if kept and said == "passed" and not known:
             kept.write(name, str(test.seconds))
@@ -195,10 +199,10 @@ def timed(tests, plain_object, work, slowest_s, kept=None):
     return sorted(good, key=lambda t: t.seconds)
 
 
-def judged(tests, obj, work):
+def judged(tests, obj, work, flags=()):
     """"survived", or which test killed it and how."""
     for test in sorted(tests, key=lambda t: (t.seconds + LINK_S) / (1 + t.kills)):
-        said = test.passes(obj, work, max(SHORTEST_LIMIT_S, 10 * test.seconds))
+        said = test.passes(obj, work, max(SHORTEST_LIMIT_S, 10 * test.seconds), flags)
         if said != "passed":
             test.kills += 1
             return f"{test.name} {said}"
@@ -238,13 +242,16 @@ class Kept:
 
 
 def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf"), limit_s=float("inf"),
-        kept=None):
+        kept=None, sanitize=False):
     """Prints what survived; returns (killed, survivors that are not excused, excused ones, verdicts)."""
     ends_at = time.monotonic() + limit_s
     kept = kept or Kept(None)
     mutants, broken, same = compiled_mutants(sources, count, seed, work, jobs, ends_at, kept)
     sources[0].compiled(sources[0].text, work / "plain.o")
     tests = timed(tests, work / "plain.o", work, slowest_s, kept)
+    if sanitize:
+        sources[0].compiled(sources[0].text, work / "plain.o", SANITIZERS)
+        sanitized = timed([copy.copy(t) for t in tests], work / "plain.o", work, 3 * slowest_s, kept, SANITIZERS)
     print(f"mutants.py: {len(mutants)} mutants ({broken} more did not compile, {same} are the same code); "
           + ", ".join(f"{t.name} {t.seconds:.1f} s" for t in tests), flush=True)
     folders = [pathlib.Path(tempfile.mkdtemp(dir=work)) for _ in range(jobs)]
@@ -257,11 +264,14 @@ def run(sources, tests, count, seed, jobs, excused, work, slowest_s=float("inf")
         if not obj.exists():
             source.compiled(mutations.mutated(source.text, m), obj)
         verdict = judged(tests, obj, folder)
+        if verdict == "survived" and sanitize and source.compiled(mutations.mutated(source.text, m), obj, SANITIZERS):
+            verdict = judged(sanitized, obj, folder, SANITIZERS)
+            verdict += "" if verdict == "survived" else ", sanitized"
         kept.add(source, m, survived if verdict == "survived" else verdict)
         folders.append(folder)
 
     survivors, equivalent, killers, verdicts = [], [], {}, []
-    survived = f"survived {tests_id(tests)}"
+    survived = f"survived {tests_id(tests)}{'s' if sanitize else ''}"
     undecided = [(s, m, o) for s, m, o in mutants
                  if kept.of(s, m) == "other" or (kept.of(s, m).startswith("survived") and kept.of(s, m) != survived)]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -341,6 +351,7 @@ def main():
     parser.add_argument("--least", type=float, default=95.0)
     parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--kept", type=pathlib.Path)
+    parser.add_argument("--sanitize", action="store_true")
     parser.add_argument("--excuses", type=pathlib.Path, default=HERE / "equivalent.txt")
     a = parser.parse_args()
     build = a.build.resolve()
@@ -349,7 +360,7 @@ def main():
         sys.exit(f"mutants.py: {build} has {len(sources)} files of {a.room} and {len(tests)} tests")
     with tempfile.TemporaryDirectory(dir=build) as work:
         killed, survivors, equivalent, _ = run(sources, tests, a.count, a.seed, a.jobs, excuses(a.excuses),
-                                               pathlib.Path(work), a.slowest, a.seconds, Kept(a.kept))
+                                               pathlib.Path(work), a.slowest, a.seconds, Kept(a.kept), a.sanitize)
     share = 100.0 * killed / max(1, killed + len(survivors))
     print(f"mutants.py: {a.room}: {killed} killed, {len(survivors)} survived, {len(equivalent)} more are equivalent: "
           f"{share:.1f} %")
