@@ -148,8 +148,7 @@ static double total_for(const pupil_sensor_object *o, double need)
 
 static void forget_points(sensor_search *s)
 {
-    for (int i = 0; i < SENSOR_POINTS; i++)
-        s->point[i].is_used = 0;
+    __builtin_memset(s->point, 0, sizeof s->point);
 }
 
 /* The requested setting and what it does. Points that contradict it are of another time: more never makes darker. */
