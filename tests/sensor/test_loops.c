@@ -258,7 +258,7 @@ static void make(const loop *l, int frame, double made[2])
 /* Stops of the light that the setting lets through. */
 static double effect_of(const camera *c, const double made[2])
 {
-    const double strange = made[1] >= or_else(c->jump_gain, INFINITY) ? log2(c->jump) : 0.0;
+    const double strange = made[1] >= or_else(c->jump_gain, (double)INFINITY) ? log2(c->jump) : 0.0;
     const double exposure = c->weak[0] > 0.0 ? c->weak[0] : 1.0, gain = c->weak[1] > 0.0 ? c->weak[1] : 1.0;
     return exposure * log2(made[0] / 0.01) + log2(0.01) + gain * log2(made[1]) + strange;
 }
@@ -428,7 +428,6 @@ static void run(const camera *c, const light *at, char line[LINE_BYTES])
     metering.histogram = 1;
     CHECK(pupil_init(&l.meter, &metering) == PUPIL_OK && pupil_sensor_init(&l.sensor, &l.config) == PUPIL_OK);
     CHECK(pupil_sensor_get(&l.sensor, &l.s) == PUPIL_OK);
-    ask_from(&l, -MOST_DELAY);
     for (int i = 0; i < ASKS; i++) {
         l.asked[i][0] = l.s.exposure_s;
         l.asked[i][1] = l.s.gain;
