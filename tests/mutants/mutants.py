@@ -50,7 +50,7 @@ OUT_OF_TIME = (-signal.SIGXCPU, 128 + signal.SIGXCPU)  # of a program, and of a 
 # Of each room the names of its files, and its tests.
 ROOMS = {
     "lib/base": (r".", r"^(core|flicker|stream)\."),
-    "lib/core": (r".", r"^(core|stream|scene)\."),
+    "lib/core": (r".", r"^(core|stream|scene|row_gain)\."),
     "lib/flicker": (r".", r"^(flicker|stream)\."),
     "lib/kernels": (r"^(scalar|yuv|luma)\.c", r"^(core|stream|scene|kernels)\."),
     "lib/look": (r".", r"^look\."),

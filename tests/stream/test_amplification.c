@@ -131,6 +131,18 @@ static double code_of(const camera *c, double light)
     return c->black + value * (c->white - c->black);
 }
 
+/* The limit is of the frame's codes: in the light of the scene it is where the exposure and gain put it. */
+static void check_exposed(void)
+{
+    for (int stops = -6; stops <= 6; stops += 3) {
+        const pupil_frame_info info = {.timestamp_ns = SECOND, .exposure_s = exp2(stops - 1), .gain = 2.0};
+        start(4.0);
+        const pupil_exposure e = look(&cameras[0], 0.0, 0.0, 0, &info);
+        CHECK(e.state == PUPIL_STATE_LIMITED && e.reason == PUPIL_REASON_AMPLIFICATION);
+        CHECK_MSG(fabs(e.adapted_ev - (log2(LEAST) - stops)) < 1e-6, "2^%d s x gain: %g", stops, e.adapted_ev);
+    }
+}
+
 /* 4 stops too dark, with the noise that rounds it: as bright as any. A stop darker: a stop darker. */
 static void check_too_dark(void)
 {
@@ -256,6 +268,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_lens_cap();
+    check_exposed();
     check_too_dark();
     check_codes();
     check_way_back();

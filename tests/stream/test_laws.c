@@ -180,10 +180,28 @@ static void check_change(void)
     CHECK(worst <= 1e-12);
 }
 
+/* With the weight 1 each frame is at its own level, bit for bit, whatever was before. */
+static void check_at_once(void)
+{
+    for (uint32_t law = PUPIL_LAW_ARITHMETIC_SCALE; law < PUPIL_LAW_EYE; law++) {
+        pupil_t pupil;
+        start(&pupil, law, 1.0);
+        for (int n = 0; n < 200; n++) {
+            pupil_t first;
+            pupil_stats stats;
+            ref_stats_at(20.0 * check_uniform() - 10.0, 0, &stats);
+            start(&first, law, 1.0);
+            const double got = adapt(&pupil, &stats).adapted_ev, alone = adapt(&first, &stats).adapted_ev;
+            CHECK_MSG(got == alone, "formula %u, frame %d: %.17g, alone %.17g", law, n, got, alone);
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_closed_forms();
+    check_at_once();
     check_endings();
     check_relations();
     check_change();
