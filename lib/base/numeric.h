@@ -53,7 +53,8 @@ double pupil_log2(double x);
 /* 2^x for |x| <= 1000; relative error below 4e-16. */
 double pupil_exp2(double x);
 
-/* The square root and exp(-x), of x >= 0; relative error below 1e-14 where x is at most 100. Above 690 exp(-x) is 0. */
+/* The square root and exp(-x), of x >= 0; relative errors below 1e-15 and 1.2e-14 where x is at most 100. From 690 on
+ * exp(-x) is 0. */
 double pupil_root(double x);
 double pupil_decay(double x);
 

@@ -49,7 +49,7 @@ os.environ.setdefault("ASAN_OPTIONS", "detect_leaks=0")  # of the tests, not of 
 OUT_OF_TIME = (-signal.SIGXCPU, 128 + signal.SIGXCPU)  # of a program, and of a shell whose program it was
 # Of each room the names of its files, and its tests.
 ROOMS = {
-    "lib/base": (r".", r"^(core|flicker|stream)\."),
+    "lib/base": (r".", r"^(base|core|flicker|stream)\."),
     "lib/core": (r".", r"^(core|stream|scene|row_gain)\."),
     "lib/flicker": (r".", r"^(flicker|stream)\."),
     "lib/kernels": (r"^(scalar|yuv|luma)\.c", r"^(core|stream|scene|kernels)\."),

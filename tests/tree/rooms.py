@@ -41,7 +41,7 @@ LIB = {
     "gles": ("base", "core"),
 }
 # Tests of what is inside a house: the table of kernels, the GPU's programs, instructions, sizes of objects.
-INSIDE = {"tests/kernels": "lib", "tests/gles": "lib", "tests/arm": "lib", "tests/abi": "lib",
+INSIDE = {"tests/base": "lib", "tests/kernels": "lib", "tests/gles": "lib", "tests/arm": "lib", "tests/abi": "lib",
           "tests/fixtures": "fixtures"}
 
 # apps know live cameras, and of one kind the names that --format takes.
