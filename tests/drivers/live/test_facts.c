@@ -77,8 +77,8 @@ static void test_sensor(void)
     }
 }
 
-/* The frame in progress is the same one, whether stamps are of a frame's end or of the begin of its exposure: so are the
- * frames until a setting is in force. */
+/* The frame in progress is the same one, whether stamps are of a frame's end or of the begin of its exposure: so are
+ * the frames until a setting is in force. */
 static void test_stamps(void)
 {
     uint64_t from[2];
