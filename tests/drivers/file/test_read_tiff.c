@@ -1,0 +1,163 @@
+/* TIFF, made tag by tag in both byte orders: what its first directory says, which kinds are refused because libav would
+ * make something else of them, and which it lacks. And other files of libav's that are no pictures of pupil's. */
+#include "file/still/still_private.h"
+
+#include "clip.h"
+#include "scratch.h"
+
+enum { SHORT = 3, LONG = 4, MOST = 512 };
+
+typedef struct tag {
+    uint32_t tag, type, value;
+} tag;
+
+typedef struct tiff {
+    uint8_t bytes[MOST];
+    size_t size;
+    int is_big;
+} tiff;
+
+static pupil_why why;
+
+static void add(tiff *t, uint32_t value, int bytes)
+{
+    for (int i = 0; i < bytes; i++)
+        t->bytes[t->size++] = (uint8_t)(value >> 8 * (t->is_big ? bytes - 1 - i : i));
+}
+
+/* A header, one directory, and samples of a quarter of white behind it: StripOffsets has their place. */
+static tiff tiff_of(int is_big, const tag *tags, uint32_t count)
+{
+    tiff t = {.is_big = is_big};
+    memcpy(t.bytes, is_big ? "MM\0*" : "II*\0", 4);
+    t.size = 4;
+    add(&t, 8, 4);
+    add(&t, count, 2);
+    for (uint32_t i = 0; i < count; i++) {
+        add(&t, tags[i].tag, 2);
+        add(&t, tags[i].type, 2);
+        add(&t, 1, 4);
+        if (tags[i].type == SHORT) {
+            add(&t, tags[i].value, 2);
+            add(&t, 0, 2);
+        } else {
+            add(&t, tags[i].tag == 273 ? 8 + 2 + 12 * count + 4 : tags[i].value, 4);
+        }
+    }
+    add(&t, 0, 4);
+    while (t.size < MOST)
+        add(&t, 64, 1);
+    return t;
+}
+
+/* A grey picture of 4 x 2, with one tag in the place of the one that it has. */
+static tiff picture(int is_big, tag other)
+{
+    tag tags[] = {{256, SHORT, 4}, {257, SHORT, 2}, {258, SHORT, 8}, {259, SHORT, 1}, {262, SHORT, 1},
+                  {273, LONG, 0},  {277, SHORT, 1}, {278, SHORT, 2}, {279, LONG, 8},  {0, SHORT, 0}};
+    uint32_t count = 9;
+    for (uint32_t i = 0; i < count; i++)
+        if (tags[i].tag == other.tag)
+            tags[i] = other;
+    if (other.tag > 279)
+        tags[count++] = other;
+    return tiff_of(is_big, tags, count);
+}
+
+static void test_find(void)
+{
+    static const tag tags[] = {{259, SHORT, 7}, {324, LONG, 123456}};
+    for (int is_big = 0; is_big < 2; is_big++) {
+        tiff t = tiff_of(is_big, tags, 2);
+        uint32_t value = 0;
+        CHECK(pupil_tiff_find(t.bytes, t.size, 259, &value) && value == 7);
+        CHECK(pupil_tiff_find(t.bytes, t.size, 324, &value) && value == 123456);
+        CHECK(!pupil_tiff_find(t.bytes, t.size, 256, &value));
+        CHECK(!pupil_tiff_find(t.bytes, 8 + 2 + 12 + 11, 324, &value)); /* cut within its entry */
+        CHECK(!pupil_tiff_find(t.bytes, 9, 259, &value));
+        CHECK(!pupil_tiff_find(t.bytes, 7, 259, &value) && !pupil_is_tiff(t.bytes, 7));
+        memset(t.bytes + 4, 0xff, 4); /* a directory far beyond the end */
+        CHECK(pupil_is_tiff(t.bytes, t.size) && !pupil_tiff_find(t.bytes, t.size, 259, &value));
+        t.bytes[3] ^= 1;
+        CHECK(!pupil_is_tiff(t.bytes, t.size));
+    }
+}
+
+static void test_kinds(void)
+{
+    static const struct {
+        tag tag;
+        const char *words; /* NULL: it is read */
+    } cases[] = {{{259, SHORT, 1}, NULL},
+                 {{324, LONG, 200}, "is a TIFF in tiles; save it in strips"},
+                 {{259, SHORT, 6}, "is a TIFF compressed as JPEG"},
+                 {{259, SHORT, 7}, "is a TIFF compressed as JPEG"},
+                 {{258, SHORT, 64}, "libav lacks this kind of file: "},
+                 {{256, SHORT, 20000}, ""}};
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
+        const tiff t = picture(i % 2, cases[i / 2].tag);
+        pupil_still still = {.most = 1000000};
+        why.text[0] = 0;
+        const int failed = pupil_read_libav(&still, t.bytes, t.size, &why);
+        const char *words = cases[i / 2].words;
+        CHECK_MSG(failed == (words ? -1 : 0) && (!words || strstr(why.text, words)), "case %zu: %s", i, why.text);
+        CHECK_MSG(words || (still.width == 4 && still.height == 2 && still.pixel == PUPIL_PIXEL_RGB32F), "case %zu", i);
+        CHECK_MSG(failed || fabsf(((float *)still.pixels)[0] - 0.0478f) < 1e-4f, "%g",
+                  failed ? 0.0 : (double)((float *)still.pixels)[0]); /* code 64: TIFF 6.0 has a gamma of 2.2 */
+        pupil_still_free(&still);
+    }
+}
+
+static int sample(const clip *c, int frame, int component, int x, int y)
+{
+    (void)c;
+    return 100 + frame + component + x + y;
+}
+
+/* A video's first frame is a picture, if it is one of SDR; so are its containers read from memory. */
+static void test_of_video(void)
+{
+    static const struct {
+        clip c;
+        const char *words;
+    } cases[] = {
+        {{.container = "matroska", .codec = "ffv1", .format = AV_PIX_FMT_YUV420P, .transfer = AVCOL_TRC_BT709}, NULL},
+        {{.container = "mov", .codec = "png", .format = AV_PIX_FMT_RGB24}, NULL},
+        {{.container = "matroska", .codec = "ffv1", .format = AV_PIX_FMT_YUV420P10, .transfer = AVCOL_TRC_SMPTE2084},
+         "is a still of PQ or HLG"},
+        {{.container = "nut", .codec = "rawvideo", .format = AV_PIX_FMT_BAYER_RGGB8}, "is a still of a mosaic"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        clip c = cases[i].c;
+        const char *path = scratch("video");
+        size_t size = 0;
+        c.width = c.height = 16;
+        c.frames = 2;
+        c.code = sample;
+        c.space = c.format == AV_PIX_FMT_RGB24 ? AVCOL_SPC_RGB : AVCOL_SPC_UNSPECIFIED;
+        c.primaries = AVCOL_PRI_UNSPECIFIED;
+        if (clip_write(&c, path)) {
+            CHECK_MSG(0, "case %zu cannot be written", i);
+            continue;
+        }
+        uint8_t *bytes = clip_load(path, &size);
+        pupil_still still = {.most = 1000000};
+        why.text[0] = 0;
+        const int failed = pupil_read_libav(&still, bytes, size, &why);
+        CHECK_MSG(failed == (cases[i].words ? -1 : 0), "case %zu: %s", i, why.text);
+        CHECK_MSG(!cases[i].words || strstr(why.text, cases[i].words), "case %zu: %s", i, why.text);
+        CHECK(failed || (still.width == 16 && still.height == 16));
+        pupil_still_free(&still);
+        free(bytes);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    check_begin(argc, argv);
+    scratch_begin();
+    test_find();
+    test_kinds();
+    test_of_video();
+    scratch_clear(scratch_folder);
+    return check_end();
+}
