@@ -207,12 +207,17 @@ static void solve(const long double m[9], const long double y[3], long double x[
     }
 }
 
+/* Made once for each: every pixel of a reference asks for it. */
 static void xyz_of(uint32_t bt2020, long double m[9])
 {
+    static long double made[2][9];
     static const long double xy[2][6] = {{0.64L, 0.33L, 0.30L, 0.60L, 0.15L, 0.06L},
                                          {0.708L, 0.292L, 0.170L, 0.797L, 0.131L, 0.046L}};
     const long double white[3] = {0.3127L / 0.3290L, 1, (1 - 0.3127L - 0.3290L) / 0.3290L};
     long double amount[3];
+    memcpy(m, made[bt2020], sizeof made[bt2020]);
+    if (m[3] != 0)
+        return;
     for (int k = 0; k < 3; k++) {
         const long double x = xy[bt2020][2 * k], y = xy[bt2020][2 * k + 1];
         m[k] = x / y;
@@ -222,6 +227,7 @@ static void xyz_of(uint32_t bt2020, long double m[9])
     solve(m, white, amount);
     for (int i = 0; i < 9; i++)
         m[i] *= amount[i % 3];
+    memcpy(made[bt2020], m, sizeof made[bt2020]);
 }
 
 /* Of BT.709, as given; of BT.2020, what they are of the same light. */
@@ -231,18 +237,20 @@ void ref_weights(const pupil_config *config, long double exact[3], float rounded
     const float *y = config->rgb_to_xyz + 3;
     const long double sum = (long double)y[0] + y[1] + y[2];
     long double in[9], out[9];
-    xyz_of(1, in);
-    xyz_of(0, out);
-    for (int c = 0; c < 3; c++) {
-        const long double primary[3] = {in[c], in[3 + c], in[6 + c]};
-        long double light[3];
-        solve(out, primary, light);
-        exact[c] = config->primaries == PUPIL_PRIMARIES_BT709 ? bt709[c]
-                   : config->primaries == PUPIL_PRIMARIES_BT2020
-                       ? bt709[0] * light[0] + bt709[1] * light[1] + bt709[2] * light[2]
-                       : y[c] / sum;
-        rounded[c] = (float)exact[c];
+    for (int c = 0; c < 3; c++)
+        exact[c] = config->primaries == PUPIL_PRIMARIES_BT709 ? bt709[c] : y[c] / sum;
+    if (config->primaries == PUPIL_PRIMARIES_BT2020) {
+        xyz_of(1, in);
+        xyz_of(0, out);
+        for (int c = 0; c < 3; c++) {
+            const long double primary[3] = {in[c], in[3 + c], in[6 + c]};
+            long double light[3];
+            solve(out, primary, light);
+            exact[c] = bt709[0] * light[0] + bt709[1] * light[1] + bt709[2] * light[2];
+        }
     }
+    for (int c = 0; c < 3; c++)
+        rounded[c] = (float)exact[c];
 }
 
 /* --- beyond the gamut: pupil.h, pupil_curve --- */
