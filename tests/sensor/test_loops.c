@@ -24,22 +24,15 @@ enum { WIDTH = 48, FRAMES = 150, MOST_DELAY = 8, ASKS = FRAMES + MOST_DELAY + 1,
 /* What info says. */
 typedef enum telling { TOLD_TRUTH, TOLD_NOTHING, TOLD_ASKED, TOLD_FIRST, TOLD_HALF, TOLD_LATE } telling;
 
-typedef enum coarse {
-    FINE,
-    POWERS_OF_TWO,
-    THREE_EXPOSURES,
-    FIVE_EXPOSURES,
-    FOUR_GAINS,
-    TWO_GAINS,
-    DECIBELS,
-    RECIPROCAL
-} coarse;
+typedef enum exposures { LINES, POWERS_OF_TWO, THREE_EXPOSURES, HALF_STOPS } exposures;
+typedef enum gains { SIXTEENTHS, FOUR_GAINS, TWO_GAINS, DECIBELS, RECIPROCAL } gains;
 
 typedef struct camera {
     const char *name;
     uint32_t delay[2], believed; /* frames; 0: 2 */
     telling told;
-    coarse steps;
+    exposures exposures;
+    gains gains;
     double slope;                   /* of the picture's log2 over the light's; 0: 1 */
     double jump_gain, jump;         /* from this gain on it does so many times more */
     double weak[2];                 /* stops for one of the control; 0: 1; -1: none */
@@ -47,6 +40,7 @@ typedef struct camera {
     double black, white;            /* added to all values; where they are full, 0: 1 */
     double lamp;                    /* this share of the scene is five stops brighter */
     int own_auto_from, own_auto_to; /* frames in which the camera decides itself */
+    double fps;                     /* 0: 30 */
     double lamp_hz;                 /* all light beats by 0.08 EV; 0: it does not */
     int has_no_clock;               /* info is NULL */
     int loses;                      /* one frame in so many */
@@ -55,7 +49,7 @@ typedef struct camera {
     double key_at_night; /* below 2 EV of light; 0: none */
     double day_night_s;
     uint32_t stages;
-    double highlight_ev;
+    double highlight_ev, gain_max; /* 0: by default */
 } camera;
 
 static const camera cameras[] = {
@@ -69,14 +63,16 @@ static const camera cameras[] = {
     {.name = "tells what was first", .told = TOLD_FIRST},
     {.name = "tells half", .told = TOLD_HALF},
     {.name = "tells late", .told = TOLD_LATE},
-    {.name = "powers of two", .steps = POWERS_OF_TWO},
-    {.name = "powers of two, untold", .steps = POWERS_OF_TWO, .told = TOLD_NOTHING},
-    {.name = "three exposures", .steps = THREE_EXPOSURES},
-    {.name = "five exposures, 50 Hz", .steps = FIVE_EXPOSURES, .mains_hz = 50},
-    {.name = "four gains", .steps = FOUR_GAINS},
-    {.name = "two gains", .steps = TWO_GAINS, .mains_hz = 50},
-    {.name = "decibels", .steps = DECIBELS, .mains_hz = 60},
-    {.name = "reciprocal", .steps = RECIPROCAL, .told = TOLD_NOTHING},
+    {.name = "powers of two", .exposures = POWERS_OF_TWO},
+    {.name = "powers of two, untold", .exposures = POWERS_OF_TWO, .told = TOLD_NOTHING},
+    {.name = "powers of two, no gain", .exposures = POWERS_OF_TWO, .gain_max = 1.0},
+    {.name = "the same, untold", .exposures = POWERS_OF_TWO, .gain_max = 1.0, .told = TOLD_NOTHING, .slope = 0.7},
+    {.name = "three exposures", .exposures = THREE_EXPOSURES},
+    {.name = "half stops, 50 Hz", .exposures = HALF_STOPS, .mains_hz = 50},
+    {.name = "four gains", .gains = FOUR_GAINS},
+    {.name = "two gains", .gains = TWO_GAINS, .mains_hz = 50},
+    {.name = "decibels", .gains = DECIBELS, .mains_hz = 60},
+    {.name = "reciprocal", .gains = RECIPROCAL, .told = TOLD_NOTHING},
     {.name = "gamma", .slope = 0.5, .is_curved = 1},
     {.name = "gamma, taken for linear", .slope = 0.5, .told = TOLD_NOTHING},
     {.name = "steep", .slope = 1.8, .is_curved = 1, .delay = {3, 3}, .believed = 4},
@@ -88,9 +84,28 @@ static const camera cameras[] = {
     {.name = "dead exposure, believed", .weak = {-1.0, 0.0}},
     {.name = "dead gain", .weak = {0.0, -1.0}},
     {.name = "all dead", .weak = {-1.0, -1.0}, .told = TOLD_NOTHING},
+    {.name = "coarse, gain jumps", .gains = FOUR_GAINS, .jump_gain = 2.0, .jump = 1.4, .told = TOLD_NOTHING},
+    {.name = "coarse, gain falls", .gains = FOUR_GAINS, .jump_gain = 4.0, .jump = 0.7, .weak = {1.3, 0.0}},
+    {.name = "all coarse, gain jumps",
+     .exposures = THREE_EXPOSURES,
+     .gains = FOUR_GAINS,
+     .jump_gain = 4.0,
+     .jump = 1.5},
+    {.name = "all coarse, curved", .exposures = POWERS_OF_TWO, .gains = FOUR_GAINS, .slope = 0.6, .told = TOLD_NOTHING},
+    {.name = "all coarse, weak",
+     .exposures = POWERS_OF_TWO,
+     .gains = TWO_GAINS,
+     .weak = {0.7, 0.6},
+     .told = TOLD_FIRST},
+    {.name = "rounded, weak gain",
+     .exposures = POWERS_OF_TWO,
+     .weak = {0.0, 0.6},
+     .is_curved = 1,
+     .told = TOLD_NOTHING},
     {.name = "knee", .knee = 0.1, .is_curved = 1, .told = TOLD_NOTHING},
     {.name = "black level", .black = 0.07},
     {.name = "full at 0.8", .white = 0.8},
+    {.name = "full at 0.6", .white = 0.6},
     {.name = "lamp", .lamp = 0.1},
     {.name = "lamp, not held back", .lamp = 0.1, .highlight_ev = -1.0},
     {.name = "its own auto", .own_auto_from = 20, .own_auto_to = 90, .told = TOLD_NOTHING},
@@ -98,8 +113,12 @@ static const camera cameras[] = {
     {.name = "loses a third", .loses = 3},
     {.name = "loses a seventh, untold", .loses = 7, .told = TOLD_NOTHING, .delay = {4, 4}, .believed = 4},
     {.name = "night", .key_at_night = 0.06, .day_night_s = 0.5},
-    {.name = "lamps", .lamp_hz = 100.05, .delay = {3, 3}, .believed = 3},
-    {.name = "lamps, mains unknown", .lamp_hz = 120.6, .mains_hz = PUPIL_SENSOR_MAINS_AUTO, .told = TOLD_NOTHING},
+    {.name = "lamps", .lamp_hz = 100.05, .fps = 32.0, .delay = {3, 3}, .believed = 3},
+    {.name = "lamps, mains unknown",
+     .lamp_hz = 120.1,
+     .fps = 32.5,
+     .mains_hz = PUPIL_SENSOR_MAINS_AUTO,
+     .told = TOLD_NOTHING},
     {.name = "no clock", .has_no_clock = 1},
     {.name = "stages", .stages = 1, .mains_hz = 50},
 };
@@ -149,7 +168,7 @@ static const light lights[] = {
     {"limits",
      {{0, LIGHT, -4.0}, {40, GAIN_MAX, 4.0}, {70, FRAME_PERIOD, 2.0}, {90, LIGHT, 13.0}, {120, EXPOSURE_MODE, 1}}},
     {"half dark",
-     {{0, LIGHT, 3.0}, {30, HALF_DARK, 0.65}, {36, HALF_DARK, 0.3}, {75, LIGHT, 5.0}, {110, HALF_DARK, 0}}},
+     {{0, LIGHT, 3.0}, {30, HALF_DARK, 0.54}, {36, HALF_DARK, 0.3}, {75, LIGHT, 5.0}, {110, HALF_DARK, 0}}},
     {"held",
      {{0, LIGHT, 2.9},
       {30, GAIN_MODE, PUPIL_SENSOR_HELD},
@@ -178,9 +197,11 @@ static pupil_sensor_config config_of(const camera *c)
 {
     pupil_sensor_config config;
     pupil_sensor_config_default(&config);
+    config.frame_s = 1.0 / or_else(c->fps, 30.0);
     config.delay_frames = c->believed ? c->believed : 2;
     config.exposure_min_s = config.exposure_step_s = LINE_S;
     config.gain_law = PUPIL_GAIN_LINEAR;
+    config.gain_max = or_else(c->gain_max, config.gain_max);
     config.mains_hz = c->mains_hz;
     config.linear = !c->is_curved;
     config.manual_exposure_s = 0.01;
@@ -196,17 +217,18 @@ static pupil_sensor_config config_of(const camera *c)
     }
     config.stages = c->stages;
     config.stage[0] = (pupil_sensor_stage){0.01, 4.0};
-    if (c->steps == DECIBELS || c->steps == RECIPROCAL) {
-        config.gain_law = c->steps == DECIBELS ? PUPIL_GAIN_DB : PUPIL_GAIN_RECIPROCAL;
-        config.gain_step = c->steps == DECIBELS ? 0.3 : 256.0;
+    if (c->gains == DECIBELS || c->gains == RECIPROCAL) {
+        config.gain_law = c->gains == DECIBELS ? PUPIL_GAIN_DB : PUPIL_GAIN_RECIPROCAL;
+        config.gain_step = c->gains == DECIBELS ? 0.3 : 256.0;
     }
-    if (c->steps == THREE_EXPOSURES || c->steps == FIVE_EXPOSURES)
-        set_table(config.exposure_table, &config.exposure_count, c->steps == THREE_EXPOSURES ? 0.0005 : 0.00125,
-                  c->steps == THREE_EXPOSURES ? 7.0 : 2.0, c->steps == THREE_EXPOSURES ? 3 : 5);
-    if (c->steps == FOUR_GAINS || c->steps == TWO_GAINS) {
+    if (c->exposures == THREE_EXPOSURES)
+        set_table(config.exposure_table, &config.exposure_count, 0.0005, 7.0, 3);
+    if (c->exposures == HALF_STOPS)
+        set_table(config.exposure_table, &config.exposure_count, 0.00125, sqrt(2.0), 10);
+    if (c->gains == FOUR_GAINS || c->gains == TWO_GAINS) {
         config.gain_law = PUPIL_GAIN_TABLE;
-        set_table(config.gain_table, &config.gain_count, 1.0, c->steps == TWO_GAINS ? 8.0 : 2.0,
-                  c->steps == TWO_GAINS ? 2 : 4);
+        set_table(config.gain_table, &config.gain_count, 1.0, c->gains == TWO_GAINS ? 8.0 : 2.0,
+                  c->gains == TWO_GAINS ? 2 : 4);
         config.gain_max = 8.0;
     }
     return config;
@@ -251,7 +273,7 @@ static void make(const loop *l, int frame, double made[2])
         made[0] = 0.006;
         made[1] = 2.0;
     }
-    if (c->steps == POWERS_OF_TWO)
+    if (c->exposures == POWERS_OF_TWO)
         made[0] = exp2(round(log2(made[0])));
 }
 
@@ -273,7 +295,7 @@ static uint16_t code_of(const camera *c, double ev)
 static pupil_frame_info info_of(const loop *l, const double made[2])
 {
     pupil_frame_info info = {.size_bytes = sizeof info,
-                             .timestamp_ns = 1000000000 + (int64_t)(l->frame * 1e9 / 30.0),
+                             .timestamp_ns = 1000000000 + (int64_t)(l->frame * 1e9 / or_else(l->camera->fps, 30.0)),
                              .sequence = (uint64_t)l->frame + 1,
                              .exposure_s = made[0],
                              .gain = made[1]};
@@ -300,7 +322,8 @@ static pupil_frame_info info_of(const loop *l, const double made[2])
 static double read_frame(loop *l, uint16_t *pixels, const double made[2])
 {
     const camera *c = l->camera;
-    const double beat_ev = c->lamp_hz > 0.0 ? 0.08 * sin(2.0 * 3.141592653589793 * c->lamp_hz * l->frame / 30.0) : 0.0;
+    const double beat_ev =
+        c->lamp_hz > 0.0 ? 0.08 * sin(2.0 * 3.141592653589793 * c->lamp_hz * l->frame / or_else(c->fps, 30.0)) : 0.0;
     const double light_ev = l->light_ev + beat_ev + (l->flash_frames > 0 ? l->flash_ev : 0.0);
     l->scene_ev = light_ev;
     const double ev = light_ev + effect_of(c, made) - log2(KEY);

@@ -285,6 +285,10 @@ static void check_scene(void)
         CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK && fabs(s.scene_ev - 3.5) < 1e-9);
         CHECK(s.dt_s == (i ? c.frame_s : 0.0));
     }
+    const pupil_frame_info timed = {.timestamp_ns = 1000};
+    CHECK(pupil_sensor_scene(&sensor, 3.5, 0.0, &timed) == PUPIL_OK);
+    CHECK(pupil_sensor_scene(&sensor, 3.5, 0.0, NULL) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    CHECK(s.reason == PUPIL_SENSOR_CLOCK_BACK && s.dt_s == 0.0);
 }
 
 /* A setting in the metadata that no camera has is none, above the range as below it. */
