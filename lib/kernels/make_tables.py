@@ -2,7 +2,7 @@
 """Writes lib/kernels/tables.c: the 8-bit transfer tables, from 60-digit decimal arithmetic. With "hdr" it writes
 tables_hdr.c: those of PQ and HLG.
 
-Run it by hand after a change (python3 lib/kernels/make_tables.py > lib/kernels/tables.c, the other likewise); the
+Run it after a change (python3 lib/kernels/make_tables.py > lib/kernels/tables.c, the other likewise); the
 build never does.
 """
 import struct

@@ -316,7 +316,7 @@ static void check_long_lines(void)
     }
 }
 
-/* An exposure by hand becomes a multiple of half a period only where the mains are told. */
+/* A manual exposure becomes a multiple of half a period only where the mains are told. */
 static void check_by_hand(void)
 {
     static const uint32_t mains[] = {0, PUPIL_SENSOR_MAINS_AUTO, 50, 60};

@@ -163,7 +163,7 @@ static void jittering(void)
     p.jitter = 0.3;
 }
 
-/* The gain by hand, between two of which it is known that the camera does more from some gain there on: no step passes
+/* A manual gain, between two of which it is known that the camera does more from some gain there on: no step passes
  * it. */
 static void held_at_a_jump(uint32_t delay)
 {

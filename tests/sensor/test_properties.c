@@ -366,10 +366,10 @@ static void any_calls(void)
 
 /* --- a change of hands --- */
 
-/* One thing about the config is another; returns what. What was by hand before is auto again, or is not. */
+/* One thing about the config is another; returns what. What was manual before is auto again, or is not. */
 static const char *change_hands(const pupil_sensor_config *usual)
 {
-    static const char *const what[] = {"gain by hand", "gain held", "exposure by hand", "exposure held",
+    static const char *const what[] = {"manual gain", "gain held", "manual exposure", "exposure held",
                                        "lock",         "profile",   "gain law",         "mains",
                                        "usual",        "both held"};
     const int change = (int)(check_random() % 10);

@@ -104,8 +104,8 @@ static void check_camera(const frame_log_entry *records)
         live[i].scene_ev = live[i].asked_exposure_s = live[i].gain = live[i].asked_gain = NAN;
         live[i].output_level = 0.0;
     }
-    drawn("hand.svg", live, 300, "by hand, and black");
-    CHECK(holds(scratch("hand.svg"), "exposure, ms") && holds(scratch("hand.svg"), "</svg>"));
+    drawn("manual.svg", live, 300, "manual, and black");
+    CHECK(holds(scratch("manual.svg"), "exposure, ms") && holds(scratch("manual.svg"), "</svg>"));
 }
 
 static void check_drawing(void)

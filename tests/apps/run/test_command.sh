@@ -137,7 +137,7 @@ call 0 "mode both" -n 3 # the default, where there are controls
 call 0 "" --shutter 1/100 --gain 2 -n 20 --stats hand.csv --mode digital
 within "$(last exposure_s hand.csv)" 0.00999 0.01001 || fail "--shutter 1/100: $(last exposure_s hand.csv) s"
 within "$(last gain hand.csv)" 2 2 || fail "--gain 2: $(last gain hand.csv)"
-put_back "by hand"
+put_back "manual"
 call 0 "" --shutter 5000 -n 40 --stats hand.csv -y
 within "$(last exposure_s hand.csv)" 0.00499 0.00501 || fail "--shutter 5000: $(last exposure_s hand.csv) s"
 call 0 "" --mains 50 fake:flat=600 fake:light=0.7@1 -n 120 --stats mains.csv

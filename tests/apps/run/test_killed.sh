@@ -1,7 +1,7 @@
 #!/bin/sh
 # test_killed.sh [KILLS]: pupil run with .mp4, .mkv and --record, killed at random moments. Each video has a name and
 # plays, but for runs that were killed in their first second; at most a second of what was recorded is missing in it; the
-# next run of the same output leaves nothing unfinished behind. 200 kills by hand: tests/apps/run/test_killed.sh 200.
+# next run of the same output leaves nothing unfinished behind. With 200 kills: tests/apps/run/test_killed.sh 200.
 set -u
 kills=${1:-4}
 . "$(dirname "$0")/../../lib.sh"
