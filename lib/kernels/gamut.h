@@ -56,9 +56,12 @@ static inline void fit_colour(const pupil_cones *cones, float gamut, float grey,
     most = most < 1.0f ? most : 1.0f;
 
     const float way = most * (beyond_grey > LEAST_DIVISOR ? beyond_grey : LEAST_DIVISOR);
-    float part = grey * grey * grey * ((largest - most) / way);
+    const float dim = grey > LEAST_GREY ? grey : LEAST_GREY;
+    float part = dim * dim * dim * ((largest - most) / way);
     part = part < 1.0f ? part : 1.0f;
 
+    for (int i = 0; i < 3; i++)
+        rgb[i] = rgb[i] > LEAST_VISIBLE ? rgb[i] : LEAST_VISIBLE;
     const float unit = 1.0f / row_times(cones->from_rgb + 3, rgb);
     const float cone[3] = {toward_grey(row_times(cones->from_rgb, rgb) * unit, part), 1.0f,
                            toward_grey(row_times(cones->from_rgb + 6, rgb) * unit, part)};

@@ -45,6 +45,10 @@
 #define ROOT_2     0.472088337f
 /* A largest component is seen as beyond grey by no less. */
 #define LEAST_DIVISOR 0x1p-24f
+/* A component, and grey, are seen as no less beside a component beyond the limit: less would change no sum of them, and
+ * the cube of less would be a denormal, which is slow. */
+#define LEAST_VISIBLE 0x1p-60f
+#define LEAST_GREY    0x1p-40f
 
 /* --- a curve's knots (pupil.h), as the float whose bits say which two are around it --- */
 

@@ -81,6 +81,20 @@ INLINE void luminance_of(group *p, const meter_constants *c)
     FOR_EACH_WAY(k) p->l[k] = luminance(p->r[k], p->g[k], p->b[k], c);
 }
 
+/* Products with denormals are slow. In a sum that is above any floor they change nothing. */
+INLINE floats without_denormals(floats v)
+{
+    const floats size = v_of_bits(v_and(v_bits(v), v_all_ints(0x7fffffff)));
+    return v_select(v_less(size, v_all(0x1p-126f)), v_all(0.0f), v);
+}
+
+/* Of a group that may hold anything. */
+INLINE void luminance_of_any(group *p, const meter_constants *c)
+{
+    FOR_EACH_WAY(k)
+    p->l[k] = luminance(without_denormals(p->r[k]), without_denormals(p->g[k]), without_denormals(p->b[k]), c);
+}
+
 /* Of 64 pixels, to see once whether there is anything to clamp or to count in them. */
 typedef struct extremes {
     ints top;

@@ -157,28 +157,48 @@ INLINE int load_groups(const format *f, const uint8_t *source, uint32_t n, pupil
 
 /* --- meter --- */
 
-/* Pixels i to n, of any values. Each format has its own that is not inlined: what is rare must not take registers
- * from what is not. */
-typedef void hard_meter(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_run *run);
+/* Pixels from i on, of any values: 64 by 64 as long as they are not ordinary, and the last ones, which are fewer.
+ * Returns the first pixel that is left. Each format has its own that is not inlined: what is rare must not take
+ * registers from what is not. */
+typedef size_t hard_meter(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_run *run);
 
-INLINE void meter_groups_hard(const format *f, const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
-                              pupil_run *run)
+/* 1: they turn out to be ordinary. */
+INLINE int meter_64_hard(const format *f, const uint8_t *source, const meter_constants *c, lanes *s, pupil_run *run)
+{
+    extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
+    for (size_t i = 0; i < 4 * PUPIL_LANES; i += PUPIL_LANES) {
+        group p;
+        load_group(f, source + i * f->bytes, &p);
+        luminance_of_any(&p, c);
+        meter_hard(&p, c, s, PUPIL_LANES, run);
+        e.top = v_max_unsigned(e.top, p.top);
+        FOR_EACH_WAY(k) e.least = v_min(e.least, p.l[k]);
+    }
+    move_exponents(s, run);
+    return is_ordinary(&e, c);
+}
+
+INLINE size_t meter_groups_hard(const format *f, const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
+                                pupil_run *run)
 {
     const meter_constants c = meter_constants_of(job);
     lanes s = lanes_of(run);
     group p;
+    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES)
+        if (meter_64_hard(f, source + i * f->bytes, &c, &s, run))
+            return i + 4 * PUPIL_LANES;
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
         load_group(f, source + i * f->bytes, &p);
-        luminance_of(&p, &c);
+        luminance_of_any(&p, &c);
         meter_hard(&p, &c, &s, PUPIL_LANES, run);
     }
-    move_exponents(&s, run);
     if (i < n) {
         load_rest(f, source + i * f->bytes, n - i, &p);
-        luminance_of(&p, &c);
+        luminance_of_any(&p, &c);
         meter_hard(&p, &c, &s, (uint32_t)(n - i), run);
-        move_exponents(&s, run);
     }
+    move_exponents(&s, run);
+    return n;
 }
 
 /* After each 64 pixels the exponents are moved, and before those that are left, because up to four factors may be in
@@ -189,16 +209,17 @@ INLINE void meter_groups(const format *f, hard_meter *hard, const pupil_row_job 
     const meter_constants c = meter_constants_of(job);
     lanes s = lanes_of(run);
     size_t i = 0;
-    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
+    while (i + 4 * PUPIL_LANES <= n) {
         extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
         FOR_FOUR(j)
         sum_ordinary(f, source + (i + (size_t)j * PUPIL_LANES) * f->bytes, &c, &s, &e);
         e.top = top_bits(f, e.top);
         if (__builtin_expect(!is_ordinary(&e, &c), 0)) {
-            hard(job, source, i, i + 4 * PUPIL_LANES, run);
+            i = hard(job, source, i, n, run);
             s = lanes_of(run);
         } else {
             move_exponents(&s, run);
+            i += 4 * PUPIL_LANES;
         }
     }
     if (i < n)
@@ -220,41 +241,75 @@ INLINE void keep_top(kept *keep, size_t i, ints top)
     *of_64 = i % (4 * PUPIL_LANES) ? v_max_unsigned(*of_64, top) : top;
 }
 
+/* What scaling finds out about a block beside its planes. */
+typedef struct scaled_block {
+    group_list over;
+    mask opaque;
+    kept *keep; /* NULL: the block is not metered */
+} scaled_block;
+
+/* Groups of pixels from i on, of any values, as long as they are not bounded, and the last one, which may be less than
+ * a group. Returns the first pixel that is left. As hard_meter, for each format. */
+typedef size_t hard_scale(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_planes *planes,
+                          scaled_block *to);
+
+INLINE size_t scale_groups_hard(const format *f, const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
+                                pupil_planes *planes, scaled_block *to)
+{
+    const meter_constants c = meter_constants_of(job);
+    scale_constants d = scale_constants_of(job->curve);
+    /* A denormal is code 0 whatever the scale, which is 2^60 at most; where light is stored it remains. */
+    if (pupil_pixel_bytes(job->out_pixel) <= 4)
+        d.faintest = v_all(0x1p-126f);
+    for (; i < n; i += PUPIL_LANES) {
+        const int whole = i + PUPIL_LANES <= n;
+        group p;
+        if (whole)
+            load_group(f, source + i * f->bytes, &p);
+        else
+            load_rest(f, source + i * f->bytes, n - i, &p);
+        luminance_of_any(&p, &c);
+        to->opaque = v_both(to->opaque, p.opaque);
+        scale_hard(&p, &d, i, planes, to->keep ? to->keep->lum : 0, &to->over);
+        if (to->keep)
+            keep_top(to->keep, i, p.top);
+        if (whole && v_every(v_at_most(p.top, c.bounded)))
+            return i + PUPIL_LANES;
+    }
+    return n;
+}
+
 /* keep: NULL where the block is not metered. Returns whether every pixel is known to be opaque. */
-INLINE int scale_groups(const format *f, const pupil_row_job *job, const uint8_t *source, uint32_t n,
+INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *job, const uint8_t *source, uint32_t n,
                         pupil_planes *planes, kept *keep)
 {
     const meter_constants c = meter_constants_of(job);
     const scale_constants d = scale_constants_of(job->curve);
-    group_list over;
     mask opaque = v_at_least(v_all(1.0f), v_all(1.0f));
+    uint64_t any = 0;
     size_t i = 0;
-    over.any = 0;
-    for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
-        const uint8_t *at = source + i * f->bytes;
+    scaled_block to; /* not cleared as a whole, which would take as long as a group */
+    to.over.any = 0;
+    to.opaque = opaque;
+    to.keep = keep;
+    while (i + PUPIL_LANES <= n) {
         mask beyond[WAYS];
-        const ints top = top_bits(f, scale_ordinary(f, at, &c, &d, i, planes, beyond, &opaque, keep ? keep->lum : 0));
-        if (keep)
-            keep_top(keep, i, top);
+        const ints top = top_bits(
+            f, scale_ordinary(f, source + i * f->bytes, &c, &d, i, planes, beyond, &opaque, keep ? keep->lum : 0));
         if (__builtin_expect(v_every(v_at_most(top, c.bounded)), 1)) {
-            over.any |= over.vectors[i / PUPIL_LANES] = v_group_bits(beyond);
+            any |= to.over.vectors[i / PUPIL_LANES] = v_group_bits(beyond);
+            if (keep)
+                keep_top(keep, i, top);
+            i += PUPIL_LANES;
         } else {
-            group p;
-            load_group(f, at, &p);
-            luminance_of(&p, &c);
-            scale_hard(&p, &d, i, planes, &over);
+            i = hard(job, source, i, n, planes, &to);
         }
     }
-    if (i < n) {
-        group p;
-        load_rest(f, source + i * f->bytes, n - i, &p);
-        luminance_of(&p, &c);
-        opaque = v_both(opaque, p.opaque);
-        scale_hard(&p, &d, i, planes, &over);
-    }
-    if (over.any)
-        fit_listed(&over, n, &d, job->cones, planes);
-    return v_every(opaque);
+    if (i < n)
+        hard(job, source, i, n, planes, &to);
+    if (any | to.over.any)
+        fit_listed(&to.over, n, &d, job->cones, planes);
+    return v_every(v_both(opaque, to.opaque));
 }
 
 /* Meters what scaling has kept. 64 pixels that are not ordinary go the hard way, from their source. */
@@ -264,7 +319,7 @@ INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t
     const meter_constants c = meter_constants_of(job);
     lanes s = lanes_of(run);
     size_t i = 0;
-    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
+    while (i + 4 * PUPIL_LANES <= n) {
         extremes e = {keep->tops[i / (4 * PUPIL_LANES)], v_all(PUPIL_CEILING)};
         FOR_FOUR(j)
         {
@@ -277,8 +332,9 @@ INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t
         }
         if (__builtin_expect(is_ordinary(&e, &c), 1)) {
             move_exponents(&s, run);
+            i += 4 * PUPIL_LANES;
         } else {
-            hard(job, source, i, i + 4 * PUPIL_LANES, run);
+            i = hard(job, source, i, n, run);
             s = lanes_of(run);
         }
     }
@@ -391,8 +447,8 @@ static __attribute__((noinline)) void scale_planes_hard(pupil_planes *planes, si
             load_group(&in_planes, source, &p);
         else
             load_rest(&in_planes, source, n - i, &p);
-        luminance_of(&p, c);
-        scale_hard(&p, d, i, planes, over);
+        luminance_of_any(&p, c);
+        scale_hard(&p, d, i, planes, 0, over);
     }
 }
 

@@ -34,9 +34,9 @@ INLINE mask scale_vector_by_knots(floats r, floats g, floats b, floats l, const 
     if (k->in_levels)
         root = v_mul(v_min(v_from_ints(v_to_ints(v_mul(root, k->levels))), k->last), k->level);
     const floats s = v_where(v_is_number(l), v_mul(k->scale, v_div(v_mul(root, root), t)));
-    r = v_mul(clamp_channel(r), s);
-    g = v_mul(clamp_channel(g), s);
-    b = v_mul(clamp_channel(b), s);
+    r = v_mul(clamp_channel(r, c), s);
+    g = v_mul(clamp_channel(g, c), s);
+    b = v_mul(clamp_channel(b, c), s);
     const floats grey = v_mul(y, s), limit = v_add(c->knee, v_mul(c->above_knee, grey));
     v_store(planes->r + at, r);
     v_store(planes->g + at, g);

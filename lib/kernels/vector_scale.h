@@ -8,6 +8,7 @@
 
 typedef struct scale_constants {
     floats scale, inverse_white_squared, gamut, knee, above_knee;
+    floats faintest; /* the least of a channel, where it is not bounded, that is not mapped as 0 */
 } scale_constants;
 
 INLINE scale_constants scale_constants_of(const pupil_tone *curve)
@@ -18,12 +19,13 @@ INLINE scale_constants scale_constants_of(const pupil_tone *curve)
     c.gamut = v_all(curve->gamut);
     c.knee = v_all(curve->gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f);
     c.above_knee = v_sub(v_all(1.0f), c.knee);
+    c.faintest = v_all(0x1p-149f);
     return c;
 }
 
-INLINE floats clamp_channel(floats v)
+INLINE floats clamp_channel(floats v, const scale_constants *c)
 {
-    return v_min(v_max(v, v_all(0.0f)), v_all(PUPIL_BRIGHTEST));
+    return v_min(v_where(v_at_least(v, c->faintest), v), v_all(PUPIL_BRIGHTEST));
 }
 
 INLINE floats cube_root(floats x)
@@ -53,33 +55,57 @@ INLINE floats row_times_cone(const float row[3], floats a, floats c)
     return v_add(v_add(v_mul(v_all(row[0]), a), v_all(row[1])), v_mul(v_all(row[2]), c));
 }
 
-/* WIDTH pixels, some of which are beyond the display's gamut: gamut.h's fit_gamut. Where grey is white, room is 0,
- * `most` and `part` are 1, and so is the result, but for its rounding: that is what `least` is for. */
-INLINE void fit_gamut(float *r_at, float *g_at, float *b_at, const float *grey_at, const scale_constants *c,
+/* Four vectors at a time: each has a long way to go, and none waits for another. */
+enum { IN_A_FIT = 4 };
+
+/* From pixels at[k] on, WIDTH each, some of which are beyond the display's gamut: gamut.h's fit_gamut. Where grey is
+ * white, room is 0, `most` and `part` are 1, and so is the result, but for its rounding: that is what `least` is for.
+ * Two of the four may be the same. */
+INLINE void fit_gamut(const uint8_t at[IN_A_FIT], pupil_planes *planes, const scale_constants *c,
                       const pupil_cones *cones)
 {
-    const floats one = v_all(1.0f), r = v_load(r_at), g = v_load(g_at), b = v_load(b_at), grey = v_load(grey_at);
-    const floats largest = max_of_3(r, g, b), room = v_max(v_sub(one, grey), v_all(0.0f));
-    const floats limit = v_add(c->knee, v_mul(c->above_knee, grey));
-    const floats below = v_add(room, v_mul(c->gamut, v_sub(largest, v_mul(c->knee, room))));
-    const floats most = v_min(v_add(limit, v_div(v_mul(v_sub(largest, limit), room), below)), one);
-
-    const floats way = v_mul(most, v_max(v_sub(largest, grey), v_all(LEAST_DIVISOR)));
-    const floats excess = v_div(v_sub(largest, most), way);
-    const floats part = v_min(v_mul(v_mul(v_mul(grey, grey), grey), excess), one);
-
-    const floats unit = v_div(one, row_times(cones->from_rgb + 3, r, g, b));
-    const floats l = toward_grey(v_mul(row_times(cones->from_rgb, r, g, b), unit), part);
-    const floats s = toward_grey(v_mul(row_times(cones->from_rgb + 6, r, g, b), unit), part);
-    const floats red = row_times_cone(cones->to_rgb, l, s), green = row_times_cone(cones->to_rgb + 3, l, s);
-    const floats blue = row_times_cone(cones->to_rgb + 6, l, s);
-
-    const floats scale = v_div(most, max_of_3(red, green, blue));
-    const floats least = v_where(v_not(v_less(grey, one)), one);
-    const mask over = v_greater(largest, limit);
-    v_store(r_at, v_select(over, v_max(v_mul(red, scale), least), r));
-    v_store(g_at, v_select(over, v_max(v_mul(green, scale), least), g));
-    v_store(b_at, v_select(over, v_max(v_mul(blue, scale), least), b));
+    const floats one = v_all(1.0f);
+    floats most[IN_A_FIT], part[IN_A_FIT], l[IN_A_FIT], s[IN_A_FIT];
+    mask over[IN_A_FIT];
+    FOR_FOUR(k)
+    {
+        const uint32_t i = WIDTH * at[k];
+        const floats grey = v_load(planes->grey + i), room = v_max(v_sub(one, grey), v_all(0.0f));
+        const floats largest = max_of_3(v_load(planes->r + i), v_load(planes->g + i), v_load(planes->b + i));
+        const floats limit = v_add(c->knee, v_mul(c->above_knee, grey));
+        const floats below = v_add(room, v_mul(c->gamut, v_sub(largest, v_mul(c->knee, room))));
+        most[k] = v_min(v_add(limit, v_div(v_mul(v_sub(largest, limit), room), below)), one);
+        const floats way = v_mul(most[k], v_max(v_sub(largest, grey), v_all(LEAST_DIVISOR)));
+        const floats excess = v_div(v_sub(largest, most[k]), way);
+        const floats dim = v_max(grey, v_all(LEAST_GREY));
+        part[k] = v_min(v_mul(v_mul(v_mul(dim, dim), dim), excess), one);
+        over[k] = v_greater(largest, limit);
+    }
+    FOR_FOUR(k)
+    {
+        const uint32_t i = WIDTH * at[k];
+        const floats r = v_max(v_load(planes->r + i), v_all(LEAST_VISIBLE)),
+                     g = v_max(v_load(planes->g + i), v_all(LEAST_VISIBLE));
+        const floats b = v_max(v_load(planes->b + i), v_all(LEAST_VISIBLE));
+        const floats unit = v_div(one, row_times(cones->from_rgb + 3, r, g, b));
+        l[k] = v_mul(row_times(cones->from_rgb, r, g, b), unit);
+        s[k] = v_mul(row_times(cones->from_rgb + 6, r, g, b), unit);
+    }
+    FOR_FOUR(k) l[k] = toward_grey(l[k], part[k]);
+    FOR_FOUR(k) s[k] = toward_grey(s[k], part[k]);
+    FOR_FOUR(k)
+    {
+        const uint32_t i = WIDTH * at[k];
+        float *r = planes->r + i, *g = planes->g + i, *b = planes->b + i;
+        const floats red = row_times_cone(cones->to_rgb, l[k], s[k]);
+        const floats green = row_times_cone(cones->to_rgb + 3, l[k], s[k]);
+        const floats blue = row_times_cone(cones->to_rgb + 6, l[k], s[k]);
+        const floats scale = v_div(most[k], max_of_3(red, green, blue));
+        const floats least = v_where(v_not(v_less(v_load(planes->grey + i), one)), one);
+        v_store(r, v_select(over[k], v_max(v_mul(red, scale), least), v_load(r)));
+        v_store(g, v_select(over[k], v_max(v_mul(green, scale), least), v_load(g)));
+        v_store(b, v_select(over[k], v_max(v_mul(blue, scale), least), v_load(b)));
+    }
 }
 
 /* --- dither, as dither.h's --- */
@@ -125,9 +151,9 @@ INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_con
     floats s = v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
     if (!bounded)
         s = v_where(v_is_number(l), s);
-    r = v_mul(bounded ? r : clamp_channel(r), s);
-    g = v_mul(bounded ? g : clamp_channel(g), s);
-    b = v_mul(bounded ? b : clamp_channel(b), s);
+    r = v_mul(bounded ? r : clamp_channel(r, c), s);
+    g = v_mul(bounded ? g : clamp_channel(g, c), s);
+    b = v_mul(bounded ? b : clamp_channel(b, c), s);
     const floats grey = v_mul(y, s), limit = v_add(c->knee, v_mul(c->above_knee, grey));
     v_store(planes->r + at, r);
     v_store(planes->g + at, g);
@@ -136,25 +162,31 @@ INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_con
     return v_greater(max_of_3(r, g, b), limit);
 }
 
-/* A group that may hold anything. Not inline: what is rare must not take registers from what is not. */
-static __attribute__((noinline)) void scale_hard(const group *p, const scale_constants *c, size_t i,
-                                                 pupil_planes *planes, group_list *over)
+/* A group that may hold anything. */
+INLINE void scale_hard(const group *p, const scale_constants *c, size_t i, pupil_planes *planes, float *lum,
+                       group_list *over)
 {
     mask beyond[WAYS];
     FOR_EACH_WAY(k)
-    beyond[k] = scale_vector(p->r[k], p->g[k], p->b[k], p->l[k], c, i + (size_t)k * WIDTH, planes, 0, 0);
+    beyond[k] = scale_vector(p->r[k], p->g[k], p->b[k], p->l[k], c, i + (size_t)k * WIDTH, planes, lum, 0);
     over->any |= over->vectors[i / PUPIL_LANES] = v_group_bits(beyond);
 }
 
-static void fit_listed(const group_list *over, uint32_t n, const scale_constants *c, const pupil_cones *cones,
-                       pupil_planes *planes)
+static __attribute__((noinline)) void fit_listed(const group_list *over, uint32_t n, const scale_constants *c,
+                                                 const pupil_cones *cones, pupil_planes *planes)
 {
+    uint8_t at[PUPIL_BLOCK / WIDTH + IN_A_FIT];
+    uint32_t count = 0;
     for (uint32_t j = 0; j < n; j += PUPIL_LANES)
         for (uint64_t vectors = over->vectors[j / PUPIL_LANES]; vectors;) {
-            const uint32_t k = (uint32_t)__builtin_ctzll(vectors) / (64 / WAYS), i = j + k * WIDTH;
-            fit_gamut(planes->r + i, planes->g + i, planes->b + i, planes->grey + i, c, cones);
+            const uint32_t k = (uint32_t)__builtin_ctzll(vectors) / (64 / WAYS);
+            at[count++] = (uint8_t)(j / WIDTH + k);
             vectors &= WAYS == 1 ? 0 : ~(((UINT64_C(1) << (64 / WAYS) % 64) - 1) << k * (64 / WAYS));
         }
+    for (uint32_t j = 0; j < IN_A_FIT - 1; j++)
+        at[count + j] = at[count - 1];
+    for (uint32_t j = 0; j < count; j += IN_A_FIT)
+        fit_gamut(at + j, planes, c, cones);
 }
 
 /* The code of a sample, by its cell. */

@@ -23,10 +23,15 @@
 
 #define FORMAT_KERNELS(FORMAT)                                                                                         \
     FORMAT_LOAD(FORMAT)                                                                                                \
-    static __attribute__((noinline)) void hard_##FORMAT(const pupil_row_job *job, const uint8_t *source, size_t i,     \
-                                                        size_t n, pupil_run *run)                                      \
+    static __attribute__((noinline))                                                                                   \
+    size_t hard_##FORMAT(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_run *run)          \
     {                                                                                                                  \
-        meter_groups_hard(&FORMAT, job, source, i, n, run);                                                            \
+        return meter_groups_hard(&FORMAT, job, source, i, n, run);                                                     \
+    }                                                                                                                  \
+    static __attribute__((noinline)) size_t hard_scale_##FORMAT(                                                       \
+        const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_planes *planes, scaled_block *to)   \
+    {                                                                                                                  \
+        return scale_groups_hard(&FORMAT, job, source, i, n, planes, to);                                              \
     }                                                                                                                  \
     static void meter_##FORMAT(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,   \
                                pupil_run *run)                                                                         \
@@ -38,14 +43,15 @@
                                                         pupil_planes *planes, pupil_run *run)                          \
     {                                                                                                                  \
         kept keep;                                                                                                     \
-        const int opaque = scale_groups(&FORMAT, job, source, n, planes, &keep);                                       \
+        const int opaque = scale_groups(&FORMAT, hard_scale_##FORMAT, job, source, n, planes, &keep);                  \
         meter_kept(hard_##FORMAT, job, source, n, &keep, run);                                                         \
         return opaque;                                                                                                 \
     }                                                                                                                  \
     static int scale_##FORMAT(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,          \
                               pupil_run *run)                                                                          \
     {                                                                                                                  \
-        return run ? fused_##FORMAT(job, source, n, planes, run) : scale_groups(&FORMAT, job, source, n, planes, 0);   \
+        return run ? fused_##FORMAT(job, source, n, planes, run)                                                       \
+                   : scale_groups(&FORMAT, hard_scale_##FORMAT, job, source, n, planes, 0);                            \
     }
 
 FORMAT_KERNELS(rgba32f)
@@ -64,10 +70,16 @@ static const format bgr32f = {.bytes = 12, .vector = load_blue_first};
 FORMAT_LOAD(bgr32f)
 FORMAT_LOAD(rgb16f)
 
-static __attribute__((noinline)) void hard_planes(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
-                                                  pupil_run *run)
+static __attribute__((noinline)) size_t hard_planes(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
+                                                    pupil_run *run)
 {
-    meter_groups_hard(&in_planes, job, source, i, n, run);
+    return meter_groups_hard(&in_planes, job, source, i, n, run);
+}
+
+static __attribute__((noinline)) size_t hard_scale_planes(const pupil_row_job *job, const uint8_t *source, size_t i,
+                                                          size_t n, pupil_planes *planes, scaled_block *to)
+{
+    return scale_groups_hard(&in_planes, job, source, i, n, planes, to);
 }
 
 static void meter_planes(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
@@ -88,7 +100,7 @@ static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n
 {
     (void)source;
     return run ? fused_planes(job, n, planes, run)
-               : scale_groups(&in_planes, job, (const uint8_t *)planes, n, planes, 0);
+               : scale_groups(&in_planes, hard_scale_planes, job, (const uint8_t *)planes, n, planes, 0);
 }
 
 static int scale_by_knots(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
@@ -120,6 +132,31 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
     store_vectors(p->b, p->g, p->r, n, e, target, 3);
 }
 
+/* scalar.c's alpha_of_float in the fourth bytes of WIDTH pixels. */
+INLINE void put_alpha(const void *source, void *rgba)
+{
+    floats r, g, b, a;
+    rgba32f.vector(source, &r, &g, &b, &a);
+    const floats alpha = v_min(v_where(v_at_least(a, v_all(0x1p-10f)), a), v_all(1.0f));
+    const ints code = v_to_ints(v_add(v_mul(alpha, v_all(255.0f)), v_all(0.5f)));
+    v_store_ints(rgba, v_or(v_and(v_load_ints(rgba), v_all_ints(0x00ffffff)), v_left(code, 24)));
+}
+
+static void alpha_rgba32f(const void *source, uint32_t n, uint8_t *rgba)
+{
+    const uint8_t *from = source;
+    size_t i = 0;
+    for (; i + WIDTH <= n; i += WIDTH)
+        put_alpha(from + 16 * i, rgba + 4 * i);
+    if (i < n) {
+        uint8_t rest[16 * WIDTH] = {0}, to[4 * WIDTH] = {0};
+        __builtin_memcpy(rest, from + 16 * i, 16 * (n - i));
+        __builtin_memcpy(to, rgba + 4 * i, 4 * (n - i));
+        put_alpha(rest, to);
+        __builtin_memcpy(rgba + 4 * i, to, 4 * (n - i));
+    }
+}
+
 #define VECTOR_PIECES                                                                                                  \
     .load =                                                                                                            \
         {                                                                                                              \
@@ -149,6 +186,7 @@ static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e
             [PUPIL_PIXEL_BGR8] = store_bgr8,                                                                           \
             STORES_OF_LIGHT,                                                                                           \
     },                                                                                                                 \
-    CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES, LUMA_PIECES, .bloom_light_rgba32f = bloom_light_rgba32f
+    .alpha = {[PUPIL_PIXEL_RGBA32F] = alpha_rgba32f}, CAMERA_PIECES, VEIL_PIECES, BLOOM_PIECES, LUMA_PIECES,           \
+    .bloom_light_rgba32f = bloom_light_rgba32f
 
 #endif

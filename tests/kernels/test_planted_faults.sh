@@ -51,4 +51,7 @@ try "a clamp that lets NaN through" caught vector.h \
     's/v_min(v_max(p->l\[k\], c->floor), c->ceiling)/v_min(v_max(c->floor, p->l[k]), c->ceiling)/'
 try "codes that are guessed but not settled" caught vector_store.h 's/#define UNCERTAIN .*/#define UNCERTAIN 1/'
 try "two lanes changed places" caught avx2.h 's/\*r = _mm256_shuffle_ps(rg01, rg23, 0x44);/*r = _mm256_shuffle_ps(rg23, rg01, 0x44);/'
+try "denormals lost from light" caught vector_formats.h 's/pupil_pixel_bytes(job->out_pixel) <= 4/1/'
+try "pixels skipped after those that are not bounded" caught vector_formats.h \
+    's/            return i + PUPIL_LANES;/            return i + 2 * PUPIL_LANES;/'
 exit $status
