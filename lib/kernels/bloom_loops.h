@@ -36,20 +36,21 @@ static __attribute__((noinline)) void bloom_above(uint32_t n, float threshold, f
 /* Row k from pixel i on. */
 #define BLOOM_AT(k, i) (*(const bloom_loose *)(const void *)(row[k] + (i)))
 
-static inline __attribute__((always_inline)) void bloom_six(const float *const row[6], uint32_t i, bloom_lanes *sum)
+static inline __attribute__((always_inline)) void bloom_eight(const float *const row[8], uint32_t i, bloom_lanes *sum)
 {
-    *sum = ((BLOOM_AT(2, i) + BLOOM_AT(3, i)) * 0xap-5f + (BLOOM_AT(1, i) + BLOOM_AT(4, i)) * 0x5p-5f) +
-           (BLOOM_AT(0, i) + BLOOM_AT(5, i)) * 0x1p-5f;
+    *sum = ((BLOOM_AT(3, i) + BLOOM_AT(4, i)) * 0x89p-9f + (BLOOM_AT(2, i) + BLOOM_AT(5, i)) * 0x54p-9f) +
+           ((BLOOM_AT(1, i) + BLOOM_AT(6, i)) * 0x1ep-9f + (BLOOM_AT(0, i) + BLOOM_AT(7, i)) * 0x5p-9f);
 }
 
 /* Every other one apart: what halves the row then takes them as they are. */
-static void bloom_down(const float *const rows[6], uint32_t n, float *even, float *odd)
+static void bloom_down(const float *const rows[8], uint32_t n, float *even, float *odd)
 {
-    const float *const row[6] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]}; /* which nothing writes to */
+    /* which nothing writes to */
+    const float *const row[8] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]};
     for (uint32_t i = 0; i < n; i += 2 * BLOOM_LANES) {
         bloom_lanes a, b;
-        bloom_six(row, i, &a);
-        bloom_six(row, i + BLOOM_LANES, &b);
+        bloom_eight(row, i, &a);
+        bloom_eight(row, i + BLOOM_LANES, &b);
         const bloom_lanes evens = BLOOM_MIX(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
         const bloom_lanes odds = BLOOM_MIX(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
         __builtin_memcpy(even + i / 2, &evens, sizeof evens);
@@ -57,17 +58,17 @@ static void bloom_down(const float *const rows[6], uint32_t n, float *even, floa
     }
 }
 
+#define BLOOM_FROM(p) (*(const bloom_loose *)(const void *)(p))
+
 static void bloom_halve(const float *even, const float *odd, uint32_t n, float *to)
 {
     for (uint32_t i = 0; i < n; i += BLOOM_LANES) {
-        bloom_lanes e0, e1, e2, o0, o1, o2;
-        __builtin_memcpy(&e0, even + i - 1, sizeof e0);
-        __builtin_memcpy(&e1, even + i, sizeof e1);
-        __builtin_memcpy(&e2, even + i + 1, sizeof e2);
-        __builtin_memcpy(&o0, odd + i - 1, sizeof o0);
-        __builtin_memcpy(&o1, odd + i, sizeof o1);
-        __builtin_memcpy(&o2, odd + i + 1, sizeof o2);
-        const bloom_lanes sum = ((e1 + o1) * 0xap-5f + (o0 + e2) * 0x5p-5f) + (e0 + o2) * 0x1p-5f;
+        const float *e = even + i, *o = odd + i;
+        const bloom_lanes inner =
+            (BLOOM_FROM(e) + BLOOM_FROM(o)) * 0x89p-9f + (BLOOM_FROM(o - 1) + BLOOM_FROM(e + 1)) * 0x54p-9f;
+        const bloom_lanes outer =
+            (BLOOM_FROM(e - 1) + BLOOM_FROM(o + 1)) * 0x1ep-9f + (BLOOM_FROM(o - 2) + BLOOM_FROM(e + 2)) * 0x5p-9f;
+        const bloom_lanes sum = inner + outer;
         __builtin_memcpy(to + i, &sum, sizeof sum);
     }
 }
@@ -99,13 +100,11 @@ static int bloom_lit_rgba32f(const void *source, ptrdiff_t next_row, uint32_t n,
 static void bloom_widen(const float *from, uint32_t n, float *to)
 {
     for (uint32_t i = 0; i < n; i += BLOOM_LANES) {
-        bloom_lanes before, here, after, low, high;
-        __builtin_memcpy(&before, from + i - 1, sizeof before);
-        __builtin_memcpy(&here, from + i, sizeof here);
-        __builtin_memcpy(&after, from + i + 1, sizeof after);
-        const bloom_lanes middle = here * 0xap-4f;
-        const bloom_lanes even = (middle + before * 0x5p-4f) + after * 0x1p-4f;
-        const bloom_lanes odd = (middle + after * 0x5p-4f) + before * 0x1p-4f;
+        const float *f = from + i;
+        const bloom_lanes here = BLOOM_FROM(f) * 0x89p-8f, before = BLOOM_FROM(f - 1), after = BLOOM_FROM(f + 1);
+        const bloom_lanes even = (here + before * 0x54p-8f) + (after * 0x1ep-8f + BLOOM_FROM(f - 2) * 0x5p-8f);
+        const bloom_lanes odd = (here + after * 0x54p-8f) + (before * 0x1ep-8f + BLOOM_FROM(f + 2) * 0x5p-8f);
+        bloom_lanes low, high;
         __builtin_memcpy(&low, to + 2 * (size_t)i, sizeof low);
         __builtin_memcpy(&high, to + 2 * (size_t)i + BLOOM_LANES, sizeof high);
         low += BLOOM_MIX(even, odd, 0, 8, 1, 9, 2, 10, 3, 11);
@@ -116,8 +115,8 @@ static void bloom_widen(const float *from, uint32_t n, float *to)
 }
 
 #define BLOOM_PIECES                                                                                                   \
-    .bloom_pairs = bloom_pairs, .bloom_columns = bloom_columns, .bloom_rows = bloom_rows,                              \
-    .bloom_bright = bloom_bright, .bloom_down = bloom_down, .bloom_up = bloom_up, .bloom_halve = bloom_halve,          \
-    .bloom_widen = bloom_widen, .bloom_lit_rgba32f = bloom_lit_rgba32f
+    .bloom_columns = bloom_columns, .bloom_rows = bloom_rows, .bloom_bright = bloom_bright, .bloom_down = bloom_down,  \
+    .bloom_up = bloom_up, .bloom_halve = bloom_halve, .bloom_widen = bloom_widen,                                      \
+    .bloom_lit_rgba32f = bloom_lit_rgba32f
 
 #endif

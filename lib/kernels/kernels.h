@@ -267,37 +267,31 @@ typedef struct pupil_scattered {
 typedef void pupil_scatter_kernel(pupil_planes *planes, uint32_t n, float direct, const pupil_scattered *scattered,
                                   float part);
 
-/* Bloom (pupil/bloom.h). `pairs` filters: to[i] is (with `add`: gets more) the sum over tap[k] (one[k][i] +
- * other[k][i]) for i up to the next multiple of 32 from n. */
-typedef void pupil_bloom_pairs_kernel(const float *const *one, const float *const *other, const float *tap,
-                                      uint32_t pairs, uint32_t n, float *to, int add);
-/* Lobes at full size: a kernel of 5 x 5 taps, which is the same seen from all sides, and one that is wider and the
- * product of a column and a row. */
-enum { PUPIL_BLOOM_ROWS = 11 };
+/* Bloom (pupil/bloom.h): a kernel of 7 x 7 taps, which is the same seen from all sides. */
+enum { PUPIL_BLOOM_ROWS = 7, PUPIL_BLOOM_TAPS = 10 };
 typedef struct pupil_bloom_taps {
-    float near[6];           /* at (0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2) */
-    float column[6], row[6]; /* from the middle outwards */
+    float tap[PUPIL_BLOOM_TAPS]; /* at (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0) to (3, 3) */
 } pupil_bloom_taps;
-/* The columns' sums of PUPIL_BLOOM_ROWS rows: of the near kernel in its middle, a pixel beside that and two, and of the
- * wide one. And what a row then gets from their [k][PUPIL_BLOOM_SIDE - 5] to [k][PUPIL_BLOOM_SIDE + n + 4]. For n up to
- * its next multiple of 16. */
+/* The columns' sums of PUPIL_BLOOM_ROWS rows: of the kernel in its middle, and a pixel, two and three beside that. And
+ * what a row then gets (with `add`: gets more) from their [k][PUPIL_BLOOM_SIDE - 3] to [k][PUPIL_BLOOM_SIDE + n + 2].
+ * For n up to its next multiple of 16. */
 enum { PUPIL_BLOOM_SIDE = 8, PUPIL_BLOOM_LINE = 208 };
 typedef float pupil_bloom_sums[4][PUPIL_BLOOM_LINE];
 typedef void pupil_bloom_columns_kernel(const float *const *row, const pupil_bloom_taps *taps, uint32_t n,
                                         pupil_bloom_sums sums);
-typedef void pupil_bloom_rows_kernel(const pupil_bloom_sums sums, const pupil_bloom_taps *taps, uint32_t n, float *to);
+typedef void pupil_bloom_rows_kernel(const pupil_bloom_sums sums, uint32_t n, float *to, int add);
 /* What of n pixels scatters: above a threshold, and within 0..PUPIL_CEILING. */
 typedef void pupil_bloom_bright_kernel(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3]);
 /* All of the light of n pixels of RGBA32F. And whether a threshold lets any of them through. The next row, so many
  * bytes on, is fetched into the cache. */
 typedef void pupil_bloom_pixels_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3]);
 typedef int pupil_bloom_lit_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float threshold);
-/* A row of half the height from six, the even and the odd ones of it apart; and one of twice the height from three: for
- * n up to its next multiple of 16. */
-typedef void pupil_bloom_down_kernel(const float *const row[6], uint32_t n, float *even, float *odd);
-typedef void pupil_bloom_up_kernel(const float *const row[3], const float tap[3], uint32_t n, float *to);
-/* n pixels at half the size, of even and odd ones [-1] to [n]; and 2 n more at twice the size, of from[-1] to from[n];
- * for n up to its next multiple of 8. */
+/* A row of half the height from eight, the even and the odd ones of it apart; and one of twice the height from four:
+ * for n up to its next multiple of 16. */
+typedef void pupil_bloom_down_kernel(const float *const row[8], uint32_t n, float *even, float *odd);
+typedef void pupil_bloom_up_kernel(const float *const row[4], const float tap[4], uint32_t n, float *to);
+/* n pixels at half the size, of even and odd ones [-2] to [n + 1]; and 2 n more at twice the size, of from[-2] to
+ * from[n + 1]; for n up to its next multiple of 8. */
 typedef void pupil_bloom_halve_kernel(const float *even, const float *odd, uint32_t n, float *to);
 typedef void pupil_bloom_widen_kernel(const float *from, uint32_t n, float *to);
 
@@ -328,7 +322,6 @@ typedef struct pupil_kernels {
     pupil_veil_gather_kernel *veil_gather;
     pupil_veil_pixels_kernel *veil_gather_rgba32f;
     pupil_scatter_kernel *scatter;
-    pupil_bloom_pairs_kernel *bloom_pairs;
     pupil_bloom_columns_kernel *bloom_columns;
     pupil_bloom_rows_kernel *bloom_rows;
     pupil_bloom_bright_kernel *bloom_bright;

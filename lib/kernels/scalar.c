@@ -52,17 +52,6 @@ LOAD(load_rgb16, uint16_t, 3, 0, 2, FROM_16)
 
 /* --- bloom --- */
 
-static void bloom_pairs(const float *const *one, const float *const *other, const float *tap, uint32_t pairs,
-                        uint32_t n, float *to, int add)
-{
-    for (uint32_t i = 0; i < (n + 31) / 32 * 32; i++) {
-        float sum = add ? to[i] : 0.0f;
-        for (uint32_t p = 0; p < pairs; p++)
-            sum += tap[p] * (one[p][i] + other[p][i]);
-        to[i] = sum;
-    }
-}
-
 static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3])
 {
     const float *const from[3] = {planes->r, planes->g, planes->b};
@@ -75,35 +64,30 @@ static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold
         bloom_above(n, threshold, to[0], to[1], to[2]);
 }
 
-static void bloom_up(const float *const row[3], const float tap[3], uint32_t n, float *to)
+static void bloom_up(const float *const row[4], const float tap[4], uint32_t n, float *to)
 {
     for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++)
-        to[i] = (tap[0] * row[0][i] + tap[1] * row[1][i]) + tap[2] * row[2][i];
+        to[i] = (tap[0] * row[0][i] + tap[1] * row[1][i]) + (tap[2] * row[2][i] + tap[3] * row[3][i]);
 }
 
 static void bloom_columns(const float *const *row, const pupil_bloom_taps *taps, uint32_t n, pupil_bloom_sums to)
 {
-    const float *t = taps->near, *w = taps->column;
+    static const uint8_t place[4][4] = {{0, 1, 3, 6}, {1, 2, 4, 7}, {3, 4, 5, 8}, {6, 7, 8, 9}};
+    const float *t = taps->tap;
     for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++) {
-        const float m = row[5][i], a = row[4][i] + row[6][i], b = row[3][i] + row[7][i], c = row[2][i] + row[8][i];
-        const float d = row[1][i] + row[9][i], e = row[0][i] + row[10][i];
-        to[0][i] = (t[0] * m + t[1] * a) + t[3] * b;
-        to[1][i] = (t[1] * m + t[2] * a) + t[4] * b;
-        to[2][i] = (t[3] * m + t[4] * a) + t[5] * b;
-        to[3][i] = ((w[0] * m + w[1] * a) + (w[2] * b + w[3] * c)) + (w[4] * d + w[5] * e);
+        const float m = row[3][i], a = row[2][i] + row[4][i], b = row[1][i] + row[5][i], c = row[0][i] + row[6][i];
+        for (int k = 0; k < 4; k++)
+            to[k][i] = (t[place[k][0]] * m + t[place[k][1]] * a) + (t[place[k][2]] * b + t[place[k][3]] * c);
     }
 }
 
-static void bloom_rows(const pupil_bloom_sums sums, const pupil_bloom_taps *taps, uint32_t n, float *to)
+static void bloom_rows(const pupil_bloom_sums sums, uint32_t n, float *to, int add)
 {
-    const float *w = taps->row;
     for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++) {
         const float *const at = sums[0] + PUPIL_BLOOM_SIDE + i, *const one = at + PUPIL_BLOOM_LINE;
-        const float *const two = one + PUPIL_BLOOM_LINE, *const f = two + PUPIL_BLOOM_LINE;
-        const float near = (at[0] + (one[-1] + one[1])) + (two[-2] + two[2]);
-        const float wide = ((w[0] * f[0] + w[1] * (f[-1] + f[1])) + (w[2] * (f[-2] + f[2]) + w[3] * (f[-3] + f[3]))) +
-                           (w[4] * (f[-4] + f[4]) + w[5] * (f[-5] + f[5]));
-        to[i] += near + wide;
+        const float *const two = one + PUPIL_BLOOM_LINE, *const three = two + PUPIL_BLOOM_LINE;
+        const float sum = (at[0] + (one[-1] + one[1])) + ((two[-2] + two[2]) + (three[-3] + three[3]));
+        to[i] = add ? to[i] + sum : sum;
     }
 }
 

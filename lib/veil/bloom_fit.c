@@ -1,158 +1,288 @@
-/* Lobes at full size as two kernels (bloom_private.h): one of 5 x 5 taps, which may have any values, and a Gaussian
- * that reaches further. What is beyond 5 x 5 is fitted: by that Gaussian, and by one in the octave below. The rest is
- * exact, but for what the octave's own grid does. */
+/* The kernel of each octave (bloom_private.h): 7 x 7 taps, the same seen from all sides. What an octave's narrow lobes
+ * scatter further than that comes from the octave below: ten of its taps are fitted to it, by least squares of what a
+ * pixel then gets, errors counting as much as they are of all light there is. What these leave within 7 x 7 are the
+ * octave's own taps. So all Gaussians, however many, are one kernel in each octave. */
 #include "bloom_private.h"
 
 #include "base/numeric.h"
 
-enum { NEAR = 3, FAR = 9, WIDE = PUPIL_BLOOM_ROWS / 2 + 1, STEPS = 32 };
-/* The wide Gaussian is the best one of these. */
-#define LEAST_SIGMA 0.9
-#define SIGMA_STEP  0.05
-/* The octave's grid is seen by this share of the coarse Gaussian's peak, as errors anywhere. */
-#define GRID 0.003
-/* How small a share of a lobe's peak is looked at. */
+/* The variance that the filters to an octave and back add together, in square pixels of the finer octave. */
+#define FILTERS 3.6875
+/* A Gaussian goes on to the octave below where at least this variance is then left. */
+#define LEAST_VARIANCE 0.7
+/* One of up to this variance scatters nothing that counts beyond 7 x 7. */
+#define OWN_VARIANCE (1.75 + PIXEL)
+#define PIXEL        (1.0 / 12.0) /* the variance of a pixel's own light */
+/* How small a share of the weakest lobe's peak is looked at. */
 #define SHARE 0.3
+/* The second fit's weights are the first one's errors, and this share of the largest: that brings the largest down. */
+#define LEAST_WEIGHT 0.02
+#define RIDGE        1e-6
 
-/* A quarter of the plane, from the middle outwards. */
-typedef float bloom_quarter[FAR][FAR];
+enum {
+    REACH = PUPIL_BLOOM_ROWS / 2,
+    TAPS = PUPIL_BLOOM_TAPS,
+    FAR = BLOOM_FIT_FAR, /* as far as a tap of the octave below is seen */
+    WIDE = 2 * FAR + 1
+};
 
-void pupil_bloom_find_taps(double sigma, uint32_t taps, double *tap)
+/* The filter to an octave and back, by how far a pixel is from the first of the two in one of half the size. */
+static double filter(int distance)
+{
+    static const double tap[8] = {5, 30, 84, 137, 137, 84, 30, 5};
+    return distance < -3 || distance > 4 ? 0.0 : tap[distance + 3] / 512.0;
+}
+
+static int is_beyond(int y, int x)
+{
+    return y < -REACH || y > REACH || x < -REACH || x > REACH;
+}
+
+/* How many taps of a kernel are tap (a, b). */
+static double times_of(int a, int b)
+{
+    return (a ? 2.0 : 1.0) * (b ? 2.0 : 1.0) * (a == b ? 1.0 : 2.0);
+}
+
+static double kernel_sum(const double tap[TAPS])
+{
+    double sum = 0.0;
+    for (int a = 0, k = 0; a <= REACH; a++)
+        for (int b = 0; b <= a; b++, k++)
+            sum += times_of(a, b) * tap[k];
+    return sum;
+}
+
+/* The light of a Gaussian in the pixels from its middle on. */
+static void find_gaussian(double variance, double tap[FAR + 1])
 {
     enum { PARTS = 64 }; /* Simpson's rule */
-    double all = 0.0;
-    for (uint32_t k = 0; k < taps; k++) {
+    const double sigma = pupil_root(variance - PIXEL), unit = 0.3989422804014327 / (3.0 * PARTS * sigma);
+    for (int k = 0; k <= FAR; k++) {
         tap[k] = 0.0;
         for (int i = 0; i <= PARTS; i++) {
             const double x = (k - 0.5 + (double)i / PARTS) / sigma;
             tap[k] += (i == 0 || i == PARTS ? 1.0 : i % 2 ? 4.0 : 2.0) * pupil_decay(0.5 * x * x);
         }
-        all += (k ? 2.0 : 1.0) * tap[k];
+        tap[k] *= unit;
     }
-    for (uint32_t k = 0; k < taps; k++)
-        tap[k] /= all;
 }
 
-/* The light of the lobes of up to a sigma; returns the smallest peak. */
-static __attribute__((noinline)) double add_lobes(const pupil_bloom_config *c, double most_sigma, bloom_quarter sum)
+/* What a pixel at an even place leaves at each distance, along a row, by the taps a to both sides of the octave below:
+ * the octave's grid is in it. One at an odd place leaves the same to the other side. */
+static void find_replies(bloom_fit *f)
 {
-    double tap[FAR], least = 1.0;
-    for (uint32_t i = 0; i < c->lobes; i++) {
-        const pupil_veil_gaussian g = c->lobe[i];
-        if (g.sigma > most_sigma || !(g.weight > 0.0))
-            continue;
-        /* A wide one is not within these taps, but nearly even: its peak is 1 / (2 pi sigma^2). */
-        pupil_bloom_find_taps(g.sigma, FAR, tap);
-        const double unit = g.sigma > 2.5 ? 0.15915494309189535 / (g.sigma * g.sigma * tap[0] * tap[0]) : 1.0;
-        for (int y = 0; y < FAR; y++)
-            for (int x = 0; x < FAR; x++)
-                sum[y][x] += (float)(g.weight * unit * tap[y] * tap[x]);
-        const double peak = g.weight * unit * tap[0] * tap[0];
-        least = peak < least ? peak : least;
-    }
-    return least;
-}
-
-/* Normal equations of what the wide Gaussian and the coarse one are to be beyond 5 x 5: errors count as much as they
- * are of all light there is, and as much in each ring around the middle. */
-typedef struct bloom_sums {
-    double ww, wc, cc, wt, ct, tt;
-} bloom_sums;
-
-static __attribute__((noinline)) void add_sums(bloom_quarter target, bloom_quarter all, double least,
-                                               const double *wide, const double *coarse, bloom_sums *s)
-{
-    const double grid = GRID * coarse[0] * coarse[0];
-    for (int y = 0; y < FAR; y++)
-        for (int x = y < NEAR ? NEAR : 0; x < FAR; x++) {
-            const double there = (double)all[y][x], t = (double)target[y][x];
-            const double by = (x && y ? 1.0 : 0.5) / ((x * x + y * y) * (there * there + least * least));
-            const double w = y < WIDE && x < WIDE ? wide[y] * wide[x] : 0.0, c = coarse[y] * coarse[x];
-            s->ww += by * w * w;
-            s->wc += by * w * c;
-            s->cc += by * (c * c + (x < WIDE && y < WIDE ? grid * grid : 0.0));
-            s->wt += by * w * t;
-            s->ct += by * c * t;
-            s->tt += by * t * t;
+    for (int a = 0; a <= REACH; a++)
+        for (int d = -FAR; d <= FAR; d++) {
+            double sum = 0.0;
+            for (int q = -2; q <= 1; q++)
+                sum += filter(-2 * q) * (filter(d - 2 * (q + a)) + (a ? filter(d - 2 * (q - a)) : 0.0));
+            f->reply[a][d + FAR] = 2.0 * sum;
         }
 }
 
-/* Returns what is left of the target. */
-static __attribute__((noinline)) double solve_sums(const bloom_sums *s, double *wide, double *coarse)
+static int goes_on(const bloom_fit *f, uint32_t i)
 {
-    const double determinant = s->ww * s->cc - s->wc * s->wc;
-    const int both = determinant > 1e-9 * s->ww * s->cc;
-    *wide = both ? (s->wt * s->cc - s->ct * s->wc) / determinant : s->wt / s->ww;
-    *coarse = both ? (s->ct * s->ww - s->wt * s->wc) / determinant : 0.0;
-    return s->tt - *wide * s->wt - *coarse * s->ct;
+    return (f->variance[i] - FILTERS) / 4.0 >= LEAST_VARIANCE;
 }
 
-/* The standard deviation of the wide Gaussian. */
-static __attribute__((noinline)) double best_sigma(bloom_quarter target, bloom_quarter all, double least,
-                                                   const double *coarse)
+/* What the octave's narrow lobes scatter, and what all of them do. */
+static void find_target(bloom_fit *f, int last)
 {
-    double best = LEAST_SIGMA, smallest = 0.0, wide[WIDE], unused[2];
-    for (int i = 0; i < STEPS; i++) {
-        bloom_sums s = {0};
-        pupil_bloom_find_taps(LEAST_SIGMA + SIGMA_STEP * i, WIDE, wide);
-        add_sums(target, all, least, wide, coarse, &s);
-        const double left = solve_sums(&s, &unused[0], &unused[1]);
-        if (i && left >= smallest)
-            continue;
-        smallest = left;
-        best = LEAST_SIGMA + SIGMA_STEP * i;
+    double tap[FAR + 1];
+    f->narrow = 0.0;
+    f->least = 1.0;
+    for (uint32_t i = 0; i < f->lobes; i++) {
+        const int narrow = last || !goes_on(f, i);
+        const double peak = f->share[i] * 0.15915494309189535 / f->variance[i];
+        f->least = f->share[i] > 0.0 && SHARE * peak < f->least ? SHARE * peak : f->least;
+        f->narrow += narrow ? f->share[i] : 0.0;
+        find_gaussian(f->variance[i], tap);
+        for (int y = 0; y <= FAR; y++)
+            for (int x = 0; x <= FAR; x++) {
+                f->target[y][x] += narrow ? f->share[i] * tap[y] * tap[x] : 0.0;
+                f->all[y][x] += f->share[i] * tap[y] * tap[x];
+            }
     }
-    return best;
 }
 
-/* What is beyond 5 x 5: the taps of both Gaussians, and by how much each is taken. */
-typedef struct far_fit {
-    double wide[WIDE], coarse[FAR], by_wide, by_coarse;
-} far_fit;
-
-static __attribute__((noinline)) void fit_far(const pupil_bloom_config *config, bloom_quarter target,
-                                              double coarse_sigma, far_fit *f)
+/* What the octave's taps leave in the mean of all places of a pixel. */
+static double mean_reply(const bloom_fit *f, int a, int d)
 {
-    bloom_quarter all = {{0}};
-    const double least = SHARE * add_lobes(config, 1e30, all);
-    bloom_sums s = {0};
-    pupil_bloom_find_taps(coarse_sigma, FAR, f->coarse);
-    pupil_bloom_find_taps(best_sigma(target, all, least, f->coarse), WIDE, f->wide);
-    add_sums(target, all, least, f->wide, f->coarse, &s);
-    (void)solve_sums(&s, &f->by_wide, &f->by_coarse);
+    return 0.5 * (f->reply[a][FAR + d] + f->reply[a][FAR - d]);
 }
 
-/* The 5 x 5 taps: what is left there. Returns the light of all of them. */
-static double find_near(bloom_quarter target, const far_fit *f, float near[6])
+static double mean_of_tap(const bloom_fit *f, int a, int b, int y, int x)
 {
-    static const int place[6][2] = {{0, 0}, {0, 1}, {1, 1}, {0, 2}, {1, 2}, {2, 2}};
-    static const double times[6] = {1.0, 4.0, 4.0, 4.0, 8.0, 4.0};
-    double sum = 0.0;
-    for (int k = 0; k < 6; k++) {
-        const int y = place[k][0], x = place[k][1];
-        const double far = f->by_wide * f->wide[y] * f->wide[x] + f->by_coarse * f->coarse[y] * f->coarse[x];
-        near[k] = (float)((double)target[y][x] - far);
-        sum += times[k] * (double)near[k];
+    const double one = mean_reply(f, a, y) * mean_reply(f, b, x);
+    return a == b ? one : one + mean_reply(f, b, y) * mean_reply(f, a, x);
+}
+
+/* What each tap of the octave below leaves at (y, x). Within 7 x 7, where the mean is put right, what differs from it.
+ */
+static void find_taps_at(const bloom_fit *f, int y, int x, double at[TAPS])
+{
+    for (int a = 0, k = 0; a <= REACH; a++)
+        for (int b = 0; b <= a; b++, k++) {
+            at[k] = f->reply[a][FAR + y] * f->reply[b][FAR + x];
+            at[k] += a == b ? 0.0 : f->reply[b][FAR + y] * f->reply[a][FAR + x];
+            at[k] -= is_beyond(y, x) ? 0.0 : mean_of_tap(f, a, b, y, x);
+        }
+}
+
+static double target_at(const bloom_fit *f, int y, int x)
+{
+    return is_beyond(y, x) ? f->target[y < 0 ? -y : y][x < 0 ? -x : x] : 0.0;
+}
+
+/* The square of the light by which errors at (y, x) count. */
+static double square_at(const bloom_fit *f, int y, int x)
+{
+    const double all = f->all[y < 0 ? -y : y][x < 0 ? -x : x];
+    return all * all + f->least * f->least;
+}
+
+/* The normal equations. */
+static void add_equations(bloom_fit *f)
+{
+    double at[TAPS];
+    __builtin_memset(f->sums, 0, sizeof f->sums);
+    for (int y = -FAR; y <= FAR; y++)
+        for (int x = -FAR; x <= FAR; x++) {
+            const double by = (double)f->weight[(y + FAR) * WIDE + x + FAR] / square_at(f, y, x);
+            find_taps_at(f, y, x, at);
+            for (int i = 0; i < TAPS; i++) {
+                for (int j = i; j < TAPS; j++)
+                    f->sums[i][j] += by * at[i] * at[j];
+                f->sums[i][TAPS] += by * at[i] * target_at(f, y, x);
+            }
+        }
+}
+
+/* By elimination: the matrix is symmetric and positive. */
+static void solve_equations(bloom_fit *f)
+{
+    for (int i = 0; i < TAPS; i++) {
+        f->sums[i][i] *= 1.0 + RIDGE;
+        for (int j = 0; j < i; j++)
+            f->sums[i][j] = f->sums[j][i];
     }
-    return sum;
+    for (int i = 0; i < TAPS; i++)
+        for (int j = i + 1; j < TAPS; j++) {
+            const double by = f->sums[j][i] / f->sums[i][i];
+            for (int k = i; k <= TAPS; k++)
+                f->sums[j][k] -= by * f->sums[i][k];
+        }
+    for (int i = TAPS - 1; i >= 0; i--) {
+        double sum = f->sums[i][TAPS];
+        for (int k = i + 1; k < TAPS; k++)
+            sum -= f->sums[i][k] * f->below[k];
+        f->below[i] = sum / f->sums[i][i];
+    }
 }
 
-double pupil_bloom_fit(const pupil_bloom_config *config, double full_sigma, double coarse_sigma, pupil_bloom_taps *full)
+static void weigh_errors(bloom_fit *f)
 {
-    bloom_quarter target = {{0}};
-    far_fit f = {0};
-    double light = 0.0;
-    (void)add_lobes(config, full_sigma, target);
-    for (uint32_t i = 0; i < config->lobes; i++)
-        light += config->lobe[i].sigma <= full_sigma ? config->lobe[i].weight : 0.0;
-    if (coarse_sigma > 0.0)
-        fit_far(config, target, coarse_sigma, &f);
-    const double sum = find_near(target, &f, full->near) + f.by_wide + f.by_coarse;
-    const double factor = sum > 0.0 ? light / sum : 0.0; /* light is moved and not made */
-    for (int k = 0; k < WIDE; k++) {
-        full->near[k] = (float)(factor * (double)full->near[k]);
-        full->column[k] = (float)f.wide[k];
-        full->row[k] = (float)(factor * f.by_wide * f.wide[k]);
+    double at[TAPS], most = 0.0;
+    for (int y = -FAR; y <= FAR; y++)
+        for (int x = -FAR; x <= FAR; x++) {
+            double error = -target_at(f, y, x);
+            find_taps_at(f, y, x, at);
+            for (int k = 0; k < TAPS; k++)
+                error += f->below[k] * at[k];
+            error = (error < 0.0 ? -error : error) / pupil_root(square_at(f, y, x));
+            most = error > most ? error : most;
+            f->weight[(y + FAR) * WIDE + x + FAR] = (float)error;
+        }
+    for (int i = 0; i < WIDE * WIDE; i++)
+        f->weight[i] = most > 0.0 ? (float)((double)f->weight[i] / most + LEAST_WEIGHT) : 1.0f;
+}
+
+static void fit_below(bloom_fit *f)
+{
+    for (int i = 0; i < WIDE * WIDE; i++)
+        f->weight[i] = 1.0f;
+    add_equations(f);
+    solve_equations(f);
+    weigh_errors(f);
+    add_equations(f);
+    solve_equations(f);
+}
+
+/* The octave's taps, with what the octave above left to it. Light is moved and not made: what is beyond and was not met
+ * is scattered within. */
+static void find_own(const bloom_fit *f, double tap[TAPS])
+{
+    double within[TAPS];
+    const double sum = f->narrow + kernel_sum(tap) - kernel_sum(f->below);
+    for (int a = 0, k = 0; a <= REACH; a++)
+        for (int b = 0; b <= a; b++, k++) {
+            within[k] = f->target[a][b];
+            tap[k] += within[k];
+            for (int c = 0, i = 0; c <= REACH; c++)
+                for (int d = 0; d <= c; d++, i++)
+                    tap[k] -= f->below[i] * mean_of_tap(f, c, d, a, b);
+        }
+    const double more = (sum - kernel_sum(tap)) / kernel_sum(within);
+    for (int k = 0; k < TAPS; k++)
+        tap[k] += more * within[k];
+}
+
+/* The lobes of the octave below. */
+static void go_on(bloom_fit *f)
+{
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < f->lobes; i++)
+        if (goes_on(f, i)) {
+            f->share[left] = f->share[i];
+            f->variance[left++] = (f->variance[i] - FILTERS) / 4.0;
+        }
+    f->lobes = left;
+}
+
+static void begin(bloom_fit *f, const pupil_bloom_config *c)
+{
+    f->lobes = 0;
+    for (uint32_t i = 0; i < c->lobes; i++) {
+        f->share[f->lobes] = c->lobe[i].weight;
+        f->variance[f->lobes] = c->lobe[i].sigma * c->lobe[i].sigma + PIXEL;
+        f->lobes += c->lobe[i].weight > 0.0;
     }
-    return factor * f.by_coarse;
+}
+
+uint32_t pupil_bloom_octaves(const pupil_bloom_config *c)
+{
+    uint32_t most = 1;
+    for (uint32_t i = 0; i < c->lobes; i++) {
+        double variance = c->lobe[i].sigma * c->lobe[i].sigma + PIXEL;
+        uint32_t octaves = 1;
+        for (; (variance - FILTERS) / 4.0 >= LEAST_VARIANCE; octaves++)
+            variance = (variance - FILTERS) / 4.0;
+        octaves += variance > OWN_VARIANCE;
+        most = octaves > most ? octaves : most;
+    }
+    return most < BLOOM_OCTAVES ? most : BLOOM_OCTAVES;
+}
+
+void pupil_bloom_fit(const pupil_bloom_config *config, bloom_fit *f, uint32_t octaves, pupil_bloom_taps taps[])
+{
+    double tap[TAPS];
+    __builtin_memset(f, 0, sizeof *f);
+    begin(f, config);
+    find_replies(f);
+    for (uint32_t k = 0; k < octaves; k++) {
+        for (int i = 0; i < TAPS; i++)
+            tap[i] = f->below[i];
+        __builtin_memset(f->below, 0, sizeof f->below);
+        __builtin_memset(f->target, 0, sizeof f->target);
+        __builtin_memset(f->all, 0, sizeof f->all);
+        find_target(f, k + 1 == octaves);
+        if (f->narrow > 0.0 && k + 1 < octaves)
+            fit_below(f);
+        if (f->narrow > 0.0)
+            find_own(f, tap);
+        for (int i = 0; i < TAPS; i++)
+            taps[k].tap[i] = (float)tap[i];
+        go_on(f);
+    }
 }

@@ -62,14 +62,16 @@ int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count)
     return any;
 }
 
-/* A row of the finer octave is 5/16, 10/16 and 1/16 of three, or those from the other side. */
+/* A row of the finer octave is 5/256, 84/256, 137/256 and 30/256 of four, or those from the other side. */
 void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
                          uint32_t from, uint32_t n, float *to)
 {
-    static const float even[3] = {0x5p-4f, 0xap-4f, 0x1p-4f}, odd[3] = {0x1p-4f, 0xap-4f, 0x5p-4f};
+    static const float even[4] = {0x5p-8f, 0x54p-8f, 0x89p-8f, 0x1ep-8f};
+    static const float odd[4] = {0x1ep-8f, 0x89p-8f, 0x54p-8f, 0x5p-8f};
     const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, downwards */
-    const float *row[3];
-    for (int i = 0; i < 3; i++)
-        row[i] = o->memory + pupil_bloom_row(o, octave, o->octave[octave].blurred, channel, middle - 1 + i) + from;
+    const int32_t first = middle - (y & 1 ? 1 : 2);
+    const float *row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = o->memory + pupil_bloom_row(o, octave, o->octave[octave].blurred, channel, first + i) + from;
     PUPIL_PIECE(kernels, bloom_up)(row, y & 1 ? odd : even, n, to);
 }

@@ -4,7 +4,7 @@
 #include "base/numeric.h"
 #include "core/image.h"
 
-enum { PART = BLOOM_PART / 2, HALVED = 6 };
+enum { PART = BLOOM_PART / 2, HALVED = 8, REACH = PUPIL_BLOOM_ROWS / 2 };
 _Static_assert(PART % 8 == 0, "kernels write whole vectors");
 
 /* What a worker gathers with. */
@@ -70,7 +70,7 @@ static void gather_row(bloom_object *o, gathering *g, int32_t j, int32_t x, uint
     for (int channel = 0; channel < 3; channel++) {
         const float *row[HALVED];
         for (int32_t k = 0; k < HALVED; k++)
-            row[k] = g->row[(2 * j - 2 + k + 2 * HALVED) % HALVED][channel];
+            row[k] = g->row[(2 * j - 3 + k + 2 * HALVED) % HALVED][channel];
         PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->even[channel], g->odd[channel]);
     }
     for (int channel = 0; channel < 3; channel++) {
@@ -84,11 +84,11 @@ static void gather_row(bloom_object *o, gathering *g, int32_t j, int32_t x, uint
 /* Rows first to end of the octave, `n` pixels from x on, down the rows; x may be before the picture. */
 static void gather_part(bloom_object *o, gathering *g, int32_t first, int32_t end, int32_t x, uint32_t n)
 {
-    for (int32_t y = 2 * first - 2; y < 2 * first + 2; y++)
+    for (int32_t y = 2 * first - 3; y < 2 * first + 3; y++)
         read_row(g, y, x, n);
     for (int32_t j = first; j < end; j++) {
-        read_row(g, 2 * j + 2, x, n);
         read_row(g, 2 * j + 3, x, n);
+        read_row(g, 2 * j + 4, x, n);
         gather_row(o, g, j, x, n);
     }
 }
@@ -152,17 +152,17 @@ static void halve_row(bloom_object *o, const pupil_kernels *kernels, uint32_t k,
     float *even = o->memory + o->line, *odd = even + from->stride / 2;
     int lit = 0;
     for (int32_t i = 0; i < HALVED; i++)
-        lit |= is_row_lit(o, k, 2 * j - 2 + i);
+        lit |= is_row_lit(o, k, 2 * j - 3 + i);
     if (!lit) {
         clear(o, k + 1, j, 0, across);
         return;
     }
     for (int channel = 0; channel < 3; channel++) {
-        const float *six[HALVED];
+        const float *rows[HALVED];
         for (int32_t i = 0; i < HALVED; i++)
-            six[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 2 + i);
+            rows[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 3 + i);
         float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN;
-        PUPIL_PIECE(kernels, bloom_down)(six, from->stride, even, odd);
+        PUPIL_PIECE(kernels, bloom_down)(rows, from->stride, even, odd);
         PUPIL_PIECE(kernels, bloom_halve)(even + middle, odd + middle, across, row);
     }
     mark(o, k + 1, j, 0, across, o->config.threshold > 0.0);
@@ -175,29 +175,26 @@ static void halve(bloom_object *o, const pupil_kernels *kernels, uint32_t k)
         halve_row(o, kernels, k, j);
 }
 
-/* Units first to end of row y get a lobe's light; `more`: in addition to what is there. */
-static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloom_lobe *lobe, int channel, int32_t y,
-                       uint32_t first, uint32_t end, int more)
+/* Units first to end of row y get what the kernel scatters. */
+static void blur_units(bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
+                       uint32_t first, uint32_t end)
 {
-    const bloom_octave *at = &o->octave[lobe->octave];
-    const float *one[BLOOM_TAPS], *other[BLOOM_TAPS];
-    const uint32_t from = first * BLOOM_STEP, n = (end - first) * BLOOM_STEP;
-    float *line = o->memory + o->line, *begin = line + from + BLOOM_LEFT - BLOOM_MARGIN;
-    for (int32_t k = 0; k < (int32_t)lobe->taps; k++) {
-        one[k] = o->memory + pupil_bloom_row(o, lobe->octave, at->light, channel, y - k) + from;
-        other[k] = o->memory + pupil_bloom_row(o, lobe->octave, at->light, channel, y + k) + from;
+    enum { MOST = BLOOM_PART / BLOOM_STEP };
+    const bloom_octave *at = &o->octave[octave];
+    float(*sums)[PUPIL_BLOOM_LINE] = (float(*)[PUPIL_BLOOM_LINE])(void *)(o->memory + o->sums);
+    float *to = o->memory + pupil_bloom_row(o, octave, at->blurred, channel, y) + BLOOM_LEFT - BLOOM_MARGIN;
+    for (; first < end; first += MOST) {
+        const uint32_t n = (end - first < MOST ? end - first : MOST) * BLOOM_STEP, from = first * BLOOM_STEP;
+        const float *row[PUPIL_BLOOM_ROWS];
+        for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
+            row[i] = o->memory + pupil_bloom_row(o, octave, at->light, channel, y - REACH + i) + BLOOM_LEFT -
+                     BLOOM_MARGIN - BLOOM_SIDE + from;
+        PUPIL_PIECE(kernels, bloom_columns)(row, &o->taps[octave], n + 2 * BLOOM_SIDE, sums);
+        PUPIL_PIECE(kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])sums, n, to + from, 0);
     }
-    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->column, lobe->taps, n + BLOOM_STEP, line + from, 0);
-    for (uint32_t k = 0; k < lobe->taps; k++) {
-        one[k] = begin - k;
-        other[k] = begin + k;
-    }
-    float *row = o->memory + pupil_bloom_row(o, lobe->octave, at->blurred, channel, y);
-    float *to = row + BLOOM_LEFT - BLOOM_MARGIN + from;
-    PUPIL_PIECE(kernels, bloom_pairs)(one, other, lobe->row, lobe->taps, n, to, more);
 }
 
-/* Which units of row y have light within reach: BLOOM_TAPS - 1 rows, and the units beside them. */
+/* Which units of row y have light within reach: some rows, and the units beside them. */
 static uint8_t *find_need(bloom_object *o, uint32_t octave, int32_t y)
 {
     const bloom_octave *at = &o->octave[octave];
@@ -207,7 +204,7 @@ static uint8_t *find_need(bloom_object *o, uint32_t octave, int32_t y)
         return need;
     }
     __builtin_memset(need, 0, at->units);
-    for (int32_t j = y - BLOOM_TAPS + 1; j < y + BLOOM_TAPS; j++) {
+    for (int32_t j = y - REACH; j <= y + REACH; j++) {
         if (j < -BLOOM_MARGIN || j >= (int32_t)at->height + BLOOM_MARGIN)
             continue;
         const uint8_t *lit = pupil_bloom_lit(o, octave, j);
@@ -233,21 +230,13 @@ static void blur_strip_row(bloom_object *o, const pupil_kernels *kernels, const 
                            const uint8_t *need)
 {
     float *row = o->memory + pupil_bloom_row(o, s->octave, o->octave[s->octave].blurred, s->channel, y);
-    int more = 0;
-    for (uint32_t i = 0; i < o->lobes; i++) {
-        if (o->lobe[i].octave != s->octave)
-            continue;
-        for (uint32_t first = s->first, end; first < s->end; first = end + 1) {
-            for (end = first; end < s->end && need[end]; end++)
-                ;
-            if (end > first)
-                blur_units(o, kernels, &o->lobe[i], s->channel, y, first, end, more);
-        }
-        more = 1;
+    for (uint32_t first = s->first, end; first < s->end; first = end) {
+        for (end = first; end < s->end && need[end]; end++)
+            ;
+        blur_units(o, kernels, s->octave, s->channel, y, first, end);
+        for (; end < s->end && !need[end]; end++)
+            __builtin_memset(row + BLOOM_LEFT - BLOOM_MARGIN + end * BLOOM_STEP, 0, BLOOM_STEP * sizeof *row);
     }
-    for (uint32_t u = s->first; u < s->end; u++)
-        if (!more || !need[u])
-            __builtin_memset(row + BLOOM_LEFT - BLOOM_MARGIN + u * BLOOM_STEP, 0, BLOOM_STEP * sizeof *row);
 }
 
 /* What comes from the octave above. */

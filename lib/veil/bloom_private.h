@@ -8,25 +8,17 @@
 #include "veil_rows.h"
 
 enum {
-    BLOOM_OCTAVES = 11,    /* full size, and those of half the one before */
-    BLOOM_TAPS = 9,        /* of a lobe: the middle one, and those on one side */
-    BLOOM_MARGIN = 4,      /* octaves go on beyond the picture's edges: filters leave light there, and take it back */
-    BLOOM_LEFT = 16,       /* floats before the first pixel, of which the rest are 0 */
-    BLOOM_STEP = 32,       /* what kernels round up to */
-    BLOOM_MOST_LOBES = 33, /* and one that the lobes at full size may need */
+    BLOOM_OCTAVES = 11, /* full size, and those of half the one before */
+    BLOOM_MARGIN = 4,   /* octaves go on beyond the picture's edges: filters leave light there, and take it back */
+    BLOOM_LEFT = 16,    /* floats before the first pixel, of which the rest are 0 */
+    BLOOM_STEP = 32,    /* what kernels round up to */
+    BLOOM_FIT_FAR = 13, /* pixels */
     /* Pixels of a row that are worked at a time, with what filters at full size reach: small enough that all rows that
      * they reach stay in the L1 cache. */
     BLOOM_SIDE = PUPIL_BLOOM_SIDE,
     BLOOM_LINE = PUPIL_BLOOM_LINE,
     BLOOM_PART = BLOOM_LINE - 2 * BLOOM_SIDE
 };
-
-/* A Gaussian in one octave. The light that each pixel gets is the sum over `row` taps of the sums over `column` taps.
- */
-typedef struct bloom_lobe {
-    uint32_t octave, taps;
-    float column[BLOOM_TAPS], row[BLOOM_TAPS];
-} bloom_lobe;
 
 /* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. `lit` are
  * bytes of `memory`: for each row, where in its planes of light there is some, by `units` of BLOOM_STEP pixels from the
@@ -39,15 +31,13 @@ typedef struct bloom_octave {
 typedef struct bloom_object {
     uint64_t magic;
     pupil_bloom_config config;
-    uint32_t octaves;      /* with the full size */
-    uint32_t lobes;        /* in octaves */
-    pupil_bloom_taps full; /* those at full size, less what all lobes take from a pixel */
-    bloom_lobe lobe[BLOOM_MOST_LOBES];
-    bloom_octave octave[BLOOM_OCTAVES]; /* the first has no planes */
-    size_t nothing, line;               /* a row of zeros, and one for solve */
-    size_t need;                        /* bytes of memory: a unit each, for solve */
-    uint32_t lit;                       /* there is light in the octaves, since solve */
-    float memory[];
+    uint32_t octaves;                     /* with the full size */
+    uint32_t lit;                         /* there is light in the octaves, since solve */
+    pupil_bloom_taps taps[BLOOM_OCTAVES]; /* at full size less what all lobes take from a pixel */
+    bloom_octave octave[BLOOM_OCTAVES];   /* the first has no planes */
+    size_t nothing, line, sums;           /* a row of zeros; a row and columns' sums for solve */
+    size_t need;                          /* bytes of memory: a unit each, for solve */
+    _Alignas(double) float memory[];      /* at init a bloom_fit */
 } bloom_object;
 
 #define BLOOM_MAGIC (UINT64_C(0x626c6f6d00000000) + sizeof(bloom_object))
@@ -99,21 +89,30 @@ int pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloo
 enum { BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
 /* Whether one of them is lit. Then those that are dark are made black. */
 int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count);
-/* Row y of the octave above from three rows of `blurred` of `octave`, still of its width, from float `from` on. */
+/* Row y of the octave above from four rows of `blurred` of `octave`, still of its width, from float `from` on. */
 void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
                          uint32_t from, uint32_t n, float *to);
 
-/* bloom_fit.c: `full` from the lobes that are narrow enough for it. What it has no taps for becomes light of a lobe of
- * standard deviation coarse_sigma in the first octave, whose weight is returned; 0: there is none. */
-double pupil_bloom_fit(const pupil_bloom_config *config, double full_sigma, double coarse_sigma,
-                       pupil_bloom_taps *full);
-/* The light of a Gaussian in the pixels 0 to taps - 1 from its middle; with those on the other side 1 in all. */
-void pupil_bloom_find_taps(double sigma, uint32_t taps, double *tap);
+/* bloom_fit.c: what it works with: of each octave in turn the lobes that are left; what the narrow ones of them scatter
+ * and what all do, from the middle outwards; and its taps that are fitted. */
+typedef struct bloom_fit {
+    uint32_t lobes;
+    double variance[PUPIL_VEIL_MOST_LOBES], share[PUPIL_VEIL_MOST_LOBES];
+    double narrow, least;
+    double target[BLOOM_FIT_FAR + 1][BLOOM_FIT_FAR + 1], all[BLOOM_FIT_FAR + 1][BLOOM_FIT_FAR + 1];
+    double reply[PUPIL_BLOOM_ROWS / 2 + 1][2 * BLOOM_FIT_FAR + 1];
+    double sums[PUPIL_BLOOM_TAPS][PUPIL_BLOOM_TAPS + 1], below[PUPIL_BLOOM_TAPS];
+    float weight[(2 * BLOOM_FIT_FAR + 1) * (2 * BLOOM_FIT_FAR + 1)];
+} bloom_fit;
+
+/* How many octaves the lobes need, with the full size. And their kernels. */
+uint32_t pupil_bloom_octaves(const pupil_bloom_config *config);
+void pupil_bloom_fit(const pupil_bloom_config *config, bloom_fit *fit, uint32_t octaves, pupil_bloom_taps taps[]);
 
 /* bloom_window.c: full size, block by block. */
 typedef struct bloom_window {
     BLOOM_ALIGNED bloom_line ring[PUPIL_BLOOM_ROWS];
-    BLOOM_ALIGNED pupil_bloom_sums sums[3];
+    BLOOM_ALIGNED pupil_bloom_sums sums;
     BLOOM_ALIGNED float line[BLOOM_LINE];
     uint8_t state[PUPIL_BLOOM_ROWS];
     bloom_frame frame;

@@ -22,17 +22,15 @@ void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t 
         read_row(w, i, x, n);
 }
 
-/* What lobes at full size scatter. The columns' sums of all channels come before their use: a CPU waits where what it
- * has just stored is read across the places that it was stored to. */
+/* What the kernel at full size scatters. */
 static void add_full(const bloom_object *o, bloom_window *w, int32_t y, uint32_t n, float *const plane[3])
 {
     const float *row[PUPIL_BLOOM_ROWS];
     for (int channel = 0; channel < 3; channel++) {
         for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
             row[i] = w->ring[place_of(y - REACH + i)][channel];
-        PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->full, n + 2 * BLOOM_SIDE, w->sums[0]);
-        PUPIL_PIECE(w->frame.kernels, bloom_rows)
-        ((const float(*)[PUPIL_BLOOM_LINE])w->sums[0], &o->full, n, plane[channel]);
+        PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->taps[0], n + 2 * BLOOM_SIDE, w->sums);
+        PUPIL_PIECE(w->frame.kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])w->sums, n, plane[channel], 1);
     }
 }
 
@@ -40,7 +38,7 @@ static void add_full(const bloom_object *o, bloom_window *w, int32_t y, uint32_t
 static void announce(const bloom_object *o, int channel, int32_t y, uint32_t from, uint32_t n)
 {
     enum { FLOATS = 16 };
-    const float *next = o->memory + pupil_bloom_row(o, 1, o->octave[1].blurred, channel, y / 2 + 2) + from;
+    const float *next = o->memory + pupil_bloom_row(o, 1, o->octave[1].blurred, channel, y / 2 + 3) + from;
     for (uint32_t at = 0; at < n; at += FLOATS)
         __builtin_prefetch(next + at);
 }
@@ -55,7 +53,8 @@ void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, 
     if (lit)
         add_full(o, w, (int32_t)y, n, plane);
     for (int channel = 0; channel < 3 && o->lit; channel++) {
-        announce(o, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN);
+        if (y % 2 == 0)
+            announce(o, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN);
         pupil_bloom_between(o, w->frame.kernels, 1, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN, w->line);
         PUPIL_PIECE(w->frame.kernels, bloom_widen)(w->line + BLOOM_MARGIN, halves, plane[channel]);
     }

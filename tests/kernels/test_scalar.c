@@ -2,6 +2,7 @@
  * is written as far as kernels.h says and no further. All numbers are small integers and powers of two, so every order
  * of a sum has the same bits. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
@@ -11,7 +12,8 @@ enum { MOST = 128, ROOM = MOST + 64, GUARD = -12345 };
 static const uint32_t counts[] = {1, 8, 15, 16, 17, 31, 32, 33, 64, 100};
 enum { COUNTS = sizeof counts / sizeof counts[0] };
 
-static float rows[PUPIL_BLOOM_ROWS][2 * ROOM], to[2 * ROOM];
+enum { ROWS = 8 };
+static float rows[ROWS][2 * ROOM], to[2 * ROOM];
 
 static uint32_t up_to(uint32_t n, uint32_t multiple)
 {
@@ -20,7 +22,7 @@ static uint32_t up_to(uint32_t n, uint32_t multiple)
 
 static void begin(void)
 {
-    for (int r = 0; r < PUPIL_BLOOM_ROWS; r++)
+    for (int r = 0; r < ROWS; r++)
         for (int i = 0; i < 2 * ROOM; i++)
             rows[r][i] = (float)(int)(check_random() % 512);
     for (int i = 0; i < 2 * ROOM; i++)
@@ -33,40 +35,40 @@ static void check_guard(const char *what, uint32_t n, uint32_t end)
         CHECK_MSG(to[i] == GUARD, "%s of %u: wrote at %u", what, n, i);
 }
 
+/* The filter of eight taps, of what is at both sides. */
+static float eighth_of(const float pair[4])
+{
+    return 137 * pair[0] + 84 * pair[1] + 30 * pair[2] + 5 * pair[3];
+}
+
 static void check_down_and_up(uint32_t n)
 {
-    const float *const six[6] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]};
-    const float tap[3] = {0.25f, 0.5f, 0.125f};
+    const float *const eight[8] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]};
+    const float tap[4] = {0.25f, 0.5f, 0.125f, 2.0f};
     const uint32_t end = up_to(n, 16);
     begin();
-    pupil_kernels_scalar.bloom_down(six, n, to, to + end / 2); /* the even ones, then the odd ones */
-    for (uint32_t i = 0; i < end; i++)
-        CHECK(32.0f * to[i % 2 * (end / 2) + i / 2] ==
-              rows[0][i] + 5 * rows[1][i] + 10 * rows[2][i] + 10 * rows[3][i] + 5 * rows[4][i] + rows[5][i]);
+    pupil_kernels_scalar.bloom_down(eight, n, to, to + end / 2); /* the even ones, then the odd ones */
+    for (uint32_t i = 0; i < end; i++) {
+        const float pair[4] = {rows[3][i] + rows[4][i], rows[2][i] + rows[5][i], rows[1][i] + rows[6][i],
+                               rows[0][i] + rows[7][i]};
+        CHECK(512.0f * to[i % 2 * (end / 2) + i / 2] == eighth_of(pair));
+    }
     check_guard("down", n, end);
     begin();
-    pupil_kernels_scalar.bloom_up(six, tap, n, to);
+    pupil_kernels_scalar.bloom_up(eight, tap, n, to);
     for (uint32_t i = 0; i < end; i++)
-        CHECK(8.0f * to[i] == 2 * rows[0][i] + 4 * rows[1][i] + rows[2][i]);
+        CHECK(8.0f * to[i] == 2 * rows[0][i] + 4 * rows[1][i] + rows[2][i] + 16 * rows[3][i]);
     check_guard("up", n, end);
 }
 
-static void check_pairs(uint32_t n)
-{
-    const float *const one[2] = {rows[0], rows[1]}, *const other[2] = {rows[2], rows[3]};
-    const float tap[2] = {0.5f, 0.25f};
-    const uint32_t end = up_to(n, 32);
-    begin();
-    pupil_kernels_scalar.bloom_pairs(one, other, tap, 2, n, to, 0);
-    for (uint32_t i = 0; i < end; i++)
-        CHECK(4.0f * to[i] == 2 * (rows[0][i] + rows[2][i]) + rows[1][i] + rows[3][i]);
-    pupil_kernels_scalar.bloom_pairs(one, other, tap, 1, n, to, 1);
-    for (uint32_t i = 0; i < end; i++)
-        CHECK(4.0f * to[i] == 4 * (rows[0][i] + rows[2][i]) + rows[1][i] + rows[3][i]);
-    check_guard("pairs", n, end);
-}
+static const pupil_bloom_taps taps = {{1, 2, 4, 8, 16, 32, 3, 5, 7, 9}};
 
-static const pupil_bloom_taps taps = {{1, 2, 4, 8, 16, 32}, {1, 2, 4, 8, 16, 32}, {1, 3, 5, 7, 9, 11}};
+/* At the distance of (a, b), by the order of kernels.h. */
+static float tap_at(int a, int b)
+{
+    const int y = abs(a), x = abs(b);
+    return taps.tap[y > x ? y * (y + 1) / 2 + x : x * (x + 1) / 2 + y];
+}
 
 static void check_columns(uint32_t n)
 {
@@ -80,23 +82,16 @@ static void check_columns(uint32_t n)
         for (int i = 0; i < PUPIL_BLOOM_LINE; i++)
             sums[k][i] = GUARD;
     pupil_kernels_scalar.bloom_columns(row, &taps, n, sums);
-    for (uint32_t i = 0; i < PUPIL_BLOOM_LINE; i++) {
-        float sum[4] = {GUARD, GUARD, GUARD, GUARD};
-        if (i < end) {
-            const float m = rows[5][i], a = rows[4][i] + rows[6][i], b = rows[3][i] + rows[7][i];
-            sum[0] = m + 2 * a + 8 * b; /* the near kernel at (0, 0), (0, 1), (0, 2) ... */
-            sum[1] = 2 * m + 4 * a + 16 * b;
-            sum[2] = 8 * m + 16 * a + 32 * b;
-            sum[3] = 0.0f;
-            for (int k = -5; k <= 5; k++)
-                sum[3] += (float)(1 << (k < 0 ? -k : k)) * rows[5 + k][i];
+    for (int k = 0; k < 4; k++)
+        for (uint32_t i = 0; i < PUPIL_BLOOM_LINE; i++) {
+            float sum = 0.0f;
+            for (int r = 0; r < PUPIL_BLOOM_ROWS; r++)
+                sum += tap_at(r - 3, k) * rows[r][i];
+            CHECK_MSG(sums[k][i] == (i < end ? sum : GUARD), "columns of %u: sum %d at %u", n, k, i);
         }
-        for (int k = 0; k < 4; k++)
-            CHECK_MSG(sums[k][i] == sum[k], "columns of %u: sum %d at %u", n, k, i);
-    }
 }
 
-static void check_rows(uint32_t n)
+static void check_rows(uint32_t n, int add)
 {
     static pupil_bloom_sums sums;
     const uint32_t end = up_to(n, 16);
@@ -105,12 +100,11 @@ static void check_rows(uint32_t n)
         memcpy(sums[k], rows[k], sizeof sums[k]);
     for (uint32_t i = 0; i < end; i++)
         to[i] = (float)(int)i;
-    pupil_kernels_scalar.bloom_rows((const float(*)[PUPIL_BLOOM_LINE])sums, &taps, n, to);
+    pupil_kernels_scalar.bloom_rows((const float(*)[PUPIL_BLOOM_LINE])sums, n, to, add);
     for (uint32_t i = 0; i < end; i++) {
-        const uint32_t at = PUPIL_BLOOM_SIDE + i;
-        float sum = (float)(int)i + sums[0][at] + sums[1][at - 1] + sums[1][at + 1] + sums[2][at - 2] + sums[2][at + 2];
-        for (uint32_t k = 0; k < 6; k++) /* taps.row: 1, 3, 5 ... from the middle outwards */
-            sum += (float)(int)(2 * k + 1) * (sums[3][at - k] + (k ? sums[3][at + k] : 0.0f));
+        float sum = add ? (float)(int)i : 0.0f;
+        for (int k = -3; k <= 3; k++)
+            sum += sums[abs(k)][PUPIL_BLOOM_SIDE + (int)i + k];
         CHECK_MSG(to[i] == sum, "rows of %u at %u: %g, expected %g", n, i, (double)to[i], (double)sum);
     }
     check_guard("rows", n, end);
@@ -124,16 +118,17 @@ static void check_halve_and_widen(uint32_t n)
     pupil_kernels_scalar.bloom_halve(from, odd, n, to);
     for (uint32_t i = 0; i < end; i++) {
         const float *e = from + i, *o = odd + i;
-        CHECK(32.0f * to[i] == 10 * (e[0] + o[0]) + 5 * (o[-1] + e[1]) + e[-1] + o[1]);
+        const float pair[4] = {e[0] + o[0], o[-1] + e[1], e[-1] + o[1], o[-2] + e[2]};
+        CHECK(512.0f * to[i] == eighth_of(pair));
     }
     check_guard("halve", n, end);
     for (uint32_t i = 0; i < 2 * end; i++)
         to[i] = (float)(int)i;
     pupil_kernels_scalar.bloom_widen(from, n, to);
     for (uint32_t i = 0; i < end; i++) {
-        const float *f = from + i, more[2] = {10 * f[0] + 5 * f[-1] + f[1], 10 * f[0] + 5 * f[1] + f[-1]};
-        for (uint32_t k = 0; k < 2; k++)
-            CHECK(16.0f * (to[2 * i + k] - (float)(int)(2 * i + k)) == more[k]);
+        const float *f = from + i, before[4] = {f[0], f[-1], f[1], f[-2]}, after[4] = {f[0], f[1], f[-1], f[2]};
+        CHECK(256.0f * (to[2 * i] - (float)(int)(2 * i)) == eighth_of(before));
+        CHECK(256.0f * (to[2 * i + 1] - (float)(int)(2 * i + 1)) == eighth_of(after));
     }
     check_guard("widen", n, 2 * end);
 }
@@ -209,9 +204,9 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     for (int k = 0; k < COUNTS; k++) {
         check_down_and_up(counts[k]);
-        check_pairs(counts[k]);
         check_columns(counts[k]);
-        check_rows(counts[k]);
+        check_rows(counts[k], 0);
+        check_rows(counts[k], 1);
         check_halve_and_widen(counts[k]);
         check_bright(counts[k]);
         check_lit(counts[k]);

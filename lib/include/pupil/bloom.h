@@ -19,12 +19,12 @@
  * are those of the veil that is given; without one they are 1 and 0. What is scattered beyond the picture's edges is
  * lost, and nothing comes from there.
  *
- * How: each lobe is blurred in the octave that suits its width: at full size below 2.3 pixels, at half the size below
- * 4.8, and so on. To a coarser octave and back lead binomial filters of six taps, whose variances are taken off the
- * lobe's. At full size all lobes together are two kernels: one of 5 x 5 taps, and a Gaussian that reaches 5 pixels and
- * is fitted to them. In the octaves each lobe has two passes, along rows and along columns, of up to 15 taps. Errors
- * against the formulas: docs/look.md. Where nothing shines within reach, the kernels at full size are not computed: a
- * picture with few lamps above config.threshold takes less time.
+ * How: the picture is halved again and again, into octaves, by filters of eight taps. All lobes together are one kernel
+ * of 7 x 7 taps in each octave. A lobe is in the last octave that is fine enough for it, filters' variances taken off:
+ * at full size below 2.5 pixels, at half the size below 5.4, and so on. What it scatters beyond 7 x 7 there is fitted
+ * by the taps of the octave below, at init. A pixel far from a lamp may lose up to 0.2 % of what a lobe gives at most,
+ * where no other lobe gives it more. Errors against the formulas: docs/look.md. Where nothing shines within reach, the
+ * kernel at full size is not computed: a picture with few lamps above config.threshold takes less time.
  *
  * Units: pixels; light in the frame's unit (image.h: White). Channels below 0 and NaN scatter nothing, one above 2^30
  * scatters as 2^30.
