@@ -4,7 +4,8 @@ set(pupil_tests ${CMAKE_CURRENT_LIST_DIR})
 set(quick_timeout_s 300)
 set(full_timeout_s 1800)
 set(long_timeout_s 1800)
-if(CMAKE_CROSSCOMPILING) # under emulation a quick test takes minutes
+# Under emulation, and where each branch is counted, a quick test takes minutes.
+if(CMAKE_CROSSCOMPILING OR CMAKE_C_FLAGS MATCHES "--coverage")
   set(quick_timeout_s 900)
 endif()
 # ctest begins with the tests of the highest cost: first those that use two processors, which would else wait until two
