@@ -389,7 +389,7 @@ static uint32_t delay_of(const pupil_sensor_object *o, int control)
 static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
     const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;
-    a->gap = a->has_frame && sequence > a->sequence && ahead < SENSOR_RING - SENSOR_DELAYS ? (uint32_t)ahead : 1;
+    a->gap = sequence > a->sequence && ahead < SENSOR_RING - SENSOR_DELAYS ? (uint32_t)ahead : 1;
     a->sequence = sequence;
     for (uint32_t i = 0; i < a->gap; i++) {
         a->past[(a->frame + i + 1) % SENSOR_RING].gap = 0;
