@@ -73,6 +73,7 @@ static void test_outputs(void)
         uint8_t *memory;
         const pupil_image image = scratch_image(2, 2, 0, &memory);
         const pupil_image_const shown = pupil_image_as_const(image);
+        scratch_noise(&image);
         pupil_sink *sink = NULL;
         CHECK_MSG(pupil_file_sink_open(folders[i], &options, &sink, &why) == 0, "%s", why.text);
         CHECK(pupil_sink_write(sink, &shown, NULL, &why) == 0 && pupil_sink_finish(sink, &why) == 0);

@@ -45,6 +45,7 @@ static int stream(const pupil_sink_options *options, const int64_t *ns, size_t c
     const char *call;
     const pupil_image image = scratch_image(SIDE, SIDE, 0, &memory);
     const pupil_image_const shown = pupil_image_as_const(image);
+    scratch_noise(&image);
     pupil_sink *sink = NULL;
     CHECK(pipe(ends) == 0 && fcntl(ends[1], F_SETFL, O_NONBLOCK) == 0);
     *r = (reader){.fd = ends[0]};
@@ -122,6 +123,7 @@ static void test_full(void)
     uint8_t *memory;
     const pupil_image image = scratch_image(SIDE, SIDE, 0, &memory);
     const pupil_image_const shown = pupil_image_as_const(image);
+    scratch_noise(&image);
     pupil_sink *sink = NULL;
     int failed = 0;
     fflush(stdout);
