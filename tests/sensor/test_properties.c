@@ -369,9 +369,8 @@ static void any_calls(void)
 /* One thing about the config is another; returns what. What was manual before is auto again, or is not. */
 static const char *change_hands(const pupil_sensor_config *usual)
 {
-    static const char *const what[] = {"manual gain", "gain held", "manual exposure", "exposure held",
-                                       "lock",         "profile",   "gain law",         "mains",
-                                       "usual",        "both held"};
+    static const char *const what[] = {"manual gain", "gain held", "manual exposure", "exposure held", "lock",
+                                       "profile",     "gain law",  "mains",           "usual",         "both held"};
     const int change = (int)(check_random() % 10);
     pupil_sensor_config next = *usual;
     if (one_in(2))
