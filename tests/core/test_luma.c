@@ -356,9 +356,9 @@ static int mapped_alike(const frame *a, const frame *b, uint32_t out)
 
 /* However its bytes lie, it has one level and one display frame. Of formats with chroma in each row what comes out is
  * that of NV12, too, but for RGB, where a row that is near the gamut's surface is exact by itself. */
-static void one_picture(void)
+static void one_picture(uint32_t width, uint32_t height)
 {
-    frame f = frame_make(646, 24, PUPIL_PIXEL_NV12, 0, 0);
+    frame f = frame_make(width, height, PUPIL_PIXEL_NV12, 0, 0);
     fill(&f, 1);
     frame own = as_format(&f, PUPIL_PIXEL_NV16);
     for (int p = 1; p < INPUTS; p++) {
@@ -401,7 +401,10 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     same_bits();
     any_split();
-    one_picture();
+    one_picture(646, 24);
+    one_picture(13, 90); /* narrower than one sample of it, or not a whole number of them */
+    one_picture(3, 400);
+    one_picture(8198, 2);
     mean_of_rows();
     for (int p = 0; p < INPUTS; p++) {
         odd_sides(inputs[p], 643, 481);
