@@ -21,14 +21,6 @@ TREE = pathlib.Path(__file__).resolve().parent.parent
 # scalar one. Which of them run, and the ways of level.c, is decided by the machine's CPU: kernels.emulated.
 OTHER_LEVELS = re.compile(r"/kernels/(avx2|avx512|level|neon|wasm128)\b")
 
-# Whether a level has a piece of its own: the scalar one has all, and AVX2 has all that are chosen by this macro.
-PIECE = "PUPIL_PIECE("
-
-
-def is_other_level(text, missing):
-    """Of each choice of a piece the second way is that of a level without it."""
-    return len(missing) <= text.count(PIECE) and not any(way % 2 for way in missing)
-
 
 def source_of(build, data):
     """Of CMake's drivers/v4l2/controls/CMakeFiles/pupil_camera.dir/__/__/live/live.c.gcda: drivers/live/live.c."""
@@ -134,7 +126,7 @@ def main():
         for name in branches:
             for number, counts in branches[name].items():
                 text, missing = text_of(name, number), [i + 1 for i, c in enumerate(counts) if not c]
-                found[folder] |= {(name, way, text) for way in missing if not is_other_level(text, missing)}
+                found[folder] |= {(name, way, text) for way in missing}
         if not together[1]:
             sys.exit(f"{folder}: no test of this build has run it")
         for name in sorted(branches) if "--missing" in sys.argv else ():

@@ -7,7 +7,7 @@ mkdir -p "$build"
 case $2 in
 lib)
     rooms="lib/base lib/core lib/flicker lib/kernels lib/look lib/sensor"
-    tests='^((core|look|flicker|sensor|stream|veil)[.]|kernels[.](levels|scalar)$|row_gain[.]map$)'
+    tests='^((core|look|flicker|sensor|stream|veil)[.]|kernels[.](levels|pieces|scalar)$|row_gain[.]map$)'
     without='^$'
     labels='^quick$'
     not_labels='^sweep$' # nothing that no other test reaches, and minutes without optimisation
