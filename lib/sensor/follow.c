@@ -351,12 +351,14 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
     }
+    s->deaf = v->is_number ? s->deaf : 0; /* it may have answered where nothing can be seen */
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
     const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
     s->unanswered = size_of(seen) < SENSOR_ANSWER_SHARE * size_of(plain)
                         ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)
                         : 0;
+    s->deaf = s->unanswered ? s->deaf + (s->deaf < 2) : 0;
     if (had_black)
         pupil_sensor_test_black(o, is_wrong);
     if (is_wrong && !s->is_searching && size_of(o->plan.wanted - a->effect) > SENSOR_OFF_EV)

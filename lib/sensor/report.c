@@ -25,10 +25,12 @@ const char *pupil_sensor_day_night_name(uint32_t day_night)
     return day_night_names[day_night < sizeof day_night_names / sizeof day_night_names[0] ? day_night : 0];
 }
 
-/* The camera does not do what is asked of it. */
+/* The camera does not do what is asked of it: not now, or not on the way to a limit, which is then none. */
 static int is_ignored(const pupil_sensor_object *o)
 {
-    return o->search.unanswered > 1 && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV;
+    const sensor_search *s = &o->search;
+    return (s->unanswered > 1 && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV) ||
+           (s->deaf > 1 && size_of(o->plan.beyond) > SENSOR_WRONG_EV);
 }
 
 /* What is shown, or what is wanted, is not where it should be; beyond a limit that is not known. */

@@ -184,6 +184,7 @@ typedef struct sensor_search {
     double jump_total;
     uint32_t is_searching, is_resting;
     uint32_t unanswered;    /* large steps in a row that did nothing */
+    uint32_t deaf;          /* ... whatever was doubted since; at most 2 */
     uint32_t weak;          /* ... or less than expected */
     uint32_t next;          /* of point */
     uint32_t is_exchanging; /* one control for the other, in parts */

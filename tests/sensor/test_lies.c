@@ -232,6 +232,29 @@ static void stands_outside(void)
     stands("gain between two steps", 1, 2.5, &c);
 }
 
+/* A camera that takes neither control, and is two stops off: it is named for good, and not a limit that the loop comes
+ * to on the way. */
+static void takes_nothing(void)
+{
+    for (int is_dark = 0; is_dark < 2; is_dark++)
+        for (int tells = 0; tells < 2; tells++) {
+            pupil_sensor_config c;
+            pupil_sensor_setting s;
+            int other = 0;
+            pupil_sensor_config_default(&c);
+            CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+            plant_open(&p, &sensor, log2(0.18 / 0.01) + (is_dark ? -2.0 : 2.0), 2);
+            p.lies = tells ? PLANT_FIRST : PLANT_NOTHING; /* what it had at first is what it has */
+            p.ignored[0] = p.ignored[1] = 1;
+            for (int i = 0; i < 600; i++) {
+                plant_turn(&p, &sensor, &s, NULL);
+                other += i >= PROMISED && (s.state != PUPIL_SENSOR_LIMITED || s.reason != PUPIL_SENSOR_IGNORED);
+            }
+            CHECK_MSG(!other, "%s, %s: in %d frames another state or reason than limited, ignored",
+                      is_dark ? "dark" : "bright", tells ? "metadata" : "no metadata", other);
+        }
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -278,5 +301,6 @@ int main(int argc, char **argv)
     CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "exposure ignored: %d frames", a.later); /* the gain does it */
     a = worst_of("gain ignored", 1, 1.0, no_gain); /* the exposure makes up for it, as far as it goes */
     CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "gain ignored: %d frames, %g EV over", a.later, a.later_over);
+    takes_nothing();
     return check_end();
 }
