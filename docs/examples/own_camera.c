@@ -1,6 +1,7 @@
 /* own_camera: exposure control of a camera without V4L2.
  *     cc own_camera.c $(pkg-config --cflags --libs pupil) -lm -o own_camera
- * The sensor is a toy: 12 bits, exposures in lines, gains n/16, in force two frames later. */
+ * The sensor is a toy: 12 bits, exposures in lines, gains n/16, in force two frames after they are written, which is a
+ * delay of 3 as sensor.h counts. It is written in each frame; setting.changed says when a real one has to be. */
 #include <math.h>
 #include <pupil/pupil.h>
 #include <pupil/sensor.h>
@@ -15,26 +16,19 @@ static void read_frame(int i)
 {
     const double light = i < FRAMES / 2 ? 400.0 : 3.0; /* times full range, in 1 s at gain 1 */
     const double exposed = light * (double)lines[i] * line_s * (double)gain_code[i] / 16.0;
-    for (int x = 0; x < WIDTH * HEIGHT; x++) { /* columns from a quarter to four times that */
-        const double code = 4095.0 * exposed * exp2(4.0 * (x % WIDTH) / WIDTH - 2.0);
-        pixels[x] = (uint16_t)lround(fmin(code, 4095.0));
-    }
+    for (int x = 0; x < WIDTH * HEIGHT; x++) /* columns from a quarter to four times that */
+        pixels[x] = (uint16_t)lround(fmin(4095.0 * exposed * exp2(4.0 * (x % WIDTH) / WIDTH - 2.0), 4095.0));
 }
 
 int main(void)
 {
-    static pupil_image_const image; /* static: all zero where nothing is said */
+    const pupil_image_const image = pupil_image_const_of(pixels, WIDTH, HEIGHT, PUPIL_PIXEL_GREY12);
     pupil_t pupil;
     pupil_config metering;
     pupil_stats stats;
     pupil_sensor sensor;
     pupil_sensor_config config;
     pupil_sensor_setting setting;
-    image.pixel = PUPIL_PIXEL_GREY12;
-    image.data = pixels;
-    image.stride_bytes = WIDTH * 2;
-    image.width = WIDTH;
-    image.height = HEIGHT;
     pupil_config_default(&metering);
     metering.histogram = 1; /* without it the sensor does not see highlights */
     pupil_sensor_config_default(&config);

@@ -8,49 +8,54 @@
  *     pupil_sensor_init(&sensor, &config);
  *     pupil_sensor_get(&sensor, &setting), write setting.exposure_s and setting.gain to the camera;
  *     for each frame:
+ *         pupil_stats_clear(&stats), pupil_meter_rows(&pupil, &image, 0, height, &stats);
  *         pupil_sensor_frame(&sensor, &stats, &info);
  *         pupil_sensor_get(&sensor, &setting);
  *         if (setting.changed) write setting.exposure_s and setting.gain to the camera;
  *         show the frame times setting.frame_digital; (that is what "shown" means below)
  *
- * What it is built and tested for: whatever happened before, in light that holds still, what is shown is within 0.1
- * stops of the aim (`key`, `key_at`, `ev_compensation`, or where highlights hold it back). The sensor is within 0.25
- * stops, or half the camera's own step there, of the setting whose level is nearest to the aim. Both hold from max(60,
- * 12 x delay_frames) delivered frames after the last change of light or settings on, on each camera on which more
- * exposure or gain never makes the picture darker. Where the aim is out of reach, `reason` or `limits` names the limit.
- * docs/sensor.md says how, what was tested, and how often it is not so.
+ * What it is built and tested for: in constant light, from max(60, 12 x delay_frames) delivered frames after the last
+ * change of light or configuration on, the shown picture is within 0.1 stops of the aim (`key`, `key_at`,
+ * `ev_compensation`, or where highlights hold it back), and the sensor within 0.25 stops of its best setting, or half
+ * the camera's own step there. That is so whatever happened before, on each camera on which more exposure or gain never
+ * makes the picture darker. Where the aim is out of reach, `reason` or `limits` names the limit. docs/sensor.md says
+ * how, what was tested, and how often it is missed; and what to do in each state (States).
  *
  * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it,
  * before frame_digital. A histogram (pupil_config.histogram) is needed for the highlights and to see clipped light.
  * White is set once, where the frame is metered: pupil_coding.white for codes, pupil_config.clip for floats. What is
- * clipped at a lower code is found in the picture. `clip` here only says which value white has then.
+ * clipped at a lower code is found in the picture. `clip` here only tells the object which value white has in the
+ * statistics.
  *
  * Metadata: info.exposure_s and info.gain are those that this very frame was taken with, as far as the camera reports
- * them, as it reports them: another unit, a delay, rounding, or none at all are found. Do not put there what was asked
- * for last: that would look like a camera without delay. info.sequence says whether a frame is new and how many were
- * lost; it may restart. Timestamps may be equal, stop or jump.
+ * them, as it reports them: wrong units, delays, rounding and missing metadata are detected. Do not put there what was
+ * asked for last: that would look like a camera without delay. info.sequence says whether a frame is new and how many
+ * were lost; it may restart. Timestamps may be equal, stop or jump.
  *
- * Settings: exposure_s and gain are ones that the camera has, by exposure_step_s or exposure_table and by gain_law,
- * rounded down, or to the nearest where they are more than 0.2 stops apart. If the camera needs codes, convert to the
- * nearest code. What is left is `digital`, so that total = exposure_s * gain * digital always. frame_digital is the
- * factor for the frame that was just given: shown with it, a step of the sensor cannot be seen.
+ * Settings: exposure_s and gain are already rounded to values that the camera has, by exposure_step_s or exposure_table
+ * and by gain_law: down, or to the nearest where that leaves more than 0.125 stops. If the camera needs codes, convert
+ * to the nearest code. What is left is `digital`, so that total_s = exposure_s * gain * digital always; it is for
+ * information. The picture is multiplied by frame_digital only, the factor for the frame that was just given: shown
+ * with it, a step of the sensor cannot be seen.
  *
- * Speed: light that is further off than 4.5 x far_ev for more than flash_frames frames is followed in one step. From
+ * Speed: light that is off by more than 4.5 x far_ev for more than flash_frames frames is followed in one step. From
  * far_ev on it is followed at 0.05 stops a frame, below that by a first-order filter (tau_s), and light that clearly
- * moves to one side by its own speed. Highlights move the level by 0.025 stops a frame at most.
+ * moves to one side by its own speed. Highlights move the level by at most 0.05 stops a frame in the 60 frames after a
+ * step, and by 0.025 later.
  *
  * Cameras: delays of both controls are found from the frames, and so are tone curves, gains and exposures that do more
- * or less than they should or nothing, lost writes and white below the top code. Nothing is found for ever. To a camera
- * that does nothing of what is asked, or whose aim is out of reach, the setting is written again each second: `changed`
- * is then 1 with the same values. docs/camera-answers.md has what an integrator configures, and what is found.
+ * or less than they should or nothing, lost writes and white below the top code. All of it is examined again while the
+ * error stays. To a camera that does nothing of what is asked, or whose aim is more than 0.25 stops out of reach, the
+ * setting is written again each second: `changed` is then 1 with the same values. docs/camera-answers.md has what an
+ * integrator configures, and what is found.
  *
  * Known changes: a filter that is switched or a flash that fires is announced by pupil_sensor_announce. The setting for
  * it is asked for at once, and its frames are no evidence against the camera.
  *
  * Lamps: flicker of all light from frame to frame is taken out of the level and, by frame_digital, of each frame
  * (flicker_ev). Rows need exposures in multiples of half a mains period. With PUPIL_SENSOR_MAINS_AUTO their frequency
- * is found from the bands; until then exposures of 10 ms and more are multiples of 10 ms, where the light allows it.
- * docs/mains.md has the limits of both.
+ * is found from the bands. Until it is known, exposures of 10 ms and more are multiples of 10 ms where the light allows
+ * it. docs/mains.md has the limits of both.
  *
  * Threads: one thread at a time may use an object; different objects do not share anything.
  * Memory and determinism: as pupil.h says of pupil_t. Nothing is allocated, the object has a fixed size and no
@@ -102,7 +107,8 @@ typedef struct pupil_sensor_stage {
 typedef struct pupil_sensor_config {
     uint32_t size_bytes;   /* abi.h; filled in by pupil_sensor_config_default */
     uint32_t delay_frames; /* the longest delay that the camera may have: frames from the one that was measured to the
-                            * first that shows the reaction. Too long costs time only until it is found; 4; 1..16 */
+                            * first that was taken with the new setting. Too long costs time only until it is found;
+                            * 4; 1..16 */
 
     /* what is wanted */
     double key; /* what the log-average is to be, of the sensor's range: of `clip`; 0.18; 2^-10..1 */
@@ -128,8 +134,8 @@ typedef struct pupil_sensor_config {
                         * weight of a frame is at most 0.35 where the delays are known. Until then it is at most
                         * 0.39 / delay_frames: no delay up to that makes it overshoot (largest k without overshoot of
                         * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
-    double hold_ev;    /* the sensor's setting stays while the wanted total is within so many stops of where it was set;
-                        * the digital factor follows alone; 0.05; 0..0.5 */
+    double hold_ev;    /* the setting is kept while the wanted total is within so many stops of it; frame_digital does
+                        * the rest; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
 
     /* exposure time */
@@ -167,8 +173,9 @@ typedef struct pupil_sensor_config {
     pupil_sensor_stage stage[PUPIL_SENSOR_STAGES];
 
     /* what is known of the camera and the light */
-    uint32_t flash_frames; /* light that is far_ev off must be so for more than this many frames before anything moves:
-                            * strobes and lightning are shorter; 2; 0..8. Not while the first setting is looked for */
+    uint32_t flash_frames; /* light that is off by more than 4.5 x far_ev must be so for more than this many frames
+                            * before anything moves: strobes and lightning are shorter; 2; 0..8. Not while the first
+                            * setting is looked for */
     uint32_t linear;       /* 1: values are proportional to light, as of raw sensors. Set 0 for a tone curve, companding
                             * or gamma: then nothing is taken for a wrong black level, and until the first step has
                             * shown how strongly the picture answers, steps go half the way. Frames overrule both; 1 */
@@ -181,7 +188,8 @@ typedef struct pupil_sensor_config {
                                                          * itself; exposure_step_s is not read */
 
     /* Day and night (setting.day_night): night from day_night_s seconds of scene_ev below night_ev on, day from as many
-     * above day_ev on. What filters were announced to pass is left out. Put both well apart: a stop or two. */
+     * above day_ev on; at first the middle of both decides. What filters were announced to pass is left out. Put both
+     * well apart: a stop or two. */
     double night_ev;    /* 0; -256..day_ev */
     double day_ev;      /* 0; -256..256 */
     double day_night_s; /* 0: not looked for; 0..1e6 */
@@ -206,13 +214,14 @@ typedef union pupil_sensor {
 } pupil_sensor;
 
 typedef enum pupil_sensor_state {
-    PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet, but for what may be a flash */
+    PUPIL_SENSOR_EMPTY = 0, /* no frame with light yet */
     PUPIL_SENSOR_SEARCHING, /* a step is due or on its way */
     PUPIL_SENSOR_CONVERGED, /* what is shown is within far_ev of the aim, and the last step is in force */
     PUPIL_SENSOR_LIMITED,   /* at the end of what the camera can: reason has the limit; or the camera does not do what
                              * is asked of it: IGNORED */
     PUPIL_SENSOR_CLIPPED,   /* more than half of the frame is clipped: the light is a guess, searching goes on */
-    PUPIL_SENSOR_FLICKER,   /* converged, but on an exposure below half a mains period: lamps may show bands */
+    PUPIL_SENSOR_FLICKER,   /* converged, but on an exposure below half a mains period: lamps may show bands. Not while
+                             * the frequency is undetermined */
     PUPIL_SENSOR_LOCKED     /* config.lock, or both controls manual or held */
 } pupil_sensor_state;
 
@@ -229,9 +238,9 @@ typedef enum pupil_sensor_reason {
     PUPIL_SENSOR_LOCK,           /* config.lock */
     PUPIL_SENSOR_ALL_MANUAL,     /* both controls are manual or held */
     PUPIL_SENSOR_INVALID_FRAME,  /* this frame has no weight, or its numbers are none: nothing moved */
-    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's sequence, not 0, and timestamp: nothing moved */
+    PUPIL_SENSOR_REPEATED_FRAME, /* this frame has the last one's sequence and timestamp, neither 0: nothing moved */
     PUPIL_SENSOR_CLOCK_BACK,     /* this frame's timestamp is before the last one's: dt is that of the sequence, or 0 */
-    PUPIL_SENSOR_FLASH,          /* far off, but for no more than flash_frames so far: nothing moved */
+    PUPIL_SENSOR_FLASH,   /* off by more than 4.5 x far_ev, for no more than flash_frames so far: nothing moved */
     PUPIL_SENSOR_IGNORED, /* two large steps or more of exposure or gain were not seen in the frames: dead controls, or
                            * the camera's own automatic. They are asked again; each second `changed` is 1 */
     PUPIL_SENSOR_NONLINEAR, /* a picture that should be linear does not answer as light does (slope): a tone curve, or a
@@ -267,23 +276,24 @@ typedef struct pupil_sensor_setting {
     uint32_t reserved;
     double exposure_s;    /* to be written to the camera, as it has it */
     double gain;          /* to be written to the camera, as it has it */
-    double digital;       /* total_s / (exposure_s * gain) */
+    double digital;       /* total_s / (exposure_s * gain): not to be applied, frame_digital is */
     double total_s;       /* what is wanted: exposure time x gain */
     double frame_digital; /* for the frame given last, which was taken with what its info says */
     double flicker_ev; /* how much brighter lamps were in that frame than on average; frame_digital makes up for it */
     double scene_ev;   /* log2 of the light of the scene: value / (exposure_s * gain), without the beat */
     double wanted_ev;  /* log2 of what that frame's mean was to be: key, or key_at's at its light, of clip, with
                         * ev_compensation */
-    double error_ev;   /* how far total_s was off before this frame, positive: too dark; limits allowed for. Not the
-                        * error of what is shown: state says whether that is within far_ev */
+    double error_ev;   /* the aim minus the total wanted before this frame; positive: too dark; as far as the limits
+                        * allow.   Not the error of what is shown: state says whether that is within far_ev */
     double dt_s;
     uint64_t frames; /* frames with light since init */
     uint32_t state;  /* a pupil_sensor_state */
     uint32_t reason; /* a pupil_sensor_reason */
     uint32_t limits; /* mask, 1 << PUPIL_SENSOR_AT_...: every limit that an automatic control is at, whatever the state:
                       * gain is at its minimum in daylight */
-    uint32_t changed; /* exposure_s or gain is another than before the last call that was not a get: to be looked at
-                       * after each of these. After init both are to be written, whatever the camera had */
+    uint32_t changed; /* 1: exposure_s and gain are to be written: they changed in the last call that was not a get, or
+                       * are to be written again. To be looked at after each of these calls. After init both are to be
+                       * written, whatever the camera had */
     double slope;     /* of the picture's log2 over the light's, as the frames show it; 1 at first */
     uint32_t exposure_delay, gain_delay; /* frames from the one after which a setting was asked for to the first that
                                           * was taken with it, as the frames show it; 0: not known yet */
@@ -293,7 +303,7 @@ typedef struct pupil_sensor_setting {
                                           * in a frame; 0: never */
     uint32_t day_night;                  /* a pupil_sensor_day_night */
     uint32_t reserved_too;
-    double filter_ev; /* what announced filters pass more than at first, as that frame shows it: of scene_ev */
+    double filter_ev; /* stops that announced filters have added to scene_ev since the first frame */
 } pupil_sensor_setting;
 
 /* "converged", "exposure_min": names for logs and for people; of a number that is none, "unknown". Constant text. */
@@ -318,10 +328,10 @@ PUPIL_API int pupil_sensor_start(pupil_sensor *sensor, double exposure_s, double
 
 /* The caller knows that the light of the coming frames will be `ev` stops brighter than in the last one, from one of
  * the next `within_frames` frames on; `change`: a pupil_sensor_change. The setting for that is asked for at once
- * (`changed`). Until the frames show the change, what is shown stays as it was, and nothing else is done; that lasts at
- * most until the setting is in force and within_frames more have come. What did not come true is taken back then, as
- * any step of the light is. The frames in between do not count as evidence of delays or of what the controls do. So
- * the best time for the call is as many frames before the change as the controls' delay.
+ * (`changed`). Until the frames show the change, what is shown stays as it was, as far as digital_ev allows, and
+ * nothing else is done; that lasts at most until the setting is in force and within_frames more have come. What did not
+ * come true is taken back then, as any step of the light is. The frames in between do not count as evidence of delays
+ * or of what the controls do. So the best time for the call is as many frames before the change as the controls' delay.
  *
  * A second call while a change is awaited adds to it. Before the first frame with light, and while the setting is
  * locked, there is nothing to be done. PUPIL_ERR_VALUE: ev outside -32..32, within_frames outside 1..1000, or no such
