@@ -5,12 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "camera_choices.h"
 #include "common/interrupt.h"
 #include "encoders.h"
 #include "frames.h"
 
-enum { ROUNDS = 15, SHARES = 4, FRAMES = 3, SAMPLES = 3 * 16384, ERROR_SAMPLES = 16 * SAMPLES, FRAMES_SEEN = 64 };
-enum { MOST_RUNNERS = SHARES + FRAMES + BENCH_ENCODERS };
+enum { ROUNDS = 15, SHARES = 4, FRAMES = 6, SAMPLES = 3 * 16384, ERROR_SAMPLES = 16 * SAMPLES, FRAMES_SEEN = 64 };
+enum { MOST_RUNNERS = SHARES + FRAMES + BENCH_ENCODERS + BENCH_CAMERA_CHOICES };
 
 typedef struct meter_job { /* one of each n rows: config.meter_rows */
     pupil_t pupil;
@@ -126,9 +127,10 @@ static void encoder_errors(choosing *c, bench_choice choice[BENCH_ENCODERS])
 
 /* --- all --- */
 
-static int line_up(choosing *c, uint32_t level)
+static int line_up(choosing *c, const bench_options *o, workers *crew, uint32_t level)
 {
-    static const bench_which frames[FRAMES] = {BENCH_FUSED, BENCH_EXACT, BENCH_MAP};
+    static const bench_which frames[FRAMES] = {BENCH_MAP,         BENCH_FUSED,  BENCH_WHITE,
+                                               BENCH_WHITE_EVERY, BENCH_CONFIG, BENCH_EXACT};
     const size_t samples = (size_t)3 * c->s.in.width * c->s.in.height;
     uint64_t state = 1;
     bench_runner *next = c->runner;
@@ -148,7 +150,7 @@ static int line_up(choosing *c, uint32_t level)
         c->encoder[i] = (encoder_job){&c->tables, c->list[i].run, c->light, c->code, samples};
         *next++ = (bench_runner){.run = run_encoder, .context = &c->encoder[i]};
     }
-    return 0;
+    return bench_camera_open(o, crew, level, next);
 }
 
 static bench_choice *next_choice(bench_choice *choice, size_t *count, bench_group group, const choosing *c,
@@ -161,7 +163,8 @@ static bench_choice *next_choice(bench_choice *choice, size_t *count, bench_grou
 
 static int judge(choosing *c, uint32_t level, bench_choice *choice, size_t *count)
 {
-    static const char *const frame_name[FRAMES] = {"fused", "meter, then map", "map alone"};
+    static const char *const frame_name[FRAMES] = {"map alone",          "fused",          "fused+white",
+                                                   "white, every pixel", "config default", "exact"};
     const bench_runner *r = c->runner;
     verify_figures figures;
     if (bench_kernel_error(level, PUPIL_PIXEL_RGBA32F, PUPIL_LIGHT_DEFAULT, 1, 0, &figures))
@@ -191,7 +194,9 @@ static int judge(choosing *c, uint32_t level, bench_choice *choice, size_t *coun
         snprintf(next_choice(choice, count, BENCH_GROUP_ENCODER, c, r++)->name, sizeof choice->name, "%s",
                  c->list[i].name);
     encoder_errors(c, encoders);
-    return 0;
+    bench_choice *camera = &choice[*count];
+    *count += BENCH_CAMERA_CHOICES;
+    return bench_camera_judge(r, camera);
 }
 
 int bench_choices(const bench_options *o, workers *crew, const bench_flush *flush, uint32_t level,
@@ -199,9 +204,10 @@ int bench_choices(const bench_options *o, workers *crew, const bench_flush *flus
 {
     static choosing c; /* one run a process; the kernels are large for a stack */
     *count = 0;
-    const int failed = bench_subject_open(&c.s, o, PUPIL_PIXEL_RGBA32F, crew) || line_up(&c, level) ||
+    const int failed = bench_subject_open(&c.s, o, PUPIL_PIXEL_RGBA32F, crew) || line_up(&c, o, crew, level) ||
                        bench_race(c.runner, MOST_RUNNERS, o->rounds ? o->rounds : ROUNDS, flush, interrupt_came) ||
                        judge(&c, level, choice, count);
     bench_subject_close(&c.s);
+    bench_camera_close();
     return failed ? -1 : 0;
 }

@@ -11,6 +11,8 @@ typedef enum bench_group {
     BENCH_GROUP_STRIPED, /* the same; of a frame whose every eighth row is four stops brighter */
     BENCH_GROUP_FRAME,   /* whole frames to RGBA8, by pupil */
     BENCH_GROUP_ENCODER, /* encoding alone, in plain C */
+    BENCH_GROUP_CAMERA,  /* whole frames of NV12; the error is the mean of codes */
+    BENCH_GROUP_MOSAIC,  /* the same of a Bayer mosaic of 10 bits */
     BENCH_GROUPS
 } bench_group;
 
@@ -18,11 +20,11 @@ typedef struct bench_choice {
     char name[64];
     bench_group group;
     double ns_per_px;
-    double error; /* EV, or the share of samples that are off; 0: exact */
+    double error; /* EV, the share of samples that are off, or how many codes in the mean; 0: exact */
     int code_max; /* how far off they are at most */
 } bench_choice;
 
-enum { BENCH_MOST_CHOICES = 24 };
+enum { BENCH_MOST_CHOICES = 32 };
 
 /* Measures them; 0, or -1: interrupted, or it failed and said so. */
 int bench_choices(const bench_options *o, workers *crew, const bench_flush *flush, uint32_t level,

@@ -1,5 +1,5 @@
 /* pupil bench kernels --plot: speed across, error up, one named point for each choice; a panel for metering, one for
- * mapping. */
+ * mapping, one for frames of a camera. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,17 +10,18 @@
 #include "output/plot.h"
 
 /* In pixels of the picture; a letter as wide as gnuplot's Sans of 10 points comes to on average. */
-#define WIDE   1000.0
+#define WIDE   1500.0
 #define HIGH   520.0
-#define LETTER 6.7
+#define LETTER 7.3
 #define LINE   15.0
 #define DOT    6.0
 
 /* Okabe and Ito, as in plot.c. */
-static const char *const colour[BENCH_GROUPS] = {"#0072B2", "#D55E00", "#0072B2", "#009E73"};
-static const char *const mark[BENCH_GROUPS] = {"pt 7", "pt 9", "pt 7", "pt 5"};
+static const char *const colour[BENCH_GROUPS] = {"#0072B2", "#D55E00", "#0072B2", "#009E73", "#0072B2", "#D55E00"};
+static const char *const mark[BENCH_GROUPS] = {"pt 7", "pt 9", "pt 7", "pt 5", "pt 7", "pt 9"};
 static const char *const means[BENCH_GROUPS] = {"metering, natural frame", "metering, striped frame",
-                                                "pupil, a whole frame", "encoding alone, plain C"};
+                                                "pupil, a whole frame",    "encoding alone, plain C",
+                                                "NV12, a whole frame",     "10-bit mosaic, a whole frame"};
 
 typedef struct box {
     double x0, y0, x1, y1;
@@ -33,6 +34,8 @@ typedef struct panel {
     int lowest, highest;     /* error: powers of ten; what is exact is below the lowest */
     const char *error;
 } panel;
+
+enum { PANELS = 3 };
 
 typedef struct drawing {
     const bench_choice *choice;
@@ -64,7 +67,7 @@ static void fit(panel *p, const drawing *d)
             highest = fmax(highest, log10(c->error));
         }
     }
-    p->slowest *= 1.3;                  /* room for the last name */
+    p->slowest *= 1.45;                 /* room for the last name */
     p->lowest = (int)floor(lowest) - 2; /* and for those of what is exact */
     p->highest = (int)ceil(fmax(highest, lowest) + 0.3);
 }
@@ -198,20 +201,16 @@ static void draw_panel(FILE *out, panel *p, const drawing *d)
 static void script(FILE *out, int is_png, const void *context)
 {
     const drawing *d = context;
-    panel panels[2] = {{.first = BENCH_GROUP_NATURAL,
-                        .last = BENCH_GROUP_STRIPED,
-                        .x0 = 0.075,
-                        .x1 = 0.455,
-                        .y0 = 0.11,
-                        .y1 = 0.83,
-                        .error = "error of the log-average, EV"},
-                       {.first = BENCH_GROUP_FRAME,
-                        .last = BENCH_GROUP_ENCODER,
-                        .x0 = 0.555,
-                        .x1 = 0.98,
-                        .y0 = 0.11,
-                        .y1 = 0.83,
-                        .error = "share of samples that are one code off"}};
+    panel panels[PANELS] = {
+        {.first = BENCH_GROUP_NATURAL, .last = BENCH_GROUP_STRIPED, .error = "error of the log-average, EV"},
+        {.first = BENCH_GROUP_FRAME, .last = BENCH_GROUP_ENCODER, .error = "share of samples that are one code off"},
+        {.first = BENCH_GROUP_CAMERA, .last = BENCH_GROUP_MOSAIC, .error = "mean error, codes"}};
+    for (int i = 0; i < PANELS; i++) {
+        panels[i].x0 = 0.05 + 0.335 * i;
+        panels[i].x1 = panels[i].x0 + 0.265;
+        panels[i].y0 = 0.11;
+        panels[i].y1 = 0.83;
+    }
     fprintf(out, "set terminal %s size %g,%g %s background '#ffffff'\n", is_png ? "pngcairo" : "svg", WIDE, HIGH,
             is_png ? "font 'Sans,10'" : "dynamic font 'Helvetica,Arial,sans-serif,13'");
     fprintf(out,
@@ -219,7 +218,7 @@ static void script(FILE *out, int is_png, const void *context)
             "set tics nomirror out scale 0.6\nset grid lc '#dddddd' lt 1 lw 0.7\n"
             "set key at graph 0.02, graph 1.02 left bottom Left reverse samplen 1 noenhanced\n",
             d->title);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < PANELS; i++)
         draw_panel(out, &panels[i], d);
     fputs("unset multiplot\n", out);
 }
@@ -228,7 +227,7 @@ int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush)
 {
     bench_choice choice[BENCH_MOST_CHOICES];
     size_t count;
-    char title[96];
+    char title[128];
     pupil_why why;
     const uint32_t level = bench_best_level();
     if (bench_choices(o, crew, flush, level, choice, &count))
@@ -237,8 +236,8 @@ int bench_plot(const bench_options *o, workers *crew, const bench_flush *flush)
     for (size_t i = 0; i < count; i++)
         printf("%-30s %-24s %8.3f %10.2e %6d\n", choice[i].name, means[choice[i].group], choice[i].ns_per_px,
                choice[i].error, choice[i].code_max);
-    snprintf(title, sizeof title, "RGBA float, %lux%lu, one thread, %s, %s", (unsigned long)o->width,
-             (unsigned long)o->height, bench_level_names[level], flush ? "cold" : "warm");
+    snprintf(title, sizeof title, "RGBA float and frames of a camera, %lux%lu, one thread, %s, %s",
+             (unsigned long)o->width, (unsigned long)o->height, bench_level_names[level], flush ? "cold" : "warm");
     const drawing d = {choice, count, title};
     if (pupil_plot_draw(o->plot, o->overwrite, script, &d, &why)) {
         report_error("pupil bench", &why, "");

@@ -126,8 +126,8 @@ if command -v gnuplot >/dev/null; then
         expect 1 "plot.$kind: is there already; -y replaces it" bench kernels --plot plot.$kind
     done
     for name in "every row" "1/2 of the rows" "1/4 of the rows" "1/8 of the rows" "1/2 of the rows, striped" \
-        "1/4 of the rows, striped" "1/8 of the rows, striped" fused "meter, then map" "map alone" cells \
-        "quartic + cells" "8192-byte table" "104 segments" cubic quartic; do
+        "1/4 of the rows, striped" "1/8 of the rows, striped" fused exact "map alone" cells \
+        "fused+white" "white, every pixel" "config default" "to NV12, fused+white" "half size" "quartic + cells" "8192-byte table" "104 segments" cubic quartic; do
         grep -q "^$name  " choices.txt || fail "not measured: $name: $(cat choices.txt)"
         grep -qF ">$name<" plot.svg || fail "not named: $name"
     done
@@ -135,6 +135,10 @@ if command -v gnuplot >/dev/null; then
     awk '/^(cells|quartic \+ cells) / && !($(NF - 1) == 0 && $NF == 0) { exit 1 }
         /^(8192|104|cubic|quartic  )/ && !($(NF - 1) > 0 && $NF == 1) { exit 1 }' choices.txt ||
         fail "errors of the encoders: $(cat choices.txt)"
+    # by luma codes are off, by less than one in the mean; what is exact is off by one at most, in one of a thousand
+    awk '/^luma|^to NV12, luma/ { seen++; wrong += !($(NF - 1) > 0.01 && $(NF - 1) < 1) }
+        !/luma/ && /(NV12|10-bit mosaic), a whole frame/ { seen++; wrong += !($(NF - 1) < 0.001 && $NF <= 1) }
+        END { exit wrong || seen != 9 }' choices.txt || fail "frames of cameras: $(cat choices.txt)"
     # fewer rows see less, of stripes above all; but some of them in every frame (a fixed choice would be 3.5 off)
     awk '/^every row/ { ok = $(NF - 1) == 0 }
         /^1.8 of the rows  / { natural = $(NF - 1) }
