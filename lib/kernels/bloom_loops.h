@@ -97,6 +97,25 @@ static int bloom_lit_rgba32f(const void *source, ptrdiff_t next_row, uint32_t n,
     return lit != 0;
 }
 
+static uint32_t bloom_units(const float *r, const float *g, const float *b, uint32_t n)
+{
+    uint32_t units = 0;
+    for (uint32_t i = 0; i < n; i += 2 * BLOOM_LANES) {
+        bloom_places low[3], high[3];
+        const float *const from[3] = {r + i, g + i, b + i};
+        for (int k = 0; k < 3; k++) {
+            __builtin_memcpy(&low[k], from[k], sizeof low[k]);
+            __builtin_memcpy(&high[k], from[k] + BLOOM_LANES, sizeof high[k]);
+        }
+        const bloom_places any = (low[0] | low[1] | low[2]) | (high[0] | high[1] | high[2]);
+        uint32_t lit = 0;
+        for (int k = 0; k < BLOOM_LANES; k++)
+            lit |= (uint32_t)any[k];
+        units |= (uint32_t)(lit != 0) << i / (2 * BLOOM_LANES);
+    }
+    return units;
+}
+
 static void bloom_widen(const float *from, uint32_t n, float *to)
 {
     for (uint32_t i = 0; i < n; i += BLOOM_LANES) {
@@ -117,6 +136,6 @@ static void bloom_widen(const float *from, uint32_t n, float *to)
 #define BLOOM_PIECES                                                                                                   \
     .bloom_columns = bloom_columns, .bloom_rows = bloom_rows, .bloom_bright = bloom_bright, .bloom_down = bloom_down,  \
     .bloom_up = bloom_up, .bloom_halve = bloom_halve, .bloom_widen = bloom_widen,                                      \
-    .bloom_lit_rgba32f = bloom_lit_rgba32f
+    .bloom_lit_rgba32f = bloom_lit_rgba32f, .bloom_units = bloom_units
 
 #endif

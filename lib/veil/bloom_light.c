@@ -3,15 +3,6 @@
 
 #include "base/numeric.h"
 
-static int is_lit(bloom_line line, uint32_t n)
-{
-    uint32_t any = 0;
-    for (int channel = 0; channel < 3; channel++)
-        for (uint32_t i = 0; i < n; i++)
-            any |= pupil_bits_of_float(line[channel][i]);
-    return any != 0;
-}
-
 /* What is there of n pixels from x on. */
 typedef struct bloom_piece {
     uint32_t first, pixels, before; /* the frame's first one, how many, and how many are left of the frame */
@@ -24,7 +15,7 @@ static bloom_piece piece_of(uint32_t width, int32_t x, uint32_t n)
                        : (bloom_piece){0};
 }
 
-int pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_line line)
+uint32_t pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_line line)
 {
     const pupil_image_const *in = f->rows.image;
     const bloom_piece p = piece_of(in->width, x, n);
@@ -37,16 +28,19 @@ int pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_li
     if (bright_pass && by_pixels &&
         !PUPIL_PIECE(f->kernels, bloom_lit_rgba32f)(source, next_row, p.pixels, f->threshold))
         return 0;
-    if (p.pixels < n)
-        __builtin_memset(line, 0, sizeof(bloom_line));
+    for (int channel = 0; channel < 3 && p.pixels < n; channel++) {
+        const uint32_t after = p.before + p.pixels;
+        __builtin_memset(line[channel], 0, p.before * sizeof(float));
+        __builtin_memset(line[channel] + after, 0, (BLOOM_LINE - after) * sizeof(float));
+    }
     float *const to[3] = {line[0] + p.before, line[1] + p.before, line[2] + p.before};
     if (!bright_pass && by_pixels && f->kernels->bloom_light_rgba32f) {
         f->kernels->bloom_light_rgba32f(source, next_row, p.pixels, to);
-        return 1;
+        return BLOOM_ALL_UNITS;
     }
     (void)PUPIL_PIECE(f->kernels, load[in->pixel])(&f->rows.coder, &row, p.first, p.pixels, &f->planes);
     PUPIL_PIECE(f->kernels, bloom_bright)(&f->planes, p.pixels, f->threshold, to);
-    return !bright_pass || is_lit(line, n);
+    return bright_pass ? PUPIL_PIECE(f->kernels, bloom_units)(line[0], line[1], line[2], n) : BLOOM_ALL_UNITS;
 }
 
 int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count)

@@ -26,7 +26,7 @@ static bloom_object *object_of(pupil_bloom *bloom)
 static void read_row(gathering *g, int32_t y, int32_t x, uint32_t n)
 {
     const uint32_t at = (uint32_t)(y + 2 * HALVED) % HALVED;
-    const int lit = pupil_bloom_light(&g->frame, y, 2 * x - BLOOM_SIDE, 2 * n + 2 * BLOOM_SIDE, g->row[at]);
+    const uint32_t lit = pupil_bloom_light(&g->frame, y, 2 * x - BLOOM_SIDE, 2 * n + 2 * BLOOM_SIDE, g->row[at]);
     g->state[at] = lit ? BLOOM_LIT : BLOOM_DARK;
 }
 

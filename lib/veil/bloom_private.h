@@ -82,9 +82,10 @@ static inline void *pupil_bloom_aligned(pupil_bloom_scratch *scratch)
     return (unsigned char *)scratch + (64 - (uintptr_t)scratch % 64) % 64;
 }
 
-/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. 0: there is none, and
- * what is in the line is not said. */
-int pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
+/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. Returns in which
+ * units of BLOOM_UNIT pixels of the line there is some: bit k, in the k-th. 0: what is in the line is not said. */
+enum { BLOOM_UNIT = 16, BLOOM_UNITS = BLOOM_LINE / BLOOM_UNIT, BLOOM_ALL_UNITS = (1 << BLOOM_UNITS) - 1 };
+uint32_t pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
 /* Of some lines: no light, but anything in it; light; zeros. */
 enum { BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
 /* Whether one of them is lit. Then those that are dark are made black. */
@@ -115,6 +116,7 @@ typedef struct bloom_window {
     BLOOM_ALIGNED pupil_bloom_sums sums;
     BLOOM_ALIGNED float line[BLOOM_LINE];
     uint8_t state[PUPIL_BLOOM_ROWS];
+    uint32_t units[PUPIL_BLOOM_ROWS]; /* pupil_bloom_light's */
     bloom_frame frame;
 } bloom_window;
 

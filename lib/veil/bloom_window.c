@@ -11,9 +11,8 @@ static uint32_t place_of(int32_t y)
 static void read_row(bloom_window *w, int32_t y, uint32_t x, uint32_t n)
 {
     const uint32_t at = place_of(y);
-    w->state[at] = pupil_bloom_light(&w->frame, y, (int32_t)x - BLOOM_SIDE, n + 2 * BLOOM_SIDE, w->ring[at])
-                       ? BLOOM_LIT
-                       : BLOOM_DARK;
+    w->units[at] = pupil_bloom_light(&w->frame, y, (int32_t)x - BLOOM_SIDE, n + 2 * BLOOM_SIDE, w->ring[at]);
+    w->state[at] = w->units[at] ? BLOOM_LIT : BLOOM_DARK;
 }
 
 void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t n)
@@ -22,15 +21,37 @@ void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t 
         read_row(w, i, x, n);
 }
 
-/* What the kernel at full size scatters. */
-static void add_full(const bloom_object *o, bloom_window *w, int32_t y, uint32_t n, float *const plane[3])
+/* What the kernel at full size scatters to n pixels from the block's pixel x on. */
+static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32_t x, uint32_t n, float *const plane[3])
 {
     const float *row[PUPIL_BLOOM_ROWS];
+    uint32_t place = place_of(y - REACH);
+    for (int i = 0; i < PUPIL_BLOOM_ROWS; i++) {
+        row[i] = w->ring[place][0] + x;
+        place = place + 1 < PUPIL_BLOOM_ROWS ? place + 1 : 0;
+    }
     for (int channel = 0; channel < 3; channel++) {
-        for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
-            row[i] = w->ring[place_of(y - REACH + i)][channel];
+        for (int i = 0; channel && i < PUPIL_BLOOM_ROWS; i++)
+            row[i] += BLOOM_LINE;
         PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->taps[0], n + 2 * BLOOM_SIDE, w->sums);
-        PUPIL_PIECE(w->frame.kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])w->sums, n, plane[channel], 1);
+        PUPIL_PIECE(w->frame.kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])w->sums, n, plane[channel] + x, 1);
+    }
+}
+
+/* Where there is light within reach: a line begins half a unit before the block, so a unit of the block has two of it
+ * within reach. */
+static void add_full(const bloom_object *o, bloom_window *w, int32_t y, uint32_t n, float *const plane[3])
+{
+    uint32_t lit = 0;
+    for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
+        lit |= w->units[i];
+    const uint32_t need = lit | lit >> 1, units = (n + BLOOM_UNIT - 1) / BLOOM_UNIT;
+    for (uint32_t first = 0, end; first < units; first = end + 1) {
+        for (end = first; end < units && need >> end & 1; end++)
+            ;
+        const uint32_t x = first * BLOOM_UNIT, most = (end - first) * BLOOM_UNIT;
+        if (most)
+            add_pixels(o, w, y, x, most < n - x ? most : n - x, plane);
     }
 }
 

@@ -150,6 +150,19 @@ static void check_lit(uint32_t n)
     }
 }
 
+/* One pixel of one channel that is lit, however little. */
+static void check_units(uint32_t n)
+{
+    static float line[3][MOST];
+    for (uint32_t i = 0; i < 3 * n; i++) {
+        float *at = &line[i % 3][i / 3];
+        CHECK(pupil_kernels_scalar.bloom_units(line[0], line[1], line[2], n) == 0);
+        *at = 0x1p-149f;
+        CHECK_MSG(pupil_kernels_scalar.bloom_units(line[0], line[1], line[2], n) == 1u << i / 48, "%u of %u", i, n);
+        *at = 0.0f;
+    }
+}
+
 /* Negative light, NaN and what is above the ceiling; and what is above a threshold, with the colour that it had. */
 static void check_bright(uint32_t n)
 {
@@ -210,6 +223,7 @@ int main(int argc, char **argv)
         check_halve_and_widen(counts[k]);
         check_bright(counts[k]);
         check_lit(counts[k]);
+        check_units(counts[k]);
     }
     check_veil();
     return check_end();
