@@ -14,6 +14,9 @@
 #include "bins.h"
 
 #define WAYS (PUPIL_LANES / WIDTH)
+#ifndef DENORMALS_ARE_SLOW
+#define DENORMALS_ARE_SLOW 0
+#endif
 /* gcc -O2 needs this to keep what a loop carries in registers; clang does so by itself. */
 #if defined(__clang__)
 #define FOR_EACH_WAY(k) for (int k = 0; k < WAYS; k++)
@@ -81,9 +84,11 @@ INLINE void luminance_of(group *p, const meter_constants *c)
     FOR_EACH_WAY(k) p->l[k] = luminance(p->r[k], p->g[k], p->b[k], c);
 }
 
-/* Products with denormals are slow. In a sum that is above any floor they change nothing. */
+/* In a sum that is above any floor denormals change nothing. */
 INLINE floats without_denormals(floats v)
 {
+    if (!DENORMALS_ARE_SLOW)
+        return v;
     const floats size = v_of_bits(v_and(v_bits(v), v_all_ints(0x7fffffff)));
     return v_select(v_less(size, v_all(0x1p-126f)), v_all(0.0f), v);
 }

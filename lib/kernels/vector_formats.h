@@ -157,25 +157,23 @@ INLINE int load_groups(const format *f, const uint8_t *source, uint32_t n, pupil
 
 /* --- meter --- */
 
-/* Pixels from i on, of any values: 64 by 64 as long as they are not ordinary, and the last ones, which are fewer.
+/* Pixels from i on, of any values: 64 by 64 as long as some are counted, and the last ones, which are fewer.
  * Returns the first pixel that is left. Each format has its own that is not inlined: what is rare must not take
  * registers from what is not. */
 typedef size_t hard_meter(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_run *run);
 
-/* 1: they turn out to be ordinary. */
+/* 1: nothing in them was counted, so the next ones may well be ordinary. */
 INLINE int meter_64_hard(const format *f, const uint8_t *source, const meter_constants *c, lanes *s, pupil_run *run)
 {
-    extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
+    const uint32_t before = run->black + run->clipped + run->bad;
     for (size_t i = 0; i < 4 * PUPIL_LANES; i += PUPIL_LANES) {
         group p;
         load_group(f, source + i * f->bytes, &p);
         luminance_of_any(&p, c);
         meter_hard(&p, c, s, PUPIL_LANES, run);
-        e.top = v_max_unsigned(e.top, p.top);
-        FOR_EACH_WAY(k) e.least = v_min(e.least, p.l[k]);
     }
     move_exponents(s, run);
-    return is_ordinary(&e, c);
+    return run->black + run->clipped + run->bad == before;
 }
 
 INLINE size_t meter_groups_hard(const format *f, const pupil_row_job *job, const uint8_t *source, size_t i, size_t n,
@@ -201,29 +199,34 @@ INLINE size_t meter_groups_hard(const format *f, const pupil_row_job *job, const
     return n;
 }
 
-/* After each 64 pixels the exponents are moved, and before those that are left, because up to four factors may be in
- * the products. */
+/* Pixels from i on, as long as all of the next 64 are ordinary. Returns the first pixel that is left. After each 64 the
+ * exponents are moved, because up to four factors may be in the products. */
+INLINE size_t meter_ordinary(const format *f, const meter_constants *c, const uint8_t *source, size_t i, size_t n,
+                             pupil_run *run)
+{
+    lanes s = lanes_of(run);
+    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
+        extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
+        FOR_FOUR(j)
+        sum_ordinary(f, source + (i + (size_t)j * PUPIL_LANES) * f->bytes, c, &s, &e);
+        e.top = top_bits(f, e.top);
+        if (__builtin_expect(!is_ordinary(&e, c), 0))
+            break;
+        move_exponents(&s, run);
+    }
+    return i;
+}
+
 INLINE void meter_groups(const format *f, hard_meter *hard, const pupil_row_job *job, const uint8_t *source, size_t n,
                          pupil_run *run)
 {
     const meter_constants c = meter_constants_of(job);
-    lanes s = lanes_of(run);
     size_t i = 0;
-    while (i + 4 * PUPIL_LANES <= n) {
-        extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
-        FOR_FOUR(j)
-        sum_ordinary(f, source + (i + (size_t)j * PUPIL_LANES) * f->bytes, &c, &s, &e);
-        e.top = top_bits(f, e.top);
-        if (__builtin_expect(!is_ordinary(&e, &c), 0)) {
+    do {
+        i = meter_ordinary(f, &c, source, i, n, run);
+        if (i < n)
             i = hard(job, source, i, n, run);
-            s = lanes_of(run);
-        } else {
-            move_exponents(&s, run);
-            i += 4 * PUPIL_LANES;
-        }
-    }
-    if (i < n)
-        hard(job, source, i, n, run);
+    } while (i < n);
 }
 
 /* --- scale: map to planes --- */
@@ -286,40 +289,38 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     const meter_constants c = meter_constants_of(job);
     const scale_constants d = scale_constants_of(job->curve);
     mask opaque = v_at_least(v_all(1.0f), v_all(1.0f));
-    uint64_t any = 0;
-    size_t i = 0;
     scaled_block to; /* not cleared as a whole, which would take as long as a group */
+    uint64_t any = 0;
+    size_t i = 0, done = 0; /* by `hard` */
     to.over.any = 0;
     to.opaque = opaque;
     to.keep = keep;
-    while (i + PUPIL_LANES <= n) {
+    for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
         mask beyond[WAYS];
+        if (__builtin_expect(i < done, 0))
+            continue;
         const ints top = top_bits(
             f, scale_ordinary(f, source + i * f->bytes, &c, &d, i, planes, beyond, &opaque, keep ? keep->lum : 0));
         if (__builtin_expect(v_every(v_at_most(top, c.bounded)), 1)) {
             any |= to.over.vectors[i / PUPIL_LANES] = v_group_bits(beyond);
             if (keep)
                 keep_top(keep, i, top);
-            i += PUPIL_LANES;
         } else {
-            i = hard(job, source, i, n, planes, &to);
+            done = hard(job, source, i, n, planes, &to);
         }
     }
-    if (i < n)
+    if (i < n && done < n)
         hard(job, source, i, n, planes, &to);
     if (any | to.over.any)
         fit_listed(&to.over, n, &d, job->cones, planes);
     return v_every(v_both(opaque, to.opaque));
 }
 
-/* Meters what scaling has kept. 64 pixels that are not ordinary go the hard way, from their source. */
-INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t *source, uint32_t n, const kept *keep,
-                       pupil_run *run)
+/* Meters what scaling has kept, as meter_ordinary. */
+INLINE size_t meter_kept_ordinary(const meter_constants *c, size_t i, size_t n, const kept *keep, pupil_run *run)
 {
-    const meter_constants c = meter_constants_of(job);
     lanes s = lanes_of(run);
-    size_t i = 0;
-    while (i + 4 * PUPIL_LANES <= n) {
+    for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
         extremes e = {keep->tops[i / (4 * PUPIL_LANES)], v_all(PUPIL_CEILING)};
         FOR_FOUR(j)
         {
@@ -330,19 +331,25 @@ INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t
                 s.product[k] = v_mul(s.product[k], l);
             }
         }
-        if (__builtin_expect(is_ordinary(&e, &c), 1)) {
-            move_exponents(&s, run);
-            i += 4 * PUPIL_LANES;
-        } else {
-            i = hard(job, source, i, n, run);
-            s = lanes_of(run);
-        }
+        if (__builtin_expect(!is_ordinary(&e, c), 0))
+            break;
+        move_exponents(&s, run);
     }
-    if (i < n)
-        hard(job, source, i, n, run);
+    return i;
 }
 
-/* --- planes as a format: what other formats have been loaded to --- */
+/* 64 pixels that are not ordinary go the hard way, from their source. */
+INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t *source, uint32_t n, const kept *keep,
+                       pupil_run *run)
+{
+    const meter_constants c = meter_constants_of(job);
+    size_t i = 0;
+    do {
+        i = meter_kept_ordinary(&c, i, n, keep, run);
+        if (i < n)
+            i = hard(job, source, i, n, run);
+    } while (i < n);
+}
 
 /* Their pixels are floats apart by the lengths of pupil_planes; of alpha nothing is known. */
 INLINE void load_from_planes(const void *source, floats *r, floats *g, floats *b, floats *a)

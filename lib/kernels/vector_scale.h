@@ -8,7 +8,7 @@
 
 typedef struct scale_constants {
     floats scale, inverse_white_squared, gamut, knee, above_knee;
-    floats faintest; /* the least of a channel, where it is not bounded, that is not mapped as 0 */
+    floats faintest; /* where denormals are slow: the least of a channel that is not mapped as 0 */
 } scale_constants;
 
 INLINE scale_constants scale_constants_of(const pupil_tone *curve)
@@ -25,7 +25,8 @@ INLINE scale_constants scale_constants_of(const pupil_tone *curve)
 
 INLINE floats clamp_channel(floats v, const scale_constants *c)
 {
-    return v_min(v_where(v_at_least(v, c->faintest), v), v_all(PUPIL_BRIGHTEST));
+    const floats positive = DENORMALS_ARE_SLOW ? v_where(v_at_least(v, c->faintest), v) : v_max(v, v_all(0.0f));
+    return v_min(positive, v_all(PUPIL_BRIGHTEST));
 }
 
 INLINE floats cube_root(floats x)
@@ -55,19 +56,25 @@ INLINE floats row_times_cone(const float row[3], floats a, floats c)
     return v_add(v_add(v_mul(v_all(row[0]), a), v_all(row[1])), v_mul(v_all(row[2]), c));
 }
 
-/* Four vectors at a time: each has a long way to go, and none waits for another. */
-enum { IN_A_FIT = 4 };
+/* Vectors at a time: each has a long way to go, and none waits for another. Where vectors are short, an ARM board's,
+ * what must be kept between the steps takes more instructions. */
+enum { IN_A_FIT = WIDTH > 4 ? 4 : 1 };
+#if defined(__clang__)
+#define FOR_EACH_FIT(k) for (int k = 0; k < IN_A_FIT; k++)
+#else
+#define FOR_EACH_FIT(k) _Pragma("GCC unroll 4") for (int k = 0; k < IN_A_FIT; k++)
+#endif
 
 /* From pixels at[k] on, WIDTH each, some of which are beyond the display's gamut: gamut.h's fit_gamut. Where grey is
  * white, room is 0, `most` and `part` are 1, and so is the result, but for its rounding: that is what `least` is for.
- * Two of the four may be the same. */
+ * Two of them may be the same. */
 INLINE void fit_gamut(const uint8_t at[IN_A_FIT], pupil_planes *planes, const scale_constants *c,
                       const pupil_cones *cones)
 {
     const floats one = v_all(1.0f);
     floats most[IN_A_FIT], part[IN_A_FIT], l[IN_A_FIT], s[IN_A_FIT];
     mask over[IN_A_FIT];
-    FOR_FOUR(k)
+    FOR_EACH_FIT(k)
     {
         const uint32_t i = WIDTH * at[k];
         const floats grey = v_load(planes->grey + i), room = v_max(v_sub(one, grey), v_all(0.0f));
@@ -81,7 +88,7 @@ INLINE void fit_gamut(const uint8_t at[IN_A_FIT], pupil_planes *planes, const sc
         part[k] = v_min(v_mul(v_mul(v_mul(dim, dim), dim), excess), one);
         over[k] = v_greater(largest, limit);
     }
-    FOR_FOUR(k)
+    FOR_EACH_FIT(k)
     {
         const uint32_t i = WIDTH * at[k];
         const floats r = v_max(v_load(planes->r + i), v_all(LEAST_VISIBLE)),
@@ -91,9 +98,9 @@ INLINE void fit_gamut(const uint8_t at[IN_A_FIT], pupil_planes *planes, const sc
         l[k] = v_mul(row_times(cones->from_rgb, r, g, b), unit);
         s[k] = v_mul(row_times(cones->from_rgb + 6, r, g, b), unit);
     }
-    FOR_FOUR(k) l[k] = toward_grey(l[k], part[k]);
-    FOR_FOUR(k) s[k] = toward_grey(s[k], part[k]);
-    FOR_FOUR(k)
+    FOR_EACH_FIT(k) l[k] = toward_grey(l[k], part[k]);
+    FOR_EACH_FIT(k) s[k] = toward_grey(s[k], part[k]);
+    FOR_EACH_FIT(k)
     {
         const uint32_t i = WIDTH * at[k];
         float *r = planes->r + i, *g = planes->g + i, *b = planes->b + i;
@@ -180,10 +187,14 @@ static __attribute__((noinline)) void fit_listed(const group_list *over, uint32_
     for (uint32_t j = 0; j < n; j += PUPIL_LANES)
         for (uint64_t vectors = over->vectors[j / PUPIL_LANES]; vectors;) {
             const uint32_t k = (uint32_t)__builtin_ctzll(vectors) / (64 / WAYS);
-            at[count++] = (uint8_t)(j / WIDTH + k);
+            const uint8_t vector = (uint8_t)(j / WIDTH + k);
+            if (IN_A_FIT == 1)
+                fit_gamut(&vector, planes, c, cones);
+            else
+                at[count++] = vector;
             vectors &= WAYS == 1 ? 0 : ~(((UINT64_C(1) << (64 / WAYS) % 64) - 1) << k * (64 / WAYS));
         }
-    for (uint32_t j = 0; j < IN_A_FIT - 1; j++)
+    for (uint32_t j = 0; count && j < IN_A_FIT - 1; j++)
         at[count + j] = at[count - 1];
     for (uint32_t j = 0; j < count; j += IN_A_FIT)
         fit_gamut(at + j, planes, c, cones);

@@ -8,6 +8,9 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
+/* vector.h: products with denormals, which these CPUs do not foresee. */
+#define DENORMALS_ARE_SLOW 1
+
 /* Two floats, which are aligned as floats are, in all places. */
 INLINE __m256d pair_everywhere(const float *pair)
 {
