@@ -194,8 +194,8 @@ static __attribute__((noinline)) void fit_listed(const group_list *over, uint32_
                 at[count++] = vector;
             vectors &= WAYS == 1 ? 0 : ~(((UINT64_C(1) << (64 / WAYS) % 64) - 1) << k * (64 / WAYS));
         }
-    for (uint32_t j = 0; count && j < IN_A_FIT - 1; j++)
-        at[count + j] = at[count - 1];
+    for (uint32_t j = 1; count && j < IN_A_FIT; j++)
+        at[count + j - 1] = at[count - 1];
     for (uint32_t j = 0; j < count; j += IN_A_FIT)
         fit_gamut(at + j, planes, c, cones);
 }
