@@ -120,8 +120,11 @@ int main(int argc, char **argv)
             for (size_t out = 0; out < sizeof outs / sizeof *outs; out++)
                 for (uint32_t smaller = 1; smaller <= (pupil_pixel_is_mosaic(in) ? 2u : 1u); smaller++) {
                     uint32_t width = 300, height = 4; /* more than a block of pixels, and some beside it */
-                    const pupil_coding coding = {
-                        .rgb_from_camera = {1.6f, -0.4f, -0.2f, -0.3f, 1.5f, -0.2f, 0, -0.5f, 1.5f}};
+                    pupil_coding coding = {.rgb_from_camera = {1.6f, -0.4f, -0.2f, -0.3f, 1.5f, -0.2f, 0, -0.5f, 1.5f}};
+                    coding.knees = pupil_pixel_is_mosaic(in) &&
+                                   check_uniform() < 0.5; /* companded: half of the codes for a fifth of the light */
+                    coding.knee_code[0] = coding.knees ? (float)(1u << (pupil_pixel_bits(in) - 1)) : 0.0f;
+                    coding.knee_light[0] = coding.knees ? 0.2f : 0.0f;
                     const pupil_config config = any_config();
                     const pupil_curve curve = any_curve();
                     frame_fit(in, &width, &height);
