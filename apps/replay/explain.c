@@ -30,9 +30,10 @@ static void tell_light(FILE *out, const frame_log_entry *e)
                 "         %.0f %% of the pixels are at the input's largest code: what was brighter is lost there\n",
                 percent(e->clipped_share));
     if (e->black_share >= VISIBLE_SHARE)
-        fprintf(out, "         %.0f %% are black (--floor), and do not count\n", percent(e->black_share));
+        fprintf(out, "         %.0f %% are black, and count as the floor (--floor); --roi and --trim leave them out\n",
+                percent(e->black_share));
     if (e->bad_share > 0.0)
-        fprintf(out, "         %.2g %% are no numbers, and do not count\n", percent(e->bad_share));
+        fprintf(out, "         %.2g %% are no numbers; NaN counts as the floor\n", percent(e->bad_share));
 }
 
 /* How far the level is from where this frame alone would have it: above 0, the picture is darker than it will be. */

@@ -214,7 +214,14 @@ int pupil_pending_keep(const char *path, pupil_why *why)
     return -1;
 }
 
-static int check_there(const pupil_pending *p, const struct stat *parent, pupil_why *why)
+/* What is replaced may be for its owner only, and so is what takes its place, from its first byte on. */
+static void keep_mode(const pupil_pending *p, mode_t more)
+{
+    if (p->mode && fchmod(p->fd, (mode_t)p->mode | more) != 0)
+        errno = 0; /* a file system without modes */
+}
+
+static int check_there(pupil_pending *p, const struct stat *parent, pupil_why *why)
 {
     struct stat s;
     if (stat(p->path, &s) != 0) {
@@ -222,6 +229,7 @@ static int check_there(const pupil_pending *p, const struct stat *parent, pupil_
             return 0;
         return pupil_refuse(why, "%s: cannot be written: %s", p->path, strerror(errno));
     }
+    p->mode = s.st_mode & 0777;
     if (!p->is_folder) {
         if (S_ISDIR(s.st_mode))
             return pupil_refuse(why, "%s: is a folder; name a file", p->path);
@@ -257,6 +265,7 @@ static int prepare(pupil_pending *p, const char *path, pupil_why *why)
     p->temporary = make_beside(p->path, p->is_folder, "part", &p->fd);
     if (!p->temporary)
         return pupil_refuse(why, "%s: cannot be written there: %s", p->path, strerror(errno));
+    keep_mode(p, p->is_folder ? S_IRWXU : S_IRUSR | S_IWUSR);
     return 0;
 }
 
@@ -346,17 +355,39 @@ static int check_ours(const pupil_pending *p, pupil_why *why)
 }
 
 /* A file that must not replace another: the kernel looks and renames at once, where the file system can. */
-static int move(const pupil_pending *p)
+static int move_to(const pupil_pending *p, const char *path)
 {
-    if (p->is_folder || p->overwrite)
-        return rename(p->temporary, p->path);
-    if (renameat2(AT_FDCWD, p->temporary, AT_FDCWD, p->path, RENAME_NOREPLACE) == 0)
+    if (renameat2(AT_FDCWD, p->temporary, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
         return 0;
     if (errno != EINVAL && errno != ENOSYS)
         return -1;
-    if (link(p->temporary, p->path) == 0)
+    if (!p->is_folder && link(p->temporary, path) == 0)
         return unlink(p->temporary);
-    return errno == EEXIST ? -1 : rename(p->temporary, p->path); /* a file system without links */
+    return errno == EEXIST ? -1 : rename(p->temporary, path); /* a file system without links */
+}
+
+static int move(const pupil_pending *p)
+{
+    keep_mode(p, 0);
+    return p->is_folder || p->overwrite ? rename(p->temporary, p->path) : move_to(p, p->path);
+}
+
+/* Somebody has put something in the place since this output was begun: it stays, and this output is beside it, under a
+ * free name. Returns -1. */
+static int put_beside(pupil_pending *p, pupil_why *why)
+{
+    char *other = free_name(p->path);
+    if (!other || move_to(p, other) != 0) {
+        free(other);
+        return p->is_folder
+                   ? pupil_refuse(why, "%s: files were put there in the meantime; name another folder", p->path)
+                   : pupil_pending_keep(p->path, why);
+    }
+    pupil_refuse(why, "%s: was made by somebody else in the meantime; this output is complete, as %s", p->path, other);
+    free(other);
+    free(p->temporary);
+    p->temporary = NULL;
+    return -1;
 }
 
 int pupil_pending_show(pupil_pending *pending, pupil_why *why)
@@ -403,15 +434,15 @@ static int put_in_place(pupil_pending *pending, pupil_why *why)
     if (move(pending) != 0) {
         const int there = errno == ENOTEMPTY || errno == EEXIST;
         if (!pending->is_folder && there)
-            return pupil_pending_keep(pending->path, why);
-        if (!pending->is_folder || !there)
+            return put_beside(pending, why);
+        if (!there)
             return pupil_refuse(why, "%s: cannot be put in place: %s", pending->path, strerror(errno));
         if (pending->is_merged) {
             if (merge(pending, 1, why) || merge(pending, 0, why))
                 return -1;
             folder_remove(pending->temporary);
         } else if (!pending->overwrite)
-            return pupil_refuse(why, "%s: files were put there in the meantime; name another folder", pending->path);
+            return put_beside(pending, why);
         else if (swap_folders(pending, why))
             return -1;
     }

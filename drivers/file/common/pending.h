@@ -17,11 +17,12 @@ typedef struct pupil_pending {
     int is_folder;
     int is_merged; /* the folder may be there, and its other files stay */
     int overwrite; /* what is there is replaced; else it stays, and the output is refused */
+    unsigned mode; /* permissions of what is there, which its successor gets; 0: nothing is there */
 } pupil_pending;
 
 /* Begins a file: checks that the folder is there and can be written (and that path is no folder, device or pipe) by
  * making `temporary`, empty; the caller writes it. A link is followed. A file that is there is refused, unless
- * overwrite; one that comes in the meantime, by commit. 0, or -1 and a sentence that names the path. */
+ * overwrite; of one that comes in the meantime commit says. 0, or -1 and a sentence that names the path. */
 int pupil_pending_file(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
 
 /* The sentence of that refusal: which option replaces the file, and which name is free. Returns -1. */
@@ -43,7 +44,9 @@ FILE *pupil_pending_stream(const pupil_pending *pending);
  * killed. From then on discard leaves it where it is. */
 int pupil_pending_show(pupil_pending *pending, pupil_why *why);
 
-/* Flushes to the disk (fsync), renames into place and frees. After a failure the caller discards. */
+/* Flushes to the disk (fsync), renames into place and frees. After a failure the caller discards. It is a failure, too,
+ * where another file (or a folder that is not empty) has taken the place since and is not to be replaced: both stay,
+ * and the sentence has the free name that this output got. */
 int pupil_pending_commit(pupil_pending *pending, pupil_why *why);
 
 /* Removes what was written. Safe after commit and twice. */

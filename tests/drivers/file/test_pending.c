@@ -203,8 +203,10 @@ static void test_precious_folder(void)
     put_in(path, "frame_000000.png", "precious");
     CHECK_REFUSED_AT(pupil_pending_commit(&p, &why), path, "in the meantime");
     pupil_pending_discard(&p);
-    CHECK(scratch_holds(scratch("out/frame_000000.png"), "precious") && scratch_entries(scratch_folder) == 1);
+    CHECK(scratch_holds(scratch("out/frame_000000.png"), "precious") && scratch_exists(scratch("out-1")));
+    CHECK(scratch_entries(scratch_folder) == 2);
     scratch_clear(path);
+    scratch_clear(scratch("out-1"));
 }
 
 /* The temporary file or the folder goes away under our feet: a sentence, and discard does not mind. */
@@ -345,16 +347,38 @@ static void test_kept(void)
     scratch_put(scratch("kept-1.mp4"), "mine too");
     CHECK_REFUSED_AT(pupil_pending_file(&p, scratch("kept.mp4"), 0, &why), scratch("kept.mp4"), "-y replaces it");
     CHECK_MSG(strstr(why.text, "kept-2.mp4 is free"), "%s", why.text);
-    CHECK(pupil_pending_file(&p, scratch("late.mp4"), 0, &why) == 0);
+    CHECK(pupil_pending_file(&p, scratch("late.mp4"), 0, &why) == 0 && write(p.fd, "ours", 4) == 4);
     scratch_put(scratch("late.mp4"), "mine");
-    CHECK(pupil_pending_commit(&p, &why) == -1 && strstr(why.text, "late-1.mp4 is free"));
+    CHECK(pupil_pending_commit(&p, &why) == -1 && strstr(why.text, "this output is complete, as"));
+    CHECK_MSG(strstr(why.text, "late-1.mp4"), "%s", why.text);
     pupil_pending_discard(&p);
-    CHECK(scratch_holds(scratch("late.mp4"), "mine"));
+    CHECK(scratch_holds(scratch("late.mp4"), "mine") && scratch_holds(scratch("late-1.mp4"), "ours"));
     CHECK(pupil_pending_file(&p, scratch("fresh.mp4"), 0, &why) == 0 && pupil_pending_commit(&p, &why) == 0);
     CHECK(scratch_holds(scratch("fresh.mp4"), ""));
-    const char *const names[] = {"kept.mp4", "kept-1.mp4", "late.mp4", "fresh.mp4"};
-    for (size_t i = 0; i < 4; i++)
+    const char *const names[] = {"kept.mp4", "kept-1.mp4", "late.mp4", "late-1.mp4", "fresh.mp4"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         remove(scratch(names[i]));
+}
+
+static unsigned mode_of(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) == 0 ? s.st_mode & 0777 : 0;
+}
+
+/* What is replaced was for its owner only; so is what replaces it, from the beginning. */
+static void test_modes(void)
+{
+    pupil_pending p;
+    scratch_put(scratch("private"), "secret");
+    CHECK(chmod(scratch("private"), 0400) == 0);
+    CHECK(pupil_pending_file(&p, scratch("private"), 1, &why) == 0 && mode_of(p.temporary) == 0600);
+    CHECK(pupil_pending_commit(&p, &why) == 0 && mode_of(scratch("private")) == 0400);
+    remove(scratch("private"));
+    CHECK(mkdir(scratch("folder"), 0700) == 0);
+    CHECK(pupil_pending_folder(&p, scratch("folder"), 1, &why) == 0 && mode_of(p.temporary) == 0700);
+    CHECK(pupil_pending_commit(&p, &why) == 0 && mode_of(scratch("folder")) == 0700);
+    scratch_clear(scratch("folder"));
 }
 
 int main(int argc, char **argv)
@@ -364,6 +388,7 @@ int main(int argc, char **argv)
     test_file();
     test_twice();
     test_kept();
+    test_modes();
     test_names();
     test_refused_places();
     test_folder();
