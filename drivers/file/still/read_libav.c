@@ -6,6 +6,7 @@
 #include "file/video/video_source.h"
 #include "refuse.h"
 #include "still_private.h"
+#include "tiff_tags.h"
 
 static int take(pupil_still *still, const pupil_image_const *image, pupil_why *why)
 {

@@ -11,6 +11,7 @@
 
 #include "refuse.h"
 #include "still_private.h"
+#include "tiff_tags.h"
 
 #define MAX_FILE_BYTES INT64_C(0x80000000)
 

@@ -15,13 +15,6 @@ int pupil_still_fail(pupil_why *why, const char *format, ...) __attribute__((for
 /* 0 where a picture of this size may be read, else -1 and the sentence. */
 int pupil_still_size_ok(uint64_t width, uint64_t height, pupil_why *why);
 
-/* Whether the bytes begin as a TIFF 6.0 with a header. */
-int pupil_is_tiff(const uint8_t *bytes, size_t size);
-
-/* The value of a tag of the first directory of a TIFF 6.0, the first where it has several. 0: it has none, or the bytes
- * are no TIFF. */
-int pupil_tiff_find(const uint8_t *bytes, size_t size, uint32_t tag, uint32_t *value);
-
 /* strtod as in the C locale, in any locale of the program. */
 double pupil_parse_double(const char *text, char **end);
 

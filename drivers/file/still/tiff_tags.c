@@ -1,5 +1,5 @@
 /* What the first directory of a TIFF 6.0 says. */
-#include "still_private.h"
+#include "tiff_tags.h"
 
 #include <string.h>
 

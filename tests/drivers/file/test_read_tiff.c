@@ -1,6 +1,7 @@
 /* TIFF, made tag by tag in both byte orders: what its first directory says, which kinds are refused because libav would
  * make something else of them, and which it lacks. And other files of libav's that are no pictures of pupil's. */
-#include "file/still/still_private.h"
+#include "file/still/still.h"
+#include "file/still/tiff_tags.h"
 
 #include "clip.h"
 #include "scratch.h"
