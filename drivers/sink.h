@@ -30,6 +30,9 @@ typedef struct pupil_sink_sound {
     int64_t begin_ns; /* the file's time of the first frame */
 } pupil_sink_sound;
 
+/* A frame of a video may stay for so long: slides are in a video. */
+#define PUPIL_SINK_VIDEO_GAP_S 60.0
+
 typedef struct pupil_sink_options {
     uint32_t width, height; /* of every frame */
     double fps;             /* nominal frames a second, above 0 */

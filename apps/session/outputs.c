@@ -49,9 +49,8 @@ static uint32_t shown_primaries(const pupil_config *config)
     return config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
 }
 
-/* A frame may stay for so long: a camera that was away for longer was away; slides are in a video. */
-#define LIVE_GAP_S  2.0
-#define VIDEO_GAP_S 60.0
+/* A frame may stay for so long: a camera that was away for longer was away. */
+#define LIVE_GAP_S 2.0
 
 /* In the pace of the frames; --hold has another. */
 static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
@@ -78,7 +77,7 @@ static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_im
                                         .primaries = shown_primaries(&options->config),
                                         .transfer = options->config.transfer,
                                         .keep_time = o->live || has_own_times(o),
-                                        .gap_most_s = o->live ? LIVE_GAP_S : VIDEO_GAP_S,
+                                        .gap_most_s = o->live ? LIVE_GAP_S : PUPIL_SINK_VIDEO_GAP_S,
                                         .aspect = {o->source->pixel_aspect[0], o->source->pixel_aspect[1]},
                                         .named = options->reset_each && o->source->is_named,
                                         .live = o->live,

@@ -62,15 +62,19 @@ static int begin(mapping *m, pupil_why *why)
 static int open_pictures(mapping *m, const pupil_frame *first, pupil_why *why)
 {
     const frame_options *o = &m->options.frames;
+    const pupil_source *source = m->input.source;
     uint32_t primaries = o->config.primaries;
     if (o->config.output_primaries != PUPIL_OUTPUT_AS_INPUT)
         primaries = o->config.output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
     const pupil_sink_options of_sink = {.width = first->image.width,
                                         .height = first->image.height,
-                                        .fps = m->input.source->fps,
+                                        .fps = source->fps,
                                         .overwrite = o->overwrite,
                                         .primaries = primaries,
-                                        .transfer = o->config.transfer};
+                                        .transfer = o->config.transfer,
+                                        .keep_time = !(source->obeys & PUPIL_SOURCE_FPS),
+                                        .gap_most_s = PUPIL_SINK_VIDEO_GAP_S,
+                                        .aspect = {source->pixel_aspect[0], source->pixel_aspect[1]}};
     m->is_open = 1;
     for (size_t i = 0; i < o->out_count; i++)
         if (pictures_open(&m->pictures, o->out[i], &of_sink, why))

@@ -102,6 +102,16 @@ levels again.parts.jsonl | cmp -s - again.levels || fail "other settings: other 
 call 0 "" map clip.mkv --curves again.curves -o again.parts.y4m -q
 frames again.parts.y4m | cmp -s - again.frames || fail "other settings: other pictures"
 
+# A video whose frames come at odd times, and whose pixels are not square.
+ffmpeg -loglevel error -i clip.mkv -vf "select='not(mod(n,4))+gt(n,30)',setsar=4/3" -fps_mode vfr -c:v ffv1 odd.mkv
+whole odd odd.mkv
+frames_there=$(wc -l <odd.jsonl)
+inputs=odd.mkv map_options=
+split odd "$frames_there" 1 odd.mkv
+[ "$(grep -ao FRAME odd.y4m | wc -l)" -gt "$frames_there" ] || fail "no frame of odd.mkv is held"
+[ "$(head -n 1 parts/00.y4m)" = "$(head -n 1 odd.y4m)" ] || fail "another header: $(head -n 1 parts/00.y4m)"
+head -n 1 odd.y4m | grep -q A4:3 || fail "pixels of $(head -n 1 odd.y4m)"
+
 # --- what is wrong is named ---
 call 0 "" meter clip.mkv --range 0..15 -o a.part -q
 call 0 "" meter clip.mkv --range 15..30 -o b.part -q
