@@ -372,8 +372,8 @@ static int move(const pupil_pending *p)
     return p->is_folder || p->overwrite ? rename(p->temporary, p->path) : move_to(p, p->path);
 }
 
-/* Somebody has put something in the place since this output was begun: it stays, and this output is beside it, under a
- * free name. Returns -1. */
+/* Another program has put something in the place since this output was begun: it stays, and this output gets a free
+ * name. Returns -1. */
 static int put_beside(pupil_pending *p, pupil_why *why)
 {
     char *other = free_name(p->path);
@@ -383,7 +383,7 @@ static int put_beside(pupil_pending *p, pupil_why *why)
                    ? pupil_refuse(why, "%s: files were put there in the meantime; name another folder", p->path)
                    : pupil_pending_keep(p->path, why);
     }
-    pupil_refuse(why, "%s: was made by somebody else in the meantime; this output is complete, as %s", p->path, other);
+    pupil_refuse(why, "%s: was made by another program in the meantime; this output is complete, as %s", p->path, other);
     free(other);
     free(p->temporary);
     p->temporary = NULL;

@@ -95,7 +95,7 @@ until_true "no pending file" eval 'ls .late.y4m.*.part >said.out 2>&1'
 echo mine >late.y4m
 ends 1
 [ "$(cat late.y4m)" = mine ] && [ "$(head -c 9 late-1.y4m)" = YUV4MPEG2 ] &&
-    grep -q "late.y4m: was made by somebody else in the meantime; .* as late-1.y4m" said.err ||
+    grep -q "late.y4m: was made by another program in the meantime; .* as late-1.y4m" said.err ||
     fail "a late file: $(cat said.err)"
 
 # an output is not an input
