@@ -383,7 +383,8 @@ static int put_beside(pupil_pending *p, pupil_why *why)
                    ? pupil_refuse(why, "%s: files were put there in the meantime; name another folder", p->path)
                    : pupil_pending_keep(p->path, why);
     }
-    pupil_refuse(why, "%s: was made by another program in the meantime; this output is complete, as %s", p->path, other);
+    pupil_refuse(why, "%s: was made by another program in the meantime; this output is complete, as %s", p->path,
+                 other);
     free(other);
     free(p->temporary);
     p->temporary = NULL;
