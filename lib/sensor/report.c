@@ -25,7 +25,7 @@ const char *pupil_sensor_day_night_name(uint32_t day_night)
     return day_night_names[day_night < sizeof day_night_names / sizeof day_night_names[0] ? day_night : 0];
 }
 
-/* The camera does not do what is asked of it: not now, or not on the way to a limit, which is then none. */
+/* The camera ignores its settings: now, or in the steps to what would else be reported as a limit. */
 static int is_ignored(const pupil_sensor_object *o)
 {
     const sensor_search *s = &o->search;

@@ -316,7 +316,7 @@ static void check_long_lines(void)
     }
 }
 
-/* A manual exposure becomes a multiple of half a period only where the mains are told. */
+/* A manual exposure is rounded to half a mains period only where the frequency is known. */
 static void check_by_hand(void)
 {
     static const uint32_t mains[] = {0, PUPIL_SENSOR_MAINS_AUTO, 50, 60};

@@ -120,7 +120,7 @@ static void check_bumpless(void)
             CHECK(change != 5 || (s.exposure_s < 0.0141 && s.gain > 3.5)); /* 1/20 s at a gain of 1 before */
         }
     }
-    pupil_sensor_config c = plant_config(LAW_FINE); /* both manual: what is asked for, and back */
+    pupil_sensor_config c = plant_config(LAW_FINE); /* both manual, then auto again */
     run(&c, log2(0.18 * 20), 60);
     c.exposure_mode = c.gain_mode = PUPIL_SENSOR_MANUAL;
     c.manual_exposure_s = PLANT_LINE_S * 100;

@@ -271,8 +271,7 @@ static void check_ends(void)
     CHECK(pupil_sensor_announce(&sensor, 1.0, 1, PUPIL_SENSOR_CHANGE_COUNT) == PUPIL_ERR_VALUE);
 }
 
-/* The scene's light is told as it was given, whatever setting it was metered with; a frame without a time comes a
- * period after the one before. */
+/* scene_ev is reported as given, whatever the setting was. A frame without a timestamp is one period after the last. */
 static void check_scene(void)
 {
     const pupil_frame_info first = {.sequence = 1, .exposure_s = 0.002, .gain = 4.0};

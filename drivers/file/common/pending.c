@@ -217,8 +217,8 @@ int pupil_pending_keep(const char *path, pupil_why *why)
 /* What is replaced may be for its owner only, and so is what takes its place, from its first byte on. */
 static void keep_mode(const pupil_pending *p, mode_t more)
 {
-    if (p->mode && fchmod(p->fd, (mode_t)p->mode | more) != 0)
-        errno = 0; /* a file system without modes */
+    if (p->mode)
+        (void)!fchmod(p->fd, (mode_t)p->mode | more); /* a file system may have no modes */
 }
 
 static int check_there(pupil_pending *p, const struct stat *parent, pupil_why *why)

@@ -45,7 +45,7 @@
  *
  * Cameras: delays of both controls are found from the frames, and so are tone curves, gains and exposures that do more
  * or less than they should or nothing, lost writes and white below the top code. All of it is examined again while the
- * error stays. To a camera that does nothing of what is asked, or whose aim is more than 0.25 stops out of reach, the
+ * error stays. To a camera that ignores its settings, or whose aim is more than 0.25 stops out of reach, the
  * setting is written again each second: `changed` is then 1 with the same values. docs/camera-answers.md has what an
  * integrator configures, and what is found.
  *

@@ -1,5 +1,5 @@
-/* Exposure, gain and frame time of cameras of libcamera with other limits than most: what is offered, what is asked
- * for in the next request, and what is in force. */
+/* Exposure, gain and frame time of libcamera cameras with unusual limits: the ranges that are offered, the next
+ * request, and what is in force. */
 #include "odd.h"
 
 #include <errno.h>

@@ -27,8 +27,8 @@ static int scripted(void *camera, pupil_libcamera_done *done, int timeout_ms)
     return got;
 }
 
-/* A number that comes again, one that begins again, and stamps that are missing or stand still: frames all the same,
- * whose numbers rise. */
+/* Sequence numbers that repeat or restart, and timestamps that are missing or equal: each frame is delivered, with a
+ * rising number. */
 static void test_numbers(void)
 {
     static const uint64_t expected[6] = {7, 8, 10, 11, 12, 13};

@@ -209,7 +209,7 @@ static int offers_can(void *camera, pupil_live_offers *o, pupil_libcamera_can *t
     return it.real->offers(camera, o, NULL);
 }
 
-/* The rate is what is asked for, else the camera's usual one, else 30 a second within its limits. */
+/* The frame rate: the requested one, else the camera's usual one, else 30 a second within its limits. */
 static void test_rates(void)
 {
     static const struct {
