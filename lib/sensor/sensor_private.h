@@ -3,7 +3,9 @@
  *     evidence.c   what a frame says, and whether it says anything        pupil_stats -> sensor_evidence
  *     estimate.c   what was in force in it, and what the camera made of it  -> sensor_estimate
  *     plan.c       what the picture is to become: one step, or the filter  -> sensor_plan
- *     follow.c     which setting does that, by all that the camera has shown -> sensor_search
+ *     in_force.c, answer.c  what the last step did, once it is in force
+ *     search.c     where the camera answers otherwise than it should: between settings that were seen -> sensor_search
+ *     follow.c     which setting is asked for; path.c, exchange.c: and how it is reached
  *     split.c      a total as an exposure time and a gain that the camera has
  *     report.c     state and reason
  *     day_night.c  whether it is day
@@ -289,18 +291,48 @@ void pupil_sensor_plan_frame(pupil_sensor_object *object, const sensor_evidence 
 /* What a change of the light by so many stops makes of the effect that is wanted: stops more. */
 double pupil_sensor_plan_for(const pupil_sensor_object *object, double ev);
 
+/* in_force.c: the setting that was asked for last may not be in force yet; a large step of it is waited for; it is in
+ * force beyond doubt. */
+int pupil_sensor_is_on_its_way(const pupil_sensor_object *object);
+int pupil_sensor_is_pending(const pupil_sensor_object *object);
+int pupil_sensor_is_in_force(const pupil_sensor_object *object);
+/* Frames after which it is taken to be in force, with any delay. */
+uint32_t pupil_sensor_wait_frames(const pupil_sensor_object *object);
+/* The effect of the setting that was asked for last, once it is in force. */
+double pupil_sensor_effect_asked(const pupil_sensor_object *object);
+
+/* path.c: the ends of the path of settings, as totals and as effects. */
+void pupil_sensor_path_ends(const pupil_sensor_object *object, double *least, double *most);
+void pupil_sensor_reach(const pupil_sensor_object *object, double *least, double *most);
+/* The effect of a total beyond that of the requested setting; and its setting. What the setting lacks of the total is
+ * the digital factor's. */
+double pupil_sensor_effect_of(const pupil_sensor_object *object, double total, double setting[SENSOR_CONTROLS]);
+double pupil_sensor_left_of(double total, const double setting[SENSOR_CONTROLS]);
+/* The total whose effect is so much beyond that of the requested setting, by what the controls are known to do. */
+double pupil_sensor_total_for(const pupil_sensor_object *object, double need);
+
+/* answer.c: what a step did, once it is in force; and whether the error shrinks. */
+void pupil_sensor_answer_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
+void pupil_sensor_watch_error(pupil_sensor_object *object);
+
+/* search.c: the requested setting becomes a point. `need`: what it lacks. */
+void pupil_sensor_remember(pupil_sensor_object *object);
+void pupil_sensor_forget_points(sensor_search *search);
+void pupil_sensor_begin_search(pupil_sensor_object *object, double need);
+/* Whether it goes on, and with which control. */
+void pupil_sensor_search_on(pupil_sensor_object *object, double need);
+/* The total that a search asks for, where all that is known says `total`. */
+double pupil_sensor_search_at(pupil_sensor_object *object, double total, double need);
+
+/* exchange.c: whether the way to a setting goes in parts; then this part takes its place. */
+int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *object, double total, double setting[SENSOR_CONTROLS],
+                                     double *exposure_s, double *gain);
+
 /* follow.c */
 void pupil_sensor_follow(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_begin(pupil_sensor_object *object, double total);
-int pupil_sensor_is_pending(const pupil_sensor_object *object);
-/* The setting that was asked for last may not be in force yet. */
-int pupil_sensor_is_on_its_way(const pupil_sensor_object *object);
 /* Asks for the setting with this effect, which is not judged: there is no frame that says so. */
 void pupil_sensor_move_to(pupil_sensor_object *object, double effect);
-/* The effect of the setting that was asked for last, once it is in force. */
-double pupil_sensor_effect_asked(const pupil_sensor_object *object);
-/* The least and the most effect that the path of settings has. */
-void pupil_sensor_reach(const pupil_sensor_object *object, double *least, double *most);
 
 /* split.c: the exposure and gain that the camera has for a total of at most so much. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);

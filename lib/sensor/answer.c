@@ -1,0 +1,138 @@
+/* What the camera made of a step, once it is in force, and whether what was learned from that is wrong. */
+#include "sensor_private.h"
+
+/* Where the error is large and does not shrink, what was learned of the camera is wrong: it is forgotten. */
+void pupil_sensor_watch_error(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const double error = o->plan.wanted - o->estimate.effect, size = size_of(error);
+    const double other_light = size_of(o->plan.wanted - s->wrong_wanted);
+    if (other_light > SENSOR_UNPIN_EV || (size < SENSOR_WRONG_EV && !s->is_searching))
+        s->wrong_times = 0;
+    if (other_light > SENSOR_WRONG_EV) {
+        s->wrong_wanted = o->plan.wanted;
+        s->wrong_ev = SENSOR_FAR_AWAY;
+    }
+    if (size < SENSOR_WRONG_EV || size < SENSOR_SHRINK * s->wrong_ev) {
+        s->wrong_frames = 0;
+        s->wrong_ev = size;
+        return;
+    }
+    /* what is a little off and was asked for again once waits for steps that are on their way: calm at rest */
+    const int is_calm = s->wrong_times || size < SENSOR_UNPIN_EV;
+    s->wrong_frames += pupil_sensor_is_pending(o) && is_calm ? 0 : o->estimate.gap;
+    const uint32_t most = pupil_sensor_wait_frames(o) + (s->is_resting ? SENSOR_REST_FRAMES : SENSOR_WRONG_FRAMES);
+    if (s->wrong_frames < most << s->wrong_times)
+        return;
+    s->wrong_times += s->wrong_times < SENSOR_WRONG_TIMES;
+    s->wrong_frames = 0;
+    s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
+    s->is_blunt = 0;
+    s->jump_ev = 0.0;
+    o->white.highest = -SENSOR_FAR_AWAY;
+    o->black.wrong = 0;
+    o->black.darkest = 0.0;
+    pupil_sensor_forget_points(s);
+    pupil_sensor_doubt(o);
+}
+
+/* What the picture of a step by `ev` shows of the camera's white, and of its black level; whether that is known now. */
+static int finds_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
+{
+    const int had_black = o->black.value > 0.0;
+    if (size_of(ev) >= SENSOR_STEP_EV)
+        pupil_sensor_find_white(o, v);
+    pupil_sensor_find_black(o, v, ev);
+    return !had_black && o->black.value > 0.0;
+}
+
+/* Once a large step is in force: what it did. A weak answer is believed the second time, for the scene may have moved
+ * against it; but for the first of a camera of which nothing is known. */
+static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    sensor_search *s = &o->search;
+    sensor_estimate *a = &o->estimate;
+    const double expected = pupil_sensor_effect(a, s->from, a->requested), seen = a->effect - s->effect_from;
+    const double plain = a->requested[0] - s->from[0] + a->requested[1] - s->from[1], share = seen / expected;
+    const int had_black = o->black.value > 0.0;
+    s->is_large = 0;
+    if (finds_black(o, v, plain))
+        return; /* the step was asked for by another level */
+    if ((o->plan.goal - a->effect) * expected < 0.0 && size_of(o->plan.goal - a->effect) > 0.5 * size_of(expected)) {
+        pupil_sensor_overshot(a); /* the controls do more than was believed */
+        s->unanswered = s->weak = 0;
+    }
+    s->deaf = v->is_number ? s->deaf : 0; /* it may have answered where nothing can be seen */
+    if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
+        return;
+    const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
+    s->unanswered = size_of(seen) < SENSOR_ANSWER_SHARE * size_of(plain)
+                        ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)
+                        : 0;
+    s->deaf = s->unanswered ? s->deaf + (s->deaf < 2) : 0;
+    if (had_black)
+        pupil_sensor_test_black(o, is_wrong);
+    if (is_wrong && !s->is_searching && size_of(o->plan.wanted - a->effect) > SENSOR_OFF_EV)
+        pupil_sensor_begin_search(o, o->plan.wanted - a->effect);
+    const double large = share < SENSOR_WEAK ? expected : plain; /* what is thought to do much goes in small steps */
+    if (size_of(large) < SENSOR_STEP_EV)
+        return;
+    s->weak = share < SENSOR_WEAK ? s->weak + (s->weak < 2) : 0;
+    const int is_still = pupil_sensor_unrest(a) < SENSOR_STRAIGHT * size_of(expected);
+    if (is_still && (s->weak != 1 || !(a->learned || o->config.linear)))
+        pupil_sensor_learn(o, s->from, expected, seen);
+}
+
+/* A step is in force: whether the metadata say better than the request what it did. */
+static void weigh_told(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const sensor_estimate *a = &o->estimate;
+    sensor_search *s = &o->search;
+    const uint32_t was = o->told.is_trusted;
+    double asked = 0.0, told = 0.0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        asked += a->requested[c] - s->from[c];
+        told += a->said[c] - o->told.said_before[c];
+    }
+    if (v->is_number)
+        pupil_sensor_weigh_told(o, asked, told, a->effect - s->effect_from);
+    if (!was && o->told.is_trusted) { /* what was looked for is known now */
+        s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = s->swaps = 0;
+        pupil_sensor_forget_points(s);
+    }
+}
+
+/* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
+ * one amplifier hands over to another. What jumps up with a step up and down with one down is the camera, unless light
+ * that flickers moves as far without a step. */
+static void find_jump(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double moved = a->answered - a->stepped;
+    if (size_of(s->set - s->jump_total) > SENSOR_WRONG_EV)
+        s->jump_ev = 0.0;
+    const double size = size_of(moved);
+    if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size || size < SENSOR_MISMATCH_EV ||
+        size < SENSOR_NOISE_CUT * a->noise_ev || size > 2.0 * SENSOR_COARSE_STEP_EV)
+        return;
+    if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size) {
+        s->jump_ev = size;
+        s->jump_total = s->set;
+    }
+    s->jumped_ev = moved;
+}
+
+void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const int is_large = o->search.is_large, is_on_its_way = pupil_sensor_is_on_its_way(o);
+    find_jump(o);
+    if (is_large && !is_on_its_way)
+        weigh_told(o, v);
+    if (!is_on_its_way && !v->is_dead)
+        pupil_sensor_learn_told(o);
+    if (is_large && !is_on_its_way)
+        judge_answer(o, v);
+    else if (is_large)
+        pupil_sensor_watch_white(o, v);
+}

@@ -1,0 +1,64 @@
+/* Much of one control in exchange for the other. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+/* To what the camera has. */
+static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double longest_s = pupil_sensor_longest_exposure(c);
+    *e = pupil_sensor_exposure_of(c, clamp(pupil_exp2(setting[0]), c->exposure_min_s, longest_s));
+    *e = pupil_sensor_told_ask(o, *e, longest_s);
+    *g = pupil_sensor_gain_of(c, pupil_exp2(setting[1]));
+    setting[0] = pupil_log2(pupil_sensor_told(o, *e));
+    setting[1] = pupil_log2(*g);
+}
+
+/* Until it is known which frames have what, one control moves alone: the gain, or else the exposure. Whether that is
+ * enough. */
+static int move_one(const pupil_sensor_object *o, double total, double part[SENSOR_CONTROLS], double *e, double *g)
+{
+    const double *from = o->estimate.requested;
+    for (int c = SENSOR_GAIN; c >= SENSOR_EXPOSURE; c--) {
+        const int other = SENSOR_CONTROLS - 1 - c;
+        part[other] = from[other];
+        part[c] = total - from[other];
+        round_setting(o, part, e, g);
+        if (size_of(total - part[0] - part[1]) <= SENSOR_COARSE_EV)
+            return 1;
+    }
+    return 0;
+}
+
+/* Much of one control in exchange for the other goes in parts: between two delays a frame has the one and not yet the
+ * other, and the digital factor can make up for so much only. Whether this is a part, which replaces the setting. */
+int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS],
+                                     double *e, double *g)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double *from = o->estimate.requested;
+    const int is_timed = o->estimate.is_borne_out || (o->estimate.delay[0] && o->estimate.delay[1]);
+    const double most_ev = is_timed ? SENSOR_EXCHANGE_EV : SENSOR_BLIND_EXCHANGE_EV;
+    const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
+    const int smaller = size_of(move[0]) < size_of(move[1]) ? 0 : 1, larger = SENSOR_CONTROLS - 1 - smaller;
+    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= most_ev || c->exposure_mode != PUPIL_SENSOR_AUTO ||
+        c->gain_mode != PUPIL_SENSOR_AUTO)
+        return 0;
+    double part[SENSOR_CONTROLS];
+    part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);
+    part[larger] = setting[larger] + setting[smaller] - part[smaller];
+    round_setting(o, part, e, g);
+    if (is_timed && size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* the gain makes up for few lines */
+        part[1] = setting[0] + setting[1] - part[0];
+        round_setting(o, part, e, g);
+    }
+    if (size_of(part[smaller] - from[smaller]) < 0.5 * most_ev ||
+        size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */
+        if (is_timed || !move_one(o, total, part, e, g))
+            return 0;
+    }
+    setting[0] = part[0];
+    setting[1] = part[1];
+    return 1;
+}

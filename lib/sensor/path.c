@@ -1,0 +1,63 @@
+/* The path of settings, from the darkest to the brightest: what the picture makes of a total on it, by what the
+ * controls are known to do. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+/* The effect of a total beyond that of the requested setting; and its setting. What the setting lacks of the total is
+ * the digital factor's. */
+double pupil_sensor_effect_of(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS])
+{
+    double e, g;
+    pupil_sensor_split(o, total, &e, &g);
+    setting[0] = pupil_log2(pupil_sensor_told(o, e));
+    setting[1] = pupil_log2(g);
+    return pupil_sensor_effect(&o->estimate, o->estimate.requested, setting);
+}
+
+double pupil_sensor_left_of(double total, const double setting[SENSOR_CONTROLS])
+{
+    return total - setting[0] - setting[1];
+}
+
+void pupil_sensor_reach(const pupil_sensor_object *o, double *least, double *most)
+{
+    double darkest[SENSOR_CONTROLS], brightest[SENSOR_CONTROLS];
+    const double asked = pupil_sensor_effect_asked(o);
+    if (o->config.exposure_mode == PUPIL_SENSOR_HELD && o->config.gain_mode == PUPIL_SENSOR_HELD) {
+        *least = *most = o->plan.wanted; /* and what was rounded is held, too */
+        return;
+    }
+    pupil_sensor_ends(o, darkest, brightest);
+    *least = asked + pupil_sensor_effect(&o->estimate, o->estimate.requested, darkest);
+    *most = asked + pupil_sensor_effect(&o->estimate, o->estimate.requested, brightest);
+}
+
+/* The ends of the path of settings. */
+void pupil_sensor_path_ends(const pupil_sensor_object *o, double *least, double *most)
+{
+    double setting[SENSOR_CONTROLS];
+    (void)pupil_sensor_effect_of(o, -SENSOR_TOTAL_END_EV, setting);
+    *least = setting[0] + setting[1];
+    (void)pupil_sensor_effect_of(o, SENSOR_TOTAL_END_EV, setting);
+    *most = setting[0] + setting[1];
+}
+
+/* The total whose effect is so much beyond that of the requested setting, by what the controls are known to do. */
+double pupil_sensor_total_for(const pupil_sensor_object *o, double need)
+{
+    const sensor_estimate *a = &o->estimate;
+    double setting[SENSOR_CONTROLS], low, high;
+    pupil_sensor_path_ends(o, &low, &high);
+    if (a->response[0] == 1.0 && a->response[1] == 1.0)
+        return clamp(a->requested[0] + a->requested[1] + need, low, high);
+    for (int i = 0; i < SENSOR_BISECT; i++) {
+        const double middle = 0.5 * (low + high);
+        const double effect = pupil_sensor_effect_of(o, middle, setting);
+        if (effect + pupil_sensor_left_of(middle, setting) < need)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}

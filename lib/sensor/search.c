@@ -1,0 +1,208 @@
+/* The search for a setting on a camera that answers otherwise than its numbers say, from the points that were seen:
+ * where more never makes the picture darker, the wanted effect is between a point below and one above it. One control
+ * moves, the other one is pinned. */
+#include "sensor_private.h"
+
+#include "base/numeric.h"
+
+void pupil_sensor_forget_points(sensor_search *s)
+{
+    __builtin_memset(s->point, 0, sizeof s->point);
+}
+
+/* The requested setting and what it does. Points that contradict it are of another time: more never makes darker. */
+void pupil_sensor_remember(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const sensor_point now = {
+        .total = s->set, .setting = {a->requested[0], a->requested[1]}, .effect = a->effect, .is_used = 1};
+    sensor_point *place = 0;
+    for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
+        const int is_same = p->setting[0] == now.setting[0] && p->setting[1] == now.setting[1];
+        const double more = p->setting[0] + p->setting[1] - now.setting[0] - now.setting[1];
+        if (p->is_used && !is_same &&
+            (more > 0.0 ? p->effect < now.effect - SENSOR_UNEXPLAINED_EV
+                        : p->effect > now.effect + SENSOR_UNEXPLAINED_EV))
+            p->is_used = 0;
+        if (p->is_used && is_same)
+            place = p;
+    }
+    if (!place) {
+        place = &s->point[s->next];
+        s->next = (s->next + 1) % SENSOR_POINTS;
+    }
+    *place = now;
+}
+
+/* The nearest points below and above what is wanted. */
+static void surround(const pupil_sensor_object *o, const sensor_point **low, const sensor_point **high)
+{
+    const double wanted = o->plan.wanted;
+    *low = *high = 0;
+    for (const sensor_point *p = o->search.point; p < o->search.point + SENSOR_POINTS; p++) {
+        if (!p->is_used)
+            continue;
+        if (p->effect < wanted && (!*low || p->effect > (*low)->effect))
+            *low = p;
+        if (p->effect >= wanted && (!*high || p->effect < (*high)->effect))
+            *high = p;
+    }
+}
+
+/* Whether a control may do `need` stops of the picture from a setting on. */
+static int has_room(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
+{
+    const pupil_sensor_config *c = &o->config;
+    const double to = setting[control] + need;
+    const double least = control == SENSOR_GAIN ? c->gain_min : c->exposure_min_s;
+    const double most = control == SENSOR_GAIN ? c->gain_max : pupil_sensor_longest_exposure(c);
+    const uint32_t mode = control == SENSOR_GAIN ? c->gain_mode : c->exposure_mode;
+    return mode == PUPIL_SENSOR_AUTO && to <= pupil_log2(most) && to >= pupil_log2(least);
+}
+
+/* From here on only one control moves, so that more of it never makes the picture darker. */
+static void move_only(pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS])
+{
+    sensor_search *s = &o->search;
+    const int other = SENSOR_CONTROLS - 1 - control;
+    s->is_pinned[control] = 0;
+    s->is_pinned[other] = 1;
+    s->pinned[other] = setting[other];
+    s->mover = (uint32_t)control;
+    s->pinned_frames = 0;
+    s->rest_wanted = o->plan.wanted;
+    pupil_sensor_forget_points(s);
+}
+
+/* The camera did not answer as it should. Gains are finer than exposures that lamps allow, and come sooner. */
+void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
+{
+    sensor_search *s = &o->search;
+    const double *requested = o->estimate.requested;
+    s->is_searching = 1;
+    s->swaps = s->narrowed = 0;
+    if (has_room(o, SENSOR_GAIN, requested, need))
+        move_only(o, SENSOR_GAIN, requested);
+    else if (has_room(o, SENSOR_EXPOSURE, requested, need))
+        move_only(o, SENSOR_EXPOSURE, requested);
+    pupil_sensor_remember(o);
+}
+
+/* The control that moves has no setting between two others: it stays at one of them, and the other control does the
+ * rest. Whether there is such another control. */
+static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
+{
+    sensor_search *s = &o->search;
+    const double wanted = o->plan.wanted;
+    const int is_one = s->is_pinned[0] != s->is_pinned[1];
+    const int coarse = size_of(high->setting[0] - low->setting[0]) > size_of(high->setting[1] - low->setting[1])
+                           ? SENSOR_EXPOSURE
+                           : SENSOR_GAIN;
+    const int other = SENSOR_CONTROLS - 1 - (is_one ? (int)s->mover : coarse);
+    const sensor_point *from = has_room(o, other, low->setting, wanted - low->effect)     ? low
+                               : has_room(o, other, high->setting, wanted - high->effect) ? high
+                                                                                          : 0;
+    if (!from || s->swaps >= SENSOR_SWAPS)
+        return 0;
+    const double total = from->setting[0] + from->setting[1] + wanted - from->effect;
+    move_only(o, other, from->setting);
+    s->swaps++;
+    s->narrowed = 0;
+    s->total = total;
+    return 1;
+}
+
+/* Between the points that were seen. Where nothing is left between them the search ends at the nearer one. */
+static double narrow(pupil_sensor_object *o, double total)
+{
+    sensor_search *s = &o->search;
+    const sensor_point *low, *high;
+    double setting[SENSOR_CONTROLS];
+    surround(o, &low, &high);
+    if (!low || !high)
+        return total;
+    const double gap = high->total - low->total, wanted = o->plan.wanted;
+    const double share = (wanted - low->effect) / (high->effect - low->effect);
+    const double middle = low->total + gap * clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW);
+    (void)pupil_sensor_effect_of(o, middle, setting);
+    const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
+    const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
+    if (gap > SENSOR_GAP_EV && !is_low && !is_high && s->search_frames < SENSOR_SEARCH_FRAMES &&
+        (s->narrowed < SENSOR_NARROWED || s->swaps >= SENSOR_SWAPS)) {
+        s->narrowed++;
+        return middle;
+    }
+    const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
+    const double nearest = near->total;
+    if (size_of(wanted - near->effect) > SENSOR_OFF_EV && s->search_frames < SENSOR_SEARCH_FRAMES) {
+        if (swap(o, low, high))
+            return s->total;
+        if (gap > SENSOR_GAP_EV && !is_low && !is_high)
+            return middle;
+    }
+    s->is_resting = 1;
+    s->rest_wanted = wanted;
+    s->rest_ev = size_of(wanted - near->effect);
+    return nearest;
+}
+
+static int is_requested(const pupil_sensor_object *o, double total)
+{
+    double setting[SENSOR_CONTROLS];
+    (void)pupil_sensor_effect_of(o, total, setting);
+    return setting[0] == o->estimate.requested[0] && setting[1] == o->estimate.requested[1];
+}
+
+/* The control that moves has no better setting than the requested one: the other one does the rest, or the search
+ * ends. */
+static double leave(pupil_sensor_object *o, double need)
+{
+    sensor_search *s = &o->search;
+    const double *requested = o->estimate.requested;
+    const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
+    if (is_one && s->swaps < SENSOR_SWAPS && has_room(o, other, requested, need)) {
+        move_only(o, other, requested);
+        s->swaps++;
+        s->narrowed = 0;
+        return requested[0] + requested[1] + need;
+    }
+    s->is_resting = 1;
+    s->rest_wanted = o->plan.wanted;
+    s->rest_ev = size_of(need);
+    return s->set;
+}
+
+/* Whether a search goes on, and with which control: `need` is what the setting that was asked for lacks. */
+void pupil_sensor_search_on(pupil_sensor_object *o, double need)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double other_light = size_of(o->plan.wanted - s->rest_wanted);
+    s->is_resting &= other_light <= SENSOR_OFF_EV && size_of(need) <= s->rest_ev + SENSOR_WRONG_EV;
+    s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
+    if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
+        s->is_pinned[0] = s->is_pinned[1] = 0;
+    s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
+    s->search_frames = s->is_searching && !s->is_resting ? s->search_frames + a->gap : 0;
+    if (s->is_pinned[0] == s->is_pinned[1])
+        return;
+    const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
+    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->requested, need)) {
+        move_only(o, other, a->requested); /* the control that moves does nothing */
+        s->swaps++;
+        s->unanswered = 0;
+    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && !has_room(o, (int)s->mover, a->requested, need)) {
+        s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
+        pupil_sensor_forget_points(s);
+    }
+}
+
+double pupil_sensor_search_at(pupil_sensor_object *o, double total, double need)
+{
+    const sensor_search *s = &o->search;
+    if (!s->is_searching)
+        return total;
+    const double at = narrow(o, total);
+    return !s->is_resting && is_requested(o, at) ? leave(o, need) : at;
+}
