@@ -60,7 +60,9 @@ int frame_options_check(frame_options *options, int weight_given, int key_given,
 int frame_options_check_paths(const frame_options *options, pupil_why *why);
 
 /* Fills in the patterns of the outputs' names: what strftime knows, by the local time `now`; %d where nothing else is,
- * and %04d, by the first number whose output is not there. The new names are never freed. */
+ * and %04d, by the first number whose output is not there and that no other process has chosen. The number is kept
+ * until the process ends, or until all are released. The new names are never freed. */
 int frame_options_expand_paths(frame_options *options, time_t now, pupil_why *why);
+void frame_options_release_paths(void);
 
 #endif

@@ -6,10 +6,37 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "file/common/pending.h"
 #include "frame_options.h"
 #include "refuse.h"
 
 #define MOST_NUMBER 999999
+
+/* Numbers chosen, kept until the process ends: runs that begin at once, before any has an output, get one each. */
+static pupil_pending *kept;
+static size_t kept_count;
+
+void frame_options_release_paths(void)
+{
+    while (kept_count)
+        pupil_pending_discard(&kept[--kept_count]);
+    free(kept);
+    kept = NULL;
+}
+
+/* 0; 1 where another process has the name; -1 and a sentence. */
+static int keep(const char *path, pupil_why *why)
+{
+    pupil_pending *more = realloc(kept, (kept_count + 1) * sizeof *kept);
+    if (!more)
+        return pupil_refuse(why, "not enough memory");
+    if (!kept)
+        atexit(frame_options_release_paths);
+    kept = more;
+    const int taken = pupil_pending_reserve(&kept[kept_count], path);
+    kept_count += !taken;
+    return taken;
+}
 
 enum { MOST_NAME = 4096 };
 
@@ -59,7 +86,7 @@ static int put_time(const char *path, time_t now, char *text, pupil_why *why)
     return 0;
 }
 
-/* The first number for which nothing is there. */
+/* The first number for which nothing is there, or about to be. */
 static int put_number(const char *path, const char *at, size_t length, time_t now, char *text, pupil_why *why)
 {
     const int width = length > 2 ? atoi(at + 1) : 0;
@@ -69,8 +96,13 @@ static int put_number(const char *path, const char *at, size_t length, time_t no
         snprintf(name, sizeof name, "%.*s%0*d%s", (int)(at - path), path, width, n, at + length);
         if (put_time(name, now, text, why))
             return -1;
-        if (lstat(text, &is) != 0)
-            return errno == ENOENT ? 0 : pupil_refuse(why, "%s: %s", text, strerror(errno));
+        if (lstat(text, &is) == 0)
+            continue;
+        if (errno != ENOENT)
+            return pupil_refuse(why, "%s: %s", text, strerror(errno));
+        const int taken = keep(text, why);
+        if (taken <= 0)
+            return taken;
     }
     return pupil_refuse(why, "%s: all of its %d numbers are there already", path, MOST_NUMBER + 1);
 }

@@ -358,6 +358,7 @@ static int check_several(const run_options *o, time_t now, pupil_why *why)
         if (check_outputs(&one, now, why))
             return OPTIONS_USAGE;
     }
+    frame_options_release_paths(); /* each process chooses its own */
     return OPTIONS_RUN;
 }
 

@@ -7,103 +7,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "beside.h"
 #include "folder.h"
 #include "refuse.h"
 
-/* So much of the name goes into the temporary one that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
-#define NAME_PART 200
-/* Temporary names tried: leavings of killed processes of the same number, and outputs asked for twice. */
-#define ATTEMPTS 100
-
-/* Its descriptor, held with a lock that ends with this process: a temporary without one was left by a process that was
- * killed. -1, with errno EEXIST: another name is to be tried, for a run that sweeps has just taken this one. */
-static int make_locked(const char *made, int is_folder)
-{
-    struct stat s;
-    int fd;
-    if (is_folder && mkdir(made, 0777) != 0)
-        return -1;
-    fd = open(made, is_folder ? O_RDONLY | O_DIRECTORY | O_CLOEXEC : O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0) {
-        const int error = errno;
-        if (is_folder)
-            rmdir(made);
-        errno = error;
-        return -1;
-    }
-    const int is_swept = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    const int error = fstat(fd, &s) != 0 ? errno : is_swept || s.st_nlink == 0 ? EEXIST : 0;
-    if (error) {
-        if (error != EEXIST)
-            (is_folder ? rmdir : unlink)(made);
-        close(fd);
-        errno = error;
-        return -1;
-    }
-    return fd; /* on a file system without locks, too: nobody sweeps there */
-}
-
-/* "folder/.name.pid.ending", made as an empty file or folder that was not there before. NULL: errno says why. */
-static char *make_beside(const char *path, int is_folder, const char *ending, int *fd)
-{
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    for (int i = 0; i < ATTEMPTS; i++) {
-        char number[16] = "", *made;
-        if (i > 0)
-            snprintf(number, sizeof number, "-%d", i);
-        if (asprintf(&made, "%.*s.%.*s.%ld%s.%s", (int)(name - path), path, NAME_PART, name, (long)getpid(), number,
-                     ending) < 0)
-            return NULL;
-        *fd = make_locked(made, is_folder);
-        if (*fd >= 0)
-            return made;
-        free(made);
-        if (errno != EEXIST)
-            return NULL;
-    }
-    return NULL;
-}
-
-/* The ending of an entry called ".name.PID.ending" or ".name.PID-N.ending"; NULL: it is called otherwise. */
-static const char *ending_of(const char *entry, const char *name)
-{
-    const int length = (int)strnlen(name, NAME_PART);
-    if (entry[0] != '.' || strncmp(entry + 1, name, (size_t)length) != 0 || entry[1 + length] != '.')
-        return NULL;
-    const char *number = entry + 2 + length, *end = number + strspn(number, "0123456789");
-    if (end == number)
-        return NULL;
-    if (*end == '-')
-        end += 1 + strspn(end + 1, "0123456789");
-    return *end == '.' ? end + 1 : NULL;
-}
-
-/* Removes what runs that were killed have left of this output. ".old" is what an output has replaced: it is kept where
- * there is nothing in its place. */
-static void sweep(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    char *parent = folder_of(path);
-    DIR *folder = parent ? opendir(parent) : NULL;
-    struct dirent *entry;
-    while (folder && (entry = readdir(folder)) != NULL) {
-        const char *ending = ending_of(entry->d_name, name);
-        if (!ending || (strcmp(ending, "part") != 0 && (strcmp(ending, "old") != 0 || access(path, F_OK) != 0)))
-            continue;
-        const int fd = openat(dirfd(folder), entry->d_name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
-            folder_remove_entry(dirfd(folder), entry->d_name);
-        if (fd >= 0)
-            close(fd);
-    }
-    if (folder)
-        closedir(folder);
-    free(parent);
-}
+/* Of links to links that are followed, as many as Linux follows. */
+#define LINKS 40
 
 static int is_frame_name(const char *name)
 {
@@ -154,21 +66,37 @@ static int may_replace(const char *path, const char *shown, int overwrite, pupil
     return 0;
 }
 
+/* Where a link leads, if anything is there or not. NULL: it is no link. */
+static char *led_to(const char *path)
+{
+    char target[PATH_MAX], *folder = folder_of(path), *joined = NULL;
+    const ssize_t length = readlink(path, target, sizeof target - 1);
+    if (folder && length > 0) {
+        target[length] = 0;
+        if (asprintf(&joined, "%s%s%s", *target == '/' ? "" : folder, *target == '/' ? "" : "/", target) < 0)
+            joined = NULL;
+    }
+    free(folder);
+    return joined;
+}
+
 /* Where the output will be: without slashes at the end, and where a link leads, so that the link stays. */
 static char *final_path(const char *path)
 {
-    struct stat s;
-    char *copy = strdup(path), *real = NULL;
+    char *at = strdup(path), *next;
     size_t length = strlen(path);
-    if (!copy)
-        return NULL;
-    while (length > 1 && copy[length - 1] == '/')
-        copy[--length] = 0;
-    if (lstat(copy, &s) == 0 && S_ISLNK(s.st_mode))
-        real = realpath(copy, NULL);
-    if (!real)
-        return copy;
-    free(copy);
+    while (at && length > 1 && at[length - 1] == '/')
+        at[--length] = 0;
+    for (int i = 0; at && i < LINKS && (next = led_to(at)) != NULL; i++) {
+        free(at);
+        at = next;
+    }
+    char *real = at ? realpath(at, NULL) : NULL;
+    if (!real || strcmp(at, path) == 0) {
+        free(real);
+        return at;
+    }
+    free(at);
     return real;
 }
 
@@ -194,7 +122,7 @@ static char *free_name(const char *path)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
     const char *end = dot && dot != name ? dot : name + strlen(name);
-    for (int i = 1; i <= ATTEMPTS; i++) {
+    for (int i = 1; i <= BESIDE_ATTEMPTS; i++) {
         char *made;
         struct stat s;
         if (asprintf(&made, "%.*s-%d%s", (int)(end - path), path, i, end) < 0)
@@ -261,8 +189,8 @@ static int prepare(pupil_pending *p, const char *path, pupil_why *why)
         return pupil_refuse(why, "%s: cannot be replaced; name a %s", path, p->is_folder ? "folder inside it" : "file");
     if (check_parent(p->path, &parent, why) || check_there(p, &parent, why))
         return -1;
-    sweep(p->path);
-    p->temporary = make_beside(p->path, p->is_folder, "part", &p->fd);
+    beside_sweep(p->path);
+    p->temporary = beside_make(p->path, p->is_folder, "part", &p->fd);
     if (!p->temporary)
         return pupil_refuse(why, "%s: cannot be written there: %s", p->path, strerror(errno));
     keep_mode(p, p->is_folder ? S_IRWXU : S_IRUSR | S_IWUSR);
@@ -293,12 +221,26 @@ int pupil_pending_into(pupil_pending *pending, const char *path, int overwrite, 
     return begin(pending, path, 1, 1, overwrite, why);
 }
 
+/* The own name is there before others are looked for, so that of two processes one sees the other's; and the output is
+ * looked for last, for it may just have lost its temporary name. */
+int pupil_pending_reserve(pupil_pending *pending, const char *path)
+{
+    struct stat is;
+    *pending = (pupil_pending){.fd = -1, .path = final_path(path)};
+    pending->temporary = pending->path ? beside_make(pending->path, 0, "part", &pending->fd) : NULL;
+    const int taken =
+        (pending->temporary && beside_is_held(pending->path, pending->temporary)) || lstat(path, &is) == 0;
+    if (taken)
+        pupil_pending_discard(pending);
+    return taken;
+}
+
 /* The folder that is there steps aside, the new one takes its place, and only then is the old one removed. It is looked
  * through again once it is aside, where nobody puts anything into it any more. */
 static int swap_folders(pupil_pending *p, pupil_why *why)
 {
     int failed = 0, fd = -1;
-    char *aside = make_beside(p->path, 1, "old", &fd);
+    char *aside = beside_make(p->path, 1, "old", &fd);
     if (!aside || rename(p->path, aside) != 0) {
         failed = pupil_refuse(why, "%s: the old folder cannot be moved aside: %s", p->path, strerror(errno));
         if (aside)

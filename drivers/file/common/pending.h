@@ -36,6 +36,11 @@ int pupil_pending_folder(pupil_pending *pending, const char *path, int overwrite
  * none may be of that name; it looks at all of them first. */
 int pupil_pending_into(pupil_pending *pending, const char *path, int overwrite, pupil_why *why);
 
+/* Keeps the name of an output that is begun later, for as long as `pending` is not discarded: 0; 1 where something is
+ * there, or another process keeps or writes it: of two that ask at once at most one gets the name. Where the folder
+ * cannot be written nothing is kept, and begin will say so: 0. */
+int pupil_pending_reserve(pupil_pending *pending, const char *path);
+
 /* A file's stream at its beginning, for the caller to close. It is not opened by its name again, which might be that of
  * another file by now. NULL: errno says why. */
 FILE *pupil_pending_stream(const pupil_pending *pending);

@@ -166,8 +166,13 @@ refused 2 "a.mp4: is there already; -y replaces it, and a-1.mp4 is free" -o a.mp
 for n in 000 001 002; do
     call 0 "; shot-$n.png" -n 1 -o shot-%03d.png
 done
-call 0 "; 0.png" -n 1 -o %d.png
-call 0 "; 1.png" -n 1 -o %d.png
+# two that begin together get a number each
+"$program" fake:real -n 5 -q -o two-%d.y4m &
+call 0 "; two-" fake:real -n 5 -o two-%d.y4m
+wait $! || fail "the other of two runs fails"
+[ -s two-0.y4m ] && [ -s two-1.y4m ] || fail "of two runs: $(ls -A two-* .two-*)"
+left=$(find . -name '.*.part')
+[ -z "$left" ] || fail "left behind: $left"
 before=$(date +%Y%m%d)
 call 0 "" -n 1 -o day-%Y%m%d.png
 [ -s "day-$before.png" ] || [ -s "day-$(date +%Y%m%d).png" ] || fail "no file of today: $(ls day-*)"
@@ -175,7 +180,7 @@ refused 2 "is there already" -n 1 -o day-%Y%m%d.png
 call 0 "-0.png" -n 1 -o day-%Y%m%d-%1d.png
 refused 2 "5%.png: a % is followed by" -n 1 -o 5%.png
 call 0 "; 5%.png" -n 1 -o 5%%.png
-rm -f shot-* day-* [015]*.png
+rm -f shot-* day-* two-* 5*.png
 if command -v gnuplot >/dev/null; then
     call 0 "" -n 40 --plot a.svg
     grep -q "<svg" a.svg || fail "no plot"

@@ -360,6 +360,52 @@ static void test_kept(void)
         remove(scratch(names[i]));
 }
 
+/* Of two that ask for a name, one gets it; what a killed process has kept is free again. */
+static void test_reserved(void)
+{
+    pupil_pending p, q;
+    const char *path = scratch("next.mp4");
+    CHECK(pupil_pending_reserve(&p, path) == 0 && !scratch_exists(path));
+    CHECK(pupil_pending_reserve(&q, path) == 1 && scratch_entries(scratch_folder) == 1);
+    CHECK(pupil_pending_file(&q, path, 0, &why) == 0); /* begins its own output under the name that it keeps */
+    pupil_pending_discard(&p);
+    CHECK(pupil_pending_reserve(&p, path) == 1); /* it is being written */
+    CHECK(pupil_pending_commit(&q, &why) == 0);
+    CHECK(pupil_pending_reserve(&p, path) == 1); /* it is there */
+    remove(path);
+    begin_in_child(path, 0, 1);
+    CHECK(pupil_pending_reserve(&p, path) == 0);
+    pupil_pending_discard(&p);
+    CHECK(pupil_pending_file(&q, path, 0, &why) == 0); /* sweeps */
+    pupil_pending_discard(&q);
+    CHECK(pupil_pending_reserve(&p, scratch("none/next.mp4")) == 0);
+    pupil_pending_discard(&p);
+    CHECK(scratch_entries(scratch_folder) == 0);
+}
+
+/* A link that leads to nothing yet: its target is made, as ffmpeg and a shell's > do, and the link stays. */
+static void test_link_to_nothing(void)
+{
+    pupil_pending p;
+    char path[1024];
+    CHECK(mkdir(scratch("there"), 0777) == 0 && symlink("there/new", scratch("link")) == 0);
+    CHECK(symlink("link", scratch("first")) == 0 && symlink("none/new", scratch("lost")) == 0);
+    CHECK(symlink("round", scratch("round")) == 0);
+    for (int overwrite = 0; overwrite <= 1; overwrite++) {
+        CHECK(pupil_pending_file(&p, scratch("first"), overwrite, &why) == 0 && pupil_pending_commit(&p, &why) == 0);
+        CHECK(scratch_holds(scratch("there/new"), "") && readlink(scratch("link"), path, sizeof path) > 0);
+        CHECK(scratch_entries(scratch_folder) == 5 && scratch_entries(scratch("there")) == 1);
+        remove(scratch("there/new"));
+        CHECK(pupil_pending_file(&p, scratch("lost"), overwrite, &why) == -1 && strstr(why.text, "there is no folder"));
+        CHECK(pupil_pending_file(&p, scratch("round"), overwrite, &why) == -1 && strstr(why.text, "Too many levels"));
+    }
+    CHECK(scratch_entries(scratch_folder) == 5);
+    rmdir(scratch("there"));
+    const char *const links[] = {"link", "first", "lost", "round"};
+    for (size_t i = 0; i < sizeof links / sizeof *links; i++)
+        remove(scratch(links[i]));
+}
+
 static unsigned mode_of(const char *path)
 {
     struct stat s;
@@ -388,6 +434,8 @@ int main(int argc, char **argv)
     test_file();
     test_twice();
     test_kept();
+    test_reserved();
+    test_link_to_nothing();
     test_modes();
     test_names();
     test_refused_places();
