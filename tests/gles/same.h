@@ -147,7 +147,7 @@ static int same_frame(gl_test *test, const pupil_image_const *image, const pupil
     return 1;
 }
 
-/* Prints the figures, and checks them against the tolerances of docs/numerics.md: metering 1e-5, a sample of 10,000. */
+/* Prints the figures, and checks them against the tolerances of docs/gpu.md: metering 1e-5, a sample of 10,000. */
 static void same_judge(const same_figures *figures, const char *what)
 {
     printf("%-24s metering %.1e relative; %llu of %llu samples off, by %d at most\n", what, figures->metering,

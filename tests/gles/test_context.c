@@ -119,7 +119,8 @@ static void check_options(void)
     pupil_egl_close(egl);
 }
 
-/* What a program of its own sees, with an environment of its own: Mesa reads it once. */
+/* What a program of its own sees, with an environment of its own: Mesa reads it once. Other drivers give their best
+ * version to all. */
 static void check_version(const char *override, uint32_t version, const char *refusal)
 {
     fflush(stdout);
@@ -131,6 +132,8 @@ static void check_version(const char *override, uint32_t version, const char *re
         setenv("LIBGL_ALWAYS_SOFTWARE", "true", 1);
         int status = pupil_egl_open(&egl, &options, &why);
         int expected = refusal ? status == -1 && !egl && strstr(why.text, refusal) : status == 0;
+        if (status == 0 && !strstr((const char *)glGetString(GL_VERSION), "Mesa"))
+            expected = 1;
         if (!expected)
             printf("OpenGL ES %s, %u asked for: status %d, \"%s\"\n", override, version, status,
                    status ? why.text : "");

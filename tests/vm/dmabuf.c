@@ -3,7 +3,7 @@
  * its cable back into the camera.
  *
  * Held, for each format: a texture's texels are the codes in the buffer, all of them; the statistics and the mapped
- * picture are those of the CPU, by the tolerances of docs/numerics.md. For the way back: every byte of what the cable
+ * picture are those of the CPU, by the tolerances of docs/gpu.md. For the way back: every byte of what the cable
  * brings is that of the mapped picture. */
 #include <linux/videodev2.h>
 

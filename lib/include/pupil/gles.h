@@ -18,13 +18,13 @@
  * histogram one of GL_EXT_color_buffer_half_float and GL_EXT_color_buffer_float; it is not available of external
  * textures there. In ES 3.1 it counts every pixel. In ES 3.0 it counts one of each four rows, or of config.meter_rows
  * of the pupil_t, scaled to the weight of all; always the same ones, spread as if by chance. With config.meter_rows 1
- * it counts all, and is exact (docs/numerics.md). stats.peak is that of every pixel in both. config.histogram_step is
+ * it counts all, and is exact (docs/gpu.md). stats.peak is that of every pixel in both. config.histogram_step is
  * not read, so on large frames the white point is not quite that of the CPU's default, but that of its
  * histogram_step 1.
  *
  * Results: counts, weights and the histogram's total are exact. The log-average is within 1e-5 (relative) of the CPU's.
- * At most one mapped sample of 10,000 differs, by one code (docs/numerics.md, On a GPU). Rounding depends on the GPU,
- * so two of them may give different bits.
+ * At most one mapped sample of 10,000 differs, by one code (docs/gpu.md). Rounding depends on the GPU, so two of them
+ * may give different bits.
  *
  * Nothing waits: statistics come through a ring of buffers, each read only after its fence has signalled. So they reach
  * pupil_adapt a frame late or more. pupil_gles_collect with a timeout is the one call that may wait.

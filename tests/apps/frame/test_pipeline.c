@@ -1,5 +1,5 @@
 /* A frame on the CPU's threads has the bits of pupil_process. The CPU takes over from the GPU in the middle of a run:
- * the adapted level is unbroken, and the picture is the CPU's within what numerics.md allows; a context that is gone is
+ * the adapted level is unbroken, and the picture is the CPU's within what gpu.md allows; a context that is gone is
  * noticed by itself. */
 #include "frame/pipeline.h"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# pupil replay --gles: the CPU's picture within what numerics.md allows, the same bits in every run; what happens where the
+# pupil replay --gles: the CPU's picture within what gpu.md allows, the same bits in every run; what happens where the
 # GPU cannot be had or lacks what is asked for. Needs an OpenGL ES driver, a software one will do.
 set -u
 . "$(dirname "$0")/../../lib.sh"

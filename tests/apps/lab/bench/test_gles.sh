@@ -1,5 +1,5 @@
 #!/bin/sh
-# pupil bench gles: what it prints at a small size, that its errors are within what numerics.md allows, what is refused,
+# pupil bench gles: what it prints at a small size, that its errors are within what gpu.md allows, what is refused,
 # Ctrl-C. No time is judged. Needs an OpenGL ES driver, a software one will do.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
