@@ -7,6 +7,7 @@
 #include "refuse.h"
 #include "still_private.h"
 #include "tiff_tags.h"
+#include "upright.h"
 
 static int take(pupil_still *still, const pupil_image_const *image, pupil_why *why)
 {
@@ -47,7 +48,9 @@ static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
 
 int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
-    const pupil_source_options options = {.as_stored = still->as_stored};
+    /* One orientation, turned once: newer libav reads that of TIFF and WebP, too. */
+    const int is_turned = pupil_orientation_of(bytes, size) != 1;
+    const pupil_source_options options = {.as_stored = still->as_stored || is_turned};
     pupil_source *source;
     pupil_frame frame;
     pupil_why words = {""};
@@ -60,7 +63,7 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
     if (failed)
         refuse_words(bytes, size, words.text, why);
     else
-        failed = take(still, &frame.image, why);
+        failed = take(still, &frame.image, why) || pupil_still_make_upright(still, bytes, size, why);
     pupil_source_close(source);
     return failed ? -1 : 0;
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "still_private.h"
+#include "upright.h"
 
 /* Deflate cannot shrink more than 1032:1 (zlib's technical notes); a header that promises more pixels is wrong. */
 #define DEFLATE_RATIO 1032
@@ -233,5 +234,5 @@ int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, pupil_
         pupil_still_fail(why, "no memory for reading a PNG file");
     png_destroy_read_struct(&r.png, &r.info, NULL);
     free(r.table);
-    return result;
+    return result ? result : pupil_still_make_upright(still, bytes, size, why);
 }

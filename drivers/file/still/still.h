@@ -27,7 +27,9 @@
  * - DNG, of a mosaic or linear, and the raw files of cameras (NEF, CR2, CR3, ARW, RAF, ORF, RW2 ...), through LibRaw:
  *   demosaiced, balanced as the camera was set, 0 at black and 1 at white, upright. Exposure time and ISO are not
  *   divided out.
- * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), upright by Exif.
+ * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h).
+ *
+ * JPEG, TIFF, PNG and WebP come upright by their orientation (Exif), unless as_stored.
  *
  * White other than D65 is adapted (Bradford). Chromaticities that are zero, not finite or no usable triangle count as
  * unspecified, that is as Rec.709/D65.
@@ -51,7 +53,7 @@ typedef struct pupil_still {
     size_t capacity_bytes;
     uint32_t width, height;
     uint32_t pixel;      /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
-    int as_stored;       /* JPEG is not turned upright; set by the caller */
+    int as_stored;       /* not turned upright; set by the caller */
     uint64_t max_pixels; /* set by the caller: so many are read, of files of any size; 0: as above */
     uint64_t most;       /* what follows from it for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
     double exposure_s;   /* 0: in all four formats the pixel values are scene light already */

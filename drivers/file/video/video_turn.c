@@ -54,6 +54,8 @@ static void copy_row(const uint8_t *from, ptrdiff_t step, uint8_t *to, uint32_t 
     for (uint32_t i = 0; i < count; i++, from += step, to += bytes) {
         if (bytes == 3 * sizeof(float))
             memcpy(to, from, 3 * sizeof(float)); /* of a size that the compiler knows */
+        else if (bytes == 3)
+            memcpy(to, from, 3);
         else
             memcpy(to, from, sizeof(uint16_t));
     }
@@ -84,7 +86,7 @@ int pupil_video_turn_image(pupil_video_turn *t, pupil_image_const *image, pupil_
 {
     const uint32_t width = image->width, height = image->height;
     const size_t planes = image->pixel == PUPIL_PIXEL_I444_16 ? 3 : 1;
-    const size_t bytes = planes == 3 ? sizeof(uint16_t) : 3 * sizeof(float), plane = bytes * width * height;
+    const size_t bytes = pupil_pixel_bytes(image->pixel), plane = bytes * width * height;
     if (!t->xx && !t->xy)
         return 0;
     if (planes * plane > t->room_bytes) {

@@ -27,8 +27,8 @@ int pupil_video_turn_set(pupil_video_turn *turn, const int32_t matrix[9], pupil_
 /* Of a frame of these sides, those of the turned one. */
 void pupil_video_turn_sides(const pupil_video_turn *turn, uint32_t *width, uint32_t *height);
 
-/* An image of video_pixels.h (its planes without padding), turned; its pixels are then in the object, until the next
- * call. 0, or -1 and a sentence. */
+/* An image of video_pixels.h (its planes without padding), or RGB8, turned; its pixels are then in the object, until
+ * the next call. 0, or -1 and a sentence. */
 int pupil_video_turn_image(pupil_video_turn *turn, pupil_image_const *image, pupil_why *why);
 
 void pupil_video_turn_free(pupil_video_turn *turn);

@@ -7,8 +7,9 @@ static pupil_why why;
 
 typedef struct picture {
     int width, height, bits, type, interlaced;
-    int srgb, cicp; /* 1: the chunk is written */
-    double gamma;   /* 0: no gAMA */
+    int srgb, cicp;  /* 1: the chunk is written */
+    int orientation; /* of eXIf; 0: it is not written */
+    double gamma;    /* 0: no gAMA */
     const double *chrm;
     uint8_t cicp_data[4];
     const uint8_t *rows;
@@ -56,6 +57,11 @@ static void write_png(bytes *out, const picture *p)
     png_write_info(png, info);
     if (p->cicp)
         png_write_chunk(png, (png_const_bytep) "cICP", p->cicp_data, 4);
+    if (p->orientation) {
+        uint8_t exif[22] = "MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1";
+        exif[19] = (uint8_t)p->orientation;
+        png_write_chunk(png, (png_const_bytep) "eXIf", exif, sizeof exif);
+    }
     stride = png_get_rowbytes(png, info);
     for (int y = 0; y < p->height; y++)
         rows[y] = (png_bytep)p->rows + (size_t)y * stride;
@@ -186,6 +192,25 @@ static void test_few_bits(void)
     pupil_still_free(&still);
 }
 
+/* Of codes and of floats; the other ways of TIFF are the same. */
+static void test_upright(void)
+{
+    static const uint8_t rows[] = {1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0};
+    static const int shown[] = {5, 3, 1, 6, 4, 2}; /* of rows 1 2, 3 4 and 5 6, turned to the right */
+    picture p = {.width = 2, .height = 3, .bits = 8, .type = PNG_COLOR_TYPE_GRAY_ALPHA, .rows = rows, .orientation = 6};
+    for (int wide = 0; wide <= 1; wide++) {
+        pupil_still still = {0};
+        p.gamma = wide; /* linear: as floats */
+        CHECK(read_picture(&still, &p) == 0 && still.width == 3 && still.height == 2);
+        for (int k = 0; k < 6 && still.width == 3; k++)
+            CHECK(wide ? rgb_is(&still, k % 3, k / 3, shown[k] / 255., shown[k] / 255., shown[k] / 255.)
+                       : ((uint8_t *)still.pixels)[3 * k + 2] == shown[k]);
+        still.as_stored = 1;
+        CHECK(read_picture(&still, &p) == 0 && still.width == 2 && still.height == 3);
+        pupil_still_free(&still);
+    }
+}
+
 static uint32_t crc_of(const uint8_t *data, size_t size) /* PNG, annex D */
 {
     uint32_t crc = 0xffffffff;
@@ -232,6 +257,7 @@ int main(int argc, char **argv)
     test_primaries();
     test_layouts();
     test_few_bits();
+    test_upright();
     test_refusals();
     return check_end();
 }

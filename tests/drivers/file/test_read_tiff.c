@@ -2,6 +2,7 @@
  * make something else of them, and which it lacks. And other files of libav's that are no pictures of pupil's. */
 #include "file/still/still.h"
 #include "file/still/tiff_tags.h"
+#include "file/still/upright.h"
 
 #include "clip.h"
 #include "scratch.h"
@@ -26,7 +27,8 @@ static void add(tiff *t, uint32_t value, int bytes)
         t->bytes[t->size++] = (uint8_t)(value >> 8 * (t->is_big ? bytes - 1 - i : i));
 }
 
-/* A header, one directory, and samples of a quarter of white behind it: StripOffsets has their place. */
+/* A header, one directory, and samples of a quarter of white behind it, but one of 0 at the beginning of the second
+ * row: StripOffsets has their place. */
 static tiff tiff_of(int is_big, const tag *tags, uint32_t count)
 {
     tiff t = {.is_big = is_big};
@@ -48,20 +50,22 @@ static tiff tiff_of(int is_big, const tag *tags, uint32_t count)
     add(&t, 0, 4);
     while (t.size < MOST)
         add(&t, 64, 1);
+    t.bytes[8 + 2 + 12 * count + 4 + 4] = 0;
     return t;
 }
 
-/* A grey picture of 4 x 2, with one tag in the place of the one that it has. */
+/* A grey picture of 4 x 2, with one tag in the place of the one that it has, or more. */
 static tiff picture(int is_big, tag other)
 {
-    tag tags[] = {{256, SHORT, 4}, {257, SHORT, 2}, {258, SHORT, 8}, {259, SHORT, 1}, {262, SHORT, 1},
-                  {273, LONG, 0},  {277, SHORT, 1}, {278, SHORT, 2}, {279, LONG, 8},  {0, SHORT, 0}};
-    uint32_t count = 9;
-    for (uint32_t i = 0; i < count; i++)
-        if (tags[i].tag == other.tag)
-            tags[i] = other;
-    if (other.tag > 279)
-        tags[count++] = other;
+    static const tag all[] = {{256, SHORT, 4}, {257, SHORT, 2}, {258, SHORT, 8}, {259, SHORT, 1}, {262, SHORT, 1},
+                              {273, LONG, 0},  {277, SHORT, 1}, {278, SHORT, 2}, {279, LONG, 8}};
+    tag tags[10];
+    uint32_t count = 0, i = 0;
+    while (i < 9 && all[i].tag < other.tag)
+        tags[count++] = all[i++];
+    tags[count++] = other;
+    for (i += i < 9 && all[i].tag == other.tag; i < 9; i++)
+        tags[count++] = all[i];
     return tiff_of(is_big, tags, count);
 }
 
@@ -107,6 +111,37 @@ static void test_kinds(void)
                   failed ? 0.0 : (double)((float *)still.pixels)[0]); /* code 64: TIFF 6.0 has a gamma of 2.2 */
         pupil_still_free(&still);
     }
+}
+
+/* Each orientation: where the corner at the bottom left of the stored picture is shown. */
+static void test_upright(void)
+{
+    static const struct {
+        uint32_t x, y;
+    } black[] = {{0, 1}, {0, 1}, {3, 1}, {3, 0}, {0, 0}, {1, 0}, {0, 0}, {0, 3}, {1, 3}, {0, 1}};
+    for (uint32_t i = 0; i < 4 * sizeof black / sizeof *black; i++) {
+        const uint32_t orientation = i / 4, is_on_side = orientation >= 5 && orientation <= 8;
+        const tiff t = picture(i % 2, (tag){274, SHORT, orientation});
+        pupil_still still = {.most = 1000000, .as_stored = i / 2 % 2};
+        CHECK_MSG(pupil_read_libav(&still, t.bytes, t.size, &why) == 0, "%s", why.text);
+        CHECK(pupil_orientation_of(t.bytes, t.size) == (orientation >= 1 && orientation <= 8 ? orientation : 1));
+        const uint32_t width = is_on_side && !still.as_stored ? 2 : 4;
+        const size_t at = still.as_stored ? 4 : black[orientation].y * width + black[orientation].x;
+        CHECK_MSG(still.width == width && still.height == 8 / width, "orientation %u", orientation);
+        for (size_t k = 0; k < 8; k++)
+            CHECK_MSG((((float *)still.pixels)[3 * k + 1] == 0.0f) == (k == at), "orientation %u: %zu", orientation, k);
+        pupil_still_free(&still);
+    }
+}
+
+/* The Exif of a WebP; cut off anywhere it is none. */
+static void test_exif_of_webp(void)
+{
+    static const uint8_t webp[] = "RIFF\x3c\0\0\0WEBPodd \3\0\0\0abc\0EXIF\x20\0\0\0Exif\0\0"
+                                  "MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0";
+    CHECK(pupil_orientation_of(webp, sizeof webp - 1) == 6);
+    for (size_t size = 0; size < sizeof webp - 1; size++)
+        CHECK(pupil_orientation_of(webp, size) == 1);
 }
 
 static int sample(const clip *c, int frame, int component, int x, int y)
@@ -158,6 +193,8 @@ int main(int argc, char **argv)
     scratch_begin();
     test_find();
     test_kinds();
+    test_upright();
+    test_exif_of_webp();
     test_of_video();
     scratch_clear(scratch_folder);
     return check_end();
