@@ -28,17 +28,29 @@ static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pu
 {
     static const char damaged[] = "frame 0 is damaged: ";
     const char *text = strncmp(words, ": ", 2) == 0 ? words + 2 : words;
-    if (strncmp(text, damaged, strlen(damaged)) != 0 || !strstr(text, "not supported"))
+    if (strncmp(text, damaged, strlen(damaged)) != 0 ||
+        (!strstr(text, "not supported") && !strstr(text, "Not yet implemented")))
         return pupil_refuse(why, "%s", text);
     return pupil_refuse(why, "libav lacks this kind of file: %s%s", text + strlen(damaged),
                         pupil_is_tiff(bytes, size) ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
 }
 
-/* Of these libav hands out black pixels and no error. */
+/* Of tiles and JPEG libav hands out black pixels and no error; what it says of L*a*b* is no help. */
 static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
 {
-    enum { COMPRESSION = 259, TILE_OFFSETS = 324, OLD_JPEG = 6, JPEG = 7 };
+    enum {
+        COMPRESSION = 259,
+        PHOTOMETRIC = 262,
+        TILE_OFFSETS = 324,
+        OLD_JPEG = 6,
+        JPEG = 7,
+        CIE_LAB = 8,
+        ITU_LAB = 10
+    };
     uint32_t value = 0;
+    if (pupil_tiff_find(bytes, size, PHOTOMETRIC, &value) && value >= CIE_LAB && value <= ITU_LAB)
+        return pupil_refuse(why, "is a TIFF in CIE L*a*b*, which is not read; convert it to RGB "
+                                 "(convert IN.tif -colorspace sRGB OUT.tif)");
     if (pupil_tiff_find(bytes, size, TILE_OFFSETS, &value))
         return pupil_refuse(why, "is a TIFF in tiles; save it in strips, or as PNG");
     if (pupil_tiff_find(bytes, size, COMPRESSION, &value) && (value == OLD_JPEG || value == JPEG))

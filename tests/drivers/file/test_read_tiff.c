@@ -97,6 +97,10 @@ static void test_kinds(void)
                  {{324, LONG, 200}, "is a TIFF in tiles; save it in strips"},
                  {{259, SHORT, 6}, "is a TIFF compressed as JPEG"},
                  {{259, SHORT, 7}, "is a TIFF compressed as JPEG"},
+                 {{262, SHORT, 8}, "is a TIFF in CIE L*a*b*, which is not read; convert it"},
+                 {{262, SHORT, 9}, "L*a*b*"},
+                 {{262, SHORT, 10}, "L*a*b*"},
+                 {{262, SHORT, 32844}, "libav lacks this kind of file: "}, /* CIE Log2(L) */
                  {{258, SHORT, 64}, "libav lacks this kind of file: "},
                  {{256, SHORT, 20000}, ""}};
     for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
