@@ -103,7 +103,8 @@ function picked(channels) {
         for (const names of [["R", "G", "B"], ["Y", "Y", "Y"]]) {
             const found = names.map((n) => channels.findIndex((c) => c.name === layer + n));
             const has = (n) => channels.some((c) => c.name === layer + n);
-            if (found.every((i) => i >= 0) && !(names[0] === "Y" && has("RY") && has("BY")))
+            const isOther = (has("RY") && has("BY")) || (has("X") && has("Z")); // chroma; CIE XYZ or normals
+            if (found.every((i) => i >= 0) && !(names[0] === "Y" && isOther))
                 return found;
         }
     const list = channels.map((c) => c.name).join(", ").slice(0, 200);

@@ -61,8 +61,9 @@ static int find_channel(const exr_attr_chlist_t *list, const char *prefix, size_
 /* Whether the channels under this prefix make a picture; fills in kind and places. */
 static int match_layer(exr_plan *plan, const char *prefix, size_t length)
 {
-    static const char *const names[EXR_KIND_COUNT][3] = {{"R", "G", "B"}, {"Y", NULL, NULL}, {"RY", "Y", "BY"}};
-    static const exr_kind order[] = {EXR_KIND_RGB, EXR_KIND_LUMA_CHROMA, EXR_KIND_LUMINANCE};
+    static const char *const names[EXR_KIND_COUNT][3] = {
+        {"R", "G", "B"}, {"X", "Y", "Z"}, {"Y", NULL, NULL}, {"RY", "Y", "BY"}};
+    static const exr_kind order[] = {EXR_KIND_RGB, EXR_KIND_XYZ, EXR_KIND_LUMA_CHROMA, EXR_KIND_LUMINANCE};
     for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
         int complete = 1;
         for (int i = 0; i < 3; i++) {
@@ -70,6 +71,8 @@ static int match_layer(exr_plan *plan, const char *prefix, size_t length)
             plan->channel[i] = name ? find_channel(plan->channels, prefix, length, name) : -1;
             complete = complete && (!name || plan->channel[i] >= 0);
         }
+        if (complete && order[k] == EXR_KIND_XYZ && length)
+            return 0; /* of a layer: normals or places, and their Y is no grey */
         if (complete) {
             plan->kind = order[k];
             return 1;
@@ -86,8 +89,9 @@ static int no_picture(exr_plan *plan)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s", c ? ", " : "",
                                  plan->channels->entries[c].name.str);
     return pupil_still_fail(plan->why,
-                            "has the channels %s%s; R, G and B, or Y (with RY and BY), are needed, in one layer", names,
-                            used >= sizeof names ? "..." : "");
+                            "has the channels %s%s; R, G and B, or Y (with RY and BY), are needed, in one layer, or X, "
+                            "Y and Z",
+                            names, used >= sizeof names ? "..." : "");
 }
 
 static int check_sampling(exr_plan *plan)
@@ -172,7 +176,9 @@ static void read_colour(exr_plan *plan)
 {
     exr_attr_chromaticities_t c;
     pupil_chromaticities given;
-    if (exr_attr_get_chromaticities(plan->file, plan->part, "chromaticities", &c) != EXR_ERR_SUCCESS) {
+    if (plan->kind == EXR_KIND_XYZ) {
+        pupil_still_colour_from_xyz(&plan->colour);
+    } else if (exr_attr_get_chromaticities(plan->file, plan->part, "chromaticities", &c) != EXR_ERR_SUCCESS) {
         pupil_still_colour_from(NULL, &plan->colour);
     } else {
         const double xy[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};

@@ -10,6 +10,7 @@
 
 typedef enum exr_kind {
     EXR_KIND_RGB,         /* three channels: R, G, B */
+    EXR_KIND_XYZ,         /* three: X, Y, Z, of CIE 1931 */
     EXR_KIND_LUMINANCE,   /* one: Y */
     EXR_KIND_LUMA_CHROMA, /* three: RY, Y, BY; chroma perhaps of half the size */
     EXR_KIND_COUNT

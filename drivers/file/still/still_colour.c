@@ -117,6 +117,16 @@ void pupil_still_colour_from(const pupil_chromaticities *given, pupil_still_colo
     }
 }
 
+void pupil_still_colour_from_xyz(pupil_still_colour *colour)
+{
+    double standard[9], from_xyz[9];
+    rgb_to_xyz(&rec709, standard);
+    invert(standard, from_xyz);
+    *colour = (pupil_still_colour){.luminance = {0, 1, 0}, .convert = 1};
+    for (int i = 0; i < 9; i++)
+        colour->to_709[i] = (float)from_xyz[i];
+}
+
 void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels)
 {
     const float *m = colour->to_709;

@@ -32,6 +32,9 @@ typedef struct pupil_still_colour {
 /* The colour of pixels with these chromaticities; NULL, or chromaticities that are not sane, count as Rec.709/D65. */
 void pupil_still_colour_from(const pupil_chromaticities *given, pupil_still_colour *colour);
 
+/* That of CIE XYZ whose white is D65's, at Y = 1. */
+void pupil_still_colour_from_xyz(pupil_still_colour *colour);
+
 /* Converts RGB float pixels in place; nothing where there is nothing to do. */
 void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels);
 

@@ -158,6 +158,27 @@ static void test_chromaticities(void)
     pupil_still_free(&still);
 }
 
+/* CIE XYZ is a picture; three such channels of a layer are normals, and the layer behind them is read. */
+static void test_xyz(void)
+{
+    exr_part part = {.channel = {{"X", FLOAT_SAMPLES, 0, 0}, {"Y", FLOAT_SAMPLES, 0, 0}, {"Z", FLOAT_SAMPLES, 0, 0}},
+                     WINDOW(1, 1)};
+    pupil_still still = {0};
+    /* 0.25, 0.5, 0.75 by the inverse of IEC 61966-2-1: 3.2406 -1.5372 -0.4986 / -0.9689 1.8758 0.0415 /
+     * 0.0557 -0.2040 1.0570 */
+    CHECK_MSG(read_part(&still, part) == 0, "%s", why.text);
+    CHECK(rgb_near(&still, 0, 0, -0.3324, 0.7268, 0.7047, 3e-4));
+    part = LITTLE(.channel = {{"N.X", FLOAT_SAMPLES, 0, 0},
+                              {"N.Y", FLOAT_SAMPLES, 0, 0},
+                              {"N.Z", FLOAT_SAMPLES, 0, 0},
+                              {"lit.Y", FLOAT_SAMPLES, 0, 0}},
+                  WINDOW(1, 1));
+    CHECK(read_part(&still, part) == 0 && rgb_is(&still, 0, 0, 1, 1, 1));
+    part.channel[3].name = "lit.Q";
+    CHECK(read_part(&still, part) == -1 && strstr(why.text, "has the channels N.X, N.Y, N.Z, lit.Q;"));
+    pupil_still_free(&still);
+}
+
 static void test_parts(void)
 {
     exr_part parts[3] = {{.channel = {{"Z", FLOAT_SAMPLES, 0, 0}}, WINDOW(4, 4), .type = "scanlineimage"},
@@ -346,6 +367,7 @@ int main(int argc, char **argv)
     test_uint();
     test_luminance_chroma();
     test_chromaticities();
+    test_xyz();
     test_parts();
     test_halfs();
     test_refusals();
