@@ -299,26 +299,28 @@ static pupil_luma_quads block_of(const luma_work *w, size_t x, uint32_t n, luma_
     return in;
 }
 
+static void list_quad(luma_work *w, const pupil_luma_quads *in, uint32_t x, uint32_t i)
+{
+    exact_quads *q = &w->listed;
+    const uint32_t k = q->count++;
+    q->place[k] = (uint16_t)(x + i);
+    copy_bytes(in->upper + 2 * (size_t)i, 2, q->upper + 2 * (size_t)k);
+    copy_bytes((in->lower ? in->lower : in->upper) + 2 * (size_t)i, 2, q->lower + 2 * (size_t)k);
+    copy_bytes(in->chroma + 2 * (size_t)i, 2, q->chroma + 2 * (size_t)k);
+    if (q->count == MOST_EXACT)
+        map_exactly(w->job, w->coder, q, w->to);
+}
+
 /* Quads i to n of a block at x. Four of `exact` are seen at once: there are few. */
 static void list_exact(luma_work *w, const pupil_luma_quads *in, const uint16_t *exact, uint32_t x, uint32_t i,
                        uint32_t n)
 {
-    exact_quads *q = &w->listed;
-    for (; i < n; i++) {
-        uint64_t four = 1;
-        if (i % 4 == 0 && i + 4 <= n)
-            __builtin_memcpy(&four, exact + i, sizeof four);
-        if (!four)
-            i += 3;
-        if (!four || !exact[i])
-            continue;
-        const uint32_t k = q->count++;
-        q->place[k] = (uint16_t)(x + i);
-        copy_bytes(in->upper + 2 * (size_t)i, 2, q->upper + 2 * (size_t)k);
-        copy_bytes((in->lower ? in->lower : in->upper) + 2 * (size_t)i, 2, q->lower + 2 * (size_t)k);
-        copy_bytes(in->chroma + 2 * (size_t)i, 2, q->chroma + 2 * (size_t)k);
-        if (q->count == MOST_EXACT)
-            map_exactly(w->job, w->coder, q, w->to);
+    for (; i < n; i += 4) {
+        uint64_t four;
+        __builtin_memcpy(&four, exact + i, sizeof four);
+        for (uint32_t k = 0; four && k < 4; k++)
+            if (exact[i + k])
+                list_quad(w, in, x, i + k);
     }
 }
 
@@ -339,6 +341,8 @@ static void map_block(luma_work *w, uint32_t x, uint32_t n)
     const pupil_kernels *k = w->job->kernels;
     uint32_t parts = to->chroma ? PUPIL_PIECE(k, yuv_by_luma)(w->tables, &in, n, &out, exact)
                                 : PUPIL_PIECE(k, rgb_by_luma)(w->tables, &in, n, &out, exact);
+    for (uint32_t i = n; i % 4; i++) /* list_exact takes four at once */
+        exact[i] = 0;
     for (uint32_t i = 0; i < n && to->cr; i++) {
         to->chroma[x + i] = b.new_chroma[2 * i];
         to->cr[x + i] = b.new_chroma[2 * i + 1];
