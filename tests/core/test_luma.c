@@ -396,6 +396,34 @@ static void mean_of_rows(void)
     frame_free(&mean);
 }
 
+/* A picture that stays as it is, of one colour: are its codes those of exact mapping? */
+static int unchanged_is_exact(int luma, int cr)
+{
+    const pupil_curve none = curve_of(1.0f);
+    frame f = frame_make(16, 2, PUPIL_PIXEL_NV12, 0, 0);
+    for (uint32_t y = 0; y < 2; y++)
+        for (uint32_t x = 0; x < 16; x++) {
+            *luma_of(&f, x, y) = (uint8_t)luma;
+            *chroma_of(&f, 0, x, y) = 128;
+            *chroma_of(&f, 1, x, y) = (uint8_t)cr;
+        }
+    frame exact = map(&f, PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR, &none, PUPIL_PIXEL_NV12);
+    frame by_luma = map(&f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, &none, PUPIL_PIXEL_NV12);
+    const int same = frame_equal(&exact, &by_luma);
+    frame_free(&exact);
+    frame_free(&by_luma);
+    frame_free(&f);
+    return same;
+}
+
+/* Reds whose green and blue are below 0. In R'G'B' codes grey is 9 and they are 50 and 114 above it: by luma they stay,
+ * and beyond eight times grey they are exact. */
+static void dark_and_far_from_grey(void)
+{
+    CHECK(!unchanged_is_exact(24, 156));
+    CHECK(unchanged_is_exact(24, 192));
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -411,6 +439,7 @@ int main(int argc, char **argv)
         odd_sides(inputs[p], 5, 16383);
     }
     exact_where_it_must();
+    dark_and_far_from_grey();
     errors(1, PUPIL_PIXEL_NV12, "small colours", 1.5, 8);
     errors(1, PUPIL_PIXEL_RGBA8, "small colours, RGBA8", 1.5, 16); /* Cb and Cr are doubled in it */
     errors(2, PUPIL_PIXEL_NV12, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */

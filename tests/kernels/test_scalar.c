@@ -163,7 +163,8 @@ static void check_units(uint32_t n)
     }
 }
 
-/* Negative light, NaN and what is above the ceiling; and what is above a threshold, with the colour that it had. */
+/* Negative light, NaN and what is above the ceiling; and what is above a threshold, with the colour that it had. -0
+ * is 0, as it is at the levels whose vectors take the larger of it and 0. */
 static void check_bright(uint32_t n)
 {
     static pupil_planes planes;
@@ -171,7 +172,7 @@ static void check_bright(uint32_t n)
     float *const out[3] = {bright[0], bright[1], bright[2]};
     for (int threshold = 0; threshold < 2; threshold++) {
         for (uint32_t i = 0; i < PUPIL_BLOCK; i++) {
-            planes.r[i] = i % 5 == 1 ? -3.0f : i % 5 == 2 ? NAN : 4.0f;
+            planes.r[i] = i % 5 == 1 ? (i % 2 ? -3.0f : -0.0f) : i % 5 == 2 ? NAN : 4.0f;
             planes.g[i] = i % 5 == 3 ? 0x1p31f : 2.0f;
             planes.b[i] = i % 5 == 4 ? 8.0f : 1.0f;
             bright[0][i] = bright[1][i] = bright[2][i] = GUARD;
@@ -182,6 +183,7 @@ static void check_bright(uint32_t n)
             const float b = i % 5 == 4 ? 8.0f : 1.0f, most = i % 5 == 3 ? 0x1p30f : i % 5 == 4 ? 8.0f : 4.0f;
             const float share = !threshold ? 1.0f : i % 5 == 1 || i % 5 == 2 ? 0.0f : (most - 4.0f) / most;
             CHECK(bright[0][i] == r * share && bright[1][i] == g * share && bright[2][i] == b * share);
+            CHECK(!signbit(bright[0][i]));
         }
         for (uint32_t i = n; i < PUPIL_BLOCK; i++)
             CHECK(bright[0][i] == GUARD && bright[1][i] == GUARD && bright[2][i] == GUARD);
