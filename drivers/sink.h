@@ -4,8 +4,8 @@
  *
  * Rules for every sink:
  * - The output is written under another name in the same folder, and renamed in finish. After discard nothing is left.
- *   So an output is complete or absent. (Streams, such as standard output, cannot take anything back; a live video
- * keeps what it has.)
+ *   So an output is complete or absent. (Streams, such as standard output, cannot take anything back; a live output
+ *   keeps its whole frames.)
  * - Frames are PUPIL_PIXEL_RGB8 in the options' primaries and transfer, all of the size that open was given.
  * - Every failure is PUPIL_SINK_FAILED and one sentence in the caller's buffer: it names the path and says what would
  * be right. After a failed write or finish the caller still calls discard.
@@ -49,7 +49,8 @@ typedef struct pupil_sink_options {
     pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
     int live; /* .mp4, .mkv and .mov: what was written plays, though the process be killed: at most a second of it is
                * lost. From the first half second on the file is in its place, also when a write fails later. It is
-               * made of fragments, and encoded without looking ahead */
+               * made of fragments, and encoded without looking ahead. A .y4m is in its place from its first frame on;
+               * where a write fails it is cut to its whole frames, and a folder takes its place with those it has */
 } pupil_sink_options;
 
 typedef struct pupil_sink pupil_sink;

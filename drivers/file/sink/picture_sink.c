@@ -84,6 +84,19 @@ static int name_frame(picture_sink *s, pupil_why *why)
     return pupil_refuse(why, "%.*s: named by over 1000 inputs", length, stem);
 }
 
+/* A live folder takes its place with what it has, without the picture that failed. */
+static void keep_whole(picture_sink *s, const char *failed, pupil_why *why)
+{
+    pupil_why other = {""};
+    if (!s->options.live || !s->pending.is_folder || !s->frames)
+        return;
+    unlink(failed);
+    if (pupil_pending_commit(&s->pending, &other))
+        pupil_refuse_add(why, "; %s", other.text);
+    else
+        pupil_sink_add_kept(s->frames, why);
+}
+
 static int picture_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
 {
     picture_sink *s = (picture_sink *)sink;
@@ -107,8 +120,10 @@ static int picture_write(pupil_sink *sink, const pupil_image_const *image, const
         name = s->name;
     }
     if (s->write ? write_file(s->write, path, name, image, why)
-                 : s->display(path, name, image, s->options.primaries, s->options.transfer, why))
+                 : s->display(path, name, image, s->options.primaries, s->options.transfer, why)) {
+        keep_whole(s, path, why);
         return PUPIL_SINK_FAILED;
+    }
     s->frames++;
     return PUPIL_SINK_OK;
 }

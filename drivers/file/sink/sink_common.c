@@ -34,6 +34,12 @@ int pupil_sink_check_image(const char *path, const pupil_sink_options *options, 
     return PUPIL_SINK_OK;
 }
 
+void pupil_sink_add_kept(uint64_t frames, pupil_why *why)
+{
+    pupil_refuse_add(why, "; the %llu frame%s before %s kept", (unsigned long long)frames, frames == 1 ? "" : "s",
+                     frames == 1 ? "is" : "are");
+}
+
 void pupil_fps_ratio(double fps, int *num, int *den)
 {
     /* NTSC: n * 1000/1001. 2e-6 takes in the two-decimal and three-decimal spellings (29.97 and 23.976 are 1e-6 off),

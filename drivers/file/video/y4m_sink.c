@@ -23,8 +23,10 @@ typedef struct y4m_sink {
     pupil_pending pending; /* of a file; all zero for standard output */
     int to_stdout, fd;
     uint64_t frames;
-    double due_s;     /* keep_time: the stream's time of the last frame that came, gaps left out, */
-    int64_t stamp_ns; /* and its timestamp */
+    int is_shown;      /* a live file: it is in its place, */
+    off_t whole_bytes; /* and so long with its whole frames */
+    double due_s;      /* keep_time: the stream's time of the last frame that came, gaps left out, */
+    int64_t stamp_ns;  /* and its timestamp */
     uint64_t came;
     size_t filled;
     uint8_t buffer[BUFFER_BYTES];
@@ -111,8 +113,28 @@ static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why
             pupil_yuv709_row((pupil_yuv_plane)plane, (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes,
                              image->width, room);
         }
-    s->frames++;
     return y4m_flush(s, why); /* the pipe's reader gets a frame as soon as there is one */
+}
+
+/* After a whole frame. A live file has its name from the first one on. */
+static int y4m_note_whole(y4m_sink *s, pupil_why *why)
+{
+    if (s->to_stdout || !s->options.live)
+        return PUPIL_SINK_OK;
+    s->whole_bytes = lseek(s->fd, 0, SEEK_CUR);
+    if (!s->is_shown && pupil_pending_show(&s->pending, why))
+        return PUPIL_SINK_FAILED;
+    s->is_shown = 1;
+    return PUPIL_SINK_OK;
+}
+
+/* After a frame that failed: its part is cut off again. */
+static int y4m_keep_whole(y4m_sink *s, pupil_why *why)
+{
+    s->filled = 0;
+    if (s->is_shown && ftruncate(s->fd, s->whole_bytes) == 0 && lseek(s->fd, s->whole_bytes, SEEK_SET) >= 0)
+        pupil_sink_add_kept(s->frames, why);
+    return PUPIL_SINK_FAILED;
 }
 
 static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pupil_frame_info *info, pupil_why *why)
@@ -122,9 +144,13 @@ static int y4m_write(pupil_sink *sink, const pupil_image_const *image, const pup
         return PUPIL_SINK_FAILED;
     if (s->frames == 0 && y4m_header(s, why))
         return PUPIL_SINK_FAILED;
-    for (uint64_t times = y4m_times(s, info); times; times--)
+    for (uint64_t times = y4m_times(s, info); times; times--) {
         if (y4m_frame(s, image, why))
+            return y4m_keep_whole(s, why);
+        s->frames++;
+        if (y4m_note_whole(s, why))
             return PUPIL_SINK_FAILED;
+    }
     return PUPIL_SINK_OK;
 }
 

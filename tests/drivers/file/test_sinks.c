@@ -412,6 +412,40 @@ static void test_nothing_left(void)
     free(small_memory);
 }
 
+/* A live output that runs out of room keeps its whole frames, and says how many. */
+static void test_live_full(void)
+{
+    uint8_t *memory;
+    const pupil_image image = scratch_image(64, 48, 0, &memory);
+    const size_t frame_bytes = 6 + 3 * 64 * 48;
+    for (int is_folder = 0; is_folder <= 1; is_folder++) {
+        const char *path = scratch(is_folder ? "live" : "live.y4m");
+        const pupil_sink_options options = {.width = 64, .height = 48, .fps = 30, .live = 1};
+        pupil_sink *sink;
+        size_t size;
+        CHECK_MSG(pupil_file_sink_open(path, &options, &sink, &why) == 0, "%s", why.text);
+        memset(memory, 0, 48 * (size_t)image.stride_bytes); /* a PNG of 100 bytes; that of noise has 9000 */
+        CHECK(put(sink, image) == 0 && scratch_exists(path) == !is_folder && put(sink, image) == 0);
+        scratch_noise(&image);
+        scratch_limit(is_folder ? 5000 : 100 + frame_bytes * 5 / 2);
+        CHECK_REFUSED_AT(put(sink, image), path, "; the 2 frames before are kept");
+        scratch_limit(0);
+        CHECK_MSG(strstr(why.text, "cannot be written: File too large; "), "%s", why.text);
+        pupil_sink_discard(sink);
+        CHECK(scratch_entries(scratch_folder) == 1);
+        if (is_folder) {
+            CHECK(scratch_entries(path) == 2 && scratch_exists(scratch("live/frame_000001.png")));
+            scratch_clear(path);
+            continue;
+        }
+        char *bytes = slurp(path, &size);
+        CHECK_MSG(size == strcspn(bytes, "\n") + 1 + 2 * frame_bytes, "%zu bytes", size);
+        free(bytes);
+        remove(path);
+    }
+    free(memory);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -426,6 +460,7 @@ int main(int argc, char **argv)
     test_stdout();
     test_refused_opens();
     test_nothing_left();
+    test_live_full();
     CHECK(scratch_entries(scratch_folder) == 0);
     scratch_clear(scratch_folder);
     return check_end();
