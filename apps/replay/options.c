@@ -265,7 +265,7 @@ int replay_options_side(const frame_options *options, int which, replay_side *si
 {
     static char name[] = "replay";
     const char *text = options->compare[which];
-    char *argv[64] = {name};
+    char *argv[sizeof side->words / 2 + 2] = {name}; /* a word and a space take two characters at least */
     int argc = 1;
     pupil_why words;
     side->options = *options;
@@ -274,7 +274,7 @@ int replay_options_side(const frame_options *options, int which, replay_side *si
         return pupil_refuse(why, "--compare: a setting of over %zu characters", sizeof side->words - 1);
     strcpy(side->words, text);
     for (char *word = strtok(side->words, " "); word; word = strtok(NULL, " ")) {
-        if (argc == 63 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+        if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
             return pupil_refuse(why, "--compare \"%s\": must be %s", text, compare_right);
         argv[argc++] = word;
     }

@@ -50,7 +50,7 @@ halves inner.y4m at.y4m plain.y4m || fail "options inside of the quotes"
 
 # pictures, one by one; and a video by a muxer
 expect 0 "" $walk --reset-each --compare "" "--lock --metering spot" -o folder
-expect 0 "" $walk --compare "" "--fused" -o both.mp4
+expect 0 "" $walk --compare "" "--fused$(printf ' --ev %d' $(yes 1 | head -n 80))" -o both.mp4 # any number of options
 [ -s both.mp4 ] && [ -s folder/frame_000011.png ] || fail "no folder or video"
 
 while IFS='|' read -r words a b more; do
@@ -69,6 +69,7 @@ done <<END
 --tau-dark: is of the default law||--law 1 --tau-dark 3|
 --key and --key-at: one of them||--key 0.2 --key-at 0:0.1|
 END
+expect 2 "a setting of over 1023 characters" $walk -o none.mp4 --compare "" "$(printf '%01024d' 0)"
 expect 2 "-o out.mp4 or another output is missing" $walk --compare "" "--key 0.3"
 expect 2 "its value is missing; 'pupil replay --help' has more; it takes two settings in quotes" $walk --compare "--ev 1" -o none.mp4
 expect 2 "--compare: its second value is missing" $walk -o none.mp4 --compare ""
