@@ -6,6 +6,13 @@
 #include "common/reader.h"
 #include "file/file_sink.h"
 
+uint32_t pictures_primaries(const pupil_config *config)
+{
+    if (config->output_primaries == PUPIL_OUTPUT_AS_INPUT)
+        return config->primaries;
+    return config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
+}
+
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why)
 {
     pupil_why without = {""};

@@ -17,6 +17,9 @@ typedef struct pictures {
     size_t failed;    /* which one, after a write or finish that failed */
 } pictures;
 
+/* Of pictures that are mapped so: a pupil_primaries, for pupil_sink_options. */
+uint32_t pictures_primaries(const pupil_config *config);
+
 int pictures_open(pictures *o, const char *path, const pupil_sink_options *options, pupil_why *why);
 /* name: the frame's (pupil_sink.frame_name), or NULL. */
 int pictures_write(pictures *o, const pupil_image_const *rgb8, const pupil_frame_info *info, const char *name,

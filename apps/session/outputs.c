@@ -41,14 +41,6 @@ static int record_frame(session_outputs *o, const pupil_frame *frame, pupil_why 
     return pupil_recorder_write(o->recorder, frame, why);
 }
 
-/* Those of the picture, a pupil_primaries. */
-static uint32_t shown_primaries(const pupil_config *config)
-{
-    if (config->output_primaries == PUPIL_OUTPUT_AS_INPUT)
-        return config->primaries;
-    return config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
-}
-
 /* A frame may stay for so long: a camera that was away for longer was away. */
 #define LIVE_GAP_S 2.0
 
@@ -74,7 +66,7 @@ static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_im
                                         .height = first->height,
                                         .fps = o->source->fps,
                                         .overwrite = options->overwrite,
-                                        .primaries = shown_primaries(&options->config),
+                                        .primaries = pictures_primaries(&options->config),
                                         .transfer = options->config.transfer,
                                         .keep_time = o->live || has_own_times(o),
                                         .gap_most_s = o->live ? LIVE_GAP_S : PUPIL_SINK_VIDEO_GAP_S,

@@ -63,14 +63,11 @@ static int open_pictures(mapping *m, const pupil_frame *first, pupil_why *why)
 {
     const frame_options *o = &m->options.frames;
     const pupil_source *source = m->input.source;
-    uint32_t primaries = o->config.primaries;
-    if (o->config.output_primaries != PUPIL_OUTPUT_AS_INPUT)
-        primaries = o->config.output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
     const pupil_sink_options of_sink = {.width = first->image.width,
                                         .height = first->image.height,
                                         .fps = source->fps,
                                         .overwrite = o->overwrite,
-                                        .primaries = primaries,
+                                        .primaries = pictures_primaries(&o->config),
                                         .transfer = o->config.transfer,
                                         .keep_time = !(source->obeys & PUPIL_SOURCE_FPS),
                                         .gap_most_s = PUPIL_SINK_VIDEO_GAP_S,

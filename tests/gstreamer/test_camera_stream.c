@@ -8,43 +8,15 @@
 #include <time.h>
 
 #include "check.h"
-#include "fake_v4l2/fake_v4l2.h"
+#include "refusing_camera.h"
 
 static pupil_why why;
-
-/* A camera in this process, whose controls can be made impossible to write. */
-static struct {
-    fake_v4l2 *fake;
-    const pupil_v4l2_system *inside;
-    pupil_v4l2_system v4l2;
-    pupil_live_system system;
-} rig;
-static int refuses;
-
-static int refusing(void *context, int fd, unsigned long request, void *argument)
-{
-    if (refuses && (request == VIDIOC_S_EXT_CTRLS || request == VIDIOC_S_CTRL)) {
-        errno = EIO;
-        return -1;
-    }
-    return rig.inside->ioctl(context, fd, request, argument);
-}
 
 static camera_settings usual(void)
 {
     camera_settings s = {.mains_hz = PUPIL_SENSOR_MAINS_AUTO};
     pupil_config_default(&s.picture);
     return s;
-}
-
-static void plug(const fake_v4l2_config *config)
-{
-    refuses = 0;
-    rig.fake = fake_v4l2_new(config);
-    rig.inside = fake_v4l2_system(rig.fake);
-    rig.v4l2 = *rig.inside;
-    rig.v4l2.ioctl = refusing;
-    rig.system = (pupil_live_system){&rig.v4l2, NULL};
 }
 
 static int open_stream(camera_stream *s, const pupil_live_options *more, const camera_settings *settings)
@@ -112,13 +84,13 @@ static void test_open(void)
     camera_stream s;
     camera_settings settings = usual();
     settings.picture.key = 7.0;
-    plug(&config);
+    plug_camera(&config);
     CHECK(open_stream(&s, NULL, &settings) == -1 && !s.source);
     CHECK_MSG(strstr(why.text, "/dev/video0: the settings are refused"), "%s", why.text);
     unplug(&s);
     config.absent = 1;
     settings = usual();
-    plug(&config);
+    plug_camera(&config);
     CHECK(open_stream(&s, NULL, &settings) == -1 && !s.source);
     CHECK_MSG(strstr(why.text, "is not there"), "%s", why.text);
     unplug(&s);
@@ -130,7 +102,7 @@ static void test_retune(void)
     const fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
     camera_stream s;
     camera_settings settings = usual(), other = usual();
-    plug(&config);
+    plug_camera(&config);
     CHECK(open_stream(&s, NULL, &settings) == 0 && show(&s, 32) == 0);
     other.picture.key = 0.25;
     other.mains_hz = 17;
@@ -168,7 +140,7 @@ static void test_limits(void)
         settings.exposure_max_s = cases[i].exposure_max_s;
         settings.gain_min = cases[i].gain_min;
         settings.gain_max = cases[i].gain_max;
-        plug(&config);
+        plug_camera(&config);
         CHECK(open_stream(&s, NULL, &settings) == 0);
         CHECK_MSG(show(&s, 32) == 0, "%s", why.text);
         pupil_camera_get_limits(s.camera, &l);
@@ -190,7 +162,7 @@ static void test_refused(void)
     const fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
     camera_stream s;
     const camera_settings settings = usual();
-    plug(&config);
+    plug_camera(&config);
     CHECK(open_stream(&s, NULL, &settings) == 0);
     CHECK(show(&s, 33) == -1);
     CHECK_MSG(strstr(why.text, "/dev/video0 frame 0: "), "%s", why.text);
@@ -208,7 +180,7 @@ static void test_left_alone(void)
     const fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
     camera_stream s;
     camera_settings settings = usual();
-    plug(&config);
+    plug_camera(&config);
     CHECK(open_stream(&s, &(pupil_live_options){.hands_off = 1}, &settings) == 0 && show(&s, 32) == 0);
     CHECK_MSG(strcmp(camera_stream_state(&s), "settled") == 0, "%s", camera_stream_state(&s));
     CHECK_MSG(strcmp(camera_stream_reason(&s), "none") == 0, "%s", camera_stream_reason(&s));
@@ -226,7 +198,7 @@ static void test_comes_back(void)
     config.unplug_at = 120;
     config.back_s = 0.5;
     config.flat = 60;
-    plug(&config);
+    plug_camera(&config);
     CHECK(open_stream(&s, &(pupil_live_options){.capture = {.reopen_s = 10.0}}, &settings) == 0);
     for (int i = 0; i < 120; i++) {
         CHECK(show(&s, 32) == 0);
@@ -255,14 +227,14 @@ static void test_refusals(void)
     fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
     camera_stream s;
     const camera_settings settings = usual();
-    plug(&config);
+    plug_camera(&config);
     struct v4l2_control automatic = {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_APERTURE_PRIORITY};
     const int fd = rig.inside->open(rig.inside->context, "/dev/video0");
     CHECK(rig.inside->ioctl(rig.inside->context, fd, VIDIOC_S_CTRL, &automatic) == 0);
     rig.inside->close(rig.inside->context, fd);
     CHECK(open_stream(&s, NULL, &settings) == 0 && show(&s, 32) == 0);
     await_write(&s);
-    refuses = 1;
+    rig.refuses = 1;
     fake_v4l2_light(rig.fake, 8.0);
     int frames = 0;
     for (; frames < 30 && strcmp(camera_stream_reason(&s), "refused") != 0; frames++) {

@@ -5,28 +5,12 @@
 
 #include "check.h"
 #include "element.h"
-#include "fake_v4l2/fake_v4l2.h"
 #include "gstreamer/elements.h"
+#include "refusing_camera.h"
 
 GST_PLUGIN_STATIC_DECLARE(pupil);
 
-static struct {
-    fake_v4l2 *fake;
-    const pupil_v4l2_system *inside;
-    pupil_v4l2_system v4l2;
-    pupil_live_system system;
-    GstBus *bus;
-} rig;
-static int refuses;
-
-static int refusing(void *context, int fd, unsigned long request, void *argument)
-{
-    if (refuses && (request == VIDIOC_S_EXT_CTRLS || request == VIDIOC_S_CTRL)) {
-        errno = EIO;
-        return -1;
-    }
-    return rig.inside->ioctl(context, fd, request, argument);
-}
+static GstBus *bus;
 
 static fake_v4l2_config usual(void)
 {
@@ -40,17 +24,12 @@ static fake_v4l2_config usual(void)
 /* `element`: pupilsrc, or a bin that begins with it. */
 static GstHarness *plug(const fake_v4l2_config *config, const char *element, const char *caps)
 {
-    refuses = 0;
-    rig.fake = fake_v4l2_new(config);
-    rig.inside = fake_v4l2_system(rig.fake);
-    rig.v4l2 = *rig.inside;
-    rig.v4l2.ioctl = refusing;
-    rig.system = (pupil_live_system){&rig.v4l2, NULL};
+    plug_camera(config);
     pupilsrc_system = &rig.system;
     GstHarness *h = gst_harness_new_parse(element);
     gst_harness_use_systemclock(h);
-    rig.bus = gst_bus_new();
-    gst_element_set_bus(h->element, rig.bus);
+    bus = gst_bus_new();
+    gst_element_set_bus(h->element, bus);
     gst_harness_set_sink_caps_str(h, caps);
     return h;
 }
@@ -59,7 +38,7 @@ static void unplug(GstHarness *h)
 {
     gst_element_set_state(h->element, GST_STATE_NULL);
     gst_element_set_bus(h->element, NULL);
-    gst_object_unref(rig.bus);
+    gst_object_unref(bus);
     gst_harness_teardown(h);
     while (fake_v4l2_holds(rig.fake).files) /* a write that hangs ends; the test has a time limit */
         g_usleep(10000);
@@ -70,7 +49,7 @@ static void unplug(GstHarness *h)
 /* The next message of this type has these words. */
 static void check_said(GstMessageType type, const char *words)
 {
-    GstMessage *message = gst_bus_timed_pop_filtered(rig.bus, 10 * GST_SECOND, type);
+    GstMessage *message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, type);
     GError *error = NULL;
     if (message && type == GST_MESSAGE_WARNING)
         gst_message_parse_warning(message, &error, NULL);
@@ -151,7 +130,7 @@ static void test_end(void)
         ended = GST_EVENT_TYPE(event) == GST_EVENT_EOS;
         gst_event_unref(event);
     }
-    CHECK(event != NULL && gst_bus_pop_filtered(rig.bus, GST_MESSAGE_ERROR) == NULL);
+    CHECK(event != NULL && gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR) == NULL);
     unplug(h);
 }
 
@@ -163,7 +142,7 @@ static void test_not_given_back(void)
     gst_harness_play(h);
     for (int i = 0; i < 5; i++)
         gst_buffer_unref(gst_harness_pull(h));
-    refuses = 1;
+    rig.refuses = 1;
     gst_element_set_state(h->element, GST_STATE_READY);
     check_said(GST_MESSAGE_WARNING, "/dev/video0");
     unplug(h);

@@ -1,17 +1,12 @@
 /* A live camera: frames bring what they were taken with, controls are asked for and put back, also where a write hangs
  * and where the camera is unplugged and comes back. */
-#include "live/live.h"
-
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "check.h"
-#include "fake_v4l2/fake_v4l2.h"
-
-static pupil_why why;
+#include "live_camera.h"
 
 static fake_v4l2_config usual(void)
 {
@@ -33,23 +28,7 @@ static int control(fake_v4l2 *fake, uint32_t id, int set, int value)
 
 static pupil_source *open_live(fake_v4l2 *fake, double reopen_s)
 {
-    const pupil_live_options options = {.capture = {.system = fake_v4l2_system(fake), .reopen_s = reopen_s}};
-    pupil_source *source = NULL;
-    CHECK_MSG(pupil_live_open("/dev/video0", NULL, &options, &source, &why) == 0, "%s", why.text);
-    if (!source)
-        exit(check_end());
-    return source;
-}
-
-static int next(pupil_source *source, pupil_frame_info *info)
-{
-    pupil_frame frame;
-    const int got = pupil_source_next(source, &frame, &why);
-    if (got == PUPIL_SOURCE_FRAME) {
-        *info = frame.info;
-        pupil_source_done(source, &frame);
-    }
-    return got;
+    return open_camera(fake, NULL, (pupil_live_options){.capture = {.reopen_s = reopen_s}});
 }
 
 static void doze(long ms)
@@ -88,18 +67,19 @@ static void test_in_force(void)
     CHECK(camera != NULL);
     CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == V4L2_EXPOSURE_MANUAL);
     for (int i = 0; i < 3; i++)
-        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && fabs(info.exposure_s - 7.7e-3) < 1e-9 && info.gain == 2.5);
+        CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && fabs(info.exposure_s - 7.7e-3) < 1e-9 &&
+              info.gain == 2.5);
     await_write(camera);
     pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = 0.02, .gain = 3.0});
     await_write(camera);
     const uint64_t from = info.sequence + 1 + 3; /* the next frame is under way */
     for (int i = 0; i < 8; i++) {
-        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+        CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
         CHECK_MSG(info.gain == (info.sequence < from ? 2.5 : 3.0), "frame %d: gain %g", (int)info.sequence, info.gain);
         CHECK(fabs(info.exposure_s - (info.sequence < from ? 7.7e-3 : 0.02)) < 1e-9);
     }
     CHECK(pupil_live_give_back(source, &why) == 0 && !pupil_live_camera(source));
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0);
     CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
     CHECK(control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0) == 77);
     CHECK(control(fake, V4L2_CID_GAIN, 0, 0) == 40);
@@ -116,7 +96,7 @@ static void test_hands_off(void)
     control(fake, V4L2_CID_EXPOSURE_AUTO, 1, 3);
     CHECK(pupil_live_open("0", NULL, &options, &source, &why) == 0);
     CHECK(!pupil_live_camera(source) && strstr(pupil_live_no_controls(source), "left alone"));
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0 && info.gain == 0.0);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s == 0.0 && info.gain == 0.0);
     CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == 3);
     close_all(source, fake);
 }
@@ -196,7 +176,7 @@ static void test_again(double sleep_s)
     pupil_frame_info info = {0};
     int frames = 0, without = 0;
     for (; frames < 3; frames++)
-        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s > 0.0);
+        CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && info.exposure_s > 0.0);
     await_write(pupil_live_camera(source));
     if (sleep_s > 0.0) {
         config.sleep_s = sleep_s;
@@ -206,11 +186,11 @@ static void test_again(double sleep_s)
     }
     const pupil_camera *before = pupil_live_camera(source);
     for (; frames < 5; frames++)
-        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+        CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
     CHECK(before == pupil_live_camera(source));
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && pupil_live_capture(source)->counts.reopened == 1);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && pupil_live_capture(source)->counts.reopened == 1);
     for (; !pupil_live_camera(source) && without < 100000; without++) {
-        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+        CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
         doze(1);
     }
     CHECK_MSG(pupil_live_camera(source) != NULL, "%s", pupil_live_no_controls(source));
@@ -241,7 +221,7 @@ static void test_hang(void)
     fake_v4l2 *fake = fake_v4l2_new(&config);
     pupil_source *source = open_live(fake, 0.0);
     pupil_frame_info info;
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
     await_write(pupil_live_camera(source));
     config.sleep_s = 3.0;
     config.sleep_at = 1;
@@ -252,7 +232,7 @@ static void test_hang(void)
         pupil_camera_get_status(pupil_live_camera(source), &status);
     int frames = 0;
     for (; frames < 150; frames++) /* five seconds of the camera's clock; the write's three are the machine's */
-        CHECK(next(source, &info) == PUPIL_SOURCE_FRAME && info.gain == 1.0);
+        CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && info.gain == 1.0);
     pupil_camera_get_status(pupil_live_camera(source), &status);
     CHECK(status.writing);
     pupil_source_close(source);
@@ -280,7 +260,7 @@ static unsigned long session(unsigned long fail_at, int error)
     *why.text = 0;
     const int result = pupil_live_open("/dev/video0", NULL, &options, &source, &why);
     CHECK_MSG(result == 0 || *why.text, "call %lu fails without a sentence", fail_at);
-    for (int i = 0; !result && i < 12 && next(source, &info) == PUPIL_SOURCE_FRAME; i++)
+    for (int i = 0; !result && i < 12 && next_info(source, &info) == PUPIL_SOURCE_FRAME; i++)
         if (pupil_live_camera(source))
             pupil_camera_ask(pupil_live_camera(source), &(pupil_camera_setting){.exposure_s = 0.001 * i, .gain = 2.0});
         else

@@ -1,35 +1,9 @@
 /* What is known of a live camera and of its frames, and which options go before which. */
-#include "live/live.h"
-
 #include <errno.h>
 #include <linux/media.h>
 #include <linux/videodev2.h>
 
-#include "check.h"
-#include "fake_v4l2/fake_v4l2.h"
-
-static pupil_why why;
-
-static pupil_source *open_fake(fake_v4l2 *fake, const pupil_source_options *options, pupil_live_options more)
-{
-    pupil_source *source = NULL;
-    more.capture.system = fake_v4l2_system(fake);
-    CHECK_MSG(pupil_live_open("/dev/video0", options, &more, &source, &why) == 0, "%s", why.text);
-    if (!source)
-        exit(check_end());
-    return source;
-}
-
-static int next(pupil_source *source, pupil_frame_info *info)
-{
-    pupil_frame frame;
-    const int got = pupil_source_next(source, &frame, &why);
-    if (got == PUPIL_SOURCE_FRAME) {
-        *info = frame.info;
-        pupil_source_done(source, &frame);
-    }
-    return got;
-}
+#include "live_camera.h"
 
 static void close_all(pupil_source *source, fake_v4l2 *fake)
 {
@@ -84,14 +58,14 @@ static void test_stamps(void)
     uint64_t from[2];
     for (uint32_t stamp = FAKE_STAMP_END_OF_FRAME; stamp <= FAKE_STAMP_START_OF_EXPOSURE; stamp++) {
         fake_v4l2_config config;
-        pupil_frame_info info;
+        pupil_frame_info info = {0};
         pupil_camera_status status;
         fake_v4l2_config_default(&config);
         config.stamp = stamp;
         fake_v4l2 *fake = fake_v4l2_new(&config);
-        pupil_source *source = open_fake(fake, NULL, (pupil_live_options){0});
+        pupil_source *source = open_camera(fake, NULL, (pupil_live_options){0});
         for (int i = 0; i < 5; i++)
-            CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+            CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
         CHECK(pupil_live_get(source)->times.stamp == (stamp == FAKE_STAMP_START_OF_EXPOSURE
                                                           ? PUPIL_LIVE_STAMP_START_OF_EXPOSURE
                                                           : PUPIL_LIVE_STAMP_END_OF_FRAME));
@@ -126,17 +100,17 @@ static void test_options(void)
     fake_v4l2_config_default(&config);
     fake_v4l2 *fake = fake_v4l2_new(&config);
     const pupil_live_options more = {.capture = {.width = 320, .height = 240, .fps = 15, .stop = never}};
-    pupil_source *source = open_fake(fake, &(pupil_source_options){.width = 32, .height = 24, .stop = stop}, more);
+    pupil_source *source = open_camera(fake, &(pupil_source_options){.width = 32, .height = 24, .stop = stop}, more);
     CHECK(pupil_live_get(source)->stream.width == 32 && pupil_live_get(source)->stream.height == 24);
     CHECK_MSG(source->fps == 15.0, "%g a second", source->fps);
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
     asked_to_stop = 1;
-    CHECK(next(source, &info) == PUPIL_SOURCE_END);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_END);
     close_all(source, fake);
     fake = fake_v4l2_new(&config);
-    source = open_fake(fake, &(pupil_source_options){.fps = 30}, more);
+    source = open_camera(fake, &(pupil_source_options){.fps = 30}, more);
     CHECK(pupil_live_get(source)->stream.width == 320 && source->fps == 30.0);
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME); /* its own stop says no */
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME); /* its own stop says no */
     close_all(source, fake);
 }
 
@@ -147,17 +121,17 @@ static void test_hands_off(void)
     pupil_frame_info info;
     fake_v4l2_config_default(&config);
     fake_v4l2 *fake = fake_v4l2_new(&config);
-    pupil_source *source = open_fake(fake, NULL, (pupil_live_options){.hands_off = 1});
+    pupil_source *source = open_camera(fake, NULL, (pupil_live_options){.hands_off = 1});
     pupil_live_mark(source);
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
     pupil_live_mark(source);
     pupil_live_restore(source);
     CHECK(pupil_live_give_back(source, &why) == 0);
     close_all(source, fake);
     fake = fake_v4l2_new(&config);
-    source = open_fake(fake, NULL, (pupil_live_options){0});
+    source = open_camera(fake, NULL, (pupil_live_options){0});
     pupil_live_mark(source); /* before the first frame none is in progress */
-    CHECK(next(source, &info) == PUPIL_SOURCE_FRAME);
+    CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
     close_all(source, fake);
 }
 
