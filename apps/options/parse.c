@@ -121,6 +121,16 @@ static int refuse(const option_command *command, int code, const char *word, pup
                         also, command->name);
 }
 
+/* "--output": no option, and getopt_long would take it for the beginning of --output-primaries. */
+static int is_sought(const option_command *command, const char *word)
+{
+    char name[64];
+    if (!word || strncmp(word, "--", 2) != 0)
+        return 0;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(word + 2, "="), word + 2);
+    return option_sought(name) && !has(command, name, strlen(name), 0);
+}
+
 /* `second`: the word behind the value; NULL: there is none. */
 static int take(const option_command *command, size_t place, const char *second, void *options, pupil_why *why)
 {
@@ -148,6 +158,10 @@ int options_parse(const option_command *command, void *options, int argc, char *
     optind = 0; /* from the beginning, also where another command line was read before */
     for (int all = 0; optind < argc;) {
         const int before = optind ? optind : 1;
+        if (!all && is_sought(command, argv[before])) {
+            optopt = 0;
+            return refuse(command, '?', argv[before], why);
+        }
         const int code = all ? -1 : getopt_long(argc, argv, k.letters, k.name, NULL);
         if (code == -1) {
             all |= optind > before; /* past "--": nothing but operands */

@@ -22,7 +22,7 @@ static const struct {
     {"smooth|smoothing|adaptation|adapt-speed", "--tau-light and --tau-dark are times of adaptation, in seconds"},
     {"peak|nits|max-luminance|white-point|whitepoint", "--white is the white point"},
     {"i|input", "inputs have no option in front: pupil replay IN.mp4 -o OUT.mp4"},
-    {"output", "-o names outputs"},
+    {"output", "-o names outputs; the folder of pupil record is its last word"},
     {"start|seek|from|begin|offset", "-ss 12.5 begins there"},
     {"end|to|stop|length", "-t 10 is so long, from -ss on"},
     {"rotate|autorotate|transpose", "frames come upright; --no-rotate leaves them as stored"},
