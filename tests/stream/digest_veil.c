@@ -12,6 +12,19 @@ static uint64_t add(uint64_t digest, const void *bytes, size_t count)
     return digest;
 }
 
+/* Their bits, the lowest byte first, as they lie in the memory of a little-endian CPU. */
+static uint64_t add_floats(uint64_t digest, const float *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        __builtin_memcpy(&bits, &values[i], sizeof bits);
+        const unsigned char bytes[4] = {(unsigned char)bits, (unsigned char)(bits >> 8), (unsigned char)(bits >> 16),
+                                        (unsigned char)(bits >> 24)};
+        digest = add(digest, bytes, sizeof bytes);
+    }
+    return digest;
+}
+
 uint64_t digest_veil(void)
 {
     static pupil_veil veil;
@@ -64,7 +77,8 @@ uint64_t digest_veil(void)
         error |= pupil_veil_solve(&veil) | pupil_veil_get_nodes(&veil, nodes);
         error |= pupil_veil_map_rows(&veil, &pupil, &curve, &in, &out, &scratch);
         error |= pupil_veil_evaluate_rows(&veil, 17, 1, row);
-        digest = add(add(add(digest, nodes, sizeof nodes), picture, sizeof picture), row, sizeof row);
+        digest = add(add_floats(digest, nodes, VEIL_FLOATS), picture, sizeof picture);
+        digest = add_floats(digest, row, sizeof row / sizeof row[0]);
     }
     return (digest ^ (uint64_t)(uint32_t)error) * UINT64_C(0x100000001b3);
 }
