@@ -129,7 +129,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
     find_jump(o);
     if (is_large && !is_on_its_way)
         weigh_told(o, v);
-    if (!is_on_its_way && !v->is_dead)
+    if (!is_on_its_way)
         pupil_sensor_learn_told(o);
     if (is_large && !is_on_its_way)
         judge_answer(o, v);

@@ -9,7 +9,7 @@ static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CO
     const pupil_sensor_config *c = &o->config;
     const double longest_s = pupil_sensor_longest_exposure(c);
     *e = pupil_sensor_exposure_of(c, clamp(pupil_exp2(setting[0]), c->exposure_min_s, longest_s));
-    *e = pupil_sensor_told_ask(o, *e, longest_s);
+    *e = pupil_sensor_told_ask(o, *e);
     *g = pupil_sensor_gain_of(c, pupil_exp2(setting[1]));
     setting[0] = pupil_log2(pupil_sensor_told(o, *e));
     setting[1] = pupil_log2(*g);
@@ -42,8 +42,8 @@ int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *o, double total,
     const double most_ev = is_timed ? SENSOR_EXCHANGE_EV : SENSOR_BLIND_EXCHANGE_EV;
     const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
     const int smaller = size_of(move[0]) < size_of(move[1]) ? 0 : 1, larger = SENSOR_CONTROLS - 1 - smaller;
-    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= most_ev || c->exposure_mode != PUPIL_SENSOR_AUTO ||
-        c->gain_mode != PUPIL_SENSOR_AUTO)
+    /* a gain that is held does not move */
+    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= most_ev || c->exposure_mode != PUPIL_SENSOR_AUTO)
         return 0;
     double part[SENSOR_CONTROLS];
     part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);

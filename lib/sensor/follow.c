@@ -100,7 +100,7 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     total = clamp(total, requested - most - size_of(left), requested + most + size_of(left));
     s->total = pupil_sensor_search_at(o, total, need);
     ask(o, s->total, 1);
-    if (s->is_large && !s->since) { /* how it looked before the step */
+    if (!s->since) { /* a step was asked for: how it looked before */
         o->white.top = v->spike > 0.0 ? v->top : SENSOR_FAR_AWAY;
         pupil_sensor_black_before(o, v);
     }

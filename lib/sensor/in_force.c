@@ -1,10 +1,10 @@
 /* Whether the setting that was asked for last is in force. */
 #include "sensor_private.h"
 
-/* Whether only the metadata are left to say what is in force. */
+/* Whether only the metadata are left to say what is in force; those that the picture has borne out are (estimate.c). */
 static int is_by_metadata(const sensor_estimate *a)
 {
-    return a->reports && ((a->alive[0] == 1 && a->alive[1] == 1) || a->is_borne_out);
+    return a->reports && a->alive[0] == 1 && a->alive[1] == 1;
 }
 
 /* The shortest delay that the frames so far leave possible. */

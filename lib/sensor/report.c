@@ -79,9 +79,9 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
-    if (o->plan.slow == PUPIL_SENSOR_FLASH && !c->lock && !is_manual) { /* the state is what it was */
+    if (o->plan.slow == PUPIL_SENSOR_FLASH && !is_manual) { /* the state is what it was; but what is shown is off */
         s->reason = PUPIL_SENSOR_FLASH;
-        s->state = s->state == PUPIL_SENSOR_CONVERGED && is_off(o, v) ? PUPIL_SENSOR_SEARCHING : s->state;
+        s->state = s->state == PUPIL_SENSOR_CONVERGED ? PUPIL_SENSOR_SEARCHING : s->state;
         return;
     }
     s->reason = reason_of(o);

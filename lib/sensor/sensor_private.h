@@ -278,7 +278,7 @@ void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CO
 /* told.c: what the camera makes of an exposure; one to ask for in its place; one to try between it and the next longer
  * one that is known. */
 double pupil_sensor_told(const pupil_sensor_object *object, double exposure_s);
-double pupil_sensor_told_ask(const pupil_sensor_object *object, double exposure_s, double longest_s);
+double pupil_sensor_told_ask(const pupil_sensor_object *object, double exposure_s);
 double pupil_sensor_told_between(const pupil_sensor_object *object, double exposure_s);
 /* A large step is in force: its stops as they were asked for, by the metadata, and as seen in the picture. */
 void pupil_sensor_weigh_told(pupil_sensor_object *object, double asked, double told, double seen);

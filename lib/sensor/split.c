@@ -174,13 +174,13 @@ static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, s
     for (uint32_t i = 0; i < o->told.count; i++) {
         const double e = o->told.range[i].low_s, between_s = pupil_sensor_told_between(o, e);
         const double off_ev = size_of(pupil_log2(o->told.range[i].told_s / wanted_s));
-        if (e < c->exposure_min_s || e > most_s || off_ev > SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV)
+        if (off_ev > SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV)
             continue;
         const double g = is_fixed ? fixed : pupil_sensor_gain_of(c, total / o->told.range[i].told_s);
         take_nearer(o, fit, total, e, g);
         take_nearer(o, fit, total, e, is_fixed ? fixed : next_gain(c, g));
         if (between_s <= most_s)
-            take_nearer(o, fit, total, in_lines(c, between_s), fixed);
+            take_nearer(o, fit, total, line_at_least(c, between_s), fixed);
     }
 }
 
@@ -214,7 +214,8 @@ static void fit_coarse(const pupil_sensor_object *o, uint32_t hz, double total, 
         return;
     const double longer = next_exposure(c, hz, e);
     take_nearer(o, fit, total, longer, is_fixed ? g : pupil_sensor_gain_of(c, total / pupil_sensor_told(o, longer)));
-    take_nearer(o, fit, total, has_bands ? exposure_of(c, hz, 0.5 / hz) : next_exposure(c, hz, shorter), next);
+    take_nearer(o, fit, total, has_bands ? exposure_of(c, hz, clamp(0.5 / hz, 0.0, e)) : next_exposure(c, hz, shorter),
+                next);
     const int is_end = size_of(pupil_log2(total)) >= SENSOR_TOTAL_END_EV - 1.0;
     if (o->told.count && !is_end)
         fit_told(o, total, is_fixed, fit);
@@ -259,7 +260,7 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
 void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
 {
     split(o, o->search.is_pinned, total_log2, exposure_s, gain);
-    *exposure_s = pupil_sensor_told_ask(o, *exposure_s, pupil_sensor_longest_exposure(&o->config));
+    *exposure_s = pupil_sensor_told_ask(o, *exposure_s);
 }
 
 /* The setting at an end of the path, with nothing pinned. */

@@ -30,20 +30,16 @@ double pupil_sensor_told(const pupil_sensor_object *o, double exposure_s)
     return r ? r->told_s : exposure_s;
 }
 
-double pupil_sensor_told_ask(const pupil_sensor_object *o, double exposure_s, double longest_s)
+double pupil_sensor_told_ask(const pupil_sensor_object *o, double exposure_s)
 {
     const sensor_told_range *r = range_of(&o->told, exposure_s);
-    const double known_s = r ? clamp(exposure_s, r->low_s, r->high_s) : exposure_s;
-    const int is_allowed = known_s >= o->config.exposure_min_s && known_s <= longest_s;
-    return is_allowed ? known_s : exposure_s; /* the limits may have changed since */
+    return r ? clamp(exposure_s, r->low_s, r->high_s) : exposure_s;
 }
 
 double pupil_sensor_told_between(const pupil_sensor_object *o, double exposure_s)
 {
     const sensor_told *t = &o->told;
-    const sensor_told_range *r = range_of(t, exposure_s);
-    if (!r)
-        return exposure_s;
+    const sensor_told_range *r = range_of(t, exposure_s); /* it has one: it was asked for */
     const double high_s = r->high_s > r->told_s ? r->high_s : r->told_s;
     double next_s = 2.0 * high_s;
     for (uint32_t i = 0; i < t->count; i++)

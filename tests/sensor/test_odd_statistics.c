@@ -73,11 +73,30 @@ static void test_announced_dark(void)
     }
 }
 
+/* A chess board of black and white becomes a scene, and a board again: the dark half says that all has become brighter,
+ * the bright half that all has become darker. What the controls did is as sure as before. */
+static void test_all_and_nothing(void)
+{
+    double scene[PLANT_PIXELS];
+    begin();
+    memcpy(scene, p.scene, sizeof scene);
+    for (int i = 0; i < 60; i++) {
+        for (int k = 0; k < PLANT_PIXELS; k++)
+            p.scene[k] = i % 2 || i > 30 ? scene[k] : k % 2 ? 20.0 : -20.0;
+        p.light_slope = 0;
+        plant_turn(&p, &sensor, &s, NULL);
+    }
+    const double off = p.light_ev + log2(s.exposure_s * s.gain) - log2(0.18);
+    CHECK_MSG(s.state == PUPIL_SENSOR_CONVERGED && fabs(off) < 0.1, "%s, %g EV off", pupil_sensor_state_name(s.state),
+              off);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_no_counts();
     test_lowest_bin();
     test_announced_dark();
+    test_all_and_nothing();
     return check_end();
 }

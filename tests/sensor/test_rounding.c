@@ -90,11 +90,37 @@ static void test_other_steps(void)
     }
 }
 
+/* From half a stop to half a stop, down, and a little other each time: 40 lights over all exposures, of which more are
+ * told than are kept; and some are told as one although one was asked for that is shorter than all that became it. */
+static void test_steps_that_wander(void)
+{
+    c = plant_config(LAW_FINE);
+    c.exposure_step_s = 0.0;
+    c.exposure_min_s = 1e-5;
+    c.exposure_max_s = 1.0;
+    c.frame_rate_priority = 0;
+    c.gain_max = 4.0 * c.gain_min;
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+    plant_open(&p, &sensor, log2(0.18) - log2(0.01), 2);
+    for (int i = 0; i < 40 * 16 + 60; i++) {
+        pupil_sensor_setting now;
+        if (i % 16 == 0)
+            p.light_ev = log2(0.18) - (i < 40 * 16 ? log2(1e-5) + 16.0 * check_uniform() : log2(0.02));
+        plant_turn(&p, &sensor, &now, NULL);
+        s = now;
+        double *asked = &p.asked[(p.frame - 1) % PLANT_RING][0];
+        *asked = exp2(0.5 * floor(2.0 * log2(*asked) + 1e-9)) * (0.9975 + 0.005 * check_uniform());
+    }
+    check_settled("steps that wander");
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_many_steps();
     test_limits();
     test_other_steps();
+    for (int camera = 0; camera < 8; camera++)
+        test_steps_that_wander();
     return check_end();
 }
