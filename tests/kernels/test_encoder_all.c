@@ -1,4 +1,3 @@
-/* label: full */
 /* Every float from 0 to a little above 1 through the store of every level: the exact code, which is that of the cells,
  * whose boundaries test_encoder checks. */
 #include <math.h>

@@ -1,4 +1,3 @@
-/* label: full */
 /* A million frames of a day with weather, clouds, tunnels, cuts to black and clock errors: the level stays finite,
  * within its limits and between its targets, every state is one that can be, and the end is what a fork from the middle
  * gets.

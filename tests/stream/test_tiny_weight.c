@@ -1,4 +1,3 @@
-/* label: full */
 /* A weight of 1e-7 never stalls, never overshoots, and ends bit-equal to its target, under every law that has one (the
  * eye's has none: test_eye.c). It starts less than 0.5 / w units of the state away: a recursion that rounds to nearest
  * would not move from there.

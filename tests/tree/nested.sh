@@ -1,6 +1,7 @@
 #!/bin/sh
 # nested.sh BUILD TARGET CTEST_ARGUMENTS [-- CMAKE_ARGUMENTS...]: configures and builds this tree once more, otherwise,
-# and runs the tests there. TARGET "-" builds all; CTEST_ARGUMENTS "-" runs none; without "--" the build is there.
+# and runs the tests there. TARGET may be several words, "-" builds all; CTEST_ARGUMENTS "-" runs none; without "--" the
+# build is there.
 # One test more at a time than there are jobs: some wait, for cameras and for time.
 set -eu
 build=$1 target=$2 ctest_arguments=$3
@@ -21,7 +22,8 @@ if [ $# -gt 0 ]; then
     shift
     cd "$source" # where the presets are
     quietly cmake -G Ninja "$@" -B "$build"
-    quietly cmake --build "$build" --target "$target" -j "${PUPIL_JOBS:-2}"
+    # Words, on purpose.
+    quietly cmake --build "$build" --target $target -j "${PUPIL_JOBS:-2}"
 fi
 [ "$ctest_arguments" = - ] && exit
 # Words, on purpose.
