@@ -7,6 +7,7 @@
 #include "check.h"
 #include "frames.h"
 #include "kernels/kernels.h"
+#include "pupil/veil.h"
 
 typedef void any_piece(void);
 enum { PIECES = sizeof(pupil_kernels) / sizeof(any_piece *) };
@@ -42,8 +43,27 @@ static void mix(double share)
 
 typedef struct outcome {
     pupil_stats metered, fused;
-    frame mapped, fused_to;
+    frame mapped, fused_to, veiled;
 } outcome;
+
+/* As an eye sees the frame. What it calls for behind the load is the same for each format. */
+static void veil(const frame *in, const pupil_t *pupil, const pupil_curve *curve, uint32_t out, frame *to)
+{
+    static pupil_veil eye;
+    static pupil_veil_light light;
+    static pupil_veil_scratch scratch;
+    pupil_veil_config config;
+    *to = frame_make(in->image.width, in->image.height, out, 0, 0);
+    const pupil_image target = frame_writable(to);
+    pupil_veil_config_default(&config);
+    config.width = in->image.width;
+    config.height = in->image.height;
+    CHECK(pupil_veil_init(&eye, &config) == PUPIL_OK && pupil_veil_light_clear(&light) == PUPIL_OK);
+    CHECK(pupil_veil_gather_rows(&eye, pupil, &in->image, 0, NULL, &light) == PUPIL_OK);
+    CHECK(pupil_veil_begin(&eye) == PUPIL_OK && pupil_veil_add_light(&eye, &light) == PUPIL_OK);
+    CHECK(pupil_veil_solve(&eye) == PUPIL_OK);
+    CHECK(pupil_veil_map_rows(&eye, pupil, curve, &in->image, &target, &scratch) == PUPIL_OK);
+}
 
 static void work(const frame *in, const pupil_config *config, const pupil_curve *curve, uint32_t out, uint32_t smaller,
                  outcome *o)
@@ -59,12 +79,17 @@ static void work(const frame *in, const pupil_config *config, const pupil_curve 
     CHECK(pupil_meter_rows(&pupil, &in->image, 0, in->image.height, &o->metered) == PUPIL_OK);
     CHECK(pupil_map_rows(&pupil, curve, &in->image, &mapped) == PUPIL_OK);
     CHECK(pupil_fused_rows(&pupil, curve, &in->image, 0, in->image.height, &fused, &o->fused) == PUPIL_OK);
+    if (in->image.pixel == PUPIL_PIXEL_RGBA32F || in->image.pixel == PUPIL_PIXEL_RGB32F)
+        veil(in, &pupil, curve, out, &o->veiled);
+    else
+        o->veiled = frame_make(1, 1, out, 0, 0);
 }
 
 static void outcome_free(outcome *o)
 {
     frame_free(&o->mapped);
     frame_free(&o->fused_to);
+    frame_free(&o->veiled);
 }
 
 static void compare(const frame *in, const pupil_config *config, const pupil_curve *curve, uint32_t out,
@@ -80,7 +105,7 @@ static void compare(const frame *in, const pupil_config *config, const pupil_cur
                   memcmp(&got.fused, &expected.fused, sizeof got.fused) == 0,
               "share %g, pixel %u: statistics", share, in->image.pixel);
     CHECK_MSG(frame_equal(&got.mapped, &expected.mapped) && frame_equal(&got.fused_to, &expected.fused_to) &&
-                  frame_guards_intact(&got.mapped),
+                  frame_equal(&got.veiled, &expected.veiled) && frame_guards_intact(&got.mapped),
               "share %g, pixel %u to %u", share, in->image.pixel, out);
     outcome_free(&expected);
     outcome_free(&got);
@@ -93,6 +118,7 @@ static pupil_config any_config(void)
     c.histogram = check_uniform() < 0.7;
     c.white_mode = c.histogram ? PUPIL_WHITE_FOLLOW : PUPIL_WHITE_NONE;
     c.output_primaries = check_uniform() < 0.5 ? PUPIL_OUTPUT_AS_INPUT : PUPIL_OUTPUT_BT2020;
+    c.histogram_step = check_uniform() < 0.3 ? 4 : 0;
     c.accuracy = check_uniform() < 0.5 ? PUPIL_ACCURACY_LUMA : PUPIL_ACCURACY_EXACT;
     return c;
 }
