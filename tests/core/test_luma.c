@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "check.h"
 #include "frames.h"
@@ -292,6 +294,54 @@ static void exact_where_it_must(void)
     CHECK(!differs(PUPIL_PIXEL_P010, NULL, NULL, plain, 0, 0));
 }
 
+enum { TALL = 16384 }; /* rows of a frame, of which only the first are metered: of a small frame all pixels are */
+
+/* Where all pairs of pixels are alike, as a bright and a dark one, so are those of a sample: the level is exact. */
+static void both_pixels_of_a_pair(uint32_t width)
+{
+    frame f = frame_make(width, 64, PUPIL_PIXEL_NV12, 0, 0);
+    double mean[2];
+    fill(&f, 0);
+    for (uint32_t y = 0; y < 64; y++)
+        for (uint32_t x = 0; x < width; x++)
+            ((uint8_t *)(uintptr_t)f.image.data)[(ptrdiff_t)y * f.image.stride_bytes + x] = x % 2 ? 200 : 40;
+    for (uint32_t accuracy = 0; accuracy < 2; accuracy++) {
+        const pupil_t pupil = begin(accuracy ? PUPIL_ACCURACY_LUMA : PUPIL_ACCURACY_EXACT, PUPIL_LEVEL_SCALAR);
+        pupil_stats stats;
+        pupil_stats_clear(&stats);
+        CHECK(pupil_meter_rows(&pupil, &f.image, 0, TALL, &stats) == PUPIL_OK &&
+              (stats.pixels < 64 * width) == accuracy);
+        CHECK(pupil_stats_mean(&stats, 0.0, 1.0, &mean[accuracy]) == PUPIL_OK);
+    }
+    CHECK_MSG(fabs(mean[1] - mean[0]) < 1e-6, "%u pixels: %g EV", width, mean[1] - mean[0]);
+    frame_free(&f);
+}
+
+/* Each plane's last byte is the last before a page that cannot be read: a sample takes nothing beyond it. */
+static void sample_at_the_end_of_memory(uint32_t width)
+{
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    const pupil_t pupil = begin(PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR);
+    uint8_t *end[3];
+    pupil_stats stats;
+    for (int plane = 0; plane < 3; plane++) {
+        uint8_t *memory = mmap(NULL, 3 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        CHECK(memory != MAP_FAILED && mprotect(memory + 2 * page, page, PROT_NONE) == 0);
+        end[plane] = memory + 2 * page;
+    }
+    const pupil_image_const image = {.data = end[0] - (size_t)2 * width,
+                                     .stride_bytes = (ptrdiff_t)width,
+                                     .width = width,
+                                     .height = 2,
+                                     .pixel = PUPIL_PIXEL_I420,
+                                     .chroma = end[1] - width / 2,
+                                     .cr = end[2] - width / 2};
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(&pupil, &image, 0, TALL, &stats) == PUPIL_OK && stats.rows == 2);
+    for (int plane = 0; plane < 3; plane++)
+        munmap(end[plane] - 2 * page, 3 * page);
+}
+
 /* --- one picture in each format --- */
 
 /* Byte `at` of a row of a plane. */
@@ -443,6 +493,10 @@ int main(int argc, char **argv)
     errors(1, PUPIL_PIXEL_NV12, "small colours", 1.5, 8);
     errors(1, PUPIL_PIXEL_RGBA8, "small colours, RGBA8", 1.5, 16); /* Cb and Cr are doubled in it */
     errors(2, PUPIL_PIXEL_NV12, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */
+    both_pixels_of_a_pair(60);
+    both_pixels_of_a_pair(640);
+    for (uint32_t width = 2; width <= 200; width += 2)
+        sample_at_the_end_of_memory(width);
     level_of_a_sample(PUPIL_PIXEL_NV12);
     level_of_a_sample(PUPIL_PIXEL_YUYV);
     level_of_a_sample(PUPIL_PIXEL_UYVY);
