@@ -80,6 +80,8 @@ static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
     }
     if (errno == ENOENT && strpbrk(input, "*?["))
         return add_pattern(paths, input, why);
+    if (errno == ENOENT && strstr(input, ",format="))
+        return pupil_refuse(why, "%s: there is no such file; frames without a header are read as raw:%s", input, input);
     if (errno == ENOENT && strchr(input, '%'))
         return pupil_refuse(why,
                             "%s: there is no such file; a sequence is a pattern in quotes, such as 'seq.*.exr', or "

@@ -53,5 +53,6 @@ done
 
 # a sequence as other programs name it
 expect 1 "a sequence is a pattern in quotes" replay 'seq.%04d.exr'
+expect 1 "are read as raw:d.raw,format=RG10,size=4x4" replay d.raw,format=RG10,size=4x4
 
 end_test
