@@ -189,8 +189,8 @@ void split_show(const split_input *s, progress *line)
 void split_tell(const char *what, uint64_t frames, double began_s)
 {
     const double took_s = progress_now_s() - began_s;
-    fprintf(stderr, "%s %llu frames in %.2f s, %.0f a second", what, (unsigned long long)frames, took_s,
-            took_s > 0.0 ? (double)frames / took_s : 0.0);
+    fprintf(stderr, "%s %llu frame%s in %.2f s, %.0f a second", what, (unsigned long long)frames,
+            frames == 1 ? "" : "s", took_s, took_s > 0.0 ? (double)frames / took_s : 0.0);
 }
 
 int split_end(const char *command, int failed, pupil_why *why)
