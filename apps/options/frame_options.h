@@ -65,4 +65,7 @@ int frame_options_check_paths(const frame_options *options, pupil_why *why);
 int frame_options_expand_paths(frame_options *options, time_t now, pupil_why *why);
 void frame_options_release_paths(void);
 
+/* The same of those outputs that have been begun. */
+void frame_options_release_begun(void);
+
 #endif

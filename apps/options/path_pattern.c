@@ -24,6 +24,19 @@ void frame_options_release_paths(void)
     kept = NULL;
 }
 
+/* A run that is killed later leaves nothing of these. */
+void frame_options_release_begun(void)
+{
+    size_t still = 0;
+    for (size_t i = 0; i < kept_count; i++) {
+        if (pupil_pending_is_begun(&kept[i]))
+            pupil_pending_discard(&kept[i]);
+        else
+            kept[still++] = kept[i];
+    }
+    kept_count = still;
+}
+
 /* 0; 1 where another process has the name; -1 and a sentence. */
 static int keep(const char *path, pupil_why *why)
 {

@@ -84,6 +84,7 @@ static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_im
         return -1;
     if ((options->plot || options->report) && frame_log_open(&o->log, o->live))
         return pupil_refuse(why, "not enough memory");
+    frame_options_release_begun();
     if (options->report)
         return replay_report_open(&o->report, options, &of_sink, o->source->frames * options->hold, why);
     return 0;

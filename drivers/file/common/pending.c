@@ -221,15 +221,21 @@ int pupil_pending_into(pupil_pending *pending, const char *path, int overwrite, 
     return begin(pending, path, 1, 1, overwrite, why);
 }
 
-/* The own name is there before others are looked for, so that of two processes one sees the other's; and the output is
- * looked for last, for it may just have lost its temporary name. */
-int pupil_pending_reserve(pupil_pending *pending, const char *path)
+/* The output is looked for last, for it may just have lost its temporary name. */
+int pupil_pending_is_begun(const pupil_pending *kept)
 {
     struct stat is;
+    return (kept->temporary && beside_is_held(kept->path, kept->temporary)) || lstat(kept->path, &is) == 0;
+}
+
+/* The own name is there before others are looked for, so that of two processes one sees the other's. */
+int pupil_pending_reserve(pupil_pending *pending, const char *path)
+{
     *pending = (pupil_pending){.fd = -1, .path = final_path(path)};
-    pending->temporary = pending->path ? beside_make(pending->path, 0, "part", &pending->fd) : NULL;
-    const int taken =
-        (pending->temporary && beside_is_held(pending->path, pending->temporary)) || lstat(path, &is) == 0;
+    if (!pending->path)
+        return 0;
+    pending->temporary = beside_make(pending->path, 0, "part", &pending->fd);
+    const int taken = pupil_pending_is_begun(pending);
     if (taken)
         pupil_pending_discard(pending);
     return taken;

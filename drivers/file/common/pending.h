@@ -41,6 +41,9 @@ int pupil_pending_into(pupil_pending *pending, const char *path, int overwrite, 
  * cannot be written nothing is kept, and begin will say so: 0. */
 int pupil_pending_reserve(pupil_pending *pending, const char *path);
 
+/* Whether the output whose name is kept has been begun, here or elsewhere, or is there: then others see that. */
+int pupil_pending_is_begun(const pupil_pending *kept);
+
 /* A file's stream at its beginning, for the caller to close. It is not opened by its name again, which might be that of
  * another file by now. NULL: errno says why. */
 FILE *pupil_pending_stream(const pupil_pending *pending);

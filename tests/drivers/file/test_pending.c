@@ -367,7 +367,9 @@ static void test_reserved(void)
     const char *path = scratch("next.mp4");
     CHECK(pupil_pending_reserve(&p, path) == 0 && !scratch_exists(path));
     CHECK(pupil_pending_reserve(&q, path) == 1 && scratch_entries(scratch_folder) == 1);
+    CHECK(!pupil_pending_is_begun(&p));
     CHECK(pupil_pending_file(&q, path, 0, &why) == 0); /* begins its own output under the name that it keeps */
+    CHECK(pupil_pending_is_begun(&p));
     pupil_pending_discard(&p);
     CHECK(pupil_pending_reserve(&p, path) == 1); /* it is being written */
     CHECK(pupil_pending_commit(&q, &why) == 0);
