@@ -236,24 +236,40 @@ INLINE floats v_between(const float *knot, ints i, floats part)
     return v_add(ends[0], v_mul(part, v_sub(ends[1], ends[0])));
 }
 
-/* 16 bytes as numbers, and 8 pairs of bytes as two numbers less 128, each twice */
-INLINE void v_of_bytes(const uint8_t *p, floats to[2])
+/* 16 bytes in both halves, so that one shuffle takes any of them to any place. */
+INLINE __m256i sixteen_twice(const uint8_t *p)
 {
-    for (int k = 0; k < 2; k++)
-        to[k] = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)(p + 8 * k))));
+    return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)p));
 }
 
+/* 16 bytes as numbers */
+INLINE void v_of_bytes(const uint8_t *p, floats to[2])
+{
+#define LOW(k) (int32_t)(0x80808000u | (k))
+    const __m256i all = sixteen_twice(p);
+    const __m256i first = _mm256_setr_epi32(LOW(0), LOW(1), LOW(2), LOW(3), LOW(4), LOW(5), LOW(6), LOW(7));
+    const __m256i last = _mm256_setr_epi32(LOW(8), LOW(9), LOW(10), LOW(11), LOW(12), LOW(13), LOW(14), LOW(15));
+    to[0] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, first));
+    to[1] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, last));
+#undef LOW
+}
+
+/* 8 pairs of bytes as two numbers less 128, each twice, in units of CHROMA_UNIT: a byte is the upper one of its number,
+ * which has a sign. */
+#define CHROMA_UNIT 0x1p-24f
 INLINE void v_of_chroma(const uint8_t *p, floats u[2], floats v[2])
 {
-    const __m128i pairs = _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)p), _mm_set1_epi8(-128));
-    const __m256i words = _mm256_cvtepi8_epi16(pairs); /* u and v of a pair in a number of 32 bits */
-    const __m256i us = _mm256_srai_epi32(_mm256_slli_epi32(words, 16), 16), vs = _mm256_srai_epi32(words, 16);
-    const __m256 fu = _mm256_cvtepi32_ps(us), fv = _mm256_cvtepi32_ps(vs);
-    const __m256i low = _mm256_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3), high = _mm256_setr_epi32(4, 4, 5, 5, 6, 6, 7, 7);
-    u[0] = _mm256_permutevar8x32_ps(fu, low);
-    u[1] = _mm256_permutevar8x32_ps(fu, high);
-    v[0] = _mm256_permutevar8x32_ps(fv, low);
-    v[1] = _mm256_permutevar8x32_ps(fv, high);
+#define HIGH(k) (int32_t)((uint32_t)(k) << 24 | 0x808080u)
+    const __m256i all = _mm256_xor_si256(sixteen_twice(p), _mm256_set1_epi8(-128));
+    const __m256i first = _mm256_setr_epi32(HIGH(0), HIGH(0), HIGH(2), HIGH(2), HIGH(4), HIGH(4), HIGH(6), HIGH(6));
+    const __m256i last =
+        _mm256_setr_epi32(HIGH(8), HIGH(8), HIGH(10), HIGH(10), HIGH(12), HIGH(12), HIGH(14), HIGH(14));
+    const __m256i next = _mm256_set1_epi32(1 << 24);
+    u[0] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, first));
+    u[1] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, last));
+    v[0] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, _mm256_add_epi32(first, next)));
+    v[1] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, _mm256_add_epi32(last, next)));
+#undef HIGH
 }
 
 /* --- load WIDTH pixels; *a is alpha --- */

@@ -247,6 +247,7 @@ INLINE void v_of_bytes(const uint8_t *p, floats to[1])
     to[0] = _mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p)));
 }
 
+#define CHROMA_UNIT 1.0f
 INLINE void v_of_chroma(const uint8_t *p, floats u[1], floats v[1])
 {
     const __m128i pairs = _mm_xor_si128(_mm_loadu_si128((const __m128i *)(const void *)p), _mm_set1_epi8(-128));

@@ -46,23 +46,34 @@ INLINE srgb_constants srgb_constants_of(void)
     return c;
 }
 
+/* Of so many vectors at a time: each has a long way to go, and none waits for another. */
+enum { GUESSES = 3 };
+#if defined(__clang__)
+#define FOR_EACH_GUESS(k) for (int k = 0; k < GUESSES; k++)
+#else
+#define FOR_EACH_GUESS(k) _Pragma("GCC unroll 8") for (int k = 0; k < GUESSES; k++)
+#endif
+
 /* x from 2^-8, where it is `dark` from 0, to just below 1. The code in the upper half, and whether it is certain
  * in the lower: not below UNCERTAIN (dark: UNCERTAIN_TOE). */
-INLINE ints srgb_guess(floats x, const srgb_constants *c, int dark)
+INLINE void srgb_guess(const floats x[GUESSES], const srgb_constants *c, int dark, ints to[GUESSES])
 {
-    const ints bits = v_bits(x);
-    const floats m = v_of_bits(v_or(v_and(bits, v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
-    floats p = v_about(c->p[5], m, c->p[4]);
-    p = v_about(p, m, c->p[3]);
-    p = v_about(p, m, c->p[2]);
-    p = v_about(p, m, c->p[1]);
-    p = v_about(p, m, c->p[0]);
-    floats code = v_about(p, v_table8(c->power, v_right(bits, 23)), c->offset);
-    if (dark) {
-        const floats toe = v_min(v_about(x, c->line[0], c->from[0]), v_about(x, c->line[1], c->from[1]));
-        code = v_select(v_less(x, v_all(0x1p-8f)), toe, code);
-    }
-    return v_to_ints(code);
+    floats m[GUESSES], code[GUESSES], power[GUESSES];
+    FOR_EACH_GUESS(k) m[k] = v_of_bits(v_or(v_and(v_bits(x[k]), v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
+    FOR_EACH_GUESS(k) power[k] = v_table8(c->power, v_right(v_bits(x[k]), 23));
+    FOR_EACH_GUESS(k) code[k] = v_about(c->p[5], m[k], c->p[4]);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[3]);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[2]);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[1]);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[0]);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], power[k], c->offset);
+    if (dark)
+        FOR_EACH_GUESS(k)
+        {
+            const floats toe = v_min(v_about(x[k], c->line[0], c->from[0]), v_about(x[k], c->line[1], c->from[1]));
+            code[k] = v_select(v_less(x[k], v_all(0x1p-8f)), toe, code[k]);
+        }
+    FOR_EACH_GUESS(k) to[k] = v_to_ints(code[k]);
 }
 
 /* By its cell. */
@@ -120,11 +131,12 @@ static void settle(pixel_bits *bits, uint32_t n, const float *first, const float
 }
 
 /* Whose guesses are not all certain. */
-INLINE mask store_guesses(floats r, floats g, floats b, const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
+INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
 {
-    const ints x = srgb_guess(r, c, dark), y = srgb_guess(g, c, dark), z = srgb_guess(b, c, dark);
-    store_pixels(pixel_of(x, y, z), at, bytes);
-    const ints rest = v_left(v_min_halves(v_min_halves(x, y), z), 16);
+    ints code[3];
+    srgb_guess(x, c, dark, code);
+    store_pixels(pixel_of(code[0], code[1], code[2]), at, bytes);
+    const ints rest = v_left(v_min_halves(v_min_halves(code[0], code[1]), code[2]), 16);
     return v_below(rest, (uint32_t)(dark ? UNCERTAIN_TOE : UNCERTAIN) << 16);
 }
 
@@ -140,12 +152,12 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
     uint32_t any = 0;
     uint32_t i = 0;
     for (; i + WIDTH + slack <= n; i += WIDTH) {
-        const floats r = v_min(v_load(first + i), most), g = v_min(v_load(second + i), most);
-        const floats b = v_min(v_load(third + i), most);
+        const floats x[3] = {v_min(v_load(first + i), most), v_min(v_load(second + i), most),
+                             v_min(v_load(third + i), most)};
         uint8_t *at = target + (size_t)i * bytes;
-        const mask dark = v_less(v_min(v_min(r, g), b), v_all(0x1p-8f));
-        const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(r, g, b, &c, 0, at, bytes)
-                                                                           : store_guesses(r, g, b, &c, 1, at, bytes);
+        const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
+        const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)
+                                                                           : store_guesses(x, &c, 1, at, bytes);
         any |= v_mask_bits(uncertain);
         put_bits(&near, i, v_mask_bits(uncertain));
     }

@@ -11,27 +11,23 @@
 /* vector.h: products with denormals, which these CPUs do not foresee. */
 #define DENORMALS_ARE_SLOW 1
 
-/* Two floats, which are aligned as floats are, in all places. */
-INLINE __m256d pair_everywhere(const float *pair)
+/* Two pairs of floats, which are aligned as floats are. */
+INLINE __m128 two_pairs(const float *first, const float *second)
 {
-    double both;
-    __builtin_memcpy(&both, pair, sizeof both);
-    return _mm256_set1_pd(both);
+    double low;
+    __builtin_memcpy(&low, first, sizeof low);
+    return _mm_loadh_pi(_mm_castpd_ps(_mm_set_sd(low)), (const __m64 *)(const void *)second);
 }
 
-/* Four pairs of floats. From memory to all places of a vector, and from there to one: that takes no shuffle, of which
- * most CPUs do one a cycle. */
+/* Four of them. A pair from memory to either half of a vector is one instruction, and what all of this waits for is
+ * their number. */
 INLINE __m256 four_pairs(const float *first, const float *second, const float *third, const float *fourth)
 {
-    const __m256d a = pair_everywhere(first);
-    const __m256d b = pair_everywhere(second);
-    const __m256d c = pair_everywhere(third);
-    const __m256d d = pair_everywhere(fourth);
-    return _mm256_castpd_ps(_mm256_blend_pd(_mm256_blend_pd(a, b, 2), _mm256_blend_pd(c, d, 8), 12));
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(two_pairs(first, second)), two_pairs(third, fourth), 1);
 }
 
-/* The pairs from eight places: those of the even lanes by twos, and of the odd ones. Two indices a number, since loads
- * are what all of this waits for. Not by a gather: on many CPUs it takes several times as long (AMD's; Intel's with the
+/* The pairs from eight places: those of the even lanes by twos, and of the odd ones. Two indices a number: half as many
+ * loads. Not by a gather: on many CPUs it takes several times as long (AMD's; Intel's with the
  * microcode against Gather Data Sampling). */
 INLINE void eight_pairs(const float *first, size_t step, const uint64_t two[4], __m256 *even, __m256 *odd)
 {

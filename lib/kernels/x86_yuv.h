@@ -1,7 +1,7 @@
 /* lib/kernels/x86_yuv.h: Y'CbCr of 8 bits to light, for the levels of x86. The same operations as groups_of_yuv of
  * pixels_to_linear.h, in another order.
  *
- * Three look-ups a pixel are what it takes: 8 of them are 33 instructions, of which the CPU can do 6 a cycle. Codes and
+ * Three look-ups a pixel are what it takes: 8 of them are 27 instructions, of which the CPU can do 6 a cycle. Codes and
  * look-ups of the same pixels wait for each other, and what a CPU sees at a time is not much more than 16 pixels'
  * worth. So the codes of a group of 16 pixels are found between the look-ups of the group before the last, channel by
  * channel. Indices go through memory: out of a vector's lanes they would take the units that the arithmetic needs.
@@ -29,10 +29,10 @@ INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
                          .y_zero = v_all(c->y_zero),
                          .y_unit = v_all(c->y_unit),
                          .top = v_all(c->top),
-                         .red_v = v_all(c->red_v),
-                         .green_u = v_all(c->green_u),
-                         .green_v = v_all(c->green_v),
-                         .blue_u = v_all(c->blue_u)};
+                         .red_v = v_all(c->red_v * CHROMA_UNIT),
+                         .green_u = v_all(c->green_u * CHROMA_UNIT),
+                         .green_v = v_all(c->green_v * CHROMA_UNIT),
+                         .blue_u = v_all(c->blue_u * CHROMA_UNIT)};
 }
 
 /* A vector of codes: the entries of the table below them, and how far on they are. */
