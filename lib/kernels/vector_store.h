@@ -152,8 +152,8 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
     uint32_t any = 0;
     uint32_t i = 0;
     for (; i + WIDTH + slack <= n; i += WIDTH) {
-        const floats x[3] = {v_min(v_load(first + i), most), v_min(v_load(second + i), most),
-                             v_min(v_load(third + i), most)};
+        const floats x[3] = {v_min(most, v_load(first + i)), v_min(most, v_load(second + i)),
+                             v_min(most, v_load(third + i))};
         uint8_t *at = target + (size_t)i * bytes;
         const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
         const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)

@@ -4,7 +4,8 @@
  * Three look-ups a pixel are what it takes: 8 of them are 27 instructions, of which the CPU can do 6 a cycle. Codes and
  * look-ups of the same pixels wait for each other, and what a CPU sees at a time is not much more than 16 pixels'
  * worth. So the codes of a group of 16 pixels are found between the look-ups of the group before the last, channel by
- * channel. Indices go through memory: out of a vector's lanes they would take the units that the arithmetic needs.
+ * channel, and take the place of those. Indices go through memory: out of a vector's lanes they would take the units
+ * that the arithmetic needs.
  */
 #ifndef PUPIL_KERNELS_X86_YUV_H
 #define PUPIL_KERNELS_X86_YUV_H
@@ -14,14 +15,14 @@
 
 #define LEVEL_HAS_GROUPS_OF_YUV
 
-enum { YUV_BEHIND = 2 * PUPIL_LANES, YUV_RING = 4 * PUPIL_LANES };
+enum { YUV_BEHIND = 2 * PUPIL_LANES };
 
 typedef struct yuv_factors {
     const float *light;
     floats y_zero, y_unit, top, red_v, green_u, green_v, blue_u;
 } yuv_factors;
 
-typedef int32_t yuv_indices[3][YUV_RING];
+typedef int32_t yuv_indices[2][3][PUPIL_LANES]; /* of two groups, which take turns */
 
 INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
 {
@@ -56,42 +57,41 @@ INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
     }
 }
 
-/* The codes of the group from pixel i on (`begin`), and the light of the one YUV_BEHIND before (`end`). */
+/* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the one from there on (`begin`). */
 INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, uint32_t i, int begin,
-                        int end, yuv_indices index, pupil_planes *p)
+                        int end, int32_t index[3][PUPIL_LANES], pupil_planes *p)
 {
-    const uint32_t now = i % YUV_RING, then = (i - YUV_BEHIND) % YUV_RING;
     floats y[WAYS], u[WAYS], v[WAYS];
     if (begin) {
         v_of_bytes(luma + i, y);
         v_of_chroma(chroma + i, u, v);
         FOR_EACH_WAY(k) y[k] = v_mul(v_sub(y[k], f->y_zero), f->y_unit);
     }
+    if (end)
+        look_up_parts(f->light, index[0], p->r + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
         const uint32_t w = (uint32_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), f->top, index[0] + now + w, p->r + i + w);
+            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), f->top, index[0] + w, p->r + i + w);
     }
     if (end)
-        look_up_parts(f->light, index[0] + then, p->r + (i - YUV_BEHIND));
+        look_up_parts(f->light, index[1], p->g + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
         const uint32_t w = (uint32_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), f->top, index[1] + now + w,
+            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), f->top, index[1] + w,
                        p->g + i + w);
     }
     if (end)
-        look_up_parts(f->light, index[1] + then, p->g + (i - YUV_BEHIND));
+        look_up_parts(f->light, index[2], p->b + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
         const uint32_t w = (uint32_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), f->top, index[2] + now + w, p->b + i + w);
+            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), f->top, index[2] + w, p->b + i + w);
     }
-    if (end)
-        look_up_parts(f->light, index[2] + then, p->b + (i - YUV_BEHIND));
 }
 
 /* Whole groups of 16 pixels; returns the first pixel that is left. */
@@ -101,12 +101,19 @@ static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const u
     const yuv_factors f = yuv_factors_of(c);
     const uint32_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;
     yuv_indices index;
-    for (uint32_t i = 0; i < first; i += PUPIL_LANES)
-        step_of_yuv(&f, luma, chroma, i, 1, 0, index, p);
-    for (uint32_t i = YUV_BEHIND; i < whole; i += PUPIL_LANES)
-        step_of_yuv(&f, luma, chroma, i, 1, 1, index, p);
-    for (uint32_t i = whole + YUV_BEHIND - first; i < whole + YUV_BEHIND; i += PUPIL_LANES)
-        step_of_yuv(&f, luma, chroma, i, 0, 1, index, p);
+    uint32_t i = 0;
+#define OF_GROUP index[i / PUPIL_LANES % 2]
+    for (; i < first; i += PUPIL_LANES)
+        step_of_yuv(&f, luma, chroma, i, 1, 0, OF_GROUP, p);
+    for (; i + YUV_BEHIND <= whole; i += YUV_BEHIND) {
+        step_of_yuv(&f, luma, chroma, i, 1, 1, index[0], p);
+        step_of_yuv(&f, luma, chroma, i + PUPIL_LANES, 1, 1, index[1], p);
+    }
+    for (; i < whole; i += PUPIL_LANES)
+        step_of_yuv(&f, luma, chroma, i, 1, 1, OF_GROUP, p);
+    for (i = whole + YUV_BEHIND - first; i < whole + YUV_BEHIND; i += PUPIL_LANES)
+        step_of_yuv(&f, luma, chroma, i, 0, 1, OF_GROUP, p);
+#undef OF_GROUP
     return whole;
 }
 
