@@ -182,19 +182,35 @@ INLINE void move_exponents(lanes *s, pupil_run *run)
 
 /* --- histogram, as scalar.c's --- */
 
-/* The bins of WIDTH pixels by luminance and, in the upper half, by brightest channel; the brightest of all goes to
- * peak.
- */
-INLINE ints bins_of(const float *const at[6], const meter_constants *c, floats *peak)
+/* The bins of WIDTH pixels from i on, by luminance and, in the upper half, by brightest channel; the brightest of all
+ * goes to peak. */
+INLINE ints bins_of(const pupil_channels *light, const pupil_channels *picture, uint32_t i, const meter_constants *c,
+                    floats *peak)
 {
-    const floats l = luminance(v_load(at[0]), v_load(at[1]), v_load(at[2]), c);
-    const floats brightest = max_of_3(v_load(at[3]), v_load(at[4]), v_load(at[5]));
+    const floats l = luminance(v_load(light->r + i), v_load(light->g + i), v_load(light->b + i), c);
+    const floats brightest = max_of_3(v_load(picture->r + i), v_load(picture->g + i), v_load(picture->b + i));
     const floats largest = v_select(v_is_number(l), brightest, c->floor);
     const floats bounded = v_min(v_max(largest, c->floor), c->ceiling);
     const ints bin = v_right(v_bits(v_min(v_max(l, c->floor), c->ceiling)), BIN_BITS);
     const ints peak_bin = v_right(v_bits(bounded), PEAK_BIN_BITS);
     *peak = v_max(bounded, *peak);
     return v_minus(v_plus(bin, v_left(peak_bin, 16)), v_all_ints(FIRST_BIN + (FIRST_PEAK_BIN << 16)));
+}
+
+/* The last pixels of n, from i on, which are too few for a vector: the first of them is repeated, so that the peak does
+ * not change. */
+static __attribute__((noinline)) floats bins_of_rest(const pupil_channels *light, const pupil_channels *picture,
+                                                     uint32_t i, uint32_t n, const meter_constants *c, floats peak,
+                                                     int32_t *bins)
+{
+    const float *const of[6] = {light->r, light->g, light->b, picture->r, picture->g, picture->b};
+    float rest[6][WIDTH];
+    for (int k = 0; k < 6; k++)
+        for (uint32_t j = 0; j < WIDTH; j++)
+            rest[k][j] = of[k][j < n - i ? i + j : i];
+    const pupil_channels light_of_rest = {rest[0], rest[1], rest[2]}, picture_of_rest = {rest[3], rest[4], rest[5]};
+    v_store_ints(bins + i, bins_of(&light_of_rest, &picture_of_rest, 0, c, &peak));
+    return peak;
 }
 
 INLINE float largest_lane(floats v, float most)
@@ -218,25 +234,17 @@ static void histogram(const pupil_row_job *job, const pupil_channels *light, con
                       uint32_t weight, pupil_stats *stats)
 {
     const meter_constants c = meter_constants_of(job);
-    const float *const of[6] = {light->r, light->g, light->b, picture->r, picture->g, picture->b};
     int32_t bins[PUPIL_BLOCK];
     floats peak = v_all(stats->peak);
-    for (uint32_t i = 0; i < n; i += WIDTH) {
-        float rest[6][WIDTH];
-        const float *at[6];
-        for (int k = 0; k < 6; k++)
-            at[k] = of[k] + i;
-        for (int k = 0; k < 6 && n - i < WIDTH; k++) { /* repeats its first pixel, so that the peak does not change */
-            for (uint32_t j = 0; j < WIDTH; j++)
-                rest[k][j] = at[k][j < n - i ? j : 0];
-            at[k] = rest[k];
-        }
-        v_store_ints(bins + i, bins_of(at, &c, &peak));
-    }
+    uint32_t i = 0;
+    for (; i + WIDTH <= n; i += WIDTH)
+        v_store_ints(bins + i, bins_of(light, picture, i, &c, &peak));
+    if (i < n)
+        peak = bins_of_rest(light, picture, i, n, &c, peak, bins);
     const uint32_t quarter = n / 4;
-    for (uint32_t i = 0; i < quarter; i++)
+    for (i = 0; i < quarter; i++)
         FOR_FOUR(k) count_bins((uint32_t)bins[i + (uint32_t)k * quarter], weight, stats);
-    for (uint32_t i = 4 * quarter; i < n; i++)
+    for (i = 4 * quarter; i < n; i++)
         count_bins((uint32_t)bins[i], weight, stats);
     stats->peak = largest_lane(peak, stats->peak);
 }
