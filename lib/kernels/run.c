@@ -256,8 +256,14 @@ static void count_in_planes(const pupil_row_job *job, const pupil_row *row, uint
 static inline __attribute__((always_inline)) void pick_of(const uint8_t *restrict from, size_t bytes, const picks *p,
                                                           uint8_t *restrict to)
 {
-    for (uint32_t i = 0; i < p->count; i++)
-        __builtin_memcpy(to + bytes * i, from + bytes * (p->at + (size_t)i * p->group), bytes);
+    const size_t step = bytes * p->group;
+    const uint8_t *at = from + bytes * p->at;
+    uint32_t i = 0;
+    for (; i + 4 <= p->count; i += 4, at += 4 * step)
+        for (size_t k = 0; k < 4; k++)
+            __builtin_memcpy(to + bytes * (i + k), at + k * step, bytes);
+    for (; i < p->count; i++, at += step)
+        __builtin_memcpy(to + bytes * i, at, bytes);
 }
 
 static void pick_pixels(const uint8_t *from, size_t bytes, const picks *p, uint8_t *to)
