@@ -170,8 +170,6 @@
 /* Stops of the picture for one of a control. A dead control is believed to do a tenth, so that it is asked again. */
 #define SENSOR_RESPONSE_LEAST 0.1
 #define SENSOR_RESPONSE_MOST  4.0
-/* Where the error does not shrink, this share of what was learned is forgotten in each frame. */
-#define SENSOR_FORGET 0.03
 
 /* --- plan --- */
 
@@ -225,8 +223,6 @@
 #define SENSOR_EXCHANGE_EV 1.0
 /* ... while it is not known which frames have the one and not yet the other: what is hardly seen. */
 #define SENSOR_BLIND_EXCHANGE_EV 0.1
-/* A control that does nothing is asked again after so many frames, or twice the delay. */
-#define SENSOR_ASK_AGAIN_FRAMES 30
 /* Steps of a bisection of the path of settings: 2^-48 of 40 stops is less than SENSOR_ROUND. */
 #define SENSOR_BISECT 48
 
