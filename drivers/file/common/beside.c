@@ -14,6 +14,14 @@
 
 /* So much of the name goes into the temporary one that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
 #define NAME_PART 200
+
+/* The name in its folder. */
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 /* Its descriptor, held with a lock that ends with this process: a temporary without one was left by a process that was
  * killed. -1, with errno EEXIST: another name is to be tried, for a run that sweeps has just taken this one. */
 static int make_locked(const char *made, int is_folder)
@@ -44,7 +52,7 @@ static int make_locked(const char *made, int is_folder)
 
 char *beside_make(const char *path, int is_folder, const char *ending, int *fd)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *name = name_of(path);
     for (int i = 0; i < BESIDE_ATTEMPTS; i++) {
         char number[16] = "", *made;
         if (i > 0)
@@ -78,7 +86,7 @@ static const char *ending_of(const char *entry, const char *name)
 
 void beside_sweep(const char *path)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *name = name_of(path);
     char *parent = folder_of(path);
     DIR *folder = parent ? opendir(parent) : NULL;
     struct dirent *entry;
@@ -99,8 +107,7 @@ void beside_sweep(const char *path)
 
 int beside_is_held(const char *path, const char *own)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char *own_slash = strrchr(own, '/'), *own_name = own_slash ? own_slash + 1 : own;
+    const char *name = name_of(path), *own_name = name_of(own);
     char *parent = folder_of(path);
     DIR *folder = parent ? opendir(parent) : NULL;
     struct dirent *entry;

@@ -12,4 +12,7 @@ int pupil_is_tiff(const uint8_t *bytes, size_t size);
  * are no TIFF. */
 int pupil_tiff_find(const uint8_t *bytes, size_t size, uint32_t tag, uint32_t *value);
 
+/* A number of 1 to 4 bytes, with the highest byte first (big) or last. */
+uint32_t pupil_number_at(const uint8_t *at, int bytes, int big);
+
 #endif

@@ -20,19 +20,11 @@ static uint32_t orientation_in(const uint8_t *exif, size_t size)
     return pupil_tiff_find(exif, size, ORIENTATION, &value) && value >= 1 && value <= 8 ? value : 1;
 }
 
-static uint32_t number(const uint8_t *at, int is_big)
-{
-    uint32_t n = 0;
-    for (int i = 0; i < 4; i++)
-        n |= (uint32_t)at[i] << 8 * (is_big ? 3 - i : i);
-    return n;
-}
-
 /* Chunks of PNG: length, name, data, checksum. */
 static uint32_t orientation_of_png(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 8; size >= 12 && at <= size - 12;) {
-        const size_t length = number(bytes + at, 1), left = size - at - 12;
+        const size_t length = pupil_number_at(bytes + at, 4, 1), left = size - at - 12;
         if (length > left)
             break;
         if (memcmp(bytes + at + 4, "eXIf", 4) == 0)
@@ -46,7 +38,7 @@ static uint32_t orientation_of_png(const uint8_t *bytes, size_t size)
 static uint32_t orientation_of_webp(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 12; size >= 8 && at <= size - 8;) {
-        const size_t length = number(bytes + at + 4, 0), left = size - at - 8;
+        const size_t length = pupil_number_at(bytes + at + 4, 4, 0), left = size - at - 8;
         if (length > left)
             break;
         if (memcmp(bytes + at, "EXIF", 4) == 0)
