@@ -12,7 +12,7 @@
 
 #define MOST_NUMBER 999999
 
-/* Numbers chosen, kept until the process ends: runs that begin at once, before any has an output, get one each. */
+/* Numbers chosen, kept until their outputs have begun: runs that begin at once get one each. */
 static pupil_pending *kept;
 static size_t kept_count;
 
