@@ -47,7 +47,9 @@ static int open_bloom(frame_veil *v, pupil_why *why)
 {
     pupil_bloom_config config;
     pupil_veil_result eye;
+    const char *fault = "";
     free(v->bloom);
+    v->bloom = NULL;
     pupil_veil_get(&v->veil, &eye);
     pupil_bloom_config_default(&config);
     config.width = v->config.width;
@@ -55,6 +57,8 @@ static int open_bloom(frame_veil *v, pupil_why *why)
     config.threshold = v->bloom_above;
     config.lobes = eye.lobes;
     memcpy(config.lobe, eye.lobe, sizeof config.lobe);
+    if (pupil_bloom_config_check(&config, &fault))
+        return pupil_refuse(why, "--bloom: %s", fault);
     const size_t bytes = pupil_bloom_bytes(&config);
     v->bloom = malloc(bytes);
     if (!v->bloom)
@@ -63,22 +67,25 @@ static int open_bloom(frame_veil *v, pupil_why *why)
     return error ? pupil_refuse(why, "--bloom: %s", pupil_error_string(error)) : 0;
 }
 
+static int open_size(frame_veil *v, const pupil_frame *frame, pupil_why *why)
+{
+    const char *fault = "";
+    v->config.width = frame->image.width;
+    v->config.height = frame->image.height;
+    if (pupil_veil_config_check(&v->config, &fault) || pupil_veil_init(&v->veil, &v->config))
+        return pupil_refuse(why, "%s: --veil: %s", frame->name, fault);
+    return v->blooms ? open_bloom(v, why) : 0;
+}
+
 int frame_veil_begin(frame_veil *v, const pupil_frame *frame, pupil_why *why)
 {
     const pupil_image_const *in = &frame->image;
     if (pupil_pixel_is_mosaic(in->pixel))
         return pupil_refuse(why, "%s: --veil is not for a camera's mosaic, whose lens has put its own veiling glare in",
                             frame->name);
-    if (v->config.width != in->width || v->config.height != in->height) {
-        const char *fault = "";
-        v->config.width = in->width;
-        v->config.height = in->height;
-        if (pupil_veil_config_check(&v->config, &fault) || pupil_veil_init(&v->veil, &v->config))
-            return pupil_refuse(why, "%s: --veil: %s", frame->name, fault);
-        if (v->blooms && open_bloom(v, why)) {
-            v->config.width = v->config.height = 0;
-            return -1;
-        }
+    if ((v->config.width != in->width || v->config.height != in->height) && open_size(v, frame, why)) {
+        v->config.width = v->config.height = 0; /* the next frame of this size is refused, too */
+        return -1;
     }
     for (unsigned i = 0; i < v->workers; i++)
         pupil_veil_light_clear(&v->own[i].light);

@@ -16,6 +16,7 @@
 #define STEP       0x1.e148a1a2726cfp-1 /* 2 ln RATIO: of log v */
 #define ROOT_PI    0x1.c5bf891b4ef6ap+0
 #define LEAST_PX   0.12 /* what is narrower stays within its pixel */
+#define LEAST_WIDE 2.0  /* pixels: a narrower lobe's height in their middles is not the light in them */
 #define LEAST_DEG  1e-6 /* no published term has light in lobes below this */
 #define FLAT_DEG   1e6  /* nor above */
 #define HEMISPHERE 90.0
@@ -176,6 +177,47 @@ static void add_widest(sorting *s, const pupil_veil_config *c, double sigma, dou
     add_wide(s, pupil_root(height / curvature), height);
 }
 
+/* A Gaussian of height 1 summed along a side of the picture, from the side's end or its middle. */
+static double sum_along(double side_px, double sigma_px, int from_middle)
+{
+    enum { STEPS = 64 };
+    const double reach = from_middle ? 0.5 * side_px : side_px;
+    double sum = 0.0;
+    for (int i = 0; i <= STEPS; i++) { /* Simpson's rule */
+        const double x = reach * i / STEPS / sigma_px;
+        sum += (i == 0 || i == STEPS ? 1.0 : i % 2 ? 4.0 : 2.0) * pupil_decay(0.5 * x * x);
+    }
+    return sum * reach / STEPS / 3.0 * (from_middle ? 2.0 : 1.0);
+}
+
+/* What a picture of even light 1 has at one of its corners, edges, or in its middle. */
+static double even_light(const sorting *s, const pupil_veil_config *c, int middle_x, int middle_y)
+{
+    double sum = s->result->direct;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const double sigma = s->wide[i].sigma_px;
+        sum += s->wide[i].height * sum_along(c->width, sigma, middle_x) * sum_along(c->height, sigma, middle_y);
+    }
+    return sum;
+}
+
+/* Angles are flat here, as the picture is: one of over a hundred degrees has more room than there is around the eye,
+ * and the formulas would make light of it. */
+static void make_no_light(sorting *s, const pupil_veil_config *c)
+{
+    pupil_veil_result *r = s->result;
+    double most = 1.0;
+    for (int at = 0; at < 4; at++) {
+        const double sum = even_light(s, c, at & 1, at >> 1);
+        most = sum > most ? sum : most;
+    }
+    r->direct /= most;
+    for (uint32_t i = 0; i < r->lobes; i++)
+        r->lobe[i].weight /= most;
+    for (uint32_t i = 0; i < s->count; i++)
+        s->wide[i].height /= most;
+}
+
 static void sort_published(sorting *s, const pupil_veil_config *c)
 {
     pupil_veil_result *r = s->result;
@@ -201,6 +243,7 @@ static void sort_published(sorting *s, const pupil_veil_config *c)
     for (sigma = narrowest_deg; sigma < 2.0 * picture_deg; sigma *= RATIO)
         add_wide(s, sigma, unit * lobe_of(c, sigma));
     add_widest(s, c, sigma, unit);
+    make_no_light(s, c);
 }
 
 uint32_t pupil_veil_lobes(const pupil_veil_config *config, pupil_veil_result *result, veil_lobe lobe[VEIL_MOST_WIDE])
@@ -214,7 +257,8 @@ uint32_t pupil_veil_lobes(const pupil_veil_config *config, pupil_veil_result *re
     /* A series of N harmonics has a Gaussian to 0.03 % of its height where N >= 3.8 T / (2 pi sigma); cells and nodes
      * want sigma at 5.8 of their distances: a lamp that moves then flickers by 2 % at most. */
     const double by_series = 3.8 * config->period / (2.0 * VEIL_PI * config->harmonics);
-    result->narrowest_px = side * (by_series > 0.09 ? by_series : 0.09);
+    const double narrowest_px = side * (by_series > 0.09 ? by_series : 0.09);
+    result->narrowest_px = narrowest_px > LEAST_WIDE ? narrowest_px : LEAST_WIDE;
     if (config->psf == PUPIL_VEIL_GAUSSIANS)
         sort_gaussians(&s, config);
     else

@@ -73,7 +73,7 @@ typedef enum pupil_pixel {
     PUPIL_PIXEL_BAYER12P, /* in: 2 pixels in 3 bytes, the lowest bits in the last (MIPI CSI-2 RAW12; pRCC ...) */
 
     PUPIL_PIXEL_I420,  /* in and out: Y' in `data`; Cb of each 2 x 2 pixels in `chroma`, Cr in `cr` (YU12). YV12 is the
-                        * same with  the pointers exchanged. Odd sizes as NV12 */
+                        * same with the pointers exchanged. Odd sizes as NV12 */
     PUPIL_PIXEL_NV21,  /* in: as NV12, with Cr before Cb (NV21) */
     PUPIL_PIXEL_NV16,  /* in: as NV12, with a row of Cb Cr for each row of Y' (NV16); rows do not come in pairs */
     PUPIL_PIXEL_UYVY,  /* in: two pixels in Cb Y' Cr Y' (UYVY); odd widths as YUYV */

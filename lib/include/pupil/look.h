@@ -19,10 +19,13 @@ extern "C" {
 #define PUPIL_EDGE_MOST 1442
 
 /* Edges of a picture in `colour` (focus peaking: what is sharp is marked), the rest as it is. A pixel is on an edge
- * where the magnitude of Sobel's derivatives of its red, green or blue is at least `threshold`, 1..PUPIL_EDGE_MOST, in
- * codes: | -1 0 1 |        | -1 -2 -1 | | -2 0 2 |, and   |  0  0  0 |.     gx^2 + gy^2 >= threshold^2 | -1 0 1 | |  1
- * 2  1 | A step of n codes across a straight edge has 4n. Beyond the picture's border its outermost pixels are
- * repeated. (Sobel, Feldman: A 3x3 isotropic gradient operator for image processing, 1968.)
+ * where gx^2 + gy^2 >= threshold^2 in its red, green or blue, gx and gy being Sobel's derivatives in codes and
+ * `threshold` 1..PUPIL_EDGE_MOST:
+ * - gx: the column to the right of the pixel less that to the left, their three rows weighted by 1, 2, 1;
+ * - gy: the row below less the row above, their three columns weighted by 1, 2, 1.
+ *
+ * A step of n codes across a straight edge has 4n. Beyond the picture's border its outermost pixels are repeated.
+ * (Sobel, Feldman: A 3x3 isotropic gradient operator for image processing, 1968.)
  *
  * `rows` are codes: RGB8, BGR8, RGBA8, RGBX8 or BGRX8. Groups of rows have the pixels of the whole: the rows next to
  * them are read where rows_above and rows_below (image.h) are not 0, as pupil_image_rows sets them. `out` has the same

@@ -284,7 +284,7 @@ typedef struct pupil_sensor_setting {
     double wanted_ev;  /* log2 of what that frame's mean was to be: key, or key_at's at its light, of clip, with
                         * ev_compensation */
     double error_ev;   /* the aim minus the total wanted before this frame; positive: too dark; as far as the limits
-                        * allow.   Not the error of what is shown: state says whether that is within far_ev */
+                        * allow. Not the error of what is shown: state says whether that is within far_ev */
     double dt_s;
     uint64_t frames; /* frames with light since init */
     uint32_t state;  /* a pupil_sensor_state */

@@ -22,9 +22,10 @@
  * moved and not made. What is scattered beyond the picture's edges is lost, and nothing comes from there.
  *
  * The wide part. A PSF is a sum of Gaussians (lobes), their standard deviations a factor of 1.6 apart. Those of
- * pupil_veil_result.narrowest_px and more are the veil, a tenth or a little less of the picture's long side. The
- * narrower ones are bloom: they stay in place here, and pupil_veil_result lists them for who blurs the picture with
- * them.
+ * pupil_veil_result.narrowest_px and more are the veil, a tenth or a little less of the picture's long side, and 2
+ * pixels or more. The narrower ones are bloom: they stay in place here, and pupil_veil_result lists them for who blurs
+ * the picture with them. Angles are flat, as the picture is: right in its middle, and wrong at the edges of wide ones.
+ * Where an eye would make light of that (from a hundred degrees or so on), all its lobes are so much weaker.
  *
  * How: the frame is gathered into 64 x 64 cells, each with the sums of its light and their first moments, so that a
  * lamp that moves makes no steps. The veil is a Fourier series with a period of twice the picture (config.period), so

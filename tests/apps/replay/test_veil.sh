@@ -32,6 +32,10 @@ expect 2 "--veil wide: gaussian: sigma must be from 1e-4 to 180 degrees" $walk -
 yes '1 0.01' | head -25 >many
 expect 2 "--veil many, line 25: at most 24 Gaussians" $walk --veil many
 expect 2 "no such option of pupil run; it is of pupil replay" run --veil eye
+# 1,236 pixels wide in this one, which is more than a bloom's lobe may be
+{ printf 'PF\n16384 1\n-1.0\n' && head -c 196608 /dev/zero; } >long.pfm
+printf '4.4 0.1\n' >broad
+expect 1 "--bloom: lobe: sigma must be from 0.1 to 1024 pixels" replay long.pfm -q -o long.png --veil broad --bloom
 
 # the same bits with any number of threads; each of them another picture than the one without
 expect 0 "" $walk -o without.y4m
