@@ -12,8 +12,10 @@ const char *pupil_error_string(int code)
         [-PUPIL_ERR_NULL] =
             "a required pointer is NULL: the object, an image, its data, chroma or cr, or where a result goes; "
             "without a picture there is pupil_meter",
-        [-PUPIL_ERR_CONFIG] = "the configuration is refused; pupil_config_check names the field",
-        [-PUPIL_ERR_OBJECT] = "the object was not made by pupil_init of this version of the library",
+        [-PUPIL_ERR_CONFIG] =
+            "the configuration is refused; the check of its header, such as pupil_config_check, names the field",
+        [-PUPIL_ERR_OBJECT] =
+            "the object was not made by this version of the library: by pupil_init, or the init of its header",
         [-PUPIL_ERR_SIZE] =
             "width and height must be 1 to 16384 pixels, equal for input and output (of a mosaic even, of packed "
             "10 bits a width of a multiple of 4, and equal or twice the output's)",

@@ -18,8 +18,8 @@ extern "C" {
 enum {
     PUPIL_OK = 0,
     PUPIL_ERR_NULL = -1,      /* a required pointer is NULL (the chroma plane of NV12 is one) */
-    PUPIL_ERR_CONFIG = -2,    /* pupil_config_check refuses the configuration, and says which field */
-    PUPIL_ERR_OBJECT = -3,    /* the object was not made by pupil_init of this version */
+    PUPIL_ERR_CONFIG = -2,    /* the configuration is refused; its check (pupil_config_check ...) says which field */
+    PUPIL_ERR_OBJECT = -3,    /* the object was not made by its init (pupil_init ...) of this version */
     PUPIL_ERR_SIZE = -4,      /* width or height is 0 or above PUPIL_MAX_SIDE_PX or not what the format can have, or in
                                * and out differ in size */
     PUPIL_ERR_STRIDE = -5,    /* rows would overlap: |stride| is smaller than one row of pixels */

@@ -9,8 +9,9 @@
  *     config.width = 1920, config.height = 1080, config.fov_deg = 54;
  *     pupil_veil_init(&veil, &config);
  *     for each frame:
- *         pupil_veil_light_clear(&light);
+ *         pupil_stats_clear(&stats), pupil_veil_light_clear(&light);
  *         pupil_veil_gather_rows(&veil, &pupil, &in, 0, &stats, &light);   meters and gathers in one pass
+ *         pupil_adapt(&pupil, &stats, &info), pupil_get_curve(&pupil, &info, &curve);
  *         pupil_veil_begin(&veil);
  *         pupil_veil_add_light(&veil, &light);
  *         pupil_veil_solve(&veil);
