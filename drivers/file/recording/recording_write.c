@@ -36,7 +36,7 @@ struct pupil_recorder {
     int (*give_up)(void);
     size_t frame_bytes; /* of raw frames */
     pupil_mkv_writer *mkv;
-    int frames_fd, lines_fd;
+    int frames_fd, lines_fd, made_folder;
     off_t lines_end;
     uint64_t lines;
 
@@ -90,18 +90,26 @@ static int wait_for_disk(pupil_recorder *r)
     return 0;
 }
 
+static int add_whole(pupil_why *why, uint64_t frames)
+{
+    if (frames)
+        pupil_refuse_add(why, "; the %llu frame%s before %s whole", (unsigned long long)frames, frames == 1 ? "" : "s",
+                         frames == 1 ? "is" : "are");
+    return -1;
+}
+
 static int given_up(const pupil_recorder *r, pupil_why *why)
 {
-    return pupil_refuse(why, "%s: the disk hangs, and is waited for no more; the %llu frames before are whole",
-                        r->folder, (unsigned long long)r->counts.written);
+    pupil_refuse(why, "%s: the disk hangs, and is waited for no more", r->folder);
+    return add_whole(why, r->counts.written);
 }
 
 /* --- the thread --- */
 
 static int fail(pupil_recorder *r, const char *name)
 {
-    return pupil_refuse(&r->why, "%s/%s: cannot be written: %s; the %llu frames before are whole", r->folder, name,
-                        strerror(errno), (unsigned long long)r->lines);
+    pupil_refuse(&r->why, "%s/%s: cannot be written: %s", r->folder, name, strerror(errno));
+    return add_whole(&r->why, r->lines);
 }
 
 /* The frame first, then its line: each line has its frame. */
@@ -318,6 +326,13 @@ static void describe(pupil_recorder *r, const pupil_frame *first, const pupil_re
         a->coding = *first->image.coding;
 }
 
+static void remove_all(const pupil_recorder *r)
+{
+    pupil_recording_remove_files(r->folder);
+    if (r->made_folder)
+        rmdir(r->folder);
+}
+
 static int begin(pupil_recorder *r, const pupil_recorder_options *options, pupil_why *why)
 {
     pupil_why words;
@@ -327,18 +342,15 @@ static int begin(pupil_recorder *r, const pupil_recorder_options *options, pupil
     if (make_slots(r, options->room))
         return pupil_refuse(why, "%s: no memory for %u frames of %zu bytes that wait for the disk", r->folder, r->room,
                             r->frame_bytes);
-    const int made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why);
-    if (made_folder < 0)
+    r->made_folder = pupil_recording_make_folder(r->folder, options->overwrite, why);
+    if (r->made_folder < 0)
         return -1;
     int failed = make_files(r, options->camera, why);
     if (!failed && start(r))
         failed = pupil_refuse(why, "%s: no thread can be started", r->folder);
-    if (!failed)
-        return 0;
-    pupil_recording_remove_files(r->folder);
-    if (made_folder)
-        rmdir(r->folder);
-    return -1;
+    if (failed)
+        remove_all(r);
+    return failed;
 }
 
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
@@ -394,6 +406,8 @@ int pupil_recorder_close(pupil_recorder *r, pupil_why *why)
     const int failed = r->failed;
     if (failed)
         pupil_refuse(why, "%s", r->why.text);
+    if (failed && !r->lines)
+        remove_all(r);
     free_recorder(r);
     return failed ? PUPIL_SINK_FAILED : PUPIL_SINK_OK;
 }

@@ -225,7 +225,9 @@ static void check_full(const test_frames *frames, const size_t *ends, unsigned l
     const int taken = frames_record(frames, folder, &waiting, &why);
     scratch_limit(0);
     CHECK_MSG(taken < 0 && strstr(why.text, "cannot be written: File too large"), "%lu: %d %s", limit, taken, why.text);
-    const int there = scratch_exists(folder) ? frames_replay(frames, folder, &why) : 0;
+    CHECK_MSG(!right == !strstr(why.text, " before "), "%lu: %s", limit, why.text);
+    CHECK_MSG(!right == !scratch_exists(folder), "%lu: a folder without a frame stays", limit);
+    const int there = right ? frames_replay(frames, folder, &why) : 0;
     CHECK_MSG(there == right, "%lu: %d of %d: %s", limit, there, right, why.text);
     CHECK_MSG(!right || mkv_of_full(bytes, sizeof bytes) == ends[right - 1], "%lu: not the end of a frame", limit);
     scratch_clear(folder);
