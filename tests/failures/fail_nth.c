@@ -1,7 +1,7 @@
-/* LD_PRELOAD: the allocation with the number $PUPIL_FAIL_ALLOCATION fails, counted from 1 where main begins; at the end
- * the number of all goes into the file $PUPIL_COUNT_ALLOCATIONS. With $PUPIL_FAIL_OWN those of libraries do not count:
- * libavcodec 59 calls abort where it has no memory for an encoder. System calls are failed by strace (sweep.py): those
- * of stdio cannot be replaced from outside of the C library.
+/* LD_PRELOAD: of one kind of calls one fails, $PUPIL_FAIL=KIND:NUMBER, counted from 1 where main begins; at the end the
+ * number of all goes into the file $PUPIL_COUNT. KIND is malloc, for every allocation, or a system call (fail_calls.c).
+ * With $PUPIL_FAIL_OWN the allocations of libraries do not count: libavcodec 59 calls abort where it has no memory for
+ * an encoder.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -13,6 +13,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "fail_calls.h"
+
 void *__libc_malloc(size_t bytes);
 void *__libc_calloc(size_t count, size_t bytes);
 void *__libc_realloc(void *old, size_t bytes);
@@ -22,9 +24,15 @@ typedef int main_function(int argc, char **argv, char **environment);
 int __libc_start_main(main_function *program, int argc, char **argv, void (*init)(void), void (*fini)(void),
                       void (*loader_fini)(void), void *stack_end);
 
-static atomic_long count, fail_at;
-static atomic_int armed;
+static atomic_long count;
+static atomic_int armed; /* for allocations */
+static long fail_at;
 static int own_only;
+
+static int is_its_turn(void)
+{
+    return atomic_fetch_add(&count, 1) + 1 == fail_at;
+}
 
 /* Whether the program itself asks, or the C library for it. */
 static int is_own(void *caller)
@@ -39,7 +47,7 @@ static int fails(void *caller)
 {
     if (!atomic_load(&armed) || (own_only && !is_own(caller)))
         return 0;
-    if (atomic_fetch_add(&count, 1) + 1 != atomic_load(&fail_at))
+    if (!is_its_turn())
         return 0;
     errno = ENOMEM;
     return 1;
@@ -79,16 +87,13 @@ int posix_memalign(void **made, size_t alignment, size_t bytes)
     return 0;
 }
 
-static void say_count(void)
+static void say_count(long n)
 {
-    const char *path = getenv("PUPIL_COUNT_ALLOCATIONS");
-    char text[32];
-    const long n = atomic_load(&count);
+    const char *path = getenv("PUPIL_COUNT");
     const int fd = path ? open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666) : -1;
     if (fd < 0)
         return;
-    const int length = snprintf(text, sizeof text, "%ld\n", n);
-    (void)!write(fd, text, (size_t)length);
+    dprintf(fd, "%ld\n", n);
     close(fd);
 }
 
@@ -96,13 +101,21 @@ static main_function *real_main;
 
 static int wrapped_main(int argc, char **argv, char **environment)
 {
-    const char *at = getenv("PUPIL_FAIL_ALLOCATION");
-    atomic_store(&fail_at, at ? atol(at) : 0);
+    const char *which = getenv("PUPIL_FAIL"), *colon = which ? strchr(which, ':') : NULL;
+    char kind[16];
+    if (!colon || snprintf(kind, sizeof kind, "%.*s", (int)(colon - which), which) >= (int)sizeof kind)
+        return real_main(argc, argv, environment);
+    fail_at = atol(colon + 1);
     own_only = getenv("PUPIL_FAIL_OWN") != NULL;
-    atexit(say_count);
-    atomic_store(&armed, 1);
+    if (strcmp(kind, "malloc") == 0) {
+        atomic_store(&armed, 1);
+    } else if (!fail_calls_begin(kind, is_its_turn)) {
+        dprintf(2, "fail_nth: %s: is no call that can fail here\n", kind);
+        return 77;
+    }
     const int status = real_main(argc, argv, environment);
     atomic_store(&armed, 0); /* what the libraries' ends allocate is not the program's */
+    say_count(atomic_load(&count));
     return status;
 }
 

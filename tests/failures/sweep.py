@@ -5,19 +5,17 @@ outputs with the very bytes of a run without it.
     sweep.py --program PUPIL --fake RUN_FAKE --preload LIBRARY [--every 1] [--case NAME]... [--call NAME]... [--jobs 2]
              [--seconds LIMIT] [--kept FILE]
 
---every 7: n = 1, 8, 15, ... Allocations are failed by the library (fail_nth.c), system calls by strace.
+--every 7: n = 1, 8, 15, ... The calls are failed by the library (fail_nth.c).
 
 It ends at Ctrl-C, and once it has run for LIMIT seconds. Every verdict is in FILE as soon as it is known, a line of
 JSON; the next run with this file goes on where that one ended, and prints the sums of both. The file is of one program:
 remove it after another build. Exits with 1 after a fault, else with 3 where calls are left.
 """
 import argparse
-import collections
 import concurrent.futures
 import json
 import os
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -57,8 +55,7 @@ CASES = {
 }
 LIVE = ("out", "out.mkv", "out.csv")  # of run and record: what was written before the failure may stay, whole
 CUT = "a line is cut off"
-ERRORS = {"write": "ENOSPC", "rename": "EIO", "renameat2": "EIO", "fsync": "EIO", "openat": "EMFILE",
-          "ftruncate": "EIO", "mkdir": "EACCES"}
+CALLS = ["malloc", "write", "rename", "renameat2", "fsync", "openat", "ftruncate", "mkdir"]
 
 
 def contents(folder, outputs):
@@ -140,40 +137,23 @@ class Sweep:
         (folder / ".err").unlink()
         return status, said, folder
 
-    def wrapped(self, name, call, n, trace=None):
-        command, _ = self.command(name)
-        if call == "malloc":
-            own = {"PUPIL_FAIL_OWN": "1"} if "video" in name else {}  # encoders
-            return command, {**own, "LD_PRELOAD": str(self.options.preload.resolve()), "PUPIL_FAIL_ALLOCATION": str(n)}
-        inject = ["-e", f"inject={call}:error={ERRORS[call]}:when={n}"] if n else []
-        return ["strace", "--seccomp-bpf", "-f", "-qq", "-o", trace or "/dev/null", "-e", f"trace={call}",
-                "-e", "signal=none", *inject, *command], {}
+    def environment(self, name, call, n):
+        own = {"PUPIL_FAIL_OWN": "1"} if "video" in name else {}  # encoders
+        return {**own, "LD_PRELOAD": str(self.options.preload.resolve()), "PUPIL_FAIL": f"{call}:{n}"}
 
-    def numbers(self, name, call):
-        """Which n there are. Of opens those that are the loader's are left out."""
-        if call == "malloc":
-            count = self.work / f"count-{name}"
-            command, environment = self.wrapped(name, call, 0)
-            _, _, folder = self.run(command, {**environment, "PUPIL_COUNT_ALLOCATIONS": str(count)})
-            shutil.rmtree(folder)
-            return list(range(1, int(count.read_text()) + 1))
-        trace = self.work / f"trace-{name}-{call}"
-        command, _ = self.wrapped(name, call, 0, str(trace))
-        shutil.rmtree(self.run(command)[2])
-        calls = collections.defaultdict(int)
-        numbers = set()
-        for line in trace.read_text(errors="replace").splitlines():
-            match = re.match(rf"(\d+) +{call}\((.*)", line)  # not "<... resumed>"
-            if match:
-                calls[match[1]] += 1
-                if not re.search(r'"(/lib|/usr|/etc|/sys|/proc|/dev)[^"]*"', match[2]) or call != "openat":
-                    numbers.add(calls[match[1]])
-        return sorted(numbers)
+    def number_of(self, name, call):
+        count = self.work / f"count-{name}-{call}"
+        command, _ = self.command(name)
+        _, said, folder = self.run(command, {**self.environment(name, call, 0), "PUPIL_COUNT": str(count)})
+        shutil.rmtree(folder)
+        if not count.exists():
+            print(f"sweep.py: {name}: {said}")
+            sys.exit(77 if "fail_nth: " in said else 1)
+        return int(count.read_text())
 
     def judge(self, name, call, n, reference):
-        command, environment = self.wrapped(name, call, n)
-        _, outputs = self.command(name)
-        status, said, folder = self.run(command, environment)
+        command, outputs = self.command(name)
+        status, said, folder = self.run(command, self.environment(name, call, n))
         try:
             said = "\n".join(line for line in said.splitlines() if not line.startswith("fake: "))
             now = contents(folder, outputs)
@@ -220,7 +200,7 @@ class Sweep:
     def sweep(self, name, call):
         """(calls that were swept, failures that are harmless, faults, calls that are left)"""
         reference = self.reference(name)
-        numbers = self.numbers(name, call)[:: self.options.every]
+        numbers = range(1, self.number_of(name, call) + 1, self.options.every)
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
             list(pool.map(lambda n: self.judge_once(name, call, n, reference), numbers))
         said = {n: self.kept.verdicts[name, call, n] for n in numbers if (name, call, n) in self.kept.verdicts}
@@ -251,7 +231,7 @@ def main():
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, interrupt)
         for name in options.case or CASES:
-            for call in options.call or ["malloc", *ERRORS]:
+            for call in options.call or CALLS:
                 if sweep.is_over():
                     is_left = True
                     continue
