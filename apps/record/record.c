@@ -183,8 +183,8 @@ static int open_source(record *r, const pupil_live_system *system)
 
 static void tell(const record *r)
 {
-    fprintf(stderr, "recorded %llu frames, %.1f MB, in %.1f s; %s", (unsigned long long)r->counts.written,
-            (double)r->bytes * 1e-6 * (double)r->counts.written / (double)r->taken,
+    fprintf(stderr, "recorded %llu frame%s, %.1f MB, in %.1f s; %s", (unsigned long long)r->counts.written,
+            r->counts.written == 1 ? "" : "s", (double)r->bytes * 1e-6 * (double)r->counts.written / (double)r->taken,
             progress_now_s() - r->progress.began_s, r->options.folder);
     if (r->counts.lost)
         fprintf(stderr, "; %llu were lost, for the disk was too slow", (unsigned long long)r->counts.lost);

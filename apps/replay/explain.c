@@ -33,7 +33,9 @@ static void tell_light(FILE *out, const frame_log_entry *e)
         fprintf(out, "         %.0f %% are black, and count as the floor (--floor); --roi and --trim leave them out\n",
                 percent(e->black_share));
     if (e->bad_share > 0.0)
-        fprintf(out, "         %.2g %% are no numbers; NaN counts as the floor\n", percent(e->bad_share));
+        fprintf(out,
+                "         %.3g %% are NaN, which counts as the floor (--floor), or infinite, which counts as 1e9\n",
+                percent(e->bad_share));
 }
 
 /* How far the level is from where this frame alone would have it: above 0, the picture is darker than it will be. */
@@ -98,6 +100,9 @@ static void find_held(causes *c, const frame_log_entry *e, const pupil_config *c
               "the light has become %s, and the level follows with a time constant of %.3g s; --tau-%s less is faster",
               lag > 0.0 ? "less, so the picture is dark for a while" : "more, so the picture is bright for a while",
               lag > 0.0 ? config->tau_dark_s : config->tau_light_s, lag > 0.0 ? "dark" : "light");
+    else if (fabs(lag) >= VISIBLE_EV && config->law == PUPIL_LAW_EYE)
+        cause(c, "the light has become %s, and an eye follows in part within a second, in part within minutes",
+              lag > 0.0 ? "less" : "more");
     else if (fabs(lag) >= VISIBLE_EV)
         cause(c, "each frame counts %.3g (--weight) of the level, which follows slowly", config->frame_weight);
 }
@@ -111,6 +116,8 @@ static void find_limits(causes *c, const frame_log_entry *e, const pupil_config 
     if (strcmp(e->reason, "range") == 0)
         cause(c, "most of its light is at or below %.2g, which counts as black (--floor), or above 1e9",
               (double)config->floor);
+    if (e->bad_share > 0.5)
+        cause(c, "most of its pixels are NaN or infinite, which is no light to adapt to");
     if (strcmp(e->reason, "ev_min") == 0 || strcmp(e->reason, "ev_max") == 0)
         cause(c, "its light is beyond the level's bounds (ev_min, ev_max)");
     if (e->held_back_ev >= VISIBLE_EV)

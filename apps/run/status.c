@@ -91,7 +91,7 @@ void run_status_end(const run_status *s, const session_outputs *outputs, uint64_
         return;
     if (camera)
         fprintf(stderr, "%s: ", camera);
-    fprintf(stderr, "%llu frames in %.1f s", (unsigned long long)s->frames, took_s);
+    fprintf(stderr, "%llu frame%s in %.1f s", (unsigned long long)s->frames, s->frames == 1 ? "" : "s", took_s);
     if (took_s > 0.0)
         fprintf(stderr, ", %.2f frames/s", (double)(s->frames - 1) / took_s);
     fprintf(stderr, ", lost %llu", (unsigned long long)s->lost);

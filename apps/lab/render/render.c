@@ -259,6 +259,7 @@ int render_main(int argc, char **argv)
     else if (failed)
         report_error("pupil render", &r.why, "");
     else if (!r.quiet)
-        fprintf(stderr, "rendered %llu frames in %.1f s\n", (unsigned long long)r.rendered, progress_now_s() - began_s);
+        fprintf(stderr, "rendered %llu frame%s in %.1f s\n", (unsigned long long)r.rendered, r.rendered == 1 ? "" : "s",
+                progress_now_s() - began_s);
     return interrupted ? EXIT_INTERRUPTED : failed ? EXIT_FAILED : EXIT_DONE;
 }

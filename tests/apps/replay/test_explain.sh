@@ -36,6 +36,10 @@ explains "it is as it is aimed at" darker --explain 1 --reset-each
 explains "locked at the first frame's; without --lock it follows" darker --explain 1 --lock
 explains "each frame counts 0.05 (--weight)" darker --explain 1 --formula 2
 explains "why      --ev -2.00" steady --explain 0 --ev -2
+explains "the light has become less, and an eye follows in part within a second" darker --explain 1 --law eye
+{ printf 'PF\n4 4\n-1.0\n'; i=0; while [ $i -lt 48 ]; do printf '\0\0\300\177'; i=$((i + 1)); done; } >nan.pfm
+explains "100 % are NaN, which counts as the floor (--floor)" nan.pfm --explain 0
+explains "why      most of its pixels are NaN or infinite" nan.pfm --explain 0
 explains "for its highlights" synth:candle --size 64x36 --explain 0 --highlights 8
 explains "nothing can be metered" steady --explain 0 --roi 0,0,0.01,0.01
 

@@ -14,7 +14,7 @@ level a at_frame 3 value 4
 camera position_m 0 1 3 look_at_m 0 0.5 0 fov_degrees 50
 SCENE
 
-expect 0 "rendered 1 frames" render small.scene -o a.exr -o a.hdr -o a.pfm -o a.png
+expect 0 "rendered 1 frame in" render small.scene -o a.exr -o a.hdr -o a.pfm -o a.png
 for kind in exr pfm; do
     "$program" replay a.$kind -q -y -o b.png
     cmp a.png b.png || fail "$kind is not what was rendered"

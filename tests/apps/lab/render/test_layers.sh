@@ -19,7 +19,7 @@ channels() {
     tr '\0' '\n' <"$1" | head -n 400 | grep -a -x 'R\|G\|B\|Z\|N\.[XYZ]\|albedo\.[RGB]\|occlusion\.Y\|ssao\.Y' | sort -u | tr '\n' ' '
 }
 
-expect 0 "rendered 1 frames" render small.scene --layers depth,normal,albedo -o a.exr
+expect 0 "rendered 1 frame in" render small.scene --layers depth,normal,albedo -o a.exr
 [ "$(channels a.exr)" = "$(printf '%s\n' B G R Z N.X N.Y N.Z albedo.B albedo.G albedo.R | sort | tr '\n' ' ')" ] ||
     fail "channels: $(channels a.exr)"
 "$program" render small.scene -q --layers ssao -o b.exr
