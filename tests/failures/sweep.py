@@ -102,6 +102,7 @@ class Sweep:
         self.kept = Kept(options.kept)
         self.ends_at = time.monotonic() + options.seconds
         self.interrupted = False
+        self.made = {}
         self.inputs = work / "inputs"
         self.make_inputs()
 
@@ -151,7 +152,8 @@ class Sweep:
             sys.exit(77 if "fail_nth: " in said else 1)
         return int(count.read_text())
 
-    def judge(self, name, call, n, reference):
+    def judge(self, name, call, n):
+        before, reference = self.references(name)
         command, outputs = self.command(name)
         status, said, folder = self.run(command, self.environment(name, call, n))
         try:
@@ -169,7 +171,7 @@ class Sweep:
                 return f"left behind: {' '.join(stray)}"
             if "pupil" not in said and not (call == "write" and not said):  # the sentence itself was not written
                 return f"status {status} without a sentence: {said}"
-            partial = [p for p in now if now[p] != reference.get(p) and now[p] != self.before.get(p)
+            partial = [p for p in now if now[p] != reference.get(p) and now[p] != before.get(p)
                        and (now[p] == CUT or p.split("/")[0] not in LIVE or not name.startswith(("run", "record")))]
             return f"in part: {' '.join(partial)}" if partial else "refused"
         finally:
@@ -178,31 +180,31 @@ class Sweep:
     def is_over(self):
         return self.interrupted or time.monotonic() >= self.ends_at
 
-    def judge_once(self, name, call, n, reference):
+    def judge_once(self, name, call, n):
         """Nothing where it is known, or the time is over."""
         if (name, call, n) in self.kept.verdicts or self.is_over():
             return
-        said = self.judge(name, call, n, reference)
+        said = self.judge(name, call, n)
         if not self.interrupted:  # else what it saw may be of that
             self.kept.add(name, call, n, said)
 
-    def reference(self, name):
-        """The outputs without a failure."""
-        command, outputs = self.command(name)
-        self.before = contents(self.inputs, outputs)
-        status, said, folder = self.run(command)
-        made = contents(folder, outputs)
-        shutil.rmtree(folder)
-        if status:
-            sys.exit(f"sweep.py: {name} fails without a failure: {said}")
-        return made
+    def references(self, name):
+        """The outputs before, and after a run without a failure: made once."""
+        if name not in self.made:
+            command, outputs = self.command(name)
+            status, said, folder = self.run(command)
+            self.made[name] = contents(self.inputs, outputs), contents(folder, outputs)
+            shutil.rmtree(folder)
+            if status:
+                sys.exit(f"sweep.py: {name} fails without a failure: {said}")
+        return self.made[name]
 
     def sweep(self, name, call):
         """(calls that were swept, failures that are harmless, faults, calls that are left)"""
-        reference = self.reference(name)
+        self.references(name)  # not by two at once
         numbers = range(1, self.number_of(name, call) + 1, self.options.every)
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
-            list(pool.map(lambda n: self.judge_once(name, call, n, reference), numbers))
+            list(pool.map(lambda n: self.judge_once(name, call, n), numbers))
         said = {n: self.kept.verdicts[name, call, n] for n in numbers if (name, call, n) in self.kept.verdicts}
         faults = [(n, s) for n, s in said.items() if s not in (None, "refused")]
         return len(said), sum(s is None for s in said.values()), faults, len(numbers) - len(said)
