@@ -116,7 +116,7 @@ static const option_row rows[] = {
      .help = "pupil's key by scene luminance: -1:0.06,5.5:0.18 (0.18)"},
     {"duration", 0, OPTION_NUMBER, "S", AT(duration_s), .low = 0.01, .high = 1e6,
      .right = "a number of seconds from 0.01 to 1000000",
-     .help = "seconds, 61 to 1,000,000 frames (10 after the script's end)"},
+     .help = "seconds, 61 to 1,000,000 frames (10, or 120 frames, after the script's end)"},
     {"stats", 0, OPTION_PATH, "FILE", AT(stats), .help = "each frame as a line of JSON (.jsonl, - is stdout)",
      .more = "What was in force, what was reported of it, what was requested, and the error of the picture."},
     {"plot", 0, OPTION_PATH, "FILE", AT(plot), .help = "light, exposure, gain and error: .svg or .png",
@@ -193,7 +193,10 @@ static int prepare(sim_options *o, pupil_why *why)
 static int sim_check(const fixture_verdict *v, pupil_why *why)
 {
     if (!v->is_evaluated)
-        return pupil_refuse(why, "--check: the light is not still for long enough at the end"), EXIT_FAILED;
+        return pupil_refuse(why,
+                            "--check: the light is not still for long enough at the end; --duration gives it more, "
+                            "if it is ever still"),
+               EXIT_FAILED;
     return v->wrong ? (pupil_refuse(why, "the loop ends wrong: %s", v->text), EXIT_FAILED) : EXIT_DONE;
 }
 

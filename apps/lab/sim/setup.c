@@ -20,8 +20,9 @@ size_t sim_frames(const sim_options *o, size_t *event)
 {
     const double frame_s = o->loop.plant.frame_s, last_s = fixture_loop_last_s(&o->loop);
     const double rest = (double)(fixture_rest_after(&o->loop.sensor) + FIXTURE_REST_FRAMES);
-    const double frames = o->plants ? ceil(last_s / frame_s) + 1.0 + rest
-                                    : ceil((o->duration_s > 0.0 ? o->duration_s : last_s + 10.0) / frame_s);
+    const double enough = ceil(last_s / frame_s) + 1.0 + rest; /* more than ten seconds of a slow camera */
+    const double usual = o->plants ? enough : ceil((last_s + 10.0) / frame_s);
+    const double frames = o->duration_s > 0.0 ? ceil(o->duration_s / frame_s) : usual > enough ? usual : enough;
     const size_t count = frames < SIM_REST_FRAMES + 1 ? SIM_REST_FRAMES + 1
                          : frames > MOST_FRAMES       ? MOST_FRAMES
                                                       : (size_t)frames;

@@ -101,6 +101,7 @@ grep -q "^verdict  *right: shown" said.out || fail "--check: $(cat said.out)"
 grep -q "^verdict  *right, but the aim is darker than the camera can" said.out || fail "out of reach: $(cat said.out)"
 "$program" sim --controller integrator1 >said.out || fail "a loop that ends wrong, without --check"
 expect 1 "the loop ends wrong: shown" sim --controller integrator1 --check
+expect 0 "" sim --camera fps=5,drop=20% --check # it runs long enough to tell
 expect 1 "the light is not still for long enough" sim --light 'lamp 50Hz 30%' --check
 
 # the comparison
