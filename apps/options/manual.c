@@ -35,7 +35,7 @@ static const entry inputs[] = {
 
 static const char examples[] = "pupil replay synth:walk -o walk.mp4 --report report\n"
                                "pupil replay 'shots/*.exr' --fps 24 --trim 5,95 -o shots.mkv --stats shots.jsonl\n"
-                               "ffmpeg -i in.mkv -f nut - | pupil replay - -o - | mpv -\n"
+                               "pupil replay hdr10.mkv -o - --quiet | mpv -\n"
                                "pupil run --view --mains 50 --stats live.jsonl\n"
                                "pupil run -d 0 --mode sensor --size 1280x720 -o - | mpv -\n"
                                "pupil render room -n 300 -o room.mp4\n"

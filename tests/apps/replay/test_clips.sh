@@ -81,6 +81,19 @@ expect 0 "" replay tall.mp4 -q -o shown.mp4
 expect 0 "" replay wide.mp4 -q -o shown.y4m
 head -n 1 shown.y4m | grep -q " A16:15 " || fail "wide: $(head -n 1 shown.y4m)"
 
+# The pipes of docs/guide.md, as they stand there: the frames of HDR10 come through them as from the file.
+guide=$(dirname "$0")/../../../docs/guide.md
+ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=96x64:r=25:d=0.4 -pix_fmt yuv420p10le -color_primaries bt2020 -color_trc smpte2084 \
+    -colorspace bt2020nc -c:v ffv1 hdr10.mkv
+expect 0 "" replay hdr10.mkv -q -o file.y4m
+grep -E '^    ffmpeg .*[|] pupil replay - ' "$guide" >pipes
+[ "$(wc -l <pipes)" = 2 ] || fail "other pipes in docs/guide.md: $(cat pipes)"
+while read -r line; do
+    from=$(echo "${line%% | pupil*}" | sed 's/-i [a-z0-9.]*/-v error -nostdin -i hdr10.mkv/; s/-vf bwdif//')
+    $from | "$program" replay - -q -o pipe.y4m -y 2>said.err || fail "$line: $(cat said.err)"
+    cmp -s file.y4m pipe.y4m || fail "$line: other frames than those of the file"
+done <pipes
+
 # a file that may not become larger
 (ulimit -f 2 && "$program" replay land.mp4 -q -o full.mp4 2>said.err) && fail "a file beyond its limit is made"
 grep -q "full.mp4: cannot be written: File too large" said.err || fail "beyond the limit: $(cat said.err)"
