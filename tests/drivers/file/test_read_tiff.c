@@ -138,14 +138,19 @@ static void test_upright(void)
     }
 }
 
-/* The Exif of a WebP; cut off anywhere it is none. */
-static void test_exif_of_webp(void)
+/* The Exif of a WebP and of a PNG; cut off anywhere it is none. */
+static void test_exif_in_chunks(void)
 {
+    static const uint8_t png[] = "\x89PNG\r\n\x1a\n\0\0\0\3oddXabccrc.\0\0\0\x1a"
+                                 "eXIfMM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0crc.";
     static const uint8_t webp[] = "RIFF\x3c\0\0\0WEBPodd \3\0\0\0abc\0EXIF\x20\0\0\0Exif\0\0"
                                   "MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0";
     CHECK(pupil_orientation_of(webp, sizeof webp - 1) == 6);
     for (size_t size = 0; size < sizeof webp - 1; size++)
         CHECK(pupil_orientation_of(webp, size) == 1);
+    CHECK(pupil_orientation_of(png, sizeof png - 1) == 6);
+    for (size_t size = 0; size < sizeof png - 1; size++)
+        CHECK(pupil_orientation_of(png, size) == 1);
 }
 
 static int sample(const clip *c, int frame, int component, int x, int y)
@@ -198,7 +203,7 @@ int main(int argc, char **argv)
     test_find();
     test_kinds();
     test_upright();
-    test_exif_of_webp();
+    test_exif_in_chunks();
     test_of_video();
     scratch_clear(scratch_folder);
     return check_end();

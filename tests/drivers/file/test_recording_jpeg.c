@@ -109,7 +109,8 @@ static void check_opens(const jpegs *j, const char *folder)
 int main(int argc, char **argv)
 {
     static const uint32_t shapes[][5] = {
-        {64, 48, 2, 1, 3}, {64, 48, 2, 2, 3}, {63, 47, 2, 2, 3}, {64, 48, 1, 1, 3}, {40, 24, 1, 1, 1}};
+        {64, 48, 2, 1, 3}, {64, 48, 2, 2, 3}, {63, 47, 2, 2, 3},
+        {64, 48, 1, 1, 3}, {40, 24, 1, 1, 1}, {8, 8, 1, 1, 1}}; /* the last: more bytes than its pixels have */
     static const pupil_coding codings[] = {{.range = PUPIL_RANGE_FULL},
                                            {.matrix = PUPIL_MATRIX_BT709, .light = PUPIL_LIGHT_SRGB}};
     static jpegs j;

@@ -113,6 +113,28 @@ static void test_png_bt2020(void)
     remove(path);
 }
 
+/* JPEG and TIFF do not say which colours they have: others than sRGB's are refused, and nothing is left. */
+static void test_srgb_alone(void)
+{
+    static const char *const names[] = {"wide.jpg", "wide.tif"};
+    static const uint8_t red[3] = {255, 0, 0};
+    const pupil_image image = {
+        .width = 1, .height = 1, .pixel = PUPIL_PIXEL_RGB8, .stride_bytes = 3, .data = (void *)red};
+    for (size_t i = 0; i < 4; i++) {
+        const char *path = scratch(names[i / 2]);
+        const pupil_sink_options options = {.width = 1,
+                                            .height = 1,
+                                            .fps = 30,
+                                            .primaries = i % 2 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709,
+                                            .transfer = i % 2 ? PUPIL_TRANSFER_SRGB : PUPIL_TRANSFER_LINEAR};
+        pupil_sink *sink;
+        CHECK_MSG(pupil_file_sink_open(path, &options, &sink, &why) == 0, "%s", why.text);
+        CHECK(put(sink, image) == -1 && strstr(why.text, "is written as sRGB alone"));
+        pupil_sink_discard(sink);
+        CHECK(!scratch_exists(path));
+    }
+}
+
 /* A PNG in another transfer than sRGB's does not say that it is sRGB. */
 static void test_png_transfer(void)
 {
@@ -452,6 +474,7 @@ int main(int argc, char **argv)
     scratch_begin();
     test_png();
     test_png_bt2020();
+    test_srgb_alone();
     test_png_transfer();
     test_folder();
     test_yuv709();

@@ -366,6 +366,10 @@ static void test_lists(void)
     CHECK(read_modes(&steps, &modes) > 0 && modes.mode[0].sizes == 1 && modes.mode[0].size[0].max_width == 4096);
     pupil_live_mode_text(&modes.mode[0], text, sizeof text);
     CHECK_MSG(strstr(text, "16x16..4096x2160"), "%s", text);
+    modes.mode[0].size[0].step_width = 0; /* steps of the height alone are steps, too */
+    modes.mode[0].size[0].step_height = 8;
+    pupil_live_mode_text(&modes.mode[0], text, sizeof text);
+    CHECK_MSG(strstr(text, "16x16..4096x2160"), "%s", text);
     pupil_live_modes_free(&modes);
     CHECK(read_modes(&formats, &modes) == 128);
     pupil_live_modes_free(&modes);
