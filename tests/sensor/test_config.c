@@ -381,6 +381,23 @@ static void check_names(void)
     CHECK(strcmp(pupil_sensor_reason_name(UINT32_MAX), "unknown") == 0);
 }
 
+/* Locked from the start, with its gain held: 10 ms and a gain of 1. Unlocked, there is no reason left before the next frame. */
+static void check_locked_first(void)
+{
+    pupil_sensor_config c;
+    pupil_sensor_config_default(&c);
+    c.gain_min = 0.25;
+    c.gain_mode = PUPIL_SENSOR_HELD;
+    c.lock = 1;
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    CHECK_MSG(s.exposure_s == 0.01 && s.gain == 1.0, "%g s, gain %g", s.exposure_s, s.gain);
+    CHECK(pupil_sensor_scene(&sensor, 4.0, 0.0, NULL) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    CHECK(s.state == PUPIL_SENSOR_LOCKED && s.reason == PUPIL_SENSOR_LOCK && s.exposure_s == 0.01 && s.gain == 1.0);
+    c.lock = 0;
+    CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    CHECK(s.state == PUPIL_SENSOR_SEARCHING && s.reason == PUPIL_SENSOR_NO_REASON);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -395,5 +412,6 @@ int main(int argc, char **argv)
     check_unknown_mains();
     check_long_lines();
     check_by_hand();
+    check_locked_first();
     return check_end();
 }

@@ -134,11 +134,28 @@ static void check_mains(uint32_t is_locked)
     CHECK_MSG(s.mains == PUPIL_SENSOR_MAINS_FOUND && s.mains_hz == 60, "mains %u, %u Hz", s.mains, s.mains_hz);
 }
 
+/* log2 of the setting after a first frame of which this share is clipped. */
+static double total_after(double clipped_share)
+{
+    begin(0);
+    CHECK(pupil_sensor_scene(&sensor, -log2(s.exposure_s * s.gain), clipped_share, NULL) == PUPIL_OK);
+    CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+    return log2(s.exposure_s * s.gain);
+}
+
+/* From 97 % on nothing is known but that it is far too bright: at once as far down as is safe. */
+static void check_blind(void)
+{
+    CHECK(total_after(0.97) == total_after(1.0));
+    CHECK_MSG(total_after(0.97) < total_after(0.96) - 0.5, "%g, %g", total_after(0.97), total_after(0.96));
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_kinds();
     check_mains(0);
     check_mains(1);
+    check_blind();
     return check_end();
 }
