@@ -381,7 +381,7 @@ static void check_names(void)
     CHECK(strcmp(pupil_sensor_reason_name(UINT32_MAX), "unknown") == 0);
 }
 
-/* Locked from the start, with its gain held: 10 ms and a gain of 1. Unlocked, there is no reason left before the next frame. */
+/* Locked from the start, with its gain held: 10 ms and a gain of 1. Unlocked, it has no reason until a frame comes. */
 static void check_locked_first(void)
 {
     pupil_sensor_config c;
