@@ -3,7 +3,7 @@
  *
  *     int main(int argc, char **argv)
  *     {
- *         check_begin(argc, argv);          // takes an optional seed as the first argument
+ *         check_begin(argc, argv);          // [SEED [all]]
  *         CHECK(2 + 2 == 4);
  *         CHECK_MSG(x < y, "x %g y %g", x, y);
  *         return check_end();
@@ -28,6 +28,7 @@ static struct {
     const char *program;
     uint64_t seed, random;
     unsigned long checks, failures;
+    int all;
 } check_state;
 
 static inline void check_begin(int argc, char **argv)
@@ -35,6 +36,7 @@ static inline void check_begin(int argc, char **argv)
     check_state.program = argv[0];
     check_state.seed = argc > 1 ? strtoull(argv[1], NULL, 0) : UINT64_C(20261120);
     check_state.random = check_state.seed;
+    check_state.all = argc > 2 && strcmp(argv[2], "all") == 0;
 }
 
 static inline int check_end(void)
@@ -101,6 +103,12 @@ static inline double check_uniform(void) /* in [0, 1) */
 static inline int check_some(int cases)
 {
     return CHECK_SANITIZED ? (cases + 4) / 5 : cases;
+}
+
+/* A sweep over pairs of things tries every n-th pair; with `all`, as in the long tests, every pair. */
+static inline int check_every(int n)
+{
+    return check_state.all ? 1 : n;
 }
 
 /* The folder of shared images, or NULL: $PUPIL_SHARED, else ../shared next to the checkout (PUPIL_SOURCE_DIR). */

@@ -50,10 +50,11 @@ endfunction()
 
 # pupil_test_folder([LIBRARIES libraries] [SOURCES files that all programs of the folder share] [INCLUDES folders]
 #   [MARK a label for all] [FULL names] [LONG names] [SWEEP names] [LEVEL names] [THREADED names]
-#   [WAITING names: begun early, because they take long and need little])
+#   [WAITING names: begun early, because they take long and need little]
+#   [ALL names: with all of their cases in the long tests, as NAME.all (check.h: check_every)])
 # The tests of the current folder. A name that is no test of it is an error.
 function(pupil_test_folder)
-  set(lists LIBRARIES SOURCES INCLUDES FULL LONG SWEEP LEVEL THREADED WAITING)
+  set(lists LIBRARIES SOURCES INCLUDES FULL LONG SWEEP LEVEL THREADED WAITING ALL)
   cmake_parse_arguments(PARSE_ARGV 0 FOLDER "" "MARK" "${lists}")
   if(FOLDER_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "pupil_test_folder: what is ${FOLDER_UNPARSED_ARGUMENTS}?")
@@ -91,8 +92,11 @@ function(pupil_test_folder)
     endif()
     pupil_add_test(${test_prefix}.${name} ${label} ${command})
     set_property(TEST ${test_prefix}.${name} APPEND PROPERTY LABELS ${FOLDER_MARK})
+    if(name IN_LIST FOLDER_ALL)
+      pupil_add_test(${test_prefix}.${name}.all long ${command} 20261120 all)
+    endif()
   endforeach()
-  foreach(name IN LISTS FOLDER_FULL FOLDER_LONG FOLDER_SWEEP FOLDER_LEVEL FOLDER_THREADED FOLDER_WAITING)
+  foreach(name IN LISTS FOLDER_FULL FOLDER_LONG FOLDER_SWEEP FOLDER_LEVEL FOLDER_THREADED FOLDER_WAITING FOLDER_ALL)
     if(NOT TEST ${test_prefix}.${name})
       message(FATAL_ERROR "${folder}: there is no test_${name} to be given a label")
     endif()

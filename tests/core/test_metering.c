@@ -42,7 +42,8 @@ static void check_natural(void)
     pupil_config_default(&config);
     config.floor = 0x1p-20f;
     for (uint32_t pixel = PUPIL_PIXEL_RGBA32F; pixel <= PUPIL_PIXEL_RGB8; pixel++) {
-        frame f = frame_make(1280, (uint32_t)check_some(820), pixel, 0, pixel & 1);
+        const int is_large = pixel == PUPIL_PIXEL_RGBA32F || pixel == PUPIL_PIXEL_RGB16;
+        frame f = frame_make(1280, (uint32_t)check_some(820 / (is_large ? 1 : check_every(5))), pixel, 0, pixel & 1);
         frame_lognormal(&f, 0.1, 1 + pixel % 3, check_uniform);
         meter("log-normal", NATURAL, &config, &f.image);
         if (pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_RGB16) {

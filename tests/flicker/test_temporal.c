@@ -107,7 +107,8 @@ static void check_rates(double jitter_s, double drops, const char *what)
     static const double lamps[] = {100.0, 100.08, 120.0, 119.93}, shares[] = {0.01, 0.1, 0.3};
     double worst = 0.0, half = 0.0, before = 0.0;
     int left = 0;
-    for (int i = 0; i < RATES * 4 * 3; i += CHECK_SANITIZED ? 5 : 1) { /* in fives: all lamps, too */
+    /* In fives and sevens: all lamps, too. */
+    for (int i = 0; i < RATES * 4 * 3; i += CHECK_SANITIZED ? 7 : check_every(5)) {
         const double fps = rates[i / 12], lamp_hz = lamps[i / 3 % 4], share = shares[i % 3];
         const int second = (int)ceil(fps), long_enough = 7 * second > 260 ? 7 * second : 260;
         room r;

@@ -233,7 +233,7 @@ static int black_level(double light_ev)
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
-    const double step_ev = CHECK_SANITIZED ? 0.7 : 0.1;
+    const double step_ev = CHECK_SANITIZED ? 0.7 : 0.1 * check_every(3);
     int lights = 0, found = 0;
     for (double light_ev = 1.0; light_ev < 9.0; light_ev += step_ev)
         coarse(light_ev > 3.5 ? light_ev : light_ev + 2.5);

@@ -156,6 +156,8 @@ static void check_seams(void)
             for (uint32_t g = 1; g <= 4; g++) {
                 pupil_sensor_config c = plant_config(law);
                 double last = 0;
+                if ((law + (int)(e + g)) % check_every(2))
+                    continue;
                 c.highlight_ev = 0;            /* steps of the sensor alone, not what the highlights want */
                 c.mains_hz = law % 2 ? 50 : 0; /* exposures that jump by a factor of two, made up for by the gain */
                 CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
