@@ -183,6 +183,12 @@ static int begins_key(const char *text)
     return letters && text[letters] == '=';
 }
 
+/* More than 8 bits, and not packed: each sample has two bytes. */
+static int has_wide_samples(uint32_t pixel)
+{
+    return pupil_pixel_bytes(pixel) == 2 && (pupil_pixel_bits(pixel) || pupil_pixel_planes(pixel) > 1);
+}
+
 static int check(const pupil_raw_layout *l, pupil_why *why)
 {
     pupil_image_const image;
@@ -200,6 +206,9 @@ static int check(const pupil_raw_layout *l, pupil_why *why)
         return pupil_refuse(why, "raw:%s: stride %llu: a row of %u pixels of %s has %zu bytes", l->file,
                             (unsigned long long)l->stride_bytes, l->width, l->format,
                             pupil_row_bytes(l->pixel, l->width));
+    if (has_wide_samples(l->pixel) && l->stride_bytes % 2)
+        return pupil_refuse(why, "raw:%s: stride %llu: samples of %s have two bytes, so it must be even", l->file,
+                            (unsigned long long)l->stride_bytes, l->format);
     return 0;
 }
 
