@@ -2,14 +2,18 @@
 #ifndef PUPIL_TESTS_FUZZ_H
 #define PUPIL_TESTS_FUZZ_H
 
+#include <sys/stat.h>
+
 #include "pupil/pupil.h"
 
-/* The first corpus folder of libFuzzer's arguments, which gets what bytes alone do not find; NULL: none was given. */
+/* The first corpus folder of libFuzzer's arguments, which gets what bytes alone do not find; NULL: none was given, as
+ * where a single input is tried again. */
 static inline const char *fuzz_corpus(int argc, char **argv)
 {
+    struct stat s;
     for (int i = 1; i < argc; i++)
         if (argv[i][0] != '-')
-            return argv[i];
+            return stat(argv[i], &s) == 0 && S_ISDIR(s.st_mode) ? argv[i] : NULL;
     return NULL;
 }
 
