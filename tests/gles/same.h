@@ -147,11 +147,24 @@ static int same_frame(gl_test *test, const pupil_image_const *image, const pupil
     return 1;
 }
 
-/* Prints the figures, and checks them against the tolerances of docs/gpu.md: metering 1e-5, a sample of 10,000. */
-static void same_judge(const same_figures *figures, const char *what)
+static inline void same_add(same_figures *sum, const same_figures *figures)
+{
+    sum->samples += figures->samples;
+    sum->off += figures->off;
+    sum->metering = figures->metering > sum->metering ? figures->metering : sum->metering;
+    sum->most_codes = figures->most_codes > sum->most_codes ? figures->most_codes : sum->most_codes;
+}
+
+static void same_print(const same_figures *figures, const char *what)
 {
     printf("%-24s metering %.1e relative; %llu of %llu samples off, by %d at most\n", what, figures->metering,
            (unsigned long long)figures->off, (unsigned long long)figures->samples, figures->most_codes);
+}
+
+/* Prints the figures, and checks them against the tolerances of docs/gpu.md: metering 1e-5, a sample of 10,000. */
+static void same_judge(const same_figures *figures, const char *what)
+{
+    same_print(figures, what);
     CHECK_MSG(figures->metering <= 1e-5, "%s: %g", what, figures->metering);
     CHECK_MSG((double)figures->off <= 1e-4 * (double)figures->samples, "%s: %llu of %llu", what,
               (unsigned long long)figures->off, (unsigned long long)figures->samples);

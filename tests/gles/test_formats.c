@@ -152,6 +152,7 @@ int main(int argc, char **argv)
 {
     static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {64, 48}, {161, 119}, {641, 479}};
     static gl_test test;
+    same_figures together = {0};
     unsigned turn = 0;
     check_begin(argc, argv);
     const int status = gl_test_open(&test, PUPIL_GLES_BEST);
@@ -181,8 +182,14 @@ int main(int argc, char **argv)
                 }
                 frame_free(&f);
             }
-        same_judge(&figures, formats[pixel]);
+        /* Of few frames one column of a gradient, all of whose rows are off, is too much of a format. */
+        if (check_state.all)
+            same_judge(&figures, formats[pixel]);
+        else
+            same_print(&figures, formats[pixel]);
+        same_add(&together, &figures);
     }
+    same_judge(&together, "all formats");
     test_far_rows(&test);
     gl_test_close(&test);
     return check_end();

@@ -26,10 +26,7 @@ static void compare(gl_test *test, const pupil_image_const *image, const char *w
         CHECK(same_frame(test, image, &config, &figures, what));
     }
     same_judge(&figures, what);
-    all->samples += figures.samples;
-    all->off += figures.off;
-    all->metering = figures.metering > all->metering ? figures.metering : all->metering;
-    all->most_codes = figures.most_codes > all->most_codes ? figures.most_codes : all->most_codes;
+    same_add(all, &figures);
 }
 
 static void compare_still(gl_test *test, const char *path, same_figures *all)
