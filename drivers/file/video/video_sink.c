@@ -5,7 +5,7 @@
 #include "file/common/pending.h"
 #include "file/sink/sink_common.h"
 #include "video_sound.h"
-#include "yuv709.h"
+#include "yuv_rows.h"
 
 #include "refuse.h"
 #include <errno.h>
@@ -82,7 +82,7 @@ static void fill_frame(AVFrame *frame, const pupil_image_const *image)
         const uint8_t *bottom = y + 1 < height ? top + image->stride_bytes : top;
         for (uint32_t row = 0; row < 2; row++) {
             uint8_t *luma = frame->data[0] + (ptrdiff_t)(y + row) * frame->linesize[0];
-            pupil_yuv709_row(PUPIL_YUV_Y, row ? bottom : top, width, luma);
+            pupil_yuv_row(PUPIL_YUV_709, PUPIL_YUV_Y, row ? bottom : top, width, luma);
             if (width % 2)
                 luma[width] = luma[width - 1];
         }

@@ -1,10 +1,11 @@
-/* YUV4MPEG2, 4:4:4, 8 bit, BT.709 limited range, to a file or to standard output. The format names the range
- * (XCOLORRANGE, as mjpegtools and ffmpeg have it) but not the matrix: a reader has to know that it is BT.709. */
+/* YUV4MPEG2, 4:4:4, 8 bit, limited range, to a file or to standard output. The format names the range (XCOLORRANGE, as
+ * mjpegtools and ffmpeg have it) but not the matrix. So it is the one that players take where none is named, and that
+ * pupil_video_pixels reads such a video by: BT.709 from 720 rows on, BT.601 below. */
 #include "video_sink.h"
 
 #include "file/common/pending.h"
 #include "file/sink/sink_common.h"
-#include "yuv709.h"
+#include "yuv_rows.h"
 
 #include "refuse.h"
 #include <errno.h>
@@ -103,6 +104,7 @@ static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
 
 static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why)
 {
+    const pupil_yuv_matrix matrix = image->height >= 720 ? PUPIL_YUV_709 : PUPIL_YUV_601;
     if (y4m_text(s, "FRAME\n", why))
         return PUPIL_SINK_FAILED;
     for (int plane = PUPIL_YUV_Y; plane <= PUPIL_YUV_CR; plane++)
@@ -110,8 +112,8 @@ static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why
             uint8_t *room = y4m_room(s, image->width, why);
             if (!room)
                 return PUPIL_SINK_FAILED;
-            pupil_yuv709_row((pupil_yuv_plane)plane, (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes,
-                             image->width, room);
+            pupil_yuv_row(matrix, (pupil_yuv_plane)plane,
+                          (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes, image->width, room);
         }
     return y4m_flush(s, why); /* the pipe's reader gets a frame as soon as there is one */
 }

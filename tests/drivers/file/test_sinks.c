@@ -4,7 +4,7 @@
 #include "file/file_sink.h"
 #include "file/sink/sink_common.h"
 #include "file/still/still.h"
-#include "file/video/yuv709.h"
+#include "file/video/yuv_rows.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -193,13 +193,16 @@ static void test_folder(void)
         free(memory[i]);
 }
 
-/* The formula of yuv709.h in double, unrounded. */
-static double exact_yuv(int plane, double r, double g, double b)
+/* The formula of yuv_rows.h in double, unrounded. */
+static double exact_yuv(pupil_yuv_matrix matrix, int plane, double r, double g, double b)
 {
-    const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    const int is_601 = matrix == PUPIL_YUV_601;
+    const double y = is_601 ? 0.299 * r + 0.587 * g + 0.114 * b : 0.2126 * r + 0.7152 * g + 0.0722 * b;
     if (plane == PUPIL_YUV_Y)
         return 16 + 219.0 / 255 * y;
-    return 128 + 224.0 / 255 * (plane == PUPIL_YUV_CB ? (b - y) / 1.8556 : (r - y) / 1.5748);
+    return 128 +
+           224.0 / 255 *
+               (plane == PUPIL_YUV_CB ? (b - y) / (is_601 ? 1.772 : 1.8556) : (r - y) / (is_601 ? 1.402 : 1.5748));
 }
 
 /* All 2^24 colours. */
@@ -214,11 +217,11 @@ static void test_yuv709(void)
             rgb[3 * b + 2] = (uint8_t)b;
         }
         for (int plane = 0; plane < 3; plane++) {
-            pupil_yuv709_row((pupil_yuv_plane)plane, rgb, 256, out);
+            pupil_yuv_row(PUPIL_YUV_709, (pupil_yuv_plane)plane, rgb, 256, out);
             for (int b = 0; b < 256; b++) {
-                const double exact = exact_yuv(plane, rg >> 8, rg & 255, b);
+                const double exact = exact_yuv(PUPIL_YUV_709, plane, rg >> 8, rg & 255, b);
                 off += out[b] != (int)floor(exact + 0.5);
-                far += fabs(out[b] - exact) > 0.503; /* as yuv709.h says */
+                far += fabs(out[b] - exact) > 0.503; /* as yuv_rows.h says */
                 coloured_grey += plane > 0 && rg >> 8 == b && (rg & 255) == b && out[b] != 128;
             }
         }
@@ -226,7 +229,7 @@ static void test_yuv709(void)
     printf("yuv709: %lu of %d samples are not the formula rounded\n", off, 3 << 24);
     CHECK(far == 0);
     CHECK(coloured_grey == 0);
-    CHECK(off < 3 * (1 << 24) / 5000); /* 0.02 %, as yuv709.h says */
+    CHECK(off < 3 * (1 << 24) / 5000); /* 0.02 %, as yuv_rows.h says */
 }
 
 /* 4:2:0 against the mean of the pixels' exact chroma, columns 1 2 1, rows 1 1, edges repeated. */
@@ -244,7 +247,8 @@ static void test_chroma420(void)
                     const int at = (int)x + i < 0 ? 0 : (int)x + i >= (int)width ? (int)width - 1 : (int)x + i;
                     for (int row = 0; row < 2; row++)
                         sum += (i ? 1 : 2) / 8.0 *
-                               exact_yuv(plane, rows[row][3 * at], rows[row][3 * at + 1], rows[row][3 * at + 2]);
+                               exact_yuv(PUPIL_YUV_709, plane, rows[row][3 * at], rows[row][3 * at + 1],
+                                         rows[row][3 * at + 2]);
                 }
                 CHECK_MSG(fabs(out[x / 2] - sum) <= 0.503, "width %u x %u: %d %g", width, x, out[x / 2], sum);
             }
@@ -257,6 +261,7 @@ static void test_y4m_frames(const char *path, const char *header, uint32_t width
     uint8_t *memory;
     const pupil_image image = scratch_image(width, height, width % 4 == 3, &memory);
     const size_t pixels = (size_t)width * height;
+    const pupil_yuv_matrix matrix = height >= 720 ? PUPIL_YUV_709 : PUPIL_YUV_601; /* as players take it */
     pupil_sink *sink = open_ok(path, width, height, fps, 0);
     char text[256];
     size_t size, at;
@@ -274,7 +279,7 @@ static void test_y4m_frames(const char *path, const char *header, uint32_t width
         for (int plane = 0; plane < 3; plane++)
             for (size_t i = 0; i < pixels; i++, at++) {
                 const uint8_t *p = scratch_pixel(&image, (uint32_t)(i % width), (uint32_t)(i / width));
-                if (fabs(bytes[at] - exact_yuv(plane, p[0], p[1], p[2])) > 0.503)
+                if (fabs(bytes[at] - exact_yuv(matrix, plane, p[0], p[1], p[2])) > 0.503)
                     CHECK_MSG(0, "frame %d plane %d sample %zu", frame, plane, i);
             }
     }
@@ -288,6 +293,8 @@ static void test_y4m(void)
     const char *path = scratch("out.y4m");
     for (size_t i = 0; i < SIZES; i++)
         test_y4m_frames(path, "F30:1", sizes[i].width, sizes[i].height, 30);
+    test_y4m_frames(path, "F30:1", 3, 719, 30);
+    test_y4m_frames(path, "F30:1", 3, 720, 30);
     test_y4m_frames(path, "F30000:1001", 2, 2, 29.97);
     test_y4m_frames(path, "F30000:1001", 2, 2, 30000.0 / 1001);
     test_y4m_frames(path, "F24000:1001", 2, 2, 23.976);
