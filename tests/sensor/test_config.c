@@ -393,6 +393,7 @@ static void check_locked_first(void)
     CHECK_MSG(s.exposure_s == 0.01 && s.gain == 1.0, "%g s, gain %g", s.exposure_s, s.gain);
     CHECK(pupil_sensor_scene(&sensor, 4.0, 0.0, NULL) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
     CHECK(s.state == PUPIL_SENSOR_LOCKED && s.reason == PUPIL_SENSOR_LOCK && s.exposure_s == 0.01 && s.gain == 1.0);
+    CHECK_MSG(fabs(s.wanted_ev - log2(c.key * c.clip)) < 1e-9, "%g EV", s.wanted_ev);
     c.lock = 0;
     CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
     CHECK(s.state == PUPIL_SENSOR_SEARCHING && s.reason == PUPIL_SENSOR_NO_REASON);
