@@ -1,10 +1,11 @@
-/* drivers/file/video/yuv_rows.h: 8-bit RGB into 8-bit YCbCr, limited range, by BT.709 (Rec. ITU-R BT.709-6, items 3.2
- * to 3.4 and 4.6): Y  =  16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B) Cb = 128 + 224/255 (B - L) / 1.8556     Cr = 128
- * + 224/255 (R - L) / 1.5748     (L: the bracket of Y) or by BT.601 (Rec. ITU-R BT.601-7, item 2.5): Y  =  16 + 219/255
- * (0.299 R + 0.587 G + 0.114 B) Cb = 128 + 224/255 (B - L) / 1.772      Cr = 128 + 224/255 (R - L) / 1.402 in integers,
- * the same on every machine. Never more than one code from the formula rounded, and that only where the formula falls
- * within 0.003 of the middle between two codes (0.02 % of the samples of all 2^24 colours). Grey is exactly Cb = Cr =
- * 128.
+/* drivers/file/video/yuv_rows.h: 8-bit RGB into 8-bit YCbCr, limited range, in integers, the same on every machine.
+ *
+ * - BT.709 (Rec. ITU-R BT.709-6, items 3.2 to 3.4 and 4.6): L = 0.2126 R + 0.7152 G + 0.0722 B, b = 1.8556, r = 1.5748
+ * - BT.601 (Rec. ITU-R BT.601-7, item 2.5): L = 0.299 R + 0.587 G + 0.114 B, b = 1.772, r = 1.402
+ * - Y = 16 + 219/255 L, Cb = 128 + 224/255 (B - L) / b, Cr = 128 + 224/255 (R - L) / r
+ *
+ * Never more than one code from the formula rounded, and that only where the formula falls within 0.003 of the middle
+ * between two codes (0.02 % of the samples of all 2^24 colours). Grey is exactly Cb = Cr = 128.
  */
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_YUV_ROWS_H
 #define PUPIL_DRIVERS_FILE_VIDEO_YUV_ROWS_H
