@@ -9,6 +9,7 @@
 #include "refuse.h"
 #include "video_codes.h"
 #include "video_rows.h"
+#include "yuv_rows.h"
 
 /* Largest entry of the light table: the unit in which signals are worked on here. */
 #define FULL (PUPIL_LIGHT_CODES - 1)
@@ -146,7 +147,9 @@ static pupil_video_tags resolve(const pupil_video_pixels *p, const AVFrame *f)
         if (pupil_video_is_coded(t.transfer) || t.primaries == AVCOL_PRI_BT2020)
             t.space = AVCOL_SPC_BT2020_NCL;
         else
-            t.space = f->height >= 720 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+            t.space = pupil_yuv_matrix_of((uint32_t)f->width, (uint32_t)f->height) == PUPIL_YUV_709
+                          ? AVCOL_SPC_BT709
+                          : AVCOL_SPC_SMPTE170M;
     }
     t.primaries = filled_in(t.transfer, t.primaries, f->colorspace);
     t.is_full = p->is_rgb || is_yuvj(f->format) || f->color_range == AVCOL_RANGE_JPEG ||

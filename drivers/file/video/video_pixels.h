@@ -10,10 +10,10 @@
  * 0.0014 EV (drivers.file.video_hdr10). Without chroma both are the same to a code.
  *
  * What an untagged frame is taken for: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are
- * BT.2020, else BT.709 from 720 rows on and BT.601 below, as players do. Primaries: BT.2020 with PQ, HLG or the BT.2020
- * matrix, else BT.709. Range: limited for YUV, full for grey and for the old "yuvj" formats; RGB is always full range.
- * Chroma: co-sited with the left luma sample. Signals outside 0..1 are clamped before the transfer curve, light is not:
- * SDR colours outside Rec.709 come out negative.
+ * BT.2020, else BT.709 from 1280 columns or 577 rows on and BT.601 below, as players do. Primaries: BT.2020 with PQ,
+ * HLG or the BT.2020 matrix, else BT.709. Range: limited for YUV, full for grey and for the old "yuvj" formats; RGB is
+ * always full range. Chroma: co-sited with the left luma sample. Signals outside 0..1 are clamped before the transfer
+ * curve, light is not: SDR colours outside Rec.709 come out negative.
  *
  * Threads: one thread at a time on an object.
  */

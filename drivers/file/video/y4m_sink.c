@@ -1,6 +1,6 @@
 /* YUV4MPEG2, 4:4:4, 8 bit, limited range, to a file or to standard output. The format names the range (XCOLORRANGE, as
  * mjpegtools and ffmpeg have it) but not the matrix. So it is the one that players take where none is named, and that
- * pupil_video_pixels reads such a video by: BT.709 from 720 rows on, BT.601 below. */
+ * pupil_video_pixels reads such a video by (yuv_rows.h). */
 #include "video_sink.h"
 
 #include "file/common/pending.h"
@@ -104,7 +104,7 @@ static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
 
 static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why)
 {
-    const pupil_yuv_matrix matrix = image->height >= 720 ? PUPIL_YUV_709 : PUPIL_YUV_601;
+    const pupil_yuv_matrix matrix = pupil_yuv_matrix_of(image->width, image->height);
     if (y4m_text(s, "FRAME\n", why))
         return PUPIL_SINK_FAILED;
     for (int plane = PUPIL_YUV_Y; plane <= PUPIL_YUV_CR; plane++)

@@ -15,6 +15,12 @@
 typedef enum pupil_yuv_matrix { PUPIL_YUV_709 = 0, PUPIL_YUV_601 } pupil_yuv_matrix;
 typedef enum pupil_yuv_plane { PUPIL_YUV_Y = 0, PUPIL_YUV_CB, PUPIL_YUV_CR } pupil_yuv_plane;
 
+/* What players (mpv, libplacebo) take a picture of this size by where its file names no matrix. */
+static inline pupil_yuv_matrix pupil_yuv_matrix_of(uint32_t width, uint32_t height)
+{
+    return width >= 1280 || height > 576 ? PUPIL_YUV_709 : PUPIL_YUV_601;
+}
+
 /* One row of one plane at full size (4:4:4). */
 void pupil_yuv_row(pupil_yuv_matrix matrix, pupil_yuv_plane plane, const uint8_t *rgb, uint32_t width, uint8_t *out);
 

@@ -261,7 +261,8 @@ static void test_y4m_frames(const char *path, const char *header, uint32_t width
     uint8_t *memory;
     const pupil_image image = scratch_image(width, height, width % 4 == 3, &memory);
     const size_t pixels = (size_t)width * height;
-    const pupil_yuv_matrix matrix = height >= 720 ? PUPIL_YUV_709 : PUPIL_YUV_601; /* as players take it */
+    const pupil_yuv_matrix matrix =
+        width >= 1280 || height > 576 ? PUPIL_YUV_709 : PUPIL_YUV_601; /* as players take it */
     pupil_sink *sink = open_ok(path, width, height, fps, 0);
     char text[256];
     size_t size, at;
@@ -293,8 +294,10 @@ static void test_y4m(void)
     const char *path = scratch("out.y4m");
     for (size_t i = 0; i < SIZES; i++)
         test_y4m_frames(path, "F30:1", sizes[i].width, sizes[i].height, 30);
-    test_y4m_frames(path, "F30:1", 3, 719, 30);
-    test_y4m_frames(path, "F30:1", 3, 720, 30);
+    test_y4m_frames(path, "F30:1", 3, 576, 30);
+    test_y4m_frames(path, "F30:1", 3, 577, 30);
+    test_y4m_frames(path, "F30:1", 1279, 3, 30);
+    test_y4m_frames(path, "F30:1", 1280, 3, 30);
     test_y4m_frames(path, "F30000:1001", 2, 2, 29.97);
     test_y4m_frames(path, "F30000:1001", 2, 2, 30000.0 / 1001);
     test_y4m_frames(path, "F24000:1001", 2, 2, 23.976);

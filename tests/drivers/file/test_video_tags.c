@@ -15,6 +15,8 @@ typedef struct tags {
 
 enum { WIDTH = 16 };
 
+static int width = WIDTH; /* of the frames */
+
 static pupil_why why;
 
 /* A frame of colours; the same codes for the same format and height. */
@@ -22,7 +24,7 @@ static AVFrame *frame_of(const tags *t)
 {
     AVFrame *f = av_frame_alloc();
     f->format = t->format;
-    f->width = WIDTH;
+    f->width = width;
     f->height = t->height;
     f->colorspace = t->space;
     f->color_trc = t->transfer;
@@ -76,12 +78,26 @@ static void check_alike(const tags *open, const tags *filled_in, size_t number)
 #define JPEG  AVCOL_RANGE_JPEG
 #define ANY   AVCOL_RANGE_UNSPECIFIED
 
+/* Wide pictures of few rows: films of 1280 x 536. */
+static void test_wide(void)
+{
+    static const tags open = {AV_PIX_FMT_YUV420P, 16, M_ANY, T709, P709, MPEG};
+    static const tags narrow = {AV_PIX_FMT_YUV420P, 16, M601, T709, P709, MPEG};
+    static const tags wide = {AV_PIX_FMT_YUV420P, 16, M709, T709, P709, MPEG};
+    width = 1278;
+    check_alike(&open, &narrow, 1278);
+    width = 1280;
+    check_alike(&open, &wide, 1280);
+    width = WIDTH;
+}
+
 static void test_filled_in(void)
 {
     static const tags cases[][2] = {
         /* matrix */
         {{AV_PIX_FMT_YUV420P, 16, M_ANY, T709, P709, MPEG}, {AV_PIX_FMT_YUV420P, 16, M601, T709, P709, MPEG}},
-        {{AV_PIX_FMT_YUV420P, 720, M_ANY, T709, P709, MPEG}, {AV_PIX_FMT_YUV420P, 720, M709, T709, P709, MPEG}},
+        {{AV_PIX_FMT_YUV420P, 576, M_ANY, T709, P709, MPEG}, {AV_PIX_FMT_YUV420P, 576, M601, T709, P709, MPEG}},
+        {{AV_PIX_FMT_YUV420P, 578, M_ANY, T709, P709, MPEG}, {AV_PIX_FMT_YUV420P, 578, M709, T709, P709, MPEG}},
         {{AV_PIX_FMT_YUV420P, 16, AVCOL_SPC_RESERVED, T709, P2020, MPEG},
          {AV_PIX_FMT_YUV420P, 16, M2020, T709, P2020, MPEG}},
         {{AV_PIX_FMT_YUV420P10, 16, M_ANY, PQ, P709, MPEG}, {AV_PIX_FMT_YUV420P10, 16, M2020, PQ, P709, MPEG}},
@@ -175,6 +191,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     test_filled_in();
+    test_wide();
     test_differs();
     test_refused();
     return check_end();
