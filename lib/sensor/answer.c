@@ -1,6 +1,13 @@
 /* What the camera made of a step, once it is in force, and whether what was learned from that is wrong. */
 #include "sensor_private.h"
 
+static void agree(pupil_sensor_object *o)
+{
+    for (int c = 0; c < SENSOR_CONTROLS; c++)
+        o->search.agreed[c] = o->estimate.requested[c];
+    o->search.agreed_effect = o->estimate.effect;
+}
+
 /* Where the error is large and does not shrink, what was learned of the camera is wrong: it is forgotten. */
 void pupil_sensor_watch_error(pupil_sensor_object *o)
 {
@@ -34,6 +41,7 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     o->black.darkest = 0.0;
     pupil_sensor_forget_points(s);
     pupil_sensor_doubt(o);
+    agree(o);
 }
 
 /* What the picture of a step by `ev` shows of the camera's white, and of its black level; whether that is known now. */
@@ -123,6 +131,22 @@ static void find_jump(pupil_sensor_object *o)
     s->jumped_ev = moved;
 }
 
+/* Steps that are too small to be evaluated each: together they have to do what they should, from the last setting on
+ * that did. */
+static void watch_small(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double lacks = pupil_sensor_effect(a, s->agreed, a->requested) - (a->effect - s->agreed_effect);
+    const double need = o->plan.wanted - a->effect;
+    if (size_of(lacks) < SENSOR_UNEXPLAINED_EV || s->is_searching) {
+        agree(o);
+    } else if (size_of(lacks) > SENSOR_MISMATCH_EV && lacks * need > 0.0 && size_of(need) > SENSOR_OFF_EV) {
+        pupil_sensor_begin_search(o, need);
+        agree(o);
+    }
+}
+
 void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const int is_large = o->search.is_large, is_on_its_way = pupil_sensor_is_on_its_way(o);
@@ -131,8 +155,12 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
         weigh_told(o, v);
     if (!is_on_its_way)
         pupil_sensor_learn_told(o);
-    if (is_large && !is_on_its_way)
+    if (is_large && !is_on_its_way) {
         judge_answer(o, v);
-    else if (is_large)
+        agree(o);
+    } else if (is_large) {
         pupil_sensor_watch_white(o, v);
+    } else if (!is_on_its_way && v->is_number) {
+        watch_small(o);
+    }
 }

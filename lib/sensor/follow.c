@@ -64,7 +64,7 @@ static void count_frame(pupil_sensor_object *o)
         p->is_used &= p->age < SENSOR_POINT_FRAMES;
     }
     if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
-        s->is_blunt = s->swaps = 0;
+        s->is_blunt = s->swaps = s->search_frames = s->narrowed = 0;
         s->blunt_wanted = o->plan.wanted;
     }
 }
@@ -89,6 +89,16 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
+/* The setting that is there is near, and what rounding makes of the total is further from what is wanted: a coarse
+ * step that does more than its number would be taken again and again. */
+static int is_worse(const pupil_sensor_object *o, double total, double need)
+{
+    double setting[SENSOR_CONTROLS];
+    const double off = need - pupil_sensor_effect_of(o, total, setting);
+    const int is_near = size_of(need) < SENSOR_UNPIN_EV && o->plan.beyond == 0.0;
+    return is_near && !o->search.is_exchanging && size_of(off) > size_of(need);
+}
+
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
 {
     sensor_search *s = &o->search;
@@ -98,6 +108,8 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
                  requested = a->requested[0] + a->requested[1];
     double total = pupil_sensor_total_for(o, is_unknown ? 0.5 * need : need);
     total = clamp(total, requested - most - size_of(left), requested + most + size_of(left));
+    if (!s->is_searching && is_worse(o, total, need))
+        return;
     s->total = pupil_sensor_search_at(o, total, need);
     ask(o, s->total, 1);
     if (!s->since) { /* a step was asked for: how it looked before */
@@ -111,7 +123,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_search *s = &o->search;
     count_frame(o);
     pupil_sensor_answer_frame(o, v);
-    if (pupil_sensor_is_in_force(o))
+    if (pupil_sensor_is_in_force(o) || (s->is_searching && !pupil_sensor_is_on_its_way(o)))
         pupil_sensor_remember(o);
     const int is_still = o->config.lock || o->announced.frames;
     if (!is_still)

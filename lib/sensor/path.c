@@ -51,6 +51,11 @@ double pupil_sensor_total_for(const pupil_sensor_object *o, double need)
     pupil_sensor_path_ends(o, &low, &high);
     if (a->response[0] == 1.0 && a->response[1] == 1.0)
         return clamp(a->requested[0] + a->requested[1] + need, low, high);
+    /* all there is: what rounding leaves of the last step is not the digital factor's */
+    if (pupil_sensor_effect_of(o, high, setting) <= need + SENSOR_ROUND)
+        return high;
+    if (pupil_sensor_effect_of(o, low, setting) >= need - SENSOR_ROUND)
+        return low;
     for (int i = 0; i < SENSOR_BISECT; i++) {
         const double middle = 0.5 * (low + high);
         const double effect = pupil_sensor_effect_of(o, middle, setting);

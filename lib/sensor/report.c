@@ -79,6 +79,7 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     pupil_sensor_setting *s = &o->setting;
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
+    const int is_within = size_of(o->plan.beyond) <= SENSOR_SETTLED_EV;
     if (o->plan.slow == PUPIL_SENSOR_FLASH && !is_manual) { /* the state is what it was; but what is shown is off */
         s->reason = PUPIL_SENSOR_FLASH;
         s->state = s->state == PUPIL_SENSOR_CONVERGED ? PUPIL_SENSOR_SEARCHING : s->state;
@@ -93,10 +94,10 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
         s->state = PUPIL_SENSOR_LIMITED;
         s->reason = PUPIL_SENSOR_IGNORED;
         write_again(o);
-    } else if (is_off(o, v) || pupil_sensor_is_pending(o) || o->announced.frames) {
+    } else if (is_off(o, v) || (is_within && pupil_sensor_is_pending(o)) || o->announced.frames) {
         s->state = v->clipped_share > 0.5 ? PUPIL_SENSOR_CLIPPED : PUPIL_SENSOR_SEARCHING;
         s->reason = o->plan.slow ? o->plan.slow : s->reason;
-    } else if (size_of(o->plan.beyond) > SENSOR_SETTLED_EV) {
+    } else if (!is_within) { /* also while a step to the limit is on its way */
         s->state = PUPIL_SENSOR_LIMITED;
         s->reason = pupil_sensor_limit(o, o->plan.beyond > 0.0);
         if (size_of(o->plan.beyond) > SENSOR_WRONG_EV) /* at an end, an own automatic looks like a limit */

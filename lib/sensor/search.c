@@ -35,22 +35,37 @@ void pupil_sensor_remember(pupil_sensor_object *o)
     *place = now;
 }
 
-/* The nearest points below and above what is wanted. */
+static double sum_of(const sensor_point *p)
+{
+    return p->setting[0] + p->setting[1];
+}
+
+/* The brightest setting of those that were too dark, and the darkest of those that were not. By the setting, for of two
+ * that do the same, noise makes either the brighter one. */
 static void surround(const pupil_sensor_object *o, const sensor_point **low, const sensor_point **high)
 {
-    const double wanted = o->plan.wanted;
     *low = *high = 0;
     for (const sensor_point *p = o->search.point; p < o->search.point + SENSOR_POINTS; p++) {
-        if (!p->is_used)
-            continue;
-        if (p->effect < wanted && (!*low || p->effect > (*low)->effect))
+        if (p->is_used && p->effect < o->plan.wanted && (!*low || sum_of(p) > sum_of(*low)))
             *low = p;
-        if (p->effect >= wanted && (!*high || p->effect < (*high)->effect))
+        if (p->is_used && p->effect >= o->plan.wanted && (!*high || sum_of(p) < sum_of(*high)))
             *high = p;
     }
 }
 
-/* Whether a control may do `need` stops of the picture from a setting on. */
+/* Stops of settings, up to this one or from it on, that all do what it does. */
+static double flat_ev(const pupil_sensor_object *o, const sensor_point *from)
+{
+    double widest = 0.0;
+    for (const sensor_point *p = o->search.point; p < o->search.point + SENSOR_POINTS; p++) {
+        const double width = size_of(sum_of(p) - sum_of(from));
+        if (p->is_used && size_of(p->effect - from->effect) < SENSOR_UNEXPLAINED_EV && width > widest)
+            widest = width;
+    }
+    return widest;
+}
+
+/* Whether a control may do `need` stops from a setting on. */
 static int has_room(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
 {
     const pupil_sensor_config *c = &o->config;
@@ -59,6 +74,13 @@ static int has_room(const pupil_sensor_object *o, int control, const double sett
     const double most = control == SENSOR_GAIN ? c->gain_max : pupil_sensor_longest_exposure(c);
     const uint32_t mode = control == SENSOR_GAIN ? c->gain_mode : c->exposure_mode;
     return mode == PUPIL_SENSOR_AUTO && to <= pupil_log2(most) && to >= pupil_log2(least);
+}
+
+/* ... so many stops of the picture, by what it is known to do: one that does nothing is not taken in place of another.
+ */
+static int may_do(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
+{
+    return has_room(o, control, setting, need / o->estimate.response[control]);
 }
 
 /* From here on only one control moves, so that more of it never makes the picture darker. */
@@ -82,7 +104,9 @@ void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
     const double *requested = o->estimate.requested;
     s->is_searching = 1;
     s->swaps = s->narrowed = 0;
-    if (has_room(o, SENSOR_GAIN, requested, need))
+    const int may_gain = may_do(o, SENSOR_GAIN, requested, need),
+              has_both = may_gain || may_do(o, SENSOR_EXPOSURE, requested, need);
+    if (has_both ? may_gain : has_room(o, SENSOR_GAIN, requested, need))
         move_only(o, SENSOR_GAIN, requested);
     else if (has_room(o, SENSOR_EXPOSURE, requested, need))
         move_only(o, SENSOR_EXPOSURE, requested);
@@ -100,9 +124,9 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
                            ? SENSOR_EXPOSURE
                            : SENSOR_GAIN;
     const int other = SENSOR_CONTROLS - 1 - (is_one ? (int)s->mover : coarse);
-    const sensor_point *from = has_room(o, other, low->setting, wanted - low->effect)     ? low
-                               : has_room(o, other, high->setting, wanted - high->effect) ? high
-                                                                                          : 0;
+    const sensor_point *from = may_do(o, other, low->setting, wanted - low->effect)     ? low
+                               : may_do(o, other, high->setting, wanted - high->effect) ? high
+                                                                                        : 0;
     if (!from || s->swaps >= SENSOR_SWAPS)
         return 0;
     const double total = from->setting[0] + from->setting[1] + wanted - from->effect;
@@ -113,38 +137,54 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
     return 1;
 }
 
-/* Between the points that were seen. Where nothing is left between them the search ends at the nearer one. */
-static double narrow(pupil_sensor_object *o, double total)
+/* The search ends at the best setting that was seen. */
+static double rest_at(sensor_search *s, const sensor_point *p, double wanted)
+{
+    s->is_resting = 1;
+    s->rest_wanted = wanted;
+    s->rest_ev = size_of(wanted - p->effect);
+    return p->total;
+}
+
+/* Nothing is between two points that differ by more than any tone curve makes of their settings. */
+static int is_jump(const sensor_point *low, const sensor_point *high)
+{
+    return high->effect - low->effect > SENSOR_STEEP_MOST * (sum_of(high) - sum_of(low));
+}
+
+/* Between the points that were seen: by the slope, or in the middle where one of them is the end of settings that all
+ * do the same. Where nothing is left between them the search ends at the nearer one. */
+static double narrow(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
 {
     sensor_search *s = &o->search;
-    const sensor_point *low, *high;
     double setting[SENSOR_CONTROLS];
-    surround(o, &low, &high);
-    if (!low || !high)
-        return total;
     const double gap = high->total - low->total, wanted = o->plan.wanted;
     const double share = (wanted - low->effect) / (high->effect - low->effect);
-    const double middle = low->total + gap * clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW);
+    const int is_flat = flat_ev(o, low) > SENSOR_GAP_EV || flat_ev(o, high) > SENSOR_GAP_EV;
+    const double middle = low->total + gap * (is_flat ? 0.5 : clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW));
     (void)pupil_sensor_effect_of(o, middle, setting);
     const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
     const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
-    if (gap > SENSOR_GAP_EV && !is_low && !is_high && s->search_frames < SENSOR_SEARCH_FRAMES &&
-        (s->narrowed < SENSOR_NARROWED || s->swaps >= SENSOR_SWAPS)) {
-        s->narrowed++;
-        return middle;
-    }
+    const int is_open = gap > SENSOR_GAP_EV && !is_low && !is_high && s->search_frames < SENSOR_SEARCH_FRAMES;
     const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
-    const double nearest = near->total;
-    if (size_of(wanted - near->effect) > SENSOR_OFF_EV && s->search_frames < SENSOR_SEARCH_FRAMES) {
-        if (swap(o, low, high))
-            return s->total;
-        if (gap > SENSOR_GAP_EV && !is_low && !is_high)
-            return middle;
-    }
-    s->is_resting = 1;
-    s->rest_wanted = wanted;
-    s->rest_ev = size_of(wanted - near->effect);
-    return nearest;
+    const int is_off = size_of(wanted - near->effect) > SENSOR_OFF_EV;
+    const int is_done = !is_open || s->narrowed >= SENSOR_NARROWED || is_jump(low, high);
+    if (is_off && is_done && s->search_frames < SENSOR_SEARCH_FRAMES && swap(o, low, high))
+        return s->total;
+    if (!is_open || !is_off)
+        return rest_at(s, near, wanted);
+    s->narrowed++;
+    return middle;
+}
+
+/* All that was seen is on one side: further by what is wanted, and twice as far where settings did nothing. */
+static double widen(const pupil_sensor_object *o, const sensor_point *from, double total)
+{
+    const double flat = flat_ev(o, from), step = total - from->total;
+    if (flat < SENSOR_GAP_EV)
+        return total;
+    const double least = flat > SENSOR_WRONG_EV ? flat : SENSOR_WRONG_EV;
+    return size_of(step) > least ? total : from->total + (o->plan.wanted > from->effect ? least : -least);
 }
 
 static int is_requested(const pupil_sensor_object *o, double total)
@@ -155,22 +195,23 @@ static int is_requested(const pupil_sensor_object *o, double total)
 }
 
 /* The control that moves has no better setting than the requested one: the other one does the rest, or the search
- * ends. */
+ * ends, at the best one that was seen. */
 static double leave(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
-    const double *requested = o->estimate.requested;
+    const double *requested = o->estimate.requested, wanted = o->plan.wanted;
     const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (is_one && s->swaps < SENSOR_SWAPS && has_room(o, other, requested, need)) {
+    if (is_one && s->swaps < SENSOR_SWAPS && may_do(o, other, requested, need)) {
         move_only(o, other, requested);
         s->swaps++;
         s->narrowed = 0;
         return requested[0] + requested[1] + need;
     }
-    s->is_resting = 1;
-    s->rest_wanted = o->plan.wanted;
-    s->rest_ev = size_of(need);
-    return s->set;
+    const sensor_point now = {.total = s->set, .effect = wanted - need}, *best = &now;
+    for (const sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++)
+        if (p->is_used && size_of(wanted - p->effect) < size_of(wanted - best->effect))
+            best = p;
+    return rest_at(s, best, wanted);
 }
 
 /* Whether a search goes on, and with which control: `need` is what the setting that was asked for lacks. */
@@ -188,7 +229,7 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     if (s->is_pinned[0] == s->is_pinned[1])
         return;
     const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && has_room(o, other, a->requested, need)) {
+    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && may_do(o, other, a->requested, need)) {
         move_only(o, other, a->requested); /* the control that moves does nothing */
         s->swaps++;
         s->unanswered = 0;
@@ -201,8 +242,14 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
 double pupil_sensor_search_at(pupil_sensor_object *o, double total, double need)
 {
     const sensor_search *s = &o->search;
+    const sensor_point *low, *high;
     if (!s->is_searching)
         return total;
-    const double at = narrow(o, total);
+    surround(o, &low, &high);
+    double at = total;
+    if (low && high)
+        at = narrow(o, low, high);
+    else if (low || high)
+        at = widen(o, low ? low : high, total);
     return !s->is_resting && is_requested(o, at) ? leave(o, need) : at;
 }

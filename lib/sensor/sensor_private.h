@@ -176,13 +176,15 @@ typedef struct sensor_search {
     double wrong_ev;     /* the error when it was last seen to shrink */
     double wrong_wanted; /* the effect that was wanted then */
     uint32_t wrong_frames, wrong_times;
-    uint32_t since;      /* frames since the last large step, at most SENSOR_RING */
-    uint32_t looks;      /* ... and those of them that came */
-    uint32_t is_large;   /* that step is not evaluated yet */
-    uint32_t is_blunt;   /* what the setting did was not what was expected, in this light */
-    double blunt_wanted; /* the effect that was wanted then */
-    double jumped_ev;    /* in the last frame in which a small step went with a large one of the picture */
-    double jump_ev;      /* the camera jumps by so much near this total */
+    uint32_t since;                 /* frames since the last large step, at most SENSOR_RING */
+    uint32_t looks;                 /* ... and those of them that came */
+    uint32_t is_large;              /* that step is not evaluated yet */
+    uint32_t is_blunt;              /* what the setting did was not what was expected, in this light */
+    double blunt_wanted;            /* the effect that was wanted then */
+    double agreed[SENSOR_CONTROLS]; /* the last setting that did what it should */
+    double agreed_effect;           /* its effect */
+    double jumped_ev;               /* in the last frame in which a small step went with a large one of the picture */
+    double jump_ev;                 /* the camera jumps by so much near this total */
     double jump_total;
     uint32_t is_searching, is_resting;
     uint32_t unanswered;    /* large steps in a row that did nothing */
@@ -279,7 +281,7 @@ void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CO
  * one that is known. */
 double pupil_sensor_told(const pupil_sensor_object *object, double exposure_s);
 double pupil_sensor_told_ask(const pupil_sensor_object *object, double exposure_s);
-double pupil_sensor_told_between(const pupil_sensor_object *object, double exposure_s);
+double pupil_sensor_told_probe(const pupil_sensor_object *object, double exposure_s);
 /* A large step is in force: its stops as they were asked for, by the metadata, and as seen in the picture. */
 void pupil_sensor_weigh_told(pupil_sensor_object *object, double asked, double told, double seen);
 /* What was asked for is in force. */

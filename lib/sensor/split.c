@@ -172,25 +172,26 @@ static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, s
     const pupil_sensor_config *c = &o->config;
     const double most_s = pupil_sensor_longest_exposure(c), fixed = fit->gain, wanted_s = fit->exposure_s;
     for (uint32_t i = 0; i < o->told.count; i++) {
-        const double e = o->told.range[i].low_s, between_s = pupil_sensor_told_between(o, e);
+        const double e = o->told.range[i].low_s, probe_s = pupil_sensor_told_probe(o, e);
         const double off_ev = size_of(pupil_log2(o->told.range[i].told_s / wanted_s));
         if (off_ev > SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV)
             continue;
         const double g = is_fixed ? fixed : pupil_sensor_gain_of(c, total / o->told.range[i].told_s);
         take_nearer(o, fit, total, e, g);
         take_nearer(o, fit, total, e, is_fixed ? fixed : next_gain(c, g));
-        if (between_s <= most_s)
-            take_nearer(o, fit, total, line_at_least(c, between_s), fixed);
+        if (probe_s <= most_s)
+            take_nearer(o, fit, total, line_at_least(c, probe_s), fixed);
     }
 }
 
 /* The nearest of them is too short, and the next longer one is not known: one is asked for that is as far beyond the
- * total. Where the camera has one between the two, that is nearer. */
+ * total, or in the middle of what is not known. Where the camera has one between the two, that is nearer. */
 static void probe_told(const pupil_sensor_object *o, uint32_t hz, double total, sensor_fit *fit)
 {
     const pupil_sensor_config *c = &o->config;
     const double told_s = pupil_sensor_told(o, fit->exposure_s), beyond_s = total / fit->gain;
-    const double probe_s = exposure_of(c, hz, beyond_s * beyond_s / told_s);
+    const double mirrored_s = beyond_s * beyond_s / told_s, between_s = pupil_sensor_told_probe(o, fit->exposure_s);
+    const double probe_s = mirrored_s > between_s ? exposure_of(c, hz, mirrored_s) : line_at_least(c, between_s);
     if (beyond_s > told_s && probe_s > beyond_s && fit->off_ev > SENSOR_COARSE_EV &&
         probe_s <= pupil_sensor_longest_exposure(c) && pupil_sensor_told(o, probe_s) == probe_s)
         fit->exposure_s = probe_s;

@@ -11,42 +11,93 @@ void pupil_sensor_forget_told(pupil_sensor_object *o)
     o->told.is_trusted = o->told.count = o->told.next = 0;
 }
 
+static double low_of(const sensor_told_range *r)
+{
+    return r->low_s < r->told_s ? r->low_s : r->told_s;
+}
+
+static double high_of(const sensor_told_range *r)
+{
+    return r->high_s > r->told_s ? r->high_s : r->told_s;
+}
+
 /* The range that an exposure is in: what is between two that became the same one becomes that, too. */
 static const sensor_told_range *range_of(const sensor_told *t, double exposure_s)
 {
     for (uint32_t i = 0; i < t->count; i++) {
         const sensor_told_range *r = &t->range[i];
-        const double least = r->low_s < r->told_s ? r->low_s : r->told_s;
-        const double most = r->high_s > r->told_s ? r->high_s : r->told_s;
-        if (exposure_s >= least * (1.0 - SENSOR_ROUND) && exposure_s <= most * (1.0 + SENSOR_ROUND))
+        if (exposure_s >= low_of(r) * (1.0 - SENSOR_ROUND) && exposure_s <= high_of(r) * (1.0 + SENSOR_ROUND))
             return r;
     }
     return 0;
 }
 
+/* The next longer range than one, if it is within the coarsest step. */
+static const sensor_told_range *next_above(const sensor_told *t, const sensor_told_range *r)
+{
+    const sensor_told_range *next = 0;
+    for (uint32_t i = 0; i < t->count; i++) {
+        const double low_s = low_of(&t->range[i]);
+        if (low_s > high_of(r) && low_s < (next ? low_of(next) : pupil_exp2(SENSOR_COARSE_STEP_EV) * high_of(r)))
+            next = &t->range[i];
+    }
+    return next;
+}
+
+/* Where what is not known above a range ends: at the next one, or the coarsest step, or the longest exposure. */
+static double end_above(const pupil_sensor_object *o, const sensor_told_range *r, const sensor_told_range *next)
+{
+    const double most_s = pupil_sensor_longest_exposure(&o->config), coarse = pupil_exp2(SENSOR_COARSE_STEP_EV);
+    const double step_s = coarse * (coarse * r->told_s > high_of(r) ? r->told_s : high_of(r));
+    return next ? low_of(next) : step_s < most_s ? step_s : most_s;
+}
+
+/* The middle of it, in stops. */
+static double middle_above(const pupil_sensor_object *o, const sensor_told_range *r, const sensor_told_range *next)
+{
+    return high_of(r) * pupil_exp2(0.5 * pupil_log2(end_above(o, r, next) / high_of(r)));
+}
+
+/* The range that an exposure is in, or is taken to be in: what was not tried becomes what its nearer neighbour does,
+ * but for what is in the middle. Above the longest that is known it may be one of its own. */
+static const sensor_told_range *likely_range_of(const pupil_sensor_object *o, double exposure_s)
+{
+    const sensor_told *t = &o->told;
+    const sensor_told_range *found = range_of(t, exposure_s);
+    const int is_open = !o->search.is_pinned[SENSOR_GAIN]; /* a search of exposures tries what it likes */
+    for (uint32_t i = 0; is_open && !found && i < t->count; i++) {
+        const sensor_told_range *r = &t->range[i], *next = next_above(t, r);
+        if (exposure_s < high_of(r) || (next && exposure_s > low_of(next)))
+            continue;
+        const double middle_s = middle_above(o, r, next), off_s = exposure_s - middle_s;
+        if (size_of(off_s) > o->config.exposure_step_s + SENSOR_STEP_SHARE * middle_s)
+            found = off_s < 0.0 ? r : next;
+    }
+    return found;
+}
+
 double pupil_sensor_told(const pupil_sensor_object *o, double exposure_s)
 {
-    const sensor_told_range *r = range_of(&o->told, exposure_s);
+    const sensor_told_range *r = likely_range_of(o, exposure_s);
     return r ? r->told_s : exposure_s;
 }
 
 double pupil_sensor_told_ask(const pupil_sensor_object *o, double exposure_s)
 {
-    const sensor_told_range *r = range_of(&o->told, exposure_s);
+    const sensor_told_range *r = likely_range_of(o, exposure_s);
     return r ? clamp(exposure_s, r->low_s, r->high_s) : exposure_s;
 }
 
-double pupil_sensor_told_between(const pupil_sensor_object *o, double exposure_s)
+double pupil_sensor_told_probe(const pupil_sensor_object *o, double exposure_s)
 {
-    const sensor_told *t = &o->told;
-    const sensor_told_range *r = range_of(t, exposure_s); /* it has one: it was asked for */
-    const double high_s = r->high_s > r->told_s ? r->high_s : r->told_s;
-    double next_s = 2.0 * high_s;
-    for (uint32_t i = 0; i < t->count; i++)
-        if (t->range[i].told_s > high_s && t->range[i].told_s < next_s)
-            next_s = t->range[i].told_s;
-    const double gap_ev = pupil_log2(next_s / high_s);
-    return gap_ev > SENSOR_OFF_EV ? high_s * pupil_exp2(0.5 * gap_ev) : exposure_s;
+    const sensor_told_range *r = likely_range_of(o, exposure_s), *next = r ? next_above(&o->told, r) : 0;
+    if (!r)
+        return exposure_s;
+    const double end_s = end_above(o, r, next), step_ev = pupil_log2((next ? next->told_s : end_s) / r->told_s);
+    if (pupil_log2(end_s / high_of(r)) > 0.5 * step_ev + SENSOR_ROUND)
+        return middle_above(o, r, next);
+    /* steps are even: where half of one was tried, there is none in the other half, but at its end */
+    return next ? exposure_s : end_s + o->config.exposure_step_s;
 }
 
 /* By how much the picture moved otherwise than a step of the setting may move it, with any tone curve. */
