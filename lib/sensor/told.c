@@ -59,7 +59,7 @@ static double middle_above(const pupil_sensor_object *o, const sensor_told_range
 }
 
 /* The range that an exposure is in, or is taken to be in: what was not tried becomes what its nearer neighbour does,
- * but for what is in the middle. Above the longest that is known it may be one of its own. */
+ * except what is in the middle. Above the longest that is known it may be one of its own. */
 static const sensor_told_range *likely_range_of(const pupil_sensor_object *o, double exposure_s)
 {
     const sensor_told *t = &o->told;
