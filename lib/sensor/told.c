@@ -161,7 +161,7 @@ void pupil_sensor_learn_told(pupil_sensor_object *o)
         place = &t->range[t->count < SENSOR_TOLD_RANGES ? t->count++ : t->next++ % SENSOR_TOLD_RANGES];
         *place = (sensor_told_range){told_s, asked_s, asked_s};
     }
-    place->low_s = asked_s < place->low_s ? asked_s : place->low_s;
+    place->low_s = clamp(place->low_s, 0.0, asked_s);
     place->high_s = asked_s > place->high_s ? asked_s : place->high_s;
     const double told = pupil_log2(place->told_s);
     if (told != a->requested[0])
