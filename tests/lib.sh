@@ -112,8 +112,11 @@ until_true() {
 }
 
 # handles_signals: the program in the background has its handler for SIGINT. A shell has its background jobs ignore that
-# signal, and until then it is lost.
-handles_signals() { [ $((0x0$(sed -n 's/^SigCgt:[^0-9a-f]*//p' "/proc/$running/status") & 2)) != 0 ]; }
+# signal, and until then it is lost. (Before it becomes the program the job is a shell, which handles it, too.)
+handles_signals() {
+    [ "$(readlink "/proc/$running/exe")" != "$(readlink /proc/$$/exe)" ] &&
+        [ $((0x0$(sed -n 's/^SigCgt:[^0-9a-f]*//p' "/proc/$running/status") & 2)) != 0 ]
+}
 
 # help_fits LINES COLUMNS FILE: the file of a help text is not longer and not wider
 help_fits() {
