@@ -187,3 +187,8 @@ int pupil_sensor_config_check(const pupil_sensor_config *config, const char **wh
         *why = fault;
     return fault ? PUPIL_ERR_CONFIG : PUPIL_OK;
 }
+
+double pupil_sensor_longest_exposure(const pupil_sensor_config *c)
+{
+    return c->frame_rate_priority && c->frame_s < c->exposure_max_s ? c->frame_s : c->exposure_max_s;
+}

@@ -336,6 +336,9 @@ void pupil_sensor_begin(pupil_sensor_object *object, double total);
 /* Asks for the setting with this effect, which is not judged: there is no frame that says so. */
 void pupil_sensor_move_to(pupil_sensor_object *object, double effect);
 
+/* sensor_config.c: at this frame rate, or at any where that has no priority. */
+double pupil_sensor_longest_exposure(const pupil_sensor_config *config);
+
 /* split.c: the exposure and gain that the camera has for a total of at most so much. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);
 /* The darkest and the brightest setting, log2, regardless of what a search has pinned. */
@@ -345,7 +348,6 @@ double pupil_sensor_exposure_of(const pupil_sensor_config *config, double exposu
 /* ... of one that is manual or held: in half periods of the mains only where they are known. */
 double pupil_sensor_held_exposure_of(const pupil_sensor_config *config, double exposure_s);
 double pupil_sensor_gain_of(const pupil_sensor_config *config, double gain);
-double pupil_sensor_longest_exposure(const pupil_sensor_config *config);
 /* The limits that the setting is at, and the one that keeps it from going on. */
 uint32_t pupil_sensor_limits(const pupil_sensor_object *object);
 uint32_t pupil_sensor_limit(const pupil_sensor_object *object, int is_dark);

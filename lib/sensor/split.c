@@ -13,11 +13,6 @@ static double multiple(double x, double step)
     return step * (whole > steps ? whole - 1.0 : whole);
 }
 
-double pupil_sensor_longest_exposure(const pupil_sensor_config *c)
-{
-    return c->frame_rate_priority && c->frame_s < c->exposure_max_s ? c->frame_s : c->exposure_max_s;
-}
-
 /* The exposure at or below one that the camera has; its table, or lines. */
 static double in_lines(const pupil_sensor_config *c, double exposure_s)
 {
