@@ -90,13 +90,14 @@ static int is_due(pupil_sensor_object *o, double need, double left)
 }
 
 /* The setting that is there is near, and what rounding makes of the total is further from what is wanted: a coarse
- * step that does more than its number would be taken again and again. */
+ * step that does more than its number would be taken again and again. Not so an exposure that is tried. */
 static int is_worse(const pupil_sensor_object *o, double total, double need)
 {
     double setting[SENSOR_CONTROLS];
     const double off = need - pupil_sensor_effect_of(o, total, setting);
     const int is_near = size_of(need) < SENSOR_UNPIN_EV && o->plan.beyond == 0.0;
-    return is_near && !o->search.is_exchanging && size_of(off) > size_of(need);
+    return is_near && !o->search.is_exchanging && size_of(off) > size_of(need) &&
+           !pupil_sensor_told_is_open(o, pupil_exp2(setting[SENSOR_EXPOSURE]));
 }
 
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
