@@ -110,9 +110,31 @@ static void grey_world_sums(void)
     }
 }
 
+/* Companded samples far below black count as the largest light, with a minus sign, and no more than that. */
+static void far_below_black(void)
+{
+    frame f = frame_make(4, 2, PUPIL_PIXEL_BAYER12, 0, 0);
+    const pupil_coding coding = {.black = 2000, .white = 2500, .knees = 1, .knee_code = {2250}, .knee_light = {0.3f}};
+    pupil_config config;
+    pupil_t pupil;
+    pupil_stats stats;
+    memset(frame_writable(&f).data, 0, 2 * 4 * sizeof(uint16_t));
+    f.image.coding = &coding;
+    pupil_config_default(&config);
+    config.grey_world = 1;
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(&pupil, &f.image, 0, 2, &stats) == PUPIL_OK);
+    CHECK(stats.channel_quads == 2);
+    for (int k = 0; k < 3; k++)
+        CHECK_MSG(stats.channel_sum[k] == -2 * 4 * 65535, "channel %d: %lld", k, (long long)stats.channel_sum[k]);
+    frame_free(&f);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
+    far_below_black();
     grey_world();
     grey_world_sums();
     return check_end();
