@@ -54,8 +54,8 @@ static int finds_black(pupil_sensor_object *o, const sensor_evidence *v, double 
     return !had_black && o->black.value > 0.0;
 }
 
-/* Once a large step is in force: what it did. The scene may have moved against a weak
- * answer, so it is believed the second time; of a camera of which nothing is known, the first time. */
+/* Once a large step is in force: what it did. A weak answer may come from a scene that moved, so it has to come twice;
+ * but while nothing is known of the camera, once is enough. */
 static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
