@@ -240,11 +240,11 @@ static void check_ordinary(void)
             room r;
             double state[2] = {0.0, 0.0};
             CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
-            for (int i = 0; i < check_some(LONG / 7); i++)
+            for (int i = 0; i < check_some(LONG / 7 / check_every(4)); i++)
                 most = fmax(most, fabs(taken_out(&pupil, ordinary(kind, some[f], i, state),
                                                  1000000000 + (int64_t)(i * 1e9 / some[f]))));
             open_room(&r, some[f], 0.0, 0.0);
-            for (int i = 0; i < check_some(1500); i++) {
+            for (int i = 0; i < check_some(1500 / check_every(2)); i++) {
                 r.level_ev = log2(0.18 / 0.004) + ordinary(kind, some[f], i, state);
                 next_frame(&r);
                 most = fmax(most, fabs(r.setting.flicker_ev));
