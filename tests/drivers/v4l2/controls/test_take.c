@@ -152,7 +152,8 @@ static void check_sensor(void)
 }
 
 /* The n-th call fails, alone with EIO for every n of a session, and for every third with all that follow and with other
- * errors: a sentence or a count of failed writes, never a crash, and everything put back wherever the driver takes it. */
+ * errors: a sentence or a count of failed writes, never a crash, and everything put back wherever the driver takes it.
+ */
 static void check_failures(void)
 {
     static const int numbers[] = {EIO, EINVAL, EBUSY, ENODEV};
