@@ -256,8 +256,13 @@ static int finish(video_source *v, pupil_why *why)
     char text[256];
     if (pupil_video_damage_left(&v->damage, 1, text))
         return damaged(v, why, text);
-    if (v->early[0])
+    if (v->early[0] && v->io.error)
         return failed(v, why, "ends after %llu frames: %s", (unsigned long long)v->sequence, v->early);
+    if (v->early[0]) { /* once: what follows is lost, and then the video is at its end */
+        pupil_refuse(why, "%s: ends after %llu frames: %s", v->name, (unsigned long long)v->sequence, v->early);
+        v->early[0] = 0;
+        return PUPIL_SOURCE_DAMAGED;
+    }
     if (!v->handed)
         return failed(v, why, "its video stream holds no frame that can be decoded");
     return v->state = PUPIL_SOURCE_END;

@@ -43,6 +43,15 @@ expect 0 "" replay land.mp4 -q -n 10 -o short.mkv
 last=$(ffprobe -v error -select_streams a -show_entries packet=pts_time -of csv=p=0 short.mkv | tail -n 1)
 awk -v last="$last" 'BEGIN { exit !(last > 0.35 && last < 0.43) }' || fail "the sound of 0.4 s (and 0.02 of what is before it) ends at $last"
 
+# cut short: nothing, or with --keep-going what is there, with the sound of that
+head -c $(($(wc -c <whole.mkv) * 6 / 10)) whole.mkv >half.mkv
+expect 1 "frames: damaged or cut short: File ended prematurely; --keep-going skips" replay half.mkv -o half.mp4
+absent half.mp4
+expect 3 "frames: damaged or cut short: File ended prematurely; skipped" replay half.mkv --keep-going -o half.mp4
+frames=$(ffprobe -v error -count_frames -select_streams v -show_entries stream=nb_read_frames -of csv=p=0 half.mp4)
+[ "$frames" -gt 10 ] && grep -q "ends after $frames frames" said.err || fail "$frames frames: $(cat said.err)"
+say half.mp4 stream=codec_type | grep -q audio || fail "half.mp4 has no sound"
+
 # where there is no place for it, that is said
 expect 0 "a.y4m is without its sound: Y4M has none" replay land.mp4 -o a.y4m
 expect 0 "--hold changes the pace" replay land.mp4 --hold 2 -o held.mp4
