@@ -6,8 +6,9 @@
  * Damage: a packet that is cut short or that its decoder refuses, and a frame that the decoder marks as damaged, or
  * logs an error of (video_damage.h), come out as PUPIL_SOURCE_DAMAGED, and the frames after them follow. A file that
  * ends in the middle of a packet (where the container lets that be seen) hands out every frame that is whole, then
- * PUPIL_SOURCE_DAMAGED once, and is then at its end. One that cannot be read on fails. Size, once the first frame is out, never changes: another size fails. Frames
- * come upright, by the display matrix of the frame or of the stream, unless options.as_stored.
+ * PUPIL_SOURCE_DAMAGED once, and is then at its end. One that cannot be read on fails. Size, once the first frame is
+ * out, never changes: another size fails. Frames come upright, by the display matrix of the frame or of the stream,
+ * unless options.as_stored.
  */
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
 #define PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
