@@ -23,6 +23,9 @@ typedef struct replay {
     int64_t last_ns; /* the last frame's moment */
     int64_t loop_ns; /* how much later than its file says this pass of --loop is */
     uint64_t skipped;
+    uint64_t bad_frames;    /* with pixels that are NaN or infinite */
+    double bad_share;       /* of the pixels of the worst of them */
+    uint32_t width, height; /* of the first frame */
 } replay;
 
 /* --- a frame --- */
@@ -54,14 +57,21 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
         r->session.shown = &r->compare.picture;
     }
     entry.read_us = read_us;
+    r->bad_frames += entry.bad_share > 0.0;
+    r->bad_share = fmax(r->bad_share, entry.bad_share);
     entry.scale = ldexp(entry.scale, r->scale.stops); /* of the file's values */
     if (r->options.explains && entry.frame == r->options.explain) {
         progress_clear(&r->session.progress);
         explain_frame(stdout, &entry, &r->session.pipeline.config);
         fflush(stdout);
     }
-    if (session_show(&r->session, frame, &entry))
+    if (entry.frame == 0)
+        r->width = frame->image.width, r->height = frame->image.height;
+    if (session_show(&r->session, frame, &entry)) {
+        if (frame->image.width != r->width || frame->image.height != r->height)
+            pupil_refuse_add(&r->session.why, "; that frame is %s", frame->name);
         return -1;
+    }
     show_progress(r, &entry);
     return 0;
 }
@@ -275,6 +285,9 @@ static void tell(const replay *r, const char *by)
     session_outputs_name(&s->outputs);
     if (!session_outputs_want_pixels(&r->options) && !r->options.view && !r->options.explains)
         fprintf(stderr, "; nothing was written: -o out.mp4 names a video");
+    if (r->bad_frames)
+        fprintf(stderr, "; %llu frame%s pixels that are NaN (shown black) or infinite, up to %.2g %% of one",
+                (unsigned long long)r->bad_frames, r->bad_frames == 1 ? " has" : "s have", 100.0 * r->bad_share);
     fprintf(stderr, "%s\n%s", by, s->outputs.summary);
 }
 

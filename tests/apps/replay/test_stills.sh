@@ -48,6 +48,13 @@ expect 1 "a folder takes stills of any, with --reset-each" replay in -o sequence
 expect 0 "" replay in/png-40x30.png in/jpg-40x30.jpg -o sequence
 [ -s sequence/frame_000001.png ] || fail "a sequence has other names: $(ls sequence)"
 absent
+expect 1 "; that frame is in/png-" replay in/png-* -o sequence.mp4
+# pixels that are no light are told
+python3 -c 'import struct, sys
+nan, inf = float("nan"), float("inf")
+rows = [[nan] * 3 * 8, [inf] * 3 * 8] + [[0.2] * 3 * 8] * 14
+sys.stdout.buffer.write(b"PF\n8 16\n-1.0\n" + struct.pack("<384f", *sum(rows, [])))' >bad.pfm
+expect 0 "1 frame has pixels that are NaN (shown black) or infinite, up to 12 % of one" replay bad.pfm -o bad.png
 
 # a JPEG comes out as it is seen, and says nothing that it is not
 expect 0 "" replay in/png-64x36.png -o one.jpg
