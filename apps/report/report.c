@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,9 @@
 /* Kept while frames come, so that those shown in the end are spread evenly enough; even, because it is halved. 120
  * thumbnails of 320x180 are 21 MB. */
 #define KEPT 120
+
+/* From here on it is seen that a frame is darker or brighter than it is to become. */
+#define TOLD_EV 0.5
 
 struct pupil_report {
     pupil_pending page;
@@ -216,21 +220,62 @@ static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, con
     return 0;
 }
 
+/* Of the kept frames so many, evenly spaced. */
+static void choose_evenly(const pupil_report *r, size_t n, unsigned char *is_shown)
+{
+    for (size_t i = 0; i < n; i++)
+        is_shown[n > 1 ? (i * (r->count - 1) + (n - 1) / 2) / (n - 1) : 0] = 1;
+}
+
+/* The frame farthest from adapted, by TOLD_EV at least, that neither is shown nor beside one that was chosen here. 0:
+ * there is none. */
+static size_t farthest(const pupil_report *r, const unsigned char *is_shown)
+{
+    double most = TOLD_EV;
+    size_t best = 0;
+    for (size_t i = 1; i + 1 < r->count; i++) {
+        const double off = fabs(r->kept[i].metered_ev - r->kept[i].adapted_ev);
+        if (off > most && !is_shown[i] && is_shown[i - 1] != 2 && is_shown[i + 1] != 2)
+            most = off, best = i;
+    }
+    return best;
+}
+
+/* Frames of a clip: after the light has changed, adaptation is over before the next of a few evenly spaced ones. Some
+ * are therefore those farthest from adapted. 1: there are such. */
+static int choose(const pupil_report *r, size_t n, unsigned char *is_shown)
+{
+    size_t told = 0;
+    while (!r->stills && told < REPORT_MOST_FRAMES / 3 && n < r->count) {
+        const size_t i = farthest(r, is_shown);
+        if (!i)
+            break;
+        is_shown[i] = 2;
+        told++;
+    }
+    choose_evenly(r, n - told, is_shown);
+    return told > 0;
+}
+
 static int put_strip(const pupil_report *r, FILE *out, const pupil_report_page *page, pupil_why *why)
 {
     size_t most = r->stills ? REPORT_MOST_STILLS : REPORT_MOST_FRAMES, n = r->count < most ? r->count : most;
+    unsigned char is_shown[KEPT] = {0};
     if (!n)
         return 0;
+    const int tells = choose(r, n, is_shown);
     fprintf(out, "<h2>%s</h2>\n", r->stills ? "Stills" : "Frames");
     if (n < r->seen)
-        fprintf(out, "<p class=\"hint\">%zu of %llu, evenly spaced%s", n, (unsigned long long)r->seen,
-                r->kept[0].fixed.rgb ? "; " : ".</p>\n");
+        fprintf(out, "<p class=\"hint\">%zu of %llu, evenly spaced%s%s", n, (unsigned long long)r->seen,
+                tells ? " but for those farthest from adapted" : "", r->kept[0].fixed.rgb ? "; " : ".</p>\n");
     if (r->kept[0].fixed.rgb)
         fprintf(out, "%sabove: adapted; below: the exposure of the first frame.</p>\n",
                 n < r->seen ? "" : "<p class=\"hint\">");
     fputs("<div class=\"strip\">\n", out);
-    for (size_t i = 0; i < n; i++) {
-        const report_picture *p = &r->kept[n > 1 ? (i * (r->count - 1) + (n - 1) / 2) / (n - 1) : 0];
+    for (size_t i = 0; i < r->count; i++) {
+        const report_picture *p = &r->kept[i];
+        if (!is_shown[i])
+            continue;
         fputs("<figure>", out);
         if (put_picture(r, out, &p->shown, "adapted", page, why) ||
             (p->fixed.rgb && put_picture(r, out, &p->fixed, "fixed exposure", page, why)))

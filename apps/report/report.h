@@ -13,7 +13,7 @@
 #include "pupil/error.h"
 #include "pupil/image.h"
 
-#define REPORT_MOST_FRAMES    12 /* pictures of a clip, evenly spaced */
+#define REPORT_MOST_FRAMES    12 /* pictures of a clip */
 #define REPORT_MOST_STILLS    60 /* of a sequence of stills: all up to so many */
 #define REPORT_MOST_VIDEO_MIB 64 /* browsers grow slow on larger pages */
 

@@ -89,6 +89,7 @@ static size_t occurrences(const char *text, const char *word)
 typedef struct run {
     size_t frames;
     int stills, fixed, video;
+    size_t calm_to; /* adapted up to this frame, and then less and less so; 0: never */
 } run;
 
 static const char evil[] = "<script>alert('\"&')</script>";
@@ -106,7 +107,7 @@ static void page_of(const char *folder, int overwrite, run how)
                                        .name = evil,
                                        .time_s = (double)i / 30.0,
                                        .metered_ev = (double)i,
-                                       .adapted_ev = i ? 1.5 : NAN,
+                                       .adapted_ev = i >= how.calm_to ? i ? 1.5 : NAN : (double)i,
                                        .output_level = 0.18,
                                        .reason = i < 2 ? "amplification" : "",
                                        .process_us = 12.0,
@@ -161,10 +162,10 @@ static void check_page(run how, size_t pictures)
         CHECK(strstr(text, "25 / 50") != NULL && strstr(text, "10.00</td><td class=\"u\">ns / pixel") != NULL);
 }
 
-/* Of a long clip the pictures lie evenly: no gap is more than twice another. */
+/* Of a long clip that is adapted throughout the pictures lie evenly: no gap is more than twice another. */
 static void check_spacing(size_t frames)
 {
-    page_of(scratch("report"), 1, (run){.frames = frames});
+    page_of(scratch("report"), 1, (run){.frames = frames, .calm_to = frames});
     char *text = slurp(scratch("report/index.html"));
     unsigned last = 0, least = UINT32_MAX, most = 0, n = 0, frame;
     while ((text = strstr(text, "<b>frame ")) != NULL && sscanf(text, "<b>frame %u", &frame) == 1) {
@@ -177,6 +178,21 @@ static void check_spacing(size_t frames)
     }
     CHECK_MSG(n == REPORT_MOST_FRAMES && most <= 2 * least && last >= frames - frames / 8,
               "%zu frames: %u pictures, gaps %u to %u, the last %u", frames, n, least, most, last);
+}
+
+/* Of one that is not adapted at its end more pictures are of that. */
+static void check_told(void)
+{
+    page_of(scratch("report"), 1, (run){.frames = 1200, .calm_to = 1100});
+    const char *text = slurp(scratch("report/index.html"));
+    unsigned n = 0, late = 0, frame;
+    CHECK(strstr(text, "evenly spaced but for those farthest from adapted") != NULL);
+    for (; (text = strstr(text, "<b>frame ")) != NULL && sscanf(text, "<b>frame %u", &frame) == 1; text++) {
+        n++;
+        late += frame >= 1100;
+    }
+    CHECK_MSG(n <= REPORT_MOST_FRAMES && n >= REPORT_MOST_FRAMES - 2 && late >= 3, "%u pictures, %u of them late", n,
+              late);
 }
 
 static void check_refusals(void)
@@ -231,6 +247,7 @@ int main(int argc, char **argv)
     check_page((run){.frames = 1000, .fixed = 1}, 12);
     for (size_t frames = 13; frames < 1500; frames += 37 + frames / 7)
         check_spacing(frames);
+    check_told();
     check_refusals();
     check_large_video();
     scratch_clear(scratch_folder);
