@@ -65,8 +65,10 @@ static int show(replay *r, const pupil_frame *frame, double read_us)
         explain_frame(stdout, &entry, &r->session.pipeline.config);
         fflush(stdout);
     }
-    if (entry.frame == 0)
-        r->width = frame->image.width, r->height = frame->image.height;
+    if (entry.frame == 0) {
+        r->width = frame->image.width;
+        r->height = frame->image.height;
+    }
     if (session_show(&r->session, frame, &entry)) {
         if (frame->image.width != r->width || frame->image.height != r->height)
             pupil_refuse_add(&r->session.why, "; that frame is %s", frame->name);

@@ -235,8 +235,10 @@ static size_t farthest(const pupil_report *r, const unsigned char *is_shown)
     size_t best = 0;
     for (size_t i = 1; i + 1 < r->count; i++) {
         const double off = fabs(r->kept[i].metered_ev - r->kept[i].adapted_ev);
-        if (off > most && !is_shown[i] && is_shown[i - 1] != 2 && is_shown[i + 1] != 2)
-            most = off, best = i;
+        if (off > most && !is_shown[i] && is_shown[i - 1] != 2 && is_shown[i + 1] != 2) {
+            most = off;
+            best = i;
+        }
     }
     return best;
 }
@@ -267,7 +269,7 @@ static int put_strip(const pupil_report *r, FILE *out, const pupil_report_page *
     fprintf(out, "<h2>%s</h2>\n", r->stills ? "Stills" : "Frames");
     if (n < r->seen)
         fprintf(out, "<p class=\"hint\">%zu of %llu, evenly spaced%s%s", n, (unsigned long long)r->seen,
-                tells ? " but for those farthest from adapted" : "", r->kept[0].fixed.rgb ? "; " : ".</p>\n");
+                tells ? ", and some farthest from adapted" : "", r->kept[0].fixed.rgb ? "; " : ".</p>\n");
     if (r->kept[0].fixed.rgb)
         fprintf(out, "%sabove: adapted; below: the exposure of the first frame.</p>\n",
                 n < r->seen ? "" : "<p class=\"hint\">");

@@ -186,7 +186,7 @@ static void check_told(void)
     page_of(scratch("report"), 1, (run){.frames = 1200, .calm_to = 1100});
     const char *text = slurp(scratch("report/index.html"));
     unsigned n = 0, late = 0, frame;
-    CHECK(strstr(text, "evenly spaced but for those farthest from adapted") != NULL);
+    CHECK(strstr(text, "evenly spaced, and some farthest from adapted") != NULL);
     for (; (text = strstr(text, "<b>frame ")) != NULL && sscanf(text, "<b>frame %u", &frame) == 1; text++) {
         n++;
         late += frame >= 1100;
