@@ -264,8 +264,10 @@ static void happen(scripted_loop *l, const event *e)
         take_setting(l);
         return;
     }
-    c->exposure_mode = e->kind == EXPOSURE_MODE ? (uint32_t)e->value : c->exposure_mode;
-    c->gain_mode = e->kind == GAIN_MODE ? (uint32_t)e->value : c->gain_mode;
+    if (e->kind == EXPOSURE_MODE || e->kind == BOTH_MODES)
+        c->exposure_mode = (uint32_t)e->value;
+    if (e->kind == GAIN_MODE || e->kind == BOTH_MODES)
+        c->gain_mode = (uint32_t)e->value;
     c->lock = e->kind == LOCK ? (uint32_t)e->value : c->lock;
     c->gain_max = e->kind == GAIN_MAX ? e->value : c->gain_max;
     c->exposure_max_s *= e->kind == FRAME_PERIOD ? e->value : 1.0;

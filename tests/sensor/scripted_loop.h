@@ -60,6 +60,7 @@ typedef enum event_kind {
     FILTER,    /* the same, of a filter; which never comes where it is negative */
     EXPOSURE_MODE,
     GAIN_MODE,
+    BOTH_MODES,
     LOCK,
     GAIN_MAX,
     FRAME_PERIOD, /* 1 / 30 s times so much */

@@ -78,6 +78,22 @@ static void day_and_night(double filter_ev, double frame_s)
     }
 }
 
+/* Seconds from before it was turned off do not count when it is on again. */
+static void check_off(void)
+{
+    pupil_sensor_config c = plant_config(LAW_FINE);
+    c.night_ev = NIGHT_EV;
+    c.day_ev = DAY_EV;
+    begin(6.0, 1.0 / 30.0);
+    CHECK(stay(WAIT_S - 0.3) == 0);
+    CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK);
+    stay(0.1);
+    c.day_night_s = WAIT_S;
+    CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK);
+    CHECK(stay(WAIT_S - 0.3) == 0 && was == PUPIL_SENSOR_DAY_NIGHT_UNKNOWN);
+    CHECK(stay(0.6) == 1 && was == PUPIL_SENSOR_DAY);
+}
+
 /* Between the two nothing changes; what is short does not count; a lock does not matter. */
 static void check_hysteresis(void)
 {
@@ -134,6 +150,7 @@ int main(int argc, char **argv)
     day_and_night(3.0, 1.0 / 30.0);
     day_and_night(3.0, 1.0 / 5.0);
     check_hysteresis();
+    check_off();
     check_config();
     return check_end();
 }

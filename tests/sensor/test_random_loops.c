@@ -33,7 +33,7 @@ static double between(double low, double high)
 #define USUALLY(...) pick((const double[]){__VA_ARGS__}, (int)(sizeof(const double[]){__VA_ARGS__} / sizeof(double)))
 static double pick(const double *values, int count)
 {
-    return one_in(3) ? values[below(count)] : values[0];
+    return one_in(2) ? values[below(count)] : values[0];
 }
 
 static scripted_camera random_camera(void)
@@ -53,7 +53,7 @@ static scripted_camera random_camera(void)
     for (int control = 0; control < 2; control++)
         c.weak[control] = one_in(8) ? USUALLY(-1.0, 0.5, 0.7, 1.5) : 0.0;
     c.knee = one_in(6) ? between(0.05, 0.5) : 0.0;
-    c.black = one_in(5) ? USUALLY(0.07, 0.02, 0.15) : 0.0;
+    c.black = one_in(4) ? USUALLY(0.07, 0.02, 0.15) : 0.0;
     c.white = one_in(8) ? between(0.5, 1.0) : 0.0;
     c.lamp = one_in(6) ? between(0.0, 0.3) : 0.0;
     c.own_auto_from = one_in(8) ? below(60) : 0;
@@ -63,7 +63,7 @@ static scripted_camera random_camera(void)
     c.has_no_clock = one_in(12);
     c.clock = (clocks)(one_in(4) ? below(5) : CLOCK_RIGHT);
     c.loses = one_in(8) ? 2 + below(6) : 0;
-    c.mains_hz = one_in(2) ? 0 : (uint32_t)USUALLY(50, 60, PUPIL_SENSOR_MAINS_AUTO);
+    c.mains_hz = one_in(2) ? 0 : (uint32_t)USUALLY(PUPIL_SENSOR_MAINS_AUTO, 50, 60);
     c.is_curved = one_in(4);
     c.key_at_night = one_in(8) ? 0.06 : 0.0;
     c.day_night_s = one_in(6) ? USUALLY(0.5, 0.1) : 0.0;
@@ -71,7 +71,7 @@ static scripted_camera random_camera(void)
     c.drops = one_in(8) ? 0.2 : 0.0;
     c.jitter = one_in(8) ? 0.2 : 0.0;
     c.dead = one_in(16) ? 0.1 : 0.0;
-    c.noise_ev = one_in(3) ? USUALLY(0.02, 0.1) : 0.0;
+    c.noise_ev = one_in(3) ? USUALLY(0.02, 0.1, 1.5) : 0.0;
     c.uncounted = one_in(8) ? USUALLY(0.3, 1.0) : 0.0;
     c.has_levels = one_in(12);
     return c;
@@ -90,7 +90,7 @@ static pupil_sensor_config random_config(const scripted_camera *camera)
     c.highlight_share = USUALLY(0.05, 0.01, 0.2);
     c.highlight_ev = USUALLY(1.0, 0.0, 2.0);
     c.flash_frames = (uint32_t)USUALLY(2, 0, 1, 4);
-    c.exposure_max_s = USUALLY(1.0 / 30.0, 0.1, 0.02);
+    c.exposure_max_s = USUALLY(1.0 / 30.0, 0.1, 0.02, 2.0);
     c.frame_rate_priority = !one_in(4);
     c.exposure_step_s = USUALLY(SCRIPTED_LINE_S, 0.0, 1e-4);
     c.exposure_min_s = USUALLY(SCRIPTED_LINE_S, 1e-4, 0.001);
@@ -131,6 +131,7 @@ static double random_value(event_kind kind)
         return USUALLY(-2.5, 3.0, 1.0, -1.0, 0.0);
     case EXPOSURE_MODE:
     case GAIN_MODE:
+    case BOTH_MODES:
         return USUALLY(PUPIL_SENSOR_AUTO, PUPIL_SENSOR_MANUAL, PUPIL_SENSOR_HELD);
     case LOCK:
         return USUALLY(0.0, 1.0);
