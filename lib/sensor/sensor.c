@@ -25,7 +25,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
                                                                    : PUPIL_SENSOR_MAINS_UNDETERMINED;
     if (o->setting.mains == PUPIL_SENSOR_MAINS_FOUND)
         o->config.mains_hz = o->mains.hz;
-    if (delay != config->delay_frames || linear != config->linear)
+    if (delay != config->delay_frames || linear != config->linear) /* as at first: no delay_frames is 0 */
         pupil_sensor_forget(o);
     if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
         o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
@@ -67,7 +67,6 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->setting.frame_digital = o->setting.slope = 1.0;
     o->search.total = pupil_log2(SENSOR_FIRST_EXPOSURE_S);
     o->estimate.requested[0] = o->estimate.in_force[0] = o->estimate.effect = o->search.total;
-    pupil_sensor_forget(o);
     configure(o, config);
     return PUPIL_OK;
 }
