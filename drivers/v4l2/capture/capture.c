@@ -152,10 +152,21 @@ static int is_of_our_clock(int64_t stamp_ns, int64_t taken_ns)
     return stamp_ns > 0 && stamp_ns <= taken_ns + AHEAD_NS && stamp_ns >= taken_ns - BEHIND_NS;
 }
 
+/* 0, which is of no clock: what a driver says is no time. */
+static int64_t nanoseconds_of(const struct v4l2_buffer *b)
+{
+    int64_t whole_ns, part_ns, ns;
+    if (__builtin_mul_overflow((int64_t)b->timestamp.tv_sec, 1000000000, &whole_ns) ||
+        __builtin_mul_overflow((int64_t)b->timestamp.tv_usec, 1000, &part_ns) ||
+        __builtin_add_overflow(whole_ns, part_ns, &ns))
+        return 0;
+    return ns;
+}
+
 static void stamp(pupil_v4l2_capture *c, const struct v4l2_buffer *b, pupil_v4l2_frame *frame)
 {
     frame->taken_ns = now_ns(c);
-    frame->stamp_ns = (int64_t)b->timestamp.tv_sec * 1000000000 + (int64_t)b->timestamp.tv_usec * 1000;
+    frame->stamp_ns = nanoseconds_of(b);
     frame->stamp = (b->flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE
                        ? PUPIL_LIVE_STAMP_START_OF_EXPOSURE
                        : PUPIL_LIVE_STAMP_END_OF_FRAME;

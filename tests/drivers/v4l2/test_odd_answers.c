@@ -10,6 +10,7 @@
 
 #include "fake_v4l2/fake_v4l2.h"
 #include "scratch.h"
+#include "v4l2/capture/capture.h"
 #include "v4l2/modes.h"
 #include "v4l2/offers/offers.h"
 #include "v4l2/output/v4l2_sink.h"
@@ -442,6 +443,46 @@ static void test_controls(void)
     unplug("no camera");
 }
 
+/* --- a camera --- */
+
+static struct timeval odd_time;
+
+static void with_odd_time(void *answer, int error)
+{
+    struct v4l2_buffer *b = answer;
+    if (error)
+        errno = EAGAIN;
+    else
+        b->timestamp = odd_time;
+}
+
+/* Times that no 64 bits of nanoseconds hold count as none: the frame has the time at which it came. */
+static void test_times(void)
+{
+    static const odd times = {VIDIOC_DQBUF, with_odd_time, 0};
+    /* the first two are, in 64 bits, what the fake's clock says */
+    static const struct timeval beyond[] = {{1000 + (INT64_C(1) << 55), 0},
+                                            {1000, INT64_C(1) << 61},
+                                            {INT64_MIN / 4, 0},
+                                            {INT64_MAX / 1000000000, INT64_MAX / 1000},
+                                            {INT64_MAX / 1000000000, 0},
+                                            {-1, 0}};
+    for (size_t i = 0; i < sizeof beyond / sizeof beyond[0]; i++) {
+        static pupil_v4l2_capture capture;
+        pupil_v4l2_frame frame = {0};
+        odd_time = beyond[i];
+        plug_in(&times, NULL);
+        const pupil_v4l2_options options = {.system = &odd_system, .timeout_s = 0.5};
+        CHECK_MSG(pupil_v4l2_capture_open(&capture, "/dev/video0", &options, &why) == 0, "%s", why.text);
+        CHECK_MSG(pupil_v4l2_capture_next(&capture, &frame, &why) == PUPIL_V4L2_FRAME, "%s", why.text);
+        CHECK_MSG(frame.stamp == PUPIL_LIVE_STAMP_NONE && frame.stamp_ns == frame.taken_ns, "case %zu: stamp %d, %lld",
+                  i, (int)frame.stamp, (long long)frame.stamp_ns);
+        CHECK(pupil_v4l2_capture_done(&capture, &frame, &why) == 0);
+        pupil_v4l2_capture_close(&capture);
+        unplug("odd times");
+    }
+}
+
 /* --- the kernel's own table, as far as no camera is needed --- */
 
 static void count_names(void *closure, const char *name)
@@ -483,6 +524,7 @@ int main(int argc, char **argv)
     test_planes();
     test_lists();
     test_controls();
+    test_times();
     test_kernel();
     scratch_clear(scratch_folder);
     return check_end();
