@@ -373,6 +373,20 @@ static void check_exposure_table(void)
     refused(&c, "exposure_count");
 }
 
+/* Gains below 1 are whole steps of decibels, too: at or below what is asked for. */
+static void check_decibels_below_0(void)
+{
+    pupil_sensor_config c = plant_config(LAW_DB);
+    c.gain_min = 0x1p-4;
+    c.gain_mode = PUPIL_SENSOR_MANUAL;
+    for (c.manual_gain = 0.08; c.manual_gain < 1.5; c.manual_gain *= 1.003) {
+        CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
+        const double steps = 20.0 * log10(s.gain) / c.gain_step, below = 20.0 * log10(c.manual_gain / s.gain);
+        CHECK_MSG(fabs(steps - round(steps)) < 1e-6 && below > -1e-5 && below < c.gain_step, "%g for %g", s.gain,
+                  c.manual_gain);
+    }
+}
+
 static void check_names(void)
 {
     for (uint32_t i = 0; i <= PUPIL_SENSOR_LOCKED; i++)
@@ -410,6 +424,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_exposure_table();
+    check_decibels_below_0();
     check_names();
     check_fields();
     check_laws();

@@ -94,14 +94,17 @@ static pupil_sensor_config random_config(const scripted_camera *camera)
     c.frame_rate_priority = !one_in(4);
     c.exposure_step_s = USUALLY(SCRIPTED_LINE_S, 0.0, 1e-4);
     c.exposure_min_s = USUALLY(SCRIPTED_LINE_S, 1e-4, 0.001);
-    c.gain_min = camera->gains < DECIBELS ? USUALLY(1.0, 2.0) : 1.0;
+    c.gain_min = camera->gains == DECIBELS ? USUALLY(1.0, 0.3) : camera->gains < DECIBELS ? USUALLY(1.0, 2.0) : 1.0;
     c.gain_max = c.gain_law == PUPIL_GAIN_TABLE ? c.gain_max : USUALLY(16.0, 4.0, 2.0, 22.0);
     if (c.gain_law == PUPIL_GAIN_LINEAR)
         c.gain_step = USUALLY(1.0 / 16.0, 0.5, 1.0);
     if (one_in(6)) { /* coarse tables of its own */
         c.exposure_count = 2 + (uint32_t)below(8);
+        const int is_even = one_in(2);
         for (uint32_t i = 0; i < c.exposure_count; i++)
-            c.exposure_table[i] = i ? c.exposure_table[i - 1] * between(1.0, 4.0) : between(1e-4, 1e-3);
+            c.exposure_table[i] = !i        ? between(1e-4, 1e-3)
+                                  : is_even ? 2.0 * c.exposure_table[i - 1]
+                                            : c.exposure_table[i - 1] * between(1.0, 4.0);
     }
     if (c.gain_law == PUPIL_GAIN_TABLE && one_in(2)) {
         c.gain_count = 1 + (uint32_t)below(8);
