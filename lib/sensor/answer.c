@@ -14,13 +14,15 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     sensor_search *s = &o->search;
     const double error = o->plan.wanted - o->estimate.effect, size = size_of(error);
     const double other_light = size_of(o->plan.wanted - s->wrong_wanted);
-    if (other_light > SENSOR_UNPIN_EV || (size < SENSOR_WRONG_EV && !s->is_searching))
+    const double half_ev = s->is_resting ? 0.5 * s->step_ev : 0.0;
+    const double right_ev = (half_ev > SENSOR_WRONG_EV ? half_ev : SENSOR_WRONG_EV) + pupil_sensor_doubt_ev(o);
+    if (other_light > SENSOR_UNPIN_EV || (size < right_ev && !s->is_searching))
         s->wrong_times = 0;
     if (other_light > SENSOR_WRONG_EV) {
         s->wrong_wanted = o->plan.wanted;
         s->wrong_ev = SENSOR_FAR_AWAY;
     }
-    if (size < SENSOR_WRONG_EV || size < SENSOR_SHRINK * s->wrong_ev) {
+    if (size < right_ev || size < SENSOR_SHRINK * s->wrong_ev) {
         s->wrong_frames = 0;
         s->wrong_ev = size;
         return;
@@ -80,7 +82,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     s->deaf = s->unanswered ? s->deaf + (s->deaf < 2) : 0;
     if (had_black)
         pupil_sensor_test_black(o, is_wrong);
-    if (is_wrong && !s->is_searching && size_of(o->plan.wanted - a->effect) > SENSOR_OFF_EV)
+    if (is_wrong && !s->is_searching)
         pupil_sensor_begin_search(o, o->plan.wanted - a->effect);
     const double large = share < SENSOR_WEAK ? expected : plain; /* what is thought to do much goes in small steps */
     if (size_of(large) < SENSOR_STEP_EV)
@@ -141,7 +143,7 @@ static void watch_small(pupil_sensor_object *o)
     const double need = o->plan.wanted - a->effect;
     if (size_of(lacks) < SENSOR_UNEXPLAINED_EV || s->is_searching) {
         agree(o);
-    } else if (size_of(lacks) > SENSOR_MISMATCH_EV && lacks * need > 0.0 && size_of(need) > SENSOR_OFF_EV) {
+    } else if (size_of(lacks) > SENSOR_MISMATCH_EV && lacks * need > 0.0) {
         pupil_sensor_begin_search(o, need);
         agree(o);
     }

@@ -112,6 +112,8 @@
  * 3 EV swings by up to 0.13 EV (test_sensor_scenes); with half a bin, a third more of random cameras rest beyond 0.1 EV
  * (pupil sim --random). */
 #define SENSOR_HIGHLIGHT_REST_EV 0.0625
+/* A level that highlights hold is not known better than by half of that bin. */
+#define SENSOR_HIGHLIGHT_DOUBT_EV 0.125
 /* By how much is not known where more than the share is clipped: at least so much. */
 #define SENSOR_HIGHLIGHT_STEP_EV 0.40
 

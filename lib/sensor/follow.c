@@ -4,6 +4,22 @@
 
 #include "base/numeric.h"
 
+/* The setting is kept while it lacks no more than this. In light that has been still for long, a picture that stands
+ * right is left alone: the digital factor does the rest. */
+static double hold_of(const pupil_sensor_object *o)
+{
+    const double hold_ev = o->config.hold_ev;
+    const int is_calm = o->search.since >= SENSOR_RING && o->plan.near_frames >= SENSOR_HIGHLIGHT_FRAMES;
+    return is_calm && hold_ev < SENSOR_COARSE_EV ? SENSOR_COARSE_EV : hold_ev;
+}
+
+/* A part of an exchange in which one control alone would move, and by less than a setting is changed for. */
+static int is_kept(const pupil_sensor_object *o, const double part[SENSOR_CONTROLS])
+{
+    const double *now = o->estimate.requested;
+    return (part[0] == now[0] || part[1] == now[1]) && size_of(part[0] + part[1] - now[0] - now[1]) <= hold_of(o);
+}
+
 static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
 {
     sensor_search *s = &o->search;
@@ -14,6 +30,8 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
     pupil_sensor_split(o, total, &e, &g);
     double part[SENSOR_CONTROLS] = {setting[0], setting[1]}, part_e, part_g;
     s->is_exchanging = may_be_a_part && pupil_sensor_is_part_of_exchange(o, total, part, &part_e, &part_g);
+    if (s->is_exchanging && is_kept(o, part))
+        return;
     if (s->is_exchanging) {
         e = part_e;
         g = part_g;
@@ -74,7 +92,7 @@ static int is_due(pupil_sensor_object *o, double need, double left)
 {
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
-    const double error = o->plan.goal - a->effect, large_ev = SENSOR_LARGE_EV, hold_ev = o->config.hold_ev;
+    const double error = o->plan.goal - a->effect, large_ev = SENSOR_LARGE_EV, hold_ev = hold_of(o);
     const int is_opposite = need * error < 0.0 && size_of(error) > o->config.far_ev;
     const int is_backward = is_opposite || (size_of(need) > large_ev && size_of(error) < 0.5 * size_of(need));
     /* of a camera that does not do small steps they are left to the digital factor */
@@ -89,15 +107,31 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
-/* The setting that is there is near, and what rounding makes of the total is further from what is wanted: a coarse
- * step that does more than its number would be taken again and again. Not so an exposure that is tried. */
-static int is_worse(const pupil_sensor_object *o, double total, double need)
+/* What is asked for is further from what is wanted than the setting that is there, which is near: a coarse step that
+ * does more than its number would be taken again and again. Not so an exposure that is tried. */
+static int is_worse(const pupil_sensor_object *o, const double setting[SENSOR_CONTROLS], double need)
+{
+    const double off = need - pupil_sensor_effect(&o->estimate, o->estimate.requested, setting);
+    return size_of(off) > size_of(need) && !pupil_sensor_told_is_open(o, pupil_exp2(setting[SENSOR_EXPOSURE]));
+}
+
+/* Much of one control in exchange for the other, for little: what an exchange misses is no more than that. */
+static int is_much_for_little(const pupil_sensor_object *o, const double setting[SENSOR_CONTROLS], double need)
+{
+    const double *now = o->estimate.requested;
+    const double move[SENSOR_CONTROLS] = {setting[0] - now[0], setting[1] - now[1]};
+    const int is_much = size_of(move[0]) > SENSOR_LARGE_EV && size_of(move[1]) > SENSOR_LARGE_EV;
+    return is_much && move[0] * move[1] < 0.0 && size_of(need) <= SENSOR_MISMATCH_EV;
+}
+
+/* The setting that is there is near, and another one is not worth it. */
+static int is_left_alone(const pupil_sensor_object *o, double total, double need)
 {
     double setting[SENSOR_CONTROLS];
-    const double off = need - pupil_sensor_effect_of(o, total, setting);
     const int is_near = size_of(need) < SENSOR_UNPIN_EV && o->plan.beyond == 0.0;
-    return is_near && !o->search.is_exchanging && size_of(off) > size_of(need) &&
-           !pupil_sensor_told_is_open(o, pupil_exp2(setting[SENSOR_EXPOSURE]));
+    (void)pupil_sensor_effect_of(o, total, setting);
+    return is_near && !o->search.is_exchanging && !o->search.is_searching &&
+           (is_worse(o, setting, need) || is_much_for_little(o, setting, need));
 }
 
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
@@ -105,11 +139,11 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
-    const double most = size_of(need) * (double)(2u << (s->unanswered - (s->unanswered > 1))),
-                 requested = a->requested[0] + a->requested[1];
+    const double most = size_of(need) * (double)(2u << (s->unanswered - (s->unanswered > 1))) + size_of(left),
+                 back = size_of(left) < most ? size_of(left) : most, requested = a->requested[0] + a->requested[1];
     double total = pupil_sensor_total_for(o, is_unknown ? 0.5 * need : need);
-    total = clamp(total, requested - most - size_of(left), requested + most + size_of(left));
-    if (!s->is_searching && is_worse(o, total, need))
+    total = clamp(total, requested - (need < 0.0 ? most : back), requested + (need > 0.0 ? most : back));
+    if (is_left_alone(o, total, need))
         return;
     s->total = pupil_sensor_search_at(o, total, need);
     ask(o, s->total, 1);

@@ -97,11 +97,38 @@ static void move_only(pupil_sensor_object *o, int control, const double setting[
     pupil_sensor_forget_points(s);
 }
 
+double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
+{
+    return o->plan.held_back_ev > SENSOR_SETTLED_EV ? SENSOR_HIGHLIGHT_DOUBT_EV : 0.0;
+}
+
+/* A setting that lacks so much is not worth a search: the digital factor does it. */
+static int is_near(const pupil_sensor_object *o, double need)
+{
+    return size_of(need) <= SENSOR_OFF_EV + pupil_sensor_doubt_ev(o);
+}
+
+/* The search ends at a setting that lacks so much: this total. */
+static double rest_at(pupil_sensor_object *o, double total, double need)
+{
+    sensor_search *s = &o->search;
+    s->is_resting = 1;
+    s->rest_wanted = o->plan.wanted;
+    s->rest_ev = size_of(need);
+    s->step_ev = 0.0;
+    return total;
+}
+
 /* The camera did not answer as it should. Gains are finer than exposures that lamps allow, and come sooner. */
 void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
     const double *requested = o->estimate.requested;
+    if (is_near(o, need)) {
+        if (size_of(need) > SENSOR_OFF_EV) /* one more such step would do no better */
+            (void)rest_at(o, s->set, need);
+        return;
+    }
     s->is_searching = 1;
     s->swaps = s->narrowed = 0;
     const int may_gain = may_do(o, SENSOR_GAIN, requested, need),
@@ -137,19 +164,20 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
     return 1;
 }
 
-/* The search ends at the best setting that was seen. */
-static double rest_at(sensor_search *s, const sensor_point *p, double wanted)
-{
-    s->is_resting = 1;
-    s->rest_wanted = wanted;
-    s->rest_ev = size_of(wanted - p->effect);
-    return p->total;
-}
-
 /* Nothing is between two points that differ by more than any tone curve makes of their settings. */
 static int is_jump(const sensor_point *low, const sensor_point *high)
 {
     return high->effect - low->effect > SENSOR_STEEP_MOST * (sum_of(high) - sum_of(low));
+}
+
+/* Nothing is between two points where the total that is to be tried has the setting of one of them. */
+static int is_closed(const pupil_sensor_object *o, const sensor_point *low, const sensor_point *high, double middle)
+{
+    double setting[SENSOR_CONTROLS];
+    (void)pupil_sensor_effect_of(o, middle, setting);
+    const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
+    const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
+    return high->total - low->total <= SENSOR_GAP_EV || is_low || is_high;
 }
 
 /* Between the points that were seen: by the slope, or in the middle where one of them is the end of settings that all
@@ -157,22 +185,20 @@ static int is_jump(const sensor_point *low, const sensor_point *high)
 static double narrow(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
 {
     sensor_search *s = &o->search;
-    double setting[SENSOR_CONTROLS];
-    const double gap = high->total - low->total, wanted = o->plan.wanted;
-    const double share = (wanted - low->effect) / (high->effect - low->effect);
+    const double gap = high->total - low->total, wanted = o->plan.wanted, step_ev = high->effect - low->effect;
+    const double share = (wanted - low->effect) / step_ev;
     const int is_flat = flat_ev(o, low) > SENSOR_GAP_EV || flat_ev(o, high) > SENSOR_GAP_EV;
     const double middle = low->total + gap * (is_flat ? 0.5 : clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW));
-    (void)pupil_sensor_effect_of(o, middle, setting);
-    const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
-    const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
-    const int is_open = gap > SENSOR_GAP_EV && !is_low && !is_high && s->search_frames < SENSOR_SEARCH_FRAMES;
+    const int has_time = s->search_frames < SENSOR_SEARCH_FRAMES, is_end = is_closed(o, low, high, middle);
     const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
-    const int is_off = size_of(wanted - near->effect) > SENSOR_OFF_EV;
-    const int is_done = !is_open || s->narrowed >= SENSOR_NARROWED || is_jump(low, high);
-    if (is_off && is_done && s->search_frames < SENSOR_SEARCH_FRAMES && swap(o, low, high))
+    const int is_off = !is_near(o, wanted - near->effect), is_step = is_end || is_jump(low, high);
+    if (is_off && has_time && (is_step || s->narrowed >= SENSOR_NARROWED) && swap(o, low, high))
         return s->total;
-    if (!is_open || !is_off)
-        return rest_at(s, near, wanted);
+    if (is_end || !has_time || !is_off) {
+        (void)rest_at(o, near->total, wanted - near->effect);
+        s->step_ev = is_step && step_ev <= SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
+        return near->total;
+    }
     s->narrowed++;
     return middle;
 }
@@ -211,7 +237,7 @@ static double leave(pupil_sensor_object *o, double need)
     for (const sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++)
         if (p->is_used && size_of(wanted - p->effect) < size_of(wanted - best->effect))
             best = p;
-    return rest_at(s, best, wanted);
+    return rest_at(o, best->total, wanted - best->effect);
 }
 
 /* Whether a search goes on, and with which control: `need` is what the setting that was asked for lacks. */
@@ -241,10 +267,12 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
 
 double pupil_sensor_search_at(pupil_sensor_object *o, double total, double need)
 {
-    const sensor_search *s = &o->search;
+    sensor_search *s = &o->search;
     const sensor_point *low, *high;
     if (!s->is_searching)
         return total;
+    if (!s->is_resting && is_near(o, need))
+        return rest_at(o, s->set, need);
     surround(o, &low, &high);
     double at = total;
     if (low && high)

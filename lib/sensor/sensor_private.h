@@ -172,6 +172,7 @@ typedef struct sensor_search {
     uint32_t search_frames;
     uint32_t narrowed;   /* steps between two points since then */
     double rest_wanted;  /* the effect that was wanted when the search ended, or a control was pinned */
+    double step_ev;      /* between the two settings of which a search ended at one, if none is between; else 0 */
     double rest_ev;      /* what the best setting of a search that ended lacks */
     double wrong_ev;     /* the error when it was last seen to shrink */
     double wrong_wanted; /* the effect that was wanted then */
@@ -322,6 +323,8 @@ void pupil_sensor_watch_error(pupil_sensor_object *object);
 /* search.c: the requested setting becomes a point. `need`: what it lacks. */
 void pupil_sensor_remember(pupil_sensor_object *object);
 void pupil_sensor_forget_points(sensor_search *search);
+/* By how much a level may be wrong that highlights hold: they are known from bins. */
+double pupil_sensor_doubt_ev(const pupil_sensor_object *object);
 void pupil_sensor_begin_search(pupil_sensor_object *object, double need);
 /* Whether it goes on, and with which control. */
 void pupil_sensor_search_on(pupil_sensor_object *object, double need);
