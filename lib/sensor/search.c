@@ -271,7 +271,7 @@ double pupil_sensor_search_at(pupil_sensor_object *o, double total, double need)
     const sensor_point *low, *high;
     if (!s->is_searching)
         return total;
-    if (!s->is_resting && is_near(o, need))
+    if (is_near(o, need))
         return rest_at(o, s->set, need);
     surround(o, &low, &high);
     double at = total;
