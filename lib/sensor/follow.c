@@ -4,7 +4,7 @@
 
 #include "base/numeric.h"
 
-/* The setting is kept while it lacks no more than this. In light that has been still for long, a picture that stands
+/* The setting is kept while it lacks no more than this. In light that has been still for long, a picture that is
  * right is left alone: the digital factor does the rest. */
 static double hold_of(const pupil_sensor_object *o)
 {
