@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/media.h>
 #include <linux/videodev2.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include "fake_v4l2/fake_v4l2.h"
 #include "scratch.h"
 #include "v4l2/capture/capture.h"
+#include "v4l2/media/media.h"
 #include "v4l2/modes.h"
 #include "v4l2/offers/offers.h"
 #include "v4l2/output/v4l2_sink.h"
@@ -483,6 +485,39 @@ static void test_times(void)
     }
 }
 
+static int grown; /* which part of the graph */
+
+static void with_grown_graph(void *answer, int error)
+{
+    struct media_v2_topology *t = answer;
+    if (error) {
+        errno = EINVAL;
+    } else if (t->ptr_entities) { /* there is room for what was counted before */
+        t->num_entities += grown == 0 ? 1000 : 0;
+        t->num_interfaces += grown == 1 ? 1000 : 0;
+        t->num_pads += grown == 2 ? 1000 : 0;
+        t->num_links += grown == 3 ? 1000 : 0;
+    }
+}
+
+/* A media graph that grows between counting and reading is not read beyond what there is room for. */
+static void test_grown_graph(void)
+{
+    static const odd grows = {MEDIA_IOC_G_TOPOLOGY, with_grown_graph, 0};
+    fake_v4l2_config config;
+    fake_v4l2_config_default(&config);
+    config.media = FAKE_MEDIA_RIGHT;
+    for (grown = 0; grown < 4; grown++) {
+        pupil_v4l2_device device;
+        pupil_v4l2_sensor sensor;
+        plug_in(&grows, &config);
+        CHECK_MSG(pupil_v4l2_device_open(&device, &odd_system, "/dev/video0", &why) == 0, "%s", why.text);
+        CHECK_MSG(pupil_v4l2_media_sensor(&device, &sensor, &why) == -1, "part %d: %s", grown, sensor.entity);
+        pupil_v4l2_device_close(&device);
+        unplug("a graph that grows");
+    }
+}
+
 /* --- the kernel's own table, as far as no camera is needed --- */
 
 static void count_names(void *closure, const char *name)
@@ -525,6 +560,7 @@ int main(int argc, char **argv)
     test_lists();
     test_controls();
     test_times();
+    test_grown_graph();
     test_kernel();
     scratch_clear(scratch_folder);
     return check_end();
