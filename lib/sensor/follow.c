@@ -82,7 +82,7 @@ static void count_frame(pupil_sensor_object *o)
         p->is_used &= p->age < SENSOR_POINT_FRAMES;
     }
     if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
-        s->is_blunt = s->swaps = s->search_frames = s->narrowed = 0;
+        s->is_blunt = s->swaps = s->narrowed = 0;
         s->blunt_wanted = o->plan.wanted;
     }
 }

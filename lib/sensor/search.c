@@ -189,12 +189,12 @@ static double narrow(pupil_sensor_object *o, const sensor_point *low, const sens
     const double share = (wanted - low->effect) / step_ev;
     const int is_flat = flat_ev(o, low) > SENSOR_GAP_EV || flat_ev(o, high) > SENSOR_GAP_EV;
     const double middle = low->total + gap * (is_flat ? 0.5 : clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW));
-    const int has_time = s->search_frames < SENSOR_SEARCH_FRAMES, is_end = is_closed(o, low, high, middle);
+    const int is_end = is_closed(o, low, high, middle);
     const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
     const int is_off = !is_near(o, wanted - near->effect), is_step = is_end || is_jump(low, high);
-    if (is_off && has_time && (is_step || s->narrowed >= SENSOR_NARROWED) && swap(o, low, high))
+    if (is_off && (is_step || s->narrowed >= SENSOR_NARROWED) && swap(o, low, high))
         return s->total;
-    if (is_end || !has_time || !is_off) {
+    if (is_end || !is_off) {
         (void)rest_at(o, near->total, wanted - near->effect);
         s->step_ev = is_step && step_ev <= SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
         return near->total;
@@ -251,7 +251,6 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
     s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
-    s->search_frames = s->is_searching && !s->is_resting ? s->search_frames + a->gap : 0;
     if (s->is_pinned[0] == s->is_pinned[1])
         return;
     const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
