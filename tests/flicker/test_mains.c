@@ -113,7 +113,7 @@ static double from_whole(double x)
 static void check_lamps(const char *what, int cases, double drops, double pan, double noise_ev, double jitter_s)
 {
     static camera c;
-    const int trials = check_some(cases / check_every(4));
+    const int trials = check_some(cases);
     int seen = 0, right = 0, late = 0, wrong = 0, unseen = 0;
     double off = 0.0;
     for (int i = 0; i < trials; i++) {
