@@ -283,12 +283,7 @@ static void deliver(scripted_loop *l, const uint16_t *pixels, const pupil_frame_
 {
     static pupil_stats stats;
     const scripted_camera *c = l->camera;
-    const pupil_image_const image = {.size_bytes = sizeof image,
-                                     .pixel = PUPIL_PIXEL_GREY12,
-                                     .data = pixels,
-                                     .stride_bytes = WIDTH * 2,
-                                     .width = WIDTH,
-                                     .height = 1};
+    const pupil_image_const image = pupil_image_const_of(pixels, WIDTH, 1, PUPIL_PIXEL_GREY12);
     const int is_counted = !is_one_of(l, c->uncounted);
     double mean_ev;
     pupil_stats_clear(&stats);

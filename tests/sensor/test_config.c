@@ -373,7 +373,7 @@ static void check_exposure_table(void)
     refused(&c, "exposure_count");
 }
 
-/* Gains below 1 are whole steps of decibels, too: at or below what is asked for. */
+/* A gain below 1 is rounded down to a whole step of decibels, as any other. */
 static void check_decibels_below_0(void)
 {
     pupil_sensor_config c = plant_config(LAW_DB);

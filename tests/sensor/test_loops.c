@@ -11,7 +11,7 @@
  *               last */
 #include <stdio.h>
 
-#include "check.h"
+#include "expected_lines.h"
 #include "scripted_loop.h"
 
 enum { FRAMES = 150, LINE_BYTES = 240 };
@@ -165,22 +165,11 @@ static void run(const scripted_camera *c, const script *at, char line[LINE_BYTES
 
 int main(int argc, char **argv)
 {
-    static const char path[] = PUPIL_SOURCE_DIR "/tests/sensor/loops.txt";
-    const int writes = argc == 2 && strcmp(argv[1], "--write") == 0;
-    static char line[LINE_BYTES], expected[LINE_BYTES];
-    check_begin(writes ? 1 : argc, argv);
-    FILE *file = fopen(path, writes ? "w" : "r");
-    CHECK_MSG(file, "%s", path);
-    for (int i = 0; file && i < CAMERAS * LIGHTS && check_state.failures < 20; i++) { /* more are not printed */
+    static char line[LINE_BYTES];
+    const expected_lines table = expected_begin("loops.txt", argc, argv);
+    for (int i = 0; table.file && i < CAMERAS * LIGHTS && check_state.failures < 20; i++) { /* more are not printed */
         run(&cameras[i / LIGHTS], &lights[i % LIGHTS], line);
-        if (writes) {
-            CHECK(fputs(line, file) >= 0);
-            continue;
-        }
-        const int is_there = fgets(expected, sizeof expected, file) != NULL;
-        CHECK_MSG(is_there && strcmp(line, expected) == 0, "loops.txt: %s     now: %s", is_there ? expected : "\n",
-                  line);
+        expected_line(&table, line);
     }
-    CHECK(!file || fclose(file) == 0);
-    return check_end();
+    return expected_end(&table);
 }

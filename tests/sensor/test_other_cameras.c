@@ -64,12 +64,7 @@ static off run(const camera *c)
 {
     static double asked_s[ASKS], asked_gain[ASKS];
     static uint16_t pixels[WIDTH];
-    const pupil_image_const image = {.size_bytes = sizeof image,
-                                     .pixel = PUPIL_PIXEL_GREY12,
-                                     .data = pixels,
-                                     .stride_bytes = WIDTH * 2,
-                                     .width = WIDTH,
-                                     .height = 1};
+    const pupil_image_const image = pupil_image_const_of(pixels, WIDTH, 1, PUPIL_PIXEL_GREY12);
     pupil_t pupil;
     pupil_config metering;
     pupil_sensor sensor;
@@ -188,12 +183,7 @@ static int black_level(double light_ev)
     double worst_found_ev = 0.0, worst_ev = 0.0;
     int named = 0;
     static uint16_t pixels[WIDTH];
-    const pupil_image_const image = {.size_bytes = sizeof image,
-                                     .pixel = PUPIL_PIXEL_GREY12,
-                                     .data = pixels,
-                                     .stride_bytes = WIDTH * 2,
-                                     .width = WIDTH,
-                                     .height = 1};
+    const pupil_image_const image = pupil_image_const_of(pixels, WIDTH, 1, PUPIL_PIXEL_GREY12);
     c.config.linear = 1;
     c.config.mains_hz = 0;
     pupil_config_default(&metering);

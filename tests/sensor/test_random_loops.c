@@ -9,7 +9,7 @@
  *     digest    of every field of every setting */
 #include <stdio.h>
 
-#include "check.h"
+#include "expected_lines.h"
 #include "scripted_loop.h"
 
 enum { GROUPS = 36, IN_GROUP = 20, LINE_BYTES = 120 };
@@ -197,27 +197,16 @@ static void run(group *g)
 
 int main(int argc, char **argv)
 {
-    static const char path[] = PUPIL_SOURCE_DIR "/tests/sensor/random_loops.txt";
-    const int writes = argc == 2 && strcmp(argv[1], "--write") == 0;
-    static char line[LINE_BYTES], expected[LINE_BYTES];
-    check_begin(writes ? 1 : argc, argv);
-    FILE *file = fopen(path, writes ? "w" : "r");
-    CHECK_MSG(file, "%s", path);
-    for (int i = 0; file && i < GROUPS; i++) {
+    static char line[LINE_BYTES];
+    const expected_lines table = expected_begin("random_loops.txt", argc, argv);
+    for (int i = 0; table.file && i < GROUPS; i++) {
         group g = {0};
         check_state.random = check_state.seed + (uint64_t)i; /* a group does not depend on those before */
         for (int k = 0; k < IN_GROUP; k++)
             run(&g);
         snprintf(line, sizeof line, "%2d: off %5d of %5d asked %4d sensor %6.3f digest %016llx\n", i, g.off, g.frames,
                  g.settings, g.sensor_ev / g.frames, (unsigned long long)g.digest);
-        if (writes) {
-            CHECK(fputs(line, file) >= 0);
-            continue;
-        }
-        const int is_there = fgets(expected, sizeof expected, file) != NULL;
-        CHECK_MSG(is_there && strcmp(line, expected) == 0, "random_loops.txt: %s            now: %s",
-                  is_there ? expected : "\n", line);
+        expected_line(&table, line);
     }
-    CHECK(!file || fclose(file) == 0);
-    return check_end();
+    return expected_end(&table);
 }

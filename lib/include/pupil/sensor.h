@@ -135,8 +135,8 @@ typedef struct pupil_sensor_config {
                         * 0.39 / delay_frames: no delay up to that makes it overshoot (largest k without overshoot of
                         * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
     double hold_ev;    /* the setting is kept while the wanted total is within so many stops of it; frame_digital does
-                        * the rest. Where nothing was asked for in 32 frames, and no step in 60, within 0.125 at least;
-                        * 0.05; 0..0.5 */
+                        * the rest. At rest, that is 32 frames after the last request and 60 after the last large step,
+                        * it is at least 0.125; 0.05; 0..0.5 */
     double digital_ev; /* frame_digital stays within +- so many stops, the beat of lamps apart; 1.5; 0..8 */
 
     /* exposure time */
