@@ -233,18 +233,21 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     return PUPIL_OK;
 }
 
-/* Mean of the bins' middles over the weight between two amounts. */
-static double histogram_mean(const pupil_stats *stats, double from, double to)
+/* Mean of the bins' middles over the weight between two amounts, less that over all of it. */
+static double shift_by_trim(const pupil_stats *stats, double from, double to, double total)
 {
-    double below = 0.0, sum = 0.0;
+    double below = 0.0, kept = 0.0, all = 0.0;
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
-        double low = below > from ? below : from;
-        below += (double)stats->bin[i];
-        double high = below < to ? below : to;
-        if (high > low)
-            sum += (high - low) * log2_within_bin(i, 0.5, PUPIL_HISTOGRAM_BINS_PER_STOP);
+        if (!stats->bin[i])
+            continue;
+        const double end = below + (double)stats->bin[i], high = end < to ? end : to;
+        const double low = below > from ? below : from;
+        const double middle = log2_within_bin(i, 0.5, PUPIL_HISTOGRAM_BINS_PER_STOP);
+        kept += high > low ? (high - low) * middle : 0.0;
+        all += (end - below) * middle;
+        below = end;
     }
-    return sum / (to - from);
+    return kept / (to - from) - all / total;
 }
 
 double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most)
@@ -279,7 +282,7 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
             return stats->has_histogram ? PUPIL_ERR_STATS : PUPIL_ERR_NO_HISTOGRAM;
         const double total = (double)counted_weight(stats);
         /* The exact mean corrects the bins' middles: as the trim goes to nothing, so does the difference of the two. */
-        mean += histogram_mean(stats, low * total, high * total) - histogram_mean(stats, 0.0, total);
+        mean += shift_by_trim(stats, low * total, high * total, total);
     }
     *log2_luminance = mean;
     return PUPIL_OK;
