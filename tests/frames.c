@@ -198,7 +198,7 @@ void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, d
     uint32_t word = 0;
     for (int c = 0; c < 4; c++) {
         const float single = (float)value[c];
-        const uint16_t half = frame_half(value[c]), code = (uint16_t)to_code(value[c], 65535);
+        uint16_t half, code;
         switch (f->image.pixel) {
         case PUPIL_PIXEL_RGBA32F:
         case PUPIL_PIXEL_RGB32F:
@@ -212,11 +212,13 @@ void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, d
             break;
         case PUPIL_PIXEL_RGBA16F:
         case PUPIL_PIXEL_RGB16F:
+            half = frame_half(value[c]);
             if (c < (int)(pixel_bytes / 2))
                 memcpy(at + 2 * c, &half, 2);
             break;
         case PUPIL_PIXEL_RGBA16:
         case PUPIL_PIXEL_RGB16:
+            code = (uint16_t)to_code(value[c], 65535);
             if (c < (int)(pixel_bytes / 2))
                 memcpy(at + 2 * c, &code, 2);
             break;

@@ -54,16 +54,22 @@ typedef struct counted {
     int black, clipped, bad;
 } counted;
 
-static counted count_pixel(const pupil_config *config, const pupil_image_const *image, uint32_t x, uint32_t y)
+/* What luminance weighs the channels with. */
+typedef struct weights {
+    long double exact[3];
+    float rounded[3];
+} weights;
+
+static counted count_pixel(const pupil_config *config, const weights *w, const pupil_image_const *image, uint32_t x,
+                           uint32_t y)
 {
-    long double rgba[4], exact[3];
-    float rounded[3], rgb[3];
+    long double rgba[4];
+    float rgb[3];
     counted p = {0};
     const float clip = config->clip > 0 ? config->clip : format_top(image->pixel);
     ref_light(image, x, y, 0, rgba);
-    ref_weights(config, exact, rounded);
     ref_floats(image->pixel, rgba, rgb);
-    p.luminance = ref_luminance(rounded, rgb);
+    p.luminance = ref_luminance(w->rounded, rgb);
     p.bad = !isfinite(p.luminance);
     p.black = !p.bad && p.luminance <= config->floor;
     p.clipped = !p.bad && (rgb[0] >= clip || rgb[1] >= clip || rgb[2] >= clip);
@@ -71,7 +77,7 @@ static counted count_pixel(const pupil_config *config, const pupil_image_const *
     /* a pixel without a luminance has no brightest channel either */
     p.brightest = isnan(p.luminance) ? config->floor : fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
     p.brightest = p.brightest > config->floor ? fminf(p.brightest, 0x1p30f) : config->floor;
-    p.exact = exact[0] * rgba[0] + exact[1] * rgba[1] + exact[2] * rgba[2];
+    p.exact = w->exact[0] * rgba[0] + w->exact[1] * rgba[1] + w->exact[2] * rgba[2];
     p.exact = p.exact > config->floor ? fminl(p.exact, REF_TOP) : config->floor;
     if (p.bad)
         p.exact = p.clamped;
@@ -89,6 +95,9 @@ static uint32_t bin_of(float light, int fraction_bits)
 void ref_meter_frame(const pupil_config *config, const pupil_image_const *image, ref_meter *meter)
 {
     long double pixels_sum = 0, floats_sum = 0;
+    long double exact = 1, log2_exact = 0; /* of the pixel before: many frames are even */
+    weights w;
+    ref_weights(config, w.exact, w.rounded);
     memset(meter, 0, sizeof *meter);
     for (uint32_t y = 0; y < image->height; y++)
         for (uint32_t x = 0; x < image->width; x++) {
@@ -96,9 +105,11 @@ void ref_meter_frame(const pupil_config *config, const pupil_image_const *image,
             const unsigned band = (unsigned)((uint64_t)y * PUPIL_BANDS / image->height);
             if (!weight)
                 continue;
-            const counted p = count_pixel(config, image, x, y);
-            const long double log2_float = log2l(p.clamped);
-            pixels_sum += weight * log2l(p.exact);
+            const counted p = count_pixel(config, &w, image, x, y);
+            log2_exact = p.exact == exact ? log2_exact : log2l(p.exact);
+            exact = p.exact;
+            const long double log2_float = p.clamped == exact ? log2_exact : log2l(p.clamped);
+            pixels_sum += weight * log2_exact;
             floats_sum += weight * log2_float;
             meter->pixels++;
             meter->weight += weight;
@@ -124,6 +135,8 @@ static int by_luminance(const void *a, const void *b)
 
 void ref_order_make(const pupil_config *config, const pupil_image_const *image, ref_order *order)
 {
+    weights w;
+    ref_weights(config, w.exact, w.rounded);
     order->count = 0;
     order->weight = 0;
     order->item = malloc((size_t)image->width * image->height * sizeof *order->item);
@@ -134,7 +147,7 @@ void ref_order_make(const pupil_config *config, const pupil_image_const *image, 
             const unsigned weight = ref_cell(config, x, y, image->width, image->height);
             if (!weight)
                 continue;
-            order->item[order->count].log2_luminance = log2l(count_pixel(config, image, x, y).clamped);
+            order->item[order->count].log2_luminance = log2l(count_pixel(config, &w, image, x, y).clamped);
             order->item[order->count++].weight = weight;
             order->weight += weight;
         }
@@ -165,9 +178,8 @@ void ref_quantile(const ref_order *order, double q, long double *left, long doub
     const long double share = q * (long double)order->weight;
     long double at = 0;
     *left = *right = order->item[0].log2_luminance;
-    for (size_t i = 0; i < order->count; i++) {
-        if (at <= share)
-            *right = order->item[i].log2_luminance;
+    for (size_t i = 0; i < order->count && at <= share; i++) {
+        *right = order->item[i].log2_luminance;
         if (at < share)
             *left = order->item[i].log2_luminance;
         at += order->item[i].weight;

@@ -223,7 +223,7 @@ static void test_hang(void)
     pupil_frame_info info;
     CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
     await_write(pupil_live_camera(source));
-    config.sleep_s = 3.0;
+    config.sleep_s = 2.5;
     config.sleep_at = 1;
     fake_v4l2_reconfigure(fake, &config);
     pupil_camera_ask(pupil_live_camera(source), &(pupil_camera_setting){.exposure_s = 0.015, .gain = 2.0});
@@ -231,7 +231,7 @@ static void test_hang(void)
     while (!status.writing)
         pupil_camera_get_status(pupil_live_camera(source), &status);
     int frames = 0;
-    for (; frames < 150; frames++) /* five seconds of the camera's clock; the write's three are the machine's */
+    for (; frames < 150; frames++) /* five seconds of the camera's clock; the write's 2.5 are the machine's */
         CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME && info.gain == 1.0);
     pupil_camera_get_status(pupil_live_camera(source), &status);
     CHECK(status.writing);
@@ -291,7 +291,7 @@ int main(int argc, char **argv)
     test_linear();
     test_restore();
     test_again(0.0);
-    test_again(3.0);
+    test_again(2.5);
     test_hang();
     test_faults();
     return check_end();
