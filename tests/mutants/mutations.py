@@ -61,6 +61,22 @@ def float_of(token):
         return 0.0
 
 
+def is_extreme(text, start, end):
+    """The comparison at start is that of a < b ? a : b or the like, where it makes no difference which of two that are
+    equal is taken; but it does which 0."""
+    head = " ".join(re.split(r"[;{}]", text[:start])[-1].split())
+    found = re.match(r"([^?;{}]+) \? ([^:;{}]+) : ([^;{}]+)", " ".join(text[end : text.find(";", end)].split()))
+    if not found or not float_of(found[1]) and re.match(r"[\d.]", found[1]):
+        return False
+    right, first, second = found.groups()
+    if first == right:
+        left = next((second[:n] for n in range(len(second), 0, -1) if head.endswith(second[:n])), "")
+        left = left if re.match(r"[,)]|$", second[len(left) :]) else ""
+    else:
+        left = first if re.match(re.escape(right) + r"([,)]|$)", second) else ""
+    return bool(left) and head.endswith(left) and bool(re.search(r"([=(,?:]|&&|\|\||return) ?$", head[: -len(left)]))
+
+
 def closing(tokens, i):
     """The index of the parenthesis that closes the one at i."""
     depth = 0
@@ -134,7 +150,8 @@ def mutations_of(text):
         in_define = text[text.rfind("\n", 0, start) + 1 :].startswith("#define")
         if word in SWAPS and (inside[i] or in_define) and is_binary(text, start, end):
             kind = "comparison" if word in ("<", "<=", ">", ">=", "==", "!=") else "operator"
-            found.append(Mutation(kind, start, end, word, SWAPS[word]))
+            if word not in ("<", "<=", ">", ">=") or not is_extreme(text, start, end):
+                found.append(Mutation(kind, start, end, word, SWAPS[word]))
         if re.match(r"\.?\d", word) and not is_array_size(tokens, i):
             found += [Mutation("constant", start, end, word, after) for after in numbers(word)]
     return found

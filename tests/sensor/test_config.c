@@ -392,14 +392,15 @@ static void check_names(void)
     for (uint32_t i = 0; i <= PUPIL_SENSOR_LOCKED; i++)
         for (uint32_t k = 0; k < i; k++)
             CHECK(strcmp(pupil_sensor_state_name(i), pupil_sensor_state_name(k)) != 0);
-    for (uint32_t i = 0; i <= PUPIL_SENSOR_HUNTING; i++)
+    for (uint32_t i = 0; i <= PUPIL_SENSOR_ANNOUNCED; i++)
         for (uint32_t k = 0; k < i; k++)
             CHECK(strcmp(pupil_sensor_reason_name(i), pupil_sensor_reason_name(k)) != 0);
     CHECK(strcmp(pupil_sensor_state_name(PUPIL_SENSOR_CONVERGED), "converged") == 0);
     CHECK(strcmp(pupil_sensor_reason_name(PUPIL_SENSOR_AT_GAIN_MAX), "gain_max") == 0);
     CHECK(strcmp(pupil_sensor_reason_name(PUPIL_SENSOR_IGNORED), "ignored") == 0);
-    CHECK(strcmp(pupil_sensor_state_name(UINT32_MAX), "unknown") == 0);
-    CHECK(strcmp(pupil_sensor_reason_name(UINT32_MAX), "unknown") == 0);
+    CHECK(strcmp(pupil_sensor_state_name(PUPIL_SENSOR_LOCKED + 1), "unknown") == 0);
+    CHECK(strcmp(pupil_sensor_reason_name(PUPIL_SENSOR_ANNOUNCED + 1), "unknown") == 0);
+    CHECK(strcmp(pupil_sensor_day_night_name(PUPIL_SENSOR_NIGHT + 1), "unknown") == 0);
 }
 
 /* Locked from the start, with its gain held: 10 ms and a gain of 1. Unlocked, it has no reason until a frame comes. */
