@@ -66,7 +66,7 @@ def is_extreme(text, start, end):
     equal is taken; but it does which 0."""
     head = " ".join(re.split(r"[;{}]", text[:start])[-1].split())
     found = re.match(r"([^?;{}]+) \? ([^:;{}]+) : ([^;{}]+)", " ".join(text[end : text.find(";", end)].split()))
-    if not found or not float_of(found[1]) and re.match(r"[\d.]", found[1]):
+    if not found or re.fullmatch(r"0(\.0f?)?", found[1]):
         return False
     right, first, second = found.groups()
     if first == right:

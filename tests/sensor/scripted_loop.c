@@ -176,10 +176,10 @@ static double read_frame(scripted_loop *l, uint16_t *pixels, const double made[2
 }
 
 /* The prime is that of FNV-1a (Fowler, Noll, Vo); the shift brings what is high in a number into all others. */
-static void digest(scripted_loop *l, uint64_t number)
+static uint64_t digest(uint64_t before, uint64_t number)
 {
-    l->digest = (l->digest ^ number) * UINT64_C(0x100000001b3);
-    l->digest ^= l->digest >> 29;
+    const uint64_t mixed = (before ^ number) * UINT64_C(0x100000001b3);
+    return mixed ^ mixed >> 29;
 }
 
 static uint64_t bits_of(double x)
@@ -189,19 +189,19 @@ static uint64_t bits_of(double x)
     return bits;
 }
 
-static void digest_setting(scripted_loop *l)
+uint64_t scripted_digest(uint64_t before, const pupil_sensor_setting *s)
 {
-    const pupil_sensor_setting *s = &l->s;
+    uint64_t all = before;
     const double numbers[] = {s->exposure_s, s->gain,      s->digital,         s->total_s,  s->frame_digital,
                               s->flicker_ev, s->scene_ev,  s->wanted_ev,       s->error_ev, s->dt_s,
                               s->slope,      s->filter_ev, s->mains_modulation};
     const uint32_t counts[] = {s->state,      s->reason,   s->limits, s->changed,  s->exposure_delay,
                                s->gain_delay, s->mains_hz, s->mains,  s->day_night};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-        digest(l, bits_of(numbers[i]));
+        all = digest(all, bits_of(numbers[i]));
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
-        digest(l, counts[i]);
-    digest(l, s->frames);
+        all = digest(all, counts[i]);
+    return digest(all, s->frames);
 }
 
 /* After frame - 1. */
@@ -212,7 +212,7 @@ static void take_setting(scripted_loop *l)
     l->settings += l->s.changed != 0;
     l->asked[place][0] = l->s.exposure_s;
     l->asked[place][1] = l->s.gain;
-    digest_setting(l);
+    l->digest = scripted_digest(l->digest, &l->s);
 }
 
 static void announce(scripted_loop *l, const event *e)

@@ -113,5 +113,7 @@ void scripted_open(scripted_loop *loop, const scripted_camera *camera, const pup
                    const script *light);
 /* The events of the next frame, and the frame. */
 void scripted_frame(scripted_loop *loop);
+/* A number for every field of a setting, and for what came before. */
+uint64_t scripted_digest(uint64_t before, const pupil_sensor_setting *setting);
 
 #endif

@@ -12,7 +12,7 @@
 #include "expected_lines.h"
 #include "scripted_loop.h"
 
-enum { GROUPS = 36, IN_GROUP = 20, LINE_BYTES = 120 };
+enum { GROUPS = 20, IN_GROUP = 20, LINE_BYTES = 120 };
 
 static int one_in(int n)
 {
