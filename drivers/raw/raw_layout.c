@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "file/common/number.h"
+#include "number.h"
 #include "raw_source.h"
 #include "refuse.h"
 #include "v4l2/format.h"

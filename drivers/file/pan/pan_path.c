@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "file/common/number.h"
+#include "number.h"
 #include "refuse.h"
 
 enum { YAW, PITCH, FOV };

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "file/common/number.h"
+#include "number.h"
 #include "still_private.h"
 
 typedef struct radiance {

@@ -15,9 +15,6 @@ int pupil_still_fail(pupil_why *why, const char *format, ...) __attribute__((for
 /* 0 where a picture of this size may be read, else -1 and the sentence. */
 int pupil_still_size_ok(uint64_t width, uint64_t height, pupil_why *why);
 
-/* strtod as in the C locale, in any locale of the program. */
-double pupil_parse_double(const char *text, char **end);
-
 /* CIE xy of red, green, blue and white: the order of all four formats. */
 typedef struct pupil_chromaticities {
     double xy[8];

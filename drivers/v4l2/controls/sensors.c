@@ -7,6 +7,7 @@
 
 #include "camera_sensor_text.h"
 #include "controls_private.h"
+#include "number.h"
 
 typedef struct reader {
     char words[512]; /* the line, cut into words */
@@ -39,7 +40,7 @@ static double number(reader *r, double least, double most)
 {
     const char *word = next_word(r);
     char *end;
-    const double x = word ? strtod(word, &end) : 0.0;
+    const double x = word ? pupil_parse_double(word, &end) : 0.0;
     if (!word || end == word || *end || !(x >= least && x <= most)) {
         r->fault = "a number is missing, or not one, or out of its range";
         return 0.0;
@@ -57,7 +58,7 @@ static void read_table(reader *r, pupil_camera_gain *gain)
         if (before >= r->end || !isdigit((unsigned char)*before))
             break;
         const long code = strtol(before, &end, 10);
-        const double value = *end == ':' ? strtod(end + 1, &end) : 0.0;
+        const double value = *end == ':' ? pupil_parse_double(end + 1, &end) : 0.0;
         const uint32_t i = gain->rows;
         if (i == PUPIL_CAMERA_TABLE_ROWS || !(value > 0.0 && value <= 65536.0) || code < 0 || code > INT32_MAX ||
             (i && (code <= gain->code[i - 1] || value <= gain->gain[i - 1])) ||

@@ -1,8 +1,27 @@
 /* Codes to factors and seconds and back, for every law and every sensor of the table; and the table's parser. */
+#include <locale.h>
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "check.h"
 #include "pupil/camera_controls.h"
+
+#ifdef __GLIBC__
+/* As in a program that runs in a locale with a comma, which gst-launch-1.0 is by LANG=de_DE: numbers end at a point.
+ * The locale itself may not be installed. */
+double strtod(const char *text, char **end)
+{
+    char whole[64] = "", *whole_end;
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    strncpy(whole, text, strcspn(text, ".") < sizeof whole ? strcspn(text, ".") : sizeof whole - 1);
+    const double value = strtod_l(whole, &whole_end, c);
+    freelocale(c);
+    if (end)
+        *end = (char *)(uintptr_t)text + (whole_end - whole);
+    return value;
+}
+#endif
 
 static void round_trip(const char *name, const pupil_camera_gain *law, pupil_camera_range range)
 {
