@@ -6,6 +6,9 @@
 #include <sys/stat.h>
 
 #include "file/common/pending.h"
+#include "file/file_source.h"
+#include "file/recording/recording.h"
+#include "file/still/natural_order.h"
 #include "frame_options.h"
 #include "refuse.h"
 
@@ -66,14 +69,51 @@ static int is_same_place(const char *a, const char *b)
            !stat_parent(b, &y) && is_same_node(&x, &y);
 }
 
-/* Whether an output would replace an input: the file, or (of an output folder) the folder that it is in. */
+/* What is read of a folder with a recording. */
+static int is_recorded(const char *path)
+{
+    size_t length;
+    const char *name = last_name(path, &length);
+    return strncmp(name, "frames.", 7) == 0 || strcmp(name, "recording.json") == 0;
+}
+
+/* Whether a file is one of those that an input is: a folder, or a pattern. */
+static int is_among(const struct stat *file, const char *input)
+{
+    pupil_paths paths = {0};
+    struct stat is;
+    int found = 0;
+    if (stat(input, &is) != 0)
+        pupil_paths_glob(&paths, input, NULL);
+    else if (S_ISDIR(is.st_mode))
+        pupil_paths_folder(&paths, input, pupil_is_recording(input) ? is_recorded : pupil_is_still);
+    for (size_t i = 0; i < paths.count && !found; i++)
+        found = stat(paths.path[i], &is) == 0 && is_same_node(file, &is);
+    pupil_paths_free(&paths);
+    return found;
+}
+
+/* Whether an output would replace an input: the file, or one of several, or (of an output folder) the folder that it is
+ * in. */
 static int replaces(const char *output, int may_be_folder, const char *input)
 {
     struct stat x, y;
     if (strcmp(output, "-") == 0 || stat(output, &x) != 0 || (S_ISDIR(x.st_mode) && !may_be_folder))
         return 0;
-    return (stat(input, &y) == 0 && is_same_node(&x, &y)) ||
+    return (stat(input, &y) == 0 && is_same_node(&x, &y)) || (S_ISREG(x.st_mode) && is_among(&x, input)) ||
            (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
+}
+
+/* The file that is behind an input's prefix and before its keys, to be freed. NULL: there is none, or no memory. */
+static char *file_of(const char *input)
+{
+    static const char *const prefixes[] = {"pan:", "raw:"};
+    if (strncmp(input, "synth:", 6) == 0)
+        return NULL;
+    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++)
+        if (strncmp(input, prefixes[i], 4) == 0)
+            return strndup(input + 4, strcspn(input + 4, ","));
+    return strdup(strcmp(input, "-") == 0 ? "/dev/stdin" : input);
 }
 
 /* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it. Other files
@@ -122,11 +162,10 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
                 return OPTIONS_USAGE;
             }
         for (size_t k = 0; k < o->input_count; k++) {
-            const char *input = o->inputs[k];
-            size_t prefix = strncmp(input, "pan:", 4) == 0 ? 4 : 0;
-            if (strcmp(input, "-") == 0 || strncmp(input, "synth:", 6) == 0)
-                continue; /* no file */
-            if (replaces(paths[i], i < o->out_count || paths[i] == o->record, input + prefix)) {
+            char *file = file_of(o->inputs[k]);
+            const int taken = file && replaces(paths[i], i < o->out_count || paths[i] == o->record, file);
+            free(file);
+            if (taken) {
                 pupil_refuse(why, "%s: is also an input, and would be replaced", paths[i]);
                 return OPTIONS_USAGE;
             }

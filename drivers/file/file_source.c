@@ -17,7 +17,7 @@
 
 #define STILL_KINDS ".exr, .hdr, .pic, .rgbe, .pfm, .png, .jpg, .tif, .webp, .bmp, .dng or a camera's raw files"
 
-static int is_still(const char *path)
+int pupil_is_still(const char *path)
 {
     static const char *const extensions[] = {".exr", ".hdr",  ".pic",  ".rgbe", ".pfm", ".png", ".jpg", ".jpeg",
                                              ".tif", ".tiff", ".webp", ".bmp",  ".dng", ".nef", ".nrw", ".cr2",
@@ -48,13 +48,13 @@ static int is_alone(const char *input)
     if (starts_with(input, "pan:") || strcmp(input, "-") == 0)
         return 1;
     const int is_file = stat(input, &status) == 0 ? !S_ISDIR(status.st_mode) : errno != ENOENT && errno != ENOTDIR;
-    return is_file && !is_still(input);
+    return is_file && !pupil_is_still(input);
 }
 
 static int add_folder(pupil_paths *paths, const char *folder, pupil_why *why)
 {
     size_t before = paths->count;
-    if (pupil_paths_folder(paths, folder, is_still))
+    if (pupil_paths_folder(paths, folder, pupil_is_still))
         return pupil_refuse(why, "%s: the folder cannot be read: %s", folder, strerror(errno));
     return paths->count > before ? 0 : pupil_refuse(why, "%s: the folder holds no still (" STILL_KINDS ")", folder);
 }
@@ -62,7 +62,7 @@ static int add_folder(pupil_paths *paths, const char *folder, pupil_why *why)
 static int add_pattern(pupil_paths *paths, const char *pattern, pupil_why *why)
 {
     size_t before = paths->count;
-    if (pupil_paths_glob(paths, pattern, is_still))
+    if (pupil_paths_glob(paths, pattern, pupil_is_still))
         return pupil_refuse(why, "%s: the pattern cannot be expanded: %s", pattern, strerror(errno));
     return paths->count > before ? 0 : pupil_refuse(why, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
 }

@@ -14,4 +14,7 @@
 int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_source_options *options,
                            pupil_source **source, pupil_why *why);
 
+/* Whether a file of a folder or of a pattern is taken for a still, by its name. */
+int pupil_is_still(const char *path);
+
 #endif

@@ -108,6 +108,16 @@ for input in taken 'taken/*.png' taken/frame_000001.png; do
     expect 2 "is also an input" replay "$input" -o taken -y
 done
 [ -s taken/frame_000002.png ] || fail "a folder of inputs was replaced"
+for input in taken 'taken/*.png'; do
+    expect 2 "is also an input" replay "$input" -o taken/frame_000001.png -n 1 -y
+done
+expect 2 "is also an input" replay raw:in.y4m,format=GREY,size=8x8 -o in.y4m -y
+"$program" replay - -o in.y4m -n 1 -y <in.y4m 2>said.err && fail "standard input was replaced"
+cmp -s in.y4m before.y4m || fail "the input was replaced"
+"$program" record in.y4m recorded -q
+expect 2 "is also an input" replay recorded -o recorded/frames.mkv -y
+"$program" replay taken -o taken/own.y4m -q && "$program" replay taken -o taken/own.y4m -q -y ||
+    fail "a video in a folder of stills is no input"
 
 # the same bits at any number of threads; fused is another picture
 for threads in 1 2 3 7; do
