@@ -243,20 +243,19 @@ static size_t farthest(const pupil_report *r, const unsigned char *is_shown)
     return best;
 }
 
-/* Frames of a clip: after the light has changed, adaptation is over before the next of a few evenly spaced ones. Some
- * are therefore those farthest from adapted. 1: there are such. */
-static int choose(const pupil_report *r, size_t n, unsigned char *is_shown)
+/* Of n frames at most; how many there are. After the light of a clip has changed, adaptation is over before the next of a
+ * few evenly spaced frames: a third are therefore those farthest from adapted, of which `told` are found. */
+static size_t choose(const pupil_report *r, size_t n, unsigned char *is_shown, size_t *told)
 {
-    size_t told = 0;
-    while (!r->stills && told < REPORT_MOST_FRAMES / 3 && n < r->count) {
+    const size_t most_told = r->stills || n == r->count || !farthest(r, is_shown) ? 0 : n / 3;
+    choose_evenly(r, n - most_told, is_shown);
+    for (*told = 0; *told < most_told; ++*told) {
         const size_t i = farthest(r, is_shown);
         if (!i)
             break;
         is_shown[i] = 2;
-        told++;
     }
-    choose_evenly(r, n - told, is_shown);
-    return told > 0;
+    return n - most_told + *told;
 }
 
 static int put_strip(const pupil_report *r, FILE *out, const pupil_report_page *page, pupil_why *why)
@@ -265,11 +264,12 @@ static int put_strip(const pupil_report *r, FILE *out, const pupil_report_page *
     unsigned char is_shown[KEPT] = {0};
     if (!n)
         return 0;
-    const int tells = choose(r, n, is_shown);
+    size_t told;
+    n = choose(r, n, is_shown, &told);
     fprintf(out, "<h2>%s</h2>\n", r->stills ? "Stills" : "Frames");
     if (n < r->seen)
         fprintf(out, "<p class=\"hint\">%zu of %llu, evenly spaced%s%s", n, (unsigned long long)r->seen,
-                tells ? ", and some farthest from adapted" : "", r->kept[0].fixed.rgb ? "; " : ".</p>\n");
+                told ? ", and some farthest from adapted" : "", r->kept[0].fixed.rgb ? "; " : ".</p>\n");
     if (r->kept[0].fixed.rgb)
         fprintf(out, "%sabove: adapted; below: the exposure of the first frame.</p>\n",
                 n < r->seen ? "" : "<p class=\"hint\">");
