@@ -243,8 +243,8 @@ static size_t farthest(const pupil_report *r, const unsigned char *is_shown)
     return best;
 }
 
-/* Of n frames at most; how many there are. After the light of a clip has changed, adaptation is over before the next of a
- * few evenly spaced frames: a third are therefore those farthest from adapted, of which `told` are found. */
+/* Of n frames at most; how many there are. After the light of a clip has changed, adaptation is over before the next of
+ * a few evenly spaced frames: a third are therefore those farthest from adapted, of which `told` are found. */
 static size_t choose(const pupil_report *r, size_t n, unsigned char *is_shown, size_t *told)
 {
     const size_t most_told = r->stills || n == r->count || !farthest(r, is_shown) ? 0 : n / 3;
