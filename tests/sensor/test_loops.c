@@ -80,6 +80,7 @@ static const scripted_camera cameras[] = {
     {.name = "lamps", .lamp_hz = 100.05, .fps = 32.0, .delay = {3, 3}, .believed = 3},
     {.name = "lamps, mains unknown",
      .lamp_hz = 120.1,
+     .lamp = 0.1,
      .fps = 32.5,
      .mains_hz = PUPIL_SENSOR_MAINS_AUTO,
      .told = TOLD_NOTHING},

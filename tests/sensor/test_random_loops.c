@@ -154,7 +154,8 @@ static double random_value(event_kind kind)
 /* Mostly light, in steps of every size. Returns how many frames there are. */
 static int random_script(script *s)
 {
-    const int space = one_in(8) ? 60 : 18; /* frames, at most */
+    const int space = one_in(8) ? 60 : 18;  /* frames, at most */
+    const int still = one_in(12) ? 320 : 0; /* before the last: a pinned control is free again after 300 */
     int frame = 0;
     memset(s, 0, sizeof *s);
     for (int i = 0; i < SCRIPTED_EVENTS - 1; i++) {
@@ -164,7 +165,7 @@ static int random_script(script *s)
         e->value = random_value(e->kind);
         if (i && e->kind == LIGHT && one_in(2)) /* a small step */
             e->value = s->events[0].value + between(-1.0, 1.0);
-        frame += below(space);
+        frame += below(space) + (i == SCRIPTED_EVENTS - 3 ? still : 0);
     }
     return frame;
 }
