@@ -183,9 +183,10 @@ static int open_source(record *r, const pupil_live_system *system)
 
 static void tell(const record *r)
 {
-    fprintf(stderr, "recorded %llu frame%s, %.1f MB, in %.1f s; %s", (unsigned long long)r->counts.written,
+    fprintf(stderr, "recorded %llu frame%s, %.1f MB, in %.1f s", (unsigned long long)r->counts.written,
             r->counts.written == 1 ? "" : "s", (double)r->bytes * 1e-6 * (double)r->counts.written / (double)r->taken,
-            progress_now_s() - r->progress.began_s, r->options.folder);
+            progress_now_s() - r->progress.began_s);
+    report_name(stderr, "; ", r->options.folder, "");
     if (r->counts.lost)
         fprintf(stderr, "; %llu were lost, for the disk was too slow", (unsigned long long)r->counts.lost);
     if (r->camera && r->camera->counts.lost)

@@ -4,6 +4,8 @@
 #include <stdarg.h>
 #include <string.h>
 
+#include "common/report_error.h"
+
 /* Stops that a person sees side by side, and so are worth a sentence: an eighth. */
 #define VISIBLE_EV 0.125
 /* Shares of pixels or samples that are worth one. */
@@ -16,7 +18,9 @@ static double percent(double share)
 
 static void tell_light(FILE *out, const frame_log_entry *e)
 {
-    fprintf(out, "frame %llu of %s, at %.3f s\n", (unsigned long long)e->frame, e->name, e->time_s);
+    fprintf(out, "frame %llu", (unsigned long long)e->frame);
+    report_name(out, " of ", e->name, "");
+    fprintf(out, ", at %.3f s\n", e->time_s);
     if (strcmp(e->reason, "no_light") == 0) {
         fprintf(out, "metered  no light at all, where the metering looks\n");
         return;

@@ -4,6 +4,7 @@
 
 #include "common/interrupt.h"
 #include "common/progress.h"
+#include "common/report_error.h"
 #include "live/live.h"
 #include "output/plot.h"
 #include "refuse.h"
@@ -295,12 +296,12 @@ void session_outputs_name(const session_outputs *o)
     const frame_options *options = o->options;
     const char *const others[] = {options->stats, options->plot, options->record};
     for (size_t i = 0; i < options->out_count; i++)
-        fprintf(stderr, "; %s", options->out[i]);
+        report_name(stderr, "; ", options->out[i], "");
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         if (others[i])
-            fprintf(stderr, "; %s", others[i]);
+            report_name(stderr, "; ", others[i], "");
     if (options->report)
-        fprintf(stderr, "; %s/index.html", options->report);
+        report_name(stderr, "; ", options->report, "/index.html");
     if (o->held_sound)
         fprintf(stderr, "; without sound: --hold changes the pace");
     fputs(o->pictures.silent, stderr);

@@ -245,8 +245,11 @@ int adapt_main(int argc, char **argv)
     progress_clear(&a.progress);
     if (!failed && !a.options.frames.quiet) {
         split_tell("adapted to", a.frames, a.progress.began_s);
-        fprintf(stderr, "%s%s%s%s\n", a.options.out ? "; " : "", a.options.out ? a.options.out : "",
-                a.options.frames.stats ? "; " : "", a.options.frames.stats ? a.options.frames.stats : "");
+        if (a.options.out)
+            report_name(stderr, "; ", a.options.out, "");
+        if (a.options.frames.stats)
+            report_name(stderr, "; ", a.options.frames.stats, "");
+        fputc('\n', stderr);
     }
     close_all(&a);
     return split_end("pupil adapt", failed, &why);

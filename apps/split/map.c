@@ -141,7 +141,7 @@ int map_main(int argc, char **argv)
     if (!failed && !m.options.frames.quiet) {
         split_tell("mapped", m.frames, m.progress.began_s);
         for (size_t i = 0; i < m.options.frames.out_count; i++)
-            fprintf(stderr, "; %s", m.options.frames.out[i]);
+            report_name(stderr, "; ", m.options.frames.out[i], "");
         fputc('\n', stderr);
     }
     if (failed)

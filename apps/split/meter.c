@@ -76,7 +76,7 @@ int meter_main(int argc, char **argv)
     progress_clear(&m.progress);
     if (!failed && !m.options.frames.quiet) {
         split_tell("metered", m.part.frames, m.progress.began_s);
-        fprintf(stderr, "; %s\n", m.options.out);
+        report_name(stderr, "; ", m.options.out, "\n");
     }
     split_file_close(&m.part);
     split_input_close(&m.input);

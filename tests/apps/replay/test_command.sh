@@ -108,6 +108,8 @@ for input in taken 'taken/*.png' taken/frame_000001.png; do
     expect 2 "is also an input" replay "$input" -o taken -y
 done
 [ -s taken/frame_000002.png ] || fail "a folder of inputs was replaced"
+"$program" replay synth:walk --size 64x36 -n 1 -o "$(printf '\033[7m.y4m')" 2>said.err
+grep -q '; ?\[7m.y4m$' said.err || fail "the name of an output steers the terminal: $(cat -v said.err)"
 for input in taken 'taken/*.png'; do
     expect 2 "is also an input" replay "$input" -o taken/frame_000001.png -n 1 -y
 done

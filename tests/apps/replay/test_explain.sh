@@ -26,6 +26,8 @@ grey steady '?' '?' '?'
 grey darker '?' ';' ';'
 grey lighter ';' '?' '?'
 explains "frame 2 of steady/2.pfm, at 0.067 s" steady --explain 2
+mkdir steered && cp steady/0.pfm "$(printf 'steered/\033[7m.pfm')"
+explains "frame 0 of steered/?[7m.pfm, at 0.000 s" steered --explain 0
 explains "metered  +0.00 EV, the log-average" steady --explain 2
 explains "settled: where this frame alone would have it" steady --explain 2
 explains "it is as it is aimed at; --ev 1 makes it twice as bright" steady --explain 2
