@@ -1,8 +1,10 @@
 #include "progress.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -25,10 +27,27 @@ int progress_due(progress *p, double every_s)
     const double now_s = progress_now_s();
     if (!p->shown || now_s - p->last_s < every_s)
         return 0;
-    fprintf(stderr, "\r\033[K");
     p->last_s = now_s;
-    p->line_open = 1;
+    p->line[0] = 0;
     return 1;
+}
+
+void progress_add(progress *p, const char *format, ...)
+{
+    const size_t used = strlen(p->line);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(p->line + used, sizeof p->line - used, format, arguments);
+    va_end(arguments);
+}
+
+void progress_show(progress *p)
+{
+    struct winsize size;
+    const int columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col ? size.ws_col : 80;
+    fprintf(stderr, "\r\033[K%.*s", columns - 1, p->line);
+    fflush(stderr);
+    p->line_open = 1;
 }
 
 void progress_clear(progress *p)

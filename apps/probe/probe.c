@@ -29,8 +29,8 @@ static void say_now(const char *what)
 {
     if (!progress_due(&run.line, 0.0))
         return;
-    fprintf(stderr, "measuring: %s", what);
-    fflush(stderr);
+    progress_add(&run.line, "measuring: %s", what);
+    progress_show(&run.line);
 }
 
 static void complain(pupil_why *why)

@@ -116,11 +116,11 @@ static void show(record *r)
         return;
     const double took_s = r->progress.last_s - r->progress.began_s;
     pupil_recorder_get_counts(r->recorder, &r->counts);
-    fprintf(stderr, "frame %llu   %.1f frames/s   %.1f MB/s   lost %llu", (unsigned long long)r->taken,
-            (double)r->taken / took_s, (double)r->bytes * 1e-6 / took_s, (unsigned long long)r->counts.lost);
+    progress_add(&r->progress, "frame %llu   %.1f frames/s   %.1f MB/s   lost %llu", (unsigned long long)r->taken,
+                 (double)r->taken / took_s, (double)r->bytes * 1e-6 / took_s, (unsigned long long)r->counts.lost);
     if (r->camera && r->camera->counts.lost)
-        fprintf(stderr, ", by the camera %llu", (unsigned long long)r->camera->counts.lost);
-    fflush(stderr);
+        progress_add(&r->progress, ", by the camera %llu", (unsigned long long)r->camera->counts.lost);
+    progress_show(&r->progress);
 }
 
 static int goes_on(const record *r, const pupil_frame *last)

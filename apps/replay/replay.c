@@ -35,14 +35,14 @@ static void show_progress(replay *r, const frame_log_entry *e)
     progress *p = &r->session.progress;
     if (!progress_due(p, 0.1))
         return;
-    fprintf(stderr, "frame %llu", (unsigned long long)e->frame + 1);
+    progress_add(p, "frame %llu", (unsigned long long)e->frame + 1);
     if (p->total)
-        fprintf(stderr, " of %llu", (unsigned long long)p->total);
-    fprintf(stderr, "   metered %+.2f EV, adapted %+.2f EV, %s", e->metered_ev, e->adapted_ev, e->state);
+        progress_add(p, " of %llu", (unsigned long long)p->total);
+    progress_add(p, "   metered %+.2f EV, adapted %+.2f EV, %s", e->metered_ev, e->adapted_ev, e->state);
     if (*e->reason)
-        fprintf(stderr, " (%s)", e->reason);
-    fprintf(stderr, "   %.0f frames/s", (double)(e->frame + 1) / (p->last_s - p->began_s));
-    fflush(stderr);
+        progress_add(p, " (%s)", e->reason);
+    progress_add(p, "   %.0f frames/s", (double)(e->frame + 1) / (p->last_s - p->began_s));
+    progress_show(p);
 }
 
 static int show(replay *r, const pupil_frame *frame, double read_us)

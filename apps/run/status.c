@@ -36,10 +36,10 @@ static void say_day_night(run_status *s, const frame_log_entry *r)
             r->scene_ev);
 }
 
-static void print_time(double s)
+static void add_time(progress *line, double s)
 {
     if (isfinite(s))
-        fprintf(stderr, s < 0.01 ? "   %.3f ms" : "   %.2f ms", s * 1e3);
+        progress_add(line, s < 0.01 ? "   %.3f ms" : "   %.2f ms", s * 1e3);
 }
 
 void run_status_frame(run_status *s, const frame_log_entry *r)
@@ -61,19 +61,19 @@ void run_status_frame(run_status *s, const frame_log_entry *r)
     say_day_night(s, r);
     if (!progress_due(s->line, EVERY_S))
         return;
-    fprintf(stderr, "%.1f frames/s", (double)s->since / (s->line->last_s - before_s));
+    progress_add(s->line, "%.1f frames/s", (double)s->since / (s->line->last_s - before_s));
     if (isfinite(r->latency_us))
-        fprintf(stderr, "   latency %.1f ms", r->latency_us * 1e-3);
-    fprintf(stderr, "   EV %+.2f", r->metered_ev);
-    print_time(r->exposure_s);
+        progress_add(s->line, "   latency %.1f ms", r->latency_us * 1e-3);
+    progress_add(s->line, "   EV %+.2f", r->metered_ev);
+    add_time(s->line, r->exposure_s);
     if (isfinite(r->gain))
-        fprintf(stderr, "   gain %.2f", r->gain);
-    fprintf(stderr, "   %s", *r->sensor ? r->sensor : r->state);
+        progress_add(s->line, "   gain %.2f", r->gain);
+    progress_add(s->line, "   %s", *r->sensor ? r->sensor : r->state);
     const char *reason = *r->sensor ? r->sensor_reason : r->reason;
     if (*reason)
-        fprintf(stderr, " (%s)", reason);
-    fprintf(stderr, "   lost %llu", (unsigned long long)s->lost);
-    fflush(stderr);
+        progress_add(s->line, " (%s)", reason);
+    progress_add(s->line, "   lost %llu", (unsigned long long)s->lost);
+    progress_show(s->line);
     s->since = 0;
 }
 

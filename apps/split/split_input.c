@@ -182,8 +182,10 @@ void split_input_close(split_input *s)
 
 void split_show(const split_input *s, progress *line)
 {
-    if (progress_due(line, 0.1))
-        fprintf(stderr, "frame %llu", (unsigned long long)s->number);
+    if (!progress_due(line, 0.1))
+        return;
+    progress_add(line, "frame %llu", (unsigned long long)s->number);
+    progress_show(line);
 }
 
 void split_tell(const char *what, uint64_t frames, double began_s)

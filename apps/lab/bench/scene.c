@@ -52,10 +52,10 @@ static void show(measuring *m, const char *doing, uint64_t done, uint64_t total)
     progress *p = &m->b->progress;
     if (!progress_due(p, done ? 0.1 : 0.0))
         return;
-    fprintf(stderr, "%s: %s", m->out->name, doing);
+    progress_add(p, "%s: %s", m->out->name, doing);
     if (total)
-        fprintf(stderr, " %llu of %llu", (unsigned long long)done, (unsigned long long)total);
-    fflush(stderr);
+        progress_add(p, " %llu of %llu", (unsigned long long)done, (unsigned long long)total);
+    progress_show(p);
 }
 
 static uint64_t resident_peak(void)

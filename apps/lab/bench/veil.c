@@ -41,10 +41,10 @@ static void show(bench *b, const char *what, size_t lights)
 {
     if (!progress_due(&b->progress, 0.1))
         return;
-    fputs(what, stderr);
+    progress_add(&b->progress, "%s", what);
     if (lights)
-        fprintf(stderr, ", %zu of %d lights", lights, MOST_LIGHTS);
-    fflush(stderr);
+        progress_add(&b->progress, ", %zu of %d lights", lights, MOST_LIGHTS);
+    progress_show(&b->progress);
 }
 
 /* --- lists of lights --- */

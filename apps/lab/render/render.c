@@ -183,8 +183,9 @@ static void show_progress(render *r)
 {
     if (!progress_due(&r->progress, 0.1))
         return;
-    fprintf(stderr, "frame %llu of %llu", (unsigned long long)r->rendered, (unsigned long long)r->progress.total);
-    fflush(stderr);
+    progress_add(&r->progress, "frame %llu of %llu", (unsigned long long)r->rendered,
+                 (unsigned long long)r->progress.total);
+    progress_show(&r->progress);
 }
 
 static void show_layers(void *context, uint64_t done, uint64_t total)

@@ -78,9 +78,10 @@ static void say(random_run *r)
     if (!progress_due(p, 0.2))
         return;
     const double left_s = (p->last_s - p->began_s) * (double)(p->total - r->done) / (double)r->done;
-    fprintf(stderr, "%llu of %llu cameras, %llu failed, %.0f %s left", (unsigned long long)r->done,
-            (unsigned long long)p->total, (unsigned long long)r->failed, left_s < 100.0 ? left_s : left_s / 60.0,
-            left_s < 100.0 ? "s" : "min");
+    progress_add(p, "%llu of %llu cameras, %llu failed, %.0f %s left", (unsigned long long)r->done,
+                 (unsigned long long)p->total, (unsigned long long)r->failed, left_s < 100.0 ? left_s : left_s / 60.0,
+                 left_s < 100.0 ? "s" : "min");
+    progress_show(p);
 }
 
 static void try_block(void *context, size_t block)

@@ -44,8 +44,8 @@ static int show(void *context, unsigned done, unsigned total)
     study *s = context;
     const progress *p = &s->progress;
     if (progress_due(&s->progress, 0.1)) {
-        fprintf(stderr, "%s: %u of %u, %.0f s", s->doing, done, total, p->last_s - p->began_s);
-        fflush(stderr);
+        progress_add(&s->progress, "%s: %u of %u, %.0f s", s->doing, done, total, p->last_s - p->began_s);
+        progress_show(&s->progress);
     }
     return interrupt_came();
 }

@@ -98,6 +98,11 @@ ends 1
     grep -q "late.y4m: was made by another program in the meantime; .* as late-1.y4m" said.err ||
     fail "a late file: $(cat said.err)"
 
+# the progress line of a terminal stays on one line of it
+env TERM=xterm script -qec "stty cols 60; '$program' replay synth:walk --size 64x36 -n 2" said.out >said.err 2>&1
+tr '\r' '\n' <said.out | sed 's/^.\[K//' | grep '^frame ' >lines || fail "no progress line: $(cat -v said.out)"
+awk 'length($0) > 59 { exit 1 }' lines || fail "a progress line of over 59 characters: $(cat lines)"
+
 # an output is not an input
 "$program" $walk -n 2 -o in.y4m
 cp in.y4m before.y4m
