@@ -161,8 +161,6 @@ static int check_there(pupil_pending *p, const struct stat *parent, pupil_why *w
     if (!p->is_folder) {
         if (S_ISDIR(s.st_mode))
             return pupil_refuse(why, "%s: is a folder; name a file", p->path);
-        if (!S_ISREG(s.st_mode)) /* a rename would put a file in the place of a device or a pipe */
-            return pupil_refuse(why, "%s: is a device or a pipe; name a file", p->path);
         return p->overwrite ? 0 : pupil_pending_keep(p->path, why);
     }
     if (!S_ISDIR(s.st_mode))
@@ -174,12 +172,15 @@ static int check_there(pupil_pending *p, const struct stat *parent, pupil_why *w
 
 static int prepare(pupil_pending *p, const char *path, pupil_why *why)
 {
-    struct stat parent;
+    struct stat parent, is;
     const char *slash, *name;
     if (!*path)
         return pupil_refuse(why, "\"\": an output needs a name");
     if (!p->is_folder && path[strlen(path) - 1] == '/')
         return pupil_refuse(why, "%s: is a folder; name a file", path);
+    /* A rename would put a file in its place. The link of a process's own pipe leads nowhere. */
+    if (stat(path, &is) == 0 && !S_ISREG(is.st_mode) && !S_ISDIR(is.st_mode))
+        return pupil_refuse(why, "%s: is a device or a pipe; name a %s", path, p->is_folder ? "folder" : "file");
     p->path = final_path(path);
     if (!p->path)
         return pupil_refuse(why, "%s: out of memory", path);

@@ -106,6 +106,13 @@ static void test_refused_places(void)
     CHECK_REFUSED_AT(pupil_pending_folder(&p, scratch(".."), 1, &why), scratch(".."), "folder inside");
     CHECK_REFUSED_AT(pupil_pending_folder(&p, "/", 1, &why), "/", "folder inside");
     if (scratch_exists("/proc/self")) { /* a bare chroot has none */
+        char own[32];
+        int ends[2];
+        CHECK(pipe(ends) == 0);
+        snprintf(own, sizeof own, "/proc/self/fd/%d", ends[1]); /* as /dev/stdout is */
+        CHECK_REFUSED_AT(pupil_pending_folder(&p, own, 1, &why), own, "a pipe; name a folder");
+        close(ends[0]);
+        close(ends[1]);
         CHECK_REFUSED_AT(pupil_pending_folder(&p, "/proc", 1, &why), "/proc", "mount point");
         CHECK_REFUSED_AT(pupil_pending_file(&p, "/proc/pupil", 1, &why), "/proc/pupil", "cannot be written");
     }
