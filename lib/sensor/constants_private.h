@@ -137,7 +137,9 @@
 /* Of a normal deviate the mean size is 0.8 sigma. A size beyond four sigma is not noise. */
 #define SENSOR_SIGMA_OF_SIZE 1.25
 #define SENSOR_NOISE_CUT     4.0
-#define SENSOR_NOISE_WEIGHT  0.1
+/* A frame counts as at most so many sigma: what moves a frame is more noise only where it moves many. */
+#define SENSOR_NOISE_FRAME  2.5
+#define SENSOR_NOISE_WEIGHT 0.1
 /* Of the difference of two differences of white noise, over that of a difference: sqrt(6 / 2). */
 #define SENSOR_SECOND_DIFFERENCE 1.7320508075688772
 /* How strongly a picture may answer before anything was seen of it (gamma 2.2, and as steep), and afterwards. */
@@ -189,6 +191,9 @@
  * light that blinks moves in one frame only. */
 #define SENSOR_RAMP_FRAMES 3
 #define SENSOR_RAMP_NOISE  2.0
+/* A frame that is off by less than so many times the noise is off by chance once in twenty; beyond so many times far_ev
+ * it is off in any case. */
+#define SENSOR_OFF_NOISE 2.0
 /* While the first setting is looked for, all that is more than this is done at once. */
 #define SENSOR_LOOK_EV 0.02
 /* Frames after which a delay that is longer than believed is no longer waited for. */

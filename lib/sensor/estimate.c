@@ -165,6 +165,23 @@ static double left_over(const pupil_sensor_object *o, double effect, double leas
     return high < least ? least - high : low > most ? low - most : 0.0;
 }
 
+/* Costs count from the best guess on, up to a limit. Delays are limited from the best pair of them on, so that one that
+ * has changed is found although metadata explain all. */
+static void limit_costs(sensor_estimate *a, double best)
+{
+    double delays = SENSOR_FAR_AWAY;
+    for (uint32_t e = 1; e < SENSOR_GUESSES; e++)
+        for (uint32_t g = 1; g < SENSOR_GUESSES; g++)
+            delays = (double)a->cost[e][g] < delays ? (double)a->cost[e][g] : delays;
+    const double least = clamp(delays - best, 0.0, SENSOR_COST_MOST);
+    for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
+            const int is_delay = e && g;
+            const double more = clamp((double)a->cost[e][g] - (is_delay ? delays : best), 0.0, SENSOR_COST_MOST);
+            a->cost[e][g] = (float)(more + (is_delay ? least : 0.0));
+        }
+}
+
 /* One comparison of this frame with the one before: what each guess costs, beyond the one that leaves least. */
 static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GUESSES], double least, double most)
 {
@@ -185,15 +202,12 @@ static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GU
             if (left != last)
                 paid = 2.0 * (pupil_log2(1.0 + left * left * scale) - least_paid);
             last = left;
-            a->cost[e][g] = (float)((double)a->cost[e][g] + clamp(paid, 0.0, SENSOR_COST_FRAME));
+            if (a->reports || !a->is_borne_out || (e && g)) /* a frame without metadata says nothing of them */
+                a->cost[e][g] = (float)((double)a->cost[e][g] + clamp(paid, 0.0, SENSOR_COST_FRAME));
             best = (double)a->cost[e][g] < best ? (double)a->cost[e][g] : best;
         }
     }
-    for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
-        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
-            const double more = (double)a->cost[e][g] - best;
-            a->cost[e][g] = (float)(more < SENSOR_COST_MOST ? more : SENSOR_COST_MOST);
-        }
+    limit_costs(a, best);
 }
 
 /* The guesses from the one that is taken where nothing speaks for another: the metadata, then the longest delay. */
@@ -223,6 +237,10 @@ static void survey(sensor_estimate *a)
                 a->best[1] = g;
             }
         }
+    if (!a->reports && a->is_borne_out && best >= SENSOR_COST_ALIVE) { /* what was in force still is */
+        a->alive[0] = a->alive[1] = 1;
+        a->best[0] = a->best[1] = 0;
+    }
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->in_force[c] = in_force(a, c, a->best[c], 0);
 }
@@ -230,7 +248,7 @@ static void survey(sensor_estimate *a)
 /* By how much the scene moved by itself; the noise of that, which light that moves evenly has not. */
 static void follow_scene(sensor_estimate *a, double moved, int is_clear)
 {
-    const double cut = SENSOR_NOISE_CUT * a->noise_ev;
+    const double cut = SENSOR_NOISE_FRAME * a->noise_ev;
     const double size = SENSOR_SIGMA_OF_SIZE * size_of(moved - a->scene_moved[0]) / SENSOR_SECOND_DIFFERENCE;
     for (int i = SENSOR_RAMP_FRAMES - 1; i > 0; i--)
         a->scene_moved[i] = a->scene_moved[i - 1];
@@ -356,7 +374,7 @@ static void compare(pupil_sensor_object *o, const sensor_evidence *v)
 static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
 {
     double least = SENSOR_FAR_AWAY;
-    for (uint32_t other = 0; other < SENSOR_GUESSES; other++) {
+    for (uint32_t other = 1; other < SENSOR_GUESSES; other++) {
         const double cost = (double)(control ? a->cost[other][guess] : a->cost[guess][other]);
         least = cost < least ? cost : least;
     }

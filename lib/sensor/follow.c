@@ -102,7 +102,7 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     }
     const int is_as_chosen = size_of(need - left) <= hold_ev && size_of(left) < SENSOR_COARSE_EV;
     const int is_held = size_of(need) <= hold_ev || is_as_chosen;
-    const int is_near_jump = size_of(need) <= 0.5 * s->jump_ev + hold_ev;
+    const int is_near_jump = !s->is_searching && size_of(need) <= 0.5 * s->jump_ev + hold_ev;
     const int is_small = (s->is_blunt ? size_of(need) <= large_ev : is_held) || is_near_jump;
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }

@@ -246,7 +246,9 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
     const double other_light = size_of(o->plan.wanted - s->rest_wanted);
-    s->is_resting &= other_light <= SENSOR_OFF_EV && size_of(need) <= s->rest_ev + SENSOR_WRONG_EV;
+    /* highlights may say something else at each of two settings: the nearer one stays */
+    const double other_ev = SENSOR_OFF_EV + (size_of(need) <= 0.5 * s->step_ev ? pupil_sensor_doubt_ev(o) : 0.0);
+    s->is_resting &= other_light <= other_ev && size_of(need) <= s->rest_ev + SENSOR_WRONG_EV;
     s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
     if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;

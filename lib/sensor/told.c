@@ -64,7 +64,8 @@ static const sensor_told_range *likely_range_of(const pupil_sensor_object *o, do
 {
     const sensor_told *t = &o->told;
     const sensor_told_range *found = range_of(t, exposure_s);
-    const int is_open = !o->search.is_pinned[SENSOR_GAIN]; /* a search of exposures tries what it likes */
+    /* a search of exposures tries what it likes */
+    const int is_open = !(o->search.is_searching && o->search.is_pinned[SENSOR_GAIN]);
     for (uint32_t i = 0; is_open && !found && i < t->count; i++) {
         const sensor_told_range *r = &t->range[i], *next = next_above(t, r);
         if (exposure_s < high_of(r) || (next && exposure_s > low_of(next)))

@@ -113,10 +113,38 @@ static void check_truthful(void)
            late);
 }
 
+/* Delays that become longer than was believed, and metadata that are true: a step is waited for, and the delays are
+ * found again. */
+static void check_longer(void)
+{
+    static const double step_ev[] = {3.0, -4.0, 4.0, -3.0};
+    pupil_sensor_setting s;
+    begin(LAW_FINE, 4, 3, 3, PLANT_TRUTH);
+    p.noise_ev = 0.0;
+    for (int i = 0; i < 240; i++) {
+        p.light_ev = log2(18) + (i / 40 % 2 ? 3.0 : 0.0);
+        plant_turn(&p, &sensor, &s, NULL);
+    }
+    p.delay[0] = p.delay[1] = 6;
+    for (int k = 0; k < 4; k++) {
+        double worst = 0.0;
+        p.light_ev += step_ev[k];
+        for (int i = 0; i < 120; i++) {
+            double shown;
+            plant_turn(&p, &sensor, &s, &shown);
+            worst = i < 60 ? 0.0 : fmax(worst, fabs(shown));
+        }
+        CHECK_MSG(worst < 0.1, "step %d after the delay became longer: shown %g EV off", k, worst);
+    }
+    CHECK_MSG(s.exposure_delay == 6 && (!s.gain_delay || s.gain_delay == 6), "delays of 6: %u, %u", s.exposure_delay,
+              s.gain_delay);
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     check_pairs();
     check_truthful();
+    check_longer();
     return check_end();
 }
