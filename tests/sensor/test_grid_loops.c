@@ -14,6 +14,7 @@ enum { EV = 2000, IN_GROUP = 8, FRAMES = 40, LINE_BYTES = 60 };
 
 #define PICK(...) ((const double[]){__VA_ARGS__})[below((int)(sizeof(const double[]){__VA_ARGS__} / sizeof(double)))]
 #define WHITE     4.0
+#define WHITE_TOO 0x1.9b8f9e5378996p+2 /* 0.1 EV above the edge of a bin of the histogram, which is at log2 6 */
 
 /* Loops with the seeds 1 to FIRST, and of 24000 those that see < for <= or the like in a line of lib/sensor in which no
  * loop before them sees it. */
@@ -37,6 +38,7 @@ typedef struct grid_camera {
     int is_bright; /* some pixels' brightest channel is at white */
     int spread;    /* bins from the mean to its brightest pixels */
     clocks clock;
+    int loses; /* one frame in so many */
     double frame_s;
 } grid_camera;
 
@@ -79,8 +81,8 @@ static double step_ev(void)
 /* Such a share of 2000 pixels. */
 static uint64_t share(void)
 {
-    return (uint64_t)PICK(1, 2, 4, 10, 20, 40, 40, 60, 80, 100, 160, 200, 400, 500, 980, 1000, 1000, 1020, 1280, 1580,
-                          1780, 1880, 1940, 1940, 1980);
+    return (uint64_t)PICK(1, 2, 4, 10, 20, 40, 40, 60, 80, 100, 160, 200, 400, 500, 800, 980, 1000, 1000, 1020, 1280,
+                          1580, 1780, 1880, 1940, 1940, 1980);
 }
 
 static grid_camera random_camera(void)
@@ -101,6 +103,7 @@ static grid_camera random_camera(void)
     c.is_level = !c.has_bins && one_in(3);
     c.is_bright = one_in(3);
     c.spread = below(20);
+    c.loses = one_in(6) ? 2 + below(4) : 24;
     c.clock = one_in(8) ? CLOCK_NONE : one_in(8) ? CLOCK_GOES_BACK : CLOCK_RIGHT;
     return c;
 }
@@ -137,8 +140,8 @@ static pupil_sensor_config random_config(const grid_camera *camera)
     pupil_sensor_config c;
     pupil_sensor_config_default(&c);
     c.delay_frames = one_in(2) ? camera->delay[0] : 1 + (uint32_t)below(4);
-    c.key = 1.0 / WHITE;
-    c.clip = WHITE;
+    c.clip = PICK(WHITE, WHITE, WHITE_TOO);
+    c.key = 1.0 / c.clip;
     c.highlight_share = PICK(0.05, 0.01, 0.2);
     c.highlight_ev = PICK(1.0, 0.0, 2.0);
     c.far_ev = PICK(0.1, 0.05, 0.02, 0.2);
@@ -202,7 +205,7 @@ static void call(grid_loop *l)
 
 static void happen(grid_loop *l)
 {
-    const int which = below(13);
+    const int which = below(14);
     if (which == 0)
         retune(l);
     else if (which == 1)
@@ -216,10 +219,12 @@ static void happen(grid_loop *l)
     else if (which == 5)
         l->top = one_in(2) ? 0 : share();
     else if (which == 6)
+        l->camera.has_bins ^= one_in(4);
+    else if (which == 7)
         l->light = one_in(2) ? 0 : EV * (below(9) - 4);
     else
         l->light += step();
-    if (which > 6 && one_in(3)) /* from 0 on */
+    if (which > 7 && one_in(3)) /* from 0 on */
         l->light = step();
 }
 
@@ -314,7 +319,7 @@ static uint64_t run(uint64_t seed)
             happen(&l);
         l.light += l.ramp;
         l.sequence += one_in(60) ? (uint64_t)PICK(0, 15, 16, 31, 32) : 1;
-        if (!one_in(24))
+        if (!one_in(l.camera.loses))
             deliver(&l);
         l.frame++;
         take_setting(&l);
