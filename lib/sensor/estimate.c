@@ -158,7 +158,7 @@ static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
  * answers is known a little, even where nothing has been seen yet. */
 static double left_over(const pupil_sensor_object *o, double effect, double least, double most)
 {
-    const int is_known = o->estimate.learned > 0 || o->config.linear;
+    const int is_known = o->estimate.learned || o->config.linear;
     const double few = effect * (is_known ? SENSOR_KNOWN_LEAST : SENSOR_STEEP_LEAST),
                  many = effect * (is_known ? SENSOR_KNOWN_MOST : SENSOR_STEEP_MOST);
     const double low = few < many ? few : many, high = few < many ? many : few;
@@ -483,7 +483,7 @@ void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROL
         if (!(a->seen >> c & 1) && other >= SENSOR_STEEP_LEAST && other <= SENSOR_STEEP_MOST)
             a->response[c] = other;
     }
-    a->learned += a->learned < 2;
+    a->learned = 1;
 }
 
 double pupil_sensor_unrest(const sensor_estimate *a)

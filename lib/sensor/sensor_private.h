@@ -103,7 +103,7 @@ typedef struct sensor_estimate {
     uint32_t is_borne_out;           /* the picture has moved as the metadata did */
     uint32_t seen;                   /* mask of controls whose answer was seen */
     uint32_t is_searching;           /* the camera did not do what was expected */
-    uint32_t learned;                /* answers that were seen; at most 2 */
+    uint32_t learned;                /* an answer was seen */
     float cost[SENSOR_GUESSES][SENSOR_GUESSES];
 } sensor_estimate;
 
