@@ -8,7 +8,7 @@
 #include "pupil/pupil.h"
 #include "pupil/sensor.h"
 
-enum { PLANT_WIDTH = 64, PLANT_HEIGHT = 32, PLANT_PIXELS = PLANT_WIDTH * PLANT_HEIGHT, PLANT_RING = 32 };
+enum { PLANT_WIDTH = 64, PLANT_HEIGHT = 16, PLANT_PIXELS = PLANT_WIDTH * PLANT_HEIGHT, PLANT_RING = 32 };
 
 #define PLANT_LINE_S 18.9e-6
 #define PLANT_SIGMA  1.3 /* stops, of the scene */
