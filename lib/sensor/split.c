@@ -247,7 +247,7 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
         fit.exposure_s = line_at_least(c, total / fit.gain < most_s ? total / fit.gain : most_s);
         hz = 0; /* at the dark end, all exposure there is */
     }
-    fit.off_ev = pupil_log2(total / (pupil_sensor_told(o, fit.exposure_s) * fit.gain));
+    fit.off_ev = size_of(pupil_log2(total / (pupil_sensor_told(o, fit.exposure_s) * fit.gain)));
     fit_coarse(o, is_fine ? 0 : hz, total, is_fixed_s, is_fixed, &fit);
     *exposure_s = fit.exposure_s;
     *gain = fit.gain;
