@@ -98,6 +98,8 @@ static pupil_sensor_config random_config(const scripted_camera *camera)
     c.gain_max = c.gain_law == PUPIL_GAIN_TABLE ? c.gain_max : USUALLY(16.0, 4.0, 2.0, 22.0);
     if (c.gain_law == PUPIL_GAIN_LINEAR)
         c.gain_step = USUALLY(1.0 / 16.0, 0.5, 1.0);
+    if (c.gain_law == PUPIL_GAIN_DB)
+        c.gain_step = USUALLY(0.3, 3.0, 6.0);
     if (one_in(6)) { /* coarse tables of its own */
         c.exposure_count = 2 + (uint32_t)below(8);
         const int is_even = one_in(2);

@@ -203,6 +203,21 @@ static void check_pairs(void)
     CHECK(pupil_sensor_config_check(&c, NULL) == PUPIL_OK);
 }
 
+/* The ends of what tables may have, and entries that are as the one before. */
+static void check_tables(void)
+{
+    pupil_sensor_config c = wide_config();
+    c.gain_law = PUPIL_GAIN_TABLE;
+    c.exposure_count = c.gain_count = c.stages = 3;
+    for (int i = 0; i < 3; i++) {
+        c.exposure_table[i] = c.stage[i].exposure_s = i < 2 ? 1e-9 : 1e4;
+        c.gain_table[i] = c.stage[i].gain = i < 2 ? 0x1p-10 : 65536.0;
+    }
+    CHECK(pupil_sensor_config_check(&c, NULL) == PUPIL_OK);
+    c.gain_count = 1;
+    CHECK(pupil_sensor_config_check(&c, NULL) == PUPIL_OK);
+}
+
 static void check_pointers(void)
 {
     static pupil_sensor other, before;
@@ -319,6 +334,7 @@ int main(int argc, char **argv)
     CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
     check_ranges();
     check_pairs();
+    check_tables();
     check_pointers();
     check_metadata();
     check_ends();
