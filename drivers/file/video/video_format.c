@@ -38,10 +38,22 @@ int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_
     return 0;
 }
 
+int pupil_video_format_fits(const AVCodecParameters *parameters, int64_t max_pixels, pupil_why *why)
+{
+    if ((int64_t)parameters->width * parameters->height <= max_pixels)
+        return 0;
+    return pupil_refuse(why, "frames of %d x %d pixels; at most %lld pixels can be read", parameters->width,
+                        parameters->height, (long long)max_pixels);
+}
+
 int pupil_video_format_look(AVFormatContext *format, int64_t max_pixels, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     const unsigned count = format->nb_streams; /* more may come while libav looks */
+    for (unsigned i = 0; i < count; i++) /* of frames that are too large libav forgets the size */
+        if (!(format->streams[i]->disposition & AV_DISPOSITION_ATTACHED_PIC) &&
+            pupil_video_format_fits(format->streams[i]->codecpar, max_pixels, why))
+            return -1;
     AVDictionary **limits = av_calloc(count ? count : 1, sizeof *limits);
     for (unsigned i = 0; limits && i < count; i++)
         av_dict_set_int(&limits[i], "max_pixels", max_pixels, 0);

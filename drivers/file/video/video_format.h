@@ -15,6 +15,9 @@ const char *pupil_libav_words(int code, char buffer[AV_ERROR_MAX_STRING_SIZE]);
 /* What the bytes are. 0, or -1 and a sentence without a file name; the caller closes *format either way. */
 int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_why *why);
 
+/* Whether a stream's frames have at most so many pixels. 0, or -1 and a sentence. */
+int pupil_video_format_fits(const AVCodecParameters *parameters, int64_t max_pixels, pupil_why *why);
+
 /* Looks into the streams, with decoders that refuse frames of more pixels. 0, or -1 and a sentence. */
 int pupil_video_format_look(AVFormatContext *format, int64_t max_pixels, pupil_why *why);
 

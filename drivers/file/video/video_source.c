@@ -375,9 +375,9 @@ static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pix
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     const AVCodecParameters *parameters = v->stream->codecpar;
-    if ((int64_t)parameters->width * parameters->height > max_pixels)
-        return failed(v, why, "frames of %d x %d pixels; at most %lld pixels can be read", parameters->width,
-                      parameters->height, (long long)max_pixels);
+    pupil_why large;
+    if (pupil_video_format_fits(parameters, max_pixels, &large))
+        return failed(v, why, "%s", large.text);
     v->codec = avcodec_alloc_context3(decoder);
     v->packet = av_packet_alloc();
     v->frame = av_frame_alloc();

@@ -62,6 +62,9 @@ expect 0 "" $walk -n 1 -o one.png
 [ "$(head -c 9 stream.y4m)" = YUV4MPEG2 ] || fail "stdout is no Y4M"
 "$program" $walk -n 5 -o stream2.y4m
 cmp -s stream.y4m stream2.y4m || fail "stdout and a file differ"
+for large in a.mp4 stream.y4m; do
+    expect 1 "$large: frames of 64 x 36 pixels; at most 2303 pixels can be read" replay $large --max-pixels 2303 -o no.mp4
+done
 
 # what is there is kept, unless -y
 for made in a.mp4 a.y4m one.png one.tif s.jsonl s.json p.svg; do
