@@ -123,7 +123,9 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     const double off = highlight_off(p, v->has_highlight ? held_back(c, v, goal, highlight) : 0.0);
     p->moved = 0.0;
     const int is_waiting = pupil_sensor_is_pending(o) || o->announced.frames;
-    if (size_of(effect + goal - p->held_back_ev - p->wanted) < near_ev && !is_waiting) {
+    const double far = effect + goal - p->held_back_ev - p->wanted;
+    const double low = far < 0.0 ? far : 0.0, by_them = clamp(off, low, far - low); /* they may be all that is off */
+    if (size_of(far - by_them) < near_ev && !is_waiting) {
         const double fast_ev = highlight_move_ev(o);
         const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -fast_ev, fast_ev);
         p->held_back_ev += move;

@@ -50,6 +50,20 @@ static void check_named(double light_ev, uint32_t limit)
               pupil_sensor_state_name(s.state), pupil_sensor_reason_name(s.reason));
 }
 
+/* What highlights hold back brings the aim within reach again: they are followed where it is not, too. */
+static void check_highlights(double light_ev)
+{
+    pupil_sensor_setting s;
+    begin(LAW_FINE, 1.0);
+    p.light_ev = light_ev;
+    for (int i = 0; i < PLANT_PIXELS * 6 / 10; i++)
+        p.scene[i] = -9.0;
+    for (int i = 0; i < 150; i++)
+        plant_turn(&p, &sensor, &s, NULL);
+    CHECK_MSG(s.state == PUPIL_SENSOR_CONVERGED && s.reason == PUPIL_SENSOR_HIGHLIGHTS, "light %g EV: %s, %s", light_ev,
+              pupil_sensor_state_name(s.state), pupil_sensor_reason_name(s.reason));
+}
+
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
@@ -57,5 +71,7 @@ int main(int argc, char **argv)
         for (int law = 0; law < LAWS; law++)
             check_last_step(law, slope);
     check_named(-4.0, PUPIL_SENSOR_AT_GAIN_MAX);
+    for (double light_ev = 3.8; light_ev < 6.0; light_ev += 0.2)
+        check_highlights(light_ev);
     return check_end();
 }

@@ -58,6 +58,14 @@ longest=74.9030857ms,gain=36.4075736,law=sixteenth,delay=2/4,size=16x32,black=25
 curve=gamma:0.951846,scene=window:1.86951,light=10.466174ev,black_off=-23.1950731%" \
     --light "0s -2.689ev; 2.0973s -24.000ev; 3.8950s -9.911ev; 5.9173s -9.714ev; 7.6401s -9.911ev" >again.txt ||
     fail "$(grep verdict again.txt)"
+# A search rests below the brightest setting, and the aim is out of reach: the last gain is asked for.
+"$program" sim -q --check --delay 4 \
+    --camera "seed=7342,fps=52.8761191,readout=14.49363ms,line=15.5348963us,shortest=31.0697925us,\
+longest=39.8859335ms,gain=25.397245,delay=2/4,size=16x32,bits=8,\
+curve=gamma:1.66465,scene=window:4.36907,light=8.7161125ev,white=98%/98%" \
+    --light "0s 3.138ev; lamp 60Hz 30.5% daylight 14.9% pwm 74%; 0.3782s ramp -13.7546ev/s 1.0969s; 1.4751s -11.950ev; \
+1.8912s -9.367ev; 2.3912s -8.474ev; 2.8912s -10.675ev; 4.2233s ramp 5.9622ev/s 0.7754s; 4.9987s -6.052ev; \
+5.5472s ramp -4.8543ev/s 0.8132s; 6.3604s -10.000ev; 6.3604s lamp off" >again.txt || fail "$(grep verdict again.txt)"
 
 if command -v gnuplot >/dev/null; then
     "$program" sim --plot run.svg >/dev/null
