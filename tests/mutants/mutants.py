@@ -124,7 +124,7 @@ class Source:
 
 
 def drawn(sources, seed):
-    """All mutations, in an order that takes the kinds in turn and is random within each."""
+    """All mutations but those of extremes, in an order that takes the kinds in turn and is random within each."""
     kinds = {}
     for source in sources:
         for m in mutations.mutations_of(source.text):
@@ -135,7 +135,7 @@ def drawn(sources, seed):
     order = []
     while any(kinds.values()):
         order += [kinds[name].pop() for name in sorted(kinds) if kinds[name]]
-    return order
+    return [(source, m) for source, m in order if not mutations.is_of_extreme(source.text, m)]
 
 
 def description(source, m):

@@ -61,22 +61,6 @@ def float_of(token):
         return 0.0
 
 
-def is_extreme(text, start, end):
-    """The comparison at start is that of a < b ? a : b or the like, where it makes no difference which of two that are
-    equal is taken; but it does which 0."""
-    head = " ".join(re.split(r"[;{}]", text[:start])[-1].split())
-    found = re.match(r"([^?;{}]+) \? ([^:;{}]+) : ([^;{}]+)", " ".join(text[end : text.find(";", end)].split()))
-    if not found or re.fullmatch(r"0(\.0f?)?", found[1]):
-        return False
-    right, first, second = found.groups()
-    if first == right:
-        left = next((second[:n] for n in range(len(second), 0, -1) if head.endswith(second[:n])), "")
-        left = left if re.match(r"[,)]|$", second[len(left) :]) else ""
-    else:
-        left = first if re.match(re.escape(right) + r"([,)]|$)", second) else ""
-    return bool(left) and head.endswith(left) and bool(re.search(r"([=(,?:]|&&|\|\||return) ?$", head[: -len(left)]))
-
-
 def closing(tokens, i):
     """The index of the parenthesis that closes the one at i."""
     depth = 0
@@ -150,8 +134,7 @@ def mutations_of(text):
         in_define = text[text.rfind("\n", 0, start) + 1 :].startswith("#define")
         if word in SWAPS and (inside[i] or in_define) and is_binary(text, start, end):
             kind = "comparison" if word in ("<", "<=", ">", ">=", "==", "!=") else "operator"
-            if word not in ("<", "<=", ">", ">=") or not is_extreme(text, start, end):
-                found.append(Mutation(kind, start, end, word, SWAPS[word]))
+            found.append(Mutation(kind, start, end, word, SWAPS[word]))
         if re.match(r"\.?\d", word) and not is_array_size(tokens, i):
             found += [Mutation("constant", start, end, word, after) for after in numbers(word)]
     return found
@@ -167,6 +150,25 @@ def source_line(text, mutation):
 
 def mutated(text, mutation):
     return text[: mutation.start] + mutation.after + text[mutation.end :]
+
+
+def is_of_extreme(text, m):
+    """Whether it changes a < b ? a : b or the like to <=: it makes no difference which of two that are equal is taken,
+    but it does which 0."""
+    if m.before not in ("<", "<=", ">", ">="):
+        return False
+    head = " ".join(re.split(r"[;{}]", text[: m.start])[-1].split())
+    tail = " ".join(text[m.end : text.find(";", m.end)].split())
+    found = re.match(r"([^?;{}]+) \? ([^:;{}]+) : ([^;{}]+)", tail)
+    if not found or re.fullmatch(r"0(\.0f?)?", found[1]):
+        return False
+    right, first, second = found.groups()
+    if first == right:
+        left = next((second[:n] for n in range(len(second), 0, -1) if head.endswith(second[:n])), "")
+        left = left if re.match(r"[,)]|$", second[len(left) :]) else ""
+    else:
+        left = first if re.match(re.escape(right) + r"([,)]|$)", second) else ""
+    return bool(left) and head.endswith(left) and bool(re.search(r"([=(,?:]|&&|\|\||return) ?$", head[: -len(left)]))
 
 
 if __name__ == "__main__":
