@@ -237,10 +237,6 @@ static void survey(sensor_estimate *a)
                 a->best[1] = g;
             }
         }
-    if (!a->reports && a->is_borne_out && best >= SENSOR_COST_ALIVE) { /* what was in force still is */
-        a->alive[0] = a->alive[1] = 1;
-        a->best[0] = a->best[1] = 0;
-    }
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->in_force[c] = in_force(a, c, a->best[c], 0);
 }
