@@ -74,15 +74,16 @@ static void frame(camera *c, double ev)
                                    .sequence = c->n,
                                    .exposure_s = c->exposure_s,
                                    .gain = c->gain};
+    const double most = c->modulation * left_of(c->hz, c->exposure_s);
     double all = 0.0;
     for (int b = 0; b < PUPIL_BANDS; b++) {
         double sum = 0.0;
         for (int y = 0; y < ROWS; y++) {
             const double row = (b + (y + 0.5) / ROWS), at = row + c->place;
             const double turns = c->hz * (c->t + row / PUPIL_BANDS * c->readout_s - 0.5 * c->exposure_s) + c->phase;
-            const double wave = c->modulation * left_of(c->hz, c->exposure_s) * cos(2.0 * PI * turns);
+            const double lamp = most != 0.0 ? log2(1.0 + most * cos(2.0 * PI * turns)) : 0.0;
             const int i = (int)floor(at);
-            sum += log2(1.0 + wave) + c->texture[i & (TEXTURE - 1)] +
+            sum += lamp + c->texture[i & (TEXTURE - 1)] +
                    (at - i) * (c->texture[(i + 1) & (TEXTURE - 1)] - c->texture[i & (TEXTURE - 1)]);
         }
         const double level = sum / ROWS + c->noise_ev * normal() + c->shade[b] + ev - 2.5;
