@@ -12,7 +12,8 @@
 #include "expected_lines.h"
 #include "scripted_loop.h"
 
-enum { GROUPS = 20, IN_GROUP = 20, LINE_BYTES = 120 };
+enum { GROUPS = 21, IN_GROUP = 20, LINE_BYTES = 120 };
+enum { LAST_GROUP = 147 }; /* the first with an exchange where the exposure is not automatic */
 
 static int one_in(int n)
 {
@@ -204,7 +205,8 @@ int main(int argc, char **argv)
     const expected_lines table = expected_begin("random_loops.txt", argc, argv);
     for (int i = 0; table.file && i < GROUPS; i++) {
         group g = {0};
-        check_state.random = check_state.seed + (uint64_t)i; /* a group does not depend on those before */
+        /* a group does not depend on those before */
+        check_state.random = check_state.seed + (uint64_t)(i == GROUPS - 1 ? LAST_GROUP : i);
         for (int k = 0; k < IN_GROUP; k++)
             run(&g);
         snprintf(line, sizeof line, "%2d: off %5d of %5d asked %4d sensor %6.3f digest %016llx\n", i, g.off, g.frames,
