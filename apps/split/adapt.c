@@ -194,10 +194,7 @@ static int run(adapting *a, pupil_why *why)
         for (uint64_t n = 0; n < a->part[i].header.count; n++) {
             if (interrupt_came() || split_file_read(&a->part[i], &a->frame, why) || adapt(a, why) || note(a, why))
                 return -1;
-            if (progress_due(&a->progress, 0.1)) {
-                progress_add(&a->progress, "frame %llu", (unsigned long long)a->frames);
-                progress_show(&a->progress);
-            }
+            split_show(&a->progress, a->frames);
         }
     if (a->options.out && split_file_finish(&a->curves, why))
         return -1;

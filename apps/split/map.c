@@ -113,7 +113,7 @@ static int run(mapping *m, pupil_why *why)
         split_input_done(&m->input, &frame);
         if (failed)
             return -1;
-        split_show(&m->input, &m->progress);
+        split_show(&m->progress, m->input.number);
     }
     if (got < 0 || interrupt_came())
         return -1;

@@ -53,7 +53,7 @@ static int run(metering *m, pupil_why *why)
         split_input_done(&m->input, &frame);
         if (failed)
             return -1;
-        split_show(&m->input, &m->progress);
+        split_show(&m->progress, m->input.number);
     }
     m->part.header.is_last = (uint32_t)m->input.is_at_end;
     return got < 0 || interrupt_came() ? -1 : split_file_finish(&m->part, why);

@@ -180,11 +180,11 @@ void split_input_close(split_input *s)
     s->source = NULL;
 }
 
-void split_show(const split_input *s, progress *line)
+void split_show(progress *line, uint64_t frame)
 {
     if (!progress_due(line, 0.1))
         return;
-    progress_add(line, "frame %llu", (unsigned long long)s->number);
+    progress_add(line, "frame %llu", (unsigned long long)frame);
     progress_show(line);
 }
 

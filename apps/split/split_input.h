@@ -36,8 +36,8 @@ void split_input_describe(const split_input *s, split_header *header);
 
 void split_input_close(split_input *s);
 
-/* The progress line, where it is due. */
-void split_show(const split_input *s, progress *line);
+/* The progress line, where it is due: so many frames are done, or this one is next. */
+void split_show(progress *line, uint64_t frame);
 
 /* "metered 100 frames in 2.0 s", without the end of the line. */
 void split_tell(const char *what, uint64_t frames, double began_s);

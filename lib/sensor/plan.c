@@ -193,7 +193,7 @@ static void filter(pupil_sensor_object *o, double off)
     double move = off * (usual < most ? usual : most);
     double most_ev =
         SENSOR_GLIDE_EV > size_of(move) ? SENSOR_GLIDE_EV : size_of(move); /* what is near is tau_s's alone */
-    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) { /* it is not seen, and then the limit is all used */
+    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) {               /* not seen: the setting goes to the limit */
         move = off;
     } else if (p->far_frames > c->flash_frames) {
         move = off * most;

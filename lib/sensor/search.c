@@ -102,8 +102,8 @@ double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
     return o->plan.held_back_ev > SENSOR_SETTLED_EV ? SENSOR_HIGHLIGHT_DOUBT_EV : 0.0;
 }
 
-/* A setting that lacks so much is not worth a search: the digital factor does it. Not so at a limit, which is all used.
- */
+/* A setting that lacks so much is not worth a search: the digital factor does it. Where the aim is out of reach, the
+ * setting goes to the limit. */
 static int is_near(const pupil_sensor_object *o, double need)
 {
     return size_of(need) <= SENSOR_OFF_EV + pupil_sensor_doubt_ev(o) && o->plan.beyond == 0.0;

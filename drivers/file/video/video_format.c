@@ -50,7 +50,8 @@ int pupil_video_format_look(AVFormatContext *format, int64_t max_pixels, pupil_w
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     const unsigned count = format->nb_streams; /* more may come while libav looks */
-    for (unsigned i = 0; i < count; i++)       /* of frames that are too large libav forgets the size */
+    /* of frames that are too large libav forgets the size */
+    for (unsigned i = 0; i < count; i++)
         if (!(format->streams[i]->disposition & AV_DISPOSITION_ATTACHED_PIC) &&
             pupil_video_format_fits(format->streams[i]->codecpar, max_pixels, why))
             return -1;

@@ -43,8 +43,8 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* A write that takes two seconds: 150 frames go by meanwhile, each with all four calls, and none of them ends it. The
- * calls are told from the write by order, not by time: it has not come back when all are done. */
+/* A write that takes two seconds. Meanwhile 150 frames each make all four calls, and none of them waits for the write.
+ * The test checks the order and not the time: after the last call the write is still running. */
 static void check_slow_write(void)
 {
     fake_uvc(&fake);
