@@ -73,47 +73,60 @@ static void bloom_halve(const float *even, const float *odd, uint32_t n, float *
     }
 }
 
-/* Whether a channel of pixels of four floats is above a threshold. */
-static int bloom_lit_rgba32f(const void *source, ptrdiff_t next_row, uint32_t n, float threshold)
+/* Whether any lane is set. */
+static inline __attribute__((always_inline)) uint32_t bloom_some(const bloom_places *set)
 {
-    static const bloom_places colours = {-1, -1, -1, 0, -1, -1, -1, 0};
-    const float *v = source;
-    bloom_places any = {0}, more = {0};
-    uint32_t i = 0;
-    for (; i + 8 <= n; i += 8, v += 4 * BLOOM_LANES) {
-        const bloom_loose *of = (const bloom_loose *)(const void *)v;
-        __builtin_prefetch((const uint8_t *)v + next_row);
-        __builtin_prefetch((const uint8_t *)v + next_row + 64);
-        any |= (of[0] > threshold) | (of[1] > threshold);
-        more |= (of[2] > threshold) | (of[3] > threshold);
-    }
-    any |= more;
-    for (; i + 2 <= n; i += 2, v += BLOOM_LANES)
-        any |= *(const bloom_loose *)(const void *)v > threshold;
-    any &= colours;
-    int32_t lit = i < n && (v[0] > threshold || v[1] > threshold || v[2] > threshold);
+    int32_t any = 0;
     for (int k = 0; k < BLOOM_LANES; k++)
-        lit |= any[k];
-    return lit != 0;
+        any |= (*set)[k];
+    return any != 0;
 }
 
-static uint32_t bloom_units(const float *r, const float *g, const float *b, uint32_t n)
+static inline __attribute__((always_inline)) void bloom_eight_pixels(const float *v, float threshold, bloom_places *any)
 {
-    uint32_t units = 0;
-    for (uint32_t i = 0; i < n; i += 2 * BLOOM_LANES) {
-        bloom_places low[3], high[3];
-        const float *const from[3] = {r + i, g + i, b + i};
-        for (int k = 0; k < 3; k++) {
-            __builtin_memcpy(&low[k], from[k], sizeof low[k]);
-            __builtin_memcpy(&high[k], from[k] + BLOOM_LANES, sizeof high[k]);
+    const bloom_loose *of = (const bloom_loose *)(const void *)v;
+    *any |= ((of[0] > threshold) | (of[1] > threshold)) | ((of[2] > threshold) | (of[3] > threshold));
+}
+
+/* Of pixels of four floats. Almost all are dark: 32 of them at a time, and then eight. */
+static uint32_t bloom_lamps_rgba32f(const void *source, uint32_t n, float threshold)
+{
+    enum { MANY = 32, EIGHT = 8 };
+    static const bloom_places colours = {-1, -1, -1, 0, -1, -1, -1, 0};
+    const float *v = source;
+    uint32_t lamps = 0, i = 0;
+    for (; i + MANY <= n; i += MANY) {
+        bloom_places any = {0};
+        for (uint32_t k = i; k < i + MANY; k += EIGHT)
+            bloom_eight_pixels(v + 4 * (size_t)k, threshold, &any);
+        any &= colours;
+        for (uint32_t k = i; k < i + MANY && bloom_some(&any); k += EIGHT) {
+            bloom_places eight = {0};
+            bloom_eight_pixels(v + 4 * (size_t)k, threshold, &eight);
+            eight &= colours;
+            lamps |= bloom_some(&eight) << k / EIGHT;
         }
-        const bloom_places any = (low[0] | low[1] | low[2]) | (high[0] | high[1] | high[2]);
-        uint32_t lit = 0;
-        for (int k = 0; k < BLOOM_LANES; k++)
-            lit |= (uint32_t)any[k];
-        units |= (uint32_t)(lit != 0) << i / (2 * BLOOM_LANES);
     }
-    return units;
+    for (v += 4 * (size_t)i; i < n; i++, v += 4)
+        lamps |= (uint32_t)(v[0] > threshold || v[1] > threshold || v[2] > threshold) << i / EIGHT;
+    return lamps;
+}
+
+static uint32_t bloom_lamps(const pupil_planes *planes, uint32_t n, float threshold)
+{
+    const float *r = planes->r, *g = planes->g, *b = planes->b;
+    uint32_t lamps = 0, i = 0;
+    for (; i + BLOOM_LANES <= n; i += BLOOM_LANES) {
+        bloom_lanes light[3];
+        __builtin_memcpy(&light[0], r + i, sizeof light[0]);
+        __builtin_memcpy(&light[1], g + i, sizeof light[1]);
+        __builtin_memcpy(&light[2], b + i, sizeof light[2]);
+        const bloom_places any = (light[0] > threshold) | (light[1] > threshold) | (light[2] > threshold);
+        lamps |= bloom_some(&any) << i / BLOOM_LANES;
+    }
+    for (; i < n; i++)
+        lamps |= (uint32_t)(r[i] > threshold || g[i] > threshold || b[i] > threshold) << i / BLOOM_LANES;
+    return lamps;
 }
 
 static void bloom_widen(const float *from, uint32_t n, float *to)
@@ -136,6 +149,6 @@ static void bloom_widen(const float *from, uint32_t n, float *to)
 #define BLOOM_PIECES                                                                                                   \
     .bloom_columns = bloom_columns, .bloom_rows = bloom_rows, .bloom_bright = bloom_bright, .bloom_down = bloom_down,  \
     .bloom_up = bloom_up, .bloom_halve = bloom_halve, .bloom_widen = bloom_widen,                                      \
-    .bloom_lit_rgba32f = bloom_lit_rgba32f, .bloom_units = bloom_units
+    .bloom_lamps_rgba32f = bloom_lamps_rgba32f, .bloom_lamps = bloom_lamps
 
 #endif

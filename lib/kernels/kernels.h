@@ -282,13 +282,12 @@ typedef void pupil_bloom_columns_kernel(const float *const *row, const pupil_blo
 typedef void pupil_bloom_rows_kernel(const pupil_bloom_sums sums, uint32_t n, float *to, int add);
 /* What of n pixels scatters: above a threshold, and within 0..PUPIL_CEILING. */
 typedef void pupil_bloom_bright_kernel(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3]);
-/* All of the light of n pixels of RGBA32F. And whether a threshold lets any of them through. The next row, so many
- * bytes on, is fetched into the cache. */
+/* All of the light of n pixels of RGBA32F. The next row, so many bytes on, is fetched into the cache. */
 typedef void pupil_bloom_pixels_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3]);
-typedef int pupil_bloom_lit_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float threshold);
-/* In which 16 pixels of n there is light: bit k of pixels 16 k to 16 k + 15, for n up to its next multiple of 16, 512
- * at most. */
-typedef uint32_t pupil_bloom_units_kernel(const float *r, const float *g, const float *b, uint32_t n);
+/* Which of n pixels, PUPIL_BLOCK at most, have a channel above a threshold: bit k is of pixels 8 k to 8 k + 7. Of
+ * RGBA32F, and of planes. */
+typedef uint32_t pupil_bloom_lamps_of_pixels_kernel(const void *source, uint32_t n, float threshold);
+typedef uint32_t pupil_bloom_lamps_kernel(const pupil_planes *planes, uint32_t n, float threshold);
 /* A row of half the height from eight, the even and the odd ones of it apart; and one of twice the height from four:
  * for n up to its next multiple of 16. */
 typedef void pupil_bloom_down_kernel(const float *const row[8], uint32_t n, float *even, float *odd);
@@ -329,8 +328,8 @@ typedef struct pupil_kernels {
     pupil_bloom_rows_kernel *bloom_rows;
     pupil_bloom_bright_kernel *bloom_bright;
     pupil_bloom_pixels_kernel *bloom_light_rgba32f; /* only where it is faster than its pieces */
-    pupil_bloom_lit_kernel *bloom_lit_rgba32f;
-    pupil_bloom_units_kernel *bloom_units;
+    pupil_bloom_lamps_of_pixels_kernel *bloom_lamps_rgba32f;
+    pupil_bloom_lamps_kernel *bloom_lamps;
     pupil_bloom_down_kernel *bloom_down;
     pupil_bloom_up_kernel *bloom_up;
     pupil_bloom_halve_kernel *bloom_halve;

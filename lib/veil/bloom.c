@@ -66,7 +66,7 @@ static bloom_octave octave_at(const pupil_bloom_config *c, uint32_t k, size_t *f
     /* An odd number of steps: rows that are 4096 bytes apart would share a few places of a cache. */
     at.stride = (rounded(BLOOM_LEFT + at.width + BLOOM_LEFT + BLOOM_STEP) / BLOOM_STEP | 1) * BLOOM_STEP;
     at.rows = at.height + 2 * BLOOM_MARGIN;
-    at.units = rounded(at.width + 2 * BLOOM_MARGIN) / BLOOM_STEP;
+    at.units = (at.width + 2 * BLOOM_MARGIN + BLOOM_UNIT - 1) / BLOOM_UNIT;
     at.light = *floats;
     at.blurred = at.light + 3 * (size_t)at.rows * at.stride;
     *floats = at.blurred + 3 * (size_t)at.rows * at.stride;
@@ -76,7 +76,7 @@ static bloom_octave octave_at(const pupil_bloom_config *c, uint32_t k, size_t *f
 /* What memory holds, from octave 1 on: planes, rows of zeros and for solve, and bytes. */
 typedef struct bloom_places {
     bloom_octave octave[BLOOM_OCTAVES];
-    size_t nothing, line, sums, need, bytes;
+    size_t nothing, line, sums, need, lamps, bytes;
 } bloom_places;
 
 static __attribute__((noinline)) void find_places(const pupil_bloom_config *c, uint32_t octaves, bloom_places *p)
@@ -88,13 +88,15 @@ static __attribute__((noinline)) void find_places(const pupil_bloom_config *c, u
     p->nothing = floats;
     p->line = p->nothing + longest;
     p->sums = p->line + longest + BLOOM_STEP;
-    p->bytes = (p->sums + sizeof(pupil_bloom_sums) / sizeof(float)) * sizeof(float);
+    p->lamps = p->sums + sizeof(pupil_bloom_sums) / sizeof(float);
+    p->bytes = (p->lamps + (c->threshold > 0.0 ? (size_t)c->height * pupil_bloom_words(c->width) : 0)) * sizeof(float);
     for (uint32_t k = 1; k < octaves; k++) {
         p->octave[k].lit = p->bytes;
-        p->bytes += (size_t)p->octave[k].rows * p->octave[k].units;
+        p->octave[k].reached = p->bytes + (size_t)p->octave[k].rows * p->octave[k].units;
+        p->bytes += 2 * (size_t)p->octave[k].rows * p->octave[k].units;
     }
     p->need = p->bytes;
-    p->bytes += octaves > 1 ? p->octave[1].units : 0;
+    p->bytes += octaves > 1 ? 2 * (size_t)p->octave[1].units + BLOOM_STEP : 0;
     p->bytes = p->bytes > sizeof(bloom_fit) ? p->bytes : sizeof(bloom_fit);
 }
 
@@ -121,6 +123,7 @@ static __attribute__((noinline)) void take_places(bloom_object *o)
     o->line = p.line;
     o->sums = p.sums;
     o->need = p.need;
+    o->lamps = p.lamps;
 }
 
 /* What scatters is taken from its pixel. */

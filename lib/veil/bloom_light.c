@@ -15,45 +15,26 @@ static bloom_piece piece_of(uint32_t width, int32_t x, uint32_t n)
                        : (bloom_piece){0};
 }
 
-uint32_t pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_line line)
+void pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_line line)
 {
     const pupil_image_const *in = f->rows.image;
-    const bloom_piece p = piece_of(in->width, x, n);
-    const int by_pixels = in->pixel == PUPIL_PIXEL_RGBA32F, bright_pass = f->threshold > 0.0f;
-    if (y < 0 || y >= (int32_t)in->height || !p.pixels)
-        return 0;
-    const pupil_row row = pupil_veil_row_of(&f->rows, (uint32_t)y);
-    const uint8_t *source = row.data + 16 * (size_t)p.first;
-    const ptrdiff_t next_row = y + 1 < (int32_t)in->height ? in->stride_bytes : 0;
-    if (bright_pass && by_pixels &&
-        !PUPIL_PIECE(f->kernels, bloom_lit_rgba32f)(source, next_row, p.pixels, f->threshold))
-        return 0;
+    const bloom_piece p = y < 0 || y >= (int32_t)in->height ? (bloom_piece){0} : piece_of(in->width, x, n);
     for (int channel = 0; channel < 3 && p.pixels < n; channel++) {
         const uint32_t after = p.before + p.pixels;
         __builtin_memset(line[channel], 0, p.before * sizeof(float));
         __builtin_memset(line[channel] + after, 0, (BLOOM_LINE - after) * sizeof(float));
     }
+    if (!p.pixels)
+        return;
+    const pupil_row row = pupil_veil_row_of(&f->rows, (uint32_t)y);
     float *const to[3] = {line[0] + p.before, line[1] + p.before, line[2] + p.before};
-    if (!bright_pass && by_pixels && f->kernels->bloom_light_rgba32f) {
-        f->kernels->bloom_light_rgba32f(source, next_row, p.pixels, to);
-        return BLOOM_ALL_UNITS;
+    if (f->threshold > 0.0f || in->pixel != PUPIL_PIXEL_RGBA32F || !f->kernels->bloom_light_rgba32f) {
+        (void)PUPIL_PIECE(f->kernels, load[in->pixel])(&f->rows.coder, &row, p.first, p.pixels, &f->planes);
+        PUPIL_PIECE(f->kernels, bloom_bright)(&f->planes, p.pixels, f->threshold, to);
+        return;
     }
-    (void)PUPIL_PIECE(f->kernels, load[in->pixel])(&f->rows.coder, &row, p.first, p.pixels, &f->planes);
-    PUPIL_PIECE(f->kernels, bloom_bright)(&f->planes, p.pixels, f->threshold, to);
-    return bright_pass ? PUPIL_PIECE(f->kernels, bloom_units)(line[0], line[1], line[2], n) : BLOOM_ALL_UNITS;
-}
-
-int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count)
-{
-    int any = 0;
-    for (uint32_t i = 0; i < count; i++)
-        any |= state[i] == BLOOM_LIT;
-    for (uint32_t i = 0; i < count && any; i++)
-        if (state[i] == BLOOM_DARK) {
-            __builtin_memset(lines[i], 0, sizeof(bloom_line));
-            state[i] = BLOOM_BLACK;
-        }
-    return any;
+    const ptrdiff_t next_row = y + 1 < (int32_t)in->height ? in->stride_bytes : 0;
+    f->kernels->bloom_light_rgba32f(row.data + 16 * (size_t)p.first, next_row, p.pixels, to);
 }
 
 /* A row of the finer octave is 5/256, 84/256, 137/256 and 30/256 of four, or those from the other side. */

@@ -1,171 +1,81 @@
-/* The octaves of a bloom: a frame's light at half the size, and again, and each one's blurs. */
+/* The octaves of a bloom: the light of the first one at half the size, and again, and each one's blurs. What no lamp
+ * reaches is 0 in all planes, and remains so without being written: flags say where it is not. */
 #include "bloom_private.h"
 
-#include "base/numeric.h"
-#include "core/image.h"
+enum { HALVED = 8, REACH = PUPIL_BLOOM_ROWS / 2 };
 
-enum { PART = BLOOM_PART / 2, HALVED = 8, REACH = PUPIL_BLOOM_ROWS / 2 };
-_Static_assert(PART % 8 == 0, "kernels write whole vectors");
-
-/* What a worker gathers with. */
-typedef struct gathering {
-    BLOOM_ALIGNED bloom_line row[HALVED];
-    BLOOM_ALIGNED float even[3][BLOOM_LINE / 2], odd[3][BLOOM_LINE / 2];
-    uint8_t state[HALVED];
-    bloom_frame frame;
-} gathering;
-_Static_assert(sizeof(gathering) + 64 <= sizeof(pupil_bloom_scratch), "PUPIL_BLOOM_SCRATCH_BYTES is too small");
-
-static bloom_object *object_of(pupil_bloom *bloom)
+void pupil_bloom_clear(bloom_object *o, uint32_t octave, size_t planes, size_t flags, int32_t y, uint32_t first,
+                       uint32_t end)
 {
-    return (bloom_object *)(void *)bloom;
-}
-
-/* --- the first octave, from the frame --- */
-
-static void read_row(gathering *g, int32_t y, int32_t x, uint32_t n)
-{
-    const uint32_t at = (uint32_t)(y + 2 * HALVED) % HALVED;
-    const uint32_t lit = pupil_bloom_light(&g->frame, y, 2 * x - BLOOM_SIDE, 2 * n + 2 * BLOOM_SIDE, g->row[at]);
-    g->state[at] = lit ? BLOOM_LIT : BLOOM_DARK;
-}
-
-/* Which units of row j have light, `count` pixels of them from x on. Where all light scatters, it is in all. */
-static void mark(bloom_object *o, uint32_t octave, int32_t j, uint32_t x, uint32_t count, int bright_pass)
-{
-    uint8_t *lit = pupil_bloom_lit(o, octave, j);
-    for (uint32_t at = x; at < x + count; at += BLOOM_STEP) {
-        const uint32_t n = x + count - at < BLOOM_STEP ? x + count - at : BLOOM_STEP;
-        uint32_t any = !bright_pass;
-        for (int channel = 0; channel < 3 && !any; channel++) {
-            const float *row = o->memory + pupil_bloom_row(o, octave, o->octave[octave].light, channel, j);
-            for (uint32_t i = 0; i < n; i++)
-                any |= pupil_bits_of_float(row[BLOOM_LEFT - BLOOM_MARGIN + at + i]);
+    uint8_t *set = pupil_bloom_flags(o, octave, flags, y);
+    for (uint32_t u = first; u < end; u++) {
+        for (int channel = 0; channel < 3 && set[u]; channel++) {
+            float *row = o->memory + pupil_bloom_row(o, octave, planes, channel, y) + BLOOM_LEFT - BLOOM_MARGIN;
+            __builtin_memset(row + u * BLOOM_UNIT, 0, BLOOM_UNIT * sizeof *row);
         }
-        lit[at / BLOOM_STEP] = any != 0;
+        set[u] = 0;
     }
 }
 
-/* They have none; what a frame before left there goes. */
-static void clear(bloom_object *o, uint32_t octave, int32_t j, uint32_t x, uint32_t count)
+/* Which units are set in one of rows y to y + rows. */
+static void find_any(const bloom_object *o, uint32_t octave, size_t flags, int32_t y, int32_t rows,
+                     uint8_t *restrict any)
 {
-    uint8_t *lit = pupil_bloom_lit(o, octave, j);
-    for (uint32_t at = x; at < x + count; at += BLOOM_STEP) {
-        for (int channel = 0; channel < 3 && lit[at / BLOOM_STEP]; channel++) {
-            float *row = o->memory + pupil_bloom_row(o, octave, o->octave[octave].light, channel, j);
-            __builtin_memset(row + BLOOM_LEFT - BLOOM_MARGIN + at, 0, BLOOM_STEP * sizeof *row);
-        }
-        lit[at / BLOOM_STEP] = 0;
+    const uint32_t units = o->octave[octave].units;
+    const int32_t last = (int32_t)o->octave[octave].height + BLOOM_MARGIN, end = y + rows < last ? y + rows : last;
+    __builtin_memset(any, 0, units);
+    for (int32_t i = y > -BLOOM_MARGIN ? y : -BLOOM_MARGIN; i < end; i++) {
+        const uint8_t *restrict row = pupil_bloom_flags(o, octave, flags, i);
+        for (uint32_t u = 0; u < units; u++)
+            any[u] |= row[u];
     }
 }
 
-/* Row j of the octave, `n` pixels from x on. */
-static void gather_row(bloom_object *o, gathering *g, int32_t j, int32_t x, uint32_t n)
+/* Whether one of `count` units from u on is set, or the one before. */
+static int is_near(const uint8_t *any, uint32_t units, uint32_t u, uint32_t count)
 {
-    const uint32_t from_margin = (uint32_t)(x + BLOOM_MARGIN);
-    if (!pupil_bloom_any(g->row, g->state, HALVED)) {
-        clear(o, 1, j, from_margin, n);
-        return;
-    }
+    uint32_t near = u && u <= units ? any[u - 1] : 0;
+    for (uint32_t i = u; i < u + count && i < units; i++)
+        near |= any[i];
+    return near != 0;
+}
+
+/* --- light --- */
+
+/* Units first to end of row j of octave k + 1. */
+static void halve_units(bloom_object *o, const pupil_kernels *kernels, uint32_t k, int32_t j, uint32_t first,
+                        uint32_t end)
+{
+    const bloom_octave *from = &o->octave[k], *to = &o->octave[k + 1];
+    const uint32_t at = first * BLOOM_UNIT, all = to->width + 2 * BLOOM_MARGIN, most = (end - first) * BLOOM_UNIT;
+    const uint32_t n = all - at < most ? all - at : most;
+    float *even = o->memory + o->line, *odd = even + o->octave[1].stride / 2;
     for (int channel = 0; channel < 3; channel++) {
-        const float *row[HALVED];
-        for (int32_t k = 0; k < HALVED; k++)
-            row[k] = g->row[(2 * j - 3 + k + 2 * HALVED) % HALVED][channel];
-        PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->even[channel], g->odd[channel]);
+        const float *rows[HALVED];
+        for (int32_t i = 0; i < HALVED; i++)
+            rows[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 3 + i) + 2 * at;
+        float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN + at;
+        PUPIL_PIECE(kernels, bloom_down)(rows, 2 * n + BLOOM_LEFT, even, odd);
+        PUPIL_PIECE(kernels, bloom_halve)(even + BLOOM_LEFT / 4, odd + BLOOM_LEFT / 4, n, row);
     }
-    for (int channel = 0; channel < 3; channel++) {
-        const float *even = g->even[channel] + BLOOM_SIDE / 2, *odd = g->odd[channel] + BLOOM_SIDE / 2;
-        float *to = o->memory + pupil_bloom_row(o, 1, o->octave[1].light, channel, j) + BLOOM_LEFT + x;
-        PUPIL_PIECE(g->frame.kernels, bloom_halve)(even, odd, n, to);
-    }
-    mark(o, 1, j, from_margin, n, g->frame.threshold > 0.0f);
-}
-
-/* Rows first to end of the octave, `n` pixels from x on, down the rows; x may be before the picture. */
-static void gather_part(bloom_object *o, gathering *g, int32_t first, int32_t end, int32_t x, uint32_t n)
-{
-    for (int32_t y = 2 * first - 3; y < 2 * first + 3; y++)
-        read_row(g, y, x, n);
-    for (int32_t j = first; j < end; j++) {
-        read_row(g, 2 * j + 3, x, n);
-        read_row(g, 2 * j + 4, x, n);
-        gather_row(o, g, j, x, n);
-    }
-}
-
-static int check_frame(const bloom_object *o, const pupil_image_const *frame, uint32_t first_row, uint32_t count)
-{
-    if (pupil_pixel_is_mosaic(frame->pixel))
-        return PUPIL_ERR_PIXEL;
-    if (frame->width != o->config.width || frame->height != o->config.height)
-        return PUPIL_ERR_SIZE;
-    if (first_row > frame->height || count > frame->height - first_row || first_row % 2)
-        return PUPIL_ERR_ROWS;
-    return count % 2 && first_row + count != frame->height ? PUPIL_ERR_ROWS : PUPIL_OK;
-}
-
-int pupil_bloom_gather_rows(pupil_bloom *bloom, const pupil_t *pupil, const pupil_image_const *frame,
-                            uint32_t first_row, uint32_t count, pupil_bloom_scratch *scratch)
-{
-    pupil_input in;
-    int error = scratch ? pupil_bloom_check(bloom) : PUPIL_ERR_NULL;
-    if (!error)
-        error = pupil_object_check(pupil);
-    if (!error)
-        error = pupil_input_read(&in, frame);
-    if (!error)
-        error = check_frame(object_of(bloom), &in.image, first_row, count);
-    bloom_object *o = object_of(bloom);
-    if (error || !count || o->octaves < 2)
-        return error;
-    gathering *g = (gathering *)pupil_bloom_aligned(scratch);
-    g->frame.kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level);
-    g->frame.threshold = (float)o->config.threshold;
-    pupil_veil_rows_begin(&g->frame.rows, &in.image);
-    const int last = first_row + count == o->config.height;
-    const int32_t first = first_row ? (int32_t)(first_row / 2) : 1 - BLOOM_MARGIN;
-    const int32_t end = last ? (int32_t)o->octave[1].height + BLOOM_MARGIN - 1 : (int32_t)((first_row + count) / 2);
-    const int32_t beyond = (int32_t)o->octave[1].width + BLOOM_MARGIN;
-    for (int32_t x = -BLOOM_MARGIN; x < beyond; x += PART)
-        gather_part(o, g, first, end, x, (uint32_t)(beyond - x < PART ? beyond - x : PART));
-    return PUPIL_OK;
-}
-
-/* --- the others --- */
-
-static int is_row_lit(bloom_object *o, uint32_t octave, int32_t y)
-{
-    if (y < -BLOOM_MARGIN || y >= (int32_t)o->octave[octave].height + BLOOM_MARGIN)
-        return 0;
-    const uint8_t *lit = pupil_bloom_lit(o, octave, y);
-    uint32_t any = 0;
-    for (uint32_t u = 0; u < o->octave[octave].units; u++)
-        any |= lit[u];
-    return any != 0;
 }
 
 /* Row j of octave k + 1. */
 static void halve_row(bloom_object *o, const pupil_kernels *kernels, uint32_t k, int32_t j)
 {
     const bloom_octave *from = &o->octave[k], *to = &o->octave[k + 1];
-    const uint32_t across = to->width + 2 * BLOOM_MARGIN, middle = BLOOM_LEFT / 2 - BLOOM_MARGIN;
-    float *even = o->memory + o->line, *odd = even + from->stride / 2;
-    int lit = 0;
-    for (int32_t i = 0; i < HALVED; i++)
-        lit |= is_row_lit(o, k, 2 * j - 3 + i);
-    if (!lit) {
-        clear(o, k + 1, j, 0, across);
-        return;
+    uint8_t *near = (uint8_t *)o->memory + o->need, *lit = pupil_bloom_flags(o, k + 1, to->lit, j);
+    find_any(o, k, from->lit, 2 * j - 3, HALVED, near);
+    for (uint32_t first = 0, end; first < to->units; first = end) {
+        for (end = first; end < to->units && is_near(near, from->units, 2 * end, 2); end++)
+            lit[end] = 1;
+        if (end > first)
+            halve_units(o, kernels, k, j, first, end);
+        const uint32_t dark = end;
+        for (; end < to->units && !is_near(near, from->units, 2 * end, 2); end++)
+            ;
+        pupil_bloom_clear(o, k + 1, to->light, to->lit, j, dark, end);
     }
-    for (int channel = 0; channel < 3; channel++) {
-        const float *rows[HALVED];
-        for (int32_t i = 0; i < HALVED; i++)
-            rows[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 3 + i);
-        float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN;
-        PUPIL_PIECE(kernels, bloom_down)(rows, from->stride, even, odd);
-        PUPIL_PIECE(kernels, bloom_halve)(even + middle, odd + middle, across, row);
-    }
-    mark(o, k + 1, j, 0, across, o->config.threshold > 0.0);
 }
 
 static void halve(bloom_object *o, const pupil_kernels *kernels, uint32_t k)
@@ -175,110 +85,127 @@ static void halve(bloom_object *o, const pupil_kernels *kernels, uint32_t k)
         halve_row(o, kernels, k, j);
 }
 
-/* Units first to end of row y get what the kernel scatters. */
-static void blur_units(bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
-                       uint32_t first, uint32_t end)
+/* --- blurs --- */
+
+/* Units first to end of row y of an octave's plane. */
+typedef struct bloom_units {
+    uint32_t octave, first, end;
+    int32_t y;
+    int channel;
+} bloom_units;
+
+static float *blurred_of(bloom_object *o, const bloom_units *s)
 {
-    enum { MOST = BLOOM_PART / BLOOM_STEP };
-    const bloom_octave *at = &o->octave[octave];
+    const size_t row = pupil_bloom_row(o, s->octave, o->octave[s->octave].blurred, s->channel, s->y);
+    return o->memory + row + BLOOM_LEFT - BLOOM_MARGIN + s->first * BLOOM_UNIT;
+}
+
+/* They get what the kernel scatters. */
+static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s)
+{
+    enum { MOST = (BLOOM_LINE - 2 * BLOOM_SIDE) / BLOOM_UNIT };
+    const bloom_octave *at = &o->octave[s->octave];
     float(*sums)[PUPIL_BLOOM_LINE] = (float(*)[PUPIL_BLOOM_LINE])(void *)(o->memory + o->sums);
-    float *to = o->memory + pupil_bloom_row(o, octave, at->blurred, channel, y) + BLOOM_LEFT - BLOOM_MARGIN;
-    for (; first < end; first += MOST) {
-        const uint32_t n = (end - first < MOST ? end - first : MOST) * BLOOM_STEP, from = first * BLOOM_STEP;
+    float *to = blurred_of(o, s);
+    for (uint32_t first = s->first; first < s->end; first += MOST, to += MOST * BLOOM_UNIT) {
+        const uint32_t n = (s->end - first < MOST ? s->end - first : MOST) * BLOOM_UNIT;
         const float *row[PUPIL_BLOOM_ROWS];
         for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
-            row[i] = o->memory + pupil_bloom_row(o, octave, at->light, channel, y - REACH + i) + BLOOM_LEFT -
-                     BLOOM_MARGIN - BLOOM_SIDE + from;
-        PUPIL_PIECE(kernels, bloom_columns)(row, &o->taps[octave], n + 2 * BLOOM_SIDE, sums);
-        PUPIL_PIECE(kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])sums, n, to + from, 0);
+            row[i] = o->memory + pupil_bloom_row(o, s->octave, at->light, s->channel, s->y - REACH + i) + BLOOM_LEFT -
+                     BLOOM_MARGIN - BLOOM_SIDE + first * BLOOM_UNIT;
+        PUPIL_PIECE(kernels, bloom_columns)(row, &o->taps[s->octave], n + 2 * BLOOM_SIDE, sums);
+        PUPIL_PIECE(kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])sums, n, to, 0);
     }
 }
 
-/* Which units of row y have light within reach: some rows, and the units beside them. */
-static uint8_t *find_need(bloom_object *o, uint32_t octave, int32_t y)
+/* What `reached` says of a unit: it gets something of light within the kernel's reach, which is that of some rows and
+ * of the units beside it; or of the octave above. */
+enum { BY_KERNEL = 1, BY_COARSER = 2 };
+
+static void plan_row(bloom_object *o, uint32_t octave, int32_t y)
 {
     const bloom_octave *at = &o->octave[octave];
-    uint8_t *need = (uint8_t *)o->memory + o->need;
-    if (!(o->config.threshold > 0.0)) {
-        __builtin_memset(need, 1, at->units);
-        return need;
-    }
-    __builtin_memset(need, 0, at->units);
-    for (int32_t j = y - REACH; j <= y + REACH; j++) {
-        if (j < -BLOOM_MARGIN || j >= (int32_t)at->height + BLOOM_MARGIN)
-            continue;
-        const uint8_t *lit = pupil_bloom_lit(o, octave, j);
-        for (uint32_t u = 0; u < at->units; u++)
-            need[u] |= lit[u];
-    }
-    for (uint32_t u = 0, before = 0; u < at->units; u++) {
-        const uint32_t here = need[u], after = u + 1 < at->units ? need[u + 1] : 0;
-        need[u] = (uint8_t)(before | here | after);
-        before = here;
-    }
-    return need;
-}
-
-/* Units of an octave that are worked down the rows: what all rows within reach have there is in the L1 cache. */
-typedef struct bloom_strip {
-    uint32_t octave, first, end;
-    int channel;
-} bloom_strip;
-enum { STRIP = 512 };
-
-static void blur_strip_row(bloom_object *o, const pupil_kernels *kernels, const bloom_strip *s, int32_t y,
-                           const uint8_t *need)
-{
-    float *row = o->memory + pupil_bloom_row(o, s->octave, o->octave[s->octave].blurred, s->channel, y);
-    for (uint32_t first = s->first, end; first < s->end; first = end) {
-        for (end = first; end < s->end && need[end]; end++)
-            ;
-        blur_units(o, kernels, s->octave, s->channel, y, first, end);
-        for (; end < s->end && !need[end]; end++)
-            __builtin_memset(row + BLOOM_LEFT - BLOOM_MARGIN + end * BLOOM_STEP, 0, BLOOM_STEP * sizeof *row);
+    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, downwards */
+    const uint32_t units = at->units;
+    uint8_t *restrict near = (uint8_t *)o->memory + o->need + 1, *restrict coarser = near + units + 2;
+    uint8_t *restrict reached = pupil_bloom_flags(o, octave, at->reached, y);
+    find_any(o, octave, at->lit, y - REACH, PUPIL_BLOOM_ROWS, near);
+    near[-1] = near[units] = 0;
+    __builtin_memset(coarser, 0, units / 2 + 2);
+    if (octave + 1 < o->octaves)
+        find_any(o, octave + 1, o->octave[octave + 1].reached, middle - (y & 1 ? 1 : 2), 4, coarser);
+    for (uint32_t u = 0; u < units; u++) {
+        const int kernel = near[(int32_t)u - 1] | near[u] | near[u + 1], above = coarser[u / 2] | coarser[(u + 1) / 2];
+        const int by = (kernel ? BY_KERNEL : 0) | (above ? BY_COARSER : 0);
+        if (!by && reached[u])
+            pupil_bloom_clear(o, octave, at->blurred, at->reached, y, u, u + 1);
+        reached[u] = (uint8_t)by;
     }
 }
 
-/* What comes from the octave above. */
-static void add_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_strip *s, int32_t y)
-{
-    enum { BEFORE = 6 }; /* of a strip's first pixel, so that lines are read from multiples of 8 on */
-    const bloom_octave *at = &o->octave[s->octave];
-    const uint32_t half = s->first * (BLOOM_STEP / 2), all = at->width / 2 + BLOOM_MARGIN;
-    const uint32_t most = (s->end - s->first) * (BLOOM_STEP / 2), n = all - half < most ? all - half : most;
-    const uint32_t from = BLOOM_LEFT - BLOOM_MARGIN / 2 - BEFORE + half;
-    float *line = o->memory + o->line;
-    float *row = o->memory + pupil_bloom_row(o, s->octave, at->blurred, s->channel, y);
-    if (all <= half)
-        return;
-    pupil_bloom_between(o, kernels, s->octave + 1, s->channel, y, from, most + BLOOM_STEP / 2, line);
-    PUPIL_PIECE(kernels, bloom_widen)(line + BEFORE, n, row + BLOOM_LEFT - BLOOM_MARGIN + 2 * half);
-}
-
-static void blur(bloom_object *o, const pupil_kernels *kernels, uint32_t octave)
+static void plan(bloom_object *o, uint32_t octave)
 {
     const bloom_octave *at = &o->octave[octave];
     const int32_t end = (int32_t)at->height + BLOOM_MARGIN - 1;
-    for (uint32_t first = 0; first < at->units; first += STRIP)
-        for (int channel = 0; channel < 3; channel++) {
-            const bloom_strip s = {.octave = octave,
-                                   .first = first,
-                                   .end = at->units - first < STRIP ? at->units : first + STRIP,
-                                   .channel = channel};
-            for (int32_t y = 1 - BLOOM_MARGIN; y < end; y++) {
-                blur_strip_row(o, kernels, &s, y, find_need(o, octave, y));
-                if (octave + 1 < o->octaves)
-                    add_coarser(o, kernels, &s, y);
-            }
-        }
+    const int all = octave + 1 < o->octaves ? BY_KERNEL | BY_COARSER : BY_KERNEL;
+    for (int32_t y = 1 - BLOOM_MARGIN; y < end; y++)
+        if (o->config.threshold > 0.0)
+            plan_row(o, octave, y);
+        else
+            __builtin_memset(pupil_bloom_flags(o, octave, at->reached, y), all, at->units);
 }
 
-static int is_lit(bloom_object *o)
+/* They get what comes from the octave above; `add`: besides what is there. */
+static void take_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s, int add)
 {
-    int lit = 0;
-    for (int32_t y = -BLOOM_MARGIN; o->octaves > 1 && y < (int32_t)o->octave[1].height + BLOOM_MARGIN && !lit; y++)
-        lit = is_row_lit(o, 1, y);
-    return lit;
+    enum { BEFORE = 6 }; /* of the first pixel, so that lines are read from multiples of 8 on */
+    const uint32_t half = s->first * (BLOOM_UNIT / 2), all = o->octave[s->octave].width / 2 + BLOOM_MARGIN;
+    const uint32_t most = (s->end - s->first) * (BLOOM_UNIT / 2), n = all - half < most ? all - half : most;
+    const uint32_t from = BLOOM_LEFT - BLOOM_MARGIN / 2 - BEFORE + half;
+    float *line = o->memory + o->line;
+    if (!add)
+        __builtin_memset(blurred_of(o, s), 0, (s->end - s->first) * BLOOM_UNIT * sizeof(float));
+    if (all <= half)
+        return;
+    pupil_bloom_between(o, kernels, s->octave + 1, s->channel, s->y, from, most + BLOOM_STEP / 2, line);
+    PUPIL_PIECE(kernels, bloom_widen)(line + BEFORE, n, blurred_of(o, s));
+}
+
+static void blur_row(bloom_object *o, const pupil_kernels *kernels, bloom_units s)
+{
+    const uint32_t units = o->octave[s.octave].units;
+    const uint8_t *reached = pupil_bloom_flags(o, s.octave, o->octave[s.octave].reached, s.y);
+    for (s.first = 0; s.first < units; s.first = s.end) {
+        const uint8_t by = reached[s.first];
+        for (s.end = s.first; s.end < units && reached[s.end] == by; s.end++)
+            ;
+        if (by & BY_KERNEL)
+            blur_units(o, kernels, &s);
+        if (by & BY_COARSER)
+            take_coarser(o, kernels, &s, by & BY_KERNEL);
+    }
+}
+
+/* A channel at a time: all rows within reach are then in the L1 cache. */
+static void blur(bloom_object *o, const pupil_kernels *kernels, uint32_t octave)
+{
+    const int32_t end = (int32_t)o->octave[octave].height + BLOOM_MARGIN - 1;
+    plan(o, octave);
+    for (int channel = 0; channel < 3; channel++)
+        for (int32_t y = 1 - BLOOM_MARGIN; y < end; y++)
+            blur_row(o, kernels, (bloom_units){.octave = octave, .y = y, .channel = channel});
+}
+
+static int has_lamps(bloom_object *o)
+{
+    const uint32_t words = pupil_bloom_words(o->config.width);
+    for (uint32_t y = 0; y < o->config.height; y++) {
+        const uint32_t *lamps = pupil_bloom_lamps_of(o, (int32_t)y);
+        for (uint32_t i = 0; i < words; i++)
+            if (lamps[i])
+                return 1;
+    }
+    return 0;
 }
 
 int pupil_bloom_solve(pupil_bloom *bloom, const pupil_t *pupil)
@@ -288,9 +215,9 @@ int pupil_bloom_solve(pupil_bloom *bloom, const pupil_t *pupil)
         error = pupil_object_check(pupil);
     if (error)
         return error;
-    bloom_object *o = object_of(bloom);
+    bloom_object *o = (bloom_object *)(void *)bloom;
     const pupil_kernels *kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level);
-    o->lit = (uint32_t)is_lit(o);
+    o->lit = !(o->config.threshold > 0.0) || has_lamps(o);
     if (!o->lit)
         return PUPIL_OK;
     for (uint32_t k = 1; k + 1 < o->octaves; k++)

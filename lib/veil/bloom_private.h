@@ -12,6 +12,7 @@ enum {
     BLOOM_MARGIN = 4,   /* octaves go on beyond the picture's edges: filters leave light there, and take it back */
     BLOOM_LEFT = 16,    /* floats before the first pixel, of which the rest are 0 */
     BLOOM_STEP = 32,    /* what kernels round up to */
+    BLOOM_UNIT = 16,    /* pixels that are skipped where there is no light for them */
     BLOOM_FIT_FAR = 13, /* pixels */
     /* Pixels of a row that are worked at a time, with what filters at full size reach: small enough that all rows that
      * they reach stay in the L1 cache. */
@@ -21,11 +22,11 @@ enum {
 };
 
 /* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. `lit` are
- * bytes of `memory`: for each row, where in its planes of light there is some, by `units` of BLOOM_STEP pixels from the
- * margin's first on. The others are 0. */
+ * bytes of `memory`: for each row, where in its planes of light there is some, by `units` of BLOOM_UNIT pixels from the
+ * margin's first on. `reached` are the same of the blurred planes. All other units are 0. */
 typedef struct bloom_octave {
     uint32_t width, height, stride, rows, units;
-    size_t light, blurred, lit;
+    size_t light, blurred, lit, reached;
 } bloom_octave;
 
 typedef struct bloom_object {
@@ -36,7 +37,8 @@ typedef struct bloom_object {
     pupil_bloom_taps taps[BLOOM_OCTAVES]; /* at full size less what all lobes take from a pixel */
     bloom_octave octave[BLOOM_OCTAVES];   /* the first has no planes */
     size_t nothing, line, sums;           /* a row of zeros; a row and columns' sums for solve */
-    size_t need;                          /* bytes of memory: a unit each, for solve */
+    size_t need;                          /* bytes of memory: three for a unit, for solve */
+    size_t lamps;                         /* words of memory: rows of bloom_lamps.c, with a bright pass */
     _Alignas(double) float memory[];      /* at init a bloom_fit */
 } bloom_object;
 
@@ -58,10 +60,28 @@ static inline size_t pupil_bloom_row(const bloom_object *o, uint32_t octave, siz
     return planes + ((size_t)channel * at->rows + (size_t)(y + BLOOM_MARGIN)) * at->stride;
 }
 
-static inline uint8_t *pupil_bloom_lit(bloom_object *o, uint32_t octave, int32_t y)
+/* The bytes of row y, which is one of the octave's. */
+static inline uint8_t *pupil_bloom_flags(const bloom_object *o, uint32_t octave, size_t flags, int32_t y)
 {
     const bloom_octave *at = &o->octave[octave];
-    return (uint8_t *)o->memory + at->lit + (size_t)(y + BLOOM_MARGIN) * at->units;
+    return (uint8_t *)(uintptr_t)o->memory + flags + (size_t)(y + BLOOM_MARGIN) * at->units;
+}
+
+/* Whether one of units first to end is set in one of rows y to y + rows. */
+static inline uint32_t pupil_bloom_any(const bloom_object *o, uint32_t octave, size_t flags, int32_t y, int32_t rows,
+                                       uint32_t first, uint32_t end)
+{
+    const bloom_octave *at = &o->octave[octave];
+    const int32_t from = y > -BLOOM_MARGIN ? y : -BLOOM_MARGIN, below = (int32_t)at->height + BLOOM_MARGIN;
+    const int32_t to = y + rows < below ? y + rows : below;
+    uint32_t any = 0;
+    end = end < at->units ? end : at->units;
+    for (int32_t i = from; i < to; i++) {
+        const uint8_t *row = pupil_bloom_flags(o, octave, flags, i);
+        for (uint32_t u = first; u < end; u++)
+            any |= row[u];
+    }
+    return any;
 }
 
 /* A frame whose light is read by blocks. */
@@ -82,17 +102,39 @@ static inline void *pupil_bloom_aligned(pupil_bloom_scratch *scratch)
     return (unsigned char *)scratch + (64 - (uintptr_t)scratch % 64) % 64;
 }
 
-/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. Returns in which
- * units of BLOOM_UNIT pixels of the line there is some: bit k, in the k-th. 0: what is in the line is not said. */
-enum { BLOOM_UNIT = 16, BLOOM_UNITS = BLOOM_LINE / BLOOM_UNIT, BLOOM_ALL_UNITS = (1 << BLOOM_UNITS) - 1 };
-uint32_t pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
-/* Of some lines: no light, but anything in it; light; zeros. */
-enum { BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
-/* Whether one of them is lit. Then those that are dark are made black. */
-int pupil_bloom_any(bloom_line *lines, uint8_t *state, uint32_t count);
+/* bloom_lamps.c: where a row of the frame has lamps, pixels above the threshold: a bit for each 8 pixels, in words
+ * between two that are 0. */
+enum { BLOOM_EIGHT = 8, BLOOM_WORD = 32 * BLOOM_EIGHT, BLOOM_MOST_WORDS = PUPIL_MAX_SIDE_PX / BLOOM_WORD + 2 };
+static inline uint32_t pupil_bloom_words(uint32_t width)
+{
+    return (width + BLOOM_WORD - 1) / BLOOM_WORD + 2;
+}
+void pupil_bloom_find_lamps(bloom_frame *frame, int32_t y, uint32_t *words);
+/* Where those of row y of the frame are kept. */
+static inline uint32_t *pupil_bloom_lamps_of(bloom_object *o, int32_t y)
+{
+    return (uint32_t *)(void *)(o->memory + o->lamps) + (size_t)y * pupil_bloom_words(o->config.width);
+}
+/* `count` of the bits, 32 at most, from that of pixel 8 * first on; first is -32 or more. Behind the frame there are
+ * none. */
+static inline uint32_t pupil_bloom_bits(const uint32_t *words, uint32_t width, int32_t first, uint32_t count)
+{
+    const uint32_t at = (uint32_t)(first + 32), word = at / 32, last = pupil_bloom_words(width) - 1;
+    const uint64_t low = word < last ? words[word] : 0, high = word < last ? words[word + 1] : 0;
+    return (uint32_t)((low | high << 32) >> at % 32) & (uint32_t)((UINT64_C(1) << count) - 1);
+}
+
+/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. */
+void pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
+/* Of some lines: light that is not read yet; none, but anything in it; light, read; zeros. */
+enum { BLOOM_UNREAD, BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
 /* Row y of the octave above from four rows of `blurred` of `octave`, still of its width, from float `from` on. */
 void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
                          uint32_t from, uint32_t n, float *to);
+
+/* bloom_octaves.c: units first to end of row y of planes and their flags become 0, if they are not. */
+void pupil_bloom_clear(bloom_object *o, uint32_t octave, size_t planes, size_t flags, int32_t y, uint32_t first,
+                       uint32_t end);
 
 /* bloom_fit.c: what it works with: of each octave in turn the lobes that are left; what the narrow ones of them scatter
  * and what all do, from the middle outwards; and its taps that are fitted. */
@@ -110,20 +152,24 @@ typedef struct bloom_fit {
 uint32_t pupil_bloom_octaves(const pupil_bloom_config *config);
 void pupil_bloom_fit(const pupil_bloom_config *config, bloom_fit *fit, uint32_t octaves, pupil_bloom_taps taps[]);
 
-/* bloom_window.c: full size, block by block. */
+/* bloom_window.c: full size, block by block, down its rows. */
 typedef struct bloom_window {
     BLOOM_ALIGNED bloom_line ring[PUPIL_BLOOM_ROWS];
     BLOOM_ALIGNED pupil_bloom_sums sums;
     BLOOM_ALIGNED float line[BLOOM_LINE];
     uint8_t state[PUPIL_BLOOM_ROWS];
-    uint32_t units[PUPIL_BLOOM_ROWS]; /* pupil_bloom_light's */
+    uint32_t lamps[PUPIL_BLOOM_ROWS]; /* of 8 pixels each, from 8 before the block on */
+    uint32_t x, n;                    /* the block */
+    uint32_t units;                   /* of the row at hand, within reach of the kernel at full size: a bit each */
+    int octaves;                      /* they give that row something */
     bloom_frame frame;
 } bloom_window;
 
-/* Before the first row y of the block at x, n pixels wide, BLOOM_PART at most. */
-void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t n);
-/* Adds to planes what is scattered to row y, n pixels from x on: the rows come one after the other. */
-void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n,
-                            pupil_planes *planes);
+/* Before row y of the block at x, n pixels wide, BLOOM_PART at most. */
+void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n);
+/* The next row of it, y: whether light reaches it. */
+int pupil_bloom_window_step(const bloom_object *o, bloom_window *w, uint32_t y);
+/* Adds to planes what is scattered to it. */
+void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, pupil_planes *planes);
 
 #endif

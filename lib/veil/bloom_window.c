@@ -8,50 +8,113 @@ static uint32_t place_of(int32_t y)
     return (uint32_t)(y + PUPIL_BLOOM_ROWS) % PUPIL_BLOOM_ROWS;
 }
 
-static void read_row(bloom_window *w, int32_t y, uint32_t x, uint32_t n)
+/* --- what light reaches --- */
+
+static uint32_t lamps_at(const bloom_object *o, int32_t y, uint32_t x)
+{
+    enum { ACROSS = BLOOM_PART / BLOOM_EIGHT + 2 };
+    if (y < 0 || y >= (int32_t)o->config.height)
+        return 0;
+    const uint32_t words = pupil_bloom_words(o->config.width);
+    const uint32_t *lamps = (const uint32_t *)(const void *)(o->memory + o->lamps) + (size_t)y * words;
+    return pupil_bloom_bits(lamps, o->config.width, (int32_t)(x / BLOOM_EIGHT) - 1, ACROSS);
+}
+
+/* Row y of the block: whether it has light, which is read where a kernel needs it. */
+static void step_to(const bloom_object *o, bloom_window *w, int32_t y)
 {
     const uint32_t at = place_of(y);
-    w->units[at] = pupil_bloom_light(&w->frame, y, (int32_t)x - BLOOM_SIDE, n + 2 * BLOOM_SIDE, w->ring[at]);
-    w->state[at] = w->units[at] ? BLOOM_LIT : BLOOM_DARK;
+    w->lamps[at] = w->frame.threshold > 0.0f ? lamps_at(o, y, w->x) : ~UINT32_C(0);
+    if (w->lamps[at])
+        w->state[at] = BLOOM_UNREAD;
+    else if (w->state[at] != BLOOM_BLACK)
+        w->state[at] = BLOOM_DARK;
 }
 
-void pupil_bloom_window_begin(bloom_window *w, uint32_t y, uint32_t x, uint32_t n)
+void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n)
 {
+    w->x = x;
+    w->n = n;
+    __builtin_memset(w->state, BLOOM_DARK, sizeof w->state);
     for (int32_t i = (int32_t)y - REACH; i < (int32_t)y + REACH; i++)
-        read_row(w, i, x, n);
+        step_to(o, w, i);
 }
 
-/* What the kernel at full size scatters to n pixels from the block's pixel x on. */
-static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32_t x, uint32_t n, float *const plane[3])
+/* Which units of the block have light within reach of the kernel at full size: a bit each. */
+static uint32_t units_in_reach(const bloom_window *w)
+{
+    uint32_t lamps = 0, units = 0;
+    for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
+        lamps |= w->lamps[i];
+    for (uint32_t k = 0; k < BLOOM_PART / BLOOM_UNIT && lamps; k++)
+        units |= (uint32_t)((lamps >> 2 * k & 15) != 0) << k;
+    return units;
+}
+
+/* Whether the octaves give the block something. */
+static int octaves_reach(const bloom_object *o, const bloom_window *w, uint32_t y)
+{
+    if (o->octaves < 2)
+        return 0;
+    const uint32_t first = (w->x / 2 + BLOOM_MARGIN - 2) / BLOOM_UNIT;
+    const uint32_t end = (w->x / 2 + (w->n + 1) / 2 + BLOOM_MARGIN + 1) / BLOOM_UNIT + 1;
+    const int32_t above = (int32_t)(y / 2) - (y & 1 ? 1 : 2);
+    return pupil_bloom_any(o, 1, o->octave[1].reached, above, 4, first, end) != 0;
+}
+
+int pupil_bloom_window_step(const bloom_object *o, bloom_window *w, uint32_t y)
+{
+    step_to(o, w, (int32_t)y + REACH);
+    w->units = units_in_reach(w);
+    w->octaves = octaves_reach(o, w, y);
+    return w->units || w->octaves;
+}
+
+/* --- what it gives --- */
+
+static void read_rows(bloom_window *w, int32_t y)
+{
+    for (int32_t i = y - REACH; i <= y + REACH; i++) {
+        const uint32_t at = place_of(i);
+        if (w->state[at] == BLOOM_UNREAD) {
+            pupil_bloom_light(&w->frame, i, (int32_t)w->x - BLOOM_SIDE, w->n + 2 * BLOOM_SIDE, w->ring[at]);
+            w->state[at] = BLOOM_LIT;
+        } else if (w->state[at] == BLOOM_DARK) {
+            __builtin_memset(w->ring[at], 0, sizeof w->ring[at]);
+            w->state[at] = BLOOM_BLACK;
+        }
+    }
+}
+
+/* What the kernel at full size scatters to n pixels from the block's pixel `from` on. */
+static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32_t from, uint32_t n,
+                       float *const plane[3])
 {
     const float *row[PUPIL_BLOOM_ROWS];
     uint32_t place = place_of(y - REACH);
     for (int i = 0; i < PUPIL_BLOOM_ROWS; i++) {
-        row[i] = w->ring[place][0] + x;
+        row[i] = w->ring[place][0] + from;
         place = place + 1 < PUPIL_BLOOM_ROWS ? place + 1 : 0;
     }
     for (int channel = 0; channel < 3; channel++) {
         for (int i = 0; channel && i < PUPIL_BLOOM_ROWS; i++)
             row[i] += BLOOM_LINE;
         PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->taps[0], n + 2 * BLOOM_SIDE, w->sums);
-        PUPIL_PIECE(w->frame.kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])w->sums, n, plane[channel] + x, 1);
+        PUPIL_PIECE(w->frame.kernels, bloom_rows)
+        ((const float(*)[PUPIL_BLOOM_LINE])w->sums, n, plane[channel] + from, 1);
     }
 }
 
-/* Where there is light within reach: a line begins half a unit before the block, so a unit of the block has two of it
- * within reach. */
-static void add_full(const bloom_object *o, bloom_window *w, int32_t y, uint32_t n, float *const plane[3])
+/* Where there is light within reach, by runs of units. */
+static void add_full(const bloom_object *o, bloom_window *w, int32_t y, float *const plane[3])
 {
-    uint32_t lit = 0;
-    for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
-        lit |= w->units[i];
-    const uint32_t need = lit | lit >> 1, units = (n + BLOOM_UNIT - 1) / BLOOM_UNIT;
+    const uint32_t units = (w->n + BLOOM_UNIT - 1) / BLOOM_UNIT;
     for (uint32_t first = 0, end; first < units; first = end + 1) {
-        for (end = first; end < units && need >> end & 1; end++)
+        for (end = first; end < units && w->units >> end & 1; end++)
             ;
         const uint32_t x = first * BLOOM_UNIT, most = (end - first) * BLOOM_UNIT;
         if (most)
-            add_pixels(o, w, y, x, most < n - x ? most : n - x, plane);
+            add_pixels(o, w, y, x, most < w->n - x ? most : w->n - x, plane);
     }
 }
 
@@ -64,16 +127,15 @@ static void announce(const bloom_object *o, int channel, int32_t y, uint32_t fro
         __builtin_prefetch(next + at);
 }
 
-void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n,
-                            pupil_planes *planes)
+void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, pupil_planes *planes)
 {
     float *const plane[3] = {planes->r, planes->g, planes->b};
-    const uint32_t halves = (n + 1) / 2, from = BLOOM_LEFT - BLOOM_MARGIN + x / 2;
-    read_row(w, (int32_t)y + REACH, x, n);
-    const int lit = pupil_bloom_any(w->ring, w->state, PUPIL_BLOOM_ROWS);
-    if (lit)
-        add_full(o, w, (int32_t)y, n, plane);
-    for (int channel = 0; channel < 3 && o->lit; channel++) {
+    const uint32_t halves = (w->n + 1) / 2, from = BLOOM_LEFT - BLOOM_MARGIN + w->x / 2;
+    if (w->units) {
+        read_rows(w, (int32_t)y);
+        add_full(o, w, (int32_t)y, plane);
+    }
+    for (int channel = 0; channel < 3 && w->octaves; channel++) {
         if (y % 2 == 0)
             announce(o, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN);
         pupil_bloom_between(o, w->frame.kernels, 1, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN, w->line);

@@ -55,22 +55,30 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
 {
     scatter_block *b = m->block;
     const pupil_row_job *job = &b->job.map;
-    const pupil_row row = pupil_veil_row_of(&b->rows, i);
+    pupil_row row = pupil_veil_row_of(&b->rows, i);
     const size_t in_bytes = pupil_pixel_bytes(job->in_pixel), out_bytes = pupil_pixel_bytes(job->out_pixel);
     const uint32_t y = m->first_row + i;
+    row.y = y;
     const float part = m->veil ? find_row(m, y, x, end, cell_row) : 0.0f;
     const float direct = m->veil ? (float)m->veil->result.direct : 1.0f;
+    const int all_light = m->bloom && !(m->bloom->config.threshold > 0.0);
     const pupil_scattered *veil = b->veil;
     const uint8_t *next = row.data + (i + 1 < m->out->height ? b->rows.image->stride_bytes : 0) + x * in_bytes;
     for (; x < end; x += PUPIL_BLOCK, target += PUPIL_BLOCK * out_bytes) {
         const uint32_t n = end - x < PUPIL_BLOCK ? end - x : PUPIL_BLOCK;
+        const int reached = m->bloom && pupil_bloom_window_step(m->bloom, m->window, y);
+        if (!reached && !m->veil) { /* as without bloom */
+            fetch(next, n * in_bytes);
+            pupil_work_run(job, &row, x, n, target, 0, 0, 0);
+            continue; /* which was the last one: a bloom's are one beside the other */
+        }
         const int opaque = PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
-        const size_t third = m->bloom ? 0 : n * in_bytes / 3; /* which reads rows further down before */
+        const size_t third = all_light ? 0 : n * in_bytes / 3; /* which reads rows further down before */
         fetch(next, third);
         if (m->veil)
             PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);
-        if (m->bloom)
-            pupil_bloom_window_add(m->bloom, m->window, y, x, n, &b->planes);
+        if (reached)
+            pupil_bloom_window_add(m->bloom, m->window, y, &b->planes);
         fetch(next + third, third);
         pupil_map_planes(job, x, y, n, &b->planes, opaque ? 0 : row.data + x * in_bytes, target);
         fetch(next + 2 * third, third);
@@ -124,7 +132,7 @@ static void map_band(const scatter_map *m, band rows)
     for (uint32_t x = 0; x < width; x += step) {
         const uint32_t end = width - x < step ? width : x + step;
         if (m->bloom)
-            pupil_bloom_window_begin(m->window, m->first_row + rows.first, x, end - x);
+            pupil_bloom_window_begin(m->bloom, m->window, m->first_row + rows.first, x, end - x);
         if (yuv)
             map_block_to_yuv(m, rows, x, end);
         else

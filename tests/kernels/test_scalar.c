@@ -134,32 +134,34 @@ static void check_halve_and_widen(uint32_t n)
 }
 
 /* One channel of one pixel above a threshold, or none, or what has no part in it. */
-static void check_lit(uint32_t n)
+static void check_lamps_of_pixels(uint32_t n)
 {
     static float pixels[4 * PUPIL_BLOCK];
     for (uint32_t i = 0; i < 4 * PUPIL_BLOCK; i++)
         pixels[i] = i % 4 == 3 || i >= 4 * n ? 9.0f : i % 3 ? 2.0f : NAN;
-    CHECK(!pupil_kernels_scalar.bloom_lit_rgba32f(pixels, 0, n, 2.0f));
+    CHECK(pupil_kernels_scalar.bloom_lamps_rgba32f(pixels, n, 2.0f) == 0);
     for (uint32_t i = 0; i < 4 * n; i++) {
         const float before = pixels[i];
         if (i % 4 == 3)
             continue;
         pixels[i] = 2.5f;
-        CHECK_MSG(pupil_kernels_scalar.bloom_lit_rgba32f(pixels, 0, n, 2.0f), "%u of %u", i, n);
+        CHECK_MSG(pupil_kernels_scalar.bloom_lamps_rgba32f(pixels, n, 2.0f) == 1u << i / 32, "%u of %u", i, n);
         pixels[i] = before;
     }
 }
 
-/* One pixel of one channel that is lit, however little. */
-static void check_units(uint32_t n)
+static void check_lamps(uint32_t n)
 {
-    static float line[3][MOST];
+    static pupil_planes planes;
+    float *const channel[3] = {planes.r, planes.g, planes.b};
+    for (uint32_t i = 0; i < 3 * PUPIL_BLOCK; i++)
+        channel[i % 3][i / 3] = i >= 3 * n ? 9.0f : i % 5 ? 2.0f : NAN;
     for (uint32_t i = 0; i < 3 * n; i++) {
-        float *at = &line[i % 3][i / 3];
-        CHECK(pupil_kernels_scalar.bloom_units(line[0], line[1], line[2], n) == 0);
-        *at = 0x1p-149f;
-        CHECK_MSG(pupil_kernels_scalar.bloom_units(line[0], line[1], line[2], n) == 1u << i / 48, "%u of %u", i, n);
-        *at = 0.0f;
+        float *at = &channel[i % 3][i / 3], before = *at;
+        CHECK(pupil_kernels_scalar.bloom_lamps(&planes, n, 2.0f) == 0);
+        *at = 2.5f;
+        CHECK_MSG(pupil_kernels_scalar.bloom_lamps(&planes, n, 2.0f) == 1u << i / 24, "%u of %u", i, n);
+        *at = before;
     }
 }
 
@@ -224,8 +226,8 @@ int main(int argc, char **argv)
         check_rows(counts[k], 1);
         check_halve_and_widen(counts[k]);
         check_bright(counts[k]);
-        check_lit(counts[k]);
-        check_units(counts[k]);
+        check_lamps_of_pixels(counts[k]);
+        check_lamps(counts[k]);
     }
     check_veil();
     return check_end();

@@ -310,7 +310,9 @@ static void check_even(void)
 
 enum { FEW_WIDTH = 530, FEW_HEIGHT = 310, FEW_LAMPS = 5 };
 
-static pupil_bloom_config few_config(double threshold)
+/* Its lobes from the first-th on: the narrow ones reach few pixels of the frame, the last one no octave. */
+enum { FEW_NARROW = 3, FEW_NARROWEST = 5 };
+static pupil_bloom_config few_config(double threshold, uint32_t first)
 {
     static const pupil_veil_gaussian lobe[] = {{21, 0.1}, {9, 0.1}, {4, 0.1}, {2.5, 0.1}, {1.2, 0.1}, {0.4, 0.2}};
     pupil_bloom_config config;
@@ -318,8 +320,8 @@ static pupil_bloom_config few_config(double threshold)
     config.width = FEW_WIDTH;
     config.height = FEW_HEIGHT;
     config.threshold = threshold;
-    for (config.lobes = 0; config.lobes < sizeof lobe / sizeof lobe[0]; config.lobes++)
-        config.lobe[config.lobes] = lobe[config.lobes];
+    for (uint32_t i = first; i < sizeof lobe / sizeof lobe[0]; i++)
+        config.lobe[config.lobes++] = lobe[i];
     return config;
 }
 
@@ -334,9 +336,9 @@ static void draw_few(pupil_bloom *bloom, const frame *in, frame *to)
 }
 
 /* What a frame leaves in the object is not in the next one's picture: lamps elsewhere, none, and lamps again. */
-static void check_next_frame(uint32_t pixel)
+static void check_next_frame(uint32_t pixel, uint32_t first_lobe)
 {
-    const pupil_bloom_config config = few_config(0.5);
+    const pupil_bloom_config config = few_config(0.5, first_lobe);
     pupil_bloom *kept = make(&config);
     for (int i = 0; i < 6; i++) {
         frame in = frame_make(FEW_WIDTH, FEW_HEIGHT, pixel, 0, 0);
@@ -358,9 +360,9 @@ static void check_next_frame(uint32_t pixel)
 }
 
 /* A bright pass, which skips what is dark, scatters what the light above it scatters where nothing is skipped. */
-static void check_skipped(void)
+static void check_skipped(uint32_t first_lobe)
 {
-    const pupil_bloom_config with = few_config(0.5), without = few_config(0.0);
+    const pupil_bloom_config with = few_config(0.5, first_lobe), without = few_config(0.0, first_lobe);
     pupil_bloom *bright = make(&with), *all = make(&without);
     frame in = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
     frame above = frame_make(FEW_WIDTH, FEW_HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
@@ -460,9 +462,12 @@ int main(int argc, char **argv)
     check_even();
     check_formats();
     check_dark();
-    check_next_frame(PUPIL_PIXEL_RGBA32F);
-    check_next_frame(PUPIL_PIXEL_RGB16F);
-    check_skipped();
+    check_next_frame(PUPIL_PIXEL_RGBA32F, 0);
+    check_next_frame(PUPIL_PIXEL_RGB16F, FEW_NARROW);
+    check_next_frame(PUPIL_PIXEL_RGBA32F, FEW_NARROWEST);
+    check_skipped(0);
+    check_skipped(FEW_NARROW);
+    check_skipped(FEW_NARROWEST);
     check_refusals();
     return check_end();
 }
