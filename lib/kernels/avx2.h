@@ -140,8 +140,9 @@ INLINE ints v_or(ints a, ints b)
 {
     return _mm256_or_si256(a, b);
 }
-#define v_right(a, n) _mm256_srli_epi32(a, n)
-#define v_left(a, n)  _mm256_slli_epi32(a, n)
+#define v_right(a, n)        _mm256_srli_epi32(a, n)
+#define v_right_signed(a, n) _mm256_srai_epi32(a, n)
+#define v_left(a, n)         _mm256_slli_epi32(a, n)
 INLINE ints v_max_unsigned(ints a, ints b)
 {
     return _mm256_max_epu32(a, b);
@@ -159,9 +160,19 @@ INLINE ints v_halves(ints a, ints b)
 {
     return _mm256_blend_epi16(a, b, 0xaa);
 }
+/* the first and third byte of each four of a, and the others of b */
+INLINE ints v_bytes_in_turns(ints a, ints b)
+{
+    return _mm256_blendv_epi8(a, b, _mm256_set1_epi16(-0x100));
+}
 INLINE ints v_to_ints(floats a)
 {
     return _mm256_cvttps_epi32(a);
+}
+/* the integer below */
+INLINE floats v_floor(floats a)
+{
+    return _mm256_floor_ps(a);
 }
 INLINE floats v_from_ints(ints a)
 {
@@ -219,7 +230,7 @@ INLINE ints v_gather(const uint32_t *table, ints i)
 /* light[i][0] + rest * light[i][1] */
 INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 {
-    uint64_t two[WIDTH / 2];
+    int64_t two[WIDTH / 2];
     __m256 part[2];
     v_store_ints((int32_t *)(void *)two, i);
     parts_of_pairs(light[0], 2, two, part);
@@ -229,7 +240,7 @@ INLINE floats v_interpolate(const float (*light)[2], ints i, floats rest)
 /* from knot[i] to knot[i + 1], by a part of the way */
 INLINE floats v_between(const float *knot, ints i, floats part)
 {
-    uint64_t two[WIDTH / 2];
+    int64_t two[WIDTH / 2];
     __m256 ends[2];
     v_store_ints((int32_t *)(void *)two, i);
     parts_of_pairs(knot, 1, two, ends);

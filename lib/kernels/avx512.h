@@ -140,8 +140,9 @@ INLINE ints v_or(ints a, ints b)
 {
     return _mm512_or_si512(a, b);
 }
-#define v_right(a, n) _mm512_srli_epi32(a, n)
-#define v_left(a, n)  _mm512_slli_epi32(a, n)
+#define v_right(a, n)        _mm512_srli_epi32(a, n)
+#define v_right_signed(a, n) _mm512_srai_epi32(a, n)
+#define v_left(a, n)         _mm512_slli_epi32(a, n)
 INLINE ints v_max_unsigned(ints a, ints b)
 {
     return _mm512_max_epu32(a, b);
@@ -155,9 +156,19 @@ INLINE ints v_halves(ints a, ints b)
 {
     return _mm512_mask_blend_epi16(0xaaaaaaaa, a, b);
 }
+/* the first and third byte of each four of a, and the others of b */
+INLINE ints v_bytes_in_turns(ints a, ints b)
+{
+    return _mm512_mask_blend_epi8(0xaaaaaaaaaaaaaaaa, a, b);
+}
 INLINE ints v_to_ints(floats a)
 {
     return _mm512_cvttps_epi32(a);
+}
+/* the integer below: 1 rounds down, to 0 binary places */
+INLINE floats v_floor(floats a)
+{
+    return _mm512_roundscale_ps(a, 1);
 }
 INLINE floats v_from_ints(ints a)
 {
@@ -214,9 +225,9 @@ INLINE ints v_gather(const uint32_t *table, ints i)
 }
 
 /* As parts_of_pairs, of sixteen. */
-INLINE void parts_of_16_pairs(const float *first, size_t step, ints i, floats part[2])
+INLINE void parts_of_16_pairs(const float *first, ptrdiff_t step, ints i, floats part[2])
 {
-    uint64_t two[WIDTH / 2];
+    int64_t two[WIDTH / 2];
     __m256 low[2], high[2];
     v_store_ints((int32_t *)(void *)two, i);
     parts_of_pairs(first, step, two, low);

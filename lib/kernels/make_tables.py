@@ -117,6 +117,20 @@ def light_table(name, curve, top, in_text, unbiased):
     print(f"const float pupil_{name}_light[{top + 1}][2] = {{\n{rows(pairs, 3)}}};\n")
 
 
+BEYOND = 304  # kernels.h: PUPIL_BEYOND
+
+
+# The same with the light of the first and of the last code for BEYOND codes more at both ends.
+def light_table_beyond(name, curve, in_text):
+    light = [nearest_float(curve(D(k) / 255)) for k in range(256)]
+    step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]
+    inside = [f"{{{in_text(a)}, {in_text(b)}}}" for a, b in zip(light, step)]
+    assert light[0] == 0.0 and light[255] == 1.0
+    below, above = ["{0, 0}"] * BEYOND, ["{1, 0}"] * BEYOND
+    print(f"const float pupil_{name}_light_beyond[{256 + 2 * BEYOND}][2] = {{")
+    print(f"{rows(below, 16)},\n{rows(inside, 3)},\n{rows(above, 16)}}};\n")
+
+
 def decimal_literal(f):  # nine digits are enough to name a float
     return f"{f:.8e}f"
 
@@ -136,6 +150,10 @@ decode = [literal(nearest_float(srgb_to_linear(D(k) / 255))) for k in range(256)
 print(f"const float pupil_srgb8_to_linear[256] = {{\n{rows(decode, 6)}}};\n")
 for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
     light_table(name, curve, 255, literal, False)
+print("#if defined(__x86_64__)")
+for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
+    light_table_beyond(name, curve, literal)
+print("#endif\n")
 bases = [
     (n, encoder(n, f))
     for n, f in (("srgb", srgb_to_linear), ("gamma22", gamma22_to_linear), ("linear", linear_to_linear))

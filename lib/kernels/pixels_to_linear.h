@@ -130,7 +130,11 @@ static void pairs_of_yuv(const pupil_coder *coder, const uint8_t *restrict luma,
     }
 }
 
-#if defined(WIDTH) && !defined(LEVEL_HAS_GROUPS_OF_YUV)
+#if defined(WIDTH)
+#ifndef CHROMA_UNIT
+#define CHROMA_UNIT 1.0f /* in which v_of_chroma gives Cb and Cr */
+#endif
+
 /* As look_up_light, of one vector. */
 INLINE floats light_of_codes(floats code, const float (*light)[2], floats top)
 {
@@ -145,8 +149,8 @@ static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const u
 {
     const float(*const light)[2] = c->light;
     const floats y_zero = v_all(c->y_zero), y_unit = v_all(c->y_unit), top = v_all(c->top);
-    const floats red_v = v_all(c->red_v), blue_u = v_all(c->blue_u);
-    const floats green_u = v_all(c->green_u), green_v = v_all(c->green_v);
+    const floats red_v = v_all(c->red_v * CHROMA_UNIT), blue_u = v_all(c->blue_u * CHROMA_UNIT);
+    const floats green_u = v_all(c->green_u * CHROMA_UNIT), green_v = v_all(c->green_v * CHROMA_UNIT);
     uint32_t i = 0;
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
         floats y[WAYS], u[WAYS], v[WAYS];
@@ -185,8 +189,12 @@ static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *c
                      pupil_planes *p)
 {
     uint32_t done = 0;
+#if defined(LEVEL_HAS_GROUPS_OF_YUV_BEYOND)
+    if (!odd && c->light_beyond)
+        done = groups_of_yuv_beyond(c, luma, chroma, n, p);
+#endif
 #if defined(WIDTH)
-    if (!odd && c->light)
+    if (!odd && c->light && !done)
         done = groups_of_yuv(c, luma, chroma, n, p);
 #endif
     if (done < n)

@@ -21,8 +21,8 @@ typedef struct srgb_constants {
     floats p[6];  /* m^(5/12) for m in [1, 2), relative error 1.2e-6: minimax, by Remez' exchange */
     floats
         line[2]; /* slopes: the linear toe (2e-4 less, so that it also serves the first boundary above it), and the */
-    floats from[2]; /* line through the two last boundaries below 2^-8 */
-    floats offset;
+    floats from[2];           /* line through the two last boundaries below 2^-8 */
+    floats offset[3], second; /* what is added to each channel: -2^24 to the second one, which `pixel_of` needs */
 } srgb_constants;
 
 static const float srgb_power[8] = {2334900.71f, 3116718.52f, 4160320.09f, 5553361.07f,
@@ -42,11 +42,13 @@ INLINE srgb_constants srgb_constants_of(void)
     c.from[0] = v_all(0.5f * CODE + TOE_ERROR);
     c.line[1] = v_all(193289842.0f);
     c.from[1] = v_all(108127.817f + TOE_ERROR);
-    c.offset = v_all((0.5f - 0.055f * 255.0f) * CODE + ERROR);
+    c.second = v_all(-256.0f * CODE);
+    c.offset[0] = c.offset[2] = v_all((0.5f - 0.055f * 255.0f) * CODE + ERROR);
+    c.offset[1] = v_add(c.offset[0], c.second);
     return c;
 }
 
-/* Of so many vectors at a time: each has a long way to go, and none waits for another. */
+/* Of three channels at a time: each has a long way to go, and none waits for another. */
 enum { GUESSES = 3 };
 #if defined(__clang__)
 #define FOR_EACH_GUESS(k) for (int k = 0; k < GUESSES; k++)
@@ -59,19 +61,19 @@ enum { GUESSES = 3 };
 INLINE void srgb_guess(const floats x[GUESSES], const srgb_constants *c, int dark, ints to[GUESSES])
 {
     floats m[GUESSES], code[GUESSES], power[GUESSES];
-    FOR_EACH_GUESS(k) m[k] = v_of_bits(v_or(v_and(v_bits(x[k]), v_all_ints(0x007fffff)), v_all_ints(0x3f800000)));
+    FOR_EACH_GUESS(k) m[k] = v_of_bits(v_or(v_bits(x[k]), v_all_ints(0x3f800000))); /* exponents up to 127 become 127 */
     FOR_EACH_GUESS(k) power[k] = v_table8(c->power, v_right(v_bits(x[k]), 23));
     FOR_EACH_GUESS(k) code[k] = v_about(c->p[5], m[k], c->p[4]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[3]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[2]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[1]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[0]);
-    FOR_EACH_GUESS(k) code[k] = v_about(code[k], power[k], c->offset);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], power[k], c->offset[k]);
     if (dark)
         FOR_EACH_GUESS(k)
         {
             const floats toe = v_min(v_about(x[k], c->line[0], c->from[0]), v_about(x[k], c->line[1], c->from[1]));
-            code[k] = v_select(v_less(x[k], v_all(0x1p-8f)), toe, code[k]);
+            code[k] = v_select(v_less(x[k], v_all(0x1p-8f)), k == 1 ? v_add(toe, c->second) : toe, code[k]);
         }
     FOR_EACH_GUESS(k) to[k] = v_to_ints(code[k]);
 }
@@ -85,10 +87,10 @@ INLINE ints code_of_cell(floats x, const pupil_encoder *e)
     return v_plus(cell, v_and(bits, v_all_ints(0xffff)));
 }
 
+/* Each code is in the upper half of its number; above the second one's all bits are set, which is alpha. */
 INLINE ints pixel_of(ints first, ints second, ints third)
 {
-    const ints low = v_or(v_right(first, 16), v_and(v_right(second, 8), v_all_ints(0xff00)));
-    return v_or(v_halves(low, third), v_all_ints(0xff000000u));
+    return v_bytes_in_turns(v_halves(v_right(first, 16), third), v_right_signed(second, 8));
 }
 
 INLINE void store_pixels(ints pixels, uint8_t *target, uint32_t bytes)
@@ -136,8 +138,8 @@ INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, 
     ints code[3];
     srgb_guess(x, c, dark, code);
     store_pixels(pixel_of(code[0], code[1], code[2]), at, bytes);
-    const ints rest = v_left(v_min_halves(v_min_halves(code[0], code[1]), code[2]), 16);
-    return v_below(rest, (uint32_t)(dark ? UNCERTAIN_TOE : UNCERTAIN) << 16);
+    const ints rest = v_min_halves(v_min_halves(code[0], code[1]), code[2]);
+    return v_equal_ints(v_min_halves(rest, v_all_ints(0xffff0000u | ((dark ? UNCERTAIN_TOE : UNCERTAIN) - 1))), rest);
 }
 
 /* Whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
@@ -174,7 +176,7 @@ INLINE uint32_t store_by_cells(const float *first, const float *second, const fl
     for (; i + WIDTH + slack <= n; i += WIDTH) {
         const ints x = code_of_cell(v_load(first + i), e), y = code_of_cell(v_load(second + i), e);
         const ints z = code_of_cell(v_load(third + i), e);
-        store_pixels(pixel_of(x, y, z), target + (size_t)i * bytes, bytes);
+        store_pixels(pixel_of(x, v_or(y, v_all_ints(0xff000000u)), z), target + (size_t)i * bytes, bytes);
     }
     return i;
 }

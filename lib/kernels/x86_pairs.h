@@ -29,16 +29,16 @@ INLINE __m256 four_pairs(const float *first, const float *second, const float *t
 /* The pairs from eight places: those of the even lanes by twos, and of the odd ones. Two indices a number: half as many
  * loads. Not by a gather: on many CPUs it takes several times as long (AMD's; Intel's with the
  * microcode against Gather Data Sampling). */
-INLINE void eight_pairs(const float *first, size_t step, const uint64_t two[4], __m256 *even, __m256 *odd)
+INLINE void eight_pairs(const float *first, ptrdiff_t step, const int64_t two[4], __m256 *even, __m256 *odd)
 {
-#define AT(k) (first + step * ((k) % 2 ? two[(k) / 2] >> 32 : (uint32_t)two[(k) / 2]))
+#define AT(k) (first + step * ((k) % 2 ? two[(k) / 2] >> 32 : (int32_t)two[(k) / 2]))
     *even = four_pairs(AT(0), AT(1), AT(4), AT(5));
     *odd = four_pairs(AT(2), AT(3), AT(6), AT(7));
 #undef AT
 }
 
 /* Their first floats, and their second ones. */
-INLINE void parts_of_pairs(const float *first, size_t step, const uint64_t two[4], __m256 part[2])
+INLINE void parts_of_pairs(const float *first, ptrdiff_t step, const int64_t two[4], __m256 part[2])
 {
     __m256 even, odd;
     eight_pairs(first, step, two, &even, &odd);

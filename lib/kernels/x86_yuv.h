@@ -1,5 +1,5 @@
-/* lib/kernels/x86_yuv.h: Y'CbCr of 8 bits to light, for the levels of x86. The same operations as groups_of_yuv of
- * pixels_to_linear.h, in another order.
+/* lib/kernels/x86_yuv.h: Y'CbCr of 8 bits to light, for the levels of x86. The same results as groups_of_yuv of
+ * pixels_to_linear.h, in another order. No code is clamped: the table has entries for all codes that there can be.
  *
  * Three look-ups a pixel are what it takes: 8 of them are 27 instructions, of which the CPU can do 6 a cycle. Codes and
  * look-ups of the same pixels wait for each other, and what a CPU sees at a time is not much more than 16 pixels'
@@ -13,23 +13,22 @@
 #include "kernels.h"
 #include "vector.h"
 
-#define LEVEL_HAS_GROUPS_OF_YUV
+#define LEVEL_HAS_GROUPS_OF_YUV_BEYOND
 
 enum { YUV_BEHIND = 2 * PUPIL_LANES };
 
 typedef struct yuv_factors {
     const float *light;
-    floats y_zero, y_unit, top, red_v, green_u, green_v, blue_u;
+    floats y_zero, y_unit, red_v, green_u, green_v, blue_u;
 } yuv_factors;
 
 typedef int32_t yuv_indices[2][3][PUPIL_LANES]; /* of two groups, which take turns */
 
 INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
 {
-    return (yuv_factors){.light = c->light[0],
+    return (yuv_factors){.light = c->light_beyond[0],
                          .y_zero = v_all(c->y_zero),
                          .y_unit = v_all(c->y_unit),
-                         .top = v_all(c->top),
                          .red_v = v_all(c->red_v * CHROMA_UNIT),
                          .green_u = v_all(c->green_u * CHROMA_UNIT),
                          .green_v = v_all(c->green_v * CHROMA_UNIT),
@@ -37,19 +36,18 @@ INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
 }
 
 /* A vector of codes: the entries of the table below them, and how far on they are. */
-INLINE void part_codes(floats code, floats top, int32_t *index, float *rest)
+INLINE void part_codes(floats code, int32_t *index, float *rest)
 {
-    const floats inside = v_min(v_max(code, v_all(0.0f)), top);
-    const ints below = v_to_ints(inside);
-    v_store_ints(index, below);
-    v_store(rest, v_sub(inside, v_from_ints(below)));
+    const floats below = v_floor(code);
+    v_store_ints(index, v_to_ints(below));
+    v_store(rest, v_sub(code, below));
 }
 
 /* Of 16 pixels, in the place of how far on they are. */
 INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
 {
     for (int i = 0; i < PUPIL_LANES; i += 8) {
-        uint64_t two[4];
+        int64_t two[4];
         __m256 part[2];
         __builtin_memcpy(two, index + i, sizeof two);
         parts_of_pairs(light, 2, two, part);
@@ -73,7 +71,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
     {
         const uint32_t w = (uint32_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), f->top, index[0] + w, p->r + i + w);
+            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), index[0] + w, p->r + i + w);
     }
     if (end)
         look_up_parts(f->light, index[1], p->g + (i - YUV_BEHIND));
@@ -81,7 +79,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
     {
         const uint32_t w = (uint32_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), f->top, index[1] + w,
+            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), index[1] + w,
                        p->g + i + w);
     }
     if (end)
@@ -90,13 +88,13 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
     {
         const uint32_t w = (uint32_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), f->top, index[2] + w, p->b + i + w);
+            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), index[2] + w, p->b + i + w);
     }
 }
 
 /* Whole groups of 16 pixels; returns the first pixel that is left. */
-static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
-                              pupil_planes *p)
+static uint32_t groups_of_yuv_beyond(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
+                                     pupil_planes *p)
 {
     const yuv_factors f = yuv_factors_of(c);
     const uint32_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;

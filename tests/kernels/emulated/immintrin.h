@@ -42,6 +42,13 @@ static inline __m512 emulated_cvtepi32_ps(__m512i v)
 }
 #define _mm512_cvtepi32_ps emulated_cvtepi32_ps
 
+static inline __m512i emulated_srai_epi32(__m512i v, int n)
+{
+    APART(int32_t, in, v);
+    EMULATED(__m512i, int32_t, in[i] >> n);
+}
+#define _mm512_srai_epi32 emulated_srai_epi32
+
 static inline __m512i emulated_cvtepu16_epi32(__m256i v)
 {
     APART(uint16_t, in, v);
