@@ -108,7 +108,7 @@ typedef struct pixel_bits {
     uint8_t of[PUPIL_BLOCK / 8];
 } pixel_bits;
 
-INLINE void put_bits(pixel_bits *bits, uint32_t i, uint32_t of_vector)
+INLINE void put_bits(pixel_bits *bits, size_t i, uint32_t of_vector)
 {
     bits->of[i / 8] = (uint8_t)of_vector;
     if (WIDTH == 16)
@@ -149,14 +149,14 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
 {
     const srgb_constants c = srgb_constants_of();
     const floats most = v_all(0x1.fffffep-1f);
-    const uint32_t slack = bytes == 3 ? 2 : 0;
+    const size_t slack = bytes == 3 ? 2 : 0, end = n < WIDTH + slack ? 0 : n - (WIDTH + slack) + 1;
     pixel_bits near;
     uint32_t any = 0;
-    uint32_t i = 0;
-    for (; i + WIDTH + slack <= n; i += WIDTH) {
+    size_t i = 0;
+    for (; i < end; i += WIDTH) {
         const floats x[3] = {v_min(most, v_load(first + i)), v_min(most, v_load(second + i)),
                              v_min(most, v_load(third + i))};
-        uint8_t *at = target + (size_t)i * bytes;
+        uint8_t *at = target + i * bytes;
         const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
         const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)
                                                                            : store_guesses(x, &c, 1, at, bytes);
@@ -164,8 +164,8 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
         put_bits(&near, i, v_mask_bits(uncertain));
     }
     if (any)
-        settle(&near, i, first, second, third, e, target, bytes);
-    return i;
+        settle(&near, (uint32_t)i, first, second, third, e, target, bytes);
+    return (uint32_t)i;
 }
 
 INLINE uint32_t store_by_cells(const float *first, const float *second, const float *third, uint32_t n,

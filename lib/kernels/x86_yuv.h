@@ -56,7 +56,7 @@ INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
 }
 
 /* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the one from there on (`begin`). */
-INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, uint32_t i, int begin,
+INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, size_t i, int begin,
                         int end, int32_t index[3][PUPIL_LANES], pupil_planes *p)
 {
     floats y[WAYS], u[WAYS], v[WAYS];
@@ -69,7 +69,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
         look_up_parts(f->light, index[0], p->r + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
-        const uint32_t w = (uint32_t)k * WIDTH;
+        const size_t w = (size_t)k * WIDTH;
         if (begin)
             part_codes(v_add(y[k], v_mul(f->red_v, v[k])), index[0] + w, p->r + i + w);
     }
@@ -77,7 +77,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
         look_up_parts(f->light, index[1], p->g + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
-        const uint32_t w = (uint32_t)k * WIDTH;
+        const size_t w = (size_t)k * WIDTH;
         if (begin)
             part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), index[1] + w,
                        p->g + i + w);
@@ -86,7 +86,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
         look_up_parts(f->light, index[2], p->b + (i - YUV_BEHIND));
     FOR_EACH_WAY(k)
     {
-        const uint32_t w = (uint32_t)k * WIDTH;
+        const size_t w = (size_t)k * WIDTH;
         if (begin)
             part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), index[2] + w, p->b + i + w);
     }
@@ -97,9 +97,9 @@ static uint32_t groups_of_yuv_beyond(const pupil_coder *c, const uint8_t *luma, 
                                      pupil_planes *p)
 {
     const yuv_factors f = yuv_factors_of(c);
-    const uint32_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;
+    const size_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;
     yuv_indices index;
-    uint32_t i = 0;
+    size_t i = 0;
 #define OF_GROUP index[i / PUPIL_LANES % 2]
     for (; i < first; i += PUPIL_LANES)
         step_of_yuv(&f, luma, chroma, i, 1, 0, OF_GROUP, p);
@@ -112,7 +112,7 @@ static uint32_t groups_of_yuv_beyond(const pupil_coder *c, const uint8_t *luma, 
     for (i = whole + YUV_BEHIND - first; i < whole + YUV_BEHIND; i += PUPIL_LANES)
         step_of_yuv(&f, luma, chroma, i, 0, 1, OF_GROUP, p);
 #undef OF_GROUP
-    return whole;
+    return (uint32_t)whole;
 }
 
 #endif
