@@ -56,8 +56,8 @@ INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
 }
 
 /* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the one from there on (`begin`). */
-INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, size_t i, int begin,
-                        int end, int32_t index[3][PUPIL_LANES], pupil_planes *p)
+INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, size_t i, int begin, int end,
+                        int32_t index[3][PUPIL_LANES], pupil_planes *p)
 {
     floats y[WAYS], u[WAYS], v[WAYS];
     if (begin) {
