@@ -104,16 +104,26 @@ static int replaces(const char *output, int may_be_folder, const char *input)
            (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
 }
 
-/* The file that is behind an input's prefix and before its keys, to be freed. NULL: there is none, or no memory. */
-static char *file_of(const char *input)
+/* Whether an output would replace what an input names. Behind a prefix a file's name may have commas, and keys follow
+ * after another one: each part that ends at a comma may be the file. */
+static int replaces_named(const char *output, int may_be_folder, const char *input)
 {
-    static const char *const prefixes[] = {"pan:", "raw:"};
     if (strncmp(input, "synth:", 6) == 0)
-        return NULL;
-    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++)
-        if (strncmp(input, prefixes[i], 4) == 0)
-            return strndup(input + 4, strcspn(input + 4, ","));
-    return strdup(strcmp(input, "-") == 0 ? "/dev/stdin" : input);
+        return 0;
+    if (strncmp(input, "pan:", 4) != 0 && strncmp(input, "raw:", 4) != 0)
+        return replaces(output, may_be_folder, strcmp(input, "-") == 0 ? "/dev/stdin" : input);
+    char *name = strdup(input + 4), *comma = name;
+    int found = 0;
+    while (comma && !(found = replaces(output, may_be_folder, name)) && (comma = strrchr(name, ',')))
+        *comma = 0;
+    free(name);
+    return found;
+}
+
+/* `--veil FILE`. Not a name of an eye, which no output may be taken for. */
+static int replaces_veil(const char *output, const char *veil)
+{
+    return veil && strcmp(veil, "eye") != 0 && strncmp(veil, "eye:", 4) != 0 && replaces(output, 0, veil);
 }
 
 /* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it. Other files
@@ -161,14 +171,12 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
                              paths[k]);
                 return OPTIONS_USAGE;
             }
-        for (size_t k = 0; k < o->input_count; k++) {
-            char *file = file_of(o->inputs[k]);
-            const int taken = file && replaces(paths[i], i < o->out_count || paths[i] == o->record, file);
-            free(file);
-            if (taken) {
-                pupil_refuse(why, "%s: is also an input, and would be replaced", paths[i]);
-                return OPTIONS_USAGE;
-            }
+        int taken = replaces_veil(paths[i], o->veil);
+        for (size_t k = 0; k < o->input_count && !taken; k++)
+            taken = replaces_named(paths[i], i < o->out_count || paths[i] == o->record, o->inputs[k]);
+        if (taken) {
+            pupil_refuse(why, "%s: is also an input, and would be replaced", paths[i]);
+            return OPTIONS_USAGE;
         }
     }
     return check_kept(o, why);

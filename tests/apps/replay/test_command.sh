@@ -122,6 +122,11 @@ for input in taken 'taken/*.png'; do
     expect 2 "is also an input" replay "$input" -o taken/frame_000001.png -n 1 -y
 done
 expect 2 "is also an input" replay raw:in.y4m,format=GREY,size=8x8 -o in.y4m -y
+cp in.y4m 'a,b.y4m'
+expect 2 "a,b.y4m: is also an input" replay pan:a,b.y4m,fov=60 -o a,b.y4m -y
+expect 2 "in.y4m: is also an input" replay pan:in.y4m -o in.y4m -y
+echo "5 0.03" >lens
+expect 2 "lens: is also an input" $walk -n 1 --veil lens --fov 50 --stats lens -y
 "$program" replay - -o in.y4m -n 1 -y <in.y4m 2>said.err && fail "standard input was replaced"
 cmp -s in.y4m before.y4m || fail "the input was replaced"
 "$program" record in.y4m recorded -q
