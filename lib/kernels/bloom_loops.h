@@ -129,21 +129,31 @@ static uint32_t bloom_lamps(const pupil_planes *planes, uint32_t n, float thresh
     return lamps;
 }
 
-static void bloom_widen(const float *from, uint32_t n, float *to)
+static inline __attribute__((always_inline)) void bloom_widen_to(const float *from, uint32_t n, float *to, int add)
 {
     for (uint32_t i = 0; i < n; i += BLOOM_LANES) {
         const float *f = from + i;
         const bloom_lanes here = BLOOM_FROM(f) * 0x89p-8f, before = BLOOM_FROM(f - 1), after = BLOOM_FROM(f + 1);
         const bloom_lanes even = (here + before * 0x54p-8f) + (after * 0x1ep-8f + BLOOM_FROM(f - 2) * 0x5p-8f);
         const bloom_lanes odd = (here + after * 0x54p-8f) + (before * 0x1ep-8f + BLOOM_FROM(f + 2) * 0x5p-8f);
-        bloom_lanes low, high;
-        __builtin_memcpy(&low, to + 2 * (size_t)i, sizeof low);
-        __builtin_memcpy(&high, to + 2 * (size_t)i + BLOOM_LANES, sizeof high);
+        bloom_lanes low = {0}, high = {0};
+        if (add) {
+            __builtin_memcpy(&low, to + 2 * (size_t)i, sizeof low);
+            __builtin_memcpy(&high, to + 2 * (size_t)i + BLOOM_LANES, sizeof high);
+        }
         low += BLOOM_MIX(even, odd, 0, 8, 1, 9, 2, 10, 3, 11);
         high += BLOOM_MIX(even, odd, 4, 12, 5, 13, 6, 14, 7, 15);
         __builtin_memcpy(to + 2 * (size_t)i, &low, sizeof low);
         __builtin_memcpy(to + 2 * (size_t)i + BLOOM_LANES, &high, sizeof high);
     }
+}
+
+static void bloom_widen(const float *from, uint32_t n, float *to, int add)
+{
+    if (add)
+        bloom_widen_to(from, n, to, 1);
+    else
+        bloom_widen_to(from, n, to, 0);
 }
 
 #define BLOOM_PIECES                                                                                                   \

@@ -293,10 +293,10 @@ typedef uint32_t pupil_bloom_lamps_kernel(const pupil_planes *planes, uint32_t n
  * for n up to its next multiple of 16. */
 typedef void pupil_bloom_down_kernel(const float *const row[8], uint32_t n, float *even, float *odd);
 typedef void pupil_bloom_up_kernel(const float *const row[4], const float tap[4], uint32_t n, float *to);
-/* n pixels at half the size, of even and odd ones [-2] to [n + 1]; and 2 n more at twice the size, of from[-2] to
- * from[n + 1]; for n up to its next multiple of 8. */
+/* n pixels at half the size, of even and odd ones [-2] to [n + 1]; and 2 n (with `add`: more) at twice the size, of
+ * from[-2] to from[n + 1]; for n up to its next multiple of 8. */
 typedef void pupil_bloom_halve_kernel(const float *even, const float *odd, uint32_t n, float *to);
-typedef void pupil_bloom_widen_kernel(const float *from, uint32_t n, float *to);
+typedef void pupil_bloom_widen_kernel(const float *from, uint32_t n, float *to, int add);
 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */

@@ -105,10 +105,12 @@ static void gather_row(bloom_object *o, gathering *g, int32_t j, const gathered 
     const uint32_t end = part->end_unit * BLOOM_UNIT, n = (end < all ? end : all) - from;
     for (int32_t y = 2 * j - 3; y <= 2 * j + 4; y++)
         read_row(o, g, y, part, n);
+    const float *row[HALVED];
+    for (uint32_t k = 0; k < HALVED; k++)
+        row[k] = g->row[((uint32_t)(2 * j - 3 + 2 * HALVED) + k) % HALVED][0];
     for (int channel = 0; channel < 3; channel++) {
-        const float *row[HALVED];
-        for (int32_t k = 0; k < HALVED; k++)
-            row[k] = g->row[(2 * j - 3 + k + 2 * HALVED) % HALVED][channel];
+        for (int k = 0; channel && k < HALVED; k++)
+            row[k] += BLOOM_LINE;
         PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->even[channel], g->odd[channel]);
     }
     for (int channel = 0; channel < 3; channel++) {

@@ -37,16 +37,25 @@ void pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_l
     f->kernels->bloom_light_rgba32f(row.data + 16 * (size_t)p.first, next_row, p.pixels, to);
 }
 
+void pupil_bloom_find_four(const bloom_object *o, uint32_t octave, int32_t y, uint32_t from, bloom_four *four)
+{
+    const bloom_octave *at = &o->octave[octave];
+    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, downwards */
+    const int32_t first = middle - (y & 1 ? 1 : 2);
+    four->y = y;
+    for (int32_t i = 0; i < 4; i++) {
+        const size_t row = pupil_bloom_row(o, octave, at->blurred, 0, first + i);
+        four->row[i] = o->memory + row + from;
+        four->next[i] = row == o->nothing ? 0 : (size_t)at->rows * at->stride;
+    }
+}
+
 /* A row of the finer octave is 5/256, 84/256, 137/256 and 30/256 of four, or those from the other side. */
-void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
-                         uint32_t from, uint32_t n, float *to)
+void pupil_bloom_between(const pupil_kernels *kernels, bloom_four *four, uint32_t n, float *to)
 {
     static const float even[4] = {0x5p-8f, 0x54p-8f, 0x89p-8f, 0x1ep-8f};
     static const float odd[4] = {0x1ep-8f, 0x89p-8f, 0x54p-8f, 0x5p-8f};
-    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, downwards */
-    const int32_t first = middle - (y & 1 ? 1 : 2);
-    const float *row[4];
+    PUPIL_PIECE(kernels, bloom_up)(four->row, four->y & 1 ? odd : even, n, to);
     for (int i = 0; i < 4; i++)
-        row[i] = o->memory + pupil_bloom_row(o, octave, o->octave[octave].blurred, channel, first + i) + from;
-    PUPIL_PIECE(kernels, bloom_up)(row, y & 1 ? odd : even, n, to);
+        four->row[i] += four->next[i];
 }

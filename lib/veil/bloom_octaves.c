@@ -107,14 +107,16 @@ static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloo
     const bloom_octave *at = &o->octave[s->octave];
     float(*sums)[PUPIL_BLOOM_LINE] = (float(*)[PUPIL_BLOOM_LINE])(void *)(o->memory + o->sums);
     float *to = blurred_of(o, s);
+    const float *row[PUPIL_BLOOM_ROWS];
+    for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
+        row[i] = o->memory + pupil_bloom_row(o, s->octave, at->light, s->channel, s->y - REACH + i) + BLOOM_LEFT -
+                 BLOOM_MARGIN - BLOOM_SIDE + s->first * BLOOM_UNIT;
     for (uint32_t first = s->first; first < s->end; first += MOST, to += MOST * BLOOM_UNIT) {
         const uint32_t n = (s->end - first < MOST ? s->end - first : MOST) * BLOOM_UNIT;
-        const float *row[PUPIL_BLOOM_ROWS];
-        for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
-            row[i] = o->memory + pupil_bloom_row(o, s->octave, at->light, s->channel, s->y - REACH + i) + BLOOM_LEFT -
-                     BLOOM_MARGIN - BLOOM_SIDE + first * BLOOM_UNIT;
         PUPIL_PIECE(kernels, bloom_columns)(row, &o->taps[s->octave], n + 2 * BLOOM_SIDE, sums);
         PUPIL_PIECE(kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])sums, n, to, 0);
+        for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
+            row[i] += MOST * BLOOM_UNIT;
     }
 }
 
@@ -156,25 +158,32 @@ static void plan(bloom_object *o, uint32_t octave)
 }
 
 /* They get what comes from the octave above; `add`: besides what is there. */
-static void take_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s, int add)
+static void take_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s, bloom_four four, int add)
 {
     enum { BEFORE = 6 }; /* of the first pixel, so that lines are read from multiples of 8 on */
     const uint32_t half = s->first * (BLOOM_UNIT / 2), all = o->octave[s->octave].width / 2 + BLOOM_MARGIN;
-    const uint32_t most = (s->end - s->first) * (BLOOM_UNIT / 2), n = all - half < most ? all - half : most;
-    const uint32_t from = BLOOM_LEFT - BLOOM_MARGIN / 2 - BEFORE + half;
-    float *line = o->memory + o->line;
-    if (!add)
-        __builtin_memset(blurred_of(o, s), 0, (s->end - s->first) * BLOOM_UNIT * sizeof(float));
-    if (all <= half)
+    const uint32_t most = (s->end - s->first) * (BLOOM_UNIT / 2), left = all > half ? all - half : 0;
+    const uint32_t n = left < most ? left : most;
+    float *line = o->memory + o->line, *to = blurred_of(o, s);
+    if (!add && n < most)
+        __builtin_memset(to + 2 * n, 0, 2 * (most - n) * sizeof *to);
+    if (!n)
         return;
-    pupil_bloom_between(o, kernels, s->octave + 1, s->channel, s->y, from, most + BLOOM_STEP / 2, line);
-    PUPIL_PIECE(kernels, bloom_widen)(line + BEFORE, n, blurred_of(o, s));
+    for (int i = 0; i < 4; i++)
+        four.row[i] += BLOOM_LEFT - BLOOM_MARGIN / 2 - BEFORE + half;
+    pupil_bloom_between(kernels, &four, most + BLOOM_STEP / 2, line);
+    PUPIL_PIECE(kernels, bloom_widen)(line + BEFORE, n, to, add);
 }
 
 static void blur_row(bloom_object *o, const pupil_kernels *kernels, bloom_units s)
 {
     const uint32_t units = o->octave[s.octave].units;
     const uint8_t *reached = pupil_bloom_flags(o, s.octave, o->octave[s.octave].reached, s.y);
+    bloom_four four = {.y = s.y};
+    if (s.octave + 1 < o->octaves)
+        pupil_bloom_find_four(o, s.octave + 1, s.y, 0, &four);
+    for (int i = 0; i < 4; i++)
+        four.row[i] += (size_t)s.channel * four.next[i];
     for (s.first = 0; s.first < units; s.first = s.end) {
         const uint8_t by = reached[s.first];
         for (s.end = s.first; s.end < units && reached[s.end] == by; s.end++)
@@ -182,7 +191,7 @@ static void blur_row(bloom_object *o, const pupil_kernels *kernels, bloom_units 
         if (by & BY_KERNEL)
             blur_units(o, kernels, &s);
         if (by & BY_COARSER)
-            take_coarser(o, kernels, &s, by & BY_KERNEL);
+            take_coarser(o, kernels, &s, four, by & BY_KERNEL);
     }
 }
 

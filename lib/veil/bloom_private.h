@@ -68,20 +68,20 @@ static inline uint8_t *pupil_bloom_flags(const bloom_object *o, uint32_t octave,
 }
 
 /* Whether one of units first to end is set in one of rows y to y + rows. */
-static inline uint32_t pupil_bloom_any(const bloom_object *o, uint32_t octave, size_t flags, int32_t y, int32_t rows,
-                                       uint32_t first, uint32_t end)
+static inline int pupil_bloom_any(const bloom_object *o, uint32_t octave, size_t flags, int32_t y, int32_t rows,
+                                  uint32_t first, uint32_t end)
 {
     const bloom_octave *at = &o->octave[octave];
     const int32_t from = y > -BLOOM_MARGIN ? y : -BLOOM_MARGIN, below = (int32_t)at->height + BLOOM_MARGIN;
     const int32_t to = y + rows < below ? y + rows : below;
-    uint32_t any = 0;
     end = end < at->units ? end : at->units;
     for (int32_t i = from; i < to; i++) {
         const uint8_t *row = pupil_bloom_flags(o, octave, flags, i);
         for (uint32_t u = first; u < end; u++)
-            any |= row[u];
+            if (row[u])
+                return 1;
     }
-    return any;
+    return 0;
 }
 
 /* A frame whose light is read by blocks. */
@@ -128,9 +128,16 @@ static inline uint32_t pupil_bloom_bits(const uint32_t *words, uint32_t width, i
 void pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
 /* Of some lines: light that is not read yet; none, but anything in it; light, read; zeros. */
 enum { BLOOM_UNREAD, BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
-/* Row y of the octave above from four rows of `blurred` of `octave`, still of its width, from float `from` on. */
-void pupil_bloom_between(const bloom_object *o, const pupil_kernels *kernels, uint32_t octave, int channel, int32_t y,
-                         uint32_t from, uint32_t n, float *to);
+/* The four rows of an octave's blurred planes, from float `from` on, that give row y of the octave above: of its first
+ * channel, and how far it is to the next channel's. */
+typedef struct bloom_four {
+    const float *row[4];
+    size_t next[4];
+    int32_t y;
+} bloom_four;
+void pupil_bloom_find_four(const bloom_object *o, uint32_t octave, int32_t y, uint32_t from, bloom_four *four);
+/* That row, still of the octave's width, of the channel at hand; which is then the next one. */
+void pupil_bloom_between(const pupil_kernels *kernels, bloom_four *four, uint32_t n, float *to);
 
 /* bloom_octaves.c: units first to end of row y of planes and their flags become 0, if they are not. */
 void pupil_bloom_clear(bloom_object *o, uint32_t octave, size_t planes, size_t flags, int32_t y, uint32_t first,

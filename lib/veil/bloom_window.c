@@ -40,26 +40,30 @@ void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y
         step_to(o, w, i);
 }
 
-/* Which units of the block have light within reach of the kernel at full size: a bit each. */
+/* Which units of the block have light within reach of the kernel at full size, that is in four of the lamps' bits: a
+ * bit each. */
 static uint32_t units_in_reach(const bloom_window *w)
 {
-    uint32_t lamps = 0, units = 0;
+    uint32_t lamps = 0;
     for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
         lamps |= w->lamps[i];
-    for (uint32_t k = 0; k < BLOOM_PART / BLOOM_UNIT && lamps; k++)
-        units |= (uint32_t)((lamps >> 2 * k & 15) != 0) << k;
-    return units;
+    uint32_t units =
+        (lamps | lamps >> 1 | lamps >> 2 | lamps >> 3) & 0x55555555; /* each other bit, and then together */
+    units = (units | units >> 1) & 0x33333333;
+    units = (units | units >> 2) & 0x0f0f0f0f;
+    units = (units | units >> 4) & 0x00ff00ff;
+    return (units | units >> 8) & ((1u << (w->n + BLOOM_UNIT - 1) / BLOOM_UNIT) - 1);
 }
 
 /* Whether the octaves give the block something. */
 static int octaves_reach(const bloom_object *o, const bloom_window *w, uint32_t y)
 {
-    if (o->octaves < 2)
-        return 0;
+    if (o->octaves < 2 || !(w->frame.threshold > 0.0f))
+        return o->octaves > 1;
     const uint32_t first = (w->x / 2 + BLOOM_MARGIN - 2) / BLOOM_UNIT;
     const uint32_t end = (w->x / 2 + (w->n + 1) / 2 + BLOOM_MARGIN + 1) / BLOOM_UNIT + 1;
     const int32_t above = (int32_t)(y / 2) - (y & 1 ? 1 : 2);
-    return pupil_bloom_any(o, 1, o->octave[1].reached, above, 4, first, end) != 0;
+    return pupil_bloom_any(o, 1, o->octave[1].reached, above, 4, first, end);
 }
 
 int pupil_bloom_window_step(const bloom_object *o, bloom_window *w, uint32_t y)
@@ -108,37 +112,38 @@ static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32
 /* Where there is light within reach, by runs of units. */
 static void add_full(const bloom_object *o, bloom_window *w, int32_t y, float *const plane[3])
 {
-    const uint32_t units = (w->n + BLOOM_UNIT - 1) / BLOOM_UNIT;
-    for (uint32_t first = 0, end; first < units; first = end + 1) {
-        for (end = first; end < units && w->units >> end & 1; end++)
-            ;
-        const uint32_t x = first * BLOOM_UNIT, most = (end - first) * BLOOM_UNIT;
-        if (most)
-            add_pixels(o, w, y, x, most < w->n - x ? most : w->n - x, plane);
+    for (uint32_t left = w->units; left;) {
+        const uint32_t first = (uint32_t)__builtin_ctz(left), count = (uint32_t)__builtin_ctz(~(left >> first));
+        const uint32_t x = first * BLOOM_UNIT, most = count * BLOOM_UNIT;
+        add_pixels(o, w, y, x, most < w->n - x ? most : w->n - x, plane);
+        left &= ~(((1u << count) - 1) << first);
     }
 }
 
 /* What the next rows need of the octave: pieces of rows are too short for a CPU to expect that by itself. */
-static void announce(const bloom_object *o, int channel, int32_t y, uint32_t from, uint32_t n)
+static void announce(const float *row, uint32_t n)
 {
     enum { FLOATS = 16 };
-    const float *next = o->memory + pupil_bloom_row(o, 1, o->octave[1].blurred, channel, y / 2 + 3) + from;
     for (uint32_t at = 0; at < n; at += FLOATS)
-        __builtin_prefetch(next + at);
+        __builtin_prefetch(row + at);
 }
 
 void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, pupil_planes *planes)
 {
     float *const plane[3] = {planes->r, planes->g, planes->b};
-    const uint32_t halves = (w->n + 1) / 2, from = BLOOM_LEFT - BLOOM_MARGIN + w->x / 2;
+    const uint32_t halves = (w->n + 1) / 2, n = halves + 2 * BLOOM_MARGIN;
+    bloom_four four;
     if (w->units) {
         read_rows(w, (int32_t)y);
         add_full(o, w, (int32_t)y, plane);
     }
-    for (int channel = 0; channel < 3 && w->octaves; channel++) {
+    if (!w->octaves)
+        return;
+    pupil_bloom_find_four(o, 1, (int32_t)y, BLOOM_LEFT - BLOOM_MARGIN + w->x / 2, &four);
+    for (int channel = 0; channel < 3; channel++) {
         if (y % 2 == 0)
-            announce(o, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN);
-        pupil_bloom_between(o, w->frame.kernels, 1, channel, (int32_t)y, from, halves + 2 * BLOOM_MARGIN, w->line);
-        PUPIL_PIECE(w->frame.kernels, bloom_widen)(w->line + BLOOM_MARGIN, halves, plane[channel]);
+            announce(four.row[3] + 2 * (size_t)o->octave[1].stride, n);
+        pupil_bloom_between(w->frame.kernels, &four, n, w->line);
+        PUPIL_PIECE(w->frame.kernels, bloom_widen)(w->line + BLOOM_MARGIN, halves, plane[channel], 1);
     }
 }

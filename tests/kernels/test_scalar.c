@@ -122,15 +122,18 @@ static void check_halve_and_widen(uint32_t n)
         CHECK(512.0f * to[i] == eighth_of(pair));
     }
     check_guard("halve", n, end);
-    for (uint32_t i = 0; i < 2 * end; i++)
-        to[i] = (float)(int)i;
-    pupil_kernels_scalar.bloom_widen(from, n, to);
-    for (uint32_t i = 0; i < end; i++) {
-        const float *f = from + i, before[4] = {f[0], f[-1], f[1], f[-2]}, after[4] = {f[0], f[1], f[-1], f[2]};
-        CHECK(256.0f * (to[2 * i] - (float)(int)(2 * i)) == eighth_of(before));
-        CHECK(256.0f * (to[2 * i + 1] - (float)(int)(2 * i + 1)) == eighth_of(after));
+    for (int add = 0; add < 2; add++) {
+        for (uint32_t i = 0; i < 2 * end; i++)
+            to[i] = (float)(int)i;
+        pupil_kernels_scalar.bloom_widen(from, n, to, add);
+        for (uint32_t i = 0; i < end; i++) {
+            const float *f = from + i, before[4] = {f[0], f[-1], f[1], f[-2]}, after[4] = {f[0], f[1], f[-1], f[2]};
+            const float was[2] = {add ? (float)(int)(2 * i) : 0.0f, add ? (float)(int)(2 * i + 1) : 0.0f};
+            CHECK(256.0f * (to[2 * i] - was[0]) == eighth_of(before));
+            CHECK(256.0f * (to[2 * i + 1] - was[1]) == eighth_of(after));
+        }
+        check_guard("widen", n, 2 * end);
     }
-    check_guard("widen", n, 2 * end);
 }
 
 /* One channel of one pixel above a threshold, or none, or what has no part in it. */

@@ -201,15 +201,34 @@ static int fill(frames *f, const char *picture)
     return unusable;
 }
 
+/* Pixels above a threshold in a part of the frame; what is beyond its edges does not count. */
+static size_t lit_pixels(const frames *f, double above, int64_t x, int64_t y, int64_t side)
+{
+    const int64_t width = f->in.width, height = f->in.height;
+    size_t lit = 0;
+    for (int64_t j = y < 0 ? 0 : y; j < y + side && j < height; j++)
+        for (int64_t i = x < 0 ? 0 : x; i < x + side && i < width; i++) {
+            const float *v = f->pixels + 4 * (j * width + i);
+            lit += (double)fmaxf(fmaxf(v[0], v[1]), v[2]) > above;
+        }
+    return lit;
+}
+
 static double lit_percent(const frames *f, double above)
 {
-    const size_t pixels = (size_t)f->in.width * f->in.height;
-    size_t lit = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        const float *v = f->pixels + 4 * i;
-        lit += (double)fmaxf(fmaxf(v[0], v[1]), v[2]) > above;
-    }
-    return 100.0 * (double)lit / (double)pixels;
+    const int64_t side = f->in.width > f->in.height ? f->in.width : f->in.height;
+    return 100.0 * (double)lit_pixels(f, above, 0, 0, side) / ((double)f->in.width * f->in.height);
+}
+
+/* Blocks that the kernel at full size scatters to, which reaches 3 pixels. */
+static double reached_percent(const frames *f, double above)
+{
+    enum { BLOCK = 32, REACH = 3 };
+    size_t blocks = 0, reached = 0;
+    for (int64_t y = 0; y < f->in.height; y += BLOCK)
+        for (int64_t x = 0; x < f->in.width; x += BLOCK, blocks++)
+            reached += lit_pixels(f, above, x - REACH, y - REACH, BLOCK + 2 * REACH) > 0;
+    return 100.0 * (double)reached / (double)blocks;
 }
 
 static int open_frames(const veil_frames_options *o, frames *f)
@@ -271,8 +290,10 @@ static void print_frames(const veil_frames_options *o, const frames *f, const ch
            o->width, o->height, what, ns[READ], ns[METER], GROUP, ns[GROUPS], ns[MAP], "a veil",
            ns[VEIL_METER] - ns[METER], ns[VEIL_SOLVE], ns[VEIL_MAP] - ns[MAP], veil);
     print_bloom("bloom of all light", ns, ns + ALL);
-    snprintf(words, sizeof words, "of what is above %g (%.1f %%)", o->above, lit_percent(f, o->above));
+    snprintf(words, sizeof words, "of what is above %g", o->above);
     print_bloom(words, ns, ns + BRIGHT);
+    printf("    which is %.2f %% of the pixels, in or beside %.1f %% of the blocks of 32 x 32\n",
+           lit_percent(f, o->above), reached_percent(f, o->above));
     fflush(stdout);
 }
 
