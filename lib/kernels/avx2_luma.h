@@ -60,15 +60,9 @@ INLINE int w_any(v_words a)
 /* A shuffle sees 16 entries: each next 16 are added to what was before, as the difference (exclusive or) to the last
  * ones, where the index, less 16 each time, is not below 0 yet. Indices from 128 on begin below 0, and have a chain of
  * their own. */
-INLINE void chain_of(const uint8_t *table, uint32_t count, __m256i *chain)
+INLINE __m256i sixteen_steps(const uint8_t *steps, int k)
 {
-    __m256i last = _mm256_setzero_si256();
-    for (uint32_t k = 0; k < count; k++) {
-        const __m256i next =
-            _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(table + 16 * (size_t)k)));
-        chain[k] = k % 8 ? _mm256_xor_si256(next, last) : next;
-        last = next;
-    }
+    return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(steps + 16 * (size_t)k)));
 }
 
 #if defined(__clang__)
@@ -77,12 +71,12 @@ INLINE void chain_of(const uint8_t *table, uint32_t count, __m256i *chain)
 #define FOR_CHAIN(k, COUNT) _Pragma("GCC unroll 8") for (int k = 0; k < COUNT; k++)
 #endif
 
-INLINE void look_up_chain(const __m256i chain[8], __m256i at[4], __m256i found[4])
+INLINE void look_up_chain(const uint8_t steps[128], __m256i at[4], __m256i found[4])
 {
     const __m256i step = _mm256_set1_epi8(16);
     FOR_CHAIN(k, 8)
     {
-        __m256i entries = _mm256_load_si256(chain + k);
+        __m256i entries = sixteen_steps(steps, k);
         IN_REGISTER(entries);
         FOR_FOUR(j)
         {
@@ -94,17 +88,17 @@ INLINE void look_up_chain(const __m256i chain[8], __m256i at[4], __m256i found[4
 }
 
 typedef struct luma_entries {
-    __m256i chain[16];
+    const uint8_t *steps;
 } luma_entries;
 
-INLINE void luma_entries_of(const uint8_t *table, luma_entries *e)
+INLINE void luma_entries_of(const pupil_luma_tables *t, luma_entries *e)
 {
-    chain_of(table, 16, e->chain);
+    e->steps = t->luma_steps;
 }
 
 /* 128 codes. In a part of a picture there are often none below 128, or none above. Not inline: gcc would copy all
  * entries. */
-static __attribute__((noinline)) void look_up_128(const __m256i chain[16], const uint8_t *from, uint8_t *to)
+static __attribute__((noinline)) void look_up_128(const uint8_t steps[256], const uint8_t *from, uint8_t *to)
 {
     const __m256i upper = _mm256_set1_epi8(-128);
     __m256i code[4], at[4], found[4];
@@ -116,10 +110,10 @@ static __attribute__((noinline)) void look_up_128(const __m256i chain[16], const
     const __m256i any = _mm256_or_si256(_mm256_or_si256(code[0], code[1]), _mm256_or_si256(code[2], code[3]));
     const __m256i all = _mm256_and_si256(_mm256_and_si256(code[0], code[1]), _mm256_and_si256(code[2], code[3]));
     if (!_mm256_testc_si256(all, upper))
-        look_up_chain(chain, at, found);
+        look_up_chain(steps, at, found);
     if (!_mm256_testz_si256(any, upper)) {
         FOR_FOUR(j) at[j] = _mm256_xor_si256(code[j], upper);
-        look_up_chain(chain + 8, at, found);
+        look_up_chain(steps + 128, at, found);
     }
     FOR_FOUR(j) b_store(to + 32 * (size_t)j, found[j]);
 }
@@ -128,21 +122,20 @@ static __attribute__((noinline)) void look_up_128(const __m256i chain[16], const
 INLINE void luma_by_table(const luma_entries *e, const uint8_t *table, const uint8_t *from, uint32_t n, uint8_t *to)
 {
     for (uint32_t i = 0; i + 128 <= n; i += 128)
-        look_up_128(e->chain, from + i, to + i);
+        look_up_128(e->steps, from + i, to + i);
     if (n % 128 && n > 128)
-        look_up_128(e->chain, from + n - 128, to + n - 128);
+        look_up_128(e->steps, from + n - 128, to + n - 128);
     for (uint32_t i = 0; i < n && n < 128; i++)
         to[i] = table[from[i]];
 }
 
 typedef struct ratio_tables {
-    __m256i low[8], high[8];
+    const uint8_t *low, *high; /* steps */
 } ratio_tables;
 
 INLINE void ratio_tables_of(const pupil_luma_tables *t, ratio_tables *r)
 {
-    chain_of(t->ratio_low, 8, r->low);
-    chain_of(t->ratio_high, 8, r->high);
+    *r = (ratio_tables){t->ratio_low_steps, t->ratio_high_steps};
 }
 
 /* Of words up to 127. */
@@ -152,8 +145,8 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
     __m256i at = _mm256_packus_epi16(first, second), low = _mm256_setzero_si256(), high = low;
     FOR_CHAIN(k, 8)
     {
-        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(r->low[k], at));
-        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(r->high[k], at));
+        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(sixteen_steps(r->low, k), at));
+        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(sixteen_steps(r->high, k), at));
         IN_REGISTER(low);
         IN_REGISTER(high);
         at = _mm256_subs_epi8(at, step);

@@ -65,8 +65,9 @@ typedef struct luma_entries {
     __m512i word[4];
 } luma_entries;
 
-INLINE void luma_entries_of(const uint8_t *table, luma_entries *e)
+INLINE void luma_entries_of(const pupil_luma_tables *t, luma_entries *e)
 {
+    const uint8_t *table = t->luma;
     for (size_t k = 0; k < 4; k++)
         e->word[k] = b_load(table + 64 * k);
 }

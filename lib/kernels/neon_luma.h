@@ -59,8 +59,9 @@ typedef struct luma_entries {
     uint8x16x4_t part[4];
 } luma_entries;
 
-INLINE void luma_entries_of(const uint8_t *table, luma_entries *e)
+INLINE void luma_entries_of(const pupil_luma_tables *t, luma_entries *e)
 {
+    const uint8_t *table = t->luma;
     for (int k = 0; k < 4; k++)
         e->part[k] = vld1q_u8_x4(table + 64 * (size_t)k);
 }

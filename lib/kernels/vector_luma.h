@@ -63,7 +63,7 @@ static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, ui
                       uint8_t *lower)
 {
     luma_entries e;
-    luma_entries_of(t->luma, &e);
+    luma_entries_of(t, &e);
     luma_by_table(&e, t->luma, in->upper, 2 * n, upper);
     if (lower)
         luma_by_table(&e, t->luma, in->lower, 2 * n, lower);

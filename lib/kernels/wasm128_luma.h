@@ -63,8 +63,9 @@ typedef struct luma_entries {
     const uint8_t *table;
 } luma_entries;
 
-INLINE void luma_entries_of(const uint8_t *table, luma_entries *e)
+INLINE void luma_entries_of(const pupil_luma_tables *t, luma_entries *e)
 {
+    const uint8_t *table = t->luma;
     e->table = table;
 }
 
