@@ -292,7 +292,7 @@ static void print_frames(const veil_frames_options *o, const frames *f, const ch
     print_bloom("bloom of all light", ns, ns + ALL);
     snprintf(words, sizeof words, "of what is above %g", o->above);
     print_bloom(words, ns, ns + BRIGHT);
-    printf("    which is %.2f %% of the pixels, in or beside %.1f %% of the blocks of 32 x 32\n",
+    printf("    which is %.2f %% of the pixels, in or next to %.1f %% of the blocks of 32 x 32\n",
            lit_percent(f, o->above), reached_percent(f, o->above));
     fflush(stdout);
 }

@@ -23,8 +23,8 @@
  * of 7 x 7 taps in each octave. A lobe is in the last octave that is fine enough for it, filters' variances taken off:
  * at full size below 2.5 pixels, at half the size below 5.4, and so on. What it scatters beyond 7 x 7 there is fitted
  * by the taps of the octave below, at init. A pixel far from a lamp may lose up to 0.2 % of what a lobe gives at most,
- * where no other lobe gives it more. Errors against the formulas: docs/look.md. With a
- * threshold gather_rows notes where lamps are: what no lobe of them reaches is mapped as without bloom.
+ * where no other lobe gives it more. Errors against the formulas: docs/look.md. With a threshold gather_rows
+ * notes where lamps are: what no lobe of them reaches is mapped as without bloom.
  *
  * Units: pixels; light in the frame's unit (image.h: White). Channels below 0 and NaN scatter nothing, one above 2^30
  * scatters as 2^30.
