@@ -182,7 +182,7 @@ static void blur_row(bloom_object *o, const pupil_kernels *kernels, bloom_units 
     bloom_four four = {.y = s.y};
     if (s.octave + 1 < o->octaves)
         pupil_bloom_find_four(o, s.octave + 1, s.y, 0, &four);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4 && four.row[i]; i++)
         four.row[i] += (size_t)s.channel * four.next[i];
     for (s.first = 0; s.first < units; s.first = s.end) {
         const uint8_t by = reached[s.first];

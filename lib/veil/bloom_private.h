@@ -172,6 +172,9 @@ typedef struct bloom_window {
     bloom_frame frame;
 } bloom_window;
 
+/* Whether light reaches one of rows y to end_row of a block: with a bright pass. */
+int pupil_bloom_reaches(const bloom_object *o, uint32_t y, uint32_t end_row, uint32_t x, uint32_t n);
+
 /* Before row y of the block at x, n pixels wide, BLOOM_PART at most. */
 void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n);
 /* The next row of it, y: whether light reaches it. */

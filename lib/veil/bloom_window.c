@@ -55,22 +55,31 @@ static uint32_t units_in_reach(const bloom_window *w)
     return (units | units >> 8) & ((1u << (w->n + BLOOM_UNIT - 1) / BLOOM_UNIT) - 1);
 }
 
-/* Whether the octaves give the block something. */
-static int octaves_reach(const bloom_object *o, const bloom_window *w, uint32_t y)
+/* Whether the octaves give something to rows y to end_row of a block. */
+static int octaves_reach(const bloom_object *o, int32_t y, int32_t end_row, uint32_t x, uint32_t n)
 {
-    if (o->octaves < 2 || !(w->frame.threshold > 0.0f))
-        return o->octaves > 1;
-    const uint32_t first = (w->x / 2 + BLOOM_MARGIN - 2) / BLOOM_UNIT;
-    const uint32_t end = (w->x / 2 + (w->n + 1) / 2 + BLOOM_MARGIN + 1) / BLOOM_UNIT + 1;
-    const int32_t above = (int32_t)(y / 2) - (y & 1 ? 1 : 2);
-    return pupil_bloom_any(o, 1, o->octave[1].reached, above, 4, first, end);
+    const uint32_t first = (x / 2 + BLOOM_MARGIN - 2) / BLOOM_UNIT;
+    const uint32_t end = (x / 2 + (n + 1) / 2 + BLOOM_MARGIN + 1) / BLOOM_UNIT + 1;
+    const int32_t above = y / 2 - (y & 1 ? 1 : 2), last = (end_row - 1) / 2 + (end_row & 1 ? 1 : 2);
+    return o->octaves > 1 && pupil_bloom_any(o, 1, o->octave[1].reached, above, last + 1 - above, first, end);
+}
+
+int pupil_bloom_reaches(const bloom_object *o, uint32_t y, uint32_t end_row, uint32_t x, uint32_t n)
+{
+    if (octaves_reach(o, (int32_t)y, (int32_t)end_row, x, n))
+        return 1;
+    for (int32_t i = (int32_t)y - REACH; i < (int32_t)end_row + REACH; i++)
+        if (lamps_at(o, i, x))
+            return 1;
+    return 0;
 }
 
 int pupil_bloom_window_step(const bloom_object *o, bloom_window *w, uint32_t y)
 {
     step_to(o, w, (int32_t)y + REACH);
     w->units = units_in_reach(w);
-    w->octaves = octaves_reach(o, w, y);
+    w->octaves =
+        !(w->frame.threshold > 0.0f) ? o->octaves > 1 : octaves_reach(o, (int32_t)y, (int32_t)y + 1, w->x, w->n);
     return w->units || w->octaves;
 }
 

@@ -124,13 +124,39 @@ static void map_block_to_yuv(const scatter_map *m, band rows, uint32_t x, uint32
     }
 }
 
+/* Pixels x to end as without bloom. */
+static void map_plain(const scatter_map *m, band rows, uint32_t x, uint32_t end)
+{
+    const pupil_row_job *job = &m->block->job.map;
+    const size_t offset = x * pupil_pixel_bytes(m->out->pixel);
+    for (uint32_t i = rows.first; i < rows.end && x < end; i++) {
+        pupil_row row = pupil_veil_row_of(&m->block->rows, i);
+        row.y = m->first_row + i;
+        uint8_t *target = (uint8_t *)m->out->data + (ptrdiff_t)i * m->out->stride_bytes + offset;
+        pupil_work_run(job, &row, x, end - x, target, 0, 0, 0);
+    }
+}
+
+/* Blocks that no lamp reaches are mapped together: the longer a piece of a row, the quicker it is read. */
+static int is_plain(const scatter_map *m, band rows, uint32_t x, uint32_t end)
+{
+    if (!m->bloom || m->veil || pupil_pixel_planes(m->out->pixel) > 1 || !(m->bloom->config.threshold > 0.0))
+        return 0;
+    return !pupil_bloom_reaches(m->bloom, m->first_row + rows.first, m->first_row + rows.end, x, end - x);
+}
+
 static void map_band(const scatter_map *m, band rows)
 {
     const uint32_t width = m->out->width;
     const int yuv = pupil_pixel_planes(m->out->pixel) > 1;
     const uint32_t step = m->bloom ? BLOOM_PART : yuv ? PUPIL_BLOCK : SCATTER_BLOCKS * PUPIL_BLOCK;
+    uint32_t plain = 0; /* from here on */
     for (uint32_t x = 0; x < width; x += step) {
         const uint32_t end = width - x < step ? width : x + step;
+        if (is_plain(m, rows, x, end))
+            continue;
+        map_plain(m, rows, plain, x);
+        plain = end;
         if (m->bloom)
             pupil_bloom_window_begin(m->bloom, m->window, m->first_row + rows.first, x, end - x);
         if (yuv)
@@ -138,13 +164,14 @@ static void map_band(const scatter_map *m, band rows)
         else
             map_blocks(m, rows, x, end);
     }
+    map_plain(m, rows, plain, width);
 }
 
 void pupil_scatter_map(const scatter_map *m, const pupil_object *pupil, const pupil_tone *curve,
                        const pupil_image_const *in)
 {
-    /* Even numbers of rows. A bloom's band begins with rows of the one above. */
-    const uint32_t most = m->bloom ? 128 : 32, height = m->out->height;
+    /* Even numbers of rows. A bloom of all light begins each band with rows of the one above. */
+    const uint32_t most = m->bloom && !(m->bloom->config.threshold > 0.0) ? 128 : 32, height = m->out->height;
     const int yuv = pupil_pixel_planes(m->out->pixel) > 1;
     scatter_block *b = m->block;
     pupil_picture_job_make(pupil, in, curve, yuv ? (uint32_t)PUPIL_PIXEL_RGBA8 : m->out->pixel, &b->job);
