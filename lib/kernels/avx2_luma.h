@@ -60,9 +60,9 @@ INLINE int w_any(v_words a)
 /* A shuffle sees 16 entries: each next 16 are added to what was before, as the difference (exclusive or) to the last
  * ones, where the index, less 16 each time, is not below 0 yet. Indices from 128 on begin below 0, and have a chain of
  * their own. */
-INLINE __m256i sixteen_steps(const uint8_t *steps, int k)
+INLINE __m256i sixteen_of(const uint8_t *table, int k)
 {
-    return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(steps + 16 * (size_t)k)));
+    return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(table + 16 * (size_t)k)));
 }
 
 #if defined(__clang__)
@@ -76,7 +76,7 @@ INLINE void look_up_chain(const uint8_t steps[128], __m256i at[4], __m256i found
     const __m256i step = _mm256_set1_epi8(16);
     FOR_CHAIN(k, 8)
     {
-        __m256i entries = sixteen_steps(steps, k);
+        __m256i entries = sixteen_of(steps, k);
         IN_REGISTER(entries);
         FOR_FOUR(j)
         {
@@ -130,12 +130,23 @@ INLINE void luma_by_table(const luma_entries *e, const uint8_t *table, const uin
 }
 
 typedef struct ratio_tables {
-    const uint8_t *low, *high; /* steps */
+    __m256i low[8], high[8];
 } ratio_tables;
+
+INLINE void chain_of(const uint8_t table[128], __m256i chain[8])
+{
+    __m256i last = _mm256_setzero_si256();
+    for (int k = 0; k < 8; k++) {
+        const __m256i next = sixteen_of(table, k);
+        chain[k] = _mm256_xor_si256(next, last);
+        last = next;
+    }
+}
 
 INLINE void ratio_tables_of(const pupil_luma_tables *t, ratio_tables *r)
 {
-    *r = (ratio_tables){t->ratio_low_steps, t->ratio_high_steps};
+    chain_of(t->ratio_low, r->low);
+    chain_of(t->ratio_high, r->high);
 }
 
 /* Of words up to 127. */
@@ -145,8 +156,8 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
     __m256i at = _mm256_packus_epi16(first, second), low = _mm256_setzero_si256(), high = low;
     FOR_CHAIN(k, 8)
     {
-        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(sixteen_steps(r->low, k), at));
-        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(sixteen_steps(r->high, k), at));
+        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(r->low[k], at));
+        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(r->high[k], at));
         IN_REGISTER(low);
         IN_REGISTER(high);
         at = _mm256_subs_epi8(at, step);

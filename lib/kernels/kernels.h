@@ -219,10 +219,10 @@ typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *r
  * ratio are "scaled", in 1/16 of a code. A quad is two pixels of each row, with their common Cb and Cr. */
 typedef struct pupil_luma_tables {
     uint8_t luma[256]; /* what a code of Y' becomes: one of Y', or of grey R'G'B' */
+    /* The same for avx2_luma.h: each 16 entries as the difference (exclusive or) to the 16 before, anew from 128 on. */
+    uint8_t luma_steps[256];
     /* What Cb and Cr are multiplied by, in 1/2048, by the mean of a quad's codes in steps of two. */
     uint8_t ratio_low[128], ratio_high[128];
-    /* The same for avx2_luma.h: each 16 entries as the difference (exclusive or) to the 16 before, anew from 128 on. */
-    uint8_t luma_steps[256], ratio_low_steps[128], ratio_high_steps[128];
     int16_t red_v, blue_u, green_u, green_v; /* scaled to R'G'B' in quarters of a code, in 2^-15 */
     /* No component may be more above grey, in quarters of a code, or the quad is mapped exactly: (at_most - slope * the
      * largest new code of luma), and the larger of (far + slope * the least one) and PUPIL_LUMA_NOISE. Slopes are in

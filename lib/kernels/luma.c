@@ -119,12 +119,6 @@ static void make_ratios(const code_scale *in, const code_scale *out, pupil_luma_
     }
 }
 
-static void make_steps(const uint8_t *restrict table, uint32_t n, uint8_t *restrict steps)
-{
-    for (uint32_t i = 0; i < n; i++)
-        steps[i] = i % 128 < 16 ? table[i] : table[i] ^ table[i - 16];
-}
-
 /* The largest change of a code that is not dark, as a share of it. */
 static float largest_change(const code_scale *in, const code_scale *out, const uint8_t luma[256])
 {
@@ -154,9 +148,8 @@ void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *
     for (uint32_t i = 0; i < PUPIL_BLOCK && !coder; i++)
         t->luma[i] = codes[4 * i + 1];
     make_ratios(&in, &out, t);
-    make_steps(t->luma, 256, t->luma_steps);
-    make_steps(t->ratio_low, 128, t->ratio_low_steps);
-    make_steps(t->ratio_high, 128, t->ratio_high_steps);
+    for (uint32_t i = 0; i < 256; i++)
+        t->luma_steps[i] = i % 128 < 16 ? t->luma[i] : t->luma[i] ^ t->luma[i - 16];
     t->red_v = word_of(c->red_v * 8192.0f);
     t->blue_u = word_of(c->blue_u * 8192.0f);
     t->green_u = word_of(c->green_u * 8192.0f);
