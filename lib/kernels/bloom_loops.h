@@ -129,7 +129,7 @@ static uint32_t bloom_lamps(const pupil_planes *planes, uint32_t n, float thresh
     return lamps;
 }
 
-static inline __attribute__((always_inline)) void bloom_widen_to(const float *from, uint32_t n, float *to, int add)
+static void bloom_widen(const float *from, uint32_t n, float *to, int add)
 {
     for (uint32_t i = 0; i < n; i += BLOOM_LANES) {
         const float *f = from + i;
@@ -146,14 +146,6 @@ static inline __attribute__((always_inline)) void bloom_widen_to(const float *fr
         __builtin_memcpy(to + 2 * (size_t)i, &low, sizeof low);
         __builtin_memcpy(to + 2 * (size_t)i + BLOOM_LANES, &high, sizeof high);
     }
-}
-
-static void bloom_widen(const float *from, uint32_t n, float *to, int add)
-{
-    if (add)
-        bloom_widen_to(from, n, to, 1);
-    else
-        bloom_widen_to(from, n, to, 0);
 }
 
 #define BLOOM_PIECES                                                                                                   \
