@@ -120,12 +120,6 @@ static int replaces_named(const char *output, int may_be_folder, const char *inp
     return found;
 }
 
-/* `--veil FILE`. Not a name of an eye, which no output may be taken for. */
-static int replaces_veil(const char *output, const char *veil)
-{
-    return veil && strcmp(veil, "eye") != 0 && strncmp(veil, "eye:", 4) != 0 && replaces(output, 0, veil);
-}
-
 /* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it. Other files
  * in that folder would stop this at the very end. */
 static int is_inside(const char *path, const char *folder)
@@ -171,7 +165,7 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
                              paths[k]);
                 return OPTIONS_USAGE;
             }
-        int taken = replaces_veil(paths[i], o->veil);
+        int taken = o->veil && o->eye.psf == PUPIL_VEIL_GAUSSIANS && replaces(paths[i], 0, o->veil); /* its file */
         for (size_t k = 0; k < o->input_count && !taken; k++)
             taken = replaces_named(paths[i], i < o->out_count || paths[i] == o->record, o->inputs[k]);
         if (taken) {

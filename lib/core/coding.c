@@ -195,24 +195,16 @@ static const pupil_coding usual = {0};
 typedef struct curve {
     const float (*table)[2];
     float top, brightest;
-    const float (*beyond)[2];
 } curve;
-
-#if defined(__x86_64__)
-#define BEYOND(TABLE) (TABLE + PUPIL_BEYOND)
-#else
-#define BEYOND(TABLE) 0
-#endif
 
 void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c)
 {
-    static const curve curves[PUPIL_LIGHT_COUNT] = {
-        [PUPIL_LIGHT_DEFAULT] = {0, 255.0f, 1.0f, 0},
-        [PUPIL_LIGHT_LINEAR] = {0, 255.0f, 1.0f, 0},
-        [PUPIL_LIGHT_SRGB] = {pupil_srgb_light, 255.0f, 1.0f, BEYOND(pupil_srgb_light_beyond)},
-        [PUPIL_LIGHT_BT709] = {pupil_bt709_light, 255.0f, 1.0f, BEYOND(pupil_bt709_light_beyond)},
-        [PUPIL_LIGHT_PQ] = {pupil_pq_light, PUPIL_PQ_TOP, 100.0f, 0},
-        [PUPIL_LIGHT_HLG] = {pupil_hlg_light, PUPIL_HLG_TOP, 1.0f, 0}};
+    static const curve curves[PUPIL_LIGHT_COUNT] = {[PUPIL_LIGHT_DEFAULT] = {0, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_LINEAR] = {0, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_SRGB] = {pupil_srgb_light, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_BT709] = {pupil_bt709_light, 255.0f, 1.0f},
+                                                    [PUPIL_LIGHT_PQ] = {pupil_pq_light, PUPIL_PQ_TOP, 100.0f},
+                                                    [PUPIL_LIGHT_HLG] = {pupil_hlg_light, PUPIL_HLG_TOP, 1.0f}};
     const pupil_pixel_layout layout = pupil_pixel_layout_of(pixel);
     const int coded = layout.yuv || pixel == PUPIL_PIXEL_RGB10A2;
     *c = (pupil_coder){0};
@@ -220,7 +212,6 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
     const curve *light = &curves[coded && !coding->light ? (uint32_t)PUPIL_LIGHT_SRGB : coding->light];
     c->light = light->table;
     c->top = light->top;
-    c->light_beyond = layout.yuv == 8 ? light->beyond : 0;
     c->brightest = coded || layout.bits ? light->brightest : 1.0f; /* RGB has no curve of the coding */
     if (layout.yuv)
         from_yuv(coding, layout.yuv, c);

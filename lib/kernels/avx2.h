@@ -147,10 +147,6 @@ INLINE ints v_max_unsigned(ints a, ints b)
 {
     return _mm256_max_epu32(a, b);
 }
-INLINE ints v_min_unsigned(ints a, ints b)
-{
-    return _mm256_min_epu32(a, b);
-}
 INLINE ints v_min_halves(ints a, ints b)
 {
     return _mm256_min_epu16(a, b);
@@ -208,11 +204,6 @@ INLINE uint64_t v_group_bits(const mask *m)
     return v_mask_bits(m[0]) | (uint64_t)v_mask_bits(m[1]) << 32;
 }
 
-/* all below n, unsigned, n > 0 */
-INLINE mask v_below(ints a, uint32_t n)
-{
-    return v_equal_ints(v_min_unsigned(a, v_all_ints(n - 1)), a);
-}
 /* table[i & 7] of 8 floats */
 INLINE floats v_table8_of(const float *table)
 {

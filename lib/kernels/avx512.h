@@ -204,12 +204,6 @@ INLINE uint64_t v_group_bits(const mask *m)
     return m[0];
 }
 
-/* below n, unsigned, n > 0 */
-INLINE mask v_below(ints a, uint32_t n)
-{
-    return _mm512_cmplt_epu32_mask(a, v_all_ints(n));
-}
-
 /* table[i & 7] of 8 floats: twice in a vector, whose look-up takes the lower four bits */
 INLINE floats v_table8_of(const float *table)
 {

@@ -86,12 +86,11 @@ typedef struct pupil_coder {
     /* Y'CbCr, to 0..top: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
      * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 (512 of 10, 32768 of 16 bits) */
     float y_zero, y_unit, red_v, green_u, green_v, blue_u;
-    float y_coarse, y_fine;         /* y_unit, to 32 bits, as a sum; a code times the first one is exact */
-    const float (*light)[2];        /* light of a code 0..top, and how much more the next one's is; NULL: linear */
-    float top, brightest;           /* the last code of `light` (NULL: 255), and its light */
-    const float (*light_beyond)[2]; /* x86, 8 bits: the same with PUPIL_BEYOND codes more at both ends; may be NULL */
-    float zero, unit;               /* grey: (code - zero) * unit; RGB10A2: unit, to 0..top */
-    float zero4, unit4[3], most;    /* mosaics, of four times a sample, for R, G, B; and what none is let above */
+    float y_coarse, y_fine;      /* y_unit, to 32 bits, as a sum; a code times the first one is exact */
+    const float (*light)[2];     /* light of a code 0..top, and how much more the next one's is; NULL: linear */
+    float top, brightest;        /* the last code of `light` (NULL: 255), and its light */
+    float zero, unit;            /* grey: (code - zero) * unit; RGB10A2: unit, to 0..top */
+    float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
     int32_t ordinary4[3]; /* up to which four times a sample is surely neither cut nor clipped; negative: never */
     uint32_t close_to_1;  /* no ordinary luminance is below 2^-15 or above 2^14; and zero4 is an integer */
     float full4;          /* mosaics: four times the code of the largest light ... */
@@ -368,13 +367,16 @@ typedef struct pupil_code_width {
 extern const pupil_code_width pupil_code_widths[PUPIL_TRANSFER_COUNT];
 
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
-/* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. */
-extern const float pupil_srgb_light[256][2], pupil_bt709_light[256][2];
-/* The same, and the light of 0 and of 255 for so many codes beyond: Y'CbCr has codes from -293 to 551 (coding.c). x86.
- */
+/* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. x86_yuv.h needs the
+ * light of 0 and of 255 for so many codes beyond, too: Y'CbCr has codes from -293 to 551 (coding.c). */
+#if defined(__x86_64__)
 #define PUPIL_BEYOND 304
-extern const float pupil_srgb_light_beyond[256 + 2 * PUPIL_BEYOND][2];
-extern const float pupil_bt709_light_beyond[256 + 2 * PUPIL_BEYOND][2];
+#else
+#define PUPIL_BEYOND 0
+#endif
+extern const float pupil_srgb_codes[256 + 2 * PUPIL_BEYOND][2], pupil_bt709_codes[256 + 2 * PUPIL_BEYOND][2];
+#define pupil_srgb_light  (pupil_srgb_codes + PUPIL_BEYOND)
+#define pupil_bt709_light (pupil_bt709_codes + PUPIL_BEYOND)
 /* The same of PQ and HLG, at multiples of a quarter and of half a 10-bit code. The difference leads to a little below
  * the next one's: the mean error is 0 (make_tables.py). */
 #define PUPIL_PQ_TOP  4092

@@ -107,28 +107,27 @@ def unbiased_step(curve, top, k):
     return max(step, last * (1 - D("3.2e-4")) - first) if last > D(2) ** -14 else step
 
 
-def light_table(name, curve, top, in_text, unbiased):
+def light_pairs(curve, top, in_text, unbiased):
     light = [nearest_float(curve(D(k) / top)) for k in range(top + 1)]
     if unbiased:
         step = [nearest_float(unbiased_step(curve, top, k)) for k in range(top)] + [0.0]
     else:
         step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]
-    pairs = [f"{{{in_text(a)}, {in_text(b)}}}" for a, b in zip(light, step)]
+    return [f"{{{in_text(a)}, {in_text(b)}}}" for a, b in zip(light, step)]
+
+
+def light_table(name, curve, top, in_text):
+    pairs = light_pairs(curve, top, in_text, True)
     print(f"const float pupil_{name}_light[{top + 1}][2] = {{\n{rows(pairs, 3)}}};\n")
 
 
-BEYOND = 304  # kernels.h: PUPIL_BEYOND
-
-
-# The same with the light of the first and of the last code for BEYOND codes more at both ends.
-def light_table_beyond(name, curve, in_text):
-    light = [nearest_float(curve(D(k) / 255)) for k in range(256)]
-    step = [nearest_float(D(b) - D(a)) for a, b in zip(light, light[1:])] + [0.0]
-    inside = [f"{{{in_text(a)}, {in_text(b)}}}" for a, b in zip(light, step)]
-    assert light[0] == 0.0 and light[255] == 1.0
-    below, above = ["{0, 0}"] * BEYOND, ["{1, 0}"] * BEYOND
-    print(f"const float pupil_{name}_light_beyond[{256 + 2 * BEYOND}][2] = {{")
-    print(f"{rows(below, 16)},\n{rows(inside, 3)},\n{rows(above, 16)}}};\n")
+# Of the codes 0 to 255 and, where PUPIL_BEYOND is not 0, the light of these two for so many codes more at both ends.
+def codes_table(name, curve):
+    beyond = 304
+    pairs = light_pairs(curve, 255, literal, False)
+    print(f"const float pupil_{name}_codes[256 + 2 * PUPIL_BEYOND][2] = {{")
+    print(f"#if PUPIL_BEYOND\n{rows(['{0, 0}'] * beyond, 16)},\n#endif\n{rows(pairs, 3)},")
+    print(f"#if PUPIL_BEYOND\n{rows(['{1, 0}'] * beyond, 16)},\n#endif\n}};\n")
 
 
 def decimal_literal(f):  # nine digits are enough to name a float
@@ -139,8 +138,8 @@ if sys.argv[1:] == ["hdr"]:
     print("/* Made by lib/kernels/make_tables.py hdr; do not edit. Transfer curves: coding.h names their sources. */")
     print('#include "kernels.h"\n')
     print("/* clang-format off */")
-    light_table("pq", pq_to_linear, 4092, decimal_literal, True)
-    light_table("hlg", hlg_to_linear, 2046, decimal_literal, True)
+    light_table("pq", pq_to_linear, 4092, decimal_literal)
+    light_table("hlg", hlg_to_linear, 2046, decimal_literal)
     sys.exit()
 
 print("/* Made by lib/kernels/make_tables.py; do not edit. Transfer curves: config.h names their sources. */")
@@ -149,11 +148,7 @@ print("/* clang-format off */")
 decode = [literal(nearest_float(srgb_to_linear(D(k) / 255))) for k in range(256)]
 print(f"const float pupil_srgb8_to_linear[256] = {{\n{rows(decode, 6)}}};\n")
 for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
-    light_table(name, curve, 255, literal, False)
-print("#if defined(__x86_64__)")
-for name, curve in (("srgb", srgb_to_linear), ("bt709", bt709_to_linear)):
-    light_table_beyond(name, curve, literal)
-print("#endif\n")
+    codes_table(name, curve)
 bases = [
     (n, encoder(n, f))
     for n, f in (("srgb", srgb_to_linear), ("gamma22", gamma22_to_linear), ("linear", linear_to_linear))

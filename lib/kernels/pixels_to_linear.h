@@ -190,7 +190,7 @@ static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *c
 {
     uint32_t done = 0;
 #if defined(LEVEL_HAS_GROUPS_OF_YUV_BEYOND)
-    if (!odd && c->light_beyond)
+    if (!odd && c->light && c->top == 255.0f) /* its table goes beyond 0 and 255 */
         done = groups_of_yuv_beyond(c, luma, chroma, n, p);
 #endif
 #if defined(WIDTH)

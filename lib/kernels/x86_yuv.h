@@ -26,7 +26,7 @@ typedef int32_t yuv_indices[2][3][PUPIL_LANES]; /* of two groups, which take tur
 
 INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
 {
-    return (yuv_factors){.light = c->light_beyond[0],
+    return (yuv_factors){.light = c->light[0],
                          .y_zero = v_all(c->y_zero),
                          .y_unit = v_all(c->y_unit),
                          .red_v = v_all(c->red_v * CHROMA_UNIT),

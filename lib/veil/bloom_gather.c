@@ -21,7 +21,7 @@ typedef struct gathering {
     int32_t is[HALVED];                                   /* the frame's rows that are in `row` */
     uint32_t lamps[2 * GROUP + AROUND][BLOOM_MOST_WORDS]; /* with a bright pass, of the frame's rows from `first` on */
     int32_t first;
-    int32_t own, own_end;           /* rows of the frame that the object is told of: others read them, too */
+    int32_t own, own_end;           /* the caller's rows of the frame: lamps of rows next to them are not kept */
     uint8_t lit[GROUP][MOST_UNITS]; /* of the octave's rows */
     bloom_frame frame;
 } gathering;

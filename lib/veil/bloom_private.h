@@ -110,10 +110,14 @@ static inline uint32_t pupil_bloom_words(uint32_t width)
     return (width + BLOOM_WORD - 1) / BLOOM_WORD + 2;
 }
 void pupil_bloom_find_lamps(bloom_frame *frame, int32_t y, uint32_t *words);
-/* Where those of row y of the frame are kept. */
+/* Where those of row y of the frame are kept: from which float on, and there. */
+static inline size_t pupil_bloom_lamps_row(const bloom_object *o, int32_t y)
+{
+    return o->lamps + (size_t)y * pupil_bloom_words(o->config.width);
+}
 static inline uint32_t *pupil_bloom_lamps_of(bloom_object *o, int32_t y)
 {
-    return (uint32_t *)(void *)(o->memory + o->lamps) + (size_t)y * pupil_bloom_words(o->config.width);
+    return (uint32_t *)(void *)(o->memory + pupil_bloom_lamps_row(o, y));
 }
 /* `count` of the bits, 32 at most, from that of pixel 8 * first on; first is -32 or more. Behind the frame there are
  * none. */

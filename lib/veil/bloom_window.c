@@ -15,8 +15,7 @@ static uint32_t lamps_at(const bloom_object *o, int32_t y, uint32_t x)
     enum { ACROSS = BLOOM_PART / BLOOM_EIGHT + 2 };
     if (y < 0 || y >= (int32_t)o->config.height)
         return 0;
-    const uint32_t words = pupil_bloom_words(o->config.width);
-    const uint32_t *lamps = (const uint32_t *)(const void *)(o->memory + o->lamps) + (size_t)y * words;
+    const uint32_t *lamps = (const uint32_t *)(const void *)(o->memory + pupil_bloom_lamps_row(o, y));
     return pupil_bloom_bits(lamps, o->config.width, (int32_t)(x / BLOOM_EIGHT) - 1, ACROSS);
 }
 
