@@ -48,6 +48,29 @@ INLINE v_words b_sums(v_bytes a)
 {
     return _mm256_maddubs_epi16(a, _mm256_set1_epi8(1));
 }
+/* the words of numbers up to 32767 */
+#define w_of_ints(a, b) _mm256_permute4x64_epi64(_mm256_packus_epi32(a, b), 0xd8)
+INLINE uint32_t w_least(v_words a)
+{
+    const __m128i eight = _mm_min_epu16(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
+    return (uint32_t)_mm_cvtsi128_si32(_mm_minpos_epu16(eight)) & 0xffff;
+}
+INLINE uint32_t w_most(v_words a)
+{
+    return 0xffff - w_least(_mm256_xor_si256(a, w_all(-1)));
+}
+INLINE v_bytes b_all(uint32_t x)
+{
+    return _mm256_set1_epi8((char)x);
+}
+/* how many bytes are the same, over several vectors */
+typedef uint32_t matches;
+#define b_no_matches() 0
+INLINE matches b_match(matches m, v_bytes a, v_bytes b)
+{
+    return m + (uint32_t)__builtin_popcount((uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(a, b)));
+}
+#define b_matched(m) (m)
 INLINE int w_any(v_words a)
 {
     return !_mm256_testz_si256(a, a);

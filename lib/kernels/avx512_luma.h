@@ -48,6 +48,38 @@ INLINE v_words b_sums(v_bytes a)
 {
     return _mm512_maddubs_epi16(a, _mm512_set1_epi8(1));
 }
+/* the words of numbers up to 32767 */
+static const int16_t even_words[32] = {0,  2,  4,  6,  8,  10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30,
+                                       32, 34, 36, 38, 40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 60, 62};
+INLINE v_words w_of_ints(ints a, ints b)
+{
+    return _mm512_permutex2var_epi16(a, _mm512_loadu_si512(even_words), b);
+}
+INLINE __m128i least_of_4(__m512i a)
+{
+    const __m256i two = _mm256_min_epu16(_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64(a, 1));
+    return _mm_min_epu16(_mm256_castsi256_si128(two), _mm256_extracti128_si256(two, 1));
+}
+INLINE uint32_t w_least(v_words a)
+{
+    return (uint32_t)_mm_cvtsi128_si32(_mm_minpos_epu16(least_of_4(a))) & 0xffff;
+}
+INLINE uint32_t w_most(v_words a)
+{
+    return 0xffff - w_least(_mm512_xor_si512(a, w_all(-1)));
+}
+INLINE v_bytes b_all(uint32_t x)
+{
+    return _mm512_set1_epi8((char)x);
+}
+/* how many bytes are the same, over several vectors */
+typedef uint32_t matches;
+#define b_no_matches() 0
+INLINE matches b_match(matches m, v_bytes a, v_bytes b)
+{
+    return m + (uint32_t)__builtin_popcountll(_mm512_cmpeq_epi8_mask(a, b));
+}
+#define b_matched(m) (m)
 INLINE int w_any(v_words a)
 {
     return _mm512_test_epi32_mask(a, a) != 0;

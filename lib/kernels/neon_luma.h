@@ -50,6 +50,16 @@ INLINE v_words w_all(int x)
 #define w_right(a, n)        OF_UNSIGNED(vshrq_n_u16(UNSIGNED(a), n))
 #define w_right_signed(a, n) vshrq_n_s16(a, n)
 #define w_times(a, b)        vqrdmulhq_s16(a, b)
+/* the words of numbers up to 32767 */
+#define w_of_ints(a, b) OF_UNSIGNED(vuzp1q_u16(vreinterpretq_u16_u32(a), vreinterpretq_u16_u32(b)))
+#define w_least(a)      ((uint32_t)vminvq_u16(UNSIGNED(a)))
+#define w_most(a)       ((uint32_t)vmaxvq_u16(UNSIGNED(a)))
+#define b_all(x)        vdupq_n_u8((uint8_t)(x))
+/* how many bytes are the same, over up to 16 vectors */
+typedef uint8x16_t matches;
+#define b_no_matches()   vdupq_n_u8(0)
+#define b_match(m, a, b) vsubq_u8(m, vceqq_u8(a, b))
+#define b_matched(m)     ((uint32_t)vaddlvq_u8(m))
 INLINE int w_any(v_words a)
 {
     return vmaxvq_u16(UNSIGNED(a)) != 0;

@@ -185,7 +185,7 @@ static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint
 static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_channels *light,
                                                           uint32_t n, uint32_t weight, pupil_stats *stats)
 {
-    pupil_planes planes;
+    PUPIL_PLANES_ALIGNED pupil_planes planes;
     const pupil_channels picture = {planes.r, planes.g, planes.b};
     for (uint32_t i = 0; i < n; i++) {
         planes.r[i] = light->r[i];
@@ -207,27 +207,33 @@ static void add_bins(const pupil_row_job *job, const pupil_channels *light, uint
 
 /* The next pixels of a block that are counted: one of each group of job->histogram pixels, or of the fewer ones at the
  * end. A block begins with a whole group. */
-enum { MOST_PICKED = 64 };
+enum { MOST_PICKED = 64, MOST_PICKED_IN_ROW = 128 };
 typedef struct picks {
     uint32_t count, group; /* so many pixels, each of a group of so many */
     size_t at;             /* the first one; the next is a group's length on */
 } picks;
 
-static picks picks_from(const pupil_row_job *job, const pupil_row *row, uint32_t i, uint32_t n)
+static picks picks_from(const pupil_row_job *job, const pupil_row *row, uint32_t i, uint32_t n, uint32_t most)
 {
     const uint32_t left = n - i, groups = left / job->histogram;
     const uint32_t group = groups ? job->histogram : left;
-    return (picks){.count = groups > MOST_PICKED ? MOST_PICKED
-                            : groups             ? groups
-                                                 : 1,
+    return (picks){.count = groups > most ? most
+                            : groups      ? groups
+                                          : 1,
                    .group = group,
                    .at = i + (row->bins_first < group ? row->bins_first : group - 1)};
 }
 
 static void pick_floats(const float *restrict from, const picks *p, float *restrict to)
 {
-    for (uint32_t i = 0; i < p->count; i++)
-        to[i] = from[p->at + (size_t)i * p->group];
+    const float *at = from + p->at;
+    const size_t step = p->group;
+    uint32_t i = 0;
+    for (; i + 4 <= p->count; i += 4, at += 4 * step)
+        for (size_t k = 0; k < 4; k++)
+            to[i + k] = at[k * step];
+    for (; i < p->count; i++, at += step)
+        to[i] = *at;
 }
 
 /* Those of a block in planes, whose `grey` is free. */
@@ -243,7 +249,7 @@ static void count_in_planes(const pupil_row_job *job, const pupil_row *row, uint
         return;
     }
     for (uint32_t i = 0; i < n;) {
-        const picks p = picks_from(job, row, i, n);
+        const picks p = picks_from(job, row, i, n, MOST_PICKED);
         pick_floats(planes->r, &p, to);
         pick_floats(planes->g, &p, to + MOST_PICKED);
         pick_floats(planes->b, &p, to + 2 * MOST_PICKED);
@@ -278,18 +284,18 @@ static void pick_pixels(const uint8_t *from, size_t bytes, const picks *p, uint8
         pick_of(from, bytes, p, to);
 }
 
-/* Those of a block whose pixels follow each other, and which is not in planes: the others are not loaded. */
+/* Those of pixels that follow each other, and are not in planes: the others are not loaded. */
 static __attribute__((noinline)) void count_in_row(const pupil_row_job *job, const pupil_row *row, uint32_t x,
                                                    uint32_t n, uint32_t weight, pupil_planes *planes,
                                                    pupil_stats *stats)
 {
     const size_t bytes = pupil_pixel_bytes(job->in_pixel);
     const pupil_channels light = {planes->r, planes->g, planes->b};
-    float picked[4 * MOST_PICKED];
-    const pupil_row some = {.data = (const uint8_t *)picked, .width = MOST_PICKED};
+    float picked[4 * MOST_PICKED_IN_ROW];
+    const pupil_row some = {.data = (const uint8_t *)picked, .width = MOST_PICKED_IN_ROW};
     weight *= row->bins_rows;
     for (uint32_t i = 0; i < n;) {
-        const picks p = picks_from(job, row, i, n);
+        const picks p = picks_from(job, row, i, n, MOST_PICKED_IN_ROW);
         pick_pixels(row->data + x * bytes, bytes, &p, (uint8_t *)picked);
         (void)PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &some, 0, p.count, planes);
         add_bins(job, &light, p.count, weight * p.group, stats);
@@ -392,13 +398,15 @@ static __attribute__((noinline)) void map_blocks(const pupil_row_job *job, const
     }
 }
 
-/* A block is counted after it was mapped: what fetches it from memory is the kernel that also works on it. */
-static void map_and_count(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
-                          pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
+/* Pixels are counted after they were mapped: what fetches them from memory is the kernel that also works on them. */
+static __attribute__((noinline)) void map_and_count(const pupil_row_job *job, const pupil_row *row, uint32_t x,
+                                                    uint32_t n, uint8_t *target, pupil_planes *planes, uint32_t weight,
+                                                    pupil_run *run, pupil_stats *stats)
 {
     const size_t out_bytes = pupil_pixel_bytes(job->out_pixel);
-    for (uint32_t done = 0; done < n; done += PUPIL_BLOCK) {
-        const uint32_t part = n - done < PUPIL_BLOCK ? n - done : PUPIL_BLOCK;
+    const uint32_t most = MOST_PICKED_IN_ROW * job->histogram; /* whole blocks */
+    for (uint32_t done = 0; done < n; done += most) {
+        const uint32_t part = n - done < most ? n - done : most;
         map_blocks(job, row, x + done, part, target + done * out_bytes, planes, weight, run, stats);
         count_in_row(job, row, x + done, part, weight, planes, stats);
     }
@@ -432,13 +440,9 @@ static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_
         return !counted && k->meter_quads[job->in_pixel] && k->meter_quads[job->in_pixel](job, row, x, n, run);
     if (!k->meter[job->in_pixel])
         return 0;
-    for (uint32_t done = 0, part = n; done < n; done += part) {
-        if (counted)
-            part = n - done < PUPIL_BLOCK ? n - done : PUPIL_BLOCK;
-        k->meter[job->in_pixel](job, row->data + (x + done) * pupil_pixel_bytes(job->in_pixel), 0, part, run);
-        if (counted)
-            count_in_row(job, row, x + done, part, weight, planes, stats);
-    }
+    k->meter[job->in_pixel](job, row->data + x * pupil_pixel_bytes(job->in_pixel), 0, n, run);
+    if (counted)
+        count_in_row(job, row, x, n, weight, planes, stats);
     return 1;
 }
 
@@ -446,7 +450,7 @@ void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, 
                     uint32_t weight, uint32_t band, pupil_stats *stats)
 {
     const int metered = stats && weight;
-    pupil_planes planes;
+    PUPIL_PLANES_ALIGNED pupil_planes planes;
     pupil_run run;
 
     run_clear(&run);

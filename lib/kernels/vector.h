@@ -17,6 +17,10 @@
 #ifndef DENORMALS_ARE_SLOW
 #define DENORMALS_ARE_SLOW 0
 #endif
+/* How far ahead of its work a loop asks for memory; 0: the CPU does so by itself. */
+#ifndef FETCH_AHEAD_BYTES
+#define FETCH_AHEAD_BYTES 0
+#endif
 /* gcc -O2 needs this to keep what a loop carries in registers; clang does so by itself. */
 #if defined(__clang__)
 #define FOR_EACH_WAY(k) for (int k = 0; k < WAYS; k++)
@@ -25,6 +29,14 @@
 #define FOR_FOUR(k)     _Pragma("GCC unroll 4") for (int k = 0; k < 4; k++)
 #define FOR_EACH_WAY(k) _Pragma("GCC unroll 4") for (int k = 0; k < WAYS; k++)
 #endif
+
+/* The lines of memory that are `ahead` of `bytes` from p on, be they read or written. What is there does not matter: as
+ * a rule it is the same row, or the next one. */
+INLINE void fetch(const void *p, size_t bytes, size_t ahead)
+{
+    for (size_t line = 0; FETCH_AHEAD_BYTES && line < bytes; line += 64)
+        __builtin_prefetch((const void *)((uintptr_t)p + ahead + line));
+}
 
 typedef struct group { /* 16 pixels */
     floats r[WAYS], g[WAYS], b[WAYS], l[WAYS];
@@ -178,75 +190,6 @@ INLINE void move_exponents(lanes *s, pupil_run *run)
         s->product[k] = v_fraction(s->product[k]);
         v_store(run->product + k * WIDTH, s->product[k]);
     }
-}
-
-/* --- histogram, as scalar.c's --- */
-
-/* The bins of WIDTH pixels from i on, by luminance and, in the upper half, by brightest channel; the brightest of all
- * goes to peak. */
-INLINE ints bins_of(const pupil_channels *light, const pupil_channels *picture, uint32_t i, const meter_constants *c,
-                    floats *peak)
-{
-    const floats l = luminance(v_load(light->r + i), v_load(light->g + i), v_load(light->b + i), c);
-    const floats brightest = max_of_3(v_load(picture->r + i), v_load(picture->g + i), v_load(picture->b + i));
-    const floats largest = v_select(v_is_number(l), brightest, c->floor);
-    const floats bounded = v_min(v_max(largest, c->floor), c->ceiling);
-    const ints bin = v_right(v_bits(v_min(v_max(l, c->floor), c->ceiling)), BIN_BITS);
-    const ints peak_bin = v_right(v_bits(bounded), PEAK_BIN_BITS);
-    *peak = v_max(bounded, *peak);
-    return v_minus(v_plus(bin, v_left(peak_bin, 16)), v_all_ints(FIRST_BIN + (FIRST_PEAK_BIN << 16)));
-}
-
-/* The last pixels of n, from i on, which are too few for a vector: the first of them is repeated, so that the peak does
- * not change. */
-static __attribute__((noinline)) floats bins_of_rest(const pupil_channels *light, const pupil_channels *picture,
-                                                     uint32_t i, uint32_t n, const meter_constants *c, floats peak,
-                                                     int32_t *bins)
-{
-    const float *const of[6] = {light->r, light->g, light->b, picture->r, picture->g, picture->b};
-    float rest[6][WIDTH];
-    for (int k = 0; k < 6; k++)
-        for (uint32_t j = 0; j < WIDTH; j++)
-            rest[k][j] = of[k][j < n - i ? i + j : i];
-    const pupil_channels light_of_rest = {rest[0], rest[1], rest[2]}, picture_of_rest = {rest[3], rest[4], rest[5]};
-    v_store_ints(bins + i, bins_of(&light_of_rest, &picture_of_rest, 0, c, &peak));
-    return peak;
-}
-
-INLINE float largest_lane(floats v, float most)
-{
-    float lane[WIDTH];
-    v_store(lane, v);
-    for (int j = 0; j < WIDTH; j++)
-        most = lane[j] > most ? lane[j] : most;
-    return most;
-}
-
-INLINE void count_bins(uint32_t both, uint32_t weight, pupil_stats *stats)
-{
-    stats->bin[both & 0xffff] += weight;
-    stats->peak_bin[both >> 16] += weight;
-}
-
-/* The bins of all pixels are found before any is counted: additions between them would make loads wait. And pixels are
- * counted after others that are far away: neighbours are often in the same bin, whose sum they would wait for. */
-static void histogram(const pupil_row_job *job, const pupil_channels *light, const pupil_channels *picture, uint32_t n,
-                      uint32_t weight, pupil_stats *stats)
-{
-    const meter_constants c = meter_constants_of(job);
-    int32_t bins[PUPIL_BLOCK];
-    floats peak = v_all(stats->peak);
-    uint32_t i = 0;
-    for (; i + WIDTH <= n; i += WIDTH)
-        v_store_ints(bins + i, bins_of(light, picture, i, &c, &peak));
-    if (i < n)
-        peak = bins_of_rest(light, picture, i, n, &c, peak, bins);
-    const uint32_t quarter = n / 4;
-    for (i = 0; i < quarter; i++)
-        FOR_FOUR(k) count_bins((uint32_t)bins[i + (uint32_t)k * quarter], weight, stats);
-    for (i = 4 * quarter; i < n; i++)
-        count_bins((uint32_t)bins[i], weight, stats);
-    stats->peak = largest_lane(peak, stats->peak);
 }
 
 #endif

@@ -105,6 +105,13 @@ INLINE ints scale_ordinary(const format *f, const uint8_t *source, const meter_c
     return p.top;
 }
 
+/* Of memory that follows these pixels; planes are in a cache already. */
+INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels)
+{
+    if (!f->rest)
+        fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES);
+}
+
 INLINE ints top_bits(const format *f, ints top)
 {
     return f->top ? f->top(top) : top;
@@ -207,6 +214,7 @@ INLINE size_t meter_ordinary(const format *f, const meter_constants *c, const ui
     lanes s = lanes_of(run);
     for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
         extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
+        fetch_ahead(f, source + i * f->bytes, 4 * PUPIL_LANES);
         FOR_FOUR(j)
         sum_ordinary(f, source + (i + (size_t)j * PUPIL_LANES) * f->bytes, c, &s, &e);
         e.top = top_bits(f, e.top);
@@ -297,6 +305,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     to.keep = keep;
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
         mask beyond[WAYS];
+        fetch_ahead(f, source + i * f->bytes, PUPIL_LANES);
         if (__builtin_expect(i < done, 0))
             continue;
         const ints top = top_bits(

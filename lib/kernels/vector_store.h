@@ -157,6 +157,7 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
         const floats x[3] = {v_min(most, v_load(first + i)), v_min(most, v_load(second + i)),
                              v_min(most, v_load(third + i))};
         uint8_t *at = target + i * bytes;
+        fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes);
         const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
         const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)
                                                                            : store_guesses(x, &c, 1, at, bytes);

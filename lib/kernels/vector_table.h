@@ -5,6 +5,7 @@
 
 #include "bloom_loops.h"
 #include "pixels_to_linear.h"
+#include "vector_bins.h"
 #include "vector_bloom.h"
 #include "vector_formats.h"
 #include "vector_knots.h"

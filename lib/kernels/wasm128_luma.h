@@ -45,7 +45,25 @@ INLINE v_words w_all(int x)
 #define w_right(a, n)        wasm_u16x8_shr(a, n)
 #define w_right_signed(a, n) wasm_i16x8_shr(a, n)
 #define w_times(a, b)        wasm_i16x8_q15mulr_sat(a, b)
-#define w_any(a)             ((int)wasm_v128_any_true(a))
+/* the words of numbers up to 32767 */
+#define w_of_ints(a, b) wasm_u16x8_narrow_i32x4(a, b)
+INLINE uint32_t w_least(v_words a)
+{
+    a = wasm_u16x8_min(a, wasm_i64x2_shuffle(a, a, 1, 0));
+    a = wasm_u16x8_min(a, wasm_i32x4_shuffle(a, a, 1, 0, 3, 2));
+    return wasm_u16x8_extract_lane(wasm_u16x8_min(a, wasm_u32x4_shr(a, 16)), 0);
+}
+INLINE uint32_t w_most(v_words a)
+{
+    return 0xffff - w_least(wasm_v128_not(a));
+}
+#define b_all(x) wasm_i8x16_splat((int8_t)(x))
+/* how many bytes are the same, over several vectors */
+typedef uint32_t matches;
+#define b_no_matches()   0
+#define b_match(m, a, b) ((m) + (uint32_t)__builtin_popcount(wasm_i8x16_bitmask(wasm_i8x16_eq(a, b))))
+#define b_matched(m)     (m)
+#define w_any(a)         ((int)wasm_v128_any_true(a))
 
 /* A shuffle sees 16 entries; what is 16 or more finds 0. */
 INLINE v_bytes b_look_up(const uint8_t *table, uint32_t count, v_bytes at)

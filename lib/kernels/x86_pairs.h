@@ -11,6 +11,10 @@
 /* vector.h: products with denormals, which these CPUs do not foresee. */
 #define DENORMALS_ARE_SLOW 1
 
+/* vector.h: a page. Where one ends, these CPUs no longer ask for what comes next by themselves: a block of RGBA float
+ * is one, and while its codes are made nothing would be read (docs/bench.md has what that takes). */
+#define FETCH_AHEAD_BYTES 4096
+
 /* Two pairs of floats, which are aligned as floats are. */
 INLINE __m128 two_pairs(const float *first, const float *second)
 {

@@ -1,0 +1,152 @@
+/* lib/kernels/vector_bins.h: the histogram, as scalar.c's, by vectors: with the functions of avx2_luma.h,
+ * avx512_luma.h, neon_luma.h or wasm128_luma.h, whose w_ is of 16-bit words and b_ of bytes.
+ *
+ * Pixels that are near each other are in few bins, and one that is added to a bin waits for the one before, where that
+ * is in the same bin. So all pixels are compared, as bytes, with each bin from the lowest to the highest, and a bin is
+ * added to once. Where the bins are many, pixels are added one by one: they seldom wait. */
+#ifndef PUPIL_KERNELS_VECTOR_BINS_H
+#define PUPIL_KERNELS_VECTOR_BINS_H
+
+#include "vector.h"
+
+enum { IN_WORDS = 2 * WIDTH, IN_BYTES = 4 * WIDTH, NO_BIN = 0x7fff };
+
+/* The upper bits of each pixel's luminance or brightest channel; the first one of a histogram is in bin 0. */
+typedef struct word_bins {
+    uint16_t word[PUPIL_BLOCK];
+    v_words least, most;
+} word_bins;
+
+/* Of the pixels of a block. */
+typedef struct block_bins {
+    word_bins luminance, peak;
+    floats brightest;
+} block_bins;
+
+INLINE void bins_of(const pupil_channels *light, const pupil_channels *picture, uint32_t i, const meter_constants *c,
+                    ints *bin, ints *peak_bin, floats *brightest)
+{
+    const floats l = luminance(v_load(light->r + i), v_load(light->g + i), v_load(light->b + i), c);
+    const floats of_3 = max_of_3(v_load(picture->r + i), v_load(picture->g + i), v_load(picture->b + i));
+    const floats largest = v_min(v_max(v_select(v_is_number(l), of_3, c->floor), c->floor), c->ceiling);
+    *bin = v_right(v_bits(v_min(v_max(l, c->floor), c->ceiling)), BIN_BITS);
+    *peak_bin = v_right(v_bits(largest), PEAK_BIN_BITS);
+    *brightest = v_max(largest, *brightest);
+}
+
+INLINE void put_words(word_bins *to, uint32_t at, ints first, ints second)
+{
+    const v_words word = w_of_ints(first, second);
+    w_store(to->word + at, word);
+    to->least = w_min(to->least, word);
+    to->most = w_max(to->most, word);
+}
+
+/* Pixels i to i + IN_WORDS, which become the bins from `at` on. */
+INLINE void find_bins(const pupil_channels *light, const pupil_channels *picture, uint32_t i, const meter_constants *c,
+                      uint32_t at, block_bins *to)
+{
+    ints bin[2], peak_bin[2];
+    for (uint32_t k = 0; k < 2; k++)
+        bins_of(light, picture, i + k * WIDTH, c, &bin[k], &peak_bin[k], &to->brightest);
+    put_words(&to->luminance, at, bin[0], bin[1]);
+    put_words(&to->peak, at, peak_bin[0], peak_bin[1]);
+}
+
+/* The last pixels of n, from i on, which are fewer: the first of them is repeated, and then taken off again. */
+static __attribute__((noinline)) void find_last_bins(const pupil_channels *light, const pupil_channels *picture,
+                                                     uint32_t i, uint32_t n, const meter_constants *c, block_bins *to)
+{
+    const float *const of[6] = {light->r, light->g, light->b, picture->r, picture->g, picture->b};
+    float rest[6][IN_WORDS];
+    for (int k = 0; k < 6; k++)
+        for (uint32_t j = 0; j < IN_WORDS; j++)
+            rest[k][j] = of[k][j < n - i ? i + j : i];
+    const pupil_channels light_of_rest = {rest[0], rest[1], rest[2]}, picture_of_rest = {rest[3], rest[4], rest[5]};
+    find_bins(&light_of_rest, &picture_of_rest, 0, c, i, to);
+}
+
+/* Pixels that are compared at once, and bins that they are compared with in turn. */
+enum { IN_PIECE = 64, VECTORS = IN_PIECE / IN_BYTES, IN_TURN = 8 };
+#if defined(__clang__)
+#define FOR_EACH_VECTOR(k) for (int k = 0; k < VECTORS; k++)
+#define FOR_EACH_TURN(k)   for (int k = 0; k < IN_TURN; k++)
+#else
+#define FOR_EACH_VECTOR(k) _Pragma("GCC unroll 4") for (int k = 0; k < VECTORS; k++)
+#define FOR_EACH_TURN(k)   _Pragma("GCC unroll 8") for (int k = 0; k < IN_TURN; k++)
+#endif
+
+/* Each bin of a span, which is whole turns, is compared with the pixels of a piece. */
+INLINE void count_by_bins(const uint16_t *word, uint32_t least, uint32_t span, uint32_t weight, uint64_t *bin)
+{
+    const v_words from = w_all((int)least);
+    const v_bytes one = b_all(1);
+    v_bytes code[VECTORS], wanted = b_all(0);
+    FOR_EACH_VECTOR(k)
+    {
+        const uint8_t *at = (const uint8_t *)(word + k * IN_BYTES);
+        code[k] = w_to_bytes(w_sub(w_load(at), from), w_sub(w_load(at + IN_BYTES), from));
+    }
+    for (uint64_t *end = bin + span; bin < end; bin += IN_TURN)
+        FOR_EACH_TURN(t)
+        {
+            matches found = b_no_matches();
+            FOR_EACH_VECTOR(k) found = b_match(found, code[k], wanted);
+            bin[t] += (uint64_t)weight * b_matched(found);
+            wanted = b_more(wanted, one);
+        }
+}
+
+/* One after the other. Pixels follow others that are far away, which are less often in the same bin. */
+INLINE void count_by_pixels(const uint16_t *word, uint32_t n, uint32_t first, uint32_t weight, uint64_t *bin)
+{
+    const uint32_t quarter = n / 4;
+    uint32_t i;
+    for (i = 0; i < quarter; i++)
+        FOR_FOUR(k) bin[word[i + (uint32_t)k * quarter] - first] += weight;
+    for (i = 4 * quarter; i < n; i++)
+        bin[word[i] - first] += weight;
+}
+
+enum { MOST_TURNS = 6 };
+
+/* `first` is in bin 0 of `bins`. */
+INLINE void count_bins(word_bins *of, uint32_t n, uint32_t first, uint32_t bins, uint32_t weight, uint64_t *bin)
+{
+    const uint32_t lowest = w_least(of->least), turns = (w_most(of->most) - lowest) / IN_TURN + 1;
+    if (turns <= MOST_TURNS) {
+        const uint32_t span = turns * IN_TURN, last = first + bins - span, least = lowest < last ? lowest : last;
+        for (uint32_t i = n; i % IN_PIECE; i++)
+            of->word[i] = NO_BIN;
+        for (uint32_t i = 0; i < n; i += IN_PIECE)
+            count_by_bins(of->word + i, least, span, weight, bin + (least - first));
+    } else {
+        count_by_pixels(of->word, n, first, weight, bin);
+    }
+}
+
+static void histogram(const pupil_row_job *job, const pupil_channels *light, const pupil_channels *picture, uint32_t n,
+                      uint32_t weight, pupil_stats *stats)
+{
+    const meter_constants c = meter_constants_of(job);
+    const floats before = v_all(stats->peak);
+    block_bins bins;
+    uint32_t i = 0;
+    bins.luminance.least = bins.peak.least = w_all(NO_BIN);
+    bins.luminance.most = bins.peak.most = w_all(0);
+    bins.brightest = before;
+    for (; i + IN_WORDS <= n; i += IN_WORDS)
+        find_bins(light, picture, i, &c, i, &bins);
+    if (i < n)
+        find_last_bins(light, picture, i, n, &c, &bins);
+    count_bins(&bins.luminance, n, FIRST_BIN, PUPIL_HISTOGRAM_BINS, weight, stats->bin);
+    count_bins(&bins.peak, n, FIRST_PEAK_BIN, PUPIL_PEAK_BINS, weight, stats->peak_bin);
+    if (!v_every(v_at_least(before, bins.brightest))) {
+        float lane[WIDTH];
+        v_store(lane, bins.brightest);
+        for (int j = 0; j < WIDTH; j++)
+            stats->peak = lane[j] > stats->peak ? lane[j] : stats->peak;
+    }
+}
+
+#endif
