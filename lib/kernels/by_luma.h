@@ -26,20 +26,13 @@ static inline uint8_t byte_within(int32_t x)
     return (uint8_t)larger_of(smaller_of(x, 255), 0);
 }
 
-/* In a loop of look-ups: gcc would put vectors together out of single loads, which takes half as long again. */
-#if defined(__clang__)
-#define ONE_BY_ONE (void)0
-#else
-#define ONE_BY_ONE __asm__ volatile("")
-#endif
-
 /* Bytes i to n. */
 static inline void bytes_by_table(const uint8_t *restrict table, const uint8_t *from, uint32_t i, uint32_t n,
                                   uint8_t *to)
 {
     for (; i < n; i++) {
         to[i] = table[from[i]];
-        ONE_BY_ONE;
+        PUPIL_ONE_BY_ONE;
     }
 }
 
@@ -67,7 +60,7 @@ static inline void look_up_ratios(const pupil_luma_tables *t, uint32_t n, int16_
     for (uint32_t i = 0; i < n; i++) {
         const int32_t mean = ratio[i];
         ratio[i] = (int16_t)(t->ratio_low[mean] | t->ratio_high[mean] << 8);
-        ONE_BY_ONE;
+        PUPIL_ONE_BY_ONE;
     }
 }
 

@@ -168,6 +168,13 @@ typedef struct pupil_planes {
  */
 #define PUPIL_PLANES_ALIGNED __attribute__((aligned(64)))
 
+/* In a loop of look-ups or counts: gcc would put vectors together out of single numbers, which takes longer. */
+#if defined(__clang__)
+#define PUPIL_ONE_BY_ONE (void)0
+#else
+#define PUPIL_ONE_BY_ONE __asm__ volatile("")
+#endif
+
 /* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL means the planes
  * themselves. */
 /* Pixels x to x + n of a row. 1: every pixel is known to be opaque. */

@@ -83,7 +83,7 @@ static inline void load_codes(const uint8_t *restrict s, uint32_t n, uint32_t by
         p->r[i] = pupil_srgb8_to_linear[s[bytes * i + red]];
         p->g[i] = pupil_srgb8_to_linear[s[bytes * i + 1]];
         p->b[i] = pupil_srgb8_to_linear[s[bytes * i + blue]];
-        ONE_BY_ONE;
+        PUPIL_ONE_BY_ONE;
     }
 }
 

@@ -94,6 +94,7 @@ INLINE void count_by_bins(const uint16_t *word, uint32_t least, uint32_t span, u
             FOR_EACH_VECTOR(k) found = b_match(found, code[k], wanted);
             bin[t] += (uint64_t)weight * b_matched(found);
             wanted = b_more(wanted, one);
+            PUPIL_ONE_BY_ONE;
         }
 }
 
