@@ -280,35 +280,34 @@ typedef struct pupil_scattered {
 typedef void pupil_scatter_kernel(pupil_planes *planes, uint32_t n, float direct, const pupil_scattered *scattered,
                                   float part);
 
-/* Bloom (pupil/bloom.h): a kernel of 7 x 7 taps, which is the same seen from all sides. */
-enum { PUPIL_BLOOM_ROWS = 7, PUPIL_BLOOM_TAPS = 10 };
+/* Bloom (pupil/bloom.h): a kernel of 7 x 7 taps without the corners, which is the same seen from all sides. */
+enum { PUPIL_BLOOM_ROWS = 7, PUPIL_BLOOM_TAPS = 9 };
 typedef struct pupil_bloom_taps {
-    float tap[PUPIL_BLOOM_TAPS]; /* at (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0) to (3, 3) */
+    float tap[PUPIL_BLOOM_TAPS]; /* at (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2) */
 } pupil_bloom_taps;
-/* The columns' sums of PUPIL_BLOOM_ROWS rows: of the kernel in its middle, and a pixel, two and three beside that. And
- * what a row then gets (with `add`: gets more) from their [k][PUPIL_BLOOM_SIDE - 3] to [k][PUPIL_BLOOM_SIDE + n + 2].
- * For n up to its next multiple of 16. */
+/* Its filters read rows from PUPIL_BLOOM_SIDE before the first pixel on. What is so many floats `ahead` of the last
+ * rows is fetched into the cache, unless it is 0. `room` is for what is noted in between. */
 enum { PUPIL_BLOOM_SIDE = 8, PUPIL_BLOOM_LINE = 208 };
-typedef float pupil_bloom_sums[4][PUPIL_BLOOM_LINE];
-typedef void pupil_bloom_columns_kernel(const float *const *row, const pupil_bloom_taps *taps, uint32_t n,
-                                        pupil_bloom_sums sums);
-typedef void pupil_bloom_rows_kernel(const pupil_bloom_sums sums, uint32_t n, float *to, int add);
+typedef float pupil_bloom_room[4][PUPIL_BLOOM_LINE];
+/* What a row gets from seven, and what `with` has unless it is NULL: for n up to its next multiple of 16. */
+typedef void pupil_bloom_scatter_kernel(const float *const *row, size_t ahead, const pupil_bloom_taps *taps, uint32_t n,
+                                        pupil_bloom_room room, const float *with, float *to);
+/* n pixels at half the size from eight rows: for n up to its next multiple of 16. */
+typedef void pupil_bloom_halve_kernel(const float *const *row, size_t ahead, uint32_t n, pupil_bloom_room room,
+                                      float *to);
+/* 2 n pixels at twice the size from four rows, by a tap each; with `add` they get more: for n up to its next multiple
+ * of 8. */
+typedef void pupil_bloom_widen_kernel(const float *const *row, const float tap[4], uint32_t n, pupil_bloom_room room,
+                                      float *to, int add);
 /* What of n pixels scatters: above a threshold, and within 0..PUPIL_CEILING. */
 typedef void pupil_bloom_bright_kernel(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3]);
-/* All of the light of n pixels of RGBA32F. The next row, so many bytes on, is fetched into the cache. */
-typedef void pupil_bloom_pixels_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3]);
+/* All of the light of n pixels of RGBA32F. The next row, so many bytes on, is fetched into the cache. Returns whether
+ * they are whole: opaque, and nothing in them out of bounds. */
+typedef int pupil_bloom_pixels_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3]);
 /* Which of n pixels, PUPIL_BLOCK at most, have a channel above a threshold: bit k is of pixels 8 k to 8 k + 7. Of
  * RGBA32F, and of planes. */
 typedef uint32_t pupil_bloom_lamps_of_pixels_kernel(const void *source, uint32_t n, float threshold);
 typedef uint32_t pupil_bloom_lamps_kernel(const pupil_planes *planes, uint32_t n, float threshold);
-/* A row of half the height from eight, the even and the odd ones of it apart; and one of twice the height from four:
- * for n up to its next multiple of 16. */
-typedef void pupil_bloom_down_kernel(const float *const row[8], uint32_t n, float *even, float *odd);
-typedef void pupil_bloom_up_kernel(const float *const row[4], const float tap[4], uint32_t n, float *to);
-/* n pixels at half the size, of even and odd ones [-2] to [n + 1]; and 2 n (with `add`: more) at twice the size, of
- * from[-2] to from[n + 1]; for n up to its next multiple of 8. */
-typedef void pupil_bloom_halve_kernel(const float *even, const float *odd, uint32_t n, float *to);
-typedef void pupil_bloom_widen_kernel(const float *from, uint32_t n, float *to, int add);
 
 /* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
  * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */
@@ -337,16 +336,13 @@ typedef struct pupil_kernels {
     pupil_veil_gather_kernel *veil_gather;
     pupil_veil_pixels_kernel *veil_gather_rgba32f;
     pupil_scatter_kernel *scatter;
-    pupil_bloom_columns_kernel *bloom_columns;
-    pupil_bloom_rows_kernel *bloom_rows;
+    pupil_bloom_scatter_kernel *bloom_scatter;
+    pupil_bloom_halve_kernel *bloom_halve;
+    pupil_bloom_widen_kernel *bloom_widen;
     pupil_bloom_bright_kernel *bloom_bright;
     pupil_bloom_pixels_kernel *bloom_light_rgba32f; /* only where it is faster than its pieces */
     pupil_bloom_lamps_of_pixels_kernel *bloom_lamps_rgba32f;
     pupil_bloom_lamps_kernel *bloom_lamps;
-    pupil_bloom_down_kernel *bloom_down;
-    pupil_bloom_up_kernel *bloom_up;
-    pupil_bloom_halve_kernel *bloom_halve;
-    pupil_bloom_widen_kernel *bloom_widen;
 } pupil_kernels;
 
 #define PUPIL_PLANES PUPIL_PIXEL_NONE

@@ -70,26 +70,31 @@ static void bloom_up(const float *const row[4], const float tap[4], uint32_t n, 
         to[i] = (tap[0] * row[0][i] + tap[1] * row[1][i]) + (tap[2] * row[2][i] + tap[3] * row[3][i]);
 }
 
-static void bloom_columns(const float *const *row, const pupil_bloom_taps *taps, uint32_t n, pupil_bloom_sums to)
+static void bloom_columns(const float *const *row, size_t ahead, const pupil_bloom_taps *taps, uint32_t n,
+                          pupil_bloom_room to)
 {
-    static const uint8_t place[4][4] = {{0, 1, 3, 6}, {1, 2, 4, 7}, {3, 4, 5, 8}, {6, 7, 8, 9}};
     const float *t = taps->tap;
+    (void)ahead;
     for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++) {
         const float m = row[3][i], a = row[2][i] + row[4][i], b = row[1][i] + row[5][i], c = row[0][i] + row[6][i];
-        for (int k = 0; k < 4; k++)
-            to[k][i] = (t[place[k][0]] * m + t[place[k][1]] * a) + (t[place[k][2]] * b + t[place[k][3]] * c);
+        to[0][i] = (t[0] * m + t[1] * a) + (t[3] * b + t[6] * c);
+        to[1][i] = (t[1] * m + t[2] * a) + (t[4] * b + t[7] * c);
+        to[2][i] = (t[3] * m + t[4] * a) + (t[5] * b + t[8] * c);
+        to[3][i] = (t[6] * m + t[7] * a) + t[8] * b;
     }
 }
 
-static void bloom_rows(const pupil_bloom_sums sums, uint32_t n, float *to, int add)
+static void bloom_rows(const pupil_bloom_room sums, uint32_t n, const float *with, float *to)
 {
     for (uint32_t i = 0; i < (n + 15) / 16 * 16; i++) {
         const float *const at = sums[0] + PUPIL_BLOOM_SIDE + i, *const one = at + PUPIL_BLOOM_LINE;
         const float *const two = one + PUPIL_BLOOM_LINE, *const three = two + PUPIL_BLOOM_LINE;
         const float sum = (at[0] + (one[-1] + one[1])) + ((two[-2] + two[2]) + (three[-3] + three[3]));
-        to[i] = add ? to[i] + sum : sum;
+        to[i] = with ? with[i] + sum : sum;
     }
 }
+
+#include "bloom_filters.h"
 
 /* --- meter --- */
 

@@ -65,18 +65,19 @@ static bloom_octave octave_at(const pupil_bloom_config *c, uint32_t k, size_t *f
     bloom_octave at = {.width = ((c->width - 1) >> k) + 1, .height = ((c->height - 1) >> k) + 1};
     /* An odd number of steps: rows that are 4096 bytes apart would share a few places of a cache. */
     at.stride = (rounded(BLOOM_LEFT + at.width + BLOOM_LEFT + BLOOM_STEP) / BLOOM_STEP | 1) * BLOOM_STEP;
-    at.rows = at.height + 2 * BLOOM_MARGIN;
+    const int all_light = !(c->threshold > 0.0);
+    at.rows = at.height + 2 * BLOOM_MARGIN + (all_light ? BLOOM_BEHIND : 0);
     at.units = (at.width + 2 * BLOOM_MARGIN + BLOOM_UNIT - 1) / BLOOM_UNIT;
-    at.light = *floats;
-    at.blurred = at.light + 3 * (size_t)at.rows * at.stride;
-    *floats = at.blurred + 3 * (size_t)at.rows * at.stride;
+    at.blurred = *floats;
+    at.light = at.blurred + (all_light ? BLOOM_BEHIND : 3 * (size_t)at.rows) * at.stride;
+    *floats = (all_light ? at.blurred : at.light) + 3 * (size_t)at.rows * at.stride;
     return at;
 }
 
-/* What memory holds, from octave 1 on: planes, rows of zeros and for solve, and bytes. */
+/* What memory holds, from octave 1 on: planes, a row of zeros, room for solve, and bytes. */
 typedef struct bloom_places {
     bloom_octave octave[BLOOM_OCTAVES];
-    size_t nothing, line, sums, need, lamps, bytes;
+    size_t nothing, room, need, lamps, bytes;
 } bloom_places;
 
 static __attribute__((noinline)) void find_places(const pupil_bloom_config *c, uint32_t octaves, bloom_places *p)
@@ -86,9 +87,8 @@ static __attribute__((noinline)) void find_places(const pupil_bloom_config *c, u
         p->octave[k] = octave_at(c, k, &floats);
     const uint32_t longest = octaves > 1 ? p->octave[1].stride : 0;
     p->nothing = floats;
-    p->line = p->nothing + longest;
-    p->sums = p->line + longest + BLOOM_STEP;
-    p->lamps = p->sums + sizeof(pupil_bloom_sums) / sizeof(float);
+    p->room = p->nothing + longest;
+    p->lamps = p->room + sizeof(pupil_bloom_room) / sizeof(float);
     p->bytes = (p->lamps + (c->threshold > 0.0 ? (size_t)c->height * pupil_bloom_words(c->width) : 0)) * sizeof(float);
     for (uint32_t k = 1; k < octaves; k++) {
         p->octave[k].lit = p->bytes;
@@ -120,8 +120,7 @@ static __attribute__((noinline)) void take_places(bloom_object *o)
     for (uint32_t k = 1; k < o->octaves; k++)
         o->octave[k] = p.octave[k];
     o->nothing = p.nothing;
-    o->line = p.line;
-    o->sums = p.sums;
+    o->room = p.room;
     o->need = p.need;
     o->lamps = p.lamps;
 }

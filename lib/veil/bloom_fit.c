@@ -1,7 +1,7 @@
-/* The kernel of each octave (bloom_private.h): 7 x 7 taps, the same seen from all sides. What an octave's narrow lobes
- * scatter further than that comes from the octave below: ten of its taps are fitted to it, by least squares of what a
- * pixel then gets, errors counting as much as they are of all light there is. What these leave within 7 x 7 are the
- * octave's own taps. So all Gaussians, however many, are one kernel in each octave. */
+/* The kernel of each octave (bloom_private.h): 7 x 7 taps without the corners, the same seen from all sides. What an
+ * octave's narrow lobes scatter beyond that comes from the octave below: its nine taps are fitted to it, by least
+ * squares of what a pixel then gets, errors counting as much as they are of all light there is. What these leave within
+ * 7 x 7 are the octave's own taps. So all Gaussians, however many, are one kernel in each octave. */
 #include "bloom_private.h"
 
 #include "base/numeric.h"
@@ -35,7 +35,8 @@ static double filter(int distance)
 
 static int is_beyond(int y, int x)
 {
-    return y < -REACH || y > REACH || x < -REACH || x > REACH;
+    const int a = y < 0 ? -y : y, b = x < 0 ? -x : x;
+    return a > REACH || b > REACH || a + b == 2 * REACH;
 }
 
 /* How many taps of a kernel are tap (a, b). */
@@ -48,7 +49,7 @@ static double kernel_sum(const double tap[TAPS])
 {
     double sum = 0.0;
     for (int a = 0, k = 0; a <= REACH; a++)
-        for (int b = 0; b <= a; b++, k++)
+        for (int b = 0; b <= a && k < TAPS; b++, k++)
             sum += times_of(a, b) * tap[k];
     return sum;
 }
@@ -123,7 +124,7 @@ static double mean_of_tap(const bloom_fit *f, int a, int b, int y, int x)
 static void find_taps_at(const bloom_fit *f, int y, int x, double at[TAPS])
 {
     for (int a = 0, k = 0; a <= REACH; a++)
-        for (int b = 0; b <= a; b++, k++) {
+        for (int b = 0; b <= a && k < TAPS; b++, k++) {
             at[k] = f->reply[a][FAR + y] * f->reply[b][FAR + x];
             at[k] += a == b ? 0.0 : f->reply[b][FAR + y] * f->reply[a][FAR + x];
             at[k] -= is_beyond(y, x) ? 0.0 : mean_of_tap(f, a, b, y, x);
@@ -216,11 +217,11 @@ static void find_own(const bloom_fit *f, double tap[TAPS])
     double within[TAPS];
     const double sum = f->narrow + kernel_sum(tap) - kernel_sum(f->below);
     for (int a = 0, k = 0; a <= REACH; a++)
-        for (int b = 0; b <= a; b++, k++) {
+        for (int b = 0; b <= a && k < TAPS; b++, k++) {
             within[k] = f->target[a][b];
             tap[k] += within[k];
             for (int c = 0, i = 0; c <= REACH; c++)
-                for (int d = 0; d <= c; d++, i++)
+                for (int d = 0; d <= c && i < TAPS; d++, i++)
                     tap[k] -= f->below[i] * mean_of_tap(f, c, d, a, b);
         }
     const double more = (sum - kernel_sum(tap)) / kernel_sum(within);

@@ -16,7 +16,7 @@ _Static_assert(PART % BLOOM_UNIT == 0, "a part is whole units");
 /* What a worker gathers with. */
 typedef struct gathering {
     BLOOM_ALIGNED bloom_line row[HALVED];
-    BLOOM_ALIGNED float even[3][BLOOM_LINE / 2], odd[3][BLOOM_LINE / 2];
+    BLOOM_ALIGNED pupil_bloom_room room;
     uint8_t state[HALVED];
     int32_t is[HALVED];                                   /* the frame's rows that are in `row` */
     uint32_t lamps[2 * GROUP + AROUND][BLOOM_MOST_WORDS]; /* with a bright pass, of the frame's rows from `first` on */
@@ -98,6 +98,14 @@ static void read_row(const bloom_object *o, gathering *g, int32_t y, const gathe
     }
 }
 
+/* What is written next: for pieces of rows a CPU would wait. */
+static void announce(const float *row, uint32_t n)
+{
+    enum { FLOATS = 16 };
+    for (uint32_t at = 0; at < n; at += FLOATS)
+        __builtin_prefetch(row + at, 1);
+}
+
 static void gather_row(bloom_object *o, gathering *g, int32_t j, const gathered *part)
 {
     const bloom_octave *at = &o->octave[1];
@@ -111,12 +119,9 @@ static void gather_row(bloom_object *o, gathering *g, int32_t j, const gathered 
     for (int channel = 0; channel < 3; channel++) {
         for (int k = 0; channel && k < HALVED; k++)
             row[k] += BLOOM_LINE;
-        PUPIL_PIECE(g->frame.kernels, bloom_down)(row, 2 * n + 2 * BLOOM_SIDE, g->even[channel], g->odd[channel]);
-    }
-    for (int channel = 0; channel < 3; channel++) {
-        const float *even = g->even[channel] + BLOOM_SIDE / 2, *odd = g->odd[channel] + BLOOM_SIDE / 2;
         float *to = o->memory + pupil_bloom_row(o, 1, at->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN + from;
-        PUPIL_PIECE(g->frame.kernels, bloom_halve)(even, odd, n, to);
+        announce(to + at->stride, n);
+        PUPIL_PIECE(g->frame.kernels, bloom_halve)(row, 0, n, g->room, to);
     }
 }
 
@@ -219,6 +224,7 @@ int pupil_bloom_gather_rows(pupil_bloom *bloom, const pupil_t *pupil, const pupi
     gathering *g = (gathering *)pupil_bloom_aligned(scratch);
     g->frame.kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level);
     g->frame.threshold = (float)o->config.threshold;
+    g->frame.ahead = 2; /* it takes two at a time */
     pupil_veil_rows_begin(&g->frame.rows, &in.image);
     g->own = (int32_t)first_row;
     g->own_end = (int32_t)(first_row + count);

@@ -56,6 +56,7 @@ int pupil_bloom_map_rows(const pupil_bloom *bloom, const pupil_veil *veil, const
     mapping_scratch *s = (mapping_scratch *)pupil_bloom_aligned(scratch);
     s->window.frame.kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level);
     s->window.frame.threshold = (float)o->config.threshold;
+    s->window.frame.ahead = 1;
     pupil_veil_rows_begin(&s->window.frame.rows, &whole.image);
     const scatter_map map = {.veil = veil ? pupil_veil_object_of_const(veil) : 0,
                              .bloom = o,

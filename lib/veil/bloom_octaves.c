@@ -40,6 +40,11 @@ static int is_near(const uint8_t *any, uint32_t units, uint32_t u, uint32_t coun
     return near != 0;
 }
 
+static float (*room_of(bloom_object *o))[PUPIL_BLOOM_LINE]
+{
+    return (float(*)[PUPIL_BLOOM_LINE])(void *)(o->memory + o->room);
+}
+
 /* --- light --- */
 
 /* Units first to end of row j of octave k + 1. */
@@ -49,14 +54,14 @@ static void halve_units(bloom_object *o, const pupil_kernels *kernels, uint32_t 
     const bloom_octave *from = &o->octave[k], *to = &o->octave[k + 1];
     const uint32_t at = first * BLOOM_UNIT, all = to->width + 2 * BLOOM_MARGIN, most = (end - first) * BLOOM_UNIT;
     const uint32_t n = all - at < most ? all - at : most;
-    float *even = o->memory + o->line, *odd = even + o->octave[1].stride / 2;
     for (int channel = 0; channel < 3; channel++) {
         const float *rows[HALVED];
         for (int32_t i = 0; i < HALVED; i++)
-            rows[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 3 + i) + 2 * at;
+            rows[i] = o->memory + pupil_bloom_row(o, k, from->light, channel, 2 * j - 3 + i) + BLOOM_LEFT -
+                      2 * BLOOM_MARGIN - BLOOM_SIDE + 2 * at;
+        const size_t ahead = pupil_bloom_has_row(from, 2 * j + HALVED - 4) ? 4 * (size_t)from->stride : 0;
         float *row = o->memory + pupil_bloom_row(o, k + 1, to->light, channel, j) + BLOOM_LEFT - BLOOM_MARGIN + at;
-        PUPIL_PIECE(kernels, bloom_down)(rows, 2 * n + BLOOM_LEFT, even, odd);
-        PUPIL_PIECE(kernels, bloom_halve)(even + BLOOM_LEFT / 4, odd + BLOOM_LEFT / 4, n, row);
+        PUPIL_PIECE(kernels, bloom_halve)(rows, ahead, n, room_of(o), row);
     }
 }
 
@@ -103,21 +108,14 @@ static float *blurred_of(bloom_object *o, const bloom_units *s)
 /* They get what the kernel scatters. */
 static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s)
 {
-    enum { MOST = (BLOOM_LINE - 2 * BLOOM_SIDE) / BLOOM_UNIT };
     const bloom_octave *at = &o->octave[s->octave];
-    float(*sums)[PUPIL_BLOOM_LINE] = (float(*)[PUPIL_BLOOM_LINE])(void *)(o->memory + o->sums);
-    float *to = blurred_of(o, s);
     const float *row[PUPIL_BLOOM_ROWS];
     for (int32_t i = 0; i < PUPIL_BLOOM_ROWS; i++)
         row[i] = o->memory + pupil_bloom_row(o, s->octave, at->light, s->channel, s->y - REACH + i) + BLOOM_LEFT -
                  BLOOM_MARGIN - BLOOM_SIDE + s->first * BLOOM_UNIT;
-    for (uint32_t first = s->first; first < s->end; first += MOST, to += MOST * BLOOM_UNIT) {
-        const uint32_t n = (s->end - first < MOST ? s->end - first : MOST) * BLOOM_UNIT;
-        PUPIL_PIECE(kernels, bloom_columns)(row, &o->taps[s->octave], n + 2 * BLOOM_SIDE, sums);
-        PUPIL_PIECE(kernels, bloom_rows)((const float(*)[PUPIL_BLOOM_LINE])sums, n, to, 0);
-        for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
-            row[i] += MOST * BLOOM_UNIT;
-    }
+    const uint32_t n = (s->end - s->first) * BLOOM_UNIT;
+    const size_t ahead = pupil_bloom_has_row(at, s->y + REACH) ? 2 * (size_t)at->stride : 0;
+    PUPIL_PIECE(kernels, bloom_scatter)(row, ahead, &o->taps[s->octave], n, room_of(o), 0, blurred_of(o, s));
 }
 
 /* What `reached` says of a unit: it gets something of light within the kernel's reach, which is that of some rows and
@@ -160,19 +158,17 @@ static void plan(bloom_object *o, uint32_t octave)
 /* They get what comes from the octave above; `add`: besides what is there. */
 static void take_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s, bloom_four four, int add)
 {
-    enum { BEFORE = 6 }; /* of the first pixel, so that lines are read from multiples of 8 on */
     const uint32_t half = s->first * (BLOOM_UNIT / 2), all = o->octave[s->octave].width / 2 + BLOOM_MARGIN;
     const uint32_t most = (s->end - s->first) * (BLOOM_UNIT / 2), left = all > half ? all - half : 0;
     const uint32_t n = left < most ? left : most;
-    float *line = o->memory + o->line, *to = blurred_of(o, s);
+    float *to = blurred_of(o, s);
     if (!add && n < most)
         __builtin_memset(to + 2 * n, 0, 2 * (most - n) * sizeof *to);
     if (!n)
         return;
     for (int i = 0; i < 4; i++)
-        four.row[i] += BLOOM_LEFT - BLOOM_MARGIN / 2 - BEFORE + half;
-    pupil_bloom_between(kernels, &four, most + BLOOM_STEP / 2, line);
-    PUPIL_PIECE(kernels, bloom_widen)(line + BEFORE, n, to, add);
+        four.row[i] += half;
+    pupil_bloom_take(kernels, &four, n, room_of(o), to, add);
 }
 
 static void blur_row(bloom_object *o, const pupil_kernels *kernels, bloom_units s)
@@ -181,7 +177,7 @@ static void blur_row(bloom_object *o, const pupil_kernels *kernels, bloom_units 
     const uint8_t *reached = pupil_bloom_flags(o, s.octave, o->octave[s.octave].reached, s.y);
     bloom_four four = {.y = s.y};
     if (s.octave + 1 < o->octaves)
-        pupil_bloom_find_four(o, s.octave + 1, s.y, 0, &four);
+        pupil_bloom_find_four(o, s.octave + 1, s.y, -BLOOM_MARGIN / 2, &four);
     for (int i = 0; i < 4 && four.row[i]; i++)
         four.row[i] += (size_t)s.channel * four.next[i];
     for (s.first = 0; s.first < units; s.first = s.end) {

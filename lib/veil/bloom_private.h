@@ -12,8 +12,9 @@ enum {
     BLOOM_MARGIN = 4,   /* octaves go on beyond the picture's edges: filters leave light there, and take it back */
     BLOOM_LEFT = 16,    /* floats before the first pixel, of which the rest are 0 */
     BLOOM_STEP = 32,    /* what kernels round up to */
-    BLOOM_UNIT = 16,    /* pixels that are skipped where there is no light for them */
-    BLOOM_FIT_FAR = 13, /* pixels */
+    BLOOM_BEHIND = PUPIL_BLOOM_ROWS / 2 + 1, /* rows that light is ahead of what takes its place */
+    BLOOM_UNIT = 16,                         /* pixels that are skipped where there is no light for them */
+    BLOOM_FIT_FAR = 13,                      /* pixels */
     /* Pixels of a row that are worked at a time, with what filters at full size reach: small enough that all rows that
      * they reach stay in the L1 cache. */
     BLOOM_SIDE = PUPIL_BLOOM_SIDE,
@@ -21,7 +22,8 @@ enum {
     BLOOM_PART = BLOOM_LINE - 2 * BLOOM_SIDE
 };
 
-/* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. `lit` are
+/* Its planes begin at these floats of `memory`: rows of `stride` floats, BLOOM_MARGIN rows before the first. With all
+ * light, blurred rows take the place of light that no other one needs: so there is less memory to go through. `lit` are
  * bytes of `memory`: for each row, where in its planes of light there is some, by `units` of BLOOM_UNIT pixels from the
  * margin's first on. `reached` are the same of the blurred planes. All other units are 0. */
 typedef struct bloom_octave {
@@ -36,7 +38,7 @@ typedef struct bloom_object {
     uint32_t lit;                         /* there is light in the octaves, since solve */
     pupil_bloom_taps taps[BLOOM_OCTAVES]; /* at full size less what all lobes take from a pixel */
     bloom_octave octave[BLOOM_OCTAVES];   /* the first has no planes */
-    size_t nothing, line, sums;           /* a row of zeros; a row and columns' sums for solve */
+    size_t nothing, room;                 /* a row of zeros; filters' room for solve */
     size_t need;                          /* bytes of memory: three for a unit, for solve */
     size_t lamps;                         /* words of memory: rows of bloom_lamps.c, with a bright pass */
     _Alignas(double) float memory[];      /* at init a bloom_fit */
@@ -51,11 +53,17 @@ static inline int pupil_bloom_check(const pupil_bloom *bloom)
     return ((const bloom_object *)(const void *)bloom)->magic == BLOOM_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
 }
 
-/* Row y of a plane of an octave, from BLOOM_LEFT before the first pixel on; beyond the margin there is no light. */
+/* Where an octave may have light: not in the margin's last rows. */
+static inline int pupil_bloom_has_row(const bloom_octave *at, int32_t y)
+{
+    return y > -BLOOM_MARGIN && y < (int32_t)at->height + BLOOM_MARGIN - 1;
+}
+
+/* Row y of a plane of an octave, from BLOOM_LEFT before the first pixel on. */
 static inline size_t pupil_bloom_row(const bloom_object *o, uint32_t octave, size_t planes, int channel, int32_t y)
 {
     const bloom_octave *at = &o->octave[octave];
-    if (y < -BLOOM_MARGIN || y >= (int32_t)at->height + BLOOM_MARGIN)
+    if (!pupil_bloom_has_row(at, y))
         return o->nothing;
     return planes + ((size_t)channel * at->rows + (size_t)(y + BLOOM_MARGIN)) * at->stride;
 }
@@ -89,6 +97,7 @@ typedef struct bloom_frame {
     const pupil_kernels *kernels;
     veil_rows rows;
     float threshold;
+    int32_t ahead; /* how many rows further down are fetched into the cache */
     pupil_planes planes;
 } bloom_frame;
 
@@ -128,20 +137,22 @@ static inline uint32_t pupil_bloom_bits(const uint32_t *words, uint32_t width, i
     return (uint32_t)((low | high << 32) >> at % 32) & (uint32_t)((UINT64_C(1) << count) - 1);
 }
 
-/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. */
-void pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
+/* bloom_light.c: the light of row y, n pixels from x on, BLOOM_LINE at most; 0 outside the frame. Returns whether its
+ * pixels are known to be whole (kernels.h: pupil_bloom_pixels_kernel). */
+int pupil_bloom_light(bloom_frame *frame, int32_t y, int32_t x, uint32_t n, bloom_line line);
 /* Of some lines: light that is not read yet; none, but anything in it; light, read; zeros. */
 enum { BLOOM_UNREAD, BLOOM_DARK, BLOOM_LIT, BLOOM_BLACK };
-/* The four rows of an octave's blurred planes, from float `from` on, that give row y of the octave above: of its first
- * channel, and how far it is to the next channel's. */
+/* The four rows of an octave's blurred planes, from PUPIL_BLOOM_SIDE before pixel x on, that give row y of the octave
+ * above: of its first channel, and how far it is to the next channel's. */
 typedef struct bloom_four {
     const float *row[4];
     size_t next[4];
     int32_t y;
 } bloom_four;
-void pupil_bloom_find_four(const bloom_object *o, uint32_t octave, int32_t y, uint32_t from, bloom_four *four);
-/* That row, still of the octave's width, of the channel at hand; which is then the next one. */
-void pupil_bloom_between(const pupil_kernels *kernels, bloom_four *four, uint32_t n, float *to);
+void pupil_bloom_find_four(const bloom_object *o, uint32_t octave, int32_t y, int32_t x, bloom_four *four);
+/* 2 n pixels of that row, of the channel at hand, which is then the next one; with `add` they get more. */
+void pupil_bloom_take(const pupil_kernels *kernels, bloom_four *four, uint32_t n, pupil_bloom_room room, float *to,
+                      int add);
 
 /* bloom_octaves.c: units first to end of row y of planes and their flags become 0, if they are not. */
 void pupil_bloom_clear(bloom_object *o, uint32_t octave, size_t planes, size_t flags, int32_t y, uint32_t first,
@@ -166,9 +177,8 @@ void pupil_bloom_fit(const pupil_bloom_config *config, bloom_fit *fit, uint32_t 
 /* bloom_window.c: full size, block by block, down its rows. */
 typedef struct bloom_window {
     BLOOM_ALIGNED bloom_line ring[PUPIL_BLOOM_ROWS];
-    BLOOM_ALIGNED pupil_bloom_sums sums;
-    BLOOM_ALIGNED float line[BLOOM_LINE];
-    uint8_t state[PUPIL_BLOOM_ROWS];
+    BLOOM_ALIGNED pupil_bloom_room room;
+    uint8_t state[PUPIL_BLOOM_ROWS], whole[PUPIL_BLOOM_ROWS];
     uint32_t lamps[PUPIL_BLOOM_ROWS]; /* of 8 pixels each, from 8 before the block on */
     uint32_t x, n;                    /* the block */
     uint32_t units;                   /* of the row at hand, within reach of the kernel at full size: a bit each */
@@ -183,7 +193,9 @@ int pupil_bloom_reaches(const bloom_object *o, uint32_t y, uint32_t end_row, uin
 void pupil_bloom_window_begin(const bloom_object *o, bloom_window *w, uint32_t y, uint32_t x, uint32_t n);
 /* The next row of it, y: whether light reaches it. */
 int pupil_bloom_window_step(const bloom_object *o, bloom_window *w, uint32_t y);
-/* Adds to planes what is scattered to it. */
-void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, pupil_planes *planes);
+/* Reads the light that it needs: whether all pixels of row y are whole, so that planes need not be loaded. */
+int pupil_bloom_window_read(bloom_window *w, uint32_t y);
+/* Adds to planes, or to a row of whole pixels, what is scattered to it. */
+void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, int whole, pupil_planes *planes);
 
 #endif

@@ -84,22 +84,25 @@ int pupil_bloom_window_step(const bloom_object *o, bloom_window *w, uint32_t y)
 
 /* --- what it gives --- */
 
-static void read_rows(bloom_window *w, int32_t y)
+int pupil_bloom_window_read(bloom_window *w, uint32_t y)
 {
-    for (int32_t i = y - REACH; i <= y + REACH; i++) {
+    for (int32_t i = (int32_t)y - REACH; w->units && i <= (int32_t)y + REACH; i++) {
         const uint32_t at = place_of(i);
         if (w->state[at] == BLOOM_UNREAD) {
-            pupil_bloom_light(&w->frame, i, (int32_t)w->x - BLOOM_SIDE, w->n + 2 * BLOOM_SIDE, w->ring[at]);
+            w->whole[at] = (uint8_t)pupil_bloom_light(&w->frame, i, (int32_t)w->x - BLOOM_SIDE, w->n + 2 * BLOOM_SIDE,
+                                                      w->ring[at]);
             w->state[at] = BLOOM_LIT;
         } else if (w->state[at] == BLOOM_DARK) {
             __builtin_memset(w->ring[at], 0, sizeof w->ring[at]);
             w->state[at] = BLOOM_BLACK;
         }
     }
+    const uint32_t at = place_of((int32_t)y);
+    return w->units && w->state[at] == BLOOM_LIT && w->whole[at];
 }
 
 /* What the kernel at full size scatters to n pixels from the block's pixel `from` on. */
-static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32_t from, uint32_t n,
+static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32_t from, uint32_t n, int whole,
                        float *const plane[3])
 {
     const float *row[PUPIL_BLOOM_ROWS];
@@ -111,19 +114,19 @@ static void add_pixels(const bloom_object *o, bloom_window *w, int32_t y, uint32
     for (int channel = 0; channel < 3; channel++) {
         for (int i = 0; channel && i < PUPIL_BLOOM_ROWS; i++)
             row[i] += BLOOM_LINE;
-        PUPIL_PIECE(w->frame.kernels, bloom_columns)(row, &o->taps[0], n + 2 * BLOOM_SIDE, w->sums);
-        PUPIL_PIECE(w->frame.kernels, bloom_rows)
-        ((const float(*)[PUPIL_BLOOM_LINE])w->sums, n, plane[channel] + from, 1);
+        float *to = plane[channel] + from;
+        const float *with = whole ? row[REACH] + BLOOM_SIDE : to;
+        PUPIL_PIECE(w->frame.kernels, bloom_scatter)(row, 0, &o->taps[0], n, w->room, with, to);
     }
 }
 
 /* Where there is light within reach, by runs of units. */
-static void add_full(const bloom_object *o, bloom_window *w, int32_t y, float *const plane[3])
+static void add_full(const bloom_object *o, bloom_window *w, int32_t y, int whole, float *const plane[3])
 {
     for (uint32_t left = w->units; left;) {
         const uint32_t first = (uint32_t)__builtin_ctz(left), count = (uint32_t)__builtin_ctz(~(left >> first));
         const uint32_t x = first * BLOOM_UNIT, most = count * BLOOM_UNIT;
-        add_pixels(o, w, y, x, most < w->n - x ? most : w->n - x, plane);
+        add_pixels(o, w, y, x, most < w->n - x ? most : w->n - x, whole, plane);
         left &= ~(((1u << count) - 1) << first);
     }
 }
@@ -136,22 +139,18 @@ static void announce(const float *row, uint32_t n)
         __builtin_prefetch(row + at);
 }
 
-void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, pupil_planes *planes)
+void pupil_bloom_window_add(const bloom_object *o, bloom_window *w, uint32_t y, int whole, pupil_planes *planes)
 {
     float *const plane[3] = {planes->r, planes->g, planes->b};
-    const uint32_t halves = (w->n + 1) / 2, n = halves + 2 * BLOOM_MARGIN;
+    const uint32_t halves = (w->n + 1) / 2;
     bloom_four four;
-    if (w->units) {
-        read_rows(w, (int32_t)y);
-        add_full(o, w, (int32_t)y, plane);
-    }
+    add_full(o, w, (int32_t)y, whole, plane);
     if (!w->octaves)
         return;
-    pupil_bloom_find_four(o, 1, (int32_t)y, BLOOM_LEFT - BLOOM_MARGIN + w->x / 2, &four);
+    pupil_bloom_find_four(o, 1, (int32_t)y, (int32_t)(w->x / 2), &four);
     for (int channel = 0; channel < 3; channel++) {
         if (y % 2 == 0)
-            announce(four.row[3] + 2 * (size_t)o->octave[1].stride, n);
-        pupil_bloom_between(w->frame.kernels, &four, n, w->line);
-        PUPIL_PIECE(w->frame.kernels, bloom_widen)(w->line + BLOOM_MARGIN, halves, plane[channel], 1);
+            announce(four.row[3] + 2 * (size_t)o->octave[1].stride, halves + 2 * BLOOM_SIDE);
+        pupil_bloom_take(w->frame.kernels, &four, halves, w->room, plane[channel], 1);
     }
 }

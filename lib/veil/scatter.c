@@ -72,13 +72,14 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
             pupil_work_run(job, &row, x, n, target, 0, 0, 0);
             continue; /* which was the last one: a bloom's are one beside the other */
         }
-        const int opaque = PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
+        const int whole = reached && pupil_bloom_window_read(m->window, y) && !m->veil;
+        const int opaque = whole || PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
         const size_t third = all_light ? 0 : n * in_bytes / 3; /* which reads rows further down before */
         fetch(next, third);
         if (m->veil)
             PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);
         if (reached)
-            pupil_bloom_window_add(m->bloom, m->window, y, &b->planes);
+            pupil_bloom_window_add(m->bloom, m->window, y, whole, &b->planes);
         fetch(next + third, third);
         pupil_map_planes(job, x, y, n, &b->planes, opaque ? 0 : row.data + x * in_bytes, target);
         fetch(next + 2 * third, third);

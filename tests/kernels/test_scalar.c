@@ -8,9 +8,9 @@
 #include "check.h"
 #include "kernels/kernels.h"
 
-enum { MOST = 128, ROOM = MOST + 64, GUARD = -12345 };
-static const uint32_t counts[] = {1, 8, 15, 16, 17, 31, 32, 33, 64, 100};
-enum { COUNTS = sizeof counts / sizeof counts[0] };
+enum { MOST = 400, ROOM = MOST + 64, GUARD = -12345 };
+static const uint32_t counts[] = {1, 8, 15, 16, 17, 31, 32, 33, 64, 100, 192, 193, MOST};
+enum { COUNTS = sizeof counts / sizeof counts[0], BLOCKS = 10 }; /* those that a block has */
 
 enum { ROWS = 8 };
 static float rows[ROWS][2 * ROOM], to[2 * ROOM];
@@ -41,99 +41,93 @@ static float eighth_of(const float pair[4])
     return 137 * pair[0] + 84 * pair[1] + 30 * pair[2] + 5 * pair[3];
 }
 
-static void check_down_and_up(uint32_t n)
-{
-    const float *const eight[8] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]};
-    const float tap[4] = {0.25f, 0.5f, 0.125f, 2.0f};
-    const uint32_t end = up_to(n, 16);
-    begin();
-    pupil_kernels_scalar.bloom_down(eight, n, to, to + end / 2); /* the even ones, then the odd ones */
-    for (uint32_t i = 0; i < end; i++) {
-        const float pair[4] = {rows[3][i] + rows[4][i], rows[2][i] + rows[5][i], rows[1][i] + rows[6][i],
-                               rows[0][i] + rows[7][i]};
-        CHECK(512.0f * to[i % 2 * (end / 2) + i / 2] == eighth_of(pair));
-    }
-    check_guard("down", n, end);
-    begin();
-    pupil_kernels_scalar.bloom_up(eight, tap, n, to);
-    for (uint32_t i = 0; i < end; i++)
-        CHECK(8.0f * to[i] == 2 * rows[0][i] + 4 * rows[1][i] + rows[2][i] + 16 * rows[3][i]);
-    check_guard("up", n, end);
-}
-
-static const pupil_bloom_taps taps = {{1, 2, 4, 8, 16, 32, 3, 5, 7, 9}};
+static const pupil_bloom_taps taps = {{1, 2, 4, 8, 16, 32, 3, 5, 7}};
 
 /* At the distance of (a, b), by the order of kernels.h. */
 static float tap_at(int a, int b)
 {
     const int y = abs(a), x = abs(b);
+    if (y == 3 && x == 3)
+        return 0.0f;
     return taps.tap[y > x ? y * (y + 1) / 2 + x : x * (x + 1) / 2 + y];
 }
 
-static void check_columns(uint32_t n)
+static pupil_bloom_room room;
+static const float *row[ROWS];
+
+static void begin_rows(void)
 {
-    static pupil_bloom_sums sums;
-    const uint32_t end = up_to(n, 16);
-    const float *row[PUPIL_BLOOM_ROWS];
     begin();
-    for (int r = 0; r < PUPIL_BLOOM_ROWS; r++)
+    for (int r = 0; r < ROWS; r++)
         row[r] = rows[r];
-    for (int k = 0; k < 4; k++)
-        for (int i = 0; i < PUPIL_BLOOM_LINE; i++)
-            sums[k][i] = GUARD;
-    pupil_kernels_scalar.bloom_columns(row, &taps, n, sums);
-    for (int k = 0; k < 4; k++)
-        for (uint32_t i = 0; i < PUPIL_BLOOM_LINE; i++) {
-            float sum = 0.0f;
-            for (int r = 0; r < PUPIL_BLOOM_ROWS; r++)
-                sum += tap_at(r - 3, k) * rows[r][i];
-            CHECK_MSG(sums[k][i] == (i < end ? sum : GUARD), "columns of %u: sum %d at %u", n, k, i);
-        }
 }
 
-static void check_rows(uint32_t n, int add)
+static void check_scatter(uint32_t n, int with)
 {
-    static pupil_bloom_sums sums;
+    static float more[2 * ROOM];
     const uint32_t end = up_to(n, 16);
-    begin();
-    for (int k = 0; k < 4; k++)
-        memcpy(sums[k], rows[k], sizeof sums[k]);
-    for (uint32_t i = 0; i < end; i++)
-        to[i] = (float)(int)i;
-    pupil_kernels_scalar.bloom_rows((const float(*)[PUPIL_BLOOM_LINE])sums, n, to, add);
+    begin_rows();
+    for (int i = 0; i < 2 * ROOM; i++)
+        more[i] = (float)i;
+    pupil_kernels_scalar.bloom_scatter(row, 0, &taps, n, room, with ? more : NULL, to);
     for (uint32_t i = 0; i < end; i++) {
-        float sum = add ? (float)(int)i : 0.0f;
-        for (int k = -3; k <= 3; k++)
-            sum += sums[abs(k)][PUPIL_BLOOM_SIDE + (int)i + k];
-        CHECK_MSG(to[i] == sum, "rows of %u at %u: %g, expected %g", n, i, (double)to[i], (double)sum);
+        float sum = with ? more[i] : 0.0f;
+        for (int y = -3; y <= 3; y++)
+            for (int x = -3; x <= 3; x++)
+                sum += tap_at(y, x) * rows[3 + y][PUPIL_BLOOM_SIDE + (int)i + x];
+        CHECK_MSG(to[i] == sum, "scatter of %u at %u: %g, expected %g", n, i, (double)to[i], (double)sum);
     }
-    check_guard("rows", n, end);
+    check_guard("scatter", n, end);
 }
 
-static void check_halve_and_widen(uint32_t n)
+/* Of eight rows, in pixel i of a row. */
+static float down_at(size_t i)
 {
-    const float *from = rows[0] + 8, *odd = rows[1] + 8;
-    const uint32_t end = up_to(n, 8);
-    begin();
-    pupil_kernels_scalar.bloom_halve(from, odd, n, to);
+    const float pair[4] = {rows[3][i] + rows[4][i], rows[2][i] + rows[5][i], rows[1][i] + rows[6][i],
+                           rows[0][i] + rows[7][i]};
+    return eighth_of(pair);
+}
+
+static void check_halve(uint32_t n)
+{
+    const uint32_t end = up_to(n, 16);
+    begin_rows();
+    for (int r = 0; r < ROWS; r++) /* sums of 24 bits */
+        for (int i = 0; i < 2 * ROOM; i++)
+            rows[r][i] = (float)((int)rows[r][i] % 64);
+    pupil_kernels_scalar.bloom_halve(row, 0, n, room, to);
     for (uint32_t i = 0; i < end; i++) {
-        const float *e = from + i, *o = odd + i;
-        const float pair[4] = {e[0] + o[0], o[-1] + e[1], e[-1] + o[1], o[-2] + e[2]};
-        CHECK(512.0f * to[i] == eighth_of(pair));
+        const size_t at = PUPIL_BLOOM_SIDE + 2 * (size_t)i;
+        const float pair[4] = {down_at(at) + down_at(at + 1), down_at(at - 1) + down_at(at + 2),
+                               down_at(at - 2) + down_at(at + 3), down_at(at - 3) + down_at(at + 4)};
+        CHECK_MSG(512.0f * 512.0f * to[i] == eighth_of(pair), "halve of %u at %u", n, i);
     }
     check_guard("halve", n, end);
-    for (int add = 0; add < 2; add++) {
-        for (uint32_t i = 0; i < 2 * end; i++)
-            to[i] = (float)(int)i;
-        pupil_kernels_scalar.bloom_widen(from, n, to, add);
-        for (uint32_t i = 0; i < end; i++) {
-            const float *f = from + i, before[4] = {f[0], f[-1], f[1], f[-2]}, after[4] = {f[0], f[1], f[-1], f[2]};
-            const float was[2] = {add ? (float)(int)(2 * i) : 0.0f, add ? (float)(int)(2 * i + 1) : 0.0f};
-            CHECK(256.0f * (to[2 * i] - was[0]) == eighth_of(before));
-            CHECK(256.0f * (to[2 * i + 1] - was[1]) == eighth_of(after));
-        }
-        check_guard("widen", n, 2 * end);
+}
+
+/* Between four rows, in pixel i of a row. */
+static float up_at(size_t i)
+{
+    return 2 * rows[0][i] + 4 * rows[1][i] + rows[2][i] + 16 * rows[3][i];
+}
+
+static void check_widen(uint32_t n, int add)
+{
+    const float tap[4] = {0.25f, 0.5f, 0.125f, 2.0f};
+    const uint32_t end = up_to(n, 8);
+    begin_rows();
+    for (uint32_t i = 0; add && i < 2 * end; i++)
+        to[i] = (float)(int)i;
+    pupil_kernels_scalar.bloom_widen(row, tap, n, room, to, add);
+    for (uint32_t i = 0; i < end; i++) {
+        const size_t at = PUPIL_BLOOM_SIDE + (size_t)i;
+        const float here = up_at(at), left = up_at(at - 1), right = up_at(at + 1);
+        const float before[4] = {here, left, right, up_at(at - 2)}, after[4] = {here, right, left, up_at(at + 2)};
+        const float was[2] = {add ? (float)(int)(2 * i) : 0.0f, add ? (float)(int)(2 * i + 1) : 0.0f};
+        CHECK_MSG(2048.0f * (to[2 * i] - was[0]) == eighth_of(before), "widen of %u at %u", n, 2 * i);
+        CHECK_MSG(2048.0f * (to[2 * i + 1] - was[1]) == eighth_of(after), "widen of %u at %u", n, 2 * i + 1);
     }
+    check_guard("widen", n, 2 * end);
 }
 
 /* One channel of one pixel above a threshold, or none, or what has no part in it. */
@@ -223,11 +217,13 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     for (int k = 0; k < COUNTS; k++) {
-        check_down_and_up(counts[k]);
-        check_columns(counts[k]);
-        check_rows(counts[k], 0);
-        check_rows(counts[k], 1);
-        check_halve_and_widen(counts[k]);
+        check_scatter(counts[k], 0);
+        check_scatter(counts[k], 1);
+        check_halve(counts[k]);
+        check_widen(counts[k], 0);
+        check_widen(counts[k], 1);
+    }
+    for (int k = 0; k < BLOCKS; k++) {
         check_bright(counts[k]);
         check_lamps_of_pixels(counts[k]);
         check_lamps(counts[k]);

@@ -209,6 +209,26 @@ static void check_formats(void)
         }
 }
 
+/* Ordinary pixels, and a few that must be loaded again: their light is not what they are. */
+static void check_few_odd(void)
+{
+    static const double odd[][4] = {{-0.0, 1, 1, 1},   {1, -2, 1, 1},  {1, 1, NAN, 1},
+                                    {0x1p40, 1, 1, 1}, {1, 1, 1, 0.5}, {1, 1, 1, NAN}};
+    for (int i = 0; i < 24; i++) {
+        frame in = frame_make(200 + random_below(300), 20 + random_below(40), PUPIL_PIXEL_RGBA32F, 0, 0);
+        for (uint32_t at = 0; at < in.image.width * in.image.height; at++)
+            frame_set(&in, at % in.image.width, at / in.image.width, check_uniform(), check_uniform(),
+                      4 * check_uniform(), 1);
+        for (int k = 0; k < 3; k++) {
+            const double *v = odd[random_below(6)];
+            const uint32_t x = k ? random_below(in.image.width) : in.image.width - 1 - random_below(8);
+            frame_set(&in, x, random_below(in.image.height), v[0], v[1], v[2], v[3]);
+        }
+        check_same(&in, i % 2 ? PUPIL_PIXEL_RGBA8 : PUPIL_PIXEL_RGBA32F);
+        frame_free(&in);
+    }
+}
+
 /* One lamp: most rows have no light to scatter. */
 static void check_dark(void)
 {
@@ -336,9 +356,9 @@ static void draw_few(pupil_bloom *bloom, const frame *in, frame *to)
 }
 
 /* What a frame leaves in the object is not in the next one's picture: lamps elsewhere, none, and lamps again. */
-static void check_next_frame(uint32_t pixel, uint32_t first_lobe)
+static void check_next_frame(uint32_t pixel, double threshold, uint32_t first_lobe)
 {
-    const pupil_bloom_config config = few_config(0.5, first_lobe);
+    const pupil_bloom_config config = few_config(threshold, first_lobe);
     pupil_bloom *kept = make(&config);
     for (int i = 0; i < 6; i++) {
         frame in = frame_make(FEW_WIDTH, FEW_HEIGHT, pixel, 0, 0);
@@ -350,7 +370,7 @@ static void check_next_frame(uint32_t pixel, uint32_t first_lobe)
         draw_few(kept, &in, &a);
         pupil_bloom *fresh = make(&config);
         draw_few(fresh, &in, &b);
-        CHECK_MSG(frame_equal(&a, &b), "frame %d of format %u", i, pixel);
+        CHECK_MSG(frame_equal(&a, &b), "frame %d of format %u, above %g", i, pixel, threshold);
         free(fresh);
         frame_free(&in);
         frame_free(&a);
@@ -461,10 +481,13 @@ int main(int argc, char **argv)
     check_lobes();
     check_even();
     check_formats();
+    check_few_odd();
     check_dark();
-    check_next_frame(PUPIL_PIXEL_RGBA32F, 0);
-    check_next_frame(PUPIL_PIXEL_RGB16F, FEW_NARROW);
-    check_next_frame(PUPIL_PIXEL_RGBA32F, FEW_NARROWEST);
+    for (int above = 0; above < 2; above++) {
+        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, 0);
+        check_next_frame(PUPIL_PIXEL_RGB16F, 0.5 * above, FEW_NARROW);
+        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, FEW_NARROWEST);
+    }
     check_skipped(0);
     check_skipped(FEW_NARROW);
     check_skipped(FEW_NARROWEST);

@@ -115,6 +115,14 @@ static inline __m512 emulated_shuffle_f32x4(__m512 a, __m512 b, int order)
 }
 #define _mm512_shuffle_f32x4 emulated_shuffle_f32x4
 
+static inline __m512i emulated_alignr_epi32(__m512i b, __m512i a, int n)
+{
+    APART(int32_t, low, a);
+    APART(int32_t, high, b);
+    EMULATED(__m512i, int32_t, i + n < 16 ? low[i + n] : high[i + n - 16]);
+}
+#define _mm512_alignr_epi32 emulated_alignr_epi32
+
 static inline __mmask16 emulated_cmplt_epu32_mask(__m512i a, __m512i b)
 {
     APART(uint32_t, x, a);
