@@ -95,7 +95,7 @@ static void check_halve(uint32_t n)
     for (int r = 0; r < ROWS; r++) /* sums of 24 bits */
         for (int i = 0; i < 2 * ROOM; i++)
             rows[r][i] = (float)((int)rows[r][i] % 64);
-    pupil_kernels_scalar.bloom_halve(row, 0, n, room, to);
+    pupil_kernels_scalar.bloom_halve(row, n % 2 ? ROOM : 0, n, room, to);
     for (uint32_t i = 0; i < end; i++) {
         const size_t at = PUPIL_BLOOM_SIDE + 2 * (size_t)i;
         const float pair[4] = {down_at(at) + down_at(at + 1), down_at(at - 1) + down_at(at + 2),

@@ -69,7 +69,7 @@ static inline void pupil_bloom_config_default(pupil_bloom_config *config)
  * field and what would be right. */
 PUPIL_API int pupil_bloom_config_check(const pupil_bloom_config *config, const char **why);
 
-/* What an object for it takes: about 9 bytes a pixel. 0: pupil_bloom_config_check refuses it. */
+/* What an object for it takes: about 5 bytes a pixel, 10 with a threshold. 0: pupil_bloom_config_check refuses it. */
 PUPIL_API size_t pupil_bloom_bytes(const pupil_bloom_config *config);
 
 /* Makes an object out of any `bytes` bytes. PUPIL_ERR_CONFIG: see pupil_bloom_config_check. PUPIL_ERR_VALUE: fewer
