@@ -53,8 +53,10 @@ static int is_one_level(const sensor_black *b, const sensor_evidence *v, double 
 void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
 {
     sensor_black *b = &o->black;
+    const int is_still = pupil_sensor_unrest(&o->estimate) < SENSOR_STRAIGHT * size_of(ev);
     const int is_clear = o->config.linear && b->wrong < 2 && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
-                         size_of(ev) >= SENSOR_BLACK_STEP_EV && v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
+                         is_still && size_of(ev) >= SENSOR_BLACK_STEP_EV &&
+                         v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
     double value[SENSOR_RANKS];
     if (!is_clear)
         return;

@@ -453,10 +453,28 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
     }
 }
 
+/* The control was asked for about one thing only, for longer than any delay. */
+static int is_idle(const sensor_estimate *a, int control)
+{
+    for (uint32_t h = 1; h <= SENSOR_DELAYS; h++)
+        if (size_of(a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][control] - a->requested[control]) >
+            SENSOR_SAME_EV)
+            return 0;
+    return 1;
+}
+
+int pupil_sensor_is_waited_for(const sensor_estimate *a, int control)
+{
+    return !a->delay[SENSOR_CONTROLS - 1 - control] || !is_idle(a, control);
+}
+
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
 {
+    const sensor_estimate *a = &o->estimate;
+    const uint32_t alive =
+        (pupil_sensor_is_waited_for(a, 0) ? a->alive[0] : 0) | (pupil_sensor_is_waited_for(a, 1) ? a->alive[1] : 0);
     for (uint32_t h = SENSOR_GUESSES - 1; h > 0; h--)
-        if ((o->estimate.alive[0] | o->estimate.alive[1]) >> h & 1)
+        if (alive >> h & 1)
             return h;
     return o->config.delay_frames;
 }

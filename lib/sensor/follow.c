@@ -69,7 +69,7 @@ static void report_total(pupil_sensor_object *o)
 }
 
 /* Another frame: what was seen gets older, and another light makes some of it worthless. */
-static void count_frame(pupil_sensor_object *o)
+void pupil_sensor_count_frame(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
@@ -156,7 +156,6 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
 void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
-    count_frame(o);
     pupil_sensor_answer_frame(o, v);
     if (pupil_sensor_is_in_force(o) || (s->is_searching && !pupil_sensor_is_on_its_way(o)))
         pupil_sensor_remember(o);
@@ -168,10 +167,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
         pupil_sensor_search_on(o, need);
         s->total = s->set + (s->is_searching ? 0.0 : need - left);
-        /* the plan waits for steps; a search or an exchange of more than two goes on from what is wanted now: in the
-         * next frame */
-        const int is_old = o->plan.waited_frames > 2 * pupil_sensor_wait_frames(o);
-        if (!is_old && is_due(o, need, left))
+        if (is_due(o, need, left))
             choose(o, v, need, left);
     }
     o->estimate.is_searching = s->is_searching;

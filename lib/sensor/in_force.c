@@ -13,7 +13,7 @@ static uint32_t shortest_delay(const sensor_estimate *a)
     uint32_t shortest = 0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         uint32_t delay = 0;
-        while (delay < SENSOR_DELAYS && !(a->alive[c] >> delay & 1))
+        while (pupil_sensor_is_waited_for(a, c) && delay < SENSOR_DELAYS && !(a->alive[c] >> delay & 1))
             delay++;
         shortest = delay > shortest ? delay : shortest;
     }

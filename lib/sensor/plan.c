@@ -147,20 +147,11 @@ static int is_flash(pupil_sensor_object *o, double off)
     return !p->is_looking && p->far_frames <= o->config.flash_frames;
 }
 
-/* The control was asked for about one thing only, for longer than any delay. */
-static int is_idle(const sensor_estimate *a, int control)
-{
-    for (uint32_t h = 1; h <= SENSOR_DELAYS; h++)
-        if (size_of(a->asked[(a->frame + SENSOR_RING - h) % SENSOR_RING][control] - a->requested[control]) >
-            SENSOR_SAME_EV)
-            return 0;
-    return 1;
-}
-
 /* The delays are known, or that of the only control that moves: what is in force in a frame is not in doubt. */
 static int is_timed(const sensor_estimate *a)
 {
-    return a->is_borne_out || (a->delay[0] && (a->delay[1] || is_idle(a, 1))) || (a->delay[1] && is_idle(a, 0));
+    return a->is_borne_out ||
+           ((a->delay[0] || !pupil_sensor_is_waited_for(a, 0)) && (a->delay[1] || !pupil_sensor_is_waited_for(a, 1)));
 }
 
 /* The largest share of the way that may be gone in a frame. */
@@ -218,7 +209,7 @@ static void await_change(pupil_sensor_object *o, const sensor_evidence *v, doubl
     const uint32_t gap = pupil_sensor_is_on_its_way(o) ? 0 : o->estimate.gap;
     p->wanted = has_come ? a->with : a->without;
     p->slow = PUPIL_SENSOR_ANNOUNCED;
-    p->far_frames = p->waited_frames = 0;
+    p->far_frames = 0;
     a->seen = has_come ? a->seen + gap : 0;
     a->frames = a->seen > o->config.flash_frames || a->frames <= gap ? 0 : a->frames - gap;
     o->setting.filter_ev = o->day_night.filter_ev + (has_come ? a->filter_ev : 0.0);
@@ -252,7 +243,6 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
     p->far_frames = is_off ? p->far_frames : 0;
     const int is_far = p->is_looking ? is_off : size_of(off) > SENSOR_FAR_TIMES * c->far_ev;
     const int is_waiting = pupil_sensor_is_pending(o) && (is_far || !o->search.is_searching);
-    p->waited_frames = is_waiting ? p->waited_frames + o->estimate.gap : 0;
     if ((is_far && is_new) || is_waiting) {
         p->slow = is_far && is_new ? PUPIL_SENSOR_FLASH : PUPIL_SENSOR_WAITING;
         return;

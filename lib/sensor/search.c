@@ -106,7 +106,9 @@ double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
  * setting goes to the limit. */
 static int is_near(const pupil_sensor_object *o, double need)
 {
-    return size_of(need) <= SENSOR_OFF_EV + pupil_sensor_doubt_ev(o) && o->plan.beyond == 0.0;
+    const double doubted_ev = SENSOR_OFF_EV + pupil_sensor_doubt_ev(o);
+    const double most_ev = doubted_ev > SENSOR_MISMATCH_EV ? doubted_ev : SENSOR_MISMATCH_EV;
+    return size_of(need) <= most_ev && o->plan.beyond == 0.0;
 }
 
 /* The search ends at a setting that lacks so much: this total. */
@@ -249,7 +251,9 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     const double other_light = size_of(o->plan.wanted - s->rest_wanted);
     /* highlights may say something else at each of two settings: the nearer one stays */
     const double other_ev = SENSOR_OFF_EV + (size_of(need) <= 0.5 * s->step_ev ? pupil_sensor_doubt_ev(o) : 0.0);
-    s->is_resting &= other_light <= other_ev && size_of(need) <= s->rest_ev + SENSOR_WRONG_EV && o->plan.beyond == 0.0;
+    /* a search that ended within the promise goes on beyond it */
+    const double rest_ev = SENSOR_WRONG_EV + (s->rest_ev > SENSOR_WRONG_EV ? s->rest_ev : 0.0);
+    s->is_resting &= other_light <= other_ev && size_of(need) <= rest_ev && o->plan.beyond == 0.0;
     s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
     if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;

@@ -184,6 +184,7 @@ static void take_frame(pupil_sensor_object *o, sensor_evidence *v, const pupil_f
     } else {
         find_flicker(o, v);
         s->frames++;
+        pupil_sensor_count_frame(o);
         pupil_sensor_plan_frame(o, v);
         pupil_sensor_follow(o, v);
     }

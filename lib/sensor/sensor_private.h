@@ -128,11 +128,10 @@ typedef struct sensor_plan {
     double far_ev;       /* the least that the last far frames were off by */
     double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
                                                   * how much its highlights were above the mean */
-    double brighter;        /* the scene has become since then, at most, by the quantiles that are not clipped */
-    uint32_t far_frames;    /* in a row that are far off on one side */
-    uint32_t waited_frames; /* in a row, for a step */
-    uint32_t near_frames;   /* since the last step from far, at most a little over SENSOR_HIGHLIGHT_FRAMES */
-    uint32_t is_looking;    /* what is known is a guess: the next frame counts at once */
+    double brighter;      /* the scene has become since then, at most, by the quantiles that are not clipped */
+    uint32_t far_frames;  /* in a row that are far off on one side */
+    uint32_t near_frames; /* since the last step from far, at most a little over SENSOR_HIGHLIGHT_FRAMES */
+    uint32_t is_looking;  /* what is known is a guess: the next frame counts at once */
     uint32_t is_guess;
     uint32_t slow; /* a pupil_sensor_reason for not moving */
 } sensor_plan;
@@ -272,7 +271,9 @@ double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SE
 double pupil_sensor_unrest(const sensor_estimate *estimate);
 /* A step went too far: no control does less than it should. */
 void pupil_sensor_overshot(sensor_estimate *estimate);
-/* The longest delay that is not ruled out. */
+/* Its delay counts: not that of a control that stayed for longer than any, where the other one's is known. */
+int pupil_sensor_is_waited_for(const sensor_estimate *estimate, int control);
+/* The longest delay that is not ruled out, of controls that are waited for. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
 /* What a step of the setting did: `expected` and `seen`, stops. */
 void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CONTROLS], double expected, double seen);
@@ -335,6 +336,7 @@ int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *object, double t
                                      double *exposure_s, double *gain);
 
 /* follow.c */
+void pupil_sensor_count_frame(pupil_sensor_object *object); /* before all else that asks whether a step is in force */
 void pupil_sensor_follow(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_begin(pupil_sensor_object *object, double total);
 /* Asks for the setting with this effect, which is not judged: there is no frame that says so. */
