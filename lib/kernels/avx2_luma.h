@@ -55,10 +55,6 @@ INLINE uint32_t w_least(v_words a)
     const __m128i eight = _mm_min_epu16(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
     return (uint32_t)_mm_cvtsi128_si32(_mm_minpos_epu16(eight)) & 0xffff;
 }
-INLINE uint32_t w_most(v_words a)
-{
-    return 0xffff - w_least(_mm256_xor_si256(a, w_all(-1)));
-}
 INLINE v_bytes b_all(uint32_t x)
 {
     return _mm256_set1_epi8((char)x);

@@ -64,10 +64,6 @@ INLINE uint32_t w_least(v_words a)
 {
     return (uint32_t)_mm_cvtsi128_si32(_mm_minpos_epu16(least_of_4(a))) & 0xffff;
 }
-INLINE uint32_t w_most(v_words a)
-{
-    return 0xffff - w_least(_mm512_xor_si512(a, w_all(-1)));
-}
 INLINE v_bytes b_all(uint32_t x)
 {
     return _mm512_set1_epi8((char)x);

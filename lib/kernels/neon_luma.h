@@ -53,7 +53,6 @@ INLINE v_words w_all(int x)
 /* the words of numbers up to 32767 */
 #define w_of_ints(a, b) OF_UNSIGNED(vuzp1q_u16(vreinterpretq_u16_u32(a), vreinterpretq_u16_u32(b)))
 #define w_least(a)      ((uint32_t)vminvq_u16(UNSIGNED(a)))
-#define w_most(a)       ((uint32_t)vmaxvq_u16(UNSIGNED(a)))
 #define b_all(x)        vdupq_n_u8((uint8_t)(x))
 /* how many bytes are the same, over up to 16 vectors */
 typedef uint8x16_t matches;

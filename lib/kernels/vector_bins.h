@@ -111,10 +111,15 @@ INLINE void count_by_pixels(const uint16_t *word, uint32_t n, uint32_t first, ui
 
 enum { MOST_TURNS = 6 };
 
+INLINE uint32_t most_of(v_words a)
+{
+    return 0xffff - w_least(w_xor(a, w_all(-1)));
+}
+
 /* `first` is in bin 0 of `bins`. */
 INLINE void count_bins(word_bins *of, uint32_t n, uint32_t first, uint32_t bins, uint32_t weight, uint64_t *bin)
 {
-    const uint32_t lowest = w_least(of->least), turns = (w_most(of->most) - lowest) / IN_TURN + 1;
+    const uint32_t lowest = w_least(of->least), turns = (most_of(of->most) - lowest) / IN_TURN + 1;
     if (turns <= MOST_TURNS) {
         const uint32_t span = turns * IN_TURN, last = first + bins - span, least = lowest < last ? lowest : last;
         for (uint32_t i = n; i % IN_PIECE; i++)

@@ -53,10 +53,6 @@ INLINE uint32_t w_least(v_words a)
     a = wasm_u16x8_min(a, wasm_i32x4_shuffle(a, a, 1, 0, 3, 2));
     return wasm_u16x8_extract_lane(wasm_u16x8_min(a, wasm_u32x4_shr(a, 16)), 0);
 }
-INLINE uint32_t w_most(v_words a)
-{
-    return 0xffff - w_least(wasm_v128_not(a));
-}
 #define b_all(x) wasm_i8x16_splat((int8_t)(x))
 /* how many bytes are the same, over several vectors */
 typedef uint32_t matches;
