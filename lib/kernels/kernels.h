@@ -215,8 +215,10 @@ typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_channe
                                     const pupil_channels *picture, uint32_t n, uint32_t weight, pupil_stats *stats);
 /* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
 typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
-/* Of what scale leaves: nothing negative, no NaN. */
-typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
+/* Of what scale leaves: nothing negative, no NaN. `source`: NULL, or the pixels of 16 bytes that became these: while
+ * codes are made the next ones are fetched into the cache, half of their lines; scale has asked for the others. */
+typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder,
+                                const void *source, void *target);
 /* Writes the fourth byte of RGBA8 pixels. */
 typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
 /* The same from 0 to 1; and these to the pixels of a format with float or half alpha. */

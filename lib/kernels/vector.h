@@ -30,11 +30,11 @@
 #define FOR_EACH_WAY(k) _Pragma("GCC unroll 4") for (int k = 0; k < WAYS; k++)
 #endif
 
-/* The lines of memory that are `ahead` of `bytes` from p on, be they read or written. What is there does not matter: as
- * a rule it is the same row, or the next one. */
-INLINE void fetch(const void *p, size_t bytes, size_t ahead)
+/* The lines of memory that are `ahead` of `bytes` from p on, one of each `step` bytes, be they read or written. What is
+ * there does not matter: as a rule it is the same row, or the next one. */
+INLINE void fetch(const void *p, size_t bytes, size_t ahead, size_t step)
 {
-    for (size_t line = 0; FETCH_AHEAD_BYTES && line < bytes; line += 64)
+    for (size_t line = 0; FETCH_AHEAD_BYTES && line < bytes; line += step)
         __builtin_prefetch((const void *)((uintptr_t)p + ahead + line));
 }
 

@@ -132,6 +132,13 @@ static void settle(pixel_bits *bits, uint32_t n, const float *first, const float
     }
 }
 
+/* Those that scale_groups does not ask for. */
+INLINE void fetch_second_lines(const uint8_t *source, size_t i)
+{
+    if (source)
+        fetch(source + 16 * i, 16 * WIDTH, FETCH_AHEAD_BYTES + 64, 128);
+}
+
 /* Whose guesses are not all certain. */
 INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
 {
@@ -145,7 +152,7 @@ INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, 
 /* Whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
  * samples are in few vectors, side by side: a branch is cheaper than the toe for all. */
 INLINE uint32_t store_srgb(const float *first, const float *second, const float *third, uint32_t n,
-                           const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+                           const pupil_encoder *e, const uint8_t *source, uint8_t *target, uint32_t bytes)
 {
     const srgb_constants c = srgb_constants_of();
     const floats most = v_all(0x1.fffffep-1f);
@@ -157,7 +164,8 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
         const floats x[3] = {v_min(most, v_load(first + i)), v_min(most, v_load(second + i)),
                              v_min(most, v_load(third + i))};
         uint8_t *at = target + i * bytes;
-        fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes);
+        fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes, 64);
+        fetch_second_lines(source, i);
         const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
         const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)
                                                                            : store_guesses(x, &c, 1, at, bytes);
@@ -170,22 +178,23 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
 }
 
 INLINE uint32_t store_by_cells(const float *first, const float *second, const float *third, uint32_t n,
-                               const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+                               const pupil_encoder *e, const uint8_t *source, uint8_t *target, uint32_t bytes)
 {
     const uint32_t slack = bytes == 3 ? 2 : 0;
     uint32_t i = 0;
     for (; i + WIDTH + slack <= n; i += WIDTH) {
         const ints x = code_of_cell(v_load(first + i), e), y = code_of_cell(v_load(second + i), e);
         const ints z = code_of_cell(v_load(third + i), e);
+        fetch_second_lines(source, i);
         store_pixels(pixel_of(x, v_or(y, v_all_ints(0xff000000u)), z), target + (size_t)i * bytes, bytes);
     }
     return i;
 }
 
 INLINE void store_vectors(const float *first, const float *second, const float *third, uint32_t n,
-                          const pupil_encoder *e, uint8_t *target, uint32_t bytes)
+                          const pupil_encoder *e, const void *source, uint8_t *target, uint32_t bytes)
 {
-    uint32_t i = e->transfer == PUPIL_TRANSFER_SRGB ? store_srgb(first, second, third, n, e, target, bytes)
-                                                    : store_by_cells(first, second, third, n, e, target, bytes);
+    uint32_t i = e->transfer == PUPIL_TRANSFER_SRGB ? store_srgb(first, second, third, n, e, source, target, bytes)
+                                                    : store_by_cells(first, second, third, n, e, source, target, bytes);
     store_rest(first, second, third, i, n, e, target, bytes);
 }
