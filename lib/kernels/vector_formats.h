@@ -106,10 +106,13 @@ INLINE ints scale_ordinary(const format *f, const uint8_t *source, const meter_c
 }
 
 /* Of memory that follows these pixels; planes are in a cache already. */
-INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels, size_t step)
+INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels, int second_lines)
 {
-    if (!f->rest)
-        fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES, step);
+    if (f->rest)
+        return;
+    fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES, 128);
+    if (second_lines)
+        fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES + 64, 128);
 }
 
 INLINE ints top_bits(const format *f, ints top)
@@ -214,7 +217,7 @@ INLINE size_t meter_ordinary(const format *f, const meter_constants *c, const ui
     lanes s = lanes_of(run);
     for (; i + 4 * PUPIL_LANES <= n; i += 4 * PUPIL_LANES) {
         extremes e = {v_all_ints(0), v_all(PUPIL_CEILING)};
-        fetch_ahead(f, source + i * f->bytes, 4 * PUPIL_LANES, 64);
+        fetch_ahead(f, source + i * f->bytes, 4 * PUPIL_LANES, 1);
         FOR_FOUR(j)
         sum_ordinary(f, source + (i + (size_t)j * PUPIL_LANES) * f->bytes, c, &s, &e);
         e.top = top_bits(f, e.top);
@@ -300,7 +303,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     scaled_block to; /* not cleared as a whole, which would take as long as a group */
     /* A block of RGBA float asked for at once has to be waited for, and while its codes are made memory would do
      * nothing: there the store asks for every second line. */
-    const size_t step = f->bytes == 16 && pupil_pixel_bytes(job->out_pixel) <= 4 ? 128 : 64;
+    const int second_lines = f->bytes < 16 || pupil_pixel_bytes(job->out_pixel) > 4;
     uint64_t any = 0;
     size_t i = 0, done = 0; /* by `hard` */
     to.over.any = 0;
@@ -308,7 +311,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     to.keep = keep;
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
         mask beyond[WAYS];
-        fetch_ahead(f, source + i * f->bytes, PUPIL_LANES, step);
+        fetch_ahead(f, source + i * f->bytes, PUPIL_LANES, second_lines);
         if (__builtin_expect(i < done, 0))
             continue;
         const ints top = top_bits(
