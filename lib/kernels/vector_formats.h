@@ -106,12 +106,12 @@ INLINE ints scale_ordinary(const format *f, const uint8_t *source, const meter_c
 }
 
 /* Of memory that follows these pixels; planes are in a cache already. */
-INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels, int second_lines)
+INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels, int all_lines)
 {
     if (f->rest)
         return;
     fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES, 128);
-    if (second_lines)
+    if (all_lines)
         fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES + 64, 128);
 }
 
@@ -303,7 +303,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     scaled_block to; /* not cleared as a whole, which would take as long as a group */
     /* A block of RGBA float asked for at once has to be waited for, and while its codes are made memory would do
      * nothing: there the store asks for every second line. */
-    const int second_lines = f->bytes < 16 || pupil_pixel_bytes(job->out_pixel) > 4;
+    const int all_lines = f->bytes < 16 || pupil_pixel_bytes(job->out_pixel) > 4;
     uint64_t any = 0;
     size_t i = 0, done = 0; /* by `hard` */
     to.over.any = 0;
@@ -311,7 +311,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     to.keep = keep;
     for (; i + PUPIL_LANES <= n; i += PUPIL_LANES) {
         mask beyond[WAYS];
-        fetch_ahead(f, source + i * f->bytes, PUPIL_LANES, second_lines);
+        fetch_ahead(f, source + i * f->bytes, PUPIL_LANES, all_lines);
         if (__builtin_expect(i < done, 0))
             continue;
         const ints top = top_bits(
