@@ -45,7 +45,7 @@ for image in "$shared"/*.exr "$shared"/*.hdr; do
     judge "$(basename "$image")" 0 "$image"
 done
 for panorama in adams_place_bridge_1k.hdr dikhololo_night_1k.hdr spruit_sunrise_4k.exr; do
-    judge "pan:$panorama" 0 "pan:$shared/$panorama,duration=60" --size 160x90 --fps 10
+    judge "pan:$panorama" 0 "pan:$shared/$panorama,duration=60" --size 160x90 --fps 4
 done
 mkdir "$room/roof" && tar -xf "$shared/roof_hdr10_640x360_28f.tar" -C "$room/roof" --strip-components=1
 judge "roof_hdr10 (28 frames)" 0 "$room/roof"
