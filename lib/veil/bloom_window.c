@@ -54,13 +54,14 @@ static uint32_t units_in_reach(const bloom_window *w)
     return (units | units >> 8) & ((1u << (w->n + BLOOM_UNIT - 1) / BLOOM_UNIT) - 1);
 }
 
-/* Whether the octaves give something to rows y to end_row of a block. */
+/* Whether the octaves give something to rows y to end_row of a block. Without any lamp solve leaves a frame before in
+ * them. */
 static int octaves_reach(const bloom_object *o, int32_t y, int32_t end_row, uint32_t x, uint32_t n)
 {
     const uint32_t first = (x / 2 + BLOOM_MARGIN - 2) / BLOOM_UNIT;
     const uint32_t end = (x / 2 + (n + 1) / 2 + BLOOM_MARGIN + 1) / BLOOM_UNIT + 1;
     const int32_t above = y / 2 - (y & 1 ? 1 : 2), last = (end_row - 1) / 2 + (end_row & 1 ? 1 : 2);
-    return o->octaves > 1 && pupil_bloom_any(o, 1, o->octave[1].reached, above, last + 1 - above, first, end);
+    return o->lit && o->octaves > 1 && pupil_bloom_any(o, 1, o->octave[1].reached, above, last + 1 - above, first, end);
 }
 
 int pupil_bloom_reaches(const bloom_object *o, uint32_t y, uint32_t end_row, uint32_t x, uint32_t n)

@@ -345,18 +345,29 @@ static pupil_bloom_config few_config(double threshold, uint32_t first)
     return config;
 }
 
-static void draw_few(pupil_bloom *bloom, const frame *in, frame *to)
+static void draw_few(pupil_bloom *bloom, const pupil_veil *with, const frame *in, frame *to)
 {
     const pupil_image out = frame_writable(to);
     pupil_t pupil;
     start(&pupil, 0);
     CHECK(pupil_bloom_gather_rows(bloom, &pupil, &in->image, 0, FEW_HEIGHT, &scratch) == PUPIL_OK);
     CHECK(pupil_bloom_solve(bloom, &pupil) == PUPIL_OK);
-    CHECK(pupil_bloom_map_rows(bloom, NULL, &pupil, &as_it_is, &in->image, &out, &scratch) == PUPIL_OK);
+    CHECK(pupil_bloom_map_rows(bloom, with, &pupil, &as_it_is, &in->image, &out, &scratch) == PUPIL_OK);
+}
+
+/* A veil of no light, with which no row is mapped as without bloom. */
+static const pupil_veil *few_veil(void)
+{
+    pupil_veil_config config;
+    pupil_veil_config_default(&config);
+    config.width = FEW_WIDTH;
+    config.height = FEW_HEIGHT;
+    CHECK(pupil_veil_init(&veil, &config) == PUPIL_OK);
+    return &veil;
 }
 
 /* What a frame leaves in the object is not in the next one's picture: lamps elsewhere, none, and lamps again. */
-static void check_next_frame(uint32_t pixel, double threshold, uint32_t first_lobe)
+static void check_next_frame(uint32_t pixel, double threshold, uint32_t first_lobe, const pupil_veil *with)
 {
     const pupil_bloom_config config = few_config(threshold, first_lobe);
     pupil_bloom *kept = make(&config);
@@ -367,10 +378,11 @@ static void check_next_frame(uint32_t pixel, double threshold, uint32_t first_lo
         frame_fill(&in, 0.25, 0.125, 0.5);
         for (int k = 0; k < (i == 2 ? 0 : FEW_LAMPS); k++)
             frame_set(&in, random_below(FEW_WIDTH), random_below(FEW_HEIGHT), 1000, 500, 250, 1);
-        draw_few(kept, &in, &a);
+        draw_few(kept, with, &in, &a);
         pupil_bloom *fresh = make(&config);
-        draw_few(fresh, &in, &b);
-        CHECK_MSG(frame_equal(&a, &b), "frame %d of format %u, above %g", i, pixel, threshold);
+        draw_few(fresh, with, &in, &b);
+        CHECK_MSG(frame_equal(&a, &b), "frame %d of format %u, above %g%s", i, pixel, threshold,
+                  with ? ", with a veil" : "");
         free(fresh);
         frame_free(&in);
         frame_free(&a);
@@ -397,8 +409,8 @@ static void check_skipped(uint32_t first_lobe)
         frame_set(&in, x, y, 1000, 500, 250, 1);
         frame_set(&above, x, y, 1000 * share, 500 * share, 250 * share, 1);
     }
-    draw_few(bright, &in, &a);
-    draw_few(all, &above, &b);
+    draw_few(bright, NULL, &in, &a);
+    draw_few(all, NULL, &above, &b);
     const float *from = in.image.data, *lit = above.image.data, *ours = a.image.data, *theirs = b.image.data;
     double most = 0;
     for (size_t i = 0; i < (size_t)FEW_WIDTH * FEW_HEIGHT * 4; i++) {
@@ -484,9 +496,10 @@ int main(int argc, char **argv)
     check_few_odd();
     check_dark();
     for (int above = 0; above < 2; above++) {
-        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, 0);
-        check_next_frame(PUPIL_PIXEL_RGB16F, 0.5 * above, FEW_NARROW);
-        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, FEW_NARROWEST);
+        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, 0, NULL);
+        check_next_frame(PUPIL_PIXEL_RGB16F, 0.5 * above, FEW_NARROW, NULL);
+        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, FEW_NARROWEST, NULL);
+        check_next_frame(PUPIL_PIXEL_RGBA32F, 0.5 * above, 0, few_veil());
     }
     check_skipped(0);
     check_skipped(FEW_NARROW);
