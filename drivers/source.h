@@ -62,7 +62,7 @@ typedef struct pupil_source_options {
     uint64_t seed;       /* of sources that draw random numbers (pan); 0: the default seed */
     unsigned threads;    /* of sources that compute their frames (synth); 0: one for each processor */
     int as_stored;       /* of video and JPEG: not turned upright */
-    uint64_t max_pixels; /* of stills and video: frames of more are refused; 0: still.h */
+    uint64_t max_pixels; /* frames of more are refused, but those of cameras; 0: of stills still.h has it */
     int (*stop)(void);   /* asked during long work, which is given up where it says so; NULL: never */
 } pupil_source_options;
 

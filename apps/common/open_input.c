@@ -45,7 +45,7 @@ int open_input(const char *const *inputs, size_t count, const pupil_source_optio
             return pupil_synth_source_open(inputs[i] + sizeof SYNTH - 1, options, source, why);
         if (*kind == 'f')
             return pupil_raw_source_open(inputs[i] + sizeof RAW - 1, options, source, why);
-        return pupil_recording_open(inputs[i], source, why);
+        return pupil_recording_open(inputs[i], options, source, why);
     }
     return pupil_file_source_open(inputs, count, options, source, why);
 }

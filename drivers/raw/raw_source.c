@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "file/still/natural_order.h"
+#include "max_pixels.h"
 #include "refuse.h"
 
 #define DEFAULT_FPS 30.0
@@ -183,10 +184,11 @@ static int check_colour(raw_source *r, pupil_why *why)
                         r->layout.file, r->layout.format, reason ? reason + 2 : words.text);
 }
 
-static int prepare(raw_source *r, const char *text, pupil_why *why)
+static int prepare(raw_source *r, const char *text, const pupil_source_options *options, pupil_why *why)
 {
     pupil_image_const image;
-    if (pupil_raw_layout_read(&r->layout, text, why))
+    if (pupil_raw_layout_read(&r->layout, text, why) ||
+        pupil_check_max_pixels(options, r->layout.width, r->layout.height, "raw:", r->layout.file, why))
         return -1;
     r->frame_bytes = pupil_raw_layout_image(&r->layout, NULL, &image);
     r->bytes = malloc(r->frame_bytes);
@@ -207,7 +209,7 @@ int pupil_raw_source_open(const char *text, const pupil_source_options *options,
     r->base.ops = &raw_ops;
     r->base.obeys = PUPIL_SOURCE_FPS;
     r->base.fps = options && options->fps > 0 ? options->fps : DEFAULT_FPS;
-    if (prepare(r, text, why)) {
+    if (prepare(r, text, options, why)) {
         raw_close(&r->base);
         return PUPIL_SOURCE_FAILED;
     }

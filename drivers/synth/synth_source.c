@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "max_pixels.h"
 #include "recipe.h"
 #include "refuse.h"
 #include "scene.h"
@@ -81,6 +82,8 @@ static int begin(synth_source *s, const char *recipe, const pupil_source_options
     if (fixture_scene_load(&s->scene, recipe, &o, why))
         return -1;
     s->facts = fixture_scene_facts_of(s->scene);
+    if (pupil_check_max_pixels(options, s->facts.width, s->facts.height, "synth:", recipe, why))
+        return -1;
     s->next = options->first;
     uint64_t frames = options->frames                    ? options->frames
                       : s->facts.frames > options->first ? s->facts.frames - options->first

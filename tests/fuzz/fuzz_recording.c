@@ -132,7 +132,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
         bytes += of_file + (end != NULL);
         size -= of_file + (end != NULL);
     }
-    if (pupil_recording_open(folder, &source, &why) == 0) {
+    if (pupil_recording_open(folder, NULL, &source, &why) == 0) {
         read_frames(source);
         pupil_source_close(source);
     } else if (!*why.text)

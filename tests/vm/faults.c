@@ -59,7 +59,7 @@ static void check_recording(const play *p, const char *folder)
 {
     pupil_source *source = NULL;
     uint64_t n = 0;
-    const int failed = pupil_recording_open(folder, &source, &why);
+    const int failed = pupil_recording_open(folder, NULL, &source, &why);
     CHECK_MSG(!failed, "%s: %s", p->name, why.text);
     for (pupil_frame frame; !failed && pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME; n++) {
         CHECK_MSG(n < p->got && digest(&frame.image) == p->hash[n], "%s: frame %llu of the recording is another one",

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "max_pixels.h"
 #include "pan_path.h"
 #include "refuse.h"
 
@@ -156,7 +157,7 @@ static int plan_size(pan_source *s, const pupil_source_options *options, pupil_w
         s->height = options && options->height ? options->height : 360;
     }
     if (s->width <= PUPIL_MAX_SIDE_PX && s->height <= PUPIL_MAX_SIDE_PX)
-        return 0;
+        return pupil_check_max_pixels(options, s->width, s->height, PUPIL_PAN_PREFIX, s->file, why);
     return pupil_refuse(why, "%s: frames of %u x %u pixels; 1 to %u a side can be made", s->file, s->width, s->height,
                         PUPIL_MAX_SIDE_PX);
 }

@@ -48,6 +48,7 @@ int pupil_recorder_close(pupil_recorder *recorder, pupil_why *why);
 /* 1: the folder is a recording (it has a recording.json). */
 int pupil_is_recording(const char *folder);
 /* Its frames, with their infos, bit for bit; a recording that was cut off ends with its last whole frame. */
-int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *why);
+int pupil_recording_open(const char *folder, const pupil_source_options *options, pupil_source **source,
+                         pupil_why *why);
 
 #endif

@@ -37,8 +37,9 @@ int pupil_recorder_close(pupil_recorder *recorder, pupil_why *why)
     return 0;
 }
 
-int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *why)
+int pupil_recording_open(const char *folder, const pupil_source_options *options, pupil_source **source, pupil_why *why)
 {
+    (void)options;
     *source = NULL;
     refuse(folder, why);
     return PUPIL_SOURCE_FAILED;

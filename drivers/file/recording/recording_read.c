@@ -5,6 +5,7 @@
 
 #include "file/common/regular.h"
 #include "file/video/jpeg_frame.h"
+#include "max_pixels.h"
 #include "recording.h"
 #include "recording_format.h"
 #include "recording_mkv.h"
@@ -188,7 +189,7 @@ static int open_files(recording *r, const char *folder)
     return 0;
 }
 
-int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *why)
+int pupil_recording_open(const char *folder, const pupil_source_options *options, pupil_source **source, pupil_why *why)
 {
     recording *r = calloc(1, sizeof *r);
     *source = NULL;
@@ -198,7 +199,8 @@ int pupil_recording_open(const char *folder, pupil_source **source, pupil_why *w
     }
     r->base.ops = &recording_ops;
     r->state = PUPIL_SOURCE_FRAME;
-    if (pupil_recording_about_read(folder, &r->about, why) == 0) {
+    if (pupil_recording_about_read(folder, &r->about, why) == 0 &&
+        pupil_check_max_pixels(options, r->about.width, r->about.height, "", folder, why) == 0) {
         memcpy(r->usual_balance, r->about.coding.balance, sizeof r->usual_balance);
         if (open_files(r, folder) == 0) {
             r->base.fps = r->about.fps;

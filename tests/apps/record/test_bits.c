@@ -122,7 +122,7 @@ static void test_same_statistics(uint32_t fourcc, int extra_bytes)
 static int frames_in(const char *folder, metered *m)
 {
     pupil_source *source;
-    if (pupil_recording_open(folder, &source, &why))
+    if (pupil_recording_open(folder, NULL, &source, &why))
         return -1;
     meter(source, m, NULL);
     pupil_source_close(source);
@@ -166,7 +166,7 @@ static void ends_of(const char *folder, double ends[2])
 {
     pupil_source *source;
     pupil_frame frame;
-    CHECK_MSG(pupil_recording_open(folder, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_recording_open(folder, NULL, &source, &why) == 0, "%s", why.text);
     for (int i = 0; pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME; i++) {
         ends[1] = frame.info.exposure_s * frame.info.gain;
         ends[0] = i ? ends[0] : ends[1];

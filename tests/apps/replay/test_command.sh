@@ -65,6 +65,16 @@ cmp -s stream.y4m stream2.y4m || fail "stdout and a file differ"
 for large in a.mp4 stream.y4m; do
     expect 1 "$large: frames of 64 x 36 pixels; at most 2303 pixels can be read" replay $large --max-pixels 2303 -o no.mp4
 done
+head -c 6912 a.y4m >large.raw
+{ printf 'PF\n64 32\n-1.0\n' && head -c 24576 /dev/zero; } >dark.pfm
+for large in "synth:walk --size 64x36" "pan:dark.pfm --size 64x36" raw:large.raw,format=RGB3,size=64x36; do
+    name=${large%%[ ,]*}
+    expect 0 "" replay $large -n 1 --max-pixels 2304 -o yes.png -q
+    expect 1 "$name: frames of 64 x 36 pixels; at most 2303 pixels can be read" \
+        replay $large -n 1 --max-pixels 2303 -o no.png
+    absent no.png
+    rm yes.png
+done
 
 # what is there is kept, unless -y
 for made in a.mp4 a.y4m one.png one.tif s.jsonl s.json p.svg; do

@@ -161,7 +161,7 @@ static inline int frames_replay(const test_frames *f, const char *folder, pupil_
     pupil_frame frame;
     int n = 0, got;
     *why->text = 0;
-    if (pupil_recording_open(folder, &source, why))
+    if (pupil_recording_open(folder, NULL, &source, why))
         return -1;
     while ((got = pupil_source_next(source, &frame, why)) == PUPIL_SOURCE_FRAME) {
         if (n >= f->count || !frames_same(&frame, &f->frame[n])) {

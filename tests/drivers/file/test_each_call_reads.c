@@ -27,7 +27,7 @@ static int act_raw(const each_call *c, uint64_t *digest, pupil_why *why)
 static int act_recording(const each_call *c, uint64_t *digest, pupil_why *why)
 {
     pupil_source *source = NULL;
-    return pupil_recording_open(c->path, &source, why) ? -1 : each_call_frames(source, digest, why);
+    return pupil_recording_open(c->path, NULL, &source, why) ? -1 : each_call_frames(source, digest, why);
 }
 
 /* A pipe that has the whole file is standard input. */

@@ -90,7 +90,7 @@ static uint64_t recorded_frames(const each_call *c)
     pupil_why why = {""};
     pupil_source *source = NULL;
     uint64_t digest = 0;
-    CHECK_MSG(pupil_recording_open(c->path, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_recording_open(c->path, NULL, &source, &why) == 0, "%s", why.text);
     CHECK_MSG(!source || each_call_frames(source, &digest, &why) == 0, "%s", why.text);
     return digest;
 }

@@ -42,7 +42,10 @@ static void test_unknown(void)
     frames.frame[0].info.exposure_s = NAN;
     frames.frame[0].info.gain = INFINITY;
     CHECK(frames_record(&frames, scratch("unknown"), &waiting, &why) == 1);
-    CHECK(pupil_recording_open(scratch("unknown"), &source, &why) == 0);
+    static const pupil_source_options smaller = {.max_pixels = 31}, options = {.max_pixels = 32};
+    CHECK(pupil_recording_open(scratch("unknown"), &smaller, &source, &why) == PUPIL_SOURCE_FAILED);
+    CHECK_MSG(strstr(why.text, ": frames of 8 x 4 pixels; at most 31 pixels can be read"), "%s", why.text);
+    CHECK(pupil_recording_open(scratch("unknown"), &options, &source, &why) == 0);
     CHECK(source->fps == 29.97 && source->frames == 1);
     CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(memcmp(frame.image.coding, &usual, sizeof usual) == 0);
@@ -129,7 +132,7 @@ static void test_lost(void)
     pupil_source *source;
     pupil_frame frame;
     uint64_t last = 0, got = 0;
-    CHECK(pupil_recording_open(folder, &source, &why) == 0);
+    CHECK(pupil_recording_open(folder, NULL, &source, &why) == 0);
     while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
         CHECK(!got || frame.info.sequence > last);
         last = frame.info.sequence;
@@ -270,7 +273,7 @@ static void check_text(const char *folder, const char *name, const char *from, c
     f = fopen(path, "w");
     fprintf(f, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
     fclose(f);
-    int got = pupil_recording_open(folder, &source, &why) ? PUPIL_SOURCE_FAILED : PUPIL_SOURCE_FRAME;
+    int got = pupil_recording_open(folder, NULL, &source, &why) ? PUPIL_SOURCE_FAILED : PUPIL_SOURCE_FRAME;
     while (got == PUPIL_SOURCE_FRAME)
         got = pupil_source_next(source, &frame, &why);
     pupil_source_close(source);

@@ -76,7 +76,7 @@ static int check_killed(const test_frames *frames, const char *folder)
     pupil_source *source;
     pupil_frame frame;
     uint64_t n = 0;
-    int got = pupil_recording_open(folder, &source, &why);
+    int got = pupil_recording_open(folder, NULL, &source, &why);
     if (got)
         return -1;
     while ((got = pupil_source_next(source, &frame, &why)) == PUPIL_SOURCE_FRAME) {
@@ -171,7 +171,7 @@ static void test_cut(void)
         store(f, f->size);
         pupil_source *source;
         pupil_frame frame;
-        int n = 0, got = pupil_recording_open(folder, &source, &why);
+        int n = 0, got = pupil_recording_open(folder, NULL, &source, &why);
         if (!got) {
             while ((got = pupil_source_next(source, &frame, &why)) == PUPIL_SOURCE_FRAME)
                 n++;
@@ -203,7 +203,7 @@ static void test_passed_over(void)
         store(&mkv, mkv.size);
         pupil_source *source;
         pupil_frame frame;
-        int n = 0, got = pupil_recording_open(folder, &source, &why);
+        int n = 0, got = pupil_recording_open(folder, NULL, &source, &why);
         while (source && (got = pupil_source_next(source, &frame, &why)) == PUPIL_SOURCE_FRAME) {
             CHECK(n < i && frames_same(&frame, &frames.frame[n]));
             n++;

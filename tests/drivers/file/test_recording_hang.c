@@ -101,7 +101,7 @@ static void test_hang(int waits)
         usleep(1000);
         pupil_frame frame;
         whole = 0;
-        CHECK(pupil_recording_open(folder, &source, &why) == 0);
+        CHECK(pupil_recording_open(folder, NULL, &source, &why) == 0);
         while (pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
             pupil_source_done(source, &frame);
             whole++;

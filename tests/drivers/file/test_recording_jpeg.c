@@ -66,7 +66,7 @@ static void replay(const jpegs *j, const char *folder, pupil_jpeg *decoder)
 {
     pupil_source *source;
     pupil_frame frame;
-    CHECK_MSG(pupil_recording_open(folder, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_recording_open(folder, NULL, &source, &why) == 0, "%s", why.text);
     for (int i = 0; i < COUNT; i++) {
         const int got = pupil_source_next(source, &frame, &why);
         if (i == j->broken) {

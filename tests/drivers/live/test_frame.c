@@ -256,7 +256,7 @@ static uint64_t frames_in(const char *folder)
     pupil_source *source = NULL;
     pupil_frame frame;
     uint64_t count = 0;
-    CHECK_MSG(pupil_recording_open(folder, &source, &why) == 0, "%s", why.text);
+    CHECK_MSG(pupil_recording_open(folder, NULL, &source, &why) == 0, "%s", why.text);
     while (source && pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME) {
         pupil_source_done(source, &frame);
         count++;
