@@ -8,7 +8,7 @@ cd "$(dirname "$0")"
 install_missing "$packages_of_the_program
 $packages_of_the_page"
 
-echo "== building into build/release, and the page into build/wasm; the output goes to build/demo.log"
+echo "== building into build/release, and the page into build/wasm: some minutes; the output goes to build/demo.log"
 {
     cmake --preset release && cmake --build --preset release &&
         cmake --preset wasm && cmake --build --preset wasm

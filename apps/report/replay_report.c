@@ -179,7 +179,7 @@ static void put_figures(table *t, const replay_report *r)
         put(t, "log-average, largest relative error against long double", NULL, "%.2g", f->log_average_error);
     put(t, "display samples, largest distance to double", "codes", "%d", f->code_error);
     put(t, "display samples one code off", "%", "%.2g", 100.0 * (double)f->off / (double)f->samples);
-    put(t, "meter, adapt and map", "ns/pixel", "%.2f", ns);
+    put(t, "meter, adapt and map, of these frames", "ns / pixel", "%.2f", ns);
     if (r->memcpy_us > 0.0)
         put(t, "the same, as a multiple of a memcpy of the frame", NULL, "%.1f", r->process_us / r->memcpy_us);
 }

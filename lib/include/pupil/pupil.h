@@ -120,8 +120,9 @@ typedef struct pupil_curve {
                                     * 0..16 */
     uint32_t dither;               /* config.dither */
     uint32_t first_row;            /* for pupil_map_rows: which of the frame's rows its first one is, so that dither is
-                                    * the same in parts as in the whole. The rows are those of the input, also where a
-                                    * mosaic is mapped to half its size; 0..PUPIL_MAX_SIDE_PX - 1 */
+                                    * the same in parts as in the whole (pupil_fused_rows has its own). The rows are
+                                    * those of the input, also where a mosaic is mapped to half its size;
+                                    * 0..PUPIL_MAX_SIDE_PX - 1 */
     float rods;                    /* the share of what rods see in the picture, 0..1; above 0 only with PUPIL_LAW_EYE.
                                     * v is then (1 - rods) * v + rods * (v's light for rods) * blue, in the picture's
                                     * primaries. An object of another law leaves it out */
