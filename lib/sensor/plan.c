@@ -79,6 +79,22 @@ static double highlight_move_ev(const pupil_sensor_object *o)
     return fast_ev < SENSOR_GLIDE_EV ? fast_ev : SENSOR_GLIDE_EV;
 }
 
+/* What a frame that only says on which side it is asks for: half of the last such step where that went too far, twice
+ * as much where it did not go far enough. So a camera with few stops between black and white is not jumped over for
+ * ever. It begins with twice what is asked for, for the light may change sides once. */
+static double blind_ev(const sensor_plan *p, double side)
+{
+    const double last = size_of(p->blind_ev), most = 2.0 * SENSOR_BLIND_EV;
+    const double next = side * p->blind_ev < 0.0 ? 0.5 * last : 2.0 * last;
+    return last > 0.0 && next < most ? next : most;
+}
+
+static double blind_step(const sensor_plan *p, double side)
+{
+    const double ev = blind_ev(p, side);
+    return ev < SENSOR_BLIND_EV ? ev : SENSOR_BLIND_EV;
+}
+
 /* The effect that this frame asks for.
  *
  * A clipped frame's mean is too low, so its goal is between the frame's own effect and the right one: one such step
@@ -104,7 +120,8 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
         p->is_guess = mean > v->mean;
         p->light = light_of(o, mean);
         p->aim = aim_at(o, p->light);
-        goal = v->clipped_share >= SENSOR_BLIND_CLIPPED ? -SENSOR_BLIND_EV : p->aim + lost - mean;
+        goal = v->clipped_share >= SENSOR_BLIND_CLIPPED ? clamp(-blind_step(p, -1.0), -SENSOR_BLIND_EV, plain)
+                                                        : p->aim + lost - mean;
         goal = clamp(aim_of(o, most) - most, goal, plain);
         highlight = highlight < most + p->known_over ? highlight : most + p->known_over;
         o->setting.scene_ev += mean - v->mean;
@@ -112,10 +129,10 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
         p->known_mean = v->mean;
         p->known_effect = effect;
         p->known_over = (v->clipped_share > c->highlight_share ? highlight : v->highlight) - v->mean;
-        p->brighter = 0.0;
+        p->brighter = p->blind_ev = 0.0;
     }
-    if (v->black_share > 0.5 && goal > SENSOR_BLIND_EV) {
-        goal = SENSOR_BLIND_EV;
+    if (v->black_share > 0.5 && goal > blind_step(p, 1.0)) {
+        goal = blind_step(p, 1.0);
         p->is_guess = 1;
     }
     /* of a picture that is far off, little is known of its highlights */
@@ -249,6 +266,7 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
     }
     if (is_far) {
         p->wanted += p->far_ev;
+        p->blind_ev = v->is_number ? 0.0 : p->far_ev < 0.0 ? -blind_ev(p, -1.0) : blind_ev(p, 1.0);
         p->near_frames = 0;
         p->is_looking = p->is_guess || !v->is_number;
         p->far_frames = 0;

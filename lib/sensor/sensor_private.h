@@ -126,6 +126,7 @@ typedef struct sensor_plan {
     double held_back_ev; /* by the highlights */
     double moved;        /* `wanted`, for the highlights in this frame */
     double far_ev;       /* the least that the last far frames were off by */
+    double blind_ev;     /* of the last step from a frame that was no number, and to which side; 0: one since was */
     double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
                                                   * how much its highlights were above the mean */
     double brighter;      /* the scene has become since then, at most, by the quantiles that are not clipped */
