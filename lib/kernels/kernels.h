@@ -159,9 +159,20 @@ typedef struct pupil_row_job {
     uint32_t sample;     /* Y'CbCr of 8 bits: one of so many pairs of pixels is metered; 0: all */
 } pupil_row_job;
 
-/* A block as planar linear floats; grey is scratch of scale. */
+/* Of the pixels that will be read next: every second line of memory from `first` on. */
+typedef struct pupil_lines {
+    uintptr_t first;
+    size_t pixel_bytes; /* 16; or 0, and `first` is in a cache */
+} pupil_lines;
+
+/* A block as planar linear floats; grey is scratch of scale. In its place, on x86, scale leaves to store for which
+ * lines that is to ask memory while it makes codes. */
 typedef struct pupil_planes {
-    float r[PUPIL_BLOCK], g[PUPIL_BLOCK], b[PUPIL_BLOCK], grey[PUPIL_BLOCK];
+    float r[PUPIL_BLOCK], g[PUPIL_BLOCK], b[PUPIL_BLOCK];
+    union {
+        float grey[PUPIL_BLOCK];
+        pupil_lines next;
+    };
 } pupil_planes;
 
 /* As vectors read them fastest: none lies in two lines of a cache. Not of the type: planes are in callers' memory, too.
@@ -215,10 +226,8 @@ typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_channe
                                     const pupil_channels *picture, uint32_t n, uint32_t weight, pupil_stats *stats);
 /* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
 typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
-/* Of what scale leaves: nothing negative, no NaN. `source`: NULL, or the pixels of 16 bytes that became these: while
- * codes are made the next ones are fetched into the cache, half of their lines; scale has asked for the others. */
-typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder,
-                                const void *source, void *target);
+/* Of what scale leaves: nothing negative, no NaN. */
+typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
 /* Writes the fourth byte of RGBA8 pixels. */
 typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
 /* The same from 0 to 1; and these to the pixels of a format with float or half alpha. */

@@ -137,10 +137,10 @@ INLINE uint16x8_t codes_of(const float *x, const uint32_t *cell, ints base)
     return vaddhn_high_u32(vaddhn_u32(words_at(cell, low), v_and(low, half)), words_at(cell, high), v_and(high, half));
 }
 
-INLINE void store_vectors(const float *first, const float *second, const float *third, uint32_t n,
-                          const pupil_encoder *e, const void *source, uint8_t *target, uint32_t bytes)
+INLINE void store_vectors(const pupil_planes *planes, const float *first, const float *second, const float *third,
+                          uint32_t n, const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
-    (void)source; /* these CPUs find by themselves what comes next */
+    (void)planes;
     const uint32_t *cell = e->cell;
     const ints base = v_all_ints(e->base_bits);
     const uint32_t whole = n / 8 * 8;

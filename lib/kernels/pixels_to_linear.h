@@ -613,12 +613,10 @@ static inline uint16_t half_of_light(float v)
 
 #define FLOAT_OF_LIGHT(x) (x)
 #define STORE_LIGHT(NAME, TYPE, SAMPLES, RED, BLUE, CONVERT, ONE)                                                      \
-    static void NAME(const pupil_planes *restrict p, uint32_t n, const pupil_encoder *encoder, const void *source,     \
-                     void *target)                                                                                     \
+    static void NAME(const pupil_planes *restrict p, uint32_t n, const pupil_encoder *encoder, void *target)           \
     {                                                                                                                  \
         TYPE *restrict t = target;                                                                                     \
         (void)encoder;                                                                                                 \
-        (void)source;                                                                                                  \
         for (uint32_t i = 0; i < n; i++) {                                                                             \
             t[SAMPLES * i + RED] = CONVERT(display_light(p->r[i]));                                                    \
             t[SAMPLES * i + 1] = CONVERT(display_light(p->g[i]));                                                      \

@@ -388,7 +388,7 @@ static __attribute__((noinline)) void map_blocks(const pupil_row_job *job, const
                                        : load_and_scale(job, &with, row, x, n, planes, weight, run, stats);
         if (with.dither)
             PUPIL_PIECE(job->kernels, dither)(job->encoder->transfer, x, row->y, n, planes);
-        with.store(planes, n, job->encoder, with.direct && in_bytes == 16 ? source : 0, target);
+        with.store(planes, n, job->encoder, target);
         if (opaque)
             continue;
         if (with.alpha)
@@ -421,7 +421,7 @@ void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t
     with.planar(job->to_picture ? job->picture : job, 0, n, planes, 0);
     if (with.dither)
         PUPIL_PIECE(job->kernels, dither)(job->encoder->transfer, x, y, n, planes);
-    with.store(planes, n, job->encoder, 0, target);
+    with.store(planes, n, job->encoder, target);
     if (source && with.alpha)
         with.alpha(source, n, target);
     else if (source && with.to_light)

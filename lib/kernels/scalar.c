@@ -326,10 +326,8 @@ static inline void store(const pupil_planes *p, uint32_t n, const pupil_encoder 
 }
 
 #define STORE(NAME, BYTES, RED, BLUE)                                                                                  \
-    static void NAME(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, const void *source,         \
-                     void *target)                                                                                     \
+    static void NAME(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target)               \
     {                                                                                                                  \
-        (void)source;                                                                                                  \
         store(planes, n, encoder, target, BYTES, RED, BLUE);                                                           \
     }
 

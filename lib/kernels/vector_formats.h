@@ -293,6 +293,15 @@ INLINE size_t scale_groups_hard(const format *f, const pupil_row_job *job, const
     return n;
 }
 
+/* To store: NULL, or the pixels of 16 bytes of which every second line is to be fetched, a page ahead. */
+INLINE void leave_lines(pupil_planes *planes, const uint8_t *source)
+{
+    if (!FETCH_AHEAD_BYTES)
+        return;
+    planes->next.first = source ? (uintptr_t)source + FETCH_AHEAD_BYTES + 64 : (uintptr_t)planes->r;
+    planes->next.pixel_bytes = source ? 16 : 0;
+}
+
 /* keep: NULL where the block is not metered. Returns whether every pixel is known to be opaque. */
 INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *job, const uint8_t *source, uint32_t n,
                         pupil_planes *planes, kept *keep)
@@ -303,7 +312,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     scaled_block to; /* not cleared as a whole, which would take as long as a group */
     /* A block of RGBA float asked for at once has to be waited for, and while its codes are made memory would do
      * nothing: there the store asks for every second line. */
-    const int all_lines = f->bytes < 16 || pupil_pixel_bytes(job->out_pixel) > 4;
+    const int all_lines = !FETCH_AHEAD_BYTES || f->bytes < 16 || pupil_pixel_bytes(job->out_pixel) > 4;
     uint64_t any = 0;
     size_t i = 0, done = 0; /* by `hard` */
     to.over.any = 0;
@@ -328,6 +337,7 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
         hard(job, source, i, n, planes, &to);
     if (any | to.over.any)
         fit_listed(&to.over, n, &d, job->cones, planes);
+    leave_lines(planes, all_lines ? 0 : source);
     return v_every(v_both(opaque, to.opaque));
 }
 
@@ -503,6 +513,7 @@ INLINE void meter_and_scale_planes(hard_meter *hard, const pupil_row_job *job, s
     }
     if (over.any)
         fit_listed(&over, (uint32_t)n, &d, job->cones, planes);
+    leave_lines(planes, 0);
 }
 
 #endif

@@ -67,6 +67,7 @@ static void scale_planes_by_knots(const pupil_row_job *job, uint32_t n, pupil_pl
     }
     if (over.any)
         fit_listed(&over, n, &c, job->cones, planes);
+    leave_lines(planes, 0);
 }
 
 #endif

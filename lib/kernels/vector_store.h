@@ -132,21 +132,11 @@ static void settle(pixel_bits *bits, uint32_t n, const float *first, const float
     }
 }
 
-/* The lines that scale_groups does not ask for. Without a source they are ones that are in the cache: a branch in the
- * loop that makes codes took longer. */
-typedef struct second_lines {
-    const void *first;
-    size_t ahead, pixel_bytes;
-} second_lines;
-
-INLINE second_lines second_lines_of(const void *source, const float *in_cache)
+/* Of the pixels that will be read next: scale asks for the other lines. Where there is nothing to ask for, these are in
+ * a cache: a branch took longer. */
+INLINE void fetch_second_lines(pupil_lines next, size_t i)
 {
-    return source ? (second_lines){source, FETCH_AHEAD_BYTES + 64, 16} : (second_lines){in_cache, 0, 0};
-}
-
-INLINE void fetch_second_lines(const second_lines *of, size_t i)
-{
-    fetch(of->first, 16 * WIDTH, of->ahead + of->pixel_bytes * i, 128);
+    fetch((const void *)next.first, 16 * WIDTH, next.pixel_bytes * i, 128);
 }
 
 /* Whose guesses are not all certain. */
@@ -161,11 +151,11 @@ INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, 
 
 /* Whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
  * samples are in few vectors, side by side: a branch is cheaper than the toe for all. */
-INLINE uint32_t store_srgb(const float *first, const float *second, const float *third, uint32_t n,
-                           const pupil_encoder *e, const void *source, uint8_t *target, uint32_t bytes)
+INLINE uint32_t store_srgb(const pupil_planes *planes, const float *first, const float *second, const float *third,
+                           uint32_t n, const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
     const srgb_constants c = srgb_constants_of();
-    const second_lines lines = second_lines_of(source, first);
+    const pupil_lines next = planes->next;
     const floats most = v_all(0x1.fffffep-1f);
     const size_t slack = bytes == 3 ? 2 : 0, end = n < WIDTH + slack ? 0 : n - (WIDTH + slack) + 1;
     pixel_bits near;
@@ -176,7 +166,7 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
                              v_min(most, v_load(third + i))};
         uint8_t *at = target + i * bytes;
         fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes, 64);
-        fetch_second_lines(&lines, i);
+        fetch_second_lines(next, i);
         const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
         const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)
                                                                            : store_guesses(x, &c, 1, at, bytes);
@@ -188,25 +178,25 @@ INLINE uint32_t store_srgb(const float *first, const float *second, const float 
     return (uint32_t)i;
 }
 
-INLINE uint32_t store_by_cells(const float *first, const float *second, const float *third, uint32_t n,
-                               const pupil_encoder *e, const void *source, uint8_t *target, uint32_t bytes)
+INLINE uint32_t store_by_cells(const pupil_planes *planes, const float *first, const float *second, const float *third,
+                               uint32_t n, const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
-    const second_lines lines = second_lines_of(source, first);
+    const pupil_lines next = planes->next;
     const uint32_t slack = bytes == 3 ? 2 : 0;
     uint32_t i = 0;
     for (; i + WIDTH + slack <= n; i += WIDTH) {
         const ints x = code_of_cell(v_load(first + i), e), y = code_of_cell(v_load(second + i), e);
         const ints z = code_of_cell(v_load(third + i), e);
-        fetch_second_lines(&lines, i);
+        fetch_second_lines(next, i);
         store_pixels(pixel_of(x, v_or(y, v_all_ints(0xff000000u)), z), target + (size_t)i * bytes, bytes);
     }
     return i;
 }
 
-INLINE void store_vectors(const float *first, const float *second, const float *third, uint32_t n,
-                          const pupil_encoder *e, const void *source, uint8_t *target, uint32_t bytes)
+INLINE void store_vectors(const pupil_planes *planes, const float *first, const float *second, const float *third,
+                          uint32_t n, const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
-    uint32_t i = e->transfer == PUPIL_TRANSFER_SRGB ? store_srgb(first, second, third, n, e, source, target, bytes)
-                                                    : store_by_cells(first, second, third, n, e, source, target, bytes);
+    uint32_t i = e->transfer == PUPIL_TRANSFER_SRGB ? store_srgb(planes, first, second, third, n, e, target, bytes)
+                                                    : store_by_cells(planes, first, second, third, n, e, target, bytes);
     store_rest(first, second, third, i, n, e, target, bytes);
 }

@@ -113,24 +113,24 @@ static int scale_by_knots(const pupil_row_job *job, const void *source, uint32_t
     return 0;
 }
 
-static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, const void *source, void *target)
+static void store_rgba8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
 {
-    store_vectors(p->r, p->g, p->b, n, e, source, target, 4);
+    store_vectors(p, p->r, p->g, p->b, n, e, target, 4);
 }
 
-static void store_bgrx8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, const void *source, void *target)
+static void store_bgrx8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
 {
-    store_vectors(p->b, p->g, p->r, n, e, source, target, 4);
+    store_vectors(p, p->b, p->g, p->r, n, e, target, 4);
 }
 
-static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, const void *source, void *target)
+static void store_rgb8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
 {
-    store_vectors(p->r, p->g, p->b, n, e, source, target, 3);
+    store_vectors(p, p->r, p->g, p->b, n, e, target, 3);
 }
 
-static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, const void *source, void *target)
+static void store_bgr8(const pupil_planes *p, uint32_t n, const pupil_encoder *e, void *target)
 {
-    store_vectors(p->b, p->g, p->r, n, e, source, target, 3);
+    store_vectors(p, p->b, p->g, p->r, n, e, target, 3);
 }
 
 /* scalar.c's alpha_of_float in the fourth bytes of WIDTH pixels. */

@@ -346,7 +346,7 @@ static void bare(const struct format *f, int maps, uint32_t n)
     if (maps)
         for (uint32_t x = 0; x < n; x += PUPIL_BLOCK) {
             (void)k->scale[f->pixel](&job, source + x * bytes, PUPIL_BLOCK, &planes, 0);
-            k->store[PUPIL_PIXEL_RGBA8](&planes, PUPIL_BLOCK, &pupil_encoders[PUPIL_TRANSFER_SRGB], 0, target + x * 4);
+            k->store[PUPIL_PIXEL_RGBA8](&planes, PUPIL_BLOCK, &pupil_encoders[PUPIL_TRANSFER_SRGB], target + x * 4);
         }
     else
         k->meter[f->pixel](&job, source, 0, n, &run);

@@ -38,8 +38,8 @@ static void compare(const pupil_kernels *k, uint32_t level, uint32_t from, uint3
         for (uint32_t bits = from; bits < end; bits += step, n++) {
             const uint32_t out = outputs[n % 3];
             fill(&p, bits);
-            pupil_kernels_scalar.store[out](&p, PUPIL_BLOCK, e, NULL, expected);
-            k->store[out](&p, PUPIL_BLOCK, e, NULL, got);
+            pupil_kernels_scalar.store[out](&p, PUPIL_BLOCK, e, expected);
+            k->store[out](&p, PUPIL_BLOCK, e, got);
             wrong += memcmp(got, expected, PUPIL_BLOCK * pupil_pixel_bytes(out)) != 0;
         }
     }
