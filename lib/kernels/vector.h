@@ -32,10 +32,15 @@
 
 /* The lines of memory that are `ahead` of `bytes` from p on, one of each `step` bytes, be they read or written. What is
  * there does not matter: as a rule it is the same row, or the next one. */
-INLINE void fetch(const void *p, size_t bytes, size_t ahead, size_t step)
+INLINE void fetch_each(const void *p, size_t bytes, size_t ahead, size_t step)
 {
     for (size_t line = 0; FETCH_AHEAD_BYTES && line < bytes; line += step)
         __builtin_prefetch((const void *)((uintptr_t)p + ahead + line));
+}
+
+INLINE void fetch(const void *p, size_t bytes, size_t ahead)
+{
+    fetch_each(p, bytes, ahead, 64);
 }
 
 typedef struct group { /* 16 pixels */

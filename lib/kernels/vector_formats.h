@@ -110,9 +110,9 @@ INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels, i
 {
     if (f->rest)
         return;
-    fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES, 128);
+    fetch_each(source, pixels * f->bytes, FETCH_AHEAD_BYTES, 128);
     if (all_lines)
-        fetch(source, pixels * f->bytes, FETCH_AHEAD_BYTES + 64, 128);
+        fetch_each(source, pixels * f->bytes, FETCH_AHEAD_BYTES + 64, 128);
 }
 
 INLINE ints top_bits(const format *f, ints top)

@@ -83,9 +83,9 @@ INLINE luma_step step_of(const luma_words *c, const ratio_tables *ratios, const 
     const v_words first = mean_of(b_load(in->upper + 2 * i), b_load(in_lower + 2 * i));
     const v_words second = mean_of(b_load(in->upper + 2 * i + 2 * QUADS), b_load(in_lower + 2 * i + 2 * QUADS));
     v_words ratio[2];
-    fetch(in->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES, 64);
-    fetch(in_lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES, 64);
-    fetch(in->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES, 64);
+    fetch(in->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+    fetch(in_lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+    fetch(in->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
     w_look_up(ratios, first, second, ratio);
     for (size_t k = 0; k < 2; k++) {
         const size_t at = 2 * (i + k * QUADS);
@@ -107,9 +107,9 @@ static uint32_t yuv_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *
     ratio_tables_of(t, &ratios);
     for (size_t i = 0; i < whole; i += 2 * QUADS) {
         const luma_step step = step_of(&c, &ratios, in, out->upper, out->lower, i);
-        fetch(out->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES, 64);
-        fetch(out->lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES, 64);
-        fetch(out->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES, 64);
+        fetch(out->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+        fetch(out->lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+        fetch(out->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
         for (size_t k = 0; k < 2; k++) {
             b_store(out->chroma + 2 * (i + k * QUADS), w_to_pairs(step.s[k].u, step.s[k].v));
             w_store(exact + i + k * QUADS, step.beyond[k]);
@@ -160,9 +160,9 @@ static uint32_t rgb_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *
     ratio_tables_of(t, &ratios);
     for (size_t i = 0; i < whole; i += 2 * QUADS) {
         const luma_step step = step_of(&c, &ratios, in, grey[0], in->lower ? grey[1] : 0, i);
-        fetch(out->upper + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES, 64);
+        fetch(out->upper + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES);
         if (in->lower)
-            fetch(out->lower + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES, 64);
+            fetch(out->lower + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES);
         const byte_change red = change_of(step.s[0].red, step.s[1].red);
         const byte_change green = change_of(step.s[0].green, step.s[1].green);
         const byte_change blue = change_of(step.s[0].blue, step.s[1].blue);

@@ -136,7 +136,7 @@ static void settle(pixel_bits *bits, uint32_t n, const float *first, const float
  * a cache: a branch took longer. */
 INLINE void fetch_second_lines(pupil_lines next, size_t i)
 {
-    fetch((const void *)next.first, 16 * WIDTH, next.pixel_bytes * i, 128);
+    fetch_each((const void *)next.first, 16 * WIDTH, next.pixel_bytes * i, 128);
 }
 
 /* Whose guesses are not all certain. */
@@ -165,7 +165,7 @@ INLINE uint32_t store_srgb(const pupil_planes *planes, const float *first, const
         const floats x[3] = {v_min(most, v_load(first + i)), v_min(most, v_load(second + i)),
                              v_min(most, v_load(third + i))};
         uint8_t *at = target + i * bytes;
-        fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes, 64);
+        fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes);
         fetch_second_lines(next, i);
         const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
         const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)

@@ -79,9 +79,10 @@ static double highlight_move_ev(const pupil_sensor_object *o)
     return fast_ev < SENSOR_GLIDE_EV ? fast_ev : SENSOR_GLIDE_EV;
 }
 
-/* What a frame that only says on which side it is asks for: half of the last such step where that went too far, twice
- * as much where it did not go far enough. So a camera with few stops between black and white is not jumped over for
- * ever. It begins with twice what is asked for, for the light may change sides once. */
+/* The size of a step from a frame that is only too bright or too dark, in stops: half of the last such step if that
+ * went too far, twice as much if it did not go far enough. So a camera with few stops between black and white settles.
+ * It starts at twice SENSOR_BLIND_EV, and blind_step limits it: one change of direction, as when the light changes,
+ * still gets the full step. */
 static double blind_ev(const sensor_plan *p, double side)
 {
     const double last = size_of(p->blind_ev), most = 2.0 * SENSOR_BLIND_EV;
