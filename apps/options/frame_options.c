@@ -188,7 +188,7 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
          "luma: meters some of the pixels, and maps to NV12, I420, RGBA8 and BGRX8 by tables of luma. Other formats "
          "are exact. docs/numerics.md has the errors."},
     {"histogram-step", 0, OPTION_CHOICE, "auto|1|2|4|8", 0, .initial = "auto", .parse = parse_histogram_step,
-     .help = "count one pixel of each N x N",
+     .help = "count one pixel of each 2N x N",
      .more =
          "And for quantiles, --trim, highlights and --tone. auto: 4 of 1920x1080, 8 of 3840x2160, 1 of small frames. "
          "1 is exact. The log-average is always of all pixels."},

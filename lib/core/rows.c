@@ -75,7 +75,7 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
 }
 
 /* docs/numerics.md has the errors. */
-#define LEAST_COUNTED 50000u
+#define LEAST_COUNTED 25000u
 #define LEAST_SAMPLED 16000u /* PUPIL_ACCURACY_LUMA */
 
 /* What the rows of one call are worked with. */
@@ -90,6 +90,7 @@ typedef struct work {
     pupil_row_job meter, map;
     uint32_t in_unit;            /* rows of a mosaic's quad, or 1 */
     uint32_t planes, planes_out; /* of in; of out */
+    uint32_t histogram_step;     /* one of so many rows is counted */
 } work;
 
 static const uint8_t *in_row(const work *w, uint32_t i)
@@ -146,8 +147,9 @@ static int is_metered(const work *w, uint32_t unit_row)
 }
 
 /* As is_metered, for config.histogram_step; the frames' number has no part in it. Groups start over in each row of the
- * metering grid, so that the rows of one have the same weights, and the bins' sum is that of all weights. */
-static void find_counted(const work *w, uint32_t unit_row, uint32_t n, pupil_row *row)
+ * metering grid, so that the rows of one have the same weights, and the bins' sum is that of all weights. Counted is
+ * one of each n rows and, in it, one of each `columns` pixels. */
+static void find_counted(const work *w, uint32_t unit_row, uint32_t n, uint32_t columns, pupil_row *row)
 {
     const uint32_t units = w->frame_height / w->in_unit;
     row->bins_rows = 1;
@@ -158,7 +160,7 @@ static void find_counted(const work *w, uint32_t unit_row, uint32_t n, pupil_row
     const uint32_t group = first + (unit_row - first) / n * n;
     const uint32_t rows = next - group < n ? next - group : n;
     const uint64_t z = mixed((uint64_t)group * UINT64_C(0xd1b54a32d192ed03));
-    row->bins_first = (uint32_t)(z >> 48) % n;
+    row->bins_first = (uint32_t)(z >> 48) % columns;
     if (w->object->config.meter_rows <= 1)
         row->bins_rows = unit_row - group == (uint32_t)(z >> 32 & 0xffff) % rows ? rows : 0;
 }
@@ -178,8 +180,10 @@ static void meter_unit(const work *w, uint32_t i)
         return;
     const uint8_t *weight = weights_of(w, unit_row, &band);
     pupil_row row = row_of(w, i);
-    if (w->meter.sample > 1 || w->meter.histogram)
-        find_counted(w, unit_row, w->meter.sample > 1 ? w->meter.sample : w->meter.histogram, &row);
+    if (w->meter.sample > 1)
+        find_counted(w, unit_row, w->meter.sample, w->meter.sample, &row);
+    else if (w->meter.histogram)
+        find_counted(w, unit_row, w->histogram_step, w->meter.histogram, &row);
     if (w->meter.sample > 1 && !row.bins_rows)
         return;
     work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
@@ -199,7 +203,7 @@ static void work_plain_row(const work *w, uint32_t i)
     if (stats)
         weight = weights_of(w, w->first_row + i, &band);
     if (stats && w->map.histogram)
-        find_counted(w, w->first_row + i, w->map.histogram, &row);
+        find_counted(w, w->first_row + i, w->histogram_step, w->map.histogram, &row);
     if (stats || w->out)
         work_row(&w->map, weight, &row, w->out ? out_row(w, i) : 0, w->in->width, band, stats);
 }
@@ -330,12 +334,12 @@ static uint32_t step_for(uint64_t pixels, uint32_t least)
     return step;
 }
 
-/* One of how many rows and columns the histogram counts, of a frame that is metered with so many pixels. */
+/* One of how many rows the histogram counts, of a frame that is metered with so many pixels. */
 static uint32_t histogram_step(const pupil_object *object, uint32_t width, uint32_t height)
 {
     if (!object->histogram || object->config.histogram_step)
         return object->histogram ? object->config.histogram_step : 0;
-    return step_for((uint64_t)width * height, LEAST_COUNTED);
+    return step_for((uint64_t)width * height / 2, LEAST_COUNTED); /* of 2n x n pixels one is */
 }
 
 /* From the mapping job. */
@@ -365,6 +369,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
     const int yuv = out && pupil_pixel_planes(out->pixel) > 1;
     w.frame_height = frame_height;
     w.in_unit = mosaic ? 2 : 1;
+    w.histogram_step = histogram_step(object, in->width / w.in_unit, frame_height / w.in_unit);
     w.planes = pupil_pixel_planes(in->pixel);
     w.planes_out = out ? pupil_pixel_planes(out->pixel) : 0;
     pupil_coder_make(in->coding, in->pixel, &w.coder);
@@ -386,7 +391,7 @@ void pupil_work_rows(const pupil_object *object, const pupil_image_const *in, ui
         .way = !mosaic  ? PUPIL_WAY_PIXELS
                : halved ? PUPIL_WAY_BINNED
                         : PUPIL_WAY_BILINEAR,
-        .histogram = histogram_step(object, in->width / w.in_unit, frame_height / w.in_unit),
+        .histogram = w.histogram_step > 1 ? 2 * w.histogram_step : w.histogram_step,
     };
     make_meter(&w);
     pupil_row_job picture;

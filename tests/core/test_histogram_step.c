@@ -36,12 +36,12 @@ static uint64_t sum_of(const uint64_t *bin, int count)
 }
 
 /* One bright pixel after the other: those that are counted, and for how many. */
-static void one_pixel_of_each_square(uint32_t width, uint32_t height, uint32_t step)
+static void one_pixel_of_each_cell(uint32_t width, uint32_t height, uint32_t step)
 {
     const pupil_t pupil = begin(step, 0, 0);
     const int bright = 8 * 32 + 8 * 3; /* the bin of 8 */
     uint64_t weights = 0;
-    uint32_t counted = 0, rows = 0, columns[8] = {0};
+    uint32_t counted = 0, rows = 0, used = 0, columns[16] = {0};
     frame f = frame_make(width, height, PUPIL_PIXEL_RGB32F, 0, 0);
     frame_fill(&f, 0.25, 0.25, 0.25);
     for (uint32_t y = 0; y < height; y++) {
@@ -51,21 +51,22 @@ static void one_pixel_of_each_square(uint32_t width, uint32_t height, uint32_t s
             frame_set(&f, x, y, 8.5, 8.5, 8.5, 1);
             meter(&pupil, &f, &stats);
             CHECK(stats.bin[bright] == stats.peak_bin[bright / 2] && (stats.peak > 8) == (stats.bin[bright] > 0));
-            CHECK(stats.pixels == width * height && stats.bin[bright] <= step * step);
+            CHECK(stats.pixels == width * height && stats.bin[bright] <= 2 * step * step);
             weights += stats.bin[bright];
             in_row += stats.bin[bright] > 0;
-            columns[x % step] += stats.bin[bright] > 0;
+            columns[x % (2 * step)] += stats.bin[bright] > 0;
             frame_set(&f, x, y, 0.25, 0.25, 0.25, 1);
         }
-        CHECK(in_row == 0 || in_row == (width + step - 1) / step);
+        CHECK(in_row == 0 || in_row == (width + 2 * step - 1) / (2 * step));
         rows += in_row > 0;
         counted += in_row;
     }
     CHECK_MSG(weights == width * height, "step %u: %u pixels are counted for %lu", step, counted,
               (unsigned long)weights);
     CHECK(rows >= (height + step - 1) / step && rows < height);
-    for (uint32_t i = 0; i < step; i++)
-        CHECK_MSG(columns[i] > 0, "step %u: column %u is never counted", step, i);
+    for (uint32_t i = 0; i < 2 * step; i++)
+        used += columns[i] > 0;
+    CHECK_MSG(used > step, "step %u: only %u of %u columns are ever counted", step, used, 2 * step);
     frame_free(&f);
 }
 
@@ -168,7 +169,7 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     for (uint32_t step = 2; step <= 8; step *= 2)
-        one_pixel_of_each_square(21, 67 * (1 + step / 4), step);
+        one_pixel_of_each_cell(21, 67 * (1 + step / 4), step);
     any_split(PUPIL_PIXEL_RGBA16F, 333, 92);
     any_split(PUPIL_PIXEL_BAYER12, 300, 90);
     any_split(PUPIL_PIXEL_NV12, 17, 34);

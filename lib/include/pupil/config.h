@@ -238,11 +238,11 @@ typedef struct pupil_config {
      * filters are exact exponentials of the time between frames. The eye needs absolute light: */
     double eye_unit_cd_m2; /* cd/m2 of scene luminance 1; read only with PUPIL_LAW_EYE; 100, as PQ; 1e-6..1e9 */
 
-    uint32_t histogram_step; /* n of 1, 2, 4, 8: the histogram counts one of each n rows (of a mosaic: of quads), and in
-                              * it one of each n pixels, with the weight of all of them. 1: every pixel. Which ones
+    uint32_t histogram_step; /* n of 2, 4, 8: the histogram counts one of each n rows (of a mosaic: of quads), and in it
+                              * one of each 2n pixels, with the weight of all of them. 1: every pixel. Which ones
                               * depends on the place alone, as if by chance: the same frame has the same statistics, in
                               * any split. The log-average does not change; docs/numerics.md has the errors of the
-                              * others. 0, the default: the largest n that counts 50 000 pixels or more: 1 up to
+                              * others. 0, the default: the largest n that counts 25 000 pixels or more: 1 up to
                               * 640x312, 2 of 640x480, 4 of 1280x720 and 1920x1080, 8 of 3840x2160. With meter_rows
                               * above 1 each metered row is counted */
     uint32_t accuracy;       /* a pupil_accuracy; exact */
