@@ -56,6 +56,8 @@ int pupil_veil_add_bells(pupil_veil *veil, uint32_t bell, double radius_px, cons
     __builtin_memset(o->work, 0, sizeof o->work);
     for (size_t i = 0; i < count; i++)
         add_spot(o, &spot[i]);
-    pupil_veil_spread(o, (const float(*)[VEIL_WAVES])o->bell_table);
+    for (int channel = 0; channel < 3; channel++)
+        pupil_veil_spread(o, (const float(*)[VEIL_WAVES])o->bell_table,
+                          (const float(*)[VEIL_TERM_ROOM])o->work[channel], channel);
     return PUPIL_OK;
 }

@@ -113,7 +113,7 @@ void pupil_veil_fill_bell(veil_object *o, uint32_t bell, double radius_px);
 /* The terms at a number of turns of the first harmonic. */
 void pupil_veil_terms_at(double turns, uint32_t terms, float *term);
 void pupil_veil_fill_places(veil_object *o);
-/* series[channel] += table * work[channel]: light in terms becomes glare. */
-void pupil_veil_spread(veil_object *o, const veil_table table);
+/* series[channel] += table * light: light in terms becomes glare. */
+void pupil_veil_spread(veil_object *o, const veil_table table, const veil_terms light, int channel);
 
 #endif

@@ -48,12 +48,11 @@ static void clear(veil_terms terms)
             terms[l][k] = 0.0f;
 }
 
-void pupil_veil_spread(veil_object *o, const veil_table table)
+void pupil_veil_spread(veil_object *o, const veil_table table, const veil_terms light, int channel)
 {
-    for (int channel = 0; channel < 3; channel++)
-        for (uint32_t l = 0; l < o->terms; l++)
-            for (uint32_t k = 0; k < o->terms; k++)
-                o->series[channel][l][k] += table[(l + 1) / 2][(k + 1) / 2] * o->work[channel][l][k];
+    for (uint32_t l = 0; l < o->terms; l++)
+        for (uint32_t k = 0; k < o->terms; k++)
+            o->series[channel][l][k] += table[(l + 1) / 2][(k + 1) / 2] * light[l][k];
 }
 
 int pupil_veil_begin(pupil_veil *veil)
@@ -66,39 +65,88 @@ int pupil_veil_begin(pupil_veil *veil)
 
 /* --- a frame's light --- */
 
-/* A row of cells to terms in x: of the light, and of its moment in y. */
-static void add_row(const veil_object *o, const veil_light_object *light, uint32_t j, int channel, float unit,
-                    float *restrict sum, float *restrict moment)
+typedef const float term_row[VEIL_TERM_ROOM];
+
+/* Rows of terms and the weight of each; and, where there are some, of slopes. */
+typedef struct weighted_rows {
+    term_row *term, *slope; /* slope NULL: none */
+    const float *by, *by_slope;
+    uint32_t rows;
+} weighted_rows;
+
+/* Each addition waits for the one before it in its column, so some vectors of columns are added up at a time. */
+enum { LANES = 4, VECTORS = 6 };
+typedef float lanes __attribute__((vector_size(4 * LANES)));
+
+static inline __attribute__((always_inline)) void add_vectors(const weighted_rows *w, uint32_t k, uint32_t vectors,
+                                                              int has_slopes, float *to)
 {
-    const uint32_t terms = o->terms;
-    for (uint32_t k = 0; k < terms; k++)
-        sum[k] = moment[k] = 0.0f;
-    for (int i = 0; i < VEIL_CELLS; i++) {
-        const veil_cell *cell = &light->cell[j][i];
-        const float *restrict term = o->cell[i], *restrict slope = o->cell_slope[i];
-        const float here = (float)cell->sum[channel] * unit, x = (float)cell->x[channel] * unit;
-        const float y = (float)cell->y[channel] * unit;
-        for (uint32_t k = 0; k < terms; k++) {
-            sum[k] += here * term[k] + x * slope[k];
-            moment[k] += y * term[k];
+    lanes sum[VECTORS] = {{0.0f}};
+    for (uint32_t r = 0; r < w->rows; r++)
+        for (uint32_t v = 0; v < vectors; v++) {
+            lanes term, slope;
+            __builtin_memcpy(&term, w->term[r] + k + v * LANES, sizeof term);
+            if (has_slopes)
+                __builtin_memcpy(&slope, w->slope[r] + k + v * LANES, sizeof slope);
+            sum[v] += has_slopes ? w->by[r] * term + w->by_slope[r] * slope : w->by[r] * term;
         }
-    }
+    __builtin_memcpy(to + k, sum, vectors * sizeof(lanes));
 }
 
-/* Light at a distance d from its cell's middle counts as light there, and d times the slope. */
+static inline __attribute__((always_inline)) void add_columns(const weighted_rows *w, uint32_t columns, int has_slopes,
+                                                              float *to)
+{
+    uint32_t k = 0;
+    for (; k + VECTORS * LANES <= columns; k += VECTORS * LANES)
+        add_vectors(w, k, VECTORS, has_slopes, to);
+    for (; k < columns; k += 2 * LANES)
+        add_vectors(w, k, 2, has_slopes, to);
+}
+
+/* The sum of the rows; columns are a multiple of two vectors. */
+static __attribute__((noinline)) void add_rows(const weighted_rows *w, uint32_t columns, float *to)
+{
+    if (w->slope)
+        add_columns(w, columns, 1, to);
+    else
+        add_columns(w, columns, 0, to);
+}
+
+/* The terms, and zeros up to whole vectors. */
+static uint32_t columns_of(const veil_object *o)
+{
+    return (o->terms + 2 * LANES - 1) / (2 * LANES) * (2 * LANES);
+}
+
+/* A row of cells to terms in x: of the light, and of its moment in y. Light at a distance d from its cell's middle
+ * counts as light there, and d times the slope. */
+static void add_row(const veil_object *o, const veil_cell cell[VEIL_CELLS], int channel, float unit, float *sum,
+                    float *moment)
+{
+    float here[VEIL_CELLS], x[VEIL_CELLS], y[VEIL_CELLS];
+    for (int i = 0; i < VEIL_CELLS; i++) {
+        here[i] = (float)cell[i].sum[channel] * unit;
+        x[i] = (float)cell[i].x[channel] * unit;
+        y[i] = (float)cell[i].y[channel] * unit;
+    }
+    add_rows(&(weighted_rows){(term_row *)o->cell, (term_row *)o->cell_slope, here, x, VEIL_CELLS}, columns_of(o), sum);
+    add_rows(&(weighted_rows){(term_row *)o->cell, 0, y, 0, VEIL_CELLS}, columns_of(o), moment);
+}
+
+/* To terms in both, in work[0]. */
 static void add_channel(veil_object *o, const veil_light_object *light, int channel, float unit)
 {
-    float sum[VEIL_TERM_ROOM], moment[VEIL_TERM_ROOM];
-    veil_terms *to = &o->work[channel];
-    clear(*to);
-    for (uint32_t j = 0; j < VEIL_CELLS; j++) {
-        add_row(o, light, j, channel, unit, sum, moment);
-        for (uint32_t l = 0; l < o->terms; l++) {
-            const float term = o->cell[j][l], slope = o->cell_slope[j][l];
-            float *restrict row = (*to)[l];
-            for (uint32_t k = 0; k < o->terms; k++)
-                row[k] += sum[k] * term + moment[k] * slope;
+    float(*sum)[VEIL_TERM_ROOM] = o->work[1], (*moment)[VEIL_TERM_ROOM] = o->work[2];
+    float term[VEIL_CELLS], slope[VEIL_CELLS];
+    for (int j = 0; j < VEIL_CELLS; j++)
+        add_row(o, light->cell[j], channel, unit, sum[j], moment[j]);
+    for (uint32_t l = 0; l < o->terms; l++) {
+        for (int j = 0; j < VEIL_CELLS; j++) {
+            term[j] = o->cell[j][l];
+            slope[j] = o->cell_slope[j][l];
         }
+        add_rows(&(weighted_rows){(term_row *)sum, (term_row *)moment, term, slope, VEIL_CELLS}, columns_of(o),
+                 o->work[0][l]);
     }
 }
 
@@ -116,9 +164,10 @@ int pupil_veil_add_light(pupil_veil *veil, const pupil_veil_light *light)
     if (l->width != o->config.width || l->height != o->config.height)
         return PUPIL_ERR_OBJECT;
     const float unit = (float)(LEAST_UNIT * pupil_veil_cell_pixels(l->width, l->height));
-    for (int channel = 0; channel < 3; channel++)
+    for (int channel = 0; channel < 3; channel++) {
         add_channel(o, l, channel, unit);
-    pupil_veil_spread(o, (const float(*)[VEIL_WAVES])o->psf_table);
+        pupil_veil_spread(o, (const float(*)[VEIL_WAVES])o->psf_table, (term_row *)o->work[0], channel);
+    }
     return PUPIL_OK;
 }
 
@@ -130,22 +179,18 @@ int pupil_veil_solve(pupil_veil *veil)
     if (error)
         return error;
     veil_object *o = pupil_veil_object_of(veil);
-    for (int channel = 0; channel < 3; channel++)
-        for (int j = 0; j < VEIL_NODES; j++) {
-            float term[VEIL_TERM_ROOM] = {0}, *restrict row = o->solved[channel][j];
-            for (uint32_t l = 0; l < o->terms; l++) {
-                const float *restrict from = o->series[channel][l], by = o->node[l][j];
-                for (uint32_t k = 0; k < o->terms; k++)
-                    term[k] += by * from[k];
-            }
-            for (int i = 0; i < VEIL_NODE_ROOM; i++)
-                row[i] = 0.0f;
-            for (uint32_t k = 0; k < o->terms; k++)
-                for (int i = 0; i < VEIL_NODE_ROOM; i++)
-                    row[i] += term[k] * o->node[k][i];
+    float at_node[VEIL_TERMS], term[VEIL_TERM_ROOM];
+    for (int j = 0; j < VEIL_NODES; j++) {
+        for (uint32_t l = 0; l < o->terms; l++)
+            at_node[l] = o->node[l][j];
+        for (int channel = 0; channel < 3; channel++) {
+            float *row = o->solved[channel][j];
+            add_rows(&(weighted_rows){(term_row *)o->series[channel], 0, at_node, 0, o->terms}, columns_of(o), term);
+            add_rows(&(weighted_rows){(term_row *)o->node, 0, term, 0, o->terms}, VEIL_NODE_ROOM, row);
             for (int i = 0; i < VEIL_NODE_ROOM; i++)
                 row[i] = row[i] > 0.0f ? row[i] : 0.0f;
         }
+    }
     return PUPIL_OK;
 }
 
