@@ -81,7 +81,9 @@ typedef float lanes __attribute__((vector_size(4 * LANES)));
 static inline __attribute__((always_inline)) void add_vectors(const weighted_rows *w, uint32_t k, uint32_t vectors,
                                                               int has_slopes, float *to)
 {
-    lanes sum[VECTORS] = {{0.0f}};
+    lanes sum[VECTORS];
+    for (uint32_t v = 0; v < vectors; v++)
+        sum[v] = (lanes){0.0f};
     for (uint32_t r = 0; r < w->rows; r++)
         for (uint32_t v = 0; v < vectors; v++) {
             lanes term, slope;
@@ -90,7 +92,8 @@ static inline __attribute__((always_inline)) void add_vectors(const weighted_row
                 __builtin_memcpy(&slope, w->slope[r] + k + v * LANES, sizeof slope);
             sum[v] += has_slopes ? w->by[r] * term + w->by_slope[r] * slope : w->by[r] * term;
         }
-    __builtin_memcpy(to + k, sum, vectors * sizeof(lanes));
+    for (uint32_t v = 0; v < vectors; v++)
+        __builtin_memcpy(to + k + v * LANES, &sum[v], sizeof sum[v]);
 }
 
 static inline __attribute__((always_inline)) void add_columns(const weighted_rows *w, uint32_t columns, int has_slopes,
@@ -99,7 +102,9 @@ static inline __attribute__((always_inline)) void add_columns(const weighted_row
     uint32_t k = 0;
     for (; k + VECTORS * LANES <= columns; k += VECTORS * LANES)
         add_vectors(w, k, VECTORS, has_slopes, to);
-    for (; k < columns; k += 2 * LANES)
+    for (; k + 4 * LANES <= columns; k += 4 * LANES)
+        add_vectors(w, k, 4, has_slopes, to);
+    if (k < columns)
         add_vectors(w, k, 2, has_slopes, to);
 }
 
