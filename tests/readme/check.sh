@@ -42,7 +42,7 @@ done
 
 # Where the build has the program. "2.3e-8" is "2.3e-08" in C.
 if [ -x "$build/apps/pupil" ]; then
-    line=$(grep -o -m1 'pupil replay synth:walk [^`]*' README.md | sed "s,out/walk,$work/walk,")
+    line=$(grep -o -m1 'pupil replay synth:walk [^`]*' README.md | sed "s,--report ,&$work/,")
     error=$(sed -n 's/^- \*\*\(.*\)\*\* is the relative error.*/\1/p' README.md | sed 's/e-\(.\)$/e-0\1/')
     eval "$build/apps/$line" 2>"$work/said"
     grep -q "log-average within $error of a long-double reference; none of the display's samples differs" "$work/said" &&
