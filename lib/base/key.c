@@ -16,6 +16,7 @@ const char *pupil_key_fault(const pupil_key_point *key_at, uint32_t points)
         if (!(p->scene_ev >= -256.0 && p->scene_ev <= 256.0 && p->key >= 0x1p-10 && p->key <= 1.0) ||
             (p > key_at && !(p->scene_ev > p[-1].scene_ev && p->key >= p[-1].key && /* a stop for two, or rounded */
                              pupil_log2(p->key / p[-1].key) <= 0.5 * (p->scene_ev - p[-1].scene_ev) + 1e-9)))
-            return "key_at must rise: scene_ev in -256..256, key in 2^-10..1 by at most a stop for two of light";
+            return "key_at must have scene_ev from -256 to 256, rising, and key from 2^-10 to 1, never falling, "
+                   "rising by at most a stop for two of light";
     return 0;
 }

@@ -65,13 +65,12 @@ typedef enum pupil_bayer {
  * - Grey: (code - black) / (white - black). With a curve it is clamped to 0..1 and interpolated as Y'CbCr.
  * - Mosaics: as grey, then the balance, then the matrix. After the balance no channel is above the value at which the
  *   least amplified channel is full, so clipped highlights are white and not magenta.
- *
  * - Grey and mosaics of a companding sensor (knees above 0), which squeezes the light of 16 to 24 bits into codes of 10
  *   to 16: instead of (code - black) / (white - black) light is on straight lines from (black, 0) through the knees to
  *   (white, 1), of each sample before anything is interpolated. The first line is continued below black, the last one
- * above white. So sensors that merge several exposures themselves can be read where they send one companded frame, as
- * those of car cameras do. Sensors that send the exposures line by line or frame by frame (line-interleaved, staggered
- * or DOL HDR) are not supported: their rows differ in exposure, and nothing here merges them.
+ *   above white. So sensors that merge several exposures themselves can be read where they send one companded frame,
+ *   as those of car cameras do. Sensors that send the exposures line by line or frame by frame (line-interleaved,
+ *   staggered or DOL HDR) are not supported: their rows differ in exposure, and nothing here merges them.
  *
  * Linear light below black is negative, as the noise of a dark sensor is. Light above white is above 1 in grey.
  *

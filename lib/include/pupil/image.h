@@ -143,8 +143,8 @@ typedef struct pupil_frame_info {
                            * frames' timestamps; going back counts as dt = 0. Two frames in a row with timestamp 0
                            * count as frames without timestamps, config.nominal_frame_s apart. */
     uint64_t sequence;    /* the driver's frame number; sensor.h counts lost frames by it */
-    double exposure_s;    /* exposure time in seconds; 0 where unknown */
-    double gain;          /* total gain, 1 = none; 0 where unknown */
+    double exposure_s;    /* exposure time in seconds; 0: unknown, as is what is not from 2^-64 to 2^64 */
+    double gain;          /* total gain, 1 = none; the same */
 } pupil_frame_info;
 
 /* Bytes of one pixel in `data` (16 for RGBA32F ... 1 for NV12); 0 for anything that is no pupil_pixel, and where it is

@@ -79,19 +79,16 @@ typedef union pupil_row_gain {
     uint64_t private_words[PUPIL_ROW_GAIN_OBJECT_BYTES / 8];
 } pupil_row_gain;
 
-typedef enum pupil_row_gain_reason { /* why there are no gains, or not all of them yet */
-                                     PUPIL_ROW_GAIN_ON = 0,
-                                     PUPIL_ROW_GAIN_WAITING, /* too few frames so far, or none with a new timestamp, or
-                                                                what came is no such picture */
-                                     PUPIL_ROW_GAIN_LONG,    /* the exposure is nine tenths of a period of the light, or
-                                                                more */
-                                     PUPIL_ROW_GAIN_STATIONARY, /* the bands do not move in the picture: they cannot be
-                                                                 distinguished from the scene */
-                                     PUPIL_ROW_GAIN_NO_FLICKER, /* there is no such wave */
-                                     PUPIL_ROW_GAIN_MIXED, /* parts of the picture do not have it, or have another one
-                                                            */
-                                     PUPIL_ROW_GAIN_DISTURBED, /* this frame does not have it */
-                                     PUPIL_ROW_GAIN_REASON_COUNT
+/* Why there are no gains, or not all of them yet. */
+typedef enum pupil_row_gain_reason {
+    PUPIL_ROW_GAIN_ON = 0,     /* there are */
+    PUPIL_ROW_GAIN_WAITING,    /* too few frames so far, or none with a new timestamp, or the picture is too small */
+    PUPIL_ROW_GAIN_LONG,       /* the exposure is nine tenths of a period of the light, or more */
+    PUPIL_ROW_GAIN_STATIONARY, /* the bands do not move in the picture: they cannot be distinguished from the scene */
+    PUPIL_ROW_GAIN_NO_FLICKER, /* there is no such wave */
+    PUPIL_ROW_GAIN_MIXED,      /* parts of the picture do not have it, or have another one */
+    PUPIL_ROW_GAIN_DISTURBED,  /* this frame does not have it */
+    PUPIL_ROW_GAIN_REASON_COUNT
 } pupil_row_gain_reason;
 
 typedef struct pupil_row_gain_result {

@@ -64,8 +64,9 @@ extern "C" {
 typedef enum pupil_veil_psf {
     PUPIL_VEIL_SPENCER = 0, /* default: the photopic eye of Spencer, Shirley, Zimmerman, Greenberg: Physically-Based
                              * Glare Effects for Digital Images, 1995:
-                             *     0.384 * 2.61e6 exp(-(t/0.02)^2) + 0.478 * 20.91/(t + 0.02)^3 + 0.138 * 72.37/(t +
-                             * 0.02)^2 The lenticular halo, which is coloured, is not in it */
+                             *     0.384 * 2.61e6 exp(-(t/0.02)^2)
+                             *     + 0.478 * 20.91/(t + 0.02)^3 + 0.138 * 72.37/(t + 0.02)^2
+                             * The lenticular halo, which is coloured, is not in it */
     PUPIL_VEIL_CIE,         /* CIE 135/1:1999 and 146:2002, by age A and pigment p (Vos, van den Berg: Report on
                              * Disability Glare, 1999, total glare function):
                              *     (1 - 0.08 a) (9.2e6/(1 + (t/0.0046)^2)^1.5 + 1.5e5/(1 + (t/0.045)^2)^1.5)
