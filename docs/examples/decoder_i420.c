@@ -17,6 +17,6 @@ int main(int argc, char **argv)
     int error = width > 4096 || height > 2304 ? PUPIL_ERR_SIZE : pupil_init(&pupil, &config);
     while (!error && fread(frame, 1, bytes, stdin) == bytes && !(error = pupil_process(&pupil, &in, NULL, &out)))
         fwrite(picture, 1, pupil_image_bytes(out.pixel, width, height), stdout);
-    fputs(error ? pupil_error_string(error) : "", stderr);
-    return error != 0;
+    return error &&
+           fprintf(stderr, "%s\nusage: decoder_i420 WIDTH HEIGHT, up to 4096 2304\n", pupil_error_string(error));
 }

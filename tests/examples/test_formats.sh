@@ -32,7 +32,7 @@ for program in decoder_i420 mono_y10p; do
     for arguments in "" "4" "0 4" "4 99999" "four 4" "-4 4"; do
         # words, on purpose
         "$PUPIL_EXAMPLES/$program" $arguments </dev/null >"$work/out" 2>"$work/err" && fail "$program takes '$arguments'"
-        grep -q '^width and height' "$work/err" || fail "$program, '$arguments': $(cat "$work/err")"
+        grep -q '^width and height' "$work/err" && grep -q "^usage: $program WIDTH HEIGHT" "$work/err" || fail "$program, '$arguments': $(cat "$work/err")"
     done
 done
 
