@@ -93,8 +93,7 @@ static int draw(const char *path, FILE *input, FILE *errors, int output, pupil_w
     return pupil_refuse(why, "%s: gnuplot cannot draw it: %s", path, line);
 }
 
-/* Whether a plot has a name that says what it is, 1 for .png, 0 for .svg; -1 and a sentence. */
-static int kind_of(const char *path, pupil_why *why)
+int pupil_plot_kind(const char *path, pupil_why *why)
 {
     const char *ending = strrchr(path, '.');
     if (ending && strcasecmp(ending, ".png") == 0)
@@ -107,7 +106,7 @@ static int kind_of(const char *path, pupil_why *why)
 int pupil_plot_check(const char *path, int overwrite, pupil_why *why)
 {
     pupil_pending pending;
-    if (kind_of(path, why) < 0 || pupil_pending_file(&pending, path, overwrite, why))
+    if (pupil_plot_kind(path, why) < 0 || pupil_pending_file(&pending, path, overwrite, why))
         return -1;
     pupil_pending_discard(&pending);
     FILE *nothing = fopen("/dev/null", "r+e");
@@ -148,7 +147,7 @@ int pupil_plot_draw(const char *path, int overwrite, pupil_plot_script *write_sc
                     pupil_why *why)
 {
     pupil_pending pending;
-    int is_png = kind_of(path, why);
+    int is_png = pupil_plot_kind(path, why);
     if (is_png < 0 || pupil_pending_file(&pending, path, overwrite, why))
         return -1;
 
@@ -177,7 +176,7 @@ int pupil_plot_write(const char *path, int overwrite, const frame_log_entry *rec
                      pupil_why *why)
 {
     const run r = {records, count, title};
-    if (kind_of(path, why) < 0)
+    if (pupil_plot_kind(path, why) < 0)
         return -1;
     if (!count)
         return pupil_refuse(why, "%s: there is no frame to plot", path);

@@ -8,6 +8,9 @@
 #include "frame_log.h"
 #include "pupil/error.h"
 
+/* By the path: 1 for .png, 0 for .svg; -1 and a sentence. */
+int pupil_plot_kind(const char *path, pupil_why *why);
+
 /* What would else show at the end of a long run only: the ending, the folder, a file that is there and is not to be
  * replaced (unless overwrite), whether there is a gnuplot that runs.
  * 0, or -1 and a sentence. */

@@ -74,13 +74,20 @@ static int cannot_write(const pupil_stats_file *f, pupil_why *why)
                         strerror(errno));
 }
 
+int pupil_stats_file_check(const char *path, pupil_why *why)
+{
+    return strcmp(path, "-") == 0 || has_ending(path, ".csv") || has_ending(path, ".json") || has_ending(path, ".jsonl")
+               ? 0
+               : pupil_refuse(why, "%s: statistics are written as .jsonl, .json or .csv", path);
+}
+
 static int begin(pupil_stats_file *f, const char *path, int overwrite, pupil_why *why)
 {
+    if (pupil_stats_file_check(path, why))
+        return -1;
     f->is_stream = strcmp(path, "-") == 0;
     f->is_csv = has_ending(path, ".csv");
     f->is_array = has_ending(path, ".json");
-    if (!f->is_stream && !f->is_csv && !f->is_array && !has_ending(path, ".jsonl"))
-        return pupil_refuse(why, "%s: statistics are written as .jsonl, .json or .csv", path);
     if (!f->is_csv && pupil_stats_json_check(path, why))
         return -1;
     f->path = strdup(path);

@@ -135,8 +135,9 @@ static const option_row mode_rows[] = {
     {"mode", 0, OPTION_CHOICE, "digital|sensor|both", AT(mode),
      .help = "digital: the picture adapts; sensor: exposure and gain are controlled; both (both; digital if there "
              "are no controls)",
-     .more = "digital: no control is touched. sensor: the picture is the camera's, without tone curve and adaptation; "
-             "only a factor hides the steps of the exposure. both: the exposure is set to what is best for the sensor, "
+     .more = "digital: no control is touched but those of --shutter and --gain. sensor: the picture is the camera's, "
+             "without tone curve and adaptation; only a factor hides the steps of the exposure. both: the exposure is "
+             "set to what is best for the sensor, "
              "and the picture adapts to the light that the frames show. A step of the exposure is not visible."},
 };
 
@@ -222,9 +223,10 @@ static const option_row control_rows[] = {
      .more =
          "A run begins with the exposure time times gain at which this camera (by driver, bus and card) was at rest "
          "in its last run. It is kept in the file cameras in $STATE_DIRECTORY, $XDG_STATE_HOME/pupil or "
-         "~/.local/state/pupil, or in FILE, which has a line for each camera. It is written at the end, after Ctrl-C "
-         "too, and every minute where it has changed. At most 30 frames, taken before that exposure is in force, are "
-         "left out. A missing or empty file is no error. Of a damaged one the undamaged lines are used, with a "
+         "~/.local/state/pupil, or in FILE, which has a line for each camera. It is written after five seconds, every "
+         "minute where it has changed, and at the end, after Ctrl-C too. At most 30 frames, taken before that exposure "
+         "is in force, are left out. A missing or empty file is no error. Of a damaged one the undamaged lines are "
+         "used, with a "
          "warning. Any other file is refused and left as it is; in the usual place there is only a warning. What the "
          "camera cannot have is not used. Not with --mode digital, or with both --shutter and --gain."},
     {"no-resume", 0, OPTION_FLAG, NULL, AT(begins_cold), .help = "begin cold",

@@ -343,7 +343,7 @@ static void add_findings(const run *r, char *more, size_t more_bytes)
 static int check_outputs(run_options *o, time_t now, pupil_why *why)
 {
     return frame_options_expand_paths(&o->shown, now, why) || run_choose_outputs(o, why) ||
-                   frame_options_check_paths(&o->shown, why)
+                   frame_options_check_paths(&o->shown, why) || session_outputs_check_kinds(&o->shown, why)
                ? OPTIONS_USAGE
                : OPTIONS_RUN;
 }

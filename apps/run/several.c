@@ -97,7 +97,7 @@ int run_several_check(const run_options *o, pupil_why *why)
     for (uint32_t i = 0; i < o->devices; i++)
         for (uint32_t k = 0; k < i; k++)
             if (is_same_device(o->device_name[i], o->device_name[k]))
-                return pupil_refuse(why, "--device %s: is --device %s; each of several cameras is another one",
+                return pupil_refuse(why, "--device %s: is the same camera as --device %s; name each camera once",
                                     o->device_name[i], o->device_name[k]);
     if (o->control && strstr(o->control, PLACE))
         return pupil_refuse(why, "--control %s: is of the first camera alone; %s is of the outputs", o->control, PLACE);

@@ -5,9 +5,21 @@
 #include "common/interrupt.h"
 #include "common/progress.h"
 #include "common/report_error.h"
+#include "file/file_sink.h"
 #include "live/live.h"
 #include "output/plot.h"
 #include "refuse.h"
+
+int session_outputs_check_kinds(const frame_options *options, pupil_why *why)
+{
+    for (size_t i = 0; i < options->out_count; i++)
+        if (pupil_file_sink_check(options->out[i], why))
+            return -1;
+    return (options->stats && pupil_stats_file_check(options->stats, why)) ||
+                   (options->plot && pupil_plot_kind(options->plot, why) < 0)
+               ? -1
+               : 0;
+}
 
 int session_outputs_want_pixels(const frame_options *options)
 {

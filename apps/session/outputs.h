@@ -37,6 +37,9 @@ typedef struct session_outputs {
 /* What is pointed at is kept by the caller. `live`: the source is one of live/live.h. */
 void session_outputs_begin(session_outputs *o, frame_options *options, const pupil_source *source, int live);
 
+/* Whether each path names a kind of output: 0, or -1 and a sentence. Nothing is opened. */
+int session_outputs_check_kinds(const frame_options *options, pupil_why *why);
+
 /* Whether anything is asked for that needs all pixels of the display frames; whether their figures are asked for. */
 int session_outputs_want_pixels(const frame_options *options);
 int session_outputs_want_figures(const frame_options *options);

@@ -20,24 +20,39 @@ static const struct {
     {".jpeg", pupil_jpeg_sink_open}, {".tif", pupil_tiff_sink_open},  {".tiff", pupil_tiff_sink_open},
 };
 
-int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
+/* What opens it; NULL and a sentence: nothing does. */
+static open_sink *opener_of(const char *path, pupil_why *why)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
-    *sink = NULL;
-    if (!*path)
-        return pupil_refuse(why, "\"\": an output needs a name");
+    if (!*path) {
+        pupil_refuse(why, "\"\": an output needs a name");
+        return NULL;
+    }
     if (strcmp(path, "-") == 0)
-        return pupil_y4m_sink_open(path, options, sink, why);
+        return pupil_y4m_sink_open;
     /* A dot that begins the name begins no extension: "." and ".hidden" are folders. */
     if (!dot || dot == name || strcmp(name, "..") == 0)
-        return pupil_folder_sink_open(path, options, sink, why);
+        return pupil_folder_sink_open;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcasecmp(dot, kinds[i].extension) == 0)
-            return kinds[i].open(path, options, sink, why);
-    return pupil_refuse(
+            return kinds[i].open;
+    pupil_refuse(
         why,
         "%s: no kind of output ends in \"%s\"; name a .mp4, .mkv or .mov video, a .y4m, a .png, .jpg or .tif, a "
         "folder (no extension, or a slash at the end) or - for YUV4MPEG2 on standard output; others by ffmpeg: "
-        "pupil replay IN -q -o - | ffmpeg -i - %s",
+        "pupil ... -q -o - | ffmpeg -i - %s",
         path, dot, path);
+    return NULL;
+}
+
+int pupil_file_sink_check(const char *path, pupil_why *why)
+{
+    return opener_of(path, why) ? 0 : -1;
+}
+
+int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why)
+{
+    open_sink *const open = opener_of(path, why);
+    *sink = NULL;
+    return open ? open(path, options, sink, why) : -1;
 }

@@ -11,4 +11,7 @@
  * (named: by the frames' own names) Anything else is refused with the list of kinds. */
 int pupil_file_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 
+/* Whether the path names a kind: 0, or -1 and that list. Nothing is opened. */
+int pupil_file_sink_check(const char *path, pupil_why *why);
+
 #endif

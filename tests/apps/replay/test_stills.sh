@@ -66,7 +66,7 @@ expect 0 "" replay one.tif -o again.png
 expect 0 "" replay one.png -o again2.png
 [ "$(likeness again.png again2.png)" = 999 ] || fail "pupil reads its TIFF otherwise than its PNG"
 expect 1 "one picture" replay in/png-64x36.png --hold 2 -o two.tiff
-expect 1 "others by ffmpeg: pupil replay IN -q -o - | ffmpeg -i - none.gif" replay in/png-64x36.png -o none.gif
+expect 1 "others by ffmpeg: pupil ... -q -o - | ffmpeg -i - none.gif" replay in/png-64x36.png -o none.gif
 expect 2 "none.mp4: there is no such file; if it is the output: pupil replay in/png-64x36.png -o none.mp4" \
     replay in/png-64x36.png none.mp4
 expect 1 "a TIFF is written as sRGB alone" replay in/png-64x36.png --transfer linear -o linear.tif

@@ -63,8 +63,11 @@ refused 1 "MJPX" --format MJPX -o out.y4m
 refused 1 "--shutter: this camera exposes from 0.1 to 1000 ms" --shutter 10us -o out.y4m
 refused 1 "--gain: this camera has gains from 1 to 64" --gain 65 -o out.y4m
 refused 1 "none/out.mp4" -o none/out.mp4 -q
-refused 1 ".txt" --stats stats.txt -q
-refused 1 "no kind of output" -o picture.bmp -q
+# seen before a camera is opened
+for name in "--stats stats.txt" "-o picture.bmp" "--plot plot.jpg"; do
+    # shellcheck disable=SC2086 # words
+    refused 2 "${name#* }: " $name
+done
 "$program" fake:absent -o out.y4m 2>said.err
 [ $? = 1 ] || fail "no camera: exit"
 grep -q "no camera is there" said.err || fail "no camera: $(cat said.err)"

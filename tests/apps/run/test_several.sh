@@ -116,7 +116,7 @@ both="-d 0 -d /dev/video9"
 {
     call 2 "p.y4m: each of several cameras has its own; %i in the name" $both -o p.y4m
     call 2 "-: each of several cameras has its own" $both --stats -
-    call 2 "/dev/video9: is --device /dev/video9" $both -d /dev/video9
+    call 2 "/dev/video9: is the same camera as --device /dev/video9" $both -d /dev/video9
     call 2 "--control c%i: is of the first camera alone" $both --control c%i
     call 2 "e0.csv: named for two outputs" $both --control e0.csv --stats e%i.csv
     echo mine >there1.csv # of the second camera
